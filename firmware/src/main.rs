@@ -1,0 +1,2 @@
+//! The Pixhawk 1 image.
+fn main() {}

@@ -1,0 +1,5 @@
+//! Attitude control core of a quadrotor.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod signals;

@@ -1,0 +1,139 @@
+//! The nouns: every quantity that crosses a boundary of the control core, with unit and frame.
+//!
+//! Frames: world is north-east-down (NED), body is forward-right-down (FRD). Nose up is positive pitch, right side
+//! down is positive roll. Arrays of three are (x, y, z) or (roll, pitch, yaw); arrays of four are motors 1 to 4:
+//! front right, rear left, front left, rear right.
+//!
+//! A log records [`StepInput`]; a replay feeds it again and gets the same bits. Whatever could change the result of
+//! a step is therefore in here, time included.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Most IMU samples that one step takes; at 1 kHz and 100 Hz ten arrive.
+pub const IMU_SAMPLES_MAX: usize = 16;
+
+/// IMU samples since the last step, oldest first.
+pub type ImuBatch = heapless::Vec<RawImuSample, IMU_SAMPLES_MAX>;
+
+/// One reading of the IMU as the sensor sends it: counts in the sensor's own axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RawImuSample {
+    /// When it was taken, on the clock of [`StepInput::time_us`].
+    pub time_us: u64,
+    /// Rotation rate in counts, sensor axes.
+    pub gyro_counts: [i16; 3],
+    /// Specific force in counts, sensor axes.
+    pub accel_counts: [i16; 3],
+}
+
+/// What the vehicle is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Setpoint {
+    /// Roll angle, rad (Euler Z-Y-X).
+    pub roll_rad: f32,
+    /// Pitch angle, rad.
+    pub pitch_rad: f32,
+    /// Rate of the heading, rad/s.
+    pub yaw_rate_rad_s: f32,
+    /// Collective, 0..1, as the command that all four motors get when no torque is asked for.
+    pub throttle: f32,
+}
+
+/// A request to change the arming state; the supervisor decides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ArmingRequest {
+    /// Leave it as it is.
+    #[default]
+    None,
+    /// Arm, if every check passes.
+    Arm,
+    /// Disarm; always obeyed.
+    Disarm,
+}
+
+/// All that a step may depend on besides configuration and state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepInput {
+    /// Time of the step, µs since start.
+    pub time_us: u64,
+    /// IMU samples since the last step, oldest first.
+    pub imu: ImuBatch,
+    /// What is asked for.
+    pub setpoint: Setpoint,
+    /// Request to arm or disarm.
+    pub arming: ArmingRequest,
+    /// Battery voltage, V; `None` where it is not measured.
+    pub battery_v: Option<f32>,
+    /// The plan that arrived in time for this step; `None` if there is none or it is late.
+    pub plan: Option<Plan>,
+}
+
+/// Where the vehicle is and how it turns, as the estimator sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AttitudeEstimate {
+    /// Rotation that takes body vectors to world vectors.
+    pub q_world_from_body: UnitQuaternion<f32>,
+    /// Rotation rate, body frame, rad/s, bias removed, filtered.
+    pub rate_body_rad_s: Vector3<f32>,
+    /// Estimated gyro bias, body frame, rad/s.
+    pub gyro_bias_rad_s: Vector3<f32>,
+    /// False until the first usable sample and whenever samples stay away for too long.
+    pub valid: bool,
+}
+
+/// Collective and torque asked of the mixer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench {
+    /// Lift per motor before any torque, N.
+    pub lift_per_motor_n: f32,
+    /// Torque about the body axes, N m.
+    pub torque_body_nm: [f32; 3],
+}
+
+/// Commands to the four ESCs, each 0..1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorCommands(pub [f32; 4]);
+
+/// What the MPC is asked to plan: made by `follow`, answered by `plan`, applied by the next `fast`.
+///
+/// All of it is per axis (roll, pitch, yaw); the inputs are in the units of the prediction model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlanRequest {
+    /// Number of the step that asks.
+    pub step: u32,
+    /// Angle, rad, predicted to the time at which the plan will act.
+    pub angle_rad: [f32; 3],
+    /// Angular rate, rad/s, at that same time.
+    pub rate_rad_s: [f32; 3],
+    /// Input that acts until then.
+    pub input_prev: [f32; 3],
+    /// Reference angle, rad.
+    pub reference_rad: [f32; 3],
+}
+
+/// The MPC's answer to a [`PlanRequest`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Plan {
+    /// Number of the step that asked.
+    pub step: u32,
+    /// First input of the plan, in the units of the prediction model.
+    pub input: [f32; 3],
+    /// How the solution ended; only [`PlanStatus::Solved`] may be applied.
+    pub status: PlanStatus,
+    /// Solver iterations, summed over the axes.
+    pub iterations: u16,
+}
+
+/// How a plan ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlanStatus {
+    /// Every axis solved to optimality.
+    Solved,
+    /// The iteration cap was reached first.
+    IterationLimit,
+    /// The constraints contradict each other.
+    Infeasible,
+    /// The data were not finite, or the factorisation broke down.
+    #[default]
+    NumericalError,
+}

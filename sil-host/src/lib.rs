@@ -1,0 +1,1 @@
+//! The simulated vehicle, its co-simulation with the control core, and the comparison with measured logs.

@@ -1,0 +1,2 @@
+//! The `sil` command.
+fn main() {}
