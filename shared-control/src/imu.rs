@@ -64,6 +64,16 @@ impl ImuConfig {
             gyro_lowpass: LowPass2::new(gyro_cutoff_hz, sample_rate_hz),
         }
     }
+
+    /// Rotation rate of a sample, body frame, rad/s.
+    pub fn gyro_rad_s(&self, sample: &RawImuSample) -> Vector3<f32> {
+        self.axes.to_body(sample.gyro_counts.map(f32::from)) * self.gyro_rad_s_per_count
+    }
+
+    /// Specific force of a sample, body frame, m/s^2.
+    pub fn specific_force_m_s2(&self, sample: &RawImuSample) -> Vector3<f32> {
+        self.axes.to_body(sample.accel_counts.map(f32::from)) * self.accel_m_s2_per_count
+    }
 }
 
 /// What the conditioning remembers between steps.
@@ -109,8 +119,8 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
         };
         let continuous = state.last_time_us.is_some() && interval_s <= SAMPLE_GAP_MAX_S;
         state.last_time_us = Some(sample.time_us);
-        let gyro = scaled(config, sample.gyro_counts, config.gyro_rad_s_per_count);
-        let force = scaled(config, sample.accel_counts, config.accel_m_s2_per_count);
+        let gyro = config.gyro_rad_s(sample);
+        let force = config.specific_force_m_s2(sample);
         if continuous {
             step.rotation_rad += gyro * interval_s;
             step.duration_s += interval_s;
@@ -129,10 +139,6 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
         state.rate_body_rad_s = step.rate_body_rad_s;
     }
     step
-}
-
-fn scaled(config: &ImuConfig, counts: [i16; 3], unit_per_count: f32) -> Vector3<f32> {
-    config.axes.to_body(counts.map(f32::from)) * unit_per_count
 }
 
 /// Time between two stamps in s; exact to the microsecond up to 16 s, more than any gap that matters.

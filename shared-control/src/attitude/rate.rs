@@ -2,7 +2,7 @@
 //!
 //! a = k_P e + integral(k_I e) + k_D d/dt LP(e), all in 1/s, 1/s^2 and 1: the gains don't know the vehicle, whose inertia
 //! turns the result into a torque. The integral is held while the mixer could not deliver what was asked in that
-//! direction.
+//! direction, and while another controller flies.
 
 use nalgebra::Vector3;
 
@@ -24,6 +24,18 @@ pub struct RateGains {
     pub derivative_filter: LowPass1,
 }
 
+/// Whether and how the last demand reached the motors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Delivery {
+    /// It was applied but for this part (any unit; only its sign counts).
+    Applied {
+        /// Demanded minus delivered, per body axis.
+        unmet: [f32; 3],
+    },
+    /// Something else flew.
+    NotApplied,
+}
+
 /// State of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RateAxisState {
@@ -39,24 +51,26 @@ pub struct RateState {
 }
 
 /// Angular acceleration to ask for, body frame, rad/s^2.
-///
-/// `unmet` is the part of the last demand that the mixer could not deliver (any unit; only its sign counts).
 pub fn update(
     gains: &[RateGains; 3],
     state: &mut RateState,
     target_rad_s: &Vector3<f32>,
     rate_rad_s: &Vector3<f32>,
-    unmet: [f32; 3],
+    last_demand: Delivery,
     dt_s: f32,
 ) -> Vector3<f32> {
     Vector3::from_fn(|axis, _| {
         let error = target_rad_s[axis] - rate_rad_s[axis];
         let error = if error.is_finite() { error } else { 0.0 };
-        axis_update(&gains[axis], &mut state.axes[axis], error, unmet[axis], dt_s)
+        let integrate = match last_demand {
+            Delivery::Applied { unmet } => unmet[axis] * error <= 0.0,
+            Delivery::NotApplied => false,
+        };
+        axis_update(&gains[axis], &mut state.axes[axis], error, integrate, dt_s)
     })
 }
 
-fn axis_update(gains: &RateGains, state: &mut RateAxisState, error: f32, unmet: f32, dt_s: f32) -> f32 {
+fn axis_update(gains: &RateGains, state: &mut RateAxisState, error: f32, integrate: bool, dt_s: f32) -> f32 {
     if !state.started {
         // the first error is no step: without this the derivative would kick
         state.filtered_error_rad_s = error;
@@ -65,8 +79,7 @@ fn axis_update(gains: &RateGains, state: &mut RateAxisState, error: f32, unmet: 
     let before = state.filtered_error_rad_s;
     let after = gains.derivative_filter.update(&mut state.filtered_error_rad_s, error);
     let derivative = gains.derivative * (after - before) / dt_s;
-    let pushes_further = unmet * error > 0.0;
-    if !pushes_further {
+    if integrate {
         let integral = state.integral_rad_s2 + gains.integral_1_s2 * error * dt_s;
         state.integral_rad_s2 = limit(integral, -gains.integral_max_rad_s2, gains.integral_max_rad_s2);
     }
@@ -88,7 +101,7 @@ mod tests {
 
     fn run(state: &mut RateState, error: f32, unmet: f32) -> f32 {
         let target = Vector3::new(error, 0.0, 0.0);
-        update(&[GAINS; 3], state, &target, &Vector3::zeros(), [unmet, 0.0, 0.0], DT).x
+        update(&[GAINS; 3], state, &target, &Vector3::zeros(), Delivery::Applied { unmet: [unmet, 0.0, 0.0] }, DT).x
     }
 
     #[test]
@@ -121,13 +134,17 @@ mod tests {
         }
         assert_eq!(held.axes[0].integral_rad_s2, 0.0);
         run(&mut held, 1.0, -0.3);
-        assert!(held.axes[0].integral_rad_s2 > 0.0, "saturation the other way does not hold it");
+        let before = held.axes[0].integral_rad_s2;
+        assert!(before > 0.0, "saturation the other way does not hold it");
+        update(&[GAINS; 3], &mut held, &Vector3::repeat(1.0), &Vector3::zeros(), Delivery::NotApplied, DT);
+        assert_eq!(held.axes[0].integral_rad_s2, before, "nothing is integrated while another controller flies");
     }
 
     #[test]
     fn a_rate_that_is_not_a_number_asks_for_nothing() {
         let mut state = RateState::default();
-        let out = update(&[GAINS; 3], &mut state, &Vector3::repeat(f32::NAN), &Vector3::zeros(), [0.0; 3], DT);
+        let out =
+            update(&[GAINS; 3], &mut state, &Vector3::repeat(f32::NAN), &Vector3::zeros(), Delivery::NotApplied, DT);
         assert_eq!(out, Vector3::zeros());
     }
 }
