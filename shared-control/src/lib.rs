@@ -2,4 +2,6 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod mpc;
+pub mod qp;
 pub mod signals;
