@@ -178,6 +178,9 @@ fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3
         (Arming::Armed, Controller::Cascade, _) => (TorqueSource::Cascade, cascade_nm),
         (Arming::Armed, Controller::Mpc, None) => (TorqueSource::CascadeNoPlan, cascade_nm),
         (Arming::Armed, Controller::Mpc, Some(plan)) => match plan.status {
+            PlanStatus::Solved if plan.input.iter().any(|input| !input.is_finite()) => {
+                (TorqueSource::CascadeUnsolved(PlanStatus::NumericalError), cascade_nm)
+            }
             PlanStatus::Solved => (TorqueSource::Mpc, torque_of_plan(config, &plan)),
             PlanStatus::IterationLimit | PlanStatus::Infeasible | PlanStatus::NumericalError => {
                 (TorqueSource::CascadeUnsolved(plan.status), cascade_nm)
@@ -207,7 +210,8 @@ fn plan_request(config: &Config, state: &State, input: &StepInput, output: &Step
     let angles = euler_from_q(&output.estimate.q_world_from_body);
     let rates = euler_rates(angles, &output.estimate.rate_body_rad_s);
     let heading_error_rad = crate::elementary::wrap_pi(state.angle.reference[2].angle_rad - angles.yaw_rad);
-    let (heading_rate, heading_reference) = if config.angle.yaw_locked { (0.0, 0.0) } else { (rates[2], heading_error_rad) };
+    let (heading_rate, heading_reference) =
+        if config.angle.yaw_locked { (0.0, 0.0) } else { (rates[2], heading_error_rad) };
     let angle_now = [angles.roll_rad, angles.pitch_rad, 0.0];
     let rate_now = [rates[0], rates[1], heading_rate];
     let tilt_max = config.angle.tilt_max_rad;
@@ -231,3 +235,6 @@ fn plan_request(config: &Config, state: &State, input: &StepInput, output: &Step
         ],
     }
 }
+
+#[cfg(test)]
+mod tests;
