@@ -22,8 +22,9 @@ use crate::plant::Plant;
 use crate::scenario::Scenario;
 use crate::sensors::Sensors;
 
-/// Torque from outside on the body as a function of flight time, N m.
-pub type Disturbance<'a> = &'a dyn Fn(f64) -> [f64; 3];
+/// Looks at the plant at every tick of the IMU's clock and answers with the torque from outside that acts on the body
+/// until the next, N m.
+pub type Probe<'a> = &'a mut dyn FnMut(&Plant) -> [f64; 3];
 
 /// Flies a scenario and records it. The flight ends early if the plant's state is no longer finite.
 pub fn fly(
@@ -32,7 +33,7 @@ pub fn fly(
     sensors: &mut Sensors,
     control: &mut ControlSide,
     scenario: &Scenario,
-    disturbance: Option<Disturbance<'_>>,
+    mut probe: Option<Probe<'_>>,
 ) -> FlightRecord {
     let (mut imu_clock, mut control_clock) = (parameters.imu_clock(), parameters.control_clock());
     let end_us = HELD_US + (scenario.duration_s * 1e6).round() as u64;
@@ -47,13 +48,14 @@ pub fn fly(
             return record;
         }
         if now_us >= HELD_US {
-            if let Some(torque) = disturbance {
-                plant.set_disturbance_torque_body_nm(torque(flight_time_s(now_us)));
-            }
             plant.advance((next_us - now_us) as f64 * 1e-6);
         }
         now_us = next_us;
         if imu_clock.tick(now_us) {
+            if let Some(probe) = &mut probe {
+                let torque_body_nm = probe(plant);
+                plant.set_disturbance_torque_body_nm(torque_body_nm);
+            }
             last_sample = sensors.imu(plant, now_us);
             // a full batch keeps the oldest; the clocks are such that it never fills
             let _ = monitored.imu.push(last_sample);
