@@ -1,4 +1,12 @@
 //! The simulated vehicle, its co-simulation with the control core, and the comparison with measured logs.
 
 pub mod bench_mpc;
+pub mod control_setup;
+pub mod cosim;
+pub mod margins;
+pub mod metrics;
+pub mod model;
 pub mod planner;
+pub mod plant;
+pub mod scenario;
+pub mod sensors;
