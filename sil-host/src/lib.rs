@@ -2,7 +2,9 @@
 
 pub mod bench_mpc;
 pub mod control_setup;
+pub mod controller_file;
 pub mod cosim;
+pub mod flight;
 pub mod margins;
 pub mod metrics;
 pub mod model;

@@ -48,17 +48,19 @@ pub struct Margins {
     pub sensitivity_peak: f64,
 }
 
-/// Measures roll and pitch of a loop at hover. `control` gives a fresh control side for every frequency.
+/// Measures roll and pitch of a loop at hover. `control` gives a fresh control side for every frequency; the response
+/// ends where it gives none.
 pub fn measure(
     model: &VehicleModel,
     parameters: &DesignParameters,
-    control: &dyn Fn() -> ControlSide,
+    control: &dyn Fn() -> Option<ControlSide>,
 ) -> [Vec<LoopPoint>; 2] {
     let mut responses = [Vec::new(), Vec::new()];
     for k in 0..FREQUENCIES {
         let share = k as f64 / (FREQUENCIES - 1) as f64;
         let frequency_hz = FREQUENCY_MIN_HZ * libm::pow(FREQUENCY_MAX_HZ / FREQUENCY_MIN_HZ, share);
-        let points = at_frequency(model, parameters, &mut control(), frequency_hz);
+        let Some(mut control) = control() else { break };
+        let points = at_frequency(model, parameters, &mut control, frequency_hz);
         for (response, open_loop) in responses.iter_mut().zip(points) {
             response.push(LoopPoint { frequency_hz, open_loop });
         }
