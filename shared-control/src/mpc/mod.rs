@@ -56,6 +56,13 @@ pub enum MpcError {
         /// The value found.
         value: f32,
     },
+    /// The control horizon must be at least 1 and at most what there is room for.
+    ControlHorizon {
+        /// The control horizon asked for.
+        found: usize,
+        /// The greatest that this type has room for.
+        room: usize,
+    },
     /// The settings make a program that single precision can't hold.
     Program {
         /// 0 roll, 1 pitch, 2 yaw.
@@ -69,10 +76,10 @@ impl core::fmt::Display for MpcError {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::OutOfRange { field, axis, value } => {
-                write!(
-                    formatter,
-                    "{field} (axis {axis}) must be finite and positive, not {value}"
-                )
+                write!(formatter, "{field} (axis {axis}) must be finite and positive, not {value}")
+            }
+            Self::ControlHorizon { found, room } => {
+                write!(formatter, "the control horizon must be 1 to {room} steps, not {found}")
             }
             Self::Program { axis, error } => write!(formatter, "axis {axis}: {error}"),
         }
@@ -91,37 +98,12 @@ impl MpcSettings {
                 Err(MpcError::OutOfRange { field, axis, value })
             }
         };
-        check(
-            "prediction_step_s",
-            0,
-            self.prediction_step_s,
-            self.prediction_step_s,
-        )?;
+        check("prediction_step_s", 0, self.prediction_step_s, self.prediction_step_s)?;
         for axis in 0..3 {
-            check(
-                "input_gain",
-                axis,
-                self.input_gain[axis],
-                self.input_gain[axis].abs(),
-            )?;
-            check(
-                "tracking_weight",
-                axis,
-                self.tracking_weight[axis],
-                self.tracking_weight[axis],
-            )?;
-            check(
-                "increment_weight",
-                axis,
-                self.increment_weight[axis],
-                self.increment_weight[axis],
-            )?;
-            check(
-                "input_max",
-                axis,
-                self.input_max[axis],
-                self.input_max[axis],
-            )?;
+            check("input_gain", axis, self.input_gain[axis], self.input_gain[axis].abs())?;
+            check("tracking_weight", axis, self.tracking_weight[axis], self.tracking_weight[axis])?;
+            check("increment_weight", axis, self.increment_weight[axis], self.increment_weight[axis])?;
+            check("input_max", axis, self.input_max[axis], self.input_max[axis])?;
             if let Some(output_max_rad) = self.output_max_rad[axis] {
                 check("output_max_rad", axis, output_max_rad, output_max_rad)?;
             }
@@ -156,9 +138,7 @@ pub struct MpcState<const M: usize> {
 impl<const M: usize> MpcState<M> {
     /// A cold start.
     pub const fn new() -> Self {
-        Self {
-            warm_starts: [Workspace::new(); 3],
-        }
+        Self { warm_starts: [Workspace::new(); 3] }
     }
 }
 
@@ -169,35 +149,31 @@ impl<const M: usize> Default for MpcState<M> {
 }
 
 impl<const M: usize> Mpc<M> {
-    const CONTROL_HORIZON_IN_RANGE: () = assert!(
-        1 <= M && M <= HORIZON,
-        "the control horizon is 1 to 30 steps"
-    );
-
     /// Factors the three programs; meant for start-up.
     pub fn prepare(settings: &MpcSettings) -> Result<Self, MpcError> {
-        const { Self::CONTROL_HORIZON_IN_RANGE };
+        Self::prepare_shorter(M, settings)
+    }
+
+    /// The same with a control horizon below M: for a host, which learns it at run time and has room to spare.
+    ///
+    /// Plans equal those of the exact type to the bit.
+    pub fn prepare_shorter(control_horizon: usize, settings: &MpcSettings) -> Result<Self, MpcError> {
+        const { assert!(1 <= M && M <= HORIZON, "the control horizon is 1 to 30 steps") };
+        if control_horizon == 0 || control_horizon > M {
+            return Err(MpcError::ControlHorizon { found: control_horizon, room: M });
+        }
         settings.validate()?;
         let prepare = |axis| {
-            Axis::prepare(settings.prediction_step_s, &settings.axis(axis))
+            Axis::prepare(control_horizon, settings.prediction_step_s, &settings.axis(axis))
                 .map_err(|error| MpcError::Program { axis, error })
         };
-        Ok(Self {
-            axes: [prepare(0)?, prepare(1)?, prepare(2)?],
-            solver: qp::Settings::default(),
-        })
+        Ok(Self { axes: [prepare(0)?, prepare(1)?, prepare(2)?], solver: qp::Settings::default() })
     }
 
     /// Plans all three axes; `input` of the result is finite and inside the bounds whatever the status.
     pub fn plan(&self, state: &mut MpcState<M>, request: &PlanRequest) -> Plan {
-        let mut plan = Plan {
-            step: request.step,
-            input: [0.0; 3],
-            status: PlanStatus::Solved,
-            iterations: 0,
-        };
-        for (index, (axis, warm_start)) in self.axes.iter().zip(&mut state.warm_starts).enumerate()
-        {
+        let mut plan = Plan { step: request.step, input: [0.0; 3], status: PlanStatus::Solved, iterations: 0 };
+        for (index, (axis, warm_start)) in self.axes.iter().zip(&mut state.warm_starts).enumerate() {
             let input_prev = request.input_prev[index];
             let axis_request = AxisRequest {
                 angle_rad: request.angle_rad[index],
