@@ -25,12 +25,20 @@ pub(super) struct AxisRequest {
 }
 
 impl<const M: usize> Axis<M> {
-    pub(super) fn prepare(prediction_step_s: f32, settings: &AxisSettings) -> Result<Self, QpError> {
-        let angles = PredictedAngles::<M>::new(prediction_step_s, settings.input_gain);
+    pub(super) fn prepare(
+        control_horizon: usize,
+        prediction_step_s: f32,
+        settings: &AxisSettings,
+    ) -> Result<Self, QpError> {
+        let angles = PredictedAngles::<M>::new(control_horizon, prediction_step_s, settings.input_gain);
         let condensed = Condensed::new(&angles, settings.tracking_weight, settings.increment_weight);
-        let output_rows: &[[f32; M]] = if settings.output_max_rad.is_some() { &angles.input_weights } else { &[] };
+        let hessian = condensed.hessian.get(..control_horizon).ok_or(QpError::VariableCount)?;
+        let output_rows = match settings.output_max_rad {
+            Some(_) => angles.input_weights.as_slice(),
+            None => &[],
+        };
         Ok(Self {
-            qp: Qp::prepare(&condensed.hessian, output_rows)?,
+            qp: Qp::prepare(hessian, output_rows)?,
             condensed,
             rate_weights: angles.rate_weights,
             input_max: settings.input_max,

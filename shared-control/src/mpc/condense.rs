@@ -10,7 +10,7 @@ use super::model::PredictedAngles;
 /// min 1/2 z'Hz + f'z with f = `linear_map` \[angle, rate, u_prev, r\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Condensed<const M: usize> {
-    /// H, M x M.
+    /// H; zero beyond the control horizon.
     pub hessian: [[f32; M]; M],
     /// One row per variable over (angle in rad, rate in rad/s, previous input, reference in rad).
     pub linear_map: [[f32; 4]; M],
@@ -19,14 +19,15 @@ pub struct Condensed<const M: usize> {
 impl<const M: usize> Condensed<M> {
     /// `tracking_weight` is mu, `increment_weight` is rho.
     pub fn new(angles: &PredictedAngles<M>, tracking_weight: f32, increment_weight: f32) -> Self {
+        let control_horizon = angles.control_horizon;
         let mut condensed = Self { hessian: [[0.0; M]; M], linear_map: [[0.0; 4]; M] };
-        for row in 0..M {
-            for column in 0..M {
+        for row in 0..control_horizon {
+            for column in 0..control_horizon {
                 let products = angles.input_weights.iter().map(|inputs| inputs[row] * inputs[column]);
                 let tracking = products.fold(0.0, |sum, product| sum + product);
                 let increments = match row.abs_diff(column) {
                     // Every input but the last takes part in two increments.
-                    0 if row + 1 < M => 2.0,
+                    0 if row + 1 < control_horizon => 2.0,
                     0 => 1.0,
                     1 => -1.0,
                     _ => 0.0,

@@ -56,6 +56,13 @@ pub enum MpcError {
         /// The value found.
         value: f32,
     },
+    /// The control horizon must be at least 1 and at most what there is room for.
+    ControlHorizon {
+        /// The control horizon asked for.
+        found: usize,
+        /// The greatest that this type has room for.
+        room: usize,
+    },
     /// The settings make a program that single precision can't hold.
     Program {
         /// 0 roll, 1 pitch, 2 yaw.
@@ -70,6 +77,9 @@ impl core::fmt::Display for MpcError {
         match self {
             Self::OutOfRange { field, axis, value } => {
                 write!(formatter, "{field} (axis {axis}) must be finite and positive, not {value}")
+            }
+            Self::ControlHorizon { found, room } => {
+                write!(formatter, "the control horizon must be 1 to {room} steps, not {found}")
             }
             Self::Program { axis, error } => write!(formatter, "axis {axis}: {error}"),
         }
@@ -139,14 +149,22 @@ impl<const M: usize> Default for MpcState<M> {
 }
 
 impl<const M: usize> Mpc<M> {
-    const CONTROL_HORIZON_IN_RANGE: () = assert!(1 <= M && M <= HORIZON, "the control horizon is 1 to 30 steps");
-
     /// Factors the three programs; meant for start-up.
     pub fn prepare(settings: &MpcSettings) -> Result<Self, MpcError> {
-        const { Self::CONTROL_HORIZON_IN_RANGE };
+        Self::prepare_shorter(M, settings)
+    }
+
+    /// The same with a control horizon below M: for a host, which learns it at run time and has room to spare.
+    ///
+    /// Plans equal those of the exact type to the bit.
+    pub fn prepare_shorter(control_horizon: usize, settings: &MpcSettings) -> Result<Self, MpcError> {
+        const { assert!(1 <= M && M <= HORIZON, "the control horizon is 1 to 30 steps") };
+        if control_horizon == 0 || control_horizon > M {
+            return Err(MpcError::ControlHorizon { found: control_horizon, room: M });
+        }
         settings.validate()?;
         let prepare = |axis| {
-            Axis::prepare(settings.prediction_step_s, &settings.axis(axis))
+            Axis::prepare(control_horizon, settings.prediction_step_s, &settings.axis(axis))
                 .map_err(|error| MpcError::Program { axis, error })
         };
         Ok(Self { axes: [prepare(0)?, prepare(1)?, prepare(2)?], solver: qp::Settings::default() })

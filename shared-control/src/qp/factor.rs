@@ -5,13 +5,14 @@
 //! Computations*, 4th edition, sections 5.2.8 and 6.5.2. With it the point of G u = h nearest to the origin is Q'y with
 //! L y = h, and its multipliers (u = -G'lambda) solve L' lambda = -y.
 
-use super::prepare::dot;
+use super::prepare::{add_scaled, dot};
 
-/// L and Q of up to N rows.
+/// L and Q of as many rows as there are variables, at most.
 pub(super) struct Factor<const N: usize> {
     lower: [[f32; N]; N],
     orthonormal: [[f32; N]; N],
     count: usize,
+    variable_count: usize,
 }
 
 /// What [`Factor::append`] found.
@@ -23,34 +24,33 @@ pub(super) enum Appended<const N: usize> {
 }
 
 impl<const N: usize> Factor<N> {
-    pub(super) fn new() -> Self {
-        Self { lower: [[0.0; N]; N], orthonormal: [[0.0; N]; N], count: 0 }
+    pub(super) fn new(variable_count: usize) -> Self {
+        Self { lower: [[0.0; N]; N], orthonormal: [[0.0; N]; N], count: 0, variable_count }
     }
 
-    /// Appends a row of length 1, unless less than `tolerance` of it is left outside the span of the rows present.
+    /// Appends a row of length 1, unless at most `tolerance` of it is left outside the span of the rows present.
     pub(super) fn append(&mut self, row: &[f32; N], tolerance: f32) -> Appended<N> {
-        let mut rest = *row;
+        let mut whole = *row;
+        let rest = &mut whole[..self.variable_count];
         let mut coefficients = [0.0; N];
         for _pass in 0..2 {
             for (coefficient, direction) in coefficients.iter_mut().zip(&self.orthonormal[..self.count]) {
-                let along = dot(direction, &rest);
+                let along = dot(direction, rest);
                 *coefficient += along;
-                for (entry, component) in rest.iter_mut().zip(direction) {
-                    *entry -= along * component;
-                }
+                add_scaled(rest, -along, direction);
             }
         }
-        let pivot = libm::sqrtf(dot(&rest, &rest));
-        // N independent rows span everything: what rounding leaves of another row is no direction.
-        if self.count >= N || pivot <= tolerance {
+        let pivot = libm::sqrtf(dot(rest, rest));
+        // As many independent rows as variables span everything: what rounding leaves of one more is no direction.
+        if self.count >= self.variable_count || pivot <= tolerance {
             return Appended::Dependent(self.solve_transposed(&coefficients));
         }
-        for entry in &mut rest {
+        for entry in rest {
             *entry /= pivot;
         }
         coefficients[self.count] = pivot;
         self.lower[self.count] = coefficients;
-        self.orthonormal[self.count] = rest;
+        self.orthonormal[self.count] = whole;
         self.count += 1;
         Appended::Independent
     }
@@ -67,13 +67,16 @@ impl<const N: usize> Factor<N> {
             let (kept, excess) = (self.lower[pivot][pivot], self.lower[pivot][pivot + 1]);
             let length = libm::sqrtf(kept * kept + excess * excess);
             let (cosine, sine) = (kept / length, excess / length);
-            for row in &mut self.lower[pivot..self.count] {
-                (row[pivot], row[pivot + 1]) =
-                    (cosine * row[pivot] + sine * row[pivot + 1], cosine * row[pivot + 1] - sine * row[pivot]);
-            }
-            let (upper, lower) = self.orthonormal.split_at_mut(pivot + 1);
-            for (first, second) in upper[pivot].iter_mut().zip(&mut lower[0]) {
+            let rotate = |first: &mut f32, second: &mut f32| {
                 (*first, *second) = (cosine * *first + sine * *second, cosine * *second - sine * *first);
+            };
+            for row in &mut self.lower[pivot..self.count] {
+                let (left, right) = row.split_at_mut(pivot + 1);
+                rotate(&mut left[pivot], &mut right[0]);
+            }
+            let (above, below) = self.orthonormal.split_at_mut(pivot + 1);
+            for (first, second) in above[pivot].iter_mut().zip(&mut below[0]).take(self.variable_count) {
+                rotate(first, second);
             }
         }
     }
@@ -85,12 +88,9 @@ impl<const N: usize> Factor<N> {
         for index in 0..self.count {
             let row = &self.lower[index];
             along[index] = (limits[index] - dot(&row[..index], &along[..index])) / row[index];
-            for (entry, component) in point.iter_mut().zip(&self.orthonormal[index]) {
-                *entry += along[index] * component;
-            }
+            add_scaled(&mut point[..self.variable_count], along[index], &self.orthonormal[index]);
         }
-        let multipliers = self.solve_transposed(&along).map(|entry| -entry);
-        (point, multipliers)
+        (point, self.solve_transposed(&along.map(|entry| -entry)))
     }
 
     /// Solves L'x = `right`.
@@ -99,9 +99,7 @@ impl<const N: usize> Factor<N> {
         for index in (0..self.count).rev() {
             solution[index] /= self.lower[index][index];
             let value = solution[index];
-            for (entry, factor) in solution[..index].iter_mut().zip(&self.lower[index]) {
-                *entry -= value * factor;
-            }
+            add_scaled(&mut solution[..index], -value, &self.lower[index]);
         }
         solution
     }
