@@ -17,6 +17,9 @@ pub use quantity::{Axis, Quantity};
 pub use read::{parse, read};
 pub use write::{write, write_file};
 
+/// Single rows are dropped by many loggers and cost little; five in a row are an interruption.
+const GAP_STEPS: f64 = 5.0;
+
 /// One column, a value per row; `None` where the log has none.
 pub type Column = Option<Vec<f64>>;
 
@@ -86,6 +89,11 @@ impl Log {
         let mut steps: Vec<f64> = self.time_s.windows(2).map(|t| t[1] - t[0]).collect();
         steps.sort_by(f64::total_cmp);
         steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// A longer step than this from row to row is a gap: rows are missing.
+    pub fn longest_regular_step_s(&self) -> f64 {
+        GAP_STEPS * self.median_step_s()
     }
 
     /// The four motor commands, if the log has all of them.

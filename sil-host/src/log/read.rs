@@ -10,9 +10,6 @@ use super::map::{Map, MappedColumn};
 use super::quantity::{Axis, Quantity};
 use super::{Log, source};
 
-/// A step this many times the median is a gap: rows are missing.
-pub(crate) const GAP_STEPS: f64 = 5.0;
-
 /// Reads a log: CSV or gzip-compressed CSV, in the columns of LOG_FORMAT.md or, with a map, in its own.
 ///
 /// # Errors
@@ -260,7 +257,7 @@ fn unquoted(field: &str) -> &str {
 
 /// One note for all gaps: they cut windows, so the reader of a report should know.
 fn note_gaps(log: &mut Log) {
-    let longest_regular_s = GAP_STEPS * log.median_step_s();
+    let longest_regular_s = log.longest_regular_step_s();
     let steps = log.time_s.windows(2).map(|t| t[1] - t[0]);
     let gaps: Vec<f64> = steps.filter(|step| *step > longest_regular_s).collect();
     if let Some(longest) = gaps.iter().copied().reduce(f64::max) {

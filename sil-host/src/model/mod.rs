@@ -1,0 +1,128 @@
+//! The vehicle as numbers: what a model file says, read once and then shared by the plant, the control
+//! configuration and the diagnosis.
+//!
+//! A model file is TOML; `models/` holds those of the project, every number with its source. The same text is
+//! how the diagnosis writes down a model that it has extended: [`VehicleModel::to_toml`] gives back what
+//! [`VehicleModel::parse`] reads.
+
+mod document;
+mod error;
+mod read;
+pub(crate) mod write;
+
+use crate::plant::effects::Effect;
+use crate::plant::propulsion::{Level, Propulsion};
+
+pub(crate) use document::admissible;
+pub use document::{Admissible, Section};
+pub use error::{ModelError, Place, Problem};
+
+/// All that is known of a vehicle and of the rig it hangs in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VehicleModel {
+    /// What it is called in reports.
+    pub name: String,
+    /// Acceleration of gravity, m/s².
+    pub gravity_m_s2: f64,
+    /// Distance from a motor's axis to the centre, m.
+    pub arm_m: f64,
+    /// Command at which all four motors rest at the start: hover.
+    pub base_command: f64,
+    /// Principal moments of inertia of the body alone, (x, y, z), kg m².
+    pub inertia_kg_m2: [f64; 3],
+    /// What holds the body, or nothing.
+    pub mounting: Mounting,
+    /// From command to lift.
+    pub propulsion: Propulsion,
+    /// What the sensors add to the truth.
+    pub noise: SensorNoise,
+    /// What the vehicle does beyond its nominal model.
+    pub effects: Vec<Effect>,
+}
+
+/// The two rigs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rig {
+    /// Roll rod in a pitch ring, no yaw, no translation.
+    Gimbal,
+    /// Free flight.
+    Free,
+}
+
+/// What holds the body, with the numbers that only this rig has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mounting {
+    /// The body turns about x in a ring that turns about y.
+    Gimbal {
+        /// Inertia of the ring about the pitch axis, kg m².
+        ring_inertia_kg_m2: f64,
+    },
+    /// Nothing does.
+    Free {
+        /// Mass, kg.
+        mass_kg: f64,
+    },
+}
+
+/// Standard deviations per sample, white.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorNoise {
+    /// Gyro, rad/s.
+    pub gyro_rad_s: f64,
+    /// Accelerometer, m/s².
+    pub accel_m_s2: f64,
+    /// Attitude as logs report it, rad.
+    pub attitude_rad: f64,
+}
+
+impl VehicleModel {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the file cannot be read or anything in it is missing, unknown or impossible.
+    pub fn load(path: &std::path::Path) -> Result<Self, ModelError> {
+        let file = path.display().to_string();
+        match std::fs::read_to_string(path) {
+            Ok(text) => Self::parse(&text, &file),
+            Err(source) => Err(ModelError::Unreadable { file, source }),
+        }
+    }
+
+    /// The project's own model of a rig, on the level of the specific device.
+    pub fn nominal(rig: Rig) -> Self {
+        let (text, name) = match rig {
+            Rig::Gimbal => (include_str!("../../../models/f450-gimbal.toml"), "models/f450-gimbal.toml"),
+            Rig::Free => (include_str!("../../../models/f450-free.toml"), "models/f450-free.toml"),
+        };
+        Self::parse(text, name).expect("a test reads every file under models/")
+    }
+
+    /// The rig that it hangs in.
+    pub fn rig(&self) -> Rig {
+        match self.mounting {
+            Mounting::Gimbal { .. } => Rig::Gimbal,
+            Mounting::Free { .. } => Rig::Free,
+        }
+    }
+
+    /// How much detail its propulsion has.
+    pub fn level(&self) -> Level {
+        self.propulsion.level()
+    }
+}
+
+impl Rig {
+    /// Names in model files and on the command line.
+    pub const NAMES: [(&'static str, Rig); 2] = [("gimbal", Rig::Gimbal), ("free", Rig::Free)];
+
+    /// Its name in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rig::Gimbal => "gimbal",
+            Rig::Free => "free",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

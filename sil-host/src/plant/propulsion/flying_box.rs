@@ -1,0 +1,38 @@
+//! The conceptual flying box (thesis 3.3.2): a lift force at each corner, straight from the command.
+
+use crate::model::write::Table;
+use crate::model::{ModelError, Section, admissible};
+
+/// Lift along a straight line, `lift_offset_n + lift_slope_n * command`, never below zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlyingBox {
+    /// Lift at command 0 if the line went on, N; negative where the line meets zero above command 0.
+    pub lift_offset_n: f64,
+    /// Lift per unit of command, N.
+    pub lift_slope_n: f64,
+    /// Reaction torque over lift, m.
+    pub reaction_torque_per_lift_m: f64,
+}
+
+impl FlyingBox {
+    pub(super) fn lift_n(&self, command: f64) -> f64 {
+        (self.lift_offset_n + self.lift_slope_n * command).max(0.0)
+    }
+
+    pub(super) fn read(section: &Section<'_>) -> Result<Self, ModelError> {
+        let offset = admissible(-100.0, 100.0, "the lift line's value at command 0 in newton");
+        let slope = admissible(1e-3, 500.0, "the lift per unit of command in newton");
+        let ratio = admissible(0.0, 1.0, "reaction torque over lift in metres");
+        Ok(Self {
+            lift_offset_n: section.number("lift_offset_n", offset)?,
+            lift_slope_n: section.number("lift_slope_n", slope)?,
+            reaction_torque_per_lift_m: section.number("reaction_torque_per_lift_m", ratio)?,
+        })
+    }
+
+    pub(super) fn write(&self, table: &mut Table) {
+        table.number("lift_offset_n", self.lift_offset_n);
+        table.number("lift_slope_n", self.lift_slope_n);
+        table.number("reaction_torque_per_lift_m", self.reaction_torque_per_lift_m);
+    }
+}
