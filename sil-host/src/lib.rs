@@ -1,1 +1,4 @@
 //! The simulated vehicle, its co-simulation with the control core, and the comparison with measured logs.
+
+pub mod bench_mpc;
+pub mod planner;
