@@ -179,11 +179,7 @@ pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning) -> MpcSettings
         input_gain: [roll_nm / roll, pitch_nm / pitch, yaw_nm / yaw],
         tracking_weight: tuning.mpc_tracking_weight,
         increment_weight: tuning.mpc_increment_weight,
-        input_max: [
-            vehicle.lift_span_n(),
-            vehicle.lift_span_n(),
-            vehicle.torque_per_lift_m * vehicle.lift_span_n(),
-        ],
+        input_max: [vehicle.lift_span_n(), vehicle.lift_span_n(), vehicle.torque_per_lift_m * vehicle.lift_span_n()],
         output_max_rad: [tuning.mpc_tilt_max_rad, tuning.mpc_tilt_max_rad, None],
     }
 }

@@ -207,7 +207,8 @@ fn plan_request(config: &Config, state: &State, input: &StepInput, output: &Step
     let angles = euler_from_q(&output.estimate.q_world_from_body);
     let rates = euler_rates(angles, &output.estimate.rate_body_rad_s);
     let heading_error_rad = crate::elementary::wrap_pi(state.angle.reference[2].angle_rad - angles.yaw_rad);
-    let (heading_rate, heading_reference) = if config.angle.yaw_locked { (0.0, 0.0) } else { (rates[2], heading_error_rad) };
+    let (heading_rate, heading_reference) =
+        if config.angle.yaw_locked { (0.0, 0.0) } else { (rates[2], heading_error_rad) };
     let angle_now = [angles.roll_rad, angles.pitch_rad, 0.0];
     let rate_now = [rates[0], rates[1], heading_rate];
     let tilt_max = config.angle.tilt_max_rad;

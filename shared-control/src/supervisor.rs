@@ -58,7 +58,8 @@ mod tests {
     use nalgebra::{UnitQuaternion, Vector3};
 
     fn next(from: Arming, request: ArmingRequest, throttle: f32, valid: bool) -> Arming {
-        let input = StepInput { arming: request, setpoint: Setpoint { throttle, ..Default::default() }, ..Default::default() };
+        let input =
+            StepInput { arming: request, setpoint: Setpoint { throttle, ..Default::default() }, ..Default::default() };
         let estimate = AttitudeEstimate {
             q_world_from_body: UnitQuaternion::identity(),
             rate_body_rad_s: Vector3::zeros(),

@@ -103,13 +103,8 @@ struct InstanceFile {
 pub fn solve_file(path: &Path) -> Result<CaseResult, BenchError> {
     let instances = read(path)?;
     instances.check(path)?;
-    let mut planner =
-        planner(instances.control_horizon, &instances.settings()).map_err(|source| {
-            BenchError::Planner {
-                file: path.to_owned(),
-                source,
-            }
-        })?;
+    let mut planner = planner(instances.control_horizon, &instances.settings())
+        .map_err(|source| BenchError::Planner { file: path.to_owned(), source })?;
     let (mut solved, mut error_max) = (0, 0.0_f64);
     let mut iterations = Vec::with_capacity(instances.theta.len());
     for (step, (theta, exact)) in instances.theta.iter().zip(&instances.z_ref).enumerate() {
@@ -136,22 +131,14 @@ pub fn solve_file(path: &Path) -> Result<CaseResult, BenchError> {
 }
 
 fn read(path: &Path) -> Result<InstanceFile, BenchError> {
-    let read_error = |source| BenchError::Read {
-        file: path.to_owned(),
-        source,
-    };
+    let read_error = |source| BenchError::Read { file: path.to_owned(), source };
     let mut bytes = std::fs::read(path).map_err(read_error)?;
     if bytes.starts_with(&[0x1f, 0x8b]) {
         let mut unpacked = Vec::new();
-        flate2::read::MultiGzDecoder::new(bytes.as_slice())
-            .read_to_end(&mut unpacked)
-            .map_err(read_error)?;
+        flate2::read::MultiGzDecoder::new(bytes.as_slice()).read_to_end(&mut unpacked).map_err(read_error)?;
         bytes = unpacked;
     }
-    serde_json::from_slice(&bytes).map_err(|source| BenchError::Format {
-        file: path.to_owned(),
-        source,
-    })
+    serde_json::from_slice(&bytes).map_err(|source| BenchError::Format { file: path.to_owned(), source })
 }
 
 /// theta = \[roll, roll rate, pitch, pitch rate, yaw, yaw rate, u_prev (3), r (3)\].
@@ -182,28 +169,17 @@ impl InstanceFile {
 
     /// Refuses what the shipped MPC would silently solve as another problem.
     fn check(&self, path: &Path) -> Result<(), BenchError> {
-        let refuse = |expected: String, found: String| {
-            Err(BenchError::Problem {
-                file: path.to_owned(),
-                expected,
-                found,
-            })
-        };
+        let refuse =
+            |expected: String, found: String| Err(BenchError::Problem { file: path.to_owned(), expected, found });
         if self.horizon != HORIZON {
-            return refuse(
-                format!("N = {HORIZON} prediction steps"),
-                self.horizon.to_string(),
-            );
+            return refuse(format!("N = {HORIZON} prediction steps"), self.horizon.to_string());
         }
         if self.sub != "i" && self.sub != "ii" {
             return refuse("sub \"i\" or \"ii\"".into(), format!("{:?}", self.sub));
         }
         for row in 0..6 {
             for column in 0..6 {
-                let (expected, found) = (
-                    self.double_integrator_state(row, column),
-                    self.state_matrix[row][column],
-                );
+                let (expected, found) = (self.double_integrator_state(row, column), self.state_matrix[row][column]);
                 if !agree(expected, found) {
                     return refuse(
                         format!("the double integrator's A_d[{row}][{column}] = {expected}"),
@@ -212,10 +188,7 @@ impl InstanceFile {
                 }
             }
             for axis in 0..3 {
-                let (expected, found) = (
-                    self.double_integrator_input(row, axis),
-                    self.input_matrix[row][axis],
-                );
+                let (expected, found) = (self.double_integrator_input(row, axis), self.input_matrix[row][axis]);
                 if !agree(expected, found) {
                     return refuse(
                         format!("the double integrator's B_d[{row}][{axis}] = {expected}"),
@@ -226,19 +199,13 @@ impl InstanceFile {
         }
         if self.theta.is_empty() || self.z_ref.len() != self.theta.len() {
             return refuse(
-                format!(
-                    "as many rows of z_ref as of theta ({}), and at least one",
-                    self.theta.len()
-                ),
+                format!("as many rows of z_ref as of theta ({}), and at least one", self.theta.len()),
                 self.z_ref.len().to_string(),
             );
         }
         let inputs = 3 * self.control_horizon;
         match self.z_ref.iter().position(|row| row.len() != inputs) {
-            Some(row) => refuse(
-                format!("3 M = {inputs} numbers in z_ref[{row}]"),
-                self.z_ref[row].len().to_string(),
-            ),
+            Some(row) => refuse(format!("3 M = {inputs} numbers in z_ref[{row}]"), self.z_ref[row].len().to_string()),
             None => Ok(()),
         }
     }

@@ -56,10 +56,7 @@ impl<const M: usize> Planner for Shipped<M> {
 }
 
 /// Prepares the MPC with `control_horizon` free inputs per axis.
-pub fn planner(
-    control_horizon: usize,
-    settings: &MpcSettings,
-) -> Result<Box<dyn Planner>, PlannerError> {
+pub fn planner(control_horizon: usize, settings: &MpcSettings) -> Result<Box<dyn Planner>, PlannerError> {
     macro_rules! dispatch {
         ($($m:literal)*) => {
             match control_horizon {

@@ -25,18 +25,10 @@ pub(super) struct AxisRequest {
 }
 
 impl<const M: usize> Axis<M> {
-    pub(super) fn prepare(
-        prediction_step_s: f32,
-        settings: &AxisSettings,
-    ) -> Result<Self, QpError> {
+    pub(super) fn prepare(prediction_step_s: f32, settings: &AxisSettings) -> Result<Self, QpError> {
         let angles = PredictedAngles::<M>::new(prediction_step_s, settings.input_gain);
-        let condensed =
-            Condensed::new(&angles, settings.tracking_weight, settings.increment_weight);
-        let output_rows: &[[f32; M]] = if settings.output_max_rad.is_some() {
-            &angles.input_weights
-        } else {
-            &[]
-        };
+        let condensed = Condensed::new(&angles, settings.tracking_weight, settings.increment_weight);
+        let output_rows: &[[f32; M]] = if settings.output_max_rad.is_some() { &angles.input_weights } else { &[] };
         Ok(Self {
             qp: Qp::prepare(&condensed.hessian, output_rows)?,
             condensed,
@@ -46,21 +38,9 @@ impl<const M: usize> Axis<M> {
         })
     }
 
-    pub(super) fn solve(
-        &self,
-        request: &AxisRequest,
-        solver: &Settings,
-        warm_start: &mut Workspace<M>,
-    ) -> Solution<M> {
-        let AxisRequest {
-            angle_rad,
-            rate_rad_s,
-            input_prev,
-            reference_rad,
-        } = *request;
-        let linear = self
-            .condensed
-            .linear(angle_rad, rate_rad_s, input_prev, reference_rad);
+    pub(super) fn solve(&self, request: &AxisRequest, solver: &Settings, warm_start: &mut Workspace<M>) -> Solution<M> {
+        let AxisRequest { angle_rad, rate_rad_s, input_prev, reference_rad } = *request;
+        let linear = self.condensed.linear(angle_rad, rate_rad_s, input_prev, reference_rad);
         let mut bounds = Bounds {
             lower: [-self.input_max; M],
             upper: [self.input_max; M],
@@ -80,25 +60,15 @@ impl<const M: usize> Axis<M> {
 
     /// What may be applied: the plan's first input, or, without a plan, the present one; always inside the bounds.
     pub(super) fn first_input(&self, solution: &Solution<M>, input_prev: f32) -> f32 {
-        let wish = if solution.status == Status::Solved {
-            solution.x[0]
-        } else {
-            input_prev
-        };
-        if wish.is_nan() {
-            0.0
-        } else {
-            wish.clamp(-self.input_max, self.input_max)
-        }
+        let wish = if solution.status == Status::Solved { solution.x[0] } else { input_prev };
+        if wish.is_nan() { 0.0 } else { wish.clamp(-self.input_max, self.input_max) }
     }
 
     /// Weights of (angle, rate, previous input, reference) in the first input when no bound is active.
     pub(super) fn unconstrained_gain(&self) -> [f32; 4] {
         let mut gain = [0.0; 4];
         for (column, weight) in gain.iter_mut().enumerate() {
-            *weight = self
-                .qp
-                .unconstrained(&self.condensed.linear_map.map(|row| row[column]))[0];
+            *weight = self.qp.unconstrained(&self.condensed.linear_map.map(|row| row[column]))[0];
         }
         gain
     }

@@ -19,16 +19,10 @@ pub struct Condensed<const M: usize> {
 impl<const M: usize> Condensed<M> {
     /// `tracking_weight` is mu, `increment_weight` is rho.
     pub fn new(angles: &PredictedAngles<M>, tracking_weight: f32, increment_weight: f32) -> Self {
-        let mut condensed = Self {
-            hessian: [[0.0; M]; M],
-            linear_map: [[0.0; 4]; M],
-        };
+        let mut condensed = Self { hessian: [[0.0; M]; M], linear_map: [[0.0; 4]; M] };
         for row in 0..M {
             for column in 0..M {
-                let products = angles
-                    .input_weights
-                    .iter()
-                    .map(|inputs| inputs[row] * inputs[column]);
+                let products = angles.input_weights.iter().map(|inputs| inputs[row] * inputs[column]);
                 let tracking = products.fold(0.0, |sum, product| sum + product);
                 let increments = match row.abs_diff(column) {
                     // Every input but the last takes part in two increments.
@@ -37,8 +31,7 @@ impl<const M: usize> Condensed<M> {
                     1 => -1.0,
                     _ => 0.0,
                 };
-                condensed.hessian[row][column] =
-                    2.0 * (tracking_weight * tracking + increment_weight * increments);
+                condensed.hessian[row][column] = 2.0 * (tracking_weight * tracking + increment_weight * increments);
             }
             condensed.linear_map[row] = linear_row(angles, row, tracking_weight);
         }
@@ -49,13 +42,7 @@ impl<const M: usize> Condensed<M> {
     }
 
     /// f for this state.
-    pub fn linear(
-        &self,
-        angle_rad: f32,
-        rate_rad_s: f32,
-        input_prev: f32,
-        reference_rad: f32,
-    ) -> [f32; M] {
+    pub fn linear(&self, angle_rad: f32, rate_rad_s: f32, input_prev: f32, reference_rad: f32) -> [f32; M] {
         self.linear_map.map(|[angle, rate, prev, reference]| {
             angle * angle_rad + rate * rate_rad_s + prev * input_prev + reference * reference_rad
         })
@@ -63,11 +50,7 @@ impl<const M: usize> Condensed<M> {
 }
 
 /// How the gradient of the tracking cost at input `row` depends on (angle, rate, -, reference).
-fn linear_row<const M: usize>(
-    angles: &PredictedAngles<M>,
-    row: usize,
-    tracking_weight: f32,
-) -> [f32; 4] {
+fn linear_row<const M: usize>(angles: &PredictedAngles<M>, row: usize, tracking_weight: f32) -> [f32; 4] {
     let (mut angle, mut rate) = (0.0, 0.0);
     for step in 0..HORIZON {
         let weight = angles.input_weights[step][row];

@@ -69,10 +69,7 @@ impl core::fmt::Display for MpcError {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::OutOfRange { field, axis, value } => {
-                write!(
-                    formatter,
-                    "{field} (axis {axis}) must be finite and positive, not {value}"
-                )
+                write!(formatter, "{field} (axis {axis}) must be finite and positive, not {value}")
             }
             Self::Program { axis, error } => write!(formatter, "axis {axis}: {error}"),
         }
@@ -91,37 +88,12 @@ impl MpcSettings {
                 Err(MpcError::OutOfRange { field, axis, value })
             }
         };
-        check(
-            "prediction_step_s",
-            0,
-            self.prediction_step_s,
-            self.prediction_step_s,
-        )?;
+        check("prediction_step_s", 0, self.prediction_step_s, self.prediction_step_s)?;
         for axis in 0..3 {
-            check(
-                "input_gain",
-                axis,
-                self.input_gain[axis],
-                self.input_gain[axis].abs(),
-            )?;
-            check(
-                "tracking_weight",
-                axis,
-                self.tracking_weight[axis],
-                self.tracking_weight[axis],
-            )?;
-            check(
-                "increment_weight",
-                axis,
-                self.increment_weight[axis],
-                self.increment_weight[axis],
-            )?;
-            check(
-                "input_max",
-                axis,
-                self.input_max[axis],
-                self.input_max[axis],
-            )?;
+            check("input_gain", axis, self.input_gain[axis], self.input_gain[axis].abs())?;
+            check("tracking_weight", axis, self.tracking_weight[axis], self.tracking_weight[axis])?;
+            check("increment_weight", axis, self.increment_weight[axis], self.increment_weight[axis])?;
+            check("input_max", axis, self.input_max[axis], self.input_max[axis])?;
             if let Some(output_max_rad) = self.output_max_rad[axis] {
                 check("output_max_rad", axis, output_max_rad, output_max_rad)?;
             }
@@ -156,9 +128,7 @@ pub struct MpcState<const M: usize> {
 impl<const M: usize> MpcState<M> {
     /// A cold start.
     pub const fn new() -> Self {
-        Self {
-            warm_starts: [Workspace::new(); 3],
-        }
+        Self { warm_starts: [Workspace::new(); 3] }
     }
 }
 
@@ -169,10 +139,7 @@ impl<const M: usize> Default for MpcState<M> {
 }
 
 impl<const M: usize> Mpc<M> {
-    const CONTROL_HORIZON_IN_RANGE: () = assert!(
-        1 <= M && M <= HORIZON,
-        "the control horizon is 1 to 30 steps"
-    );
+    const CONTROL_HORIZON_IN_RANGE: () = assert!(1 <= M && M <= HORIZON, "the control horizon is 1 to 30 steps");
 
     /// Factors the three programs; meant for start-up.
     pub fn prepare(settings: &MpcSettings) -> Result<Self, MpcError> {
@@ -182,22 +149,13 @@ impl<const M: usize> Mpc<M> {
             Axis::prepare(settings.prediction_step_s, &settings.axis(axis))
                 .map_err(|error| MpcError::Program { axis, error })
         };
-        Ok(Self {
-            axes: [prepare(0)?, prepare(1)?, prepare(2)?],
-            solver: qp::Settings::default(),
-        })
+        Ok(Self { axes: [prepare(0)?, prepare(1)?, prepare(2)?], solver: qp::Settings::default() })
     }
 
     /// Plans all three axes; `input` of the result is finite and inside the bounds whatever the status.
     pub fn plan(&self, state: &mut MpcState<M>, request: &PlanRequest) -> Plan {
-        let mut plan = Plan {
-            step: request.step,
-            input: [0.0; 3],
-            status: PlanStatus::Solved,
-            iterations: 0,
-        };
-        for (index, (axis, warm_start)) in self.axes.iter().zip(&mut state.warm_starts).enumerate()
-        {
+        let mut plan = Plan { step: request.step, input: [0.0; 3], status: PlanStatus::Solved, iterations: 0 };
+        for (index, (axis, warm_start)) in self.axes.iter().zip(&mut state.warm_starts).enumerate() {
             let input_prev = request.input_prev[index];
             let axis_request = AxisRequest {
                 angle_rad: request.angle_rad[index],

@@ -19,29 +19,17 @@ pub struct PredictedAngles<const M: usize> {
 impl<const M: usize> PredictedAngles<M> {
     /// `prediction_step_s` is Ts, `input_gain` is b in rad/s^2 per input unit.
     pub fn new(prediction_step_s: f32, input_gain: f32) -> Self {
-        let mut angles = Self {
-            rate_weights: [0.0; HORIZON],
-            input_weights: [[0.0; M]; HORIZON],
-        };
+        let mut angles = Self { rate_weights: [0.0; HORIZON], input_weights: [[0.0; M]; HORIZON] };
         // An input held over one step turns the angle by b Ts^2/2 within it, and by b Ts^2 in each step after.
         let square = input_gain * prediction_step_s * prediction_step_s;
-        for (step, (rate_weight, inputs)) in angles
-            .rate_weights
-            .iter_mut()
-            .zip(&mut angles.input_weights)
-            .enumerate()
-        {
+        for (step, (rate_weight, inputs)) in angles.rate_weights.iter_mut().zip(&mut angles.input_weights).enumerate() {
             *rate_weight = (step + 1) as f32 * prediction_step_s;
             for (block, weight) in inputs.iter_mut().enumerate() {
                 if block > step {
                     continue;
                 }
                 let held = (step + 1 - block) as f32;
-                *weight = if block + 1 == M {
-                    square * (0.5 * held * held)
-                } else {
-                    square * (held - 0.5)
-                };
+                *weight = if block + 1 == M { square * (0.5 * held * held) } else { square * (held - 0.5) };
             }
         }
         angles

@@ -24,11 +24,7 @@ pub(super) enum Appended<const N: usize> {
 
 impl<const N: usize> Factor<N> {
     pub(super) fn new() -> Self {
-        Self {
-            lower: [[0.0; N]; N],
-            orthonormal: [[0.0; N]; N],
-            count: 0,
-        }
+        Self { lower: [[0.0; N]; N], orthonormal: [[0.0; N]; N], count: 0 }
     }
 
     /// Appends a row of length 1, unless less than `tolerance` of it is left outside the span of the rows present.
@@ -36,9 +32,7 @@ impl<const N: usize> Factor<N> {
         let mut rest = *row;
         let mut coefficients = [0.0; N];
         for _pass in 0..2 {
-            for (coefficient, direction) in
-                coefficients.iter_mut().zip(&self.orthonormal[..self.count])
-            {
+            for (coefficient, direction) in coefficients.iter_mut().zip(&self.orthonormal[..self.count]) {
                 let along = dot(direction, &rest);
                 *coefficient += along;
                 for (entry, component) in rest.iter_mut().zip(direction) {
@@ -74,17 +68,12 @@ impl<const N: usize> Factor<N> {
             let length = libm::sqrtf(kept * kept + excess * excess);
             let (cosine, sine) = (kept / length, excess / length);
             for row in &mut self.lower[pivot..self.count] {
-                (row[pivot], row[pivot + 1]) = (
-                    cosine * row[pivot] + sine * row[pivot + 1],
-                    cosine * row[pivot + 1] - sine * row[pivot],
-                );
+                (row[pivot], row[pivot + 1]) =
+                    (cosine * row[pivot] + sine * row[pivot + 1], cosine * row[pivot + 1] - sine * row[pivot]);
             }
             let (upper, lower) = self.orthonormal.split_at_mut(pivot + 1);
             for (first, second) in upper[pivot].iter_mut().zip(&mut lower[0]) {
-                (*first, *second) = (
-                    cosine * *first + sine * *second,
-                    cosine * *second - sine * *first,
-                );
+                (*first, *second) = (cosine * *first + sine * *second, cosine * *second - sine * *first);
             }
         }
     }

@@ -54,11 +54,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            iteration_limit: 250,
-            feasibility_tolerance: 1e-6,
-            dependence_tolerance: 4e-6,
-        }
+        Self { iteration_limit: 250, feasibility_tolerance: 1e-6, dependence_tolerance: 4e-6 }
     }
 }
 
@@ -139,11 +135,7 @@ pub struct Workspace<const N: usize> {
 impl<const N: usize> Workspace<N> {
     /// A cold start: nothing active.
     pub const fn new() -> Self {
-        Self {
-            active: [HalfSpace::NONE; N],
-            multipliers: [0.0; N],
-            count: 0,
-        }
+        Self { active: [HalfSpace::NONE; N], multipliers: [0.0; N], count: 0 }
     }
 }
 

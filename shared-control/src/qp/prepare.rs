@@ -42,21 +42,12 @@ pub enum QpError {
 impl core::fmt::Display for QpError {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::NotFinite => write!(
-                formatter,
-                "the matrices of the quadratic program must be finite"
-            ),
+            Self::NotFinite => write!(formatter, "the matrices of the quadratic program must be finite"),
             Self::NotSymmetric => write!(formatter, "the Hessian must be symmetric"),
             Self::NotPositiveDefinite { variable } => {
-                write!(
-                    formatter,
-                    "the Hessian must be positive definite, but is not at variable {variable}"
-                )
+                write!(formatter, "the Hessian must be positive definite, but is not at variable {variable}")
             }
-            Self::TooManyRows => write!(
-                formatter,
-                "more constraint rows than the program has room for"
-            ),
+            Self::TooManyRows => write!(formatter, "more constraint rows than the program has room for"),
             Self::EmptyRow { row } => write!(formatter, "constraint row {row} is zero"),
         }
     }
@@ -70,12 +61,7 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         if rows.len() > R {
             return Err(QpError::TooManyRows);
         }
-        if !hessian
-            .iter()
-            .chain(rows)
-            .flatten()
-            .all(|entry| entry.is_finite())
-        {
+        if !hessian.iter().chain(rows).flatten().all(|entry| entry.is_finite()) {
             return Err(QpError::NotFinite);
         }
         let inverse = invert_upper(&cholesky(hessian)?);
@@ -86,12 +72,7 @@ impl<const N: usize, const R: usize> Qp<N, R> {
             general_lengths: [0.0; R],
             general_count: rows.len(),
         };
-        for (variable, (row, length)) in qp
-            .bound_rows
-            .iter_mut()
-            .zip(&mut qp.bound_lengths)
-            .enumerate()
-        {
+        for (variable, (row, length)) in qp.bound_rows.iter_mut().zip(&mut qp.bound_lengths).enumerate() {
             *length = normalise(row).ok_or(QpError::NotPositiveDefinite { variable })?;
         }
         for (index, source) in rows.iter().enumerate() {
@@ -101,8 +82,7 @@ impl<const N: usize, const R: usize> Qp<N, R> {
                     *sum += weight * entry;
                 }
             }
-            qp.general_lengths[index] =
-                normalise(&mut row).ok_or(QpError::EmptyRow { row: index })?;
+            qp.general_lengths[index] = normalise(&mut row).ok_or(QpError::EmptyRow { row: index })?;
             qp.general_rows[index] = row;
         }
         Ok(qp)
@@ -133,8 +113,7 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         }
         let mut variables = [0.0; N];
         for (variable, row) in self.bound_rows.iter().enumerate() {
-            variables[variable] =
-                self.bound_lengths[variable] * dot(&row[variable..], &difference[variable..]);
+            variables[variable] = self.bound_lengths[variable] * dot(&row[variable..], &difference[variable..]);
         }
         variables
     }

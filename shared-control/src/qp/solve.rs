@@ -40,9 +40,7 @@ impl<const N: usize, const R: usize> Qp<N, R> {
             let problem = LeastDistance::new(self, linear, bounds);
             let mut working = problem.warm_start(workspace, settings);
             let point = problem.search(&mut working, settings, &mut iterations)?;
-            let x = problem
-                .minimiser(&point, &working, bounds)
-                .ok_or(Status::NumericalError)?;
+            let x = problem.minimiser(&point, &working, bounds).ok_or(Status::NumericalError)?;
             Ok((x, working.store()))
         });
         let (x, status, start) = match result {
@@ -50,11 +48,7 @@ impl<const N: usize, const R: usize> Qp<N, R> {
             Err(status) => ([0.0; N], status, Workspace::new()),
         };
         *workspace = start;
-        Solution {
-            x,
-            status,
-            iterations,
-        }
+        Solution { x, status, iterations }
     }
 
     /// Whether the data are numbers, and each lower limit is at most the upper one.
@@ -62,11 +56,7 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         if !linear.iter().all(|entry| entry.is_finite()) {
             return Err(Status::NumericalError);
         }
-        let rows = bounds
-            .row_lower
-            .iter()
-            .zip(&bounds.row_upper)
-            .take(self.general_count);
+        let rows = bounds.row_lower.iter().zip(&bounds.row_upper).take(self.general_count);
         for (lower, upper) in bounds.lower.iter().zip(&bounds.upper).chain(rows) {
             if lower.is_nan() || upper.is_nan() {
                 return Err(Status::NumericalError);
@@ -100,28 +90,13 @@ impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
     /// The working set of the last solution, as far as it makes sense for this problem.
     fn warm_start(&self, workspace: &Workspace<N>, settings: &Settings) -> WorkingSet<N> {
         let mut working = WorkingSet::new();
-        for (&half_space, &multiplier) in workspace
-            .active
-            .iter()
-            .zip(&workspace.multipliers)
-            .take(workspace.count)
-        {
+        for (&half_space, &multiplier) in workspace.active.iter().zip(&workspace.multipliers).take(workspace.count) {
             if let Some((row, limit)) = self.inequality(half_space)
                 && limit.is_finite()
             {
                 // Any multipliers >= 0 are dual feasible, whatever the linear term; a dependent row is left out.
-                let multiplier = if multiplier > 0.0 && multiplier.is_finite() {
-                    multiplier
-                } else {
-                    0.0
-                };
-                working.append(
-                    half_space,
-                    &row,
-                    limit,
-                    multiplier,
-                    settings.dependence_tolerance,
-                );
+                let multiplier = if multiplier > 0.0 && multiplier.is_finite() { multiplier } else { 0.0 };
+                working.append(half_space, &row, limit, multiplier, settings.dependence_tolerance);
             }
         }
         working
@@ -169,18 +144,12 @@ impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
         let mut multiplier = 0.0;
         // Its row depends on those held, g = sum c_i g_i: raising its multiplier by t and lowering theirs by c_i t
         // moves no point and raises the dual objective, until the first of them vanishes and makes room.
-        while let Appended::Dependent(combination) = working.append(
-            entering,
-            &row,
-            limit,
-            multiplier,
-            settings.dependence_tolerance,
-        ) {
+        while let Appended::Dependent(combination) =
+            working.append(entering, &row, limit, multiplier, settings.dependence_tolerance)
+        {
             *iterations = iterations.saturating_add(1);
             // None vanishes: the dual objective grows without end, so no primal feasible point exists (Farkas).
-            let blocking = working
-                .blocking_along(&combination)
-                .ok_or(Status::Infeasible)?;
+            let blocking = working.blocking_along(&combination).ok_or(Status::Infeasible)?;
             multiplier += working.walk_along(&combination, &blocking);
         }
         Ok(())
@@ -200,40 +169,21 @@ impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
         let mut amount = settings.feasibility_tolerance * scale;
         let mut worst = None;
         let mut consider = |constraint: usize, value: f32, lower: f32, upper: f32| {
-            let (excess, is_upper) = if value - upper > lower - value {
-                (value - upper, true)
-            } else {
-                (lower - value, false)
-            };
-            let half_space = HalfSpace {
-                constraint: constraint as u16,
-                is_upper,
-            };
+            let (excess, is_upper) =
+                if value - upper > lower - value { (value - upper, true) } else { (lower - value, false) };
+            let half_space = HalfSpace { constraint: constraint as u16, is_upper };
             if excess > amount && !working.contains(half_space.constraint) {
                 amount = excess;
                 worst = Some(Violation { half_space, amount });
             }
         };
         for variable in 0..N {
-            let value = dot(
-                &self.qp.bound_rows[variable][variable..],
-                &point[variable..],
-            );
-            consider(
-                variable,
-                value,
-                self.limits.lower[variable],
-                self.limits.upper[variable],
-            );
+            let value = dot(&self.qp.bound_rows[variable][variable..], &point[variable..]);
+            consider(variable, value, self.limits.lower[variable], self.limits.upper[variable]);
         }
         for row in 0..self.qp.general_count {
             let value = dot(&self.qp.general_rows[row], point);
-            consider(
-                N + row,
-                value,
-                self.limits.row_lower[row],
-                self.limits.row_upper[row],
-            );
+            consider(N + row, value, self.limits.row_lower[row], self.limits.row_upper[row]);
         }
         Ok(worst)
     }
@@ -242,44 +192,23 @@ impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
     fn inequality(&self, half_space: HalfSpace) -> Option<([f32; N], f32)> {
         let index = usize::from(half_space.constraint);
         let (row, lower, upper) = if index < N {
-            (
-                &self.qp.bound_rows[index],
-                self.limits.lower[index],
-                self.limits.upper[index],
-            )
+            (&self.qp.bound_rows[index], self.limits.lower[index], self.limits.upper[index])
         } else if index - N < self.qp.general_count {
             let index = index - N;
-            (
-                &self.qp.general_rows[index],
-                self.limits.row_lower[index],
-                self.limits.row_upper[index],
-            )
+            (&self.qp.general_rows[index], self.limits.row_lower[index], self.limits.row_upper[index])
         } else {
             return None;
         };
-        if half_space.is_upper {
-            Some((*row, upper))
-        } else {
-            Some((row.map(|entry| -entry), -lower))
-        }
+        if half_space.is_upper { Some((*row, upper)) } else { Some((row.map(|entry| -entry), -lower)) }
     }
 
     /// The variables at `point`, rounding removed: active bounds hold to the last bit, no other is passed.
-    fn minimiser(
-        &self,
-        point: &[f32; N],
-        working: &WorkingSet<N>,
-        bounds: &Bounds<N, R>,
-    ) -> Option<[f32; N]> {
+    fn minimiser(&self, point: &[f32; N], working: &WorkingSet<N>, bounds: &Bounds<N, R>) -> Option<[f32; N]> {
         let mut x = self.qp.variables(point, &self.offset);
         for half_space in &working.active[..working.count] {
             if let Some(entry) = x.get_mut(usize::from(half_space.constraint)) {
                 let variable = usize::from(half_space.constraint);
-                *entry = if half_space.is_upper {
-                    bounds.upper[variable]
-                } else {
-                    bounds.lower[variable]
-                };
+                *entry = if half_space.is_upper { bounds.upper[variable] } else { bounds.lower[variable] };
             }
         }
         for (entry, (lower, upper)) in x.iter_mut().zip(bounds.lower.iter().zip(&bounds.upper)) {

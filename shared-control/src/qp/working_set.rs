@@ -17,10 +17,7 @@ pub(super) struct HalfSpace {
 
 impl HalfSpace {
     /// Fills unused places of a warm start; no problem has so many constraints.
-    pub(super) const NONE: Self = Self {
-        constraint: u16::MAX,
-        is_upper: false,
-    };
+    pub(super) const NONE: Self = Self { constraint: u16::MAX, is_upper: false };
 }
 
 /// Constraints held as equalities G u = h with multipliers lambda >= 0, rows of G independent.
@@ -40,19 +37,11 @@ pub(super) struct Blocking {
 
 impl<const N: usize> WorkingSet<N> {
     pub(super) fn new() -> Self {
-        Self {
-            active: [HalfSpace::NONE; N],
-            multipliers: [0.0; N],
-            count: 0,
-            limits: [0.0; N],
-            factor: Factor::new(),
-        }
+        Self { active: [HalfSpace::NONE; N], multipliers: [0.0; N], count: 0, limits: [0.0; N], factor: Factor::new() }
     }
 
     pub(super) fn contains(&self, constraint: u16) -> bool {
-        self.active[..self.count]
-            .iter()
-            .any(|held| held.constraint == constraint)
+        self.active[..self.count].iter().any(|held| held.constraint == constraint)
     }
 
     /// Holds one more half-space, row'u <= limit; or, its row being dependent, says of which combination.
@@ -84,8 +73,7 @@ impl<const N: usize> WorkingSet<N> {
         let mut first: Option<Blocking> = None;
         for position in 0..self.count {
             if target[position] < 0.0 {
-                let step =
-                    self.multipliers[position] / (self.multipliers[position] - target[position]);
+                let step = self.multipliers[position] / (self.multipliers[position] - target[position]);
                 if first.as_ref().is_none_or(|found| step < found.step) {
                     first = Some(Blocking { position, step });
                 }
@@ -127,11 +115,7 @@ impl<const N: usize> WorkingSet<N> {
 
     /// The warm start for the next solve.
     pub(super) fn store(&self) -> Workspace<N> {
-        Workspace {
-            active: self.active,
-            multipliers: self.multipliers,
-            count: self.count,
-        }
+        Workspace { active: self.active, multipliers: self.multipliers, count: self.count }
     }
 
     fn remove(&mut self, position: usize) {
