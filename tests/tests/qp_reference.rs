@@ -1,5 +1,5 @@
-use std::path::PathBuf;
 use sil_host::bench_mpc::solve_file;
+use std::path::PathBuf;
 
 #[test]
 fn every_instance() {
@@ -8,6 +8,9 @@ fn every_instance() {
     files.sort();
     for f in files {
         let r = solve_file(&f).unwrap();
-        println!("{:2} {:2} {:6} {:3}/{:3} err {:.2e} it {} {}", r.case, r.sub, r.ts_s, r.solved, r.instances, r.error_max, r.iterations_median, r.iterations_max);
+        println!(
+            "{:2} {:2} {:6} {:3}/{:3} err {:.2e} it {} {}",
+            r.case, r.sub, r.ts_s, r.solved, r.instances, r.error_max, r.iterations_median, r.iterations_max
+        );
     }
 }
