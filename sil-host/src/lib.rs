@@ -12,5 +12,6 @@ pub mod metrics;
 pub mod model;
 pub mod planner;
 pub mod plant;
+pub mod report;
 pub mod scenario;
 pub mod sensors;
