@@ -60,7 +60,8 @@ impl<'a> Source<'a> {
 #[derive(Debug)]
 pub struct Section<'a> {
     source: Source<'a>,
-    title: String,
+    /// Its header without the outer brackets; empty for the document.
+    path: String,
     span: Range<usize>,
     table: &'a DeTable<'a>,
     known: RefCell<Vec<&'static str>>,
@@ -69,11 +70,11 @@ pub struct Section<'a> {
 impl<'a> Section<'a> {
     /// The whole document.
     pub(crate) fn root(source: Source<'a>, document: &'a Spanned<DeTable<'a>>) -> Self {
-        Self::new(source, "the model".to_owned(), 0..0, document.get_ref())
+        Self::new(source, String::new(), 0..0, document.get_ref())
     }
 
-    fn new(source: Source<'a>, title: String, span: Range<usize>, table: &'a DeTable<'a>) -> Self {
-        Self { source, title, span, table, known: RefCell::new(Vec::new()) }
+    fn new(source: Source<'a>, path: String, span: Range<usize>, table: &'a DeTable<'a>) -> Self {
+        Self { source, path, span, table, known: RefCell::new(Vec::new()) }
     }
 
     /// The number at `key`.
@@ -131,8 +132,8 @@ impl<'a> Section<'a> {
         let value = self.get(key).ok_or_else(|| self.missing(key, format!("a table [{key}]")))?;
         let table =
             value.get_ref().as_table().ok_or_else(|| self.wrong_type(key, value, format!("a table [{key}]")))?;
-        let title = format!("[{key}]");
-        Ok(Section::new(self.source, title, value.span(), table))
+        let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
+        Ok(Section::new(self.source, path, value.span(), table))
     }
 
     /// The tables at `key`, written `[[key]]`; none if there is no such key.
@@ -145,8 +146,8 @@ impl<'a> Section<'a> {
         let mut sections = Vec::new();
         for element in array.iter() {
             let table = element.get_ref().as_table().ok_or_else(|| self.wrong_type(key, element, expected.clone()))?;
-            let title = format!("[[{key}]]");
-            sections.push(Section::new(self.source, title, element.span(), table));
+            let path = format!("[{key}]");
+            sections.push(Section::new(self.source, path, element.span(), table));
         }
         Ok(sections)
     }
@@ -157,11 +158,8 @@ impl<'a> Section<'a> {
         let stranger =
             self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).min_by_key(|key| key.span().start);
         let Some(key) = stranger else { return Ok(()) };
-        let problem = Problem::UnknownKey {
-            section: self.title.clone(),
-            key: key.get_ref().to_string(),
-            expected: known.join(", "),
-        };
+        let problem =
+            Problem::UnknownKey { section: self.title(), key: key.get_ref().to_string(), expected: known.join(", ") };
         Err(self.source.error(key.span(), problem))
     }
 
@@ -170,13 +168,17 @@ impl<'a> Section<'a> {
         self.source.error(self.span.clone(), Problem::Impossible(why))
     }
 
+    fn title(&self) -> String {
+        if self.path.is_empty() { "the model".to_owned() } else { format!("[{}]", self.path) }
+    }
+
     fn get(&self, key: &'static str) -> Option<&'a Spanned<DeValue<'a>>> {
         self.known.borrow_mut().push(key);
         self.table.get(key)
     }
 
     fn missing(&self, key: &'static str, expected: String) -> ModelError {
-        let problem = Problem::MissingKey { section: self.title.clone(), key: key.to_owned(), expected };
+        let problem = Problem::MissingKey { section: self.title(), key: key.to_owned(), expected };
         self.source.error(self.span.clone(), problem)
     }
 

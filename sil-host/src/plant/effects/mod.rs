@@ -143,3 +143,6 @@ impl Axis {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
