@@ -1,0 +1,43 @@
+//! Why a log can't be held against a model.
+
+/// A log that can be read, but not replayed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FidelityError {
+    /// Nowhere do the motors run for a whole window without a gap in time.
+    #[error(
+        "no window of {window_s} s in which the motors run and no rows are missing \
+         ({rows} rows over {duration_s:.1} s)"
+    )]
+    NoWindow {
+        /// Length of a window, s.
+        window_s: f64,
+        /// Rows of the log.
+        rows: usize,
+        /// Its duration, s.
+        duration_s: f64,
+    },
+    /// The rows are too far apart to find a start state or judge a window.
+    #[error("rows every {step_s} s are too few: a window of {window_s} s needs at least {rows_min}")]
+    TooSlow {
+        /// Median time between rows, s.
+        step_s: f64,
+        /// Length of a window, s.
+        window_s: f64,
+        /// Fewest rows in a window.
+        rows_min: usize,
+    },
+    /// A replay needs a column that the log lacks.
+    #[error("the log has no column `{column}`, which {why}")]
+    MissingColumn {
+        /// Name in LOG_FORMAT.md.
+        column: String,
+        /// What it is needed for.
+        why: &'static str,
+    },
+    /// The commands never move: no gain can be found.
+    #[error("the {axis} command does not move in any window: its input gain can't be found")]
+    NoExcitation {
+        /// roll, pitch or yaw.
+        axis: &'static str,
+    },
+}

@@ -1,0 +1,179 @@
+//! Which rows are replayed: windows of 0.5 s in which the motors run and no row is missing.
+
+use super::error::FidelityError;
+use crate::log::Log;
+
+/// Length of a window, s.
+pub const WINDOW_S: f64 = 0.5;
+
+/// Rows this long before and after a start serve to find the state at the start, s (CLI.md: at most 50 ms before).
+pub(super) const START_REACH_S: f64 = 0.05;
+
+/// Fewer rows say nothing about a window.
+const ROWS_MIN: usize = 5;
+
+/// One stretch of rows that is replayed from its own start state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Number among the windows of the log, from 0.
+    pub index: usize,
+    /// First row used to find the start state.
+    pub lead: usize,
+    /// The row at which the replay starts.
+    pub start: usize,
+    /// The row after the last one used to find the start state.
+    pub tail: usize,
+    /// The row after the last one that is compared; the next window starts there.
+    pub end: usize,
+    /// True for every second window: no fit may look at it, figures of merit look only at these.
+    pub held_out: bool,
+}
+
+/// Cuts the log into windows, one behind the other. Neither a gap nor a row with standing motors lies within a window
+/// or within the rows that its start state comes from.
+///
+/// # Errors
+/// The rows are too far apart, or there is no window at all.
+pub(super) fn windows(log: &Log) -> Result<Vec<Window>, FidelityError> {
+    let step_s = log.median_step_s();
+    if step_s * ROWS_MIN as f64 > WINDOW_S {
+        return Err(FidelityError::TooSlow {
+            step_s,
+            window_s: WINDOW_S,
+            rows_min: ROWS_MIN,
+        });
+    }
+    let mut windows = Vec::new();
+    for (first, end) in stretches(log) {
+        cut(&log.time_s, first, end, 0.5 * step_s, &mut windows);
+    }
+    if windows.is_empty() {
+        return Err(FidelityError::NoWindow {
+            window_s: WINDOW_S,
+            rows: log.rows(),
+            duration_s: log.duration_s(),
+        });
+    }
+    Ok(windows)
+}
+
+/// Runs of rows (first, one past the last) without a gap in time in which the motors run.
+pub(super) fn stretches(log: &Log) -> Vec<(usize, usize)> {
+    let active = log.active_rows();
+    let longest_regular_s = log.longest_regular_step_s();
+    let mut stretches = Vec::new();
+    let mut first = 0;
+    for row in 0..log.rows() {
+        if !active[row] {
+            first = row + 1;
+            continue;
+        }
+        let ends = match log.time_s.get(row + 1) {
+            Some(next_s) => !active[row + 1] || next_s - log.time_s[row] > longest_regular_s,
+            None => true,
+        };
+        if ends {
+            stretches.push((first, row + 1));
+            first = row + 1;
+        }
+    }
+    stretches
+}
+
+/// All windows of one stretch; times count as equal within `tolerance_s`, half a step.
+fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut Vec<Window>) {
+    let row_at = |from: usize, at_s: f64| {
+        (from..end).find(|row| time_s[*row] >= at_s - tolerance_s)
+    };
+    let Some(mut start) = row_at(first, time_s[first] + START_REACH_S) else {
+        return;
+    };
+    // the row that ends a window must be there: its command is in force up to it
+    while let Some(window_end) = row_at(start, time_s[start] + WINDOW_S) {
+        let start_s = time_s[start];
+        let reach_s = START_REACH_S + 1e-9;
+        let lead = (first..=start).find(|row| time_s[*row] >= start_s - reach_s);
+        let tail = (start..window_end).find(|row| time_s[*row] > start_s + reach_s);
+        if window_end - start >= ROWS_MIN {
+            windows.push(Window {
+                index: windows.len(),
+                lead: lead.unwrap_or(start),
+                start,
+                tail: tail.unwrap_or(window_end),
+                end: window_end,
+                held_out: windows.len() % 2 == 1,
+            });
+        }
+        start = window_end;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::{Quantity, Threshold};
+
+    fn log_at(time_s: Vec<f64>) -> Log {
+        Log {
+            time_s,
+            ..Log::default()
+        }
+    }
+
+    #[test]
+    fn regular_rows_give_windows_end_to_end_with_50_ms_around_each_start() {
+        let log = log_at((0..1001).map(|row| f64::from(row) * 0.004).collect());
+        let windows = windows(&log).unwrap();
+        // 4 s less the 50 ms before the first start
+        assert_eq!(windows.len(), 7);
+        for (index, window) in windows.iter().enumerate() {
+            // 13 rows of 4 ms are the first that reach 50 ms
+            assert_eq!(window.start, 13 + 125 * index);
+            assert_eq!(window.end, window.start + 125);
+            assert_eq!((window.lead, window.tail), (window.start - 12, window.start + 13));
+            assert_eq!(window.held_out, index % 2 == 1);
+        }
+    }
+
+    #[test]
+    fn no_window_holds_a_gap_or_a_row_with_standing_motors() {
+        let mut time_s = 0.0;
+        let jitter = |row: u32| 0.004 * (1.0 + 0.4 * f64::from(row % 7) / 7.0);
+        let times: Vec<f64> = (0..2000)
+            .map(|row| {
+                time_s += if row == 700 { 0.07 } else { jitter(row) };
+                time_s
+            })
+            .collect();
+        let mut log = log_at(times);
+        let stands = |row: usize| (1200..1300).contains(&row);
+        log.thrust_command = Some((0..2000).map(|row| if stands(row) { 0.0 } else { 0.3 }).collect());
+        log.active_when = Some(Threshold {
+            quantity: Quantity::Thrust,
+            above: 0.0,
+        });
+        let windows = windows(&log).unwrap();
+        assert!(windows.len() > 10);
+        for window in &windows {
+            assert!(window.end <= 700 || window.lead >= 700, "{window:?}");
+            assert!(window.end <= 1200 || window.lead >= 1300, "{window:?}");
+            let length_s = log.time_s[window.end] - log.time_s[window.start];
+            assert!((length_s - WINDOW_S).abs() <= 0.003, "{length_s}");
+            let before_s = log.time_s[window.start] - log.time_s[window.lead];
+            assert!((0.04..=0.05 + 1e-9).contains(&before_s), "{before_s}");
+        }
+    }
+
+    #[test]
+    fn slow_and_standing_logs_are_refused() {
+        let slow = log_at((0..200).map(|row| f64::from(row) * 0.2).collect());
+        assert!(matches!(windows(&slow), Err(FidelityError::TooSlow { .. })));
+        let mut standing = log_at((0..1000).map(|row| f64::from(row) * 0.01).collect());
+        standing.thrust_command = Some(vec![0.0; 1000]);
+        standing.active_when = Some(Threshold {
+            quantity: Quantity::Thrust,
+            above: 0.0,
+        });
+        assert!(matches!(windows(&standing), Err(FidelityError::NoWindow { .. })));
+    }
+}

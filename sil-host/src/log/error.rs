@@ -1,0 +1,77 @@
+//! What can be wrong with a log or a map, always with its place.
+
+use std::fmt;
+
+/// A log or a map that can't be read: file, line, column, and what was expected.
+#[derive(Debug, thiserror::Error)]
+pub struct LogError {
+    /// The file, as the caller named it.
+    pub file: String,
+    /// Line, counted from 1; `None` if the matter is not one line's.
+    pub line: Option<usize>,
+    /// Name of the column (of a log) or key (of a map).
+    pub column: Option<String>,
+    /// What is wrong.
+    #[source]
+    pub kind: LogErrorKind,
+}
+
+impl fmt::Display for LogError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}", self.file)?;
+        if let Some(line) = self.line {
+            write!(out, ":{line}")?;
+        }
+        if let Some(column) = &self.column {
+            write!(out, ": `{column}`")?;
+        }
+        write!(out, ": {}", self.kind)
+    }
+}
+
+/// The ways in which a log or a map can be wrong.
+#[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the message beside each variant says it")]
+pub enum LogErrorKind {
+    #[error("can't be opened: {0}")]
+    Unreadable(std::io::Error),
+    #[error("can't be written: {0}")]
+    Unwritable(std::io::Error),
+    #[error("the gzip stream is damaged or cut off ({reason}) after {bytes} bytes of text")]
+    Gzip { reason: String, bytes: usize },
+    #[error("holds more than {0} bytes of text; cut the log into parts")]
+    TooLarge(u64),
+    #[error("this is a {0} log, which isn't read yet; convert it to CSV with the columns of LOG_FORMAT.md")]
+    NotReadYet(&'static str),
+    #[error("not UTF-8 text; expected a CSV file")]
+    NotText,
+    #[error("the file is empty; expected a header line and at least {ROWS_MIN} rows")]
+    Empty,
+    #[error("the last line has no line end: the file was cut off while it was written")]
+    CutOff,
+    #[error("{reason}; the header has: {present}")]
+    MissingColumn { reason: String, present: String },
+    #[error("given twice: as `{first}` and as `{second}`")]
+    GivenTwice { first: String, second: String },
+    #[error("expected {expected} fields as in the header, found {found}")]
+    RaggedRow { expected: usize, found: usize },
+    #[error("expected a number, found `{0}`")]
+    NotANumber(String),
+    #[error("expected a finite number, found `{0}`")]
+    NotFinite(String),
+    #[error("{value} is outside {min}..{max}{hint}")]
+    OutOfRange { value: f64, min: f64, max: f64, hint: String },
+    #[error("time must increase: {now} s follows {before} s")]
+    TimeNotIncreasing { before: f64, now: f64 },
+    #[error("expected at least {ROWS_MIN} rows, found {0}")]
+    TooFewRows(usize),
+    #[error("expected columns of {expected} values, found {found}")]
+    UnequalColumns { expected: usize, found: usize },
+    #[error("{0}")]
+    MapSyntax(String),
+    #[error("no such file, and no built-in map of that name; built in are: {0}")]
+    NoSuchMap(String),
+}
+
+/// Fewer rows than this are not a log (LOG_FORMAT.md).
+pub const ROWS_MIN: usize = 100;

@@ -1,0 +1,289 @@
+//! Maps: what the columns of somebody else's CSV mean (LOG_FORMAT.md, "Other people's columns").
+//!
+//! ```toml
+//! description = "whose logs these are"
+//! frame = "FRD"                          # or "FLU": then what is about or along y and z changes its sign
+//! axes = ["pitch"]                       # the axes the log has; roll and pitch if left out
+//! active_when = "thrust_cmd > 0"         # rows in which the motors run; all of them if left out
+//! [quantities]                           # names and units of LOG_FORMAT.md, motors in the order of RIG.md
+//! time_s    = { column = "t" }
+//! pitch_deg = { column = "theta", sign = -1, scale = 1.0, offset = 0.0 }
+//! ```
+//! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; then the frame is turned.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::error::{LogError, LogErrorKind};
+use super::quantity::{Axis, Quantity};
+
+/// The maps that ship with the project, by name.
+pub const BUILT_IN_MAPS: [(&str, &str); 4] = [
+    ("antx", include_str!("../../../models/maps/antx.toml")),
+    ("crazyflie_arplab", include_str!("../../../models/maps/crazyflie_arplab.toml")),
+    ("crazypad_controller", include_str!("../../../models/maps/crazypad_controller.toml")),
+    ("crazypad_motor", include_str!("../../../models/maps/crazypad_motor.toml")),
+];
+
+/// What the columns of a foreign CSV mean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// The file, or the built-in name.
+    pub name: String,
+    /// Whose logs it is for.
+    pub description: String,
+    /// Which of roll, pitch and yaw the log has.
+    pub axes: [bool; 3],
+    /// Rows in which the motors run.
+    pub active_when: Option<Threshold>,
+    /// The columns to read.
+    pub(super) columns: Vec<MappedColumn>,
+}
+
+/// True in rows where a quantity lies above a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Threshold {
+    /// The quantity to look at.
+    pub quantity: Quantity,
+    /// It must be larger than this, in the unit a [`super::Log`] holds.
+    pub above: f64,
+}
+
+/// One column of the file and how it becomes a quantity: `scale * field + offset`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MappedColumn {
+    pub(super) quantity: Quantity,
+    pub(super) column: String,
+    pub(super) scale: f64,
+    pub(super) offset: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MapFile {
+    description: String,
+    frame: Spanned<String>,
+    axes: Option<Vec<Spanned<String>>>,
+    active_when: Option<Spanned<String>>,
+    quantities: Spanned<BTreeMap<Spanned<String>, Entry>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    column: String,
+    #[serde(default = "one")]
+    scale: f64,
+    #[serde(default)]
+    offset: f64,
+    #[serde(default = "one")]
+    sign: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Map {
+    /// Takes a file if there is one at that path, else the built-in map of that name.
+    ///
+    /// # Errors
+    /// Neither exists, or the file is no map; the message says where and what was expected.
+    pub fn load(path_or_name: &str) -> Result<Map, LogError> {
+        if Path::new(path_or_name).exists() {
+            let text = super::source::load_text(Path::new(path_or_name))?;
+            return Map::parse(path_or_name, &text);
+        }
+        let built_in = BUILT_IN_MAPS.iter().find(|(name, _)| *name == path_or_name);
+        match built_in {
+            Some((name, text)) => Map::parse(name, text),
+            None => Err(LogError {
+                file: path_or_name.to_owned(),
+                line: None,
+                column: None,
+                kind: LogErrorKind::NoSuchMap(BUILT_IN_MAPS.map(|(name, _)| name).join(", ")),
+            }),
+        }
+    }
+
+    /// Reads the text of a map; `name` is for messages.
+    ///
+    /// # Errors
+    /// It is no TOML, a key is unknown, or what it says is not enough to read a log by.
+    pub fn parse(name: &str, text: &str) -> Result<Map, LogError> {
+        let place = Place { name, text };
+        let file: MapFile =
+            toml::from_str(text).map_err(|e| place.error(e.span().map(|span| span.start), None, e.message()))?;
+        let sign_of_frame: fn(Quantity) -> f64 = match file.frame.get_ref().as_str() {
+            "FRD" => |_| 1.0,
+            "FLU" => Quantity::sign_from_flu,
+            other => {
+                let message = format!("expected \"FRD\" or \"FLU\", found \"{other}\"");
+                return Err(place.error(Some(file.frame.span().start), Some("frame"), &message));
+            }
+        };
+        let table_at = file.quantities.span().start;
+        let mut columns: Vec<MappedColumn> = Vec::new();
+        for (key, entry) in file.quantities.into_inner() {
+            let column = place.column(&key, entry, sign_of_frame)?;
+            if columns.iter().any(|c| c.quantity == column.quantity) {
+                let message = format!("{} is given twice", column.quantity.name());
+                return Err(place.error(Some(key.span().start), Some(key.get_ref()), &message));
+            }
+            columns.push(column);
+        }
+        columns.sort_by_key(|column| column.quantity);
+        let axes = place.axes(file.axes, &columns)?;
+        if let Some(missing) = missing_quantity(axes, &columns) {
+            return Err(place.error(Some(table_at), Some("quantities"), &missing));
+        }
+        let active_when = match file.active_when {
+            Some(condition) => Some(place.threshold(&condition, &columns)?),
+            None => None,
+        };
+        Ok(Map { name: name.to_owned(), description: file.description, axes, active_when, columns })
+    }
+}
+
+/// The map's text, to turn a byte offset into a line.
+struct Place<'a> {
+    name: &'a str,
+    text: &'a str,
+}
+
+impl Place<'_> {
+    fn error(&self, at_byte: Option<usize>, key: Option<&str>, message: &str) -> LogError {
+        let before = at_byte.and_then(|at| self.text.get(..at));
+        LogError {
+            file: self.name.to_owned(),
+            line: before.map(|text| 1 + text.matches('\n').count()),
+            column: key.map(str::to_owned),
+            kind: LogErrorKind::MapSyntax(message.trim_end().to_owned()),
+        }
+    }
+
+    fn column(
+        &self,
+        key: &Spanned<String>,
+        entry: Entry,
+        sign_of_frame: fn(Quantity) -> f64,
+    ) -> Result<MappedColumn, LogError> {
+        let fail = |message: &str| Err(self.error(Some(key.span().start), Some(key.get_ref()), message));
+        let Some((quantity, factor)) = Quantity::from_name(key.get_ref()) else {
+            return fail("no quantity of that name and unit; LOG_FORMAT.md lists them");
+        };
+        if entry.sign != 1.0 && entry.sign != -1.0 {
+            return fail("sign must be 1 or -1");
+        }
+        if !entry.scale.is_finite() || entry.scale == 0.0 || !entry.offset.is_finite() {
+            return fail("scale must be finite and not 0, offset finite");
+        }
+        let to_log = sign_of_frame(quantity) * factor;
+        Ok(MappedColumn {
+            quantity,
+            column: entry.column,
+            scale: to_log * entry.sign * entry.scale,
+            offset: to_log * entry.offset,
+        })
+    }
+
+    fn axes(&self, declared: Option<Vec<Spanned<String>>>, columns: &[MappedColumn]) -> Result<[bool; 3], LogError> {
+        let Some(declared) = declared else {
+            return Ok([true, true, describes(Axis::Yaw, columns)]);
+        };
+        let mut axes = [false; 3];
+        for name in declared {
+            let Some(axis) = Axis::ALL.iter().find(|axis| axis.name() == name.get_ref()) else {
+                let message = format!("expected roll, pitch or yaw, found `{}`", name.get_ref());
+                return Err(self.error(Some(name.span().start), Some("axes"), &message));
+            };
+            axes[axis.index()] = true;
+        }
+        Ok(axes)
+    }
+
+    fn threshold(&self, condition: &Spanned<String>, columns: &[MappedColumn]) -> Result<Threshold, LogError> {
+        let parsed = condition.get_ref().split_once('>').and_then(|(name, value)| {
+            let (quantity, factor) = Quantity::from_name(name.trim())?;
+            let above: f64 = value.trim().parse().ok()?;
+            let given = columns.iter().any(|column| column.quantity == quantity);
+            (given && above.is_finite()).then_some(Threshold { quantity, above: above * factor })
+        });
+        parsed.ok_or_else(|| {
+            let message = format!(
+                "expected \"QUANTITY > NUMBER\" with a quantity of this map, found \"{}\"",
+                condition.get_ref()
+            );
+            self.error(Some(condition.span().start), Some("active_when"), &message)
+        })
+    }
+}
+
+fn describes(axis: Axis, columns: &[MappedColumn]) -> bool {
+    let of_axis = [Quantity::Angle(axis), Quantity::Rate(axis)];
+    columns.iter().any(|column| of_axis.contains(&column.quantity))
+}
+
+/// What a log needs beyond what the map gives: time, angle or rate of each declared axis, and what drives it.
+fn missing_quantity(axes: [bool; 3], columns: &[MappedColumn]) -> Option<String> {
+    let given = |quantity| columns.iter().any(|column| column.quantity == quantity);
+    if !given(Quantity::Time) {
+        return Some("time_s is missing".to_owned());
+    }
+    let motors = (0..4).all(|motor| given(Quantity::Motor(motor)));
+    if !axes.contains(&true) {
+        return Some("axes names no axis".to_owned());
+    }
+    for axis in Axis::ALL.into_iter().filter(|axis| axes[axis.index()]) {
+        if !describes(axis, columns) {
+            let (angle, rate) = (Quantity::Angle(axis).name(), Quantity::Rate(axis).name());
+            return Some(format!("{angle} or {rate} is missing (axes has {})", axis.name()));
+        }
+        if !motors && !given(Quantity::Command(axis)) {
+            let command = Quantity::Command(axis).name();
+            return Some(format!("{command} is missing (or motor1 to motor4)"));
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_map_parses_and_is_found_by_its_name() {
+        for (name, _) in BUILT_IN_MAPS {
+            let map = Map::load(name).unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!(map.name, name);
+            assert!(!map.description.is_empty());
+        }
+    }
+
+    #[test]
+    fn forward_left_up_turns_what_is_about_y_and_z() {
+        let text = |frame: &str| {
+            format!(
+                "description = \"\"\nframe = \"{frame}\"\naxes = [\"roll\", \"pitch\", \"yaw\"]\n[quantities]\n\
+                 time_ms = {{ column = \"t\" }}\np_rad_s = {{ column = \"gx\" }}\nq_deg_s = {{ column = \"gy\", scale = 2, offset = 3 }}\n\
+                 r_rad_s = {{ column = \"gz\", sign = -1 }}\nroll_cmd = {{ column = \"a\" }}\npitch_cmd = {{ column = \"b\" }}\nyaw_cmd = {{ column = \"c\" }}\n"
+            )
+        };
+        let [frd, flu] = ["FRD", "FLU"].map(|frame| Map::parse("m", &text(frame)).unwrap());
+        for (frd, flu) in frd.columns.iter().zip(&flu.columns) {
+            let turned = match frd.quantity {
+                Quantity::Rate(axis) | Quantity::Command(axis) => axis != Axis::Roll,
+                _ => false,
+            };
+            let sign = if turned { -1.0 } else { 1.0 };
+            assert_eq!((flu.scale, flu.offset), (sign * frd.scale, sign * frd.offset));
+        }
+        let q = &flu.columns[2];
+        assert_eq!(q.quantity, Quantity::Rate(Axis::Pitch));
+        assert_eq!(q.scale, -(2.0_f64 * (std::f64::consts::PI / 180.0)));
+        assert_eq!(q.offset, -(3.0_f64 * (std::f64::consts::PI / 180.0)));
+    }
+}

@@ -1,0 +1,163 @@
+//! Logs of flights and rigs as columns, read from CSV and written to it.
+//!
+//! The format, its names and its errors are LOG_FORMAT.md's. [`read`] takes a file in that format, or any other CSV
+//! with a [`Map`] that says what its columns mean; [`write_file`] writes one. In memory everything is in SI units and
+//! in the frames of RIG.md (body forward-right-down, Euler angles Z-Y-X), whatever the file had.
+
+mod error;
+mod map;
+mod quantity;
+mod read;
+mod source;
+mod write;
+
+pub use error::{LogError, LogErrorKind, ROWS_MIN};
+pub use map::{BUILT_IN_MAPS, Map, Threshold};
+pub use quantity::{Axis, Quantity};
+pub use read::{parse, read};
+pub use write::{write, write_file};
+
+/// Single rows are dropped by many loggers and cost little; five in a row are an interruption.
+const GAP_STEPS: f64 = 5.0;
+
+/// One column, a value per row; `None` where the log has none.
+pub type Column = Option<Vec<f64>>;
+
+/// A log: columns of equal length, one value per row. Arrays of three are (roll, pitch, yaw) or (x, y, z) of the
+/// body, arrays of four the motors in the order of RIG.md.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Log {
+    /// The file it came from, as the caller named it; empty for a log made in memory.
+    pub path: String,
+    /// Comment lines at the head of the file, without the `#`: where it comes from, whether it is synthetic.
+    pub comments: Vec<String>,
+    /// What the reader has to say: ignored columns, gaps.
+    pub notes: Vec<String>,
+    /// Which of roll, pitch and yaw the log can speak about.
+    pub axes: [bool; 3],
+    /// Rows in which the motors run; `None` means all of them.
+    pub active_when: Option<Threshold>,
+    /// The name that each quantity has in the file.
+    pub source_columns: Vec<(Quantity, String)>,
+
+    /// Time, s, strictly increasing.
+    pub time_s: Vec<f64>,
+    /// Euler angles Z-Y-X, rad.
+    pub angle_rad: [Column; 3],
+    /// Body rates p, q, r, rad/s.
+    pub rate_rad_s: [Column; 3],
+    /// Motor commands 0..1; each is in force from its row to the next.
+    pub motor_command: [Column; 4],
+    /// Axis commands -1..1, in force from their row to the next, for logs that hold no motors.
+    pub axis_command: [Column; 3],
+    /// Collective command 0..1, beside the axis commands.
+    pub thrust_command: Column,
+    /// Reference angles, rad.
+    pub reference_rad: [Column; 3],
+    /// Battery voltage, V.
+    pub battery_v: Column,
+    /// Measured rotor speeds, 1/min.
+    pub rotor_speed_rpm: [Column; 4],
+    /// Specific force in the body frame, m/s^2.
+    pub accel_body_m_s2: [Column; 3],
+}
+
+impl Log {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Time from the first row to the last, s.
+    pub fn duration_s(&self) -> f64 {
+        match (self.time_s.first(), self.time_s.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
+    }
+
+    /// Mean number of rows per second; 0 for a log of one row.
+    pub fn rate_hz(&self) -> f64 {
+        if self.rows() < 2 {
+            return 0.0;
+        }
+        (self.rows() - 1) as f64 / self.duration_s()
+    }
+
+    /// Median time from row to row, s; 0 for a log of one row.
+    pub fn median_step_s(&self) -> f64 {
+        let mut steps: Vec<f64> = self.time_s.windows(2).map(|t| t[1] - t[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    /// A longer step than this from row to row is a gap: rows are missing.
+    pub fn longest_regular_step_s(&self) -> f64 {
+        GAP_STEPS * self.median_step_s()
+    }
+
+    /// The four motor commands, if the log has all of them.
+    pub fn motors(&self) -> Option<[&[f64]; 4]> {
+        let [Some(m1), Some(m2), Some(m3), Some(m4)] = &self.motor_command else {
+            return None;
+        };
+        Some([m1, m2, m3, m4])
+    }
+
+    /// True if the plant is to be driven by axis commands because there are no motor commands.
+    pub fn driven_by_axis_commands(&self) -> bool {
+        self.motors().is_none()
+    }
+
+    /// The name that a quantity has in the file, for messages about a foreign log.
+    pub fn source_column(&self, quantity: Quantity) -> Option<&str> {
+        let mut columns = self.source_columns.iter();
+        Some(&columns.find(|(named, _)| *named == quantity)?.1)
+    }
+
+    /// For each row, whether the motors run in it ([`Log::active_when`]).
+    pub fn active_rows(&self) -> Vec<bool> {
+        let threshold = self.active_when;
+        match threshold.and_then(|active| Some((self.column(active.quantity)?, active.above))) {
+            Some((column, above)) => column.iter().map(|value| *value > above).collect(),
+            None => vec![true; self.rows()],
+        }
+    }
+
+    /// One column by its quantity; `None` where the log has none.
+    pub fn column(&self, quantity: Quantity) -> Option<&[f64]> {
+        let column = match quantity {
+            Quantity::Time => return Some(&self.time_s),
+            Quantity::Angle(axis) => &self.angle_rad[axis.index()],
+            Quantity::Rate(axis) => &self.rate_rad_s[axis.index()],
+            Quantity::Motor(motor) => &self.motor_command[motor],
+            Quantity::Reference(axis) => &self.reference_rad[axis.index()],
+            Quantity::Command(axis) => &self.axis_command[axis.index()],
+            Quantity::Thrust => &self.thrust_command,
+            Quantity::Battery => &self.battery_v,
+            Quantity::Rpm(rotor) => &self.rotor_speed_rpm[rotor],
+            Quantity::Accel(axis) => &self.accel_body_m_s2[axis.index()],
+        };
+        column.as_deref()
+    }
+
+    /// Puts a column in its place.
+    fn set_column(&mut self, quantity: Quantity, values: Vec<f64>) {
+        let column = match quantity {
+            Quantity::Time => {
+                self.time_s = values;
+                return;
+            }
+            Quantity::Angle(axis) => &mut self.angle_rad[axis.index()],
+            Quantity::Rate(axis) => &mut self.rate_rad_s[axis.index()],
+            Quantity::Motor(motor) => &mut self.motor_command[motor],
+            Quantity::Reference(axis) => &mut self.reference_rad[axis.index()],
+            Quantity::Command(axis) => &mut self.axis_command[axis.index()],
+            Quantity::Thrust => &mut self.thrust_command,
+            Quantity::Battery => &mut self.battery_v,
+            Quantity::Rpm(rotor) => &mut self.rotor_speed_rpm[rotor],
+            Quantity::Accel(axis) => &mut self.accel_body_m_s2[axis.index()],
+        };
+        *column = Some(values);
+    }
+}

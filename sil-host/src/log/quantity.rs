@@ -1,0 +1,200 @@
+//! What a log can hold: each quantity with its names, units and plausible range (LOG_FORMAT.md, table "CSV").
+//!
+//! A column's name is a stem and a unit (`roll` + `_rad`). The first unit of each quantity is the one a [`super::Log`]
+//! holds and a written file uses; the others are converted while reading.
+
+use std::f64::consts::PI;
+
+/// A body axis. Arrays of three are always in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Axis {
+    /// About the forward axis; right side down is positive.
+    Roll,
+    /// About the right axis; nose up is positive.
+    Pitch,
+    /// About the down axis; nose right is positive.
+    Yaw,
+}
+
+impl Axis {
+    /// All three, in the order of every array of three.
+    pub const ALL: [Axis; 3] = [Axis::Roll, Axis::Pitch, Axis::Yaw];
+
+    /// Place in an array of three.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// The name used in maps, commands and JSON.
+    pub fn name(self) -> &'static str {
+        ["roll", "pitch", "yaw"][self.index()]
+    }
+}
+
+/// One column of a log. Motors and rotors count from 0 here and from 1 in names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Quantity {
+    /// Time, s.
+    Time,
+    /// Euler angle Z-Y-X, rad.
+    Angle(Axis),
+    /// Body rate p, q or r, rad/s.
+    Rate(Axis),
+    /// Motor command 0..1, in force from this row to the next.
+    Motor(usize),
+    /// Reference angle, rad.
+    Reference(Axis),
+    /// Axis command -1..1, in force from this row to the next.
+    Command(Axis),
+    /// Collective command 0..1.
+    Thrust,
+    /// Battery voltage, V.
+    Battery,
+    /// Measured rotor speed, 1/min.
+    Rpm(usize),
+    /// Accelerometer (specific force) along the body's x, y or z, m/s^2.
+    Accel(Axis),
+}
+
+/// A unit as it ends a column's name, and its size in the unit that a log holds.
+type Unit = (&'static str, f64);
+
+const TIME: &[Unit] = &[("_s", 1.0), ("_ms", 1e-3), ("_us", 1e-6)];
+const ANGLE: &[Unit] = &[("_rad", 1.0), ("_deg", PI / 180.0)];
+const RATE: &[Unit] = &[("_rad_s", 1.0), ("_deg_s", PI / 180.0)];
+const COMMAND: &[Unit] = &[("", 1.0), ("_pct", 0.01)];
+const VOLTAGE: &[Unit] = &[("_v", 1.0), ("_mv", 1e-3)];
+const SPEED: &[Unit] = &[("", 1.0)];
+const ACCELERATION: &[Unit] = &[("_m_s2", 1.0), ("_g", 9.80665)];
+
+impl Quantity {
+    /// Every quantity, in the order in which a file is written.
+    pub const ALL: [Quantity; 26] = {
+        use Axis::{Pitch, Roll, Yaw};
+        use Quantity::{Accel, Angle, Battery, Command, Motor, Rate, Reference, Rpm, Thrust, Time};
+        [
+            Time,
+            Angle(Roll),
+            Angle(Pitch),
+            Angle(Yaw),
+            Rate(Roll),
+            Rate(Pitch),
+            Rate(Yaw),
+            Motor(0),
+            Motor(1),
+            Motor(2),
+            Motor(3),
+            Command(Roll),
+            Command(Pitch),
+            Command(Yaw),
+            Thrust,
+            Reference(Roll),
+            Reference(Pitch),
+            Reference(Yaw),
+            Battery,
+            Rpm(0),
+            Rpm(1),
+            Rpm(2),
+            Rpm(3),
+            Accel(Roll),
+            Accel(Pitch),
+            Accel(Yaw),
+        ]
+    };
+
+    fn stem(self) -> &'static str {
+        match self {
+            Quantity::Time => "time",
+            Quantity::Angle(axis) => axis.name(),
+            Quantity::Rate(axis) => ["p", "q", "r"][axis.index()],
+            Quantity::Motor(motor) => ["motor1", "motor2", "motor3", "motor4"][motor],
+            Quantity::Reference(axis) => ["roll_ref", "pitch_ref", "yaw_ref"][axis.index()],
+            Quantity::Command(axis) => ["roll_cmd", "pitch_cmd", "yaw_cmd"][axis.index()],
+            Quantity::Thrust => "thrust_cmd",
+            Quantity::Battery => "battery",
+            Quantity::Rpm(rotor) => ["rpm1", "rpm2", "rpm3", "rpm4"][rotor],
+            Quantity::Accel(axis) => ["ax", "ay", "az"][axis.index()],
+        }
+    }
+
+    fn units(self) -> &'static [Unit] {
+        match self {
+            Quantity::Time => TIME,
+            Quantity::Angle(_) | Quantity::Reference(_) => ANGLE,
+            Quantity::Rate(_) => RATE,
+            Quantity::Motor(_) | Quantity::Command(_) | Quantity::Thrust => COMMAND,
+            Quantity::Battery => VOLTAGE,
+            Quantity::Rpm(_) => SPEED,
+            Quantity::Accel(_) => ACCELERATION,
+        }
+    }
+
+    /// The column's name in the unit that a log holds: `roll_rad`, `motor1`.
+    pub fn name(self) -> String {
+        format!("{}{}", self.stem(), self.units()[0].0)
+    }
+
+    /// The same quantity's name in another unit, for the hint after a value out of range.
+    pub(super) fn name_in_other_unit(self) -> Option<String> {
+        let (suffix, _) = self.units().get(1)?;
+        Some(format!("{}{suffix}", self.stem()))
+    }
+
+    /// Which quantity a column name means, and the factor to the unit that a log holds; `None` for an unknown name.
+    pub fn from_name(name: &str) -> Option<(Quantity, f64)> {
+        Quantity::ALL.into_iter().find_map(|quantity| {
+            let suffix = name.strip_prefix(quantity.stem())?;
+            let (_, factor) = quantity.units().iter().find(|(unit, _)| *unit == suffix)?;
+            Some((quantity, *factor))
+        })
+    }
+
+    /// The values that LOG_FORMAT.md accepts; wider ones are a wrong unit or a broken file.
+    pub(super) fn range(self) -> std::ops::RangeInclusive<f64> {
+        match self {
+            Quantity::Angle(_) | Quantity::Reference(_) => -10.0..=10.0,
+            Quantity::Rate(_) => -100.0..=100.0,
+            Quantity::Motor(_) | Quantity::Thrust => -0.05..=1.05,
+            Quantity::Command(_) => -1.05..=1.05,
+            _ => f64::MIN..=f64::MAX,
+        }
+    }
+
+    /// -1 where a forward-left-up frame counts against forward-right-down: everything about or along y and z.
+    pub(super) fn sign_from_flu(self) -> f64 {
+        match self {
+            Quantity::Angle(axis)
+            | Quantity::Rate(axis)
+            | Quantity::Reference(axis)
+            | Quantity::Command(axis)
+            | Quantity::Accel(axis)
+                if axis != Axis::Roll =>
+            {
+                -1.0
+            }
+            _ => 1.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_in_every_unit_leads_back_to_its_quantity() {
+        for quantity in Quantity::ALL {
+            for (suffix, factor) in quantity.units() {
+                let name = format!("{}{suffix}", quantity.stem());
+                assert_eq!(Quantity::from_name(&name), Some((quantity, *factor)), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_name_without_its_unit_or_with_a_foreign_one_is_unknown() {
+        for name in ["roll", "p", "time", "roll_pct", "motor1_rad", "motor5", "", "rollrad"] {
+            assert_eq!(Quantity::from_name(name), None, "{name}");
+        }
+    }
+}

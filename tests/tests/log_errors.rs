@@ -1,0 +1,350 @@
+//! Every way in which a log or a map can be wrong ends in a message that names the file, the line, the column and what
+//! was expected; nothing panics. The messages are compared whole: they are the interface.
+
+use std::io::Write;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use sil_host::log::{Log, Map, parse, read};
+
+const HEADER: &str = "time_s,roll_rad,pitch_rad,p_rad_s,q_rad_s,motor1,motor2,motor3,motor4";
+
+/// A good log of 100 rows; data row 10 is line 11.
+fn good() -> String {
+    let row = |row: usize| format!("{}.5,0.1,-0.1,0,1e-3,0.5,0.5,0.5,0.5\n", row);
+    format!("{HEADER}\n{}", (0..100).map(row).collect::<String>())
+}
+
+/// The good log with one line (counted from 1) replaced.
+fn with_line(number: usize, line: &str) -> String {
+    let mut text = String::new();
+    for (index, original) in good().lines().enumerate() {
+        text += if index + 1 == number { line } else { original };
+        text.push('\n');
+    }
+    text
+}
+
+fn with_header(header: &str) -> String {
+    with_line(1, header)
+}
+
+fn message(text: &str) -> String {
+    match parse("run.csv", text, None) {
+        Ok(_) => "read without complaint".to_owned(),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn the_good_log_is_read() {
+    let log = parse("run.csv", &good(), None).unwrap();
+    assert_eq!(log.rows(), 100);
+    assert_eq!(log.axes, [true, true, false]);
+    assert_eq!(log.notes, Vec::<String>::new());
+}
+
+#[test]
+fn malformed_text_is_named_by_file_line_and_column() {
+    let cases: Vec<(&str, String, &str)> = vec![
+        ("empty file", String::new(), "run.csv: the file is empty; expected a header line and at least 100 rows"),
+        (
+            "comments only",
+            "# synthetic\n".to_owned(),
+            "run.csv: the file is empty; expected a header line and at least 100 rows",
+        ),
+        ("header only", format!("{HEADER}\n"), "run.csv: expected at least 100 rows, found 0"),
+        (
+            "99 rows",
+            good().lines().take(100).map(|l| format!("{l}\n")).collect(),
+            "run.csv: expected at least 100 rows, found 99",
+        ),
+        (
+            "no line end",
+            good().trim_end().to_owned(),
+            "run.csv:101: the last line has no line end: the file was cut off while it was written",
+        ),
+        (
+            "cut in a number",
+            good()[..good().len() - 4].to_owned(),
+            "run.csv:101: the last line has no line end: the file was cut off while it was written",
+        ),
+        (
+            "missing column",
+            with_header(&HEADER.replace("q_rad_s", "q")),
+            "run.csv:1: `q_rad_s`: required column is missing (for other names use --map); the header has: \
+             time_s, roll_rad, pitch_rad, p_rad_s, q, motor1, motor2, motor3, motor4",
+        ),
+        (
+            "semicolons",
+            good().replace(',', ";"),
+            "run.csv:1: `time_s`: required column is missing (fields must be separated by commas); the header has: \
+             time_s;roll_rad;pitch_rad;p_rad_s;q_rad_s;motor1;motor2;motor3;motor4",
+        ),
+        (
+            "the same column twice",
+            with_header(&HEADER.replace("pitch_rad", "roll_rad")),
+            "run.csv:1: `roll_rad`: given twice: as `roll_rad` and as `roll_rad`",
+        ),
+        (
+            "one column in two units",
+            with_header(&HEADER.replace("pitch_rad", "roll_deg")),
+            "run.csv:1: `roll_rad`: given twice: as `roll_rad` and as `roll_deg`",
+        ),
+        (
+            "a word",
+            with_line(11, "9.5,0.1,none,0,0,0.5,0.5,0.5,0.5"),
+            "run.csv:11: `pitch_rad`: expected a number, found `none`",
+        ),
+        (
+            "an empty field",
+            with_line(11, "9.5,0.1,0.1,0,0,0.5,0.5,0.5,"),
+            "run.csv:11: `motor4`: expected a number, found ``",
+        ),
+        (
+            "NaN",
+            with_line(11, "9.5,0.1,NaN,0,0,0.5,0.5,0.5,0.5"),
+            "run.csv:11: `pitch_rad`: expected a finite number, found `NaN`",
+        ),
+        (
+            "infinite",
+            with_line(11, "9.5,0.1,0.1,0,-inf,0.5,0.5,0.5,0.5"),
+            "run.csv:11: `q_rad_s`: expected a finite number, found `-inf`",
+        ),
+        (
+            "overflow",
+            with_line(11, "1e999,0.1,0.1,0,0,0.5,0.5,0.5,0.5"),
+            "run.csv:11: `time_s`: expected a finite number, found `1e999`",
+        ),
+        (
+            "time back",
+            with_line(11, "8.25,0.1,0.1,0,0,0.5,0.5,0.5,0.5"),
+            "run.csv:11: `time_s`: time must increase: 8.25 s follows 8.5 s",
+        ),
+        (
+            "time standing",
+            with_line(11, "8.5,0.1,0.1,0,0,0.5,0.5,0.5,0.5"),
+            "run.csv:11: `time_s`: time must increase: 8.5 s follows 8.5 s",
+        ),
+        ("too few fields", with_line(11, "9.5,0.1,0.1"), "run.csv:11: expected 9 fields as in the header, found 3"),
+        (
+            "too many fields",
+            with_line(11, "9.5,0.1,0.1,0,0,0.5,0.5,0.5,0.5,7"),
+            "run.csv:11: expected 9 fields as in the header, found 10",
+        ),
+        ("an empty line amid the rows", with_line(11, ""), "run.csv:11: expected 9 fields as in the header, found 0"),
+        (
+            "degrees called radians",
+            with_line(11, "9.5,-28.5,0.1,0,0,0.5,0.5,0.5,0.5"),
+            "run.csv:11: `roll_rad`: -28.5 is outside -10..10 (another unit? a column named roll_deg is converted)",
+        ),
+        (
+            "degrees per second called radians",
+            with_line(11, "9.5,0.1,0.1,250,0,0.5,0.5,0.5,0.5"),
+            "run.csv:11: `p_rad_s`: 250 is outside -100..100 (another unit? a column named p_deg_s is converted)",
+        ),
+        (
+            "percent called a fraction",
+            with_line(11, "9.5,0.1,0.1,0,0,50,0.5,0.5,0.5"),
+            "run.csv:11: `motor1`: 50 is outside -0.05..1.05 (another unit? a column named motor1_pct is converted)",
+        ),
+        (
+            "a pulse width",
+            with_line(11, "9.5,0.1,0.1,0,0,0.5,1500,0.5,0.5"),
+            "run.csv:11: `motor2`: 1500 is outside -0.05..1.05 (a pulse width in us? give scale and offset in a --map)",
+        ),
+        (
+            "a negative command",
+            with_line(11, "9.5,0.1,0.1,0,0,0.5,-0.06,0.5,0.5"),
+            "run.csv:11: `motor2`: -0.06 is outside -0.05..1.05 (another unit? a column named motor2_pct is converted)",
+        ),
+        (
+            "comments and Windows line ends before a bad line",
+            format!("# a\r\n#b\r\n{}", with_line(11, "9.5,x,0.1,0,0,0,0,0,0").replace('\n', "\r\n")),
+            "run.csv:13: `roll_rad`: expected a number, found `x`",
+        ),
+        (
+            "axis commands for pitch alone",
+            with_header("time_s,roll_rad,pitch_rad,p_rad_s,q_rad_s,pitch_cmd,thrust_cmd,note,other"),
+            "run.csv:1: `roll_cmd`: required column is missing (for other names use --map); the header has: \
+             time_s, roll_rad, pitch_rad, p_rad_s, q_rad_s, pitch_cmd, thrust_cmd, note, other",
+        ),
+    ];
+    for (name, text, expected) in cases {
+        assert_eq!(message(&text), expected, "{name}");
+    }
+}
+
+#[test]
+fn files_that_are_no_text_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let gzip = |bytes: &[u8]| {
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+        encoder.write_all(bytes).unwrap();
+        encoder.finish().unwrap()
+    };
+    let whole = gzip(good().as_bytes());
+    let mut flipped = whole.clone();
+    let checksum = flipped.len() - 6;
+    flipped[checksum] ^= 1;
+    let mut latin1 = with_line(11, "9.5,0.1,0.1,0,0,?,0,0,0").into_bytes();
+    let mark = latin1.iter().position(|byte| *byte == b'?').unwrap();
+    latin1[mark] = 0xb0;
+    let cases: [(&str, Vec<u8>, &str); 8] = [
+        ("cut.csv.gz", whole[..whole.len() / 2].to_vec(), "the gzip stream is damaged or cut off ("),
+        (
+            "flipped.csv.gz",
+            flipped,
+            "the gzip stream is damaged or cut off (corrupt gzip stream does not have a matching checksum)",
+        ),
+        ("head.csv.gz", whole[..2].to_vec(), "the gzip stream is damaged or cut off ("),
+        ("latin1.csv", latin1, "not UTF-8 text; expected a CSV file"),
+        ("flight.ulg", b"anything".to_vec(), "this is a ULog (PX4) log, which isn't read yet; convert it to CSV"),
+        ("renamed.csv", b"ULog\x01\x12\x35\x01".to_vec(), "this is a ULog (PX4) log, which isn't read yet"),
+        ("flight.BIN.gz", gzip(b"anything"), "this is a DataFlash (ArduPilot) log, which isn't read yet"),
+        ("renamed2.csv", vec![0xa3, 0x95, 0x80, 0x80], "this is a DataFlash (ArduPilot) log, which isn't read yet"),
+    ];
+    for (name, bytes, expected) in cases {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let message = read(&path, None).unwrap_err().to_string();
+        assert!(message.contains(expected), "{name}: {message}");
+        assert!(message.starts_with(&path.display().to_string()), "{message}");
+        assert_eq!(name == "latin1.csv", message.contains("latin1.csv:11:"), "{message}");
+    }
+    let missing = read(&folder.path().join("no.csv"), None).unwrap_err();
+    assert!(missing.to_string().contains("no.csv: can't be opened: "));
+    let a_folder = read(folder.path(), None).unwrap_err();
+    assert!(a_folder.to_string().contains("can't be opened: "));
+    // compressed, but not named so
+    let path = folder.path().join("compressed.csv");
+    std::fs::write(&path, whole).unwrap();
+    assert_eq!(read(&path, None).unwrap().rows(), 100);
+}
+
+fn assert_close(column: &[f64], expected: f64) {
+    // one multiplication by a rounded factor: two units in the last place
+    assert!((column[0] - expected).abs() <= 4.5e-16 * expected.abs());
+}
+
+#[test]
+fn units_are_converted_by_suffix_and_order_is_free() {
+    let header = "motor4_pct,motor3,motor2,motor1_pct,q_deg_s,p_rad_s,pitch_deg,roll_rad,temperature,time_ms,battery_mv,az_g,yaw_ref_deg";
+    let row = |row: usize| format!("25,0.3,0.4,105,-90,1,180,0.5,x,{row},11100,-1,-45\n");
+    let rows: String = (0..100).map(row).collect();
+    let log =
+        parse("run.csv", &format!("\u{feff}# synthetic\n \"{}\"\n{rows}\n\n", header.replace(',', "\", \"")), None)
+            .unwrap();
+    let column = |column: &Option<Vec<f64>>| column.clone().unwrap();
+    assert_eq!(log.comments, ["synthetic"]);
+    assert_eq!(log.notes, ["columns ignored: temperature"]);
+    assert_close(&column(&log.motor_command[3]), 0.25);
+    assert_close(&column(&log.motor_command[0]), 1.05);
+    assert_close(&column(&log.rate_rad_s[1]), -std::f64::consts::FRAC_PI_2);
+    assert_close(&column(&log.angle_rad[1]), std::f64::consts::PI);
+    assert_close(&column(&log.angle_rad[0]), 0.5);
+    assert_close(&column(&log.battery_v), 11.1);
+    assert_close(&column(&log.accel_body_m_s2[2]), -9.80665);
+    assert_close(&column(&log.reference_rad[2]), -std::f64::consts::FRAC_PI_4);
+    assert_close(&log.time_s[99..], 0.099);
+}
+
+const MAP: &str = "description = \"bench\"\nframe = \"FRD\"\naxes = [\"pitch\"]\nactive_when = \"thrust_cmd > 0.1\"\n\
+    [quantities]\ntime_s = { column = \"t\" }\npitch_deg = { column = \"theta\", sign = -1, scale = 2, offset = 1 }\n\
+    pitch_cmd = { column = \"u\" }\nthrust_cmd = { column = \"T\" }\n";
+
+fn foreign(header: &str) -> String {
+    let row = |row: usize| format!("{row},30,0.2,{}\n", if row < 50 { 0.1 } else { 0.5 });
+    format!("{header}\n{}", (0..100).map(row).collect::<String>())
+}
+
+#[test]
+fn a_map_reads_a_foreign_log() {
+    let map = Map::parse("bench.toml", MAP).unwrap();
+    let log: Log = parse("run.csv", &foreign("t,theta,u,T"), Some(&map)).unwrap();
+    assert_eq!(log.axes, [false, true, false]);
+    assert!(log.driven_by_axis_commands());
+    assert_close(&log.angle_rad[1].clone().unwrap(), (-59.0_f64).to_radians());
+    let active = log.active_rows();
+    assert!(!active[49] && active[50]);
+    assert_eq!(log.notes, ["read by the map bench.toml"]);
+    assert_eq!(
+        parse("run.csv", &foreign("t,theta,v,T"), Some(&map)).unwrap_err().to_string(),
+        "run.csv:1: `u`: column is missing, which the map bench.toml takes for pitch_cmd; the header has: t, theta, v, T"
+    );
+    assert_eq!(
+        parse("run.csv", &foreign("t,theta,u,T").replace(",0.2,", ",1.2,"), Some(&map)).unwrap_err().to_string(),
+        "run.csv:2: `u`: 1.2 is outside -1.05..1.05 (another unit? a column named pitch_cmd_pct is converted)"
+    );
+}
+
+#[test]
+fn malformed_maps_are_named_by_line_and_key() {
+    let cases = [
+        ("FRD\"", "NED\"", "bench.toml:2: `frame`: expected \"FRD\" or \"FLU\", found \"NED\""),
+        ("[\"pitch\"]", "[\"pich\"]", "bench.toml:3: `axes`: expected roll, pitch or yaw, found `pich`"),
+        ("[\"pitch\"]", "[]", "bench.toml:5: `quantities`: axes names no axis"),
+        ("[\"pitch\"]", "[\"roll\"]", "bench.toml:5: `quantities`: roll_rad or p_rad_s is missing (axes has roll)"),
+        (
+            "thrust_cmd > 0.1",
+            "thrust_cmd < 0.1",
+            "bench.toml:4: `active_when`: expected \"QUANTITY > NUMBER\" with a quantity of this map, found \"thrust_cmd < 0.1\"",
+        ),
+        (
+            "thrust_cmd > 0.1",
+            "motor1 > 0.1",
+            "bench.toml:4: `active_when`: expected \"QUANTITY > NUMBER\" with a quantity of this map, found \"motor1 > 0.1\"",
+        ),
+        ("time_s =", "battery_v =", "bench.toml:5: `quantities`: time_s is missing"),
+        ("pitch_cmd =", "roll_cmd =", "bench.toml:5: `quantities`: pitch_cmd is missing (or motor1 to motor4)"),
+        ("pitch_deg", "pitch", "bench.toml:7: `pitch`: no quantity of that name and unit; LOG_FORMAT.md lists them"),
+        ("thrust_cmd = {", "pitch_rad = {", "bench.toml:9: `pitch_rad`: pitch_rad is given twice"),
+        ("sign = -1", "sign = 2", "bench.toml:7: `pitch_deg`: sign must be 1 or -1"),
+        ("scale = 2", "scale = 0", "bench.toml:7: `pitch_deg`: scale must be finite and not 0, offset finite"),
+        ("offset = 1", "offset = nan", "bench.toml:7: `pitch_deg`: scale must be finite and not 0, offset finite"),
+    ];
+    for (from, to, expected) in cases {
+        let text = MAP.replacen(from, to, 1);
+        assert_ne!(text, MAP, "{from}");
+        assert_eq!(Map::parse("bench.toml", &text).unwrap_err().to_string(), expected);
+    }
+    let of_the_toml_library = [
+        (
+            "sign = -1",
+            "sine = -1",
+            "bench.toml:7: unknown field `sine`, expected one of `column`, `scale`, `offset`, `sign`",
+        ),
+        ("column = \"u\"", "", "bench.toml:8: missing field `column`"),
+        ("frame =", "frame", "bench.toml:2: "),
+    ];
+    for (from, to, expected) in of_the_toml_library {
+        let message = Map::parse("bench.toml", &MAP.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(message.starts_with(expected), "{message}");
+    }
+    assert_eq!(
+        Map::load("nowhere.toml").unwrap_err().to_string(),
+        "nowhere.toml: no such file, and no built-in map of that name; built in are: \
+         antx, crazyflie_arplab, crazypad_controller, crazypad_motor"
+    );
+}
+
+proptest::proptest! {
+    /// Garbage in every byte, and a good log with bytes changed, end in a log or an error, never in a panic.
+    #[test]
+    fn no_text_makes_the_reader_panic(
+        garbage in proptest::collection::vec(proptest::prelude::any::<char>(), 0..200),
+        changes in proptest::collection::vec((0..4000_usize, 0..128_u8), 0..4),
+    ) {
+        let _ = parse("run.csv", &garbage.iter().collect::<String>(), None);
+        let _ = Map::parse("map.toml", &garbage.iter().collect::<String>());
+        let mut bytes = good().into_bytes();
+        let mut map = MAP.as_bytes().to_vec();
+        for (place, byte) in changes {
+            let (in_log, in_map) = (place % bytes.len(), place % map.len());
+            bytes[in_log] = byte;
+            map[in_map] = byte;
+        }
+        let _ = parse("run.csv", &String::from_utf8(bytes).unwrap(), None);
+        let _ = Map::parse("map.toml", &String::from_utf8(map).unwrap());
+    }
+}

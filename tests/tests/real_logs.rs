@@ -1,0 +1,126 @@
+//! Logs of real vehicles, recorded by other people: they are read whole, and the shipped maps turn their signs right.
+//!
+//! The logs are not part of the project. They are looked for in `$SIL_DATA`, else in `../shared/data` beside the
+//! workspace; where they are absent these tests say that they are skipped.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use sil_host::log::{Axis, Log, Map, Quantity, read};
+
+/// The folder of real logs, or a loud line and nothing.
+fn real_logs() -> Option<PathBuf> {
+    let beside_workspace = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
+    let folder = std::env::var_os("SIL_DATA").map_or_else(beside_workspace, PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    // past the capture of the test harness: a skipped test must be seen
+    let _ = writeln!(std::io::stderr(), "SKIPPED: no real logs in {}; set SIL_DATA to their folder", folder.display());
+    None
+}
+
+/// All CSV files of a folder whose name starts so, in the order of their names.
+fn files(folder: &str, start: &str) -> Vec<PathBuf> {
+    let Some(data) = real_logs() else {
+        return Vec::new();
+    };
+    let entries = std::fs::read_dir(data.join(folder)).unwrap();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        name.starts_with(start) && name.ends_with(".csv.gz")
+    });
+    paths.sort();
+    assert!(!paths.is_empty(), "{folder}/{start}* is gone");
+    paths
+}
+
+fn load(path: &std::path::Path, map: &str) -> Log {
+    let map = Map::load(map).unwrap();
+    read(path, Some(&map)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Correlation of an input with the angular acceleration of an axis some rows later, in active rows.
+fn correlation(log: &Log, axis: Axis, input: &[f64], delay_rows: usize, span_rows: usize) -> f64 {
+    let rate = log.column(Quantity::Rate(axis)).unwrap();
+    let active = log.active_rows();
+    let rows = delay_rows.max(span_rows)..log.rows() - span_rows;
+    let pairs: Vec<(f64, f64)> = rows
+        .filter(|row| active[row - delay_rows] && active[*row])
+        .map(|row| {
+            let (before, after) = (row - span_rows, row + span_rows);
+            let step_s = log.time_s[after] - log.time_s[before];
+            (input[row - delay_rows], (rate[after] - rate[before]) / step_s)
+        })
+        .collect();
+    let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+    let (mean_x, mean_y) = (mean(|p| p.0), mean(|p| p.1));
+    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 { pairs.iter().map(|(x, y)| of(x - mean_x, y - mean_y)).sum() };
+    sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
+}
+
+/// The torque about an axis that RIG.md's mixer signs give, in commands.
+fn torque_command(log: &Log, axis: Axis) -> Vec<f64> {
+    let signs = [[-1.0, 1.0, 1.0, -1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];
+    let motors = log.motors().unwrap();
+    let torque = |row: usize| (0..4).map(|m| signs[axis.index()][m] * motors[m][row]).sum();
+    (0..log.rows()).map(torque).collect()
+}
+
+#[test]
+fn bench_with_free_pitch() {
+    for path in files("rig_antx_2dof", "Lab") {
+        let log = load(&path, "antx");
+        assert_eq!(log.axes, [false, true, false]);
+        assert!(log.rows() > 4000 && (0.0039..0.0041).contains(&log.median_step_s()));
+        let active = log.active_rows().iter().filter(|active| **active).count() as f64;
+        // "60 to 80 % of a log"
+        assert!((0.55..0.85).contains(&(active / log.rows() as f64)), "{active}");
+        let command = log.axis_command[1].clone().unwrap();
+        let sign = correlation(&log, Axis::Pitch, &command, 5, 2);
+        println!("{}: pitch_cmd to q' {sign:+.2}", path.display());
+        assert!(sign > 0.4, "{}: {sign}", path.display());
+        let (pitch, q) = (log.angle_rad[1].clone().unwrap(), log.rate_rad_s[1].clone().unwrap());
+        let integral: f64 = (1..log.rows()).map(|row| (pitch[row] - pitch[row - 1]) * q[row]).sum();
+        assert!(integral > 0.0, "pitch and q must have one sign");
+    }
+}
+
+#[test]
+fn crazyflie_with_gyro_and_motors() {
+    let axes_of = [("log15", Axis::Roll, 40), ("log15", Axis::Pitch, 40), ("log16", Axis::Yaw, 0)];
+    for (name, axis, delay_rows) in axes_of {
+        for path in files("flight_crazyflie_arplab", name) {
+            let log = load(&path, "crazyflie_arplab");
+            assert!(log.angle_rad.iter().all(Option::is_none));
+            let sign = correlation(&log, axis, &torque_command(&log, axis), delay_rows, 5);
+            println!("{name}: {} torque to acceleration {sign:+.2}", axis.name());
+            assert!(sign > 0.5, "{name} {}: {sign}", axis.name());
+        }
+    }
+}
+
+#[test]
+fn crazyflie_with_axis_commands_and_gyro() {
+    for path in files("flight_crazypad", "controller_data") {
+        let log = load(&path, "crazypad_controller");
+        for axis in Axis::ALL {
+            let command = log.axis_command[axis.index()].clone().unwrap();
+            let sign = correlation(&log, axis, &command, 4, 1);
+            println!("{}: {} command to acceleration {sign:+.2}", path.display(), axis.name());
+            // a steady hover hardly excites: only the sign can be asked for
+            assert!(sign > 0.05, "{}: {}", path.display(), axis.name());
+        }
+    }
+}
+
+#[test]
+fn crazyflie_with_motors_and_no_gyro() {
+    for path in files("flight_crazypad", "motor_data") {
+        let log = load(&path, "crazypad_motor");
+        assert_eq!(log.axes, [true, false, true]);
+        assert!(log.motors().is_some() && log.rate_rad_s.iter().all(Option::is_none));
+        assert_eq!(log.source_column(Quantity::Motor(1)), Some("m3_cmd_0_1"));
+    }
+}
