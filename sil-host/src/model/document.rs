@@ -13,13 +13,13 @@ use super::error::{ModelError, Place, Problem};
 
 /// The numbers that a key admits, and how to say so.
 #[derive(Clone, Copy, Debug)]
-pub struct Admissible {
+pub(crate) struct Admissible {
     /// Smallest value.
-    pub min: f64,
+    pub(crate) min: f64,
     /// Largest value.
-    pub max: f64,
+    pub(crate) max: f64,
     /// What it is, with its unit: "the arm in metres, motor to centre".
-    pub what: &'static str,
+    pub(crate) what: &'static str,
 }
 
 /// Short for [`Admissible`].
@@ -58,7 +58,7 @@ impl<'a> Source<'a> {
 
 /// One table of a document. Keys are taken one by one; [`Section::finish`] complains about those left over.
 #[derive(Debug)]
-pub struct Section<'a> {
+pub(crate) struct Section<'a> {
     source: Source<'a>,
     /// Its header without the outer brackets; empty for the document.
     path: String,
@@ -78,12 +78,12 @@ impl<'a> Section<'a> {
     }
 
     /// The number at `key`.
-    pub fn number(&self, key: &'static str, range: Admissible) -> Result<f64, ModelError> {
+    pub(crate) fn number(&self, key: &'static str, range: Admissible) -> Result<f64, ModelError> {
         self.optional_number(key, range)?.ok_or_else(|| self.missing(key, range.describe()))
     }
 
     /// The number at `key`, or none if there is no such key.
-    pub fn optional_number(&self, key: &'static str, range: Admissible) -> Result<Option<f64>, ModelError> {
+    pub(crate) fn optional_number(&self, key: &'static str, range: Admissible) -> Result<Option<f64>, ModelError> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
@@ -105,13 +105,13 @@ impl<'a> Section<'a> {
     }
 
     /// The text at `key`.
-    pub fn text(&self, key: &'static str, what: &'static str) -> Result<&'a str, ModelError> {
+    pub(crate) fn text(&self, key: &'static str, what: &'static str) -> Result<&'a str, ModelError> {
         let value = self.get(key).ok_or_else(|| self.missing(key, what.to_owned()))?;
         value.get_ref().as_str().ok_or_else(|| self.wrong_type(key, value, what.to_owned()))
     }
 
     /// The thing that the text at `key` names.
-    pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&'static str, T)]) -> Result<T, ModelError> {
+    pub(crate) fn choice<T: Copy>(&self, key: &'static str, choices: &[(&'static str, T)]) -> Result<T, ModelError> {
         let names: Vec<_> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
         let expected = names.join(" or ");
         let Some(value) = self.get(key) else {
@@ -128,7 +128,7 @@ impl<'a> Section<'a> {
     }
 
     /// The table at `key`.
-    pub fn section(&self, key: &'static str) -> Result<Section<'a>, ModelError> {
+    pub(crate) fn section(&self, key: &'static str) -> Result<Section<'a>, ModelError> {
         let value = self.get(key).ok_or_else(|| self.missing(key, format!("a table [{key}]")))?;
         let table =
             value.get_ref().as_table().ok_or_else(|| self.wrong_type(key, value, format!("a table [{key}]")))?;
@@ -137,7 +137,7 @@ impl<'a> Section<'a> {
     }
 
     /// The tables at `key`, written `[[key]]`; none if there is no such key.
-    pub fn sections(&self, key: &'static str) -> Result<Vec<Section<'a>>, ModelError> {
+    pub(crate) fn sections(&self, key: &'static str) -> Result<Vec<Section<'a>>, ModelError> {
         let Some(value) = self.get(key) else {
             return Ok(Vec::new());
         };
@@ -153,7 +153,7 @@ impl<'a> Section<'a> {
     }
 
     /// Complains about the first key that nobody asked for.
-    pub fn finish(&self) -> Result<(), ModelError> {
+    pub(crate) fn finish(&self) -> Result<(), ModelError> {
         let known = self.known.borrow();
         let stranger =
             self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).min_by_key(|key| key.span().start);
@@ -164,7 +164,7 @@ impl<'a> Section<'a> {
     }
 
     /// A complaint about the table as a whole.
-    pub fn impossible(&self, why: String) -> ModelError {
+    pub(crate) fn impossible(&self, why: String) -> ModelError {
         self.source.error(self.span.clone(), Problem::Impossible(why))
     }
 

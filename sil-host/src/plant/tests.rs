@@ -199,4 +199,28 @@ fn the_resting_accelerometer_reads_gravity_from_every_attitude() {
     }
 }
 
+/// Newton's law: acceleration is gravity plus what the accelerometer feels, turned into the world. Nose up pulls the
+/// vehicle backwards, right side down to the right.
+#[test]
+fn a_tilted_vehicle_accelerates_where_its_lift_points() {
+    let model = VehicleModel::nominal(Rig::Free);
+    for (angles, north, east) in
+        [([0.0, 0.3, 0.0], -1.0, 0.0), ([0.3, 0.0, 0.0], 0.0, 1.0), ([0.4, -0.5, 2.0], 0.0, 0.0)]
+    {
+        let mut plant = Plant::new(&model);
+        plant.set_attitude(angles, [0.0; 3]);
+        let truth = plant.truth();
+        let felt = world_from_body(truth.q_world_from_body, truth.specific_force_body_m_s2);
+        plant.advance(0.1);
+        let speed = plant.truth().velocity_ned_m_s;
+        for (axis, gravity) in [0.0, 0.0, model.gravity_m_s2].into_iter().enumerate() {
+            // without torque the attitude stays, and so does the acceleration
+            assert!(close(speed[axis], (felt[axis] + gravity) * 0.1, 1e-12), "{angles:?}: {speed:?}");
+        }
+        assert!(speed[0] * north >= 0.0 && speed[1] * east >= 0.0, "{angles:?}: {speed:?}");
+        assert!(north == 0.0 || speed[0].abs() > 0.2, "{angles:?}: {speed:?}");
+        assert!(east == 0.0 || speed[1].abs() > 0.2, "{angles:?}: {speed:?}");
+    }
+}
+
 mod physics;

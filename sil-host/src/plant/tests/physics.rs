@@ -52,6 +52,8 @@ fn the_free_body_conserves_energy_and_momentum() {
     }
     // 5800 J of fall are gained and lost: rounding of 20 000 steps
     assert!((end.2 - start.2).abs() < 1e-7, "energy of the fall {} to {}", start.2, end.2);
+    let length_square: f64 = plant.truth().q_world_from_body.iter().map(|component| component * component).sum();
+    assert!((length_square - 1.0).abs() < 1e-15, "the quaternion keeps its length");
     // free fall: s = g t^2 / 2, and nothing is felt
     let truth = plant.truth();
     assert!((truth.position_ned_m[2] - 0.5 * model.gravity_m_s2 * 100.0).abs() < 1e-8);
