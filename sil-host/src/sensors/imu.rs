@@ -74,4 +74,23 @@ mod tests {
         assert_eq!(lost.gyro_counts, [0; 3]);
         assert_eq!(lost.accel_counts, [i16::MIN, i16::MAX, i16::MAX]);
     }
+
+    proptest::proptest! {
+        /// The control core has scales and axis map of its own; both sides must mean the same sensor.
+        #[test]
+        fn the_control_core_reads_back_what_was_felt(
+            rate in proptest::array::uniform3(-34.0..34.0_f64), force in proptest::array::uniform3(-78.0..78.0_f64),
+        ) {
+            let core = shared_control::imu::ImuConfig::pixhawk1_mpu6000(100.0, 1000.0);
+            let sample = quantise(0, rate, force);
+            let (rate_read, force_read) = (core.gyro_rad_s(&sample), core.specific_force_m_s2(&sample));
+            for axis in 0..3 {
+                // half a count, and the rounding of f32 at 2^15 counts
+                let half_gyro = 0.501 / GYRO_COUNTS_PER_RAD_S + 1e-5;
+                let half_accel = 0.501 / ACCEL_COUNTS_PER_M_S2 + 1e-5;
+                proptest::prop_assert!((f64::from(rate_read[axis]) - rate[axis]).abs() < half_gyro);
+                proptest::prop_assert!((f64::from(force_read[axis]) - force[axis]).abs() < half_accel);
+            }
+        }
+    }
 }
