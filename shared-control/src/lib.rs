@@ -2,4 +2,19 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod attitude;
+pub mod config;
+pub mod elementary;
+pub mod estimator;
+pub mod filter;
+pub mod flight_core;
+pub mod frames;
+pub mod imu;
+pub mod lift_curve;
+pub mod mixer;
+pub mod mpc;
+pub mod output;
+pub mod qp;
 pub mod signals;
+pub mod supervisor;
+pub mod vehicle;

@@ -1,6 +1,17 @@
 //! The simulated vehicle, its co-simulation with the control core, and the comparison with measured logs.
 
-pub mod fidelity;
+pub mod bench_mpc;
+pub mod control_setup;
+pub mod controller_file;
+pub mod cosim;
+pub mod flight;
+pub mod flight_log;
 pub mod log;
+pub mod margins;
+pub mod metrics;
 pub mod model;
+pub mod planner;
 pub mod plant;
+pub mod report;
+pub mod scenario;
+pub mod sensors;

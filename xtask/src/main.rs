@@ -1,2 +1,60 @@
-//! `cargo xtask`.
-fn main() {}
+//! `cargo xtask`: what CI runs, and what a developer would otherwise type by hand.
+
+mod ci;
+mod firmware;
+mod image;
+mod process;
+mod sysroot;
+mod tidy;
+mod toolchain;
+mod workspace;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+use crate::firmware::Target;
+use crate::workspace::Workspace;
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Build the firmware image, check it and print its size (also: cargo fw)
+    Fw,
+    /// Build the control core alone for the flight controller
+    CoreTarget,
+    /// Lint the firmware and the control core as compiled for the flight controller
+    ClippyTarget,
+    /// Check the rules that neither the compiler nor clippy knows
+    Tidy,
+    /// Run all that CI runs, in its order
+    Ci,
+}
+
+fn main() -> ExitCode {
+    match run(&Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(task: &Task) -> Result<()> {
+    let workspace = Workspace::find()?;
+    match task {
+        Task::Fw => Target::find(&workspace)?.build_image(),
+        Task::CoreTarget => Target::find(&workspace)?.build_core(),
+        Task::ClippyTarget => Target::find(&workspace)?.clippy(),
+        Task::Tidy => tidy::run(&workspace),
+        Task::Ci => ci::run(&workspace),
+    }
+}

@@ -13,13 +13,13 @@ use super::error::{ModelError, Place, Problem};
 
 /// The numbers that a key admits, and how to say so.
 #[derive(Clone, Copy, Debug)]
-pub struct Admissible {
+pub(crate) struct Admissible {
     /// Smallest value.
-    pub min: f64,
+    pub(crate) min: f64,
     /// Largest value.
-    pub max: f64,
+    pub(crate) max: f64,
     /// What it is, with its unit: "the arm in metres, motor to centre".
-    pub what: &'static str,
+    pub(crate) what: &'static str,
 }
 
 /// Short for [`Admissible`].
@@ -58,9 +58,10 @@ impl<'a> Source<'a> {
 
 /// One table of a document. Keys are taken one by one; [`Section::finish`] complains about those left over.
 #[derive(Debug)]
-pub struct Section<'a> {
+pub(crate) struct Section<'a> {
     source: Source<'a>,
-    title: String,
+    /// Its header without the outer brackets; empty for the document.
+    path: String,
     span: Range<usize>,
     table: &'a DeTable<'a>,
     known: RefCell<Vec<&'static str>>,
@@ -69,20 +70,20 @@ pub struct Section<'a> {
 impl<'a> Section<'a> {
     /// The whole document.
     pub(crate) fn root(source: Source<'a>, document: &'a Spanned<DeTable<'a>>) -> Self {
-        Self::new(source, "the model".to_owned(), 0..0, document.get_ref())
+        Self::new(source, String::new(), 0..0, document.get_ref())
     }
 
-    fn new(source: Source<'a>, title: String, span: Range<usize>, table: &'a DeTable<'a>) -> Self {
-        Self { source, title, span, table, known: RefCell::new(Vec::new()) }
+    fn new(source: Source<'a>, path: String, span: Range<usize>, table: &'a DeTable<'a>) -> Self {
+        Self { source, path, span, table, known: RefCell::new(Vec::new()) }
     }
 
     /// The number at `key`.
-    pub fn number(&self, key: &'static str, range: Admissible) -> Result<f64, ModelError> {
+    pub(crate) fn number(&self, key: &'static str, range: Admissible) -> Result<f64, ModelError> {
         self.optional_number(key, range)?.ok_or_else(|| self.missing(key, range.describe()))
     }
 
     /// The number at `key`, or none if there is no such key.
-    pub fn optional_number(&self, key: &'static str, range: Admissible) -> Result<Option<f64>, ModelError> {
+    pub(crate) fn optional_number(&self, key: &'static str, range: Admissible) -> Result<Option<f64>, ModelError> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
@@ -104,13 +105,13 @@ impl<'a> Section<'a> {
     }
 
     /// The text at `key`.
-    pub fn text(&self, key: &'static str, what: &'static str) -> Result<&'a str, ModelError> {
+    pub(crate) fn text(&self, key: &'static str, what: &'static str) -> Result<&'a str, ModelError> {
         let value = self.get(key).ok_or_else(|| self.missing(key, what.to_owned()))?;
         value.get_ref().as_str().ok_or_else(|| self.wrong_type(key, value, what.to_owned()))
     }
 
     /// The thing that the text at `key` names.
-    pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&'static str, T)]) -> Result<T, ModelError> {
+    pub(crate) fn choice<T: Copy>(&self, key: &'static str, choices: &[(&'static str, T)]) -> Result<T, ModelError> {
         let names: Vec<_> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
         let expected = names.join(" or ");
         let Some(value) = self.get(key) else {
@@ -127,16 +128,16 @@ impl<'a> Section<'a> {
     }
 
     /// The table at `key`.
-    pub fn section(&self, key: &'static str) -> Result<Section<'a>, ModelError> {
+    pub(crate) fn section(&self, key: &'static str) -> Result<Section<'a>, ModelError> {
         let value = self.get(key).ok_or_else(|| self.missing(key, format!("a table [{key}]")))?;
         let table =
             value.get_ref().as_table().ok_or_else(|| self.wrong_type(key, value, format!("a table [{key}]")))?;
-        let title = format!("[{key}]");
-        Ok(Section::new(self.source, title, value.span(), table))
+        let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
+        Ok(Section::new(self.source, path, value.span(), table))
     }
 
     /// The tables at `key`, written `[[key]]`; none if there is no such key.
-    pub fn sections(&self, key: &'static str) -> Result<Vec<Section<'a>>, ModelError> {
+    pub(crate) fn sections(&self, key: &'static str) -> Result<Vec<Section<'a>>, ModelError> {
         let Some(value) = self.get(key) else {
             return Ok(Vec::new());
         };
@@ -145,29 +146,30 @@ impl<'a> Section<'a> {
         let mut sections = Vec::new();
         for element in array.iter() {
             let table = element.get_ref().as_table().ok_or_else(|| self.wrong_type(key, element, expected.clone()))?;
-            let title = format!("[[{key}]]");
-            sections.push(Section::new(self.source, title, element.span(), table));
+            let path = format!("[{key}]");
+            sections.push(Section::new(self.source, path, element.span(), table));
         }
         Ok(sections)
     }
 
     /// Complains about the first key that nobody asked for.
-    pub fn finish(&self) -> Result<(), ModelError> {
+    pub(crate) fn finish(&self) -> Result<(), ModelError> {
         let known = self.known.borrow();
         let stranger =
             self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).min_by_key(|key| key.span().start);
         let Some(key) = stranger else { return Ok(()) };
-        let problem = Problem::UnknownKey {
-            section: self.title.clone(),
-            key: key.get_ref().to_string(),
-            expected: known.join(", "),
-        };
+        let problem =
+            Problem::UnknownKey { section: self.title(), key: key.get_ref().to_string(), expected: known.join(", ") };
         Err(self.source.error(key.span(), problem))
     }
 
     /// A complaint about the table as a whole.
-    pub fn impossible(&self, why: String) -> ModelError {
+    pub(crate) fn impossible(&self, why: String) -> ModelError {
         self.source.error(self.span.clone(), Problem::Impossible(why))
+    }
+
+    fn title(&self) -> String {
+        if self.path.is_empty() { "the model".to_owned() } else { format!("[{}]", self.path) }
     }
 
     fn get(&self, key: &'static str) -> Option<&'a Spanned<DeValue<'a>>> {
@@ -176,7 +178,7 @@ impl<'a> Section<'a> {
     }
 
     fn missing(&self, key: &'static str, expected: String) -> ModelError {
-        let problem = Problem::MissingKey { section: self.title.clone(), key: key.to_owned(), expected };
+        let problem = Problem::MissingKey { section: self.title(), key: key.to_owned(), expected };
         self.source.error(self.span.clone(), problem)
     }
 

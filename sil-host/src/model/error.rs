@@ -84,7 +84,7 @@ pub enum Problem {
         expected: String,
     },
     /// Text where a number should be, or the like.
-    #[error("`{key}` is {found}: expected {expected}")]
+    #[error("`{key}` is of type {found}: expected {expected}")]
     WrongType {
         /// The key.
         key: String,

@@ -8,14 +8,14 @@
 mod document;
 mod error;
 mod read;
-pub(crate) mod write;
+mod write;
 
 use crate::plant::effects::Effect;
 use crate::plant::propulsion::{Level, Propulsion};
 
-pub(crate) use document::admissible;
-pub use document::{Admissible, Section};
+pub(crate) use document::{Admissible, Section, admissible};
 pub use error::{ModelError, Place, Problem};
+pub(crate) use write::Table;
 
 /// All that is known of a vehicle and of the rig it hangs in.
 #[derive(Clone, Debug, PartialEq)]

@@ -57,11 +57,11 @@ impl Table {
         let _ = writeln!(self.0, "{key} = {}", toml::Value::from(value));
     }
 
-    /// A number where `value` is one, else text.
+    /// A number where `value` is one that is finite, else text.
     pub(crate) fn number_or_string(&mut self, key: &str, value: &str) {
         match value.parse() {
-            Ok(number) => self.number(key, number),
-            Err(_) => self.string(key, value),
+            Ok(number) if f64::is_finite(number) => self.number(key, number),
+            _ => self.string(key, value),
         }
     }
 

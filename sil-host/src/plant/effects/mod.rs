@@ -1,14 +1,13 @@
 //! What a vehicle may do beyond its nominal model, one effect a file.
 //!
 //! An effect is a type that says its name, reads and lists its parameters, and enters the equations through those
-//! hooks of [`Extension`] that it needs. To add one: write its file, and add its row to the catalogue below.
+//! hooks of `Extension` that it needs. To add one: write its file, and add its row to the catalogue below.
 
 mod cg_offset;
 
 use super::free_flight::FreeMotion;
 use super::gimbal::GimbalMotion;
-use crate::model::write::Table;
-use crate::model::{ModelError, Problem, Rig, Section};
+use crate::model::{ModelError, Problem, Rig, Section, Table};
 
 pub use cg_offset::CgOffset;
 
@@ -143,3 +142,6 @@ impl Axis {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,8 +8,7 @@
 //! Departure from the thesis: (C.4) takes the speed constant A_m as torque constant; in SI units it is 1/A_m.
 
 use super::RotorState;
-use crate::model::write::Table;
-use crate::model::{ModelError, Section, admissible};
+use crate::model::{ModelError, Section, Table, admissible};
 
 /// All constants of the electro-mechanical propulsion of one arm.
 #[derive(Clone, Copy, Debug, PartialEq)]

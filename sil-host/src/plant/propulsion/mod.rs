@@ -13,8 +13,7 @@ mod device;
 mod flying_box;
 mod generic;
 
-use crate::model::write::Table;
-use crate::model::{Admissible, ModelError, Section, admissible};
+use crate::model::{Admissible, ModelError, Section, Table, admissible};
 
 pub use device::{DevicePropulsion, Esc};
 pub use flying_box::FlyingBox;

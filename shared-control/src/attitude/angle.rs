@@ -1,0 +1,148 @@
+//! The attitude loop: shaped reference, attitude error as a rotation, square-root P to a rate target.
+//!
+//! The error is split as AC_AttitudeControl's `thrust_heading_rotation_angles` does: first the shortest rotation that
+//! brings the thrust axis where it belongs (what keeps the vehicle in the air), then the rest about that axis (heading).
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::attitude::shaping::{ShapedReference, ShapingConfig, follow_angle, follow_rate};
+use crate::attitude::square_root::square_root_controller;
+use crate::elementary::{atan2, limit, sqrt};
+use crate::frames::{EulerAngles, euler_from_q, q_world_from_euler, rate_body_from_euler_rates};
+use crate::signals::{AttitudeEstimate, Setpoint};
+
+/// Gains and limits; arrays are roll, pitch, yaw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AngleConfig {
+    /// Shaping of the reference.
+    pub shaping: [ShapingConfig; 3],
+    /// Gain from angle error to rate near the target, 1/s.
+    pub gain_1_s: [f32; 3],
+    /// Deceleration that the square root counts on, rad/s^2.
+    pub acceleration_max_rad_s2: [f32; 3],
+    /// Largest rate target, rad/s.
+    pub rate_max_rad_s: [f32; 3],
+    /// Largest roll or pitch set-point, rad.
+    pub tilt_max_rad: f32,
+    /// True on a rig whose heading can't move: no heading error, no yaw rate.
+    pub yaw_locked: bool,
+}
+
+/// Shaped references of roll, pitch and heading, rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AngleState {
+    /// Roll, pitch, yaw.
+    pub reference: [ShapedReference; 3],
+}
+
+impl AngleState {
+    /// Reference as Euler angles.
+    pub fn angles(&self) -> EulerAngles {
+        let [roll, pitch, yaw] = self.reference.map(|axis| axis.angle_rad);
+        EulerAngles { roll_rad: roll, pitch_rad: pitch, yaw_rad: yaw }
+    }
+
+    /// The reference that holds the present attitude, level: where control starts, without a jump in heading.
+    pub fn level_at(estimate: &AttitudeEstimate) -> Self {
+        let mut state = Self::default();
+        state.reference[2].angle_rad = euler_from_q(&estimate.q_world_from_body).yaw_rad;
+        state
+    }
+}
+
+/// Advances the reference by one step and gives the rate target, body frame, rad/s.
+pub fn update(
+    config: &AngleConfig,
+    state: &mut AngleState,
+    setpoint: &Setpoint,
+    estimate: &AttitudeEstimate,
+    dt_s: f32,
+) -> Vector3<f32> {
+    shape(config, state, setpoint, dt_s);
+    let target = q_world_from_euler(state.angles());
+    let mut error_rad = attitude_error(&target, &estimate.q_world_from_body);
+    if config.yaw_locked {
+        error_rad.z = 0.0;
+    }
+    let feed_forward = rate_body_from_euler_rates(state.angles(), state.reference.map(|axis| axis.rate_rad_s));
+    Vector3::from_fn(|axis, _| {
+        let correction =
+            square_root_controller(error_rad[axis], config.gain_1_s[axis], config.acceleration_max_rad_s2[axis], dt_s);
+        let ahead = if axis == 2 && config.yaw_locked { 0.0 } else { feed_forward[axis] };
+        limit(correction + ahead, -config.rate_max_rad_s[axis], config.rate_max_rad_s[axis])
+    })
+}
+
+fn shape(config: &AngleConfig, state: &mut AngleState, setpoint: &Setpoint, dt_s: f32) {
+    let tilt = |angle_rad: f32| {
+        if angle_rad.is_finite() { limit(angle_rad, -config.tilt_max_rad, config.tilt_max_rad) } else { angle_rad }
+    };
+    follow_angle(&config.shaping[0], &mut state.reference[0], tilt(setpoint.roll_rad), dt_s);
+    follow_angle(&config.shaping[1], &mut state.reference[1], tilt(setpoint.pitch_rad), dt_s);
+    if !config.yaw_locked {
+        follow_rate(&config.shaping[2], &mut state.reference[2], setpoint.yaw_rate_rad_s, dt_s);
+    }
+}
+
+/// Rotation still to make, body frame, rad: x and y move the thrust axis, z is what is then left of the heading.
+pub fn attitude_error(target: &UnitQuaternion<f32>, actual: &UnitQuaternion<f32>) -> Vector3<f32> {
+    let body_from_target = actual.inverse() * target;
+    let q = body_from_target.quaternion();
+    // swing about an axis in the xy plane, then twist about z: q = swing * twist
+    let cos_half_swing = sqrt(q.w * q.w + q.k * q.k);
+    if cos_half_swing < 1e-6 {
+        // thrust axes exactly opposite: any horizontal axis will do, so take roll
+        return Vector3::new(core::f32::consts::PI, 0.0, 0.0);
+    }
+    let swing_x = (q.i * q.w - q.j * q.k) / cos_half_swing;
+    let swing_y = (q.j * q.w + q.i * q.k) / cos_half_swing;
+    let sin_half_swing = sqrt(swing_x * swing_x + swing_y * swing_y);
+    let angle_per_sine =
+        if sin_half_swing < 1e-4 { 2.0 } else { 2.0 * atan2(sin_half_swing, cos_half_swing) / sin_half_swing };
+    let (w, k) = if q.w < 0.0 { (-q.w, -q.k) } else { (q.w, q.k) };
+    Vector3::new(swing_x * angle_per_sine, swing_y * angle_per_sine, 2.0 * atan2(k, w))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::q_from_rotation_vector;
+    use proptest::prelude::*;
+
+    fn any_attitude() -> impl Strategy<Value = UnitQuaternion<f32>> {
+        (-3f32..3.0, -3f32..3.0, -3f32..3.0).prop_map(|(x, y, z)| q_from_rotation_vector(&Vector3::new(x, y, z)))
+    }
+
+    proptest! {
+        /// Swing then twist by the error leads from the actual attitude to the target, whichever sign the quaternions have.
+        #[test]
+        fn error_is_the_rotation_that_is_missing(target in any_attitude(), actual in any_attitude()) {
+            let error = attitude_error(&target, &actual);
+            let swing = q_from_rotation_vector(&Vector3::new(error.x, error.y, 0.0));
+            let twist = q_from_rotation_vector(&Vector3::new(0.0, 0.0, error.z));
+            let reached = actual * swing * twist;
+            let same = reached.into_inner().dot(&target.into_inner()).abs();
+            prop_assert!(same > 1.0 - 1e-5, "{same}");
+            let other_sign = UnitQuaternion::new_unchecked(-target.into_inner());
+            prop_assert!((attitude_error(&other_sign, &actual) - error).norm() < 1e-4);
+        }
+
+        /// Turning at the error's rate always arrives (all start and goal pairs).
+        #[test]
+        fn following_the_error_converges(target in any_attitude(), start in any_attitude()) {
+            let mut actual = start;
+            for _ in 0..3000 {
+                let rate = attitude_error(&target, &actual) * 5.0;
+                actual = crate::frames::normalized((actual * q_from_rotation_vector(&(rate * 0.0025))).into_inner());
+            }
+            prop_assert!(attitude_error(&target, &actual).norm() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn opposite_thrust_axes_give_a_finite_way_back() {
+        let upside_down = q_from_rotation_vector(&Vector3::new(0.0, core::f32::consts::PI, 0.0));
+        let error = attitude_error(&UnitQuaternion::identity(), &upside_down);
+        assert!((error.xy().norm() - core::f32::consts::PI).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,14 @@
+//! The PID cascade as APM:Copter has it (thesis section 4.3.1; ArduPilot's AC_AttitudeControl).
+//!
+//! ```text
+//!  set-point -> shaping -> attitude error -> square root P -> rate target -+- follow (after the outputs)
+//!                  `------------- feed-forward rate ---------------^       |
+//!  gyro ----------------------------------------------------> rate PID <---'   fast (before them)
+//! ```
+//! [`angle::update`] runs after the outputs are written and gives the rate target that the next step's
+//! [`rate::update`] uses: one sample of delay, no jitter.
+
+pub mod angle;
+pub mod rate;
+pub mod shaping;
+pub mod square_root;

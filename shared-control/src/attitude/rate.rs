@@ -1,0 +1,150 @@
+//! The rate loop: one PID per body axis, from rate error to angular acceleration (ArduPilot's AC_PID).
+//!
+//! a = k_P e + integral(k_I e) + k_D d/dt LP(e), all in 1/s, 1/s^2 and 1: the gains don't know the vehicle, whose inertia
+//! turns the result into a torque. The integral is held while the mixer could not deliver what was asked in that
+//! direction, and while another controller flies.
+
+use nalgebra::Vector3;
+
+use crate::elementary::limit;
+use crate::filter::LowPass1;
+
+/// Gains of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RateGains {
+    /// Angular acceleration per rate error, 1/s.
+    pub proportional_1_s: f32,
+    /// Angular acceleration per integrated rate error, 1/s^2.
+    pub integral_1_s2: f32,
+    /// Angular acceleration per derivative of the rate error (dimensionless).
+    pub derivative: f32,
+    /// Largest integral, rad/s^2.
+    pub integral_max_rad_s2: f32,
+    /// Low-pass on the error before it is differentiated.
+    pub derivative_filter: LowPass1,
+}
+
+/// Whether and how the last demand reached the motors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Delivery {
+    /// It was applied but for this part (any unit; only its sign counts).
+    Applied {
+        /// Demanded minus delivered, per body axis.
+        unmet: [f32; 3],
+    },
+    /// Something else flew.
+    NotApplied,
+}
+
+/// State of one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RateAxisState {
+    integral_rad_s2: f32,
+    filtered_error_rad_s: f32,
+    started: bool,
+}
+
+/// State of the three axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RateState {
+    axes: [RateAxisState; 3],
+}
+
+/// Angular acceleration to ask for, body frame, rad/s^2.
+pub fn update(
+    gains: &[RateGains; 3],
+    state: &mut RateState,
+    target_rad_s: &Vector3<f32>,
+    rate_rad_s: &Vector3<f32>,
+    last_demand: Delivery,
+    dt_s: f32,
+) -> Vector3<f32> {
+    Vector3::from_fn(|axis, _| {
+        let error = target_rad_s[axis] - rate_rad_s[axis];
+        let error = if error.is_finite() { error } else { 0.0 };
+        let integrate = match last_demand {
+            Delivery::Applied { unmet } => unmet[axis] * error <= 0.0,
+            Delivery::NotApplied => false,
+        };
+        axis_update(&gains[axis], &mut state.axes[axis], error, integrate, dt_s)
+    })
+}
+
+fn axis_update(gains: &RateGains, state: &mut RateAxisState, error: f32, integrate: bool, dt_s: f32) -> f32 {
+    if !state.started {
+        // the first error is no step: without this the derivative would kick
+        state.filtered_error_rad_s = error;
+        state.started = true;
+    }
+    let before = state.filtered_error_rad_s;
+    let after = gains.derivative_filter.update(&mut state.filtered_error_rad_s, error);
+    let derivative = gains.derivative * (after - before) / dt_s;
+    if integrate {
+        let integral = state.integral_rad_s2 + gains.integral_1_s2 * error * dt_s;
+        state.integral_rad_s2 = limit(integral, -gains.integral_max_rad_s2, gains.integral_max_rad_s2);
+    }
+    gains.proportional_1_s * error + state.integral_rad_s2 + derivative
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GAINS: RateGains = RateGains {
+        proportional_1_s: 20.0,
+        integral_1_s2: 30.0,
+        derivative: 0.1,
+        integral_max_rad_s2: 5.0,
+        derivative_filter: LowPass1 { share: 1.0 },
+    };
+    const DT: f32 = 0.0025;
+
+    fn run(state: &mut RateState, error: f32, unmet: f32) -> f32 {
+        let target = Vector3::new(error, 0.0, 0.0);
+        update(&[GAINS; 3], state, &target, &Vector3::zeros(), Delivery::Applied { unmet: [unmet, 0.0, 0.0] }, DT).x
+    }
+
+    #[test]
+    fn each_term_is_its_formula() {
+        let mut state = RateState::default();
+        // no kick on the first sample: P and one step of I
+        assert!((run(&mut state, 0.1, 0.0) - (20.0 * 0.1 + 30.0 * 0.1 * DT)).abs() < 1e-6);
+        for _ in 1..100 {
+            run(&mut state, 0.1, 0.0);
+        }
+        // ramp of the integral: k_I e t
+        assert!((state.axes[0].integral_rad_s2 - 30.0 * 0.1 * 100.0 * DT).abs() < 1e-4);
+        // unfiltered derivative of a step: k_D * step / dt
+        let before = state.axes[0].integral_rad_s2;
+        let out = run(&mut state, 0.2, 0.0);
+        let expected = 20.0 * 0.2 + before + 30.0 * 0.2 * DT + 0.1 * 0.1 / DT;
+        assert!((out - expected).abs() < 1e-3, "{out} {expected}");
+    }
+
+    #[test]
+    fn integral_is_bounded_and_held_in_saturation() {
+        let mut state = RateState::default();
+        for _ in 0..10_000 {
+            run(&mut state, 1.0, 0.0);
+        }
+        assert_eq!(state.axes[0].integral_rad_s2, 5.0);
+        let mut held = RateState::default();
+        for _ in 0..100 {
+            run(&mut held, 1.0, 0.3);
+        }
+        assert_eq!(held.axes[0].integral_rad_s2, 0.0);
+        run(&mut held, 1.0, -0.3);
+        let before = held.axes[0].integral_rad_s2;
+        assert!(before > 0.0, "saturation the other way does not hold it");
+        update(&[GAINS; 3], &mut held, &Vector3::repeat(1.0), &Vector3::zeros(), Delivery::NotApplied, DT);
+        assert_eq!(held.axes[0].integral_rad_s2, before, "nothing is integrated while another controller flies");
+    }
+
+    #[test]
+    fn a_rate_that_is_not_a_number_asks_for_nothing() {
+        let mut state = RateState::default();
+        let out =
+            update(&[GAINS; 3], &mut state, &Vector3::repeat(f32::NAN), &Vector3::zeros(), Delivery::NotApplied, DT);
+        assert_eq!(out, Vector3::zeros());
+    }
+}

@@ -1,0 +1,257 @@
+//! The whole configuration of the core: made once from the vehicle's parameters and a tuning, then only read.
+
+use crate::attitude::angle::AngleConfig;
+use crate::attitude::rate::RateGains;
+use crate::attitude::shaping::ShapingConfig;
+use crate::estimator::EstimatorConfig;
+use crate::filter::LowPass1;
+use crate::imu::ImuConfig;
+use crate::mixer::MixerConfig;
+use crate::mpc::MpcSettings;
+use crate::output::{OutputConfig, PulseKind};
+use crate::vehicle::VehicleParameters;
+
+/// Which controller makes the torque.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Controller {
+    /// The PID cascade.
+    Cascade,
+    /// MPC, with the cascade as fallback.
+    Mpc,
+}
+
+/// Gains that don't depend on the vehicle's size; arrays are roll, pitch, yaw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuning {
+    /// How fast the shaped reference closes in, 1/s.
+    pub shaping_gain_1_s: [f32; 3],
+    /// Share of the acceleration authority that the shaped reference and the square root use.
+    pub acceleration_share: f32,
+    /// Largest rate asked for, rad/s.
+    pub rate_max_rad_s: [f32; 3],
+    /// Largest tilt asked for, rad.
+    pub tilt_max_rad: f32,
+    /// Angle error to rate, 1/s.
+    pub angle_gain_1_s: [f32; 3],
+    /// Rate error to angular acceleration, 1/s.
+    pub rate_proportional_1_s: [f32; 3],
+    /// Integrated rate error to angular acceleration, 1/s^2.
+    pub rate_integral_1_s2: [f32; 3],
+    /// Derivative of the rate error to angular acceleration.
+    pub rate_derivative: [f32; 3],
+    /// Cut-off of the derivative's low-pass, Hz.
+    pub rate_derivative_cutoff_hz: f32,
+    /// Share of the acceleration authority that the integral may hold.
+    pub integral_share: f32,
+    /// Cut-off of the gyro's low-pass, Hz.
+    pub gyro_cutoff_hz: f32,
+    /// Weight on the angle error in the MPC's cost.
+    pub mpc_tracking_weight: [f32; 3],
+    /// Weight on the change of the input in the MPC's cost.
+    pub mpc_increment_weight: [f32; 3],
+    /// Step of the MPC's prediction, s, whatever the loop's rate.
+    pub mpc_prediction_step_s: f32,
+    /// Bound on predicted roll and pitch, rad; none leaves them free.
+    pub mpc_tilt_max_rad: Option<f32>,
+}
+
+impl Tuning {
+    /// The tuning for the F450; `docs/tuning.md` has the reasoning and the margins it gives.
+    pub const F450: Tuning = Tuning {
+        shaping_gain_1_s: [7.0, 7.0, 4.0],
+        acceleration_share: 0.6,
+        rate_max_rad_s: [5.0, 5.0, 2.0],
+        tilt_max_rad: 1.2,
+        angle_gain_1_s: [8.0, 7.0, 4.0],
+        rate_proportional_1_s: [30.0, 25.0, 12.0],
+        rate_integral_1_s2: [60.0, 50.0, 12.0],
+        rate_derivative: [0.15, 0.15, 0.0],
+        rate_derivative_cutoff_hz: 30.0,
+        integral_share: 0.8,
+        gyro_cutoff_hz: 100.0,
+        mpc_tracking_weight: [100.0, 100.0, 100.0],
+        mpc_increment_weight: [30.0, 30.0, 3000.0],
+        mpc_prediction_step_s: 0.01,
+        mpc_tilt_max_rad: None,
+    };
+}
+
+/// Everything that `fast` and `follow` read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Config {
+    /// Steps per second.
+    pub loop_rate_hz: f32,
+    /// Who flies.
+    pub controller: Controller,
+    /// Conditioning of the IMU.
+    pub imu: ImuConfig,
+    /// Attitude estimator.
+    pub estimator: EstimatorConfig,
+    /// Attitude loop.
+    pub angle: AngleConfig,
+    /// Rate loop.
+    pub rate: [RateGains; 3],
+    /// Inertia that turns angular acceleration into torque, kg m^2.
+    pub inertia_kg_m2: [f32; 3],
+    /// Torque per unit of MPC input, N m.
+    pub mpc_torque_per_input_nm: [f32; 3],
+    /// Mixer.
+    pub mixer: MixerConfig,
+    /// Pulses.
+    pub output: OutputConfig,
+}
+
+/// A value that can't be flown with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConfigError {
+    /// Not a finite number above zero.
+    NotPositive(&'static str),
+    /// Not a finite number of zero or more.
+    Negative(&'static str),
+    /// Beyond what the core is made for.
+    OutOfRange(&'static str),
+}
+
+impl core::fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            ConfigError::NotPositive(name) => write!(f, "{name} must be a finite number above zero"),
+            ConfigError::Negative(name) => write!(f, "{name} must be a finite number, zero or more"),
+            ConfigError::OutOfRange(name) => write!(f, "{name} is out of range"),
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+impl Config {
+    /// Configuration of the core for a vehicle, with the Pixhawk 1's MPU6000 and PWM at the loop rate.
+    ///
+    /// # Errors
+    /// Names the first value that can't be flown with.
+    pub fn new(
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        loop_rate_hz: f32,
+        imu_rate_hz: f32,
+        controller: Controller,
+    ) -> Result<Config, ConfigError> {
+        validate_vehicle(vehicle)?;
+        validate_tuning(tuning)?;
+        if !(50.0..=1000.0).contains(&loop_rate_hz) {
+            return Err(ConfigError::OutOfRange("loop_rate_hz (50 to 1000)"));
+        }
+        if !(loop_rate_hz..=8000.0).contains(&imu_rate_hz) {
+            return Err(ConfigError::OutOfRange("imu_rate_hz (the loop rate to 8000)"));
+        }
+        Ok(Config {
+            loop_rate_hz,
+            controller,
+            imu: ImuConfig::pixhawk1_mpu6000(gyro_cutoff(tuning, loop_rate_hz), imu_rate_hz),
+            estimator: EstimatorConfig { gravity_m_s2: vehicle.gravity_m_s2, ..EstimatorConfig::NOMINAL },
+            angle: angle_config(vehicle, tuning),
+            rate: rate_gains(vehicle, tuning, loop_rate_hz),
+            inertia_kg_m2: vehicle.inertia_kg_m2,
+            mpc_torque_per_input_nm: mpc_torque_per_input_nm(vehicle),
+            mixer: MixerConfig {
+                lever_m: vehicle.lever_m(),
+                torque_per_lift_m: vehicle.torque_per_lift_m,
+                lift_curve: vehicle.lift_curve,
+            },
+            output: OutputConfig { kind: PulseKind::Pwm, ticks_per_us: 24.0 },
+        })
+    }
+
+    /// Duration of a step, s.
+    pub fn step_s(&self) -> f32 {
+        1.0 / self.loop_rate_hz
+    }
+}
+
+/// The MPC's problem for a vehicle: inputs are the lift difference at the arm (N) for roll and pitch and the torque
+/// (N m) for yaw, as in the thesis (2.6); each is bounded by what one motor's span gives, so that roll and pitch can
+/// both have theirs.
+pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning) -> MpcSettings {
+    let [roll_nm, pitch_nm, yaw_nm] = mpc_torque_per_input_nm(vehicle);
+    let [roll, pitch, yaw] = vehicle.inertia_kg_m2;
+    MpcSettings {
+        prediction_step_s: tuning.mpc_prediction_step_s,
+        input_gain: [roll_nm / roll, pitch_nm / pitch, yaw_nm / yaw],
+        tracking_weight: tuning.mpc_tracking_weight,
+        increment_weight: tuning.mpc_increment_weight,
+        input_max: [vehicle.lift_span_n(), vehicle.lift_span_n(), vehicle.torque_per_lift_m * vehicle.lift_span_n()],
+        output_max_rad: [tuning.mpc_tilt_max_rad, tuning.mpc_tilt_max_rad, None],
+    }
+}
+
+fn mpc_torque_per_input_nm(vehicle: &VehicleParameters) -> [f32; 3] {
+    [vehicle.arm_m, vehicle.arm_m, 1.0]
+}
+
+/// Noise above half the loop rate would fold down: the cut-off stays at or below 0.4 of the loop rate.
+fn gyro_cutoff(tuning: &Tuning, loop_rate_hz: f32) -> f32 {
+    crate::elementary::smaller(tuning.gyro_cutoff_hz, 0.4 * loop_rate_hz)
+}
+
+fn angle_config(vehicle: &VehicleParameters, tuning: &Tuning) -> AngleConfig {
+    let acceleration_max = vehicle.acceleration_authority_rad_s2().map(|a| a * tuning.acceleration_share);
+    AngleConfig {
+        shaping: core::array::from_fn(|axis| ShapingConfig {
+            gain_1_s: tuning.shaping_gain_1_s[axis],
+            acceleration_max_rad_s2: acceleration_max[axis],
+            rate_max_rad_s: tuning.rate_max_rad_s[axis],
+        }),
+        gain_1_s: tuning.angle_gain_1_s,
+        acceleration_max_rad_s2: acceleration_max,
+        rate_max_rad_s: tuning.rate_max_rad_s,
+        tilt_max_rad: tuning.tilt_max_rad,
+        yaw_locked: vehicle.yaw_locked,
+    }
+}
+
+fn rate_gains(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: f32) -> [RateGains; 3] {
+    let authority = vehicle.acceleration_authority_rad_s2();
+    core::array::from_fn(|axis| RateGains {
+        proportional_1_s: tuning.rate_proportional_1_s[axis],
+        integral_1_s2: tuning.rate_integral_1_s2[axis],
+        derivative: tuning.rate_derivative[axis],
+        integral_max_rad_s2: tuning.integral_share * authority[axis],
+        derivative_filter: LowPass1::new(tuning.rate_derivative_cutoff_hz, loop_rate_hz),
+    })
+}
+
+fn validate_vehicle(vehicle: &VehicleParameters) -> Result<(), ConfigError> {
+    positive("gravity_m_s2", vehicle.gravity_m_s2)?;
+    positive("arm_m", vehicle.arm_m)?;
+    positive("torque_per_lift_m", vehicle.torque_per_lift_m)?;
+    for inertia in vehicle.inertia_kg_m2 {
+        positive("inertia_kg_m2", inertia)?;
+    }
+    if !vehicle.lift_curve.is_increasing() || vehicle.lift_curve.command_at.iter().any(|c| !c.is_finite()) {
+        return Err(ConfigError::OutOfRange("lift_curve (must rise)"));
+    }
+    Ok(())
+}
+
+fn validate_tuning(tuning: &Tuning) -> Result<(), ConfigError> {
+    for axis in 0..3 {
+        positive("shaping_gain_1_s", tuning.shaping_gain_1_s[axis])?;
+        positive("rate_max_rad_s", tuning.rate_max_rad_s[axis])?;
+        positive("angle_gain_1_s", tuning.angle_gain_1_s[axis])?;
+        not_negative("rate_proportional_1_s", tuning.rate_proportional_1_s[axis])?;
+        not_negative("rate_integral_1_s2", tuning.rate_integral_1_s2[axis])?;
+        not_negative("rate_derivative", tuning.rate_derivative[axis])?;
+    }
+    positive("acceleration_share", tuning.acceleration_share)?;
+    positive("tilt_max_rad", tuning.tilt_max_rad)?;
+    not_negative("integral_share", tuning.integral_share)?;
+    positive("gyro_cutoff_hz", tuning.gyro_cutoff_hz)
+}
+
+fn positive(name: &'static str, value: f32) -> Result<(), ConfigError> {
+    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(ConfigError::NotPositive(name)) }
+}
+
+fn not_negative(name: &'static str, value: f32) -> Result<(), ConfigError> {
+    if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(ConfigError::Negative(name)) }
+}

@@ -1,0 +1,242 @@
+//! Attitude and gyro bias from gyro and accelerometer: a complementary filter on the rotation group.
+//!
+//! Mahony, Hamel, Pflimlin, "Nonlinear complementary filters on the special orthogonal group", IEEE TAC 53(5), 2008,
+//! equation 32 (explicit filter with bias): with the down direction measured (d = -f / |f|) and predicted
+//! (d^ = R^T z), e = d x d^,
+//!
+//! ```text
+//!   R' = R [gyro - b + k_P w e]x          b' = -k_I w e
+//! ```
+//! Departures: w falls to zero as |f| leaves g (a vehicle that accelerates says nothing about down), the bias is
+//! bounded, and the first usable sample sets roll and pitch outright. Heading has no reference here and drifts with
+//! the bias about the vertical.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::elementary::{asin, atan2, larger, limit, magnitude, sqrt};
+use crate::frames::{EulerAngles, down_in_body, normalized, q_from_rotation_vector, q_world_from_euler};
+use crate::imu::{ImuStep, seconds_between};
+use crate::signals::AttitudeEstimate;
+
+/// Gains and limits of the filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimatorConfig {
+    /// Gravity, m/s^2.
+    pub gravity_m_s2: f32,
+    /// k_P: how fast the accelerometer pulls the attitude, 1/s.
+    pub attitude_gain_1_s: f32,
+    /// k_I: how fast the bias is learnt, 1/s^2.
+    pub bias_gain_1_s2: f32,
+    /// Largest bias that is believed, rad/s.
+    pub bias_max_rad_s: f32,
+    /// Relative deviation of |f| from g at which the accelerometer is ignored.
+    pub accel_gate: f32,
+    /// The estimate is invalid when no sample came for this long, s.
+    pub stale_after_s: f32,
+}
+
+impl EstimatorConfig {
+    /// Gains: 1/k_P = 2 s is slow against the attitude loop (so accelerometer noise of 0.1 m/s^2 at 1 kHz moves the
+    /// angle by 0.2 mrad) and fast against bias drift; k_I = k_P^2 / 4 is the critically damped choice.
+    pub const NOMINAL: EstimatorConfig = EstimatorConfig {
+        gravity_m_s2: 9.806_65,
+        attitude_gain_1_s: 0.5,
+        bias_gain_1_s2: 0.0625,
+        bias_max_rad_s: 0.1,
+        accel_gate: 0.15,
+        stale_after_s: 0.05,
+    };
+}
+
+/// What the filter remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimatorState {
+    q_world_from_body: UnitQuaternion<f32>,
+    gyro_bias_rad_s: Vector3<f32>,
+    last_sample_us: Option<u64>,
+}
+
+impl Default for EstimatorState {
+    fn default() -> Self {
+        Self { q_world_from_body: UnitQuaternion::identity(), gyro_bias_rad_s: Vector3::zeros(), last_sample_us: None }
+    }
+}
+
+/// One step of the filter. `time_us` is the step's time; it only tells whether samples stay away.
+pub fn update(config: &EstimatorConfig, state: &mut EstimatorState, imu: &ImuStep, time_us: u64) -> AttitudeEstimate {
+    if imu.samples > 0 && all_finite(&imu.specific_force_m_s2) && all_finite(&imu.rotation_rad) {
+        let down = measured_down(config, &imu.specific_force_m_s2);
+        match (state.last_sample_us, imu.after_gap, down) {
+            (None, _, None) => {}
+            (None, _, Some((down_body, _))) | (Some(_), true, Some((down_body, _))) => {
+                state.q_world_from_body = level_attitude(&down_body, state);
+                state.last_sample_us = Some(time_us);
+            }
+            (Some(_), _, down) => {
+                predict_and_correct(config, state, imu, down);
+                state.last_sample_us = Some(time_us);
+            }
+        }
+    }
+    let fresh = match state.last_sample_us {
+        Some(last) => seconds_between(last, time_us) <= config.stale_after_s,
+        None => false,
+    };
+    let rate_body_rad_s = imu.rate_body_rad_s - state.gyro_bias_rad_s;
+    AttitudeEstimate {
+        q_world_from_body: state.q_world_from_body,
+        rate_body_rad_s: if all_finite(&rate_body_rad_s) { rate_body_rad_s } else { Vector3::zeros() },
+        gyro_bias_rad_s: state.gyro_bias_rad_s,
+        valid: fresh,
+    }
+}
+
+fn predict_and_correct(
+    config: &EstimatorConfig,
+    state: &mut EstimatorState,
+    imu: &ImuStep,
+    down: Option<(Vector3<f32>, f32)>,
+) {
+    let dt_s = imu.duration_s;
+    let mut rotation = imu.rotation_rad - state.gyro_bias_rad_s * dt_s;
+    if let Some((down_body, weight)) = down {
+        let error = down_body.cross(&down_in_body(&state.q_world_from_body));
+        rotation += error * (config.attitude_gain_1_s * weight * dt_s);
+        let bias = state.gyro_bias_rad_s - error * (config.bias_gain_1_s2 * weight * dt_s);
+        state.gyro_bias_rad_s = bias.map(|b| limit(b, -config.bias_max_rad_s, config.bias_max_rad_s));
+    }
+    let turned = state.q_world_from_body * q_from_rotation_vector(&rotation);
+    state.q_world_from_body = normalized(turned.into_inner());
+}
+
+/// Direction of down in the body frame as the accelerometer has it, and how much it may be believed (0..1); none
+/// where the specific force is too far from gravity.
+fn measured_down(config: &EstimatorConfig, specific_force: &Vector3<f32>) -> Option<(Vector3<f32>, f32)> {
+    let norm = sqrt(specific_force.dot(specific_force));
+    let deviation = magnitude(norm / config.gravity_m_s2 - 1.0);
+    let weight = larger(0.0, 1.0 - deviation / config.accel_gate);
+    (norm > 0.0 && weight > 0.0).then(|| (specific_force * (-1.0 / norm), weight))
+}
+
+/// Roll and pitch from the down direction, heading as it was.
+fn level_attitude(down_body: &Vector3<f32>, state: &EstimatorState) -> UnitQuaternion<f32> {
+    q_world_from_euler(EulerAngles {
+        roll_rad: atan2(down_body.y, down_body.z),
+        pitch_rad: asin(-down_body.x),
+        yaw_rad: crate::frames::euler_from_q(&state.q_world_from_body).yaw_rad,
+    })
+}
+
+fn all_finite(v: &Vector3<f32>) -> bool {
+    v.x.is_finite() && v.y.is_finite() && v.z.is_finite()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const CONFIG: EstimatorConfig = EstimatorConfig::NOMINAL;
+
+    fn imu(rate: Vector3<f32>, force: Vector3<f32>, duration_s: f32) -> ImuStep {
+        ImuStep {
+            samples: 1,
+            duration_s,
+            after_gap: duration_s == 0.0,
+            rotation_rad: rate * duration_s,
+            rate_body_rad_s: rate,
+            specific_force_m_s2: force,
+        }
+    }
+
+    fn force_at(q: &UnitQuaternion<f32>) -> Vector3<f32> {
+        down_in_body(q) * -CONFIG.gravity_m_s2
+    }
+
+    fn angle_between_downs(a: &UnitQuaternion<f32>, b: &UnitQuaternion<f32>) -> f32 {
+        asin(down_in_body(a).cross(&down_in_body(b)).norm())
+    }
+
+    proptest! {
+        /// Any attitude, upside down included: the first sample already knows where down is.
+        #[test]
+        fn first_sample_sets_the_tilt(roll in -3.1f32..3.1, pitch in -1.55f32..1.55) {
+            let truth = q_world_from_euler(EulerAngles { roll_rad: roll, pitch_rad: pitch, yaw_rad: 0.0 });
+            let mut state = EstimatorState::default();
+            let estimate = update(&CONFIG, &mut state, &imu(Vector3::zeros(), force_at(&truth), 0.0), 0);
+            prop_assert!(estimate.valid);
+            prop_assert!((down_in_body(&estimate.q_world_from_body) - down_in_body(&truth)).norm() < 1e-5);
+        }
+
+        /// From any wrong tilt short of the exact opposite the accelerometer brings it back.
+        #[test]
+        fn tilt_converges_from_any_start(roll in -2.9f32..2.9, pitch in -1.4f32..1.4) {
+            let mut state = EstimatorState { last_sample_us: Some(0), ..Default::default() };
+            let truth = q_world_from_euler(EulerAngles { roll_rad: roll, pitch_rad: pitch, yaw_rad: 0.3 });
+            prop_assume!(down_in_body(&truth).z > -0.97);
+            let mut estimate = None;
+            for k in 1..16_000u64 {
+                estimate = Some(update(&CONFIG, &mut state, &imu(Vector3::zeros(), force_at(&truth), 0.0025), k * 2500));
+            }
+            let error = angle_between_downs(&estimate.unwrap().q_world_from_body, &truth);
+            prop_assert!(error < 0.02, "{error}");
+        }
+    }
+
+    #[test]
+    fn follows_loops_through_every_attitude_without_the_accelerometer() {
+        // pitching over backwards at 2 rad/s in free fall (no specific force): 10 full loops
+        let mut state = EstimatorState { last_sample_us: Some(0), ..Default::default() };
+        let rate = Vector3::new(0.0, 2.0, 0.0);
+        let steps = 12_566u64;
+        for k in 1..=steps {
+            update(&CONFIG, &mut state, &imu(rate, Vector3::zeros(), 0.0025), k * 2500);
+        }
+        let truth = q_from_rotation_vector(&Vector3::new(
+            0.0,
+            2.0 * 0.0025 * steps as f32 % (2.0 * core::f32::consts::PI),
+            0.0,
+        ));
+        // f32 time steps round by 6e-8 each, 12566 of them
+        assert!(angle_between_downs(&state.q_world_from_body, &truth) < 2e-3);
+    }
+
+    #[test]
+    fn learns_the_gyro_bias_it_can_see() {
+        let mut state = EstimatorState::default();
+        let bias = Vector3::new(0.03, -0.02, 0.0);
+        let mut estimate = update(&CONFIG, &mut state, &imu(bias, force_at(&UnitQuaternion::identity()), 0.0), 0);
+        for k in 1..24_000u64 {
+            estimate = update(&CONFIG, &mut state, &imu(bias, force_at(&UnitQuaternion::identity()), 0.0025), k * 2500);
+        }
+        // critically damped with a time constant of 4 s: after 60 s less than 0.1 % is left
+        assert!((estimate.gyro_bias_rad_s - bias).norm() < 1e-3, "{:?}", estimate.gyro_bias_rad_s);
+        assert!(estimate.rate_body_rad_s.norm() < 1e-3);
+    }
+
+    #[test]
+    fn is_sensible_before_the_first_sample_and_when_samples_stay_away() {
+        let mut state = EstimatorState::default();
+        let nothing = ImuStep { samples: 0, ..imu(Vector3::zeros(), Vector3::zeros(), 0.0) };
+        let estimate = update(&CONFIG, &mut state, &nothing, 0);
+        assert!(!estimate.valid && estimate.q_world_from_body == UnitQuaternion::identity());
+        let level = force_at(&UnitQuaternion::identity());
+        assert!(update(&CONFIG, &mut state, &imu(Vector3::zeros(), level, 0.0), 10_000).valid);
+        assert!(update(&CONFIG, &mut state, &nothing, 50_000).valid);
+        assert!(!update(&CONFIG, &mut state, &nothing, 70_000).valid);
+    }
+
+    #[test]
+    fn nan_leaves_no_trace() {
+        let mut state = EstimatorState::default();
+        let level = force_at(&UnitQuaternion::identity());
+        update(&CONFIG, &mut state, &imu(Vector3::zeros(), level, 0.0), 0);
+        let before = state;
+        for poison in [f32::NAN, f32::INFINITY] {
+            let bad = imu(Vector3::new(poison, 0.0, 0.0), Vector3::new(0.0, poison, 0.0), 0.0025);
+            let estimate = update(&CONFIG, &mut state, &bad, 2500);
+            assert_eq!(state, before);
+            assert!(estimate.rate_body_rad_s == Vector3::zeros());
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! The one control step that flies on the board, in the simulator, in a replay and on the emulated board.
+//!
+//! ```text
+//!  fast    StepInput -> imu -> estimator -> supervisor -> rate PID or plan -> mixer -> outputs
+//!  follow  (outputs written) attitude loop -> rate target for the next step; in MPC mode the PlanRequest
+//!  plan    (lower priority) MPC -> Plan for the next step
+//! ```
+//! The order is the thesis' listing 4.1: what takes a varying time comes after the outputs, so that they don't jitter,
+//! at the price of one sample of delay.
+
+use nalgebra::Vector3;
+
+use crate::attitude::angle::{self, AngleState};
+use crate::attitude::rate::{self, Delivery, RateState};
+use crate::config::{Config, Controller};
+use crate::elementary::limit;
+use crate::estimator::{self, EstimatorState};
+use crate::frames::{euler_from_q, euler_rates};
+use crate::imu::{self, ImuState};
+use crate::mixer::{self, MixResult};
+use crate::mpc::{Mpc, MpcState};
+use crate::signals::{AttitudeEstimate, Plan, PlanRequest, PlanStatus, StepInput, Wrench};
+use crate::supervisor::{self, Arming};
+
+/// Who made the torque of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TorqueSource {
+    /// Nobody: the motors stand still.
+    #[default]
+    Disarmed,
+    /// The cascade, as configured.
+    Cascade,
+    /// The MPC's plan.
+    Mpc,
+    /// The cascade, because no plan came in time.
+    CascadeNoPlan,
+    /// The cascade, because the plan was not solved.
+    CascadeUnsolved(PlanStatus),
+}
+
+/// All that the core remembers between steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Steps made.
+    pub step: u32,
+    imu: ImuState,
+    estimator: EstimatorState,
+    arming: Arming,
+    angle: AngleState,
+    rate: RateState,
+    rate_target_rad_s: Vector3<f32>,
+    last_mix: MixResult,
+    last_source: TorqueSource,
+}
+
+impl State {
+    /// The shaped reference of the cascade, rad (roll, pitch, yaw).
+    pub fn shaped_reference_rad(&self) -> [f32; 3] {
+        self.angle.reference.map(|axis| axis.angle_rad)
+    }
+}
+
+/// What a step tells the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepOutput {
+    /// Number of the step.
+    pub step: u32,
+    /// Compare values for motors 1 to 4.
+    pub compare_counts: [u16; 4],
+    /// Commands and what they could not deliver.
+    pub mix: MixResult,
+    /// Demand to the mixer.
+    pub wrench: Wrench,
+    /// Who made the torque.
+    pub source: TorqueSource,
+    /// May the motors turn?
+    pub arming: Arming,
+    /// Where the vehicle is.
+    pub estimate: AttitudeEstimate,
+    /// Rate that the cascade asked for, body frame, rad/s.
+    pub rate_target_rad_s: Vector3<f32>,
+}
+
+/// The control core. It has no data of its own: configuration, state and input come in, the output goes out.
+pub struct FlightCore;
+
+impl FlightCore {
+    /// From the samples since the last step to the motor outputs. Cheap, and always equally long.
+    pub fn fast(config: &Config, state: &mut State, input: &StepInput) -> StepOutput {
+        state.step = state.step.wrapping_add(1);
+        let imu = imu::condition(&config.imu, &mut state.imu, &input.imu);
+        let estimate = estimator::update(&config.estimator, &mut state.estimator, &imu, input.time_us);
+        state.arming = supervisor::update(state.arming, input, &estimate);
+
+        let cascade_nm = cascade_torque(config, state, &estimate);
+        let (source, torque_body_nm) = choose(config, state, input, cascade_nm);
+        let wrench = demand(config, input, source, torque_body_nm);
+        let mix = match source {
+            TorqueSource::Disarmed => MixResult::default(),
+            _ => mixer::mix(&config.mixer, &wrench),
+        };
+        state.last_mix = mix;
+        state.last_source = source;
+
+        let armed = state.arming == Arming::Armed;
+        StepOutput {
+            step: state.step,
+            compare_counts: config.output.compare_counts(&mix.commands, armed),
+            mix,
+            wrench,
+            source,
+            arming: state.arming,
+            estimate,
+            rate_target_rad_s: state.rate_target_rad_s,
+        }
+    }
+
+    /// Right after the outputs are written: the attitude loop, and in MPC mode the question to the planner.
+    pub fn follow(config: &Config, state: &mut State, input: &StepInput, output: &StepOutput) -> Option<PlanRequest> {
+        if output.source == TorqueSource::Disarmed {
+            state.angle = AngleState::level_at(&output.estimate);
+            state.rate = RateState::default();
+            state.rate_target_rad_s = Vector3::zeros();
+        } else {
+            state.rate_target_rad_s =
+                angle::update(&config.angle, &mut state.angle, &input.setpoint, &output.estimate, config.step_s());
+        }
+        match config.controller {
+            Controller::Cascade => None,
+            Controller::Mpc => Some(plan_request(config, state, input, output)),
+        }
+    }
+
+    /// Answers a [`PlanRequest`]; on the board in a task of lower priority.
+    pub fn plan<const M: usize>(mpc: &Mpc<M>, state: &mut MpcState<M>, request: &PlanRequest) -> Plan {
+        mpc.plan(state, request)
+    }
+
+    /// The three in order, for callers without preemption. The plan belongs into the next step's input.
+    pub fn step<const M: usize>(
+        config: &Config,
+        mpc: &Mpc<M>,
+        state: &mut State,
+        plan_state: &mut MpcState<M>,
+        input: &StepInput,
+    ) -> (StepOutput, Option<Plan>) {
+        let output = Self::fast(config, state, input);
+        let request = Self::follow(config, state, input, &output);
+        (output, request.map(|request| Self::plan(mpc, plan_state, &request)))
+    }
+}
+
+/// Torque of the rate loop for the target that the last `follow` left, N m.
+fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimate) -> [f32; 3] {
+    let last_demand = match state.last_source {
+        TorqueSource::Cascade | TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) => {
+            Delivery::Applied { unmet: state.last_mix.unmet_torque_nm }
+        }
+        TorqueSource::Mpc | TorqueSource::Disarmed => Delivery::NotApplied,
+    };
+    let acceleration = rate::update(
+        &config.rate,
+        &mut state.rate,
+        &state.rate_target_rad_s,
+        &estimate.rate_body_rad_s,
+        last_demand,
+        config.step_s(),
+    );
+    core::array::from_fn(|axis| acceleration[axis] * config.inertia_kg_m2[axis])
+}
+
+/// Who flies this step. The fallback from MPC to the cascade is here and nowhere else.
+fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3]) -> (TorqueSource, [f32; 3]) {
+    let fresh = |plan: &Plan| plan.step == state.step.wrapping_sub(1);
+    let plan = input.plan.filter(fresh);
+    match (state.arming, config.controller, plan) {
+        (Arming::Disarmed(_), _, _) => (TorqueSource::Disarmed, [0.0; 3]),
+        (Arming::Armed, Controller::Cascade, _) => (TorqueSource::Cascade, cascade_nm),
+        (Arming::Armed, Controller::Mpc, None) => (TorqueSource::CascadeNoPlan, cascade_nm),
+        (Arming::Armed, Controller::Mpc, Some(plan)) => match plan.status {
+            PlanStatus::Solved if plan.input.iter().any(|input| !input.is_finite()) => {
+                (TorqueSource::CascadeUnsolved(PlanStatus::NumericalError), cascade_nm)
+            }
+            PlanStatus::Solved => (TorqueSource::Mpc, torque_of_plan(config, &plan)),
+            PlanStatus::IterationLimit | PlanStatus::Infeasible | PlanStatus::NumericalError => {
+                (TorqueSource::CascadeUnsolved(plan.status), cascade_nm)
+            }
+        },
+    }
+}
+
+fn torque_of_plan(config: &Config, plan: &Plan) -> [f32; 3] {
+    core::array::from_fn(|axis| plan.input[axis] * config.mpc_torque_per_input_nm[axis])
+}
+
+fn demand(config: &Config, input: &StepInput, source: TorqueSource, mut torque_body_nm: [f32; 3]) -> Wrench {
+    if source == TorqueSource::Disarmed {
+        return Wrench::default();
+    }
+    if config.angle.yaw_locked {
+        torque_body_nm[2] = 0.0;
+    }
+    let lift_per_motor_n = config.mixer.lift_curve.lift(limit(input.setpoint.throttle, 0.0, 1.0));
+    Wrench { lift_per_motor_n, torque_body_nm }
+}
+
+/// The state at the time when the plan will act, one step ahead: until then the torque of this step holds.
+fn plan_request(config: &Config, state: &State, input: &StepInput, output: &StepOutput) -> PlanRequest {
+    let dt_s = config.step_s();
+    let angles = euler_from_q(&output.estimate.q_world_from_body);
+    let rates = euler_rates(angles, &output.estimate.rate_body_rad_s);
+    let heading_error_rad = crate::elementary::wrap_pi(state.angle.reference[2].angle_rad - angles.yaw_rad);
+    let (heading_rate, heading_reference) =
+        if config.angle.yaw_locked { (0.0, 0.0) } else { (rates[2], heading_error_rad) };
+    let angle_now = [angles.roll_rad, angles.pitch_rad, 0.0];
+    let rate_now = [rates[0], rates[1], heading_rate];
+    let tilt_max = config.angle.tilt_max_rad;
+    // a set-point that is no number leaves the reference where it is
+    let tilt_reference = |setpoint_rad: f32, axis: usize| {
+        let wanted = if setpoint_rad.is_finite() { setpoint_rad } else { state.angle.reference[axis].angle_rad };
+        limit(wanted, -tilt_max, tilt_max)
+    };
+    let delivered_nm: [f32; 3] =
+        core::array::from_fn(|axis| output.wrench.torque_body_nm[axis] - output.mix.unmet_torque_nm[axis]);
+    let acceleration: [f32; 3] = core::array::from_fn(|axis| delivered_nm[axis] / config.inertia_kg_m2[axis]);
+    PlanRequest {
+        step: state.step,
+        angle_rad: core::array::from_fn(|i| angle_now[i] + dt_s * (rate_now[i] + 0.5 * dt_s * acceleration[i])),
+        rate_rad_s: core::array::from_fn(|i| rate_now[i] + dt_s * acceleration[i]),
+        input_prev: core::array::from_fn(|i| delivered_nm[i] / config.mpc_torque_per_input_nm[i]),
+        reference_rad: [
+            tilt_reference(input.setpoint.roll_rad, 0),
+            tilt_reference(input.setpoint.pitch_rad, 1),
+            heading_reference,
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests;

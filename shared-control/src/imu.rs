@@ -1,0 +1,201 @@
+//! From raw IMU counts to what the estimator and the rate loop use: scale, axis map, low-pass before decimation.
+//!
+//! The sensor samples faster than the loop runs. Attitude gets the whole rotation since the last step (the sum over
+//! all samples, so that nothing is lost between steps); the rate loop gets the low-passed rate, so that noise above half
+//! the loop's rate does not fold down.
+
+use nalgebra::Vector3;
+
+use crate::filter::{LowPass2, LowPass2State};
+use crate::signals::RawImuSample;
+
+/// Longest time between two samples that still counts as continuous, s.
+const SAMPLE_GAP_MAX_S: f32 = 0.05;
+
+/// How the sensor sits on the board: body axis i = sign[i] * sensor axis source[i].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisMap {
+    /// Sensor axis (0, 1, 2) that each body axis comes from.
+    pub source: [u8; 3],
+    /// +1 or -1 for each body axis.
+    pub sign: [f32; 3],
+}
+
+impl AxisMap {
+    /// MPU6000 on a level Pixhawk 1: body FRD = (sensor y, -sensor x, sensor z); the chip is mounted upside down, so
+    /// that its z axis reads about -1 g at rest.
+    pub const PIXHAWK1_MPU6000: AxisMap = AxisMap { source: [1, 0, 2], sign: [1.0, -1.0, 1.0] };
+
+    /// A sensor reading turned into the body frame.
+    pub fn to_body(&self, sensor: [f32; 3]) -> Vector3<f32> {
+        let pick = |axis: usize| {
+            let value = match self.source[axis] {
+                0 => sensor[0],
+                1 => sensor[1],
+                _ => sensor[2],
+            };
+            self.sign[axis] * value
+        };
+        Vector3::new(pick(0), pick(1), pick(2))
+    }
+}
+
+/// Scales, axes and filter of one IMU.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImuConfig {
+    /// rad/s per gyro count.
+    pub gyro_rad_s_per_count: f32,
+    /// m/s^2 per accelerometer count.
+    pub accel_m_s2_per_count: f32,
+    /// Sensor axes to body axes.
+    pub axes: AxisMap,
+    /// Low-pass on each gyro axis at the sensor's sample rate.
+    pub gyro_lowpass: LowPass2,
+}
+
+impl ImuConfig {
+    /// MPU6000 on a Pixhawk 1, +-2000 deg/s (16.4 counts per deg/s) and +-8 g (4096 counts per g), as its register map
+    /// (sections 4.4, 4.5) gives them.
+    pub fn pixhawk1_mpu6000(gyro_cutoff_hz: f32, sample_rate_hz: f32) -> Self {
+        Self {
+            gyro_rad_s_per_count: core::f32::consts::PI / 180.0 / 16.4,
+            accel_m_s2_per_count: 9.806_65 / 4096.0,
+            axes: AxisMap::PIXHAWK1_MPU6000,
+            gyro_lowpass: LowPass2::new(gyro_cutoff_hz, sample_rate_hz),
+        }
+    }
+
+    /// Rotation rate of a sample, body frame, rad/s.
+    pub fn gyro_rad_s(&self, sample: &RawImuSample) -> Vector3<f32> {
+        self.axes.to_body(sample.gyro_counts.map(f32::from)) * self.gyro_rad_s_per_count
+    }
+
+    /// Specific force of a sample, body frame, m/s^2.
+    pub fn specific_force_m_s2(&self, sample: &RawImuSample) -> Vector3<f32> {
+        self.axes.to_body(sample.accel_counts.map(f32::from)) * self.accel_m_s2_per_count
+    }
+}
+
+/// What the conditioning remembers between steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ImuState {
+    last_time_us: Option<u64>,
+    lowpass: [LowPass2State; 3],
+    rate_body_rad_s: Vector3<f32>,
+}
+
+/// The IMU's news since the last step, body frame, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImuStep {
+    /// Number of samples in it.
+    pub samples: u8,
+    /// Time it covers, s; zero for the very first sample or after a gap.
+    pub duration_s: f32,
+    /// True if samples stayed away too long before these.
+    pub after_gap: bool,
+    /// Rotation since the last step, rad (integrated gyro, bias still in it).
+    pub rotation_rad: Vector3<f32>,
+    /// Low-passed rotation rate at the last sample, rad/s, bias still in it; the last known without new samples.
+    pub rate_body_rad_s: Vector3<f32>,
+    /// Mean specific force, m/s^2; zero without samples.
+    pub specific_force_m_s2: Vector3<f32>,
+}
+
+/// Conditions the samples of one step. Samples whose time does not increase are left out.
+pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSample]) -> ImuStep {
+    let mut step = ImuStep {
+        samples: 0,
+        duration_s: 0.0,
+        after_gap: false,
+        rotation_rad: Vector3::zeros(),
+        rate_body_rad_s: state.rate_body_rad_s,
+        specific_force_m_s2: Vector3::zeros(),
+    };
+    for sample in samples {
+        let interval_s = match state.last_time_us {
+            Some(last) if sample.time_us <= last => continue,
+            Some(last) => seconds_between(last, sample.time_us),
+            None => 0.0,
+        };
+        let continuous = state.last_time_us.is_some() && interval_s <= SAMPLE_GAP_MAX_S;
+        state.last_time_us = Some(sample.time_us);
+        let gyro = config.gyro_rad_s(sample);
+        let force = config.specific_force_m_s2(sample);
+        if continuous {
+            step.rotation_rad += gyro * interval_s;
+            step.duration_s += interval_s;
+        } else {
+            step.after_gap = true;
+            state.lowpass = core::array::from_fn(|i| config.gyro_lowpass.settled(gyro[i]));
+        }
+        for i in 0..3 {
+            step.rate_body_rad_s[i] = config.gyro_lowpass.update(&mut state.lowpass[i], gyro[i]);
+        }
+        step.specific_force_m_s2 += force;
+        step.samples = step.samples.saturating_add(1);
+    }
+    if step.samples > 0 {
+        step.specific_force_m_s2 *= 1.0 / f32::from(step.samples);
+        state.rate_body_rad_s = step.rate_body_rad_s;
+    }
+    step
+}
+
+/// Time between two stamps in s; exact to the microsecond up to 16 s, more than any gap that matters.
+pub fn seconds_between(earlier_us: u64, later_us: u64) -> f32 {
+    let span_us = later_us.saturating_sub(earlier_us);
+    let span_us = if span_us > u64::from(u32::MAX) { u32::MAX } else { span_us as u32 };
+    span_us as f32 * 1e-6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config() -> ImuConfig {
+        ImuConfig::pixhawk1_mpu6000(100.0, 1000.0)
+    }
+
+    fn sample(time_us: u64, gyro_counts: [i16; 3]) -> RawImuSample {
+        // level and at rest: the body's z axis feels -1 g, and the sensor's z axis is the body's
+        RawImuSample { time_us, gyro_counts, accel_counts: [0, 0, -4096] }
+    }
+
+    #[test]
+    fn scale_and_axes_are_the_data_sheets() {
+        let mut state = ImuState::default();
+        // 164 counts on the sensor's x axis = 10 deg/s, which is -y of the body
+        let step = condition(&config(), &mut state, &[sample(0, [164, 0, 0])]);
+        assert!((step.rate_body_rad_s - Vector3::new(0.0, -10f32.to_radians(), 0.0)).norm() < 1e-5);
+        assert!((step.specific_force_m_s2 - Vector3::new(0.0, 0.0, -9.806_65)).norm() < 1e-4);
+    }
+
+    #[test]
+    fn rotation_is_the_integral_whatever_the_batches() {
+        let mut state = ImuState::default();
+        let mut angle = Vector3::zeros();
+        let mut time_us = 0;
+        for batch in [1usize, 2, 3, 16, 1, 5] {
+            let samples: heapless::Vec<_, 16> = (0..batch)
+                .map(|_| {
+                    time_us += 1000;
+                    sample(time_us, [0, 164, 0])
+                })
+                .collect();
+            angle += condition(&config(), &mut state, &samples).rotation_rad;
+        }
+        // 28 samples span 27 ms at 10 deg/s
+        assert!((angle.x - 10f32.to_radians() * 0.027).abs() < 1e-6, "{angle}");
+    }
+
+    #[test]
+    fn gaps_and_stale_samples_are_not_integrated() {
+        let mut state = ImuState::default();
+        condition(&config(), &mut state, &[sample(1000, [0, 0, 0])]);
+        let late = condition(&config(), &mut state, &[sample(500_000, [16400, 0, 0])]);
+        assert!(late.after_gap && late.duration_s == 0.0 && late.rotation_rad == Vector3::zeros());
+        let again = condition(&config(), &mut state, &[sample(500_000, [16400, 0, 0]), sample(400_000, [0; 3])]);
+        assert_eq!(again.samples, 0);
+        assert_eq!(again.rate_body_rad_s, late.rate_body_rad_s);
+    }
+}

@@ -1,0 +1,88 @@
+//! Static map between a motor's command and its lift, both ways, by linear interpolation in a table.
+//!
+//! The slope of the real curve falls by a factor of three from low to high command, so a mixer that took it for a
+//! straight line would change the loop gain by as much. The table comes from the vehicle's model file.
+
+/// Intervals in the table.
+pub const LIFT_INTERVALS: usize = 32;
+
+/// Command needed for equally spaced lifts from `lift_min_n` (command 0) to `lift_max_n` (command 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiftCurve {
+    /// Lift at command 0, N.
+    pub lift_min_n: f32,
+    /// Lift at command 1, N.
+    pub lift_max_n: f32,
+    /// Command 0..1 at lift_min + k / LIFT_INTERVALS * (lift_max - lift_min); strictly increasing.
+    pub command_at: [f32; LIFT_INTERVALS + 1],
+}
+
+impl LiftCurve {
+    /// A straight line from no lift at command 0.
+    pub fn straight(lift_max_n: f32) -> Self {
+        Self { lift_min_n: 0.0, lift_max_n, command_at: core::array::from_fn(|k| k as f32 / LIFT_INTERVALS as f32) }
+    }
+
+    /// Command for a lift; lifts outside the range get the nearest end.
+    pub fn command(&self, lift_n: f32) -> f32 {
+        let position = (lift_n - self.lift_min_n) / (self.lift_max_n - self.lift_min_n) * LIFT_INTERVALS as f32;
+        let position = crate::elementary::limit(position, 0.0, LIFT_INTERVALS as f32);
+        let interval = (position as usize).min(LIFT_INTERVALS - 1);
+        let (low, high) = (self.command_at[interval], self.command_at[interval + 1]);
+        low + (high - low) * (position - interval as f32)
+    }
+
+    /// Lift of a command; the exact inverse of [`Self::command`].
+    pub fn lift(&self, command: f32) -> f32 {
+        let interval_n = (self.lift_max_n - self.lift_min_n) / LIFT_INTERVALS as f32;
+        for interval in 0..LIFT_INTERVALS {
+            let (low, high) = (self.command_at[interval], self.command_at[interval + 1]);
+            if command < high || interval == LIFT_INTERVALS - 1 {
+                let share = crate::elementary::limit((command - low) / (high - low), 0.0, 1.0);
+                return self.lift_min_n + (interval as f32 + share) * interval_n;
+            }
+        }
+        self.lift_max_n
+    }
+
+    /// True if lift and command rise together over the whole table.
+    pub fn is_increasing(&self) -> bool {
+        self.lift_max_n > self.lift_min_n && self.command_at.windows(2).all(|pair| pair[1] > pair[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn square_root_curve() -> LiftCurve {
+        // lift = command^2 * 4 N
+        LiftCurve {
+            lift_min_n: 0.0,
+            lift_max_n: 4.0,
+            command_at: core::array::from_fn(|k| crate::elementary::sqrt(k as f32 / LIFT_INTERVALS as f32)),
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn lift_and_command_are_inverse(command in 0f32..=1.0) {
+            let curve = square_root_curve();
+            prop_assert!((curve.command(curve.lift(command)) - command).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn ends_are_exact_and_nan_is_tame() {
+        let curve = square_root_curve();
+        assert_eq!(curve.command(-1.0), 0.0);
+        assert_eq!(curve.command(9.0), 1.0);
+        assert_eq!(curve.command(f32::NAN), 0.0);
+        assert_eq!(curve.lift(1.0), 4.0);
+        assert_eq!(curve.lift(2.0), 4.0);
+        assert_eq!(curve.lift(-1.0), 0.0);
+        assert!(curve.lift(f32::NAN).is_finite());
+        assert!(curve.is_increasing());
+    }
+}

@@ -1,0 +1,200 @@
+//! Quad-X mixer: collective and torque to four motor commands, with a fixed priority when they don't all fit.
+//!
+//! ```text
+//!   3 (CW)   1 (CCW)      tau_x = h (F2 + F3 - F1 - F4)      h = d / sqrt 2
+//!       \   /             tau_y = h (F1 + F3 - F2 - F4)
+//!       /   \             tau_z = k (F1 + F2 - F3 - F4)      k = R_t / R_l
+//!   2 (CCW)  4 (CW)
+//! ```
+//! Roll and pitch come before yaw, yaw before collective: the collective gives way first (all motors shift together),
+//! then yaw is cut to what is left, and only then are roll and pitch scaled down, both by the same factor, so that the
+//! direction of the demanded torque is kept. What could not be delivered is reported for anti-windup.
+
+use crate::elementary::{larger, limit, smaller};
+use crate::lift_curve::LiftCurve;
+use crate::signals::{MotorCommands, Wrench};
+
+/// Signs of roll, pitch and yaw torque for motors 1 to 4.
+const ROLL: [f32; 4] = [-1.0, 1.0, 1.0, -1.0];
+const PITCH: [f32; 4] = [1.0, -1.0, 1.0, -1.0];
+const YAW: [f32; 4] = [1.0, 1.0, -1.0, -1.0];
+
+/// Geometry and curve of the vehicle, as the mixer needs them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MixerConfig {
+    /// Distance of each motor from the roll and the pitch axis, m (arm / sqrt 2).
+    pub lever_m: f32,
+    /// Reaction torque per lift, m.
+    pub torque_per_lift_m: f32,
+    /// Command and lift of one motor.
+    pub lift_curve: LiftCurve,
+}
+
+/// What the mixer made of a demand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MixResult {
+    /// Commands 0..1.
+    pub commands: MotorCommands,
+    /// Demanded minus delivered torque, body axes, N m.
+    pub unmet_torque_nm: [f32; 3],
+    /// Demanded minus delivered lift per motor, N.
+    pub unmet_lift_n: f32,
+    /// True if any motor stands at an end of its range.
+    pub saturated: bool,
+}
+
+/// Distributes a demand over the motors. A demand that is not finite counts as zero torque.
+pub fn mix(config: &MixerConfig, wrench: &Wrench) -> MixResult {
+    let curve = &config.lift_curve;
+    let span_n = curve.lift_max_n - curve.lift_min_n;
+    let [roll_n, pitch_n, yaw_n] = lift_shares(config, wrench);
+
+    // roll and pitch: at most the whole span, whatever collective that takes
+    let tilt = |motor: usize| ROLL[motor] * roll_n + PITCH[motor] * pitch_n;
+    let (low, high) = extent(tilt);
+    let tilt_scale = if high - low > span_n { span_n / (high - low) } else { 1.0 };
+
+    // yaw: the largest share that fits beside them
+    let yaw_scale = largest_yaw_share(span_n, |motor| tilt_scale * tilt(motor), yaw_n);
+
+    // collective: as asked, shifted to where all four fit
+    let torque_lift = |motor: usize| tilt_scale * tilt(motor) + YAW[motor] * yaw_n * yaw_scale;
+    let (low, high) = extent(torque_lift);
+    let asked_n = if wrench.lift_per_motor_n.is_finite() { wrench.lift_per_motor_n } else { curve.lift_min_n };
+    // the ends can cross by a rounding error; the lower then wins
+    let collective_n = limit(asked_n, curve.lift_min_n - low, larger(curve.lift_max_n - high, curve.lift_min_n - low));
+
+    let lifts = [0, 1, 2, 3].map(|motor| collective_n + torque_lift(motor));
+    MixResult {
+        commands: MotorCommands(lifts.map(|lift_n| curve.command(lift_n))),
+        unmet_torque_nm: [
+            (1.0 - tilt_scale) * roll_n * 4.0 * config.lever_m,
+            (1.0 - tilt_scale) * pitch_n * 4.0 * config.lever_m,
+            (1.0 - yaw_scale) * yaw_n * 4.0 * config.torque_per_lift_m,
+        ],
+        unmet_lift_n: asked_n - collective_n,
+        saturated: lifts.iter().any(|&f| f <= curve.lift_min_n || f >= curve.lift_max_n),
+    }
+}
+
+/// Lift that each motor adds or takes for the demanded roll, pitch and yaw torque, N.
+fn lift_shares(config: &MixerConfig, wrench: &Wrench) -> [f32; 3] {
+    let per_torque = [config.lever_m, config.lever_m, config.torque_per_lift_m].map(|arm_m| 0.25 / arm_m);
+    core::array::from_fn(|axis| {
+        let share_n = wrench.torque_body_nm[axis] * per_torque[axis];
+        if share_n.is_finite() { limit(share_n, -1e6, 1e6) } else { 0.0 }
+    })
+}
+
+/// Largest factor 0..1 on the yaw share with which the spread of all four still fits the span.
+fn largest_yaw_share(span_n: f32, tilt: impl Fn(usize) -> f32, yaw_n: f32) -> f32 {
+    // the spread is convex in the factor and each pair of motors bounds it on its own
+    let mut share = 1.0;
+    for up in 0..4 {
+        for down in 0..4 {
+            let change = (YAW[up] - YAW[down]) * yaw_n;
+            if change > 0.0 {
+                let room = span_n - (tilt(up) - tilt(down));
+                share = smaller(share, larger(room / change, 0.0));
+            }
+        }
+    }
+    share
+}
+
+fn extent(lift: impl Fn(usize) -> f32) -> (f32, f32) {
+    let mut low = lift(0);
+    let mut high = low;
+    for motor in 1..4 {
+        low = smaller(low, lift(motor));
+        high = larger(high, lift(motor));
+    }
+    (low, high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn config() -> MixerConfig {
+        MixerConfig { lever_m: 0.16, torque_per_lift_m: 0.04, lift_curve: LiftCurve::straight(2.0) }
+    }
+
+    /// Torque that the commands really make, by the spec's equations.
+    fn delivered(config: &MixerConfig, commands: &MotorCommands) -> ([f32; 3], f32) {
+        let [f1, f2, f3, f4] = commands.0.map(|c| config.lift_curve.lift(c));
+        let torque = [
+            config.lever_m * (f2 + f3 - f1 - f4),
+            config.lever_m * (f1 + f3 - f2 - f4),
+            config.torque_per_lift_m * (f1 + f2 - f3 - f4),
+        ];
+        (torque, 0.25 * (f1 + f2 + f3 + f4))
+    }
+
+    proptest! {
+        #[test]
+        fn delivers_or_says_what_is_missing(
+            lift in -1f32..4.0, roll in -2f32..2.0, pitch in -2f32..2.0, yaw in -0.5f32..0.5
+        ) {
+            let config = config();
+            let wrench = Wrench { lift_per_motor_n: lift, torque_body_nm: [roll, pitch, yaw] };
+            let result = mix(&config, &wrench);
+            prop_assert!(result.commands.0.iter().all(|c| (0.0..=1.0).contains(c)));
+            let (torque, collective) = delivered(&config, &result.commands);
+            for axis in 0..3 {
+                let sum = torque[axis] + result.unmet_torque_nm[axis];
+                prop_assert!((sum - wrench.torque_body_nm[axis]).abs() < 1e-5, "axis {axis}: {sum}");
+            }
+            prop_assert!((collective + result.unmet_lift_n - lift).abs() < 1e-5);
+        }
+
+        #[test]
+        fn priority_is_tilt_then_yaw_then_collective(roll in -2f32..2.0, pitch in -2f32..2.0, yaw in -0.5f32..0.5) {
+            let config = config();
+            let result = mix(&config, &Wrench { lift_per_motor_n: 1.0, torque_body_nm: [roll, pitch, yaw] });
+            let without_yaw = mix(&config, &Wrench { lift_per_motor_n: 1.0, torque_body_nm: [roll, pitch, 0.0] });
+            // yaw never costs roll or pitch
+            for axis in 0..2 {
+                prop_assert!((result.unmet_torque_nm[axis] - without_yaw.unmet_torque_nm[axis]).abs() < 1e-6);
+            }
+            // tilt is cut only when it alone fills the span: all of it is then used
+            if result.unmet_torque_nm[0].abs() + result.unmet_torque_nm[1].abs() > 1e-5 {
+                let low = result.commands.0.iter().fold(1f32, |a, &b| if b < a { b } else { a });
+                let high = result.commands.0.iter().fold(0f32, |a, &b| if b > a { b } else { a });
+                prop_assert!(low < 1e-5 && high > 1.0 - 1e-5);
+                // and the direction is kept
+                let (torque, _) = delivered(&config, &result.commands);
+                prop_assert!((torque[0] * pitch - torque[1] * roll).abs() < 1e-5);
+            }
+            // collective gives way before yaw does
+            if result.unmet_torque_nm[2].abs() > 1e-5 {
+                let high = result.commands.0.iter().fold(0f32, |a, &b| if b > a { b } else { a });
+                prop_assert!(high > 1.0 - 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn each_torque_turns_the_way_the_spec_says() {
+        let config = config();
+        let level = Wrench { lift_per_motor_n: 1.0, torque_body_nm: [0.0; 3] };
+        assert_eq!(mix(&config, &level).commands, MotorCommands([0.5; 4]));
+        let roll = mix(&config, &Wrench { torque_body_nm: [0.1, 0.0, 0.0], ..level }).commands.0;
+        assert!(roll[1] > 0.5 && roll[2] > 0.5 && roll[0] < 0.5 && roll[3] < 0.5);
+        let pitch = mix(&config, &Wrench { torque_body_nm: [0.0, 0.1, 0.0], ..level }).commands.0;
+        assert!(pitch[0] > 0.5 && pitch[2] > 0.5 && pitch[1] < 0.5 && pitch[3] < 0.5);
+        let yaw = mix(&config, &Wrench { torque_body_nm: [0.0, 0.0, 0.01], ..level }).commands.0;
+        assert!(yaw[0] > 0.5 && yaw[1] > 0.5 && yaw[2] < 0.5 && yaw[3] < 0.5);
+    }
+
+    #[test]
+    fn demands_that_are_not_numbers_do_not_reach_the_motors() {
+        for poison in [f32::NAN, f32::INFINITY] {
+            let wrench = Wrench { lift_per_motor_n: poison, torque_body_nm: [poison, 0.05, poison] };
+            let result = mix(&config(), &wrench);
+            assert!(result.commands.0.iter().all(|c| (0.0..=1.0).contains(c)));
+            assert!(result.unmet_torque_nm.iter().all(|u| u.is_finite()));
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! A small dense quadratic program, solved exactly, without allocation.
+//!
+//! ```text
+//! minimise    1/2 z'Hz + f'z
+//! subject to  lower     <=  z   <= upper        N bounds
+//!             row_lower <=  A z <= row_upper    up to R general rows
+//! ```
+//!
+//! H is symmetric positive definite. H and A are known at start-up and go through [`Qp::prepare`] once; f and the
+//! bounds change from solve to solve.
+//!
+//! Method: the dual active-set method of Goldfarb and Idnani (*A numerically stable dual method for solving strictly
+//! convex quadratic programs*, Mathematical Programming 27, 1983) on the least-distance form of Arnström, Bemporad and
+//! Axehill (*A dual active-set solver for embedded quadratic programming using recursive LDL' updates*, IEEE TAC 67,
+//! 2022). With H = R'R, u = R z + v and v = R^-T f the program becomes: the point u nearest to the origin with
+//! d_lower <= M u <= d_upper, M = [R^-1; A R^-1]. The second paper factors M_W M_W' of the working set; here it is
+//! M_W itself ([`factor`]), because M_W M_W' squares the condition number, which single precision can't afford.
+//!
+//! Everything is `+ - * /`, `sqrt` and comparisons in a fixed order: the same bits on every machine.
+
+mod factor;
+mod prepare;
+mod solve;
+mod working_set;
+
+pub use prepare::{Qp, QpError};
+
+use working_set::HalfSpace;
+
+/// Limits of one solve. An absent limit is an infinity of its side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds<const N: usize, const R: usize> {
+    /// Least value of each variable.
+    pub lower: [f32; N],
+    /// Greatest value of each variable.
+    pub upper: [f32; N],
+    /// Least value of each general row; entries beyond the prepared rows are ignored.
+    pub row_lower: [f32; R],
+    /// Greatest value of each general row; entries beyond the prepared rows are ignored.
+    pub row_upper: [f32; R],
+}
+
+/// When the solver stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Most changes of the working set, plus one; at least 1.
+    pub iteration_limit: u16,
+    /// Largest violation that counts as none, relative to |u| + |v| of the least-distance form; above the rounding of
+    /// a dot product.
+    pub feasibility_tolerance: f32,
+    /// A row whose distance from the span of the working set is below this (rows have length 1) counts as dependent.
+    pub dependence_tolerance: f32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { iteration_limit: 250, feasibility_tolerance: 1e-6, dependence_tolerance: 4e-6 }
+    }
+}
+
+/// A setting outside its range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingsError {
+    /// `iteration_limit` is 0.
+    IterationLimit,
+    /// `feasibility_tolerance` is not within 1e-7 .. 1e-2.
+    FeasibilityTolerance,
+    /// `dependence_tolerance` is not within 1e-7 .. 1e-2.
+    DependenceTolerance,
+}
+
+impl core::fmt::Display for SettingsError {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        formatter.write_str(match self {
+            Self::IterationLimit => "iteration_limit must be at least 1",
+            Self::FeasibilityTolerance => "feasibility_tolerance must lie within 1e-7 .. 1e-2",
+            Self::DependenceTolerance => "dependence_tolerance must lie within 1e-7 .. 1e-2",
+        })
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl Settings {
+    /// Checks the ranges that the fields' documentation states.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let tolerances = 1e-7..=1e-2;
+        if self.iteration_limit == 0 {
+            return Err(SettingsError::IterationLimit);
+        }
+        if !tolerances.contains(&self.feasibility_tolerance) {
+            return Err(SettingsError::FeasibilityTolerance);
+        }
+        if !tolerances.contains(&self.dependence_tolerance) {
+            return Err(SettingsError::DependenceTolerance);
+        }
+        Ok(())
+    }
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// All of the Karush-Kuhn-Tucker conditions hold.
+    Solved,
+    /// The iteration limit was reached first.
+    IterationLimit,
+    /// No point satisfies all constraints.
+    Infeasible,
+    /// The data were not usable numbers, or overflowed.
+    NumericalError,
+}
+
+/// What a solve returns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solution<const N: usize> {
+    /// The minimiser, inside its bounds to the last bit; all zero unless [`Status::Solved`].
+    pub x: [f32; N],
+    /// How the solve ended.
+    pub status: Status,
+    /// Working sets examined; 1 when the first was already optimal.
+    pub iterations: u16,
+}
+
+/// The warm start: the constraints that were active at the last solution, and their multipliers.
+///
+/// Any content is a valid start, also one from another problem; it only costs iterations. A failed solve empties it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Workspace<const N: usize> {
+    active: [HalfSpace; N],
+    multipliers: [f32; N],
+    count: usize,
+}
+
+impl<const N: usize> Workspace<N> {
+    /// A cold start: nothing active.
+    pub const fn new() -> Self {
+        Self { active: [HalfSpace::NONE; N], multipliers: [0.0; N], count: 0 }
+    }
+}
+
+impl<const N: usize> Default for Workspace<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

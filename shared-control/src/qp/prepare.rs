@@ -1,0 +1,212 @@
+//! What is computed once: the factor of H and the rows of the least-distance form.
+//!
+//! H = R'R (Cholesky, R upper triangular); M = [R^-1; A R^-1]. Each row of M is stored with length 1 and its true
+//! length beside it, so that violations and pivots of different rows compare.
+
+/// A prepared program, see the head of [`crate::qp`], with room for N variables and R general rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Qp<const N: usize, const R: usize> {
+    /// Variables in use, 1..=N; arrays are zero beyond.
+    pub(super) variable_count: usize,
+    /// Rows of R^-1, upper triangular, scaled to length 1.
+    pub(super) bound_rows: [[f32; N]; N],
+    /// Length of each row of R^-1.
+    pub(super) bound_lengths: [f32; N],
+    /// Rows of A R^-1, scaled to length 1.
+    pub(super) general_rows: [[f32; N]; R],
+    /// Length of each row of A R^-1.
+    pub(super) general_lengths: [f32; R],
+    /// General rows in use, 0..=R.
+    pub(super) general_count: usize,
+}
+
+/// Why a program can't be prepared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QpError {
+    /// An entry of H or A is NaN or infinite.
+    NotFinite,
+    /// No variables, or more than the type has room for.
+    VariableCount,
+    /// H differs from its transpose.
+    NotSymmetric,
+    /// Elimination of this variable meets a pivot that is zero, negative, or lost in rounding.
+    NotPositiveDefinite {
+        /// Index of the variable.
+        variable: usize,
+    },
+    /// More general rows than the type has room for.
+    TooManyRows,
+    /// This general row has no usable length.
+    EmptyRow {
+        /// Index of the row.
+        row: usize,
+    },
+}
+
+impl core::fmt::Display for QpError {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotFinite => write!(formatter, "the matrices of the quadratic program must be finite"),
+            Self::VariableCount => {
+                write!(formatter, "no variables, or more than the program has room for")
+            }
+            Self::NotSymmetric => write!(formatter, "the Hessian must be symmetric"),
+            Self::NotPositiveDefinite { variable } => {
+                write!(formatter, "the Hessian must be positive definite, but is not at variable {variable}")
+            }
+            Self::TooManyRows => write!(formatter, "more constraint rows than the program has room for"),
+            Self::EmptyRow { row } => write!(formatter, "constraint row {row} is zero"),
+        }
+    }
+}
+
+impl core::error::Error for QpError {}
+
+impl<const N: usize, const R: usize> Qp<N, R> {
+    /// Factors `hessian` and transforms `rows`.
+    ///
+    /// The number of rows of `hessian` is the number of variables, n in 1..=N, and of each row, here and in `rows`, the
+    /// first n entries count. There may be 0..=R `rows`.
+    pub fn prepare(hessian: &[[f32; N]], rows: &[[f32; N]]) -> Result<Self, QpError> {
+        let variable_count = hessian.len();
+        if variable_count == 0 || variable_count > N {
+            return Err(QpError::VariableCount);
+        }
+        if rows.len() > R {
+            return Err(QpError::TooManyRows);
+        }
+        let mut entries = hessian.iter().chain(rows).flat_map(|row| &row[..variable_count]);
+        if !entries.all(|entry| entry.is_finite()) {
+            return Err(QpError::NotFinite);
+        }
+        let inverse = invert_upper(&cholesky(hessian)?, variable_count);
+        let mut qp = Self {
+            variable_count,
+            bound_rows: inverse,
+            bound_lengths: [0.0; N],
+            general_rows: [[0.0; N]; R],
+            general_lengths: [0.0; R],
+            general_count: rows.len(),
+        };
+        for variable in 0..variable_count {
+            qp.bound_lengths[variable] =
+                normalise(&mut qp.bound_rows[variable]).ok_or(QpError::NotPositiveDefinite { variable })?;
+        }
+        for (index, source) in rows.iter().enumerate() {
+            let row = &mut qp.general_rows[index];
+            for (weight, inverse_row) in source.iter().zip(&inverse[..variable_count]) {
+                add_scaled(row, *weight, inverse_row);
+            }
+            qp.general_lengths[index] = normalise(row).ok_or(QpError::EmptyRow { row: index })?;
+        }
+        Ok(qp)
+    }
+
+    /// v = R^-T f.
+    pub(super) fn offset(&self, linear: &[f32; N]) -> [f32; N] {
+        let mut offset = [0.0; N];
+        for variable in self.variables() {
+            let weight = linear[variable] * self.bound_lengths[variable];
+            let nonzero = variable..self.variable_count;
+            add_scaled(&mut offset[nonzero.clone()], weight, &self.bound_rows[variable][nonzero]);
+        }
+        offset
+    }
+
+    /// z = R^-1 (u - v).
+    pub(super) fn minimiser_at(&self, point: &[f32; N], offset: &[f32; N]) -> [f32; N] {
+        let mut difference = *point;
+        add_scaled(&mut difference, -1.0, offset);
+        let mut minimiser = [0.0; N];
+        for variable in self.variables() {
+            minimiser[variable] = self.bound_lengths[variable] * self.bound_value(variable, &difference);
+        }
+        minimiser
+    }
+
+    /// The minimiser without any constraint, -H^-1 f.
+    pub fn unconstrained(&self, linear: &[f32; N]) -> [f32; N] {
+        self.minimiser_at(&[0.0; N], &self.offset(linear))
+    }
+
+    /// Indices of the variables in use.
+    pub(super) fn variables(&self) -> core::ops::Range<usize> {
+        0..self.variable_count
+    }
+
+    /// m'u of a bound's row, of which the entries before the diagonal are zero.
+    pub(super) fn bound_value(&self, variable: usize, point: &[f32; N]) -> f32 {
+        let nonzero = variable..self.variable_count;
+        dot(&self.bound_rows[variable][nonzero.clone()], &point[nonzero])
+    }
+
+    /// m'u of a general row.
+    pub(super) fn general_value(&self, row: usize, point: &[f32; N]) -> f32 {
+        dot(&self.general_rows[row][self.variables()], &point[self.variables()])
+    }
+}
+
+/// Sum of products, in index order.
+pub(super) fn dot(left: &[f32], right: &[f32]) -> f32 {
+    left.iter().zip(right).fold(0.0, |sum, (a, b)| sum + a * b)
+}
+
+/// `target` += `weight` * `source`.
+pub(super) fn add_scaled(target: &mut [f32], weight: f32, source: &[f32]) {
+    for (sum, entry) in target.iter_mut().zip(source) {
+        *sum += weight * entry;
+    }
+}
+
+/// Scales `row` to length 1 and returns the length it had; none if that is no normal number.
+fn normalise(row: &mut [f32]) -> Option<f32> {
+    let length = libm::sqrtf(dot(row, row));
+    if !length.is_normal() {
+        return None;
+    }
+    for entry in row {
+        *entry /= length;
+    }
+    Some(length)
+}
+
+/// The upper triangular R with R'R = `hessian`.
+fn cholesky<const N: usize>(hessian: &[[f32; N]]) -> Result<[[f32; N]; N], QpError> {
+    let size = hessian.len();
+    let mut factor = [[0.0; N]; N];
+    for row in 0..size {
+        for column in row..size {
+            if hessian[row][column] != hessian[column][row] {
+                return Err(QpError::NotSymmetric);
+            }
+            let mut rest = hessian[row][column];
+            for above in &factor[..row] {
+                rest -= above[row] * above[column];
+            }
+            if column > row {
+                factor[row][column] = rest / factor[row][row];
+            } else if rest > size as f32 * f32::EPSILON * hessian[row][row] {
+                factor[row][row] = libm::sqrtf(rest);
+            } else {
+                return Err(QpError::NotPositiveDefinite { variable: row });
+            }
+        }
+    }
+    Ok(factor)
+}
+
+/// Inverse of the leading part of an upper triangular matrix with a positive diagonal, by back substitution.
+fn invert_upper<const N: usize>(factor: &[[f32; N]; N], size: usize) -> [[f32; N]; N] {
+    let mut inverse = [[0.0; N]; N];
+    for column in 0..size {
+        inverse[column][column] = 1.0 / factor[column][column];
+        for row in (0..column).rev() {
+            let mut sum = 0.0;
+            for inner in row + 1..=column {
+                sum += factor[row][inner] * inverse[inner][column];
+            }
+            inverse[row][column] = -sum / factor[row][row];
+        }
+    }
+    inverse
+}

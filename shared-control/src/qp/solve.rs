@@ -1,0 +1,218 @@
+//! The dual active-set loop.
+//!
+//! At the least-distance form, min 1/2 u'u with m_i'u within d_lower,i .. d_upper,i, the Karush-Kuhn-Tucker conditions
+//! are stationarity u = -G'lambda, dual feasibility lambda >= 0, primal feasibility, and complementarity: only
+//! constraints held as equalities have multipliers. The loop carries multipliers that are dual feasible from the first
+//! pass to the last and never lowers the dual objective; what it works for is primal feasibility.
+
+use super::factor::Appended;
+use super::prepare::{Qp, dot};
+use super::working_set::{HalfSpace, Inequality, WorkingSet};
+use super::{Bounds, Settings, Solution, Status, Workspace};
+
+impl<const N: usize, const R: usize> Qp<N, R> {
+    /// Solves for these `linear` terms (f) and `bounds`, starting from, and then replacing, the warm start.
+    ///
+    /// Total: any numbers give a status and a finite `x`. Only with [`Status::Solved`] is `x` the minimiser.
+    pub fn solve(
+        &self,
+        linear: &[f32; N],
+        bounds: &Bounds<N, R>,
+        settings: &Settings,
+        workspace: &mut Workspace<N>,
+    ) -> Solution<N> {
+        let mut iterations = 0;
+        let result = self.check(linear, bounds).and_then(|()| {
+            let problem = LeastDistance::new(self, linear, bounds);
+            let mut working = problem.warm_start(workspace, settings.dependence_tolerance);
+            let point = problem.search(&mut working, settings, &mut iterations)?;
+            let x = problem.minimiser(&point, working.active(), bounds)?;
+            Ok((x, working.store()))
+        });
+        let (x, status, warm_start) = match result {
+            Ok((x, warm_start)) => (x, Status::Solved, warm_start),
+            Err(status) => ([0.0; N], status, Workspace::new()),
+        };
+        *workspace = warm_start;
+        Solution { x, status, iterations }
+    }
+
+    /// Whether the data are numbers, and each constraint for itself can be met.
+    fn check(&self, linear: &[f32; N], bounds: &Bounds<N, R>) -> Result<(), Status> {
+        if !linear[self.variables()].iter().all(|entry| entry.is_finite()) {
+            return Err(Status::NumericalError);
+        }
+        let variables = bounds.lower.iter().zip(&bounds.upper).take(self.variable_count);
+        let rows = bounds.row_lower.iter().zip(&bounds.row_upper).take(self.general_count);
+        for (lower, upper) in variables.chain(rows) {
+            if lower.is_nan() || upper.is_nan() {
+                return Err(Status::NumericalError);
+            }
+            if lower > upper || *lower == f32::INFINITY || *upper == f32::NEG_INFINITY {
+                return Err(Status::Infeasible);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The least-distance form of one solve.
+struct LeastDistance<'a, const N: usize, const R: usize> {
+    qp: &'a Qp<N, R>,
+    /// v.
+    offset: [f32; N],
+    /// d: `lower` and `upper` of the bounds' rows, `row_lower` and `row_upper` of the general rows.
+    limits: Bounds<N, R>,
+}
+
+impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
+    /// v = R^-T f, d = b + M v, in rows of length 1.
+    fn new(qp: &'a Qp<N, R>, linear: &[f32; N], bounds: &Bounds<N, R>) -> Self {
+        let offset = qp.offset(linear);
+        let mut limits = *bounds;
+        for variable in qp.variables() {
+            let shift = qp.bound_value(variable, &offset);
+            limits.lower[variable] = bounds.lower[variable] / qp.bound_lengths[variable] + shift;
+            limits.upper[variable] = bounds.upper[variable] / qp.bound_lengths[variable] + shift;
+        }
+        for row in 0..qp.general_count {
+            let shift = qp.general_value(row, &offset);
+            limits.row_lower[row] = bounds.row_lower[row] / qp.general_lengths[row] + shift;
+            limits.row_upper[row] = bounds.row_upper[row] / qp.general_lengths[row] + shift;
+        }
+        Self { qp, offset, limits }
+    }
+
+    /// The working set of the last solution, as far as this problem has its constraints and they are independent.
+    fn warm_start(&self, workspace: &Workspace<N>, dependence_tolerance: f32) -> WorkingSet<N> {
+        let mut working = WorkingSet::new(self.qp.variable_count, dependence_tolerance);
+        for (&half_space, &multiplier) in workspace.active.iter().zip(&workspace.multipliers).take(workspace.count) {
+            if let Some(inequality) = self.inequality(half_space) {
+                // Any multipliers >= 0 are dual feasible, whatever the linear term has become.
+                let usable = multiplier > 0.0 && multiplier.is_finite();
+                working.append(&inequality, if usable { multiplier } else { 0.0 });
+            }
+        }
+        working
+    }
+
+    /// Changes the working set, one constraint at a time, until all conditions hold; returns the point u.
+    fn search(
+        &self,
+        working: &mut WorkingSet<N>,
+        settings: &Settings,
+        iterations: &mut u16,
+    ) -> Result<[f32; N], Status> {
+        loop {
+            count(iterations, settings)?;
+            // Stationarity and complementarity: the nearest point with the working set as equalities.
+            let (point, multipliers) = working.nearest_point();
+
+            // Dual infeasible there: walk until the first multiplier vanishes and let go of its constraint.
+            if let Some(blocking) = working.walk_to(&multipliers) {
+                working.release(blocking);
+                continue;
+            }
+
+            // Dual and primal feasible: the minimiser.
+            let Some(violated) = self.most_violated(&point, working.active(), settings)? else {
+                return Ok(point);
+            };
+
+            // Primal infeasible: hold the most violated constraint. Where its row depends on those held,
+            // g = sum c_i g_i, raising its multiplier by t and lowering theirs by c_i t keeps stationarity and raises
+            // the dual objective, until the first of theirs vanishes and makes room.
+            let mut multiplier = 0.0;
+            while let Appended::Dependent(combination) = working.append(&violated, multiplier) {
+                count(iterations, settings)?;
+                let fall = combination.map(|entry| -entry);
+                // None vanishes, the dual objective has no bound: no point is primal feasible (Farkas).
+                let blocking = working.first_to_vanish(&fall).ok_or(Status::Infeasible)?;
+                working.walk(&fall, blocking.step);
+                working.release(blocking);
+                multiplier += blocking.step;
+            }
+        }
+    }
+
+    /// The constraint outside of which `point` lies farthest; none if that is within rounding.
+    fn most_violated(
+        &self,
+        point: &[f32; N],
+        active: &[HalfSpace],
+        settings: &Settings,
+    ) -> Result<Option<Inequality<N>>, Status> {
+        let scale = libm::sqrtf(dot(point, point)) + libm::sqrtf(dot(&self.offset, &self.offset));
+        if !scale.is_finite() {
+            return Err(Status::NumericalError);
+        }
+        let mut violation = settings.feasibility_tolerance * scale;
+        let mut most = None;
+        let mut compare = |index: usize, value: f32, lower: f32, upper: f32| {
+            let (excess, shortfall) = (value - upper, lower - value);
+            let is_upper = excess > shortfall;
+            let outside = if is_upper { excess } else { shortfall };
+            let constraint = index as u16;
+            if outside > violation && !active.iter().any(|held| held.constraint == constraint) {
+                violation = outside;
+                most = Some(HalfSpace { constraint, is_upper });
+            }
+        };
+        for variable in self.qp.variables() {
+            let value = self.qp.bound_value(variable, point);
+            compare(variable, value, self.limits.lower[variable], self.limits.upper[variable]);
+        }
+        for row in 0..self.qp.general_count {
+            let value = self.qp.general_value(row, point);
+            compare(N + row, value, self.limits.row_lower[row], self.limits.row_upper[row]);
+        }
+        match most {
+            // A violated limit that is no number has overflowed on the way to this form.
+            Some(half_space) => self.inequality(half_space).map(Some).ok_or(Status::NumericalError),
+            None => Ok(None),
+        }
+    }
+
+    /// The half-space with its row and limit; none if this problem has no such constraint.
+    fn inequality(&self, half_space: HalfSpace) -> Option<Inequality<N>> {
+        let index = usize::from(half_space.constraint);
+        let (row, lower, upper) = if index < self.qp.variable_count {
+            (&self.qp.bound_rows[index], self.limits.lower[index], self.limits.upper[index])
+        } else if N <= index && index - N < self.qp.general_count {
+            let index = index - N;
+            (&self.qp.general_rows[index], self.limits.row_lower[index], self.limits.row_upper[index])
+        } else {
+            return None;
+        };
+        let (row, limit) = if half_space.is_upper { (*row, upper) } else { (row.map(|entry| -entry), -lower) };
+        limit.is_finite().then_some(Inequality { half_space, row, limit })
+    }
+
+    /// The variables at `point`, without the rounding: active bounds hold to the last bit, no bound is passed.
+    fn minimiser(&self, point: &[f32; N], active: &[HalfSpace], bounds: &Bounds<N, R>) -> Result<[f32; N], Status> {
+        let mut x = self.qp.minimiser_at(point, &self.offset);
+        for held in active {
+            let variable = usize::from(held.constraint);
+            if variable < self.qp.variable_count {
+                x[variable] = if held.is_upper { bounds.upper[variable] } else { bounds.lower[variable] };
+            }
+        }
+        for variable in self.qp.variables() {
+            if x[variable] < bounds.lower[variable] {
+                x[variable] = bounds.lower[variable];
+            } else if x[variable] > bounds.upper[variable] {
+                x[variable] = bounds.upper[variable];
+            }
+        }
+        if x.iter().all(|entry| entry.is_finite()) { Ok(x) } else { Err(Status::NumericalError) }
+    }
+}
+
+/// Counts one more working set, unless the limit is reached.
+fn count(iterations: &mut u16, settings: &Settings) -> Result<(), Status> {
+    if *iterations >= settings.iteration_limit {
+        return Err(Status::IterationLimit);
+    }
+    *iterations += 1;
+    Ok(())
+}

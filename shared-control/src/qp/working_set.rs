@@ -1,0 +1,130 @@
+//! The working set: the constraints taken as equalities, their multipliers, and the factor that goes with them.
+//!
+//! A constraint with two sides is two half-spaces g'u <= h, of which one at a time can be active; so all multipliers
+//! are >= 0.
+
+use super::Workspace;
+use super::factor::{Appended, Factor};
+use super::prepare::add_scaled;
+
+/// One side of one constraint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct HalfSpace {
+    /// Index: bounds of the variables first, then, from N on, the general rows.
+    pub(super) constraint: u16,
+    /// Which side: the greatest value (g = m, h = d_upper) or the least (g = -m, h = -d_lower).
+    pub(super) is_upper: bool,
+}
+
+impl HalfSpace {
+    /// Fills unused places of a warm start; no problem has so many constraints.
+    pub(super) const NONE: Self = Self { constraint: u16::MAX, is_upper: false };
+}
+
+/// g'u <= h, g of length 1.
+pub(super) struct Inequality<const N: usize> {
+    pub(super) half_space: HalfSpace,
+    pub(super) row: [f32; N],
+    pub(super) limit: f32,
+}
+
+/// Constraints held as equalities G u = h with multipliers lambda >= 0, rows of G independent.
+pub(super) struct WorkingSet<const N: usize> {
+    active: [HalfSpace; N],
+    multipliers: [f32; N],
+    limits: [f32; N],
+    count: usize,
+    factor: Factor<N>,
+    dependence_tolerance: f32,
+}
+
+/// Where a walk of the multipliers ends: the first of them to reach zero, after this share of the way.
+#[derive(Clone, Copy)]
+pub(super) struct Blocking {
+    position: usize,
+    pub(super) step: f32,
+}
+
+impl<const N: usize> WorkingSet<N> {
+    pub(super) fn new(variable_count: usize, dependence_tolerance: f32) -> Self {
+        Self {
+            active: [HalfSpace::NONE; N],
+            multipliers: [0.0; N],
+            limits: [0.0; N],
+            count: 0,
+            factor: Factor::new(variable_count),
+            dependence_tolerance,
+        }
+    }
+
+    /// The constraints held.
+    pub(super) fn active(&self) -> &[HalfSpace] {
+        &self.active[..self.count]
+    }
+
+    /// Holds one more constraint; or, its row being dependent on those held, says of which combination.
+    pub(super) fn append(&mut self, entering: &Inequality<N>, multiplier: f32) -> Appended<N> {
+        let appended = self.factor.append(&entering.row, self.dependence_tolerance);
+        if let Appended::Independent = appended {
+            self.active[self.count] = entering.half_space;
+            self.limits[self.count] = entering.limit;
+            self.multipliers[self.count] = multiplier;
+            self.count += 1;
+        }
+        appended
+    }
+
+    /// The nearest point to the origin that keeps all equalities, and the multipliers that make it stationary.
+    pub(super) fn nearest_point(&self) -> ([f32; N], [f32; N]) {
+        self.factor.nearest_point(&self.limits)
+    }
+
+    /// Moves the multipliers to `target`, or, if one of them would become negative, to where the first vanishes.
+    pub(super) fn walk_to(&mut self, target: &[f32; N]) -> Option<Blocking> {
+        if target[..self.count].iter().all(|aim| *aim >= 0.0) {
+            self.multipliers = *target;
+            return None;
+        }
+        let mut direction = *target;
+        add_scaled(&mut direction, -1.0, &self.multipliers[..self.count]);
+        let blocking = self.first_to_vanish(&direction)?;
+        self.walk(&direction, blocking.step);
+        Some(blocking)
+    }
+
+    /// The first multiplier that reaches zero when they move by `direction` again and again; none if none falls.
+    pub(super) fn first_to_vanish(&self, direction: &[f32; N]) -> Option<Blocking> {
+        let mut first: Option<Blocking> = None;
+        for (position, (multiplier, rate)) in self.multipliers.iter().zip(direction).take(self.count).enumerate() {
+            let step = -multiplier / rate;
+            if *rate < 0.0 && first.is_none_or(|found| step < found.step) {
+                first = Some(Blocking { position, step });
+            }
+        }
+        first
+    }
+
+    /// Moves the multipliers by `step` times `direction`.
+    pub(super) fn walk(&mut self, direction: &[f32; N], step: f32) {
+        for (multiplier, rate) in self.multipliers[..self.count].iter_mut().zip(direction) {
+            let moved = *multiplier + step * rate;
+            // Rounding may end a hair below zero.
+            *multiplier = if moved > 0.0 { moved } else { 0.0 };
+        }
+    }
+
+    /// Lets go of the constraint that blocks.
+    pub(super) fn release(&mut self, blocking: Blocking) {
+        let position = blocking.position;
+        self.factor.remove(position);
+        self.active[position..self.count].rotate_left(1);
+        self.multipliers[position..self.count].rotate_left(1);
+        self.limits[position..self.count].rotate_left(1);
+        self.count -= 1;
+    }
+
+    /// The warm start for the next solve.
+    pub(super) fn store(&self) -> Workspace<N> {
+        Workspace { active: self.active, multipliers: self.multipliers, count: self.count }
+    }
+}

@@ -1,0 +1,69 @@
+//! From a vehicle model and a choice of controller to a configured control side.
+//!
+//! The controllers get parameters only: the lift curve is the model's equilibrium curve turned around into a table, the
+//! inertia is the model's. No plant code runs in the core.
+
+use shared_control::config::{self, Config, Controller, Tuning};
+use shared_control::lift_curve::{LIFT_INTERVALS, LiftCurve};
+use shared_control::mpc::MpcSettings;
+use shared_control::vehicle::VehicleParameters;
+
+use crate::model::{Mounting, Rig, VehicleModel};
+
+/// What the controllers know of a vehicle model.
+pub fn vehicle_parameters(model: &VehicleModel) -> VehicleParameters {
+    let [ixx, iyy, izz] = model.inertia_kg_m2;
+    let ring_kg_m2 = match model.mounting {
+        Mounting::Gimbal { ring_inertia_kg_m2 } => ring_inertia_kg_m2,
+        Mounting::Free { .. } => 0.0,
+    };
+    VehicleParameters {
+        gravity_m_s2: model.gravity_m_s2 as f32,
+        arm_m: model.arm_m as f32,
+        // pitch turns the ring along
+        inertia_kg_m2: [ixx as f32, (iyy + ring_kg_m2) as f32, izz as f32],
+        torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m() as f32,
+        lift_curve: lift_curve(model),
+        yaw_locked: model.rig() == Rig::Gimbal,
+    }
+}
+
+/// The model's equilibrium lift over command, turned around by bisection.
+pub fn lift_curve(model: &VehicleModel) -> LiftCurve {
+    let lift_n = |command: f64| model.propulsion.equilibrium(command).lift_n;
+    let (low_n, high_n) = (lift_n(0.0), lift_n(1.0));
+    let command_at = |k: usize| {
+        let wanted_n = low_n + (high_n - low_n) * k as f64 / LIFT_INTERVALS as f64;
+        let (mut low, mut high) = (0.0, 1.0);
+        // 40 halvings: far below the spacing of f32
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if lift_n(middle) < wanted_n { low = middle } else { high = middle }
+        }
+        match k {
+            0 => 0.0,
+            LIFT_INTERVALS => 1.0,
+            _ => (0.5 * (low + high)) as f32,
+        }
+    };
+    LiftCurve { lift_min_n: low_n as f32, lift_max_n: high_n as f32, command_at: core::array::from_fn(command_at) }
+}
+
+/// A core configured for a model.
+///
+/// # Errors
+/// A value that can't be flown with, by name.
+pub fn core_config(
+    model: &VehicleModel,
+    tuning: &Tuning,
+    control_rate_hz: u32,
+    imu_rate_hz: u32,
+    controller: Controller,
+) -> Result<Config, config::ConfigError> {
+    Config::new(&vehicle_parameters(model), tuning, control_rate_hz as f32, imu_rate_hz as f32, controller)
+}
+
+/// The MPC's problem for a model.
+pub fn mpc_settings(model: &VehicleModel, tuning: &Tuning) -> MpcSettings {
+    config::mpc_settings(&vehicle_parameters(model), tuning)
+}

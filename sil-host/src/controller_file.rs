@@ -1,0 +1,186 @@
+//! Controllers by name or by file: `pid`, `mpc`, or a TOML file with the gains that flew.
+//!
+//! ```toml
+//! controller = "pid"            # or "mpc"
+//! rate_hz = 400                 # optional
+//! control_horizon = 1           # optional, MPC
+//! [tuning]                      # optional; any field of the core's Tuning, the rest keeps its default
+//! angle_gain_1_s = [8.0, 7.0, 4.0]
+//! ```
+
+use std::path::Path;
+
+use serde::Deserialize;
+use shared_control::config::{Controller, Tuning};
+
+/// A controller with everything that can be chosen about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControllerChoice {
+    /// Cascade or MPC.
+    pub controller: Controller,
+    /// Gains and weights.
+    pub tuning: Tuning,
+    /// Steps per second; 400 unless the file says otherwise.
+    pub rate_hz: u32,
+    /// Free inputs per axis of the MPC.
+    pub control_horizon: usize,
+}
+
+/// Free inputs per axis where nothing else is said.
+pub const CONTROL_HORIZON_DEFAULT: usize = 5;
+
+/// A controller file that can't be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ControllerFileError {
+    /// Neither a known name nor a readable file.
+    #[error("--controller {given}: neither \"pid\" nor \"mpc\" nor a readable file: {source}")]
+    Unreadable {
+        /// What was given.
+        given: String,
+        /// Why the file can't be read.
+        source: std::io::Error,
+    },
+    /// Not TOML of the expected form; the message has line and column.
+    #[error("{file}: {message}")]
+    Malformed {
+        /// The file.
+        file: String,
+        /// What and where.
+        message: String,
+    },
+}
+
+impl ControllerChoice {
+    /// A controller with the project's tuning.
+    pub fn nominal(controller: Controller) -> Self {
+        Self { controller, tuning: Tuning::F450, rate_hz: 400, control_horizon: CONTROL_HORIZON_DEFAULT }
+    }
+
+    /// `pid`, `mpc`, or the path of a file.
+    ///
+    /// # Errors
+    /// [`ControllerFileError`], with the place.
+    pub fn from_argument(argument: &str) -> Result<Self, ControllerFileError> {
+        match argument {
+            "pid" => Ok(Self::nominal(Controller::Cascade)),
+            "mpc" => Ok(Self::nominal(Controller::Mpc)),
+            path => match std::fs::read_to_string(Path::new(path)) {
+                Ok(text) => Self::parse(&text, path),
+                Err(source) => Err(ControllerFileError::Unreadable { given: path.into(), source }),
+            },
+        }
+    }
+
+    /// Reads the text of a file; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// [`ControllerFileError::Malformed`].
+    pub fn parse(text: &str, file: &str) -> Result<Self, ControllerFileError> {
+        let document: Document = toml::from_str(text)
+            .map_err(|error| ControllerFileError::Malformed { file: file.into(), message: error.to_string() })?;
+        let controller = match document.controller {
+            Kind::Pid => Controller::Cascade,
+            Kind::Mpc => Controller::Mpc,
+        };
+        let nominal = Self::nominal(controller);
+        Ok(Self {
+            tuning: document.tuning.map_or(nominal.tuning, |fields| fields.over(nominal.tuning)),
+            rate_hz: document.rate_hz.unwrap_or(nominal.rate_hz),
+            control_horizon: document.control_horizon.unwrap_or(nominal.control_horizon),
+            ..nominal
+        })
+    }
+
+    /// What reports call it.
+    pub fn name(&self) -> &'static str {
+        controller_name(self.controller)
+    }
+}
+
+/// What commands and reports call a controller.
+pub fn controller_name(controller: Controller) -> &'static str {
+    match controller {
+        Controller::Cascade => "pid",
+        Controller::Mpc => "mpc",
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    controller: Kind,
+    rate_hz: Option<u32>,
+    control_horizon: Option<usize>,
+    tuning: Option<TuningFields>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Kind {
+    Pid,
+    Mpc,
+}
+
+macro_rules! tuning_fields {
+    ($($field:ident: $kind:ty),* $(,)?) => {
+        /// Every field of [`Tuning`], each optional.
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct TuningFields {
+            $($field: Option<$kind>,)*
+        }
+
+        impl TuningFields {
+            fn over(self, defaults: Tuning) -> Tuning {
+                Tuning { $($field: self.$field.map_or(defaults.$field, Into::into),)* }
+            }
+        }
+    };
+}
+
+tuning_fields! {
+    shaping_gain_1_s: [f32; 3],
+    acceleration_share: f32,
+    rate_max_rad_s: [f32; 3],
+    tilt_max_rad: f32,
+    angle_gain_1_s: [f32; 3],
+    rate_proportional_1_s: [f32; 3],
+    rate_integral_1_s2: [f32; 3],
+    rate_derivative: [f32; 3],
+    rate_derivative_cutoff_hz: f32,
+    integral_share: f32,
+    gyro_cutoff_hz: f32,
+    mpc_tracking_weight: [f32; 3],
+    mpc_increment_weight: [f32; 3],
+    mpc_prediction_step_s: f32,
+    mpc_tilt_max_rad: f32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_changes_what_it_names_and_keeps_the_rest() {
+        let text =
+            "controller = \"mpc\"\nrate_hz = 100\n[tuning]\nangle_gain_1_s = [9.0, 7.0, 4.0]\nmpc_tilt_max_rad = 0.7\n";
+        let choice = ControllerChoice::parse(text, "c.toml").unwrap();
+        assert_eq!((choice.controller, choice.rate_hz, choice.control_horizon), (Controller::Mpc, 100, 5));
+        assert_eq!(choice.tuning.angle_gain_1_s, [9.0, 7.0, 4.0]);
+        assert_eq!(choice.tuning.mpc_tilt_max_rad, Some(0.7));
+        assert_eq!(choice.tuning.rate_derivative, Tuning::F450.rate_derivative);
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_place() {
+        for (text, expected) in [
+            ("controller = \"pdi\"\n", "line 1"),
+            ("controller = \"pid\"\n[tuning]\nangle_gain = 3\n", "line 3"),
+            ("controller = \"pid\"\n[tuning]\nangle_gain_1_s = [1.0]\n", "line 3"),
+        ] {
+            let message = ControllerChoice::parse(text, "c.toml").unwrap_err().to_string();
+            assert!(message.contains("c.toml") && message.contains(expected), "{message}");
+        }
+        assert!(ControllerChoice::from_argument("no-such-file.toml").unwrap_err().to_string().contains("no-such-file"));
+    }
+}

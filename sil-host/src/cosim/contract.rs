@@ -1,0 +1,96 @@
+//! The contract between the continuous-time and the discrete-event side (thesis section 4.2): shared design parameters,
+//! monitored and controlled variables, events. Nothing else passes between plant and controller.
+
+use shared_control::signals::{ArmingRequest, ImuBatch, Setpoint};
+
+use crate::cosim::clock::Clock;
+use crate::scenario::{Scenario, Waypoint};
+
+/// Time that the rig holds the vehicle at rest before the flight, so that the estimator finds level and the
+/// supervisor arms, µs.
+pub const HELD_US: u64 = 500_000;
+
+/// Numbers that both sides must agree on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DesignParameters {
+    /// Gravity, m/s².
+    pub gravity_m_s2: f64,
+    /// Command on all motors at hover.
+    pub base_command: f64,
+    /// Steps of the controller per second.
+    pub control_rate_hz: u32,
+    /// Samples of the IMU per second.
+    pub imu_rate_hz: u32,
+}
+
+impl DesignParameters {
+    /// The IMU runs at the smallest multiple of the control rate that reaches 1 kHz, so that each step has a sample
+    /// taken at its very instant and none waits.
+    pub fn new(gravity_m_s2: f64, base_command: f64, control_rate_hz: u32) -> Self {
+        let samples_per_step = 1000u32.div_ceil(control_rate_hz);
+        Self { gravity_m_s2, base_command, control_rate_hz, imu_rate_hz: control_rate_hz * samples_per_step }
+    }
+
+    /// Ticks of the controller.
+    pub fn control_clock(&self) -> Clock {
+        Clock::new(self.control_rate_hz)
+    }
+
+    /// Ticks of the IMU.
+    pub fn imu_clock(&self) -> Clock {
+        Clock::new(self.imu_rate_hz)
+    }
+}
+
+/// From plant to controller.
+#[derive(Clone, Debug, Default)]
+pub struct Monitored {
+    /// IMU samples since the last step.
+    pub imu: ImuBatch,
+}
+
+/// From controller to plant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Controlled {
+    /// Commands 0..1 to motors 1 to 4, held until the next.
+    pub motors: [f64; 4],
+}
+
+/// What reaches the controller from outside the loop, at a point in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Events {
+    /// What is asked for from now on.
+    pub setpoint: Setpoint,
+    /// Request to the supervisor.
+    pub arming: ArmingRequest,
+    /// True while the rig holds the vehicle.
+    pub held: bool,
+    /// The raw reference behind the set-point.
+    pub waypoint: Waypoint,
+}
+
+/// Events at a time of the co-simulation. While held: level, throttle zero, then armed, then hover.
+pub fn events_at(scenario: &Scenario, parameters: &DesignParameters, time_us: u64) -> Events {
+    let waypoint = scenario.at(flight_time_s(time_us));
+    let held = time_us < HELD_US;
+    // the last tenth of the hold is spent armed at hover, so that control starts from its steady state
+    let hovering = time_us >= HELD_US / 10 * 9;
+    let throttle = if hovering { waypoint.throttle.unwrap_or(parameters.base_command) } else { 0.0 };
+    let arming = if held && !hovering { ArmingRequest::Arm } else { ArmingRequest::None };
+    Events {
+        setpoint: Setpoint {
+            roll_rad: waypoint.roll_rad as f32,
+            pitch_rad: waypoint.pitch_rad as f32,
+            yaw_rate_rad_s: waypoint.yaw_rate_rad_s as f32,
+            throttle: throttle as f32,
+        },
+        arming,
+        held,
+        waypoint,
+    }
+}
+
+/// Time since the rig let go, s; negative while it holds.
+pub fn flight_time_s(time_us: u64) -> f64 {
+    (time_us as f64 - HELD_US as f64) * 1e-6
+}

@@ -1,0 +1,121 @@
+//! Co-simulation: the continuous-time plant and the discrete-event controller, each on its own clock, joined by the
+//! [`contract`] alone.
+//!
+//! ```text
+//!   CT: plant (RK4) ---- truth ---> IMU clock: sensors ---- Monitored ---.
+//!        ^                                                               v
+//!        '---- Controlled (held) <--- control clock: fast, follow, plan (DE) <--- Events (scenario)
+//! ```
+
+pub mod clock;
+pub mod contract;
+pub mod control_side;
+pub mod record;
+
+use shared_control::flight_core::TorqueSource;
+use shared_control::signals::{Plan, PlanStatus, RawImuSample};
+
+use crate::cosim::contract::{Controlled, DesignParameters, Events, HELD_US, Monitored, events_at, flight_time_s};
+use crate::cosim::control_side::ControlSide;
+use crate::cosim::record::FlightRecord;
+use crate::plant::Plant;
+use crate::scenario::Scenario;
+use crate::sensors::Sensors;
+
+/// Looks at the plant at every tick of the IMU's clock and answers with the torque from outside that acts on the body
+/// until the next, N m.
+pub type Probe<'a> = &'a mut dyn FnMut(&Plant) -> [f64; 3];
+
+/// Flies a scenario and records it. The flight ends early if the plant's state is no longer finite.
+pub fn fly(
+    parameters: &DesignParameters,
+    plant: &mut Plant,
+    sensors: &mut Sensors,
+    control: &mut ControlSide,
+    scenario: &Scenario,
+    mut probe: Option<Probe<'_>>,
+) -> FlightRecord {
+    let (mut imu_clock, mut control_clock) = (parameters.imu_clock(), parameters.control_clock());
+    let end_us = HELD_US + (scenario.duration_s * 1e6).round() as u64;
+    let mut record = FlightRecord::default();
+    let mut monitored = Monitored::default();
+    let mut last_sample = RawImuSample::default();
+    let mut now_us = 0;
+    loop {
+        // CT: up to the next tick of either clock
+        let next_us = imu_clock.next_us().min(control_clock.next_us());
+        if next_us >= end_us {
+            return record;
+        }
+        if now_us >= HELD_US {
+            plant.advance((next_us - now_us) as f64 * 1e-6);
+        }
+        now_us = next_us;
+        if imu_clock.tick(now_us) {
+            if let Some(probe) = &mut probe {
+                let torque_body_nm = probe(plant);
+                plant.set_disturbance_torque_body_nm(torque_body_nm);
+            }
+            last_sample = sensors.imu(plant, now_us);
+            // a full batch keeps the oldest; the clocks are such that it never fills
+            let _ = monitored.imu.push(last_sample);
+        }
+        // DE: one step of the controller
+        if control_clock.tick(now_us) {
+            let events = events_at(scenario, parameters, now_us);
+            let (output, plan) = control.step(now_us, &mut monitored, &events);
+            let controlled = Controlled { motors: output.mix.commands.0.map(f64::from) };
+            if !events.held {
+                plant.set_commands(controlled.motors);
+                let row = Row { now_us, plant, sensors, control, events: &events, last_sample, controlled, plan };
+                if !row.append(&mut record, &output) {
+                    return record;
+                }
+            }
+        }
+    }
+}
+
+/// One control step's worth of the record.
+struct Row<'a> {
+    now_us: u64,
+    plant: &'a Plant,
+    sensors: &'a mut Sensors,
+    control: &'a ControlSide,
+    events: &'a Events,
+    last_sample: RawImuSample,
+    controlled: Controlled,
+    plan: Option<Plan>,
+}
+
+impl Row<'_> {
+    /// False if the plant left the numbers.
+    fn append(self, record: &mut FlightRecord, output: &shared_control::flight_core::StepOutput) -> bool {
+        let truth = self.plant.truth();
+        let angles = [truth.roll_rad, truth.pitch_rad, truth.yaw_rad];
+        let imu = &self.control.config().imu;
+        let gyro = imu.gyro_rad_s(&self.last_sample);
+        let force = imu.specific_force_m_s2(&self.last_sample);
+        let shaped = self.control.shaped_reference_rad();
+        record.time_s.push(flight_time_s(self.now_us));
+        record.reference_rad.push([self.events.waypoint.roll_rad, self.events.waypoint.pitch_rad]);
+        record.shaped_reference_rad.push([f64::from(shaped[0]), f64::from(shaped[1])]);
+        record.angle_rad.push(angles);
+        record.rate_body_rad_s.push(truth.rate_body_rad_s);
+        record.logged_angle_rad.push(self.sensors.attitude(angles));
+        record.logged_rate_body_rad_s.push([gyro.x, gyro.y, gyro.z].map(f64::from));
+        record.logged_force_m_s2.push([force.x, force.y, force.z].map(f64::from));
+        record.commands.push(self.controlled.motors);
+        record.compare_counts.push(output.compare_counts);
+        record.torque_body_nm.push(output.wrench.torque_body_nm.map(f64::from));
+        record.source.push(output.source);
+        if let TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) = output.source {
+            record.planning.fallbacks += 1;
+        }
+        if let Some(plan) = self.plan {
+            record.planning.iterations_max = record.planning.iterations_max.max(u32::from(plan.iterations));
+            record.planning.unsolved += u32::from(plan.status != PlanStatus::Solved);
+        }
+        angles.iter().all(|angle| angle.is_finite())
+    }
+}

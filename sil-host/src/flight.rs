@@ -1,0 +1,198 @@
+//! One simulated flight from its set-up to its figures: what `sil fly` runs and prints.
+
+use std::time::Instant;
+
+use serde::Serialize;
+use shared_control::config::{ConfigError, Controller};
+use shared_control::mpc::MpcError;
+
+use crate::control_setup::{core_config, mpc_settings};
+use crate::controller_file::ControllerChoice;
+use crate::cosim::{self, contract::DesignParameters, control_side::ControlSide, record::FlightRecord};
+use crate::margins::{self, LoopPoint, Margins};
+use crate::metrics::{self, AxisMetrics};
+use crate::model::VehicleModel;
+use crate::planner::Planner;
+use crate::plant::Plant;
+use crate::scenario::Scenario;
+use crate::sensors::Sensors;
+
+/// Everything that decides how a flight goes.
+#[derive(Clone, Debug)]
+pub struct FlightSetup {
+    /// Vehicle and rig.
+    pub model: VehicleModel,
+    /// Controller, gains, rate.
+    pub choice: ControllerChoice,
+    /// What is flown.
+    pub scenario: Scenario,
+    /// Seed of every sensor's noise.
+    pub seed: u64,
+}
+
+/// A flight that can't begin.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// A value of the controller's configuration.
+    #[error("controller configuration: {0}")]
+    Config(ConfigError),
+    /// The MPC.
+    #[error("MPC: {0}")]
+    Planner(#[from] MpcError),
+}
+
+/// A finished flight.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// Series.
+    pub record: FlightRecord,
+    /// Figures.
+    pub summary: RunSummary,
+}
+
+/// The figures of one flight, as `sil fly --json` writes them (spec CLI.md).
+#[derive(Clone, Debug, Serialize)]
+pub struct RunSummary {
+    /// `pid` or `mpc`.
+    pub controller: &'static str,
+    /// Steps per second.
+    pub rate_hz: u32,
+    /// `gimbal` or `free`.
+    pub rig: &'static str,
+    /// The model's name.
+    pub model: String,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Flown time, s.
+    pub duration_s: f64,
+    /// Roll and pitch.
+    pub axes: Axes,
+    /// Mean |command - base|.
+    pub effort: f64,
+    /// Samples with a motor at a limit, %.
+    pub saturated_pct: f64,
+    /// Simulated time over computing time.
+    pub real_time_factor: f64,
+    /// What the MPC did.
+    pub mpc: Option<MpcSummary>,
+}
+
+/// Figures per axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Axes {
+    /// Roll.
+    pub roll: AxisMetrics,
+    /// Pitch.
+    pub pitch: AxisMetrics,
+}
+
+/// What the MPC did over a flight.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MpcSummary {
+    /// Prediction steps.
+    pub horizon: usize,
+    /// Free inputs per axis.
+    pub control_horizon: usize,
+    /// Length of a prediction step, s.
+    pub prediction_step_s: f64,
+    /// Most solver iterations of a plan.
+    pub iterations_max: u32,
+    /// Steps that the cascade flew instead.
+    pub fallbacks: u32,
+    /// Plans that were not solved.
+    pub unsolved: u32,
+}
+
+impl FlightSetup {
+    /// The contract's shared numbers.
+    pub fn design_parameters(&self) -> DesignParameters {
+        DesignParameters::new(self.model.gravity_m_s2, self.model.base_command, self.choice.rate_hz)
+    }
+
+    /// A fresh control side.
+    ///
+    /// # Errors
+    /// [`SetupError`] where the configuration can't be flown.
+    pub fn control_side(&self) -> Result<ControlSide, SetupError> {
+        let parameters = self.design_parameters();
+        let ControllerChoice { controller, tuning, rate_hz, control_horizon } = self.choice;
+        let config = core_config(&self.model, &tuning, rate_hz, parameters.imu_rate_hz, controller)
+            .map_err(SetupError::Config)?;
+        let planner = match controller {
+            Controller::Cascade => None,
+            Controller::Mpc => Some(Planner::new(control_horizon, &mpc_settings(&self.model, &tuning))?),
+        };
+        Ok(ControlSide::new(config, planner))
+    }
+
+    /// Flies it.
+    ///
+    /// # Errors
+    /// [`SetupError`] where the configuration can't be flown.
+    pub fn fly(&self) -> Result<Flight, SetupError> {
+        let parameters = self.design_parameters();
+        let mut control = self.control_side()?;
+        let mut plant = Plant::new(&self.model);
+        let mut sensors = Sensors::new(&self.model.noise, self.seed);
+        let start = Instant::now();
+        let record = cosim::fly(&parameters, &mut plant, &mut sensors, &mut control, &self.scenario, None);
+        let computing_s = start.elapsed().as_secs_f64();
+        let summary = self.summarise(&record, computing_s);
+        Ok(Flight { record, summary })
+    }
+
+    fn summarise(&self, record: &FlightRecord, computing_s: f64) -> RunSummary {
+        let axis = |axis| metrics::axis_metrics(&record.time_s, &record.reference_of(axis), &record.angle_of(axis));
+        let mpc = MpcSummary {
+            horizon: shared_control::mpc::HORIZON,
+            control_horizon: self.choice.control_horizon,
+            // f32 to its shortest decimal, so that 0.01 is written as 0.01
+            prediction_step_s: self.choice.tuning.mpc_prediction_step_s.to_string().parse().unwrap_or(f64::NAN),
+            iterations_max: record.planning.iterations_max,
+            fallbacks: record.planning.fallbacks,
+            unsolved: record.planning.unsolved,
+        };
+        RunSummary {
+            controller: self.choice.name(),
+            rate_hz: self.choice.rate_hz,
+            rig: self.model.rig().name(),
+            model: self.model.name.clone(),
+            seed: self.seed,
+            duration_s: self.scenario.duration_s,
+            axes: Axes { roll: axis(0), pitch: axis(1) },
+            effort: metrics::effort(&record.commands, self.model.base_command),
+            saturated_pct: metrics::saturated_pct(&record.commands),
+            real_time_factor: self.scenario.duration_s / computing_s,
+            mpc: (self.choice.controller == Controller::Mpc).then_some(mpc),
+        }
+    }
+
+    /// Frequency responses and margins of roll and pitch at hover.
+    ///
+    /// # Errors
+    /// [`SetupError`] where the configuration can't be flown.
+    pub fn margins(&self) -> Result<[(Vec<LoopPoint>, Margins); 2], SetupError> {
+        // the set-up is tried once here; the same set-up can't fail later
+        self.control_side()?;
+        let fresh = || self.control_side().ok();
+        let responses = margins::measure(&self.model, &self.design_parameters(), &fresh);
+        Ok(responses.map(|response| {
+            let margins = margins::margins(&response);
+            (response, margins)
+        }))
+    }
+
+    /// Eigenvalues of roll and pitch under the unconstrained MPC, as magnitude and angle; none for the cascade.
+    ///
+    /// # Errors
+    /// [`SetupError`] where the configuration can't be flown.
+    pub fn mpc_eigenvalues(&self) -> Result<Option<[[[f64; 2]; 3]; 2]>, SetupError> {
+        if self.choice.controller != Controller::Mpc {
+            return Ok(None);
+        }
+        let settings = mpc_settings(&self.model, &self.choice.tuning);
+        let gains = Planner::new(self.choice.control_horizon, &settings)?.unconstrained_gain();
+        let period_s = 1.0 / f64::from(self.choice.rate_hz);
+        Ok(Some([0, 1].map(|axis| margins::mpc_eigenvalues(gains[axis], settings.input_gain[axis], period_s))))
+    }
+}

@@ -1,0 +1,233 @@
+//! Robustness of a loop, measured on the running code: a small sinusoidal torque on the body of the co-simulated
+//! vehicle, and what the motors answer to it.
+//!
+//! The loop is cut where the motors' torque meets the body. With D the injected and U the motors' torque at a frequency,
+//!
+//! ```text
+//!   L(jw) = -U / (U + D)         S(jw) = 1 / (1 + L) = (U + D) / D
+//! ```
+//! Estimator, filters, sampling, the one-sample delay and the motors are all in it, because it is they that run.
+
+use crate::cosim::{self, contract::DesignParameters, control_side::ControlSide};
+use crate::model::VehicleModel;
+use crate::plant::Plant;
+use crate::scenario::{Scenario, Waypoint};
+use crate::sensors::Sensors;
+
+const FREQUENCY_MIN_HZ: f64 = 0.3;
+const FREQUENCY_MAX_HZ: f64 = 45.0;
+const FREQUENCIES: usize = 48;
+/// Time for the response to settle before it is measured, s.
+const SETTLE_S: f64 = 1.5;
+/// Shortest time that is measured, s; rounded up to whole periods.
+const MEASURE_S: f64 = 1.0;
+/// Injected torque over the inertia of the axis, rad/s²: a few degrees at most, far from any limit.
+const INJECTED_RAD_S2: f64 = 1.5;
+
+/// One point of a loop's frequency response.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoopPoint {
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// L, real and imaginary part.
+    pub open_loop: [f64; 2],
+}
+
+/// How far a loop is from instability.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margins {
+    /// Factor by which the gain may rise, dB; none if no frequency measured limits it.
+    pub gain_db: Option<f64>,
+    /// Phase that may be lost, degrees; none if the gain never crosses 1.
+    pub phase_deg: Option<f64>,
+    /// Delay that may be added, ms.
+    pub delay_ms: Option<f64>,
+    /// Highest frequency at which the gain is 1, Hz.
+    pub crossover_hz: Option<f64>,
+    /// Largest |S|.
+    pub sensitivity_peak: f64,
+}
+
+/// Measures roll and pitch of a loop at hover. `control` gives a fresh control side for every frequency; the response
+/// ends where it gives none.
+pub fn measure(
+    model: &VehicleModel,
+    parameters: &DesignParameters,
+    control: &dyn Fn() -> Option<ControlSide>,
+) -> [Vec<LoopPoint>; 2] {
+    let mut responses = [Vec::new(), Vec::new()];
+    for k in 0..FREQUENCIES {
+        let share = k as f64 / (FREQUENCIES - 1) as f64;
+        let frequency_hz = FREQUENCY_MIN_HZ * libm::pow(FREQUENCY_MAX_HZ / FREQUENCY_MIN_HZ, share);
+        let Some(mut control) = control() else { break };
+        let points = at_frequency(model, parameters, &mut control, frequency_hz);
+        for (response, open_loop) in responses.iter_mut().zip(points) {
+            response.push(LoopPoint { frequency_hz, open_loop });
+        }
+    }
+    responses
+}
+
+/// L of roll and pitch at one frequency.
+fn at_frequency(
+    model: &VehicleModel,
+    parameters: &DesignParameters,
+    control: &mut ControlSide,
+    frequency_hz: f64,
+) -> [[f64; 2]; 2] {
+    let omega = 2.0 * std::f64::consts::PI * frequency_hz;
+    let periods = (MEASURE_S * frequency_hz).ceil();
+    let end_s = SETTLE_S + periods / frequency_hz;
+    let inertia = control.config().inertia_kg_m2;
+    let amplitude_nm = [0, 1].map(|axis| INJECTED_RAD_S2 * f64::from(inertia[axis]));
+    let lever_m = model.arm_m * std::f64::consts::FRAC_1_SQRT_2;
+    // Fourier sums of U and of the torque as it was held between the samples
+    let (mut motors, mut injected) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
+    let mut probe = |plant: &Plant| {
+        let time_s = plant.time_s();
+        let (sin, cos) = libm::sincos(omega * time_s);
+        let injected_nm = amplitude_nm.map(|a| a * sin);
+        if time_s >= SETTLE_S && time_s < end_s {
+            let [f1, f2, f3, f4] = plant.lifts_n();
+            let motors_nm = [lever_m * (f2 + f3 - f1 - f4), lever_m * (f1 + f3 - f2 - f4)];
+            for axis in 0..2 {
+                accumulate(&mut motors[axis], motors_nm[axis], sin, cos);
+                accumulate(&mut injected[axis], injected_nm[axis], sin, cos);
+            }
+        }
+        [injected_nm[0], injected_nm[1], 0.0]
+    };
+    let hover = Waypoint { start_s: 0.0, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None };
+    let scenario = Scenario { name: "margins".into(), duration_s: end_s, waypoints: vec![hover] };
+    let mut plant = Plant::new(model);
+    cosim::fly(parameters, &mut plant, &mut Sensors::ideal(), control, &scenario, Some(&mut probe));
+    // the injected torque is held for an IMU period: half of that is delay, and a little amplitude is lost
+    let half_hold = 0.5 * omega / f64::from(parameters.imu_rate_hz);
+    let held = libm::sin(half_hold) / half_hold;
+    let turn = [held * libm::cos(half_hold), -held * libm::sin(half_hold)];
+    [0, 1].map(|axis| {
+        let d = multiply(injected[axis], turn);
+        let u = motors[axis];
+        divide([-u[0], -u[1]], [u[0] + d[0], u[1] + d[1]])
+    })
+}
+
+/// Adds x exp(-j w t).
+fn accumulate(sum: &mut [f64; 2], x: f64, sin: f64, cos: f64) {
+    sum[0] += x * cos;
+    sum[1] -= x * sin;
+}
+
+/// Margins of a measured response.
+pub fn margins(response: &[LoopPoint]) -> Margins {
+    let phases = unwrapped_phases(response);
+    let magnitudes: Vec<f64> = response.iter().map(|point| magnitude(point.open_loop)).collect();
+    let (mut gain_db, mut phase_deg, mut delay_ms, mut crossover_hz) = (None, None, None, None);
+    for i in 1..response.len() {
+        let between = |share: f64| {
+            let (low, high) = (response[i - 1].frequency_hz, response[i].frequency_hz);
+            low * libm::pow(high / low, share)
+        };
+        let (m0, m1) = (libm::log(magnitudes[i - 1]), libm::log(magnitudes[i]));
+        if m0 > 0.0 && m1 <= 0.0 {
+            let share = m0 / (m0 - m1);
+            let phase = phases[i - 1] + share * (phases[i] - phases[i - 1]);
+            let margin_rad = std::f64::consts::PI + phase;
+            smallest(&mut phase_deg, margin_rad.to_degrees());
+            smallest(&mut delay_ms, 1e3 * margin_rad / (2.0 * std::f64::consts::PI * between(share)));
+            crossover_hz = Some(between(share));
+        }
+        let (p0, p1) = (phases[i - 1] + std::f64::consts::PI, phases[i] + std::f64::consts::PI);
+        if p0 > 0.0 && p1 <= 0.0 {
+            let share = p0 / (p0 - p1);
+            smallest(&mut gain_db, -(m0 + share * (m1 - m0)) * 20.0 / std::f64::consts::LN_10);
+        }
+    }
+    let sensitivity_peak = response
+        .iter()
+        .map(|point| 1.0 / magnitude([1.0 + point.open_loop[0], point.open_loop[1]]))
+        .fold(0.0, f64::max);
+    Margins { gain_db, phase_deg, delay_ms, crossover_hz, sensitivity_peak }
+}
+
+fn smallest(kept: &mut Option<f64>, candidate: f64) {
+    *kept = Some(kept.map_or(candidate, |kept| kept.min(candidate)));
+}
+
+/// Phases, rad, continuous over frequency, the first between -2 pi and 0.
+fn unwrapped_phases(response: &[LoopPoint]) -> Vec<f64> {
+    let turn = 2.0 * std::f64::consts::PI;
+    let mut phases: Vec<f64> = Vec::with_capacity(response.len());
+    for point in response {
+        let raw = libm::atan2(point.open_loop[1], point.open_loop[0]);
+        let last = phases.last().copied().unwrap_or(-std::f64::consts::PI);
+        phases.push(raw + turn * ((last - raw) / turn).round());
+    }
+    phases
+}
+
+fn magnitude(z: [f64; 2]) -> f64 {
+    libm::hypot(z[0], z[1])
+}
+
+fn multiply(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
+}
+
+fn divide(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    let norm = b[0] * b[0] + b[1] * b[1];
+    [(a[0] * b[0] + a[1] * b[1]) / norm, (a[1] * b[0] - a[0] * b[1]) / norm]
+}
+
+/// Eigenvalues of one axis under the unconstrained MPC with a perfect model, the one-sample delay included.
+///
+/// `gain` is the feedback row over (angle, rate, previous input, reference). The state is (angle, rate, input in force):
+/// x+ = A x + B u, and the plan that acts next was made for x+, so u+ = g_x x+ + g_u u. Magnitude and angle (rad per
+/// step) of each eigenvalue, largest first.
+pub fn mpc_eigenvalues(gain: [f32; 4], input_gain: f32, control_period_s: f64) -> [[f64; 2]; 3] {
+    let t = control_period_s;
+    let b = f64::from(input_gain);
+    let [g_angle, g_rate, g_input, _] = gain.map(f64::from);
+    let x_next = [[1.0, t, 0.5 * t * t * b], [0.0, 1.0, t * b]];
+    let u_next: [f64; 3] = core::array::from_fn(|column| {
+        g_angle * x_next[0][column] + g_rate * x_next[1][column] + if column == 2 { g_input } else { 0.0 }
+    });
+    let matrix = nalgebra::Matrix3::from_fn(|row, column| if row < 2 { x_next[row][column] } else { u_next[column] });
+    let eigenvalues = matrix.complex_eigenvalues();
+    let mut polar: [[f64; 2]; 3] = core::array::from_fn(|i| {
+        [libm::hypot(eigenvalues[i].re, eigenvalues[i].im), libm::atan2(eigenvalues[i].im, eigenvalues[i].re)]
+    });
+    polar.sort_by(|a, b| b[0].total_cmp(&a[0]).then(b[1].total_cmp(&a[1])));
+    polar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// L(s) = K e^{-s d} / s has its crossover at K rad/s, phase margin 90 deg - K d, gain margin pi / (2 d K).
+    #[test]
+    fn integrator_with_delay_has_its_textbook_margins() {
+        let (k, delay_s) = (20.0, 0.02);
+        let response: Vec<LoopPoint> = (0..400)
+            .map(|i| {
+                let frequency_hz = 0.3 * libm::pow(150.0, f64::from(i) / 399.0);
+                let omega = 2.0 * std::f64::consts::PI * frequency_hz;
+                let (sin, cos) = libm::sincos(-omega * delay_s - std::f64::consts::FRAC_PI_2);
+                LoopPoint { frequency_hz, open_loop: [k / omega * cos, k / omega * sin] }
+            })
+            .collect();
+        let m = margins(&response);
+        assert!((m.crossover_hz.unwrap() * 2.0 * std::f64::consts::PI / k - 1.0).abs() < 1e-3);
+        assert!((m.phase_deg.unwrap() - (90.0 - (k * delay_s).to_degrees())).abs() < 0.1);
+        assert!((m.delay_ms.unwrap() - 1e3 * (std::f64::consts::FRAC_PI_2 - k * delay_s) / k).abs() < 0.1);
+        let gain = 20.0 * (std::f64::consts::FRAC_PI_2 / (delay_s * k)).log10();
+        assert!((m.gain_db.unwrap() - gain).abs() < 0.05);
+    }
+
+    #[test]
+    fn eigenvalues_of_no_feedback_are_the_integrators() {
+        let [a, b, c] = mpc_eigenvalues([0.0, 0.0, 0.5, 0.0], 10.0, 0.01);
+        assert!((a[0] - 1.0).abs() < 1e-6 && (b[0] - 1.0).abs() < 1e-6 && (c[0] - 0.5).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,218 @@
+//! What is flown: set-points over time. The thesis' test sequence (section 5.2) and scripts in TOML.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+/// Duration of each hover and each position of the test sequence, s (the thesis gives no times; spec RIG.md does).
+const TEST_SEGMENT_S: f64 = 1.75;
+
+/// Positions of the test sequence as (roll, pitch), degrees; a hover goes before each and after the last.
+const TEST_POSITIONS_DEG: [(f64, f64); 8] =
+    [(30.0, 0.0), (-30.0, 0.0), (0.0, 30.0), (0.0, -30.0), (30.0, 30.0), (30.0, -30.0), (-30.0, 30.0), (-30.0, -30.0)];
+
+/// Longest flight that a script may ask for, s.
+const DURATION_MAX_S: f64 = 3600.0;
+
+/// What is asked for from a point in time on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waypoint {
+    /// From when on, s.
+    pub start_s: f64,
+    /// Roll, rad.
+    pub roll_rad: f64,
+    /// Pitch, rad.
+    pub pitch_rad: f64,
+    /// Rate of the heading, rad/s.
+    pub yaw_rate_rad_s: f64,
+    /// Collective command; the model's base command where none is given.
+    pub throttle: Option<f64>,
+}
+
+/// A flight: waypoints in order of time, the first at zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// What it is called in reports.
+    pub name: String,
+    /// When it ends, s.
+    pub duration_s: f64,
+    /// Set-points.
+    pub waypoints: Vec<Waypoint>,
+}
+
+/// A script that can't be flown.
+#[derive(Debug, thiserror::Error)]
+pub enum ScriptError {
+    /// The file can't be read.
+    #[error("{file}: cannot be read: {source}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It isn't TOML of the expected form; the message has line and column.
+    #[error("{file}: {message}")]
+    Malformed {
+        /// The file.
+        file: String,
+        /// What and where.
+        message: String,
+    },
+    /// A value makes no sense.
+    #[error("{file}: [[step]] number {step}: {problem}")]
+    Step {
+        /// The file.
+        file: String,
+        /// Which step, counted from 1.
+        step: usize,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// The duration makes no sense.
+    #[error("{file}: duration_s must be above the last step's at_s and at most {DURATION_MAX_S} s")]
+    Duration {
+        /// The file.
+        file: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScriptFile {
+    #[serde(default)]
+    name: Option<String>,
+    duration_s: f64,
+    #[serde(default, rename = "step")]
+    steps: Vec<ScriptStep>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ScriptStep {
+    at_s: f64,
+    #[serde(default)]
+    roll_deg: f64,
+    #[serde(default)]
+    pitch_deg: f64,
+    #[serde(default)]
+    yaw_rate_deg_s: f64,
+    #[serde(default)]
+    throttle: Option<f64>,
+}
+
+impl Scenario {
+    /// The thesis' nine-position test sequence, 29.75 s.
+    pub fn test_sequence() -> Self {
+        let hover = (0.0, 0.0);
+        let positions = TEST_POSITIONS_DEG.iter().flat_map(|&position| [hover, position]).chain([hover]);
+        let waypoints: Vec<_> = positions
+            .enumerate()
+            .map(|(index, (roll_deg, pitch_deg))| Waypoint {
+                start_s: index as f64 * TEST_SEGMENT_S,
+                roll_rad: roll_deg.to_radians(),
+                pitch_rad: pitch_deg.to_radians(),
+                yaw_rate_rad_s: 0.0,
+                throttle: None,
+            })
+            .collect();
+        Self {
+            name: "test sequence (thesis section 5.2)".into(),
+            duration_s: waypoints.len() as f64 * TEST_SEGMENT_S,
+            waypoints,
+        }
+    }
+
+    /// Reads a script.
+    ///
+    /// # Errors
+    /// [`ScriptError`], with the file and the place.
+    pub fn load(path: &Path) -> Result<Self, ScriptError> {
+        let file = path.display().to_string();
+        match std::fs::read_to_string(path) {
+            Ok(text) => Self::parse(&text, &file),
+            Err(source) => Err(ScriptError::Unreadable { file, source }),
+        }
+    }
+
+    /// Reads a script's text; `file` is what messages call it.
+    ///
+    /// # Errors
+    /// [`ScriptError`], with the place.
+    pub fn parse(text: &str, file: &str) -> Result<Self, ScriptError> {
+        let script: ScriptFile = toml::from_str(text)
+            .map_err(|error| ScriptError::Malformed { file: file.into(), message: error.to_string() })?;
+        let mut waypoints =
+            vec![Waypoint { start_s: 0.0, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None }];
+        for (index, step) in script.steps.iter().enumerate() {
+            let problem = |problem| ScriptError::Step { file: file.into(), step: index + 1, problem };
+            if !(step.at_s >= waypoints[waypoints.len() - 1].start_s) {
+                return Err(problem("at_s must be zero or more and not before the step above"));
+            }
+            if !(step.roll_deg.abs() <= 180.0 && step.pitch_deg.abs() <= 90.0) {
+                return Err(problem("roll_deg must be within +-180 and pitch_deg within +-90"));
+            }
+            if !(step.yaw_rate_deg_s.abs() <= 720.0) {
+                return Err(problem("yaw_rate_deg_s must be within +-720"));
+            }
+            if step.throttle.is_some_and(|throttle| !(0.0..=1.0).contains(&throttle)) {
+                return Err(problem("throttle must be within 0 and 1"));
+            }
+            waypoints.push(Waypoint {
+                start_s: step.at_s,
+                roll_rad: step.roll_deg.to_radians(),
+                pitch_rad: step.pitch_deg.to_radians(),
+                yaw_rate_rad_s: step.yaw_rate_deg_s.to_radians(),
+                throttle: step.throttle,
+            });
+        }
+        let last_s = waypoints[waypoints.len() - 1].start_s;
+        if !(script.duration_s > last_s && script.duration_s <= DURATION_MAX_S) {
+            return Err(ScriptError::Duration { file: file.into() });
+        }
+        let name = script.name.unwrap_or_else(|| file.to_owned());
+        Ok(Self { name, duration_s: script.duration_s, waypoints })
+    }
+
+    /// The set-point in force at a time.
+    pub fn at(&self, time_s: f64) -> Waypoint {
+        let next = self.waypoints.partition_point(|waypoint| waypoint.start_s <= time_s);
+        self.waypoints[next.saturating_sub(1)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_test_sequence_is_the_specs() {
+        let sequence = Scenario::test_sequence();
+        assert_eq!(sequence.duration_s, 29.75);
+        assert_eq!(sequence.waypoints.len(), 17);
+        assert_eq!(sequence.at(0.0).roll_rad, 0.0);
+        assert!((sequence.at(1.75).roll_rad.to_degrees() - 30.0).abs() < 1e-12);
+        assert_eq!(sequence.at(3.6).roll_rad, 0.0);
+        assert!((sequence.at(27.0).pitch_rad.to_degrees() + 30.0).abs() < 1e-12);
+        assert_eq!(sequence.at(28.1).pitch_rad, 0.0);
+    }
+
+    #[test]
+    fn a_script_is_read_and_bad_ones_name_the_place() {
+        let good = "duration_s = 3.0\n[[step]]\nat_s = 1.0\nroll_deg = 10\nthrottle = 0.4\n";
+        let scenario = Scenario::parse(good, "s.toml").unwrap();
+        assert!((scenario.at(1.5).roll_rad - 10f64.to_radians()).abs() < 1e-12);
+        assert_eq!(scenario.at(0.5).throttle, None);
+        for (text, expected) in [
+            ("duration_s = 3.0\n[[step]]\nat_s = 1\nrol_deg = 3\n", "line 4"),
+            ("duration_s = 3.0\n[[step]]\nat_s = 2\n[[step]]\nat_s = 1\n", "number 2"),
+            ("duration_s = 3.0\n[[step]]\nat_s = nan\n", "number 1"),
+            ("duration_s = 3.0\n[[step]]\nat_s = 1\nthrottle = 50\n", "throttle must be within 0 and 1"),
+            ("duration_s = 3.0\n[[step]]\nat_s = 5\n", "duration_s must be above"),
+            ("", "duration_s"),
+        ] {
+            let message = Scenario::parse(text, "s.toml").unwrap_err().to_string();
+            assert!(message.contains(expected) && message.contains("s.toml"), "{message}");
+        }
+    }
+}

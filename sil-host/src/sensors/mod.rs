@@ -1,0 +1,81 @@
+//! What the vehicle's sensors make of its motion: bias, white noise, counts.
+
+pub mod imu;
+pub mod random;
+
+use shared_control::signals::RawImuSample;
+
+use crate::model::SensorNoise;
+use crate::plant::Plant;
+use random::RandomStream;
+
+/// The sensors of one vehicle. Each has a random stream of its own, so that none disturbs another.
+#[derive(Clone, Debug)]
+pub struct Sensors {
+    noise: SensorNoise,
+    gyro_bias_rad_s: [f64; 3],
+    accel_bias_m_s2: [f64; 3],
+    gyro_stream: RandomStream,
+    accel_stream: RandomStream,
+    attitude_stream: RandomStream,
+}
+
+impl Sensors {
+    /// Sensors with this noise and no bias.
+    pub fn new(noise: &SensorNoise, seed: u64) -> Self {
+        Self {
+            noise: *noise,
+            gyro_bias_rad_s: [0.0; 3],
+            accel_bias_m_s2: [0.0; 3],
+            gyro_stream: RandomStream::new(seed, "gyro"),
+            accel_stream: RandomStream::new(seed, "accelerometer"),
+            attitude_stream: RandomStream::new(seed, "attitude"),
+        }
+    }
+
+    /// Sensors that only round to whole counts.
+    pub fn ideal() -> Self {
+        Self::new(&SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0 }, 0)
+    }
+
+    /// Adds a constant to every reading, body axes: gyro in rad/s, accelerometer in m/s².
+    pub fn with_bias(mut self, gyro_rad_s: [f64; 3], accel_m_s2: [f64; 3]) -> Self {
+        self.gyro_bias_rad_s = gyro_rad_s;
+        self.accel_bias_m_s2 = accel_m_s2;
+        self
+    }
+
+    /// One reading of the IMU, which sits at the centre of gravity (on the gimbal: at the pivot), stamped `time_us`.
+    pub fn imu(&mut self, plant: &Plant, time_us: u64) -> RawImuSample {
+        let rate =
+            disturbed(plant.rate_body_rad_s(), &self.gyro_bias_rad_s, self.noise.gyro_rad_s, &mut self.gyro_stream);
+        let force = disturbed(
+            plant.specific_force_body_m_s2(),
+            &self.accel_bias_m_s2,
+            self.noise.accel_m_s2,
+            &mut self.accel_stream,
+        );
+        imu::quantise(time_us, rate, force)
+    }
+
+    /// Roll, pitch and yaw as a log reports them, rad.
+    pub fn attitude(&mut self, roll_pitch_yaw_rad: [f64; 3]) -> [f64; 3] {
+        disturbed(roll_pitch_yaw_rad, &[0.0; 3], self.noise.attitude_rad, &mut self.attitude_stream)
+    }
+}
+
+/// Truth, bias and noise; a sensor without noise draws nothing.
+#[inline]
+fn disturbed(truth: [f64; 3], bias: &[f64; 3], deviation: f64, stream: &mut RandomStream) -> [f64; 3] {
+    let mut reading = truth;
+    for (value, bias) in reading.iter_mut().zip(bias) {
+        *value += bias;
+        if deviation > 0.0 {
+            *value += deviation * stream.normal();
+        }
+    }
+    reading
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,50 @@
+//! What CI runs. Each step says its name, what it runs and how long it took; the first failure ends it.
+
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+
+use crate::firmware::Target;
+use crate::process;
+use crate::tidy;
+use crate::workspace::Workspace;
+
+type Step = (&'static str, fn(&Workspace) -> Result<()>);
+
+/// Quick ones first.
+const STEPS: [Step; 8] = [
+    ("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
+    ("tidy", tidy::run),
+    ("clippy", clippy),
+    ("test", |workspace| process::run(&mut workspace.cargo("test"))),
+    ("documentation", documentation),
+    ("core for the target", |workspace| Target::find(workspace)?.build_core()),
+    ("firmware image", |workspace| Target::find(workspace)?.build_image()),
+    ("clippy for the target", |workspace| Target::find(workspace)?.clippy()),
+];
+
+/// Runs all steps in order.
+pub(crate) fn run(workspace: &Workspace) -> Result<()> {
+    let mut times = Vec::new();
+    for (name, step) in STEPS {
+        eprintln!("\n=== {name}");
+        let start = Instant::now();
+        step(workspace).with_context(|| format!("step '{name}'"))?;
+        let seconds = start.elapsed().as_secs_f64();
+        eprintln!("=== {name}: passed in {seconds:.1} s");
+        times.push((name, seconds));
+    }
+    eprintln!("\nall steps passed");
+    for (name, seconds) in times {
+        eprintln!("{seconds:8.1} s  {name}");
+    }
+    Ok(())
+}
+
+fn clippy(workspace: &Workspace) -> Result<()> {
+    process::run(workspace.cargo("clippy").args(["--all-targets", "--", "-D", "warnings"]))
+}
+
+fn documentation(workspace: &Workspace) -> Result<()> {
+    process::run(workspace.cargo("doc").arg("--no-deps").env("RUSTDOCFLAGS", "-D warnings"))
+}

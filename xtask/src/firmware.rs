@@ -1,0 +1,51 @@
+//! Building, checking and linting what runs on the flight controller.
+
+use anyhow::Result;
+
+use crate::image;
+use crate::process;
+use crate::toolchain::{TRIPLE, Toolchain};
+use crate::workspace::Workspace;
+
+/// The image is small and must be fast; the host's builds share the profile and should link quickly.
+const RELEASE: [&str; 5] =
+    ["--release", "--config", "profile.release.lto=\"fat\"", "--config", "profile.release.codegen-units=1"];
+
+/// The flight controller as a place to build for.
+pub(crate) struct Target<'a> {
+    workspace: &'a Workspace,
+    toolchain: Toolchain,
+}
+
+impl<'a> Target<'a> {
+    /// Finds a compiler for it, or says what to install.
+    pub(crate) fn find(workspace: &'a Workspace) -> Result<Self> {
+        Ok(Self { workspace, toolchain: Toolchain::find(workspace)? })
+    }
+
+    /// Builds the image, checks it, prints its place and size.
+    pub(crate) fn build_image(&self) -> Result<()> {
+        self.build("firmware")?;
+        let image = self.workspace.target_dir.join(TRIPLE).join("release/firmware");
+        let size = image::check(&image)?;
+        println!("{}: {size}", image.display());
+        Ok(())
+    }
+
+    /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its dependencies.
+    pub(crate) fn build_core(&self) -> Result<()> {
+        self.build("shared-control")
+    }
+
+    /// Lints both as compiled for the target; much of the firmware does not even exist on a host.
+    pub(crate) fn clippy(&self) -> Result<()> {
+        let mut command = self.toolchain.clippy(self.workspace)?;
+        command.args(["--package=firmware", "--package=shared-control", "--", "-D", "warnings"]);
+        process::run(&mut command)
+    }
+
+    fn build(&self, package: &str) -> Result<()> {
+        let mut command = self.toolchain.build(self.workspace);
+        process::run(command.args(["--package", package]).args(RELEASE))
+    }
+}

@@ -1,0 +1,159 @@
+//! Rules of the project that neither the compiler nor clippy knows: sizes, names, leftovers.
+
+mod rust_source;
+
+use std::fmt;
+use std::fs;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::process;
+use crate::workspace::Workspace;
+
+const FILE_SIZE_MAX: usize = 1_000_000;
+/// Names that say nothing about what is inside.
+const EMPTY_NAMES: [&str; 6] = ["common", "helper", "helpers", "misc", "util", "utils"];
+
+/// One breach of a rule.
+struct Finding {
+    path: String,
+    /// From 1; none if the file as a whole is meant.
+    line: Option<usize>,
+    message: String,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}:{line}: {}", self.path, self.message),
+            None => write!(f, "{}: {}", self.path, self.message),
+        }
+    }
+}
+
+/// Checks every file that git tracks or would add.
+pub(crate) fn run(workspace: &Workspace) -> Result<()> {
+    let paths = process::output(
+        Command::new("git")
+            .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
+            .current_dir(&workspace.root),
+    )?;
+    let (mut files, mut findings) = (0, Vec::new());
+    for path in paths.split_terminator('\0') {
+        let file = workspace.root.join(path);
+        // deleted, but not yet from git's index
+        if !file.is_file() {
+            continue;
+        }
+        let bytes = fs::read(&file).with_context(|| format!("cannot read {path}"))?;
+        findings.extend(check(path, &bytes));
+        files += 1;
+    }
+    for finding in &findings {
+        println!("{finding}");
+    }
+    if !findings.is_empty() {
+        bail!("{} breaches of the project's rules", findings.len());
+    }
+    println!("{files} files are tidy");
+    Ok(())
+}
+
+fn check(path: &str, bytes: &[u8]) -> Vec<Finding> {
+    let mut breaches = Vec::new();
+    if bytes.len() > FILE_SIZE_MAX {
+        breaches.push((None, format!("{} bytes; at most {FILE_SIZE_MAX}", bytes.len())));
+    }
+    if let Some(name) = empty_name(path) {
+        breaches.push((None, format!("the name '{name}' does not say what is inside")));
+    }
+    if let Ok(text) = str::from_utf8(bytes) {
+        for (number, line) in (1..).zip(text.lines()) {
+            breaches.extend(leftover(line).map(|message| (Some(number), message)));
+        }
+        if path.ends_with(".rs") {
+            let found = rust_source::check(path, text);
+            breaches.extend(found.into_iter().map(|(line, message)| (Some(line), message)));
+        }
+    }
+    let finding = |(line, message)| Finding { path: path.to_owned(), line, message };
+    breaches.into_iter().map(finding).collect()
+}
+
+/// The folder or file, extension aside, with a name of no content.
+fn empty_name(path: &str) -> Option<&str> {
+    let stems = path.split('/').map(|part| part.split('.').next().unwrap_or(part));
+    stems.into_iter().find(|stem| EMPTY_NAMES.contains(stem))
+}
+
+/// What must not stay in any text file.
+fn leftover(line: &str) -> Option<String> {
+    // written in two halves, or this file would break its own rule
+    for word in [concat!("TO", "DO"), concat!("FIX", "ME")] {
+        if has_word(line, word) && !names_issue(line) {
+            return Some(format!("{word} without the number of an issue (#12)"));
+        }
+    }
+    for folder in [concat!("/wo", "rk/"), concat!("/ro", "ot/"), concat!("/ho", "me/")] {
+        let foreign = |(at, _): (usize, &str)| !line[..at].ends_with(is_path_character);
+        if line.match_indices(folder).any(foreign) {
+            return Some(format!("path of one machine: {folder}"));
+        }
+    }
+    None
+}
+
+fn has_word(line: &str, word: &str) -> bool {
+    let alone = |(at, _): (usize, &str)| {
+        let (before, after) = (&line[..at], &line[at + word.len()..]);
+        !before.ends_with(char::is_alphanumeric) && !after.starts_with(char::is_alphanumeric)
+    };
+    line.match_indices(word).any(alone)
+}
+
+fn names_issue(line: &str) -> bool {
+    line.match_indices('#').any(|(at, _)| line[at + 1..].starts_with(|c: char| c.is_ascii_digit()))
+}
+
+/// Whether a slash after this character goes on with a path, as in `tests/home/`.
+fn is_path_character(c: char) -> bool {
+    c.is_alphanumeric() || "._-~}".contains(c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leftovers_need_an_issue() {
+        let word = concat!("TO", "DO");
+        assert!(leftover(&format!("// {word}: later")).is_some());
+        assert!(leftover(&format!("// {word}(#12): later")).is_none());
+        assert!(leftover(&format!("# Section #12 {word}")).is_none());
+        assert!(leftover(&format!("MAS{word}N")).is_none());
+    }
+
+    #[test]
+    fn absolute_machine_paths_are_found_relative_ones_are_not() {
+        let folder = concat!("/ho", "me/");
+        assert!(leftover(&format!("path = \"{folder}me\"")).is_some());
+        assert!(leftover(&format!("{folder}me")).is_some());
+        assert!(leftover(&format!("see tests{folder}me")).is_none());
+        assert!(leftover(&format!("https://example.org{folder}")).is_none());
+    }
+
+    #[test]
+    fn names_without_content_are_found_anywhere_in_a_path() {
+        assert_eq!(empty_name("sil-host/src/utils.rs"), Some("utils"));
+        assert_eq!(empty_name("tests/common/mod.rs"), Some("common"));
+        assert_eq!(empty_name("sil-host/src/commonality.rs"), None);
+    }
+
+    #[test]
+    fn large_files_are_found_even_if_binary() {
+        let bytes = vec![0xff; FILE_SIZE_MAX + 1];
+        assert_eq!(check("data.bin", &bytes).len(), 1);
+        assert_eq!(check("data.bin", &bytes[1..]).len(), 0);
+    }
+}

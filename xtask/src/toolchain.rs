@@ -1,0 +1,106 @@
+//! Which compiler can build for the flight controller.
+//!
+//! A rustup user adds the target and is done. Debian packages a compiler whose back end knows the target and the
+//! source of the library, but not the library: that is built once, see `sysroot`.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Result, bail, ensure};
+
+use crate::process;
+use crate::sysroot;
+use crate::workspace::Workspace;
+
+/// Cortex-M4 with its single-precision floating-point unit.
+pub(crate) const TRIPLE: &str = "thumbv7em-none-eabihf";
+
+const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+const DEBIAN_CLIPPY: &str = "/usr/bin/cargo-clippy";
+/// The target's default linker is `rust-lld`, which Debian does not have.
+const DEBIAN_LINKER: &str = "/usr/bin/ld.lld";
+const DEBIAN_SOURCE: &str = "/usr/lib/rustlib/src/rust/library/core/Cargo.toml";
+
+/// Files that have to be there, each with the package that brings it.
+const DEBIAN_PARTS: [(&str, &str); 3] =
+    [(DEBIAN_RUSTC, "rustc-web"), (DEBIAN_SOURCE, "rust-web-src"), (DEBIAN_LINKER, "lld")];
+
+/// A compiler for [`TRIPLE`].
+pub(crate) enum Toolchain {
+    /// The usual compiler, with the target installed.
+    Installed,
+    /// Debian's compiler, with a library of our own making.
+    Debian {
+        /// The folder of that library.
+        sysroot: PathBuf,
+    },
+}
+
+impl Toolchain {
+    /// Takes what is installed, else makes up for it, else says what to install.
+    pub(crate) fn find(workspace: &Workspace) -> Result<Self> {
+        if has_target()? {
+            return Ok(Self::Installed);
+        }
+        let absent = DEBIAN_PARTS.iter().filter(|(file, _)| !Path::new(file).exists());
+        let absent = absent.map(|(_, package)| *package).collect::<Vec<_>>();
+        if !absent.is_empty() {
+            bail!(advice(&absent));
+        }
+        let sysroot = sysroot::ensure(Path::new(DEBIAN_RUSTC), &workspace.target_dir)?;
+        Ok(Self::Debian { sysroot })
+    }
+
+    /// `cargo build` for the target.
+    pub(crate) fn build(&self, workspace: &Workspace) -> Command {
+        let mut command = workspace.cargo("build");
+        self.point_to_target(&mut command);
+        command
+    }
+
+    /// `cargo clippy` for the target.
+    pub(crate) fn clippy(&self, workspace: &Workspace) -> Result<Command> {
+        let mut command = workspace.cargo("clippy");
+        if let Self::Debian { .. } = self {
+            // cargo-clippy takes the driver beside itself, and the driver must fit the compiler
+            ensure!(
+                Path::new(DEBIAN_CLIPPY).exists(),
+                "Debian's compiler needs its own clippy:\n  apt-get install rust-web-clippy"
+            );
+            command = Command::new(DEBIAN_CLIPPY);
+            command.arg("clippy").current_dir(&workspace.root).env("CARGO", process::cargo());
+        }
+        self.point_to_target(&mut command);
+        Ok(command)
+    }
+
+    fn point_to_target(&self, command: &mut Command) {
+        command.args(["--target", TRIPLE]);
+        // either would replace the flags in .cargo/config.toml, target-cpu among them
+        command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+        if let Self::Debian { sysroot } = self {
+            command.env("RUSTC", DEBIAN_RUSTC);
+            command.arg("--config").arg(format!("target.{TRIPLE}.linker={DEBIAN_LINKER:?}"));
+            // cargo appends these flags to those of .cargo/config.toml
+            let flag = format!("--sysroot={}", sysroot.display());
+            command.arg("--config").arg(format!("target.{TRIPLE}.rustflags=[{flag:?}]"));
+        }
+    }
+}
+
+/// Whether the usual compiler brings the target's library. It prints the folder's name even where there is no such folder.
+fn has_target() -> Result<bool> {
+    let folder = process::output(Command::new("rustc").args(["--print=target-libdir", "--target", TRIPLE]))?;
+    Ok(Path::new(folder.trim()).is_dir())
+}
+
+fn advice(absent: &[&str]) -> String {
+    let all = DEBIAN_PARTS.map(|(_, package)| package).join(" ");
+    let absent = absent.join(", ");
+    format!(
+        "the firmware needs Rust's core library for {TRIPLE}, which is not installed.\n\
+         Either of these will do:\n  \
+         rustup:     rustup target add {TRIPLE}\n  \
+         Debian 12:  apt-get install {all}   (not there yet: {absent})"
+    )
+}
