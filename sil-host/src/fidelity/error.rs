@@ -34,8 +34,8 @@ pub enum FidelityError {
         /// What it is needed for.
         why: &'static str,
     },
-    /// The commands never move: no gain can be found.
-    #[error("the {axis} command does not move in any window: its input gain can't be found")]
+    /// The command is zero throughout: no gain can be found.
+    #[error("the {axis} command is zero in every window: its input gain can't be found")]
     NoExcitation {
         /// roll, pitch or yaw.
         axis: &'static str,

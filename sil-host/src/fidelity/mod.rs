@@ -14,12 +14,15 @@ mod deviation;
 mod error;
 mod floor;
 mod noise;
+#[cfg(test)]
+mod noise_source;
 mod observe;
 mod replay;
 mod residual;
 mod start;
 mod vehicle;
 mod window;
+mod windowed_log;
 
 pub use deviation::mean_absolute_deviation;
 pub use error::FidelityError;

@@ -6,9 +6,13 @@
 //! sqrt(924).) The median of the magnitudes is used, because the kinks after a jump of the command are rare and large:
 //! s = median / 0.6745.
 //!
+//! In slow logs the motion is not smooth from row to row. It is taken a second time, from what a replay left: the
+//! commands' effect is out of that. Both can only be too large, so the smaller counts.
+//!
 //! Noise that is correlated from row to row, like that of a filtered or estimated signal, is smooth too and mostly
 //! cancels: for such a log the estimate is a lower bound.
 
+use super::residual::{Channel, Residual};
 use super::window::stretches;
 use crate::log::{Axis, Log, Quantity};
 
@@ -32,18 +36,44 @@ impl SensorNoise {
     pub(super) fn of(log: &Log) -> SensorNoise {
         let of = |quantity: Quantity| {
             let column = log.column(quantity)?;
-            Some(white_noise_std(&log.time_s, column, &stretches(log)))
+            Some(white_noise_std(&log.time_s, column, &stretches(log)).unwrap_or_default())
         };
         SensorNoise {
             angle_rad: Axis::ALL.map(|axis| of(Quantity::Angle(axis))),
             rate_rad_s: Axis::ALL.map(|axis| of(Quantity::Rate(axis))),
         }
     }
+
+    /// The same from what a replay left, where that is less.
+    pub(super) fn or_less(&mut self, residuals: &[Residual]) {
+        for channel in Channel::ALL {
+            let slot = match channel {
+                Channel::Angle(axis) => &mut self.angle_rad[axis.index()],
+                Channel::Rate(axis) => &mut self.rate_rad_s[axis.index()],
+            };
+            if let (Some(from_log), Some(from_replay)) = (slot.as_mut(), white_residual_std(residuals, channel)) {
+                *from_log = from_log.min(from_replay);
+            }
+        }
+    }
+}
+
+/// The white part of a channel's residuals, which are ordered by window and time.
+fn white_residual_std(residuals: &[Residual], channel: Channel) -> Option<f64> {
+    let of_channel: Vec<&Residual> = residuals.iter().filter(|residual| residual.channel == channel).collect();
+    let mut stretches = Vec::new();
+    for window in of_channel.chunk_by(|a, b| a.window == b.window) {
+        let first = stretches.last().map_or(0, |(_, end)| *end);
+        stretches.push((first, first + window.len()));
+    }
+    let times: Vec<f64> = of_channel.iter().map(|residual| residual.time_s).collect();
+    let errors: Vec<f64> = of_channel.iter().map(|residual| residual.error).collect();
+    white_noise_std(&times, &errors, &stretches)
 }
 
 /// Standard deviation of the white part of a column, in its unit; stretches are (first row, one past the last) between
-/// gaps. 0 if no stretch has seven rows.
-pub fn white_noise_std(time_s: &[f64], column: &[f64], stretches: &[(usize, usize)]) -> f64 {
+/// gaps. `None` if no stretch has seven rows.
+pub fn white_noise_std(time_s: &[f64], column: &[f64], stretches: &[(usize, usize)]) -> Option<f64> {
     let mut magnitudes = Vec::new();
     for (first, end) in stretches {
         let (times, values) = (&time_s[*first..*end], &column[*first..*end]);
@@ -51,10 +81,10 @@ pub fn white_noise_std(time_s: &[f64], column: &[f64], stretches: &[(usize, usiz
         magnitudes.extend(groups.map(|(times, values)| deviation(times, values).abs()));
     }
     if magnitudes.is_empty() {
-        return 0.0;
+        return None;
     }
     magnitudes.sort_by(f64::total_cmp);
-    magnitudes[magnitudes.len() / 2] / MEDIAN_OF_MAGNITUDE
+    Some(magnitudes[magnitudes.len() / 2] / MEDIAN_OF_MAGNITUDE)
 }
 
 /// How far the middle value is from the polynomial through the others, in units of the noise of one value.
@@ -79,11 +109,11 @@ fn deviation(time_s: &[f64], values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fidelity::replay::tests::Noise;
+    use crate::fidelity::noise_source::NoiseSource;
 
     #[test]
     fn white_noise_on_a_motion_with_kinks_and_jitter_is_measured() {
-        let mut noise = Noise::new(3);
+        let mut noise = NoiseSource::new(3);
         let (mut time_s, mut rate, mut times, mut rates) = (0.0, 0.0, Vec::new(), Vec::new());
         for row in 0..6000 {
             let step_s = 0.004 * (1.0 + 0.2 * noise.uniform());
@@ -94,7 +124,7 @@ mod tests {
             times.push(time_s);
             rates.push(rate + 2.0 * libm::sin(31.4 * time_s) + 0.01 * noise.normal());
         }
-        let estimate = white_noise_std(&times, &rates, &[(0, 6000)]);
+        let estimate = white_noise_std(&times, &rates, &[(0, 6000)]).unwrap();
         // the median of 6000 magnitudes scatters by 2.5 % (neighbours share rows); kinks touch 14 % of the groups
         assert!((0.95..1.25).contains(&(estimate / 0.01)), "{estimate}");
     }
@@ -104,7 +134,7 @@ mod tests {
         let times: Vec<f64> = (0..1000).map(|row| f64::from(row) * 0.004).collect();
         let swing: Vec<f64> = times.iter().map(|t| libm::sin(31.4 * t)).collect();
         // sixth difference: (31.4 rad/s * 4 ms)^6 / sqrt(924) = 1.3e-7
-        assert!(white_noise_std(&times, &swing, &[(0, 1000)]) < 2e-7);
-        assert_eq!(white_noise_std(&times, &swing, &[(0, 6)]), 0.0);
+        assert!(white_noise_std(&times, &swing, &[(0, 1000)]).unwrap() < 2e-7);
+        assert_eq!(white_noise_std(&times, &swing, &[(0, 6)]), None);
     }
 }

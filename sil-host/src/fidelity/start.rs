@@ -58,11 +58,7 @@ impl StartFit {
             let gain = inverse * regressor * weight;
             [gain[0], gain[1] / TIME_UNIT_S]
         };
-        let mut fit = StartFit {
-            angle_gain: Vec::new(),
-            rate_gain: Vec::new(),
-            covariance: [[0.0; 2]; 2],
-        };
+        let mut fit = StartFit { angle_gain: Vec::new(), rate_gain: Vec::new(), covariance: [[0.0; 2]; 2] };
         for time_s in time_from_start_s {
             let (angle, rate) = regressors(time_s / TIME_UNIT_S, used);
             fit.angle_gain.push(gain(angle, angle_weight));
@@ -88,10 +84,7 @@ impl StartFit {
     /// Covariance of the estimate under the sensors' own noise, whatever weights it was made with.
     fn propagated(&self, noise: AxisNoise) -> [[f64; 2]; 2] {
         let mut covariance = [[0.0; 2]; 2];
-        for (gains, sigma) in [
-            (&self.angle_gain, noise.angle_rad),
-            (&self.rate_gain, noise.rate_rad_s),
-        ] {
+        for (gains, sigma) in [(&self.angle_gain, noise.angle_rad), (&self.rate_gain, noise.rate_rad_s)] {
             let variance = sigma.map_or(0.0, |sigma| sigma * sigma);
             for gain in gains {
                 for i in 0..2 {
@@ -106,15 +99,11 @@ impl StartFit {
 }
 
 /// The polynomial's terms at a time, for the angle and for its derivative.
-fn regressors(
-    time: f64,
-    used: [bool; TERMS],
-) -> (SVector<f64, TERMS>, SVector<f64, TERMS>) {
+fn regressors(time: f64, used: [bool; TERMS]) -> (SVector<f64, TERMS>, SVector<f64, TERMS>) {
     let angle = [1.0, time, time * time, time * time * time];
     let rate = [0.0, 1.0, 2.0 * time, 3.0 * time * time];
-    let kept = |terms: [f64; TERMS]| {
-        SVector::<f64, TERMS>::from_fn(|term, _| if used[term] { terms[term] } else { 0.0 })
-    };
+    let kept =
+        |terms: [f64; TERMS]| SVector::<f64, TERMS>::from_fn(|term, _| if used[term] { terms[term] } else { 0.0 });
     (kept(angle), kept(rate))
 }
 
@@ -137,7 +126,13 @@ fn weights(noise: AxisNoise) -> (f64, f64) {
         return (weight(noise.angle_rad), weight(noise.rate_rad_s));
     };
     let rate = rate * TIME_UNIT_S;
-    let ratio = if rate > 0.0 { angle / rate } else if angle > 0.0 { NOISE_RATIO_MAX } else { 1.0 };
+    let ratio = if rate > 0.0 {
+        angle / rate
+    } else if angle > 0.0 {
+        NOISE_RATIO_MAX
+    } else {
+        1.0
+    };
     let ratio = ratio.clamp(1.0 / NOISE_RATIO_MAX, NOISE_RATIO_MAX);
     (1.0 / ratio, ratio)
 }
@@ -145,17 +140,12 @@ fn weights(noise: AxisNoise) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fidelity::replay::tests::Noise;
+    use crate::fidelity::noise_source::NoiseSource;
 
-    const BOTH: AxisNoise = AxisNoise {
-        angle_rad: Some(0.002),
-        rate_rad_s: Some(0.01),
-    };
+    const BOTH: AxisNoise = AxisNoise { angle_rad: Some(0.002), rate_rad_s: Some(0.01) };
 
     fn times(rows_each_side: i32, step_s: f64) -> Vec<f64> {
-        (-rows_each_side..=rows_each_side)
-            .map(|row| f64::from(row) * step_s)
-            .collect()
+        (-rows_each_side..=rows_each_side).map(|row| f64::from(row) * step_s).collect()
     }
 
     #[test]
@@ -163,7 +153,9 @@ mod tests {
         let angle = |t: f64| 0.3 - 2.0 * t + 40.0 * t * t - 500.0 * t * t * t;
         let rate = |t: f64| -2.0 + 80.0 * t - 1500.0 * t * t;
         let uneven: Vec<f64> = times(12, 0.004).iter().map(|t| t + 0.3 * t * t).collect();
-        for (angle_rad, rate_rad_s) in [(Some(0.002), Some(0.01)), (Some(0.1), None), (None, Some(0.1)), (Some(0.0), Some(0.1))] {
+        for (angle_rad, rate_rad_s) in
+            [(Some(0.002), Some(0.01)), (Some(0.1), None), (None, Some(0.1)), (Some(0.0), Some(0.1))]
+        {
             let fit = StartFit::new(&uneven, AxisNoise { angle_rad, rate_rad_s }).unwrap();
             let angles: Vec<f64> = uneven.iter().map(|t| angle(*t)).collect();
             let rates: Vec<f64> = uneven.iter().map(|t| rate(*t)).collect();
@@ -179,7 +171,7 @@ mod tests {
     fn the_covariance_is_what_repeated_noise_shows() {
         let times = times(12, 0.004);
         let fit = StartFit::new(&times, BOTH).unwrap();
-        let mut noise = Noise::new(11);
+        let mut noise = NoiseSource::new(11);
         let (mut sum, trials) = ([0.0; 3], 4000);
         for _ in 0..trials {
             let angles: Vec<f64> = times.iter().map(|_| 0.002 * noise.normal()).collect();

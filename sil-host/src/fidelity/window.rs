@@ -37,24 +37,21 @@ pub struct Window {
 pub(super) fn windows(log: &Log) -> Result<Vec<Window>, FidelityError> {
     let step_s = log.median_step_s();
     if step_s * ROWS_MIN as f64 > WINDOW_S {
-        return Err(FidelityError::TooSlow {
-            step_s,
-            window_s: WINDOW_S,
-            rows_min: ROWS_MIN,
-        });
+        return Err(too_slow(log));
     }
     let mut windows = Vec::new();
     for (first, end) in stretches(log) {
         cut(&log.time_s, first, end, 0.5 * step_s, &mut windows);
     }
     if windows.is_empty() {
-        return Err(FidelityError::NoWindow {
-            window_s: WINDOW_S,
-            rows: log.rows(),
-            duration_s: log.duration_s(),
-        });
+        return Err(FidelityError::NoWindow { window_s: WINDOW_S, rows: log.rows(), duration_s: log.duration_s() });
     }
     Ok(windows)
+}
+
+/// The error for rows too far apart.
+pub(super) fn too_slow(log: &Log) -> FidelityError {
+    FidelityError::TooSlow { step_s: log.median_step_s(), window_s: WINDOW_S, rows_min: ROWS_MIN }
 }
 
 /// Runs of rows (first, one past the last) without a gap in time in which the motors run.
@@ -82,9 +79,7 @@ pub(super) fn stretches(log: &Log) -> Vec<(usize, usize)> {
 
 /// All windows of one stretch; times count as equal within `tolerance_s`, half a step.
 fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut Vec<Window>) {
-    let row_at = |from: usize, at_s: f64| {
-        (from..end).find(|row| time_s[*row] >= at_s - tolerance_s)
-    };
+    let row_at = |from: usize, at_s: f64| (from..end).find(|row| time_s[*row] >= at_s - tolerance_s);
     let Some(mut start) = row_at(first, time_s[first] + START_REACH_S) else {
         return;
     };
@@ -114,10 +109,7 @@ mod tests {
     use crate::log::{Quantity, Threshold};
 
     fn log_at(time_s: Vec<f64>) -> Log {
-        Log {
-            time_s,
-            ..Log::default()
-        }
+        Log { time_s, ..Log::default() }
     }
 
     #[test]
@@ -127,8 +119,8 @@ mod tests {
         // 4 s less the 50 ms before the first start
         assert_eq!(windows.len(), 7);
         for (index, window) in windows.iter().enumerate() {
-            // 13 rows of 4 ms are the first that reach 50 ms
-            assert_eq!(window.start, 13 + 125 * index);
+            // the twelfth row of 4 ms is the nearest to 50 ms
+            assert_eq!(window.start, 12 + 125 * index);
             assert_eq!(window.end, window.start + 125);
             assert_eq!((window.lead, window.tail), (window.start - 12, window.start + 13));
             assert_eq!(window.held_out, index % 2 == 1);
@@ -148,10 +140,7 @@ mod tests {
         let mut log = log_at(times);
         let stands = |row: usize| (1200..1300).contains(&row);
         log.thrust_command = Some((0..2000).map(|row| if stands(row) { 0.0 } else { 0.3 }).collect());
-        log.active_when = Some(Threshold {
-            quantity: Quantity::Thrust,
-            above: 0.0,
-        });
+        log.active_when = Some(Threshold { quantity: Quantity::Thrust, above: 0.0 });
         let windows = windows(&log).unwrap();
         assert!(windows.len() > 10);
         for window in &windows {
@@ -170,10 +159,7 @@ mod tests {
         assert!(matches!(windows(&slow), Err(FidelityError::TooSlow { .. })));
         let mut standing = log_at((0..1000).map(|row| f64::from(row) * 0.01).collect());
         standing.thrust_command = Some(vec![0.0; 1000]);
-        standing.active_when = Some(Threshold {
-            quantity: Quantity::Thrust,
-            above: 0.0,
-        });
+        standing.active_when = Some(Threshold { quantity: Quantity::Thrust, above: 0.0 });
         assert!(matches!(windows(&standing), Err(FidelityError::NoWindow { .. })));
     }
 }

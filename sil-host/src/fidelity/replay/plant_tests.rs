@@ -1,0 +1,106 @@
+//! Replay on the plant: logs flown by the plant itself under a small stabilising law, with sensor noise added.
+
+use super::*;
+use crate::fidelity::noise_source::NoiseSource;
+use crate::plant::effects::Effect;
+
+/// Which way each motor turns the vehicle about (x, y, z), as RIG.md has it; the replay's own table is not used.
+const SIGNS: [[f64; 3]; 4] = [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, -1.0, -1.0]];
+
+/// 40 s at 250 Hz, angles following slow references of up to 30 degrees; on the gimbal yaw is left alone.
+fn flown(model: &VehicleModel, seed: u64) -> Log {
+    const STEP_S: f64 = 0.004;
+    let mut noise = NoiseSource::new(seed);
+    let mut plant = Plant::new(model);
+    let mut log = Log { axes: [true; 3], ..Log::default() };
+    let [mut angles, mut rates] = [const { [const { Vec::new() }; 3] }; 2];
+    let mut motors = [const { Vec::new() }; 4];
+    for row in 0..10_000 {
+        let time_s = STEP_S * f64::from(row);
+        let truth = plant.truth();
+        let angle = [truth.roll_rad, truth.pitch_rad, truth.yaw_rad];
+        log.time_s.push(time_s);
+        for axis in 0..3 {
+            angles[axis].push(angle[axis] + 0.002 * noise.normal());
+            rates[axis].push(truth.rate_body_rad_s[axis] + 0.01 * noise.normal());
+        }
+        let wanted = [0.5 * libm::sin(2.1 * time_s), 0.5 * libm::sin(1.3 * time_s), 0.0];
+        let gains = if model.rig() == Rig::Gimbal { [0.3, 0.6, 0.0] } else { [0.3, 0.3, 0.1] };
+        let torque = [0, 1, 2].map(|i| gains[i] * (wanted[i] - angle[i] - 0.2 * truth.rate_body_rad_s[i]));
+        let command = |motor: usize| {
+            let turn: f64 = (0..3).map(|axis| SIGNS[motor][axis] * torque[axis]).sum();
+            (model.base_command + turn).clamp(0.0, 1.0)
+        };
+        let commands = [0, 1, 2, 3].map(command);
+        for (column, command) in motors.iter_mut().zip(commands) {
+            column.push(command);
+        }
+        plant.set_commands(commands);
+        plant.advance(STEP_S);
+    }
+    log.angle_rad = angles.map(Some);
+    log.rate_rad_s = rates.map(Some);
+    log.motor_command = motors.map(Some);
+    log
+}
+
+/// RMSE over noise floor of roll, pitch, p, q over all windows.
+fn ratios(replay: &Replay) -> [f64; 4] {
+    let channels = [Axis::Roll, Axis::Pitch].map(|axis| [Channel::Angle(axis), Channel::Rate(axis)]);
+    let ratio = |channel| replay.rmse(channel, Part::All).unwrap() / replay.noise_floor(channel, Part::All).unwrap();
+    let [[roll, p], [pitch, q]] = channels.map(|of_axis| of_axis.map(ratio));
+    [roll, pitch, p, q]
+}
+
+#[test]
+fn the_true_model_misses_by_the_noise_floor_on_both_rigs() {
+    for rig in [Rig::Gimbal, Rig::Free] {
+        let model = VehicleModel::nominal(rig);
+        let replay = replay_plant(&flown(&model, 5), &model, &ReplayOptions::default()).unwrap();
+        assert_eq!(replay.windows.len(), 79);
+        for ratio in ratios(&replay) {
+            assert!((0.85..1.15).contains(&ratio), "{rig:?}: {:?}", ratios(&replay));
+        }
+    }
+}
+
+#[test]
+fn on_the_gimbal_the_yaw_rate_is_not_needed() {
+    let model = VehicleModel::nominal(Rig::Gimbal);
+    let mut log = flown(&model, 6);
+    log.rate_rad_s[2] = None;
+    log.angle_rad[2] = None;
+    log.axes[2] = false;
+    for ratio in ratios(&replay_plant(&log, &model, &ReplayOptions::default()).unwrap()) {
+        assert!((0.85..1.15).contains(&ratio), "{ratio}");
+    }
+    let free = VehicleModel::nominal(Rig::Free);
+    let error = replay_plant(&log, &free, &ReplayOptions::default()).unwrap_err();
+    assert_eq!(error.to_string(), "the log has no column `r_rad_s`, which free flight needs");
+}
+
+#[test]
+fn an_offset_centre_of_gravity_on_pitch_shows_on_pitch_alone() {
+    let nominal = VehicleModel::nominal(Rig::Gimbal);
+    let mut heavy = nominal.clone();
+    heavy.effects = vec![Effect::parse("cg_offset:axis=pitch,cos_moment_nm=0.1", Rig::Gimbal).unwrap()];
+    let log = flown(&heavy, 7);
+    let replay = replay_plant(&log, &nominal, &ReplayOptions::default()).unwrap();
+    let [roll, pitch, p, q] = ratios(&replay);
+    // 0.1 N m on 0.0366 kg m^2 is 2.7 rad/s^2: 0.34 rad and 1.4 rad/s at the end of a window
+    assert!(pitch > 20.0 && q > 20.0, "{pitch} {q}");
+    // the wrong pitch rate reaches roll through J'(phi) theta'^2 / 2: 0.2 rad/s^2 at 30 degrees of roll
+    assert!(roll < 5.0 && p < 5.0, "{roll} {p}");
+    let deviation = replay.channel(Channel::Angle(Axis::Pitch), Part::All).map(|r| r.error).sum::<f64>();
+    assert!(deviation < 0.0, "the moment pulls the nose down");
+    let exact = replay_plant(&log, &heavy, &ReplayOptions::default()).unwrap();
+    assert!(ratios(&exact).iter().all(|ratio| (0.85..1.15).contains(ratio)), "{:?}", ratios(&exact));
+}
+
+#[test]
+fn a_replay_is_the_same_each_time() {
+    let model = VehicleModel::nominal(Rig::Gimbal);
+    let log = flown(&model, 8);
+    let [first, again] = [(), ()].map(|()| replay_plant(&log, &model, &ReplayOptions::default()).unwrap());
+    assert_eq!(first, again);
+}

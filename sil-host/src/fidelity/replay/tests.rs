@@ -1,0 +1,208 @@
+use super::*;
+use crate::fidelity::noise_source::NoiseSource;
+use crate::log::Threshold;
+
+/// A bench: one axis, angle'' = gain u, rows with jitter, u a sum of sines; exact motion, then sensor noise.
+struct Bench {
+    gain_rad_s2: f64,
+    rows: usize,
+    step_s: f64,
+    jitter: f64,
+    angle_noise_rad: f64,
+    rate_noise_rad_s: f64,
+    seed: u64,
+}
+
+const BENCH: Bench = Bench {
+    gain_rad_s2: 150.0,
+    rows: 15_000,
+    step_s: 0.004,
+    jitter: 0.3,
+    angle_noise_rad: 0.002,
+    rate_noise_rad_s: 0.01,
+    seed: 1,
+};
+
+impl Bench {
+    fn log(&self) -> Log {
+        let mut noise = NoiseSource::new(self.seed);
+        let (mut time_s, mut angle, mut rate) = (0.0, 0.1, 0.0);
+        let [mut times, mut angles, mut rates, mut commands] = [const { Vec::new() }; 4];
+        for _ in 0..self.rows {
+            let command = 0.2 * libm::sin(9.0 * time_s) + 0.1 * libm::sin(23.0 * time_s + 1.0);
+            times.push(time_s);
+            angles.push(angle + self.angle_noise_rad * noise.normal());
+            rates.push(rate + self.rate_noise_rad_s * noise.normal());
+            commands.push(command);
+            let step_s = self.step_s * (1.0 + self.jitter * noise.uniform());
+            let acceleration = self.gain_rad_s2 * command;
+            angle += step_s * (rate + 0.5 * step_s * acceleration);
+            rate += step_s * acceleration;
+            time_s += step_s;
+        }
+        Log {
+            axes: [false, true, false],
+            time_s: times,
+            angle_rad: [None, Some(angles), None],
+            rate_rad_s: [None, Some(rates), None],
+            axis_command: [None, Some(commands), None],
+            ..Log::default()
+        }
+    }
+}
+
+fn replayed(log: &Log) -> Replay {
+    replay_axes(log, &ReplayOptions::default()).unwrap()
+}
+
+const PITCH: [Channel; 2] = [Channel::Angle(Axis::Pitch), Channel::Rate(Axis::Pitch)];
+
+/// RMSE over noise floor, angle and rate.
+fn ratios(replay: &Replay, part: Part) -> [f64; 2] {
+    PITCH.map(|channel| replay.rmse(channel, part).unwrap() / replay.noise_floor(channel, part).unwrap())
+}
+
+#[test]
+fn the_input_gain_is_found_and_an_exact_model_misses_by_the_noise_floor() {
+    for seed in 1..=5 {
+        let replay = replayed(&Bench { seed, ..BENCH }.log());
+        let gain = replay.input_gain_rad_s2[1].unwrap();
+        // 60 windows, each fixing the gain to about floor / response = 0.01 rad/s of 1.5 rad/s; by 60 windows: 0.1 %
+        assert!((gain / 150.0 - 1.0).abs() < 0.004, "{gain}");
+        for part in [Part::HeldOut, Part::All] {
+            for ratio in ratios(&replay, part) {
+                assert!((0.85..1.15).contains(&ratio), "seed {seed}: {ratio}");
+            }
+        }
+    }
+}
+
+#[test]
+fn without_noise_the_replay_is_the_motion() {
+    let still = Bench { angle_noise_rad: 0.0, rate_noise_rad_s: 0.0, ..BENCH };
+    let replay = replayed(&still.log());
+    assert!((replay.input_gain_rad_s2[1].unwrap() / 150.0 - 1.0).abs() < 1e-9);
+    for channel in PITCH {
+        // what remains is rounding: 125 steps from values around 10
+        assert!(replay.rmse(channel, Part::All).unwrap() < 1e-9);
+    }
+}
+
+#[test]
+fn the_floor_holds_with_the_rate_alone_and_with_the_angle_alone() {
+    let mut gyro_only = BENCH.log();
+    gyro_only.angle_rad = [None, None, None];
+    let replay = replayed(&gyro_only);
+    for ratio in ratios(&replay, Part::All) {
+        assert!((0.85..1.15).contains(&ratio), "gyro alone: {ratio}");
+    }
+    let mut angle_only = BENCH.log();
+    angle_only.rate_rad_s = [None, None, None];
+    let replay = replayed(&angle_only);
+    let angle = Channel::Angle(Axis::Pitch);
+    let ratio = replay.rmse(angle, Part::All).unwrap() / replay.noise_floor(angle, Part::All).unwrap();
+    assert!((0.85..1.15).contains(&ratio), "angle alone: {ratio}");
+    assert_eq!(replay.rmse(Channel::Rate(Axis::Pitch), Part::All), None);
+    assert_eq!(replay.prediction_error().nominal.q_deg_s, None);
+    assert_eq!(replay.prediction_error().nominal.roll_deg, None);
+}
+
+#[test]
+fn the_floor_holds_at_any_rate_of_the_log() {
+    for (step_s, rows) in [(0.001, 60_000), (0.01, 12_000), (0.02, 6_000), (0.05, 4_000)] {
+        let log = Bench { step_s, rows, jitter: 0.1, ..BENCH }.log();
+        let at_log_rate = ReplayOptions { control_rate_hz: 1.0 / step_s };
+        for ratio in ratios(&replay_axes(&log, &at_log_rate).unwrap(), Part::All) {
+            assert!((0.85..1.15).contains(&ratio), "{step_s} s: {ratio}");
+        }
+    }
+}
+
+#[test]
+fn commands_that_nobody_logged_are_in_the_floor() {
+    // the controller runs at 1 kHz with a white part in its command, every fourth is logged
+    let mut noise = NoiseSource::new(9);
+    let steps = 4;
+    let mut log = Bench { step_s: 0.001, jitter: 0.0, rows: 60_000, ..BENCH }.log();
+    let (mut angle, mut rate) = (0.0, 0.0);
+    let commands = log.axis_command[1].as_mut().unwrap();
+    for (row, command) in commands.iter_mut().enumerate() {
+        *command += 0.1 * noise.normal();
+        log.angle_rad[1].as_mut().unwrap()[row] = angle + 0.002 * noise.normal();
+        log.rate_rad_s[1].as_mut().unwrap()[row] = rate + 0.01 * noise.normal();
+        let acceleration = 150.0 * *command;
+        angle += 0.001 * (rate + 0.0005 * acceleration);
+        rate += 0.001 * acceleration;
+    }
+    let every_fourth = |column: &mut Vec<f64>| {
+        *column = column.iter().copied().step_by(steps).collect();
+    };
+    every_fourth(&mut log.time_s);
+    for column in [&mut log.angle_rad[1], &mut log.rate_rad_s[1], &mut log.axis_command[1]] {
+        every_fourth(column.as_mut().unwrap());
+    }
+    let known = replay_axes(&log, &ReplayOptions { control_rate_hz: 1000.0 }).unwrap();
+    for ratio in ratios(&known, Part::All) {
+        // a random walk over 60 windows: its mean square scatters by about sqrt(2/60) = 18 %, the ratio by 9 %, so 2.5 sigma
+        assert!((0.78..1.22).contains(&ratio), "{ratio}");
+    }
+    // and they matter: without them the floor is far too low
+    let ignored = replay_axes(&log, &ReplayOptions { control_rate_hz: 250.0 }).unwrap();
+    assert!(ratios(&ignored, Part::All)[0] > 2.0);
+}
+
+#[test]
+fn a_wrong_model_shows_and_gaps_and_standing_motors_do_not() {
+    let mut log = BENCH.log();
+    // the sensor reports the command's effect 20 ms late: a model without delay must miss by more than noise
+    let delayed: Vec<f64> =
+        (0..log.rows()).map(|row| log.axis_command[1].as_ref().unwrap()[(row + 5).min(log.rows() - 1)]).collect();
+    log.axis_command[1] = Some(delayed);
+    assert!(ratios(&replayed(&log), Part::HeldOut).iter().all(|ratio| *ratio > 3.0));
+
+    // garbage where the motors stand, and behind it a jump in time, change nothing
+    let mut log = BENCH.log();
+    log.thrust_command = Some((0..log.rows()).map(|row| f64::from(u8::from(!(4000..5000).contains(&row)))).collect());
+    log.active_when = Some(Threshold { quantity: Quantity::Thrust, above: 0.0 });
+    for row in 4000..5000 {
+        log.angle_rad[1].as_mut().unwrap()[row] = 3.0;
+    }
+    for time_s in &mut log.time_s[9000..] {
+        *time_s += 1.5;
+    }
+    for value in &mut log.angle_rad[1].as_mut().unwrap()[9000..] {
+        *value += 0.5;
+    }
+    for ratio in ratios(&replayed(&log), Part::All) {
+        assert!((0.85..1.15).contains(&ratio), "{ratio}");
+    }
+}
+
+#[test]
+fn missing_commands_and_dead_ones_are_named() {
+    let mut log = BENCH.log();
+    log.axis_command[1] = None;
+    let error = replay_axes(&log, &ReplayOptions::default()).unwrap_err();
+    assert_eq!(error.to_string(), "the log has no column `pitch_cmd`, which drives that axis (or motor1 to motor4)");
+    let error = replay_plant(&log, &VehicleModel::nominal(Rig::Gimbal), &ReplayOptions::default()).unwrap_err();
+    assert!(error.to_string().starts_with("the log has no column `motor1`"));
+    log.axis_command[1] = Some(vec![0.0; log.rows()]);
+    let error = replay_axes(&log, &ReplayOptions::default()).unwrap_err();
+    assert_eq!(error, FidelityError::NoExcitation { axis: "pitch" });
+}
+
+#[test]
+fn motors_in_place_of_axis_commands_and_a_negative_gain_are_told() {
+    let mut log = BENCH.log();
+    let command = log.axis_command[1].take().unwrap();
+    // motors 1 and 3 lift the nose, half the signed sum is the command again
+    let motor = |sign: f64| Some(command.iter().map(|c| 0.5 + 0.5 * sign * c).collect::<Vec<f64>>());
+    log.motor_command = [motor(1.0), motor(-1.0), motor(1.0), motor(-1.0)];
+    let replay = replayed(&log);
+    assert!((replay.input_gain_rad_s2[1].unwrap() / 150.0 - 1.0).abs() < 0.004);
+    assert_eq!(replay.notes, ["pitch: no axis command in the log, made of its motors"]);
+    log.axis_command[1] = Some(command.iter().map(|c| -c).collect());
+    let replay = replayed(&log);
+    assert!(replay.input_gain_rad_s2[1].unwrap() < 0.0);
+    assert!(replay.notes[0].starts_with("pitch: the fitted input gain is negative"), "{:?}", replay.notes);
+}
