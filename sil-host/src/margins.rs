@@ -194,8 +194,9 @@ pub fn mpc_eigenvalues(gain: [f32; 4], input_gain: f32, control_period_s: f64) -
     });
     let matrix = nalgebra::Matrix3::from_fn(|row, column| if row < 2 { x_next[row][column] } else { u_next[column] });
     let eigenvalues = matrix.complex_eigenvalues();
-    let mut polar: [[f64; 2]; 3] =
-        core::array::from_fn(|i| [libm::hypot(eigenvalues[i].re, eigenvalues[i].im), libm::atan2(eigenvalues[i].im, eigenvalues[i].re)]);
+    let mut polar: [[f64; 2]; 3] = core::array::from_fn(|i| {
+        [libm::hypot(eigenvalues[i].re, eigenvalues[i].im), libm::atan2(eigenvalues[i].im, eigenvalues[i].re)]
+    });
     polar.sort_by(|a, b| b[0].total_cmp(&a[0]).then(b[1].total_cmp(&a[1])));
     polar
 }

@@ -69,8 +69,7 @@ pub fn mean(values: &[f64]) -> f64 {
 }
 
 fn steps_of(reference_rad: &[f64]) -> Vec<Step> {
-    let changes: Vec<usize> =
-        (1..reference_rad.len()).filter(|&i| reference_rad[i] != reference_rad[i - 1]).collect();
+    let changes: Vec<usize> = (1..reference_rad.len()).filter(|&i| reference_rad[i] != reference_rad[i - 1]).collect();
     let ends = changes.iter().skip(1).copied().chain([reference_rad.len()]);
     changes
         .iter()

@@ -8,16 +8,8 @@ use serde::Deserialize;
 const TEST_SEGMENT_S: f64 = 1.75;
 
 /// Positions of the test sequence as (roll, pitch), degrees; a hover goes before each and after the last.
-const TEST_POSITIONS_DEG: [(f64, f64); 8] = [
-    (30.0, 0.0),
-    (-30.0, 0.0),
-    (0.0, 30.0),
-    (0.0, -30.0),
-    (30.0, 30.0),
-    (30.0, -30.0),
-    (-30.0, 30.0),
-    (-30.0, -30.0),
-];
+const TEST_POSITIONS_DEG: [(f64, f64); 8] =
+    [(30.0, 0.0), (-30.0, 0.0), (0.0, 30.0), (0.0, -30.0), (30.0, 30.0), (30.0, -30.0), (-30.0, 30.0), (-30.0, -30.0)];
 
 /// Longest flight that a script may ask for, s.
 const DURATION_MAX_S: f64 = 3600.0;
