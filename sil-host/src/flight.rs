@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use shared_control::config::{ConfigError, Controller};
+use shared_control::mpc::MpcError;
 
 use crate::control_setup::{core_config, mpc_settings};
 use crate::controller_file::ControllerChoice;
@@ -11,7 +12,7 @@ use crate::cosim::{self, contract::DesignParameters, control_side::ControlSide, 
 use crate::margins::{self, LoopPoint, Margins};
 use crate::metrics::{self, AxisMetrics};
 use crate::model::VehicleModel;
-use crate::planner::{PlannerError, planner};
+use crate::planner::Planner;
 use crate::plant::Plant;
 use crate::scenario::Scenario;
 use crate::sensors::Sensors;
@@ -37,7 +38,7 @@ pub enum SetupError {
     Config(ConfigError),
     /// The MPC.
     #[error("MPC: {0}")]
-    Planner(#[from] PlannerError),
+    Planner(#[from] MpcError),
 }
 
 /// A finished flight.
@@ -119,7 +120,7 @@ impl FlightSetup {
             .map_err(SetupError::Config)?;
         let planner = match controller {
             Controller::Cascade => None,
-            Controller::Mpc => Some(planner(control_horizon, &mpc_settings(&self.model, &tuning))?),
+            Controller::Mpc => Some(Planner::new(control_horizon, &mpc_settings(&self.model, &tuning))?),
         };
         Ok(ControlSide::new(config, planner))
     }
@@ -190,7 +191,7 @@ impl FlightSetup {
             return Ok(None);
         }
         let settings = mpc_settings(&self.model, &self.choice.tuning);
-        let gains = planner(self.choice.control_horizon, &settings)?.unconstrained_gain();
+        let gains = Planner::new(self.choice.control_horizon, &settings)?.unconstrained_gain();
         let period_s = 1.0 / f64::from(self.choice.rate_hz);
         Ok(Some([0, 1].map(|axis| margins::mpc_eigenvalues(gains[axis], settings.input_gain[axis], period_s))))
     }

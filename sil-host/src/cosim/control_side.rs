@@ -11,13 +11,13 @@ use crate::planner::Planner;
 pub struct ControlSide {
     config: Config,
     state: State,
-    planner: Option<Box<dyn Planner>>,
+    planner: Option<Planner>,
     plan: Option<Plan>,
 }
 
 impl ControlSide {
     /// A core at rest. The planner is needed where the configuration says MPC; without one the cascade flies.
-    pub fn new(config: Config, planner: Option<Box<dyn Planner>>) -> Self {
+    pub fn new(config: Config, planner: Option<Planner>) -> Self {
         Self { config, state: State::default(), planner, plan: None }
     }
 

@@ -1,0 +1,162 @@
+//! The page about simulated flights: angles against the reference as in the thesis' figures 5.3 to 5.6, motor commands,
+//! and the tables that the terminal shows.
+
+use sil_host::flight::RunSummary;
+use sil_host::margins::Margins;
+use sil_host::metrics::AxisMetrics;
+use sil_host::report::{Better, Cell, Chart, Page, Section, Table};
+
+use super::fly::FlownController;
+
+/// A page of its own for one or more flights.
+pub fn page(flown: &[FlownController], command: &str) -> Page {
+    let Some(first) = flown.first() else { return Page::new("No flight") };
+    let scenario = &first.setup.scenario;
+    let mut page = Page::new(first.setup.model.name.clone())
+        .lead(format!("A simulated flight: {}, {} s.", scenario.name, scenario.duration_s));
+    for section in sections(flown) {
+        page = page.section(section);
+    }
+    page.provenance("Command", command)
+        .provenance("Seed", first.setup.seed.to_string())
+        .provenance("Version", env!("CARGO_PKG_VERSION"))
+}
+
+/// The sections about the flights, for this page and for the demonstration's.
+pub fn sections(flown: &[FlownController]) -> Vec<Section> {
+    vec![angles(flown), motors(flown), figures(flown), robustness(flown)]
+}
+
+fn label(flown: &FlownController) -> String {
+    flown.setup.choice.name().to_uppercase()
+}
+
+fn angles(flown: &[FlownController]) -> Section {
+    let mut section = Section::new("Attitude").paragraph(
+        "Both angles of the gimbal against the reference that the controller was asked for. The reference jumps; how \
+         softly it is followed is the controller's affair. Mean and RMS errors below are against this raw reference.",
+    );
+    for (axis, name) in [(0, "Roll"), (1, "Pitch")] {
+        let mut chart = Chart::time_series(format!("{name} angle"), "deg");
+        for (i, one) in flown.iter().enumerate() {
+            let record = &one.flight.record;
+            if i == 0 {
+                chart = chart.step_series("reference", &record.time_s, &degrees(&record.reference_of(axis)));
+            }
+            chart = chart.series(label(one), &record.time_s, &degrees(&record.angle_of(axis)));
+        }
+        section = section.chart(chart);
+    }
+    section
+}
+
+fn motors(flown: &[FlownController]) -> Section {
+    let mut section = Section::new("Motor commands")
+        .paragraph("Commands to the four ESCs, 0 to 1. The mixer gives roll and pitch priority over yaw, and yaw over the collective.");
+    for one in flown {
+        let record = &one.flight.record;
+        let charts =
+            ["front right", "rear left", "front left", "rear right"].iter().enumerate().map(|(motor, place)| {
+                let commands: Vec<f64> = record.commands.iter().map(|commands| commands[motor]).collect();
+                Chart::time_series(format!("Motor {}, {place}", motor + 1), "")
+                    .series(label(one), &record.time_s, &commands)
+                    .value_range(0.0, 1.0)
+            });
+        section = section.small_multiples(format!("{} at {} Hz", label(one), one.setup.choice.rate_hz), charts);
+    }
+    section
+}
+
+/// Name, decimals, which is better, value.
+type Figure<T> = (&'static str, usize, Better, fn(&T) -> Option<f64>);
+
+fn figures(flown: &[FlownController]) -> Section {
+    let labels: Vec<String> = flown.iter().map(label).collect();
+    let header: Vec<&str> = [""].into_iter().chain(labels.iter().map(String::as_str)).collect();
+    let rows: [Figure<AxisMetrics>; 6] = [
+        ("rise time 10 to 90 %, s", 3, Better::Lower, |m| m.rise_time_s),
+        ("overshoot, %", 1, Better::Lower, |m| m.overshoot_pct),
+        ("settling time to 3 degrees, s", 3, Better::Lower, |m| m.settling_time_s),
+        ("steady error, degrees", 2, Better::Lower, |m| m.steady_error_deg),
+        ("mean absolute error, degrees", 2, Better::Lower, |m| Some(m.mean_abs_error_deg)),
+        ("RMS error, degrees", 2, Better::Lower, |m| Some(m.rms_error_deg)),
+    ];
+    let mut section = Section::new("How well it follows");
+    for (axis, name) in [(0, "Roll"), (1, "Pitch")] {
+        let mut table = Table::new(format!("{name}: mean over the steps, returns included"), &header);
+        for (row, decimals, better, figure) in rows {
+            let values: Vec<f64> = flown
+                .iter()
+                .map(|one| {
+                    let axes = &one.flight.summary.axes;
+                    figure(if axis == 0 { &axes.roll } else { &axes.pitch }).unwrap_or(f64::NAN)
+                })
+                .collect();
+            table = table.comparison(row, &values, decimals, better);
+        }
+        section = section.table(table);
+    }
+    section.table(whole_flight(flown, &header))
+}
+
+fn whole_flight(flown: &[FlownController], header: &[&str]) -> Table {
+    let rows: [(&str, fn(&RunSummary) -> String); 5] = [
+        ("steps per second", |s| s.rate_hz.to_string()),
+        ("effort: mean |command - base|", |s| format!("{:.4}", s.effort)),
+        ("samples with a motor at a limit, %", |s| format!("{:.1}", s.saturated_pct)),
+        ("MPC: prediction steps / free inputs", |s| {
+            s.mpc.map_or("-".into(), |m| format!("{} / {}", m.horizon, m.control_horizon))
+        }),
+        ("MPC: unsolved / flown by the cascade instead", |s| {
+            s.mpc.map_or("-".into(), |m| format!("{} / {}", m.unsolved, m.fallbacks))
+        }),
+    ];
+    rows.into_iter().fold(Table::new("The whole flight", header), |table, (name, value)| {
+        table.row([Cell::from(name)].into_iter().chain(flown.iter().map(|one| Cell::from(value(&one.flight.summary)))))
+    })
+}
+
+fn robustness(flown: &[FlownController]) -> Section {
+    let columns: Vec<String> =
+        flown.iter().flat_map(|one| ["roll", "pitch"].map(|axis| format!("{} {axis}", label(one)))).collect();
+    let header: Vec<&str> = [""].into_iter().chain(columns.iter().map(String::as_str)).collect();
+    let rows: [(&str, usize, fn(&Margins) -> Option<f64>); 5] = [
+        ("gain margin, dB", 1, |m| m.gain_db),
+        ("phase margin, degrees", 1, |m| m.phase_deg),
+        ("delay margin, ms", 1, |m| m.delay_ms),
+        ("crossover, Hz", 2, |m| m.crossover_hz),
+        ("peak sensitivity", 2, |m| Some(m.sensitivity_peak)),
+    ];
+    let mut table = Table::new("Margins at hover, the loop cut at the motors' torque", &header);
+    for (name, decimals, figure) in rows {
+        let cells = flown
+            .iter()
+            .flat_map(|one| one.margins.iter().map(|m| Cell::number(figure(m).unwrap_or(f64::NAN), decimals)));
+        table = table.row([Cell::from(name)].into_iter().chain(cells));
+    }
+    let mut section = Section::new("How robust it is")
+        .paragraph(
+            "Measured on the running code: a small sinusoidal torque acts on the simulated vehicle, and the motors' answer \
+             gives the loop's frequency response, with estimator, filters, sampling and delay in it.",
+        )
+        .table(table);
+    for one in flown {
+        let Some(eigenvalues) = one.eigenvalues else { continue };
+        let mut table = Table::new(
+            "Closed-loop eigenvalues of the unconstrained MPC, perfect model, one sample of delay",
+            &["axis", "|z|", "", ""],
+        );
+        for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
+            let cells =
+                axis.map(|[magnitude, angle]| Cell::from(format!("{magnitude:.4} at {:.2} deg", angle.to_degrees())));
+            table = table.row([Cell::from(name)].into_iter().chain(cells));
+        }
+        section = section.table(table);
+    }
+    section
+}
+
+/// A series in degrees.
+pub fn degrees(values_rad: &[f64]) -> Vec<f64> {
+    values_rad.iter().map(|value| value.to_degrees()).collect()
+}

@@ -1,0 +1,264 @@
+//! `sil fly`: the test sequence or a script, under the cascade, the MPC, or both.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use shared_control::config::Controller;
+use sil_host::controller_file::{CONTROL_HORIZON_DEFAULT, ControllerChoice};
+use sil_host::flight::{Flight, FlightSetup, RunSummary};
+use sil_host::flight_log::flight_log;
+use sil_host::margins::Margins;
+use sil_host::metrics::AxisMetrics;
+use sil_host::model::VehicleModel;
+use sil_host::scenario::Scenario;
+
+use super::text_table::{TextTable, number};
+use super::{
+    Failure, RigArgument, bad_input, failed, flight_report, make_folder, vehicle_model, write_file, write_json,
+};
+
+/// Fly the thesis' test sequence, or a script, in co-simulation
+#[derive(Args)]
+#[command(after_help = "Example: sil fly --controller both --rig gimbal --report out/flight.html\n\n\
+A script is TOML: duration_s, then [[step]] with at_s, roll_deg, pitch_deg, yaw_rate_deg_s, throttle.")]
+pub struct FlyArguments {
+    /// Which controller flies
+    #[arg(long, value_enum, default_value = "both")]
+    controller: ControllerArgument,
+    /// Which rig holds the vehicle [default: that of the model, else gimbal]
+    #[arg(long, value_enum)]
+    rig: Option<RigArgument>,
+    /// Vehicle model [default: the project's F450 on that rig]
+    #[arg(long, value_name = "M.toml")]
+    model: Option<PathBuf>,
+    /// Steps of the controller per second
+    #[arg(long, value_name = "HZ", default_value_t = 400, value_parser = clap::value_parser!(u32).range(50..=1000))]
+    rate: u32,
+    /// Fly this instead of the test sequence
+    #[arg(long, value_name = "S.toml")]
+    script: Option<PathBuf>,
+    /// Seed of the sensors' noise
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Prediction steps of the MPC
+    #[arg(long, value_name = "N", default_value_t = shared_control::mpc::HORIZON)]
+    horizon: usize,
+    /// Free inputs per axis of the MPC, 1 to N
+    #[arg(long, value_name = "M", default_value_t = CONTROL_HORIZON_DEFAULT)]
+    control_horizon: usize,
+    /// Length of a prediction step of the MPC, s, whatever the rate
+    #[arg(long, value_name = "S", default_value_t = 0.01)]
+    prediction_step: f32,
+    /// Write the flight as a log; with both controllers OUT-pid.csv and OUT-mpc.csv
+    #[arg(long, value_name = "OUT.csv")]
+    log: Option<PathBuf>,
+    /// Write a report with plots
+    #[arg(long, value_name = "OUT.html")]
+    report: Option<PathBuf>,
+    /// Write the figures as JSON
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ControllerArgument {
+    /// The PID cascade of APM:Copter
+    Pid,
+    /// Model predictive control, with the cascade as fallback
+    Mpc,
+    /// One after the other
+    Both,
+}
+
+#[derive(Serialize)]
+struct FlyJson<'a> {
+    runs: Vec<&'a RunSummary>,
+}
+
+/// A flight with what was measured around it.
+pub struct FlownController {
+    /// How it was set up.
+    pub setup: FlightSetup,
+    /// Series and figures.
+    pub flight: Flight,
+    /// Margins of roll and pitch.
+    pub margins: [Margins; 2],
+    /// Eigenvalues of roll and pitch under the unconstrained MPC.
+    pub eigenvalues: Option<[[[f64; 2]; 3]; 2]>,
+}
+
+pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
+    let model = vehicle_model(arguments.model.as_deref(), arguments.rig.map(Into::into))?;
+    let scenario = match &arguments.script {
+        None => Scenario::test_sequence(),
+        Some(path) => Scenario::load(path).map_err(bad_input)?,
+    };
+    let controllers: &[Controller] = match arguments.controller {
+        ControllerArgument::Pid => &[Controller::Cascade],
+        ControllerArgument::Mpc => &[Controller::Mpc],
+        ControllerArgument::Both => &[Controller::Cascade, Controller::Mpc],
+    };
+    let flown: Vec<FlownController> = controllers
+        .iter()
+        .map(|&controller| fly_one(&model, &scenario, choice(arguments, controller)?, arguments.seed))
+        .collect::<Result<_, _>>()?;
+    print!("{}", summary_text(&flown));
+    for one in &flown {
+        if let Some(path) = &arguments.log {
+            let path = log_path(path, one.setup.choice.name(), flown.len() > 1);
+            write_log(&path, one)?;
+            println!("log     {}", path.display());
+        }
+    }
+    if let Some(path) = &arguments.report {
+        write_file(path, flight_report::page(&flown, &command_line(arguments)).to_html().as_bytes())?;
+        println!("report  {}", path.display());
+    }
+    write_json(arguments.json.as_deref(), &FlyJson { runs: flown.iter().map(|one| &one.flight.summary).collect() })
+}
+
+fn choice(arguments: &FlyArguments, controller: Controller) -> Result<ControllerChoice, Failure> {
+    if arguments.horizon != shared_control::mpc::HORIZON {
+        let built = shared_control::mpc::HORIZON;
+        return Err(bad_input(format!(
+            "--horizon {}: the MPC is built for {built} prediction steps",
+            arguments.horizon
+        )));
+    }
+    let mut choice = ControllerChoice::nominal(controller);
+    choice.rate_hz = arguments.rate;
+    choice.control_horizon = arguments.control_horizon;
+    choice.tuning.mpc_prediction_step_s = arguments.prediction_step;
+    Ok(choice)
+}
+
+/// Flies one controller and measures its margins.
+pub fn fly_one(
+    model: &VehicleModel,
+    scenario: &Scenario,
+    choice: ControllerChoice,
+    seed: u64,
+) -> Result<FlownController, Failure> {
+    let setup = FlightSetup { model: model.clone(), choice, scenario: scenario.clone(), seed };
+    let flight = setup.fly().map_err(bad_input)?;
+    let margins = setup.margins().map_err(bad_input)?.map(|(_, margins)| margins);
+    let eigenvalues = setup.mpc_eigenvalues().map_err(bad_input)?;
+    Ok(FlownController { setup, flight, margins, eigenvalues })
+}
+
+/// The command that repeats this run.
+fn command_line(arguments: &FlyArguments) -> String {
+    let controller = match arguments.controller {
+        ControllerArgument::Pid => "pid",
+        ControllerArgument::Mpc => "mpc",
+        ControllerArgument::Both => "both",
+    };
+    let mut line = format!("sil fly --controller {controller} --rate {} --seed {}", arguments.rate, arguments.seed);
+    line.push_str(&format!(
+        " --control-horizon {} --prediction-step {}",
+        arguments.control_horizon, arguments.prediction_step
+    ));
+    for (flag, path) in [("--model", &arguments.model), ("--script", &arguments.script)] {
+        if let Some(path) = path {
+            line.push_str(&format!(" {flag} {}", path.display()));
+        }
+    }
+    line
+}
+
+fn log_path(path: &Path, controller: &str, several: bool) -> PathBuf {
+    if !several {
+        return path.to_owned();
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map_or_else(String::new, |extension| format!(".{}", extension.to_string_lossy()));
+    path.with_file_name(format!("{stem}-{controller}{extension}"))
+}
+
+fn write_log(path: &Path, flown: &FlownController) -> Result<(), Failure> {
+    let mut log = flight_log(&flown.flight.record, flown.setup.choice.rate_hz);
+    let summary = &flown.flight.summary;
+    log.comments = vec![
+        "SYNTHETIC: a simulated flight (sil fly), measured nowhere".to_owned(),
+        format!(
+            "model: {}; controller: {} at {} Hz; seed {}",
+            summary.model, summary.controller, summary.rate_hz, summary.seed
+        ),
+    ];
+    make_folder(path)?;
+    sil_host::log::write_file(&log, path).map_err(failed)
+}
+
+/// What the terminal shows.
+pub fn summary_text(flown: &[FlownController]) -> String {
+    let Some(first) = flown.first() else { return String::new() };
+    let scenario = &first.setup.scenario;
+    let mut text = format!(
+        "{}: {}, {} s, seed {}\n\n",
+        first.setup.model.name, scenario.name, scenario.duration_s, first.setup.seed
+    );
+    text.push_str(&axis_table(flown).to_string());
+    text.push('\n');
+    text.push_str(&flight_table(flown).to_string());
+    for one in flown {
+        if let Some(eigenvalues) = one.eigenvalues {
+            text.push_str("\nclosed-loop eigenvalues of the unconstrained MPC (|z|, angle per step):\n");
+            for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
+                let values = axis.map(|[magnitude, angle]| format!("{magnitude:.4} at {:.2} deg", angle.to_degrees()));
+                text.push_str(&format!("  {name:<6} {}\n", values.join(", ")));
+            }
+        }
+    }
+    text.push('\n');
+    text
+}
+
+fn axis_table(flown: &[FlownController]) -> TextTable {
+    let columns =
+        flown.iter().flat_map(|one| ["roll", "pitch"].map(|axis| format!("{} {axis}", one.setup.choice.name())));
+    let mut table = TextTable::new([String::new()].into_iter().chain(columns));
+    let figures: [(&str, usize, fn(&AxisMetrics) -> Option<f64>); 6] = [
+        ("rise time 10-90 %, s", 3, |m| m.rise_time_s),
+        ("overshoot, %", 1, |m| m.overshoot_pct),
+        ("settling time (3 deg), s", 3, |m| m.settling_time_s),
+        ("steady error, deg", 2, |m| m.steady_error_deg),
+        ("mean |error|, deg", 2, |m| Some(m.mean_abs_error_deg)),
+        ("RMS error, deg", 2, |m| Some(m.rms_error_deg)),
+    ];
+    for (name, decimals, figure) in figures {
+        let axes = flown.iter().flat_map(|one| [one.flight.summary.axes.roll, one.flight.summary.axes.pitch]);
+        let cells = axes.map(|axis| number(figure(&axis), decimals));
+        table.row([name.to_owned()].into_iter().chain(cells));
+    }
+    let margins: [(&str, usize, fn(&Margins) -> Option<f64>); 5] = [
+        ("gain margin, dB", 1, |m| m.gain_db),
+        ("phase margin, deg", 1, |m| m.phase_deg),
+        ("delay margin, ms", 1, |m| m.delay_ms),
+        ("crossover, Hz", 2, |m| m.crossover_hz),
+        ("peak sensitivity", 2, |m| Some(m.sensitivity_peak)),
+    ];
+    for (name, decimals, figure) in margins {
+        let cells = flown.iter().flat_map(|one| one.margins.iter().map(|m| number(figure(m), decimals)));
+        table.row([name.to_owned()].into_iter().chain(cells));
+    }
+    table
+}
+
+fn flight_table(flown: &[FlownController]) -> TextTable {
+    let mut table =
+        TextTable::new([String::new()].into_iter().chain(flown.iter().map(|one| one.setup.choice.name().to_owned())));
+    let mut row = |name: &str, value: &dyn Fn(&RunSummary) -> String| {
+        table.row([name.to_owned()].into_iter().chain(flown.iter().map(|one| value(&one.flight.summary))));
+    };
+    row("rate, Hz", &|s| s.rate_hz.to_string());
+    row("effort (mean |command - base|)", &|s| format!("{:.4}", s.effort));
+    row("samples with a motor at a limit, %", &|s| format!("{:.1}", s.saturated_pct));
+    row("times real time", &|s| format!("{:.0}", s.real_time_factor));
+    row("MPC horizon / control horizon", &|s| {
+        s.mpc.map_or("-".into(), |m| format!("{} / {}", m.horizon, m.control_horizon))
+    });
+    row("MPC iterations, most", &|s| s.mpc.map_or("-".into(), |m| m.iterations_max.to_string()));
+    row("MPC unsolved / fallbacks", &|s| s.mpc.map_or("-".into(), |m| format!("{} / {}", m.unsolved, m.fallbacks)));
+    table
+}

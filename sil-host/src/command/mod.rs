@@ -1,0 +1,117 @@
+//! One file per subcommand; each reads its arguments, calls the library and prints.
+
+mod bench_mpc;
+mod flight_report;
+mod fly;
+mod synth;
+mod text_table;
+
+use std::fmt::Display;
+use std::path::Path;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use sil_host::model::{Rig, VehicleModel};
+
+/// Quadrotor attitude control in simulation: fly the thesis' testbed, hold the simulation against measured logs.
+///
+/// Without a subcommand: the demonstration. It flies the test sequence under the PID cascade and under MPC, compares a
+/// rig log with the simulation, and writes a report.
+#[derive(Parser)]
+#[command(name = "sil", version, after_help = "Example: sil fly --controller both --report out/flight.html")]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Fly(fly::FlyArguments),
+    Synth(synth::SynthArguments),
+    BenchMpc(bench_mpc::BenchArguments),
+}
+
+/// Why a command stopped: exit status 2 for bad usage or bad input, 1 for a failure of its own.
+pub struct Failure {
+    /// Exit status.
+    pub status: u8,
+    /// What is told on stderr.
+    pub message: String,
+}
+
+/// Runs what was asked for.
+pub fn run(arguments: Arguments) -> Result<(), Failure> {
+    match arguments.command {
+        None => Ok(()),
+        Some(Command::Fly(arguments)) => fly::run(&arguments),
+        Some(Command::Synth(arguments)) => synth::run(&arguments),
+        Some(Command::BenchMpc(arguments)) => bench_mpc::run(&arguments),
+    }
+}
+
+/// Bad usage or bad input.
+fn bad_input(error: impl Display) -> Failure {
+    Failure { status: 2, message: error.to_string() }
+}
+
+/// A failure of the command's own.
+fn failed(error: impl Display) -> Failure {
+    Failure { status: 1, message: error.to_string() }
+}
+
+/// The rigs on the command line that a whole vehicle can hang in.
+#[derive(Clone, Copy, ValueEnum)]
+enum RigArgument {
+    /// The thesis' testbed: roll and pitch free, yaw locked, no translation.
+    Gimbal,
+    /// Free flight.
+    Free,
+}
+
+impl From<RigArgument> for Rig {
+    fn from(rig: RigArgument) -> Rig {
+        match rig {
+            RigArgument::Gimbal => Rig::Gimbal,
+            RigArgument::Free => Rig::Free,
+        }
+    }
+}
+
+/// The model of a file, or the project's own model of the rig; both given must agree.
+fn vehicle_model(file: Option<&Path>, rig: Option<Rig>) -> Result<VehicleModel, Failure> {
+    let Some(file) = file else {
+        return Ok(VehicleModel::nominal(rig.unwrap_or(Rig::Gimbal)));
+    };
+    let model = VehicleModel::load(file).map_err(bad_input)?;
+    match rig {
+        Some(rig) if rig != model.rig() => Err(bad_input(format!(
+            "{} is a model for the rig {}, but --rig says {}",
+            file.display(),
+            model.rig().name(),
+            rig.name()
+        ))),
+        _ => Ok(model),
+    }
+}
+
+/// Writes a file, making its folder; a failure names it.
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    make_folder(path)?;
+    std::fs::write(path, bytes).map_err(|error| failed(format!("{}: cannot be written: {error}", path.display())))
+}
+
+/// Makes the folder that a file will lie in.
+fn make_folder(path: &Path) -> Result<(), Failure> {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => std::fs::create_dir_all(folder)
+            .map_err(|error| failed(format!("{}: cannot be made: {error}", folder.display()))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a value as JSON, if a file was asked for.
+fn write_json(path: Option<&Path>, value: &impl serde::Serialize) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    let mut text = serde_json::to_string_pretty(value).map_err(failed)?;
+    text.push('\n');
+    write_file(path, text.as_bytes())
+}

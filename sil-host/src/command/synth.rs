@@ -1,0 +1,108 @@
+//! `sil synth`: a rig log with chosen effects, for tests and for learning.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use sil_host::controller_file::ControllerChoice;
+use sil_host::flight_log::{SynthesisSetup, synthesise};
+use sil_host::model::SensorNoise;
+use sil_host::plant::effects::Effect;
+
+use super::{Failure, RigArgument, bad_input, failed, make_folder, vehicle_model};
+
+/// Make a synthetic rig log with chosen effects, noise and rates
+#[derive(Args)]
+#[command(
+    after_help = "Example: sil synth --effect \"cg_offset:axis=pitch,cos_moment_nm=0.1\" --rate 200 --seed 3 out/rig.csv"
+)]
+pub struct SynthArguments {
+    /// What the vehicle does beyond its model, as NAME:KEY=VALUE,...; may be given several times
+    #[arg(long, value_name = "EFFECT")]
+    effect: Vec<String>,
+    /// Length of the log, s
+    #[arg(long, value_name = "S", default_value_t = 29.75)]
+    duration: f64,
+    /// Rows per second
+    #[arg(long, value_name = "HZ", default_value_t = 200, value_parser = clap::value_parser!(u32).range(10..=1000))]
+    rate: u32,
+    /// Steps of the controller per second [default: the larger of 400 and the log's rate]
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(50..=1000))]
+    control_rate: Option<u32>,
+    /// Collective command at hover, 0..1 [default: the model's]
+    #[arg(long, value_name = "C")]
+    throttle: Option<f64>,
+    /// Standard deviations of attitude and gyro [default: the model's]
+    #[arg(long, value_name = "ANGLE_RAD,RATE_RAD_S")]
+    noise: Option<String>,
+    /// Seed of the noise
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// What flies: pid, mpc, or a controller file
+    #[arg(long, value_name = "pid|mpc|CONFIG.toml", default_value = "pid")]
+    controller: String,
+    /// Which rig holds the vehicle [default: that of the model, else gimbal]
+    #[arg(long, value_enum)]
+    rig: Option<RigArgument>,
+    /// Vehicle model [default: the project's F450 on that rig]
+    #[arg(long, value_name = "M.toml")]
+    model: Option<PathBuf>,
+    /// The log to write
+    #[arg(value_name = "OUT.csv")]
+    out: PathBuf,
+}
+
+pub fn run(arguments: &SynthArguments) -> Result<(), Failure> {
+    let mut model = vehicle_model(arguments.model.as_deref(), arguments.rig.map(Into::into))?;
+    for text in &arguments.effect {
+        let effect =
+            Effect::parse(text, model.rig()).map_err(|problem| bad_input(format!("--effect {text}: {problem}")))?;
+        model.effects.push(effect);
+    }
+    let mut choice = ControllerChoice::from_argument(&arguments.controller).map_err(bad_input)?;
+    choice.rate_hz = arguments.control_rate.unwrap_or(choice.rate_hz.max(arguments.rate));
+    check(arguments, choice.rate_hz)?;
+    let noise = arguments.noise.as_deref().map(|text| noise(text, &model.noise)).transpose()?;
+    let setup = SynthesisSetup {
+        model,
+        choice,
+        duration_s: arguments.duration,
+        log_rate_hz: arguments.rate,
+        throttle: arguments.throttle,
+        noise,
+        seed: arguments.seed,
+    };
+    let log = synthesise(&setup).map_err(bad_input)?;
+    make_folder(&arguments.out)?;
+    sil_host::log::write_file(&log, &arguments.out).map_err(failed)?;
+    for comment in &log.comments {
+        println!("{comment}");
+    }
+    println!("log     {} ({} rows)", arguments.out.display(), log.rows());
+    Ok(())
+}
+
+fn check(arguments: &SynthArguments, control_rate_hz: u32) -> Result<(), Failure> {
+    if !(arguments.duration >= 1.0 && arguments.duration <= 3600.0) {
+        return Err(bad_input(format!("--duration {}: expected 1 to 3600 s", arguments.duration)));
+    }
+    if arguments.rate > control_rate_hz {
+        return Err(bad_input(format!(
+            "--rate {}: a row needs a control step, and there are {control_rate_hz} a second (--control-rate)",
+            arguments.rate
+        )));
+    }
+    match arguments.throttle {
+        Some(throttle) if !(0.05..=0.95).contains(&throttle) => {
+            Err(bad_input(format!("--throttle {throttle}: expected 0.05 to 0.95")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn noise(text: &str, model: &SensorNoise) -> Result<SensorNoise, Failure> {
+    let problem = || bad_input(format!("--noise {text}: expected two numbers of zero or more, ANGLE_RAD,RATE_RAD_S"));
+    let (angle, rate) = text.split_once(',').ok_or_else(problem)?;
+    let parse =
+        |part: &str| part.trim().parse::<f64>().ok().filter(|value| (0.0..1.0).contains(value)).ok_or_else(problem);
+    Ok(SensorNoise { attitude_rad: parse(angle)?, gyro_rad_s: parse(rate)?, ..*model })
+}
