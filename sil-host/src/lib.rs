@@ -1,9 +1,11 @@
 //! The simulated vehicle, its co-simulation with the control core, and the comparison with measured logs.
 
 pub mod bench_mpc;
+pub mod comparison;
 pub mod control_setup;
 pub mod controller_file;
 pub mod cosim;
+pub mod fidelity;
 pub mod flight;
 pub mod flight_log;
 pub mod log;
