@@ -4,6 +4,7 @@ pub mod bench_mpc;
 pub mod control_setup;
 pub mod controller_file;
 pub mod cosim;
+pub mod fidelity;
 pub mod flight;
 pub mod flight_log;
 pub mod log;
