@@ -56,24 +56,32 @@ pub struct Tuning {
 }
 
 impl Tuning {
-    /// The tuning for the F450; `docs/tuning.md` has the reasoning and the margins it gives.
-    pub const F450: Tuning = Tuning {
-        shaping_gain_1_s: [7.0, 7.0, 4.0],
-        acceleration_share: 0.6,
-        rate_max_rad_s: [5.0, 5.0, 2.0],
-        tilt_max_rad: 1.2,
-        angle_gain_1_s: [8.0, 7.0, 4.0],
-        rate_proportional_1_s: [30.0, 25.0, 12.0],
-        rate_integral_1_s2: [60.0, 50.0, 12.0],
-        rate_derivative: [0.15, 0.15, 0.0],
-        rate_derivative_cutoff_hz: 30.0,
-        integral_share: 0.8,
-        gyro_cutoff_hz: 100.0,
-        mpc_tracking_weight: [100.0, 100.0, 100.0],
-        mpc_increment_weight: [30.0, 30.0, 3000.0],
-        mpc_prediction_step_s: 0.01,
-        mpc_tilt_max_rad: None,
-    };
+    /// The project's tuning for motors whose thrust follows a command with a lag (first-order time constant, s);
+    /// `docs/tuning.md` has the reasoning and the margins it gives.
+    pub fn for_motor_lag(lag_s: f32) -> Tuning {
+        let lag_s = crate::elementary::limit(lag_s, 0.0, 0.2);
+        let rate = 1.0 / (1.0 / 30.0 + 0.3 * lag_s);
+        let angle = 1.0 / (1.0 / 8.0 + 0.8 * lag_s);
+        // the derivative makes good most of the lag, and a little of the filters and the sampling
+        let lead_s = 0.005 + 0.85 * lag_s;
+        Tuning {
+            shaping_gain_1_s: [0.87 * angle, 0.87 * angle, 0.5 * angle],
+            acceleration_share: 0.6 / (1.0 + 9.0 * lag_s),
+            rate_max_rad_s: [5.0, 5.0, 2.0],
+            tilt_max_rad: 1.2,
+            angle_gain_1_s: [angle, angle, 0.5 * angle],
+            rate_proportional_1_s: [rate, rate, 0.4 * rate],
+            rate_integral_1_s2: [2.0 * rate, 2.0 * rate, 0.4 * rate],
+            rate_derivative: [rate * lead_s, rate * lead_s, 0.0],
+            rate_derivative_cutoff_hz: 40.0,
+            integral_share: 0.8,
+            gyro_cutoff_hz: 100.0,
+            mpc_tracking_weight: [100.0, 100.0, 100.0],
+            mpc_increment_weight: [30.0, 30.0, 3000.0],
+            mpc_prediction_step_s: 0.01,
+            mpc_tilt_max_rad: None,
+        }
+    }
 }
 
 /// Everything that `fast` and `follow` read.

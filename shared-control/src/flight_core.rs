@@ -89,7 +89,8 @@ impl FlightCore {
     pub fn fast(config: &Config, state: &mut State, input: &StepInput) -> StepOutput {
         state.step = state.step.wrapping_add(1);
         let imu = imu::condition(&config.imu, &mut state.imu, &input.imu);
-        let estimate = estimator::update(&config.estimator, &mut state.estimator, &imu, input.time_us);
+        let in_flight = state.arming == Arming::Armed;
+        let estimate = estimator::update(&config.estimator, &mut state.estimator, &imu, input.time_us, in_flight);
         state.arming = supervisor::update(state.arming, input, &estimate);
 
         let cascade_nm = cascade_torque(config, state, &estimate);

@@ -232,3 +232,122 @@ impl InstanceFile {
 fn agree(expected: f64, found: f64) -> bool {
     (expected - found).abs() <= 1e-9 * (expected.abs() + found.abs())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    /// Two instances with M = 2: at rest, and a roll far beyond its reference, where full input is right.
+    fn sound() -> Value {
+        let (step_s, b) = (0.01, [20.0, 6.0, 34.0]);
+        let mut state_matrix = [[0.0; 6]; 6];
+        let mut input_matrix = [[0.0; 3]; 6];
+        for axis in 0..3 {
+            let angle = 2 * axis;
+            (state_matrix[angle][angle], state_matrix[angle][angle + 1]) = (1.0, step_s);
+            state_matrix[angle + 1][angle + 1] = 1.0;
+            (input_matrix[angle][axis], input_matrix[angle + 1][axis]) =
+                (step_s * step_s / 2.0 * b[axis], step_s * b[axis]);
+        }
+        let mut beyond = vec![0.0; 12];
+        beyond[0] = 30.0;
+        let full = [-2.0, 0.0, 0.0, -2.0, 0.0, 0.0];
+        json!({
+            "case": "x", "sub": "i", "N": 30, "M": 2, "Ts": step_s, "mu": [100.0, 100.0, 100.0], "rho": [30.0, 30.0, 3000.0],
+            "umax": [2.0, 2.0, 0.1], "ymax": 0.7, "b": b, "A_d": state_matrix, "B_d": input_matrix,
+            "theta": [vec![0.0; 12], beyond], "z_ref": [vec![0.0; 6], full],
+        })
+    }
+
+    fn solve(content: &[u8]) -> Result<CaseResult, BenchError> {
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        file.write_all(content).unwrap();
+        solve_file(file.path())
+    }
+
+    fn complaint(field: &str, value: Value) -> String {
+        let mut instances = sound();
+        instances[field] = value;
+        solve(instances.to_string().as_bytes()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn plain_and_gzipped_files_give_the_same_figures() {
+        let text = sound().to_string();
+        let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        packed.write_all(text.as_bytes()).unwrap();
+        let (plain, gzipped) = (solve(text.as_bytes()).unwrap(), solve(&packed.finish().unwrap()).unwrap());
+        assert_eq!(CaseResult { file: String::new(), ..plain.clone() }, CaseResult { file: String::new(), ..gzipped });
+        assert_eq!((plain.instances, plain.solved, plain.error_max), (2, 2, 0.0));
+        assert_eq!((plain.case.as_str(), plain.sub.as_str(), plain.ts_s), ("x", "i", 0.01));
+        // At rest one look per axis is enough; both inputs of roll at their bounds take two changes more.
+        assert_eq!(plain.iterations_max, 5);
+    }
+
+    #[test]
+    fn a_wrong_reference_shows_as_error() {
+        let mut instances = sound();
+        instances["z_ref"][0][2] = json!(0.05);
+        let result = solve(instances.to_string().as_bytes()).unwrap();
+        assert!((result.error_max - 0.5).abs() < 1e-6, "{}", result.error_max);
+    }
+
+    #[test]
+    fn the_control_horizon_may_be_any_from_1_to_30() {
+        for control_horizon in 1..=30 {
+            let mut instances = sound();
+            instances["M"] = json!(control_horizon);
+            instances["z_ref"] = json!([vec![0.0; 3 * control_horizon], vec![0.0; 3 * control_horizon]]);
+            assert_eq!(solve(instances.to_string().as_bytes()).unwrap().solved, 2, "M = {control_horizon}");
+        }
+        for control_horizon in [0, 31] {
+            let mut instances = sound();
+            instances["M"] = json!(control_horizon);
+            instances["z_ref"] = json!([vec![0.0; 3 * control_horizon], vec![0.0; 3 * control_horizon]]);
+            let error = solve(instances.to_string().as_bytes()).unwrap_err().to_string();
+            assert!(error.contains(&format!("must be 1 to 30 steps, not {control_horizon}")), "{error}");
+        }
+    }
+
+    #[test]
+    fn other_problems_are_refused_by_name() {
+        let mut damped = sound()["A_d"].clone();
+        damped[3][3] = json!(0.99);
+        let mut crossed = sound()["B_d"].clone();
+        crossed[1][2] = json!(0.1);
+        for (field, value, expected) in [
+            ("N", json!(20), "expected N = 30 prediction steps, found 20"),
+            ("sub", json!("iii"), "expected sub \"i\" or \"ii\", found \"iii\""),
+            ("A_d", damped, "the double integrator's A_d[3][3] = 1, found 0.99"),
+            ("B_d", crossed, "the double integrator's B_d[1][2] = 0, found 0.1"),
+            ("b", json!([20.0, 6.0, 35.0]), "the double integrator's B_d[4][2]"),
+            ("z_ref", json!([vec![0.0; 6]]), "as many rows of z_ref as of theta (2), and at least one, found 1"),
+            ("theta", json!([]), "at least one"),
+            ("z_ref", json!([vec![0.0; 6], vec![0.0; 5]]), "3 M = 6 numbers in z_ref[1], found 5"),
+            ("mu", json!([100.0, -1.0, 100.0]), "tracking_weight (axis 1) must be finite and positive, not -1"),
+            ("mu", json!([100.0, 1e38, 100.0]), "axis 1: the matrices of the quadratic program must be finite"),
+        ] {
+            let error = complaint(field, value);
+            assert!(error.contains(expected), "{field}: {error}");
+        }
+    }
+
+    #[test]
+    fn files_of_another_form_are_refused_with_their_place() {
+        let error = |content: &[u8]| solve(content).unwrap_err().to_string();
+        assert!(error(b"").contains("line 1 column 0"), "{}", error(b""));
+        assert!(error(b"{\n\"case\": 3}").contains("expected a string at line 2 column 9"));
+        assert!(error(b"{}").contains("missing field `case`"));
+        assert!(error(&[0x1f, 0x8b, 8, 0]).contains("unexpected end of file"), "{}", error(&[0x1f, 0x8b, 8, 0]));
+        assert!(
+            complaint("theta", json!([vec![0.0; 11]])).contains("invalid length 11, expected an array of length 12")
+        );
+        assert!(complaint("umax", json!([2.0, "two", 0.1])).contains("expected f64"));
+        let missing = solve_file(Path::new("no/such/file.json")).unwrap_err().to_string();
+        assert!(missing.starts_with("no/such/file.json: "), "{missing}");
+    }
+}

@@ -9,6 +9,7 @@ use shared_control::mpc::MpcSettings;
 use shared_control::vehicle::VehicleParameters;
 
 use crate::model::{Mounting, Rig, VehicleModel};
+use crate::plant::Plant;
 
 /// What the controllers know of a vehicle model.
 pub fn vehicle_parameters(model: &VehicleModel) -> VehicleParameters {
@@ -47,6 +48,26 @@ pub fn lift_curve(model: &VehicleModel) -> LiftCurve {
         }
     };
     LiftCurve { lift_min_n: low_n as f32, lift_max_n: high_n as f32, command_at: core::array::from_fn(command_at) }
+}
+
+/// Time constant of a motor's lift at the model's base command, s: the area above the response to a small step of the
+/// command, as an engineer would read it off a test stand.
+pub fn motor_lag_s(model: &VehicleModel) -> f64 {
+    const STEP: f64 = 0.01;
+    const SAMPLE_S: f64 = 2e-4;
+    const SAMPLES: usize = 2500;
+    let mut plant = Plant::new(model);
+    let start_n = plant.lifts_n()[0];
+    let end_n = model.propulsion.equilibrium(model.base_command + STEP).lift_n;
+    plant.set_commands([model.base_command + STEP; 4]);
+    let mut area_s = 0.0;
+    for _ in 0..SAMPLES {
+        // the middle of each sample
+        plant.advance(0.5 * SAMPLE_S);
+        area_s += (end_n - plant.lifts_n()[0]) / (end_n - start_n) * SAMPLE_S;
+        plant.advance(0.5 * SAMPLE_S);
+    }
+    area_s
 }
 
 /// A core configured for a model.

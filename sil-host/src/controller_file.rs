@@ -4,7 +4,7 @@
 //! controller = "pid"            # or "mpc"
 //! rate_hz = 400                 # optional
 //! control_horizon = 1           # optional, MPC
-//! [tuning]                      # optional; any field of the core's Tuning, the rest keeps its default
+//! [tuning]                      # optional; any field of the core's Tuning; the rest follows the motors' lag
 //! angle_gain_1_s = [8.0, 7.0, 4.0]
 //! ```
 
@@ -18,8 +18,8 @@ use shared_control::config::{Controller, Tuning};
 pub struct ControllerChoice {
     /// Cascade or MPC.
     pub controller: Controller,
-    /// Gains and weights.
-    pub tuning: Tuning,
+    /// Gains and weights that differ from those that follow from the vehicle.
+    pub tuning: TuningChange,
     /// Steps per second; 400 unless the file says otherwise.
     pub rate_hz: u32,
     /// Free inputs per axis of the MPC.
@@ -51,9 +51,9 @@ pub enum ControllerFileError {
 }
 
 impl ControllerChoice {
-    /// A controller with the project's tuning.
+    /// A controller with the tuning that follows from the vehicle.
     pub fn nominal(controller: Controller) -> Self {
-        Self { controller, tuning: Tuning::F450, rate_hz: 400, control_horizon: CONTROL_HORIZON_DEFAULT }
+        Self { controller, tuning: TuningChange::default(), rate_hz: 400, control_horizon: CONTROL_HORIZON_DEFAULT }
     }
 
     /// `pid`, `mpc`, or the path of a file.
@@ -84,7 +84,7 @@ impl ControllerChoice {
         };
         let nominal = Self::nominal(controller);
         Ok(Self {
-            tuning: document.tuning.map_or(nominal.tuning, |fields| fields.over(nominal.tuning)),
+            tuning: document.tuning.unwrap_or_default(),
             rate_hz: document.rate_hz.unwrap_or(nominal.rate_hz),
             control_horizon: document.control_horizon.unwrap_or(nominal.control_horizon),
             ..nominal
@@ -111,7 +111,7 @@ struct Document {
     controller: Kind,
     rate_hz: Option<u32>,
     control_horizon: Option<usize>,
-    tuning: Option<TuningFields>,
+    tuning: Option<TuningChange>,
 }
 
 #[derive(Deserialize)]
@@ -123,16 +123,20 @@ enum Kind {
 
 macro_rules! tuning_fields {
     ($($field:ident: $kind:ty),* $(,)?) => {
-        /// Every field of [`Tuning`], each optional.
-        #[derive(Deserialize)]
+        /// Fields of [`Tuning`] that are given; the rest keeps what follows from the vehicle.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
         #[serde(deny_unknown_fields)]
-        struct TuningFields {
-            $($field: Option<$kind>,)*
+        pub struct TuningChange {
+            $(
+                #[doc = concat!("See [`Tuning::", stringify!($field), "`].")]
+                pub $field: Option<$kind>,
+            )*
         }
 
-        impl TuningFields {
-            fn over(self, defaults: Tuning) -> Tuning {
-                Tuning { $($field: self.$field.map_or(defaults.$field, Into::into),)* }
+        impl TuningChange {
+            /// The tuning with the given fields in it.
+            pub fn over(self, tuning: Tuning) -> Tuning {
+                Tuning { $($field: self.$field.map_or(tuning.$field, Into::into),)* }
             }
         }
     };
@@ -166,9 +170,11 @@ mod tests {
             "controller = \"mpc\"\nrate_hz = 100\n[tuning]\nangle_gain_1_s = [9.0, 7.0, 4.0]\nmpc_tilt_max_rad = 0.7\n";
         let choice = ControllerChoice::parse(text, "c.toml").unwrap();
         assert_eq!((choice.controller, choice.rate_hz, choice.control_horizon), (Controller::Mpc, 100, 5));
-        assert_eq!(choice.tuning.angle_gain_1_s, [9.0, 7.0, 4.0]);
-        assert_eq!(choice.tuning.mpc_tilt_max_rad, Some(0.7));
-        assert_eq!(choice.tuning.rate_derivative, Tuning::F450.rate_derivative);
+        let nominal = Tuning::for_motor_lag(0.0);
+        let tuning = choice.tuning.over(nominal);
+        assert_eq!(tuning.angle_gain_1_s, [9.0, 7.0, 4.0]);
+        assert_eq!(tuning.mpc_tilt_max_rad, Some(0.7));
+        assert_eq!(tuning.rate_derivative, nominal.rate_derivative);
     }
 
     #[test]

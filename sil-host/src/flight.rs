@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use shared_control::config::{ConfigError, Controller};
+use shared_control::config::{ConfigError, Controller, Tuning};
 use shared_control::mpc::MpcError;
 
-use crate::control_setup::{core_config, mpc_settings};
+use crate::control_setup::{core_config, motor_lag_s, mpc_settings};
 use crate::controller_file::ControllerChoice;
 use crate::cosim::{self, contract::DesignParameters, control_side::ControlSide, record::FlightRecord};
 use crate::margins::{self, LoopPoint, Margins};
@@ -109,13 +109,19 @@ impl FlightSetup {
         DesignParameters::new(self.model.gravity_m_s2, self.model.base_command, self.choice.rate_hz)
     }
 
+    /// Gains and weights: what follows from the vehicle, with what the choice changes.
+    pub fn tuning(&self) -> Tuning {
+        self.choice.tuning.over(Tuning::for_motor_lag(motor_lag_s(&self.model) as f32))
+    }
+
     /// A fresh control side.
     ///
     /// # Errors
     /// [`SetupError`] where the configuration can't be flown.
     pub fn control_side(&self) -> Result<ControlSide, SetupError> {
         let parameters = self.design_parameters();
-        let ControllerChoice { controller, tuning, rate_hz, control_horizon } = self.choice;
+        let ControllerChoice { controller, rate_hz, control_horizon, .. } = self.choice;
+        let tuning = self.tuning();
         let config = core_config(&self.model, &tuning, rate_hz, parameters.imu_rate_hz, controller)
             .map_err(SetupError::Config)?;
         let planner = match controller {
@@ -147,7 +153,7 @@ impl FlightSetup {
             horizon: shared_control::mpc::HORIZON,
             control_horizon: self.choice.control_horizon,
             // f32 to its shortest decimal, so that 0.01 is written as 0.01
-            prediction_step_s: self.choice.tuning.mpc_prediction_step_s.to_string().parse().unwrap_or(f64::NAN),
+            prediction_step_s: self.tuning().mpc_prediction_step_s.to_string().parse().unwrap_or(f64::NAN),
             iterations_max: record.planning.iterations_max,
             fallbacks: record.planning.fallbacks,
             unsolved: record.planning.unsolved,
@@ -190,7 +196,7 @@ impl FlightSetup {
         if self.choice.controller != Controller::Mpc {
             return Ok(None);
         }
-        let settings = mpc_settings(&self.model, &self.choice.tuning);
+        let settings = mpc_settings(&self.model, &self.tuning());
         let gains = Planner::new(self.choice.control_horizon, &settings)?.unconstrained_gain();
         let period_s = 1.0 / f64::from(self.choice.rate_hz);
         Ok(Some([0, 1].map(|axis| margins::mpc_eigenvalues(gains[axis], settings.input_gain[axis], period_s))))

@@ -15,14 +15,17 @@ use crate::scenario::{Scenario, Waypoint};
 use crate::sensors::Sensors;
 
 const FREQUENCY_MIN_HZ: f64 = 0.3;
-const FREQUENCY_MAX_HZ: f64 = 45.0;
+/// Highest frequency, as a share of the control rate: beyond, images of the sampled loop cover it.
+const FREQUENCY_MAX_SHARE: f64 = 0.4;
 const FREQUENCIES: usize = 48;
 /// Time for the response to settle before it is measured, s.
 const SETTLE_S: f64 = 1.5;
 /// Shortest time that is measured, s; rounded up to whole periods.
 const MEASURE_S: f64 = 1.0;
-/// Injected torque over the inertia of the axis, rad/s²: a few degrees at most, far from any limit.
+/// Injected torque over the inertia of the axis, rad/s², at low frequency: a few degrees at most, far from any limit.
 const INJECTED_RAD_S2: f64 = 1.5;
+/// Above this frequency the torque grows in proportion, so that the rate stays well above a gyro count.
+const CONSTANT_RATE_ABOVE_HZ: f64 = 5.0;
 
 /// One point of a loop's frequency response.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +61,8 @@ pub fn measure(
     let mut responses = [Vec::new(), Vec::new()];
     for k in 0..FREQUENCIES {
         let share = k as f64 / (FREQUENCIES - 1) as f64;
-        let frequency_hz = FREQUENCY_MIN_HZ * libm::pow(FREQUENCY_MAX_HZ / FREQUENCY_MIN_HZ, share);
+        let frequency_max_hz = FREQUENCY_MAX_SHARE * f64::from(parameters.control_rate_hz);
+        let frequency_hz = FREQUENCY_MIN_HZ * libm::pow(frequency_max_hz / FREQUENCY_MIN_HZ, share);
         let Some(mut control) = control() else { break };
         let points = at_frequency(model, parameters, &mut control, frequency_hz);
         for (response, open_loop) in responses.iter_mut().zip(points) {
@@ -79,7 +83,8 @@ fn at_frequency(
     let periods = (MEASURE_S * frequency_hz).ceil();
     let end_s = SETTLE_S + periods / frequency_hz;
     let inertia = control.config().inertia_kg_m2;
-    let amplitude_nm = [0, 1].map(|axis| INJECTED_RAD_S2 * f64::from(inertia[axis]));
+    let amplitude_rad_s2 = INJECTED_RAD_S2 * (frequency_hz / CONSTANT_RATE_ABOVE_HZ).max(1.0);
+    let amplitude_nm = [0, 1].map(|axis| amplitude_rad_s2 * f64::from(inertia[axis]));
     let lever_m = model.arm_m * std::f64::consts::FRAC_1_SQRT_2;
     // Fourier sums of U and of the torque as it was held between the samples
     let (mut motors, mut injected) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);

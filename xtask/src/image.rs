@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use object::read::elf::ElfFile32;
-use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
+use object::{Object, ObjectSection, ObjectSegment, ObjectSymbol, SectionKind};
 
 /// What the image takes, in bytes.
 #[derive(Debug, PartialEq, Eq)]
@@ -46,19 +46,11 @@ fn is_f64_routine(name: &str) -> bool {
     takes || routine.ends_with("2d")
 }
 
-/// What is loaded goes to flash, initial values of variables included; what is writable is RAM at run time.
+/// What is loaded lies in flash, initial values of variables included; what is writable is RAM at run time.
 fn size<'data>(file: &impl Object<'data>) -> Size {
-    let mut size = Size { flash: 0, ram: 0 };
-    for section in file.sections() {
-        let kind = section.kind();
-        if let SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::Data = kind {
-            size.flash += section.size();
-        }
-        if let SectionKind::Data | SectionKind::UninitializedData = kind {
-            size.ram += section.size();
-        }
-    }
-    size
+    let flash = file.segments().map(|segment| segment.file_range().1).sum();
+    let writable = file.sections().filter(|s| matches!(s.kind(), SectionKind::Data | SectionKind::UninitializedData));
+    Size { flash, ram: writable.map(|section| section.size()).sum() }
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ const fn straight_commands() -> [f32; 33] {
 }
 
 fn config(controller: Controller) -> Config {
-    Config::new(&VEHICLE, &Tuning::F450, 400.0, 1200.0, controller).unwrap()
+    Config::new(&VEHICLE, &Tuning::for_motor_lag(0.0), 400.0, 1200.0, controller).unwrap()
 }
 
 /// Level and at rest, one sample a step.
@@ -104,7 +104,7 @@ fn the_plan_request_looks_one_step_ahead() {
 #[test]
 fn step_is_its_three_calls_and_a_replay_repeats_it_to_the_bit() {
     let (config, start) = armed(Controller::Mpc);
-    let mpc = Mpc::<3>::prepare(&mpc_settings(&VEHICLE, &Tuning::F450)).unwrap();
+    let mpc = Mpc::<3>::prepare(&mpc_settings(&VEHICLE, &Tuning::for_motor_lag(0.0))).unwrap();
     let fly = || {
         let (mut state, mut plan_state, mut plan) = (start, MpcState::<3>::new(), None);
         let mut outputs = std::vec::Vec::new();

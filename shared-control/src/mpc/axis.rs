@@ -1,6 +1,6 @@
 //! One axis: its quadratic program, prepared at start-up, and the solve at each control step.
 
-use super::condense::Condensed;
+use super::condense::{Condensed, LinearMap};
 use super::model::PredictedAngles;
 use super::{AxisSettings, HORIZON};
 use crate::qp::{Bounds, Qp, QpError, Settings, Solution, Status, Workspace};
@@ -8,7 +8,7 @@ use crate::qp::{Bounds, Qp, QpError, Settings, Solution, Status, Workspace};
 /// A prepared axis with M free inputs.
 #[derive(Clone, Debug)]
 pub(super) struct Axis<const M: usize> {
-    condensed: Condensed<M>,
+    linear_map: LinearMap<M>,
     qp: Qp<M, HORIZON>,
     rate_weights: [f32; HORIZON],
     input_max: f32,
@@ -32,6 +32,9 @@ impl<const M: usize> Axis<M> {
     ) -> Result<Self, QpError> {
         let angles = PredictedAngles::<M>::new(control_horizon, prediction_step_s, settings.input_gain);
         let condensed = Condensed::new(&angles, settings.tracking_weight, settings.increment_weight);
+        if !condensed.linear_map.0.as_flattened().iter().all(|entry| entry.is_finite()) {
+            return Err(QpError::NotFinite);
+        }
         let hessian = condensed.hessian.get(..control_horizon).ok_or(QpError::VariableCount)?;
         let output_rows = match settings.output_max_rad {
             Some(_) => angles.input_weights.as_slice(),
@@ -39,7 +42,7 @@ impl<const M: usize> Axis<M> {
         };
         Ok(Self {
             qp: Qp::prepare(hessian, output_rows)?,
-            condensed,
+            linear_map: condensed.linear_map,
             rate_weights: angles.rate_weights,
             input_max: settings.input_max,
             output_max_rad: settings.output_max_rad,
@@ -48,7 +51,7 @@ impl<const M: usize> Axis<M> {
 
     pub(super) fn solve(&self, request: &AxisRequest, solver: &Settings, warm_start: &mut Workspace<M>) -> Solution<M> {
         let AxisRequest { angle_rad, rate_rad_s, input_prev, reference_rad } = *request;
-        let linear = self.condensed.linear(angle_rad, rate_rad_s, input_prev, reference_rad);
+        let linear = self.linear_map.at(angle_rad, rate_rad_s, input_prev, reference_rad);
         let mut bounds = Bounds {
             lower: [-self.input_max; M],
             upper: [self.input_max; M],
@@ -76,7 +79,7 @@ impl<const M: usize> Axis<M> {
     pub(super) fn unconstrained_gain(&self) -> [f32; 4] {
         let mut gain = [0.0; 4];
         for (column, weight) in gain.iter_mut().enumerate() {
-            *weight = self.qp.unconstrained(&self.condensed.linear_map.map(|row| row[column]))[0];
+            *weight = self.qp.unconstrained(&self.linear_map.0.map(|row| row[column]))[0];
         }
         gain
     }

@@ -7,20 +7,33 @@
 use super::HORIZON;
 use super::model::PredictedAngles;
 
-/// min 1/2 z'Hz + f'z with f = `linear_map` \[angle, rate, u_prev, r\].
+/// min 1/2 z'Hz + f'z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Condensed<const M: usize> {
     /// H; zero beyond the control horizon.
     pub hessian: [[f32; M]; M],
-    /// One row per variable over (angle in rad, rate in rad/s, previous input, reference in rad).
-    pub linear_map: [[f32; 4]; M],
+    /// F, which gives f.
+    pub linear_map: LinearMap<M>,
+}
+
+/// f as a linear map: one row per input over (angle in rad, rate in rad/s, previous input, reference in rad).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearMap<const M: usize>(pub [[f32; 4]; M]);
+
+impl<const M: usize> LinearMap<M> {
+    /// f for this state.
+    pub fn at(&self, angle_rad: f32, rate_rad_s: f32, input_prev: f32, reference_rad: f32) -> [f32; M] {
+        self.0.map(|[angle, rate, prev, reference]| {
+            angle * angle_rad + rate * rate_rad_s + prev * input_prev + reference * reference_rad
+        })
+    }
 }
 
 impl<const M: usize> Condensed<M> {
     /// `tracking_weight` is mu, `increment_weight` is rho.
     pub fn new(angles: &PredictedAngles<M>, tracking_weight: f32, increment_weight: f32) -> Self {
         let control_horizon = angles.control_horizon;
-        let mut condensed = Self { hessian: [[0.0; M]; M], linear_map: [[0.0; 4]; M] };
+        let mut condensed = Self { hessian: [[0.0; M]; M], linear_map: LinearMap([[0.0; 4]; M]) };
         for row in 0..control_horizon {
             for column in 0..control_horizon {
                 let products = angles.input_weights.iter().map(|inputs| inputs[row] * inputs[column]);
@@ -34,19 +47,12 @@ impl<const M: usize> Condensed<M> {
                 };
                 condensed.hessian[row][column] = 2.0 * (tracking_weight * tracking + increment_weight * increments);
             }
-            condensed.linear_map[row] = linear_row(angles, row, tracking_weight);
+            condensed.linear_map.0[row] = linear_row(angles, row, tracking_weight);
         }
-        if let Some(first) = condensed.linear_map.first_mut() {
+        if let Some(first) = condensed.linear_map.0.first_mut() {
             first[2] = -2.0 * increment_weight;
         }
         condensed
-    }
-
-    /// f for this state.
-    pub fn linear(&self, angle_rad: f32, rate_rad_s: f32, input_prev: f32, reference_rad: f32) -> [f32; M] {
-        self.linear_map.map(|[angle, rate, prev, reference]| {
-            angle * angle_rad + rate * rate_rad_s + prev * input_prev + reference * reference_rad
-        })
     }
 }
 

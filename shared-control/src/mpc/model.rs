@@ -21,7 +21,8 @@ pub struct PredictedAngles<const M: usize> {
 }
 
 impl<const M: usize> PredictedAngles<M> {
-    /// `control_horizon` is the number of inputs, `prediction_step_s` is Ts, `input_gain` is b in rad/s^2 per input unit.
+    /// `control_horizon` is the number of inputs, `prediction_step_s` is Ts, and `input_gain`, b, is in rad/s^2 per
+    /// input unit.
     pub fn new(control_horizon: usize, prediction_step_s: f32, input_gain: f32) -> Self {
         let mut angles = Self { control_horizon, rate_weights: [0.0; HORIZON], input_weights: [[0.0; M]; HORIZON] };
         // An input held over one step turns the angle by b Ts^2/2 within it, and by b Ts^2 in each step after.

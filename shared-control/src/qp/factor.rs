@@ -1,11 +1,11 @@
 //! The factor of the working set: G = L Q, L lower triangular with positive diagonal, Q with orthonormal rows.
 //!
-//! One row of G is one active constraint g'u = h. Appending is a Gram-Schmidt step done twice (Giraud, Langou and
+//! One row of G is one active constraint g'w = h. Appending is a Gram-Schmidt step done twice (Giraud, Langou and
 //! Rozložník 2005: twice is enough), removing a sweep of Givens rotations; both as in Golub and Van Loan, *Matrix
-//! Computations*, 4th edition, sections 5.2.8 and 6.5.2. With it the point of G u = h nearest to the origin is Q'y with
-//! L y = h, and its multipliers (u = -G'lambda) solve L' lambda = -y.
+//! Computations*, 4th edition, sections 5.2.8 and 6.5.2. With it the point of G w = h nearest to c is c - Q's with
+//! s = Q c - L^-1 h, and its multipliers (w - c = -G'lambda) solve L' lambda = s.
 
-use super::prepare::{add_scaled, dot};
+use super::prepare::{add_scaled, dot, length};
 
 /// L and Q of as many rows as there are variables, at most.
 pub(super) struct Factor<const N: usize> {
@@ -40,7 +40,7 @@ impl<const N: usize> Factor<N> {
                 add_scaled(rest, -along, direction);
             }
         }
-        let pivot = libm::sqrtf(dot(rest, rest));
+        let pivot = length(rest);
         // As many independent rows as variables span everything: what rounding leaves of one more is no direction.
         if self.count >= self.variable_count || pivot <= tolerance {
             return Appended::Dependent(self.solve_transposed(&coefficients));
@@ -81,16 +81,22 @@ impl<const N: usize> Factor<N> {
         }
     }
 
-    /// The point of G u = `limits` nearest to the origin, and its multipliers: u = -G'lambda.
-    pub(super) fn nearest_point(&self, limits: &[f32; N]) -> ([f32; N], [f32; N]) {
-        let mut along = [0.0; N];
-        let mut point = [0.0; N];
-        for index in 0..self.count {
-            let row = &self.lower[index];
-            along[index] = (limits[index] - dot(&row[..index], &along[..index])) / row[index];
-            add_scaled(&mut point[..self.variable_count], along[index], &self.orthonormal[index]);
+    /// The point of G w = `limits` nearest to `target`, and its multipliers: w - c = -G'lambda.
+    pub(super) fn nearest_point(&self, limits: &[f32; N], target: &[f32; N]) -> ([f32; N], [f32; N]) {
+        let mut point = *target;
+        let within = &mut point[..self.variable_count];
+        let (mut along, mut shift) = ([0.0; N], [0.0; N]);
+        // Twice is enough here too: what the first pass leaves of a far target is only rounding.
+        for _pass in 0..2 {
+            for index in 0..self.count {
+                let (row, direction) = (&self.lower[index], &self.orthonormal[index]);
+                along[index] = (limits[index] - dot(&row[..index], &along[..index])) / row[index];
+                let excess = dot(direction, within) - along[index];
+                add_scaled(within, -excess, direction);
+                shift[index] += excess;
+            }
         }
-        (point, self.solve_transposed(&along.map(|entry| -entry)))
+        (point, self.solve_transposed(&shift))
     }
 
     /// Solves L'x = `right`.

@@ -10,17 +10,22 @@
 //! bounds change from solve to solve.
 //!
 //! Method: the dual active-set method of Goldfarb and Idnani (*A numerically stable dual method for solving strictly
-//! convex quadratic programs*, Mathematical Programming 27, 1983) on the least-distance form of Arnström, Bemporad and
-//! Axehill (*A dual active-set solver for embedded quadratic programming using recursive LDL' updates*, IEEE TAC 67,
-//! 2022). With H = R'R, u = R z + v and v = R^-T f the program becomes: the point u nearest to the origin with
-//! d_lower <= M u <= d_upper, M = [R^-1; A R^-1]. The second paper factors M_W M_W' of the working set; here it is
-//! M_W itself ([`factor`]), because M_W M_W' squares the condition number, which single precision can't afford.
+//! convex quadratic programs*, Mathematical Programming 27, 1983), warm-started and with a working set of two-sided
+//! constraints as Arnström, Bemporad and Axehill have it (*A dual active-set solver for embedded quadratic programming
+//! using recursive LDL' updates*, IEEE TAC 67, 2022). With H = R'R and w = R z the program is a projection: the point w
+//! nearest to c = -R^-T f, the minimiser without constraints, of those with limits on M w, M = \[R^-1; A R^-1\].
+//!
+//! Two departures from the second paper, both for single precision: it takes c as the origin, where the limits lose
+//! digits to a far c; and it factors M_W M_W' of the working set W, which squares the condition number of M_W, factored
+//! here ([`factor`]).
 //!
 //! Everything is `+ - * /`, `sqrt` and comparisons in a fixed order: the same bits on every machine.
 
 mod factor;
 mod prepare;
 mod solve;
+#[cfg(test)]
+mod tests;
 mod working_set;
 
 pub use prepare::{Qp, QpError};
@@ -45,8 +50,8 @@ pub struct Bounds<const N: usize, const R: usize> {
 pub struct Settings {
     /// Most changes of the working set, plus one; at least 1.
     pub iteration_limit: u16,
-    /// Largest violation that counts as none, relative to |u| + |v| of the least-distance form; above the rounding of
-    /// a dot product.
+    /// Largest violation that counts as none, as a distance in the norm of H relative to that of z; above the rounding
+    /// of a dot product.
     pub feasibility_tolerance: f32,
     /// A row whose distance from the span of the working set is below this (rows have length 1) counts as dependent.
     pub dependence_tolerance: f32,
@@ -54,7 +59,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { iteration_limit: 250, feasibility_tolerance: 1e-6, dependence_tolerance: 4e-6 }
+        Self { iteration_limit: 500, feasibility_tolerance: 1e-6, dependence_tolerance: 1e-6 }
     }
 }
 

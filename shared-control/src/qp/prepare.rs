@@ -1,4 +1,4 @@
-//! What is computed once: the factor of H and the rows of the least-distance form.
+//! What is computed once: the factor of H and the rows of the projection.
 //!
 //! H = R'R (Cholesky, R upper triangular); M = [R^-1; A R^-1]. Each row of M is stored with length 1 and its true
 //! length beside it, so that violations and pivots of different rows compare.
@@ -20,6 +20,9 @@ pub struct Qp<const N: usize, const R: usize> {
     pub(super) general_count: usize,
 }
 
+/// Greatest H_ii (H^-1)_ii; the thesis' weights give at most 60.
+const CONDITION_LIMIT: f32 = 1e4;
+
 /// Why a program can't be prepared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QpError {
@@ -29,8 +32,14 @@ pub enum QpError {
     VariableCount,
     /// H differs from its transpose.
     NotSymmetric,
-    /// Elimination of this variable meets a pivot that is zero, negative, or lost in rounding.
+    /// Elimination of this variable meets a pivot that is not positive.
     NotPositiveDefinite {
+        /// Index of the variable.
+        variable: usize,
+    },
+    /// Single precision can't tell this variable from the others: H_ii (H^-1)_ii is above 1e4, so that more than four
+    /// of its seven digits are lost.
+    IllConditioned {
         /// Index of the variable.
         variable: usize,
     },
@@ -53,6 +62,9 @@ impl core::fmt::Display for QpError {
             Self::NotSymmetric => write!(formatter, "the Hessian must be symmetric"),
             Self::NotPositiveDefinite { variable } => {
                 write!(formatter, "the Hessian must be positive definite, but is not at variable {variable}")
+            }
+            Self::IllConditioned { variable } => {
+                write!(formatter, "the Hessian is too ill-conditioned for single precision at variable {variable}")
             }
             Self::TooManyRows => write!(formatter, "more constraint rows than the program has room for"),
             Self::EmptyRow { row } => write!(formatter, "constraint row {row} is zero"),
@@ -88,9 +100,13 @@ impl<const N: usize, const R: usize> Qp<N, R> {
             general_lengths: [0.0; R],
             general_count: rows.len(),
         };
-        for variable in 0..variable_count {
-            qp.bound_lengths[variable] =
-                normalise(&mut qp.bound_rows[variable]).ok_or(QpError::NotPositiveDefinite { variable })?;
+        for (variable, row) in qp.bound_rows[..variable_count].iter_mut().enumerate() {
+            // The square of the row's length is (H^-1)_ii.
+            let length = normalise(row).ok_or(QpError::IllConditioned { variable })?;
+            if hessian[variable][variable] * length * length > CONDITION_LIMIT {
+                return Err(QpError::IllConditioned { variable });
+            }
+            qp.bound_lengths[variable] = length;
         }
         for (index, source) in rows.iter().enumerate() {
             let row = &mut qp.general_rows[index];
@@ -102,31 +118,29 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         Ok(qp)
     }
 
-    /// v = R^-T f.
-    pub(super) fn offset(&self, linear: &[f32; N]) -> [f32; N] {
-        let mut offset = [0.0; N];
+    /// c = -R^-T f: the minimiser without constraints, in the coordinates w.
+    pub(super) fn target(&self, linear: &[f32; N]) -> [f32; N] {
+        let mut target = [0.0; N];
         for variable in self.variables() {
-            let weight = linear[variable] * self.bound_lengths[variable];
+            let weight = -linear[variable] * self.bound_lengths[variable];
             let nonzero = variable..self.variable_count;
-            add_scaled(&mut offset[nonzero.clone()], weight, &self.bound_rows[variable][nonzero]);
+            add_scaled(&mut target[nonzero.clone()], weight, &self.bound_rows[variable][nonzero]);
         }
-        offset
+        target
     }
 
-    /// z = R^-1 (u - v).
-    pub(super) fn minimiser_at(&self, point: &[f32; N], offset: &[f32; N]) -> [f32; N] {
-        let mut difference = *point;
-        add_scaled(&mut difference, -1.0, offset);
-        let mut minimiser = [0.0; N];
+    /// z = R^-1 w.
+    pub(super) fn variables_at(&self, point: &[f32; N]) -> [f32; N] {
+        let mut variables = [0.0; N];
         for variable in self.variables() {
-            minimiser[variable] = self.bound_lengths[variable] * self.bound_value(variable, &difference);
+            variables[variable] = self.bound_lengths[variable] * self.bound_value(variable, point);
         }
-        minimiser
+        variables
     }
 
-    /// The minimiser without any constraint, -H^-1 f.
+    /// The minimiser without constraints, -H^-1 f.
     pub fn unconstrained(&self, linear: &[f32; N]) -> [f32; N] {
-        self.minimiser_at(&[0.0; N], &self.offset(linear))
+        self.variables_at(&self.target(linear))
     }
 
     /// Indices of the variables in use.
@@ -134,13 +148,13 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         0..self.variable_count
     }
 
-    /// m'u of a bound's row, of which the entries before the diagonal are zero.
+    /// m'w of a bound's row, of which the entries before the diagonal are zero.
     pub(super) fn bound_value(&self, variable: usize, point: &[f32; N]) -> f32 {
         let nonzero = variable..self.variable_count;
         dot(&self.bound_rows[variable][nonzero.clone()], &point[nonzero])
     }
 
-    /// m'u of a general row.
+    /// m'w of a general row.
     pub(super) fn general_value(&self, row: usize, point: &[f32; N]) -> f32 {
         dot(&self.general_rows[row][self.variables()], &point[self.variables()])
     }
@@ -158,9 +172,14 @@ pub(super) fn add_scaled(target: &mut [f32], weight: f32, source: &[f32]) {
     }
 }
 
+/// Euclidean length.
+pub(super) fn length(vector: &[f32]) -> f32 {
+    libm::sqrtf(dot(vector, vector))
+}
+
 /// Scales `row` to length 1 and returns the length it had; none if that is no normal number.
 fn normalise(row: &mut [f32]) -> Option<f32> {
-    let length = libm::sqrtf(dot(row, row));
+    let length = length(row);
     if !length.is_normal() {
         return None;
     }
@@ -185,7 +204,7 @@ fn cholesky<const N: usize>(hessian: &[[f32; N]]) -> Result<[[f32; N]; N], QpErr
             }
             if column > row {
                 factor[row][column] = rest / factor[row][row];
-            } else if rest > size as f32 * f32::EPSILON * hessian[row][row] {
+            } else if rest > 0.0 {
                 factor[row][row] = libm::sqrtf(rest);
             } else {
                 return Err(QpError::NotPositiveDefinite { variable: row });

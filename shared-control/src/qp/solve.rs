@@ -1,12 +1,12 @@
 //! The dual active-set loop.
 //!
-//! At the least-distance form, min 1/2 u'u with m_i'u within d_lower,i .. d_upper,i, the Karush-Kuhn-Tucker conditions
-//! are stationarity u = -G'lambda, dual feasibility lambda >= 0, primal feasibility, and complementarity: only
-//! constraints held as equalities have multipliers. The loop carries multipliers that are dual feasible from the first
-//! pass to the last and never lowers the dual objective; what it works for is primal feasibility.
+//! The Karush-Kuhn-Tucker conditions of min 1/2 |w - c|^2 with m_i'w within its limits: stationarity w - c = -G'lambda,
+//! dual feasibility lambda >= 0, primal feasibility, and complementarity: only constraints held as equalities have
+//! multipliers. The loop carries multipliers that are dual feasible from the first pass to the last and never lowers
+//! the dual objective; what it works for is primal feasibility.
 
 use super::factor::Appended;
-use super::prepare::{Qp, dot};
+use super::prepare::{Qp, length};
 use super::working_set::{HalfSpace, Inequality, WorkingSet};
 use super::{Bounds, Settings, Solution, Status, Workspace};
 
@@ -23,7 +23,7 @@ impl<const N: usize, const R: usize> Qp<N, R> {
     ) -> Solution<N> {
         let mut iterations = 0;
         let result = self.check(linear, bounds).and_then(|()| {
-            let problem = LeastDistance::new(self, linear, bounds);
+            let problem = Projection::new(self, linear, bounds);
             let mut working = problem.warm_start(workspace, settings.dependence_tolerance);
             let point = problem.search(&mut working, settings, &mut iterations)?;
             let x = problem.minimiser(&point, working.active(), bounds)?;
@@ -56,31 +56,27 @@ impl<const N: usize, const R: usize> Qp<N, R> {
     }
 }
 
-/// The least-distance form of one solve.
-struct LeastDistance<'a, const N: usize, const R: usize> {
+/// The projection that one solve is.
+struct Projection<'a, const N: usize, const R: usize> {
     qp: &'a Qp<N, R>,
-    /// v.
-    offset: [f32; N],
-    /// d: `lower` and `upper` of the bounds' rows, `row_lower` and `row_upper` of the general rows.
+    /// c.
+    target: [f32; N],
+    /// Limits of the rows, which have length 1.
     limits: Bounds<N, R>,
 }
 
-impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
-    /// v = R^-T f, d = b + M v, in rows of length 1.
+impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
     fn new(qp: &'a Qp<N, R>, linear: &[f32; N], bounds: &Bounds<N, R>) -> Self {
-        let offset = qp.offset(linear);
         let mut limits = *bounds;
         for variable in qp.variables() {
-            let shift = qp.bound_value(variable, &offset);
-            limits.lower[variable] = bounds.lower[variable] / qp.bound_lengths[variable] + shift;
-            limits.upper[variable] = bounds.upper[variable] / qp.bound_lengths[variable] + shift;
+            limits.lower[variable] /= qp.bound_lengths[variable];
+            limits.upper[variable] /= qp.bound_lengths[variable];
         }
         for row in 0..qp.general_count {
-            let shift = qp.general_value(row, &offset);
-            limits.row_lower[row] = bounds.row_lower[row] / qp.general_lengths[row] + shift;
-            limits.row_upper[row] = bounds.row_upper[row] / qp.general_lengths[row] + shift;
+            limits.row_lower[row] /= qp.general_lengths[row];
+            limits.row_upper[row] /= qp.general_lengths[row];
         }
-        Self { qp, offset, limits }
+        Self { qp, target: qp.target(linear), limits }
     }
 
     /// The working set of the last solution, as far as this problem has its constraints and they are independent.
@@ -96,7 +92,7 @@ impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
         working
     }
 
-    /// Changes the working set, one constraint at a time, until all conditions hold; returns the point u.
+    /// Changes the working set, one constraint at a time, until all conditions hold; returns the point w.
     fn search(
         &self,
         working: &mut WorkingSet<N>,
@@ -106,7 +102,7 @@ impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
         loop {
             count(iterations, settings)?;
             // Stationarity and complementarity: the nearest point with the working set as equalities.
-            let (point, multipliers) = working.nearest_point();
+            let (point, multipliers) = working.nearest_point(&self.target);
 
             // Dual infeasible there: walk until the first multiplier vanishes and let go of its constraint.
             if let Some(blocking) = working.walk_to(&multipliers) {
@@ -142,7 +138,8 @@ impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
         active: &[HalfSpace],
         settings: &Settings,
     ) -> Result<Option<Inequality<N>>, Status> {
-        let scale = libm::sqrtf(dot(point, point)) + libm::sqrtf(dot(&self.offset, &self.offset));
+        // Rounding of the point, and what two passes leave of a far target's.
+        let scale = length(point) + f32::EPSILON * length(&self.target);
         if !scale.is_finite() {
             return Err(Status::NumericalError);
         }
@@ -190,7 +187,7 @@ impl<'a, const N: usize, const R: usize> LeastDistance<'a, N, R> {
 
     /// The variables at `point`, without the rounding: active bounds hold to the last bit, no bound is passed.
     fn minimiser(&self, point: &[f32; N], active: &[HalfSpace], bounds: &Bounds<N, R>) -> Result<[f32; N], Status> {
-        let mut x = self.qp.minimiser_at(point, &self.offset);
+        let mut x = self.qp.variables_at(point);
         for held in active {
             let variable = usize::from(held.constraint);
             if variable < self.qp.variable_count {

@@ -1,6 +1,6 @@
 //! The working set: the constraints taken as equalities, their multipliers, and the factor that goes with them.
 //!
-//! A constraint with two sides is two half-spaces g'u <= h, of which one at a time can be active; so all multipliers
+//! A constraint with two sides is two half-spaces g'w <= h, of which one at a time can be active; so all multipliers
 //! are >= 0.
 
 use super::Workspace;
@@ -12,7 +12,7 @@ use super::prepare::add_scaled;
 pub(super) struct HalfSpace {
     /// Index: bounds of the variables first, then, from N on, the general rows.
     pub(super) constraint: u16,
-    /// Which side: the greatest value (g = m, h = d_upper) or the least (g = -m, h = -d_lower).
+    /// Which side: the greatest value (g = m) or the least (g = -m).
     pub(super) is_upper: bool,
 }
 
@@ -21,14 +21,14 @@ impl HalfSpace {
     pub(super) const NONE: Self = Self { constraint: u16::MAX, is_upper: false };
 }
 
-/// g'u <= h, g of length 1.
+/// g'w <= h, g of length 1.
 pub(super) struct Inequality<const N: usize> {
     pub(super) half_space: HalfSpace,
     pub(super) row: [f32; N],
     pub(super) limit: f32,
 }
 
-/// Constraints held as equalities G u = h with multipliers lambda >= 0, rows of G independent.
+/// Constraints held as equalities G w = h with multipliers lambda >= 0, rows of G independent.
 pub(super) struct WorkingSet<const N: usize> {
     active: [HalfSpace; N],
     multipliers: [f32; N],
@@ -74,9 +74,9 @@ impl<const N: usize> WorkingSet<N> {
         appended
     }
 
-    /// The nearest point to the origin that keeps all equalities, and the multipliers that make it stationary.
-    pub(super) fn nearest_point(&self) -> ([f32; N], [f32; N]) {
-        self.factor.nearest_point(&self.limits)
+    /// The point nearest to `target` that keeps all equalities, and the multipliers that make it stationary.
+    pub(super) fn nearest_point(&self, target: &[f32; N]) -> ([f32; N], [f32; N]) {
+        self.factor.nearest_point(&self.limits, target)
     }
 
     /// Moves the multipliers to `target`, or, if one of them would become negative, to where the first vanishes.

@@ -129,7 +129,7 @@ fn choice(arguments: &FlyArguments, controller: Controller) -> Result<Controller
     let mut choice = ControllerChoice::nominal(controller);
     choice.rate_hz = arguments.rate;
     choice.control_horizon = arguments.control_horizon;
-    choice.tuning.mpc_prediction_step_s = arguments.prediction_step;
+    choice.tuning.mpc_prediction_step_s = Some(arguments.prediction_step);
     Ok(choice)
 }
 

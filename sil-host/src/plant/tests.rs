@@ -89,6 +89,26 @@ fn commands_are_clamped_and_nonsense_stops_the_motor() {
     assert_eq!(after([-1.0, 2.0, f64::NAN, f64::INFINITY]), after([0.0, 1.0, 0.0, 1.0]));
 }
 
+/// A motor that rings: cut off from full speed it would swing through zero.
+#[test]
+fn a_rotor_that_is_cut_off_stops_and_stays() {
+    let mut model = VehicleModel::nominal(Rig::Gimbal);
+    let Propulsion::Device(device) = &mut model.propulsion else { panic!("not the device") };
+    device.esc = propulsion::Esc::Duty { battery_v: 11.1 };
+    device.speed_offset_rad_s = 0.0;
+    let mut plant = Plant::new(&model);
+    plant.set_motor_equilibrium([1.0; 4]);
+    plant.set_commands([0.0; 4]);
+    let mut stopped = false;
+    for _ in 0..400 {
+        plant.advance(0.1e-3);
+        let speed = plant.motor_speed_rad_s()[0];
+        assert!(speed >= 0.0, "{speed}");
+        stopped |= speed == 0.0;
+    }
+    assert!(stopped && plant.motor_speed_rad_s()[0] < 1e-3, "{:?}", plant.motor_speed_rad_s());
+}
+
 #[test]
 fn a_disturbance_torque_accelerates_by_the_inertia() {
     let torque_nm = 0.01;

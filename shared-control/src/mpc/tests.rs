@@ -1,0 +1,216 @@
+//! The MPC where its answer is known in closed form, and where the request is nonsense.
+
+extern crate std;
+
+use proptest::prelude::*;
+
+use super::*;
+
+/// The nominal vehicle with the weights of the reference instances.
+fn nominal() -> MpcSettings {
+    MpcSettings {
+        prediction_step_s: 0.01,
+        input_gain: [0.226 / 0.011_511_8, 0.226 / 0.036_565_1, 1.0 / 0.029_074_2],
+        tracking_weight: [100.0; 3],
+        increment_weight: [30.0, 30.0, 3000.0],
+        input_max: [2.0, 2.0, 0.1],
+        output_max_rad: [None; 3],
+    }
+}
+
+/// u0 of the unbounded problem with M = 1, in f64: the vertex of the parabola in one input held over the horizon.
+///
+/// y_k = angle + k Ts rate + b (k Ts)^2 / 2 u, and the cost is mu sum (y_k - r)^2 + rho (u - u_prev)^2.
+fn one_input(settings: &MpcSettings, axis: usize, request: &PlanRequest) -> f64 {
+    let wide = |values: &[f32; 3]| f64::from(values[axis]);
+    let (mu, rho) = (wide(&settings.tracking_weight), wide(&settings.increment_weight));
+    let (mut pull, mut stiffness) = (rho * wide(&request.input_prev), rho);
+    for step in 1..=HORIZON {
+        let time_s = step as f64 * f64::from(settings.prediction_step_s);
+        let effect = 0.5 * wide(&settings.input_gain) * time_s * time_s;
+        let free_rad = wide(&request.angle_rad) + time_s * wide(&request.rate_rad_s);
+        pull += mu * effect * (wide(&request.reference_rad) - free_rad);
+        stiffness += mu * effect * effect;
+    }
+    pull / stiffness
+}
+
+fn ordinary_request() -> impl Strategy<Value = PlanRequest> {
+    let three = |limit: f32| prop::array::uniform3(-limit..limit);
+    (three(1.0), three(5.0), three(2.0), three(0.8)).prop_map(|(angle_rad, rate_rad_s, input_prev, reference_rad)| {
+        PlanRequest { step: 7, angle_rad, rate_rad_s, input_prev, reference_rad }
+    })
+}
+
+fn any_request() -> impl Strategy<Value = PlanRequest> {
+    let number = prop_oneof![4 => -1.0f32..1.0, 1 => prop::num::f32::ANY];
+    let three = prop::array::uniform3(number);
+    (three.clone(), three.clone(), three.clone(), three).prop_map(
+        |(angle_rad, rate_rad_s, input_prev, reference_rad)| PlanRequest {
+            step: 7,
+            angle_rad,
+            rate_rad_s,
+            input_prev,
+            reference_rad,
+        },
+    )
+}
+
+proptest! {
+    /// M = 1 is the closed form, cut at the bounds.
+    #[test]
+    fn one_input_is_the_closed_form(request in ordinary_request()) {
+        let settings = nominal();
+        let plan = Mpc::<1>::prepare(&settings).unwrap().plan(&mut MpcState::new(), &request);
+        prop_assert_eq!((plan.status, plan.step), (PlanStatus::Solved, 7));
+        for axis in 0..3 {
+            let input_max = f64::from(settings.input_max[axis]);
+            let exact = one_input(&settings, axis, &request).clamp(-input_max, input_max);
+            // Sums of thirty products in single precision, of terms up to a hundred times the bound.
+            prop_assert!((f64::from(plan.input[axis]) - exact).abs() <= 1e-5 * input_max, "axis {}: {:?}", axis, plan);
+        }
+    }
+
+    /// With M = 1 and a bounded angle the answer is the closed form, cut where the first angle leaves its bounds.
+    #[test]
+    fn bounded_angle_cuts_the_closed_form(request in ordinary_request()) {
+        let mut settings = nominal();
+        settings.input_max = [50.0; 3];
+        settings.output_max_rad = [Some(0.7), None, None];
+        let (mut low, mut high) = (-50.0_f64, 50.0_f64);
+        for step in 1..=HORIZON {
+            let time_s = step as f64 * f64::from(0.01_f32);
+            let effect = 0.5 * f64::from(settings.input_gain[0]) * time_s * time_s;
+            let free_rad = f64::from(request.angle_rad[0]) + time_s * f64::from(request.rate_rad_s[0]);
+            low = low.max((-f64::from(0.7_f32) - free_rad) / effect);
+            high = high.min((f64::from(0.7_f32) - free_rad) / effect);
+        }
+        // At the edge of feasibility rounding decides.
+        prop_assume!((high - low).abs() > 1e-3);
+        let plan = Mpc::<1>::prepare(&settings).unwrap().plan(&mut MpcState::new(), &request);
+        if low > high {
+            prop_assert_eq!(plan.status, PlanStatus::Infeasible);
+        } else {
+            prop_assert_eq!(plan.status, PlanStatus::Solved);
+            let exact = one_input(&settings, 0, &request).clamp(low, high);
+            let error = (f64::from(plan.input[0]) - exact).abs();
+            // Where a late angle is at its limit: rounding of the angle, 1e-7, over the effect of the input on it.
+            prop_assert!(error <= 1e-4 * (1.0 + exact.abs()), "{} {}", plan.input[0], exact);
+        }
+    }
+
+    /// Any bits give a status, and an input that could be applied.
+    #[test]
+    fn any_request_is_survived(requests in prop::collection::vec(any_request(), 3)) {
+        let mut settings = nominal();
+        settings.output_max_rad = [Some(0.7), Some(0.7), None];
+        let mpc = Mpc::<5>::prepare(&settings).unwrap();
+        let mut state = MpcState::new();
+        for request in requests {
+            let plan = mpc.plan(&mut state, &request);
+            for (input, input_max) in plan.input.iter().zip(settings.input_max) {
+                prop_assert!(input.abs() <= input_max);
+            }
+            let numbers = [request.angle_rad, request.rate_rad_s, request.input_prev, request.reference_rad];
+            if !numbers.as_flattened().iter().all(|number| number.is_finite()) {
+                prop_assert_eq!(plan.status, PlanStatus::NumericalError);
+            }
+        }
+    }
+
+    /// While no bound is active, plans follow the linear feedback law that is reported for analysis.
+    #[test]
+    fn unconstrained_gain_is_the_law_inside_the_bounds(request in ordinary_request()) {
+        let mut settings = nominal();
+        settings.input_max = [1e4; 3];
+        let mpc = Mpc::<10>::prepare(&settings).unwrap();
+        let plan = mpc.plan(&mut MpcState::new(), &request);
+        for (axis, gain) in mpc.unconstrained_gain().iter().enumerate() {
+            let law = gain[0] * request.angle_rad[axis]
+                + gain[1] * request.rate_rad_s[axis]
+                + gain[2] * request.input_prev[axis]
+                + gain[3] * request.reference_rad[axis];
+            prop_assert!((plan.input[axis] - law).abs() <= 1e-5 * (1.0 + law.abs()), "axis {}", axis);
+        }
+    }
+
+    /// The type with room for thirty inputs plans as the exact one, to the bit.
+    #[test]
+    fn room_changes_nothing(requests in prop::collection::vec(ordinary_request(), 4)) {
+        let mut settings = nominal();
+        settings.output_max_rad = [Some(0.9), Some(0.9), None];
+        let exact = Mpc::<7>::prepare(&settings).unwrap();
+        let roomy = Mpc::<HORIZON>::prepare_shorter(7, &settings).unwrap();
+        let (mut exact_state, mut roomy_state) = (MpcState::new(), MpcState::new());
+        for request in requests {
+            let (a, b) = (exact.plan(&mut exact_state, &request), roomy.plan(&mut roomy_state, &request));
+            prop_assert_eq!(a.input.map(f32::to_bits), b.input.map(f32::to_bits));
+            prop_assert_eq!((a.status, a.iterations), (b.status, b.iterations));
+        }
+    }
+}
+
+/// At rest on the reference there is nothing to do.
+#[test]
+fn rest_needs_no_input() {
+    let mpc = Mpc::<10>::prepare(&nominal()).unwrap();
+    let request =
+        PlanRequest { angle_rad: [0.3, -0.2, 0.1], reference_rad: [0.3, -0.2, 0.1], ..PlanRequest::default() };
+    let plan = mpc.plan(&mut MpcState::new(), &request);
+    assert_eq!((plan.status, plan.iterations), (PlanStatus::Solved, 3));
+    assert!(plan.input.iter().all(|input| input.abs() < 1e-6), "{:?}", plan.input);
+}
+
+/// One bad axis doesn't spoil the others' inputs, and the plan says so.
+#[test]
+fn status_is_the_worst_of_the_axes() {
+    let mut settings = nominal();
+    settings.output_max_rad = [None, Some(0.7), None];
+    let mpc = Mpc::<5>::prepare(&settings).unwrap();
+    let mut request =
+        PlanRequest { reference_rad: [0.1, 0.0, 0.0], input_prev: [0.0, 0.5, 0.0], ..PlanRequest::default() };
+    let good = mpc.plan(&mut MpcState::new(), &request);
+    assert_eq!(good.status, PlanStatus::Solved);
+    request.angle_rad[1] = 1.5;
+    let beyond = mpc.plan(&mut MpcState::new(), &request);
+    assert_eq!(beyond.status, PlanStatus::Infeasible);
+    assert_eq!(beyond.input[0], good.input[0]);
+    assert_eq!(beyond.input[1], 0.5, "without a plan the present input stays");
+    request.rate_rad_s[2] = f32::NAN;
+    assert_eq!(mpc.plan(&mut MpcState::new(), &request).status, PlanStatus::NumericalError);
+}
+
+#[test]
+fn settings_are_checked_by_name() {
+    let spoil = |change: fn(&mut MpcSettings)| {
+        let mut settings = nominal();
+        change(&mut settings);
+        match Mpc::<2>::prepare(&settings).err() {
+            Some(MpcError::OutOfRange { field, axis, .. }) => (field, axis),
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(spoil(|settings| settings.prediction_step_s = 0.0), ("prediction_step_s", 0));
+    assert_eq!(spoil(|settings| settings.input_gain[1] = 0.0), ("input_gain", 1));
+    assert_eq!(spoil(|settings| settings.tracking_weight[2] = -1.0), ("tracking_weight", 2));
+    assert_eq!(spoil(|settings| settings.increment_weight[0] = f32::NAN), ("increment_weight", 0));
+    assert_eq!(spoil(|settings| settings.input_max[0] = f32::INFINITY), ("input_max", 0));
+    assert_eq!(spoil(|settings| settings.output_max_rad[1] = Some(0.0)), ("output_max_rad", 1));
+    let mut reversed = nominal();
+    reversed.input_gain[0] = -10.0;
+    assert!(Mpc::<2>::prepare(&reversed).is_ok(), "an input may turn the other way");
+    for found in [0, 4] {
+        let error = Mpc::<3>::prepare_shorter(found, &nominal()).err();
+        assert_eq!(error, Some(MpcError::ControlHorizon { found, room: 3 }));
+    }
+}
+
+/// Weights under which single precision can't resolve the inputs are refused when prepared, not discovered in flight.
+#[test]
+fn settings_beyond_single_precision_are_refused() {
+    let mut settings = nominal();
+    settings.increment_weight[1] = 1e-6;
+    let error = Mpc::<30>::prepare(&settings).err();
+    let expected = |error| matches!(error, Some(MpcError::Program { axis: 1, error: QpError::IllConditioned { .. } }));
+    assert!(expected(error), "{error:?}");
+}
