@@ -238,7 +238,8 @@ mod tests {
         assert!(deviation.pitch_mean_abs_deg > 5.0 * deviation.roll_mean_abs_deg, "{deviation:?}");
         let error = comparison.replay.prediction_error();
         assert!(error.nominal.pitch_deg.unwrap() > 3.0 * error.noise_floor.pitch_deg.unwrap());
-        assert!(error.nominal.roll_deg.unwrap() < 1.15 * error.noise_floor.roll_deg.unwrap());
+        // roll is not quite free of it: a wrong pitch rate enters it through J'(phi)
+        assert!(error.nominal.roll_deg.unwrap() < 0.1 * error.nominal.pitch_deg.unwrap());
     }
 
     #[test]
