@@ -3,6 +3,7 @@
 mod bench_mpc;
 mod compare;
 mod compare_report;
+mod demonstration;
 mod flight_report;
 mod fly;
 mod synth;
@@ -44,7 +45,7 @@ pub struct Failure {
 /// Runs what was asked for.
 pub fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
-        None => Ok(()),
+        None => demonstration::run(),
         Some(Command::Fly(arguments)) => fly::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Synth(arguments)) => synth::run(&arguments),
