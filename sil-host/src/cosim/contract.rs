@@ -69,14 +69,14 @@ pub struct Events {
     pub waypoint: Waypoint,
 }
 
-/// Events at a time of the co-simulation. While held: level, throttle zero, then armed, then hover.
+/// Events at a time of the co-simulation. While held: at rest, then armed at zero throttle, then hover.
 pub fn events_at(scenario: &Scenario, parameters: &DesignParameters, time_us: u64) -> Events {
     let waypoint = scenario.at(flight_time_s(time_us));
     let held = time_us < HELD_US;
-    // the end of the hold is spent armed at hover, so that control starts from its steady state
+    // at the end of the hold armed at zero throttle, then hovering, so that control starts from its steady state
     let hovering = time_us >= HELD_US / 20 * 19;
+    let arming = if time_us >= HELD_US / 20 * 18 && !hovering { ArmingRequest::Arm } else { ArmingRequest::None };
     let throttle = if hovering { waypoint.throttle.unwrap_or(parameters.base_command) } else { 0.0 };
-    let arming = if held && !hovering { ArmingRequest::Arm } else { ArmingRequest::None };
     Events {
         setpoint: Setpoint {
             roll_rad: waypoint.roll_rad as f32,
