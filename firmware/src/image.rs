@@ -13,14 +13,16 @@ use shared_control::vehicle::VehicleParameters;
 const STEP_RATE_HZ: f32 = 400.0;
 const STEP_US: u64 = 2500;
 const IMU_RATE_HZ: f32 = 1000.0;
+const MOTOR_LAG_S: f32 = 0.05;
 /// Control horizon; any from 1 to 30 links.
 const HORIZON: usize = 5;
 
 #[cortex_m_rt::entry]
 fn run() -> ! {
     let vehicle = black_box(f450());
-    let config = Config::new(&vehicle, &Tuning::F450, STEP_RATE_HZ, IMU_RATE_HZ, Controller::Mpc);
-    let mpc = Mpc::<HORIZON>::prepare(&mpc_settings(&vehicle, &Tuning::F450));
+    let tuning = Tuning::for_motor_lag(black_box(MOTOR_LAG_S));
+    let config = Config::new(&vehicle, &tuning, STEP_RATE_HZ, IMU_RATE_HZ, Controller::Mpc);
+    let mpc = Mpc::<HORIZON>::prepare(&mpc_settings(&vehicle, &tuning));
     let (Ok(config), Ok(mpc)) = (config, mpc) else { halt() };
 
     let (mut state, mut plan_state) = (State::default(), MpcState::new());

@@ -2,7 +2,7 @@
 //!
 //! A file holds one problem (axes, weights, bounds, control horizon) and a sequence of instances: parameters theta =
 //! \[x (6), u_prev (3), r (3)\] and the exact minimiser z_ref. Only the problem's parameters are read, not its matrices:
-//! what is measured is the way from theta to the first input as it flies, condensing included.
+//! what is held against the reference is the way from theta to the first input as it flies, condensing included.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -257,7 +257,8 @@ mod tests {
         beyond[0] = 30.0;
         let full = [-2.0, 0.0, 0.0, -2.0, 0.0, 0.0];
         json!({
-            "case": "x", "sub": "i", "N": 30, "M": 2, "Ts": step_s, "mu": [100.0, 100.0, 100.0], "rho": [30.0, 30.0, 3000.0],
+            "case": "x", "sub": "i", "N": 30, "M": 2, "Ts": step_s,
+            "mu": [100.0, 100.0, 100.0], "rho": [30.0, 30.0, 3000.0],
             "umax": [2.0, 2.0, 0.1], "ymax": 0.7, "b": b, "A_d": state_matrix, "B_d": input_matrix,
             "theta": [vec![0.0; 12], beyond], "z_ref": [vec![0.0; 6], full],
         })

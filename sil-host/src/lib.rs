@@ -1,6 +1,7 @@
 //! The simulated vehicle, its co-simulation with the control core, and the comparison with measured logs.
 
 pub mod bench_mpc;
+pub mod comparison;
 pub mod control_setup;
 pub mod controller_file;
 pub mod cosim;

@@ -72,7 +72,16 @@ impl<const M: usize> Axis<M> {
     /// What may be applied: the plan's first input, or, without a plan, the present one; always inside the bounds.
     pub(super) fn first_input(&self, solution: &Solution<M>, input_prev: f32) -> f32 {
         let wish = if solution.status == Status::Solved { solution.x[0] } else { input_prev };
-        if wish.is_nan() { 0.0 } else { wish.clamp(-self.input_max, self.input_max) }
+        // Not `clamp`: its panic message alone brings 25 kB of float formatting onto the board.
+        if wish > self.input_max {
+            self.input_max
+        } else if wish < -self.input_max {
+            -self.input_max
+        } else if wish.is_nan() {
+            0.0
+        } else {
+            wish
+        }
     }
 
     /// Weights of (angle, rate, previous input, reference) in the first input when no bound is active.

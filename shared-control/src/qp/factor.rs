@@ -86,11 +86,12 @@ impl<const N: usize> Factor<N> {
         let mut point = *target;
         let within = &mut point[..self.variable_count];
         let (mut along, mut shift) = ([0.0; N], [0.0; N]);
+        for (index, row) in self.lower[..self.count].iter().enumerate() {
+            along[index] = (limits[index] - dot(&row[..index], &along[..index])) / row[index];
+        }
         // Twice is enough here too: what the first pass leaves of a far target is only rounding.
         for _pass in 0..2 {
-            for index in 0..self.count {
-                let (row, direction) = (&self.lower[index], &self.orthonormal[index]);
-                along[index] = (limits[index] - dot(&row[..index], &along[..index])) / row[index];
+            for (index, direction) in self.orthonormal[..self.count].iter().enumerate() {
                 let excess = dot(direction, within) - along[index];
                 add_scaled(within, -excess, direction);
                 shift[index] += excess;

@@ -17,7 +17,7 @@
 //!
 //! Two departures from the second paper, both for single precision: it takes c as the origin, where the limits lose
 //! digits to a far c; and it factors M_W M_W' of the working set W, which squares the condition number of M_W, factored
-//! here ([`factor`]).
+//! here (`factor`).
 //!
 //! Everything is `+ - * /`, `sqrt` and comparisons in a fixed order: the same bits on every machine.
 

@@ -56,6 +56,14 @@ impl<const N: usize, const R: usize> Qp<N, R> {
     }
 }
 
+/// A constraint outside of which the point lies.
+struct Violation<const N: usize> {
+    constraint: Inequality<N>,
+    /// How far outside, and how far counts as rounding.
+    amount: f32,
+    tolerance: f32,
+}
+
 /// The projection that one solve is.
 struct Projection<'a, const N: usize, const R: usize> {
     qp: &'a Qp<N, R>,
@@ -119,11 +127,16 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
             // g = sum c_i g_i, raising its multiplier by t and lowering theirs by c_i t keeps stationarity and raises
             // the dual objective, until the first of theirs vanishes and makes room.
             let mut multiplier = 0.0;
-            while let Appended::Dependent(combination) = working.append(&violated, multiplier) {
+            while let Appended::Dependent(combination) = working.append(&violated.constraint, multiplier) {
                 count(iterations, settings)?;
                 let fall = combination.map(|entry| -entry);
-                // None vanishes, the dual objective has no bound: no point is primal feasible (Farkas).
-                let blocking = working.first_to_vanish(&fall).ok_or(Status::Infeasible)?;
+                let Some(blocking) = working.first_to_vanish(&fall) else {
+                    // None vanishes, the dual objective has no bound: no point is primal feasible (Farkas). Unless the
+                    // limits contradict each other by less than the tolerance that each of them has.
+                    let shares = fall.iter().fold(1.0, |sum, share| sum + share.abs());
+                    let within_tolerance = violated.amount <= shares * violated.tolerance;
+                    return if within_tolerance { Ok(point) } else { Err(Status::Infeasible) };
+                };
                 working.walk(&fall, blocking.step);
                 working.release(blocking);
                 multiplier += blocking.step;
@@ -137,21 +150,22 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
         point: &[f32; N],
         active: &[HalfSpace],
         settings: &Settings,
-    ) -> Result<Option<Inequality<N>>, Status> {
+    ) -> Result<Option<Violation<N>>, Status> {
         // Rounding of the point, and what two passes leave of a far target's.
         let scale = length(point) + f32::EPSILON * length(&self.target);
         if !scale.is_finite() {
             return Err(Status::NumericalError);
         }
-        let mut violation = settings.feasibility_tolerance * scale;
+        let tolerance = settings.feasibility_tolerance * scale;
+        let mut amount = tolerance;
         let mut most = None;
         let mut compare = |index: usize, value: f32, lower: f32, upper: f32| {
             let (excess, shortfall) = (value - upper, lower - value);
             let is_upper = excess > shortfall;
             let outside = if is_upper { excess } else { shortfall };
             let constraint = index as u16;
-            if outside > violation && !active.iter().any(|held| held.constraint == constraint) {
-                violation = outside;
+            if outside > amount && !active.iter().any(|held| held.constraint == constraint) {
+                amount = outside;
                 most = Some(HalfSpace { constraint, is_upper });
             }
         };
@@ -163,11 +177,12 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
             let value = self.qp.general_value(row, point);
             compare(N + row, value, self.limits.row_lower[row], self.limits.row_upper[row]);
         }
-        match most {
-            // A violated limit that is no number has overflowed on the way to this form.
-            Some(half_space) => self.inequality(half_space).map(Some).ok_or(Status::NumericalError),
-            None => Ok(None),
-        }
+        let Some(half_space) = most else {
+            return Ok(None);
+        };
+        // A violated limit that is no number has overflowed on the way to this form.
+        let constraint = self.inequality(half_space).ok_or(Status::NumericalError)?;
+        Ok(Some(Violation { constraint, amount, tolerance }))
     }
 
     /// The half-space with its row and limit; none if this problem has no such constraint.

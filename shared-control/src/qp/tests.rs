@@ -202,6 +202,30 @@ proptest! {
         }
     }
 
+    /// A last row that is a negative combination of the others, with a limit that contradicts theirs.
+    #[test]
+    fn contradictory_rows_are_infeasible(
+        mut problem in feasible::<5, 4>(),
+        weights in prop::array::uniform3(0.5f32..2.0),
+        contradiction in 0.01f32..1.0,
+    ) {
+        let (mut row, mut limit) = ([0.0; 5], -contradiction);
+        for (index, weight) in weights.into_iter().enumerate() {
+            let upper = if problem.bounds.row_upper[index].is_finite() { problem.bounds.row_upper[index] } else { 3.0 };
+            problem.bounds.row_upper[index] = upper;
+            problem.bounds.row_lower[index] = problem.bounds.row_lower[index].clamp(f32::MIN, upper);
+            limit -= weight * upper;
+            for (entry, source) in row.iter_mut().zip(&problem.rows[index]) {
+                *entry -= weight * source;
+            }
+        }
+        problem.rows[3] = row;
+        (problem.bounds.row_lower[3], problem.bounds.row_upper[3]) = (f32::NEG_INFINITY, limit);
+        let (solution, workspace) = problem.solve();
+        prop_assert_eq!(solution.status, Status::Infeasible);
+        prop_assert_eq!(workspace, Workspace::new());
+    }
+
     /// Preparation takes any bits too: either a program or an error.
     #[test]
     fn any_matrix_is_survived(entries in prop::collection::vec(any_bits(), 5)) {

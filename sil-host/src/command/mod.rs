@@ -1,6 +1,9 @@
 //! One file per subcommand; each reads its arguments, calls the library and prints.
 
 mod bench_mpc;
+mod compare;
+mod compare_report;
+mod demonstration;
 mod flight_report;
 mod fly;
 mod synth;
@@ -26,6 +29,7 @@ pub struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Fly(fly::FlyArguments),
+    Compare(compare::CompareArguments),
     Synth(synth::SynthArguments),
     BenchMpc(bench_mpc::BenchArguments),
 }
@@ -41,8 +45,9 @@ pub struct Failure {
 /// Runs what was asked for.
 pub fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
-        None => Ok(()),
+        None => demonstration::run(),
         Some(Command::Fly(arguments)) => fly::run(&arguments),
+        Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Synth(arguments)) => synth::run(&arguments),
         Some(Command::BenchMpc(arguments)) => bench_mpc::run(&arguments),
     }

@@ -6,9 +6,9 @@ use shared_control::signals::{ArmingRequest, ImuBatch, Setpoint};
 use crate::cosim::clock::Clock;
 use crate::scenario::{Scenario, Waypoint};
 
-/// Time that the rig holds the vehicle at rest before the flight, so that the estimator finds level and the
-/// supervisor arms, µs.
-pub const HELD_US: u64 = 500_000;
+/// Time that the rig holds the vehicle at rest before the flight, so that the estimator finds level and gyro bias and
+/// the supervisor arms, µs.
+pub const HELD_US: u64 = 2_000_000;
 
 /// Numbers that both sides must agree on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,8 +73,8 @@ pub struct Events {
 pub fn events_at(scenario: &Scenario, parameters: &DesignParameters, time_us: u64) -> Events {
     let waypoint = scenario.at(flight_time_s(time_us));
     let held = time_us < HELD_US;
-    // the last tenth of the hold is spent armed at hover, so that control starts from its steady state
-    let hovering = time_us >= HELD_US / 10 * 9;
+    // the end of the hold is spent armed at hover, so that control starts from its steady state
+    let hovering = time_us >= HELD_US / 20 * 19;
     let throttle = if hovering { waypoint.throttle.unwrap_or(parameters.base_command) } else { 0.0 };
     let arming = if held && !hovering { ArmingRequest::Arm } else { ArmingRequest::None };
     Events {

@@ -1,0 +1,135 @@
+//! `sil compare`: the thesis' table 5.1 for any log, and the open-loop replay's prediction error.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use sil_host::comparison::{Comparison, Subject, compare};
+use sil_host::controller_file::ControllerChoice;
+use sil_host::log::{self, Axis, Log, Map};
+use sil_host::model::Rig;
+use sil_host::report::Page;
+
+use super::text_table::{TextTable, number};
+use super::{Failure, bad_input, compare_report, vehicle_model, write_file, write_json};
+
+/// Hold a measured log against the simulation: closed loop and open-loop replay
+#[derive(Args)]
+#[command(after_help = "Example: sil compare out/rig.csv --rig gimbal --controller pid\n\
+         sil compare bench.csv.gz --map antx --rig axis\n\n\
+The replay is open loop: in windows of 0.5 s the model starts where the log was and gets the logged commands.\n\
+With --controller the closed loop is simulated too, on the log's references.")]
+pub struct CompareArguments {
+    /// The log: CSV or CSV.gz
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
+    /// What the log's columns mean: a file, or the name of a map that ships (see --map list)
+    #[arg(long, value_name = "MAP")]
+    map: Option<String>,
+    /// Vehicle model [default: the project's F450 on that rig]
+    #[arg(long, value_name = "M.toml")]
+    model: Option<PathBuf>,
+    /// What held the vehicle [default: axis for a log without motors, else the model's rig]
+    #[arg(long, value_enum)]
+    rig: Option<CompareRig>,
+    /// What flew: pid, mpc, or a controller file
+    #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
+    controller: Option<String>,
+    /// The report with plots
+    #[arg(long, value_name = "OUT.html", default_value = "out/compare.html")]
+    report: PathBuf,
+    /// Write the figures as JSON
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
+}
+
+/// The rigs that a log can come from.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum CompareRig {
+    /// The thesis' testbed
+    Gimbal,
+    /// Free flight
+    Free,
+    /// Any bench: each axis a rigid body of unit inertia with one input gain, fitted to the log
+    Axis,
+}
+
+pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
+    let map = arguments.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
+    let log = log::read(&arguments.log, map.as_ref()).map_err(bad_input)?;
+    let subject = subject(arguments, &log)?;
+    let comparison = compare(&log, &subject).map_err(|error| bad_input(format!("{}: {error}", log.path)))?;
+    print!("{}", summary_text(&log, &comparison, &subject));
+    let mut page = Page::new(format!("Measured against simulated: {}", file_name(&log)))
+        .lead(compare_report::lead(&comparison, &subject));
+    for section in compare_report::sections(&log, &comparison, &subject) {
+        page = page.section(section);
+    }
+    page = page.provenance("Log", log.path.clone()).provenance("Version", env!("CARGO_PKG_VERSION"));
+    write_file(&arguments.report, page.to_html().as_bytes())?;
+    println!("report  {}", arguments.report.display());
+    write_json(arguments.json.as_deref(), &comparison.summary())
+}
+
+fn file_name(log: &Log) -> String {
+    std::path::Path::new(&log.path)
+        .file_name()
+        .map_or_else(|| log.path.clone(), |name| name.to_string_lossy().into_owned())
+}
+
+fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> {
+    let rig = match (arguments.rig, &arguments.model) {
+        (None, None) if log.driven_by_axis_commands() => Some(CompareRig::Axis),
+        (rig, _) => rig,
+    };
+    let controller =
+        arguments.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)?;
+    let rig = match rig {
+        Some(CompareRig::Axis) if arguments.model.is_some() || controller.is_some() => {
+            return Err(bad_input("--rig axis knows no vehicle: leave out --model and --controller"));
+        }
+        Some(CompareRig::Axis) => return Ok(Subject::Axes),
+        Some(CompareRig::Gimbal) => Some(Rig::Gimbal),
+        Some(CompareRig::Free) => Some(Rig::Free),
+        None => None,
+    };
+    let model = Box::new(vehicle_model(arguments.model.as_deref(), rig)?);
+    Ok(Subject::Vehicle { model, controller })
+}
+
+/// What the terminal shows.
+pub fn summary_text(log: &Log, comparison: &Comparison, subject: &Subject) -> String {
+    let mut text =
+        format!("{}: {} rows, {:.2} s, {:.1} Hz\n", file_name(log), log.rows(), log.duration_s(), log.rate_hz());
+    for line in log.comments.iter().chain(&log.notes).chain(&comparison.replay.notes) {
+        text.push_str(&format!("  {line}\n"));
+    }
+    text.push_str(&format!("\n{}\n", compare_report::lead(comparison, subject)));
+    if let Some(closed_loop) = &comparison.closed_loop {
+        let deviation = closed_loop.deviation;
+        let mut table = TextTable::new(["closed loop, mean |simulated - measured|", "roll, deg", "pitch, deg"]);
+        table.row(["this log".into(), number(deviation.roll_mean_abs_deg, 2), number(deviation.pitch_mean_abs_deg, 2)]);
+        for (name, roll, pitch) in compare_report::THESIS_TABLE_5_1 {
+            table.row([format!("thesis table 5.1, {name}"), number(roll, 2), number(pitch, 2)]);
+        }
+        text.push_str(&format!("\n{table}"));
+    }
+    let error = comparison.replay.prediction_error();
+    let title = format!("open-loop replay, windows of {} s, RMSE", error.window_s);
+    let mut table = TextTable::new([title.as_str(), "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
+    for (name, errors) in [("this model", error.nominal), ("noise floor (an exact model)", error.noise_floor)] {
+        table.row([
+            name.to_owned(),
+            number(errors.roll_deg, 3),
+            number(errors.pitch_deg, 3),
+            number(errors.p_deg_s, 3),
+            number(errors.q_deg_s, 3),
+        ]);
+    }
+    text.push_str(&format!("\n{table}\n"));
+    for axis in [Axis::Roll, Axis::Pitch, Axis::Yaw] {
+        if let Some(gain) = comparison.replay.input_gain_rad_s2[axis.index()] {
+            text.push_str(&format!("input gain of {}, fitted: {gain:.2} rad/s^2 per unit of command\n", axis.name()));
+        }
+    }
+    text
+}
