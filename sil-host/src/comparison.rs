@@ -93,9 +93,7 @@ pub fn compare(log: &Log, subject: &Subject) -> Result<Comparison, ComparisonErr
     match subject {
         Subject::Axes => Ok(Comparison { closed_loop: None, replay: replay_axes(log, &ReplayOptions::default())? }),
         Subject::Vehicle { model, controller } => {
-            let control_rate_hz = controller.map(|choice| f64::from(choice.rate_hz));
-            let options = control_rate_hz
-                .map_or_else(ReplayOptions::default, |control_rate_hz| ReplayOptions { control_rate_hz });
+            let options = ReplayOptions { control_rate_hz: controller.map(|choice| f64::from(choice.rate_hz)) };
             let closed_loop = match controller {
                 Some(choice) => closed_loop(log, model, *choice)?,
                 None => None,

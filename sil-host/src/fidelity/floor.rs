@@ -11,7 +11,8 @@
 //! acceleration of standard deviation a, independent from row to row, so that W = a^2 sum dt_j^2 for the rate and
 //! W = a^2 sum dt_j^2 (t - t_j - dt_j / 2)^2 for the angle. If the controller makes n steps per row and the command has
 //! a white part of standard deviation u, the mean of n steps differs from the first, which is logged, by
-//! u sqrt((n - 1) / n). An angle that is integrated from the rate has no sensor noise of its own but collects the
+//! u sqrt((n - 1) / n). What is smooth of the command goes on between rows, too, while the replay holds it: the difference
+//! to a replay with commands that go straight from row to row is added, squared. An angle that is integrated from the rate has no sensor noise of its own but collects the
 //! rate's: s_rate^2 sum dt_j^2.
 //!
 //! Left out: correlation of the noise from row to row, other coordinates' influence, and the effect of unlogged

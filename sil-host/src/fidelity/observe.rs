@@ -163,7 +163,7 @@ mod tests {
             time_s,
             ..Log::default()
         };
-        let window = Window { index: 0, lead: 5, start: 10, tail: 15, end: 60, held_out: false };
+        let window = Window { index: 0, warm_up: 0, lead: 5, start: 10, tail: 15, end: 60, held_out: false };
         let motions = observe(&log, Kinematics::Separate, &window);
         assert_eq!(motions.len(), 55);
         for (row, motion) in motions.iter().enumerate() {

@@ -12,18 +12,12 @@ use crate::model::{Rig, VehicleModel};
 use crate::plant::Plant;
 
 /// What is known about a log beyond its columns.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReplayOptions {
-    /// How often the controller ran, Hz. Where that is faster than the log, the white part of the commands between rows
-    /// is unknown and counts in the noise floor.
-    pub control_rate_hz: f64,
-}
-
-impl Default for ReplayOptions {
-    /// 400 Hz: the rate loop of this project and of ArduPilot, and the slowest usual one of PX4. A log does not say.
-    fn default() -> Self {
-        ReplayOptions { control_rate_hz: 400.0 }
-    }
+    /// How often the controller ran, Hz. Where that is faster than the log, the commands between rows are unknown and count
+    /// in the noise floor; the replay holds each command to the next row all the same. `None`: the log itself decides
+    /// between its own rate and 400 Hz, by which of them the commands predict it better.
+    pub control_rate_hz: Option<f64>,
 }
 
 /// A replayed log.
@@ -57,29 +51,37 @@ pub fn replay_axes(log: &Log, options: &ReplayOptions) -> Result<Replay, Fidelit
     }
     let mut windowed = WindowedLog::new(log, drive, Kinematics::Separate)?;
     let first_gains = fit_gains(log, &windowed)?.map(Option::unwrap_or_default);
-    windowed.refine_noise(&windowed.residuals(&Vehicle::axes(first_gains), [0.0; 3]))?;
+    windowed.refine_noise(&windowed.residuals(&Vehicle::axes(first_gains)))?;
     let fitted = fit_gains(log, &windowed)?;
     let gains = fitted.map(Option::unwrap_or_default);
-    let unknown_of = |axis: usize| gains[axis].abs() * windowed.unlogged_command_std(axis, options.control_rate_hz);
-    let residuals = windowed.residuals(&Vehicle::axes(gains), [0, 1, 2].map(unknown_of));
-    Ok(Replay {
-        windows: windowed.windows,
-        residuals,
-        sensor_noise: windowed.noise,
-        input_gain_rad_s2: fitted,
-        notes: notes_on_axes(log, fitted),
-    })
+    let rate_hz = options.control_rate_hz;
+    let (residuals, commands_missing) =
+        windowed.residuals_with_unlogged_commands(&Vehicle::axes(gains), rate_hz, || {
+            let mut per_command = [[0.0; 4]; 3];
+            for axis in 0..3 {
+                per_command[axis][axis] = gains[axis];
+            }
+            per_command
+        });
+    let mut notes = notes_on_axes(log, fitted);
+    notes.extend(commands_missing.then(note_on_missing_commands));
+    Ok(Replay { windows: windowed.windows, residuals, sensor_noise: windowed.noise, input_gain_rad_s2: fitted, notes })
 }
 
 fn fit_gains(log: &Log, windowed: &WindowedLog<'_>) -> Result<[Option<f64>; 3], FidelityError> {
     // what is predicted is linear in the gains: two replays tell all
-    let [unmoved, moved] = [0.0, 1.0].map(|gain| windowed.residuals(&Vehicle::axes([gain; 3]), [0.0; 3]));
+    let [unmoved, moved] = [0.0, 1.0].map(|gain| windowed.residuals(&Vehicle::axes([gain; 3])));
     let mut fitted = [None; 3];
     for axis in axes_of(log) {
         let gain = fit_gain(axis, &unmoved, &moved, &windowed.windows);
         fitted[axis.index()] = Some(gain.ok_or(FidelityError::NoExcitation { axis: axis.name() })?);
     }
     Ok(fitted)
+}
+
+fn note_on_missing_commands() -> String {
+    "the controller ran faster than the log: the commands between rows are unknown and count in the noise floor"
+        .to_owned()
 }
 
 fn notes_on_axes(log: &Log, gain_rad_s2: [Option<f64>; 3]) -> Vec<String> {
@@ -135,21 +137,16 @@ pub fn replay_plant(log: &Log, model: &VehicleModel, options: &ReplayOptions) ->
         return Err(missing(Quantity::Rate(Axis::Yaw), "free flight needs"));
     }
     let mut windowed = WindowedLog::new(log, drive, vehicle.kinematics())?;
-    windowed.refine_noise(&windowed.residuals(&vehicle, [0.0; 3]))?;
-    let unlogged = [0, 1, 2, 3].map(|motor| windowed.unlogged_command_std(motor, options.control_rate_hz));
-    let mut unknown = [0.0; 3];
-    if unlogged != [0.0; 4] {
-        let of_motors = |per_command: [f64; 4]| [0, 1, 2, 3].map(|motor| per_command[motor] * unlogged[motor]);
-        let sum_of_squares = |parts: [f64; 4]| parts.iter().map(|part| part * part).sum::<f64>();
-        unknown = acceleration_per_command(model).map(|of_axis| sum_of_squares(of_motors(of_axis)).sqrt());
-    }
-    let residuals = windowed.residuals(&vehicle, unknown);
+    windowed.refine_noise(&windowed.residuals(&vehicle))?;
+    let rate_hz = options.control_rate_hz;
+    let (residuals, commands_missing) =
+        windowed.residuals_with_unlogged_commands(&vehicle, rate_hz, || acceleration_per_command(model));
     Ok(Replay {
         windows: windowed.windows,
         residuals,
         sensor_noise: windowed.noise,
         input_gain_rad_s2: [None; 3],
-        notes: Vec::new(),
+        notes: commands_missing.then(note_on_missing_commands).into_iter().collect(),
     })
 }
 

@@ -4,7 +4,7 @@
 //! left between measurement and that replay is smooth. Over the rows within 50 ms of the start a cubic in time is
 //! fitted to it by weighted least squares, to angle and rate together (the rate is the angle's derivative; weights are
 //! the inverse noise variances). The replay's state at the start plus the cubic's value and slope there is the
-//! estimate; the cubic's upper terms take up an acceleration, and its change, that the model lacks. With few rows the
+//! estimate (the motors' state needs no estimate: it follows from the commands of the 0.2 s before); the cubic's upper terms take up an acceleration, and its change, that the model lacks. With few rows the
 //! cubic gets fewer terms. Covariance: that of the least squares fit, for white noise.
 
 use nalgebra::{SMatrix, SVector};

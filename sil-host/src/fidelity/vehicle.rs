@@ -1,5 +1,7 @@
 //! What is replayed: single axes with an input gain each, or the plant; both driven row by row by a log's commands.
 
+use std::borrow::Cow;
+
 use super::observe::{Kinematics, Motion};
 use crate::log::{Axis, Log};
 use crate::model::{Rig, VehicleModel};
@@ -102,7 +104,7 @@ impl Vehicle {
 /// The commands of a log, held from row to row.
 pub(super) struct Drive<'a> {
     pub(super) time_s: &'a [f64],
-    columns: [Option<std::borrow::Cow<'a, [f64]>>; 4],
+    columns: [Option<Cow<'a, [f64]>>; 4],
 }
 
 /// Which way each motor turns the vehicle about (x, y, z): RIG.md, "Frames and motors".
@@ -130,6 +132,17 @@ impl<'a> Drive<'a> {
             };
         }
         Drive { time_s: &log.time_s, columns }
+    }
+
+    /// What a controller that makes so many steps per row commands on the mean from each row to the next, if its command
+    /// goes straight from one logged value to the other.
+    pub(super) fn between_rows(&self, steps_per_row: f64) -> Drive<'a> {
+        let share_of_next = 0.5 * (steps_per_row - 1.0) / steps_per_row;
+        let mean = |column: &Cow<'a, [f64]>| -> Cow<'a, [f64]> {
+            let nexts = column.iter().skip(1).chain(column.last());
+            column.iter().zip(nexts).map(|(now, next)| now + share_of_next * (next - now)).collect()
+        };
+        Drive { time_s: self.time_s, columns: self.columns.each_ref().map(|column| column.as_ref().map(mean)) }
     }
 
     /// One command's column, by its place in [`Commands`].

@@ -9,6 +9,10 @@ pub const WINDOW_S: f64 = 0.5;
 /// Rows this long before and after a start serve to find the state at the start, s (CLI.md: at most 50 ms before).
 pub(super) const START_REACH_S: f64 = 0.05;
 
+/// Commands this long before the lead row decide what the motors do at the start, s. They are inputs, not measurements of
+/// the state, and motors remember them: 0.2 s is three times the slowest motor's lag.
+const MOTOR_MEMORY_S: f64 = 0.2;
+
 /// Fewer rows say nothing about a window.
 const ROWS_MIN: usize = 5;
 
@@ -17,7 +21,9 @@ const ROWS_MIN: usize = 5;
 pub struct Window {
     /// Number among the windows of the log, from 0.
     pub index: usize,
-    /// First row used to find the start state.
+    /// First row whose command serves to bring the motors to their state at the lead row.
+    pub warm_up: usize,
+    /// First row used to find angle and rate at the start.
     pub lead: usize,
     /// The row at which the replay starts.
     pub start: usize,
@@ -90,9 +96,12 @@ fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut
         let lead = (first..=start).find(|row| time_s[*row] >= start_s - reach_s);
         let tail = (start..window_end).find(|row| time_s[*row] > start_s + reach_s);
         if window_end - start >= ROWS_MIN {
+            let lead = lead.unwrap_or(start);
+            let warm_up = (first..=lead).find(|row| time_s[*row] >= time_s[lead] - MOTOR_MEMORY_S);
             windows.push(Window {
                 index: windows.len(),
-                lead: lead.unwrap_or(start),
+                warm_up: warm_up.unwrap_or(lead),
+                lead,
                 start,
                 tail: tail.unwrap_or(window_end),
                 end: window_end,
@@ -144,8 +153,9 @@ mod tests {
         let windows = windows(&log).unwrap();
         assert!(windows.len() > 10);
         for window in &windows {
-            assert!(window.end <= 700 || window.lead >= 700, "{window:?}");
-            assert!(window.end <= 1200 || window.lead >= 1300, "{window:?}");
+            assert!(window.warm_up <= window.lead);
+            assert!(window.end <= 700 || window.warm_up >= 700, "{window:?}");
+            assert!(window.end <= 1200 || window.warm_up >= 1300, "{window:?}");
             let length_s = log.time_s[window.end] - log.time_s[window.start];
             assert!((length_s - WINDOW_S).abs() <= 0.003, "{length_s}");
             let before_s = log.time_s[window.start] - log.time_s[window.lead];

@@ -11,6 +11,9 @@ use super::vehicle::{Drive, Vehicle};
 use super::window::{Window, stretches, too_slow, windows};
 use crate::log::{Axis, Log};
 
+/// The rate loop of this project and of ArduPilot, and the slowest usual one of PX4.
+pub(super) const USUAL_CONTROL_RATE_HZ: f64 = 400.0;
+
 /// A log, ready to be replayed.
 pub(super) struct WindowedLog<'a> {
     log: &'a Log,
@@ -80,12 +83,53 @@ impl<'a> WindowedLog<'a> {
         AxisNoise { angle_rad: self.noise.angle_rad[axis.index()], rate_rad_s: self.noise.rate_rad_s[axis.index()] }
     }
 
-    /// Replays all windows on copies of a vehicle. `unknown_acceleration_rad_s2` is what the commands between rows may
-    /// do that nobody logged (see the noise floor), (roll, pitch, yaw).
-    pub(super) fn residuals(&self, vehicle: &Vehicle, unknown_acceleration_rad_s2: [f64; 3]) -> Vec<Residual> {
+    /// Replays all windows on copies of a vehicle, the commands held from row to row.
+    pub(super) fn residuals(&self, vehicle: &Vehicle) -> Vec<Residual> {
+        self.residuals_under(&self.drive, vehicle, [0.0; 3])
+    }
+
+    /// The same with a floor that counts the commands between rows, which a faster controller gave and nobody logged:
+    /// `acceleration_per_command` (axis, command), rad/s^2, carries their white part, and the way from one logged value
+    /// to the next is replayed. Whether the controller was faster is known from its rate or, without that, seen: it was
+    /// if commands that go straight from row to row predict the log better than held ones. The flag says what was taken.
+    pub(super) fn residuals_with_unlogged_commands(
+        &self,
+        vehicle: &Vehicle,
+        control_rate_hz: Option<f64>,
+        acceleration_per_command: impl Fn() -> [[f64; 4]; 3],
+    ) -> (Vec<Residual>, bool) {
+        let held = self.residuals(vehicle);
+        let steps_per_row = control_rate_hz.unwrap_or(USUAL_CONTROL_RATE_HZ) * self.log.median_step_s();
+        // a rate that is the log's but for rounding misses nothing
+        if steps_per_row < 1.01 {
+            return (held, false);
+        }
+        let straight = self.residuals_under(&self.drive.between_rows(steps_per_row), vehicle, [0.0; 3]);
+        if control_rate_hz.is_none() && squared_errors(&held) <= squared_errors(&straight) {
+            return (held, false);
+        }
+        let unlogged = [0, 1, 2, 3].map(|place| self.unlogged_command_std(place, steps_per_row));
+        let unknown = acceleration_per_command().map(|per_command| {
+            let squares = per_command.iter().zip(unlogged).map(|(gain, std)| gain * std * gain * std);
+            squares.sum::<f64>().sqrt()
+        });
+        let mut residuals = self.residuals_under(&self.drive, vehicle, unknown);
+        for (residual, straight) in residuals.iter_mut().zip(straight) {
+            let difference = residual.error - straight.error;
+            residual.sigma = (residual.sigma * residual.sigma + difference * difference).sqrt();
+        }
+        (residuals, true)
+    }
+
+    fn residuals_under(
+        &self,
+        drive: &Drive<'_>,
+        vehicle: &Vehicle,
+        unknown_acceleration_rad_s2: [f64; 3],
+    ) -> Vec<Residual> {
         let mut residuals = Vec::new();
         for window in &self.windows {
-            let predicted = self.predict(vehicle, window);
+            let predicted = self.predict(drive, vehicle, window);
             for channel in Channel::ALL {
                 self.compare(window, channel, &predicted, unknown_acceleration_rad_s2, &mut residuals);
             }
@@ -94,15 +138,16 @@ impl<'a> WindowedLog<'a> {
     }
 
     /// The motion in the rows of a window from its start state on.
-    fn predict(&self, vehicle: &Vehicle, window: &Window) -> Vec<Motion> {
+    fn predict(&self, drive: &Drive<'_>, vehicle: &Vehicle, window: &Window) -> Vec<Motion> {
         let observed = &self.observed[window.index];
         let lead_rows = window.start - window.lead;
         let mut vehicle = vehicle.clone();
-        vehicle.settle(self.drive.at(window.lead));
+        vehicle.settle(drive.at(window.warm_up));
+        vehicle.fly(drive, window.warm_up, window.lead);
         vehicle.place(observed[0]);
-        let mut reference = vehicle.fly(&self.drive, window.lead, window.start);
+        let mut reference = vehicle.fly(drive, window.lead, window.start);
         let mut from_start = vehicle.clone();
-        reference.extend(vehicle.fly(&self.drive, window.start, window.tail));
+        reference.extend(vehicle.fly(drive, window.start, window.tail));
         let mut start = observed[lead_rows];
         for axis in 0..3 {
             let Some(fit) = &self.fits[window.index][axis] else {
@@ -121,7 +166,7 @@ impl<'a> WindowedLog<'a> {
             start.angle_rate_rad_s[axis] = reference[lead_rows].angle_rate_rad_s[axis] + rate_correction;
         }
         from_start.place(start);
-        from_start.fly(&self.drive, window.start, window.end)
+        from_start.fly(drive, window.start, window.end)
     }
 
     /// One channel of one window; nothing if the log does not have it.
@@ -168,16 +213,19 @@ impl<'a> WindowedLog<'a> {
         }
     }
 
-    /// Standard deviation by which a command's mean between two rows differs from the logged one, because the
-    /// controller ran on: u sqrt((n - 1) / n), see the noise floor. 0 if it ran no faster than the log.
-    pub(super) fn unlogged_command_std(&self, place: usize, control_rate_hz: f64) -> f64 {
-        let steps_per_row = control_rate_hz * self.log.median_step_s();
-        match self.drive.column(place) {
-            Some(column) if steps_per_row > 1.0 => {
-                let white_std = white_noise_std(&self.log.time_s, column, &stretches(self.log)).unwrap_or_default();
-                white_std * ((steps_per_row - 1.0) / steps_per_row).sqrt()
-            }
-            _ => 0.0,
-        }
+    /// Standard deviation by which a command's mean between two rows differs from the logged one because its white part
+    /// changed with every step of the controller: u sqrt((n - 1) / n), see the noise floor.
+    fn unlogged_command_std(&self, place: usize, steps_per_row: f64) -> f64 {
+        let Some(column) = self.drive.column(place) else {
+            return 0.0;
+        };
+        let white_std = white_noise_std(&self.log.time_s, column, &stretches(self.log)).unwrap_or_default();
+        white_std * ((steps_per_row - 1.0) / steps_per_row).sqrt()
     }
+}
+
+/// Sum of the squared errors in units of their noise.
+fn squared_errors(residuals: &[Residual]) -> f64 {
+    let normalised = residuals.iter().filter(|residual| residual.sigma > 0.0).map(|r| r.error / r.sigma);
+    normalised.map(|error| error * error).sum()
 }

@@ -111,8 +111,7 @@ fn the_floor_holds_with_the_rate_alone_and_with_the_angle_alone() {
 fn the_floor_holds_at_any_rate_of_the_log() {
     for (step_s, rows) in [(0.001, 60_000), (0.01, 12_000), (0.02, 6_000), (0.05, 4_000)] {
         let log = Bench { step_s, rows, jitter: 0.1, ..BENCH }.log();
-        let at_log_rate = ReplayOptions { control_rate_hz: 1.0 / step_s };
-        for ratio in ratios(&replay_axes(&log, &at_log_rate).unwrap(), Part::All) {
+        for ratio in ratios(&replayed(&log), Part::All) {
             assert!((0.85..1.15).contains(&ratio), "{step_s} s: {ratio}");
         }
     }
@@ -141,13 +140,13 @@ fn commands_that_nobody_logged_are_in_the_floor() {
     for column in [&mut log.angle_rad[1], &mut log.rate_rad_s[1], &mut log.axis_command[1]] {
         every_fourth(column.as_mut().unwrap());
     }
-    let known = replay_axes(&log, &ReplayOptions { control_rate_hz: 1000.0 }).unwrap();
+    let known = replay_axes(&log, &ReplayOptions { control_rate_hz: Some(1000.0) }).unwrap();
     for ratio in ratios(&known, Part::All) {
         // a random walk over 60 windows: its mean square scatters by about sqrt(2/60) = 18 %, the ratio by 9 %, so 2.5 sigma
         assert!((0.78..1.22).contains(&ratio), "{ratio}");
     }
     // and they matter: without them the floor is far too low
-    let ignored = replay_axes(&log, &ReplayOptions { control_rate_hz: 250.0 }).unwrap();
+    let ignored = replay_axes(&log, &ReplayOptions { control_rate_hz: Some(250.0) }).unwrap();
     assert!(ratios(&ignored, Part::All)[0] > 2.0);
 }
 
