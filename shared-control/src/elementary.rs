@@ -11,8 +11,8 @@ pub const SIN_COS_ARGUMENT_MAX_RAD: f32 = 8192.0;
 
 // pi/2 in three parts; k times the first two is exact for k below 2^13
 const HALF_PI_HIGH: f32 = 1.570_312_5;
-const HALF_PI_MIDDLE: f32 = 4.837_512_969_970_703e-4;
-const HALF_PI_LOW: f32 = 7.549_789_954_891_89e-8;
+const HALF_PI_MIDDLE: f32 = 4.837_513e-4;
+const HALF_PI_LOW: f32 = 7.549_79e-8;
 
 /// Square root; zero for negative or NaN arguments, so that nothing downstream meets a NaN.
 pub fn sqrt(x: f32) -> f32 {

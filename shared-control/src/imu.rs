@@ -12,7 +12,7 @@ use crate::signals::RawImuSample;
 /// Longest time between two samples that still counts as continuous, s.
 const SAMPLE_GAP_MAX_S: f32 = 0.05;
 
-/// How the sensor sits on the board: body axis i = sign[i] * sensor axis source[i].
+/// How the sensor sits on the board: body axis `i` is `sign[i]` times sensor axis `source[i]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisMap {
     /// Sensor axis (0, 1, 2) that each body axis comes from.

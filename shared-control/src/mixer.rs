@@ -90,9 +90,9 @@ fn lift_shares(config: &MixerConfig, wrench: &Wrench) -> [f32; 3] {
 fn largest_yaw_share(span_n: f32, tilt: impl Fn(usize) -> f32, yaw_n: f32) -> f32 {
     // the spread is convex in the factor and each pair of motors bounds it on its own
     let mut share = 1.0;
-    for up in 0..4 {
-        for down in 0..4 {
-            let change = (YAW[up] - YAW[down]) * yaw_n;
+    for (up, sign_up) in YAW.iter().enumerate() {
+        for (down, sign_down) in YAW.iter().enumerate() {
+            let change = (sign_up - sign_down) * yaw_n;
             if change > 0.0 {
                 let room = span_n - (tilt(up) - tilt(down));
                 share = smaller(share, larger(room / change, 0.0));
@@ -142,8 +142,8 @@ mod tests {
             let result = mix(&config, &wrench);
             prop_assert!(result.commands.0.iter().all(|c| (0.0..=1.0).contains(c)));
             let (torque, collective) = delivered(&config, &result.commands);
-            for axis in 0..3 {
-                let sum = torque[axis] + result.unmet_torque_nm[axis];
+            for (axis, delivered_nm) in torque.into_iter().enumerate() {
+                let sum = delivered_nm + result.unmet_torque_nm[axis];
                 prop_assert!((sum - wrench.torque_body_nm[axis]).abs() < 1e-5, "axis {axis}: {sum}");
             }
             prop_assert!((collective + result.unmet_lift_n - lift).abs() < 1e-5);

@@ -19,13 +19,17 @@ use crate::sensors::Sensors;
 pub enum Subject {
     /// Each axis a rigid body of unit inertia with one input gain, for foreign benches.
     Axes,
-    /// A vehicle model on its rig; with a controller also in closed loop.
-    Vehicle {
-        /// The model.
-        model: Box<VehicleModel>,
-        /// What flew, if it is known.
-        controller: Option<ControllerChoice>,
-    },
+    /// A vehicle on its rig.
+    Vehicle(Box<Vehicle>),
+}
+
+/// A vehicle model, and what flew it.
+#[derive(Clone, Debug)]
+pub struct Vehicle {
+    /// The model.
+    pub model: VehicleModel,
+    /// What flew, if it is known; only then is there a closed loop to simulate.
+    pub controller: Option<ControllerChoice>,
 }
 
 /// The result of holding a log against the simulation.
@@ -92,7 +96,8 @@ impl Comparison {
 pub fn compare(log: &Log, subject: &Subject) -> Result<Comparison, ComparisonError> {
     match subject {
         Subject::Axes => Ok(Comparison { closed_loop: None, replay: replay_axes(log, &ReplayOptions::default())? }),
-        Subject::Vehicle { model, controller } => {
+        Subject::Vehicle(vehicle) => {
+            let Vehicle { model, controller } = vehicle.as_ref();
             let options = ReplayOptions { control_rate_hz: controller.map(|choice| f64::from(choice.rate_hz)) };
             let closed_loop = match controller {
                 Some(choice) => closed_loop(log, model, *choice)?,
@@ -207,10 +212,10 @@ mod tests {
     }
 
     fn nominal(controller: Controller) -> Subject {
-        Subject::Vehicle {
-            model: Box::new(VehicleModel::nominal(Rig::Gimbal)),
+        Subject::Vehicle(Box::new(Vehicle {
+            model: VehicleModel::nominal(Rig::Gimbal),
             controller: Some(ControllerChoice::nominal(controller)),
-        }
+        }))
     }
 
     /// What is left between the same flight with and without noise is the log's noise (0.002 rad: a mean |x| of 0.09

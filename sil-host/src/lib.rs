@@ -1,5 +1,6 @@
 //! The simulated vehicle, its co-simulation with the control core, and the comparison with measured logs.
 
+pub mod axis;
 pub mod bench_mpc;
 pub mod comparison;
 pub mod control_setup;

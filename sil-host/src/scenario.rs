@@ -146,13 +146,13 @@ impl Scenario {
             vec![Waypoint { start_s: 0.0, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None }];
         for (index, step) in script.steps.iter().enumerate() {
             let problem = |problem| ScriptError::Step { file: file.into(), step: index + 1, problem };
-            if !(step.at_s >= waypoints[waypoints.len() - 1].start_s) {
+            if step.at_s.is_nan() || step.at_s < waypoints[waypoints.len() - 1].start_s {
                 return Err(problem("at_s must be zero or more and not before the step above"));
             }
-            if !(step.roll_deg.abs() <= 180.0 && step.pitch_deg.abs() <= 90.0) {
+            if !((-180.0..=180.0).contains(&step.roll_deg) && (-90.0..=90.0).contains(&step.pitch_deg)) {
                 return Err(problem("roll_deg must be within +-180 and pitch_deg within +-90"));
             }
-            if !(step.yaw_rate_deg_s.abs() <= 720.0) {
+            if !(-720.0..=720.0).contains(&step.yaw_rate_deg_s) {
                 return Err(problem("yaw_rate_deg_s must be within +-720"));
             }
             if step.throttle.is_some_and(|throttle| !(0.0..=1.0).contains(&throttle)) {

@@ -44,9 +44,18 @@ fn the_good_log_is_read() {
     assert_eq!(log.notes, Vec::<String>::new());
 }
 
+/// Name of the case, text, expected message.
+type Case = (&'static str, String, &'static str);
+
+fn assert_messages(cases: Vec<Case>) {
+    for (name, text, expected) in cases {
+        assert_eq!(message(&text), expected, "{name}");
+    }
+}
+
 #[test]
-fn malformed_text_is_named_by_file_line_and_column() {
-    let cases: Vec<(&str, String, &str)> = vec![
+fn malformed_files_are_named_by_line_and_column() {
+    assert_messages(vec![
         ("empty file", String::new(), "run.csv: the file is empty; expected a header line and at least 100 rows"),
         (
             "comments only",
@@ -91,6 +100,12 @@ fn malformed_text_is_named_by_file_line_and_column() {
             with_header(&HEADER.replace("pitch_rad", "roll_deg")),
             "run.csv:1: `roll_rad`: given twice: as `roll_rad` and as `roll_deg`",
         ),
+    ]);
+}
+
+#[test]
+fn malformed_values_are_named_by_line_and_column() {
+    assert_messages(vec![
         (
             "a word",
             with_line(11, "9.5,0.1,none,0,0,0.5,0.5,0.5,0.5"),
@@ -133,6 +148,12 @@ fn malformed_text_is_named_by_file_line_and_column() {
             "run.csv:11: expected 9 fields as in the header, found 10",
         ),
         ("an empty line amid the rows", with_line(11, ""), "run.csv:11: expected 9 fields as in the header, found 0"),
+    ]);
+}
+
+#[test]
+fn wrong_units_and_missing_axes_are_named_with_a_hint() {
+    assert_messages(vec![
         (
             "degrees called radians",
             with_line(11, "9.5,-28.5,0.1,0,0,0.5,0.5,0.5,0.5"),
@@ -169,10 +190,7 @@ fn malformed_text_is_named_by_file_line_and_column() {
             "run.csv:1: `roll_cmd`: required column is missing (for other names use --map); the header has: \
              time_s, roll_rad, pitch_rad, p_rad_s, q_rad_s, pitch_cmd, thrust_cmd, note, other",
         ),
-    ];
-    for (name, text, expected) in cases {
-        assert_eq!(message(&text), expected, "{name}");
-    }
+    ]);
 }
 
 #[test]

@@ -6,8 +6,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use sil_host::axis::Axis;
 use sil_host::fidelity::{Channel, Part, ReplayOptions, replay_axes};
-use sil_host::log::{Axis, Log, Map, Quantity, read};
+use sil_host::log::{Log, Map, Quantity, read};
 
 /// The folder of real logs, or a loud line and nothing.
 fn real_logs() -> Option<PathBuf> {

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use sil_host::comparison::{Comparison, Subject, compare};
+use sil_host::axis::Axis;
+use sil_host::comparison::{Comparison, Subject, Vehicle, compare};
 use sil_host::controller_file::ControllerChoice;
-use sil_host::log::{self, Axis, Log, Map};
+use sil_host::log::{self, Log, Map};
 use sil_host::model::Rig;
 use sil_host::report::Page;
 
@@ -92,8 +93,8 @@ fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> 
         Some(CompareRig::Free) => Some(Rig::Free),
         None => None,
     };
-    let model = Box::new(vehicle_model(arguments.model.as_deref(), rig)?);
-    Ok(Subject::Vehicle { model, controller })
+    let model = vehicle_model(arguments.model.as_deref(), rig)?;
+    Ok(Subject::Vehicle(Box::new(Vehicle { model, controller })))
 }
 
 /// What the terminal shows.

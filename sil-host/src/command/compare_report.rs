@@ -1,8 +1,9 @@
 //! The page about a log held against the simulation: figures 5.3 and 5.4 of the thesis for any log.
 
+use sil_host::axis::Axis;
 use sil_host::comparison::{Comparison, Subject};
 use sil_host::fidelity::{Channel, ChannelErrors, Part};
-use sil_host::log::{Axis, Log};
+use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Section, Table};
 
 use super::flight_report::degrees;
@@ -17,7 +18,7 @@ pub fn lead(comparison: &Comparison, subject: &Subject) -> String {
     let error = comparison.replay.prediction_error();
     let model = match subject {
         Subject::Axes => "A rigid body per axis with one fitted input gain".to_owned(),
-        Subject::Vehicle { model, .. } => format!("The model \"{}\"", model.name),
+        Subject::Vehicle(vehicle) => format!("The model \"{}\"", vehicle.model.name),
     };
     let worst = [
         ("roll", error.nominal.roll_deg, error.noise_floor.roll_deg),

@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::path::Path;
 
 use shared_control::config::Controller;
-use sil_host::comparison::{Subject, compare};
+use sil_host::comparison::{Subject, Vehicle, compare};
 use sil_host::controller_file::ControllerChoice;
 use sil_host::log;
 use sil_host::model::{Rig, VehicleModel};
@@ -35,7 +35,7 @@ pub fn run() -> Result<(), Failure> {
     println!("2. A rig log against the simulation\n");
     let log = log::parse(RIG_LOG_NAME, RIG_LOG, None).map_err(failed)?;
     let controller = ControllerChoice::parse(RIG_LOG_CONTROLLER, "thesis-mpc.toml").map_err(failed)?;
-    let subject = Subject::Vehicle { model: Box::new(model), controller: Some(controller) };
+    let subject = Subject::Vehicle(Box::new(Vehicle { model, controller: Some(controller) }));
     let comparison = compare(&log, &subject).map_err(bad_input)?;
     print!("{}", compare_command::summary_text(&log, &comparison, &subject));
 

@@ -1,11 +1,10 @@
 //! The page about simulated flights: angles against the reference as in the thesis' figures 5.3 to 5.6, motor commands,
 //! and the tables that the terminal shows.
 
-use sil_host::flight::RunSummary;
 use sil_host::margins::Margins;
-use sil_host::metrics::AxisMetrics;
 use sil_host::report::{Better, Cell, Chart, Page, Section, Table};
 
+use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
 use super::fly::FlownController;
 
 /// A page of its own for one or more flights.
@@ -67,88 +66,50 @@ fn motors(flown: &[FlownController]) -> Section {
     section
 }
 
-/// Name, decimals, which is better, value.
-type Figure<T> = (&'static str, usize, Better, fn(&T) -> Option<f64>);
-
 fn figures(flown: &[FlownController]) -> Section {
     let labels: Vec<String> = flown.iter().map(label).collect();
     let header: Vec<&str> = [""].into_iter().chain(labels.iter().map(String::as_str)).collect();
-    let rows: [Figure<AxisMetrics>; 6] = [
-        ("rise time 10 to 90 %, s", 3, Better::Lower, |m| m.rise_time_s),
-        ("overshoot, %", 1, Better::Lower, |m| m.overshoot_pct),
-        ("settling time to 3 degrees, s", 3, Better::Lower, |m| m.settling_time_s),
-        ("steady error, degrees", 2, Better::Lower, |m| m.steady_error_deg),
-        ("mean absolute error, degrees", 2, Better::Lower, |m| Some(m.mean_abs_error_deg)),
-        ("RMS error, degrees", 2, Better::Lower, |m| Some(m.rms_error_deg)),
-    ];
     let mut section = Section::new("How well it follows");
     for (axis, name) in [(0, "Roll"), (1, "Pitch")] {
         let mut table = Table::new(format!("{name}: mean over the steps, returns included"), &header);
-        for (row, decimals, better, figure) in rows {
-            let values: Vec<f64> = flown
-                .iter()
-                .map(|one| {
-                    let axes = &one.flight.summary.axes;
-                    figure(if axis == 0 { &axes.roll } else { &axes.pitch }).unwrap_or(f64::NAN)
-                })
-                .collect();
-            table = table.comparison(row, &values, decimals, better);
+        for figure in FOLLOWING {
+            let of_axis = |one: &FlownController| {
+                let axes = &one.flight.summary.axes;
+                (figure.value)(if axis == 0 { &axes.roll } else { &axes.pitch }).unwrap_or(f64::NAN)
+            };
+            let values: Vec<f64> = flown.iter().map(of_axis).collect();
+            table = table.comparison(figure.name, &values, figure.decimals, Better::Lower);
         }
         section = section.table(table);
     }
-    section.table(whole_flight(flown, &header))
-}
-
-fn whole_flight(flown: &[FlownController], header: &[&str]) -> Table {
-    let rows: [(&str, fn(&RunSummary) -> String); 5] = [
-        ("steps per second", |s| s.rate_hz.to_string()),
-        ("effort: mean |command - base|", |s| format!("{:.4}", s.effort)),
-        ("samples with a motor at a limit, %", |s| format!("{:.1}", s.saturated_pct)),
-        ("MPC: prediction steps / free inputs", |s| {
-            s.mpc.map_or("-".into(), |m| format!("{} / {}", m.horizon, m.control_horizon))
-        }),
-        ("MPC: unsolved / flown by the cascade instead", |s| {
-            s.mpc.map_or("-".into(), |m| format!("{} / {}", m.unsolved, m.fallbacks))
-        }),
-    ];
-    rows.into_iter().fold(Table::new("The whole flight", header), |table, (name, value)| {
-        table.row([Cell::from(name)].into_iter().chain(flown.iter().map(|one| Cell::from(value(&one.flight.summary)))))
-    })
+    let whole_flight = WHOLE_FLIGHT.into_iter().fold(Table::new("The whole flight", &header), |table, figure| {
+        let cells = flown.iter().map(|one| Cell::from((figure.text)(&one.flight.summary)));
+        table.row([Cell::from(figure.name)].into_iter().chain(cells))
+    });
+    section.table(whole_flight)
 }
 
 fn robustness(flown: &[FlownController]) -> Section {
     let columns: Vec<String> =
         flown.iter().flat_map(|one| ["roll", "pitch"].map(|axis| format!("{} {axis}", label(one)))).collect();
     let header: Vec<&str> = [""].into_iter().chain(columns.iter().map(String::as_str)).collect();
-    let rows: [(&str, usize, fn(&Margins) -> Option<f64>); 5] = [
-        ("gain margin, dB", 1, |m| m.gain_db),
-        ("phase margin, degrees", 1, |m| m.phase_deg),
-        ("delay margin, ms", 1, |m| m.delay_ms),
-        ("crossover, Hz", 2, |m| m.crossover_hz),
-        ("peak sensitivity", 2, |m| Some(m.sensitivity_peak)),
-    ];
     let mut table = Table::new("Margins at hover, the loop cut at the motors' torque", &header);
-    for (name, decimals, figure) in rows {
-        let cells = flown
-            .iter()
-            .flat_map(|one| one.margins.iter().map(|m| Cell::number(figure(m).unwrap_or(f64::NAN), decimals)));
-        table = table.row([Cell::from(name)].into_iter().chain(cells));
+    for figure in ROBUSTNESS {
+        let cell = |margins: &Margins| Cell::number((figure.value)(margins).unwrap_or(f64::NAN), figure.decimals);
+        let cells = flown.iter().flat_map(|one| one.margins.iter().map(cell));
+        table = table.row([Cell::from(figure.name)].into_iter().chain(cells));
     }
     let mut section = Section::new("How robust it is")
         .paragraph(
-            "Measured on the running code: a small sinusoidal torque acts on the simulated vehicle, and the motors' answer \
-             gives the loop's frequency response, with estimator, filters, sampling and delay in it.",
+            "Measured on the running code: a small sinusoidal torque acts on the simulated vehicle, and the motors' \
+             answer gives the loop's frequency response, with estimator, filters, sampling and delay in it.",
         )
         .table(table);
-    for one in flown {
-        let Some(eigenvalues) = one.eigenvalues else { continue };
-        let mut table = Table::new(
-            "Closed-loop eigenvalues of the unconstrained MPC, perfect model, one sample of delay",
-            &["axis", "|z|", "", ""],
-        );
+    for eigenvalues in flown.iter().filter_map(|one| one.eigenvalues) {
+        let caption = "Closed-loop eigenvalues z of the unconstrained MPC: perfect model, one sample of delay";
+        let mut table = Table::new(caption, &["", "first", "second", "third"]);
         for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
-            let cells =
-                axis.map(|[magnitude, angle]| Cell::from(format!("{magnitude:.4} at {:.2} deg", angle.to_degrees())));
+            let cells = eigenvalues_text(axis).map(Cell::from);
             table = table.row([Cell::from(name)].into_iter().chain(cells));
         }
         section = section.table(table);

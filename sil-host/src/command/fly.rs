@@ -9,10 +9,10 @@ use sil_host::controller_file::{CONTROL_HORIZON_DEFAULT, ControllerChoice};
 use sil_host::flight::{Flight, FlightSetup, RunSummary};
 use sil_host::flight_log::flight_log;
 use sil_host::margins::Margins;
-use sil_host::metrics::AxisMetrics;
 use sil_host::model::VehicleModel;
 use sil_host::scenario::Scenario;
 
+use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
 use super::text_table::{TextTable, number};
 use super::{
     Failure, RigArgument, bad_input, failed, flight_report, make_folder, vehicle_model, write_file, write_json,
@@ -201,13 +201,10 @@ pub fn summary_text(flown: &[FlownController]) -> String {
     text.push_str(&axis_table(flown).to_string());
     text.push('\n');
     text.push_str(&flight_table(flown).to_string());
-    for one in flown {
-        if let Some(eigenvalues) = one.eigenvalues {
-            text.push_str("\nclosed-loop eigenvalues of the unconstrained MPC (|z|, angle per step):\n");
-            for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
-                let values = axis.map(|[magnitude, angle]| format!("{magnitude:.4} at {:.2} deg", angle.to_degrees()));
-                text.push_str(&format!("  {name:<6} {}\n", values.join(", ")));
-            }
+    for eigenvalues in flown.iter().filter_map(|one| one.eigenvalues) {
+        text.push_str("\nclosed-loop eigenvalues of the unconstrained MPC, |z| and angle per step:\n");
+        for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
+            text.push_str(&format!("  {name:<6} {}\n", eigenvalues_text(axis).join(", ")));
         }
     }
     text.push('\n');
@@ -218,47 +215,26 @@ fn axis_table(flown: &[FlownController]) -> TextTable {
     let columns =
         flown.iter().flat_map(|one| ["roll", "pitch"].map(|axis| format!("{} {axis}", one.setup.choice.name())));
     let mut table = TextTable::new([String::new()].into_iter().chain(columns));
-    let figures: [(&str, usize, fn(&AxisMetrics) -> Option<f64>); 6] = [
-        ("rise time 10-90 %, s", 3, |m| m.rise_time_s),
-        ("overshoot, %", 1, |m| m.overshoot_pct),
-        ("settling time (3 deg), s", 3, |m| m.settling_time_s),
-        ("steady error, deg", 2, |m| m.steady_error_deg),
-        ("mean |error|, deg", 2, |m| Some(m.mean_abs_error_deg)),
-        ("RMS error, deg", 2, |m| Some(m.rms_error_deg)),
-    ];
-    for (name, decimals, figure) in figures {
+    for figure in FOLLOWING {
         let axes = flown.iter().flat_map(|one| [one.flight.summary.axes.roll, one.flight.summary.axes.pitch]);
-        let cells = axes.map(|axis| number(figure(&axis), decimals));
-        table.row([name.to_owned()].into_iter().chain(cells));
+        let cells = axes.map(|axis| number((figure.value)(&axis), figure.decimals));
+        table.row([figure.name.to_owned()].into_iter().chain(cells));
     }
-    let margins: [(&str, usize, fn(&Margins) -> Option<f64>); 5] = [
-        ("gain margin, dB", 1, |m| m.gain_db),
-        ("phase margin, deg", 1, |m| m.phase_deg),
-        ("delay margin, ms", 1, |m| m.delay_ms),
-        ("crossover, Hz", 2, |m| m.crossover_hz),
-        ("peak sensitivity", 2, |m| Some(m.sensitivity_peak)),
-    ];
-    for (name, decimals, figure) in margins {
-        let cells = flown.iter().flat_map(|one| one.margins.iter().map(|m| number(figure(m), decimals)));
-        table.row([name.to_owned()].into_iter().chain(cells));
+    for figure in ROBUSTNESS {
+        let cells = flown.iter().flat_map(|one| one.margins.iter().map(|m| number((figure.value)(m), figure.decimals)));
+        table.row([figure.name.to_owned()].into_iter().chain(cells));
     }
     table
 }
 
 fn flight_table(flown: &[FlownController]) -> TextTable {
-    let mut table =
-        TextTable::new([String::new()].into_iter().chain(flown.iter().map(|one| one.setup.choice.name().to_owned())));
-    let mut row = |name: &str, value: &dyn Fn(&RunSummary) -> String| {
-        table.row([name.to_owned()].into_iter().chain(flown.iter().map(|one| value(&one.flight.summary))));
-    };
-    row("rate, Hz", &|s| s.rate_hz.to_string());
-    row("effort (mean |command - base|)", &|s| format!("{:.4}", s.effort));
-    row("samples with a motor at a limit, %", &|s| format!("{:.1}", s.saturated_pct));
-    row("times real time", &|s| format!("{:.0}", s.real_time_factor));
-    row("MPC horizon / control horizon", &|s| {
-        s.mpc.map_or("-".into(), |m| format!("{} / {}", m.horizon, m.control_horizon))
-    });
-    row("MPC iterations, most", &|s| s.mpc.map_or("-".into(), |m| m.iterations_max.to_string()));
-    row("MPC unsolved / fallbacks", &|s| s.mpc.map_or("-".into(), |m| format!("{} / {}", m.unsolved, m.fallbacks)));
+    let names = flown.iter().map(|one| one.setup.choice.name().to_owned());
+    let mut table = TextTable::new([String::new()].into_iter().chain(names));
+    for figure in WHOLE_FLIGHT {
+        let cells = flown.iter().map(|one| (figure.text)(&one.flight.summary));
+        table.row([figure.name.to_owned()].into_iter().chain(cells));
+    }
+    let speeds = flown.iter().map(|one| number(one.flight.summary.real_time_factor, 0));
+    table.row(["simulated, times real time".to_owned()].into_iter().chain(speeds));
     table
 }

@@ -4,6 +4,7 @@ mod bench_mpc;
 mod compare;
 mod compare_report;
 mod demonstration;
+mod figures;
 mod flight_report;
 mod fly;
 mod synth;

@@ -14,7 +14,8 @@
 
 use super::residual::{Channel, Residual};
 use super::window::stretches;
-use crate::log::{Axis, Log, Quantity};
+use crate::axis::Axis;
+use crate::log::{Log, Quantity};
 
 /// Rows on each side of the one that is predicted.
 const SIDE: usize = 3;

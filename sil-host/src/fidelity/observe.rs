@@ -5,7 +5,8 @@
 
 use super::deviation::wrapped;
 use super::window::Window;
-use crate::log::{Axis, Log, Quantity};
+use crate::axis::Axis;
+use crate::log::{Log, Quantity};
 
 /// Angles (roll, pitch, yaw) and their derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -7,7 +7,8 @@ use super::residual::{Channel, ChannelErrors, Part, PredictionError, Residual, r
 use super::vehicle::{Drive, Vehicle, acceleration_per_command};
 use super::window::{WINDOW_S, Window};
 use super::windowed_log::WindowedLog;
-use crate::log::{Axis, Log, Quantity};
+use crate::axis::Axis;
+use crate::log::{Log, Quantity};
 use crate::model::{Rig, VehicleModel};
 use crate::plant::Plant;
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::log::Axis;
+use crate::axis::Axis;
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 
 use super::observe::{Kinematics, Motion};
-use crate::log::{Axis, Log};
+use crate::axis::Axis;
+use crate::log::Log;
 use crate::model::{Rig, VehicleModel};
 use crate::plant::Plant;
 

@@ -9,7 +9,8 @@ use super::residual::{Channel, Residual};
 use super::start::{AxisNoise, StartFit};
 use super::vehicle::{Drive, Vehicle};
 use super::window::{Window, stretches, too_slow, windows};
-use crate::log::{Axis, Log};
+use crate::axis::Axis;
+use crate::log::Log;
 
 /// The rate loop of this project and of ArduPilot, and the slowest usual one of PX4.
 pub(super) const USUAL_CONTROL_RATE_HZ: f64 = 400.0;

@@ -18,7 +18,8 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::{LogError, LogErrorKind};
-use super::quantity::{Axis, Quantity};
+use super::quantity::Quantity;
+use crate::axis::Axis;
 
 /// The maps that ship with the project, by name.
 pub const BUILT_IN_MAPS: [(&str, &str); 4] = [

@@ -13,7 +13,7 @@ mod write;
 
 pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};
-pub use quantity::{Axis, Quantity};
+pub use quantity::Quantity;
 pub use read::{parse, read};
 pub use write::{write, write_file};
 

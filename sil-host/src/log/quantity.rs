@@ -3,33 +3,8 @@
 //! A column's name is a stem and a unit (`roll` + `_rad`). The first unit of each quantity is the one a [`super::Log`]
 //! holds and a written file uses; the others are converted while reading.
 
+use crate::axis::Axis;
 use std::f64::consts::PI;
-
-/// A body axis. Arrays of three are always in this order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Axis {
-    /// About the forward axis; right side down is positive.
-    Roll,
-    /// About the right axis; nose up is positive.
-    Pitch,
-    /// About the down axis; nose right is positive.
-    Yaw,
-}
-
-impl Axis {
-    /// All three, in the order of every array of three.
-    pub const ALL: [Axis; 3] = [Axis::Roll, Axis::Pitch, Axis::Yaw];
-
-    /// Place in an array of three.
-    pub fn index(self) -> usize {
-        self as usize
-    }
-
-    /// The name used in maps, commands and JSON.
-    pub fn name(self) -> &'static str {
-        ["roll", "pitch", "yaw"][self.index()]
-    }
-}
 
 /// One column of a log. Motors and rotors count from 0 here and from 1 in names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -7,8 +7,9 @@ use std::path::Path;
 
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
 use super::map::{Map, MappedColumn};
-use super::quantity::{Axis, Quantity};
+use super::quantity::Quantity;
 use super::{Log, source};
+use crate::axis::Axis;
 
 /// Reads a log: CSV or gzip-compressed CSV, in the columns of LOG_FORMAT.md or, with a map, in its own.
 ///

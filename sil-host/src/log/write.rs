@@ -121,7 +121,7 @@ mod tests {
     }
 
     fn is_required(quantity: Quantity) -> bool {
-        use crate::log::Axis::Yaw;
+        use crate::axis::Axis::Yaw;
         match quantity {
             Quantity::Time | Quantity::Motor(_) => true,
             Quantity::Angle(axis) | Quantity::Rate(axis) => axis != Yaw,

@@ -12,7 +12,8 @@
 //! about pitch, F being the sum of the lifts. At hover that is the same moment as on the gimbal. An offset along z
 //! has no effect there.
 
-use super::{Axis, Extension};
+use super::Extension;
+use crate::axis::Axis;
 use crate::model::{ModelError, Rig, Section, admissible};
 use crate::plant::free_flight::FreeMotion;
 use crate::plant::gimbal::GimbalMotion;

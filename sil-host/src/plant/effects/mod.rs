@@ -7,6 +7,7 @@ mod cg_offset;
 
 use super::free_flight::FreeMotion;
 use super::gimbal::GimbalMotion;
+use crate::axis::Axis;
 use crate::model::{ModelError, Problem, Rig, Section, Table};
 
 pub use cg_offset::CgOffset;
@@ -118,28 +119,6 @@ impl Effect {
             table.number_or_string(key.trim(), value.trim());
         }
         table.read_back(|section| Self::read(section, rig))
-    }
-}
-
-/// An axis of rotation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Axis {
-    /// About the body's x axis.
-    Roll,
-    /// About the body's y axis.
-    Pitch,
-    /// About the body's z axis.
-    Yaw,
-}
-
-impl Axis {
-    /// Its name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Axis::Roll => "roll",
-            Axis::Pitch => "pitch",
-            Axis::Yaw => "yaw",
-        }
     }
 }
 

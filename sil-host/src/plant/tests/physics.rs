@@ -3,9 +3,10 @@
 use proptest::prelude::*;
 
 use super::{unpowered, world_from_body};
+use crate::axis::Axis;
 use crate::model::{Mounting, Rig, VehicleModel};
 use crate::plant::Plant;
-use crate::plant::effects::{Axis, CgOffset, Effect};
+use crate::plant::effects::{CgOffset, Effect};
 use crate::plant::gimbal::Gimbal;
 
 /// J(phi) and its derivative on the gimbal, as RIG.md writes them.
