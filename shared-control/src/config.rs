@@ -7,7 +7,7 @@ use crate::estimator::EstimatorConfig;
 use crate::filter::LowPass1;
 use crate::imu::ImuConfig;
 use crate::mixer::MixerConfig;
-use crate::mpc::MpcSettings;
+use crate::mpc::{HORIZON, MpcSettings};
 use crate::output::{OutputConfig, PulseKind};
 use crate::vehicle::VehicleParameters;
 
@@ -49,6 +49,8 @@ pub struct Tuning {
     pub mpc_tracking_weight: [f32; 3],
     /// Weight on the change of the input in the MPC's cost.
     pub mpc_increment_weight: [f32; 3],
+    /// Steps of the MPC's prediction.
+    pub mpc_horizon: usize,
     /// Step of the MPC's prediction, s, whatever the loop's rate.
     pub mpc_prediction_step_s: f32,
     /// Bound on predicted roll and pitch, rad; none leaves them free.
@@ -78,6 +80,7 @@ impl Tuning {
             gyro_cutoff_hz: 100.0,
             mpc_tracking_weight: [100.0, 100.0, 100.0],
             mpc_increment_weight: [30.0, 30.0, 3000.0],
+            mpc_horizon: HORIZON,
             mpc_prediction_step_s: 0.01,
             mpc_tilt_max_rad: None,
         }
@@ -183,6 +186,7 @@ pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning) -> MpcSettings
     let [roll_nm, pitch_nm, yaw_nm] = mpc_torque_per_input_nm(vehicle);
     let [roll, pitch, yaw] = vehicle.inertia_kg_m2;
     MpcSettings {
+        horizon: tuning.mpc_horizon,
         prediction_step_s: tuning.mpc_prediction_step_s,
         input_gain: [roll_nm / roll, pitch_nm / pitch, yaw_nm / yaw],
         tracking_weight: tuning.mpc_tracking_weight,

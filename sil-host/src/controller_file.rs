@@ -156,6 +156,7 @@ tuning_fields! {
     gyro_cutoff_hz: f32,
     mpc_tracking_weight: [f32; 3],
     mpc_increment_weight: [f32; 3],
+    mpc_horizon: usize,
     mpc_prediction_step_s: f32,
     mpc_tilt_max_rad: f32,
 }

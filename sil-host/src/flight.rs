@@ -150,7 +150,7 @@ impl FlightSetup {
     fn summarise(&self, record: &FlightRecord, computing_s: f64) -> RunSummary {
         let axis = |axis| metrics::axis_metrics(&record.time_s, &record.reference_of(axis), &record.angle_of(axis));
         let mpc = MpcSummary {
-            horizon: shared_control::mpc::HORIZON,
+            horizon: self.tuning().mpc_horizon,
             control_horizon: self.choice.control_horizon,
             // f32 to its shortest decimal, so that 0.01 is written as 0.01
             prediction_step_s: self.tuning().mpc_prediction_step_s.to_string().parse().unwrap_or(f64::NAN),

@@ -60,7 +60,7 @@ fn every_instance_is_solved_exactly() {
 fn compare_condensed<const M: usize>(file: &Path, instances: &Value) {
     for axis in 0..3 {
         let parameter = |name: &str| number(&instances[name][axis]) as f32;
-        let angles = PredictedAngles::<M>::new(M, number(&instances["Ts"]) as f32, parameter("b"));
+        let angles = PredictedAngles::<M>::new(HORIZON, M, number(&instances["Ts"]) as f32, parameter("b"));
         let condensed = Condensed::new(&angles, parameter("mu"), parameter("rho"));
         // Sums of 30 rounded products of one sign: 1e-6 of the largest entry of the same matrix.
         let near = |found: f32, expected: &Value, largest: f64, what: &str| {

@@ -26,18 +26,19 @@ pub(super) struct AxisRequest {
 
 impl<const M: usize> Axis<M> {
     pub(super) fn prepare(
+        horizon: usize,
         control_horizon: usize,
         prediction_step_s: f32,
         settings: &AxisSettings,
     ) -> Result<Self, QpError> {
-        let angles = PredictedAngles::<M>::new(control_horizon, prediction_step_s, settings.input_gain);
+        let angles = PredictedAngles::<M>::new(horizon, control_horizon, prediction_step_s, settings.input_gain);
         let condensed = Condensed::new(&angles, settings.tracking_weight, settings.increment_weight);
         if !condensed.linear_map.0.as_flattened().iter().all(|entry| entry.is_finite()) {
             return Err(QpError::NotFinite);
         }
         let hessian = condensed.hessian.get(..control_horizon).ok_or(QpError::VariableCount)?;
         let output_rows = match settings.output_max_rad {
-            Some(_) => angles.input_weights.as_slice(),
+            Some(_) => angles.input_weights.get(..horizon).unwrap_or(&[]),
             None => &[],
         };
         Ok(Self {

@@ -15,7 +15,7 @@ use axis::{Axis, AxisRequest};
 use crate::qp::{self, QpError, Status, Workspace};
 use crate::signals::{Plan, PlanRequest, PlanStatus};
 
-/// Prediction steps (N).
+/// Most prediction steps (N), and the usual number.
 pub const HORIZON: usize = 30;
 
 /// Cap on the solver's iterations per axis. Turning every active bound of thirty inputs and thirty angles around takes
@@ -25,6 +25,8 @@ const ITERATION_LIMIT: u16 = 150;
 /// Parameters of the MPC; arrays are (roll, pitch, yaw).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MpcSettings {
+    /// Prediction steps (N), from the control horizon to [`HORIZON`].
+    pub horizon: usize,
     /// Length of one prediction step (Ts), s; independent of the control period.
     pub prediction_step_s: f32,
     /// Angular acceleration per input unit (b), rad/s^2.
@@ -67,6 +69,13 @@ pub enum MpcError {
         /// The greatest that this type has room for.
         room: usize,
     },
+    /// The horizon must be at least the control horizon and at most [`HORIZON`].
+    Horizon {
+        /// The horizon asked for.
+        found: usize,
+        /// The control horizon beside it.
+        control_horizon: usize,
+    },
     /// The settings make a program that single precision can't hold.
     Program {
         /// 0 roll, 1 pitch, 2 yaw.
@@ -84,6 +93,12 @@ impl core::fmt::Display for MpcError {
             }
             Self::ControlHorizon { found, room } => {
                 write!(formatter, "the control horizon must be 1 to {room} steps, not {found}")
+            }
+            Self::Horizon { found, control_horizon } => {
+                write!(
+                    formatter,
+                    "the horizon must be {control_horizon} (the control horizon) to {HORIZON} steps, not {found}"
+                )
             }
             Self::Program { axis, error } => write!(formatter, "axis {axis}: {error}"),
         }
@@ -167,8 +182,11 @@ impl<const M: usize> Mpc<M> {
             return Err(MpcError::ControlHorizon { found: control_horizon, room: M });
         }
         settings.validate()?;
+        if settings.horizon < control_horizon || settings.horizon > HORIZON {
+            return Err(MpcError::Horizon { found: settings.horizon, control_horizon });
+        }
         let prepare = |axis| {
-            Axis::prepare(control_horizon, settings.prediction_step_s, &settings.axis(axis))
+            Axis::prepare(settings.horizon, control_horizon, settings.prediction_step_s, &settings.axis(axis))
                 .map_err(|error| MpcError::Program { axis, error })
         };
         let solver = qp::Settings { iteration_limit: ITERATION_LIMIT, ..qp::Settings::default() };

@@ -7,11 +7,13 @@
 
 use super::HORIZON;
 
-/// Angle predicted for steps 1 ..= HORIZON: y_k = angle + rate_weights\[k\] rate + input_weights\[k\] . z.
+/// Angle predicted for steps 1 ..= N: y_k = angle + rate_weights\[k\] rate + input_weights\[k\] . z.
 ///
-/// Has room for M inputs; weights beyond the control horizon are zero.
+/// Has room for M inputs and [`HORIZON`] steps; weights beyond the control horizon and beyond N are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PredictedAngles<const M: usize> {
+    /// Number of prediction steps, N.
+    pub horizon: usize,
     /// Number of inputs, 1 ..= M.
     pub control_horizon: usize,
     /// Seconds from now to each step, s.
@@ -21,13 +23,15 @@ pub struct PredictedAngles<const M: usize> {
 }
 
 impl<const M: usize> PredictedAngles<M> {
-    /// `control_horizon` is the number of inputs, `prediction_step_s` is Ts, and `input_gain`, b, is in rad/s^2 per
+    /// `horizon` is N, `control_horizon` is the number of inputs, `prediction_step_s` is Ts, and `input_gain`, b, is in rad/s^2 per
     /// input unit.
-    pub fn new(control_horizon: usize, prediction_step_s: f32, input_gain: f32) -> Self {
-        let mut angles = Self { control_horizon, rate_weights: [0.0; HORIZON], input_weights: [[0.0; M]; HORIZON] };
+    pub fn new(horizon: usize, control_horizon: usize, prediction_step_s: f32, input_gain: f32) -> Self {
+        let mut angles =
+            Self { horizon, control_horizon, rate_weights: [0.0; HORIZON], input_weights: [[0.0; M]; HORIZON] };
         // An input held over one step turns the angle by b Ts^2/2 within it, and by b Ts^2 in each step after.
         let square = input_gain * prediction_step_s * prediction_step_s;
-        for (step, (rate_weight, inputs)) in angles.rate_weights.iter_mut().zip(&mut angles.input_weights).enumerate() {
+        let steps = angles.rate_weights.iter_mut().zip(&mut angles.input_weights).take(horizon);
+        for (step, (rate_weight, inputs)) in steps.enumerate() {
             *rate_weight = (step + 1) as f32 * prediction_step_s;
             for (block, weight) in inputs.iter_mut().enumerate().take(control_horizon).take(step + 1) {
                 let held = (step + 1 - block) as f32;

@@ -9,6 +9,7 @@ use super::*;
 /// The nominal vehicle with the weights of the reference instances.
 fn nominal() -> MpcSettings {
     MpcSettings {
+        horizon: HORIZON,
         prediction_step_s: 0.01,
         input_gain: [0.226 / 0.011_511_8, 0.226 / 0.036_565_1, 1.0 / 0.029_074_2],
         tracking_weight: [100.0; 3],
@@ -270,4 +271,30 @@ fn settings_beyond_single_precision_are_refused() {
     let error = Mpc::<30>::prepare(&settings).err();
     let expected = |error| matches!(error, Some(MpcError::Program { axis: 1, error: QpError::IllConditioned { .. } }));
     assert!(expected(error), "{error:?}");
+}
+
+/// One step ahead and one input: u minimises mu (theta + T theta' + b T^2 u / 2 - r)^2 + rho (u - u_prev)^2.
+#[test]
+fn a_horizon_of_one_step_has_its_closed_form() {
+    let settings = MpcSettings { horizon: 1, ..nominal() };
+    let mpc = Mpc::<1>::prepare(&settings).unwrap();
+    let step_s = settings.prediction_step_s;
+    for (axis, gain) in mpc.unconstrained_gain().into_iter().enumerate() {
+        let reach = 0.5 * settings.input_gain[axis] * step_s * step_s;
+        let (mu, rho) = (settings.tracking_weight[axis], settings.increment_weight[axis]);
+        let denominator = mu * reach * reach + rho;
+        let expected = [-mu * reach, -mu * reach * step_s, rho, mu * reach].map(|part| part / denominator);
+        for (found, expected) in gain.into_iter().zip(expected) {
+            // a handful of f32 operations
+            assert!((found - expected).abs() <= 1e-6 * expected.abs(), "axis {axis}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_horizon_outside_its_range_is_refused() {
+    for horizon in [0, 4, HORIZON + 1] {
+        let refused = Mpc::<5>::prepare(&MpcSettings { horizon, ..nominal() });
+        assert_eq!(refused.err(), Some(MpcError::Horizon { found: horizon, control_horizon: 5 }));
+    }
 }

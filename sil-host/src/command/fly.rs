@@ -41,7 +41,7 @@ pub struct FlyArguments {
     /// Seed of the sensors' noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Prediction steps of the MPC
+    /// Prediction steps of the MPC, M to 30
     #[arg(long, value_name = "N", default_value_t = shared_control::mpc::HORIZON)]
     horizon: usize,
     /// Free inputs per axis of the MPC, 1 to N
@@ -101,7 +101,7 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     };
     let flown: Vec<FlownController> = controllers
         .iter()
-        .map(|&controller| fly_one(&model, &scenario, choice(arguments, controller)?, arguments.seed))
+        .map(|&controller| fly_one(&model, &scenario, choice(arguments, controller), arguments.seed))
         .collect::<Result<_, _>>()?;
     print!("{}", summary_text(&flown));
     for one in &flown {
@@ -118,19 +118,13 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     write_json(arguments.json.as_deref(), &FlyJson { runs: flown.iter().map(|one| &one.flight.summary).collect() })
 }
 
-fn choice(arguments: &FlyArguments, controller: Controller) -> Result<ControllerChoice, Failure> {
-    if arguments.horizon != shared_control::mpc::HORIZON {
-        let built = shared_control::mpc::HORIZON;
-        return Err(bad_input(format!(
-            "--horizon {}: the MPC is built for {built} prediction steps",
-            arguments.horizon
-        )));
-    }
+fn choice(arguments: &FlyArguments, controller: Controller) -> ControllerChoice {
     let mut choice = ControllerChoice::nominal(controller);
     choice.rate_hz = arguments.rate;
     choice.control_horizon = arguments.control_horizon;
+    choice.tuning.mpc_horizon = Some(arguments.horizon);
     choice.tuning.mpc_prediction_step_s = Some(arguments.prediction_step);
-    Ok(choice)
+    choice
 }
 
 /// Flies one controller and measures its margins.
@@ -156,8 +150,8 @@ fn command_line(arguments: &FlyArguments) -> String {
     };
     let mut line = format!("sil fly --controller {controller} --rate {} --seed {}", arguments.rate, arguments.seed);
     line.push_str(&format!(
-        " --control-horizon {} --prediction-step {}",
-        arguments.control_horizon, arguments.prediction_step
+        " --horizon {} --control-horizon {} --prediction-step {}",
+        arguments.horizon, arguments.control_horizon, arguments.prediction_step
     ));
     for (flag, path) in [("--model", &arguments.model), ("--script", &arguments.script)] {
         if let Some(path) = path {
