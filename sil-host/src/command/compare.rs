@@ -23,13 +23,13 @@ pub struct CompareArguments {
     /// The log: CSV or CSV.gz
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// What the log's columns mean: a file, or the name of a map that ships (see --map list)
+    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller, crazypad_motor)
     #[arg(long, value_name = "MAP")]
     map: Option<String>,
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
-    /// What held the vehicle [default: axis for a log without motors, else the model's rig]
+    /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
     #[arg(long, value_enum)]
     rig: Option<CompareRig>,
     /// What flew: pid, mpc, or a controller file
@@ -79,7 +79,8 @@ fn file_name(log: &Log) -> String {
 
 fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> {
     let rig = match (arguments.rig, &arguments.model) {
-        (None, None) if log.driven_by_axis_commands() => Some(CompareRig::Axis),
+        // a log in other people's columns is of other people's vehicle
+        (None, None) if arguments.map.is_some() || log.driven_by_axis_commands() => Some(CompareRig::Axis),
         (rig, _) => rig,
     };
     let controller =
