@@ -11,7 +11,7 @@ use crate::flight::{FlightSetup, SetupError};
 use crate::log::Log;
 use crate::model::VehicleModel;
 use crate::plant::Plant;
-use crate::scenario::{Scenario, Waypoint};
+use crate::scenario::{DURATION_MAX_S, Scenario, Waypoint};
 use crate::sensors::Sensors;
 
 /// What the log is held against.
@@ -77,6 +77,14 @@ pub enum ComparisonError {
     /// The controller does not.
     #[error(transparent)]
     Setup(#[from] SetupError),
+    /// Its closed loop would be simulated for ages, gaps in time included.
+    #[error(
+        "time_s spans {duration_s} s; the closed loop is simulated for up to {DURATION_MAX_S} s (leave out --controller)"
+    )]
+    TooLong {
+        /// From the log's first row to its last, s.
+        duration_s: f64,
+    },
 }
 
 impl Comparison {
@@ -99,19 +107,28 @@ pub fn compare(log: &Log, subject: &Subject) -> Result<Comparison, ComparisonErr
         Subject::Vehicle(vehicle) => {
             let Vehicle { model, controller } = vehicle.as_ref();
             let options = ReplayOptions { control_rate_hz: controller.map(|choice| f64::from(choice.rate_hz)) };
+            // first the replay: it refuses a log whose time is in another unit, which would be simulated for hours
+            let replay = replay_plant(log, model, &options)?;
             let closed_loop = match controller {
                 Some(choice) => closed_loop(log, model, *choice)?,
                 None => None,
             };
-            Ok(Comparison { closed_loop, replay: replay_plant(log, model, &options)? })
+            Ok(Comparison { closed_loop, replay })
         }
     }
 }
 
 /// Simulates the closed loop on the log's references from the log's first attitude, without sensor noise.
-fn closed_loop(log: &Log, model: &VehicleModel, choice: ControllerChoice) -> Result<Option<ClosedLoop>, SetupError> {
+fn closed_loop(
+    log: &Log,
+    model: &VehicleModel,
+    choice: ControllerChoice,
+) -> Result<Option<ClosedLoop>, ComparisonError> {
     let (Some(measured_roll), Some(measured_pitch)) = (&log.angle_rad[0], &log.angle_rad[1]) else { return Ok(None) };
     let Some(scenario) = reference_scenario(log) else { return Ok(None) };
+    if scenario.duration_s > DURATION_MAX_S {
+        return Err(ComparisonError::TooLong { duration_s: log.duration_s() });
+    }
     let mut model = model.clone();
     if let Some(throttle) = usual_throttle(log, &model) {
         model.base_command = throttle;

@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use sil_host::axis::Axis;
-use sil_host::comparison::{Comparison, Subject, Vehicle, compare};
+use sil_host::comparison::{Comparison, ComparisonError, Subject, Vehicle, compare};
 use sil_host::controller_file::ControllerChoice;
 use sil_host::log::{self, Log, Map};
 use sil_host::model::Rig;
 use sil_host::report::Page;
 
 use super::text_table::{TextTable, number};
-use super::{Failure, bad_input, compare_report, vehicle_model, write_file, write_json};
+use super::{Failure, bad_input, compare_report, print, vehicle_model, write_file, write_json};
 
 /// Hold a measured log against the simulation: closed loop and open-loop replay
 #[derive(Args)]
@@ -58,8 +58,11 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let map = arguments.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
     let log = log::read(&arguments.log, map.as_ref()).map_err(bad_input)?;
     let subject = subject(arguments, &log)?;
-    let comparison = compare(&log, &subject).map_err(|error| bad_input(format!("{}: {error}", log.path)))?;
-    print!("{}", summary_text(&log, &comparison, &subject));
+    let comparison = compare(&log, &subject).map_err(|error| match (&error, &arguments.controller) {
+        (ComparisonError::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
+        _ => bad_input(format!("{}: {error}", log.path)),
+    })?;
+    print(summary_text(&log, &comparison, &subject))?;
     let mut page = Page::new(format!("Measured against simulated: {}", file_name(&log)))
         .lead(compare_report::lead(&comparison, &subject));
     for section in compare_report::sections(&log, &comparison, &subject) {
@@ -67,7 +70,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     }
     page = page.provenance("Log", log.path.clone()).provenance("Version", env!("CARGO_PKG_VERSION"));
     write_file(&arguments.report, page.to_html().as_bytes())?;
-    println!("report  {}", arguments.report.display());
+    print(format!("report  {}\n", arguments.report.display()))?;
     write_json(arguments.json.as_deref(), &comparison.summary())
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use shared_control::config::Controller;
@@ -9,13 +10,13 @@ use sil_host::controller_file::{CONTROL_HORIZON_DEFAULT, ControllerChoice};
 use sil_host::flight::{Flight, FlightSetup, RunSummary};
 use sil_host::flight_log::flight_log;
 use sil_host::margins::Margins;
-use sil_host::model::VehicleModel;
+use sil_host::model::{Rig, VehicleModel};
 use sil_host::scenario::Scenario;
 
 use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
 use super::text_table::{TextTable, number};
 use super::{
-    Failure, RigArgument, bad_input, failed, flight_report, make_folder, vehicle_model, write_file, write_json,
+    Failure, RigArgument, bad_input, failed, flight_report, make_folder, print, vehicle_model, write_file, write_json,
 };
 
 /// Fly the thesis' test sequence, or a script, in co-simulation
@@ -45,10 +46,10 @@ pub struct FlyArguments {
     #[arg(long, value_name = "N", default_value_t = shared_control::mpc::HORIZON)]
     horizon: usize,
     /// Free inputs per axis of the MPC, 1 to N
-    #[arg(long, value_name = "M", default_value_t = CONTROL_HORIZON_DEFAULT)]
+    #[arg(long, value_name = "M", default_value_t = CONTROL_HORIZON_DEFAULT, value_parser = control_horizon())]
     control_horizon: usize,
     /// Length of a prediction step of the MPC, s, whatever the rate
-    #[arg(long, value_name = "S", default_value_t = 0.01)]
+    #[arg(long, value_name = "S", default_value_t = 0.01, allow_negative_numbers = true)]
     prediction_step: f32,
     /// Write the flight as a log; with both controllers OUT-pid.csv and OUT-mpc.csv
     #[arg(long, value_name = "OUT.csv")]
@@ -59,6 +60,14 @@ pub struct FlyArguments {
     /// Write the figures as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
+}
+
+/// Lengths of a prediction step that make sense, s: below, the whole horizon is shorter than a motor's lag; above, a
+/// step is longer than a turn of the vehicle takes.
+const PREDICTION_STEP_S: std::ops::RangeInclusive<f32> = 0.001..=0.1;
+
+fn control_horizon() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=shared_control::mpc::HORIZON as u64)
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -101,30 +110,42 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     };
     let flown: Vec<FlownController> = controllers
         .iter()
-        .map(|&controller| fly_one(&model, &scenario, choice(arguments, controller), arguments.seed))
+        .map(|&controller| fly_one(&model, &scenario, choice(arguments, controller)?, arguments.seed))
         .collect::<Result<_, _>>()?;
-    print!("{}", summary_text(&flown));
+    print(summary_text(&flown))?;
     for one in &flown {
         if let Some(path) = &arguments.log {
             let path = log_path(path, one.setup.choice.name(), flown.len() > 1);
             write_log(&path, one)?;
-            println!("log     {}", path.display());
+            print(format!("log     {}\n", path.display()))?;
         }
     }
     if let Some(path) = &arguments.report {
         write_file(path, flight_report::page(&flown, &command_line(arguments)).to_html().as_bytes())?;
-        println!("report  {}", path.display());
+        print(format!("report  {}\n", path.display()))?;
     }
     write_json(arguments.json.as_deref(), &FlyJson { runs: flown.iter().map(|one| &one.flight.summary).collect() })
 }
 
-fn choice(arguments: &FlyArguments, controller: Controller) -> ControllerChoice {
+fn choice(arguments: &FlyArguments, controller: Controller) -> Result<ControllerChoice, Failure> {
+    let horizons = arguments.control_horizon..=shared_control::mpc::HORIZON;
+    if !horizons.contains(&arguments.horizon) {
+        let (min, max) = (horizons.start(), horizons.end());
+        return Err(bad_input(format!(
+            "--horizon {}: expected {min} (the control horizon) to {max} steps",
+            arguments.horizon
+        )));
+    }
+    if !PREDICTION_STEP_S.contains(&arguments.prediction_step) {
+        let (min, max) = (PREDICTION_STEP_S.start(), PREDICTION_STEP_S.end());
+        return Err(bad_input(format!("--prediction-step {}: expected {min} to {max} s", arguments.prediction_step)));
+    }
     let mut choice = ControllerChoice::nominal(controller);
     choice.rate_hz = arguments.rate;
     choice.control_horizon = arguments.control_horizon;
     choice.tuning.mpc_horizon = Some(arguments.horizon);
     choice.tuning.mpc_prediction_step_s = Some(arguments.prediction_step);
-    choice
+    Ok(choice)
 }
 
 /// Flies one controller and measures its margins.
@@ -153,6 +174,9 @@ fn command_line(arguments: &FlyArguments) -> String {
         " --horizon {} --control-horizon {} --prediction-step {}",
         arguments.horizon, arguments.control_horizon, arguments.prediction_step
     ));
+    if let Some(rig) = arguments.rig {
+        line.push_str(&format!(" --rig {}", Rig::from(rig).name()));
+    }
     for (flag, path) in [("--model", &arguments.model), ("--script", &arguments.script)] {
         if let Some(path) = path {
             line.push_str(&format!(" {flag} {}", path.display()));
@@ -165,9 +189,10 @@ fn log_path(path: &Path, controller: &str, several: bool) -> PathBuf {
     if !several {
         return path.to_owned();
     }
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let extension = path.extension().map_or_else(String::new, |extension| format!(".{}", extension.to_string_lossy()));
-    path.with_file_name(format!("{stem}-{controller}{extension}"))
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let (plain, compression) = name.strip_suffix(".gz").map_or((&*name, ""), |plain| (plain, ".gz"));
+    let (stem, extension) = plain.rfind('.').map_or((plain, ""), |dot| plain.split_at(dot));
+    path.with_file_name(format!("{stem}-{controller}{extension}{compression}"))
 }
 
 fn write_log(path: &Path, flown: &FlownController) -> Result<(), Failure> {
