@@ -32,7 +32,8 @@ fn impossible_values_are_refused() {
             ("--prediction-step", "0", "expected 0.001 to 0.1 s"),
             ("--prediction-step", "1e9", "expected 0.001 to 0.1 s"),
             ("--prediction-step", "inf", "expected 0.001 to 0.1 s"),
-            ("--horizon", "7", "built for 30 prediction steps"),
+            ("--horizon", "4", "expected 5 (the control horizon) to 30 steps"),
+            ("--horizon", "31", "expected 5 (the control horizon) to 30 steps"),
             ("--seed", "x", "invalid value 'x'"),
             ("--rig", "axis", "gimbal, free"),
         ] {
