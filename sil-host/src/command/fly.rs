@@ -13,7 +13,7 @@ use sil_host::margins::Margins;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::scenario::Scenario;
 
-use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
+use super::figures::{FOLLOWING, Figure, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
 use super::text_table::{TextTable, number};
 use super::{
     Failure, RigArgument, bad_input, failed, flight_report, make_folder, print, vehicle_model, write_file, write_json,
@@ -91,8 +91,8 @@ pub struct FlownController {
     pub setup: FlightSetup,
     /// Series and figures.
     pub flight: Flight,
-    /// Margins of roll and pitch.
-    pub margins: [Margins; 2],
+    /// Margins of roll and pitch; none if the loop oscillates by itself.
+    pub margins: Option<[Margins; 2]>,
     /// Eigenvalues of roll and pitch under the unconstrained MPC.
     pub eigenvalues: Option<[[[f64; 2]; 3]; 2]>,
 }
@@ -157,7 +157,7 @@ pub fn fly_one(
 ) -> Result<FlownController, Failure> {
     let setup = FlightSetup { model: model.clone(), choice, scenario: scenario.clone(), seed };
     let flight = setup.fly().map_err(bad_input)?;
-    let margins = setup.margins().map_err(bad_input)?.map(|(_, margins)| margins);
+    let margins = setup.margins().map_err(bad_input)?;
     let eigenvalues = setup.mpc_eigenvalues().map_err(bad_input)?;
     Ok(FlownController { setup, flight, margins, eigenvalues })
 }
@@ -220,14 +220,52 @@ pub fn summary_text(flown: &[FlownController]) -> String {
     text.push_str(&axis_table(flown).to_string());
     text.push('\n');
     text.push_str(&flight_table(flown).to_string());
-    for eigenvalues in flown.iter().filter_map(|one| one.eigenvalues) {
-        text.push_str("\nclosed-loop eigenvalues of the unconstrained MPC, |z| and angle per step:\n");
+    for one in flown {
+        let Some(eigenvalues) = one.eigenvalues else { continue };
+        text.push_str(&format!("\n{}, |z| and angle per step:\n", eigenvalues_title(one)));
         for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
             text.push_str(&format!("  {name:<6} {}\n", eigenvalues_text(axis).join(", ")));
         }
     }
+    for remark in flown.iter().flat_map(remarks) {
+        text.push_str(&format!("\n{remark}\n"));
+    }
     text.push('\n');
     text
+}
+
+/// What the eigenvalues are of.
+pub fn eigenvalues_title(flown: &FlownController) -> String {
+    let period_ms = 1e3 / f64::from(flown.setup.choice.rate_hz);
+    format!("closed-loop eigenvalues of the unconstrained MPC, one step = {period_ms} ms")
+}
+
+/// What somebody who reads the figures must know.
+pub fn remarks(flown: &FlownController) -> Vec<String> {
+    let name = flown.setup.choice.name();
+    let summary = &flown.flight.summary;
+    let mut remarks = Vec::new();
+    if flown.flight.record.ended_early {
+        remarks.push(format!(
+            "{name}: the flight ended after {:.2} s, the state was no longer finite.",
+            summary.duration_s
+        ));
+    }
+    if flown.margins.is_none() {
+        remarks.push(format!("{name}: at hover the loop oscillates by itself, so it has no margins."));
+    }
+    let unstable = |axes: &[[[f64; 2]; 3]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
+    if flown.eigenvalues.as_ref().is_some_and(unstable) {
+        remarks.push(format!("{name}: without active bounds this loop is unstable, an eigenvalue has |z| >= 1."));
+    }
+    let axes = [summary.axes.roll, summary.axes.pitch];
+    if flown.setup.model.rig() == Rig::Free && axes.iter().any(|axis| axis.settling_time_s.is_none()) {
+        remarks.push(format!(
+            "{name}: in still air the accelerometer of a tilted vehicle feels its thrust as gravity; the estimate, and with \
+             it the vehicle, is pulled a few degrees towards level while a tilt is held."
+        ));
+    }
+    remarks
 }
 
 fn axis_table(flown: &[FlownController]) -> TextTable {
@@ -240,10 +278,16 @@ fn axis_table(flown: &[FlownController]) -> TextTable {
         table.row([figure.name.to_owned()].into_iter().chain(cells));
     }
     for figure in ROBUSTNESS {
-        let cells = flown.iter().flat_map(|one| one.margins.iter().map(|m| number((figure.value)(m), figure.decimals)));
+        let cells =
+            flown.iter().flat_map(|one| margin_values(one, &figure).map(|value| number(value, figure.decimals)));
         table.row([figure.name.to_owned()].into_iter().chain(cells));
     }
     table
+}
+
+/// A margin of roll and pitch, none where the loop has none.
+pub fn margin_values(flown: &FlownController, figure: &Figure<Margins>) -> [Option<f64>; 2] {
+    flown.margins.map_or([None; 2], |axes| axes.map(|margins| (figure.value)(&margins)))
 }
 
 fn flight_table(flown: &[FlownController]) -> TextTable {

@@ -26,7 +26,7 @@ pub struct SynthArguments {
     /// Rows per second
     #[arg(long, value_name = "HZ", default_value_t = 200, value_parser = clap::value_parser!(u32).range(10..=1000))]
     rate: u32,
-    /// Steps of the controller per second [default: the larger of 400 and the log's rate]
+    /// Steps of the controller per second [default: that of the controller file, else the larger of 400 and the log's rate]
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(50..=1000))]
     control_rate: Option<u32>,
     /// Collective command at hover, 0..1 [default: the model's]
@@ -77,7 +77,10 @@ pub fn run(arguments: &SynthArguments) -> Result<(), Failure> {
         model.effects.push(effect);
     }
     let mut choice = ControllerChoice::from_argument(&arguments.controller).map_err(bad_input)?;
-    choice.rate_hz = arguments.control_rate.unwrap_or(choice.rate_hz.max(arguments.rate));
+    let named = matches!(arguments.controller.as_str(), "pid" | "mpc");
+    // a file says at what rate its controller flew; a name does not
+    let usual_hz = if named { choice.rate_hz.max(arguments.rate) } else { choice.rate_hz };
+    choice.rate_hz = arguments.control_rate.unwrap_or(usual_hz);
     check(arguments, choice.rate_hz)?;
     let noise = arguments.noise.as_deref().map(|text| noise(text, &model.noise)).transpose()?;
     let setup = SynthesisSetup {
