@@ -15,10 +15,12 @@ use super::{Failure, bad_input, compare_report, print, vehicle_model, write_file
 
 /// Hold a measured log against the simulation: closed loop and open-loop replay
 #[derive(Args)]
-#[command(after_help = "Example: sil compare out/rig.csv --rig gimbal --controller pid\n\
+#[command(
+    after_help = "Example: sil compare out/rig.csv --rig gimbal --controller pid   (sil synth out/rig.csv makes that log)\n\
          sil compare bench.csv.gz --map antx --rig axis\n\n\
 The replay is open loop: in windows of 0.5 s the model starts where the log was and gets the logged commands.\n\
-With --controller the closed loop is simulated too, on the log's references.")]
+With --controller the closed loop is simulated too, on the log's references."
+)]
 pub struct CompareArguments {
     /// The log: CSV or CSV.gz
     #[arg(value_name = "LOG")]
@@ -105,7 +107,7 @@ fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> 
 pub fn summary_text(log: &Log, comparison: &Comparison, subject: &Subject) -> String {
     let mut text =
         format!("{}: {} rows, {:.2} s, {:.1} Hz\n", file_name(log), log.rows(), log.duration_s(), log.rate_hz());
-    for line in log.comments.iter().chain(&log.notes).chain(&comparison.replay.notes) {
+    for line in log.comments.iter().chain(&log.notes).chain(&comparison.replay.notes).chain(&comparison.notes) {
         text.push_str(&format!("  {line}\n"));
     }
     text.push_str(&format!("\n{}\n", compare_report::lead(comparison, subject)));

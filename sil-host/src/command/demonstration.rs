@@ -16,7 +16,8 @@ use super::{
 };
 
 /// The rig log that ships: synthetic, flown by the thesis' MPC (100 Hz, M = 1) on a ring that is off balance.
-/// `sil synth` makes it with the arguments in its comments.
+/// Made by `sil synth --effect "cg_offset:axis=pitch,cos_moment_nm=0.2" --rate 100 --control-rate 100 --seed 5`
+/// with `--controller` the file below.
 const RIG_LOG: &str = include_str!("../../demonstration/rig-log.csv");
 /// What the log is called in messages.
 const RIG_LOG_NAME: &str = "rig-log.csv (bundled)";
@@ -44,7 +45,8 @@ pub fn run() -> Result<(), Failure> {
     let mut page = Page::new("A quadrotor on its testbed: flown, and held against a log")
         .lead(
             "First the thesis' experiment in simulation: a DJI F450 on a gimbal flies nine positions under the PID cascade of \
-             APM:Copter and under model predictive control. Then a rig log is held against the simulation.",
+             APM:Copter and under model predictive control. Then a rig log is held against the simulation; the log is \
+             synthetic, made with a ring that is off balance, as the thesis suspected of its own.",
         )
         .lead(compare_report::lead(&comparison, &subject));
     for section in
