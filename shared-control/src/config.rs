@@ -9,8 +9,12 @@ use crate::imu::ImuConfig;
 use crate::mixer::MixerConfig;
 use crate::mpc::{HORIZON, MpcSettings};
 use crate::output::{OutputConfig, PulseKind};
+use crate::signals::IMU_SAMPLES_MAX;
 use crate::supervisor::SupervisorConfig;
 use crate::vehicle::VehicleParameters;
+
+/// Steepest tilt that a set-point in Euler angles can mean, rad.
+const TILT_MAX_RAD: f32 = 1.5;
 
 /// Which controller makes the torque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +111,8 @@ pub struct Config {
     pub inertia_kg_m2: [f32; 3],
     /// Torque per unit of MPC input, N m.
     pub mpc_torque_per_input_nm: [f32; 3],
+    /// Largest input of an admissible plan; what exceeds it by more than rounding did not come from the MPC.
+    pub mpc_input_max: [f32; 3],
     /// Mixer.
     pub mixer: MixerConfig,
     /// Pulses.
@@ -155,8 +161,8 @@ impl Config {
         if !(50.0..=1000.0).contains(&loop_rate_hz) {
             return Err(ConfigError::OutOfRange("loop_rate_hz (50 to 1000)"));
         }
-        if !(loop_rate_hz..=8000.0).contains(&imu_rate_hz) {
-            return Err(ConfigError::OutOfRange("imu_rate_hz (the loop rate to 8000)"));
+        if !(loop_rate_hz..=loop_rate_hz * IMU_SAMPLES_MAX as f32).contains(&imu_rate_hz) {
+            return Err(ConfigError::OutOfRange("imu_rate_hz (1 to 16 samples a step)"));
         }
         Ok(Config {
             loop_rate_hz,
@@ -167,6 +173,7 @@ impl Config {
             rate: rate_gains(vehicle, tuning, loop_rate_hz),
             inertia_kg_m2: vehicle.inertia_kg_m2,
             mpc_torque_per_input_nm: mpc_torque_per_input_nm(vehicle),
+            mpc_input_max: mpc_settings(vehicle, tuning).input_max,
             mixer: MixerConfig {
                 lever_m: vehicle.lever_m(),
                 torque_per_lift_m: vehicle.torque_per_lift_m,
@@ -218,7 +225,8 @@ fn angle_config(vehicle: &VehicleParameters, tuning: &Tuning) -> AngleConfig {
             rate_max_rad_s: tuning.rate_max_rad_s[axis],
         }),
         gain_1_s: tuning.angle_gain_1_s,
-        acceleration_max_rad_s2: acceleration_max,
+        // the reference may use it all; the correction counts on half of it, as both can act together
+        acceleration_max_rad_s2: acceleration_max.map(|a| 0.5 * a),
         rate_max_rad_s: tuning.rate_max_rad_s,
         tilt_max_rad: tuning.tilt_max_rad,
         yaw_locked: vehicle.yaw_locked,
@@ -227,10 +235,12 @@ fn angle_config(vehicle: &VehicleParameters, tuning: &Tuning) -> AngleConfig {
 
 fn rate_gains(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: f32) -> [RateGains; 3] {
     let authority = vehicle.acceleration_authority_rad_s2();
+    // a heading that can't move has no rate error: on the gimbal r = -theta' sin phi, which an integral would collect
+    let active = |axis: usize| if axis == 2 && vehicle.yaw_locked { 0.0 } else { 1.0 };
     core::array::from_fn(|axis| RateGains {
-        proportional_1_s: tuning.rate_proportional_1_s[axis],
-        integral_1_s2: tuning.rate_integral_1_s2[axis],
-        derivative: tuning.rate_derivative[axis],
+        proportional_1_s: active(axis) * tuning.rate_proportional_1_s[axis],
+        integral_1_s2: active(axis) * tuning.rate_integral_1_s2[axis],
+        derivative: active(axis) * tuning.rate_derivative[axis],
         integral_max_rad_s2: tuning.integral_share * authority[axis],
         derivative_filter: LowPass1::new(tuning.rate_derivative_cutoff_hz, loop_rate_hz),
     })
@@ -243,8 +253,10 @@ fn validate_vehicle(vehicle: &VehicleParameters) -> Result<(), ConfigError> {
     for inertia in vehicle.inertia_kg_m2 {
         positive("inertia_kg_m2", inertia)?;
     }
-    if !vehicle.lift_curve.is_increasing() || vehicle.lift_curve.command_at.iter().any(|c| !c.is_finite()) {
-        return Err(ConfigError::OutOfRange("lift_curve (must rise)"));
+    let curve = &vehicle.lift_curve;
+    let spans_commands = curve.command_at.first() == Some(&0.0) && curve.command_at.last() == Some(&1.0);
+    if !(curve.is_increasing() && spans_commands && curve.lift_min_n >= 0.0 && curve.lift_max_n.is_finite()) {
+        return Err(ConfigError::OutOfRange("lift_curve (must rise, from command 0 to 1)"));
     }
     Ok(())
 }
@@ -260,6 +272,9 @@ fn validate_tuning(tuning: &Tuning) -> Result<(), ConfigError> {
     }
     positive("acceleration_share", tuning.acceleration_share)?;
     positive("tilt_max_rad", tuning.tilt_max_rad)?;
+    if tuning.tilt_max_rad > TILT_MAX_RAD {
+        return Err(ConfigError::OutOfRange("tilt_max_rad (Euler angles: at most 1.5)"));
+    }
     not_negative("integral_share", tuning.integral_share)?;
     positive("gyro_cutoff_hz", tuning.gyro_cutoff_hz)
 }
@@ -270,4 +285,52 @@ fn positive(name: &'static str, value: f32) -> Result<(), ConfigError> {
 
 fn not_negative(name: &'static str, value: f32) -> Result<(), ConfigError> {
     if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(ConfigError::Negative(name)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lift_curve::{LIFT_INTERVALS, LiftCurve};
+
+    const VEHICLE: VehicleParameters = VehicleParameters {
+        gravity_m_s2: 9.81,
+        arm_m: 0.226,
+        inertia_kg_m2: [0.0115, 0.0366, 0.02],
+        torque_per_lift_m: 0.038,
+        lift_curve: LiftCurve { lift_min_n: 0.0, lift_max_n: 2.0, command_at: [0.0; LIFT_INTERVALS + 1] },
+        yaw_locked: false,
+    };
+
+    fn refusal(change: impl Fn(&mut VehicleParameters, &mut Tuning, &mut [f32; 2])) -> Option<&'static str> {
+        let mut vehicle = VehicleParameters { lift_curve: LiftCurve::straight(2.0), ..VEHICLE };
+        let (mut tuning, mut rates_hz) = (Tuning::for_motor_lag(0.0), [400.0, 1200.0]);
+        change(&mut vehicle, &mut tuning, &mut rates_hz);
+        match Config::new(&vehicle, &tuning, rates_hz[0], rates_hz[1], Controller::Cascade) {
+            Ok(_) => None,
+            Err(ConfigError::NotPositive(name) | ConfigError::Negative(name) | ConfigError::OutOfRange(name)) => {
+                Some(name)
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_flown_is_refused_by_name() {
+        assert_eq!(refusal(|_, _, _| {}), None);
+        let starts =
+            |found: Option<&'static str>, name| assert!(found.is_some_and(|f| f.starts_with(name)), "{found:?}");
+        starts(refusal(|v, _, _| v.gravity_m_s2 = 0.0), "gravity_m_s2");
+        starts(refusal(|v, _, _| v.arm_m = f32::NAN), "arm_m");
+        starts(refusal(|v, _, _| v.inertia_kg_m2[1] = -1.0), "inertia_kg_m2");
+        starts(refusal(|v, _, _| v.torque_per_lift_m = f32::INFINITY), "torque_per_lift_m");
+        starts(refusal(|v, _, _| v.lift_curve.lift_max_n = f32::INFINITY), "lift_curve");
+        starts(refusal(|v, _, _| v.lift_curve.command_at[7] = 0.9), "lift_curve");
+        starts(refusal(|v, _, _| v.lift_curve.command_at[LIFT_INTERVALS] = 1.2), "lift_curve");
+        starts(refusal(|_, t, _| t.angle_gain_1_s[2] = 0.0), "angle_gain_1_s");
+        starts(refusal(|_, t, _| t.rate_derivative[0] = -0.1), "rate_derivative");
+        starts(refusal(|_, t, _| t.tilt_max_rad = 1.6), "tilt_max_rad");
+        starts(refusal(|_, t, _| t.gyro_cutoff_hz = 0.0), "gyro_cutoff_hz");
+        starts(refusal(|_, _, rates| rates[0] = 20.0), "loop_rate_hz");
+        starts(refusal(|_, _, rates| rates[1] = 399.0), "imu_rate_hz");
+        starts(refusal(|_, _, rates| rates[1] = 8000.0), "imu_rate_hz");
+    }
 }

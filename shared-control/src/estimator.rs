@@ -15,7 +15,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::elementary::{asin, atan2, larger, limit, magnitude, smaller, sqrt};
+use crate::elementary::{asin, atan2, larger, limit, magnitude, sqrt};
 use crate::frames::{EulerAngles, down_in_body, normalized, q_from_rotation_vector, q_world_from_euler};
 use crate::imu::{ImuStep, seconds_between};
 use crate::signals::AttitudeEstimate;
@@ -31,8 +31,12 @@ pub struct EstimatorConfig {
     pub flight_bias_1_s2: f32,
     /// k_P at rest, 1/s.
     pub rest_attitude_1_s: f32,
-    /// Rate below which a vehicle with its motors off counts as at rest, rad/s.
-    pub rest_rate_max_rad_s: f32,
+    /// How far the rate may stray from its mean while the vehicle counts as at rest, rad/s.
+    pub rest_spread_max_rad_s: f32,
+    /// How far the direction of the specific force may stray from where it was, rad.
+    pub rest_tilt_max_rad: f32,
+    /// Time at rest after which the mean rate is believed to be the bias, s.
+    pub rest_settle_s: f32,
     /// Longest time over which the bias is averaged at rest, s.
     pub rest_average_max_s: f32,
     /// Largest bias that is believed, rad/s.
@@ -52,9 +56,12 @@ impl EstimatorConfig {
         flight_attitude_1_s: 0.1,
         flight_bias_1_s2: 0.0025,
         rest_attitude_1_s: 2.0,
-        rest_rate_max_rad_s: 0.15,
+        rest_spread_max_rad_s: 0.1,
+        rest_tilt_max_rad: 0.05,
+        rest_settle_s: 1.0,
         rest_average_max_s: 10.0,
-        bias_max_rad_s: 0.1,
+        // MPU-6000 product specification 3.4, section 6.1: zero-rate output +-20 deg/s, as much again over temperature
+        bias_max_rad_s: 0.7,
         accel_gate: 0.15,
         stale_after_s: 0.05,
     };
@@ -66,8 +73,15 @@ pub struct EstimatorState {
     q_world_from_body: UnitQuaternion<f32>,
     gyro_bias_rad_s: Vector3<f32>,
     last_sample_us: Option<u64>,
-    /// Time at rest that the bias has been averaged over, s.
-    rest_s: f32,
+    rest: RestWindow,
+}
+
+/// The gyro since the vehicle last came to rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct RestWindow {
+    rotation_rad: Vector3<f32>,
+    duration_s: f32,
+    down_body: Option<Vector3<f32>>,
 }
 
 impl Default for EstimatorState {
@@ -76,7 +90,7 @@ impl Default for EstimatorState {
             q_world_from_body: UnitQuaternion::identity(),
             gyro_bias_rad_s: Vector3::zeros(),
             last_sample_us: None,
-            rest_s: 0.0,
+            rest: RestWindow::default(),
         }
     }
 }
@@ -84,7 +98,7 @@ impl Default for EstimatorState {
 impl EstimatorState {
     /// Time at rest over which the gyro bias has been averaged, s; zero in flight and once moved.
     pub fn rest_s(&self) -> f32 {
-        self.rest_s
+        self.rest.duration_s
     }
 }
 
@@ -100,15 +114,21 @@ pub fn update(
         let down = measured_down(config, &imu.specific_force_m_s2);
         match (state.last_sample_us, imu.after_gap, down) {
             (None, _, None) => {}
-            (None, _, Some((down_body, _))) | (Some(_), true, Some((down_body, _))) => {
+            (None, _, Some((down_body, _))) => {
                 state.q_world_from_body = level_attitude(&down_body, state);
+                state.last_sample_us = Some(time_us);
+            }
+            // only on the ground: in flight the accelerometer would call the thrust's direction down
+            (Some(_), true, Some((down_body, _))) if !in_flight => {
+                state.q_world_from_body = level_attitude(&down_body, state);
+                state.rest = RestWindow::default();
                 state.last_sample_us = Some(time_us);
             }
             (Some(_), _, down) => {
                 if in_flight {
-                    state.rest_s = 0.0;
+                    state.rest = RestWindow::default();
                 } else {
-                    average_bias_at_rest(config, state, imu);
+                    average_bias_at_rest(config, state, imu, down.map(|(down_body, _)| down_body));
                 }
                 predict_and_correct(config, state, imu, down, in_flight);
                 state.last_sample_us = Some(time_us);
@@ -116,7 +136,8 @@ pub fn update(
         }
     }
     let fresh = match state.last_sample_us {
-        Some(last) => seconds_between(last, time_us) <= config.stale_after_s,
+        // a clock that ran back makes nothing fresh
+        Some(last) => time_us >= last && seconds_between(last, time_us) <= config.stale_after_s,
         None => false,
     };
     let rate_body_rad_s = imu.rate_body_rad_s - state.gyro_bias_rad_s;
@@ -150,15 +171,37 @@ fn predict_and_correct(
     state.q_world_from_body = normalized(turned.into_inner());
 }
 
-/// At rest the mean of the gyro is its bias. Whoever carries the vehicle about starts the average anew.
-fn average_bias_at_rest(config: &EstimatorConfig, state: &mut EstimatorState, imu: &ImuStep) {
-    let rate = imu.rate_body_rad_s - state.gyro_bias_rad_s;
-    if rate.dot(&rate) > config.rest_rate_max_rad_s * config.rest_rate_max_rad_s {
-        state.rest_s = 0.0;
-    } else if imu.duration_s > 0.0 {
-        state.rest_s = smaller(state.rest_s + imu.duration_s, config.rest_average_max_s);
-        let bias =
-            state.gyro_bias_rad_s + (imu.rotation_rad - state.gyro_bias_rad_s * imu.duration_s) * (1.0 / state.rest_s);
+/// At rest the mean of the gyro is its bias: after a while of it, for a window that begins anew with every motion. What
+/// was learnt before stays until then, so a slow turn or a bump costs nothing.
+fn average_bias_at_rest(
+    config: &EstimatorConfig,
+    state: &mut EstimatorState,
+    imu: &ImuStep,
+    down_body: Option<Vector3<f32>>,
+) {
+    let rest = &mut state.rest;
+    let mean = if rest.duration_s > 0.0 { rest.rotation_rad * (1.0 / rest.duration_s) } else { imu.rate_body_rad_s };
+    let strayed = imu.rate_body_rad_s - mean;
+    let turned = match (rest.down_body, down_body) {
+        (Some(before), Some(now)) => sqrt(before.cross(&now).dot(&before.cross(&now))) > config.rest_tilt_max_rad,
+        (None, Some(_)) => false,
+        (_, None) => true,
+    };
+    if turned || strayed.dot(&strayed) > config.rest_spread_max_rad_s * config.rest_spread_max_rad_s {
+        *rest = RestWindow { down_body, ..RestWindow::default() };
+        return;
+    }
+    rest.down_body = rest.down_body.or(down_body);
+    rest.rotation_rad += imu.rotation_rad;
+    rest.duration_s += imu.duration_s;
+    if rest.duration_s > config.rest_average_max_s {
+        // forget as much as came, so that a drift is followed
+        let kept = config.rest_average_max_s / rest.duration_s;
+        rest.rotation_rad *= kept;
+        rest.duration_s = config.rest_average_max_s;
+    }
+    if rest.duration_s >= config.rest_settle_s {
+        let bias = rest.rotation_rad * (1.0 / rest.duration_s);
         state.gyro_bias_rad_s = bounded(config, &bias);
     }
 }
@@ -271,14 +314,57 @@ mod tests {
         let level = force_at(&UnitQuaternion::identity());
         update(&CONFIG, &mut state, &imu(bias, level, 0.0), 0);
         let mut estimate = update(&CONFIG, &mut state, &imu(bias, level, 0.0025), 2500);
-        for k in 2..400u64 {
+        for k in 2..800u64 {
             estimate = update(&CONFIG, &mut state, &imu(bias, level, 0.0025), k * 2500);
         }
         assert!((estimate.gyro_bias_rad_s - bias).norm() < 1e-6, "{:?}", estimate.gyro_bias_rad_s);
-        let carried = imu(bias + Vector3::new(0.5, 0.0, 0.0), level, 0.0025);
-        estimate = update(&CONFIG, &mut state, &carried, 400 * 2500);
-        assert!((estimate.gyro_bias_rad_s - bias).norm() < 1e-6);
-        assert!((estimate.rate_body_rad_s.x - 0.5).abs() < 1e-5);
+        // jerked, then turned slowly for two seconds: the accelerometer tells that from rest
+        let mut attitude_rad = 0.0f32;
+        for k in 800..1600u64 {
+            let rate = if k < 810 { 0.5 } else { 0.085 };
+            attitude_rad += rate * 0.0025;
+            let truth = q_from_rotation_vector(&Vector3::new(attitude_rad, 0.0, 0.0));
+            let carried = imu(bias + Vector3::new(rate, 0.0, 0.0), force_at(&truth), 0.0025);
+            estimate = update(&CONFIG, &mut state, &carried, k * 2500);
+        }
+        assert!((estimate.gyro_bias_rad_s - bias).norm() < 1e-6, "{:?}", estimate.gyro_bias_rad_s);
+        assert!((estimate.rate_body_rad_s.x - 0.085).abs() < 1e-5);
+    }
+
+    #[test]
+    fn learns_the_largest_bias_that_the_chip_may_have() {
+        let mut state = EstimatorState::default();
+        let bias = Vector3::new(20f32.to_radians(), -20f32.to_radians(), 20f32.to_radians());
+        let level = force_at(&UnitQuaternion::identity());
+        let mut estimate = update(&CONFIG, &mut state, &imu(bias, level, 0.0), 0);
+        for k in 1..4000u64 {
+            estimate = update(&CONFIG, &mut state, &imu(bias, level, 0.0025), k * 2500);
+        }
+        // 4000 sums up to 3.5 rad, each rounded to 2.4e-7, over 10 s
+        assert!((estimate.gyro_bias_rad_s - bias).norm() < 2e-4);
+        assert!(angle_between_downs(&estimate.q_world_from_body, &UnitQuaternion::identity()) < 1e-3);
+    }
+
+    #[test]
+    fn a_gap_in_flight_keeps_the_attitude() {
+        let truth = q_world_from_euler(EulerAngles { roll_rad: 0.5, pitch_rad: 0.0, yaw_rad: 0.0 });
+        let thrust = force_at(&UnitQuaternion::identity());
+        for in_flight in [true, false] {
+            let mut state = EstimatorState { q_world_from_body: truth, last_sample_us: Some(0), ..Default::default() };
+            let gap = ImuStep { after_gap: true, ..imu(Vector3::zeros(), thrust, 0.0) };
+            let estimate = super::update(&CONFIG, &mut state, &gap, 600_000, in_flight);
+            let kept = angle_between_downs(&estimate.q_world_from_body, &truth) < 1e-5;
+            assert_eq!(kept, in_flight, "on the ground the accelerometer is right, in flight it is not");
+        }
+    }
+
+    #[test]
+    fn a_clock_that_runs_back_makes_nothing_fresh() {
+        let mut state = EstimatorState::default();
+        let level = force_at(&UnitQuaternion::identity());
+        update(&CONFIG, &mut state, &imu(Vector3::zeros(), level, 0.0), 1_000_000);
+        let nothing = ImuStep { samples: 0, ..imu(Vector3::zeros(), Vector3::zeros(), 0.0) };
+        assert!(!update(&CONFIG, &mut state, &nothing, 500_000).valid);
     }
 
     #[test]

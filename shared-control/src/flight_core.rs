@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use crate::attitude::angle::{self, AngleState};
 use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
-use crate::elementary::limit;
+use crate::elementary::{limit, magnitude, wrap_pi};
 use crate::estimator::{self, EstimatorState};
 use crate::frames::{euler_from_q, euler_rates};
 use crate::imu::{self, ImuState};
@@ -23,6 +23,11 @@ use crate::mpc::{Mpc, MpcState};
 use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
 use crate::supervisor::{self, Arming, Findings};
 
+/// Throttle up to which an armed vehicle that has not flown yet counts as standing on the ground.
+const IDLE_THROTTLE_MAX: f32 = 0.02;
+/// Pitch beyond which Euler angles say too little for the MPC's model, rad; the cascade knows the whole sphere.
+const MPC_PITCH_MAX_RAD: f32 = 1.3;
+
 /// Who made the torque of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TorqueSource {
@@ -31,6 +36,8 @@ pub enum TorqueSource {
     Disarmed,
     /// Nobody: one motor turns at the command of a test.
     MotorTest,
+    /// Nobody: armed on the ground, the throttle has not been raised yet; the motors turn at it and no torque is asked.
+    Idle,
     /// The cascade, as configured.
     Cascade,
     /// The MPC's plan.
@@ -78,6 +85,9 @@ pub struct State {
     angle: AngleState,
     rate: RateState,
     rate_target_rad_s: Vector3<f32>,
+    /// The throttle has been raised since arming: there is something to control.
+    airborne: bool,
+    last_wrench: Wrench,
     last_mix: MixResult,
     last_source: TorqueSource,
 }
@@ -121,7 +131,7 @@ impl FlightCore {
     /// From the samples since the last step to the motor outputs. Cheap, and always equally long.
     pub fn fast(config: &Config, state: &mut State, input: &StepInput) -> StepOutput {
         state.step = state.step.wrapping_add(1);
-        let imu = imu::condition(&config.imu, &mut state.imu, &input.imu);
+        let imu = imu::condition(&config.imu, &mut state.imu, &input.imu, input.time_us);
         let motors_turned = state.arming.motors_turn();
         let imu_health = state.imu_health.update(&input.imu, !motors_turned && state.estimator.rest_s() > 0.0);
         let estimate = estimator::update(&config.estimator, &mut state.estimator, &imu, input.time_us, motors_turned);
@@ -130,10 +140,13 @@ impl FlightCore {
         state.arming = supervisor::update(&config.supervisor, state.arming, input, &findings);
         state.setpoint.flown = state.arming.setpoint(&state.setpoint.good);
 
+        state.airborne =
+            state.arming.motors_turn() && (state.airborne || state.setpoint.flown.throttle > IDLE_THROTTLE_MAX);
         let cascade_nm = cascade_torque(config, state, &estimate);
         let (source, torque_body_nm) = choose(config, state, input, cascade_nm);
         let wrench = demand(config, &state.setpoint.flown, source, torque_body_nm);
         let mix = mix(config, state.arming, &wrench);
+        state.last_wrench = wrench;
         state.last_mix = mix;
         state.last_source = source;
 
@@ -153,22 +166,26 @@ impl FlightCore {
 
     /// Right after the outputs are written: the attitude loop, and in MPC mode the question to the planner.
     pub fn follow(config: &Config, state: &mut State, output: &StepOutput) -> Option<PlanRequest> {
-        if let TorqueSource::Disarmed | TorqueSource::MotorTest = output.source {
-            state.angle = AngleState::level_at(&output.estimate);
-            state.rate = RateState::default();
-            state.rate_target_rad_s = Vector3::zeros();
-        } else {
-            state.rate_target_rad_s = angle::update(
-                &config.angle,
-                &mut state.angle,
-                &state.setpoint.flown,
-                &output.estimate,
-                config.step_s(),
-            );
+        let angles = euler_from_q(&output.estimate.q_world_from_body);
+        let euler_rate_rad_s = euler_rates(angles, &output.estimate.rate_body_rad_s);
+        match output.source {
+            TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => {
+                state.angle = AngleState::at(&output.estimate, [0.0; 3]);
+                state.rate = RateState::default();
+            }
+            // the reference stays on the vehicle, so that a fallback starts from where it is
+            TorqueSource::Mpc => state.angle = AngleState::at(&output.estimate, euler_rate_rad_s),
+            TorqueSource::Cascade | TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) => {}
         }
+        state.rate_target_rad_s = match output.source {
+            TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => Vector3::zeros(),
+            _ => {
+                angle::update(&config.angle, &mut state.angle, &state.setpoint.flown, &output.estimate, config.step_s())
+            }
+        };
         match config.controller {
             Controller::Cascade => None,
-            Controller::Mpc => Some(plan_request(config, state, output)),
+            Controller::Mpc => plan_request(config, state, output),
         }
     }
 
@@ -197,7 +214,12 @@ fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimat
         TorqueSource::Cascade | TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) => {
             Delivery::Applied { unmet: state.last_mix.unmet_torque_nm }
         }
-        TorqueSource::Mpc | TorqueSource::Disarmed | TorqueSource::MotorTest => Delivery::NotApplied,
+        TorqueSource::Mpc | TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => {
+            let asked_nm = state.last_wrench.torque_body_nm;
+            Delivery::NotApplied {
+                instead_rad_s2: core::array::from_fn(|axis| asked_nm[axis] / config.inertia_kg_m2[axis]),
+            }
+        }
     };
     let acceleration = rate::update(
         &config.rate,
@@ -217,6 +239,7 @@ fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3
     match state.arming {
         Arming::Disarmed(_) => (TorqueSource::Disarmed, [0.0; 3]),
         Arming::MotorTest { .. } => (TorqueSource::MotorTest, [0.0; 3]),
+        Arming::Armed | Arming::LinkLost { .. } if !state.airborne => (TorqueSource::Idle, [0.0; 3]),
         Arming::Armed | Arming::LinkLost { .. } => match (config.controller, plan) {
             (Controller::Cascade, _) => (TorqueSource::Cascade, cascade_nm),
             (Controller::Mpc, None) => (TorqueSource::CascadeNoPlan, cascade_nm),
@@ -228,7 +251,7 @@ fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3
 /// The plan's torque if it was solved, else the cascade's.
 fn torque_of_solved(config: &Config, plan: &Plan, cascade_nm: [f32; 3]) -> (TorqueSource, [f32; 3]) {
     match plan.status {
-        PlanStatus::Solved if plan.input.iter().any(|input| !input.is_finite()) => {
+        PlanStatus::Solved if !is_admissible(config, plan) => {
             (TorqueSource::CascadeUnsolved(PlanStatus::NumericalError), cascade_nm)
         }
         PlanStatus::Solved => (TorqueSource::Mpc, torque_of_plan(config, plan)),
@@ -236,6 +259,11 @@ fn torque_of_solved(config: &Config, plan: &Plan, cascade_nm: [f32; 3]) -> (Torq
             (TorqueSource::CascadeUnsolved(plan.status), cascade_nm)
         }
     }
+}
+
+/// Within the MPC's bounds, but for rounding; not a number is not.
+fn is_admissible(config: &Config, plan: &Plan) -> bool {
+    plan.input.iter().zip(config.mpc_input_max).all(|(input, max)| magnitude(*input) <= 1.001 * max)
 }
 
 fn torque_of_plan(config: &Config, plan: &Plan) -> [f32; 3] {
@@ -265,12 +293,16 @@ fn demand(config: &Config, setpoint: &Setpoint, source: TorqueSource, mut torque
     Wrench { lift_per_motor_n, torque_body_nm }
 }
 
-/// The state at the time when the plan will act, one step ahead: until then the torque of this step holds.
-fn plan_request(config: &Config, state: &State, output: &StepOutput) -> PlanRequest {
+/// The state at the time when the plan will act, one step ahead: until then the torque of this step holds. None where
+/// the vehicle is too steep or upside down.
+fn plan_request(config: &Config, state: &State, output: &StepOutput) -> Option<PlanRequest> {
     let dt_s = config.step_s();
     let angles = euler_from_q(&output.estimate.q_world_from_body);
+    if magnitude(angles.pitch_rad) > MPC_PITCH_MAX_RAD || magnitude(angles.roll_rad) > core::f32::consts::FRAC_PI_2 {
+        return None;
+    }
     let rates = euler_rates(angles, &output.estimate.rate_body_rad_s);
-    let heading_error_rad = crate::elementary::wrap_pi(state.angle.reference[2].angle_rad - angles.yaw_rad);
+    let heading_error_rad = wrap_pi(state.angle.reference[2].angle_rad - angles.yaw_rad);
     let (heading_rate, heading_reference) =
         if config.angle.yaw_locked { (0.0, 0.0) } else { (rates[2], heading_error_rad) };
     let angle_now = [angles.roll_rad, angles.pitch_rad, 0.0];
@@ -284,7 +316,7 @@ fn plan_request(config: &Config, state: &State, output: &StepOutput) -> PlanRequ
     let delivered_nm: [f32; 3] =
         core::array::from_fn(|axis| output.wrench.torque_body_nm[axis] - output.mix.unmet_torque_nm[axis]);
     let acceleration: [f32; 3] = core::array::from_fn(|axis| delivered_nm[axis] / config.inertia_kg_m2[axis]);
-    PlanRequest {
+    Some(PlanRequest {
         step: state.step,
         angle_rad: core::array::from_fn(|i| angle_now[i] + dt_s * (rate_now[i] + 0.5 * dt_s * acceleration[i])),
         rate_rad_s: core::array::from_fn(|i| rate_now[i] + dt_s * acceleration[i]),
@@ -294,7 +326,7 @@ fn plan_request(config: &Config, state: &State, output: &StepOutput) -> PlanRequ
             tilt_reference(state.setpoint.flown.pitch_rad, 1),
             heading_reference,
         ],
-    }
+    })
 }
 
 #[cfg(test)]

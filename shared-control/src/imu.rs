@@ -11,6 +11,10 @@ use crate::signals::RawImuSample;
 
 /// Longest time between two samples that still counts as continuous, s.
 const SAMPLE_GAP_MAX_S: f32 = 0.05;
+/// Longest gap that is bridged, at the mean of the rates on both sides, s.
+const BRIDGED_GAP_MAX_S: f32 = 0.5;
+/// How far ahead of the step a sample may be stamped, us; a stamp beyond is no time.
+const STAMP_AHEAD_MAX_US: u64 = 5_000;
 
 /// How the sensor sits on the board: body axis `i` is `sign[i]` times sensor axis `source[i]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,9 +104,9 @@ pub struct ImuState {
 pub struct ImuStep {
     /// Number of samples in it.
     pub samples: u8,
-    /// Time it covers, s; zero for the very first sample or after a gap.
+    /// Time it covers, s; zero for the very first sample or after a gap too long to bridge.
     pub duration_s: f32,
-    /// True if samples stayed away too long before these.
+    /// True for the very first samples, and where they stayed away too long to be bridged.
     pub after_gap: bool,
     /// Rotation since the last step, rad (integrated gyro, bias still in it).
     pub rotation_rad: Vector3<f32>,
@@ -112,8 +116,11 @@ pub struct ImuStep {
     pub specific_force_m_s2: Vector3<f32>,
 }
 
-/// Conditions the samples of one step. Samples whose time does not increase are left out.
-pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSample]) -> ImuStep {
+/// Conditions the samples of one step at `now_us`. Samples whose time does not increase, or lies in the future, are left
+/// out; so is a stored time that lies in the future, else one bad stamp would make the vehicle blind until then.
+pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSample], now_us: u64) -> ImuStep {
+    let latest_us = now_us.saturating_add(STAMP_AHEAD_MAX_US);
+    state.last_time_us = state.last_time_us.filter(|last| *last <= latest_us);
     let mut step = ImuStep {
         samples: 0,
         duration_s: 0.0,
@@ -123,20 +130,28 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
         specific_force_m_s2: Vector3::zeros(),
     };
     for sample in samples {
+        if sample.time_us > latest_us {
+            continue;
+        }
         let interval_s = match state.last_time_us {
             Some(last) if sample.time_us <= last => continue,
             Some(last) => seconds_between(last, sample.time_us),
             None => 0.0,
         };
-        let continuous = state.last_time_us.is_some() && interval_s <= SAMPLE_GAP_MAX_S;
+        let first = state.last_time_us.is_none();
         state.last_time_us = Some(sample.time_us);
         let gyro = config.gyro_rad_s(sample);
         let force = config.specific_force_m_s2(sample);
-        if continuous {
-            step.rotation_rad += gyro * interval_s;
+        if first || interval_s > BRIDGED_GAP_MAX_S {
+            step.after_gap = true;
+        } else if interval_s > SAMPLE_GAP_MAX_S {
+            step.rotation_rad += (state.rate_body_rad_s + gyro) * (0.5 * interval_s);
             step.duration_s += interval_s;
         } else {
-            step.after_gap = true;
+            step.rotation_rad += gyro * interval_s;
+            step.duration_s += interval_s;
+        }
+        if first || interval_s > SAMPLE_GAP_MAX_S {
             state.lowpass = core::array::from_fn(|i| config.gyro_lowpass.settled(gyro[i]));
         }
         for i in 0..3 {
@@ -176,7 +191,7 @@ mod tests {
     fn scale_and_axes_are_the_data_sheets() {
         let mut state = ImuState::default();
         // 164 counts on the sensor's x axis = 10 deg/s, which is -y of the body
-        let step = condition(&config(), &mut state, &[sample(0, [164, 0, 0])]);
+        let step = condition(&config(), &mut state, &[sample(0, [164, 0, 0])], 0);
         assert!((step.rate_body_rad_s - Vector3::new(0.0, -10f32.to_radians(), 0.0)).norm() < 1e-5);
         assert!((step.specific_force_m_s2 - Vector3::new(0.0, 0.0, -9.806_65)).norm() < 1e-4);
     }
@@ -193,20 +208,46 @@ mod tests {
                     sample(time_us, [0, 164, 0])
                 })
                 .collect();
-            angle += condition(&config(), &mut state, &samples).rotation_rad;
+            angle += condition(&config(), &mut state, &samples, time_us).rotation_rad;
         }
         // 28 samples span 27 ms at 10 deg/s
         assert!((angle.x - 10f32.to_radians() * 0.027).abs() < 1e-6, "{angle}");
     }
 
     #[test]
-    fn gaps_and_stale_samples_are_not_integrated() {
+    fn short_gaps_are_bridged_long_ones_are_not_and_stale_samples_are_left_out() {
         let mut state = ImuState::default();
-        condition(&config(), &mut state, &[sample(1000, [0, 0, 0])]);
-        let late = condition(&config(), &mut state, &[sample(500_000, [16400, 0, 0])]);
+        condition(&config(), &mut state, &[sample(1000, [0, 164, 0])], 1000);
+        // 100 ms without samples at 10 deg/s on both sides: one degree
+        let bridged = condition(&config(), &mut state, &[sample(101_000, [0, 164, 0])], 101_000);
+        assert!(!bridged.after_gap && (bridged.rotation_rad.x - 1f32.to_radians()).abs() < 1e-6);
+        let late = condition(&config(), &mut state, &[sample(900_000, [16400, 0, 0])], 900_000);
         assert!(late.after_gap && late.duration_s == 0.0 && late.rotation_rad == Vector3::zeros());
-        let again = condition(&config(), &mut state, &[sample(500_000, [16400, 0, 0]), sample(400_000, [0; 3])]);
+        let stale = [sample(900_000, [16400, 0, 0]), sample(800_000, [0; 3])];
+        let again = condition(&config(), &mut state, &stale, 900_000);
         assert_eq!(again.samples, 0);
         assert_eq!(again.rate_body_rad_s, late.rate_body_rad_s);
+    }
+
+    #[test]
+    fn a_stamp_from_the_future_blinds_nobody() {
+        let mut state = ImuState::default();
+        condition(&config(), &mut state, &[sample(1000, [0; 3])], 1000);
+        assert_eq!(condition(&config(), &mut state, &[sample(40_000_000, [0; 3])], 2000).samples, 0);
+        assert_eq!(condition(&config(), &mut state, &[sample(3000, [0; 3])], 3000).samples, 1);
+        // the clock itself was set back
+        assert_eq!(condition(&config(), &mut state, &[sample(900_000, [0; 3])], 900_000).samples, 1);
+        assert_eq!(condition(&config(), &mut state, &[sample(10_000, [0; 3])], 10_000).samples, 1);
+    }
+
+    #[test]
+    fn a_batch_has_the_mean_force_and_the_low_passed_rate() {
+        let mut state = ImuState::default();
+        let batch: heapless::Vec<_, 16> =
+            (1..=10).map(|k| sample(k * 1000, [0, if k > 5 { 164 } else { 0 }, 0])).collect();
+        let step = condition(&config(), &mut state, &batch, 10_000);
+        assert!((step.specific_force_m_s2.z + 9.806_65).abs() < 1e-4);
+        // a 100 Hz low-pass has not settled 5 ms after a step
+        assert!(step.rate_body_rad_s.x > 0.1 * 10f32.to_radians() && step.rate_body_rad_s.x != 10f32.to_radians());
     }
 }

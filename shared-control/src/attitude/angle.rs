@@ -7,9 +7,12 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::attitude::shaping::{ShapedReference, ShapingConfig, follow_angle, follow_rate};
 use crate::attitude::square_root::square_root_controller;
-use crate::elementary::{atan2, limit, sqrt};
+use crate::elementary::{atan2, limit, sqrt, wrap_pi};
 use crate::frames::{EulerAngles, euler_from_q, q_world_from_euler, rate_body_from_euler_rates};
 use crate::signals::{AttitudeEstimate, Setpoint};
+
+/// Largest heading error that the reference may be ahead, rad.
+const HEADING_ERROR_MAX_RAD: f32 = 0.5;
 
 /// Gains and limits; arrays are roll, pitch, yaw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,11 +45,17 @@ impl AngleState {
         EulerAngles { roll_rad: roll, pitch_rad: pitch, yaw_rad: yaw }
     }
 
-    /// The reference that holds the present attitude, level: where control starts, without a jump in heading.
-    pub fn level_at(estimate: &AttitudeEstimate) -> Self {
-        let mut state = Self::default();
-        state.reference[2].angle_rad = euler_from_q(&estimate.q_world_from_body).yaw_rad;
-        state
+    /// The reference that is where the vehicle is and moves as it does: where control starts without a jump. The rates
+    /// are those of the Euler angles, rad/s.
+    pub fn at(estimate: &AttitudeEstimate, euler_rate_rad_s: [f32; 3]) -> Self {
+        let angles = euler_from_q(&estimate.q_world_from_body);
+        let angle_rad = [angles.roll_rad, angles.pitch_rad, angles.yaw_rad];
+        Self {
+            reference: core::array::from_fn(|axis| ShapedReference {
+                angle_rad: angle_rad[axis],
+                rate_rad_s: euler_rate_rad_s[axis],
+            }),
+        }
     }
 }
 
@@ -63,14 +72,27 @@ pub fn update(
     let mut error_rad = attitude_error(&target, &estimate.q_world_from_body);
     if config.yaw_locked {
         error_rad.z = 0.0;
+    } else {
+        hold_back_heading(state, &mut error_rad.z);
     }
-    let feed_forward = rate_body_from_euler_rates(state.angles(), state.reference.map(|axis| axis.rate_rad_s));
+    // the reference's rate is in the target's body axes; the vehicle's are turned against them by the error
+    let rate_target_body = rate_body_from_euler_rates(state.angles(), state.reference.map(|axis| axis.rate_rad_s));
+    let feed_forward = (estimate.q_world_from_body.inverse() * target) * rate_target_body;
     Vector3::from_fn(|axis, _| {
         let correction =
             square_root_controller(error_rad[axis], config.gain_1_s[axis], config.acceleration_max_rad_s2[axis], dt_s);
         let ahead = if axis == 2 && config.yaw_locked { 0.0 } else { feed_forward[axis] };
         limit(correction + ahead, -config.rate_max_rad_s[axis], config.rate_max_rad_s[axis])
     })
+}
+
+/// A heading that the vehicle cannot follow (yaw has the least authority and gives way first) waits for it: without this
+/// the reference would run on, pass behind the vehicle and turn it the wrong way round. ArduPilot does the same.
+fn hold_back_heading(state: &mut AngleState, error_rad: &mut f32) {
+    let kept_rad = limit(*error_rad, -HEADING_ERROR_MAX_RAD, HEADING_ERROR_MAX_RAD);
+    let heading = &mut state.reference[2].angle_rad;
+    *heading = wrap_pi(*heading - (*error_rad - kept_rad));
+    *error_rad = kept_rad;
 }
 
 fn shape(config: &AngleConfig, state: &mut AngleState, setpoint: &Setpoint, dt_s: f32) {
@@ -137,6 +159,85 @@ mod tests {
             }
             prop_assert!(attitude_error(&target, &actual).norm() < 1e-3);
         }
+    }
+
+    const SHAPING: ShapingConfig = ShapingConfig { gain_1_s: 7.0, acceleration_max_rad_s2: 20.0, rate_max_rad_s: 3.0 };
+
+    fn config(yaw_locked: bool) -> AngleConfig {
+        AngleConfig {
+            shaping: [SHAPING; 3],
+            gain_1_s: [8.0, 6.0, 3.0],
+            acceleration_max_rad_s2: [20.0; 3],
+            rate_max_rad_s: [5.0, 5.0, 2.0],
+            tilt_max_rad: 1.0,
+            yaw_locked,
+        }
+    }
+
+    fn at(angles: EulerAngles) -> AttitudeEstimate {
+        AttitudeEstimate {
+            q_world_from_body: q_world_from_euler(angles),
+            rate_body_rad_s: Vector3::zeros(),
+            gyro_bias_rad_s: Vector3::zeros(),
+            valid: true,
+        }
+    }
+
+    fn euler(roll_rad: f32, pitch_rad: f32, yaw_rad: f32) -> EulerAngles {
+        EulerAngles { roll_rad, pitch_rad, yaw_rad }
+    }
+
+    /// A vehicle that turns exactly as it is told arrives, from any heading, and keeps to the reference on the way: the
+    /// feed-forward has the right size, sign and axes.
+    #[test]
+    fn a_vehicle_that_obeys_keeps_to_the_moving_reference() {
+        for heading in [0.0, 1.5, -3.0] {
+            let mut q = q_world_from_euler(euler(0.0, 0.0, heading));
+            let mut estimate = AttitudeEstimate { q_world_from_body: q, ..at(EulerAngles::default()) };
+            let mut state = AngleState::at(&estimate, [0.0; 3]);
+            let setpoint = Setpoint { roll_rad: 0.5, pitch_rad: -0.4, yaw_rate_rad_s: 0.8, throttle: 0.5 };
+            for _ in 0..1200 {
+                let rate = update(&config(false), &mut state, &setpoint, &estimate, 0.0025);
+                q = crate::frames::normalized((q * q_from_rotation_vector(&(rate * 0.0025))).into_inner());
+                estimate.q_world_from_body = q;
+                let error = attitude_error(&q_world_from_euler(state.angles()), &q);
+                // one step of the fastest rate asked for
+                assert!(error.norm() < 0.0025 * 6.0, "{error}");
+            }
+            let reached = euler_from_q(&q);
+            assert!((reached.roll_rad - 0.5).abs() < 0.01 && (reached.pitch_rad + 0.4).abs() < 0.01, "{reached:?}");
+            assert!((wrap_pi(reached.yaw_rad - heading) - 0.8 * 3.0).abs() < 0.05, "heading turned by the rate");
+        }
+    }
+
+    #[test]
+    fn each_axis_has_its_gain_its_limit_and_its_sign() {
+        let mut state = AngleState::at(&at(EulerAngles::default()), [0.0; 3]);
+        let level = Setpoint::default();
+        let rate = update(&config(false), &mut state, &level, &at(euler(-0.01, 0.02, -0.03)), 0.0025);
+        // small errors: gain times error, per axis
+        assert!((rate - Vector3::new(0.08, -0.12, 0.09)).norm() < 2e-3, "{rate}");
+        let far = update(&config(false), &mut state, &level, &at(euler(3.0, 0.0, 0.0)), 0.0025);
+        assert!(far.norm() <= 5.0 + 2.0 + 1e-3 && far.x < -4.0);
+        let steep = Setpoint { roll_rad: 2.0, ..level };
+        for _ in 0..2000 {
+            update(&config(false), &mut state, &steep, &at(EulerAngles::default()), 0.0025);
+        }
+        assert!((state.angles().roll_rad - 1.0).abs() < 1e-3, "no further than tilt_max_rad");
+    }
+
+    #[test]
+    fn a_blocked_heading_is_waited_for_and_a_locked_one_is_left_alone() {
+        let mut state = AngleState::default();
+        let turning = Setpoint { yaw_rate_rad_s: 1.0, ..Setpoint::default() };
+        for _ in 0..4000 {
+            let rate = update(&config(false), &mut state, &turning, &at(EulerAngles::default()), 0.0025);
+            assert!(rate.z >= 0.0, "never the wrong way round");
+            assert!(state.angles().yaw_rad <= HEADING_ERROR_MAX_RAD + 1e-3);
+        }
+        let mut locked = AngleState::default();
+        let rate = update(&config(true), &mut locked, &turning, &at(euler(0.0, 0.0, 0.7)), 0.0025);
+        assert_eq!((rate.z, locked.angles().yaw_rad), (0.0, 0.0));
     }
 
     #[test]

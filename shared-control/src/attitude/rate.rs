@@ -1,13 +1,17 @@
 //! The rate loop: one PID per body axis, from rate error to angular acceleration (ArduPilot's AC_PID).
 //!
 //! a = k_P e + integral(k_I e) + k_D d/dt LP(e), all in 1/s, 1/s^2 and 1: the gains don't know the vehicle, whose inertia
-//! turns the result into a torque. The integral is held while the mixer could not deliver what was asked in that
-//! direction, and while another controller flies.
+//! turns the result into a torque. While the mixer could not deliver what was asked in a direction the integral does not
+//! grow that way. While another controller flies, the integral follows what that one asks for, so that the fallback
+//! begins where it ended.
 
 use nalgebra::Vector3;
 
 use crate::elementary::limit;
 use crate::filter::LowPass1;
+
+/// Time in which the integral follows another controller: its steady part, not its manoeuvres, s.
+const FOLLOWING_TIME_S: f32 = 0.1;
 
 /// Gains of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +36,11 @@ pub enum Delivery {
         /// Demanded minus delivered, per body axis.
         unmet: [f32; 3],
     },
-    /// Something else flew.
-    NotApplied,
+    /// Something else flew and asked for this angular acceleration, body frame, rad/s^2.
+    NotApplied {
+        /// What was asked in its place.
+        instead_rad_s2: [f32; 3],
+    },
 }
 
 /// State of one axis.
@@ -62,15 +69,18 @@ pub fn update(
     Vector3::from_fn(|axis, _| {
         let error = target_rad_s[axis] - rate_rad_s[axis];
         let error = if error.is_finite() { error } else { 0.0 };
-        let integrate = match last_demand {
-            Delivery::Applied { unmet } => unmet[axis] * error <= 0.0,
-            Delivery::NotApplied => false,
-        };
-        axis_update(&gains[axis], &mut state.axes[axis], error, integrate, dt_s)
+        axis_update(&gains[axis], &mut state.axes[axis], error, last_demand, axis, dt_s)
     })
 }
 
-fn axis_update(gains: &RateGains, state: &mut RateAxisState, error: f32, integrate: bool, dt_s: f32) -> f32 {
+fn axis_update(
+    gains: &RateGains,
+    state: &mut RateAxisState,
+    error: f32,
+    last_demand: Delivery,
+    axis: usize,
+    dt_s: f32,
+) -> f32 {
     if !state.started {
         // the first error is no step: without this the derivative would kick
         state.filtered_error_rad_s = error;
@@ -79,10 +89,19 @@ fn axis_update(gains: &RateGains, state: &mut RateAxisState, error: f32, integra
     let before = state.filtered_error_rad_s;
     let after = gains.derivative_filter.update(&mut state.filtered_error_rad_s, error);
     let derivative = gains.derivative * (after - before) / dt_s;
-    if integrate {
-        let integral = state.integral_rad_s2 + gains.integral_1_s2 * error * dt_s;
-        state.integral_rad_s2 = limit(integral, -gains.integral_max_rad_s2, gains.integral_max_rad_s2);
-    }
+    let integral = match last_demand {
+        // shrinking is always allowed (AC_PID)
+        Delivery::Applied { unmet } if unmet[axis] * error <= 0.0 || state.integral_rad_s2 * error < 0.0 => {
+            state.integral_rad_s2 + gains.integral_1_s2 * error * dt_s
+        }
+        Delivery::Applied { .. } => state.integral_rad_s2,
+        Delivery::NotApplied { instead_rad_s2 } => {
+            let share = dt_s / (dt_s + FOLLOWING_TIME_S);
+            let instead = if instead_rad_s2[axis].is_finite() { instead_rad_s2[axis] } else { 0.0 };
+            state.integral_rad_s2 + share * (instead - gains.proportional_1_s * error - state.integral_rad_s2)
+        }
+    };
+    state.integral_rad_s2 = limit(integral, -gains.integral_max_rad_s2, gains.integral_max_rad_s2);
     gains.proportional_1_s * error + state.integral_rad_s2 + derivative
 }
 
@@ -136,15 +155,34 @@ mod tests {
         run(&mut held, 1.0, -0.3);
         let before = held.axes[0].integral_rad_s2;
         assert!(before > 0.0, "saturation the other way does not hold it");
-        update(&[GAINS; 3], &mut held, &Vector3::repeat(1.0), &Vector3::zeros(), Delivery::NotApplied, DT);
-        assert_eq!(held.axes[0].integral_rad_s2, before, "nothing is integrated while another controller flies");
+        run(&mut held, -1.0, -0.3);
+        assert!(held.axes[0].integral_rad_s2 < before, "shrinking is allowed in saturation too");
+    }
+
+    #[test]
+    fn while_another_controller_flies_the_integral_follows_it() {
+        let mut state = RateState::default();
+        let instead = Delivery::NotApplied { instead_rad_s2: [3.0, 0.0, 9.0] };
+        for _ in 0..400 {
+            update(&[GAINS; 3], &mut state, &Vector3::zeros(), &Vector3::zeros(), instead, DT);
+        }
+        assert!((state.axes[0].integral_rad_s2 - 3.0).abs() < 1e-3);
+        assert_eq!(state.axes[2].integral_rad_s2, 5.0, "within its bound");
+        let out = update(&[GAINS; 3], &mut state, &Vector3::zeros(), &Vector3::zeros(), instead, DT);
+        assert!((out.x - 3.0).abs() < 1e-2, "the fallback begins where the other ended");
     }
 
     #[test]
     fn a_rate_that_is_not_a_number_asks_for_nothing() {
         let mut state = RateState::default();
-        let out =
-            update(&[GAINS; 3], &mut state, &Vector3::repeat(f32::NAN), &Vector3::zeros(), Delivery::NotApplied, DT);
+        let out = update(
+            &[GAINS; 3],
+            &mut state,
+            &Vector3::repeat(f32::NAN),
+            &Vector3::zeros(),
+            Delivery::Applied { unmet: [0.0; 3] },
+            DT,
+        );
         assert_eq!(out, Vector3::zeros());
     }
 }

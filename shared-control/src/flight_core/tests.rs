@@ -234,3 +234,90 @@ fn an_imu_that_falls_silent_disarms_within_five_steps() {
         assert_eq!(output.compare_counts == [24_000; 4], k >= 4, "step {k}");
     }
 }
+
+/// The MPC holds a torque against a disturbance; a plan that comes late must not let the vehicle jump.
+#[test]
+fn the_cascade_begins_where_the_mpc_ended() {
+    let (config, mut state) = armed(Controller::Mpc);
+    let held_nm = 0.05;
+    let mut step_with = |k: u64, plan: Option<Plan>| {
+        let step = input(k, 0.5, ArmingRequest::None, plan);
+        let output = FlightCore::fast(&config, &mut state, &step);
+        FlightCore::follow(&config, &mut state, &output);
+        (output, state.step)
+    };
+    let (_, mut last_step) = step_with(1, None);
+    for k in 2..600 {
+        let input = [held_nm / config.mpc_torque_per_input_nm[0], 0.0, 0.0];
+        let plan = Plan { step: last_step, input, status: PlanStatus::Solved, iterations: 1 };
+        let (output, step) = step_with(k, Some(plan));
+        assert_eq!(output.source, TorqueSource::Mpc);
+        last_step = step;
+    }
+    let (output, _) = step_with(600, None);
+    assert_eq!(output.source, TorqueSource::CascadeNoPlan);
+    assert!((output.wrench.torque_body_nm[0] - held_nm).abs() < 0.01 * held_nm, "{:?}", output.wrench);
+}
+
+#[test]
+fn armed_on_a_slope_nothing_turns_until_the_throttle_is_raised() {
+    let (config, mut state) = armed(Controller::Cascade);
+    // 10 degrees of roll on the ground, for the accelerometer
+    let (sin, cos) = crate::elementary::sin_cos(10f32.to_radians());
+    let tilted = [(-4096.0 * sin) as i16, 0, (-4096.0 * cos) as i16];
+    let mut last = None;
+    for k in 1..400 {
+        let mut step = input(k, if k < 390 { 0.0 } else { 0.5 }, ArmingRequest::None, None);
+        step.imu[0].accel_counts = [-tilted[1], tilted[0], tilted[2]];
+        let output = FlightCore::fast(&config, &mut state, &step);
+        FlightCore::follow(&config, &mut state, &output);
+        if k < 390 {
+            assert_eq!((output.source, output.mix.commands.0), (TorqueSource::Idle, [0.0; 4]));
+        }
+        last = Some(output);
+    }
+    assert_eq!(last.map(|output| output.source), Some(TorqueSource::Cascade));
+}
+
+#[test]
+fn disarming_forgets_what_was_wound_up() {
+    let (config, mut state) = armed(Controller::Cascade);
+    for k in 1..200 {
+        let mut step = input(k, 0.5, ArmingRequest::None, None);
+        // a turn of 0.2 rad/s that the motors do not stop
+        step.imu[0].gyro_counts = [0, 188, 0];
+        let output = FlightCore::fast(&config, &mut state, &step);
+        FlightCore::follow(&config, &mut state, &output);
+    }
+    assert!(state.rate != RateState::default());
+    let off = input(200, 0.0, ArmingRequest::Disarm, None);
+    let output = FlightCore::fast(&config, &mut state, &off);
+    FlightCore::follow(&config, &mut state, &output);
+    assert_eq!(state.rate, RateState::default());
+    assert_eq!(state.rate_target_rad_s, Vector3::zeros());
+    assert!(!state.airborne);
+}
+
+#[test]
+fn what_the_mixer_could_not_deliver_is_no_part_of_the_planners_input() {
+    let (config, mut state) = armed(Controller::Mpc);
+    // roll and pitch at their bounds together, more than one motor's span gives each
+    let plan = Plan { step: state.step, input: [2.0, 2.0, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let step = input(1, 0.03, ArmingRequest::None, Some(plan));
+    let output = FlightCore::fast(&config, &mut state, &step);
+    assert_eq!(output.source, TorqueSource::Mpc);
+    let request = FlightCore::follow(&config, &mut state, &output).unwrap();
+    for axis in 0..2 {
+        let delivered_nm = output.wrench.torque_body_nm[axis] - output.mix.unmet_torque_nm[axis];
+        assert!(output.mix.unmet_torque_nm[axis] > 0.1, "{:?}", output.mix);
+        assert!((request.input_prev[axis] - delivered_nm / 0.226).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn a_plan_beyond_the_bounds_did_not_come_from_the_mpc() {
+    let (config, mut state) = armed(Controller::Mpc);
+    let plan = Plan { step: state.step, input: [3e38, 0.0, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let output = FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, Some(plan)));
+    assert_eq!(output.source, TorqueSource::CascadeUnsolved(PlanStatus::NumericalError));
+}

@@ -59,7 +59,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { iteration_limit: 500, feasibility_tolerance: 1e-6, dependence_tolerance: 1e-6 }
+        Self { iteration_limit: 500, feasibility_tolerance: 1e-6, dependence_tolerance: 1e-5 }
     }
 }
 
