@@ -17,4 +17,5 @@ pub mod output;
 pub mod qp;
 pub mod signals;
 pub mod supervisor;
+pub mod trace;
 pub mod vehicle;
