@@ -31,13 +31,13 @@ pub const CONTROL_HORIZON: usize = 5;
 /// 500 + 2000 = 2500.
 pub const PULSE_DELAY_US: u32 = 500;
 
-/// Steps without a usable sample after which the motors stop: the sensor is dead or stuck.
-pub const STEPS_WITHOUT_IMU_MAX: u32 = 5;
-
 /// Sensor supply: off for at least this long, or the sensors do not restart, ms.
 pub const SENSOR_OFF_MS: u32 = 25;
 /// Sensor supply: first register access this long after it is on, ms (MPU6000 data sheet: 100 ms at most).
 pub const SENSOR_START_MS: u32 = 120;
+
+/// TELEM1, bits per second.
+pub const LINK_BAUD: u32 = 115_200;
 
 /// Core cycles of a time, at least.
 pub const fn cycles_of_ms(duration_ms: u32) -> u32 {

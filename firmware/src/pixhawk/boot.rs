@@ -54,11 +54,23 @@ unsafe extern "C" fn __pre_init() {
     )
 }
 
-/// Why the processor was reset (RCC_CSR), cleared for the next time.
-pub fn take_reset_flags(rcc: &RCC) -> u32 {
-    let flags = rcc.csr().read().bits() & 0xFE00_0000;
+/// Why the processor was reset (RCC_CSR, RM 7.3.21), in words; forgotten for the next time.
+pub fn take_reset_cause(rcc: &RCC) -> &'static str {
+    let flags = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
-    flags
+    if flags.lpwrrstf().bit_is_set() {
+        "started by low-power reset"
+    } else if flags.wwdgrstf().bit_is_set() || flags.wdgrstf().bit_is_set() {
+        "started by watchdog"
+    } else if flags.sftrstf().bit_is_set() {
+        "started by software reset"
+    } else if flags.porrstf().bit_is_set() {
+        "started by power-on"
+    } else if flags.borrstf().bit_is_set() {
+        "started by brown-out"
+    } else {
+        "started by reset pin"
+    }
 }
 
 /// Back to the internal oscillator, PLL off, every peripheral in use reset: what the HAL's `freeze` starts from.

@@ -2,15 +2,26 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use heapless::spsc::Consumer;
+use heapless::spsc::{Consumer, Producer, Queue};
 use shared_control::config::{Config, ConfigError, Tuning};
 use shared_control::flight_core::{FlightCore, State, StepOutput};
-use shared_control::signals::{ArmingRequest, Plan, PlanRequest, Setpoint, StepInput};
+use shared_control::link::{Answer, Chore, Commander, Order, VehicleStatus};
+use shared_control::signals::{Plan, PlanRequest, StepInput};
 use shared_control::vehicle::VehicleParameters;
 
 use super::board;
 use super::clock::TimeBase;
+use super::counters;
 use super::imu::TimedSample;
+
+/// Room for orders that arrive within one step, and for what they bring about within one housekeeping.
+const QUEUE_LENGTH: usize = 16;
+/// From the link to the loop.
+pub type OrderQueue = Queue<Order, QUEUE_LENGTH>;
+/// From the loop to the link.
+pub type AnswerQueue = Queue<Answer, QUEUE_LENGTH>;
+/// From the loop to housekeeping.
+pub type ChoreQueue = Queue<Chore, QUEUE_LENGTH>;
 
 /// Number of the last step, for the record of a fault.
 static LAST_STEP: AtomicU32 = AtomicU32::new(0);
@@ -18,26 +29,6 @@ static LAST_STEP: AtomicU32 = AtomicU32::new(0);
 /// Steps made since start.
 pub fn last_step() -> u32 {
     LAST_STEP.load(Ordering::Relaxed)
-}
-
-/// What whoever commands the vehicle wants.
-#[derive(Clone, Copy, Default)]
-pub struct Command {
-    /// Attitude and throttle.
-    pub setpoint: Setpoint,
-    /// Arm or disarm; taken by one step.
-    pub arming: ArmingRequest,
-    /// Battery voltage, V.
-    pub battery_v: Option<f32>,
-}
-
-impl Command {
-    /// The command for one step; its arming request is not given twice.
-    pub fn take(&mut self) -> Self {
-        let command = *self;
-        self.arming = ArmingRequest::None;
-        command
-    }
 }
 
 /// Configuration that is compiled in: the F450 on its gimbal.
@@ -53,32 +44,38 @@ pub fn configuration() -> Result<(Config, Tuning), ConfigError> {
     Ok((config, tuning))
 }
 
+/// The loop's ends of its queues.
+pub struct Ends {
+    /// Samples of the IMU.
+    pub samples: Consumer<'static, TimedSample>,
+    /// What the ground wants.
+    pub orders: Consumer<'static, Order>,
+    /// What came of it.
+    pub answers: Producer<'static, Answer>,
+    /// What is to be done outside the loop.
+    pub chores: Producer<'static, Chore>,
+}
+
 /// Everything that the loop owns.
 pub struct Control {
     config: Config,
     state: State,
     clock: TimeBase,
-    samples: Consumer<'static, TimedSample>,
+    commander: Commander,
+    ends: Ends,
     input: StepInput,
-    steps_without_imu: u32,
 }
 
 impl Control {
     /// Before the first step.
-    pub fn new(config: Config, samples: Consumer<'static, TimedSample>) -> Self {
-        Self {
-            config,
-            state: State::default(),
-            clock: TimeBase::default(),
-            samples,
-            input: StepInput::default(),
-            steps_without_imu: 0,
-        }
+    pub fn new(config: Config, commander: Commander, ends: Ends) -> Self {
+        let (state, clock, input) = (State::default(), TimeBase::default(), StepInput::default());
+        Self { config, state, clock, commander, ends, input }
     }
 
     /// Gathers the input, makes the step.
-    pub fn fast(&mut self, command: &Command, plan: Option<Plan>) -> StepOutput {
-        self.gather(command, plan);
+    pub fn fast(&mut self, plan: Option<Plan>) -> StepOutput {
+        self.gather(plan);
         let output = FlightCore::fast(&self.config, &mut self.state, &self.input);
         LAST_STEP.store(output.step, Ordering::Relaxed);
         output
@@ -86,7 +83,9 @@ impl Control {
 
     /// What comes after the outputs are written.
     pub fn follow(&mut self, output: &StepOutput) -> Option<PlanRequest> {
-        FlightCore::follow(&self.config, &mut self.state, &self.input, output)
+        let answer = self.commander.answer(&output.arming);
+        self.pass_on(answer, None);
+        FlightCore::follow(&self.config, &mut self.state, output)
     }
 
     /// Input of the last step.
@@ -94,27 +93,37 @@ impl Control {
         &self.input
     }
 
-    fn gather(&mut self, command: &Command, plan: Option<Plan>) {
-        self.input.time_us = self.clock.now_us();
+    /// What telemetry may tell of a step.
+    pub fn status(&self, output: &StepOutput) -> VehicleStatus {
+        VehicleStatus { battery_v: self.input.battery_v, ..VehicleStatus::new(&self.config, output) }
+    }
+
+    fn gather(&mut self, plan: Option<Plan>) {
+        let time_us = self.clock.now_us();
+        self.input.time_us = time_us;
         self.input.imu.clear();
         // what does not fit waits for the next step
         while !self.input.imu.is_full()
-            && let Some(sample) = self.samples.dequeue()
+            && let Some(sample) = self.ends.samples.dequeue()
         {
-            let time_us = self.clock.extend(sample.counter_us);
             // never full here
-            let _ = self.input.imu.push(sample.at(time_us));
+            let _ = self.input.imu.push(sample.at(self.clock.extend(sample.counter_us)));
         }
-        self.input.setpoint = command.setpoint;
-        self.input.battery_v = command.battery_v;
+        // bounded, whatever arrives meanwhile
+        for _ in 0..QUEUE_LENGTH {
+            let Some(order) = self.ends.orders.dequeue() else { break };
+            let (answer, chore) = self.commander.order(&order, time_us);
+            self.pass_on(answer, chore);
+        }
+        self.commander.commands(time_us).fill(&mut self.input);
         self.input.plan = plan;
-        self.input.arming = if self.imu_is_dead() { ArmingRequest::Disarm } else { command.arming };
     }
 
-    /// True after [`board::STEPS_WITHOUT_IMU_MAX`] steps without a sample.
-    fn imu_is_dead(&mut self) -> bool {
-        let none = self.input.imu.is_empty();
-        self.steps_without_imu = if none { self.steps_without_imu.saturating_add(1) } else { 0 };
-        self.steps_without_imu >= board::STEPS_WITHOUT_IMU_MAX
+    fn pass_on(&mut self, answer: Option<Answer>, chore: Option<Chore>) {
+        let no_room = answer.is_some_and(|answer| self.ends.answers.enqueue(answer).is_err());
+        let nor_here = chore.is_some_and(|chore| self.ends.chores.enqueue(chore).is_err());
+        if no_room || nor_here {
+            counters::ANSWERS_DROPPED.add();
+        }
     }
 }

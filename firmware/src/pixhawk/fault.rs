@@ -4,11 +4,14 @@
 #![allow(unsafe_code)] // exception entries, and memory at a fixed address
 
 use core::arch::naked_asm;
+use core::fmt::Write;
 use core::panic::PanicInfo;
 use core::ptr;
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
+use shared_control::link::telemetry::Text;
+use shared_control::params;
 use stm32f4xx_hal::pac::{PWR, RCC};
 
 use super::control;
@@ -68,22 +71,20 @@ pub fn stop(cause: Cause, pc: u32, lr: u32) -> ! {
 impl FaultRecord {
     fn keep(&self) {
         open_backup_memory();
-        let mut words = [MAGIC, self.cause as u32, self.pc, self.lr, self.cfsr, self.step, 0];
-        words[WORDS - 1] = crc32(&words[..WORDS - 1]);
+        let [cause, pc, lr, cfsr, step] = [self.cause as u32, self.pc, self.lr, self.cfsr, self.step];
+        let words = [MAGIC, cause, pc, lr, cfsr, step, crc32(&[MAGIC, cause, pc, lr, cfsr, step])];
         // SAFETY: nobody else uses this memory, and interrupts are off
         unsafe { RECORD.write_volatile(words) };
     }
 
-    /// Takes the record of the run before, if it is whole, and removes it.
-    pub fn take() -> Option<Self> {
+    /// The record of a run before, if there is one and it is whole.
+    pub fn read() -> Option<Self> {
         open_backup_memory();
-        // SAFETY: nobody else uses this memory; called once, before any fault is likely
-        let words = unsafe { RECORD.read_volatile() };
-        let [magic, cause, pc, lr, cfsr, step, crc] = words;
-        if magic != MAGIC || crc != crc32(&words[..WORDS - 1]) {
+        // SAFETY: nobody else uses this memory
+        let [magic, cause, pc, lr, cfsr, step, crc] = unsafe { RECORD.read_volatile() };
+        if magic != MAGIC || crc != crc32(&[magic, cause, pc, lr, cfsr, step]) {
             return None;
         }
-        unsafe { ptr::addr_of_mut!((*RECORD)[0]).write_volatile(0) };
         let cause = match cause {
             1 => Cause::Panic,
             2 => Cause::HardFault,
@@ -92,6 +93,27 @@ impl FaultRecord {
             _ => Cause::UnexpectedInterrupt,
         };
         Some(Self { cause, pc, lr, cfsr, step })
+    }
+
+    /// Forgets it, once somebody has read it.
+    pub fn clear() {
+        // SAFETY: one word, of memory that only faults write otherwise
+        unsafe { ptr::addr_of_mut!((*RECORD)[0]).write_volatile(0) };
+    }
+
+    /// In words that fit a STATUSTEXT.
+    pub fn words(&self) -> Text {
+        let mut text = Text::new();
+        let what = match self.cause {
+            Cause::Panic => "panic",
+            Cause::HardFault => "hard fault",
+            Cause::CrystalLost => "crystal lost",
+            Cause::LowSupply => "low supply",
+            Cause::UnexpectedInterrupt => "stray interrupt",
+        };
+        // what does not fit is left out
+        let _ = write!(text, "{what} at {:#x} from {:#x} step {}", self.pc, self.lr, self.step);
+        text
     }
 }
 
@@ -106,16 +128,13 @@ fn open_backup_memory() {
     pwr.cr().modify(|_, w| w.dbp().set_bit());
 }
 
-/// CRC-32 (polynomial 0xEDB88320), low byte first.
-fn crc32(words: &[u32]) -> u32 {
-    let byte_after = |crc: u32, byte: u8| {
-        let mut crc = crc ^ u32::from(byte);
-        for _ in 0..8 {
-            crc = (crc >> 1) ^ (0xEDB8_8320 & (crc & 1).wrapping_neg());
-        }
-        crc
-    };
-    !words.iter().flat_map(|word| word.to_le_bytes()).fold(u32::MAX, byte_after)
+/// CRC over words as they lie in memory.
+fn crc32(words: &[u32; WORDS - 1]) -> u32 {
+    let mut bytes = [0; 4 * (WORDS - 1)];
+    for (place, word) in bytes.chunks_exact_mut(4).zip(words) {
+        place.copy_from_slice(&word.to_le_bytes());
+    }
+    params::crc32(&bytes)
 }
 
 #[panic_handler]

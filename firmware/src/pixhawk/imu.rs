@@ -13,6 +13,7 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::board;
 use super::clock;
+use super::counters;
 use super::sensor_bus::{READ, SensorBus};
 
 const PWR_MGMT_1: u8 = 0x6B;
@@ -56,12 +57,6 @@ impl TimedSample {
     pub fn at(&self, time_us: u64) -> RawImuSample {
         RawImuSample { time_us, gyro_counts: self.gyro_counts, accel_counts: self.accel_counts }
     }
-
-    /// All six words equal: no sensor at rest or in motion says so, a dead bus (all zeros or all ones) does.
-    fn is_stuck(&self) -> bool {
-        let first = self.gyro_counts[0];
-        self.gyro_counts.iter().chain(&self.accel_counts).all(|word| *word == first)
-    }
 }
 
 /// From the interrupts to the loop.
@@ -93,17 +88,14 @@ pub enum ImuFault {
     Register(u8),
 }
 
-/// What went wrong so far.
-#[derive(Clone, Copy, Default)]
-pub struct ImuErrors {
-    /// A sample was due while the last was still read: that one is given up.
-    pub overruns: u32,
-    /// Samples without data-ready in their status, or with six equal words.
-    pub unusable: u32,
-    /// Transfers that the DMA broke off.
-    pub transfer_errors: u32,
-    /// Samples for which the loop had no room.
-    pub dropped: u32,
+impl ImuFault {
+    /// For a person.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Identity(_) => "MPU6000 does not answer as itself",
+            Self::Register(_) => "MPU6000 does not keep its settings",
+        }
+    }
 }
 
 /// The sensor with its DMA streams: 0 receives, 5 sends.
@@ -115,8 +107,6 @@ pub struct Imu {
     samples: Producer<'static, TimedSample>,
     due_us: u32,
     busy: bool,
-    /// Counted since start.
-    pub errors: ImuErrors,
 }
 
 const RECEIVE: usize = 0;
@@ -135,7 +125,7 @@ impl Imu {
     ) -> Self {
         DMA2::enable(rcc);
         DMA2::reset(rcc);
-        Self { bus, dma, data_ready, buffers, samples, due_us: 0, busy: false, errors: ImuErrors::default() }
+        Self { bus, dma, data_ready, buffers, samples, due_us: 0, busy: false }
     }
 
     /// Checks who answers, writes the settings, reads them back, and goes over to DMA.
@@ -186,7 +176,7 @@ impl Imu {
         let now_us = clock::now_us();
         self.data_ready.clear_interrupt_pending_bit();
         if self.busy {
-            self.errors.overruns = self.errors.overruns.wrapping_add(1);
+            counters::IMU_OVERRUNS.add();
             self.abort();
             return;
         }
@@ -205,7 +195,7 @@ impl Imu {
     pub fn end_transfer(&mut self) {
         let failed = self.dma.lisr().read().teif0().bit_is_set();
         if failed {
-            self.errors.transfer_errors = self.errors.transfer_errors.wrapping_add(1);
+            counters::IMU_BROKEN_OFF.add();
             self.abort();
             return;
         }
@@ -216,10 +206,10 @@ impl Imu {
         // SAFETY: the DMA has ended, and the volatile read sees what it wrote
         let bytes = unsafe { ptr::addr_of!(self.buffers.received).read_volatile() };
         let (status, sample) = decode(self.due_us, &bytes);
-        if status & DATA_READY == 0 || sample.is_stuck() {
-            self.errors.unusable = self.errors.unusable.wrapping_add(1);
+        if status & DATA_READY == 0 {
+            counters::IMU_OLD.add();
         } else if self.samples.enqueue(sample).is_err() {
-            self.errors.dropped = self.errors.dropped.wrapping_add(1);
+            counters::IMU_DROPPED.add();
         }
     }
 

@@ -1,7 +1,7 @@
 //! The amber LED: dark at boot, one flash a second disarmed, steady armed, fast while the IMU is not usable.
 
-use shared_control::flight_core::StepOutput;
-use shared_control::supervisor::Arming;
+use shared_control::imu_health::ImuHealth;
+use shared_control::link::VehicleStatus;
 use stm32f4xx_hal::gpio::{OpenDrain, Output, PE12};
 
 /// What is shown.
@@ -16,12 +16,12 @@ pub enum Sign {
 }
 
 impl Sign {
-    /// What a step shows.
-    pub fn of(output: &StepOutput) -> Self {
-        match output.arming {
-            Arming::Armed => Self::Armed,
-            Arming::Disarmed(_) if output.estimate.valid => Self::Disarmed,
-            Arming::Disarmed(_) => Self::NoImu,
+    /// What a status shows.
+    pub fn of(status: &VehicleStatus) -> Self {
+        match (status.arming.motors_turn(), status.imu_health) {
+            (true, _) => Self::Armed,
+            (false, ImuHealth::Good) => Self::Disarmed,
+            (false, ImuHealth::Bad(_)) => Self::NoImu,
         }
     }
 }

@@ -5,6 +5,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::{DCB, DWT};
 
+use super::clock;
+
 /// Worst case of one task, cycles. Tasks of higher priority count in where they interrupt.
 pub struct Meter {
     worst_cycles: AtomicU32,
@@ -38,22 +40,50 @@ impl Meter {
 pub static LOOP: Meter = Meter::new();
 /// A plan of the MPC.
 pub static PLAN: Meter = Meter::new();
-/// Steps that began later than the tick after their own.
-pub static OVERRUNS: AtomicU32 = AtomicU32::new(0);
-
-/// Plans that were not done in time for their step.
-pub static LATE_PLANS: AtomicU32 = AtomicU32::new(0);
 
 /// Sends the figures to a probe, if one listens.
 pub fn report() {
     defmt::info!(
-        "worst cycles: loop {=u32}, plan {=u32}; overruns {=u32}, late plans {=u32}; stack {=u32} bytes",
+        "worst cycles: loop {=u32}, plan {=u32}; stack {=u32} bytes",
         LOOP.worst_cycles(),
         PLAN.worst_cycles(),
-        OVERRUNS.load(Ordering::Relaxed),
-        LATE_PLANS.load(Ordering::Relaxed),
         stack_used_bytes(),
     );
+}
+
+/// Time asleep, µs, wrapping.
+static ASLEEP_US: AtomicU32 = AtomicU32::new(0);
+
+/// Sleeps until an interrupt is pending, and counts the time. The cycle counter stands still meanwhile, TIM5 does not.
+pub fn sleep() {
+    // an interrupt that is masked still ends the sleep; it is served after its time has been counted
+    cortex_m::interrupt::free(|_| {
+        let begin_us = clock::now_us();
+        cortex_m::asm::wfi();
+        let asleep_us = clock::now_us().wrapping_sub(begin_us);
+        ASLEEP_US.fetch_add(asleep_us, Ordering::Relaxed);
+    });
+}
+
+/// Share of the time that was not slept, between two calls.
+pub struct LoadMeter {
+    begin_us: u32,
+    asleep_us: u32,
+}
+
+impl LoadMeter {
+    /// Before the first call.
+    pub const NEW: Self = Self { begin_us: 0, asleep_us: 0 };
+
+    /// Load since the last call, 1/1000.
+    pub fn permille(&mut self) -> u16 {
+        let (now_us, asleep_us) = (clock::now_us(), ASLEEP_US.load(Ordering::Relaxed));
+        let passed_us = now_us.wrapping_sub(self.begin_us);
+        let slept_us = asleep_us.wrapping_sub(self.asleep_us);
+        (self.begin_us, self.asleep_us) = (now_us, asleep_us);
+        let awake_us = passed_us.saturating_sub(slept_us);
+        awake_us.saturating_mul(10).checked_div(passed_us / 100).unwrap_or(0).min(1000) as u16
+    }
 }
 
 /// Starts the cycle counter.

@@ -4,17 +4,21 @@
 //!  7  low_supply               supply detector: motors to the disarmed pulse, reset
 //!  6  imu_ready, imu_received  data-ready -> DMA -> sample queue
 //!  5  control_step             TIM3: samples since the last step -> fast -> pulses -> follow
+//!  3  link_idle, link_ring     TELEM1: bytes -> orders
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
-//!  1  housekeeping             LED, load, watchdog
+//!  1  housekeeping             telemetry, LED, load, watchdog
 //! ```
 
 mod board;
 mod boot;
 mod clock;
 mod control;
+mod counters;
 mod fault;
+mod ground;
 mod imu;
 mod led;
+mod link_port;
 mod load;
 mod loop_timer;
 mod outputs;
@@ -28,29 +32,29 @@ use defmt_rtt as _;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
 mod app {
-    use core::sync::atomic::Ordering;
-
-    use cortex_m::asm;
+    use heapless::Vec;
     use shared_control::config::mpc_settings;
     use shared_control::flight_core::FlightCore;
+    use shared_control::link::{Commander, LinkSettings, VehicleStatus};
     use shared_control::mpc::{Mpc, MpcState};
-    use shared_control::signals::{MotorCommands, Plan, PlanRequest};
-    use shared_control::supervisor::Arming;
+    use shared_control::signals::{ArmingBlocks, MotorCommands, Plan, PlanRequest};
     use shared_control::vehicle::VehicleParameters;
 
     use super::board::{self, CONTROL_HORIZON};
-    use super::control::{self, Command, Control};
+    use super::control::{self, AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
     use super::fault::{self, Cause, FaultRecord};
+    use super::ground::Ground;
     use super::imu::{Buffers, Imu, SampleQueue};
     use super::led::{Led, Sign};
-    use super::load;
+    use super::link_port::{self, LinkIn, RING_BYTES, SendBuffer};
+    use super::load::{self, LoadMeter};
     use super::loop_timer::LoopTimer;
     use super::outputs::Outputs;
     use super::pins::Pins;
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
-    use super::{boot, clock, supply};
+    use super::{boot, clock, counters, supply};
 
     /// Steps of the loop per housekeeping: 100 times a second.
     const HOUSEKEEPING_STEPS: u32 = board::LOOP_RATE_HZ / 100;
@@ -59,9 +63,10 @@ mod app {
     struct Shared {
         #[lock_free]
         imu: Imu,
-        command: Command,
+        #[lock_free]
+        link: LinkIn,
         plan: Option<Plan>,
-        sign: Sign,
+        status: Option<(u64, VehicleStatus)>,
     }
 
     #[local]
@@ -72,21 +77,26 @@ mod app {
         trace: Trace,
         mpc: Mpc<CONTROL_HORIZON>,
         mpc_state: MpcState<CONTROL_HORIZON>,
+        ground: Ground,
         led: Led,
         watchdog: Watchdog,
     }
 
     /// Interrupts are off until it returns. What is wrong with the compiled-in configuration stops the program here.
-    #[init(local = [samples: SampleQueue = SampleQueue::new(), buffers: Buffers = Buffers::NEW])]
+    #[init(local = [
+        samples: SampleQueue = SampleQueue::new(), orders: OrderQueue = OrderQueue::new(),
+        answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
+        imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
+    ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (mut core, mut device) = (cx.core, cx.device);
-        let reset_flags = boot::take_reset_flags(&device.RCC);
+        let reset_cause = boot::take_reset_cause(&device.RCC);
         boot::release_clocks(&device.RCC, &device.EXTI);
         let mut rcc = clock::start(device.RCC, &device.FLASH);
         clock::freeze_on_halt(&device.DBGMCU);
         clock::start_microseconds(&device.TIM5, &mut rcc);
         load::start(&mut core.DCB, &mut core.DWT);
-        defmt::info!("reset flags {=u32:#x}, fault before: {}", reset_flags, FaultRecord::take());
+        let record = FaultRecord::read();
 
         let ports = (device.GPIOA, device.GPIOC, device.GPIOD, device.GPIOE);
         let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
@@ -99,28 +109,36 @@ mod app {
         let outputs = Outputs::new(device.TIM1, pins.motors, disarmed[0], &mut rcc);
         let loop_timer = LoopTimer::new(device.TIM3, &mut rcc);
 
-        let (producer, consumer) = cx.local.samples.split();
-        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
-        let mut imu = Imu::new(bus, device.DMA2, pins.imu_ready, cx.local.buffers, producer, &mut rcc);
-        if let Err(fault) = imu.start(&mut device.EXTI) {
-            // without samples the estimate stays invalid, and the supervisor does not arm
-            defmt::error!("MPU6000 is not used: {}", fault);
+        let settings = LinkSettings::NOMINAL;
+        let (orders, orders_out) = cx.local.orders.split();
+        let (answers, answers_out) = cx.local.answers.split();
+        let (chores, chores_out) = cx.local.chores.split();
+        let (samples, samples_out) = cx.local.samples.split();
+        let (ring, buffer) = (cx.local.ring, cx.local.buffer);
+        let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, ring, buffer, &mut rcc);
+        let link = LinkIn::new(port, settings, orders);
+        let mut ground = Ground::new(&settings, sender, answers_out, chores_out);
+        ground.tell(reset_cause);
+        if let Some(record) = record {
+            ground.tell(&record.words());
         }
 
-        let watchdog = Watchdog::start(device.IWDG);
+        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
+        let mut imu = Imu::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, samples, &mut rcc);
+        if let Err(fault) = imu.start(&mut device.EXTI) {
+            // without samples nothing arms
+            ground.tell(fault.words());
+        }
+
+        let blocks = ArmingBlocks { fault_record_unread: record.is_some(), configuration_unconfirmed: false };
+        let commander = Commander::new(settings.hover_throttle, blocks);
+        let ends = Ends { samples: samples_out, orders: orders_out, answers, chores };
+        let control = Control::new(config, commander, ends);
+        let (trace, mpc_state) = (Trace::new(), MpcState::new());
+        let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
         loop_timer.start();
-        let shared = Shared { imu, command: Command::default(), plan: None, sign: Sign::Disarmed };
-        let local = Local {
-            control: Control::new(config, consumer),
-            outputs,
-            loop_timer,
-            trace: Trace::new(),
-            mpc,
-            mpc_state: MpcState::new(),
-            led: Led::new(pins.led),
-            watchdog,
-        };
-        (shared, local)
+        let local = Local { control, outputs, loop_timer, trace, mpc, mpc_state, ground, led, watchdog };
+        (Shared { imu, link, plan: None, status: None }, local)
     }
 
     /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
@@ -139,34 +157,47 @@ mod app {
     /// once more; a step that outlasts the period is counted, and without any the watchdog resets the board.
     #[task(
         binds = TIM3, priority = 5,
-        local = [control, outputs, loop_timer, trace], shared = [command, plan, sign]
+        local = [control, outputs, loop_timer, trace], shared = [plan, status]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
         local.loop_timer.acknowledge();
         let output = load::LOOP.measure(|| {
-            let command = cx.shared.command.lock(Command::take);
             let plan = cx.shared.plan.lock(Option::take);
-            let output = local.control.fast(&command, plan);
-            local.outputs.write(output.compare_counts, output.arming == Arming::Armed);
+            let output = local.control.fast(plan);
+            local.outputs.write(output.compare_counts, output.arming.motors_turn());
             if let Some(request) = local.control.follow(&output)
                 && plan::spawn(request).is_err()
             {
                 // the plan before is still being made: the next step does without
-                load::LATE_PLANS.fetch_add(1, Ordering::Relaxed);
+                counters::LATE_PLANS.add();
             }
             local.trace.publish(local.control.input(), &output);
             output
         });
-        cx.shared.sign.lock(|sign| *sign = Sign::of(&output));
+        let status = (local.control.input().time_us, local.control.status(&output));
+        cx.shared.status.lock(|latest| *latest = Some(status));
         if local.loop_timer.is_late() {
-            load::OVERRUNS.fetch_add(1, Ordering::Relaxed);
+            counters::LOOP_OVERRUNS.add();
         }
         watchdog::report_loop();
         if output.step.is_multiple_of(HOUSEKEEPING_STEPS) {
             // still busy with the one before: the watchdog notices if that lasts
             let _ = housekeeping::spawn();
         }
+    }
+
+    /// When a message has arrived or the ring is half full, done within 22 ms. On a miss bytes are lost, and the CRC of
+    /// their messages says so. Orders that find no room are lost; the ground repeats what is not answered.
+    #[task(binds = USART2, priority = 3, shared = [link])]
+    fn link_idle(cx: link_idle::Context) {
+        cx.shared.link.take();
+    }
+
+    /// As [`link_idle`], when half of the ring is full.
+    #[task(binds = DMA1_STREAM5, priority = 3, shared = [link])]
+    fn link_ring(cx: link_ring::Context) {
+        cx.shared.link.take();
     }
 
     /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and its
@@ -178,16 +209,29 @@ mod app {
     }
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
-    #[task(priority = 1, local = [led, watchdog, ticks: u32 = 0], shared = [sign])]
+    #[task(
+        priority = 1, shared = [status],
+        local = [ground, led, watchdog, load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0]
+    )]
     async fn housekeeping(mut cx: housekeeping::Context) {
         let local = cx.local;
         local.watchdog.feed_if_all_alive();
         *local.ticks = local.ticks.wrapping_add(1);
+        let Some((time_us, step_status)) = cx.shared.status.lock(|status| *status) else { return };
+        let status = VehicleStatus {
+            load_permille: *local.load_permille,
+            overruns: counters::LOOP_OVERRUNS.get(),
+            late_plans: counters::LATE_PLANS.get(),
+            ..step_status
+        };
+        local.ground.update(time_us, &status);
         if local.ticks.is_multiple_of(10) {
-            local.led.update(cx.shared.sign.lock(|sign| *sign));
+            local.led.update(Sign::of(&status));
         }
         if local.ticks.is_multiple_of(100) {
+            *local.load_permille = local.load_meter.permille();
             load::report();
+            counters::report();
         }
     }
 
@@ -201,7 +245,7 @@ mod app {
     #[idle]
     fn idle(_: idle::Context) -> ! {
         loop {
-            asm::wfi();
+            load::sleep();
         }
     }
 }

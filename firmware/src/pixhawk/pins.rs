@@ -5,7 +5,7 @@ use stm32f4xx_hal::pac::{EXTI, GPIOA, GPIOC, GPIOD, GPIOE, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::{outputs, sensor_bus};
+use super::{link_port, outputs, sensor_bus};
 
 /// The pins in use.
 pub struct Pins {
@@ -19,6 +19,8 @@ pub struct Pins {
     pub imu_ready: PD15<Input>,
     /// AUX 4 to 1.
     pub motors: outputs::Pins,
+    /// TELEM1.
+    pub link: link_port::Pins,
     /// Amber LED, low is on.
     pub led: PE12<Output<OpenDrain>>,
 }
@@ -58,6 +60,7 @@ impl Pins {
             sensor_supply: e.pe3.into_push_pull_output_in_state(PinState::Low),
             imu_ready,
             motors,
+            link: (d.pd5.into_alternate(), d.pd6.into_alternate().internal_resistor(Pull::Up)),
             led: e.pe12.into_open_drain_output_in_state(high),
         }
     }
