@@ -3,8 +3,10 @@
 extern crate std;
 use super::*;
 use crate::config::{Tuning, mpc_settings};
+use crate::imu_health::ImuFault;
 use crate::lift_curve::LiftCurve;
-use crate::signals::{ArmingRequest, RawImuSample, Setpoint};
+use crate::signals::{ArmingRequest, MotorTest, RawImuSample, Setpoint};
+use crate::supervisor::{DisarmedBecause, Refusal};
 use crate::vehicle::VehicleParameters;
 
 const VEHICLE: VehicleParameters = VehicleParameters {
@@ -153,5 +155,82 @@ fn nothing_that_is_no_number_gets_through() {
                 assert!(finite(request.input_prev));
             }
         }
+    }
+}
+
+#[test]
+fn arming_waits_for_the_gyro_to_be_calibrated_at_rest() {
+    let config = config(Controller::Cascade);
+    let mut state = State::default();
+    let mut armed_at = None;
+    for k in 0..800u64 {
+        let output = FlightCore::fast(&config, &mut state, &input_at(k * 2500, 0.0, ArmingRequest::Arm, None));
+        if output.arming == Arming::Armed {
+            armed_at = Some(k);
+            break;
+        }
+        let refused = Arming::Disarmed(DisarmedBecause::Refused(Refusal::GyroNotCalibrated));
+        assert_eq!(output.arming, refused, "step {k}");
+    }
+    // 1 s is 400 steps after the first, which only sets the tilt; the sum of 400 roundings may cost one more
+    assert!((400..=402).contains(&armed_at.unwrap()), "{armed_at:?}");
+}
+
+#[test]
+fn a_setpoint_that_is_no_number_is_counted_and_the_last_good_one_flown() {
+    let (config, mut state) = armed(Controller::Cascade);
+    let mut last_lift = 0.0;
+    for k in 1..100 {
+        let throttle = if k < 50 { 0.5 } else { f32::NAN };
+        let output = FlightCore::fast(&config, &mut state, &input(k, throttle, ArmingRequest::None, None));
+        FlightCore::follow(&config, &mut state, &output);
+        assert_eq!(output.setpoints_rejected, (k as u32).saturating_sub(49));
+        assert!(k == 1 || output.wrench.lift_per_motor_n == last_lift);
+        last_lift = output.wrench.lift_per_motor_n;
+    }
+    // after a second of it, as with a lost link: level, idle, then disarmed
+    let mut arming = Arming::Armed;
+    let mut changes = std::vec::Vec::new();
+    for k in 100..1000 {
+        let output = FlightCore::fast(&config, &mut state, &input(k, f32::NAN, ArmingRequest::None, None));
+        if output.arming != arming {
+            changes.push((k, output.arming, output.wrench.lift_per_motor_n));
+            arming = output.arming;
+        }
+    }
+    let since_us = (REST_STEPS + 449) * 2500;
+    let idle = (449, Arming::LinkLost { since_us }, 0.0);
+    let off = (849, Arming::Disarmed(DisarmedBecause::LinkLost), 0.0);
+    assert_eq!(changes, [idle, off]);
+}
+
+#[test]
+fn a_motor_test_turns_its_motor_and_no_other() {
+    let config = config(Controller::Mpc);
+    for motor in 1..=4u8 {
+        let mut state = State::default();
+        let test = MotorTest { motor, throttle_percent: 10, duration_ms: 100 };
+        for k in 0..60 {
+            let request = if k == 1 { ArmingRequest::MotorTest(test) } else { ArmingRequest::None };
+            let output = FlightCore::fast(&config, &mut state, &input_at(k * 2500, 0.0, request, None));
+            FlightCore::follow(&config, &mut state, &output);
+            let turns = (1..41).contains(&k);
+            let expected: [u16; 4] =
+                core::array::from_fn(|i| if turns && i + 1 == usize::from(motor) { 26_400 } else { 24_000 });
+            assert_eq!(output.compare_counts, expected, "motor {motor}, step {k}");
+        }
+    }
+}
+
+#[test]
+fn an_imu_that_falls_silent_disarms_within_five_steps() {
+    let (config, mut state) = armed(Controller::Cascade);
+    for k in 1..=5 {
+        let mut step = input(k, 0.5, ArmingRequest::None, None);
+        step.imu.clear();
+        let output = FlightCore::fast(&config, &mut state, &step);
+        let disarmed = output.arming == Arming::Disarmed(DisarmedBecause::ImuFailed(ImuFault::Stale));
+        assert_eq!(disarmed, k >= 4, "step {k}");
+        assert_eq!(output.compare_counts == [24_000; 4], k >= 4, "step {k}");
     }
 }
