@@ -18,6 +18,7 @@ use crate::peripherals::dma::Dma;
 use crate::peripherals::exti::Exti;
 use crate::peripherals::flash::Flash;
 use crate::peripherals::gpio::Gpio;
+use crate::peripherals::iwdg::{Iwdg, LSI_HZ};
 use crate::peripherals::pwr::Pwr;
 use crate::peripherals::rcc::{ClockGate, Clocks, Rcc};
 use crate::peripherals::spi::Spi;
@@ -55,6 +56,16 @@ pub trait World {
     fn pulse(&mut self, pulse: Pulse);
 }
 
+/// In the place of a world that has been taken out.
+struct Nowhere;
+
+impl World for Nowhere {
+    fn imu(&mut self, _: Ticks) -> Counts {
+        Counts::default()
+    }
+    fn pulse(&mut self, _: Pulse) {}
+}
+
 /// All that is not the core or its memory.
 pub(crate) struct Board {
     pub(crate) private: PrivateBus,
@@ -71,6 +82,7 @@ pub(crate) struct Board {
     tim3: Timer,
     tim5: Timer,
     usart2: Usart,
+    iwdg: Iwdg,
     dbgmcu: DbgMcu,
     backup_ram: Vec<u8>,
     mpu6000: Mpu6000,
@@ -82,7 +94,7 @@ pub(crate) struct Board {
 }
 
 /// Who asks a DMA stream for an item: controller (0 is DMA1), stream, channel (RM0090 tables 42 and 43).
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 struct DmaWire {
     controller: usize,
     stream: usize,
@@ -119,6 +131,7 @@ impl Board {
             tim3: Timer::general(0xffff),
             tim5: Timer::general(u32::MAX),
             usart2: Usart::new(TELEM1_BAUD),
+            iwdg: Iwdg::new(LSI_HZ),
             dbgmcu: DbgMcu::default(),
             backup_ram: memory::noise(0x1000, seed ^ 0xbac),
             mpu6000: Mpu6000::default(),
@@ -129,6 +142,26 @@ impl Board {
         };
         board.distribute_clocks();
         board
+    }
+
+    /// A reset for these reasons (flags of RCC_CSR): what keeps its power stays, backup SRAM and the sensors.
+    pub(crate) fn reset(&mut self, flags: u32) {
+        let flags_so_far = self.rcc.reset_flags();
+        let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), 0);
+        std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
+        std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
+        (fresh.now, fresh.cycles) = (self.now, self.cycles);
+        fresh.rcc = Rcc::new(flags_so_far | flags);
+        *self = fresh;
+    }
+
+    /// The reset that is due, by its flags in RCC_CSR (section 6.3.21); each pulls the reset pin too.
+    pub(crate) fn due_reset(&self, now: Ticks) -> Option<u32> {
+        const PIN: u32 = 1 << 26;
+        if self.iwdg.bites(now) {
+            return Some(PIN | 1 << 29);
+        }
+        self.private.reset_requested.then_some(PIN | 1 << 28)
     }
 
     pub(crate) fn core_ticks(&self) -> Ticks {
@@ -156,6 +189,7 @@ impl Board {
             self.spi1.next_event(),
             self.usart2.next_event(),
             self.mpu6000.next_event(),
+            self.iwdg.next_event(),
         ];
         timers.chain(others.into_iter().flatten()).min()
     }
@@ -178,9 +212,7 @@ impl Board {
     fn tick_imu(&mut self, now: Ticks) {
         while self.mpu6000.sample_due(now) {
             let counts = self.world.imu(self.mpu6000.next_event().unwrap_or(now));
-            if !self.mpu6000.sample(counts) {
-                self.refuse(Cause::Unmodelled("MPU6000 ranges other than 2000 deg/s and 8 g"), 0, None, 0);
-            }
+            self.mpu6000.sample(counts);
         }
         self.mpu6000.tick(now);
     }
@@ -214,8 +246,8 @@ impl Board {
             return FLOATING;
         }
         let answer = self.mpu6000.exchange(byte, self.spi1.clock_hz(), now);
-        answer.unwrap_or_else(|| {
-            self.refuse(Cause::Unmodelled("MPU6000 register access above 1 MHz"), 0, None, 0);
+        answer.unwrap_or_else(|why| {
+            self.refuse(Cause::Unmodelled(why), 0, None, 0);
             FLOATING
         })
     }
@@ -252,7 +284,9 @@ impl Board {
             let level = self.ports.get(port).is_some_and(|port| port.level(line));
             self.exti.set_level(line, level);
         }
+        self.exti.set_level(16, self.pwr.supply_low());
         let exceptions = &mut self.private.exceptions;
+        exceptions.set_line(1, self.exti.requests(1 << 16));
         for (line, interrupt) in [(0, 6), (1, 7), (2, 8), (3, 9), (4, 10)] {
             exceptions.set_line(interrupt, self.exti.requests(1 << line));
         }
@@ -296,6 +330,7 @@ impl Board {
         let found: (&mut dyn Peripheral, _) = match base {
             0x4000_0400 => (&mut self.tim3, gate(ClockGate::apb1(1))),
             0x4000_0c00 => (&mut self.tim5, gate(ClockGate::apb1(3))),
+            0x4000_3000 => (&mut self.iwdg, None),
             0x4000_4400 => (&mut self.usart2, gate(ClockGate::apb1(17))),
             0x4000_7000 => (&mut self.pwr, gate(ClockGate::apb1(28))),
             0x4001_0000 => (&mut self.tim1, gate(ClockGate::apb2(0))),

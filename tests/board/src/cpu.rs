@@ -171,6 +171,20 @@ impl Cpu {
         self.register(RegisterARM::PC)
     }
 
+    /// Registers as after reset; the general ones hold nothing to rely on.
+    pub(crate) fn reset(&mut self) {
+        self.set_register(RegisterARM::XPSR_NZCVQG, 1 << 24);
+        for register in
+            [RegisterARM::CONTROL, RegisterARM::PRIMASK, RegisterARM::FAULTMASK, RegisterARM::BASEPRI, RegisterARM::FPSCR]
+        {
+            self.set_register(register, 0);
+        }
+        for number in 0..13 {
+            self.set_register(RegisterARM::R0 as i32 + number, 0xdead_0000 | number as u32);
+        }
+        self.refresh_mode();
+    }
+
     /// Makes the translated code notice a change of mode or stack; only this write of the emulator's does.
     pub(crate) fn refresh_mode(&mut self) {
         let flags = self.register(RegisterARM::APSR);

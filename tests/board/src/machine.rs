@@ -42,6 +42,8 @@ pub struct Counters {
     pub faults: u64,
     /// Slices.
     pub slices: u64,
+    /// Resets by the watchdog or by the image.
+    pub resets: u64,
 }
 
 /// A board that executes an image.
@@ -52,6 +54,8 @@ pub struct Machine {
     cycles: u64,
     pc: u32,
     asleep: bool,
+    /// Address of the image's vector table.
+    vectors: u32,
     counters: Counters,
 }
 
@@ -67,13 +71,28 @@ impl Machine {
         for (address, bytes) in image.segments() {
             cpu.store(*address, bytes);
         }
-        let mut machine = Self { cpu, board, now: 0, cycles: 0, pc: 0, asleep: false, counters: Counters::default() };
-        let vectors = image.base();
-        let stack = machine.word(vectors).unwrap_or_default();
-        machine.cpu.set_register(Register::MSP, stack);
-        machine.cpu.set_register(Register::LR, u32::MAX);
-        machine.pc = machine.word(vectors + 4).unwrap_or_default();
+        let (vectors, counters) = (image.base(), Counters::default());
+        let mut machine = Self { cpu, board, now: 0, cycles: 0, pc: 0, asleep: false, vectors, counters };
+        machine.enter_image();
         Ok(machine)
+    }
+
+    /// The core as after reset, at the image's first instruction. VTOR is 0: the image has to set it.
+    fn enter_image(&mut self) {
+        let [stack, entry] = [0, 4].map(|offset| self.word(self.vectors + offset).unwrap_or_default());
+        self.cpu.reset();
+        self.cpu.set_register(Register::MSP, stack);
+        self.cpu.set_register(Register::LR, u32::MAX);
+        self.cpu.refresh_mode();
+        self.pc = entry;
+        self.asleep = false;
+    }
+
+    /// Resets chip and core; RAM, backup SRAM and what is around the chip stay as they are.
+    fn reset(&mut self, flags: u32) {
+        self.counters.resets += 1;
+        self.board.borrow_mut().reset(flags);
+        self.enter_image();
     }
 
     /// Runs up to a point in time.
@@ -84,6 +103,10 @@ impl Machine {
         while self.now < end {
             self.board.borrow_mut().tick(self.now, &mut self.cpu);
             self.check_stop()?;
+            let due_reset = self.board.borrow().due_reset(self.now);
+            if let Some(flags) = due_reset {
+                self.reset(flags);
+            }
             self.take_due_exception()?;
             if self.asleep {
                 self.skip(end);

@@ -163,10 +163,6 @@ impl Exceptions {
         self.active &= !bit(number);
         self.pending |= self.lines & bit(number);
     }
-
-    pub(crate) fn any_active(&self) -> bool {
-        self.active != 0
-    }
 }
 
 #[cfg(test)]

@@ -101,26 +101,33 @@ impl Mpu6000 {
         self.selected
     }
 
-    /// One byte each way, at this clock. None: what came out is not to be relied upon.
-    pub(crate) fn exchange(&mut self, byte: u8, clock_hz: u64, now: Ticks) -> Option<u8> {
+    /// One byte each way, at this clock. An error says why what comes out is not to be relied upon.
+    pub(crate) fn exchange(&mut self, byte: u8, clock_hz: u64, now: Ticks) -> Result<u8, &'static str> {
         if self.powered_at.is_none_or(|at| now < at + START_TICKS) {
-            return Some(0);
+            return Ok(0);
         }
         let Some((register, reads)) = self.transfer else {
             self.transfer = Some((byte & !READ, byte & READ != 0));
-            return Some(0);
+            return Ok(0);
         };
         self.transfer = Some((if register < 0x7f { register + 1 } else { register }, reads));
         let is_data = (INT_STATUS..=0x48).contains(&register);
         let clock_max_hz = if is_data && reads { DATA_CLOCK_MAX_HZ } else { REGISTER_CLOCK_MAX_HZ };
         if clock_hz > clock_max_hz {
-            return None;
+            return Err("MPU6000 accessed faster than it allows");
+        }
+        if register > INT_STATUS && is_data && !self.has_the_counts_ranges() {
+            return Err("MPU6000 ranges other than 2000 deg/s and 8 g");
         }
         if reads {
-            return Some(self.read(register));
+            return Ok(self.read(register));
         }
         self.write(register, byte, now);
-        Some(0)
+        Ok(0)
+    }
+
+    fn has_the_counts_ranges(&self) -> bool {
+        self.register(GYRO_CONFIG) >> 3 & 3 == 3 && self.register(ACCEL_CONFIG) >> 3 & 3 == 2
     }
 
     fn read(&mut self, register: u8) -> u8 {
@@ -174,8 +181,8 @@ impl Mpu6000 {
         self.is_awake() && self.next_sample <= now
     }
 
-    /// Takes the sample that is due. False if its ranges are not those of the counts.
-    pub(crate) fn sample(&mut self, counts: Counts) -> bool {
+    /// Takes the sample that is due.
+    pub(crate) fn sample(&mut self, counts: Counts) {
         let at = self.next_sample;
         self.next_sample += self.period();
         let words = [counts.accel[0], counts.accel[1], counts.accel[2], 0, counts.gyro[0], counts.gyro[1], counts.gyro[2]];
@@ -185,7 +192,6 @@ impl Mpu6000 {
         }
         self.registers[usize::from(INT_STATUS)] |= DATA_READY;
         self.pulse_end = Some(at + PULSE_TICKS);
-        self.register(GYRO_CONFIG) >> 3 & 3 == 3 && self.register(ACCEL_CONFIG) >> 3 & 3 == 2
     }
 
     pub(crate) fn tick(&mut self, now: Ticks) {
@@ -212,7 +218,7 @@ mod tests {
     const SLOW_HZ: u64 = 656_250;
     const FAST_HZ: u64 = 10_500_000;
 
-    fn transfer(chip: &mut Mpu6000, bytes: &[u8], clock_hz: u64) -> Vec<Option<u8>> {
+    fn transfer(chip: &mut Mpu6000, bytes: &[u8], clock_hz: u64) -> Vec<Result<u8, &'static str>> {
         chip.select(true);
         let answers = bytes.iter().map(|byte| chip.exchange(*byte, clock_hz, TICKS_PER_S)).collect();
         chip.select(false);
@@ -233,31 +239,31 @@ mod tests {
     #[test]
     fn it_says_who_it_is_once_it_has_power() {
         let mut chip = Mpu6000::default();
-        assert_eq!(transfer(&mut chip, &[WHO_AM_I | READ, 0], SLOW_HZ)[1], Some(0));
+        assert_eq!(transfer(&mut chip, &[WHO_AM_I | READ, 0], SLOW_HZ)[1], Ok(0));
         chip.power(true, 0);
-        assert_eq!(transfer(&mut chip, &[WHO_AM_I | READ, 0], SLOW_HZ)[1], Some(0x68));
-        assert_eq!(transfer(&mut chip, &[PWR_MGMT_1 | READ, 0], SLOW_HZ)[1], Some(SLEEP));
+        assert_eq!(transfer(&mut chip, &[WHO_AM_I | READ, 0], SLOW_HZ)[1], Ok(0x68));
+        assert_eq!(transfer(&mut chip, &[PWR_MGMT_1 | READ, 0], SLOW_HZ)[1], Ok(SLEEP));
         assert_eq!(chip.next_event(), None);
     }
 
     #[test]
     fn a_burst_reads_big_endian_words_from_the_status_on() {
         let mut chip = awake();
-        assert!(chip.sample(Counts { gyro: [1, -2, 0x1234], accel: [0, 0, -4096] }));
+        chip.sample(Counts { gyro: [1, -2, 0x1234], accel: [0, 0, -4096] });
         let mut burst = [0; 16];
         burst[0] = INT_STATUS | READ;
         let answers = transfer(&mut chip, &burst, FAST_HZ);
-        let bytes = answers.into_iter().map(Option::unwrap).collect::<Vec<_>>();
+        let bytes = answers.into_iter().map(Result::unwrap).collect::<Vec<_>>();
         assert_eq!(bytes, [0, 1, 0, 0, 0, 0, 0xf0, 0, 0, 0, 0, 1, 0xff, 0xfe, 0x12, 0x34]);
         // read, hence no longer ready
-        assert_eq!(transfer(&mut chip, &[INT_STATUS | READ, 0], FAST_HZ)[1], Some(0));
+        assert_eq!(transfer(&mut chip, &[INT_STATUS | READ, 0], FAST_HZ)[1], Ok(0));
     }
 
     #[test]
     fn registers_are_not_for_the_fast_clock() {
         let mut chip = awake();
-        assert_eq!(transfer(&mut chip, &[WHO_AM_I | READ, 0], FAST_HZ)[1], None);
-        assert_eq!(transfer(&mut chip, &[CONFIG, 0], FAST_HZ)[1], None);
+        assert!(transfer(&mut chip, &[WHO_AM_I | READ, 0], FAST_HZ)[1].is_err());
+        assert!(transfer(&mut chip, &[CONFIG, 0], FAST_HZ)[1].is_err());
     }
 
     #[test]
@@ -291,6 +297,7 @@ mod tests {
     fn a_range_that_the_counts_are_not_for_is_noticed() {
         let mut chip = awake();
         transfer(&mut chip, &[GYRO_CONFIG, 0], SLOW_HZ);
-        assert!(!chip.sample(Counts::default()));
+        chip.sample(Counts::default());
+        assert!(transfer(&mut chip, &[ACCEL_XOUT_H | READ, 0], FAST_HZ)[1].is_err());
     }
 }

@@ -5,6 +5,7 @@ pub(crate) mod dma;
 pub(crate) mod exti;
 pub(crate) mod flash;
 pub(crate) mod gpio;
+pub(crate) mod iwdg;
 pub(crate) mod pwr;
 pub(crate) mod rcc;
 pub(crate) mod spi;

@@ -67,6 +67,11 @@ impl Rcc {
         self.words[(offset / 4) as usize]
     }
 
+    /// The reasons of past resets, until the image removes them.
+    pub(crate) fn reset_flags(&self) -> u32 {
+        self.word(CSR) & 0xfe00_0000
+    }
+
     pub(crate) fn is_clocked(&self, gate: ClockGate) -> bool {
         self.word(0x30 + gate.register) >> gate.bit & 1 != 0
     }
