@@ -9,6 +9,7 @@ use crate::imu::ImuConfig;
 use crate::mixer::MixerConfig;
 use crate::mpc::{HORIZON, MpcSettings};
 use crate::output::{OutputConfig, PulseKind};
+use crate::supervisor::SupervisorConfig;
 use crate::vehicle::VehicleParameters;
 
 /// Which controller makes the torque.
@@ -110,6 +111,8 @@ pub struct Config {
     pub mixer: MixerConfig,
     /// Pulses.
     pub output: OutputConfig,
+    /// Arming.
+    pub supervisor: SupervisorConfig,
 }
 
 /// A value that can't be flown with.
@@ -170,6 +173,7 @@ impl Config {
                 lift_curve: vehicle.lift_curve,
             },
             output: OutputConfig { kind: PulseKind::Pwm, ticks_per_us: 24.0 },
+            supervisor: SupervisorConfig::NOMINAL,
         })
     }
 

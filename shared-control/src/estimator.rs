@@ -81,6 +81,13 @@ impl Default for EstimatorState {
     }
 }
 
+impl EstimatorState {
+    /// Time at rest over which the gyro bias has been averaged, s; zero in flight and once moved.
+    pub fn rest_s(&self) -> f32 {
+        self.rest_s
+    }
+}
+
 /// One step of the filter. `time_us` is the step's time; it only tells whether samples stay away.
 pub fn update(
     config: &EstimatorConfig,

@@ -17,10 +17,11 @@ use crate::elementary::limit;
 use crate::estimator::{self, EstimatorState};
 use crate::frames::{euler_from_q, euler_rates};
 use crate::imu::{self, ImuState};
+use crate::imu_health::{ImuHealth, ImuHealthState};
 use crate::mixer::{self, MixResult};
 use crate::mpc::{Mpc, MpcState};
-use crate::signals::{AttitudeEstimate, Plan, PlanRequest, PlanStatus, StepInput, Wrench};
-use crate::supervisor::{self, Arming};
+use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
+use crate::supervisor::{self, Arming, Findings};
 
 /// Who made the torque of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,6 +29,8 @@ pub enum TorqueSource {
     /// Nobody: the motors stand still.
     #[default]
     Disarmed,
+    /// Nobody: one motor turns at the command of a test.
+    MotorTest,
     /// The cascade, as configured.
     Cascade,
     /// The MPC's plan.
@@ -38,14 +41,40 @@ pub enum TorqueSource {
     CascadeUnsolved(PlanStatus),
 }
 
+/// The set-point that is flown, and what came instead of one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct SetpointState {
+    /// What the controllers follow.
+    flown: Setpoint,
+    /// The last one made of finite numbers, and when.
+    good: Setpoint,
+    good_us: u64,
+    /// Steps whose set-point was not.
+    rejected: u32,
+}
+
+impl SetpointState {
+    /// Keeps the last good one while what comes is no number. Returns the good one's age, µs.
+    fn take(&mut self, input: &StepInput) -> u64 {
+        if input.setpoint.is_finite() {
+            (self.good, self.good_us) = (input.setpoint, input.time_us);
+        } else {
+            self.rejected = self.rejected.saturating_add(1);
+        }
+        input.time_us.saturating_sub(self.good_us)
+    }
+}
+
 /// All that the core remembers between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Steps made.
     pub step: u32,
     imu: ImuState,
+    imu_health: ImuHealthState,
     estimator: EstimatorState,
     arming: Arming,
+    setpoint: SetpointState,
     angle: AngleState,
     rate: RateState,
     rate_target_rad_s: Vector3<f32>,
@@ -75,6 +104,10 @@ pub struct StepOutput {
     pub source: TorqueSource,
     /// May the motors turn?
     pub arming: Arming,
+    /// Is the IMU to be believed?
+    pub imu_health: ImuHealth,
+    /// Steps so far whose set-point held something that is not a finite number; the last good one was kept.
+    pub setpoints_rejected: u32,
     /// Where the vehicle is.
     pub estimate: AttitudeEstimate,
     /// Rate that the cascade asked for, body frame, rad/s.
@@ -89,46 +122,53 @@ impl FlightCore {
     pub fn fast(config: &Config, state: &mut State, input: &StepInput) -> StepOutput {
         state.step = state.step.wrapping_add(1);
         let imu = imu::condition(&config.imu, &mut state.imu, &input.imu);
-        let in_flight = state.arming == Arming::Armed;
-        let estimate = estimator::update(&config.estimator, &mut state.estimator, &imu, input.time_us, in_flight);
-        state.arming = supervisor::update(state.arming, input, &estimate);
+        let motors_turned = state.arming.motors_turn();
+        let imu_health = state.imu_health.update(&input.imu, !motors_turned && state.estimator.rest_s() > 0.0);
+        let estimate = estimator::update(&config.estimator, &mut state.estimator, &imu, input.time_us, motors_turned);
+        let setpoint_age_us = state.setpoint.take(input);
+        let findings = Findings::new(&estimate, state.estimator.rest_s(), imu_health, setpoint_age_us);
+        state.arming = supervisor::update(&config.supervisor, state.arming, input, &findings);
+        state.setpoint.flown = state.arming.setpoint(&state.setpoint.good);
 
         let cascade_nm = cascade_torque(config, state, &estimate);
         let (source, torque_body_nm) = choose(config, state, input, cascade_nm);
-        let wrench = demand(config, input, source, torque_body_nm);
-        let mix = match source {
-            TorqueSource::Disarmed => MixResult::default(),
-            _ => mixer::mix(&config.mixer, &wrench),
-        };
+        let wrench = demand(config, &state.setpoint.flown, source, torque_body_nm);
+        let mix = mix(config, state.arming, &wrench);
         state.last_mix = mix;
         state.last_source = source;
 
-        let armed = state.arming == Arming::Armed;
         StepOutput {
             step: state.step,
-            compare_counts: config.output.compare_counts(&mix.commands, armed),
+            compare_counts: config.output.compare_counts(&mix.commands, state.arming.motors_turn()),
             mix,
             wrench,
             source,
             arming: state.arming,
+            imu_health,
+            setpoints_rejected: state.setpoint.rejected,
             estimate,
             rate_target_rad_s: state.rate_target_rad_s,
         }
     }
 
     /// Right after the outputs are written: the attitude loop, and in MPC mode the question to the planner.
-    pub fn follow(config: &Config, state: &mut State, input: &StepInput, output: &StepOutput) -> Option<PlanRequest> {
-        if output.source == TorqueSource::Disarmed {
+    pub fn follow(config: &Config, state: &mut State, output: &StepOutput) -> Option<PlanRequest> {
+        if let TorqueSource::Disarmed | TorqueSource::MotorTest = output.source {
             state.angle = AngleState::level_at(&output.estimate);
             state.rate = RateState::default();
             state.rate_target_rad_s = Vector3::zeros();
         } else {
-            state.rate_target_rad_s =
-                angle::update(&config.angle, &mut state.angle, &input.setpoint, &output.estimate, config.step_s());
+            state.rate_target_rad_s = angle::update(
+                &config.angle,
+                &mut state.angle,
+                &state.setpoint.flown,
+                &output.estimate,
+                config.step_s(),
+            );
         }
         match config.controller {
             Controller::Cascade => None,
-            Controller::Mpc => Some(plan_request(config, state, input, output)),
+            Controller::Mpc => Some(plan_request(config, state, output)),
         }
     }
 
@@ -146,7 +186,7 @@ impl FlightCore {
         input: &StepInput,
     ) -> (StepOutput, Option<Plan>) {
         let output = Self::fast(config, state, input);
-        let request = Self::follow(config, state, input, &output);
+        let request = Self::follow(config, state, &output);
         (output, request.map(|request| Self::plan(mpc, plan_state, &request)))
     }
 }
@@ -157,7 +197,7 @@ fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimat
         TorqueSource::Cascade | TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) => {
             Delivery::Applied { unmet: state.last_mix.unmet_torque_nm }
         }
-        TorqueSource::Mpc | TorqueSource::Disarmed => Delivery::NotApplied,
+        TorqueSource::Mpc | TorqueSource::Disarmed | TorqueSource::MotorTest => Delivery::NotApplied,
     };
     let acceleration = rate::update(
         &config.rate,
@@ -174,19 +214,27 @@ fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimat
 fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3]) -> (TorqueSource, [f32; 3]) {
     let fresh = |plan: &Plan| plan.step == state.step.wrapping_sub(1);
     let plan = input.plan.filter(fresh);
-    match (state.arming, config.controller, plan) {
-        (Arming::Disarmed(_), _, _) => (TorqueSource::Disarmed, [0.0; 3]),
-        (Arming::Armed, Controller::Cascade, _) => (TorqueSource::Cascade, cascade_nm),
-        (Arming::Armed, Controller::Mpc, None) => (TorqueSource::CascadeNoPlan, cascade_nm),
-        (Arming::Armed, Controller::Mpc, Some(plan)) => match plan.status {
-            PlanStatus::Solved if plan.input.iter().any(|input| !input.is_finite()) => {
-                (TorqueSource::CascadeUnsolved(PlanStatus::NumericalError), cascade_nm)
-            }
-            PlanStatus::Solved => (TorqueSource::Mpc, torque_of_plan(config, &plan)),
-            PlanStatus::IterationLimit | PlanStatus::Infeasible | PlanStatus::NumericalError => {
-                (TorqueSource::CascadeUnsolved(plan.status), cascade_nm)
-            }
+    match state.arming {
+        Arming::Disarmed(_) => (TorqueSource::Disarmed, [0.0; 3]),
+        Arming::MotorTest { .. } => (TorqueSource::MotorTest, [0.0; 3]),
+        Arming::Armed | Arming::LinkLost { .. } => match (config.controller, plan) {
+            (Controller::Cascade, _) => (TorqueSource::Cascade, cascade_nm),
+            (Controller::Mpc, None) => (TorqueSource::CascadeNoPlan, cascade_nm),
+            (Controller::Mpc, Some(plan)) => torque_of_solved(config, &plan, cascade_nm),
         },
+    }
+}
+
+/// The plan's torque if it was solved, else the cascade's.
+fn torque_of_solved(config: &Config, plan: &Plan, cascade_nm: [f32; 3]) -> (TorqueSource, [f32; 3]) {
+    match plan.status {
+        PlanStatus::Solved if plan.input.iter().any(|input| !input.is_finite()) => {
+            (TorqueSource::CascadeUnsolved(PlanStatus::NumericalError), cascade_nm)
+        }
+        PlanStatus::Solved => (TorqueSource::Mpc, torque_of_plan(config, plan)),
+        PlanStatus::IterationLimit | PlanStatus::Infeasible | PlanStatus::NumericalError => {
+            (TorqueSource::CascadeUnsolved(plan.status), cascade_nm)
+        }
     }
 }
 
@@ -194,19 +242,31 @@ fn torque_of_plan(config: &Config, plan: &Plan) -> [f32; 3] {
     core::array::from_fn(|axis| plan.input[axis] * config.mpc_torque_per_input_nm[axis])
 }
 
-fn demand(config: &Config, input: &StepInput, source: TorqueSource, mut torque_body_nm: [f32; 3]) -> Wrench {
-    if source == TorqueSource::Disarmed {
+/// Commands to the motors, by the mixer or, for a motor test, directly.
+fn mix(config: &Config, arming: Arming, wrench: &Wrench) -> MixResult {
+    match arming {
+        Arming::Disarmed(_) => MixResult::default(),
+        Arming::MotorTest { motor, throttle_percent, .. } => {
+            let command_of = |number| if number == motor { f32::from(throttle_percent) * 0.01 } else { 0.0 };
+            MixResult { commands: MotorCommands([1, 2, 3, 4].map(command_of)), ..MixResult::default() }
+        }
+        Arming::Armed | Arming::LinkLost { .. } => mixer::mix(&config.mixer, wrench),
+    }
+}
+
+fn demand(config: &Config, setpoint: &Setpoint, source: TorqueSource, mut torque_body_nm: [f32; 3]) -> Wrench {
+    if let TorqueSource::Disarmed | TorqueSource::MotorTest = source {
         return Wrench::default();
     }
     if config.angle.yaw_locked {
         torque_body_nm[2] = 0.0;
     }
-    let lift_per_motor_n = config.mixer.lift_curve.lift(limit(input.setpoint.throttle, 0.0, 1.0));
+    let lift_per_motor_n = config.mixer.lift_curve.lift(limit(setpoint.throttle, 0.0, 1.0));
     Wrench { lift_per_motor_n, torque_body_nm }
 }
 
 /// The state at the time when the plan will act, one step ahead: until then the torque of this step holds.
-fn plan_request(config: &Config, state: &State, input: &StepInput, output: &StepOutput) -> PlanRequest {
+fn plan_request(config: &Config, state: &State, output: &StepOutput) -> PlanRequest {
     let dt_s = config.step_s();
     let angles = euler_from_q(&output.estimate.q_world_from_body);
     let rates = euler_rates(angles, &output.estimate.rate_body_rad_s);
@@ -230,8 +290,8 @@ fn plan_request(config: &Config, state: &State, input: &StepInput, output: &Step
         rate_rad_s: core::array::from_fn(|i| rate_now[i] + dt_s * acceleration[i]),
         input_prev: core::array::from_fn(|i| delivered_nm[i] / config.mpc_torque_per_input_nm[i]),
         reference_rad: [
-            tilt_reference(input.setpoint.roll_rad, 0),
-            tilt_reference(input.setpoint.pitch_rad, 1),
+            tilt_reference(state.setpoint.flown.roll_rad, 0),
+            tilt_reference(state.setpoint.flown.pitch_rad, 1),
             heading_reference,
         ],
     }

@@ -38,6 +38,17 @@ impl AxisMap {
         };
         Vector3::new(pick(0), pick(1), pick(2))
     }
+
+    /// A vector of the body frame as the sensor would read it: the reverse of [`Self::to_body`].
+    pub fn from_body(&self, body: [f32; 3]) -> [f32; 3] {
+        let mut sensor = [0.0; 3];
+        for ((source, sign), value) in self.source.iter().zip(self.sign).zip(body) {
+            if let Some(axis) = sensor.get_mut(usize::from(*source)) {
+                *axis = sign * value;
+            }
+        }
+        sensor
+    }
 }
 
 /// Scales, axes and filter of one IMU.

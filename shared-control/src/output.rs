@@ -30,6 +30,12 @@ impl OutputConfig {
         }
     }
 
+    /// Length of a pulse, whole us, rounded down.
+    pub fn pulse_us(&self, compare_counts: u16) -> u16 {
+        // `as` saturates
+        (f32::from(compare_counts) / self.ticks_per_us) as u16
+    }
+
     /// Compare values of motors 1 to 4. Not armed: the shortest pulse, whatever is commanded.
     pub fn compare_counts(&self, commands: &MotorCommands, armed: bool) -> [u16; 4] {
         let shortest_us = self.pulse_min_us();

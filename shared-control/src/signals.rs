@@ -39,6 +39,33 @@ pub struct Setpoint {
     pub throttle: f32,
 }
 
+impl Setpoint {
+    /// Is every part of it a finite number?
+    pub fn is_finite(&self) -> bool {
+        [self.roll_rad, self.pitch_rad, self.yaw_rate_rad_s, self.throttle].iter().all(|value| value.is_finite())
+    }
+}
+
+/// One motor turns alone, so that a person sees which it is and which way round it goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MotorTest {
+    /// Motor, 1 to 4.
+    pub motor: u8,
+    /// Its command in percent; the supervisor has a limit.
+    pub throttle_percent: u8,
+    /// For how long, ms; the supervisor has a limit.
+    pub duration_ms: u16,
+}
+
+/// What stands against arming from outside the control loop.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ArmingBlocks {
+    /// A fault left a record that nobody has read.
+    pub fault_record_unread: bool,
+    /// The stored configuration was bad, and nobody has confirmed what replaced it.
+    pub configuration_unconfirmed: bool,
+}
+
 /// A request to change the arming state; the supervisor decides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ArmingRequest {
@@ -49,6 +76,8 @@ pub enum ArmingRequest {
     Arm,
     /// Disarm; always obeyed.
     Disarm,
+    /// Turn one motor, if disarmed.
+    MotorTest(MotorTest),
 }
 
 /// All that a step may depend on besides configuration and state.
@@ -64,6 +93,10 @@ pub struct StepInput {
     pub arming: ArmingRequest,
     /// Battery voltage, V; `None` where it is not measured.
     pub battery_v: Option<f32>,
+    /// Time since whoever commands was last heard, µs; `None` where no link commands.
+    pub link_age_us: Option<u64>,
+    /// What stands against arming from outside the loop.
+    pub blocks: ArmingBlocks,
     /// The plan that arrived in time for this step; `None` if there is none or it is late.
     pub plan: Option<Plan>,
 }

@@ -3,8 +3,10 @@
 extern crate std;
 use super::*;
 use crate::config::{Tuning, mpc_settings};
+use crate::imu_health::ImuFault;
 use crate::lift_curve::LiftCurve;
-use crate::signals::{ArmingRequest, RawImuSample, Setpoint};
+use crate::signals::{ArmingRequest, MotorTest, RawImuSample, Setpoint};
+use crate::supervisor::{DisarmedBecause, Refusal};
 use crate::vehicle::VehicleParameters;
 
 const VEHICLE: VehicleParameters = VehicleParameters {
@@ -30,22 +32,31 @@ fn config(controller: Controller) -> Config {
     Config::new(&VEHICLE, &Tuning::for_motor_lag(0.0), 400.0, 1200.0, controller).unwrap()
 }
 
+/// Steps at rest before the first one that a test counts.
+const REST_STEPS: u64 = 500;
+
 /// Level and at rest, one sample a step.
 fn input(step: u64, throttle: f32, arming: ArmingRequest, plan: Option<Plan>) -> StepInput {
-    let time_us = step * 2500;
+    input_at((REST_STEPS + step) * 2500, throttle, arming, plan)
+}
+
+fn input_at(time_us: u64, throttle: f32, arming: ArmingRequest, plan: Option<Plan>) -> StepInput {
     let mut input = StepInput { time_us, arming, plan, ..Default::default() };
     let _ = input.imu.push(RawImuSample { time_us, gyro_counts: [0; 3], accel_counts: [0, 0, -4096] });
     input.setpoint = Setpoint { throttle, ..Default::default() };
     input
 }
 
-/// A core that has been armed for a step.
+/// A core that has rested, and been armed for a step.
 fn armed(controller: Controller) -> (Config, State) {
     let config = config(controller);
     let mut state = State::default();
+    for k in 0..REST_STEPS {
+        FlightCore::fast(&config, &mut state, &input_at(k * 2500, 0.0, ArmingRequest::None, None));
+    }
     let first = input(0, 0.0, ArmingRequest::Arm, None);
     let output = FlightCore::fast(&config, &mut state, &first);
-    FlightCore::follow(&config, &mut state, &first, &output);
+    FlightCore::follow(&config, &mut state, &output);
     assert_eq!(output.arming, Arming::Armed);
     (config, state)
 }
@@ -93,7 +104,7 @@ fn the_plan_request_looks_one_step_ahead() {
     let plan = Plan { step: state.step, input: [0.5, -0.25, 0.0], status: PlanStatus::Solved, iterations: 1 };
     let step = input(1, 0.5, ArmingRequest::None, Some(plan));
     let output = FlightCore::fast(&config, &mut state, &step);
-    let request = FlightCore::follow(&config, &mut state, &step, &output).unwrap();
+    let request = FlightCore::follow(&config, &mut state, &output).unwrap();
     assert_eq!(request.step, state.step);
     let acceleration = 0.5 * 0.226 / 0.0115;
     assert!((request.rate_rad_s[0] - 0.0025 * acceleration).abs() < 1e-6);
@@ -134,7 +145,7 @@ fn nothing_that_is_no_number_gets_through() {
             step.setpoint.roll_rad = f32::NAN;
             step.setpoint.yaw_rate_rad_s = f32::INFINITY;
             let output = FlightCore::fast(&config, &mut state, &step);
-            let request = FlightCore::follow(&config, &mut state, &step, &output);
+            let request = FlightCore::follow(&config, &mut state, &output);
             assert!(output.mix.commands.0.iter().all(|c| (0.0..=1.0).contains(c)));
             assert!(output.wrench.torque_body_nm.iter().all(|t| t.is_finite()));
             assert!(output.mix.unmet_torque_nm.iter().all(|t| t.is_finite()));
@@ -144,5 +155,82 @@ fn nothing_that_is_no_number_gets_through() {
                 assert!(finite(request.input_prev));
             }
         }
+    }
+}
+
+#[test]
+fn arming_waits_for_the_gyro_to_be_calibrated_at_rest() {
+    let config = config(Controller::Cascade);
+    let mut state = State::default();
+    let mut armed_at = None;
+    for k in 0..800u64 {
+        let output = FlightCore::fast(&config, &mut state, &input_at(k * 2500, 0.0, ArmingRequest::Arm, None));
+        if output.arming == Arming::Armed {
+            armed_at = Some(k);
+            break;
+        }
+        let refused = Arming::Disarmed(DisarmedBecause::Refused(Refusal::GyroNotCalibrated));
+        assert_eq!(output.arming, refused, "step {k}");
+    }
+    // 1 s is 400 steps after the first, which only sets the tilt; the sum of 400 roundings may cost one more
+    assert!((400..=402).contains(&armed_at.unwrap()), "{armed_at:?}");
+}
+
+#[test]
+fn a_setpoint_that_is_no_number_is_counted_and_the_last_good_one_flown() {
+    let (config, mut state) = armed(Controller::Cascade);
+    let mut last_lift = 0.0;
+    for k in 1..100 {
+        let throttle = if k < 50 { 0.5 } else { f32::NAN };
+        let output = FlightCore::fast(&config, &mut state, &input(k, throttle, ArmingRequest::None, None));
+        FlightCore::follow(&config, &mut state, &output);
+        assert_eq!(output.setpoints_rejected, (k as u32).saturating_sub(49));
+        assert!(k == 1 || output.wrench.lift_per_motor_n == last_lift);
+        last_lift = output.wrench.lift_per_motor_n;
+    }
+    // after a second of it, as with a lost link: level, idle, then disarmed
+    let mut arming = Arming::Armed;
+    let mut changes = std::vec::Vec::new();
+    for k in 100..1000 {
+        let output = FlightCore::fast(&config, &mut state, &input(k, f32::NAN, ArmingRequest::None, None));
+        if output.arming != arming {
+            changes.push((k, output.arming, output.wrench.lift_per_motor_n));
+            arming = output.arming;
+        }
+    }
+    let since_us = (REST_STEPS + 449) * 2500;
+    let idle = (449, Arming::LinkLost { since_us }, 0.0);
+    let off = (849, Arming::Disarmed(DisarmedBecause::LinkLost), 0.0);
+    assert_eq!(changes, [idle, off]);
+}
+
+#[test]
+fn a_motor_test_turns_its_motor_and_no_other() {
+    let config = config(Controller::Mpc);
+    for motor in 1..=4u8 {
+        let mut state = State::default();
+        let test = MotorTest { motor, throttle_percent: 10, duration_ms: 100 };
+        for k in 0..60 {
+            let request = if k == 1 { ArmingRequest::MotorTest(test) } else { ArmingRequest::None };
+            let output = FlightCore::fast(&config, &mut state, &input_at(k * 2500, 0.0, request, None));
+            FlightCore::follow(&config, &mut state, &output);
+            let turns = (1..41).contains(&k);
+            let expected: [u16; 4] =
+                core::array::from_fn(|i| if turns && i + 1 == usize::from(motor) { 26_400 } else { 24_000 });
+            assert_eq!(output.compare_counts, expected, "motor {motor}, step {k}");
+        }
+    }
+}
+
+#[test]
+fn an_imu_that_falls_silent_disarms_within_five_steps() {
+    let (config, mut state) = armed(Controller::Cascade);
+    for k in 1..=5 {
+        let mut step = input(k, 0.5, ArmingRequest::None, None);
+        step.imu.clear();
+        let output = FlightCore::fast(&config, &mut state, &step);
+        let disarmed = output.arming == Arming::Disarmed(DisarmedBecause::ImuFailed(ImuFault::Stale));
+        assert_eq!(disarmed, k >= 4, "step {k}");
+        assert_eq!(output.compare_counts == [24_000; 4], k >= 4, "step {k}");
     }
 }

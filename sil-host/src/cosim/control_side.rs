@@ -2,7 +2,7 @@
 
 use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
-use shared_control::signals::{Plan, StepInput};
+use shared_control::signals::{ArmingBlocks, Plan, StepInput};
 
 use crate::cosim::contract::{Events, Monitored};
 use crate::planner::Planner;
@@ -29,10 +29,12 @@ impl ControlSide {
             setpoint: events.setpoint,
             arming: events.arming,
             battery_v: None,
+            link_age_us: None,
+            blocks: ArmingBlocks::default(),
             plan: self.plan.take(),
         };
         let output = FlightCore::fast(&self.config, &mut self.state, &input);
-        let request = FlightCore::follow(&self.config, &mut self.state, &input, &output);
+        let request = FlightCore::follow(&self.config, &mut self.state, &output);
         self.plan = match (request, &mut self.planner) {
             (Some(request), Some(planner)) => Some(planner.plan(&request)),
             _ => None,

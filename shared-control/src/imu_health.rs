@@ -1,0 +1,215 @@
+//! Is the IMU to be believed? Judged on its raw words, step by step, before anything is computed from them.
+//!
+//! - Stale: no new sample for [`STALE_STEPS`] steps.
+//! - Bus dead: all six words of a sample equal one another (a line stuck low or high reads 0 or -1 throughout). At
+//!   rest one axis feels 1 g, so this happens by chance in free fall at most; [`RUN_SAMPLES`] in a row count.
+//! - Stuck: all six words as they were, [`RUN_SAMPLES`] samples in a row. A real MPU6000 has noise of about one count
+//!   (gyro) and several counts (accelerometer): two equal samples are a matter of 1 in 1000, five of 1 in 10^12. A
+//!   simulation without noise, however, gives equal words for seconds, at rest as in steady hover. The two are told apart
+//!   by what the sensor did at rest before: one whose words went on changing for [`NOISE_SAMPLES`] samples at rest has
+//!   noise, and from then on a run of equal words means that it is stuck. A sensor that never showed noise can't be judged
+//!   so; a real one that is frozen from the start shows by its missing data-ready, which makes it stale.
+//! - Out of range: a word at full scale in [`RUN_SAMPLES`] samples in a row; one knock does not count.
+//!
+//! Every run is complete within five steps, as each step brings at least one sample of a sensor that is not stale.
+
+use crate::signals::RawImuSample;
+
+/// Steps without a new sample after which the IMU is stale.
+pub const STALE_STEPS: u8 = 4;
+/// Samples in a row that make a finding.
+pub const RUN_SAMPLES: u8 = 5;
+/// Samples at rest without a run of equal ones that prove that the sensor has noise.
+pub const NOISE_SAMPLES: u16 = 256;
+
+/// What is wrong with the IMU.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImuFault {
+    /// Samples stay away, or there never was one.
+    Stale,
+    /// Every word of a sample is the same.
+    BusDead,
+    /// The words don't change any more.
+    Stuck,
+    /// At full scale.
+    OutOfRange,
+}
+
+/// The IMU's health.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImuHealth {
+    /// To be believed.
+    Good,
+    /// Not to be believed.
+    Bad(ImuFault),
+}
+
+/// What the judgement rests on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ImuHealthState {
+    last: Option<RawImuSample>,
+    steps_without_sample: u8,
+    dead_run: u8,
+    equal_run: u8,
+    full_scale_run: u8,
+    /// Samples at rest since the last run of equal ones; frozen once [`NOISE_SAMPLES`] are reached.
+    changing_at_rest: u16,
+}
+
+impl ImuHealthState {
+    /// Takes the samples of one step. `at_rest`: motors off and the gyro quiet.
+    pub fn update(&mut self, samples: &[RawImuSample], at_rest: bool) -> ImuHealth {
+        let mut fresh = false;
+        for sample in samples {
+            fresh |= self.take(sample, at_rest);
+        }
+        self.steps_without_sample = if fresh { 0 } else { self.steps_without_sample.saturating_add(1) };
+        self.judge()
+    }
+
+    /// Has the sensor shown noise, so that standing still would be noticed?
+    pub fn has_noise(&self) -> bool {
+        self.changing_at_rest >= NOISE_SAMPLES
+    }
+
+    /// True if the sample is a new one.
+    fn take(&mut self, sample: &RawImuSample, at_rest: bool) -> bool {
+        let repeats = match self.last {
+            Some(last) if sample.time_us <= last.time_us => return false,
+            Some(last) => words(&last) == words(sample),
+            None => false,
+        };
+        let [first, ..] = words(sample);
+        self.equal_run = run(self.equal_run, repeats);
+        self.dead_run = run(self.dead_run, words(sample).iter().all(|word| *word == first));
+        self.full_scale_run = run(self.full_scale_run, words(sample).iter().any(|word| is_full_scale(*word)));
+        if !self.has_noise() {
+            let changing = at_rest && self.equal_run + 1 < RUN_SAMPLES;
+            self.changing_at_rest = if changing { self.changing_at_rest + 1 } else { 0 };
+        }
+        self.last = Some(*sample);
+        true
+    }
+
+    fn judge(&self) -> ImuHealth {
+        if self.last.is_none() || self.steps_without_sample >= STALE_STEPS {
+            ImuHealth::Bad(ImuFault::Stale)
+        } else if self.dead_run >= RUN_SAMPLES {
+            ImuHealth::Bad(ImuFault::BusDead)
+        } else if self.full_scale_run >= RUN_SAMPLES {
+            ImuHealth::Bad(ImuFault::OutOfRange)
+        } else if self.has_noise() && self.equal_run + 1 >= RUN_SAMPLES {
+            ImuHealth::Bad(ImuFault::Stuck)
+        } else {
+            ImuHealth::Good
+        }
+    }
+}
+
+fn run(length: u8, goes_on: bool) -> u8 {
+    // far below where adding one could overflow
+    if goes_on { length.saturating_add(1).min(100) } else { 0 }
+}
+
+fn words(sample: &RawImuSample) -> [i16; 6] {
+    let ([gx, gy, gz], [ax, ay, az]) = (sample.gyro_counts, sample.accel_counts);
+    [gx, gy, gz, ax, ay, az]
+}
+
+fn is_full_scale(word: i16) -> bool {
+    word == i16::MAX || word <= -i16::MAX
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Time and words that a noisy sensor at rest could send.
+    fn noisy(k: u64) -> RawImuSample {
+        let n = (k * 7919 % 11) as i16;
+        RawImuSample {
+            time_us: (k + 1) * 1000,
+            gyro_counts: [n - 5, 3 - n, n % 3],
+            accel_counts: [n, -n, -4096 + 2 * n],
+        }
+    }
+
+    fn still(k: u64) -> RawImuSample {
+        RawImuSample { time_us: (k + 1) * 1000, gyro_counts: [0; 3], accel_counts: [0, 0, -4096] }
+    }
+
+    /// Noise seen for 300 steps at rest, one sample each.
+    fn rested() -> ImuHealthState {
+        let mut state = ImuHealthState::default();
+        for k in 0..300 {
+            assert_eq!(state.update(&[noisy(k)], true), ImuHealth::Good);
+        }
+        assert!(state.has_noise());
+        state
+    }
+
+    /// Steps until a fault is reported, with the fault, when each step from 300 on brings `samples`.
+    fn detected(state: &mut ImuHealthState, sample: impl Fn(u64) -> Option<RawImuSample>) -> (u64, ImuFault) {
+        for k in 300..400 {
+            if let ImuHealth::Bad(fault) = state.update(sample(k).as_slice(), false) {
+                return (k - 299, fault);
+            }
+        }
+        panic!("never detected");
+    }
+
+    #[test]
+    fn each_fault_is_found_within_five_steps() {
+        assert_eq!(detected(&mut rested(), |_| None), (4, ImuFault::Stale));
+        let frozen = noisy(299);
+        let repeat = |k| Some(RawImuSample { time_us: (k + 1) * 1000, ..frozen });
+        assert_eq!(detected(&mut rested(), repeat), (4, ImuFault::Stuck));
+        let dead = |k| Some(RawImuSample { time_us: (k + 1) * 1000, gyro_counts: [-1; 3], accel_counts: [-1; 3] });
+        assert_eq!(detected(&mut rested(), dead), (5, ImuFault::BusDead));
+        let saturated = |k| Some(RawImuSample { gyro_counts: [0, i16::MIN, k as i16], ..noisy(k) });
+        assert_eq!(detected(&mut rested(), saturated), (5, ImuFault::OutOfRange));
+    }
+
+    #[test]
+    fn the_same_sample_again_is_no_news() {
+        let same = noisy(299);
+        assert_eq!(detected(&mut rested(), |_| Some(same)), (4, ImuFault::Stale));
+    }
+
+    #[test]
+    fn a_simulation_without_noise_is_never_stuck() {
+        let mut state = ImuHealthState::default();
+        for k in 0..100_000u64 {
+            // at rest, then steady hover, a manoeuvre, steady hover
+            let moving = (60_000..61_000).contains(&k);
+            let sample = if moving { noisy(k) } else { still(k) };
+            assert_eq!(state.update(&[sample], k < 20_000), ImuHealth::Good, "sample {k}");
+        }
+    }
+
+    #[test]
+    fn noise_is_learnt_at_rest_only() {
+        let mut state = ImuHealthState::default();
+        for k in 0..10_000 {
+            state.update(&[noisy(k)], false);
+        }
+        assert!(!state.has_noise());
+    }
+
+    #[test]
+    fn one_knock_is_no_fault_and_a_fault_ends_with_its_cause() {
+        let mut state = rested();
+        let knock = RawImuSample { accel_counts: [i16::MAX, 0, 0], ..noisy(300) };
+        assert_eq!(state.update(&[knock], false), ImuHealth::Good);
+        for _ in 0..10 {
+            state.update(&[], false);
+        }
+        assert_eq!(state.update(&[], false), ImuHealth::Bad(ImuFault::Stale));
+        assert_eq!(state.update(&[noisy(320)], false), ImuHealth::Good);
+    }
+
+    #[test]
+    fn before_the_first_sample_there_is_no_health() {
+        assert_eq!(ImuHealthState::default().update(&[], true), ImuHealth::Bad(ImuFault::Stale));
+    }
+}

@@ -1,0 +1,229 @@
+//! What the vehicle is to do now: the last of the ground's orders, turned into the input of a step.
+//!
+//! Set-points come from the sticks, or from the test sequence once it is started; until either comes the set-point is
+//! level at zero throttle. While the sequence flies, the sticks are ignored and only show that somebody is there; when
+//! it is over the vehicle is disarmed. The link's age counts from the last `MANUAL_CONTROL` where the sticks fly, else from
+//! the last `MANUAL_CONTROL` or `HEARTBEAT`: as the link is lost after 1 s, heartbeats must come faster than the usual 1 Hz.
+
+use mavlink::dialects::common::MavCmd;
+
+use super::receiver::Order;
+use crate::signals::{ArmingBlocks, ArmingRequest, Setpoint, StepInput};
+use crate::supervisor::{Arming, DisarmedBecause, Refusal};
+use crate::test_sequence;
+
+/// Orders that may wait for their step; what comes beyond that is answered as busy.
+const REQUESTS_MAX: usize = 4;
+
+/// The part of a [`StepInput`] that comes over the link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Commands {
+    /// What is asked for.
+    pub setpoint: Setpoint,
+    /// Request to the supervisor.
+    pub arming: ArmingRequest,
+    /// Time since whoever commands was last heard, µs; the largest value if never.
+    pub link_age_us: u64,
+    /// What stands against arming.
+    pub blocks: ArmingBlocks,
+}
+
+impl Commands {
+    /// Puts them into the input of a step.
+    pub fn fill(&self, input: &mut StepInput) {
+        input.setpoint = self.setpoint;
+        input.arming = self.arming;
+        input.link_age_us = Some(self.link_age_us);
+        input.blocks = self.blocks;
+    }
+}
+
+/// The answer to a command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// Done.
+    Accepted(MavCmd),
+    /// Not done, for a reason that has words.
+    Refused(MavCmd, Refusal),
+    /// Not done, because its parameters make no sense.
+    Senseless(MavCmd),
+    /// Not done, because this vehicle has no such command.
+    Unknown(MavCmd),
+    /// Not done, because others wait before it.
+    Busy(MavCmd),
+}
+
+/// What the board has to do outside the loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chore {
+    /// Store the configuration in use.
+    StoreConfiguration,
+    /// Clear the fault record.
+    ClearFaultRecord,
+}
+
+/// Where the set-point comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Source {
+    /// From nowhere: level at zero throttle.
+    Nobody,
+    /// From the sticks.
+    Sticks { setpoint: Setpoint, heard_us: u64 },
+    /// From the test sequence.
+    TestSequence { start_us: u64 },
+}
+
+/// Keeps the ground's wishes between its messages and the loop's steps.
+#[derive(Clone, Debug)]
+pub struct Commander {
+    hover_throttle: f32,
+    source: Source,
+    heard_us: Option<u64>,
+    blocks: ArmingBlocks,
+    /// Requests that wait for a step, oldest first.
+    waiting: heapless::Deque<ArmingRequest, REQUESTS_MAX>,
+    /// The request that the last [`Commands`] carried.
+    asked: ArmingRequest,
+    arming: Arming,
+}
+
+impl Commander {
+    /// A commander that has heard nothing. `blocks` as found at start.
+    pub fn new(hover_throttle: f32, blocks: ArmingBlocks) -> Self {
+        Self {
+            hover_throttle,
+            source: Source::Nobody,
+            heard_us: None,
+            blocks,
+            waiting: heapless::Deque::new(),
+            asked: ArmingRequest::None,
+            arming: Arming::default(),
+        }
+    }
+
+    /// Takes an order. What can be answered at once is; arming, disarming and motor tests after their step, by
+    /// [`Self::answer`]. The chore is the board's to do.
+    pub fn order(&mut self, order: &Order, time_us: u64) -> (Option<Answer>, Option<Chore>) {
+        let disarmed = matches!(self.arming, Arming::Disarmed(_));
+        match *order {
+            Order::Heartbeat => {
+                self.heard_us = Some(time_us);
+                (None, None)
+            }
+            Order::Fly(setpoint) => {
+                self.heard_us = Some(time_us);
+                if !matches!(self.source, Source::TestSequence { .. }) {
+                    self.source = Source::Sticks { setpoint, heard_us: time_us };
+                }
+                (None, None)
+            }
+            Order::Arm => (self.request(ArmingRequest::Arm), None),
+            Order::Disarm => {
+                // before all that waits
+                self.waiting.clear();
+                (self.request(ArmingRequest::Disarm), None)
+            }
+            Order::TestMotor(test) => (self.request(ArmingRequest::MotorTest(test)), None),
+            Order::StartTestSequence => (Some(self.start_test_sequence(time_us)), None),
+            Order::ConfirmConfiguration if disarmed => {
+                self.blocks.configuration_unconfirmed = false;
+                (Some(Answer::Accepted(MavCmd::MAV_CMD_PREFLIGHT_STORAGE)), Some(Chore::StoreConfiguration))
+            }
+            Order::FaultRecordRead if disarmed => {
+                self.blocks.fault_record_unread = false;
+                (Some(Answer::Accepted(MavCmd::MAV_CMD_USER_1)), Some(Chore::ClearFaultRecord))
+            }
+            Order::ConfirmConfiguration => {
+                (Some(Answer::Refused(MavCmd::MAV_CMD_PREFLIGHT_STORAGE, Refusal::Armed)), None)
+            }
+            Order::FaultRecordRead => (Some(Answer::Refused(MavCmd::MAV_CMD_USER_1, Refusal::Armed)), None),
+            Order::NotUnderstood { command, known: true } => (Some(Answer::Senseless(command)), None),
+            Order::NotUnderstood { command, known: false } => (Some(Answer::Unknown(command)), None),
+            Order::HilSample(_) => (None, None),
+        }
+    }
+
+    /// What the next step is to do. Carries at most one request.
+    pub fn commands(&mut self, time_us: u64) -> Commands {
+        self.asked = self.waiting.pop_front().unwrap_or_default();
+        let mut arming = self.asked;
+        let (setpoint, heard_us) = match self.source {
+            Source::Nobody => (Setpoint::default(), self.heard_us),
+            Source::Sticks { setpoint, heard_us } => (setpoint, Some(heard_us)),
+            Source::TestSequence { start_us } => {
+                let setpoint = test_sequence::at(time_us.saturating_sub(start_us), self.hover_throttle);
+                if setpoint.is_none() {
+                    // nobody asked, so nobody is answered
+                    arming = ArmingRequest::Disarm;
+                }
+                (setpoint.unwrap_or_default(), self.heard_us)
+            }
+        };
+        Commands {
+            setpoint,
+            arming,
+            link_age_us: heard_us.map_or(u64::MAX, |heard_us| time_us.saturating_sub(heard_us)),
+            blocks: self.blocks,
+        }
+    }
+
+    /// What came of the step that [`Self::commands`] was for; the answer to the request that it carried.
+    pub fn answer(&mut self, arming: &Arming) -> Option<Answer> {
+        self.arming = *arming;
+        if !matches!(arming, Arming::Armed) {
+            self.end_test_sequence();
+        }
+        let command = command_of(&self.asked);
+        let answer = match (self.asked, arming) {
+            (ArmingRequest::None, _) => None,
+            (ArmingRequest::Disarm, _)
+            | (ArmingRequest::Arm, Arming::Armed)
+            | (ArmingRequest::MotorTest(_), Arming::MotorTest { .. }) => Some(Answer::Accepted(command)),
+            (_, Arming::Disarmed(DisarmedBecause::Refused(refusal))) => Some(Answer::Refused(command, *refusal)),
+            (ArmingRequest::Arm | ArmingRequest::MotorTest(_), Arming::LinkLost { .. }) => {
+                Some(Answer::Refused(command, Refusal::LinkLost))
+            }
+            // taken away in the very step that it was asked for again
+            (ArmingRequest::Arm, Arming::Disarmed(_) | Arming::MotorTest { .. })
+            | (ArmingRequest::MotorTest(_), Arming::Armed | Arming::Disarmed(_)) => {
+                Some(Answer::Refused(command, Refusal::Armed))
+            }
+        };
+        self.asked = ArmingRequest::None;
+        answer
+    }
+
+    fn request(&mut self, request: ArmingRequest) -> Option<Answer> {
+        match self.waiting.push_back(request) {
+            Ok(()) => None,
+            Err(request) => Some(Answer::Busy(command_of(&request))),
+        }
+    }
+
+    fn start_test_sequence(&mut self, time_us: u64) -> Answer {
+        match self.arming {
+            Arming::Armed => {
+                self.source = Source::TestSequence { start_us: time_us };
+                Answer::Accepted(MavCmd::MAV_CMD_MISSION_START)
+            }
+            Arming::Disarmed(_) | Arming::MotorTest { .. } => {
+                Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::NotArmed)
+            }
+            Arming::LinkLost { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::LinkLost),
+        }
+    }
+
+    fn end_test_sequence(&mut self) {
+        if let Source::TestSequence { .. } = self.source {
+            self.source = Source::Nobody;
+        }
+    }
+}
+
+/// The command that a request came as. No request is nobody's command, and is never answered.
+fn command_of(request: &ArmingRequest) -> MavCmd {
+    match request {
+        ArmingRequest::None | ArmingRequest::Arm | ArmingRequest::Disarm => MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
+        ArmingRequest::MotorTest(_) => MavCmd::MAV_CMD_DO_MOTOR_TEST,
+    }
+}

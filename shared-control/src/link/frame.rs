@@ -1,0 +1,146 @@
+//! MAVLink 2 frames: found in a stream of bytes that may hold anything, and written.
+//!
+//! Layout (<https://mavlink.io/en/guide/serialization.html>): 0xFD, payload length, incompatibility flags, compatibility
+//! flags, sequence, system, component, message id (3 bytes), payload without its trailing zeros, CRC (2 bytes), and
+//! 13 bytes of signature if the first incompatibility flag says so. The signature is skipped, not checked.
+
+use mavlink::{MAV_STX_V2, MavlinkVersion, MessageData, calculate_crc};
+
+/// Longest payload that is taken or written: that of every message of [`super`], with room for extensions.
+pub const PAYLOAD_MAX: usize = 88;
+/// Longest frame that is taken or written.
+pub const FRAME_MAX: usize = HEADER_LEN + PAYLOAD_MAX + CRC_LEN + SIGNATURE_LEN;
+
+const HEADER_LEN: usize = 10;
+const CRC_LEN: usize = 2;
+const SIGNATURE_LEN: usize = 13;
+const FLAG_SIGNED: u8 = 1;
+
+/// A frame whose CRC is right.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Frame {
+    /// System that sent it.
+    pub system_id: u8,
+    /// Component that sent it.
+    pub component_id: u8,
+    /// Message id.
+    pub message_id: u32,
+    /// Payload without its trailing zeros.
+    pub payload: heapless::Vec<u8, PAYLOAD_MAX>,
+}
+
+/// Finds frames in a stream. After bytes that make no frame it starts again at the next 0xFD among those it
+/// holds, so no garbage, however it looks, costs a frame that follows it.
+#[derive(Clone, Debug, Default)]
+pub struct FrameFinder {
+    held: heapless::Vec<u8, FRAME_MAX>,
+    /// Bytes that belonged to no frame that is understood.
+    pub bytes_skipped: u32,
+}
+
+enum Look {
+    /// Not enough bytes yet.
+    Wait,
+    /// What the first byte begins is no frame that is understood.
+    NoFrame,
+    /// A frame of this many bytes.
+    Found(Frame, usize),
+}
+
+impl FrameFinder {
+    /// Takes one byte. `crc_extra` gives the CRC's last byte for a message id, none for messages that nobody wants.
+    pub fn push(&mut self, byte: u8, crc_extra: impl Fn(u32) -> Option<u8>) -> Option<Frame> {
+        // never full: `look` decides at the latest when the longest frame is complete
+        if self.held.push(byte).is_err() {
+            self.held.clear();
+        }
+        // each round takes at least one byte away
+        while !self.held.is_empty() {
+            match self.look(&crc_extra) {
+                Look::Wait => return None,
+                Look::NoFrame => {
+                    self.take_away(1);
+                    self.bytes_skipped = self.bytes_skipped.saturating_add(1);
+                }
+                Look::Found(frame, length) => {
+                    self.take_away(length);
+                    return Some(frame);
+                }
+            }
+        }
+        None
+    }
+
+    fn look(&self, crc_extra: impl Fn(u32) -> Option<u8>) -> Look {
+        if self.held.first() != Some(&MAV_STX_V2) {
+            return Look::NoFrame;
+        }
+        let [_, length, incompatible, _, _, system_id, component_id, id0, id1, id2, rest @ ..] = self.held.as_slice()
+        else {
+            return Look::Wait;
+        };
+        let message_id = u32::from_le_bytes([*id0, *id1, *id2, 0]);
+        let payload_len = usize::from(*length);
+        let Some(extra) = crc_extra(message_id) else { return Look::NoFrame };
+        if payload_len > PAYLOAD_MAX || incompatible & !FLAG_SIGNED != 0 {
+            return Look::NoFrame;
+        }
+        let signature_len = if incompatible & FLAG_SIGNED == 0 { 0 } else { SIGNATURE_LEN };
+        let total = HEADER_LEN + payload_len + CRC_LEN + signature_len;
+        let (Some(payload), Some(checked)) = (rest.get(..payload_len), self.held.get(1..HEADER_LEN + payload_len))
+        else {
+            return Look::Wait;
+        };
+        let (Some([low, high]), true) = (rest.get(payload_len..payload_len + CRC_LEN), self.held.len() >= total) else {
+            return Look::Wait;
+        };
+        if calculate_crc(checked, extra) != u16::from_le_bytes([*low, *high]) {
+            return Look::NoFrame;
+        }
+        let Ok(payload) = heapless::Vec::from_slice(payload) else { return Look::NoFrame };
+        Look::Found(Frame { system_id: *system_id, component_id: *component_id, message_id, payload }, total)
+    }
+
+    fn take_away(&mut self, count: usize) {
+        let count = count.min(self.held.len());
+        self.held.rotate_left(count);
+        self.held.truncate(self.held.len() - count);
+    }
+}
+
+/// The message of a frame, if the frame carries this one and its fields have values that exist.
+pub fn message<D: MessageData>(frame: &Frame) -> Option<D> {
+    if frame.message_id == D::ID { D::deser(MavlinkVersion::V2, &frame.payload).ok() } else { None }
+}
+
+/// Numbers and writes the frames of one sender.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameWriter {
+    system_id: u8,
+    component_id: u8,
+    sequence: u8,
+}
+
+impl FrameWriter {
+    /// A sender that has sent nothing.
+    pub fn new(system_id: u8, component_id: u8) -> Self {
+        Self { system_id, component_id, sequence: 0 }
+    }
+
+    /// Appends a frame. False, and nothing written, if there is no room for it.
+    pub fn write<D: MessageData, const N: usize>(&mut self, data: &D, out: &mut heapless::Vec<u8, N>) -> bool {
+        let mut payload = [0; 255];
+        let length = data.ser(MavlinkVersion::V2, &mut payload).min(payload.len());
+        let [id0, id1, id2, _] = D::ID.to_le_bytes();
+        let header = [MAV_STX_V2, length as u8, 0, 0, self.sequence, self.system_id, self.component_id, id0, id1, id2];
+        if out.capacity() - out.len() < HEADER_LEN + length + CRC_LEN {
+            return false;
+        }
+        let start = out.len();
+        let fits = out.extend_from_slice(&header).is_ok()
+            && out.extend_from_slice(payload.get(..length).unwrap_or_default()).is_ok();
+        let crc = calculate_crc(out.get(start + 1..).unwrap_or_default(), D::EXTRA_CRC);
+        self.sequence = self.sequence.wrapping_add(1);
+        fits && out.extend_from_slice(&crc.to_le_bytes()).is_ok()
+    }
+}

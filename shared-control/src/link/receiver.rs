@@ -1,0 +1,160 @@
+//! From bytes to orders: what the ground wants, checked for address and sense.
+
+use mavlink::MessageData;
+use mavlink::dialects::common::{
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, MANUAL_CONTROL_DATA, MavCmd, MavType,
+};
+
+use super::frame::{Frame, FrameFinder, message};
+use super::hil::HilSample;
+use super::{COMPONENT_ID, LinkSettings};
+use crate::elementary::limit;
+use crate::signals::{MotorTest, Setpoint};
+
+/// What the ground wants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Order {
+    /// Nothing; but it is there.
+    Heartbeat,
+    /// Fly this.
+    Fly(Setpoint),
+    /// Arm.
+    Arm,
+    /// Disarm.
+    Disarm,
+    /// Start the test sequence.
+    StartTestSequence,
+    /// Turn one motor.
+    TestMotor(MotorTest),
+    /// The configuration in use is right: store it.
+    ConfirmConfiguration,
+    /// The fault record has been read.
+    FaultRecordRead,
+    /// A command that this vehicle does not know, or with parameters that make no sense.
+    NotUnderstood {
+        /// The command.
+        command: MavCmd,
+        /// True if the command is known and its parameters are wrong.
+        known: bool,
+    },
+    /// Hardware in the loop: the IMU's sample for the next step.
+    HilSample(HilSample),
+}
+
+/// Turns the bytes that arrive into orders.
+#[derive(Clone, Debug)]
+pub struct Receiver {
+    settings: LinkSettings,
+    finder: FrameFinder,
+    /// Frames with a right CRC and a content that makes no sense: values that don't exist, NaN, invalid axes.
+    pub rejected: u32,
+}
+
+impl Receiver {
+    /// A receiver that has heard nothing.
+    pub fn new(settings: LinkSettings) -> Self {
+        Self { settings, finder: FrameFinder::default(), rejected: 0 }
+    }
+
+    /// Takes one byte.
+    pub fn receive(&mut self, byte: u8) -> Option<Order> {
+        let frame = self.finder.push(byte, crc_extra)?;
+        match frame.message_id {
+            HEARTBEAT_DATA::ID => self.heartbeat(&frame),
+            MANUAL_CONTROL_DATA::ID => self.manual_control(&frame),
+            COMMAND_LONG_DATA::ID => self.command_long(&frame),
+            HIL_SENSOR_DATA::ID => {
+                let sample = message::<HIL_SENSOR_DATA>(&frame).and_then(|data| HilSample::new(&data));
+                self.counted(sample.map(Order::HilSample))
+            }
+            _ => None,
+        }
+    }
+
+    /// Bytes that belonged to no frame that is understood.
+    pub fn bytes_skipped(&self) -> u32 {
+        self.finder.bytes_skipped
+    }
+
+    fn heartbeat(&mut self, frame: &Frame) -> Option<Order> {
+        let heartbeat = message::<HEARTBEAT_DATA>(frame);
+        // other vehicles' and components' heartbeats are no ground
+        let from_ground = heartbeat.map(|data| data.mavtype == MavType::MAV_TYPE_GCS);
+        self.counted(from_ground)?.then_some(Order::Heartbeat)
+    }
+
+    fn manual_control(&mut self, frame: &Frame) -> Option<Order> {
+        let data = self.counted(message::<MANUAL_CONTROL_DATA>(frame))?;
+        if !self.is_for_us(data.target) {
+            return None;
+        }
+        // i16::MAX says that there is no such axis
+        let in_range = |axis: i16| (-1000..=1000).contains(&axis);
+        let valid = [data.x, data.y, data.z, data.r].into_iter().all(in_range);
+        let share = |axis: i16| f32::from(axis) / 1000.0;
+        self.counted(valid.then(|| {
+            Order::Fly(Setpoint {
+                roll_rad: share(data.y) * self.settings.stick_tilt_rad,
+                pitch_rad: -share(data.x) * self.settings.stick_tilt_rad,
+                yaw_rate_rad_s: share(data.r) * self.settings.stick_yaw_rate_rad_s,
+                throttle: limit(share(data.z), 0.0, 1.0),
+            })
+        }))
+    }
+
+    fn command_long(&mut self, frame: &Frame) -> Option<Order> {
+        let data = self.counted(message::<COMMAND_LONG_DATA>(frame))?;
+        let for_us = self.is_for_us(data.target_system) && [0, COMPONENT_ID].contains(&data.target_component);
+        for_us.then(|| order_of(&data))
+    }
+
+    fn is_for_us(&self, system_id: u8) -> bool {
+        system_id == 0 || system_id == self.settings.system_id
+    }
+
+    fn counted<T>(&mut self, sense: Option<T>) -> Option<T> {
+        if sense.is_none() {
+            self.rejected = self.rejected.saturating_add(1);
+        }
+        sense
+    }
+}
+
+fn order_of(data: &COMMAND_LONG_DATA) -> Order {
+    let wrong = Order::NotUnderstood { command: data.command, known: true };
+    match data.command {
+        MavCmd::MAV_CMD_COMPONENT_ARM_DISARM if data.param1 == 1.0 => Order::Arm,
+        MavCmd::MAV_CMD_COMPONENT_ARM_DISARM if data.param1 == 0.0 => Order::Disarm,
+        MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => wrong,
+        MavCmd::MAV_CMD_MISSION_START => Order::StartTestSequence,
+        MavCmd::MAV_CMD_DO_MOTOR_TEST => motor_test(data).map_or(wrong, Order::TestMotor),
+        MavCmd::MAV_CMD_PREFLIGHT_STORAGE if data.param1 == 1.0 => Order::ConfirmConfiguration,
+        MavCmd::MAV_CMD_PREFLIGHT_STORAGE => wrong,
+        MavCmd::MAV_CMD_USER_1 => Order::FaultRecordRead,
+        command => Order::NotUnderstood { command, known: false },
+    }
+}
+
+/// One motor (param5 0 or 1), throttle in percent (param2 0); the supervisor limits throttle and time.
+fn motor_test(data: &COMMAND_LONG_DATA) -> Option<MotorTest> {
+    let whole_motor = data.param1 >= 1.0 && data.param1 <= 255.0 && data.param1 == f32::from(data.param1 as u8);
+    let one_motor = data.param5 == 0.0 || data.param5 == 1.0;
+    let sensible = (0.0..=100.0).contains(&data.param3) && (0.0..=3600.0).contains(&data.param4);
+    (whole_motor && one_motor && data.param2 == 0.0 && sensible).then(|| MotorTest {
+        motor: data.param1 as u8,
+        throttle_percent: data.param3 as u8,
+        // `as` saturates
+        duration_ms: (data.param4 * 1000.0) as u16,
+    })
+}
+
+/// Last byte of the CRC of the messages that are understood.
+fn crc_extra(message_id: u32) -> Option<u8> {
+    match message_id {
+        HEARTBEAT_DATA::ID => Some(HEARTBEAT_DATA::EXTRA_CRC),
+        MANUAL_CONTROL_DATA::ID => Some(MANUAL_CONTROL_DATA::EXTRA_CRC),
+        COMMAND_LONG_DATA::ID => Some(COMMAND_LONG_DATA::EXTRA_CRC),
+        HIL_SENSOR_DATA::ID => Some(HIL_SENSOR_DATA::EXTRA_CRC),
+        _ => None,
+    }
+}

@@ -1,0 +1,322 @@
+//! What the vehicle says of itself, at rates that leave most of 115,200 baud free.
+
+use mavlink::dialects::common::{
+    ATTITUDE_DATA, COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState,
+    MavSysStatusSensor, MavType, SERVO_OUTPUT_RAW_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
+};
+
+use super::commander::Answer;
+use super::frame::FrameWriter;
+use super::{COMPONENT_ID, LinkSettings};
+use crate::config::{Config, Controller};
+use crate::flight_core::StepOutput;
+use crate::frames::euler_from_q;
+use crate::imu_health::{ImuFault, ImuHealth};
+use crate::signals::AttitudeEstimate;
+use crate::supervisor::{Arming, DisarmedBecause};
+
+/// Text of a `STATUSTEXT`.
+pub type Text = heapless::String<50>;
+
+/// Period of `HEARTBEAT`, µs.
+pub const HEARTBEAT_PERIOD_US: u64 = 1_000_000;
+/// Period of `ATTITUDE`, µs.
+pub const ATTITUDE_PERIOD_US: u64 = 20_000;
+/// Period of `SERVO_OUTPUT_RAW`, µs.
+pub const SERVO_PERIOD_US: u64 = 100_000;
+/// Period of `SYS_STATUS`, µs.
+pub const SYS_STATUS_PERIOD_US: u64 = 500_000;
+/// Shortest time between two `STATUSTEXT`, µs.
+pub const TEXT_PERIOD_US: u64 = 100_000;
+
+/// Texts that may wait; what comes beyond is dropped and counted.
+const TEXTS_MAX: usize = 16;
+const ANSWERS_MAX: usize = 8;
+
+/// All that telemetry tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VehicleStatus {
+    /// May the motors turn?
+    pub arming: Arming,
+    /// Where the vehicle is.
+    pub estimate: AttitudeEstimate,
+    /// Pulses to motors 1 to 4, us.
+    pub pulses_us: [u16; 4],
+    /// The IMU's health.
+    pub imu_health: ImuHealth,
+    /// Who flies.
+    pub controller: Controller,
+    /// True with hardware in the loop.
+    pub hil: bool,
+    /// Battery voltage, V, where measured.
+    pub battery_v: Option<f32>,
+    /// Load of the processor, 1/1000.
+    pub load_permille: u16,
+    /// Steps whose set-point was no number.
+    pub setpoints_rejected: u32,
+    /// Steps that were late.
+    pub overruns: u32,
+    /// Plans that came too late.
+    pub late_plans: u32,
+}
+
+impl VehicleStatus {
+    /// Status after a step; what the core does not know is zero, and the board's to add.
+    pub fn new(config: &Config, output: &StepOutput) -> Self {
+        Self {
+            arming: output.arming,
+            estimate: output.estimate,
+            pulses_us: output.compare_counts.map(|counts| config.output.pulse_us(counts)),
+            imu_health: output.imu_health,
+            controller: config.controller,
+            hil: false,
+            battery_v: None,
+            load_permille: 0,
+            setpoints_rejected: output.setpoints_rejected,
+            overruns: 0,
+            late_plans: 0,
+        }
+    }
+}
+
+/// Writes messages when they are due.
+#[derive(Clone, Debug)]
+pub struct Telemetry {
+    writer: FrameWriter,
+    answers: heapless::Deque<Answer, ANSWERS_MAX>,
+    texts: heapless::Deque<(MavSeverity, Text), TEXTS_MAX>,
+    told: Option<Arming>,
+    heartbeat: Due,
+    attitude: Due,
+    servo: Due,
+    sys_status: Due,
+    text: Due,
+    /// Texts and answers for which there was no room.
+    pub dropped: u32,
+}
+
+impl Telemetry {
+    /// A sender that has sent nothing.
+    pub fn new(settings: &LinkSettings) -> Self {
+        Self {
+            writer: FrameWriter::new(settings.system_id, COMPONENT_ID),
+            answers: heapless::Deque::new(),
+            texts: heapless::Deque::new(),
+            told: None,
+            heartbeat: Due::every(HEARTBEAT_PERIOD_US),
+            attitude: Due::every(ATTITUDE_PERIOD_US),
+            servo: Due::every(SERVO_PERIOD_US),
+            sys_status: Due::every(SYS_STATUS_PERIOD_US),
+            text: Due::every(TEXT_PERIOD_US),
+            dropped: 0,
+        }
+    }
+
+    /// Takes an answer to be sent. A refusal is also put into words.
+    pub fn answer(&mut self, answer: Answer) {
+        if let Answer::Refused(_, refusal) = answer {
+            self.text(MavSeverity::MAV_SEVERITY_WARNING, refusal.words());
+        }
+        self.count_dropped(self.answers.is_full());
+        let _ = self.answers.push_back(answer);
+    }
+
+    /// Takes a text to be sent; what is beyond 50 bytes is cut off.
+    pub fn text(&mut self, severity: MavSeverity, words: &str) {
+        let mut text = Text::new();
+        for character in words.chars() {
+            if text.push(character).is_err() {
+                break;
+            }
+        }
+        self.count_dropped(self.texts.is_full());
+        let _ = self.texts.push_back((severity, text));
+    }
+
+    /// Writes what is due and fits into `out`; what does not fit stays due.
+    pub fn poll<const N: usize>(&mut self, time_us: u64, status: &VehicleStatus, out: &mut heapless::Vec<u8, N>) {
+        self.tell_arming(&status.arming);
+        while let Some(answer) = self.answers.front() {
+            if !self.writer.write(&command_ack(answer), out) {
+                return;
+            }
+            self.answers.pop_front();
+        }
+        if self.heartbeat.is(time_us) && self.writer.write(&heartbeat(status), out) {
+            self.heartbeat.done(time_us);
+        }
+        if let (true, Some((severity, text))) = (self.text.is(time_us), self.texts.front())
+            && self.writer.write(&STATUSTEXT_DATA { severity: *severity, text: text.as_str().into() }, out)
+        {
+            self.text.done(time_us);
+            self.texts.pop_front();
+        }
+        if self.attitude.is(time_us) && self.writer.write(&attitude(time_us, &status.estimate), out) {
+            self.attitude.done(time_us);
+        }
+        if self.servo.is(time_us) && self.writer.write(&servo_output(time_us, status), out) {
+            self.servo.done(time_us);
+        }
+        if self.sys_status.is(time_us) && self.writer.write(&sys_status(status), out) {
+            self.sys_status.done(time_us);
+        }
+    }
+
+    /// Refusals have been told by their answer.
+    fn tell_arming(&mut self, arming: &Arming) {
+        if self.told == Some(*arming) {
+            return;
+        }
+        if let Some((severity, words)) = arming_words(arming) {
+            self.text(severity, words);
+        }
+        self.told = Some(*arming);
+    }
+
+    fn count_dropped(&mut self, dropped: bool) {
+        if dropped {
+            self.dropped = self.dropped.saturating_add(1);
+        }
+    }
+}
+
+/// When a message is due.
+#[derive(Clone, Copy, Debug)]
+struct Due {
+    period_us: u64,
+    next_us: u64,
+}
+
+impl Due {
+    fn every(period_us: u64) -> Self {
+        Self { period_us, next_us: 0 }
+    }
+
+    fn is(&self, time_us: u64) -> bool {
+        time_us >= self.next_us
+    }
+
+    /// A message that is late by more than its period is not made up for.
+    fn done(&mut self, time_us: u64) {
+        let on_time = self.next_us.saturating_add(self.period_us);
+        self.next_us = if on_time > time_us { on_time } else { time_us.saturating_add(self.period_us) };
+    }
+}
+
+fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str)> {
+    use MavSeverity::{MAV_SEVERITY_CRITICAL as CRITICAL, MAV_SEVERITY_NOTICE as NOTICE};
+    Some(match arming {
+        Arming::Armed => (NOTICE, "armed"),
+        Arming::MotorTest { .. } => (NOTICE, "motor test"),
+        Arming::LinkLost { .. } => (CRITICAL, "link lost: level and idle"),
+        Arming::Disarmed(because) => match because {
+            DisarmedBecause::Start | DisarmedBecause::Refused(_) => return None,
+            DisarmedBecause::Requested => (NOTICE, "disarmed"),
+            DisarmedBecause::MotorTestOver => (NOTICE, "motor test over"),
+            DisarmedBecause::LinkLost => (CRITICAL, "disarmed: link lost"),
+            DisarmedBecause::AttitudeUnknown => (CRITICAL, "disarmed: attitude unknown"),
+            DisarmedBecause::ImuFailed(ImuFault::Stale) => (CRITICAL, "disarmed: IMU sends nothing"),
+            DisarmedBecause::ImuFailed(ImuFault::BusDead) => (CRITICAL, "disarmed: IMU bus is dead"),
+            DisarmedBecause::ImuFailed(ImuFault::Stuck) => (CRITICAL, "disarmed: IMU is stuck"),
+            DisarmedBecause::ImuFailed(ImuFault::OutOfRange) => (CRITICAL, "disarmed: IMU is at full scale"),
+        },
+    })
+}
+
+fn command_ack(answer: &Answer) -> COMMAND_ACK_DATA {
+    let (command, result) = match answer {
+        Answer::Accepted(command) => (*command, MavResult::MAV_RESULT_ACCEPTED),
+        // what stood against it may pass
+        Answer::Refused(command, _) | Answer::Busy(command) => (*command, MavResult::MAV_RESULT_TEMPORARILY_REJECTED),
+        Answer::Senseless(command) => (*command, MavResult::MAV_RESULT_DENIED),
+        Answer::Unknown(command) => (*command, MavResult::MAV_RESULT_UNSUPPORTED),
+    };
+    COMMAND_ACK_DATA { command, result }
+}
+
+fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
+    let armed = match status.arming {
+        Arming::Armed | Arming::LinkLost { .. } => MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED,
+        Arming::Disarmed(_) | Arming::MotorTest { .. } => MavModeFlag::empty(),
+    };
+    let hil = if status.hil { MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED } else { MavModeFlag::empty() };
+    let system_status = match status.arming {
+        Arming::Armed | Arming::MotorTest { .. } => MavState::MAV_STATE_ACTIVE,
+        Arming::LinkLost { .. } => MavState::MAV_STATE_CRITICAL,
+        Arming::Disarmed(DisarmedBecause::ImuFailed(_) | DisarmedBecause::AttitudeUnknown) => {
+            MavState::MAV_STATE_EMERGENCY
+        }
+        Arming::Disarmed(_) => MavState::MAV_STATE_STANDBY,
+    };
+    HEARTBEAT_DATA {
+        custom_mode: match status.controller {
+            Controller::Cascade => 0,
+            Controller::Mpc => 1,
+        },
+        mavtype: MavType::MAV_TYPE_QUADROTOR,
+        autopilot: MavAutopilot::MAV_AUTOPILOT_GENERIC,
+        base_mode: armed
+            | hil
+            | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+            | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED,
+        system_status,
+        mavlink_version: 3,
+    }
+}
+
+/// Milliseconds of `time_boot_ms`, which wrap after 49 days.
+fn wrapped_ms(time_us: u64) -> u32 {
+    (time_us / 1000) as u32
+}
+
+fn attitude(time_us: u64, estimate: &AttitudeEstimate) -> ATTITUDE_DATA {
+    let angles = euler_from_q(&estimate.q_world_from_body);
+    let rate = estimate.rate_body_rad_s;
+    ATTITUDE_DATA {
+        time_boot_ms: wrapped_ms(time_us),
+        roll: angles.roll_rad,
+        pitch: angles.pitch_rad,
+        yaw: angles.yaw_rad,
+        rollspeed: rate.x,
+        pitchspeed: rate.y,
+        yawspeed: rate.z,
+    }
+}
+
+fn servo_output(time_us: u64, status: &VehicleStatus) -> SERVO_OUTPUT_RAW_DATA {
+    let [servo1_raw, servo2_raw, servo3_raw, servo4_raw] = status.pulses_us;
+    SERVO_OUTPUT_RAW_DATA {
+        time_usec: time_us as u32,
+        servo1_raw,
+        servo2_raw,
+        servo3_raw,
+        servo4_raw,
+        ..SERVO_OUTPUT_RAW_DATA::DEFAULT
+    }
+}
+
+/// The counters that only this project has go into `errors_count`: set-points rejected, overruns, late plans.
+fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
+    let imu = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
+    let control = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ANGULAR_RATE_CONTROL
+        | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ATTITUDE_STABILIZATION
+        | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
+    let attitude = MavSysStatusSensor::MAV_SYS_STATUS_AHRS;
+    let healthy_imu = if status.imu_health == ImuHealth::Good { imu } else { MavSysStatusSensor::empty() };
+    let healthy_attitude = if status.estimate.valid { attitude } else { MavSysStatusSensor::empty() };
+    let count = |number: u32| number.min(u32::from(u16::MAX)) as u16;
+    SYS_STATUS_DATA {
+        onboard_control_sensors_present: imu | control | attitude,
+        onboard_control_sensors_enabled: imu | control | attitude,
+        onboard_control_sensors_health: healthy_imu | healthy_attitude | control,
+        load: status.load_permille,
+        // `as` saturates, and makes 0 of NaN; the largest value says that nobody measures
+        voltage_battery: status.battery_v.map_or(u16::MAX, |volts| (volts * 1000.0) as u16),
+        current_battery: -1,
+        battery_remaining: -1,
+        errors_count1: count(status.setpoints_rejected),
+        errors_count2: count(status.overruns),
+        errors_count3: count(status.late_plans),
+        ..SYS_STATUS_DATA::DEFAULT
+    }
+}

@@ -1,0 +1,258 @@
+//! What the owner of a vehicle chooses, kept in one record that survives power loss: controller, rates, pulses, rig.
+//!
+//! ```text
+//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     24  CRC-32 of all before
+//! ```
+//! All little-endian. A record that is not whole and sensible gives the defaults and forbids arming until somebody
+//! confirms them ([`crate::signals::ArmingBlocks`]).
+
+use crate::config::Controller;
+use crate::output::PulseKind;
+
+/// Length of a record, bytes.
+pub const RECORD_LEN: usize = 28;
+
+const MAGIC: [u8; 4] = *b"QCFG";
+const VERSION: u16 = 1;
+const PAYLOAD_LEN: usize = RECORD_LEN - 12;
+
+/// What the vehicle hangs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rig {
+    /// The gimbal of the thesis: yaw locked.
+    Gimbal,
+    /// Nothing, or a tether.
+    Free,
+}
+
+/// The owner's choices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Params {
+    /// Who flies.
+    pub controller: Controller,
+    /// Steps per second: 100 or 400.
+    pub loop_rate_hz: u16,
+    /// Kind of pulse.
+    pub pulses: PulseKind,
+    /// Pulses per second with PWM, 50 to 490; `OneShot125` has one a step.
+    pub pwm_rate_hz: u16,
+    /// What the vehicle hangs on.
+    pub rig: Rig,
+    /// True: the IMU is simulated on the other end of the link and the pins stay disarmed.
+    pub hil: bool,
+    /// Battery voltage needed to arm, mV.
+    pub battery_arming_min_mv: u16,
+    /// Throttle at which the vehicle hovers, 1/1000.
+    pub hover_throttle_permille: u16,
+}
+
+impl Params {
+    /// What holds where nothing is stored: cascade at 400 Hz, PWM at 400 Hz, on the gimbal.
+    pub const DEFAULT: Params = Params {
+        controller: Controller::Cascade,
+        loop_rate_hz: 400,
+        pulses: PulseKind::Pwm,
+        pwm_rate_hz: 400,
+        rig: Rig::Gimbal,
+        hil: false,
+        battery_arming_min_mv: 10_500,
+        hover_throttle_permille: 500,
+    };
+}
+
+/// What is wrong with a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RecordError {
+    /// Nothing was ever stored, or something else.
+    NoRecord,
+    /// Of another version of the firmware.
+    Version(u16),
+    /// The CRC does not fit.
+    Damaged,
+    /// A value can't be flown with.
+    Value(&'static str),
+}
+
+impl core::fmt::Display for RecordError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            RecordError::NoRecord => f.write_str("configuration: none stored"),
+            RecordError::Version(version) => write!(f, "configuration: version {version}, not {VERSION}"),
+            RecordError::Damaged => f.write_str("configuration: damaged"),
+            RecordError::Value(name) => write!(f, "configuration: bad {name}"),
+        }
+    }
+}
+
+impl core::error::Error for RecordError {}
+
+/// The record of a set of choices.
+pub fn encode(params: &Params) -> [u8; RECORD_LEN] {
+    let [version0, version1] = VERSION.to_le_bytes();
+    let [length0, length1] = (PAYLOAD_LEN as u16).to_le_bytes();
+    let [loop0, loop1] = params.loop_rate_hz.to_le_bytes();
+    let [pwm0, pwm1] = params.pwm_rate_hz.to_le_bytes();
+    let [battery0, battery1] = params.battery_arming_min_mv.to_le_bytes();
+    let [hover0, hover1] = params.hover_throttle_permille.to_le_bytes();
+    let controller = match params.controller {
+        Controller::Cascade => 0,
+        Controller::Mpc => 1,
+    };
+    let pulses = match params.pulses {
+        PulseKind::Pwm => 0,
+        PulseKind::OneShot125 => 1,
+    };
+    let rig = match params.rig {
+        Rig::Gimbal => 0,
+        Rig::Free => 1,
+    };
+    let [m0, m1, m2, m3] = MAGIC;
+    #[rustfmt::skip]
+    let body = [
+        m0, m1, m2, m3, version0, version1, length0, length1,
+        controller, pulses, rig, u8::from(params.hil), loop0, loop1, pwm0, pwm1,
+        battery0, battery1, hover0, hover1, 0, 0, 0, 0,
+    ];
+    let mut record = [0; RECORD_LEN];
+    for (to, from) in record.iter_mut().zip(body.into_iter().chain(crc32(&body).to_le_bytes())) {
+        *to = from;
+    }
+    record
+}
+
+/// The choices in a record.
+///
+/// # Errors
+/// What is wrong with it; the caller then takes [`Params::DEFAULT`] and asks for confirmation.
+pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
+    #[rustfmt::skip]
+    let [
+        m0, m1, m2, m3, version0, version1, length0, length1,
+        controller, pulses, rig, hil, loop0, loop1, pwm0, pwm1,
+        battery0, battery1, hover0, hover1, _, _, _, _, crc @ ..
+    ] = *record;
+    if [m0, m1, m2, m3] != MAGIC {
+        return Err(RecordError::NoRecord);
+    }
+    let version = u16::from_le_bytes([version0, version1]);
+    if version != VERSION {
+        return Err(RecordError::Version(version));
+    }
+    let body = record.get(..RECORD_LEN - 4).unwrap_or_default();
+    if crc32(body) != u32::from_le_bytes(crc) || usize::from(u16::from_le_bytes([length0, length1])) != PAYLOAD_LEN {
+        return Err(RecordError::Damaged);
+    }
+    let params = Params {
+        controller: choice(controller, [Controller::Cascade, Controller::Mpc], "controller")?,
+        loop_rate_hz: u16::from_le_bytes([loop0, loop1]),
+        pulses: choice(pulses, [PulseKind::Pwm, PulseKind::OneShot125], "pulses")?,
+        pwm_rate_hz: u16::from_le_bytes([pwm0, pwm1]),
+        rig: choice(rig, [Rig::Gimbal, Rig::Free], "rig")?,
+        hil: choice(hil, [false, true], "hil")?,
+        battery_arming_min_mv: u16::from_le_bytes([battery0, battery1]),
+        hover_throttle_permille: u16::from_le_bytes([hover0, hover1]),
+    };
+    validate(&params)?;
+    Ok(params)
+}
+
+/// Choices, and whether they are to be confirmed before anything arms.
+pub fn load(record: &[u8; RECORD_LEN]) -> (Params, Option<RecordError>) {
+    match decode(record) {
+        Ok(params) => (params, None),
+        Err(error) => (Params::DEFAULT, Some(error)),
+    }
+}
+
+fn choice<T: Copy>(byte: u8, of: [T; 2], name: &'static str) -> Result<T, RecordError> {
+    of.get(usize::from(byte)).copied().ok_or(RecordError::Value(name))
+}
+
+fn validate(params: &Params) -> Result<(), RecordError> {
+    if ![100, 400].contains(&params.loop_rate_hz) {
+        return Err(RecordError::Value("loop rate"));
+    }
+    if !(50..=490).contains(&params.pwm_rate_hz) {
+        return Err(RecordError::Value("PWM rate"));
+    }
+    if params.hover_throttle_permille > 1000 {
+        return Err(RecordError::Value("hover throttle"));
+    }
+    Ok(())
+}
+
+/// CRC-32 of IEEE 802.3 (reflected 0x04C11DB7, start and end inverted), bit by bit: records are short and read once.
+pub fn crc32(bytes: &[u8]) -> u32 {
+    let mut crc = u32::MAX;
+    for byte in bytes {
+        crc ^= u32::from(*byte);
+        for _ in 0..8 {
+            let carry = crc & 1;
+            crc >>= 1;
+            if carry == 1 {
+                crc ^= 0xEDB8_8320;
+            }
+        }
+    }
+    !crc
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use proptest::prelude::*;
+    use std::string::ToString;
+
+    fn any_params() -> impl Strategy<Value = Params> {
+        (any::<[bool; 4]>(), any::<bool>(), 50u16..=490, any::<u16>(), 0u16..=1000).prop_map(
+            |([mpc, one_shot, free, hil], slow, pwm_rate_hz, battery_arming_min_mv, hover_throttle_permille)| Params {
+                controller: if mpc { Controller::Mpc } else { Controller::Cascade },
+                loop_rate_hz: if slow { 100 } else { 400 },
+                pulses: if one_shot { PulseKind::OneShot125 } else { PulseKind::Pwm },
+                pwm_rate_hz,
+                rig: if free { Rig::Free } else { Rig::Gimbal },
+                hil,
+                battery_arming_min_mv,
+                hover_throttle_permille,
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_stored_comes_back(params in any_params()) {
+            prop_assert_eq!(decode(&encode(&params)), Ok(params));
+        }
+
+        /// A CRC-32 finds every burst of up to 32 bits.
+        #[test]
+        fn any_damaged_byte_is_noticed(params in any_params(), at in 0usize..RECORD_LEN, flip in 1u8..) {
+            let mut record = encode(&params);
+            record[at] ^= flip;
+            prop_assert!(decode(&record).is_err());
+            prop_assert_eq!(load(&record).0, Params::DEFAULT);
+        }
+    }
+
+    #[test]
+    fn crc_is_the_usual_one() {
+        // the check value of the catalogue of parametrised CRC algorithms, CRC-32/ISO-HDLC
+        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+        assert_eq!(crc32(b""), 0);
+    }
+
+    #[test]
+    fn errors_name_what_is_wrong() {
+        assert_eq!(load(&[0xFF; RECORD_LEN]), (Params::DEFAULT, Some(RecordError::NoRecord)));
+        assert_eq!(load(&[0; RECORD_LEN]).1, Some(RecordError::NoRecord));
+        let mut newer = encode(&Params::DEFAULT);
+        newer[4] = 2;
+        assert_eq!(decode(&newer), Err(RecordError::Version(2)));
+        let slow = encode(&Params { loop_rate_hz: 250, ..Params::DEFAULT });
+        assert_eq!(decode(&slow), Err(RecordError::Value("loop rate")));
+        let longest = RecordError::Value("hover throttle").to_string();
+        // they go out as STATUSTEXT
+        assert!(longest.len() <= 50);
+    }
+}
