@@ -54,8 +54,12 @@ pub struct LinkSettings {
 
 impl LinkSettings {
     /// System 1, 30 degrees, 1 rad/s, the thesis' base command.
-    pub const NOMINAL: LinkSettings =
-        LinkSettings { system_id: 1, stick_tilt_rad: 0.523_598_8, stick_yaw_rate_rad_s: 1.0, hover_throttle: 0.5 };
+    pub const NOMINAL: LinkSettings = LinkSettings {
+        system_id: 1,
+        stick_tilt_rad: core::f32::consts::FRAC_PI_6,
+        stick_yaw_rate_rad_s: 1.0,
+        hover_throttle: 0.5,
+    };
 }
 
 /// MAVLink component id of this vehicle: `MAV_COMP_ID_AUTOPILOT1`.

@@ -140,7 +140,7 @@ fn motor_test(data: &COMMAND_LONG_DATA) -> Option<MotorTest> {
     let whole_motor = data.param1 >= 1.0 && data.param1 <= 255.0 && data.param1 == f32::from(data.param1 as u8);
     let one_motor = data.param5 == 0.0 || data.param5 == 1.0;
     let sensible = (0.0..=100.0).contains(&data.param3) && (0.0..=3600.0).contains(&data.param4);
-    (whole_motor && one_motor && data.param2 == 0.0 && sensible).then(|| MotorTest {
+    (whole_motor && one_motor && data.param2 == 0.0 && sensible).then_some(MotorTest {
         motor: data.param1 as u8,
         throttle_percent: data.param3 as u8,
         // `as` saturates
