@@ -14,6 +14,8 @@ mod memory;
 mod peripherals;
 mod stop;
 pub mod time;
+mod trace;
+mod vehicle;
 
 pub use board::World;
 pub use devices::mpu6000::Counts;
@@ -21,3 +23,5 @@ pub use image::{Image, ImageError};
 pub use machine::{Counters, Machine};
 pub use peripherals::timer::Pulse;
 pub use stop::{Cause, Stop};
+pub use trace::step_trace;
+pub use vehicle::{Surroundings, Vehicle};

@@ -54,6 +54,8 @@ pub struct Machine {
     cycles: u64,
     pc: u32,
     asleep: bool,
+    /// An exception waits only for a mask to be lifted: the moment of that must not be missed.
+    masked: bool,
     /// Address of the image's vector table.
     vectors: u32,
     counters: Counters,
@@ -72,7 +74,7 @@ impl Machine {
             cpu.store(*address, bytes);
         }
         let (vectors, counters) = (image.base(), Counters::default());
-        let mut machine = Self { cpu, board, now: 0, cycles: 0, pc: 0, asleep: false, vectors, counters };
+        let mut machine = Self { cpu, board, now: 0, cycles: 0, pc: 0, asleep: false, masked: false, vectors, counters };
         machine.enter_image();
         Ok(machine)
     }
@@ -126,7 +128,8 @@ impl Machine {
     fn run_slice(&mut self, end: Ticks) -> Result<(), Stop> {
         let instruction_ticks = CYCLES_PER_INSTRUCTION * self.board.borrow().core_ticks();
         let until = self.board.borrow().next_event().unwrap_or(end).min(end);
-        let count = until.saturating_sub(self.now).div_ceil(instruction_ticks).clamp(1, SLICE_INSTRUCTIONS);
+        let longest = if self.masked { 1 } else { SLICE_INSTRUCTIONS };
+        let count = until.saturating_sub(self.now).div_ceil(instruction_ticks).clamp(1, longest);
         let (ran, outcome) = self.cpu.run(self.pc, count);
         self.pc = self.cpu.pc();
         self.counters.slices += 1;
@@ -150,15 +153,17 @@ impl Machine {
     }
 
     fn take_due_exception(&mut self) -> Result<(), Stop> {
+        self.masked = false;
         if self.board.borrow().private.exceptions.highest_pending().is_none() {
             return Ok(());
         }
         let masks = self.masks();
-        let (due, wakes) = {
-            let board = self.board.borrow();
-            (board.private.exceptions.due(masks), board.private.exceptions.wakes(masks))
+        let (due, wakes, unmasked) = {
+            let exceptions = &self.board.borrow().private.exceptions;
+            (exceptions.due(masks), exceptions.wakes(masks), exceptions.due(Masks::default()))
         };
         self.asleep &= !wakes;
+        self.masked = due.is_none() && unmasked.is_some();
         match due {
             Some(number) => self.enter_exception(number),
             None => Ok(()),
@@ -288,6 +293,11 @@ impl Machine {
     /// What it did so far.
     pub fn counters(&self) -> Counters {
         self.counters
+    }
+
+    /// Address of the next instruction.
+    pub fn program_counter(&self) -> u32 {
+        self.pc
     }
 
     /// Does the core wait for an interrupt?
