@@ -16,6 +16,8 @@ fn main() {
     println!("cargo::rustc-link-search={}", workspace.display());
     // cortex-m-rt's script; it includes memory.x
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
+    // places the format strings that defmt leaves out of the image
+    println!("cargo::rustc-link-arg-bins=-Tdefmt.x");
     // no page alignment of the sections: it would only pad the image
     println!("cargo::rustc-link-arg-bins=--nmagic");
 }

@@ -21,4 +21,5 @@ pub mod qp;
 pub mod signals;
 pub mod supervisor;
 pub mod test_sequence;
+pub mod trace;
 pub mod vehicle;

@@ -20,6 +20,33 @@ pub struct VehicleParameters {
 }
 
 impl VehicleParameters {
+    /// The F450 on the gimbal of the thesis, as `models/f450-gimbal.toml` describes it; a test of the workspace compares
+    /// every number. Pitch turns the ring along.
+    pub const F450_GIMBAL: VehicleParameters = VehicleParameters {
+        gravity_m_s2: 9.81,
+        arm_m: 0.226,
+        inertia_kg_m2: [0.0115118, 0.0365651, 0.02],
+        torque_per_lift_m: 0.037823286,
+        lift_curve: LiftCurve {
+            lift_min_n: 0.0017807509,
+            lift_max_n: 1.948443,
+            // the motors' equilibrium lift over command, turned around
+            #[rustfmt::skip]
+            command_at: [
+                0.0, 0.04515279, 0.070559986, 0.092107505, 0.11188951, 0.13073838,
+                0.14909784, 0.16724801, 0.1853882, 0.20367438, 0.22223851, 0.24119984,
+                0.26067212, 0.28076872, 0.30160663, 0.32330966, 0.34601173, 0.3698597,
+                0.39501598, 0.42166147, 0.4499974, 0.48024687, 0.51265436, 0.54748243,
+                0.5850039, 0.6254873, 0.66917384, 0.7162443, 0.7667802, 0.82072437,
+                0.8778553, 0.93778676, 1.0,
+            ],
+        },
+        yaw_locked: true,
+    };
+
+    /// Time constant of that vehicle's motors, s.
+    pub const F450_GIMBAL_MOTOR_LAG_S: f32 = 0.0019886284;
+
     /// Distance of each motor from the roll and the pitch axis, m.
     pub fn lever_m(&self) -> f32 {
         self.arm_m * core::f32::consts::FRAC_1_SQRT_2

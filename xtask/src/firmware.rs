@@ -1,5 +1,7 @@
 //! Building, checking and linting what runs on the flight controller.
 
+use std::path::PathBuf;
+
 use anyhow::Result;
 
 use crate::image;
@@ -23,13 +25,13 @@ impl<'a> Target<'a> {
         Ok(Self { workspace, toolchain: Toolchain::find(workspace)? })
     }
 
-    /// Builds the image, checks it, prints its place and size.
-    pub(crate) fn build_image(&self) -> Result<()> {
+    /// Builds the image, checks it, prints its place and size; returns its place.
+    pub(crate) fn build_image(&self) -> Result<PathBuf> {
         self.build("firmware")?;
         let image = self.workspace.target_dir.join(TRIPLE).join("release/firmware");
         let size = image::check(&image)?;
         println!("{}: {size}", image.display());
-        Ok(())
+        Ok(image)
     }
 
     /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its dependencies.

@@ -1,0 +1,100 @@
+//! Before anything else: nothing is assumed of the state in which a bootloader leaves the processor.
+//!
+//! ArduPilot's jumps with BASEPRI raised, PRIMASK set, thread mode on the process stack and the PLL running; PX4's with
+//! five flash wait states on the internal oscillator. A plain image then gets no interrupt at all.
+#![allow(unsafe_code)] // start-up code in assembly, run before any Rust may
+
+use core::arch::naked_asm;
+
+use stm32f4xx_hal::pac::{EXTI, RCC};
+
+/// Called by cortex-m-rt's `Reset` before memory is initialised, hence in assembly and without a stack.
+///
+/// Main stack, no masked priority, no pending or enabled interrupt, faults escalate to HardFault, no memory protection,
+/// lazy stacking of floating-point registers in their default mode, CCM (where the stack lies) powered.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+unsafe extern "C" fn __pre_init() {
+    naked_asm!(
+        "cpsid i",
+        "movs r0, #0",
+        "mvns r3, r0",
+        "msr CONTROL, r0",
+        "isb",
+        "msr BASEPRI, r0",
+        "msr FAULTMASK, r0",
+        "ldr r1, =0xE000E010", // SYST_CSR: off
+        "str r0, [r1]",
+        "ldr r1, =0xE000E180", // NVIC_ICER0..2: 91 lines, all disabled ...
+        "str r3, [r1]",
+        "str r3, [r1, #4]",
+        "str r3, [r1, #8]",
+        "ldr r1, =0xE000E280", // NVIC_ICPR0..2: ... and none pending
+        "str r3, [r1]",
+        "str r3, [r1, #4]",
+        "str r3, [r1, #8]",
+        "ldr r1, =0xE000ED04", // ICSR: PENDSVCLR, PENDSTCLR
+        "ldr r2, =0x0A000000",
+        "str r2, [r1]",
+        "ldr r2, =0x05FA0000", // AIRCR: all four priority bits pre-empt
+        "str r2, [r1, #8]",
+        "str r0, [r1, #0x20]", // SHCSR: no fault handlers but HardFault
+        "str r0, [r1, #0x90]", // MPU_CTRL: off
+        "ldr r1, =0xE000EF34", // FPCCR: ASPEN, LSPEN
+        "mov r2, #0xC0000000",
+        "str r2, [r1]",
+        "str r0, [r1, #8]",    // FPDSCR: rounding and denormals as IEEE 754 has them, as on the host
+        "ldr r1, =0x40023830", // RCC_AHB1ENR: CCMDATARAMEN
+        "ldr r2, [r1]",
+        "orr r2, r2, #(1 << 20)",
+        "str r2, [r1]",
+        "dsb",
+        "isb",
+        "bx lr",
+    )
+}
+
+/// Why the processor was reset (RCC_CSR, RM 7.3.21), in words; forgotten for the next time.
+pub fn take_reset_cause(rcc: &RCC) -> &'static str {
+    let flags = rcc.csr().read();
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    if flags.lpwrrstf().bit_is_set() {
+        "started by low-power reset"
+    } else if flags.wwdgrstf().bit_is_set() || flags.wdgrstf().bit_is_set() {
+        "started by watchdog"
+    } else if flags.sftrstf().bit_is_set() {
+        "started by software reset"
+    } else if flags.porrstf().bit_is_set() {
+        "started by power-on"
+    } else if flags.borrstf().bit_is_set() {
+        "started by brown-out"
+    } else {
+        "started by reset pin"
+    }
+}
+
+/// Back to the internal oscillator, PLL off, every peripheral in use reset: what the HAL's `freeze` starts from.
+pub fn release_clocks(rcc: &RCC, exti: &EXTI) {
+    rcc.cr().modify(|_, w| w.hsion().set_bit());
+    while rcc.cr().read().hsirdy().bit_is_clear() {}
+    rcc.cfgr().reset();
+    while !rcc.cfgr().read().sws().is_hsi() {}
+    rcc.cr().modify(|_, w| w.csson().clear_bit().pllon().clear_bit().hseon().clear_bit());
+    while rcc.cr().read().pllrdy().bit_is_set() {}
+    rcc.cir().reset();
+
+    rcc.ahb1rstr().write(|w| {
+        w.gpioarst().set_bit().gpiobrst().set_bit().gpiocrst().set_bit().gpiodrst().set_bit().gpioerst().set_bit();
+        w.dma1rst().set_bit().dma2rst().set_bit()
+    });
+    rcc.ahb1rstr().reset();
+    rcc.apb1rstr().write(|w| {
+        w.tim2rst().set_bit().tim3rst().set_bit().tim5rst().set_bit();
+        w.spi2rst().set_bit().usart2rst().set_bit().pwrrst().set_bit()
+    });
+    rcc.apb1rstr().reset();
+    rcc.apb2rstr().write(|w| w.tim1rst().set_bit().spi1rst().set_bit().adcrst().set_bit().syscfgrst().set_bit());
+    rcc.apb2rstr().reset();
+    // EXTI has no reset of its own
+    exti.imr().reset();
+}

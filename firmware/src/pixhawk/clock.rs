@@ -1,0 +1,72 @@
+//! Clock tree and time base: TIM5 counts microseconds, and one owner extends them to 64 bits.
+
+use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC, TIM5};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::{Config, Enable, Rcc, Reset};
+
+use super::board;
+
+/// 168 MHz from the crystal; if the crystal fails later, the processor raises NMI.
+pub fn start(rcc: RCC, flash: &FLASH) -> Rcc {
+    let config = Config::hse(board::CRYSTAL_HZ.Hz())
+        .sysclk(board::CORE_HZ.Hz())
+        .pclk1(board::APB1_HZ.Hz())
+        .pclk2(board::APB2_HZ.Hz());
+    let rcc = rcc.freeze(config);
+    rcc.cr().modify(|_, w| w.csson().set_bit());
+    // revision A of the STM32F405 family hangs with prefetch on; PX4 keeps it off as well
+    flash.acr().modify(|_, w| w.prften().clear_bit());
+    rcc
+}
+
+/// While a probe halts the core, the loop, the pulses and the watchdog stand still.
+pub fn freeze_on_halt(debug: &DBGMCU) {
+    debug.apb2_fz().modify(|_, w| w.dbg_tim1_stop().set_bit());
+    debug.apb1_fz().modify(|_, w| w.dbg_tim3_stop().set_bit().dbg_tim5_stop().set_bit().dbg_iwdg_stop().set_bit());
+}
+
+/// Starts TIM5 at 1 MHz over its whole 32 bits.
+pub fn start_microseconds(tim: &TIM5, rcc: &mut Rcc) {
+    TIM5::enable(rcc);
+    TIM5::reset(rcc);
+    tim.psc().write(|w| w.psc().set((board::APB1_TIMER_HZ / 1_000_000 - 1) as u16));
+    tim.arr().write(|w| w.arr().set(u32::MAX));
+    // the prescaler takes effect with an update
+    tim.egr().write(|w| w.ug().set_bit());
+    tim.cr1().write(|w| w.cen().set_bit());
+}
+
+/// The counter, µs; it wraps after 71 minutes.
+#[allow(unsafe_code)] // reads a counter that nobody writes after start-up
+pub fn now_us() -> u32 {
+    // SAFETY: a read without side effects
+    unsafe { (*TIM5::ptr()).cnt().read().bits() }
+}
+
+/// Waits, at least so long; for start-up alone.
+pub fn wait_us(duration_us: u32) {
+    // `delay` counts its argument down, one subtraction and one taken branch a turn: at least 3 cycles on a Cortex-M4
+    // (technical reference manual, table 3-1: 1 + 1 + P, P from 1 to 3)
+    cortex_m::asm::delay(duration_us * (board::CORE_HZ / 1_000_000 / 3));
+}
+
+/// Time that does not wrap; it must be asked at least once in 71 minutes.
+#[derive(Default)]
+pub struct TimeBase {
+    now_us: u64,
+}
+
+impl TimeBase {
+    /// The time now, µs since TIM5 started.
+    pub fn now_us(&mut self) -> u64 {
+        let passed_us = now_us().wrapping_sub(self.now_us as u32);
+        self.now_us = self.now_us.wrapping_add(u64::from(passed_us));
+        self.now_us
+    }
+
+    /// The time of a counter value from about now.
+    pub fn extend(&self, counter_us: u32) -> u64 {
+        let ahead_us = counter_us.wrapping_sub(self.now_us as u32).cast_signed();
+        self.now_us.wrapping_add_signed(i64::from(ahead_us))
+    }
+}

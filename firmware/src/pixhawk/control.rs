@@ -1,0 +1,129 @@
+//! The control core on the board: its configuration, its state, and the input of its next step.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use heapless::spsc::{Consumer, Producer, Queue};
+use shared_control::config::{Config, ConfigError, Tuning};
+use shared_control::flight_core::{FlightCore, State, StepOutput};
+use shared_control::link::{Answer, Chore, Commander, Order, VehicleStatus};
+use shared_control::signals::{Plan, PlanRequest, StepInput};
+use shared_control::vehicle::VehicleParameters;
+
+use super::board;
+use super::clock::TimeBase;
+use super::counters;
+use super::imu::TimedSample;
+
+/// Room for orders that arrive within one step, and for what they bring about within one housekeeping.
+const QUEUE_LENGTH: usize = 16;
+/// From the link to the loop.
+pub type OrderQueue = Queue<Order, QUEUE_LENGTH>;
+/// From the loop to the link.
+pub type AnswerQueue = Queue<Answer, QUEUE_LENGTH>;
+/// From the loop to housekeeping.
+pub type ChoreQueue = Queue<Chore, QUEUE_LENGTH>;
+
+/// Number of the last step, for the record of a fault.
+static LAST_STEP: AtomicU32 = AtomicU32::new(0);
+
+/// Steps made since start.
+pub fn last_step() -> u32 {
+    LAST_STEP.load(Ordering::Relaxed)
+}
+
+/// Configuration that is compiled in: the F450 on its gimbal.
+pub fn configuration() -> Result<(Config, Tuning), ConfigError> {
+    let tuning = Tuning::for_motor_lag(VehicleParameters::F450_GIMBAL_MOTOR_LAG_S);
+    let config = Config::new(
+        &VehicleParameters::F450_GIMBAL,
+        &tuning,
+        board::LOOP_RATE_HZ as f32,
+        board::IMU_RATE_HZ as f32,
+        board::CONTROLLER,
+    )?;
+    Ok((config, tuning))
+}
+
+/// The loop's ends of its queues.
+pub struct Ends {
+    /// Samples of the IMU.
+    pub samples: Consumer<'static, TimedSample>,
+    /// What the ground wants.
+    pub orders: Consumer<'static, Order>,
+    /// What came of it.
+    pub answers: Producer<'static, Answer>,
+    /// What is to be done outside the loop.
+    pub chores: Producer<'static, Chore>,
+}
+
+/// Everything that the loop owns.
+pub struct Control {
+    config: Config,
+    state: State,
+    clock: TimeBase,
+    commander: Commander,
+    ends: Ends,
+    input: StepInput,
+}
+
+impl Control {
+    /// Before the first step.
+    pub fn new(config: Config, commander: Commander, ends: Ends) -> Self {
+        let (state, clock, input) = (State::default(), TimeBase::default(), StepInput::default());
+        Self { config, state, clock, commander, ends, input }
+    }
+
+    /// Gathers the input, makes the step.
+    pub fn fast(&mut self, plan: Option<Plan>) -> StepOutput {
+        self.gather(plan);
+        let output = FlightCore::fast(&self.config, &mut self.state, &self.input);
+        LAST_STEP.store(output.step, Ordering::Relaxed);
+        output
+    }
+
+    /// What comes after the outputs are written.
+    pub fn follow(&mut self, output: &StepOutput) -> Option<PlanRequest> {
+        let answer = self.commander.answer(&output.arming);
+        self.pass_on(answer, None);
+        FlightCore::follow(&self.config, &mut self.state, output)
+    }
+
+    /// Input of the last step.
+    pub fn input(&self) -> &StepInput {
+        &self.input
+    }
+
+    /// What telemetry may tell of a step.
+    pub fn status(&self, output: &StepOutput) -> VehicleStatus {
+        VehicleStatus { battery_v: self.input.battery_v, ..VehicleStatus::new(&self.config, output) }
+    }
+
+    fn gather(&mut self, plan: Option<Plan>) {
+        let time_us = self.clock.now_us();
+        self.input.time_us = time_us;
+        self.input.imu.clear();
+        // what does not fit waits for the next step
+        while !self.input.imu.is_full()
+            && let Some(sample) = self.ends.samples.dequeue()
+        {
+            // never full here
+            let _ = self.input.imu.push(sample.at(self.clock.extend(sample.counter_us)));
+        }
+        // bounded, whatever arrives meanwhile
+        for _ in 0..QUEUE_LENGTH {
+            let Some(order) = self.ends.orders.dequeue() else { break };
+            let (answer, chore) = self.commander.order(&order, time_us);
+            self.pass_on(answer, chore);
+        }
+        self.commander.commands(time_us).fill(&mut self.input);
+        self.input.plan = plan;
+    }
+
+    fn pass_on(&mut self, answer: Option<Answer>, chore: Option<Chore>) {
+        let no_room = answer.is_some_and(|answer| self.ends.answers.enqueue(answer).is_err());
+        let nor_here = chore.is_some_and(|chore| self.ends.chores.enqueue(chore).is_err());
+        if no_room || nor_here {
+            counters::ANSWERS_DROPPED.add();
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! TIM3, the beat of the fast loop; its update also starts the pulse timer, so that both keep a fixed phase.
+
+use shared_control::output::prescaler;
+use stm32f4xx_hal::pac::TIM3;
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+use super::board;
+
+/// The loop's timer.
+pub struct LoopTimer {
+    tim: TIM3,
+}
+
+impl LoopTimer {
+    /// Sets it up, standing still.
+    pub fn new(tim: TIM3, rcc: &mut Rcc) -> Self {
+        TIM3::enable(rcc);
+        TIM3::reset(rcc);
+        let division = prescaler(board::APB1_TIMER_HZ, board::LOOP_RATE_HZ);
+        let ticks = board::APB1_TIMER_HZ / division / board::LOOP_RATE_HZ;
+        tim.psc().write(|w| w.psc().set((division - 1) as u16));
+        tim.arr().write(|w| w.arr().set((ticks - 1) as u16));
+        tim.egr().write(|w| w.ug().set_bit());
+        tim.sr().write(|w| w.uif().clear_bit());
+        // only now, or the update above would already start the pulse timer
+        tim.cr2().write(|w| w.mms().update());
+        tim.dier().write(|w| w.uie().set_bit());
+        Self { tim }
+    }
+
+    /// Starts it; the first tick comes after one period.
+    pub fn start(&self) {
+        self.tim.cr1().write(|w| w.cen().set_bit());
+    }
+
+    /// Takes notice of a tick.
+    pub fn acknowledge(&self) {
+        self.tim.sr().write(|w| w.uif().clear_bit());
+    }
+
+    /// True if the next tick came while this one was still worked on.
+    pub fn is_late(&self) -> bool {
+        self.tim.sr().read().uif().bit_is_set()
+    }
+}

@@ -1,0 +1,251 @@
+//! The tasks and what they share. One device a file; the mathematics is all in `shared_control`.
+//!
+//! ```text
+//!  7  low_supply               supply detector: motors to the disarmed pulse, reset
+//!  6  imu_ready, imu_received  data-ready -> DMA -> sample queue
+//!  5  control_step             TIM3: samples since the last step -> fast -> pulses -> follow
+//!  3  link_idle, link_ring     TELEM1: bytes -> orders
+//!  2  plan                     MPC; its result is used by the next step, a late one by none
+//!  1  housekeeping             telemetry, LED, load, watchdog
+//! ```
+
+mod board;
+mod boot;
+mod clock;
+mod control;
+mod counters;
+mod fault;
+mod ground;
+mod imu;
+mod led;
+mod link_port;
+mod load;
+mod loop_timer;
+mod outputs;
+mod pins;
+mod sensor_bus;
+mod supply;
+mod trace;
+mod watchdog;
+
+use defmt_rtt as _;
+
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
+mod app {
+    use heapless::Vec;
+    use shared_control::config::mpc_settings;
+    use shared_control::flight_core::FlightCore;
+    use shared_control::link::{Commander, LinkSettings, VehicleStatus};
+    use shared_control::mpc::{Mpc, MpcState};
+    use shared_control::signals::{ArmingBlocks, MotorCommands, Plan, PlanRequest};
+    use shared_control::vehicle::VehicleParameters;
+
+    use super::board::{self, CONTROL_HORIZON};
+    use super::control::{self, AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
+    use super::fault::{self, Cause, FaultRecord};
+    use super::ground::Ground;
+    use super::imu::{Buffers, Imu, SampleQueue};
+    use super::led::{Led, Sign};
+    use super::link_port::{self, LinkIn, RING_BYTES, SendBuffer};
+    use super::load::{self, LoadMeter};
+    use super::loop_timer::LoopTimer;
+    use super::outputs::Outputs;
+    use super::pins::Pins;
+    use super::sensor_bus::SensorBus;
+    use super::trace::Trace;
+    use super::watchdog::{self, Watchdog};
+    use super::{boot, clock, counters, supply};
+
+    /// Steps of the loop per housekeeping: 100 times a second.
+    const HOUSEKEEPING_STEPS: u32 = board::LOOP_RATE_HZ / 100;
+
+    #[shared]
+    struct Shared {
+        #[lock_free]
+        imu: Imu,
+        #[lock_free]
+        link: LinkIn,
+        plan: Option<Plan>,
+        status: Option<(u64, VehicleStatus)>,
+    }
+
+    #[local]
+    struct Local {
+        control: Control,
+        outputs: Outputs,
+        loop_timer: LoopTimer,
+        trace: Trace,
+        mpc: Mpc<CONTROL_HORIZON>,
+        mpc_state: MpcState<CONTROL_HORIZON>,
+        ground: Ground,
+        led: Led,
+        watchdog: Watchdog,
+    }
+
+    /// Interrupts are off until it returns. What is wrong with the compiled-in configuration stops the program here.
+    #[init(local = [
+        samples: SampleQueue = SampleQueue::new(), orders: OrderQueue = OrderQueue::new(),
+        answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
+        imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
+    ])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let (mut core, mut device) = (cx.core, cx.device);
+        let reset_cause = boot::take_reset_cause(&device.RCC);
+        boot::release_clocks(&device.RCC, &device.EXTI);
+        let mut rcc = clock::start(device.RCC, &device.FLASH);
+        clock::freeze_on_halt(&device.DBGMCU);
+        clock::start_microseconds(&device.TIM5, &mut rcc);
+        load::start(&mut core.DCB, &mut core.DWT);
+        let record = FaultRecord::read();
+
+        let ports = (device.GPIOA, device.GPIOC, device.GPIOD, device.GPIOE);
+        let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
+        supply::watch(&device.PWR, &device.EXTI, &mut rcc);
+
+        let (config, tuning) = control::configuration().expect("the compiled-in configuration");
+        let mpc = Mpc::prepare(&mpc_settings(&VehicleParameters::F450_GIMBAL, &tuning)).expect("its MPC");
+
+        let disarmed = config.output.compare_counts(&MotorCommands::default(), false);
+        let outputs = Outputs::new(device.TIM1, pins.motors, disarmed[0], &mut rcc);
+        let loop_timer = LoopTimer::new(device.TIM3, &mut rcc);
+
+        let settings = LinkSettings::NOMINAL;
+        let (orders, orders_out) = cx.local.orders.split();
+        let (answers, answers_out) = cx.local.answers.split();
+        let (chores, chores_out) = cx.local.chores.split();
+        let (samples, samples_out) = cx.local.samples.split();
+        let (ring, buffer) = (cx.local.ring, cx.local.buffer);
+        let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, ring, buffer, &mut rcc);
+        let link = LinkIn::new(port, settings, orders);
+        let mut ground = Ground::new(&settings, sender, answers_out, chores_out);
+        ground.tell(reset_cause);
+        if let Some(record) = record {
+            ground.tell(&record.words());
+        }
+
+        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
+        let mut imu = Imu::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, samples, &mut rcc);
+        if let Err(fault) = imu.start(&mut device.EXTI) {
+            // without samples nothing arms
+            ground.tell(fault.words());
+        }
+
+        let blocks = ArmingBlocks { fault_record_unread: record.is_some(), configuration_unconfirmed: false };
+        let commander = Commander::new(settings.hover_throttle, blocks);
+        let ends = Ends { samples: samples_out, orders: orders_out, answers, chores };
+        let control = Control::new(config, commander, ends);
+        let (trace, mpc_state) = (Trace::new(), MpcState::new());
+        let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
+        loop_timer.start();
+        let local = Local { control, outputs, loop_timer, trace, mpc, mpc_state, ground, led, watchdog };
+        (Shared { imu, link, plan: None, status: None }, local)
+    }
+
+    /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
+    #[task(binds = EXTI15_10, priority = 6, shared = [imu])]
+    fn imu_ready(cx: imu_ready::Context) {
+        cx.shared.imu.begin_transfer();
+    }
+
+    /// About 15 us after [`imu_ready`], done before the next. On a miss that next sample is given up and counted.
+    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imu])]
+    fn imu_received(cx: imu_received::Context) {
+        cx.shared.imu.end_transfer();
+    }
+
+    /// Every loop period; its pulses must be written within `board::PULSE_DELAY_US`. On a miss the pulses before are sent
+    /// once more; a step that outlasts the period is counted, and without any the watchdog resets the board.
+    #[task(
+        binds = TIM3, priority = 5,
+        local = [control, outputs, loop_timer, trace], shared = [plan, status]
+    )]
+    fn control_step(mut cx: control_step::Context) {
+        let local = cx.local;
+        local.loop_timer.acknowledge();
+        let output = load::LOOP.measure(|| {
+            let plan = cx.shared.plan.lock(Option::take);
+            let output = local.control.fast(plan);
+            local.outputs.write(output.compare_counts, output.arming.motors_turn());
+            if let Some(request) = local.control.follow(&output)
+                && plan::spawn(request).is_err()
+            {
+                // the plan before is still being made: the next step does without
+                counters::LATE_PLANS.add();
+            }
+            local.trace.publish(local.control.input(), &output);
+            output
+        });
+        let status = (local.control.input().time_us, local.control.status(&output));
+        cx.shared.status.lock(|latest| *latest = Some(status));
+        if local.loop_timer.is_late() {
+            counters::LOOP_OVERRUNS.add();
+        }
+        watchdog::report_loop();
+        if output.step.is_multiple_of(HOUSEKEEPING_STEPS) {
+            // still busy with the one before: the watchdog notices if that lasts
+            let _ = housekeeping::spawn();
+        }
+    }
+
+    /// When a message has arrived or the ring is half full, done within 22 ms. On a miss bytes are lost, and the CRC of
+    /// their messages says so. Orders that find no room are lost; the ground repeats what is not answered.
+    #[task(binds = USART2, priority = 3, shared = [link])]
+    fn link_idle(cx: link_idle::Context) {
+        cx.shared.link.take();
+    }
+
+    /// As [`link_idle`], when half of the ring is full.
+    #[task(binds = DMA1_STREAM5, priority = 3, shared = [link])]
+    fn link_ring(cx: link_ring::Context) {
+        cx.shared.link.take();
+    }
+
+    /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and its
+    /// own request is not made.
+    #[task(priority = 2, local = [mpc, mpc_state], shared = [plan])]
+    async fn plan(mut cx: plan::Context, request: PlanRequest) {
+        let plan = load::PLAN.measure(|| FlightCore::plan(cx.local.mpc, cx.local.mpc_state, &request));
+        cx.shared.plan.lock(|latest| *latest = Some(plan));
+    }
+
+    /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
+    #[task(
+        priority = 1, shared = [status],
+        local = [ground, led, watchdog, load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0]
+    )]
+    async fn housekeeping(mut cx: housekeeping::Context) {
+        let local = cx.local;
+        local.watchdog.feed_if_all_alive();
+        *local.ticks = local.ticks.wrapping_add(1);
+        let Some((time_us, step_status)) = cx.shared.status.lock(|status| *status) else { return };
+        let status = VehicleStatus {
+            load_permille: *local.load_permille,
+            overruns: counters::LOOP_OVERRUNS.get(),
+            late_plans: counters::LATE_PLANS.get(),
+            ..step_status
+        };
+        local.ground.update(time_us, &status);
+        if local.ticks.is_multiple_of(10) {
+            local.led.update(Sign::of(&status));
+        }
+        if local.ticks.is_multiple_of(100) {
+            *local.load_permille = local.load_meter.permille();
+            load::report();
+            counters::report();
+        }
+    }
+
+    /// At once, before anything else. There is no second chance: the supply is failing.
+    #[task(binds = PVD, priority = 7)]
+    fn low_supply(_: low_supply::Context) {
+        fault::stop(Cause::LowSupply, 0, 0);
+    }
+
+    /// Nothing to do: sleep until an interrupt.
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            load::sleep();
+        }
+    }
+}

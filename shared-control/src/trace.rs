@@ -1,0 +1,318 @@
+//! One step as plain words: what a running image shows of itself, so that a host can repeat the step and compare bits.
+
+use heapless::Vec;
+
+use crate::flight_core::{StepOutput, TorqueSource};
+use crate::imu_health::{ImuFault, ImuHealth};
+use crate::signals::{
+    ArmingBlocks, ArmingRequest, IMU_SAMPLES_MAX, MotorTest, Plan, PlanStatus, RawImuSample, Setpoint, StepInput,
+};
+use crate::supervisor::Arming;
+
+/// Input and output of a step. All words are `u32`, so that every target lays it out alike; `f32` as bits, 64-bit times
+/// low word first, enums as the numbers of the functions below.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StepTrace {
+    /// Number of the step; whoever publishes a trace writes it last.
+    pub step: u32,
+    /// Time of the step, µs.
+    pub time_us: [u32; 2],
+    /// IMU samples in this step.
+    pub samples: u32,
+    /// Per sample its time (2 words), gyro x, y, z and accelerometer x, y, z, sign-extended.
+    pub sample: [[u32; 8]; IMU_SAMPLES_MAX],
+    /// Roll, pitch, yaw rate, throttle.
+    pub setpoint: [u32; 4],
+    /// 0 none, 1 arm, 2 disarm, 3 motor test; then that test's motor, percent and ms.
+    pub arming_request: [u32; 4],
+    /// 1 if there is a link, and its age, µs.
+    pub link_age: [u32; 3],
+    /// 1 if a fault record is unread; 1 if the configuration is unconfirmed.
+    pub blocks: [u32; 2],
+    /// 1 if a battery voltage is there, and the voltage.
+    pub battery: [u32; 2],
+    /// 1 if a plan is there, its step, status, iterations and three inputs.
+    pub plan: [u32; 7],
+    /// Compare values of motors 1 to 4.
+    pub compare_counts: [u32; 4],
+    /// 0 armed, 1 disarmed, 2 motor test, 3 link lost.
+    pub arming: u32,
+    /// 0 good, 1 stale, 2 bus dead, 3 stuck, 4 out of range.
+    pub imu_health: u32,
+    /// Who made the torque.
+    pub source: u32,
+    /// Commands of motors 1 to 4.
+    pub commands: [u32; 4],
+    /// Torque that the mixer could not deliver, N m.
+    pub unmet_torque_nm: [u32; 3],
+    /// Lift per motor, N, and torque, N m.
+    pub wrench: [u32; 4],
+    /// Attitude: w, i, j, k.
+    pub attitude: [u32; 4],
+    /// Body rate, rad/s.
+    pub rate: [u32; 3],
+    /// Gyro bias, rad/s.
+    pub bias: [u32; 3],
+    /// Rate asked for, rad/s.
+    pub rate_target: [u32; 3],
+}
+
+impl StepTrace {
+    /// Before any step.
+    pub const EMPTY: Self = Self {
+        step: 0,
+        time_us: [0; 2],
+        samples: 0,
+        sample: [[0; 8]; IMU_SAMPLES_MAX],
+        setpoint: [0; 4],
+        arming_request: [0; 4],
+        link_age: [0; 3],
+        blocks: [0; 2],
+        battery: [0; 2],
+        plan: [0; 7],
+        compare_counts: [0; 4],
+        arming: 0,
+        imu_health: 0,
+        source: 0,
+        commands: [0; 4],
+        unmet_torque_nm: [0; 3],
+        wrench: [0; 4],
+        attitude: [0; 4],
+        rate: [0; 3],
+        bias: [0; 3],
+        rate_target: [0; 3],
+    };
+
+    /// A step's words.
+    pub fn record(&mut self, input: &StepInput, output: &StepOutput) {
+        self.step = output.step;
+        self.time_us = halves(input.time_us);
+        self.samples = input.imu.len() as u32;
+        for (words, sample) in self.sample.iter_mut().zip(&input.imu) {
+            *words = words_of_sample(sample);
+        }
+        let setpoint = &input.setpoint;
+        self.setpoint =
+            [setpoint.roll_rad, setpoint.pitch_rad, setpoint.yaw_rate_rad_s, setpoint.throttle].map(f32::to_bits);
+        self.arming_request = words_of_request(&input.arming);
+        self.link_age = input.link_age_us.map_or([0; 3], |age_us| {
+            let [low, high] = halves(age_us);
+            [1, low, high]
+        });
+        let ArmingBlocks { fault_record_unread, configuration_unconfirmed } = input.blocks;
+        self.blocks = [fault_record_unread, configuration_unconfirmed].map(u32::from);
+        self.battery = input.battery_v.map_or([0; 2], |volts| [1, volts.to_bits()]);
+        self.plan = input.plan.as_ref().map_or([0; 7], words_of_plan);
+        self.record_output(output);
+    }
+
+    fn record_output(&mut self, output: &StepOutput) {
+        let estimate = &output.estimate;
+        let [torque_x, torque_y, torque_z] = output.wrench.torque_body_nm;
+        let q = &estimate.q_world_from_body;
+        self.compare_counts = output.compare_counts.map(u32::from);
+        self.arming = number_of_arming(output.arming);
+        self.imu_health = number_of_health(output.imu_health);
+        self.source = number_of_source(output.source);
+        self.commands = output.mix.commands.0.map(f32::to_bits);
+        self.unmet_torque_nm = output.mix.unmet_torque_nm.map(f32::to_bits);
+        self.wrench = [output.wrench.lift_per_motor_n, torque_x, torque_y, torque_z].map(f32::to_bits);
+        self.attitude = [q.w, q.i, q.j, q.k].map(f32::to_bits);
+        self.rate = [0, 1, 2].map(|axis| estimate.rate_body_rad_s[axis].to_bits());
+        self.bias = [0, 1, 2].map(|axis| estimate.gyro_bias_rad_s[axis].to_bits());
+        self.rate_target = [0, 1, 2].map(|axis| output.rate_target_rad_s[axis].to_bits());
+    }
+
+    /// The input that was recorded, to the bit.
+    pub fn input(&self) -> StepInput {
+        let [roll_rad, pitch_rad, yaw_rate_rad_s, throttle] = self.setpoint.map(f32::from_bits);
+        let samples: Vec<_, IMU_SAMPLES_MAX> =
+            self.sample.iter().take(self.samples as usize).map(sample_of_words).collect();
+        let [battery_known, battery] = self.battery;
+        StepInput {
+            time_us: whole(self.time_us),
+            imu: samples,
+            setpoint: Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle },
+            arming: request_of_words(&self.arming_request),
+            link_age_us: link_of_words(self.link_age),
+            blocks: ArmingBlocks {
+                fault_record_unread: self.blocks[0] == 1,
+                configuration_unconfirmed: self.blocks[1] == 1,
+            },
+            battery_v: (battery_known == 1).then_some(f32::from_bits(battery)),
+            plan: plan_of_words(&self.plan),
+        }
+    }
+}
+
+fn halves(value: u64) -> [u32; 2] {
+    [value as u32, (value >> 32) as u32]
+}
+
+fn whole([low, high]: [u32; 2]) -> u64 {
+    u64::from(high) << 32 | u64::from(low)
+}
+
+fn words_of_sample(sample: &RawImuSample) -> [u32; 8] {
+    let [low, high] = halves(sample.time_us);
+    let [gx, gy, gz] = sample.gyro_counts.map(|count| i32::from(count) as u32);
+    let [ax, ay, az] = sample.accel_counts.map(|count| i32::from(count) as u32);
+    [low, high, gx, gy, gz, ax, ay, az]
+}
+
+fn sample_of_words(words: &[u32; 8]) -> RawImuSample {
+    let [low, high, gyro @ .., ax, ay, az] = *words;
+    let gyro: [u32; 3] = gyro;
+    RawImuSample {
+        time_us: whole([low, high]),
+        gyro_counts: gyro.map(|word| word as i16),
+        accel_counts: [ax, ay, az].map(|word| word as i16),
+    }
+}
+
+fn words_of_request(request: &ArmingRequest) -> [u32; 4] {
+    match *request {
+        ArmingRequest::None => [0; 4],
+        ArmingRequest::Arm => [1, 0, 0, 0],
+        ArmingRequest::Disarm => [2, 0, 0, 0],
+        ArmingRequest::MotorTest(MotorTest { motor, throttle_percent, duration_ms }) => {
+            [3, u32::from(motor), u32::from(throttle_percent), u32::from(duration_ms)]
+        }
+    }
+}
+
+fn request_of_words(words: &[u32; 4]) -> ArmingRequest {
+    match *words {
+        [0, ..] => ArmingRequest::None,
+        [1, ..] => ArmingRequest::Arm,
+        [2, ..] => ArmingRequest::Disarm,
+        [_, motor, percent, ms] => ArmingRequest::MotorTest(MotorTest {
+            motor: motor as u8,
+            throttle_percent: percent as u8,
+            duration_ms: ms as u16,
+        }),
+    }
+}
+
+fn link_of_words([known, low, high]: [u32; 3]) -> Option<u64> {
+    (known == 1).then_some(whole([low, high]))
+}
+
+fn words_of_plan(plan: &Plan) -> [u32; 7] {
+    let [roll, pitch, yaw] = plan.input.map(f32::to_bits);
+    [1, plan.step, number_of_status(plan.status), u32::from(plan.iterations), roll, pitch, yaw]
+}
+
+fn plan_of_words(words: &[u32; 7]) -> Option<Plan> {
+    let [known, step, status, iterations, input @ ..] = *words;
+    let status = match status {
+        0 => PlanStatus::Solved,
+        1 => PlanStatus::IterationLimit,
+        2 => PlanStatus::Infeasible,
+        _ => PlanStatus::NumericalError,
+    };
+    (known == 1).then_some(Plan { step, input: input.map(f32::from_bits), status, iterations: iterations as u16 })
+}
+
+fn number_of_status(status: PlanStatus) -> u32 {
+    match status {
+        PlanStatus::Solved => 0,
+        PlanStatus::IterationLimit => 1,
+        PlanStatus::Infeasible => 2,
+        PlanStatus::NumericalError => 3,
+    }
+}
+
+fn number_of_source(source: TorqueSource) -> u32 {
+    match source {
+        TorqueSource::Disarmed => 0,
+        TorqueSource::Cascade => 1,
+        TorqueSource::Mpc => 2,
+        TorqueSource::CascadeNoPlan => 3,
+        TorqueSource::MotorTest => 4,
+        TorqueSource::CascadeUnsolved(status) => 5 + number_of_status(status),
+    }
+}
+
+fn number_of_arming(arming: Arming) -> u32 {
+    match arming {
+        Arming::Armed => 0,
+        Arming::Disarmed(_) => 1,
+        Arming::MotorTest { .. } => 2,
+        Arming::LinkLost { .. } => 3,
+    }
+}
+
+fn number_of_health(health: ImuHealth) -> u32 {
+    match health {
+        ImuHealth::Good => 0,
+        ImuHealth::Bad(ImuFault::Stale) => 1,
+        ImuHealth::Bad(ImuFault::BusDead) => 2,
+        ImuHealth::Bad(ImuFault::Stuck) => 3,
+        ImuHealth::Bad(ImuFault::OutOfRange) => 4,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Config, Controller, Tuning};
+    use crate::flight_core::{FlightCore, State};
+    use crate::vehicle::VehicleParameters;
+    use proptest::prelude::*;
+
+    fn any_sample() -> impl Strategy<Value = RawImuSample> {
+        (any::<u64>(), any::<[i16; 3]>(), any::<[i16; 3]>())
+            .prop_map(|(time_us, gyro_counts, accel_counts)| RawImuSample { time_us, gyro_counts, accel_counts })
+    }
+
+    fn any_request() -> impl Strategy<Value = ArmingRequest> {
+        let test = any::<(u8, u8, u16)>().prop_map(|(motor, throttle_percent, duration_ms)| {
+            ArmingRequest::MotorTest(MotorTest { motor, throttle_percent, duration_ms })
+        });
+        prop_oneof![Just(ArmingRequest::None), Just(ArmingRequest::Arm), Just(ArmingRequest::Disarm), test]
+    }
+
+    fn any_plan() -> impl Strategy<Value = Plan> {
+        (any::<u32>(), -9f32..9.0, 0u32..4, any::<u16>()).prop_map(|(step, input, status, iterations)| Plan {
+            step,
+            input: [input, -input, 0.5 * input],
+            status: plan_of_words(&[1, 0, status, 0, 0, 0, 0]).unwrap().status,
+            iterations,
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn an_input_comes_back_to_the_bit(
+            time_us in any::<u64>(),
+            samples in proptest::collection::vec(any_sample(), 0..=IMU_SAMPLES_MAX),
+            angle in -3f32..3.0,
+            request in any_request(),
+            link_age_us in proptest::option::of(any::<u64>()),
+            blocks in any::<(bool, bool)>(),
+            battery_v in proptest::option::of(0f32..20.0),
+            plan in proptest::option::of(any_plan()),
+        ) {
+            let blocks = ArmingBlocks { fault_record_unread: blocks.0, configuration_unconfirmed: blocks.1 };
+            let setpoint = Setpoint { roll_rad: angle, pitch_rad: -angle, yaw_rate_rad_s: 2.0 * angle, throttle: 0.5 };
+            let imu = samples.into_iter().collect();
+            let input =
+                StepInput { time_us, imu, setpoint, arming: request, battery_v, link_age_us, blocks, plan };
+            let vehicle = &VehicleParameters::F450_GIMBAL;
+            let config = Config::new(vehicle, &Tuning::for_motor_lag(0.0), 400.0, 1000.0, Controller::Cascade).unwrap();
+            let output = FlightCore::fast(&config, &mut State::default(), &input);
+            let mut trace = StepTrace::EMPTY;
+            trace.record(&input, &output);
+            prop_assert_eq!(trace.input(), input);
+            prop_assert_eq!(trace.step, output.step);
+        }
+    }
+
+    #[test]
+    fn its_size_is_the_sum_of_its_words() {
+        // step, time, count: 4; 16 * 8 for samples; set-point 4, requests 9, battery 2, plan 7; outputs 31; no padding
+        assert_eq!(size_of::<StepTrace>(), 4 * (4 + 128 + 22 + 31));
+    }
+}

@@ -1,0 +1,3 @@
+//! What is soldered around the chip.
+
+pub(crate) mod mpu6000;

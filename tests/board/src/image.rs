@@ -1,0 +1,87 @@
+//! The firmware's ELF: what goes into flash, and where its symbols lie.
+
+use std::path::Path;
+
+use object::read::elf::ElfFile32;
+use object::{Endianness, Object, ObjectSegment, ObjectSymbol};
+
+use crate::memory::FLASH;
+
+/// An image ready to be flashed.
+#[derive(Clone, Debug)]
+pub struct Image {
+    segments: Vec<(u32, Vec<u8>)>,
+    symbols: Vec<(String, u32)>,
+}
+
+/// An image that cannot be flashed.
+#[derive(Debug, thiserror::Error)]
+pub enum ImageError {
+    /// The file.
+    #[error("{0}: {1}")]
+    Unreadable(String, std::io::Error),
+    /// No ELF for this machine.
+    #[error("no 32-bit ELF: {0}")]
+    Malformed(#[from] object::Error),
+    /// Something lies outside of flash.
+    #[error("a segment at {0:#010x} lies outside of flash")]
+    OutsideFlash(u32),
+}
+
+impl Image {
+    /// Reads an ELF file.
+    ///
+    /// # Errors
+    /// [`ImageError`].
+    pub fn load(path: &Path) -> Result<Self, ImageError> {
+        let bytes = std::fs::read(path).map_err(|error| ImageError::Unreadable(path.display().to_string(), error))?;
+        Self::parse(&bytes)
+    }
+
+    /// Reads an ELF file's bytes. Segments are placed by their physical (load) address.
+    ///
+    /// # Errors
+    /// [`ImageError`].
+    pub fn parse(bytes: &[u8]) -> Result<Self, ImageError> {
+        let file = ElfFile32::<Endianness>::parse(bytes)?;
+        let mut segments = Vec::new();
+        for segment in file.segments() {
+            let data = segment.data()?;
+            let address = segment.elf_program_header().p_paddr.get(file.endian());
+            if data.is_empty() {
+                continue;
+            }
+            if !FLASH.contains(address, data.len() as u32) {
+                return Err(ImageError::OutsideFlash(address));
+            }
+            segments.push((address, data.to_vec()));
+        }
+        let named = file.symbols().filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.address() as u32)));
+        Ok(Self { segments, symbols: named.collect() })
+    }
+
+    /// A program written down as bytes, its vector table first.
+    pub fn from_bytes(address: u32, bytes: Vec<u8>) -> Self {
+        Self { segments: vec![(address, bytes)], symbols: Vec::new() }
+    }
+
+    /// What goes where.
+    pub fn segments(&self) -> &[(u32, Vec<u8>)] {
+        &self.segments
+    }
+
+    /// Lowest address in flash, where the vector table lies.
+    pub fn base(&self) -> u32 {
+        self.segments.iter().map(|(address, _)| *address).min().unwrap_or(FLASH.start)
+    }
+
+    /// Bytes of flash.
+    pub fn flash_bytes(&self) -> usize {
+        self.segments.iter().map(|(_, bytes)| bytes.len()).sum()
+    }
+
+    /// Address of a symbol.
+    pub fn symbol(&self, name: &str) -> Option<u32> {
+        self.symbols.iter().find(|(symbol, _)| symbol == name).map(|(_, address)| *address)
+    }
+}

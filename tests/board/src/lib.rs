@@ -1,0 +1,27 @@
+//! A Pixhawk 1 that executes the firmware's own ELF, instruction by instruction, against the simulated vehicle.
+//!
+//! [`Machine`] is the board: a Cortex-M4F (the emulator unicorn executes its instructions), its exceptions, the STM32F427's
+//! peripherals and the sensors around it. A [`World`] is what the sensors measure and the motor outputs drive.
+//! README.md lists what is modelled, what is simplified, and what is not there.
+
+mod board;
+mod cortex;
+mod cpu;
+mod devices;
+mod image;
+mod machine;
+mod memory;
+mod peripherals;
+mod stop;
+pub mod time;
+mod trace;
+mod vehicle;
+
+pub use board::World;
+pub use devices::mpu6000::Counts;
+pub use image::{Image, ImageError};
+pub use machine::{Counters, Machine};
+pub use peripherals::timer::Pulse;
+pub use stop::{Cause, Stop};
+pub use trace::step_trace;
+pub use vehicle::{Surroundings, Vehicle};

@@ -1,0 +1,329 @@
+//! The machine's loop: events that are due, the exception that is due, then a slice of instructions.
+//!
+//! ```text
+//!   .-> board: everything due -> exception due? stack, enter -> asleep? skip to the next event
+//!   '--------------- slice: up to the next event, at most 256 instructions <------'
+//! ```
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use unicorn_engine::RegisterARM as Register;
+
+use crate::board::{Board, CYCLES_PER_INSTRUCTION, World};
+use crate::cortex::exceptions::{BUS_FAULT, HARD_FAULT, Masks, NMI, SV_CALL, USAGE_FAULT};
+use crate::cortex::stacking;
+use crate::cpu::{Cpu, Outcome};
+use crate::image::Image;
+use crate::memory::Memory;
+use crate::stop::{Cause, Stop};
+use crate::time::Ticks;
+
+/// A slice's longest.
+const SLICE_INSTRUCTIONS: u64 = 256;
+/// For each exception entry and return.
+const EXCEPTION_CYCLES: u64 = 12;
+
+// CFSR (ARMv7-M ARM B3.2.15)
+const INSTRUCTION_BUS_ERROR: u32 = 1 << 8;
+const PRECISE_DATA_ERROR: u32 = 1 << 9 | 1 << 15;
+const UNSTACKING_ERROR: u32 = 1 << 11;
+const STACKING_ERROR: u32 = 1 << 12;
+const UNDEFINED_INSTRUCTION: u32 = 1 << 16;
+
+/// What the machine did so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Instructions executed.
+    pub instructions: u64,
+    /// Exceptions taken.
+    pub exceptions: u64,
+    /// Faults taken.
+    pub faults: u64,
+    /// Slices.
+    pub slices: u64,
+    /// Resets by the watchdog or by the image.
+    pub resets: u64,
+}
+
+/// A board that executes an image.
+pub struct Machine {
+    cpu: Cpu,
+    board: Rc<RefCell<Board>>,
+    now: Ticks,
+    cycles: u64,
+    pc: u32,
+    asleep: bool,
+    /// An exception waits only for a mask to be lifted: the moment of that must not be missed.
+    masked: bool,
+    /// Address of the image's vector table.
+    vectors: u32,
+    counters: Counters,
+}
+
+impl Machine {
+    /// A board at power-on with the image in flash; RAM holds the noise of `seed`.
+    ///
+    /// # Errors
+    /// If the emulator fails or the image has no vector table.
+    pub fn new(image: &Image, world: Box<dyn World>, seed: u64) -> Result<Self, Stop> {
+        let board = Rc::new(RefCell::new(Board::new(world, seed)));
+        let failed = |error| Stop { cause: Cause::Emulator(format!("{error:?}")), address: 0, value: None, pc: 0 };
+        let mut cpu = Cpu::new(&board, seed).map_err(failed)?;
+        for (address, bytes) in image.segments() {
+            cpu.store(*address, bytes);
+        }
+        let (vectors, counters) = (image.base(), Counters::default());
+        let mut machine = Self { cpu, board, now: 0, cycles: 0, pc: 0, asleep: false, masked: false, vectors, counters };
+        machine.enter_image();
+        Ok(machine)
+    }
+
+    /// The core as after reset, at the image's first instruction. VTOR is 0: the image has to set it.
+    fn enter_image(&mut self) {
+        let [stack, entry] = [0, 4].map(|offset| self.word(self.vectors + offset).unwrap_or_default());
+        self.cpu.reset();
+        self.cpu.set_register(Register::MSP, stack);
+        self.cpu.set_register(Register::LR, u32::MAX);
+        self.cpu.refresh_mode();
+        self.pc = entry;
+        self.asleep = false;
+    }
+
+    /// Resets chip and core; RAM, backup SRAM and what is around the chip stay as they are.
+    fn reset(&mut self, flags: u32) {
+        self.counters.resets += 1;
+        self.board.borrow_mut().reset(flags);
+        self.enter_image();
+    }
+
+    /// Runs up to a point in time.
+    ///
+    /// # Errors
+    /// [`Stop`], when the image does what silicon would not do, or what has no model.
+    pub fn run_until(&mut self, end: Ticks) -> Result<(), Stop> {
+        while self.now < end {
+            self.board.borrow_mut().tick(self.now, &mut self.cpu);
+            self.check_stop()?;
+            let due_reset = self.board.borrow().due_reset(self.now);
+            if let Some(flags) = due_reset {
+                self.reset(flags);
+            }
+            self.take_due_exception()?;
+            if self.asleep {
+                self.skip(end);
+                continue;
+            }
+            self.run_slice(end)?;
+        }
+        Ok(())
+    }
+
+    /// The next event, and no later than `end`; nothing executes until then.
+    fn skip(&mut self, end: Ticks) {
+        let next = self.board.borrow().next_event().unwrap_or(end);
+        self.set_time(next.clamp(self.now, end));
+    }
+
+    fn run_slice(&mut self, end: Ticks) -> Result<(), Stop> {
+        let instruction_ticks = CYCLES_PER_INSTRUCTION * self.board.borrow().core_ticks();
+        let until = self.board.borrow().next_event().unwrap_or(end).min(end);
+        let longest = if self.masked { 1 } else { SLICE_INSTRUCTIONS };
+        let count = until.saturating_sub(self.now).div_ceil(instruction_ticks).clamp(1, longest);
+        let (ran, outcome) = self.cpu.run(self.pc, count);
+        self.pc = self.cpu.pc();
+        self.counters.slices += 1;
+        self.counters.instructions += ran;
+        self.spend(ran * CYCLES_PER_INSTRUCTION);
+        self.check_stop()?;
+        self.check_float()?;
+        match outcome {
+            Outcome::Exhausted => Ok(()),
+            Outcome::Wait => {
+                self.asleep = true;
+                Ok(())
+            }
+            Outcome::ExceptionReturn(exc_return) => self.leave_exception(exc_return),
+            Outcome::SupervisorCall => self.fault(SV_CALL, 0, None),
+            Outcome::DataBusError(address) => self.fault(BUS_FAULT, PRECISE_DATA_ERROR, Some(address)),
+            Outcome::InstructionBusError => self.fault(BUS_FAULT, INSTRUCTION_BUS_ERROR, None),
+            Outcome::Undefined => self.fault(USAGE_FAULT, UNDEFINED_INSTRUCTION, None),
+            Outcome::Failed(error) => Err(self.stop(Cause::Emulator(format!("{error:?}")))),
+        }
+    }
+
+    fn take_due_exception(&mut self) -> Result<(), Stop> {
+        self.masked = false;
+        if self.board.borrow().private.exceptions.highest_pending().is_none() {
+            return Ok(());
+        }
+        let masks = self.masks();
+        let (due, wakes, unmasked) = {
+            let exceptions = &self.board.borrow().private.exceptions;
+            (exceptions.due(masks), exceptions.wakes(masks), exceptions.due(Masks::default()))
+        };
+        self.asleep &= !wakes;
+        self.masked = due.is_none() && unmasked.is_some();
+        match due {
+            Some(number) => self.enter_exception(number),
+            None => Ok(()),
+        }
+    }
+
+    fn masks(&self) -> Masks {
+        Masks {
+            primask: self.cpu.register(Register::PRIMASK) & 1 != 0,
+            faultmask: self.cpu.register(Register::FAULTMASK) & 1 != 0,
+            basepri: self.cpu.register(Register::BASEPRI) as u8,
+        }
+    }
+
+    fn enter_exception(&mut self, number: u8) -> Result<(), Stop> {
+        let handler = self.handler(number)?;
+        self.counters.exceptions += 1;
+        let entered = stacking::enter(&mut self.cpu, number, handler, self.pc);
+        self.pc = handler;
+        self.activate(number);
+        self.spend(EXCEPTION_CYCLES);
+        match entered {
+            Ok(()) => Ok(()),
+            // HardFault goes on with what stack there is; its handler must make one
+            Err(_) if number == HARD_FAULT => Ok(()),
+            Err(fault) => {
+                // the exception waits, the fault that its entry caused runs first
+                self.board.borrow_mut().private.exceptions.deactivate(number);
+                self.board.borrow_mut().private.exceptions.pend(number);
+                self.fault_without_frame(STACKING_ERROR, fault.address)
+            }
+        }
+    }
+
+    fn leave_exception(&mut self, exc_return: u32) -> Result<(), Stop> {
+        let running = stacking::running(&self.cpu);
+        self.board.borrow_mut().private.exceptions.deactivate(running);
+        // B1.5.8: FAULTMASK goes with the return from anything but NMI
+        if running != NMI {
+            self.cpu.set_register(Register::FAULTMASK, 0);
+        }
+        self.spend(EXCEPTION_CYCLES);
+        if let Err(fault) = stacking::leave(&mut self.cpu, exc_return) {
+            return self.fault_without_frame(UNSTACKING_ERROR, fault.address);
+        }
+        self.pc = self.cpu.pc();
+        self.board.borrow_mut().private.running = stacking::running(&self.cpu);
+        Ok(())
+    }
+
+    /// A fault, or SVC, of the instruction at the program counter.
+    fn fault(&mut self, fault: u8, status: u32, address: Option<u32>) -> Result<(), Stop> {
+        let target = self.fault_target(fault, status, address)?;
+        self.enter_exception(target)
+    }
+
+    /// A fault while a frame was moved: the handler is entered over what is there.
+    fn fault_without_frame(&mut self, status: u32, address: u32) -> Result<(), Stop> {
+        let target = self.fault_target(BUS_FAULT, status, Some(address))?;
+        let handler = self.handler(target)?;
+        stacking::redirect(&mut self.cpu, target, handler);
+        self.pc = handler;
+        self.activate(target);
+        Ok(())
+    }
+
+    fn fault_target(&mut self, fault: u8, status: u32, address: Option<u32>) -> Result<u8, Stop> {
+        let masks = self.masks();
+        self.counters.faults += u64::from(fault != SV_CALL);
+        let mut board = self.board.borrow_mut();
+        let target = board.private.exceptions.fault_target(fault, masks);
+        board.private.record_fault(status, address, target != Some(fault));
+        drop(board);
+        target.ok_or_else(|| self.stop(Cause::Lockup("a fault within HardFault or NMI")))
+    }
+
+    fn activate(&mut self, number: u8) {
+        let mut board = self.board.borrow_mut();
+        board.private.exceptions.activate(number);
+        board.private.running = number;
+    }
+
+    fn handler(&mut self, number: u8) -> Result<u32, Stop> {
+        let vector = self.board.borrow().private.vector_address(number);
+        let handler = self.word(vector);
+        handler.filter(|h| h & 1 != 0).ok_or_else(|| self.stop(Cause::Lockup("no vector table where VTOR points")))
+    }
+
+    fn check_stop(&self) -> Result<(), Stop> {
+        match self.board.borrow_mut().stop.take() {
+            Some(stop) => Err(stop),
+            None => Ok(()),
+        }
+    }
+
+    /// The emulator executes floating point whether CPACR allows it or not; it does tell that it did.
+    fn check_float(&self) -> Result<(), Stop> {
+        const FPCA: u32 = 1 << 2;
+        if !self.board.borrow().private.float_enabled() && self.cpu.register(Register::CONTROL) & FPCA != 0 {
+            return Err(self.stop(Cause::FloatBeforeEnabled));
+        }
+        Ok(())
+    }
+
+    fn stop(&self, cause: Cause) -> Stop {
+        Stop { cause, address: 0, value: None, pc: self.pc }
+    }
+
+    fn spend(&mut self, cycles: u64) {
+        self.cycles += cycles;
+        let ticks = cycles * self.board.borrow().core_ticks();
+        self.set_time(self.now + ticks);
+    }
+
+    fn set_time(&mut self, now: Ticks) {
+        self.now = now;
+        let mut board = self.board.borrow_mut();
+        board.now = now;
+        board.cycles = self.cycles;
+    }
+
+    /// Time since power-on.
+    pub fn now(&self) -> Ticks {
+        self.now
+    }
+
+    /// What it did so far.
+    pub fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    /// Address of the next instruction.
+    pub fn program_counter(&self) -> u32 {
+        self.pc
+    }
+
+    /// Does the core wait for an interrupt?
+    pub fn is_asleep(&self) -> bool {
+        self.asleep
+    }
+
+    /// A word of memory.
+    pub fn word(&mut self, address: u32) -> Option<u32> {
+        let mut bytes = [0; 4];
+        self.cpu.load(address, &mut bytes).then(|| u32::from_le_bytes(bytes))
+    }
+
+    /// Bytes of memory, if there are that many.
+    pub fn bytes(&mut self, address: u32, length: usize) -> Option<Vec<u8>> {
+        let mut bytes = vec![0; length];
+        self.cpu.load(address, &mut bytes).then_some(bytes)
+    }
+
+    /// Sends on TELEM1's line.
+    pub fn telem1_send(&mut self, bytes: &[u8]) {
+        self.board.borrow_mut().telem1_sends(bytes);
+    }
+
+    /// What came out of TELEM1 since the last call.
+    pub fn telem1_receive(&mut self) -> Vec<u8> {
+        self.board.borrow_mut().telem1_received()
+    }
+}

@@ -1,0 +1,218 @@
+//! DMA controller: eight streams in direct mode. RM0090 section 10.5. An item moves whenever its peripheral asks.
+//!
+//! Streams do not compete for the bus: items of one request move one after the other, at once.
+
+use super::{Peripheral, Unmodelled};
+use crate::time::Ticks;
+
+const EN: u32 = 1;
+const DMEIE_TEIE_HTIE_TCIE: u32 = 0b1111 << 1;
+const TO_PERIPHERAL: u32 = 1 << 6;
+const CIRC: u32 = 1 << 8;
+const PINC: u32 = 1 << 9;
+const MINC: u32 = 1 << 10;
+/// PFCTRL, memory to memory, item sizes, PINCOS, double buffer.
+const UNUSED: u32 = 1 << 5 | 1 << 7 | PINC | 0b11 << 11 | 0b11 << 13 | 1 << 15 | 1 << 18;
+
+const TRANSFER_ERROR: u32 = 1 << 3;
+const HALF: u32 = 1 << 4;
+const COMPLETE: u32 = 1 << 5;
+
+/// Place of a stream's flags in LISR or HISR.
+const FLAG_SHIFT: [u32; 4] = [0, 6, 16, 22];
+
+/// An item that a stream is to move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Item {
+    pub(crate) memory_address: u32,
+    pub(crate) peripheral_address: u32,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Stream {
+    control: u32,
+    /// Items left.
+    left: u32,
+    /// Items of the whole block, for circular mode.
+    block: u32,
+    peripheral_address: u32,
+    memory_address: [u32; 2],
+    fifo: u32,
+    flags: u32,
+}
+
+impl Stream {
+    fn interrupt(&self) -> bool {
+        // enable bits DMEIE, TEIE, HTIE, TCIE (1 to 4) are in the order of the flags (2 to 5)
+        self.flags & (self.control & DMEIE_TEIE_HTIE_TCIE) << 1 != 0
+    }
+}
+
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Dma {
+    streams: [Stream; 8],
+}
+
+impl Dma {
+    /// The item that the stream moves if `channel` asks now; none if the stream is off or serves another.
+    pub(crate) fn item(&self, stream: usize, channel: u32, to_peripheral: bool) -> Option<Item> {
+        let stream = &self.streams[stream];
+        let serves = stream.control & EN != 0
+            && stream.control >> 25 & 7 == channel
+            && (stream.control & TO_PERIPHERAL != 0) == to_peripheral;
+        let done = if stream.control & MINC != 0 { stream.block - stream.left } else { 0 };
+        serves.then(|| Item {
+            memory_address: stream.memory_address[0].wrapping_add(done),
+            peripheral_address: stream.peripheral_address,
+        })
+    }
+
+    /// The item has moved.
+    pub(crate) fn moved(&mut self, stream: usize) {
+        let stream = &mut self.streams[stream];
+        stream.left -= 1;
+        if stream.left == stream.block / 2 {
+            stream.flags |= HALF;
+        }
+        if stream.left == 0 {
+            stream.flags |= COMPLETE;
+            if stream.control & CIRC != 0 {
+                stream.left = stream.block;
+            } else {
+                stream.control &= !EN;
+            }
+        }
+    }
+
+    /// Nothing that DMA reaches lies at the item's address: the stream stops.
+    pub(crate) fn failed(&mut self, stream: usize) {
+        let stream = &mut self.streams[stream];
+        stream.flags |= TRANSFER_ERROR;
+        stream.control &= !EN;
+    }
+
+    pub(crate) fn interrupt(&self, stream: usize) -> bool {
+        self.streams[stream].interrupt()
+    }
+}
+
+impl Peripheral for Dma {
+    fn read(&mut self, offset: u32, _: Ticks) -> Result<u32, Unmodelled> {
+        let flags = |first: usize| (0..4).fold(0, |all, i| all | self.streams[first + i].flags << FLAG_SHIFT[i]);
+        match offset {
+            0x00 => Ok(flags(0)),
+            0x04 => Ok(flags(4)),
+            0x08 | 0x0c => Ok(0),
+            0x10..0xd0 => {
+                let stream = &self.streams[((offset - 0x10) / 0x18) as usize];
+                Ok(match (offset - 0x10) % 0x18 {
+                    0x00 => stream.control,
+                    0x04 => stream.left,
+                    0x08 => stream.peripheral_address,
+                    0x0c => stream.memory_address[0],
+                    0x10 => stream.memory_address[1],
+                    _ => stream.fifo,
+                })
+            }
+            _ => Err(Unmodelled("DMA register")),
+        }
+    }
+
+    fn write(&mut self, offset: u32, value: u32, _: Ticks) -> Result<(), Unmodelled> {
+        match offset {
+            0x08 | 0x0c => {
+                let first = if offset == 0x08 { 0 } else { 4 };
+                for (i, shift) in FLAG_SHIFT.iter().enumerate() {
+                    self.streams[first + i].flags &= !(value >> shift & 0x3f);
+                }
+                Ok(())
+            }
+            0x10..0xd0 => {
+                write_stream(&mut self.streams[((offset - 0x10) / 0x18) as usize], (offset - 0x10) % 0x18, value)
+            }
+            _ => Err(Unmodelled("DMA register")),
+        }
+    }
+}
+
+fn write_stream(stream: &mut Stream, offset: u32, value: u32) -> Result<(), Unmodelled> {
+    let enabled = stream.control & EN != 0;
+    match offset {
+        0x00 => {
+            if value & EN != 0 && value & UNUSED != 0 {
+                return Err(Unmodelled("DMA other than bytes between memory and a fixed peripheral register"));
+            }
+            let starts = value & EN != 0 && !enabled;
+            if starts && stream.flags & COMPLETE != 0 {
+                return Err(Unmodelled("DMA stream enabled before its flags are cleared"));
+            }
+            if starts {
+                stream.block = stream.left;
+            }
+            // switched off by software the stream reports completion (section 10.3.14)
+            if enabled && value & EN == 0 {
+                stream.flags |= COMPLETE;
+            }
+            stream.control = value;
+            if starts && stream.left == 0 {
+                stream.control &= !EN;
+            }
+        }
+        // these are locked while the stream runs
+        _ if enabled && offset != 0x14 => return Err(Unmodelled("DMA stream changed while enabled")),
+        0x04 => stream.left = value & 0xffff,
+        0x08 => stream.peripheral_address = value,
+        0x0c => stream.memory_address[0] = value,
+        0x10 => stream.memory_address[1] = value,
+        _ => stream.fifo = value,
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stream_0(control: u32, items: u32) -> Dma {
+        let mut dma = Dma::default();
+        dma.write(0x14, items, 0).unwrap();
+        dma.write(0x18, 0x4001_300c, 0).unwrap();
+        dma.write(0x1c, 0x2000_0000, 0).unwrap();
+        dma.write(0x10, control | EN, 0).unwrap();
+        dma
+    }
+
+    #[test]
+    fn a_block_walks_through_memory_and_ends() {
+        let mut dma = stream_0(3 << 25 | MINC | 1 << 4, 2);
+        assert_eq!(dma.item(0, 4, false), None);
+        assert_eq!(dma.item(0, 3, true), None);
+        assert_eq!(dma.item(0, 3, false).unwrap().memory_address, 0x2000_0000);
+        dma.moved(0);
+        assert_eq!(dma.item(0, 3, false).unwrap().memory_address, 0x2000_0001);
+        assert!(!dma.interrupt(0));
+        dma.moved(0);
+        assert!(dma.interrupt(0));
+        assert_eq!(dma.item(0, 3, false), None);
+        assert_eq!(dma.read(0x00, 0).unwrap(), COMPLETE | HALF);
+        dma.write(0x08, COMPLETE, 0).unwrap();
+        assert!(!dma.interrupt(0));
+    }
+
+    #[test]
+    fn a_circle_starts_over() {
+        let mut dma = stream_0(3 << 25 | MINC | CIRC, 2);
+        dma.moved(0);
+        dma.moved(0);
+        assert_eq!(dma.read(0x14, 0).unwrap(), 2);
+        assert_eq!(dma.item(0, 3, false).unwrap().memory_address, 0x2000_0000);
+    }
+
+    #[test]
+    fn an_error_stops_the_stream() {
+        let mut dma = stream_0(3 << 25 | MINC | 1 << 2, 2);
+        dma.failed(0);
+        assert!(dma.interrupt(0));
+        assert_eq!(dma.item(0, 3, false), None);
+    }
+}

@@ -1,0 +1,439 @@
+//! Timers that count up: TIM1 (RM0090 section 17.4), TIM3 and TIM5 (section 18.4). Time base with preload, PWM mode 1, trigger
+//! output and slave modes reset and trigger. Nothing else of theirs is modelled.
+
+use super::{Peripheral, Unmodelled};
+use crate::time::Ticks;
+
+const CEN: u32 = 1;
+const UDIS: u32 = 1 << 1;
+const URS: u32 = 1 << 2;
+const OPM: u32 = 1 << 3;
+const ARPE: u32 = 1 << 7;
+/// Direction, centre alignment, clock division.
+const UNUSED_CONTROL: u32 = 0b111 << 4 | 0b11 << 8;
+
+const UIF: u32 = 1;
+const TIF: u32 = 1 << 6;
+const UG: u32 = 1;
+const MOE: u32 = 1 << 15;
+/// Dead time, lock, break: off.
+const UNUSED_BREAK: u32 = 0xff | 0b11 << 8 | 1 << 12;
+
+const CHANNELS: usize = 4;
+const PWM_MODE_1: u32 = 6;
+const TRGO_ENABLE: u32 = 1;
+const TRGO_UPDATE: u32 = 2;
+const SLAVE_RESET: u32 = 4;
+const SLAVE_TRIGGER: u32 = 6;
+
+/// A pulse that ended on a channel's pin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pulse {
+    /// Channel, 0 to 3.
+    pub channel: usize,
+    /// Rising edge.
+    pub rise: Ticks,
+    /// From edge to edge.
+    pub width: Ticks,
+}
+
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Timer {
+    advanced: bool,
+    count_max: u32,
+    cycle: Ticks,
+    control: u32,
+    control_2: u32,
+    slave: u32,
+    interrupts: u32,
+    status: u32,
+    mode: [u32; 2],
+    enable: u32,
+    brake: u32,
+    prescaler: u32,
+    reload: u32,
+    compare: [u32; CHANNELS],
+    active_prescaler: u32,
+    active_reload: u32,
+    active_compare: [u32; CHANNELS],
+    /// When the counter was 0; while stopped, `held` is the count.
+    origin: Ticks,
+    held: u32,
+    matched: [bool; CHANNELS],
+    high_since: [Option<Ticks>; CHANNELS],
+    pulses: Vec<Pulse>,
+    triggers: Vec<Ticks>,
+}
+
+impl Timer {
+    /// TIM1: 16 bits, with an output stage that MOE opens.
+    pub(crate) fn advanced() -> Self {
+        Self { advanced: true, ..Self::general(0xffff) }
+    }
+
+    /// TIM2 to TIM5, of this largest count.
+    pub(crate) fn general(count_max: u32) -> Self {
+        Self { count_max, reload: count_max, active_reload: count_max, ..Self::default() }
+    }
+
+    /// Period of its clock.
+    pub(crate) fn set_cycle(&mut self, cycle: Ticks) {
+        self.cycle = cycle;
+    }
+
+    fn runs(&self) -> bool {
+        self.control & CEN != 0
+    }
+
+    fn step_ticks(&self) -> Ticks {
+        self.cycle * (u64::from(self.active_prescaler) + 1)
+    }
+
+    /// The counter.
+    pub(crate) fn count(&self, now: Ticks) -> u32 {
+        if !self.runs() {
+            return self.held;
+        }
+        ((now - self.origin) / self.step_ticks()).min(u64::from(self.active_reload)) as u32
+    }
+
+    fn next_update(&self) -> Option<Ticks> {
+        (self.runs() && self.active_reload != 0)
+            .then(|| self.origin + self.step_ticks() * (u64::from(self.active_reload) + 1))
+    }
+
+    fn next_match(&self, channel: usize) -> Option<Ticks> {
+        let compare = self.active_compare[channel];
+        let comes = self.runs() && !self.matched[channel] && compare <= self.active_reload;
+        comes.then(|| self.origin + self.step_ticks() * u64::from(compare))
+    }
+
+    fn is_watched(&self, channel: usize) -> bool {
+        self.interrupts >> (1 + channel) & 1 != 0 || self.high_since[channel].is_some()
+    }
+
+    fn output_level(&self, channel: usize, now: Ticks) -> bool {
+        let mode = self.mode[channel / 2] >> (8 * (channel % 2) + 4) & 7;
+        let on = self.enable >> (4 * channel) & 1 != 0 && (!self.advanced || self.brake & MOE != 0);
+        on && mode == PWM_MODE_1 && self.count(now) < self.active_compare[channel]
+    }
+
+    /// Notes edges of the outputs.
+    fn refresh_outputs(&mut self, now: Ticks) {
+        for channel in 0..CHANNELS {
+            match (self.high_since[channel], self.output_level(channel, now)) {
+                (None, true) => self.high_since[channel] = Some(now),
+                (Some(rise), false) => {
+                    self.high_since[channel] = None;
+                    self.pulses.push(Pulse { channel, rise, width: now - rise });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Takes over what is preloaded and starts from 0 at `at`.
+    fn update(&mut self, at: Ticks) {
+        self.origin = at;
+        self.held = 0;
+        self.matched = [false; CHANNELS];
+        if self.control & UDIS == 0 {
+            self.active_prescaler = self.prescaler;
+            self.active_reload = self.reload;
+            self.active_compare = self.compare;
+            self.trigger_output(TRGO_UPDATE, at);
+        }
+    }
+
+    fn trigger_output(&mut self, event: u32, at: Ticks) {
+        if self.control_2 >> 4 & 7 == event {
+            self.triggers.push(at);
+        }
+    }
+
+    fn overflow(&mut self, at: Ticks) {
+        self.update(at);
+        if self.control & UDIS == 0 {
+            self.status |= UIF;
+        }
+        if self.control & OPM != 0 {
+            self.control &= !CEN;
+        }
+    }
+
+    /// UG, or the slave's reset.
+    fn reinitialise(&mut self, now: Ticks) {
+        self.update(now);
+        if self.control & (UDIS | URS) == 0 {
+            self.status |= UIF;
+        }
+    }
+
+    fn start(&mut self, now: Ticks) {
+        if !self.runs() {
+            self.origin = now - self.step_ticks() * u64::from(self.held);
+            self.control |= CEN;
+            self.trigger_output(TRGO_ENABLE, now);
+        }
+    }
+
+    /// The internal trigger input that its slave controller listens to, if it does.
+    pub(crate) fn trigger_input(&self) -> Option<u32> {
+        (self.slave & 7 != 0).then_some(self.slave >> 4 & 7)
+    }
+
+    /// Its master's trigger output pulsed.
+    pub(crate) fn trigger(&mut self, now: Ticks) {
+        self.tick(now);
+        self.status |= TIF;
+        match self.slave & 7 {
+            SLAVE_RESET => self.reinitialise(now),
+            SLAVE_TRIGGER => self.start(now),
+            _ => {}
+        }
+        self.refresh_outputs(now);
+    }
+
+    /// Times at which the trigger output pulsed since the last call.
+    pub(crate) fn take_triggers(&mut self) -> Vec<Ticks> {
+        std::mem::take(&mut self.triggers)
+    }
+
+    /// Pulses that ended since the last call.
+    pub(crate) fn take_pulses(&mut self) -> Vec<Pulse> {
+        std::mem::take(&mut self.pulses)
+    }
+
+    pub(crate) fn update_interrupt(&self) -> bool {
+        self.status & self.interrupts & UIF != 0
+    }
+
+    /// Compare and trigger interrupts.
+    pub(crate) fn other_interrupts(&self) -> bool {
+        self.status & self.interrupts & 0b101_1110 != 0
+    }
+
+    fn write_control(&mut self, value: u32, now: Ticks) -> Result<(), Unmodelled> {
+        if value & UNUSED_CONTROL != 0 {
+            return Err(Unmodelled("timer that does not simply count up"));
+        }
+        let held = self.count(now);
+        let ran = self.runs();
+        self.control = (value & !CEN) | (self.control & CEN);
+        match (ran, value & CEN != 0) {
+            (false, true) => self.start(now),
+            (true, false) => {
+                self.control &= !CEN;
+                self.held = held;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn write_compare(&mut self, channel: usize, value: u32) {
+        self.compare[channel] = value & self.count_max;
+        let preloads = self.mode[channel / 2] >> (8 * (channel % 2) + 3) & 1 != 0;
+        if !preloads {
+            self.active_compare[channel] = self.compare[channel];
+            self.matched[channel] = false;
+        }
+    }
+
+    fn write_mode(&mut self, index: usize, value: u32) -> Result<(), Unmodelled> {
+        // CCxS: inputs are not modelled
+        if value & 0x303 != 0 {
+            return Err(Unmodelled("timer input capture"));
+        }
+        self.mode[index] = value;
+        Ok(())
+    }
+
+    fn write_slave(&mut self, value: u32) -> Result<(), Unmodelled> {
+        if ![0, SLAVE_RESET, SLAVE_TRIGGER].contains(&(value & 7)) || value & 0xff08 != 0 {
+            return Err(Unmodelled("timer slave mode other than reset or trigger"));
+        }
+        self.slave = value;
+        Ok(())
+    }
+}
+
+impl Peripheral for Timer {
+    fn read(&mut self, offset: u32, now: Ticks) -> Result<u32, Unmodelled> {
+        self.tick(now);
+        Ok(match offset {
+            0x00 => self.control,
+            0x04 => self.control_2,
+            0x08 => self.slave,
+            0x0c => self.interrupts,
+            0x10 => self.status,
+            0x14 => 0,
+            0x18 | 0x1c => self.mode[((offset - 0x18) / 4) as usize],
+            0x20 => self.enable,
+            0x24 => self.count(now),
+            0x28 => self.prescaler,
+            0x2c => self.reload,
+            0x30 => 0,
+            0x34..=0x40 => self.compare[((offset - 0x34) / 4) as usize],
+            0x44 if self.advanced => self.brake,
+            _ => return Err(Unmodelled("timer register")),
+        })
+    }
+
+    fn write(&mut self, offset: u32, value: u32, now: Ticks) -> Result<(), Unmodelled> {
+        self.tick(now);
+        match offset {
+            0x00 => self.write_control(value, now)?,
+            0x04 => self.control_2 = value,
+            0x08 => self.write_slave(value)?,
+            0x0c if value & 0xff80 != 0 => return Err(Unmodelled("timer DMA or break interrupt")),
+            0x0c => self.interrupts = value,
+            0x10 => self.status &= value,
+            0x14 if value & !UG != 0 => return Err(Unmodelled("timer event other than update")),
+            0x14 if value & UG != 0 => self.reinitialise(now),
+            0x14 => {}
+            0x18 | 0x1c => self.write_mode(((offset - 0x18) / 4) as usize, value)?,
+            // complementary outputs and inverted polarity
+            0x20 if value & 0xeeee != 0 => return Err(Unmodelled("timer output other than active high")),
+            0x20 => self.enable = value,
+            0x24 => {
+                self.held = value & self.count_max;
+                self.origin = now - self.step_ticks() * u64::from(self.held);
+            }
+            0x28 => self.prescaler = value & 0xffff,
+            0x2c => {
+                self.reload = value & self.count_max;
+                if self.control & ARPE == 0 {
+                    self.active_reload = self.reload;
+                }
+            }
+            0x30 if value == 0 => {}
+            0x34..=0x40 => self.write_compare(((offset - 0x34) / 4) as usize, value),
+            0x44 if self.advanced && value & UNUSED_BREAK == 0 => self.brake = value,
+            _ => return Err(Unmodelled("timer register")),
+        }
+        self.refresh_outputs(now);
+        Ok(())
+    }
+
+    fn tick(&mut self, now: Ticks) {
+        loop {
+            let update = self.next_update().filter(|at| *at <= now);
+            for channel in 0..CHANNELS {
+                if let Some(at) = self.next_match(channel).filter(|at| *at <= now) {
+                    self.matched[channel] = true;
+                    self.status |= 2 << channel;
+                    self.refresh_outputs(at);
+                }
+            }
+            let Some(at) = update else { return };
+            self.overflow(at);
+            self.refresh_outputs(at);
+        }
+    }
+
+    fn next_event(&self) -> Option<Ticks> {
+        let matches = (0..CHANNELS).filter(|channel| self.is_watched(*channel)).filter_map(|c| self.next_match(c));
+        matches.chain(self.next_update()).min()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 168 MHz / 7, 400 Hz, PWM mode 1 with preload on channel 4.
+    fn motor_timer() -> Timer {
+        let mut timer = Timer::advanced();
+        timer.set_cycle(2);
+        for (offset, value) in [
+            (0x28, 6),
+            (0x2c, 59_999),
+            (0x1c, 0x6800),
+            (0x20, 1 << 12),
+            (0x40, 24_000),
+            (0x14, 1),
+            (0x10, 0),
+            (0x44, MOE),
+        ] {
+            timer.write(offset, value, 0).unwrap();
+        }
+        timer
+    }
+
+    #[test]
+    fn the_period_is_exact_and_the_update_flag_is_cleared_by_writing_zero() {
+        let mut timer = Timer::general(0xffff);
+        timer.set_cycle(4);
+        timer.write(0x28, 83, 0).unwrap();
+        timer.write(0x2c, 2499, 0).unwrap();
+        timer.write(0x14, UG, 0).unwrap();
+        timer.write(0x10, 0, 0).unwrap();
+        timer.write(0x0c, UIF, 0).unwrap();
+        timer.write(0x00, CEN, 0).unwrap();
+        let period = 2500 * 336;
+        assert_eq!(timer.next_event(), Some(period));
+        timer.tick(period - 1);
+        assert!(!timer.update_interrupt());
+        timer.tick(period);
+        assert!(timer.update_interrupt());
+        timer.write(0x10, !UIF, period).unwrap();
+        assert!(!timer.update_interrupt());
+        assert_eq!(timer.read(0x24, period + 336 * 7).unwrap(), 7);
+        assert_eq!(timer.next_event(), Some(2 * period));
+    }
+
+    #[test]
+    fn a_new_compare_value_waits_for_the_update() {
+        let mut timer = motor_timer();
+        timer.write(0x00, CEN, 0).unwrap();
+        timer.tick(336_000);
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 0, width: 336_000 }]);
+        timer.write(0x40, 48_000, 500_000).unwrap();
+        timer.tick(840_000 + 672_000);
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 840_000, width: 672_000 }]);
+    }
+
+    #[test]
+    fn without_main_output_enable_the_pin_is_low() {
+        let mut timer = motor_timer();
+        timer.write(0x44, 0, 0).unwrap();
+        timer.take_pulses();
+        timer.write(0x00, CEN, 0).unwrap();
+        timer.tick(3 * 840_000);
+        assert_eq!(timer.take_pulses(), []);
+    }
+
+    #[test]
+    fn an_update_by_software_acts_at_once() {
+        let mut timer = motor_timer();
+        timer.write(0x00, CEN, 0).unwrap();
+        timer.tick(400_000);
+        timer.take_pulses();
+        timer.write(0x40, 30_000, 400_000).unwrap();
+        timer.write(0x14, UG, 400_000).unwrap();
+        timer.tick(400_000 + 30_000 * 14);
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 400_000, width: 420_000 }]);
+    }
+
+    #[test]
+    fn a_slave_in_trigger_mode_starts_with_its_master() {
+        let mut master = Timer::general(0xffff);
+        master.set_cycle(4);
+        master.write(0x2c, 99, 0).unwrap();
+        master.write(0x04, TRGO_UPDATE << 4, 0).unwrap();
+        master.write(0x00, CEN, 0).unwrap();
+        let mut slave = motor_timer();
+        slave.write(0x08, 2 << 4 | SLAVE_TRIGGER, 0).unwrap();
+        assert_eq!(slave.trigger_input(), Some(2));
+        master.tick(399);
+        assert_eq!(master.take_triggers(), []);
+        master.tick(400);
+        assert_eq!(master.take_triggers(), [400]);
+        slave.trigger(400);
+        assert_eq!(slave.count(400 + 14 * 5), 5);
+        // a second trigger does not disturb it
+        slave.trigger(800);
+        assert_eq!(slave.count(400 + 14 * 50), 50);
+    }
+}

@@ -1,0 +1,86 @@
+//! The simulated F450 around the board: the plant and the sensors that `sil` flies, driven by the board's own clocks.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use sil_host::model::VehicleModel;
+use sil_host::plant::Plant;
+use sil_host::sensors::Sensors;
+
+use crate::board::World;
+use crate::devices::mpu6000::Counts;
+use crate::peripherals::timer::Pulse;
+use crate::time::{TICKS_PER_US, Ticks, seconds};
+
+/// Motor (0 to 3) on each channel of TIM1: AUX 1 to 4 are channels 4 to 1.
+const MOTOR_OF_CHANNEL: [usize; 4] = [3, 2, 1, 0];
+/// A PWM ESC's range, us.
+const PULSE_MIN_US: f64 = 1000.0;
+const PULSE_SPAN_US: f64 = 1000.0;
+
+/// The vehicle on its rig, which holds it until it is let go.
+pub struct Vehicle {
+    plant: Plant,
+    sensors: Sensors,
+    /// Time up to which the plant has moved.
+    moved_to: Ticks,
+    held: bool,
+    commands: [f64; 4],
+}
+
+impl Vehicle {
+    /// Held at rest, with the model's sensor noise.
+    pub fn new(model: &VehicleModel, seed: u64) -> Rc<RefCell<Self>> {
+        let (plant, sensors) = (Plant::new(model), Sensors::new(&model.noise, seed));
+        Rc::new(RefCell::new(Self { plant, sensors, moved_to: 0, held: true, commands: [0.0; 4] }))
+    }
+
+    /// Lets it go, the motors settled at what the ESCs were told last.
+    pub fn release(&mut self, now: Ticks) {
+        self.plant.set_motor_equilibrium(self.commands);
+        self.moved_to = now;
+        self.held = false;
+    }
+
+    /// True roll and pitch, rad.
+    pub fn tilt_rad(&self) -> [f64; 2] {
+        let truth = self.plant.truth();
+        [truth.roll_rad, truth.pitch_rad]
+    }
+
+    /// What the ESCs were told last, motors 1 to 4, 0..1.
+    pub fn commands(&self) -> [f64; 4] {
+        self.commands
+    }
+
+    fn move_to(&mut self, now: Ticks) {
+        if !self.held && now > self.moved_to {
+            self.plant.advance(seconds(now - self.moved_to));
+        }
+        self.moved_to = now;
+    }
+}
+
+/// The vehicle as the board's world; whoever keeps another handle can look at it meanwhile.
+pub struct Surroundings(pub Rc<RefCell<Vehicle>>);
+
+impl World for Surroundings {
+    fn imu(&mut self, now: Ticks) -> Counts {
+        let mut vehicle = self.0.borrow_mut();
+        vehicle.move_to(now);
+        let Vehicle { plant, sensors, .. } = &mut *vehicle;
+        let sample = sensors.imu(plant, now / TICKS_PER_US);
+        Counts { gyro: sample.gyro_counts, accel: sample.accel_counts }
+    }
+
+    /// An ESC knows its command when the pulse ends.
+    fn pulse(&mut self, pulse: Pulse) {
+        let mut vehicle = self.0.borrow_mut();
+        let (motor, end) = (MOTOR_OF_CHANNEL[pulse.channel], pulse.rise + pulse.width);
+        vehicle.move_to(end);
+        let width_us = pulse.width as f64 / TICKS_PER_US as f64;
+        vehicle.commands[motor] = ((width_us - PULSE_MIN_US) / PULSE_SPAN_US).clamp(0.0, 1.0);
+        let commands = vehicle.commands;
+        vehicle.plant.set_commands(commands);
+    }
+}

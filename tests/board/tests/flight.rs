@@ -1,0 +1,188 @@
+//! The firmware's own ELF flies the thesis' test sequence, and the host's core repeats every step of it to the bit.
+
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::time::Instant;
+
+use emulated_board::time::{TICKS_PER_US, Ticks, seconds};
+use emulated_board::{Image, Machine, Surroundings, Vehicle, step_trace};
+use mavlink::MessageData;
+use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MavCmd, MavType};
+use shared_control::config::{Config, Controller, Tuning};
+use shared_control::flight_core::{FlightCore, State};
+use shared_control::link::frame::FrameWriter;
+use shared_control::test_sequence;
+use shared_control::trace::StepTrace;
+use shared_control::vehicle::VehicleParameters;
+use sil_host::model::{Rig, VehicleModel};
+
+const LOOP_RATE_HZ: f32 = 400.0;
+const IMU_RATE_HZ: f32 = 1000.0;
+const MILLISECOND: Ticks = 1000 * TICKS_PER_US;
+/// How often the image's memory is looked at; a step takes 2.5 ms.
+const LOOK: Ticks = MILLISECOND / 2;
+const HEARTBEAT_PERIOD: Ticks = 200 * MILLISECOND;
+const ARMED: u32 = 0;
+
+/// The image that `cargo xtask board-test` has built.
+fn firmware() -> Image {
+    let built = std::env::var_os("FIRMWARE_ELF").map(PathBuf::from).unwrap_or_else(|| {
+        let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+        workspace.join("target/thumbv7em-none-eabihf/release/firmware")
+    });
+    Image::load(&built).unwrap_or_else(|error| panic!("run this by `cargo xtask board-test`: {error}"))
+}
+
+/// The ground station on TELEM1.
+struct Ground(FrameWriter);
+
+impl Ground {
+    fn send(&mut self, machine: &mut Machine, message: &impl MessageData) {
+        let mut bytes = heapless::Vec::<u8, 128>::new();
+        assert!(self.0.write(message, &mut bytes));
+        machine.telem1_send(&bytes);
+    }
+
+    fn command(&mut self, machine: &mut Machine, command: MavCmd, param1: f32) {
+        let (target_system, target_component) = (1, 1);
+        let data = COMMAND_LONG_DATA { command, param1, target_system, target_component, ..COMMAND_LONG_DATA::DEFAULT };
+        self.send(machine, &data);
+    }
+
+    fn heartbeat(&mut self, machine: &mut Machine) {
+        self.send(machine, &HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_GCS, ..HEARTBEAT_DATA::DEFAULT });
+    }
+}
+
+/// The host's core, fed with what the board's core was fed.
+struct Twin {
+    config: Config,
+    state: State,
+    steps: u32,
+}
+
+impl Twin {
+    fn new(controller: Controller) -> Self {
+        let tuning = Tuning::for_motor_lag(VehicleParameters::F450_GIMBAL_MOTOR_LAG_S);
+        let vehicle = &VehicleParameters::F450_GIMBAL;
+        let config = Config::new(vehicle, &tuning, LOOP_RATE_HZ, IMU_RATE_HZ, controller).unwrap();
+        Self { config, state: State::default(), steps: 0 }
+    }
+
+    fn repeat(&mut self, board: &StepTrace) {
+        let input = board.input();
+        let output = FlightCore::fast(&self.config, &mut self.state, &input);
+        let _ = FlightCore::follow(&self.config, &mut self.state, &output);
+        let mut host = StepTrace::EMPTY;
+        host.record(&input, &output);
+        // samples beyond the count are left over from earlier steps on the board
+        host.sample = board.sample;
+        assert_eq!(&host, board, "step {}", board.step);
+        self.steps += 1;
+    }
+}
+
+/// A board in flight with its ground, its vehicle and its twin.
+struct Flight {
+    machine: Machine,
+    vehicle: Rc<RefCell<Vehicle>>,
+    ground: Ground,
+    twin: Twin,
+    trace_address: u32,
+    last: StepTrace,
+    next_heartbeat: Ticks,
+    deviation_sum_rad: [f64; 2],
+}
+
+impl Flight {
+    fn new(seed: u64) -> Self {
+        let image = firmware();
+        let vehicle = Vehicle::new(&VehicleModel::nominal(Rig::Gimbal), seed);
+        let machine = Machine::new(&image, Box::new(Surroundings(Rc::clone(&vehicle))), seed).unwrap();
+        Self {
+            machine,
+            vehicle,
+            ground: Ground(FrameWriter::new(255, 190)),
+            twin: Twin::new(Controller::Cascade),
+            trace_address: image.symbol("FLIGHT_TRACE").expect("the firmware's record of its steps"),
+            last: StepTrace::EMPTY,
+            next_heartbeat: 0,
+            deviation_sum_rad: [0.0; 2],
+        }
+    }
+
+    /// Runs for a while, heartbeats going in, every step repeated by the twin.
+    fn run_for(&mut self, duration: Ticks) {
+        let end = self.machine.now() + duration;
+        while self.machine.now() < end {
+            if self.machine.now() >= self.next_heartbeat {
+                self.next_heartbeat += HEARTBEAT_PERIOD;
+                self.ground.heartbeat(&mut self.machine);
+            }
+            let until = self.machine.now() + LOOK;
+            self.machine.run_until(until).unwrap_or_else(|stop| panic!("{stop}"));
+            self.look();
+        }
+    }
+
+    fn look(&mut self) {
+        let step = self.machine.word(self.trace_address).unwrap();
+        // RAM is noise until the image has started; 0 while a record is being written
+        if step == 0 || step == self.last.step || self.machine.counters().exceptions == 0 {
+            return;
+        }
+        let trace = step_trace(&mut self.machine, self.trace_address).unwrap();
+        assert_eq!(trace.step, self.last.step + 1, "a step was missed");
+        self.twin.repeat(&trace);
+        self.last = trace;
+        let [roll, pitch, ..] = trace.setpoint.map(f32::from_bits);
+        let tilt_rad = self.vehicle.borrow().tilt_rad();
+        for (sum, (wanted, is)) in self.deviation_sum_rad.iter_mut().zip([roll, pitch].into_iter().zip(tilt_rad)) {
+            *sum += (f64::from(wanted) - is).abs();
+        }
+    }
+}
+
+#[test]
+fn the_image_flies_the_test_sequence_as_the_host_does() {
+    let start = Instant::now();
+    let mut flight = Flight::new(1);
+    // boot with its sensor power sequence, and gyro calibration at rest
+    flight.run_for(3500 * MILLISECOND);
+    assert!(flight.twin.steps > 800, "the loop does not run: {} steps", flight.twin.steps);
+    assert_eq!(flight.vehicle.borrow().commands(), [0.0; 4]);
+    flight.ground.command(&mut flight.machine, MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
+    flight.run_for(100 * MILLISECOND);
+    assert_eq!(flight.last.arming, ARMED, "not armed: {:?}", flight.last);
+    flight.ground.command(&mut flight.machine, MavCmd::MAV_CMD_MISSION_START, 0.0);
+    flight.run_for(60 * MILLISECOND);
+    let now = flight.machine.now();
+    flight.vehicle.borrow_mut().release(now);
+
+    flight.deviation_sum_rad = [0.0; 2];
+    let (steps_before, flown_s) = (flight.twin.steps, test_sequence::DURATION_US as f64 * 1e-6);
+    let mut largest_tilt_rad: f64 = 0.0;
+    for _ in 0..297 {
+        flight.run_for(100 * MILLISECOND);
+        largest_tilt_rad = flight.vehicle.borrow().tilt_rad().into_iter().fold(largest_tilt_rad, |m, a| m.max(a.abs()));
+    }
+    let steps = f64::from(flight.twin.steps - steps_before);
+    let deviation_deg = flight.deviation_sum_rad.map(|sum| (sum / steps).to_degrees());
+    let simulated_s = seconds(flight.machine.now());
+    let elapsed_s = start.elapsed().as_secs_f64();
+    println!("{flown_s} s flown, {} steps, 0 bits of difference; mean |error| {deviation_deg:.2?} deg", flight.twin.steps);
+    println!(
+        "{simulated_s:.1} s on the board in {elapsed_s:.1} s: {:.1} times real time; {:?}",
+        simulated_s / elapsed_s,
+        flight.machine.counters()
+    );
+    // it went to all positions of 30 degrees and stayed near what was asked for; steps of 30 degrees make up most of the mean
+    assert!((25.0..45.0).contains(&largest_tilt_rad.to_degrees()), "{}", largest_tilt_rad.to_degrees());
+    assert!(deviation_deg.iter().all(|mean| *mean < 5.0), "{deviation_deg:?}");
+    // over, hence disarmed
+    flight.run_for(200 * MILLISECOND);
+    assert_ne!(flight.last.arming, ARMED);
+    assert_eq!(flight.vehicle.borrow().commands(), [0.0; 4]);
+    assert_eq!(flight.machine.counters().resets, 0);
+}
