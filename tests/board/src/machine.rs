@@ -74,7 +74,8 @@ impl Machine {
             cpu.store(*address, bytes);
         }
         let (vectors, counters) = (image.base(), Counters::default());
-        let mut machine = Self { cpu, board, now: 0, cycles: 0, pc: 0, asleep: false, masked: false, vectors, counters };
+        let mut machine =
+            Self { cpu, board, now: 0, cycles: 0, pc: 0, asleep: false, masked: false, vectors, counters };
         machine.enter_image();
         Ok(machine)
     }
