@@ -21,6 +21,9 @@ use crate::time::Ticks;
 
 /// A slice's longest.
 const SLICE_INSTRUCTIONS: u64 = 256;
+/// So many instructions are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an
+/// image may lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set.
+const WATCHED_INSTRUCTIONS: u64 = 64;
 /// For each exception entry and return.
 const EXCEPTION_CYCLES: u64 = 12;
 
@@ -54,8 +57,10 @@ pub struct Machine {
     cycles: u64,
     pc: u32,
     asleep: bool,
-    /// An exception waits only for a mask to be lifted: the moment of that must not be missed.
+    /// An exception waits only for a mask to be lifted.
     masked: bool,
+    /// Slices of one instruction that are left while it does.
+    watched: u64,
     /// Address of the image's vector table.
     vectors: u32,
     counters: Counters,
@@ -74,8 +79,9 @@ impl Machine {
             cpu.store(*address, bytes);
         }
         let (vectors, counters) = (image.base(), Counters::default());
+        let (now, cycles, pc, watched) = (0, 0, 0, 0);
         let mut machine =
-            Self { cpu, board, now: 0, cycles: 0, pc: 0, asleep: false, masked: false, vectors, counters };
+            Self { cpu, board, now, cycles, pc, asleep: false, masked: false, watched, vectors, counters };
         machine.enter_image();
         Ok(machine)
     }
@@ -129,7 +135,9 @@ impl Machine {
     fn run_slice(&mut self, end: Ticks) -> Result<(), Stop> {
         let instruction_ticks = CYCLES_PER_INSTRUCTION * self.board.borrow().core_ticks();
         let until = self.board.borrow().next_event().unwrap_or(end).min(end);
-        let longest = if self.masked { 1 } else { SLICE_INSTRUCTIONS };
+        let watches = self.masked && self.watched > 0;
+        self.watched = self.watched.saturating_sub(1);
+        let longest = if watches { 1 } else { SLICE_INSTRUCTIONS };
         let count = until.saturating_sub(self.now).div_ceil(instruction_ticks).clamp(1, longest);
         let (ran, outcome) = self.cpu.run(self.pc, count);
         self.pc = self.cpu.pc();
@@ -142,6 +150,7 @@ impl Machine {
             Outcome::Exhausted => Ok(()),
             Outcome::Wait => {
                 self.asleep = true;
+                self.watched = WATCHED_INSTRUCTIONS;
                 Ok(())
             }
             Outcome::ExceptionReturn(exc_return) => self.leave_exception(exc_return),
@@ -154,7 +163,7 @@ impl Machine {
     }
 
     fn take_due_exception(&mut self) -> Result<(), Stop> {
-        self.masked = false;
+        let was_masked = std::mem::take(&mut self.masked);
         if self.board.borrow().private.exceptions.highest_pending().is_none() {
             return Ok(());
         }
@@ -165,6 +174,9 @@ impl Machine {
         };
         self.asleep &= !wakes;
         self.masked = due.is_none() && unmasked.is_some();
+        if self.masked && !was_masked {
+            self.watched = WATCHED_INSTRUCTIONS;
+        }
         match due {
             Some(number) => self.enter_exception(number),
             None => Ok(()),
