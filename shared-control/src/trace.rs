@@ -232,6 +232,7 @@ fn number_of_source(source: TorqueSource) -> u32 {
         TorqueSource::CascadeNoPlan => 3,
         TorqueSource::MotorTest => 4,
         TorqueSource::CascadeUnsolved(status) => 5 + number_of_status(status),
+        TorqueSource::Idle => 9,
     }
 }
 

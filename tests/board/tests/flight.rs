@@ -171,7 +171,10 @@ fn the_image_flies_the_test_sequence_as_the_host_does() {
     let deviation_deg = flight.deviation_sum_rad.map(|sum| (sum / steps).to_degrees());
     let simulated_s = seconds(flight.machine.now());
     let elapsed_s = start.elapsed().as_secs_f64();
-    println!("{flown_s} s flown, {} steps, 0 bits of difference; mean |error| {deviation_deg:.2?} deg", flight.twin.steps);
+    println!(
+        "{flown_s} s flown, {} steps, 0 bits of difference; mean |error| {deviation_deg:.2?} deg",
+        flight.twin.steps
+    );
     println!(
         "{simulated_s:.1} s on the board in {elapsed_s:.1} s: {:.1} times real time; {:?}",
         simulated_s / elapsed_s,
