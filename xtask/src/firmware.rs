@@ -1,5 +1,7 @@
 //! Building, checking and linting what runs on the flight controller.
 
+use std::path::PathBuf;
+
 use anyhow::Result;
 
 use crate::image;
@@ -26,10 +28,15 @@ impl<'a> Target<'a> {
     /// Builds the image, checks it, prints its place and size.
     pub(crate) fn build_image(&self) -> Result<()> {
         self.build("firmware")?;
-        let image = self.workspace.target_dir.join(TRIPLE).join("release/firmware");
+        let image = self.image();
         let size = image::check(&image)?;
         println!("{}: {size}", image.display());
         Ok(())
+    }
+
+    /// Where [`Self::build_image`] leaves it.
+    pub(crate) fn image(&self) -> PathBuf {
+        self.workspace.target_dir.join(TRIPLE).join("release/firmware")
     }
 
     /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its dependencies.

@@ -40,7 +40,12 @@ fn main() {
     if let Err(stop) = result {
         println!("stopped: {stop}");
     }
-    println!("{:.6} s in {elapsed_s:.3} s, {:?}, asleep: {}", seconds(machine.now()), machine.counters(), machine.is_asleep());
+    println!(
+        "{:.6} s in {elapsed_s:.3} s, {:?}, asleep: {}",
+        seconds(machine.now()),
+        machine.counters(),
+        machine.is_asleep()
+    );
     println!("pc {:#010x}", machine.program_counter());
     println!("TELEM1: {} bytes", machine.telem1_receive().len());
 }

@@ -267,7 +267,8 @@ impl Board {
                         memory.load(item.memory_address, &mut byte)
                             && self.write_register(address, byte[0].into(), at).is_ok()
                     } else {
-                        self.read_register(address, at).is_ok_and(|word| memory.store(item.memory_address, &[word as u8]))
+                        self.read_register(address, at)
+                            .is_ok_and(|word| memory.store(item.memory_address, &[word as u8]))
                     };
                 if done { self.dma[controller].moved(stream) } else { self.dma[controller].failed(stream) }
             }
@@ -304,6 +305,12 @@ impl Board {
         exceptions.set_line(50, self.tim5.update_interrupt() || self.tim5.other_interrupts());
         exceptions.set_line(35, self.spi1.interrupt());
         exceptions.set_line(38, self.usart2.interrupt());
+    }
+
+    /// The supply of chip and board.
+    pub(crate) fn set_supply_v(&mut self, supply_v: f32) {
+        self.pwr.set_supply_v(supply_v);
+        self.refresh_lines();
     }
 
     /// TELEM1's other end sends.
@@ -401,15 +408,30 @@ impl Board {
             }
         }
         let (tim1, tim3, tim5) = (ClockGate::apb2(0), ClockGate::apb1(1), ClockGate::apb1(3));
-        let resets = [tim1, tim3, tim5, ClockGate::apb2(12), ClockGate::apb2(14), ClockGate::apb1(17), ClockGate::apb1(28)]
-            .map(held);
-        if resets[0] { self.tim1 = Timer::advanced() }
-        if resets[1] { self.tim3 = Timer::general(0xffff) }
-        if resets[2] { self.tim5 = Timer::general(u32::MAX) }
-        if resets[3] { self.spi1 = Spi::default() }
-        if resets[4] { self.syscfg = SysCfg::default() }
-        if resets[5] { self.usart2 = Usart::new(TELEM1_BAUD) }
-        if resets[6] { self.pwr = Pwr::default() }
+        let resets =
+            [tim1, tim3, tim5, ClockGate::apb2(12), ClockGate::apb2(14), ClockGate::apb1(17), ClockGate::apb1(28)]
+                .map(held);
+        if resets[0] {
+            self.tim1 = Timer::advanced()
+        }
+        if resets[1] {
+            self.tim3 = Timer::general(0xffff)
+        }
+        if resets[2] {
+            self.tim5 = Timer::general(u32::MAX)
+        }
+        if resets[3] {
+            self.spi1 = Spi::default()
+        }
+        if resets[4] {
+            self.syscfg = SysCfg::default()
+        }
+        if resets[5] {
+            self.usart2 = Usart::new(TELEM1_BAUD)
+        }
+        if resets[6] {
+            self.pwr = Pwr::default()
+        }
         if resets.contains(&true) {
             self.distribute_clocks();
         }

@@ -119,7 +119,11 @@ impl Cpu {
         let interrupt = self.hooked.interrupt.get();
         let outcome = match (result, interrupt) {
             (Ok(()), None) => {
-                if self.waits() { Outcome::Wait } else { Outcome::Exhausted }
+                if self.waits() {
+                    Outcome::Wait
+                } else {
+                    Outcome::Exhausted
+                }
             }
             (_, Some((EXCEPTION_RETURN, pc))) => Outcome::ExceptionReturn(pc | 1),
             (_, Some((EXCEPTION_SVC, _))) => Outcome::SupervisorCall,
@@ -144,9 +148,7 @@ impl Cpu {
         let (start, size) = self.hooked.block.get();
         let mut instruction = [0; 2];
         let ends_block = before.wrapping_add(2) == start.wrapping_add(size);
-        ends_block
-            && self.load(before, &mut instruction)
-            && [WFI, WFE].contains(&u16::from_le_bytes(instruction))
+        ends_block && self.load(before, &mut instruction) && [WFI, WFE].contains(&u16::from_le_bytes(instruction))
     }
 
     /// Whole blocks, and of the last one what lies before the program counter.
@@ -174,9 +176,13 @@ impl Cpu {
     /// Registers as after reset; the general ones hold nothing to rely on.
     pub(crate) fn reset(&mut self) {
         self.set_register(RegisterARM::XPSR_NZCVQG, 1 << 24);
-        for register in
-            [RegisterARM::CONTROL, RegisterARM::PRIMASK, RegisterARM::FAULTMASK, RegisterARM::BASEPRI, RegisterARM::FPSCR]
-        {
+        for register in [
+            RegisterARM::CONTROL,
+            RegisterARM::PRIMASK,
+            RegisterARM::FAULTMASK,
+            RegisterARM::BASEPRI,
+            RegisterARM::FPSCR,
+        ] {
             self.set_register(register, 0);
         }
         for number in 0..13 {

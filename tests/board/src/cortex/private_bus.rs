@@ -19,8 +19,18 @@ const CYCLE_COUNT_ENABLE: u32 = 1;
 /// Registers that only hold what was written: CCR, MMFAR, BFAR, AFSR, FPCCR, FPCAR, FPDSCR, DWT and ITM lock access, DHCSR,
 /// MPU control while it stays off, SCR.
 const STORAGE: [u32; 12] = [
-    0xe000_e008, 0xe000_ed10, 0xe000_ed14, 0xe000_ed34, 0xe000_ed38, 0xe000_ed3c, 0xe000_ef34, 0xe000_ef38, 0xe000_ef3c,
-    0xe000_1fb0, 0xe000_0fb0, 0xe000_edf0,
+    0xe000_e008,
+    0xe000_ed10,
+    0xe000_ed14,
+    0xe000_ed34,
+    0xe000_ed38,
+    0xe000_ed3c,
+    0xe000_ef34,
+    0xe000_ef38,
+    0xe000_ef3c,
+    0xe000_1fb0,
+    0xe000_0fb0,
+    0xe000_edf0,
 ];
 
 /// The private bus and what hangs on it.
@@ -120,8 +130,12 @@ impl PrivateBus {
     pub(crate) fn store(&mut self, address: u32, size: u32, value: u32, now: Ticks, cycles: u64) -> Option<()> {
         match address {
             0xe000_e010..=0xe000_e01c => self.systick.write(address & 0xf, value, now)?,
-            0xe000_e100..=0xe000_e17c => self.each(address - 0xe000_e100, value, |all, number| all.enable(number, true)),
-            0xe000_e180..=0xe000_e1fc => self.each(address - 0xe000_e180, value, |all, number| all.enable(number, false)),
+            0xe000_e100..=0xe000_e17c => {
+                self.each(address - 0xe000_e100, value, |all, number| all.enable(number, true))
+            }
+            0xe000_e180..=0xe000_e1fc => {
+                self.each(address - 0xe000_e180, value, |all, number| all.enable(number, false))
+            }
             0xe000_e200..=0xe000_e27c => self.each(address - 0xe000_e200, value, Exceptions::pend),
             0xe000_e280..=0xe000_e2fc => self.each(address - 0xe000_e280, value, Exceptions::unpend),
             0xe000_e400..=0xe000_e4ef => {
@@ -167,7 +181,9 @@ impl PrivateBus {
 
     fn bits(&self, offset: u32, of: impl Fn(&Exceptions, u8) -> bool) -> u32 {
         let first = offset * 8;
-        (0..32).filter(|bit| number(first + bit).is_some_and(|n| of(&self.exceptions, n))).fold(0, |all, b| all | 1 << b)
+        (0..32)
+            .filter(|bit| number(first + bit).is_some_and(|n| of(&self.exceptions, n)))
+            .fold(0, |all, b| all | 1 << b)
     }
 
     fn each(&mut self, offset: u32, value: u32, mut act: impl FnMut(&mut Exceptions, u8)) {

@@ -185,7 +185,8 @@ impl Mpu6000 {
     pub(crate) fn sample(&mut self, counts: Counts) {
         let at = self.next_sample;
         self.next_sample += self.period();
-        let words = [counts.accel[0], counts.accel[1], counts.accel[2], 0, counts.gyro[0], counts.gyro[1], counts.gyro[2]];
+        let words =
+            [counts.accel[0], counts.accel[1], counts.accel[2], 0, counts.gyro[0], counts.gyro[1], counts.gyro[2]];
         for (index, word) in words.into_iter().enumerate() {
             let first = usize::from(ACCEL_XOUT_H) + 2 * index;
             self.registers[first..first + 2].copy_from_slice(&word.to_be_bytes());

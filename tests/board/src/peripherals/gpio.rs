@@ -30,7 +30,15 @@ impl Gpio {
             _ => (0, 0, 0),
         };
         let zero = Self {
-            mode: 0, output_type: 0, speed: 0, pull: 0, output: 0, lock: 0, alternate: [0; 2], driven: 0, driven_level: 0,
+            mode: 0,
+            output_type: 0,
+            speed: 0,
+            pull: 0,
+            output: 0,
+            lock: 0,
+            alternate: [0; 2],
+            driven: 0,
+            driven_level: 0,
         };
         Self { mode, speed, pull, ..zero }
     }
@@ -61,7 +69,11 @@ impl Gpio {
         if let Some(level) = self.output_level(pin) {
             return level;
         }
-        if self.driven >> pin & 1 != 0 { self.driven_level >> pin & 1 != 0 } else { self.pull >> (2 * pin) & 3 == PULL_UP }
+        if self.driven >> pin & 1 != 0 {
+            self.driven_level >> pin & 1 != 0
+        } else {
+            self.pull >> (2 * pin) & 3 == PULL_UP
+        }
     }
 }
 

@@ -346,9 +346,16 @@ mod tests {
     fn motor_timer() -> Timer {
         let mut timer = Timer::advanced();
         timer.set_cycle(2);
-        for (offset, value) in
-            [(0x28, 6), (0x2c, 59_999), (0x1c, 0x6800), (0x20, 1 << 12), (0x40, 24_000), (0x14, 1), (0x10, 0), (0x44, MOE)]
-        {
+        for (offset, value) in [
+            (0x28, 6),
+            (0x2c, 59_999),
+            (0x1c, 0x6800),
+            (0x20, 1 << 12),
+            (0x40, 24_000),
+            (0x14, 1),
+            (0x10, 0),
+            (0x44, MOE),
+        ] {
             timer.write(offset, value, 0).unwrap();
         }
         timer

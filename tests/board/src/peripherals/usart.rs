@@ -176,7 +176,9 @@ impl Peripheral for Usart {
             }
             0x08 => self.divider = value & 0xffff,
             0x0c if value & UNUSED_CONTROL != 0 => return Err(Unmodelled("USART other than 8N1, 16 samples a bit")),
-            0x10 if value & (0b11 << 12 | 1 << 11 | 1 << 14) != 0 => return Err(Unmodelled("USART stop bits, clock or LIN")),
+            0x10 if value & (0b11 << 12 | 1 << 11 | 1 << 14) != 0 => {
+                return Err(Unmodelled("USART stop bits, clock or LIN"));
+            }
             0x14 if value & UNUSED_CONTROL_3 != 0 => return Err(Unmodelled("USART flow control or special modes")),
             0x0c | 0x10 | 0x14 => {
                 self.control[((offset - 0x0c) / 4) as usize] = value;
@@ -252,7 +254,9 @@ mod tests {
             if status & (RXNE | IDLE) != 0 {
                 idles += status & IDLE;
                 let byte = usart.read(4, at).unwrap() as u8;
-                if status & RXNE != 0 { read.push(byte) }
+                if status & RXNE != 0 {
+                    read.push(byte)
+                }
             }
         }
         assert_eq!((read.as_slice(), idles), (b"xy".as_slice(), IDLE));
