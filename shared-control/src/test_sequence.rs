@@ -45,7 +45,7 @@ mod tests {
             }
         }
         let third = at(3 * SEGMENT_US, 0.5).unwrap();
-        assert!((third.roll_rad + 0.523_598_8).abs() < 1e-7 && third.pitch_rad == 0.0);
+        assert!((third.roll_rad + core::f32::consts::FRAC_PI_6).abs() < 1e-7 && third.pitch_rad == 0.0);
         assert_eq!(at(DURATION_US, 0.5), None);
         assert_eq!(at(u64::MAX, 0.5), None);
     }

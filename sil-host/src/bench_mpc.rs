@@ -322,7 +322,7 @@ mod tests {
         let mut crossed = sound()["B_d"].clone();
         crossed[1][2] = json!(0.1);
         for (field, value, expected) in [
-            ("N", json!(20), "expected N = 30 prediction steps, found 20"),
+            ("N", json!(31), "expected N of at most 30 prediction steps, found 31"),
             ("sub", json!("iii"), "expected sub \"i\" or \"ii\", found \"iii\""),
             ("A_d", damped, "the double integrator's A_d[3][3] = 1, found 0.99"),
             ("B_d", crossed, "the double integrator's B_d[1][2] = 0, found 0.1"),

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::control_setup::command_for_lift;
 use crate::controller_file::ControllerChoice;
 use crate::cosim;
 use crate::fidelity::{
@@ -11,7 +12,7 @@ use crate::flight::{FlightSetup, SetupError};
 use crate::log::Log;
 use crate::model::VehicleModel;
 use crate::plant::Plant;
-use crate::scenario::{Scenario, Waypoint};
+use crate::scenario::{DURATION_MAX_S, Scenario, Waypoint};
 use crate::sensors::Sensors;
 
 /// What the log is held against.
@@ -39,6 +40,8 @@ pub struct Comparison {
     pub closed_loop: Option<ClosedLoop>,
     /// Open-loop replay of the logged commands, window by window.
     pub replay: Replay,
+    /// What a reader should know of the closed loop: why there is none.
+    pub notes: Vec<String>,
 }
 
 /// The simulated closed loop beside the measured one, at the log's rows.
@@ -77,6 +80,14 @@ pub enum ComparisonError {
     /// The controller does not.
     #[error(transparent)]
     Setup(#[from] SetupError),
+    /// Its closed loop would be simulated for ages, gaps in time included.
+    #[error(
+        "time_s spans {duration_s} s; the closed loop is simulated for up to {DURATION_MAX_S} s (leave out --controller)"
+    )]
+    TooLong {
+        /// From the log's first row to its last, s.
+        duration_s: f64,
+    },
 }
 
 impl Comparison {
@@ -95,23 +106,51 @@ impl Comparison {
 /// [`ComparisonError`]: a column that the subject needs is missing, no window is long enough, the controller can't fly.
 pub fn compare(log: &Log, subject: &Subject) -> Result<Comparison, ComparisonError> {
     match subject {
-        Subject::Axes => Ok(Comparison { closed_loop: None, replay: replay_axes(log, &ReplayOptions::default())? }),
+        Subject::Axes => {
+            let replay = replay_axes(log, &ReplayOptions::default())?;
+            Ok(Comparison { closed_loop: None, replay, notes: Vec::new() })
+        }
         Subject::Vehicle(vehicle) => {
             let Vehicle { model, controller } = vehicle.as_ref();
             let options = ReplayOptions { control_rate_hz: controller.map(|choice| f64::from(choice.rate_hz)) };
+            // first the replay: it refuses a log whose time is in another unit, which would be simulated for hours
+            let replay = replay_plant(log, model, &options)?;
             let closed_loop = match controller {
                 Some(choice) => closed_loop(log, model, *choice)?,
                 None => None,
             };
-            Ok(Comparison { closed_loop, replay: replay_plant(log, model, &options)? })
+            let notes = match (controller, &closed_loop) {
+                (Some(_), None) => vec![format!("no closed loop: the log lacks {}", missing_for_closed_loop(log))],
+                _ => Vec::new(),
+            };
+            Ok(Comparison { closed_loop, replay, notes })
         }
     }
 }
 
+/// The columns without which there is no closed loop to compare.
+fn missing_for_closed_loop(log: &Log) -> String {
+    let needed = [
+        ("roll_rad", &log.angle_rad[0]),
+        ("pitch_rad", &log.angle_rad[1]),
+        ("roll_ref_rad", &log.reference_rad[0]),
+        ("pitch_ref_rad", &log.reference_rad[1]),
+    ];
+    let missing: Vec<&str> = needed.iter().filter(|(_, column)| column.is_none()).map(|(name, _)| *name).collect();
+    missing.join(", ")
+}
+
 /// Simulates the closed loop on the log's references from the log's first attitude, without sensor noise.
-fn closed_loop(log: &Log, model: &VehicleModel, choice: ControllerChoice) -> Result<Option<ClosedLoop>, SetupError> {
+fn closed_loop(
+    log: &Log,
+    model: &VehicleModel,
+    choice: ControllerChoice,
+) -> Result<Option<ClosedLoop>, ComparisonError> {
     let (Some(measured_roll), Some(measured_pitch)) = (&log.angle_rad[0], &log.angle_rad[1]) else { return Ok(None) };
     let Some(scenario) = reference_scenario(log) else { return Ok(None) };
+    if scenario.duration_s > DURATION_MAX_S {
+        return Err(ComparisonError::TooLong { duration_s: log.duration_s() });
+    }
     let mut model = model.clone();
     if let Some(throttle) = usual_throttle(log, &model) {
         model.base_command = throttle;
@@ -162,12 +201,7 @@ fn usual_throttle(log: &Log, model: &VehicleModel) -> Option<f64> {
         (0..log.rows()).map(|row| motors.iter().map(|motor| lift_n(motor[row])).sum::<f64>() / 4.0).collect();
     mean_lifts.sort_by(f64::total_cmp);
     let wanted_n = *mean_lifts.get(mean_lifts.len() / 2)?;
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if lift_n(middle) < wanted_n { low = middle } else { high = middle }
-    }
-    Some(0.5 * (low + high))
+    Some(command_for_lift(model, wanted_n))
 }
 
 /// A series at other times, linear in between, held at its ends.

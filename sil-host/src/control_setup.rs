@@ -29,25 +29,27 @@ pub fn vehicle_parameters(model: &VehicleModel) -> VehicleParameters {
     }
 }
 
-/// The model's equilibrium lift over command, turned around by bisection.
+/// The model's equilibrium lift over command, turned around.
 pub fn lift_curve(model: &VehicleModel) -> LiftCurve {
     let lift_n = |command: f64| model.propulsion.equilibrium(command).lift_n;
     let (low_n, high_n) = (lift_n(0.0), lift_n(1.0));
-    let command_at = |k: usize| {
-        let wanted_n = low_n + (high_n - low_n) * k as f64 / LIFT_INTERVALS as f64;
-        let (mut low, mut high) = (0.0, 1.0);
-        // 40 halvings: far below the spacing of f32
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if lift_n(middle) < wanted_n { low = middle } else { high = middle }
-        }
-        match k {
-            0 => 0.0,
-            LIFT_INTERVALS => 1.0,
-            _ => (0.5 * (low + high)) as f32,
-        }
+    let command_at = |k: usize| match k {
+        0 => 0.0,
+        LIFT_INTERVALS => 1.0,
+        _ => command_for_lift(model, low_n + (high_n - low_n) * k as f64 / LIFT_INTERVALS as f64) as f32,
     };
     LiftCurve { lift_min_n: low_n as f32, lift_max_n: high_n as f32, command_at: core::array::from_fn(command_at) }
+}
+
+/// The command at which a motor of the model settles at a lift, by bisection; the nearer end for a lift out of range.
+pub fn command_for_lift(model: &VehicleModel, lift_n: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    // 40 halvings: far below the spacing of f32
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if model.propulsion.equilibrium(middle).lift_n < lift_n { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
 }
 
 /// Time constant of a motor's lift at the model's base command, s: the area above the response to a small step of the

@@ -10,8 +10,9 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer, de::Error};
 use shared_control::config::{Controller, Tuning};
+use shared_control::mpc::HORIZON;
 
 /// A controller with everything that can be chosen about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,9 +110,27 @@ pub fn controller_name(controller: Controller) -> &'static str {
 #[serde(deny_unknown_fields)]
 struct Document {
     controller: Kind,
+    #[serde(default, deserialize_with = "rate_hz")]
     rate_hz: Option<u32>,
+    #[serde(default, deserialize_with = "control_horizon")]
     control_horizon: Option<usize>,
     tuning: Option<TuningChange>,
+}
+
+fn rate_hz<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u32>, D::Error> {
+    let rate_hz = u32::deserialize(deserializer)?;
+    match rate_hz {
+        50..=1000 => Ok(Some(rate_hz)),
+        _ => Err(D::Error::custom("expected 50 to 1000 steps per second")),
+    }
+}
+
+fn control_horizon<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<usize>, D::Error> {
+    let steps = usize::deserialize(deserializer)?;
+    match steps {
+        1..=HORIZON => Ok(Some(steps)),
+        _ => Err(D::Error::custom(format!("expected 1 to {HORIZON} free inputs"))),
+    }
 }
 
 #[derive(Deserialize)]
@@ -183,6 +202,10 @@ mod tests {
         for (text, expected) in [
             ("controller = \"pdi\"\n", "line 1"),
             ("controller = \"pid\"\n[tuning]\nangle_gain = 3\n", "line 3"),
+            ("controller = \"pid\"\nrate_hz = 0\n", "line 2"),
+            ("controller = \"pid\"\nrate_hz = 1001\n", "expected 50 to 1000"),
+            ("controller = \"pid\"\ncontrol_horizon = 0\n", "line 2"),
+            ("controller = \"pid\"\ncontrol_horizon = 31\n", "expected 1 to 30"),
             ("controller = \"pid\"\n[tuning]\nangle_gain_1_s = [1.0]\n", "line 3"),
         ] {
             let message = ControllerChoice::parse(text, "c.toml").unwrap_err().to_string();

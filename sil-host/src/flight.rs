@@ -9,7 +9,7 @@ use shared_control::mpc::MpcError;
 use crate::control_setup::{core_config, motor_lag_s, mpc_settings};
 use crate::controller_file::ControllerChoice;
 use crate::cosim::{self, contract::DesignParameters, control_side::ControlSide, record::FlightRecord};
-use crate::margins::{self, LoopPoint, Margins};
+use crate::margins::{self, Margins};
 use crate::metrics::{self, AxisMetrics};
 use crate::model::VehicleModel;
 use crate::planner::Planner;
@@ -63,7 +63,7 @@ pub struct RunSummary {
     pub model: String,
     /// Seed of the noise.
     pub seed: u64,
-    /// Flown time, s.
+    /// Flown time, s; shorter than the scenario if the state left the numbers.
     pub duration_s: f64,
     /// Roll and pitch.
     pub axes: Axes,
@@ -158,34 +158,31 @@ impl FlightSetup {
             fallbacks: record.planning.fallbacks,
             unsolved: record.planning.unsolved,
         };
+        // a flight whose state left the numbers ends early
+        let steps = record.len() as f64 / f64::from(self.choice.rate_hz);
+        let duration_s = if record.ended_early { steps } else { self.scenario.duration_s };
         RunSummary {
             controller: self.choice.name(),
             rate_hz: self.choice.rate_hz,
             rig: self.model.rig().name(),
             model: self.model.name.clone(),
             seed: self.seed,
-            duration_s: self.scenario.duration_s,
+            duration_s,
             axes: Axes { roll: axis(0), pitch: axis(1) },
             effort: metrics::effort(&record.commands, self.model.base_command),
             saturated_pct: metrics::saturated_pct(&record.commands),
-            real_time_factor: self.scenario.duration_s / computing_s,
+            real_time_factor: duration_s / computing_s,
             mpc: (self.choice.controller == Controller::Mpc).then_some(mpc),
         }
     }
 
-    /// Frequency responses and margins of roll and pitch at hover.
+    /// Margins of roll and pitch at hover; none if the loop oscillates by itself.
     ///
     /// # Errors
     /// [`SetupError`] where the configuration can't be flown.
-    pub fn margins(&self) -> Result<[(Vec<LoopPoint>, Margins); 2], SetupError> {
-        // the set-up is tried once here; the same set-up can't fail later
-        self.control_side()?;
-        let fresh = || self.control_side().ok();
-        let responses = margins::measure(&self.model, &self.design_parameters(), &fresh);
-        Ok(responses.map(|response| {
-            let margins = margins::margins(&response);
-            (response, margins)
-        }))
+    pub fn margins(&self) -> Result<Option<[Margins; 2]>, SetupError> {
+        let responses = margins::measure(&self.model, &self.design_parameters(), &self.control_side()?);
+        Ok(responses.map(|axes| axes.map(|response| margins::margins(&response))))
     }
 
     /// Eigenvalues of roll and pitch under the unconstrained MPC, as magnitude and angle; none for the cascade.

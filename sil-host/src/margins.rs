@@ -18,6 +18,9 @@ const FREQUENCY_MIN_HZ: f64 = 0.3;
 /// Highest frequency, as a share of the control rate: beyond, images of the sampled loop cover it.
 const FREQUENCY_MAX_SHARE: f64 = 0.4;
 const FREQUENCIES: usize = 48;
+/// Motor torque at other frequencies than the injected one, RMS over the injected amplitude, above which the loop
+/// oscillates by itself. A loop that holds shows the rounding of the gyro there, a hundredth of this.
+const OWN_OSCILLATION_MAX: f64 = 0.5;
 /// Time for the response to settle before it is measured, s.
 const SETTLE_S: f64 = 1.5;
 /// Shortest time that is measured, s; rounded up to whole periods.
@@ -51,25 +54,24 @@ pub struct Margins {
     pub sensitivity_peak: f64,
 }
 
-/// Measures roll and pitch of a loop at hover. `control` gives a fresh control side for every frequency; the response
-/// ends where it gives none.
+/// Measures roll and pitch of a loop at hover, each frequency with a copy of `control` that has not flown. `None` if
+/// the loop oscillates by itself: it has no frequency response.
 pub fn measure(
     model: &VehicleModel,
     parameters: &DesignParameters,
-    control: &dyn Fn() -> Option<ControlSide>,
-) -> [Vec<LoopPoint>; 2] {
+    control: &ControlSide,
+) -> Option<[Vec<LoopPoint>; 2]> {
     let mut responses = [Vec::new(), Vec::new()];
     for k in 0..FREQUENCIES {
         let share = k as f64 / (FREQUENCIES - 1) as f64;
         let frequency_max_hz = FREQUENCY_MAX_SHARE * f64::from(parameters.control_rate_hz);
         let frequency_hz = FREQUENCY_MIN_HZ * libm::pow(frequency_max_hz / FREQUENCY_MIN_HZ, share);
-        let Some(mut control) = control() else { break };
-        let points = at_frequency(model, parameters, &mut control, frequency_hz);
+        let points = at_frequency(model, parameters, &mut control.clone(), frequency_hz)?;
         for (response, open_loop) in responses.iter_mut().zip(points) {
             response.push(LoopPoint { frequency_hz, open_loop });
         }
     }
-    responses
+    Some(responses)
 }
 
 /// L of roll and pitch at one frequency.
@@ -78,7 +80,7 @@ fn at_frequency(
     parameters: &DesignParameters,
     control: &mut ControlSide,
     frequency_hz: f64,
-) -> [[f64; 2]; 2] {
+) -> Option<[[f64; 2]; 2]> {
     let omega = 2.0 * std::f64::consts::PI * frequency_hz;
     let periods = (MEASURE_S * frequency_hz).ceil();
     let end_s = SETTLE_S + periods / frequency_hz;
@@ -88,6 +90,7 @@ fn at_frequency(
     let lever_m = model.arm_m * std::f64::consts::FRAC_1_SQRT_2;
     // Fourier sums of U and of the torque as it was held between the samples
     let (mut motors, mut injected) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
+    let (mut motors_squared, mut samples) = ([0.0; 2], 0.0);
     let mut probe = |plant: &Plant| {
         let time_s = plant.time_s();
         let (sin, cos) = libm::sincos(omega * time_s);
@@ -95,7 +98,9 @@ fn at_frequency(
         if time_s >= SETTLE_S && time_s < end_s {
             let [f1, f2, f3, f4] = plant.lifts_n();
             let motors_nm = [lever_m * (f2 + f3 - f1 - f4), lever_m * (f1 + f3 - f2 - f4)];
+            samples += 1.0;
             for axis in 0..2 {
+                motors_squared[axis] += motors_nm[axis] * motors_nm[axis];
                 accumulate(&mut motors[axis], motors_nm[axis], sin, cos);
                 accumulate(&mut injected[axis], injected_nm[axis], sin, cos);
             }
@@ -106,15 +111,24 @@ fn at_frequency(
     let scenario = Scenario { name: "margins".into(), duration_s: end_s, waypoints: vec![hover] };
     let mut plant = Plant::new(model);
     cosim::fly(parameters, &mut plant, &mut Sensors::ideal(), control, &scenario, Some(&mut probe));
+    for axis in 0..2 {
+        let answer_nm = 2.0 * magnitude(motors[axis]) / samples;
+        let other_nm2 = motors_squared[axis] / samples - 0.5 * answer_nm * answer_nm;
+        let own_oscillation = other_nm2.max(0.0).sqrt() / amplitude_nm[axis];
+        // not a number either: the plant left the numbers
+        if own_oscillation.is_nan() || own_oscillation > OWN_OSCILLATION_MAX {
+            return None;
+        }
+    }
     // the injected torque is held for an IMU period: half of that is delay, and a little amplitude is lost
     let half_hold = 0.5 * omega / f64::from(parameters.imu_rate_hz);
-    let held = libm::sin(half_hold) / half_hold;
-    let turn = [held * libm::cos(half_hold), -held * libm::sin(half_hold)];
-    [0, 1].map(|axis| {
+    let kept = libm::sin(half_hold) / half_hold;
+    let turn = [kept * libm::cos(half_hold), -kept * libm::sin(half_hold)];
+    Some([0, 1].map(|axis| {
         let d = multiply(injected[axis], turn);
         let u = motors[axis];
         divide([-u[0], -u[1]], [u[0] + d[0], u[1] + d[1]])
-    })
+    }))
 }
 
 /// Adds x exp(-j w t).

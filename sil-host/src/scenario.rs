@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Deserialize;
+use toml::Spanned;
 
 /// Duration of each hover and each position of the test sequence, s (the thesis gives no times; spec RIG.md does).
 const TEST_SEGMENT_S: f64 = 1.75;
@@ -11,8 +12,8 @@ const TEST_SEGMENT_S: f64 = 1.75;
 const TEST_POSITIONS_DEG: [(f64, f64); 8] =
     [(30.0, 0.0), (-30.0, 0.0), (0.0, 30.0), (0.0, -30.0), (30.0, 30.0), (30.0, -30.0), (-30.0, 30.0), (-30.0, -30.0)];
 
-/// Longest flight that a script may ask for, s.
-const DURATION_MAX_S: f64 = 3600.0;
+/// Longest flight that is simulated, s.
+pub const DURATION_MAX_S: f64 = 3600.0;
 
 /// What is asked for from a point in time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,10 +61,12 @@ pub enum ScriptError {
         message: String,
     },
     /// A value makes no sense.
-    #[error("{file}: [[step]] number {step}: {problem}")]
+    #[error("{file}:{line}: [[step]] number {step}: {problem}")]
     Step {
         /// The file.
         file: String,
+        /// The line in which the step begins, counted from 1.
+        line: usize,
         /// Which step, counted from 1.
         step: usize,
         /// What is wrong with it.
@@ -84,7 +87,7 @@ struct ScriptFile {
     name: Option<String>,
     duration_s: f64,
     #[serde(default, rename = "step")]
-    steps: Vec<ScriptStep>,
+    steps: Vec<Spanned<ScriptStep>>,
 }
 
 #[derive(Deserialize)]
@@ -145,7 +148,9 @@ impl Scenario {
         let mut waypoints =
             vec![Waypoint { start_s: 0.0, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None }];
         for (index, step) in script.steps.iter().enumerate() {
-            let problem = |problem| ScriptError::Step { file: file.into(), step: index + 1, problem };
+            let line = 1 + text[..step.span().start].matches('\n').count();
+            let problem = |problem| ScriptError::Step { file: file.into(), line, step: index + 1, problem };
+            let step = step.get_ref();
             if step.at_s.is_nan() || step.at_s < waypoints[waypoints.len() - 1].start_s {
                 return Err(problem("at_s must be zero or more and not before the step above"));
             }
@@ -205,7 +210,7 @@ mod tests {
         assert_eq!(scenario.at(0.5).throttle, None);
         for (text, expected) in [
             ("duration_s = 3.0\n[[step]]\nat_s = 1\nrol_deg = 3\n", "line 4"),
-            ("duration_s = 3.0\n[[step]]\nat_s = 2\n[[step]]\nat_s = 1\n", "number 2"),
+            ("duration_s = 3.0\n[[step]]\nat_s = 2\n[[step]]\nat_s = 1\n", "s.toml:4: [[step]] number 2"),
             ("duration_s = 3.0\n[[step]]\nat_s = nan\n", "number 1"),
             ("duration_s = 3.0\n[[step]]\nat_s = 1\nthrottle = 50\n", "throttle must be within 0 and 1"),
             ("duration_s = 3.0\n[[step]]\nat_s = 5\n", "duration_s must be above"),

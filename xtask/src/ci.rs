@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 
 use crate::firmware::Target;
 use crate::process;
+use crate::px4;
 use crate::tidy;
 use crate::workspace::Workspace;
 
@@ -19,7 +20,7 @@ const STEPS: [Step; 8] = [
     ("test", |workspace| process::run(&mut workspace.cargo("test"))),
     ("documentation", documentation),
     ("core for the target", |workspace| Target::find(workspace)?.build_core()),
-    ("firmware image", |workspace| Target::find(workspace)?.build_image()),
+    ("firmware image", px4::run),
     ("clippy for the target", |workspace| Target::find(workspace)?.clippy()),
 ];
 

@@ -25,13 +25,13 @@ impl<'a> Target<'a> {
         Ok(Self { workspace, toolchain: Toolchain::find(workspace)? })
     }
 
-    /// Builds the image, checks it, prints its place and size.
-    pub(crate) fn build_image(&self) -> Result<()> {
+    /// Builds the image, checks it, prints its place and size; returns its place.
+    pub(crate) fn build_image(&self) -> Result<PathBuf> {
         self.build("firmware")?;
         let image = self.image();
         let size = image::check(&image)?;
         println!("{}: {size}", image.display());
-        Ok(())
+        Ok(image)
     }
 
     /// Where [`Self::build_image`] leaves it.

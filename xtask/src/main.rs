@@ -5,6 +5,7 @@ mod ci;
 mod firmware;
 mod image;
 mod process;
+mod px4;
 mod sysroot;
 mod tidy;
 mod toolchain;
@@ -29,6 +30,8 @@ struct Cli {
 enum Task {
     /// Build the firmware image, check it and print its size (also: cargo fw)
     Fw,
+    /// Build the image and pack it for upload over USB by QGroundControl
+    Px4,
     /// Build the control core alone for the flight controller
     CoreTarget,
     /// Lint the firmware and the control core as compiled for the flight controller
@@ -54,7 +57,8 @@ fn main() -> ExitCode {
 fn run(task: &Task) -> Result<()> {
     let workspace = Workspace::find()?;
     match task {
-        Task::Fw => Target::find(&workspace)?.build_image(),
+        Task::Fw => Target::find(&workspace)?.build_image().map(drop),
+        Task::Px4 => px4::run(&workspace),
         Task::CoreTarget => Target::find(&workspace)?.build_core(),
         Task::ClippyTarget => Target::find(&workspace)?.clippy(),
         Task::BoardTest => board::run(&workspace),

@@ -38,8 +38,3 @@ pub const SENSOR_START_MS: u32 = 120;
 
 /// TELEM1, bits per second.
 pub const LINK_BAUD: u32 = 115_200;
-
-/// Core cycles of a time, at least.
-pub const fn cycles_of_ms(duration_ms: u32) -> u32 {
-    duration_ms * (CORE_HZ / 1000)
-}

@@ -4,7 +4,6 @@
 use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
-use cortex_m::asm;
 use heapless::spsc::{Producer, Queue};
 use shared_control::signals::RawImuSample;
 use stm32f4xx_hal::gpio::{ExtiPin, Input, PD15};
@@ -131,7 +130,7 @@ impl Imu {
     /// Checks who answers, writes the settings, reads them back, and goes over to DMA.
     pub fn start(&mut self, exti: &mut EXTI) -> Result<(), ImuFault> {
         self.bus.write(PWR_MGMT_1, 0x80); // DEVICE_RESET
-        asm::delay(board::cycles_of_ms(100));
+        clock::wait_us(100 * 1000);
         let identity = self.bus.read(WHO_AM_I);
         if identity != IDENTITY {
             return Err(ImuFault::Identity(identity));
@@ -140,7 +139,7 @@ impl Imu {
             self.bus.write(register, value);
         }
         // the gyro's oscillator takes over
-        asm::delay(board::cycles_of_ms(50));
+        clock::wait_us(50 * 1000);
         for (register, value) in SETTINGS {
             if self.bus.read(register) != value {
                 return Err(ImuFault::Register(register));

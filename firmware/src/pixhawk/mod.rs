@@ -102,8 +102,10 @@ mod app {
         let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
         supply::watch(&device.PWR, &device.EXTI, &mut rcc);
 
-        let (config, tuning) = control::configuration().expect("the compiled-in configuration");
-        let mpc = Mpc::prepare(&mpc_settings(&VehicleParameters::F450_GIMBAL, &tuning)).expect("its MPC");
+        // not `expect`, which would print the error and bring the formatting of floats into the image
+        let Ok((config, tuning)) = control::configuration() else { panic!("the compiled-in configuration is bad") };
+        let mpc = Mpc::prepare(&mpc_settings(&VehicleParameters::F450_GIMBAL, &tuning));
+        let Ok(mpc) = mpc else { panic!("the compiled-in MPC is bad") };
 
         let disarmed = config.output.compare_counts(&MotorCommands::default(), false);
         let outputs = Outputs::new(device.TIM1, pins.motors, disarmed[0], &mut rcc);

@@ -2,12 +2,12 @@
 //!
 //! Mode 3. Registers at 656 kHz (the MPU6000 allows 1 MHz), samples at 10.5 MHz (it allows 20).
 
-use cortex_m::asm;
 use stm32f4xx_hal::gpio::{Alternate, Output, PA5, PA6, PA7, PC2, PC13, PC15, PD7, PE3};
 use stm32f4xx_hal::pac::SPI1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::board;
+use super::clock;
 
 /// First bit of a register address that is read.
 pub const READ: u8 = 0x80;
@@ -35,9 +35,9 @@ impl SensorBus {
     /// Restarts the sensors and takes the bus. Chip selects must already be high.
     pub fn new(spi: SPI1, pins: Pins, selects: Selects, supply: &mut PE3<Output>, rcc: &mut Rcc) -> Self {
         supply.set_low();
-        asm::delay(board::cycles_of_ms(board::SENSOR_OFF_MS));
+        clock::wait_us(board::SENSOR_OFF_MS * 1000);
         supply.set_high();
-        asm::delay(board::cycles_of_ms(board::SENSOR_START_MS));
+        clock::wait_us(board::SENSOR_START_MS * 1000);
         SPI1::enable(rcc);
         SPI1::reset(rcc);
         let bus = Self { spi, selects, _pins: pins };
@@ -87,7 +87,7 @@ impl SensorBus {
         let answer = self.exchange(value);
         self.release();
         // the MPU6000 wants its select high for 500 ns
-        asm::delay(board::CORE_HZ / 1_000_000);
+        clock::wait_us(1);
         answer
     }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use sil_host::bench_mpc::{CaseResult, solve_file};
 
 use super::text_table::TextTable;
-use super::{Failure, bad_input, write_json};
+use super::{Failure, bad_input, print, write_json};
 
 /// Solve benchmark instances with the shipped f32 solver and compare with the exact solutions
 #[derive(Args)]
@@ -41,6 +41,6 @@ pub fn run(arguments: &BenchArguments) -> Result<(), Failure> {
             case.iterations_max.to_string(),
         ]);
     }
-    print!("{table}");
+    print(&table)?;
     write_json(arguments.json.as_deref(), &BenchJson { cases })
 }

@@ -4,32 +4,34 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use sil_host::axis::Axis;
-use sil_host::comparison::{Comparison, Subject, Vehicle, compare};
+use sil_host::comparison::{Comparison, ComparisonError, Subject, Vehicle, compare};
 use sil_host::controller_file::ControllerChoice;
 use sil_host::log::{self, Log, Map};
 use sil_host::model::Rig;
 use sil_host::report::Page;
 
 use super::text_table::{TextTable, number};
-use super::{Failure, bad_input, compare_report, vehicle_model, write_file, write_json};
+use super::{Failure, bad_input, compare_report, print, vehicle_model, write_file, write_json};
 
 /// Hold a measured log against the simulation: closed loop and open-loop replay
 #[derive(Args)]
-#[command(after_help = "Example: sil compare out/rig.csv --rig gimbal --controller pid\n\
+#[command(
+    after_help = "Example: sil compare out/rig.csv --rig gimbal --controller pid   (sil synth out/rig.csv makes that log)\n\
          sil compare bench.csv.gz --map antx --rig axis\n\n\
 The replay is open loop: in windows of 0.5 s the model starts where the log was and gets the logged commands.\n\
-With --controller the closed loop is simulated too, on the log's references.")]
+With --controller the closed loop is simulated too, on the log's references."
+)]
 pub struct CompareArguments {
     /// The log: CSV or CSV.gz
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// What the log's columns mean: a file, or the name of a map that ships (see --map list)
+    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller, crazypad_motor)
     #[arg(long, value_name = "MAP")]
     map: Option<String>,
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
-    /// What held the vehicle [default: axis for a log without motors, else the model's rig]
+    /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
     #[arg(long, value_enum)]
     rig: Option<CompareRig>,
     /// What flew: pid, mpc, or a controller file
@@ -58,8 +60,11 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let map = arguments.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
     let log = log::read(&arguments.log, map.as_ref()).map_err(bad_input)?;
     let subject = subject(arguments, &log)?;
-    let comparison = compare(&log, &subject).map_err(|error| bad_input(format!("{}: {error}", log.path)))?;
-    print!("{}", summary_text(&log, &comparison, &subject));
+    let comparison = compare(&log, &subject).map_err(|error| match (&error, &arguments.controller) {
+        (ComparisonError::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
+        _ => bad_input(format!("{}: {error}", log.path)),
+    })?;
+    print(summary_text(&log, &comparison, &subject))?;
     let mut page = Page::new(format!("Measured against simulated: {}", file_name(&log)))
         .lead(compare_report::lead(&comparison, &subject));
     for section in compare_report::sections(&log, &comparison, &subject) {
@@ -67,7 +72,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     }
     page = page.provenance("Log", log.path.clone()).provenance("Version", env!("CARGO_PKG_VERSION"));
     write_file(&arguments.report, page.to_html().as_bytes())?;
-    println!("report  {}", arguments.report.display());
+    print(format!("report  {}\n", arguments.report.display()))?;
     write_json(arguments.json.as_deref(), &comparison.summary())
 }
 
@@ -79,7 +84,8 @@ fn file_name(log: &Log) -> String {
 
 fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> {
     let rig = match (arguments.rig, &arguments.model) {
-        (None, None) if log.driven_by_axis_commands() => Some(CompareRig::Axis),
+        // a log in other people's columns is of other people's vehicle
+        (None, None) if arguments.map.is_some() || log.driven_by_axis_commands() => Some(CompareRig::Axis),
         (rig, _) => rig,
     };
     let controller =
@@ -101,7 +107,7 @@ fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> 
 pub fn summary_text(log: &Log, comparison: &Comparison, subject: &Subject) -> String {
     let mut text =
         format!("{}: {} rows, {:.2} s, {:.1} Hz\n", file_name(log), log.rows(), log.duration_s(), log.rate_hz());
-    for line in log.comments.iter().chain(&log.notes).chain(&comparison.replay.notes) {
+    for line in log.comments.iter().chain(&log.notes).chain(&comparison.replay.notes).chain(&comparison.notes) {
         text.push_str(&format!("  {line}\n"));
     }
     text.push_str(&format!("\n{}\n", compare_report::lead(comparison, subject)));

@@ -29,11 +29,23 @@ pub fn lead(comparison: &Comparison, subject: &Subject) -> String {
     .max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)));
     match worst {
         Some((axis, nominal, floor)) => format!(
-            "{model} misses {axis} by {nominal:.2} degrees after replays of up to {} s; an exact model would miss it by \
-             {floor:.2}, for the sensors' noise alone.",
-            error.window_s
+            "{model} misses {axis} by {} degrees (RMSE over replays of {} s); an exact model would miss it by {}, for what \
+             the log cannot tell: its noise, the exact start, commands between its rows.",
+            significant(nominal),
+            error.window_s,
+            significant(floor)
         ),
         None => format!("{model} was replayed; the log holds neither roll nor pitch."),
+    }
+}
+
+/// Two significant digits, so that a small floor is not printed as zero.
+fn significant(value: f64) -> String {
+    match value {
+        value if value >= 1.0 => format!("{value:.1}"),
+        value if value >= 0.1 => format!("{value:.2}"),
+        value if value >= 0.01 => format!("{value:.3}"),
+        value => format!("{value:.1e}"),
     }
 }
 
@@ -47,7 +59,7 @@ fn closed_loop(log: &Log, comparison: &Comparison) -> Option<Section> {
     let closed_loop = comparison.closed_loop.as_ref()?;
     let mut section = Section::new("The closed loop, measured and simulated").paragraph(
         "The same references, the same controller: once as the log has it, once in simulation from the log's first attitude. \
-         This is what the thesis' figures 5.3 and 5.4 show; small differences at the start grow as the loop runs.",
+         This is what the thesis' figures 5.3 and 5.4 show. The controller hides part of what the plant model gets wrong.",
     );
     for (axis, name) in &AXES[..2] {
         let index = axis.index();
@@ -169,5 +181,13 @@ fn about_the_log(log: &Log, comparison: &Comparison) -> Section {
     if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
         section = section.warning("This log is synthetic: it was simulated, not measured.");
     }
-    section.list(log.comments.iter().chain(&log.notes).chain(&comparison.replay.notes).cloned().collect::<Vec<_>>())
+    section.list(
+        log.comments
+            .iter()
+            .chain(&log.notes)
+            .chain(&comparison.replay.notes)
+            .chain(&comparison.notes)
+            .cloned()
+            .collect::<Vec<_>>(),
+    )
 }

@@ -11,10 +11,13 @@ use sil_host::model::{Rig, VehicleModel};
 use sil_host::report::Page;
 use sil_host::scenario::Scenario;
 
-use super::{Failure, bad_input, compare as compare_command, compare_report, failed, flight_report, fly, write_file};
+use super::{
+    Failure, bad_input, compare as compare_command, compare_report, failed, flight_report, fly, print, write_file,
+};
 
 /// The rig log that ships: synthetic, flown by the thesis' MPC (100 Hz, M = 1) on a ring that is off balance.
-/// `sil synth` makes it with the arguments in its comments.
+/// Made by `sil synth --effect "cg_offset:axis=pitch,cos_moment_nm=0.2" --rate 100 --control-rate 100 --seed 5`
+/// with `--controller` the file below.
 const RIG_LOG: &str = include_str!("../../demonstration/rig-log.csv");
 /// What the log is called in messages.
 const RIG_LOG_NAME: &str = "rig-log.csv (bundled)";
@@ -24,25 +27,26 @@ const RIG_LOG_CONTROLLER: &str = include_str!("../../demonstration/thesis-mpc.to
 const REPORT: &str = "out/report.html";
 
 pub fn run() -> Result<(), Failure> {
-    println!("1. The thesis' test sequence on the simulated testbed, PID cascade against MPC\n");
+    print("1. The thesis' test sequence on the simulated testbed, PID cascade against MPC\n\n")?;
     let model = VehicleModel::nominal(Rig::Gimbal);
     let flown = [Controller::Cascade, Controller::Mpc]
         .into_iter()
         .map(|controller| fly::fly_one(&model, &Scenario::test_sequence(), ControllerChoice::nominal(controller), 0))
         .collect::<Result<Vec<_>, _>>()?;
-    print!("{}", fly::summary_text(&flown));
+    print(fly::summary_text(&flown))?;
 
-    println!("2. A rig log against the simulation\n");
+    print("2. A rig log against the simulation\n\n")?;
     let log = log::parse(RIG_LOG_NAME, RIG_LOG, None).map_err(failed)?;
     let controller = ControllerChoice::parse(RIG_LOG_CONTROLLER, "thesis-mpc.toml").map_err(failed)?;
     let subject = Subject::Vehicle(Box::new(Vehicle { model, controller: Some(controller) }));
     let comparison = compare(&log, &subject).map_err(bad_input)?;
-    print!("{}", compare_command::summary_text(&log, &comparison, &subject));
+    print(compare_command::summary_text(&log, &comparison, &subject))?;
 
     let mut page = Page::new("A quadrotor on its testbed: flown, and held against a log")
         .lead(
             "First the thesis' experiment in simulation: a DJI F450 on a gimbal flies nine positions under the PID cascade of \
-             APM:Copter and under model predictive control. Then a rig log is held against the simulation.",
+             APM:Copter and under model predictive control. Then a rig log is held against the simulation; the log is \
+             synthetic, made with a ring that is off balance, as the thesis suspected of its own.",
         )
         .lead(compare_report::lead(&comparison, &subject));
     for section in
@@ -52,16 +56,18 @@ pub fn run() -> Result<(), Failure> {
     }
     page = page.provenance("Command", "sil").provenance("Seed", "0").provenance("Version", env!("CARGO_PKG_VERSION"));
     write_file(Path::new(REPORT), page.to_html().as_bytes())?;
-    show(Path::new(REPORT));
-    Ok(())
+    show(Path::new(REPORT))
 }
 
 /// Says where the report is, and opens it where somebody is looking.
-fn show(report: &Path) {
+fn show(report: &Path) -> Result<(), Failure> {
     let place = std::fs::canonicalize(report).unwrap_or_else(|_| report.to_owned());
     let has_screen = cfg!(not(target_os = "linux"))
         || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some());
     let opened = std::io::stdout().is_terminal() && has_screen && open::that_detached(&place).is_ok();
-    println!("\nreport  {}{}", place.display(), if opened { " (opening in the browser)" } else { "" });
-    println!("next    sil fly --help, sil compare --help, sil synth --help");
+    let opening = if opened { " (opening in the browser)" } else { "" };
+    print(format!(
+        "\nreport  {}{opening}\nnext    sil fly --help, sil compare --help, sil synth --help\n",
+        place.display()
+    ))
 }

@@ -1,11 +1,10 @@
 //! The page about simulated flights: angles against the reference as in the thesis' figures 5.3 to 5.6, motor commands,
 //! and the tables that the terminal shows.
 
-use sil_host::margins::Margins;
 use sil_host::report::{Better, Cell, Chart, Page, Section, Table};
 
 use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
-use super::fly::FlownController;
+use super::fly::{FlownController, eigenvalues_title, margin_values, remarks};
 
 /// A page of its own for one or more flights.
 pub fn page(flown: &[FlownController], command: &str) -> Page {
@@ -32,7 +31,7 @@ fn label(flown: &FlownController) -> String {
 
 fn angles(flown: &[FlownController]) -> Section {
     let mut section = Section::new("Attitude").paragraph(
-        "Both angles of the gimbal against the reference that the controller was asked for. The reference jumps; how \
+        "Roll and pitch against the reference that the controller was asked for. The reference jumps; how \
          softly it is followed is the controller's affair. Mean and RMS errors below are against this raw reference.",
     );
     for (axis, name) in [(0, "Roll"), (1, "Pitch")] {
@@ -86,7 +85,8 @@ fn figures(flown: &[FlownController]) -> Section {
         let cells = flown.iter().map(|one| Cell::from((figure.text)(&one.flight.summary)));
         table.row([Cell::from(figure.name)].into_iter().chain(cells))
     });
-    section.table(whole_flight)
+    let section = section.table(whole_flight);
+    flown.iter().flat_map(remarks).fold(section, Section::note)
 }
 
 fn robustness(flown: &[FlownController]) -> Section {
@@ -95,8 +95,9 @@ fn robustness(flown: &[FlownController]) -> Section {
     let header: Vec<&str> = [""].into_iter().chain(columns.iter().map(String::as_str)).collect();
     let mut table = Table::new("Margins at hover, the loop cut at the motors' torque", &header);
     for figure in ROBUSTNESS {
-        let cell = |margins: &Margins| Cell::number((figure.value)(margins).unwrap_or(f64::NAN), figure.decimals);
-        let cells = flown.iter().flat_map(|one| one.margins.iter().map(cell));
+        let cells = flown.iter().flat_map(|one| {
+            margin_values(one, &figure).map(|value| Cell::number(value.unwrap_or(f64::NAN), figure.decimals))
+        });
         table = table.row([Cell::from(figure.name)].into_iter().chain(cells));
     }
     let mut section = Section::new("How robust it is")
@@ -105,8 +106,9 @@ fn robustness(flown: &[FlownController]) -> Section {
              answer gives the loop's frequency response, with estimator, filters, sampling and delay in it.",
         )
         .table(table);
-    for eigenvalues in flown.iter().filter_map(|one| one.eigenvalues) {
-        let caption = "Closed-loop eigenvalues z of the unconstrained MPC: perfect model, one sample of delay";
+    for one in flown {
+        let Some(eigenvalues) = one.eigenvalues else { continue };
+        let caption = format!("{}, perfect model, one sample of delay: |z| and angle", eigenvalues_title(one));
         let mut table = Table::new(caption, &["", "first", "second", "third"]);
         for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
             let cells = eigenvalues_text(axis).map(Cell::from);

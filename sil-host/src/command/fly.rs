@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use shared_control::config::Controller;
@@ -9,13 +10,13 @@ use sil_host::controller_file::{CONTROL_HORIZON_DEFAULT, ControllerChoice};
 use sil_host::flight::{Flight, FlightSetup, RunSummary};
 use sil_host::flight_log::flight_log;
 use sil_host::margins::Margins;
-use sil_host::model::VehicleModel;
+use sil_host::model::{Rig, VehicleModel};
 use sil_host::scenario::Scenario;
 
-use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
+use super::figures::{FOLLOWING, Figure, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
 use super::text_table::{TextTable, number};
 use super::{
-    Failure, RigArgument, bad_input, failed, flight_report, make_folder, vehicle_model, write_file, write_json,
+    Failure, RigArgument, bad_input, failed, flight_report, make_folder, print, vehicle_model, write_file, write_json,
 };
 
 /// Fly the thesis' test sequence, or a script, in co-simulation
@@ -45,10 +46,10 @@ pub struct FlyArguments {
     #[arg(long, value_name = "N", default_value_t = shared_control::mpc::HORIZON)]
     horizon: usize,
     /// Free inputs per axis of the MPC, 1 to N
-    #[arg(long, value_name = "M", default_value_t = CONTROL_HORIZON_DEFAULT)]
+    #[arg(long, value_name = "M", default_value_t = CONTROL_HORIZON_DEFAULT, value_parser = control_horizon())]
     control_horizon: usize,
     /// Length of a prediction step of the MPC, s, whatever the rate
-    #[arg(long, value_name = "S", default_value_t = 0.01)]
+    #[arg(long, value_name = "S", default_value_t = 0.01, allow_negative_numbers = true)]
     prediction_step: f32,
     /// Write the flight as a log; with both controllers OUT-pid.csv and OUT-mpc.csv
     #[arg(long, value_name = "OUT.csv")]
@@ -59,6 +60,14 @@ pub struct FlyArguments {
     /// Write the figures as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
+}
+
+/// Lengths of a prediction step that make sense, s: below, the whole horizon is shorter than a motor's lag; above, a
+/// step is longer than a turn of the vehicle takes.
+const PREDICTION_STEP_S: std::ops::RangeInclusive<f32> = 0.001..=0.1;
+
+fn control_horizon() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(1..=shared_control::mpc::HORIZON as u64)
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -82,8 +91,8 @@ pub struct FlownController {
     pub setup: FlightSetup,
     /// Series and figures.
     pub flight: Flight,
-    /// Margins of roll and pitch.
-    pub margins: [Margins; 2],
+    /// Margins of roll and pitch; none if the loop oscillates by itself.
+    pub margins: Option<[Margins; 2]>,
     /// Eigenvalues of roll and pitch under the unconstrained MPC.
     pub eigenvalues: Option<[[[f64; 2]; 3]; 2]>,
 }
@@ -101,30 +110,42 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     };
     let flown: Vec<FlownController> = controllers
         .iter()
-        .map(|&controller| fly_one(&model, &scenario, choice(arguments, controller), arguments.seed))
+        .map(|&controller| fly_one(&model, &scenario, choice(arguments, controller)?, arguments.seed))
         .collect::<Result<_, _>>()?;
-    print!("{}", summary_text(&flown));
+    print(summary_text(&flown))?;
     for one in &flown {
         if let Some(path) = &arguments.log {
             let path = log_path(path, one.setup.choice.name(), flown.len() > 1);
             write_log(&path, one)?;
-            println!("log     {}", path.display());
+            print(format!("log     {}\n", path.display()))?;
         }
     }
     if let Some(path) = &arguments.report {
         write_file(path, flight_report::page(&flown, &command_line(arguments)).to_html().as_bytes())?;
-        println!("report  {}", path.display());
+        print(format!("report  {}\n", path.display()))?;
     }
     write_json(arguments.json.as_deref(), &FlyJson { runs: flown.iter().map(|one| &one.flight.summary).collect() })
 }
 
-fn choice(arguments: &FlyArguments, controller: Controller) -> ControllerChoice {
+fn choice(arguments: &FlyArguments, controller: Controller) -> Result<ControllerChoice, Failure> {
+    let horizons = arguments.control_horizon..=shared_control::mpc::HORIZON;
+    if !horizons.contains(&arguments.horizon) {
+        let (min, max) = (horizons.start(), horizons.end());
+        return Err(bad_input(format!(
+            "--horizon {}: expected {min} (the control horizon) to {max} steps",
+            arguments.horizon
+        )));
+    }
+    if !PREDICTION_STEP_S.contains(&arguments.prediction_step) {
+        let (min, max) = (PREDICTION_STEP_S.start(), PREDICTION_STEP_S.end());
+        return Err(bad_input(format!("--prediction-step {}: expected {min} to {max} s", arguments.prediction_step)));
+    }
     let mut choice = ControllerChoice::nominal(controller);
     choice.rate_hz = arguments.rate;
     choice.control_horizon = arguments.control_horizon;
     choice.tuning.mpc_horizon = Some(arguments.horizon);
     choice.tuning.mpc_prediction_step_s = Some(arguments.prediction_step);
-    choice
+    Ok(choice)
 }
 
 /// Flies one controller and measures its margins.
@@ -136,7 +157,7 @@ pub fn fly_one(
 ) -> Result<FlownController, Failure> {
     let setup = FlightSetup { model: model.clone(), choice, scenario: scenario.clone(), seed };
     let flight = setup.fly().map_err(bad_input)?;
-    let margins = setup.margins().map_err(bad_input)?.map(|(_, margins)| margins);
+    let margins = setup.margins().map_err(bad_input)?;
     let eigenvalues = setup.mpc_eigenvalues().map_err(bad_input)?;
     Ok(FlownController { setup, flight, margins, eigenvalues })
 }
@@ -153,6 +174,9 @@ fn command_line(arguments: &FlyArguments) -> String {
         " --horizon {} --control-horizon {} --prediction-step {}",
         arguments.horizon, arguments.control_horizon, arguments.prediction_step
     ));
+    if let Some(rig) = arguments.rig {
+        line.push_str(&format!(" --rig {}", Rig::from(rig).name()));
+    }
     for (flag, path) in [("--model", &arguments.model), ("--script", &arguments.script)] {
         if let Some(path) = path {
             line.push_str(&format!(" {flag} {}", path.display()));
@@ -165,9 +189,10 @@ fn log_path(path: &Path, controller: &str, several: bool) -> PathBuf {
     if !several {
         return path.to_owned();
     }
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let extension = path.extension().map_or_else(String::new, |extension| format!(".{}", extension.to_string_lossy()));
-    path.with_file_name(format!("{stem}-{controller}{extension}"))
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let (plain, compression) = name.strip_suffix(".gz").map_or((&*name, ""), |plain| (plain, ".gz"));
+    let (stem, extension) = plain.rfind('.').map_or((plain, ""), |dot| plain.split_at(dot));
+    path.with_file_name(format!("{stem}-{controller}{extension}{compression}"))
 }
 
 fn write_log(path: &Path, flown: &FlownController) -> Result<(), Failure> {
@@ -195,14 +220,52 @@ pub fn summary_text(flown: &[FlownController]) -> String {
     text.push_str(&axis_table(flown).to_string());
     text.push('\n');
     text.push_str(&flight_table(flown).to_string());
-    for eigenvalues in flown.iter().filter_map(|one| one.eigenvalues) {
-        text.push_str("\nclosed-loop eigenvalues of the unconstrained MPC, |z| and angle per step:\n");
+    for one in flown {
+        let Some(eigenvalues) = one.eigenvalues else { continue };
+        text.push_str(&format!("\n{}, |z| and angle per step:\n", eigenvalues_title(one)));
         for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
             text.push_str(&format!("  {name:<6} {}\n", eigenvalues_text(axis).join(", ")));
         }
     }
+    for remark in flown.iter().flat_map(remarks) {
+        text.push_str(&format!("\n{remark}\n"));
+    }
     text.push('\n');
     text
+}
+
+/// What the eigenvalues are of.
+pub fn eigenvalues_title(flown: &FlownController) -> String {
+    let period_ms = 1e3 / f64::from(flown.setup.choice.rate_hz);
+    format!("closed-loop eigenvalues of the unconstrained MPC, one step = {period_ms} ms")
+}
+
+/// What somebody who reads the figures must know.
+pub fn remarks(flown: &FlownController) -> Vec<String> {
+    let name = flown.setup.choice.name();
+    let summary = &flown.flight.summary;
+    let mut remarks = Vec::new();
+    if flown.flight.record.ended_early {
+        remarks.push(format!(
+            "{name}: the flight ended after {:.2} s, the state was no longer finite.",
+            summary.duration_s
+        ));
+    }
+    if flown.margins.is_none() {
+        remarks.push(format!("{name}: at hover the loop oscillates by itself, so it has no margins."));
+    }
+    let unstable = |axes: &[[[f64; 2]; 3]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
+    if flown.eigenvalues.as_ref().is_some_and(unstable) {
+        remarks.push(format!("{name}: without active bounds this loop is unstable, an eigenvalue has |z| >= 1."));
+    }
+    let axes = [summary.axes.roll, summary.axes.pitch];
+    if flown.setup.model.rig() == Rig::Free && axes.iter().any(|axis| axis.settling_time_s.is_none()) {
+        remarks.push(format!(
+            "{name}: in still air the accelerometer of a tilted vehicle feels its thrust as gravity; the estimate, and with \
+             it the vehicle, is pulled a few degrees towards level while a tilt is held."
+        ));
+    }
+    remarks
 }
 
 fn axis_table(flown: &[FlownController]) -> TextTable {
@@ -215,10 +278,16 @@ fn axis_table(flown: &[FlownController]) -> TextTable {
         table.row([figure.name.to_owned()].into_iter().chain(cells));
     }
     for figure in ROBUSTNESS {
-        let cells = flown.iter().flat_map(|one| one.margins.iter().map(|m| number((figure.value)(m), figure.decimals)));
+        let cells =
+            flown.iter().flat_map(|one| margin_values(one, &figure).map(|value| number(value, figure.decimals)));
         table.row([figure.name.to_owned()].into_iter().chain(cells));
     }
     table
+}
+
+/// A margin of roll and pitch, none where the loop has none.
+pub fn margin_values(flown: &FlownController, figure: &Figure<Margins>) -> [Option<f64>; 2] {
+    flown.margins.map_or([None; 2], |axes| axes.map(|margins| (figure.value)(&margins)))
 }
 
 fn flight_table(flown: &[FlownController]) -> TextTable {

@@ -11,6 +11,7 @@ mod synth;
 mod text_table;
 
 use std::fmt::Display;
+use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -62,6 +63,17 @@ fn bad_input(error: impl Display) -> Failure {
 /// A failure of the command's own.
 fn failed(error: impl Display) -> Failure {
     Failure { status: 1, message: error.to_string() }
+}
+
+/// Prints to stdout. Who closed it (`sil fly | head`) has seen enough; the files are still written.
+fn print(text: impl Display) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match write!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(failed(format!("the output: cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The rigs on the command line that a whole vehicle can hang in.

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::flight_log::{SynthesisSetup, synthesise};
 use sil_host::model::SensorNoise;
 use sil_host::plant::effects::Effect;
 
-use super::{Failure, RigArgument, bad_input, failed, make_folder, vehicle_model};
+use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle_model, write_json};
 
 /// Make a synthetic rig log with chosen effects, noise and rates
 #[derive(Args)]
@@ -20,16 +21,16 @@ pub struct SynthArguments {
     #[arg(long, value_name = "EFFECT")]
     effect: Vec<String>,
     /// Length of the log, s
-    #[arg(long, value_name = "S", default_value_t = 29.75)]
+    #[arg(long, value_name = "S", default_value_t = 29.75, allow_negative_numbers = true)]
     duration: f64,
     /// Rows per second
     #[arg(long, value_name = "HZ", default_value_t = 200, value_parser = clap::value_parser!(u32).range(10..=1000))]
     rate: u32,
-    /// Steps of the controller per second [default: the larger of 400 and the log's rate]
+    /// Steps of the controller per second [default: that of the controller file, else the larger of 400 and the log's rate]
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(50..=1000))]
     control_rate: Option<u32>,
     /// Collective command at hover, 0..1 [default: the model's]
-    #[arg(long, value_name = "C")]
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
     throttle: Option<f64>,
     /// Standard deviations of attitude and gyro [default: the model's]
     #[arg(long, value_name = "ANGLE_RAD,RATE_RAD_S")]
@@ -46,9 +47,26 @@ pub struct SynthArguments {
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
+    /// Write what the log is like as JSON
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
     /// The log to write
     #[arg(value_name = "OUT.csv")]
     out: PathBuf,
+}
+
+#[derive(Serialize)]
+struct SynthJson {
+    log: LogJson,
+}
+
+/// As in the JSON of `sil diagnose`.
+#[derive(Serialize)]
+struct LogJson {
+    path: String,
+    rows: usize,
+    duration_s: f64,
+    rate_hz: f64,
 }
 
 pub fn run(arguments: &SynthArguments) -> Result<(), Failure> {
@@ -59,7 +77,10 @@ pub fn run(arguments: &SynthArguments) -> Result<(), Failure> {
         model.effects.push(effect);
     }
     let mut choice = ControllerChoice::from_argument(&arguments.controller).map_err(bad_input)?;
-    choice.rate_hz = arguments.control_rate.unwrap_or(choice.rate_hz.max(arguments.rate));
+    let named = matches!(arguments.controller.as_str(), "pid" | "mpc");
+    // a file says at what rate its controller flew; a name does not
+    let usual_hz = if named { choice.rate_hz.max(arguments.rate) } else { choice.rate_hz };
+    choice.rate_hz = arguments.control_rate.unwrap_or(usual_hz);
     check(arguments, choice.rate_hz)?;
     let noise = arguments.noise.as_deref().map(|text| noise(text, &model.noise)).transpose()?;
     let setup = SynthesisSetup {
@@ -71,14 +92,14 @@ pub fn run(arguments: &SynthArguments) -> Result<(), Failure> {
         noise,
         seed: arguments.seed,
     };
-    let log = synthesise(&setup).map_err(bad_input)?;
+    let log =
+        synthesise(&setup).map_err(|error| bad_input(format!("--controller {}: {error}", arguments.controller)))?;
     make_folder(&arguments.out)?;
     sil_host::log::write_file(&log, &arguments.out).map_err(failed)?;
-    for comment in &log.comments {
-        println!("{comment}");
-    }
-    println!("log     {} ({} rows)", arguments.out.display(), log.rows());
-    Ok(())
+    let path = arguments.out.display().to_string();
+    print(format!("{}\nlog     {path} ({} rows)\n", log.comments.join("\n"), log.rows()))?;
+    let log = LogJson { path, rows: log.rows(), duration_s: log.duration_s(), rate_hz: log.rate_hz() };
+    write_json(arguments.json.as_deref(), &SynthJson { log })
 }
 
 fn check(arguments: &SynthArguments, control_rate_hz: u32) -> Result<(), Failure> {
@@ -100,7 +121,7 @@ fn check(arguments: &SynthArguments, control_rate_hz: u32) -> Result<(), Failure
 }
 
 fn noise(text: &str, model: &SensorNoise) -> Result<SensorNoise, Failure> {
-    let problem = || bad_input(format!("--noise {text}: expected two numbers of zero or more, ANGLE_RAD,RATE_RAD_S"));
+    let problem = || bad_input(format!("--noise {text}: expected two numbers from 0 to below 1, ANGLE_RAD,RATE_RAD_S"));
     let (angle, rate) = text.split_once(',').ok_or_else(problem)?;
     let parse =
         |part: &str| part.trim().parse::<f64>().ok().filter(|value| (0.0..1.0).contains(value)).ok_or_else(problem);

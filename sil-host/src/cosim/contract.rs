@@ -1,7 +1,7 @@
 //! The contract between the continuous-time and the discrete-event side (thesis section 4.2): shared design parameters,
 //! monitored and controlled variables, events. Nothing else passes between plant and controller.
 
-use shared_control::signals::{ArmingRequest, ImuBatch, Setpoint};
+use shared_control::signals::{ArmingRequest, IMU_SAMPLES_MAX, ImuBatch, Setpoint};
 
 use crate::cosim::clock::Clock;
 use crate::scenario::{Scenario, Waypoint};
@@ -25,9 +25,9 @@ pub struct DesignParameters {
 
 impl DesignParameters {
     /// The IMU runs at the smallest multiple of the control rate that reaches 1 kHz, so that each step has a sample
-    /// taken at its very instant and none waits.
+    /// taken at its very instant and none waits; at less where a step's batch would not hold them. A control rate of zero is the configuration's to refuse.
     pub fn new(gravity_m_s2: f64, base_command: f64, control_rate_hz: u32) -> Self {
-        let samples_per_step = 1000u32.div_ceil(control_rate_hz);
+        let samples_per_step = 1000u32.div_ceil(control_rate_hz.max(1)).min(IMU_SAMPLES_MAX as u32);
         Self { gravity_m_s2, base_command, control_rate_hz, imu_rate_hz: control_rate_hz * samples_per_step }
     }
 
@@ -92,5 +92,6 @@ pub fn events_at(scenario: &Scenario, parameters: &DesignParameters, time_us: u6
 
 /// Time since the rig let go, s; negative while it holds.
 pub fn flight_time_s(time_us: u64) -> f64 {
-    (time_us as f64 - HELD_US as f64) * 1e-6
+    // divided, not multiplied by 1e-6: 1.1 s is then 1.1 s, and a step asked for at that time is not late
+    (time_us as f64 - HELD_US as f64) / 1e6
 }

@@ -8,6 +8,7 @@ use crate::cosim::contract::{Events, Monitored};
 use crate::planner::Planner;
 
 /// Core, state and planner of one flight.
+#[derive(Clone)]
 pub struct ControlSide {
     config: Config,
     state: State,

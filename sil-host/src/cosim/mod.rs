@@ -57,7 +57,7 @@ pub fn fly(
                 plant.set_disturbance_torque_body_nm(torque_body_nm);
             }
             last_sample = sensors.imu(plant, now_us);
-            // a full batch keeps the oldest; the clocks are such that it never fills
+            // the contract's rates are such that a batch never overflows
             let _ = monitored.imu.push(last_sample);
         }
         // DE: one step of the controller
@@ -69,6 +69,7 @@ pub fn fly(
                 plant.set_commands(controlled.motors);
                 let row = Row { now_us, plant, sensors, control, events: &events, last_sample, controlled, plan };
                 if !row.append(&mut record, &output) {
+                    record.ended_early = true;
                     return record;
                 }
             }

@@ -29,6 +29,8 @@ pub struct FlightRecord {
     pub torque_body_nm: Vec<[f64; 3]>,
     /// Who made the torque.
     pub source: Vec<TorqueSource>,
+    /// True if the flight ended because the plant's state was no longer finite.
+    pub ended_early: bool,
     /// What the planner did, where there is one.
     pub planning: Planning,
 }

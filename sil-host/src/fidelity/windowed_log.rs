@@ -100,7 +100,7 @@ impl<'a> WindowedLog<'a> {
         acceleration_per_command: impl Fn() -> [[f64; 4]; 3],
     ) -> (Vec<Residual>, bool) {
         let held = self.residuals(vehicle);
-        let steps_per_row = control_rate_hz.unwrap_or(USUAL_CONTROL_RATE_HZ) * self.log.median_step_s();
+        let steps_per_row = control_rate_hz.unwrap_or(USUAL_CONTROL_RATE_HZ) * self.log.mean_regular_step_s();
         // a rate that is the log's but for rounding misses nothing
         if steps_per_row < 1.01 {
             return (held, false);

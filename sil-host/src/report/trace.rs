@@ -63,6 +63,7 @@ fn strokes(samples: &[(f64, f64)], interpolation: Interpolation, x: &Axis, y: &A
     let mut strokes = vec![Vec::new()];
     let mut column: Vec<GridPoint> = Vec::new();
     let mut gap = false;
+    let mut broken_column = None;
     for &(time, value) in samples {
         if !(is_plottable(time) && is_plottable(value)) {
             gap = true;
@@ -70,11 +71,15 @@ fn strokes(samples: &[(f64, f64)], interpolation: Interpolation, x: &Axis, y: &A
         }
         let point = grid_point(x.fraction(time), y.fraction(value));
         let previous = column.last().copied();
-        if previous.is_some_and(|previous| column_of(previous) != column_of(point)) {
+        let same_column = previous.is_some_and(|previous| column_of(previous) == column_of(point));
+        // a column is broken once at most, or a dense series with many gaps would keep all its points
+        let broken = gap && !(same_column && broken_column == Some(column_of(point)));
+        if broken || !same_column {
             append_column(&mut strokes, &mut column);
-            if gap {
-                strokes.push(Vec::new());
-            }
+        }
+        if broken {
+            strokes.push(Vec::new());
+            broken_column = Some(column_of(point));
         }
         if let (Some((_, held_y)), Interpolation::Hold) = (previous, interpolation)
             && !gap
@@ -85,6 +90,7 @@ fn strokes(samples: &[(f64, f64)], interpolation: Interpolation, x: &Axis, y: &A
         gap = false;
     }
     append_column(&mut strokes, &mut column);
+    strokes.retain(|stroke| !stroke.is_empty());
     strokes
 }
 
@@ -197,7 +203,8 @@ mod tests {
         let samples: Vec<_> =
             (0..200_000).map(|index| (f64::from(index) / 2e5, if index % 2 == 0 { f64::NAN } else { 0.5 })).collect();
         let points: usize = linear_strokes(&samples).iter().map(Vec::len).sum();
-        assert!(points <= 4 * (COLUMNS as usize + 1), "{points}");
+        // each column's four points, twice for the one break in it
+        assert!(points <= 8 * (COLUMNS as usize + 1), "{points}");
     }
 
     proptest! {

@@ -37,6 +37,9 @@ pub struct DevicePropulsion {
     pub drag_nm_s2: f64,
 }
 
+/// Shortest electrical time constant that is simulated, s; a shorter one would only cost steps.
+const WINDING_TIME_MIN_S: f64 = 2e-5;
+
 /// The static map of the speed controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Esc {
@@ -138,6 +141,13 @@ impl DevicePropulsion {
         esc.finish()?;
         motor.finish()?;
         rotor.finish()?;
+        // the integration step follows the winding; real ones have 1e-4 to 1e-3 s
+        if device.inductance_h / device.resistance_ohm < WINDING_TIME_MIN_S {
+            return Err(motor.impossible(format!(
+                "the winding's time constant inductance_h / resistance_ohm is {:.1e} s: expected at least {WINDING_TIME_MIN_S} s",
+                device.inductance_h / device.resistance_ohm
+            )));
+        }
         Ok(device)
     }
 

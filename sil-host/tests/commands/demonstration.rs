@@ -1,0 +1,36 @@
+//! `sil` without arguments.
+
+use crate::sil::{Folder, Outcome};
+
+#[test]
+fn it_writes_a_report_says_where_and_opens_nothing() {
+    let folder = Folder::new();
+    let outcome = folder.sil(&[]).assert_done();
+    let report = folder.path("out/report.html").canonicalize().unwrap();
+    assert!(outcome.stdout.contains(&format!("report  {}\n", report.display())), "{outcome:?}");
+    assert!(!outcome.stdout.contains("opening"), "{outcome:?}");
+    for told in ["pid roll", "mpc pitch", "SYNTHETIC", "closed loop, mean |simulated - measured|", "open-loop replay"] {
+        assert!(outcome.stdout.contains(told), "no \"{told}\" in {outcome:?}");
+    }
+    let page = String::from_utf8(folder.bytes("out/report.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
+    assert!(page.contains("<svg"));
+    // nothing else is left behind
+    let names = |path: &str| std::fs::read_dir(folder.path(path)).unwrap().map(|entry| entry.unwrap().file_name());
+    assert_eq!(names("").collect::<Vec<_>>(), ["out"]);
+    assert_eq!(names("out").collect::<Vec<_>>(), ["report.html"]);
+}
+
+/// Output into a pipe: nobody is looking, even where there is a screen. The report is the same at every run.
+#[test]
+fn a_screen_alone_opens_nothing() {
+    let folder = Folder::new();
+    let run = || {
+        let mut command = folder.command(&[]);
+        command.env("DISPLAY", ":0");
+        let outcome = Outcome::of(&[], command).assert_done();
+        assert!(!outcome.stdout.contains("opening"), "{outcome:?}");
+        folder.bytes("out/report.html")
+    };
+    assert!(run() == run());
+}

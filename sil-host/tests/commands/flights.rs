@@ -1,0 +1,65 @@
+//! What `sil fly` leaves behind: the same bytes for the same seed, one log per controller, a report without figures
+//! that differ from run to run.
+
+use crate::sil::Folder;
+
+#[test]
+fn the_same_seed_gives_the_same_bytes() {
+    let folder = Folder::new();
+    let fly = |seed: &str, log: &str, report: &str| {
+        let arguments = ["fly", "--controller", "both", "--seed", seed, "--log", log, "--report", report];
+        let outcome = folder.sil(&arguments).assert_done();
+        for line in [format!("log     {}", log.replace(".csv", "-pid.csv")), format!("report  {report}")] {
+            assert!(outcome.stdout.lines().any(|printed| printed == line), "no \"{line}\" in {outcome:?}");
+        }
+    };
+    fly("5", "once/log.csv", "once/report.html");
+    fly("5", "twice/log.csv", "twice/report.html");
+    fly("6", "other/log.csv", "other/report.html");
+    for file in ["log-pid.csv", "log-mpc.csv", "report.html"] {
+        let bytes = |run: &str| folder.bytes(&format!("{run}/{file}"));
+        assert!(bytes("once") == bytes("twice"), "{file} differs from run to run");
+        assert!(bytes("once") != bytes("other"), "{file} does not depend on the seed");
+    }
+    assert!(!folder.path("once/log.csv").exists());
+    let report = String::from_utf8(folder.bytes("once/report.html")).unwrap();
+    assert!(report.contains("--seed 5") && !report.contains("times real time"));
+}
+
+#[test]
+fn a_single_controller_writes_the_very_file() {
+    let folder = Folder::new();
+    folder.write("short.toml", "duration_s = 1.0\n[[step]]\nat_s = 0.2\nroll_deg = 10\n");
+    let fly = |controller, log| {
+        folder.sil(&["fly", "--script", "short.toml", "--controller", controller, "--log", log]).assert_done()
+    };
+    fly("pid", "log.csv");
+    assert!(String::from_utf8(folder.bytes("log.csv")).unwrap().starts_with("# SYNTHETIC"));
+    // both endings of a compressed log stay where they belong
+    fly("both", "packed.v2.csv.gz");
+    for file in ["packed.v2-pid.csv.gz", "packed.v2-mpc.csv.gz"] {
+        assert_eq!(folder.bytes(file)[..2], [0x1f, 0x8b], "{file}");
+    }
+}
+
+/// The report names the command that repeats its run.
+#[test]
+fn the_command_in_a_report_makes_the_same_report() {
+    let folder = Folder::new();
+    let first = ["fly", "--controller", "mpc", "--rig", "free", "--rate", "100", "--control-horizon", "1"];
+    folder.sil(&[&first[..], &["--report", "first.html"]].concat()).assert_done();
+    let page = String::from_utf8(folder.bytes("first.html")).unwrap();
+    let start = page.find("sil fly --controller").unwrap();
+    let command: Vec<&str> = page[start..].split('<').next().unwrap().split_whitespace().skip(1).collect();
+    folder.sil(&[&command[..], &["--report", "second.html"]].concat()).assert_done();
+    assert!(folder.bytes("first.html") == folder.bytes("second.html"), "sil {}", command.join(" "));
+}
+
+/// How fast is the machine's affair; that it is said is the command's.
+#[test]
+fn the_speed_of_the_simulation_is_printed() {
+    let folder = Folder::new();
+    let outcome = folder.sil(&["fly", "--controller", "pid"]).assert_done();
+    let line = outcome.stdout.lines().find(|line| line.starts_with("simulated, times real time")).unwrap();
+    assert!(line.split_whitespace().last().unwrap().parse::<f64>().unwrap() > 0.0, "{line}");
+}

@@ -1,0 +1,99 @@
+//! The logs that the commands write are read back by the commands, and hold what they should.
+
+use crate::sil::{Folder, RIG_LOG};
+
+/// Held against the model and the controller that made it, a log misses by its noise only: the deviation of the closed
+/// loop is that of the estimator with and without noise (CLI: a nominal log), the replay's error is the noise floor's
+/// but for the share that a finite log leaves to chance, 30 % either way.
+fn assert_nominal(folder: &Folder, log: &str, controller: &str) {
+    folder.sil(&["compare", log, "--controller", controller, "--json", "out.json"]).assert_done();
+    let json = folder.json("out.json");
+    for axis in ["roll", "pitch"] {
+        let deviation_deg = json["closed_loop"][format!("{axis}_mean_abs_deg")].as_f64().unwrap();
+        assert!(deviation_deg < 0.3, "{log}, {axis}: {deviation_deg} deg");
+        let error = |which: &str| json["prediction_error"][which][format!("{axis}_deg")].as_f64().unwrap();
+        let ratio = error("nominal") / error("noise_floor");
+        assert!((0.7..1.3).contains(&ratio), "{log}, {axis}: {ratio} of the noise floor");
+    }
+}
+
+#[test]
+fn of_fly() {
+    let folder = Folder::new();
+    folder.sil(&["fly", "--seed", "3", "--log", "log.csv"]).assert_done();
+    assert_nominal(&folder, "log-pid.csv", "pid");
+    assert_nominal(&folder, "log-mpc.csv", "mpc");
+}
+
+#[test]
+fn of_synth() {
+    let folder = Folder::new();
+    folder.write("slow.toml", "controller = \"mpc\"\nrate_hz = 100\n");
+    for (arguments, log, controller) in [
+        (&["--rate", "200"][..], "plain.csv", "pid"),
+        (&["--rate", "400", "--throttle", "0.42", "--seed", "1"], "packed.csv.gz", "pid"),
+        (&["--rate", "100", "--control-rate", "100", "--controller", "mpc"], "mpc.csv", "slow.toml"),
+    ] {
+        folder.sil(&[&["synth"], arguments, &[log]].concat()).assert_done();
+        assert_nominal(&folder, log, controller);
+    }
+}
+
+#[test]
+fn of_synth_are_the_same_bytes_for_the_same_seed() {
+    let folder = Folder::new();
+    for (seed, log) in [("1", "a.csv"), ("1", "b.csv"), ("2", "c.csv")] {
+        folder.sil(&["synth", "--duration", "3", "--seed", seed, log]).assert_done();
+    }
+    assert!(folder.bytes("a.csv") == folder.bytes("b.csv"));
+    assert!(folder.bytes("a.csv") != folder.bytes("c.csv"));
+}
+
+/// The thesis' figure 5.3: an off-balance ring spoils pitch and leaves roll alone.
+#[test]
+fn of_an_off_balance_ring_deviate_in_pitch() {
+    let folder = Folder::new();
+    let effect = "cg_offset:axis=pitch,cos_moment_nm=0.1";
+    folder.sil(&["synth", "--controller", "mpc", "--effect", effect, "log.csv"]).assert_done();
+    folder.sil(&["compare", "log.csv", "--controller", "mpc", "--json", "out.json"]).assert_done();
+    let deviation = |axis: &str| folder.json("out.json")["closed_loop"][axis].as_f64().unwrap();
+    assert!(deviation("roll_mean_abs_deg") < 0.3);
+    assert!(deviation("pitch_mean_abs_deg") > 1.0, "{}", deviation("pitch_mean_abs_deg"));
+}
+
+/// The arguments that made the bundled log.
+const RIG_LOG_ARGUMENTS: [&str; 11] = [
+    "synth",
+    "--effect",
+    "cg_offset:axis=pitch,cos_moment_nm=0.2",
+    "--rate",
+    "100",
+    "--control-rate",
+    "100",
+    "--controller",
+    concat!(env!("CARGO_MANIFEST_DIR"), "/demonstration/thesis-mpc.toml"),
+    "--seed",
+    "5",
+];
+
+/// Values are compared, not bytes: what is written is rounded to 1e-6, and a platform's last bit may turn a digit.
+#[test]
+fn the_bundled_log_is_what_synth_writes_now() {
+    let folder = Folder::new();
+    folder.sil(&[&RIG_LOG_ARGUMENTS[..], &["log.csv"]].concat()).assert_done();
+    let again = "the bundled log is out of date; make it again at the workspace's root with\n    \
+        cargo run --release -- synth --effect \"cg_offset:axis=pitch,cos_moment_nm=0.2\" --rate 100 --control-rate 100 \
+        --controller sil-host/demonstration/thesis-mpc.toml --seed 5 sil-host/demonstration/rig-log.csv\n";
+    let written = String::from_utf8(folder.bytes("log.csv")).unwrap();
+    assert_eq!(written.lines().count(), RIG_LOG.lines().count(), "{again}");
+    for (line, (new, bundled)) in (1..).zip(written.lines().zip(RIG_LOG.lines())) {
+        let numbers = |text: &str| text.split(',').map(|field| field.parse::<f64>().ok()).collect::<Option<Vec<_>>>();
+        match (numbers(new), numbers(bundled)) {
+            (Some(new), Some(bundled)) => {
+                let same = new.len() == bundled.len() && new.iter().zip(&bundled).all(|(a, b)| (a - b).abs() < 1.5e-6);
+                assert!(same, "{again}line {line}: {bundled:?} is bundled, {new:?} is written");
+            }
+            _ => assert_eq!(new, bundled, "{again}line {line}"),
+        }
+    }
+}

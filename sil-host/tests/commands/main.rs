@@ -1,0 +1,11 @@
+//! The commands as a person runs them: the binary `sil` in an empty folder, judged by exit status, stdout, stderr and
+//! the files it leaves (spec CLI.md). Beside them the library on damaged logs and models, in large numbers.
+
+mod bad_files;
+mod damage;
+mod demonstration;
+mod flights;
+mod json;
+mod logs;
+mod sil;
+mod usage;

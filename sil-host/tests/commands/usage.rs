@@ -1,0 +1,169 @@
+//! The command line itself: help, values that no flight can have, outputs that can't be written.
+
+use std::process::Stdio;
+
+use crate::sil::{Folder, GIMBAL_MODEL, Outcome, RIG_LOG, instance_files};
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    let folder = Folder::new();
+    for command in ["", "fly", "compare", "synth", "bench-mpc"] {
+        let arguments: Vec<&str> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
+        let help = folder.sil(&arguments).assert_done().stdout;
+        let example = format!("Example: {}", format!("sil {command}").trim());
+        assert!(help.contains(&example), "no \"{example}\" in\n{help}");
+        assert!(command.is_empty() || help.contains("--json <"), "{help}");
+    }
+}
+
+/// The value of each row is impossible; the message names the flag and what it expected.
+#[test]
+fn impossible_values_are_refused() {
+    let folder = Folder::new();
+    let fly = ["fly", "--controller"];
+    for controller in ["pid", "mpc", "both"] {
+        for (flag, value, expected) in [
+            ("--rate", "3", "50..=1000"),
+            ("--rate", "fast", "invalid value 'fast'"),
+            ("--control-horizon", "0", "1..=30"),
+            ("--control-horizon", "31", "1..=30"),
+            ("--prediction-step", "nan", "expected 0.001 to 0.1 s"),
+            ("--prediction-step", "-1", "expected 0.001 to 0.1 s"),
+            ("--prediction-step", "0", "expected 0.001 to 0.1 s"),
+            ("--prediction-step", "1e9", "expected 0.001 to 0.1 s"),
+            ("--prediction-step", "inf", "expected 0.001 to 0.1 s"),
+            ("--horizon", "4", "expected 5 (the control horizon) to 30 steps"),
+            ("--horizon", "31", "expected 5 (the control horizon) to 30 steps"),
+            ("--seed", "x", "invalid value 'x'"),
+            ("--rig", "axis", "gimbal, free"),
+        ] {
+            folder.sil(&[&fly[..], &[controller, flag, value]].concat()).assert_refused(&[flag, expected]);
+        }
+    }
+    for (flag, value, expected) in [
+        ("--throttle", "2", "expected 0.05 to 0.95"),
+        ("--throttle", "-0.5", "expected 0.05 to 0.95"),
+        ("--throttle", "nan", "expected 0.05 to 0.95"),
+        ("--noise", "x", "expected two numbers"),
+        ("--noise", "0.1", "expected two numbers"),
+        ("--noise", "nan,nan", "expected two numbers"),
+        ("--noise", "0,-1", "expected two numbers"),
+        ("--duration", "0", "expected 1 to 3600 s"),
+        ("--duration", "-1", "expected 1 to 3600 s"),
+        ("--duration", "inf", "expected 1 to 3600 s"),
+        ("--rate", "5", "10..=1000"),
+        ("--rate", "401 --control-rate 400", "there are 400 a second"),
+        ("--control-rate", "3", "50..=1000"),
+    ] {
+        let value: Vec<&str> = value.split(' ').collect();
+        folder.sil(&[&["synth", flag][..], &value, &["out.csv"]].concat()).assert_refused(&[flag, expected]);
+    }
+    assert!(!folder.path("out.csv").exists());
+}
+
+#[test]
+fn unknown_effects_and_wrong_parameters_are_refused() {
+    let folder = Folder::new();
+    for (effect, expected) in [
+        ("", "expected \"cg_offset\""),
+        ("gremlins", "\"gremlins\": expected \"cg_offset\""),
+        ("cg_offset", "lacks `axis`: expected \"roll\" or \"pitch\""),
+        ("cg_offset:axis=yaw,cos_moment_nm=0.1", "\"yaw\": expected \"roll\" or \"pitch\""),
+        ("cg_offset:axis=pitch", "lacks `cos_moment_nm`: expected a moment in N m"),
+        ("cg_offset:axis=pitch,cos_moment_nm=x", "`cos_moment_nm`"),
+        ("cg_offset:axis=pitch,cos_moment_nm=nan", "`cos_moment_nm`"),
+        ("cg_offset:axis=pitch,cos_moment_nm=1e9", "is 1000000000: expected a moment in N m (-20.0 to 20.0)"),
+        ("cg_offset:axis=pitch,cos_moment_nm=0.1,colour=3", "`colour`"),
+        ("cg_offset:axis=pitch,cos_moment_nm", "expected key=value"),
+        ("cg_offset:axis=pitch,cos_moment_nm=1,cos_moment_nm=1", "duplicate key"),
+        ("cg_offset:axis=pitch,\"]=1", "not valid"),
+    ] {
+        folder.sil(&["synth", "--effect", effect, "out.csv"]).assert_refused(&["--effect", effect, expected]);
+    }
+    assert!(!folder.path("out.csv").exists());
+}
+
+#[test]
+fn arguments_that_contradict_each_other_are_refused() {
+    let folder = Folder::new();
+    folder.write("gimbal.toml", GIMBAL_MODEL);
+    folder.write("log.csv", RIG_LOG);
+    for arguments in [
+        &["fly", "--rig", "free", "--model", "gimbal.toml"][..],
+        &["compare", "log.csv", "--rig", "free", "--model", "gimbal.toml"],
+        &["synth", "--rig", "free", "--model", "gimbal.toml", "out.csv"],
+    ] {
+        folder.sil(arguments).assert_refused(&["gimbal.toml is a model for the rig gimbal, but --rig says free"]);
+    }
+    for extra in [["--model", "gimbal.toml"], ["--controller", "pid"]] {
+        folder
+            .sil(&[&["compare", "log.csv", "--rig", "axis"][..], &extra].concat())
+            .assert_refused(&["--rig axis knows no vehicle"]);
+    }
+    for arguments in [&["compare"][..], &["synth"], &["bench-mpc"], &["hover"], &["fly", "--fast"]] {
+        folder.sil(arguments).assert_refused(&["--help"]);
+    }
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_a_failure_of_its_own() {
+    let folder = Folder::new();
+    let instances = instance_files().remove(0);
+    folder.write("file", "in the way");
+    folder.write("short.toml", "duration_s = 0.1\n");
+    folder.write("log.csv", RIG_LOG);
+    std::fs::create_dir(folder.path("folder")).unwrap();
+    for out in ["folder", "file/out"] {
+        for arguments in [
+            &["fly", "--controller", "pid", "--script", "short.toml", "--log", out][..],
+            &["fly", "--controller", "pid", "--script", "short.toml", "--report", out],
+            &["fly", "--controller", "pid", "--script", "short.toml", "--json", out],
+            &["synth", "--duration", "1", out],
+            &["synth", "--duration", "1", "out.csv", "--json", out],
+            &["compare", "log.csv", "--report", out],
+            &["compare", "log.csv", "--json", out],
+            &["bench-mpc", &instances, "--json", out],
+        ] {
+            folder.sil(arguments).assert_failed(&[out.split('/').next().unwrap()]);
+        }
+    }
+    assert_eq!(folder.bytes("file"), b"in the way");
+    let folder = Folder::new();
+    folder.write("out", "a file where the demonstration wants its folder");
+    folder.sil(&[]).assert_failed(&["out: cannot be made"]);
+}
+
+/// `sil fly | head` ends without a word, and the files are written all the same.
+#[test]
+fn a_reader_that_has_seen_enough_is_no_failure() {
+    let folder = Folder::new();
+    let mut run = folder
+        .command(&["fly", "--controller", "pid", "--json", "out.json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(run.stdout.take());
+    let output = run.wait_with_output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(folder.json("out.json")["runs"].is_array());
+}
+
+/// A full disk behind `sil fly > file`.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_takes_nothing_is_a_failure_of_its_own() {
+    let folder = Folder::new();
+    let arguments = ["fly", "--controller", "pid"];
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut command = folder.command(&arguments);
+    let output = command.stdout(full).stderr(Stdio::piped()).spawn().unwrap().wait_with_output().unwrap();
+    let outcome = Outcome {
+        arguments: arguments.join(" "),
+        status: output.status.code(),
+        stdout: String::new(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    };
+    outcome.assert_failed(&["the output: cannot be written"]);
+}
