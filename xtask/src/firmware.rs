@@ -28,10 +28,15 @@ impl<'a> Target<'a> {
     /// Builds the image, checks it, prints its place and size; returns its place.
     pub(crate) fn build_image(&self) -> Result<PathBuf> {
         self.build("firmware")?;
-        let image = self.workspace.target_dir.join(TRIPLE).join("release/firmware");
+        let image = self.image();
         let size = image::check(&image)?;
         println!("{}: {size}", image.display());
         Ok(image)
+    }
+
+    /// Where [`Self::build_image`] leaves it.
+    pub(crate) fn image(&self) -> PathBuf {
+        self.workspace.target_dir.join(TRIPLE).join("release/firmware")
     }
 
     /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its dependencies.

@@ -1,5 +1,6 @@
 //! `cargo xtask`: what CI runs, and what a developer would otherwise type by hand.
 
+mod board;
 mod ci;
 mod firmware;
 mod image;
@@ -35,6 +36,8 @@ enum Task {
     CoreTarget,
     /// Lint the firmware and the control core as compiled for the flight controller
     ClippyTarget,
+    /// Fly the firmware image on the emulated board (needs cmake, libclang and a C compiler)
+    BoardTest,
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
     /// Run all that CI runs, in its order
@@ -58,6 +61,7 @@ fn run(task: &Task) -> Result<()> {
         Task::Px4 => px4::run(&workspace),
         Task::CoreTarget => Target::find(&workspace)?.build_core(),
         Task::ClippyTarget => Target::find(&workspace)?.clippy(),
+        Task::BoardTest => board::run(&workspace),
         Task::Tidy => tidy::run(&workspace),
         Task::Ci => ci::run(&workspace),
     }

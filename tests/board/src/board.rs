@@ -307,6 +307,12 @@ impl Board {
         exceptions.set_line(38, self.usart2.interrupt());
     }
 
+    /// The supply of chip and board.
+    pub(crate) fn set_supply_v(&mut self, supply_v: f32) {
+        self.pwr.set_supply_v(supply_v);
+        self.refresh_lines();
+    }
+
     /// TELEM1's other end sends.
     pub(crate) fn telem1_sends(&mut self, bytes: &[u8]) {
         if self.ports[D].alternate_function(6) == Some(7) {

@@ -335,6 +335,11 @@ impl Machine {
         self.board.borrow_mut().telem1_sends(bytes);
     }
 
+    /// The chip's supply from now on, V.
+    pub fn set_supply_v(&mut self, supply_v: f32) {
+        self.board.borrow_mut().set_supply_v(supply_v);
+    }
+
     /// What came out of TELEM1 since the last call.
     pub fn telem1_receive(&mut self) -> Vec<u8> {
         self.board.borrow_mut().telem1_received()

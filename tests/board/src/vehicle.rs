@@ -26,13 +26,14 @@ pub struct Vehicle {
     moved_to: Ticks,
     held: bool,
     commands: [f64; 4],
+    last_pulse_end: Ticks,
 }
 
 impl Vehicle {
     /// Held at rest, with the model's sensor noise.
     pub fn new(model: &VehicleModel, seed: u64) -> Rc<RefCell<Self>> {
         let (plant, sensors) = (Plant::new(model), Sensors::new(&model.noise, seed));
-        Rc::new(RefCell::new(Self { plant, sensors, moved_to: 0, held: true, commands: [0.0; 4] }))
+        Rc::new(RefCell::new(Self { plant, sensors, moved_to: 0, held: true, commands: [0.0; 4], last_pulse_end: 0 }))
     }
 
     /// Lets it go, the motors settled at what the ESCs were told last.
@@ -51,6 +52,11 @@ impl Vehicle {
     /// What the ESCs were told last, motors 1 to 4, 0..1.
     pub fn commands(&self) -> [f64; 4] {
         self.commands
+    }
+
+    /// End of the last pulse on any motor output.
+    pub fn last_pulse_end(&self) -> Ticks {
+        self.last_pulse_end
     }
 
     fn move_to(&mut self, now: Ticks) {
@@ -80,6 +86,7 @@ impl World for Surroundings {
         vehicle.move_to(end);
         let width_us = pulse.width as f64 / TICKS_PER_US as f64;
         vehicle.commands[motor] = ((width_us - PULSE_MIN_US) / PULSE_SPAN_US).clamp(0.0, 1.0);
+        vehicle.last_pulse_end = end;
         let commands = vehicle.commands;
         vehicle.plant.set_commands(commands);
     }
