@@ -68,7 +68,7 @@ const BX_LR: u16 = 0x4770;
 /// Marks in the order in which the program made them.
 fn run() -> (Vec<u8>, [u32; 2]) {
     let mut program = Assembler::default();
-    let mut vectors = vec![0; TABLE_BYTES / 4];
+    let mut vectors = [0; TABLE_BYTES / 4];
     vectors[0] = 0x2003_0000;
     // interrupt 0, low: pends 1, which is above it, and PendSV, which is below; spoils s0; r6 survives as it is not stacked
     vectors[16] = program.here() | 1;
