@@ -149,15 +149,6 @@ impl FlightSetup {
 
     fn summarise(&self, record: &FlightRecord, computing_s: f64) -> RunSummary {
         let axis = |axis| metrics::axis_metrics(&record.time_s, &record.reference_of(axis), &record.angle_of(axis));
-        let mpc = MpcSummary {
-            horizon: self.tuning().mpc_horizon,
-            control_horizon: self.choice.control_horizon,
-            // f32 to its shortest decimal, so that 0.01 is written as 0.01
-            prediction_step_s: self.tuning().mpc_prediction_step_s.to_string().parse().unwrap_or(f64::NAN),
-            iterations_max: record.planning.iterations_max,
-            fallbacks: record.planning.fallbacks,
-            unsolved: record.planning.unsolved,
-        };
         // a flight whose state left the numbers ends early
         let steps = record.len() as f64 / f64::from(self.choice.rate_hz);
         let duration_s = if record.ended_early { steps } else { self.scenario.duration_s };
@@ -172,7 +163,20 @@ impl FlightSetup {
             effort: metrics::effort(&record.commands, self.model.base_command),
             saturated_pct: metrics::saturated_pct(&record.commands),
             real_time_factor: duration_s / computing_s,
-            mpc: (self.choice.controller == Controller::Mpc).then_some(mpc),
+            mpc: (self.choice.controller == Controller::Mpc).then(|| self.mpc_summary(record)),
+        }
+    }
+
+    fn mpc_summary(&self, record: &FlightRecord) -> MpcSummary {
+        let tuning = self.tuning();
+        MpcSummary {
+            horizon: tuning.mpc_horizon,
+            control_horizon: self.choice.control_horizon,
+            // f32 to its shortest decimal, so that 0.01 is written as 0.01
+            prediction_step_s: tuning.mpc_prediction_step_s.to_string().parse().unwrap_or(f64::NAN),
+            iterations_max: record.planning.iterations_max,
+            fallbacks: record.planning.fallbacks,
+            unsolved: record.planning.unsolved,
         }
     }
 
