@@ -1,0 +1,97 @@
+//! One bounded input over a horizon: the linear-quadratic problem of one axis, solved exactly by its structure.
+//!
+//! ```text
+//! minimise    sum over k of tracking(x_(k+1)) + rho (u_k - u_(k-1))^2,   k = 0 .. M
+//! subject to  x_(k+1) = the model's step from x_k with u_k,   |u_k| <= 1
+//! ```
+//!
+//! and the last input is held to the horizon's end. Everything is in units in which the bound is 1.
+//!
+//! Method: for a guess of which inputs are held at a bound, and at which, dynamic programming from the last stage to the
+//! first gives each input as an affine function of state and previous input (a sweep). Following these laws from the
+//! present state, and cutting each input at its bounds on the way, gives the next guess (a roll-out). When the guess
+//! comes out as it went in, nothing was cut that was not held and nothing held wants to leave its bound: the conditions
+//! of Karush, Kuhn and Tucker, which are sufficient here. Any number of inputs changes at once, as in the primal-dual
+//! active-set method (Hintermueller, Ito and Kunisch, *The primal-dual active set strategy as a semismooth Newton
+//! method*, SIAM J. Optim. 13, 2002), whose guess is made without the cut; cutting (Tassa, Mansard and Todorov,
+//! *Control-limited differential dynamic programming*, ICRA 2014) halves the number of passes here (docs/solver.md).
+//!
+//! A sweep begins at the last stage that changed, since costs ahead depend on later stages only; and after the last held
+//! stage the laws are those without bounds, made at start-up.
+
+mod model;
+mod quadratic;
+mod solve;
+
+pub(super) use model::{DoubleIntegrator, Model};
+use quadratic::Law;
+pub(super) use quadratic::Quadratic;
+pub(super) use solve::Outcome;
+
+/// What a guess says of one input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Held {
+    /// Inside its bounds.
+    Free,
+    /// At +1.
+    High,
+    /// At -1.
+    Low,
+}
+
+impl Held {
+    /// The bound.
+    #[inline(always)]
+    fn input(self) -> Option<f32> {
+        match self {
+            Self::Free => None,
+            Self::High => Some(1.0),
+            Self::Low => Some(-1.0),
+        }
+    }
+}
+
+/// One stage when all later inputs, and its own, are free.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct FreeStage<const S: usize> {
+    law: Law<S>,
+    /// The cost ahead of it, in its state and input.
+    ahead: Quadratic<S>,
+    /// If the products of |state| and |previous input| with these sum to at most 1, no input from here on reaches a bound.
+    reach_state: [f32; S],
+    reach_previous: f32,
+}
+
+/// One stage under the present guess.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stage<const S: usize> {
+    held: Held,
+    law: Law<S>,
+    ahead: Quadratic<S>,
+}
+
+/// A prepared problem with room for M inputs.
+#[derive(Clone, Debug)]
+pub(super) struct BoundedLq<D, const S: usize, const M: usize> {
+    model: D,
+    increment_weight: f32,
+    control_horizon: usize,
+    free: [FreeStage<S>; M],
+}
+
+/// The guess, with what was computed from it: the warm start of the next solve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Guess<const S: usize, const M: usize> {
+    /// Free from `held_count` on, where laws and costs are those of [`FreeStage`].
+    stages: [Stage<S>; M],
+    held_count: usize,
+}
+
+impl<const S: usize, const M: usize> Guess<S, M> {
+    /// Everything free.
+    pub(super) const fn new() -> Self {
+        let law = Law { state: [0.0; S], previous: 0.0, offset: 0.0 };
+        let stage = Stage { held: Held::Free, law, ahead: Quadratic::ZERO };
+        Self { stages: [stage; M], held_count: 0 }
+    }
+}
