@@ -4,6 +4,7 @@
 //! peripherals and the sensors around it. A [`World`] is what the sensors measure and the motor outputs drive.
 //! README.md lists what is modelled, what is simplified, and what is not there.
 
+mod bench;
 mod board;
 mod cortex;
 mod cpu;
@@ -16,12 +17,13 @@ mod stop;
 pub mod time;
 mod trace;
 mod vehicle;
+mod world;
 
-pub use board::World;
-pub use devices::mpu6000::Counts;
+pub use devices::Counts;
 pub use image::{Image, ImageError};
 pub use machine::{Counters, Machine};
 pub use peripherals::timer::Pulse;
 pub use stop::{Cause, Stop};
 pub use trace::step_trace;
 pub use vehicle::{Surroundings, Vehicle};
+pub use world::World;
