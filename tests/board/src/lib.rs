@@ -13,13 +13,14 @@ mod image;
 mod machine;
 mod memory;
 mod peripherals;
+mod second_imu;
 mod stop;
 pub mod time;
 mod trace;
 mod vehicle;
 mod world;
 
-pub use devices::Counts;
+pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
 pub use image::{Image, ImageError};
 pub use machine::{Counters, Machine};
 pub use peripherals::timer::Pulse;

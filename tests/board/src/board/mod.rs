@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  PE3 --------> sensors <--- world: counts at each one's sample clock
-//!  PC2, 13, 15 -> select      `--- MPU6000: data-ready --> PD15 -> SYSCFG -> EXTI15_10 -> NVIC
+//!  PC2, 13, 15 -> select      `--- data-ready --> PD15, PB0, PB4 -> SYSCFG -> EXTI -> NVIC
 //!  SPI1 <------> sensors      DMA2 S0 <-- received    S5 --> to send
 //!  SPI2 <------> FRAM (PD10)
 //!  TIM3 -- trigger output (update) --> TIM1 --> PE14, 13, 11, 9 --> world: pulses
@@ -10,15 +10,21 @@
 //!  TIM5: time base            RCC: clocks of all of them
 //! ```
 //!
-//! `address_map` is what the core sees of it, `buses` what hangs on SPI1 and SPI2, `wiring` pins, DMA and interrupts.
+//! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults, `wiring`
+//! DMA requests and interrupt lines.
 
 mod address_map;
 mod buses;
+mod sensors;
 mod wiring;
 
 use crate::cortex::private_bus::PrivateBus;
 use crate::devices::fram::Fram;
+use crate::devices::l3gd20::{L3GD20, L3GD20H};
+use crate::devices::lsm303d::LSM303D;
 use crate::devices::mpu6000::Mpu6000;
+use crate::devices::st_sensor::StSensor;
+use crate::devices::{SecondGyro, SensorFault};
 use crate::memory::{self, Memory};
 use crate::peripherals::Peripheral;
 use crate::peripherals::dbgmcu::DbgMcu;
@@ -46,6 +52,8 @@ const B: usize = 1;
 const C: usize = 2;
 const D: usize = 3;
 const E: usize = 4;
+/// What is read of a data line that nobody drives.
+const FLOATING: u8 = 0xff;
 /// TELEM1's usual baud rate.
 const TELEM1_BAUD: u64 = 115_200;
 
@@ -70,6 +78,9 @@ pub(crate) struct Board {
     dbgmcu: DbgMcu,
     backup_ram: Vec<u8>,
     mpu6000: Mpu6000,
+    l3gd20: StSensor,
+    lsm303d: StSensor,
+    sensor_faults: [Option<SensorFault>; 3],
     pub(crate) fram: Fram,
     pub(crate) world: Box<dyn World>,
     /// Time and core cycles at the start of the slice.
@@ -84,6 +95,8 @@ impl Board {
         // power-on, brown-out and pin reset (section 6.3.21)
         let rcc = Rcc::new(1 << 27 | 1 << 26 | 1 << 25);
         let clocks = Clocks { core: 21, apb1: 21, apb2: 21, apb1_timers: 21, apb2_timers: 21 };
+        let gyro = if world.second_gyro() == Some(SecondGyro::L3gd20h) { &L3GD20H } else { &L3GD20 };
+        let second_imu = world.second_gyro().is_none().then_some(SensorFault::Removed(FLOATING));
         let mut board = Self {
             private: PrivateBus::new(0),
             rcc,
@@ -104,6 +117,9 @@ impl Board {
             dbgmcu: DbgMcu::default(),
             backup_ram: memory::noise(0x1000, seed ^ 0xbac),
             mpu6000: Mpu6000::default(),
+            l3gd20: StSensor::new(gyro),
+            lsm303d: StSensor::new(&LSM303D),
+            sensor_faults: [None, second_imu, second_imu],
             fram: Fram::default(),
             world,
             now: 0,
@@ -120,6 +136,9 @@ impl Board {
         let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), 0);
         std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
         std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
+        std::mem::swap(&mut fresh.l3gd20, &mut self.l3gd20);
+        std::mem::swap(&mut fresh.lsm303d, &mut self.lsm303d);
+        fresh.sensor_faults = self.sensor_faults;
         std::mem::swap(&mut fresh.fram, &mut self.fram);
         (fresh.now, fresh.cycles) = (self.now, self.cycles);
         fresh.rcc = Rcc::new(flags_so_far | flags);
@@ -146,7 +165,7 @@ impl Board {
         }
         self.tim5.tick(now);
         self.tick_motor_timers(now);
-        self.tick_imu(now);
+        self.tick_sensors(now);
         self.tick_spi1(now, memory);
         self.tick_spi2(now);
         self.tick_usart2(now, memory);
@@ -162,17 +181,11 @@ impl Board {
             self.spi2.next_event(),
             self.usart2.next_event(),
             self.mpu6000.next_event(),
+            self.l3gd20.next_event(),
+            self.lsm303d.next_event(),
             self.iwdg.next_event(),
         ];
         timers.chain(others.into_iter().flatten()).min()
-    }
-
-    fn tick_imu(&mut self, now: Ticks) {
-        while self.mpu6000.sample_due(now) {
-            let counts = self.world.imu(self.mpu6000.next_event().unwrap_or(now));
-            self.mpu6000.sample(counts);
-        }
-        self.mpu6000.tick(now);
     }
 
     fn tick_usart2(&mut self, now: Ticks, memory: &mut dyn Memory) {

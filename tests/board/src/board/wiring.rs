@@ -1,6 +1,6 @@
 //! Wires inside the chip and to its pins: timers to motors, DMA requests, interrupt lines.
 
-use super::{Board, D, E};
+use super::{Board, E};
 use crate::cortex::exceptions::interrupt_line;
 use crate::memory::{self, Memory};
 use crate::peripherals::Peripheral;
@@ -75,8 +75,8 @@ impl Board {
 
     /// Levels that follow from others: pins, EXTI lines, interrupt lines.
     pub(crate) fn refresh_lines(&mut self) {
-        self.refresh_devices();
-        self.ports[D].drive(15, self.mpu6000.interrupt_pin());
+        self.refresh_selects();
+        self.refresh_sensors();
         self.exti.set_levels(self.exti_levels());
         let lines = self.interrupt_lines();
         self.private.exceptions.set_lines(lines);
