@@ -21,6 +21,16 @@ impl Machine {
         self.board.borrow_mut().set_supply_v(supply_v);
     }
 
+    /// The battery's voltage from now on, V; 12.4 at first.
+    pub fn set_battery_v(&mut self, battery_v: f32) {
+        self.board.borrow_mut().set_battery_v(battery_v);
+    }
+
+    /// What the buzzer sounds at, Hz; none if it is silent.
+    pub fn buzzer_hz(&self) -> Option<f64> {
+        self.board.borrow().buzzer_hz()
+    }
+
     /// Lets a sensor fail, from now on and over resets.
     pub fn break_sensor(&mut self, sensor: Sensor, fault: SensorFault) {
         self.board.borrow_mut().set_sensor_fault(sensor, Some(fault));

@@ -1,5 +1,6 @@
 //! SPI1 and SPI2 with the devices on them: who is selected answers.
 
+use super::wiring::SPI1_DMA;
 use super::{A, B, Board, C, D, FLOATING};
 use crate::devices::Sensor;
 use crate::memory::Memory;
@@ -22,11 +23,11 @@ const FRAM: (usize, u32) = (D, 10);
 
 impl Board {
     pub(super) fn tick_spi1(&mut self, now: Ticks, memory: &mut dyn Memory) {
-        self.move_items(memory);
+        self.move_items(&SPI1_DMA, memory);
         while let Some(byte) = self.spi1.shifted_out(now) {
             let answer = self.exchange_on_spi1(byte, now);
             self.spi1.answer(answer);
-            self.move_items(memory);
+            self.move_items(&SPI1_DMA, memory);
         }
     }
 

@@ -7,16 +7,21 @@
 //!  SPI2 <------> FRAM (PD10)
 //!  TIM3 -- trigger output (update) --> TIM1 --> PE14, 13, 11, 9 --> world: pulses
 //!  USART2 <----> TELEM1       DMA1 S5 <-- received    S6 --> to send
-//!  TIM5: time base            RCC: clocks of all of them
+//!  PA2 (battery) -> ADC1      DMA2 S4 <-- conversions
+//!  PA15 (buzzer) <- TIM2      TIM5: time base      RCC: clocks of all of them
 //! ```
 //!
-//! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults, `wiring`
-//! DMA requests and interrupt lines.
+//! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults, `analog`
+//! battery and buzzer, `wiring` DMA requests and interrupt lines.
 
 mod address_map;
+mod analog;
 mod buses;
 mod sensors;
 mod wiring;
+
+use analog::USUAL_BATTERY_V;
+use wiring::USART2_DMA;
 
 use crate::cortex::private_bus::PrivateBus;
 use crate::devices::fram::Fram;
@@ -27,6 +32,7 @@ use crate::devices::st_sensor::StSensor;
 use crate::devices::{SecondGyro, SensorFault};
 use crate::memory::{self, Memory};
 use crate::peripherals::Peripheral;
+use crate::peripherals::adc::Adc;
 use crate::peripherals::dbgmcu::DbgMcu;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::exti::Exti;
@@ -70,7 +76,9 @@ pub(crate) struct Board {
     dma: [Dma; 2],
     spi1: Spi,
     spi2: Spi,
+    adc1: Adc,
     tim1: Timer,
+    tim2: Timer,
     tim3: Timer,
     tim5: Timer,
     usart2: Usart,
@@ -82,6 +90,7 @@ pub(crate) struct Board {
     lsm303d: StSensor,
     sensor_faults: [Option<SensorFault>; 3],
     pub(crate) fram: Fram,
+    battery_v: f32,
     pub(crate) world: Box<dyn World>,
     /// Time and core cycles at the start of the slice.
     pub(crate) now: Ticks,
@@ -109,7 +118,9 @@ impl Board {
             dma: Default::default(),
             spi1: Spi::default(),
             spi2: Spi::default(),
+            adc1: Adc::default(),
             tim1: Timer::advanced(),
+            tim2: Timer::general(u32::MAX),
             tim3: Timer::general(0xffff),
             tim5: Timer::general(u32::MAX),
             usart2: Usart::new(TELEM1_BAUD),
@@ -121,6 +132,7 @@ impl Board {
             lsm303d: StSensor::new(&LSM303D),
             sensor_faults: [None, second_imu, second_imu],
             fram: Fram::default(),
+            battery_v: USUAL_BATTERY_V,
             world,
             now: 0,
             cycles: 0,
@@ -139,6 +151,7 @@ impl Board {
         std::mem::swap(&mut fresh.l3gd20, &mut self.l3gd20);
         std::mem::swap(&mut fresh.lsm303d, &mut self.lsm303d);
         fresh.sensor_faults = self.sensor_faults;
+        fresh.battery_v = self.battery_v;
         std::mem::swap(&mut fresh.fram, &mut self.fram);
         (fresh.now, fresh.cycles) = (self.now, self.cycles);
         fresh.rcc = Rcc::new(flags_so_far | flags);
@@ -163,18 +176,21 @@ impl Board {
         if self.private.systick.tick(now, self.clocks.core) {
             self.private.exceptions.pend(crate::cortex::exceptions::SYS_TICK);
         }
+        self.tim2.tick(now);
         self.tim5.tick(now);
         self.tick_motor_timers(now);
         self.tick_sensors(now);
         self.tick_spi1(now, memory);
         self.tick_spi2(now);
         self.tick_usart2(now, memory);
+        self.tick_adc1(now, memory);
         self.refresh_lines();
     }
 
     /// When something will happen next without the core doing anything.
     pub(crate) fn next_event(&self) -> Option<Ticks> {
-        let timers = [&self.tim1, &self.tim3, &self.tim5].into_iter().filter_map(|timer| timer.next_event());
+        let timers =
+            [&self.tim1, &self.tim2, &self.tim3, &self.tim5].into_iter().filter_map(|timer| timer.next_event());
         let others = [
             self.private.systick.next_event(self.clocks.core),
             self.spi1.next_event(),
@@ -184,15 +200,16 @@ impl Board {
             self.l3gd20.next_event(),
             self.lsm303d.next_event(),
             self.iwdg.next_event(),
+            self.adc1.next_end().filter(|_| self.dma[1].is_waited_for(4)),
         ];
         timers.chain(others.into_iter().flatten()).min()
     }
 
     fn tick_usart2(&mut self, now: Ticks, memory: &mut dyn Memory) {
-        self.move_items(memory);
+        self.move_items(&USART2_DMA, memory);
         while self.usart2.next_event().is_some_and(|at| at <= now) {
             self.usart2.tick(now);
-            self.move_items(memory);
+            self.move_items(&USART2_DMA, memory);
         }
     }
 

@@ -1,8 +1,8 @@
-//! Timers that count up: TIM1 (RM0090 section 17.4), TIM3 and TIM5 (section 18.4). Time base with preload, PWM mode 1, trigger
+//! Timers that count up: TIM1 (RM0090 section 17.4), TIM2, TIM3 and TIM5 (section 18.4). Time base with preload, PWM mode 1, trigger
 //! output and slave modes reset and trigger. Nothing else of theirs is modelled.
 
 use super::{Peripheral, Unmodelled};
-use crate::time::Ticks;
+use crate::time::{TICKS_PER_S, Ticks};
 
 const CEN: u32 = 1;
 const UDIS: u32 = 1 << 1;
@@ -112,14 +112,27 @@ impl Timer {
         self.interrupts >> (1 + channel) & 1 != 0 || self.high_since[channel].is_some()
     }
 
-    fn output_level(&self, channel: usize, now: Ticks) -> bool {
+    fn is_pwm(&self, channel: usize) -> bool {
         let mode = self.mode[channel / 2] >> (8 * (channel % 2) + 4) & 7;
-        let on = self.enable >> (4 * channel) & 1 != 0 && (!self.advanced || self.brake & MOE != 0);
-        on && mode == PWM_MODE_1 && self.count(now) < self.active_compare[channel]
+        self.enable >> (4 * channel) & 1 != 0 && mode == PWM_MODE_1
     }
 
-    /// Notes edges of the outputs.
+    /// Frequency of the wave on a channel of a timer without main output enable; none if its pin stays at a level.
+    pub(crate) fn wave_hz(&self, channel: usize) -> Option<f64> {
+        let changes = (1..=self.active_reload).contains(&self.active_compare[channel]);
+        let period = self.step_ticks() * (u64::from(self.active_reload) + 1);
+        (self.runs() && self.is_pwm(channel) && changes).then(|| TICKS_PER_S as f64 / period as f64)
+    }
+
+    fn output_level(&self, channel: usize, now: Ticks) -> bool {
+        self.brake & MOE != 0 && self.is_pwm(channel) && self.count(now) < self.active_compare[channel]
+    }
+
+    /// Notes edges of the outputs, where somebody wants to know: at the motors.
     fn refresh_outputs(&mut self, now: Ticks) {
+        if !self.advanced {
+            return;
+        }
         for channel in 0..CHANNELS {
             match (self.high_since[channel], self.output_level(channel, now)) {
                 (None, true) => self.high_since[channel] = Some(now),
@@ -338,8 +351,13 @@ impl Peripheral for Timer {
     }
 
     fn next_event(&self) -> Option<Ticks> {
+        // an update that nobody sees is caught up with later
+        let updates_matter = self.advanced
+            || self.interrupts & UIF != 0
+            || self.control & OPM != 0
+            || self.control_2 >> 4 & 7 == TRGO_UPDATE;
         let matches = (0..CHANNELS).filter(|channel| self.is_watched(*channel)).filter_map(|c| self.next_match(c));
-        matches.chain(self.next_update()).min()
+        matches.chain(self.next_update().filter(|_| updates_matter)).min()
     }
 }
 
@@ -407,6 +425,23 @@ mod tests {
         timer.write(0x00, CEN, 0).unwrap();
         timer.tick(3 * 840_000);
         assert_eq!(timer.take_pulses(), []);
+    }
+
+    #[test]
+    fn a_tone_has_the_frequency_of_its_period_and_none_at_a_level() {
+        let mut timer = Timer::general(u32::MAX);
+        timer.set_cycle(4);
+        for (offset, value) in [(0x28, 83), (0x18, 0x68), (0x20, 1), (0x2c, 499), (0x34, 250), (0x14, UG)] {
+            timer.write(offset, value, 0).unwrap();
+        }
+        assert_eq!(timer.wave_hz(0), None);
+        timer.write(0x00, CEN, 0).unwrap();
+        assert_eq!(timer.wave_hz(0), Some(2000.0));
+        // nothing waits for it
+        assert_eq!(timer.next_event(), None);
+        timer.write(0x34, 0, 0).unwrap();
+        timer.write(0x14, UG, 0).unwrap();
+        assert_eq!(timer.wave_hz(0), None);
     }
 
     #[test]
