@@ -21,6 +21,16 @@ impl Machine {
         self.board.borrow_mut().set_supply_v(supply_v);
     }
 
+    /// Stops the crystal, for good; called before the first run it never starts.
+    pub fn stop_crystal(&mut self) {
+        self.board.borrow_mut().set_crystal(false);
+    }
+
+    /// Lets it oscillate again, whenever the image switches it on.
+    pub fn mend_crystal(&mut self) {
+        self.board.borrow_mut().set_crystal(true);
+    }
+
     /// The battery's voltage from now on, V; 12.4 at first.
     pub fn set_battery_v(&mut self, battery_v: f32) {
         self.board.borrow_mut().set_battery_v(battery_v);

@@ -29,7 +29,7 @@ const RESETS: [(ClockGate, Reset); 10] = [
     (ClockGate::apb1(3), |board| board.tim5 = Timer::general(u32::MAX)),
     (ClockGate::apb1(14), |board| board.spi2 = Spi::default()),
     (ClockGate::apb1(17), |board| board.usart2 = Usart::new(TELEM1_BAUD)),
-    (ClockGate::apb1(28), |board| board.pwr = Pwr::default()),
+    (ClockGate::apb1(28), |board| board.pwr = Pwr::new(board.pwr.supply_v())),
     (ClockGate::apb2(0), |board| board.tim1 = Timer::advanced()),
     // all three converters together
     (ClockGate::apb2(8), |board| board.adc1 = Adc::default()),
@@ -100,10 +100,10 @@ impl Board {
         self.spi2.set_bus_cycle(self.clocks.apb1);
         self.usart2.set_bus_cycle(self.clocks.apb1);
         self.adc1.set_bus_cycle(self.clocks.apb2);
-        self.tim1.set_cycle(self.clocks.apb2_timers);
-        self.tim2.set_cycle(self.clocks.apb1_timers);
-        self.tim3.set_cycle(self.clocks.apb1_timers);
-        self.tim5.set_cycle(self.clocks.apb1_timers);
+        self.tim1.set_cycle(self.clocks.apb2_timers, self.now);
+        self.tim2.set_cycle(self.clocks.apb1_timers, self.now);
+        self.tim3.set_cycle(self.clocks.apb1_timers, self.now);
+        self.tim5.set_cycle(self.clocks.apb1_timers, self.now);
     }
 
     /// Puts back what RCC holds in reset.

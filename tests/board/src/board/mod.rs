@@ -60,6 +60,7 @@ const D: usize = 3;
 const E: usize = 4;
 /// What is read of a data line that nobody drives.
 const FLOATING: u8 = 0xff;
+const USUAL_SUPPLY_V: f32 = 3.3;
 /// TELEM1's usual baud rate.
 const TELEM1_BAUD: u64 = 115_200;
 
@@ -102,7 +103,7 @@ impl Board {
     /// As after power-on.
     pub(crate) fn new(world: Box<dyn World>, seed: u64) -> Self {
         // power-on, brown-out and pin reset (section 6.3.21)
-        let rcc = Rcc::new(1 << 27 | 1 << 26 | 1 << 25);
+        let rcc = Rcc::new(1 << 27 | 1 << 26 | 1 << 25, true);
         let clocks = Clocks { core: 21, apb1: 21, apb2: 21, apb1_timers: 21, apb2_timers: 21 };
         let gyro = if world.second_gyro() == Some(SecondGyro::L3gd20h) { &L3GD20H } else { &L3GD20 };
         let second_imu = world.second_gyro().is_none().then_some(SensorFault::Removed(FLOATING));
@@ -110,7 +111,7 @@ impl Board {
             private: PrivateBus::new(0),
             rcc,
             clocks,
-            pwr: Pwr::default(),
+            pwr: Pwr::new(USUAL_SUPPLY_V),
             flash: Flash::default(),
             ports: PORTS.map(Gpio::new),
             exti: Exti::default(),
@@ -154,7 +155,8 @@ impl Board {
         fresh.battery_v = self.battery_v;
         std::mem::swap(&mut fresh.fram, &mut self.fram);
         (fresh.now, fresh.cycles) = (self.now, self.cycles);
-        fresh.rcc = Rcc::new(flags_so_far | flags);
+        fresh.rcc = Rcc::new(flags_so_far | flags, self.rcc.crystal_oscillates());
+        fresh.pwr = Pwr::new(self.pwr.supply_v());
         *self = fresh;
     }
 
@@ -216,6 +218,15 @@ impl Board {
     /// The supply of chip and board.
     pub(crate) fn set_supply_v(&mut self, supply_v: f32) {
         self.pwr.set_supply_v(supply_v);
+        self.refresh_lines();
+    }
+
+    /// The crystal stops, or would start.
+    pub(crate) fn set_crystal(&mut self, oscillates: bool) {
+        if !self.rcc.set_crystal(oscillates) {
+            self.refuse(Cause::Unmodelled("the crystal stopped and the clock security system is off"), 0, None, 0);
+        }
+        self.distribute_clocks();
         self.refresh_lines();
     }
 

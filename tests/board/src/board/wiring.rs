@@ -1,7 +1,7 @@
 //! Wires inside the chip and to its pins: timers to motors, DMA requests, interrupt lines.
 
 use super::{Board, E};
-use crate::cortex::exceptions::interrupt_line;
+use crate::cortex::exceptions::{NMI, interrupt_line, line};
 use crate::memory::{self, Memory};
 use crate::peripherals::Peripheral;
 use crate::peripherals::dma::Item;
@@ -120,7 +120,7 @@ impl Board {
 
     /// Which interrupts are asked for (RM0090 table 62).
     fn interrupt_lines(&self) -> u128 {
-        let mut lines = 0;
+        let mut lines = line(NMI, self.rcc.crystal_lost());
         for (exti_lines, interrupt) in
             [(1 << 16, 1), (1, 6), (1 << 1, 7), (1 << 2, 8), (1 << 3, 9), (1 << 4, 10), (0x03e0, 23), (0xfc00, 40)]
         {
