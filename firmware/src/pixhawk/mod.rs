@@ -23,6 +23,7 @@ mod load;
 mod loop_timer;
 mod outputs;
 mod pins;
+mod queue;
 mod sensor_bus;
 mod supply;
 mod trace;
@@ -30,7 +31,9 @@ mod watchdog;
 
 use defmt_rtt as _;
 
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
+// `plan` and `housekeeping` borrow interrupts of devices that are not used. They are no software tasks of RTIC: those are
+// futures, and in each is a panic for one that is polled after its end.
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use heapless::Vec;
     use shared_control::config::mpc_settings;
@@ -39,6 +42,7 @@ mod app {
     use shared_control::mpc::{Mpc, MpcState};
     use shared_control::signals::{ArmingBlocks, MotorCommands, Plan, PlanRequest};
     use shared_control::vehicle::VehicleParameters;
+    use stm32f4xx_hal::pac::Interrupt;
 
     use super::board::{self, CONTROL_HORIZON};
     use super::control::{self, AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
@@ -65,6 +69,7 @@ mod app {
         imu: Imu,
         #[lock_free]
         link: LinkIn,
+        request: Option<PlanRequest>,
         plan: Option<Plan>,
         status: Option<(u64, VehicleStatus)>,
     }
@@ -140,7 +145,7 @@ mod app {
         let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
         loop_timer.start();
         let local = Local { control, outputs, loop_timer, trace, mpc, mpc_state, ground, led, watchdog };
-        (Shared { imu, link, plan: None, status: None }, local)
+        (Shared { imu, link, request: None, plan: None, status: None }, local)
     }
 
     /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
@@ -159,7 +164,7 @@ mod app {
     /// once more; a step that outlasts the period is counted, and without any the watchdog resets the board.
     #[task(
         binds = TIM3, priority = 5,
-        local = [control, outputs, loop_timer, trace], shared = [plan, status]
+        local = [control, outputs, loop_timer, trace], shared = [request, plan, status]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
@@ -168,11 +173,8 @@ mod app {
             let plan = cx.shared.plan.lock(Option::take);
             let output = local.control.fast(plan);
             local.outputs.write(output.compare_counts, output.arming.motors_turn());
-            if let Some(request) = local.control.follow(&output)
-                && plan::spawn(request).is_err()
-            {
-                // the plan before is still being made: the next step does without
-                counters::LATE_PLANS.add();
+            if let Some(request) = local.control.follow(&output) {
+                cx.shared.request.lock(|open| ask(open, request));
             }
             local.trace.publish(local.control.input(), &output);
             output
@@ -184,8 +186,7 @@ mod app {
         }
         watchdog::report_loop();
         if output.step.is_multiple_of(HOUSEKEEPING_STEPS) {
-            // still busy with the one before: the watchdog notices if that lasts
-            let _ = housekeeping::spawn();
+            rtic::pend(Interrupt::CAN1_RX1);
         }
     }
 
@@ -202,20 +203,32 @@ mod app {
         cx.shared.link.take();
     }
 
+    /// Asks for a plan, unless the one before is still being made: then the next step does without.
+    fn ask(open: &mut Option<PlanRequest>, request: PlanRequest) {
+        if open.is_some() {
+            counters::LATE_PLANS.add();
+        } else {
+            *open = Some(request);
+            rtic::pend(Interrupt::CAN1_RX0);
+        }
+    }
+
     /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and its
     /// own request is not made.
-    #[task(priority = 2, local = [mpc, mpc_state], shared = [plan])]
-    async fn plan(mut cx: plan::Context, request: PlanRequest) {
+    #[task(binds = CAN1_RX0, priority = 2, local = [mpc, mpc_state], shared = [request, plan])]
+    fn plan(mut cx: plan::Context) {
+        let Some(request) = cx.shared.request.lock(|open| *open) else { return };
         let plan = load::PLAN.measure(|| FlightCore::plan(cx.local.mpc, cx.local.mpc_state, &request));
         cx.shared.plan.lock(|latest| *latest = Some(plan));
+        cx.shared.request.lock(|open| *open = None);
     }
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
     #[task(
-        priority = 1, shared = [status],
+        binds = CAN1_RX1, priority = 1, shared = [status],
         local = [ground, led, watchdog, load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0]
     )]
-    async fn housekeeping(mut cx: housekeeping::Context) {
+    fn housekeeping(mut cx: housekeeping::Context) {
         let local = cx.local;
         local.watchdog.feed_if_all_alive();
         *local.ticks = local.ticks.wrapping_add(1);
