@@ -7,21 +7,18 @@
 //! (prepared); then per step [`PlanRequest`] -> f and bounds -> solve -> first input -> [`Plan`].
 
 mod axis;
+mod bounded_output;
 pub mod condense;
 pub mod model;
 mod riccati;
 
-use axis::{Axis, AxisGuess, AxisRequest};
+use axis::{Axis, AxisRequest, AxisState};
 
 use crate::qp::{QpError, Status};
 use crate::signals::{Plan, PlanRequest, PlanStatus};
 
 /// Most prediction steps (N), and the usual number.
 pub const HORIZON: usize = 30;
-
-/// Cap on the solver's iterations per axis. Turning every active bound of thirty inputs and thirty angles around takes
-/// 120 changes; half as many have been seen (63 over three axes, after a step of all references).
-const ITERATION_LIMIT: u16 = 150;
 
 /// Parameters of the MPC; arrays are (roll, pitch, yaw).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,13 +148,13 @@ pub struct Mpc<const M: usize> {
 /// What an MPC carries from plan to plan: the warm starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MpcState<const M: usize> {
-    warm_starts: [AxisGuess<M>; 3],
+    axes: [AxisState<M>; 3],
 }
 
 impl<const M: usize> MpcState<M> {
     /// A cold start.
     pub const fn new() -> Self {
-        Self { warm_starts: [AxisGuess::new(); 3] }
+        Self { axes: [AxisState::new(); 3] }
     }
 }
 
@@ -195,7 +192,7 @@ impl<const M: usize> Mpc<M> {
     /// Plans all three axes; `input` of the result is finite and inside the bounds whatever the status.
     pub fn plan(&self, state: &mut MpcState<M>, request: &PlanRequest) -> Plan {
         let mut plan = Plan { step: request.step, input: [0.0; 3], status: PlanStatus::Solved, iterations: 0 };
-        for (index, (axis, warm_start)) in self.axes.iter().zip(&mut state.warm_starts).enumerate() {
+        for (index, (axis, axis_state)) in self.axes.iter().zip(&mut state.axes).enumerate() {
             let input_prev = request.input_prev[index];
             let axis_request = AxisRequest {
                 angle_rad: request.angle_rad[index],
@@ -203,9 +200,9 @@ impl<const M: usize> Mpc<M> {
                 input_prev,
                 reference_rad: request.reference_rad[index],
             };
-            let solution = axis.solve(&axis_request, warm_start);
+            let solution = axis.solve(&axis_request, axis_state);
             plan.input[index] = solution.input;
-            plan.status = worse(plan.status, if solution.is_solved { Status::Solved } else { Status::IterationLimit });
+            plan.status = worse(plan.status, solution.status);
             plan.iterations = plan.iterations.saturating_add(solution.iterations);
         }
         plan
@@ -214,7 +211,7 @@ impl<const M: usize> Mpc<M> {
     /// Per axis the weights of (angle in rad, rate in rad/s, previous input, reference in rad) in the first input when
     /// no bound is active: the linear feedback law inside the MPC.
     pub fn unconstrained_gain(&self) -> [[f32; 4]; 3] {
-        [0, 1, 2].map(|axis: usize| {let _ = axis; [0.0;4]})
+        [0, 1, 2].map(|axis: usize| self.axes[axis].unconstrained_gain())
     }
 }
 

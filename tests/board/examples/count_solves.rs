@@ -112,7 +112,11 @@ fn count_between(engine: &mut Unicorn<'static, ()>, begin: u64, end: u64) -> Res
             counter.stack_least.set(stack);
         } else if address == end {
             counter.is_counting.set(false);
-            println!("counted {} {}", counter.instructions.get(), counter.stack_start.get() - counter.stack_least.get());
+            println!(
+                "counted {} {}",
+                counter.instructions.get(),
+                counter.stack_start.get() - counter.stack_least.get()
+            );
         }
         if counter.is_counting.get() {
             let mut blocks = counter.blocks.borrow_mut();

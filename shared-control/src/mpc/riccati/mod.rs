@@ -20,12 +20,13 @@
 //! stage the laws are those without bounds, made at start-up.
 
 mod model;
+mod prepare;
 mod quadratic;
 mod solve;
 
 pub(super) use model::{DoubleIntegrator, Model};
 use quadratic::Law;
-pub(super) use quadratic::Quadratic;
+use quadratic::Quadratic;
 pub(super) use solve::Outcome;
 
 /// What a guess says of one input.
@@ -57,9 +58,18 @@ struct FreeStage<const S: usize> {
     law: Law<S>,
     /// The cost ahead of it, in its state and input.
     ahead: Quadratic<S>,
-    /// If the products of |state| and |previous input| with these sum to at most 1, no input from here on reaches a bound.
-    reach_state: [f32; S],
-    reach_previous: f32,
+    /// As long as the sizes of state and previous input, weighted so, sum to at most 1, no later input reaches a bound.
+    reach: Law<S>,
+}
+
+impl<const S: usize> FreeStage<S> {
+    const BLANK: Self = Self { law: Law::ZERO, ahead: Quadratic::ZERO, reach: Law::ZERO };
+
+    /// A certificate, not a test: it may be false though no bound is reached.
+    #[inline(always)]
+    fn reaches_no_bound(&self, state: &[f32; S], previous: f32) -> bool {
+        self.reach.input(&state.map(f32::abs), previous.abs()) <= 1.0
+    }
 }
 
 /// One stage under the present guess.
@@ -77,6 +87,8 @@ pub(super) struct BoundedLq<D, const S: usize, const M: usize> {
     increment_weight: f32,
     control_horizon: usize,
     free: [FreeStage<S>; M],
+    /// Tells this problem from others; a guess made for another one holds laws that are wrong here.
+    stamp: u32,
 }
 
 /// The guess, with what was computed from it: the warm start of the next solve.
@@ -85,13 +97,22 @@ pub(super) struct Guess<const S: usize, const M: usize> {
     /// Free from `held_count` on, where laws and costs are those of [`FreeStage`].
     stages: [Stage<S>; M],
     held_count: usize,
+    /// Of the problem it belongs to.
+    stamp: u32,
 }
 
 impl<const S: usize, const M: usize> Guess<S, M> {
     /// Everything free.
     pub(super) const fn new() -> Self {
-        let law = Law { state: [0.0; S], previous: 0.0, offset: 0.0 };
-        let stage = Stage { held: Held::Free, law, ahead: Quadratic::ZERO };
-        Self { stages: [stage; M], held_count: 0 }
+        let stage = Stage { held: Held::Free, law: Law::ZERO, ahead: Quadratic::ZERO };
+        Self { stages: [stage; M], held_count: 0, stamp: 0 }
+    }
+
+    /// Everything free again.
+    fn clear(&mut self) {
+        for stage in &mut self.stages {
+            stage.held = Held::Free;
+        }
+        self.held_count = 0;
     }
 }

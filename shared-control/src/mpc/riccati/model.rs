@@ -54,3 +54,24 @@ impl Model<2> for DoubleIntegrator {
         *angle += 1.0;
     }
 }
+
+impl DoubleIntegrator {
+    /// The cost ahead of an input that is held for `steps`.
+    pub(in crate::mpc) fn cost_of_held_input(steps: usize) -> Quadratic<2> {
+        let mut cost = Quadratic::ZERO;
+        for step in 1..=steps {
+            // angle + time rate + turn input
+            let time = step as f32;
+            let turn = 0.5 * time * time;
+            let [[angle, angle_rate], [_, rate]] = &mut cost.state;
+            *angle += 1.0;
+            *angle_rate += time;
+            *rate += time * time;
+            let [cross_angle, cross_rate] = &mut cost.cross;
+            *cross_angle += turn;
+            *cross_rate += time * turn;
+            cost.input += turn * turn;
+        }
+        cost
+    }
+}

@@ -29,6 +29,8 @@ pub(in crate::mpc) struct Law<const S: usize> {
 }
 
 impl<const S: usize> Law<S> {
+    pub(in crate::mpc) const ZERO: Self = Self { state: [0.0; S], previous: 0.0, offset: 0.0 };
+
     #[inline(always)]
     pub(in crate::mpc) fn input(&self, state: &[f32; S], previous: f32) -> f32 {
         let start = self.previous * previous + self.offset;
@@ -50,10 +52,13 @@ impl<const S: usize> Quadratic<S> {
             previous: increment_weight * inverse,
             offset: -self.input_linear * inverse,
         };
-        (law, match held.input() {
-            None => self.follow(&law, increment_weight),
-            Some(input) => self.hold(input, increment_weight),
-        })
+        (
+            law,
+            match held.input() {
+                None => self.follow(&law, increment_weight),
+                Some(input) => self.hold(input, increment_weight),
+            },
+        )
     }
 
     /// With u put in by `law`.
@@ -77,7 +82,7 @@ impl<const S: usize> Quadratic<S> {
 
     /// With u at a bound.
     #[inline(always)]
-    fn hold(&self, input: f32, increment_weight: f32) -> Self {
+    pub(in crate::mpc) fn hold(&self, input: f32, increment_weight: f32) -> Self {
         let mut remaining = *self;
         for (entry, cross) in remaining.state_linear.iter_mut().zip(&self.cross) {
             *entry += cross * input;

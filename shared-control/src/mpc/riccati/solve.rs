@@ -1,15 +1,26 @@
 //! Sweep, roll-out, and their alternation.
 
-use super::{BoundedLq, FreeStage, Guess, Held, Model, Quadratic};
+use super::{BoundedLq, Guess, Held, Law, Model, Stage};
+use crate::qp::Status;
+
+/// Roll-outs in which any number of inputs changes. Up to 13 are needed by the shipped problems (docs/solver.md); other
+/// weights can make them go round in circles.
+const BLOCK_LIMIT: u16 = 16;
+
+/// Roll-outs altogether.
+const ITERATION_LIMIT: u16 = 500;
 
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::mpc) struct Outcome {
+    /// The first input: inside its bounds whatever the status.
     pub(in crate::mpc) input: f32,
-    pub(in crate::mpc) is_solved: bool,
+    pub(in crate::mpc) status: Status,
+    /// Roll-outs; 1 if the first guess was right.
     pub(in crate::mpc) iterations: u16,
 }
 
+/// Cuts an input at its bounds.
 #[inline(always)]
 fn cut(wish: f32) -> (f32, Held) {
     if wish > 1.0 {
@@ -22,118 +33,157 @@ fn cut(wish: f32) -> (f32, Held) {
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
-    /// `last` is the cost ahead of the last input, which is held to the horizon's end.
-    pub(in crate::mpc) fn prepare(model: D, increment_weight: f32, control_horizon: usize, last: Quadratic<S>) -> Self {
-        let blank = FreeStage {
-            law: super::Law { state: [0.0; S], previous: 0.0, offset: 0.0 },
-            ahead: Quadratic::ZERO,
-            reach_state: [0.0; S],
-            reach_previous: 0.0,
-        };
-        let mut free = [blank; M];
-        let mut ahead = last;
-        for stage in free.iter_mut().take(control_horizon).rev() {
-            let (law, mut cost) = ahead.eliminate(increment_weight, Held::Free);
-            stage.law = law;
-            stage.ahead = ahead;
-            model.add_tracking(&mut cost);
-            ahead = model.pull_back(&cost);
-        }
-        let mut lq = Self { model, increment_weight, control_horizon, free };
-        lq.fill_reach();
-        lq
-    }
-
-    fn fill_reach(&mut self) {
-        for start in 0..self.control_horizon {
-            for which in 0..=S {
-                let mut state = [0.0; S];
-                let mut previous = 0.0;
-                match state.get_mut(which) { Some(entry) => *entry = 1.0, None => previous = 1.0 }
-                let mut greatest = 0.0;
-                for stage in self.free.iter().take(self.control_horizon).skip(start) {
-                    let input = stage.law.input(&state, previous);
-                    let size = if input < 0.0 { -input } else { input };
-                    if size > greatest { greatest = size }
-                    state = self.model.advance(&state, input);
-                    previous = input;
-                }
-                // a hair more, for rounding
-                greatest *= 1.00001;
-                if let Some(stage) = self.free.get_mut(start) {
-                    match stage.reach_state.get_mut(which) { Some(entry) => *entry = greatest, None => stage.reach_previous = greatest }
-                }
-            }
-        }
-    }
-
+    /// Solves from the state `start` and the input `previous`, beginning with `guess` and leaving the last one there.
     pub(in crate::mpc) fn solve(&self, start: &[f32; S], previous: f32, guess: &mut Guess<S, M>) -> Outcome {
+        let is_number = previous.is_finite() && start.iter().all(|value| value.is_finite());
+        if !is_number {
+            return Outcome { input: 0.0, status: Status::NumericalError, iterations: 0 };
+        }
+        if guess.stamp != self.stamp {
+            guess.clear();
+            guess.stamp = self.stamp;
+        }
         let mut iterations = 0;
         loop {
             iterations += 1;
-            let changed = self.roll_out(start, previous, guess);
-            if changed == 0 || iterations > 100 {
-                let wish = match guess.stages.first() {
-                    Some(stage) if guess.held_count > 0 => stage.law.input(start, previous),
-                    _ => self.free.first().map_or(0.0, |stage| stage.law.input(start, previous)),
-                };
-                return Outcome { input: cut(wish).0, is_solved: changed == 0, iterations };
+            let changed = if iterations <= BLOCK_LIMIT {
+                self.roll_out(start, previous, guess)
+            } else {
+                self.change_first(start, previous, guess)
+            };
+            let is_last = changed == 0 || iterations >= ITERATION_LIMIT;
+            if is_last {
+                let status = if changed == 0 { Status::Solved } else { Status::IterationLimit };
+                return self.finish(start, previous, guess, Outcome { input: 0.0, status, iterations });
             }
             self.sweep(guess, changed);
         }
     }
 
-    /// Returns the number of stages up to the last that changed, 0 if none.
+    /// The first input, after the last roll-out.
+    fn finish(&self, start: &[f32; S], previous: f32, guess: &mut Guess<S, M>, outcome: Outcome) -> Outcome {
+        let held = guess.stages.first().filter(|_| guess.held_count > 0).map(|stage| stage.law);
+        let law = held.unwrap_or(self.first_free_law());
+        let (input, _) = cut(law.input(start, previous));
+        if input.is_nan() {
+            guess.clear();
+            return Outcome { input: 0.0, status: Status::NumericalError, ..outcome };
+        }
+        Outcome { input, ..outcome }
+    }
+
+    /// Follows the laws of `guess` from the present state, cuts the inputs, and notes in `guess` which ones were cut.
+    ///
+    /// Returns the number of stages up to the last that changed, 0 if none did.
     fn roll_out(&self, start: &[f32; S], previous: f32, guess: &mut Guess<S, M>) -> usize {
-        let mut state = *start;
-        let mut input = previous;
-        let mut changed = 0;
-        for (index, stage) in guess.stages.iter_mut().take(guess.held_count).enumerate() {
+        let (mut state, mut input, mut changed) = (*start, previous, 0);
+        let mut places = 1..;
+        for (stage, place) in guess.stages.iter_mut().take(guess.held_count).zip(&mut places) {
             let (applied, held) = cut(stage.law.input(&state, input));
             input = applied;
             if held != stage.held {
                 stage.held = held;
-                changed = index + 1;
+                changed = place;
             }
             state = self.model.advance(&state, input);
         }
-        let mut tail = self.free.iter().zip(&mut guess.stages).take(self.control_horizon).enumerate().skip(guess.held_count);
-        if let Some(free) = self.free.get(guess.held_count) {
-            let start = free.reach_previous * input.abs();
-            let reach = free.reach_state.iter().zip(&state).fold(start, |sum, (reach, value)| sum + reach * value.abs());
-            if reach <= 1.0 {
-                return changed;
+        let rest = self.free.iter().zip(&mut guess.stages).take(self.control_horizon);
+        for ((free, stage), place) in rest.skip(guess.held_count).zip(guess.held_count + 1..) {
+            if place == guess.held_count + 1 && free.reaches_no_bound(&state, input) {
+                break;
             }
-        }
-        for (index, (free, stage)) in &mut tail {
             let (applied, held) = cut(free.law.input(&state, input));
             input = applied;
             if held != Held::Free {
                 stage.held = held;
-                changed = index + 1;
+                changed = place;
             }
             state = self.model.advance(&state, input);
         }
         changed
     }
 
+    /// Follows the laws of `guess` without cutting, up to the first input that is held wrongly or wrongly free, and changes
+    /// that one alone; returns the number of stages up to it, 0 if there is none.
+    ///
+    /// Least-index pivoting (Murty, *Note on a Bard-type scheme for solving the complementarity problem*, Opsearch 11,
+    /// 1974; with upper bounds too: Judice and Pires, Computers & OR 21, 1994): no guess comes twice, so that it ends,
+    /// because the Hessian is positive definite. One by one it is slow, and the exit from the circles only.
+    fn change_first(&self, start: &[f32; S], previous: f32, guess: &mut Guess<S, M>) -> usize {
+        let (mut state, mut input) = (*start, previous);
+        let stages = guess.stages.iter_mut().zip(&self.free).take(self.control_horizon);
+        for (place, (stage, free)) in (1..).zip(stages) {
+            let law = if place <= guess.held_count { &stage.law } else { &free.law };
+            let wish = law.input(&state, input);
+            let is_right = match stage.held {
+                Held::Free => !(wish > 1.0 || wish < -1.0),
+                Held::High => wish >= 1.0,
+                Held::Low => wish <= -1.0,
+            };
+            if !is_right {
+                stage.held = if stage.held == Held::Free { cut(wish).1 } else { Held::Free };
+                return place;
+            }
+            input = stage.held.input().unwrap_or(wish);
+            state = self.model.advance(&state, input);
+        }
+        0
+    }
+
+    /// Makes laws and costs anew for what `changed` of the first stages, from the last roll-out, say of the inputs.
     fn sweep(&self, guess: &mut Guess<S, M>, changed: usize) {
         let seen = if changed > guess.held_count { changed } else { guess.held_count };
-        let held_count = guess.stages.iter().take(seen).rposition(|stage| stage.held != Held::Free).map_or(0, |index| index + 1);
-        let top = if held_count != guess.held_count { held_count } else { changed };
-        let ahead = if held_count != guess.held_count {
-            self.free.get(top.wrapping_sub(1)).map(|stage| stage.ahead)
+        let is_held = |stage: &Stage<S>| stage.held != Held::Free;
+        let held_count = guess.stages.iter().take(seen).rposition(is_held).map_or(0, |index| index + 1);
+        // The cost ahead of the last stage to be swept: of a stage after which all are free now, or as it was.
+        let (count, ahead) = if held_count == guess.held_count {
+            (changed, guess.stages.get(..changed).and_then(|stages| stages.last()).map(|stage| stage.ahead))
         } else {
-            guess.stages.get(top.wrapping_sub(1)).map(|stage| stage.ahead)
+            (held_count, self.free.get(..held_count).and_then(|stages| stages.last()).map(|stage| stage.ahead))
         };
         guess.held_count = held_count;
         let Some(mut ahead) = ahead else { return };
-        for stage in guess.stages.iter_mut().take(top).rev() {
+        for stage in guess.stages.iter_mut().take(count).rev() {
             stage.ahead = ahead;
             let (law, mut cost) = ahead.eliminate(self.increment_weight, stage.held);
             stage.law = law;
             self.model.add_tracking(&mut cost);
             ahead = self.model.pull_back(&cost);
         }
+    }
+}
+
+impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
+    /// Whether all states that the solved `guess` leads to satisfy `test`, the last input being held for `last_steps`.
+    pub(in crate::mpc) fn trajectory(
+        &self,
+        start: &[f32; S],
+        previous: f32,
+        guess: &Guess<S, M>,
+        last_steps: usize,
+        mut test: impl FnMut(&[f32; S]) -> bool,
+    ) -> bool {
+        let (mut state, mut input) = (*start, previous);
+        let held = guess.stages.iter().take(guess.held_count).map(|stage| &stage.law);
+        let free = self.free.iter().take(self.control_horizon).skip(guess.held_count).map(|stage| &stage.law);
+        for law in held.chain(free) {
+            (input, _) = cut(law.input(&state, input));
+            state = self.model.advance(&state, input);
+            if !test(&state) {
+                return false;
+            }
+        }
+        for _ in 1..last_steps {
+            state = self.model.advance(&state, input);
+            if !test(&state) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The first input's law when every input is free.
+    pub(in crate::mpc) fn first_free_law(&self) -> Law<S> {
+        self.free.first().map_or(Law::ZERO, |stage| stage.law)
     }
 }
