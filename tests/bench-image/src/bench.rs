@@ -5,7 +5,7 @@
 use core::fmt::Write;
 use core::hint::black_box;
 
-use shared_control::mpc::{Mpc, MpcSettings, MpcState};
+use shared_control::mpc::{Mpc, MpcError, MpcSettings, MpcState};
 use shared_control::signals::{Plan, PlanRequest, PlanStatus};
 
 use crate::start::Console;
@@ -35,6 +35,11 @@ extern "C" fn roi_end() {
     black_box(2);
 }
 
+#[inline(never)]
+fn prepare(settings: &MpcSettings) -> Result<Mpc<{ data::CONTROL_HORIZON }>, MpcError> {
+    Mpc::prepare(settings)
+}
+
 /// From theta to the first inputs.
 #[inline(never)]
 fn solve(mpc: &Mpc<{ data::CONTROL_HORIZON }>, state: &mut MpcState<{ data::CONTROL_HORIZON }>, theta: &Theta) -> Plan {
@@ -51,8 +56,9 @@ fn solve(mpc: &Mpc<{ data::CONTROL_HORIZON }>, state: &mut MpcState<{ data::CONT
 
 /// Solves all instances in order, each starting from what the last left.
 pub(crate) fn run(console: &mut Console) -> core::fmt::Result {
-    let Ok(mpc) = Mpc::<{ data::CONTROL_HORIZON }>::prepare(black_box(&data::SETTINGS)) else {
-        return writeln!(console, "the settings are refused");
+    let mpc = match prepare(black_box(&data::SETTINGS)) {
+        Ok(mpc) => mpc,
+        Err(error) => return writeln!(console, "the settings are refused: {error}"),
     };
     let mut state = MpcState::new();
     writeln!(console, "prepared {} bytes, state {} bytes", size_of_val(&mpc), size_of_val(&state))?;
