@@ -12,6 +12,7 @@ pub(super) struct Axis<const M: usize> {
     lq: BoundedLq<DoubleIntegrator, 2, M>,
     units: Units,
     bounded_output: Option<BoundedOutput<M>>,
+    control_horizon: usize,
     /// Prediction steps over which the last input is held.
     last_steps: usize,
 }
@@ -75,31 +76,85 @@ impl<const M: usize> Axis<M> {
             lq: BoundedLq::prepare(DoubleIntegrator, increment_weight, control_horizon, last)?,
             units,
             bounded_output: BoundedOutput::prepare(&angles, settings)?,
+            control_horizon,
             last_steps,
         })
     }
 
     /// Solves for `request`; the input is finite and inside its bounds whatever the status.
     pub(super) fn solve(&self, request: &AxisRequest, state: &mut AxisState<M>) -> Outcome {
-        let AxisRequest { angle_rad, rate_rad_s, input_prev, reference_rad } = *request;
-        let start = [self.units.angle * (angle_rad - reference_rad), self.units.rate * rate_rad_s];
+        let AxisRequest { input_prev, reference_rad, .. } = *request;
+        let start = self.start(request);
         let previous = self.units.input * input_prev;
         let mut outcome = self.lq.solve(&start, previous, &mut state.guess);
-        outcome.input *= self.units.input_max;
         if let (Some(bounded), Status::Solved) = (&self.bounded_output, outcome.status) {
-            let lower = self.units.angle * (-bounded.output_max_rad - reference_rad);
-            let upper = self.units.angle * (bounded.output_max_rad - reference_rad);
-            let limits = if lower < upper { lower..=upper } else { upper..=lower };
-            let keeps = |state: &[f32; 2]| limits.contains(&state[0]);
-            if !self.lq.trajectory(&start, previous, &state.guess, self.last_steps, keeps) {
-                let dense = bounded.solve(request, &mut state.dense);
-                outcome = Outcome { iterations: outcome.iterations.saturating_add(dense.iterations), ..dense };
-            }
+            let one = self.units.angle * (-bounded.output_max_rad - reference_rad);
+            let other = self.units.angle * (bounded.output_max_rad - reference_rad);
+            let limits = if one < other { [one, other] } else { [other, one] };
+            outcome = if self.control_horizon == 1 {
+                self.cut_at_outputs(&start, &limits, outcome)
+            } else {
+                self.bound_outputs(bounded, request, &limits, state, outcome)
+            };
+        } else {
+            outcome.input *= self.units.input_max;
         }
         if outcome.status != Status::Solved {
             outcome.input = self.present_input(input_prev);
         }
         outcome
+    }
+
+    /// The state, in the axis' units: angle from the reference, and rate.
+    fn start(&self, request: &AxisRequest) -> [f32; 2] {
+        [self.units.angle * (request.angle_rad - request.reference_rad), self.units.rate * request.rate_rad_s]
+    }
+
+    /// With one input over the whole horizon: cut where the first angle leaves its limits.
+    fn cut_at_outputs(&self, start: &[f32; 2], limits: &[f32; 2], outcome: Outcome) -> Outcome {
+        let ([angle, rate], [lower, upper]) = (*start, *limits);
+        let (mut least, mut greatest, mut time) = (-1.0, 1.0, 0.0);
+        for _ in 0..self.last_steps {
+            time += 1.0;
+            let free = angle + time * rate;
+            let per_input = 2.0 / (time * time);
+            let (from, to) = ((lower - free) * per_input, (upper - free) * per_input);
+            if from > least {
+                least = from;
+            }
+            if to < greatest {
+                greatest = to;
+            }
+        }
+        let input = if outcome.input < least {
+            least
+        } else if outcome.input > greatest {
+            greatest
+        } else {
+            outcome.input
+        };
+        let status = if least <= greatest { Status::Solved } else { Status::Infeasible };
+        Outcome { input: self.units.input_max * input, status, ..outcome }
+    }
+
+    /// With several inputs: the optimum without limits on the angle if it keeps them, else the dense program's.
+    fn bound_outputs(
+        &self,
+        bounded: &BoundedOutput<M>,
+        request: &AxisRequest,
+        limits: &[f32; 2],
+        state: &mut AxisState<M>,
+        outcome: Outcome,
+    ) -> Outcome {
+        let start = self.start(request);
+        let [lower, upper] = *limits;
+        let keeps = |[angle, _]: &[f32; 2]| lower <= *angle && *angle <= upper;
+        let previous = self.units.input * request.input_prev;
+        if self.lq.trajectory(&start, previous, &state.guess, self.last_steps, keeps) {
+            return Outcome { input: self.units.input_max * outcome.input, ..outcome };
+        }
+        let dense = bounded.solve(request, &mut state.dense);
+        Outcome { iterations: outcome.iterations.saturating_add(dense.iterations), ..dense }
     }
 
     /// What stays applied without a plan.

@@ -23,6 +23,8 @@ mod model;
 mod prepare;
 mod quadratic;
 mod solve;
+#[cfg(test)]
+mod tests;
 
 pub(super) use model::{DoubleIntegrator, Model};
 use quadratic::Law;

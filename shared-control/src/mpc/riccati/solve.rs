@@ -3,9 +3,16 @@
 use super::{BoundedLq, Guess, Held, Law, Model, Stage};
 use crate::qp::Status;
 
-/// Roll-outs in which any number of inputs changes. Up to 13 are needed by the shipped problems (docs/solver.md); other
-/// weights can make them go round in circles.
-const BLOCK_LIMIT: u16 = 16;
+/// Roll-outs that a guess from the last solve is given before a start with everything free.
+const WARM_LIMIT: u16 = 6;
+
+/// Roll-outs in which any number of inputs changes. From a start with everything free the shipped problems need 8 at
+/// most (docs/solver.md); other weights can make them go round in circles.
+const BLOCK_LIMIT: u16 = WARM_LIMIT + 12;
+
+/// Most roll-outs from a start with everything free that any state of the shipped problems was found to take.
+#[cfg(test)]
+pub(super) const COLD_MOST: u16 = 8;
 
 /// Roll-outs altogether.
 const ITERATION_LIMIT: u16 = 500;
@@ -43,6 +50,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             guess.clear();
             guess.stamp = self.stamp;
         }
+        let restart = if guess.held_count > 0 { WARM_LIMIT } else { 0 };
         let mut iterations = 0;
         loop {
             iterations += 1;
@@ -56,7 +64,11 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                 let status = if changed == 0 { Status::Solved } else { Status::IterationLimit };
                 return self.finish(start, previous, guess, Outcome { input: 0.0, status, iterations });
             }
-            self.sweep(guess, changed);
+            if iterations == restart {
+                guess.clear();
+            } else {
+                self.sweep(guess, changed);
+            }
         }
     }
 
