@@ -42,7 +42,21 @@ pub(super) enum Held {
     Low,
 }
 
+/// A held input wants to leave its bound if its law asks for so much less. Without it, where an input only just reaches
+/// its bound, rounding may have it held and free in turns.
+const SLACK: f32 = 1e-5;
+
 impl Held {
+    /// Whether an input so held does not stay so, its law asking for `wish`.
+    #[inline(always)]
+    fn is_left(self, wish: f32) -> bool {
+        match self {
+            Self::Free => wish > 1.0 || wish < -1.0,
+            Self::High => wish < 1.0 - SLACK,
+            Self::Low => wish > SLACK - 1.0,
+        }
+    }
+
     /// The bound.
     #[inline(always)]
     fn input(self) -> Option<f32> {

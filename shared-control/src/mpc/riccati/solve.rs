@@ -6,13 +6,13 @@ use crate::qp::Status;
 /// Roll-outs that a guess from the last solve is given before a start with everything free.
 const WARM_LIMIT: u16 = 6;
 
-/// Roll-outs in which any number of inputs changes. From a start with everything free the shipped problems need 8 at
+/// Roll-outs in which any number of inputs changes. From a start with everything free the shipped problems need 7 at
 /// most (docs/solver.md); other weights can make them go round in circles.
 const BLOCK_LIMIT: u16 = WARM_LIMIT + 12;
 
 /// Most roll-outs from a start with everything free that any state of the shipped problems was found to take.
 #[cfg(test)]
-pub(super) const COLD_MOST: u16 = 8;
+pub(super) const COLD_MOST: u16 = 7;
 
 /// Roll-outs altogether.
 const ITERATION_LIMIT: u16 = 500;
@@ -91,9 +91,10 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         let (mut state, mut input, mut changed) = (*start, previous, 0);
         let mut places = 1..;
         for (stage, place) in guess.stages.iter_mut().take(guess.held_count).zip(&mut places) {
-            let (applied, held) = cut(stage.law.input(&state, input));
+            let wish = stage.law.input(&state, input);
+            let (applied, held) = cut(wish);
             input = applied;
-            if held != stage.held {
+            if held != stage.held && stage.held.is_left(wish) {
                 stage.held = held;
                 changed = place;
             }
@@ -127,12 +128,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         for (place, (stage, free)) in (1..).zip(stages) {
             let law = if place <= guess.held_count { &stage.law } else { &free.law };
             let wish = law.input(&state, input);
-            let is_right = match stage.held {
-                Held::Free => !(wish > 1.0 || wish < -1.0),
-                Held::High => wish >= 1.0,
-                Held::Low => wish <= -1.0,
-            };
-            if !is_right {
+            if stage.held.is_left(wish) {
                 stage.held = if stage.held == Held::Free { cut(wish).1 } else { Held::Free };
                 return place;
             }

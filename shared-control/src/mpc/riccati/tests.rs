@@ -109,7 +109,7 @@ fn optimality_of(problems: usize, seed: u64) {
             let residual = residual(&plan, increment_weight, horizon, start, previous);
             // Single precision of costs whose terms cancel, of states up to a hundred bounds away; required are 1e-4.
             assert!(
-                residual <= 1e-5,
+                residual <= 5e-5,
                 "{residual:e}: rho {increment_weight} M {control_horizon} N {horizon} {start:?} {previous}"
             );
         }
@@ -150,7 +150,7 @@ fn most_roll_outs(steps: i32, control_horizons: &[usize]) -> u16 {
                 for (first, second, third) in grid(steps) {
                     let start = [1.6 * per_rad * first, 8.0 * per_rad_s * second];
                     let outcome = lq.solve(&start, third, &mut Guess::new());
-                    assert_eq!(outcome.status, Status::Solved);
+                    assert_eq!(outcome.status, Status::Solved, "M {control_horizon}: {start:?} {third}");
                     most = most.max(outcome.iterations);
                 }
             }
