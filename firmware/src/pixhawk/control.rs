@@ -6,7 +6,7 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use shared_control::config::{Config, ConfigError, Tuning};
 use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::link::{Answer, Chore, Commander, Order, VehicleStatus};
-use shared_control::signals::{Plan, PlanRequest, StepInput};
+use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
 use shared_control::vehicle::VehicleParameters;
 
 use super::board;
@@ -46,8 +46,8 @@ pub fn configuration() -> Result<(Config, Tuning), ConfigError> {
 
 /// The loop's ends of its queues.
 pub struct Ends {
-    /// Samples of the IMU.
-    pub samples: Consumer<'static, TimedSample>,
+    /// Samples of both IMUs.
+    pub samples: [Consumer<'static, TimedSample>; 2],
     /// What the ground wants.
     pub orders: Consumer<'static, Order>,
     /// What came of it.
@@ -101,14 +101,9 @@ impl Control {
     fn gather(&mut self, plan: Option<Plan>) {
         let time_us = self.clock.now_us();
         self.input.time_us = time_us;
-        self.input.imu.clear();
-        // what does not fit waits for the next step
-        while !self.input.imu.is_full()
-            && let Some(sample) = self.ends.samples.dequeue()
-        {
-            // never full here
-            let _ = self.input.imu.push(sample.at(self.clock.extend(sample.counter_us)));
-        }
+        let [first, second] = &mut self.ends.samples;
+        gather_samples(&self.clock, first, &mut self.input.imu);
+        gather_samples(&self.clock, second, &mut self.input.imu_second);
         // bounded, whatever arrives meanwhile
         for _ in 0..QUEUE_LENGTH {
             let Some(order) = self.ends.orders.dequeue() else { break };
@@ -125,5 +120,16 @@ impl Control {
         if no_room || nor_here {
             counters::ANSWERS_DROPPED.add();
         }
+    }
+}
+
+/// What does not fit waits for the next step.
+fn gather_samples(clock: &TimeBase, samples: &mut Consumer<'static, TimedSample>, batch: &mut ImuBatch) {
+    batch.clear();
+    while !batch.is_full()
+        && let Some(sample) = samples.dequeue()
+    {
+        // never full here
+        let _ = batch.push(sample.at(clock.extend(sample.counter_us)));
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!  7  low_supply               supply detector: motors to the disarmed pulse, reset
-//!  6  imu_ready, imu_received  data-ready -> DMA -> sample queue
+//!  6  first_imu_ready, second_imu_ready, imu_received
+//!                              data-ready -> DMA -> sample queues
 //!  5  control_step             TIM3: samples since the last step -> fast -> pulses -> follow
 //!  3  link_idle, link_ring     TELEM1: bytes -> orders
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
@@ -17,10 +18,13 @@ mod counters;
 mod fault;
 mod ground;
 mod imu;
+mod l3gd20;
 mod led;
 mod link_port;
 mod load;
 mod loop_timer;
+mod lsm303d;
+mod mpu6000;
 mod outputs;
 mod pins;
 mod sensor_bus;
@@ -44,7 +48,7 @@ mod app {
     use super::control::{self, AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
     use super::fault::{self, Cause, FaultRecord};
     use super::ground::Ground;
-    use super::imu::{Buffers, Imu, SampleQueue};
+    use super::imu::{Buffers, Imus, SampleQueue, Usable};
     use super::led::{Led, Sign};
     use super::link_port::{self, LinkIn, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
@@ -54,7 +58,8 @@ mod app {
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
-    use super::{boot, clock, counters, supply};
+    use super::{boot, clock, counters, l3gd20, lsm303d, mpu6000, supply};
+    use stm32f4xx_hal::pac::Interrupt;
 
     /// Steps of the loop per housekeeping: 100 times a second.
     const HOUSEKEEPING_STEPS: u32 = board::LOOP_RATE_HZ / 100;
@@ -62,7 +67,7 @@ mod app {
     #[shared]
     struct Shared {
         #[lock_free]
-        imu: Imu,
+        imus: Imus,
         #[lock_free]
         link: LinkIn,
         plan: Option<Plan>,
@@ -84,7 +89,8 @@ mod app {
 
     /// Interrupts are off until it returns. What is wrong with the compiled-in configuration stops the program here.
     #[init(local = [
-        samples: SampleQueue = SampleQueue::new(), orders: OrderQueue = OrderQueue::new(),
+        samples: SampleQueue = SampleQueue::new(), samples_second: SampleQueue = SampleQueue::new(),
+        orders: OrderQueue = OrderQueue::new(),
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
     ])]
@@ -98,12 +104,12 @@ mod app {
         load::start(&mut core.DCB, &mut core.DWT);
         let record = FaultRecord::read();
 
-        let ports = (device.GPIOA, device.GPIOC, device.GPIOD, device.GPIOE);
+        let ports = (device.GPIOA, device.GPIOB, device.GPIOC, device.GPIOD, device.GPIOE);
         let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
         supply::watch(&device.PWR, &device.EXTI, &mut rcc);
 
         // not `expect`, which would print the error and bring the formatting of floats into the image
-        let Ok((config, tuning)) = control::configuration() else { panic!("the compiled-in configuration is bad") };
+        let Ok((mut config, tuning)) = control::configuration() else { panic!("the compiled-in configuration is bad") };
         let mpc = Mpc::prepare(&mpc_settings(&VehicleParameters::F450_GIMBAL, &tuning));
         let Ok(mpc) = mpc else { panic!("the compiled-in MPC is bad") };
 
@@ -116,6 +122,7 @@ mod app {
         let (answers, answers_out) = cx.local.answers.split();
         let (chores, chores_out) = cx.local.chores.split();
         let (samples, samples_out) = cx.local.samples.split();
+        let (samples_second, samples_second_out) = cx.local.samples_second.split();
         let (ring, buffer) = (cx.local.ring, cx.local.buffer);
         let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, ring, buffer, &mut rcc);
         let link = LinkIn::new(port, settings, orders);
@@ -125,34 +132,52 @@ mod app {
             ground.tell(&record.words());
         }
 
-        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
-        let mut imu = Imu::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, samples, &mut rcc);
-        if let Err(fault) = imu.start(&mut device.EXTI) {
-            // without samples nothing arms
+        let mut bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
+        // the second first, since its gyro takes a while to settle
+        let second = l3gd20::set_up(&mut bus).and_then(|axes| lsm303d::set_up(&mut bus).map(|()| axes));
+        let first = mpu6000::set_up(&mut bus);
+        let usable = Usable { first: first.is_ok(), second: second.is_ok() };
+        match second {
+            Ok(axes) => config.imu_second.gyro_axes = axes,
+            Err(fault) => ground.tell(fault.words()),
+        }
+        if let Err(fault) = first {
+            // without samples of either nothing arms
             ground.tell(fault.words());
         }
+        let producers = [samples, samples_second];
+        let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
+        imus.start(&usable, &mut device.EXTI);
 
         let blocks = ArmingBlocks { fault_record_unread: record.is_some(), configuration_unconfirmed: false };
         let commander = Commander::new(settings.hover_throttle, blocks);
-        let ends = Ends { samples: samples_out, orders: orders_out, answers, chores };
+        let ends = Ends { samples: [samples_out, samples_second_out], orders: orders_out, answers, chores };
         let control = Control::new(config, commander, ends);
         let (trace, mpc_state) = (Trace::new(), MpcState::new());
         let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
         loop_timer.start();
         let local = Local { control, outputs, loop_timer, trace, mpc, mpc_state, ground, led, watchdog };
-        (Shared { imu, link, plan: None, status: None }, local)
+        (Shared { imus, link, plan: None, status: None }, local)
     }
 
-    /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
-    #[task(binds = EXTI15_10, priority = 6, shared = [imu])]
-    fn imu_ready(cx: imu_ready::Context) {
-        cx.shared.imu.begin_transfer();
+    /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up and
+    /// counted.
+    #[task(binds = EXTI15_10, priority = 6, shared = [imus])]
+    fn first_imu_ready(cx: first_imu_ready::Context) {
+        cx.shared.imus.first_ready();
     }
 
-    /// About 15 us after [`imu_ready`], done before the next. On a miss that next sample is given up and counted.
-    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imu])]
+    /// Every 1.3 ms, and once a step by [`control_step`]; done within 3 us. If it comes late, so does the sample.
+    #[task(binds = EXTI0, priority = 6, shared = [imus])]
+    fn second_imu_ready(cx: second_imu_ready::Context) {
+        cx.shared.imus.second_ready();
+    }
+
+    /// 15 us after a transfer has begun, done within 5 us. On a miss the next transfer is late, beyond 200 us given up and
+    /// counted.
+    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imus])]
     fn imu_received(cx: imu_received::Context) {
-        cx.shared.imu.end_transfer();
+        cx.shared.imus.received();
     }
 
     /// Every loop period; its pulses must be written within `board::PULSE_DELAY_US`. On a miss the pulses before are sent
@@ -183,6 +208,8 @@ mod app {
             counters::LOOP_OVERRUNS.add();
         }
         watchdog::report_loop();
+        // a lost edge or a transfer that hangs is noticed once a step
+        rtic::pend(Interrupt::EXTI0);
         if output.step.is_multiple_of(HOUSEKEEPING_STEPS) {
             // still busy with the one before: the watchdog notices if that lasts
             let _ = housekeeping::spawn();
