@@ -20,6 +20,7 @@ pub mod mpc;
 pub mod output;
 pub mod params;
 pub mod qp;
+pub mod setup;
 pub mod signals;
 pub mod supervisor;
 pub mod test_sequence;

@@ -12,7 +12,6 @@
 use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
-use heapless::spsc::{Producer, Queue};
 use shared_control::signals::RawImuSample;
 use stm32f4xx_hal::gpio::{ExtiPin, Input, PB0, PD15};
 use stm32f4xx_hal::pac::{DMA2, EXTI};
@@ -20,6 +19,7 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::clock;
 use super::counters::{FIRST_IMU, ImuCounters, SECOND_IMU};
+use super::queue::{Producer, Queue};
 use super::sensor_bus::{Chip, SensorBus};
 use super::{l3gd20, lsm303d, mpu6000};
 

@@ -1,6 +1,7 @@
 //! MPU6000, gyro and accelerometer of the first IMU. Register map RM-MPU-6000A-00 revision 4.2.
 
-use super::board;
+use shared_control::setup::IMU_RATE_HZ;
+
 use super::clock;
 use super::sensor_bus::{Chip, Flaw, READ, SensorBus, SensorFault};
 
@@ -23,12 +24,12 @@ pub const SAMPLE_BYTES: u16 = 16;
 /// What is written, in this order, and must read back.
 const fn settings(accel_config: u8) -> [(u8, u8); 9] {
     [
-        (PWR_MGMT_1, 0x01),                            // awake, clock from the gyro
-        (0x6C, 0x00),                                  // PWR_MGMT_2: all axes on
-        (0x6A, 0x10),                                  // USER_CTRL: I2C off, or bus traffic for others may switch it on
-        (0x1A, 0x00),                                  // CONFIG: 256 Hz, the least delay; gyro at 8 kHz
-        (0x19, (8000 / board::IMU_RATE_HZ - 1) as u8), // SMPLRT_DIV
-        (0x1B, 0x18),                                  // GYRO_CONFIG: +-2000 deg/s
+        (PWR_MGMT_1, 0x01),                     // awake, clock from the gyro
+        (0x6C, 0x00),                           // PWR_MGMT_2: all axes on
+        (0x6A, 0x10),                           // USER_CTRL: I2C off, or bus traffic for others may switch it on
+        (0x1A, 0x00),                           // CONFIG: 256 Hz, the least delay; gyro at 8 kHz
+        (0x19, (8000 / IMU_RATE_HZ - 1) as u8), // SMPLRT_DIV
+        (0x1B, 0x18),                           // GYRO_CONFIG: +-2000 deg/s
         (0x1C, accel_config),
         (0x37, 0x10),       // INT_PIN_CFG: 50 us pulse, cleared by any read
         (0x38, DATA_READY), // INT_ENABLE
