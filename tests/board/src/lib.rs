@@ -9,6 +9,7 @@ mod board;
 mod cortex;
 mod cpu;
 mod devices;
+mod entry;
 mod image;
 mod machine;
 mod memory;
@@ -21,6 +22,7 @@ mod vehicle;
 mod world;
 
 pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
+pub use entry::EntryState;
 pub use image::{Image, ImageError};
 pub use machine::{Counters, Machine};
 pub use peripherals::timer::Pulse;

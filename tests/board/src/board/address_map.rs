@@ -174,6 +174,13 @@ impl Board {
         }
     }
 
+    /// Writes words, as a bootloader may have done.
+    pub(crate) fn preset(&mut self, registers: &[(u32, u32)]) {
+        for (address, word) in registers {
+            self.store(*address, 4, *word, Place { pc: 0, ran: 0 });
+        }
+    }
+
     fn time_of(&self, place: Place) -> (Ticks, u64) {
         let cycles = place.ran * CYCLES_PER_INSTRUCTION;
         (self.now + cycles * self.clocks.core, self.cycles + cycles)
