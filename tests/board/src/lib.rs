@@ -21,6 +21,7 @@ mod trace;
 mod vehicle;
 mod world;
 
+pub use board::serial::Connector;
 pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
 pub use entry::EntryState;
 pub use image::{Image, ImageError};
