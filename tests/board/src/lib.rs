@@ -9,6 +9,7 @@ mod board;
 mod cortex;
 mod cpu;
 mod devices;
+mod entry;
 mod image;
 mod machine;
 mod memory;
@@ -20,7 +21,9 @@ mod trace;
 mod vehicle;
 mod world;
 
+pub use board::serial::Connector;
 pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
+pub use entry::EntryState;
 pub use image::{Image, ImageError};
 pub use machine::{Counters, Machine};
 pub use peripherals::timer::Pulse;
