@@ -25,6 +25,8 @@ use super::{l3gd20, lsm303d, mpu6000};
 
 /// A transfer takes 13 us; what lasts this long has failed.
 const TRANSFER_MAX_US: u32 = 200;
+/// Longest wait for a DMA stream to stop, turns of a loop; it takes a few cycles.
+const STOP_TURNS: u32 = 100;
 /// Room for the samples of two steps at 100 Hz.
 pub const QUEUE_LENGTH: usize = 32;
 
@@ -318,9 +320,13 @@ impl Imus {
         for stream in [SEND, RECEIVE] {
             self.dma.st(stream).cr().modify(|_, w| w.en().clear_bit());
         }
-        self.bus.quiet();
-        self.clear_flags();
-        self.bus.release(transfer.chip());
+        // the item under way may still end (RM 10.3.14)
+        for _ in 0..STOP_TURNS {
+            if [SEND, RECEIVE].iter().all(|stream| self.dma.st(*stream).cr().read().en().bit_is_clear()) {
+                break;
+            }
+        }
+        self.bus.start_over(transfer.chip());
         self.under_way = None;
     }
 
