@@ -201,11 +201,13 @@ impl Bus for Board {
         }
     }
 
-    fn store(&mut self, address: u32, size: u32, value: u32, place: Place) {
+    fn store(&mut self, address: u32, size: u32, value: u32, place: Place) -> bool {
         let (now, cycles) = self.time_of(place);
+        let wanted = self.private.exceptions.wanted();
         match self.store_at(address, size, value, now, cycles) {
             Ok(()) => self.refresh_lines(),
             Err(cause) => self.refuse(cause, address, Some(value), place.pc),
         }
+        self.stop.is_some() || self.private.exceptions.wanted() & !wanted != 0
     }
 }
