@@ -72,7 +72,6 @@ pub(crate) struct Cpu {
 /// Where in the slice a peripheral access happens.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    pub(crate) pc: u32,
     /// Instructions of this slice before the running block.
     pub(crate) ran: u64,
 }
@@ -81,9 +80,11 @@ pub(crate) struct Place {
 pub(crate) trait Bus {
     /// A load of 1, 2 or 4 bytes.
     fn load(&mut self, address: u32, size: u32, place: Place) -> u32;
-    /// A store of 1, 2 or 4 bytes. True if the slice has to end after its block: an interrupt came up by it, or the
-    /// run is over.
+    /// A store of 1, 2 or 4 bytes. True if an interrupt came up by it, so that the slice has to end after its
+    /// block.
     fn store(&mut self, address: u32, size: u32, value: u32, place: Place) -> bool;
+    /// Is the run over because of an access? Then it ends at that instruction.
+    fn is_over(&self) -> bool;
 }
 
 const EXCEPTION_SVC: u32 = 2;
@@ -224,21 +225,25 @@ fn map_bus<B: Bus + 'static>(
     let (reader, writer) = (Rc::clone(bus), Rc::clone(bus));
     let (read_hooked, write_hooked) = (Rc::clone(hooked), Rc::clone(hooked));
     let start = region.start;
-    let place = |engine: &Unicorn<'_, ()>, hooked: &Hooked| Place {
-        pc: engine.reg_read(RegisterARM::PC).unwrap_or_default() as u32,
-        ran: hooked.instructions.get(),
-    };
+    let place = |hooked: &Hooked| Place { ran: hooked.instructions.get() };
     engine.mmio_map(
         u64::from(region.start),
         u64::from(region.size),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize| {
-            let place = place(engine, &read_hooked);
-            u64::from(reader.borrow_mut().load(start + offset as u32, size as u32, place))
+            let mut bus = reader.borrow_mut();
+            let value = bus.load(start + offset as u32, size as u32, place(&read_hooked));
+            if bus.is_over() {
+                let _ = engine.emu_stop();
+            }
+            u64::from(value)
         }),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize, value: u64| {
-            let place = place(engine, &write_hooked);
-            if writer.borrow_mut().store(start + offset as u32, size as u32, value as u32, place) {
+            let mut bus = writer.borrow_mut();
+            if bus.store(start + offset as u32, size as u32, value as u32, place(&write_hooked)) {
                 write_hooked.budget.set(0);
+            }
+            if bus.is_over() {
+                let _ = engine.emu_stop();
             }
         }),
     )

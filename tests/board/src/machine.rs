@@ -280,7 +280,7 @@ impl Machine {
 
     fn check_stop(&self) -> Result<(), Stop> {
         match self.board.borrow_mut().stop.take() {
-            Some(stop) => Err(stop),
+            Some(stop) => Err(Stop { pc: self.pc, ..stop }),
             None => Ok(()),
         }
     }
@@ -335,6 +335,11 @@ impl Machine {
     pub fn word(&mut self, address: u32) -> Option<u32> {
         let mut bytes = [0; 4];
         self.cpu.load(address, &mut bytes).then(|| u32::from_le_bytes(bytes))
+    }
+
+    /// Overwrites memory. False if there is not so much.
+    pub fn write(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.cpu.store(address, bytes)
     }
 
     /// Bytes of memory, if there are that many.

@@ -179,7 +179,7 @@ impl Board {
     /// Writes words, as a bootloader may have done.
     pub(crate) fn preset(&mut self, registers: &[(u32, u32)]) {
         for (address, word) in registers {
-            self.store(*address, 4, *word, Place { pc: 0, ran: 0 });
+            self.store(*address, 4, *word, Place { ran: 0 });
         }
     }
 
@@ -195,7 +195,7 @@ impl Bus for Board {
         match self.load_at(address, size, now, cycles) {
             Ok(value) => value,
             Err(cause) => {
-                self.refuse(cause, address, None, place.pc);
+                self.refuse(cause, address, None);
                 0
             }
         }
@@ -206,8 +206,12 @@ impl Bus for Board {
         let wanted = self.private.exceptions.wanted();
         match self.store_at(address, size, value, now, cycles) {
             Ok(()) => self.refresh_lines(),
-            Err(cause) => self.refuse(cause, address, Some(value), place.pc),
+            Err(cause) => self.refuse(cause, address, Some(value)),
         }
-        self.stop.is_some() || self.private.exceptions.wanted() & !wanted != 0
+        self.private.exceptions.wanted() & !wanted != 0
+    }
+
+    fn is_over(&self) -> bool {
+        self.stop.is_some()
     }
 }

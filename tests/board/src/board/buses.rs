@@ -94,7 +94,7 @@ impl Board {
 
     fn answer_or_refuse(&mut self, answer: Result<u8, &'static str>) -> u8 {
         answer.unwrap_or_else(|why| {
-            self.refuse(Cause::Unmodelled(why), 0, None, 0);
+            self.refuse(Cause::Unmodelled(why), 0, None);
             FLOATING
         })
     }

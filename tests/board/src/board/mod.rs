@@ -223,14 +223,14 @@ impl Board {
     /// The crystal stops, or would start.
     pub(crate) fn set_crystal(&mut self, oscillates: bool) {
         if !self.rcc.set_crystal(oscillates) {
-            self.refuse(Cause::Unmodelled("the crystal stopped and the clock security system is off"), 0, None, 0);
+            self.refuse(Cause::Unmodelled("the crystal stopped and the clock security system is off"), 0, None);
         }
         self.distribute_clocks();
         self.refresh_lines();
     }
 
-    fn refuse(&mut self, cause: Cause, address: u32, value: Option<u32>, pc: u32) {
+    fn refuse(&mut self, cause: Cause, address: u32, value: Option<u32>) {
         // the first is the cause, the rest may follow from it
-        self.stop.get_or_insert(Stop { cause, address, value, pc });
+        self.stop.get_or_insert(Stop { cause, address, value, pc: 0 });
     }
 }
