@@ -48,7 +48,7 @@ impl Board {
         self.fram.select(fram);
     }
 
-    fn exchange_on_spi1(&mut self, byte: u8, now: Ticks) -> u8 {
+    pub(super) fn exchange_on_spi1(&mut self, byte: u8, now: Ticks) -> u8 {
         if SPI1_PINS.iter().any(|pin| self.ports[A].alternate_function(*pin) != SPI_FUNCTION) {
             return FLOATING;
         }

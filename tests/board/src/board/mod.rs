@@ -234,3 +234,6 @@ impl Board {
         self.stop.get_or_insert(Stop { cause, address, value, pc: 0 });
     }
 }
+
+#[cfg(test)]
+mod tests;
