@@ -199,6 +199,13 @@ impl Cpu {
         self.refresh_mode();
     }
 
+    /// RAM and CCM hold what they hold when power comes.
+    pub(crate) fn forget_memory(&mut self, seed: u64) {
+        let (ram, ccm) = (memory::RAM, memory::CCM);
+        self.store(ram.start, &memory::noise(ram.size, seed));
+        self.store(ccm.start, &memory::noise(ccm.size, !seed));
+    }
+
     /// Makes the translated code notice a change of mode or stack; only this write of the emulator's does.
     pub(crate) fn refresh_mode(&mut self) {
         let flags = self.register(RegisterARM::APSR);

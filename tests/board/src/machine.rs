@@ -117,6 +117,13 @@ impl Machine {
         self.enter_image();
     }
 
+    /// Takes all power away and gives it back: RAM holds the noise of `seed`, only flash and FRAM remember.
+    pub fn power_cycle(&mut self, seed: u64) {
+        self.board.borrow_mut().power_cycle(seed);
+        self.cpu.forget_memory(seed);
+        self.enter_image();
+    }
+
     /// Runs up to a point in time.
     ///
     /// # Errors

@@ -232,3 +232,17 @@ fn the_fram_is_written_over_spi2() {
     // what was read back last
     assert_eq!(words(&mut machine), [0xfe]);
 }
+
+#[test]
+fn without_power_ram_is_noise_and_the_reset_flags_say_so() {
+    let mut program = Program::default();
+    program.main().copy(0x4002_3874, RESULT + 4).count(RESULT).sleep();
+    let mut machine = machine(&program);
+    machine.run_until(MILLISECOND).unwrap();
+    assert_eq!(words(&mut machine), [1, 0x0e00_0000]);
+    machine.power_cycle(77);
+    machine.run_until(2 * MILLISECOND).unwrap();
+    let [count, flags] = words(&mut machine);
+    assert!(count > 1000, "{count}");
+    assert_eq!(flags, 0x0e00_0000);
+}

@@ -217,6 +217,19 @@ fn a_reset_leaves_what_is_around_the_chip_alone() {
 }
 
 #[test]
+fn without_power_only_the_fram_remembers() {
+    let mut board = board(0);
+    board.fram.put(7, &[1, 2, 3]);
+    board.reset(1 << 28);
+    board.backup_ram.fill(5);
+    board.power_cycle(9);
+    assert_eq!(board.fram.content()[7..10], [1, 2, 3]);
+    assert!(board.backup_ram.iter().any(|byte| *byte != 5));
+    assert_eq!(board.rcc.reset_flags(), POWER_ON);
+    assert_eq!(board.mpu6000.next_event(), None);
+}
+
+#[test]
 fn the_buzzers_pitch_is_tim2s_if_its_pin_is_told_so() {
     let mut board = board(0);
     board.preset(&[(0x4002_3840, 1), (0x4000_0018, 0x68), (0x4000_0020, 1), (0x4000_002c, 7999), (0x4000_0034, 4000)]);
