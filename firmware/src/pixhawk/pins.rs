@@ -1,11 +1,11 @@
 //! Which pin does what (Pixhawk 1, FMUv2 schematic), each in the state that is safe until its device is set up.
 
-use stm32f4xx_hal::gpio::{Edge, ExtiPin, OpenDrain, Output, PE3, PE12, PinState, Pull, Speed};
+use stm32f4xx_hal::gpio::{Edge, ExtiPin, OpenDrain, Output, PD10, PE3, PE12, PinState, Pull, Speed};
 use stm32f4xx_hal::pac::{EXTI, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::{imu, link_port, outputs, sensor_bus};
+use super::{fram, imu, link_port, outputs, sensor_bus};
 
 /// The pins in use.
 pub struct Pins {
@@ -17,6 +17,10 @@ pub struct Pins {
     pub sensor_supply: PE3<Output>,
     /// Data-ready of both IMUs, interrupts on rising edges.
     pub imu_ready: imu::ReadyPins,
+    /// Chip select of the FRAM, high.
+    pub fram_select: PD10<Output>,
+    /// SPI2.
+    pub fram: fram::Pins,
     /// AUX 4 to 1.
     pub motors: outputs::Pins,
     /// TELEM1.
@@ -62,6 +66,8 @@ impl Pins {
             sensor_bus,
             sensor_supply: e.pe3.into_push_pull_output_in_state(PinState::Low),
             imu_ready,
+            fram_select: d.pd10.into_push_pull_output_in_state(high),
+            fram: (b.pb13.into_alternate(), b.pb14.into_alternate(), b.pb15.into_alternate()),
             motors,
             link: (d.pd5.into_alternate(), d.pd6.into_alternate().internal_resistor(Pull::Up)),
             led: e.pe12.into_open_drain_output_in_state(high),

@@ -16,6 +16,7 @@ mod memory;
 mod peripherals;
 mod second_imu;
 mod stop;
+pub mod thumb;
 pub mod time;
 mod trace;
 mod vehicle;

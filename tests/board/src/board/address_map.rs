@@ -179,7 +179,7 @@ impl Board {
     /// Writes words, as a bootloader may have done.
     pub(crate) fn preset(&mut self, registers: &[(u32, u32)]) {
         for (address, word) in registers {
-            self.store(*address, 4, *word, Place { pc: 0, ran: 0 });
+            self.store(*address, 4, *word, Place { ran: 0 });
         }
     }
 
@@ -195,17 +195,23 @@ impl Bus for Board {
         match self.load_at(address, size, now, cycles) {
             Ok(value) => value,
             Err(cause) => {
-                self.refuse(cause, address, None, place.pc);
+                self.refuse(cause, address, None);
                 0
             }
         }
     }
 
-    fn store(&mut self, address: u32, size: u32, value: u32, place: Place) {
+    fn store(&mut self, address: u32, size: u32, value: u32, place: Place) -> bool {
         let (now, cycles) = self.time_of(place);
+        let wanted = self.private.exceptions.wanted();
         match self.store_at(address, size, value, now, cycles) {
             Ok(()) => self.refresh_lines(),
-            Err(cause) => self.refuse(cause, address, Some(value), place.pc),
+            Err(cause) => self.refuse(cause, address, Some(value)),
         }
+        self.private.exceptions.wanted() & !wanted != 0
+    }
+
+    fn is_over(&self) -> bool {
+        self.stop.is_some()
     }
 }
