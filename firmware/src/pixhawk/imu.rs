@@ -12,6 +12,7 @@
 use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
+use shared_control::imu::AxisMap;
 use shared_control::signals::RawImuSample;
 use stm32f4xx_hal::gpio::{ExtiPin, Input, PB0, PD15};
 use stm32f4xx_hal::pac::{DMA2, EXTI};
@@ -20,11 +21,13 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 use super::clock;
 use super::counters::{FIRST_IMU, ImuCounters, SECOND_IMU};
 use super::queue::{Producer, Queue};
-use super::sensor_bus::{Chip, SensorBus};
+use super::sensor_bus::{Chip, SensorBus, SensorFault};
 use super::{l3gd20, lsm303d, mpu6000};
 
 /// A transfer takes 13 us; what lasts this long has failed.
 const TRANSFER_MAX_US: u32 = 200;
+/// Longest wait for a DMA stream to stop, turns of a loop; it takes a few cycles.
+const STOP_TURNS: u32 = 100;
 /// Room for the samples of two steps at 100 Hz.
 pub const QUEUE_LENGTH: usize = 32;
 
@@ -85,12 +88,29 @@ pub struct ReadyPins {
     pub second: PB0<Input>,
 }
 
-/// Which sensors passed their checks.
-pub struct Usable {
-    /// The MPU6000.
-    pub first: bool,
-    /// L3GD20 and LSM303D.
-    pub second: bool,
+/// What the checks of the sensors found.
+pub struct Checked {
+    first: Result<(), SensorFault>,
+    second: Result<AxisMap, SensorFault>,
+}
+
+impl Checked {
+    /// Sets all of them up; one that does not pass is told of and never delivers.
+    pub fn set_up(bus: &mut SensorBus) -> Self {
+        // the second first, since its gyro takes a while to settle
+        let second = l3gd20::set_up(bus).and_then(|axes| lsm303d::set_up(bus).map(|()| axes));
+        Self { first: mpu6000::set_up(bus), second }
+    }
+
+    /// The axes of the second gyro, of which there are two variants.
+    pub fn second_gyro_axes(&self) -> Option<AxisMap> {
+        self.second.ok()
+    }
+
+    /// For a person.
+    pub fn faults(&self) -> impl Iterator<Item = SensorFault> {
+        self.first.err().into_iter().chain(self.second.err())
+    }
 }
 
 /// What the DMA is at.
@@ -198,14 +218,14 @@ impl Imus {
         }
     }
 
-    /// Listens to those that are usable; the others never deliver.
-    pub fn start(&mut self, usable: &Usable, exti: &mut EXTI) {
-        self.second_is_usable = usable.second;
-        if usable.first {
+    /// Listens to those that passed.
+    pub fn start(&mut self, checked: &Checked, exti: &mut EXTI) {
+        self.second_is_usable = checked.second.is_ok();
+        if checked.first.is_ok() {
             self.ready.first.clear_interrupt_pending_bit();
             self.ready.first.enable_interrupt(exti);
         }
-        if usable.second {
+        if self.second_is_usable {
             self.ready.second.clear_interrupt_pending_bit();
             self.ready.second.enable_interrupt(exti);
         }
@@ -318,9 +338,13 @@ impl Imus {
         for stream in [SEND, RECEIVE] {
             self.dma.st(stream).cr().modify(|_, w| w.en().clear_bit());
         }
-        self.bus.quiet();
-        self.clear_flags();
-        self.bus.release(transfer.chip());
+        // the item under way may still end (RM 10.3.14)
+        for _ in 0..STOP_TURNS {
+            if [SEND, RECEIVE].iter().all(|stream| self.dma.st(*stream).cr().read().en().bit_is_clear()) {
+                break;
+            }
+        }
+        self.bus.start_over(transfer.chip());
         self.under_way = None;
     }
 

@@ -53,7 +53,7 @@ mod app {
     use super::fault::{self, Cause, FaultRecord};
     use super::fram::Fram;
     use super::ground::Ground;
-    use super::imu::{Buffers, Imus, SampleQueue, Usable};
+    use super::imu::{Buffers, Checked, Imus, SampleQueue};
     use super::led::{Led, Sign};
     use super::link_port::{self, LinkIn, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
@@ -63,7 +63,7 @@ mod app {
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
-    use super::{boot, clock, counters, l3gd20, lsm303d, mpu6000, supply};
+    use super::{boot, clock, counters, supply};
 
     #[shared]
     struct Shared {
@@ -137,21 +137,14 @@ mod app {
         }
         ground.tell_configuration(&configuration);
 
-        // the second first, since its gyro takes a while to settle
-        let second = l3gd20::set_up(&mut bus).and_then(|axes| lsm303d::set_up(&mut bus).map(|()| axes));
-        let first = mpu6000::set_up(&mut bus);
-        let usable = Usable { first: first.is_ok(), second: second.is_ok() };
-        match second {
-            Ok(axes) => configuration.setup.config.imu_second.gyro_axes = axes,
-            Err(fault) => ground.tell(fault.words()),
-        }
-        if let Err(fault) = first {
-            // without samples of either nothing arms
-            ground.tell(fault.words());
+        let checked = Checked::set_up(&mut bus);
+        checked.faults().for_each(|fault| ground.tell(fault.words()));
+        if let Some(axes) = checked.second_gyro_axes() {
+            configuration.setup.config.imu_second.gyro_axes = axes;
         }
         let producers = [samples, samples_second];
         let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
-        imus.start(&usable, &mut device.EXTI);
+        imus.start(&checked, &mut device.EXTI);
 
         let blocks = ArmingBlocks {
             fault_record_unread: record.is_some(),

@@ -2,9 +2,10 @@
 //!
 //! Mode 3. Registers at 656 kHz (the MPU6000 allows 1 MHz), samples at 10.5 MHz (the MPU6000 allows 20) or 5.25 MHz (the
 //! others allow 10).
+#![allow(unsafe_code)] // a reset without the owner of all clocks
 
 use stm32f4xx_hal::gpio::{Alternate, Output, PA5, PA6, PA7, PC2, PC13, PC15, PD7, PE3};
-use stm32f4xx_hal::pac::SPI1;
+use stm32f4xx_hal::pac::{SPI1, spi1};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::board;
@@ -14,8 +15,6 @@ use super::clock;
 pub const READ: u8 = 0x80;
 /// Second bit, where the L3GD20 and the LSM303D are to go on to the next register.
 pub const INCREMENT: u8 = 0x40;
-/// Longest wait for the bus to fall silent, turns of a loop: far more than the two bytes that may be under way.
-const SILENCE_TURNS: u32 = 2000;
 
 /// A sensor in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
@@ -93,41 +92,30 @@ impl SensorBus {
         SPI1::enable(rcc);
         SPI1::reset(rcc);
         // for registers: 84 MHz / 128
-        spi.cr1().write(|w| {
-            w.cpol().set_bit().cpha().set_bit().mstr().set_bit().ssm().set_bit().ssi().set_bit().br().div128();
-            w.spe().set_bit()
-        });
+        spi.cr1().write(|w| mode_3(w).br().div128().spe().set_bit());
         Self { spi, selects, _pins: pins }
     }
 
     /// From now on samples, by DMA.
     pub fn hand_to_dma(&self) {
-        self.spi.cr1().modify(|_, w| w.spe().clear_bit());
+        self.spi.cr1().write(|w| mode_3(w));
         self.spi.cr2().write(|w| w.rxdmaen().set_bit().txdmaen().set_bit());
     }
 
     /// Begins a transfer of a sample, at the chip's speed.
     pub fn begin_sample(&mut self, chip: Chip) {
-        self.spi.cr1().modify(|_, w| w.spe().clear_bit());
-        self.spi.cr1().modify(|_, w| match chip {
-            Chip::Mpu6000 => w.br().div8(),
-            Chip::L3gd20 | Chip::Lsm303d => w.br().div16(),
-        });
+        // the speed may change only while it is off
+        self.spi.cr1().write(|w| at_speed_of(chip, mode_3(w)));
         self.select(chip);
-        self.spi.cr1().modify(|_, w| w.spe().set_bit());
+        self.spi.cr1().write(|w| at_speed_of(chip, mode_3(w)).spe().set_bit());
     }
 
-    /// Clears away what a transfer that was broken off has left. Its DMA must be off, so that two bytes are under way at most.
-    pub fn quiet(&self) {
-        for _ in 0..SILENCE_TURNS {
-            if self.spi.sr().read().bsy().bit_is_clear() {
-                break;
-            }
-        }
-        self.spi.cr1().modify(|_, w| w.spe().clear_bit());
-        // what came in unread, and the overrun (RM 28.3.10)
-        self.spi.dr().read();
-        self.spi.sr().read();
+    /// Ends one that was broken off, and clears away what is left of it.
+    pub fn start_over(&mut self, chip: Chip) {
+        self.release(chip);
+        // SAFETY: a write to the bit of this peripheral alone, through its bit-band alias
+        unsafe { SPI1::reset_unchecked() };
+        self.hand_to_dma();
     }
 
     /// Ends a transfer.
@@ -191,5 +179,17 @@ impl SensorBus {
         // a master always gets its byte: it makes the clock
         while self.spi.sr().read().rxne().bit_is_clear() {}
         self.spi.dr().read().dr().bits() as u8
+    }
+}
+
+/// A master in mode 3 that leaves chip selects to others.
+fn mode_3(w: &mut spi1::cr1::W) -> &mut spi1::cr1::W {
+    w.cpol().set_bit().cpha().set_bit().mstr().set_bit().ssm().set_bit().ssi().set_bit()
+}
+
+fn at_speed_of(chip: Chip, w: &mut spi1::cr1::W) -> &mut spi1::cr1::W {
+    match chip {
+        Chip::Mpu6000 => w.br().div8(),
+        Chip::L3gd20 | Chip::Lsm303d => w.br().div16(),
     }
 }
