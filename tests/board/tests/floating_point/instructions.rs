@@ -13,7 +13,7 @@ macro_rules! flags_of {
 }
 
 /// Half-words, by GNU as, with the reference. Denormals are kept, and what is rounded goes to the nearest, ties to even.
-pub const INSTRUCTIONS: [(&[u16], Reference); 26] = [
+pub const INSTRUCTIONS: [(&[u16], Reference); 28] = [
     // vadd, vsub, vmul, vnmul, vdiv .f32 s2, s0, s1
     (&[0xee30, 0x1a20], |a, b| (a + b).to_bits()),
     (&[0xee30, 0x1a60], |a, b| (a - b).to_bits()),
@@ -46,6 +46,9 @@ pub const INSTRUCTIONS: [(&[u16], Reference); 26] = [
     // vpush {s0, s1}; vpop {s2, s3}, and the same of d0 and d1
     (&[0xed2d, 0x0a02, 0xecbd, 0x1a02], |a, _| a.to_bits()),
     (&[0xed2d, 0x0b02, 0xecbd, 0x1b02], |a, _| a.to_bits()),
+    // sub sp, #8; mov r3, sp; vstmia r3, {s0, s1}; vpop {s2, s3}, and the same of d0 and d1
+    (&[0xb082, 0x466b, 0xec83, 0x0a02, 0xecbd, 0x1a02], |a, _| a.to_bits()),
+    (&[0xb082, 0x466b, 0xec83, 0x0b02, 0xecbd, 0x1b02], |a, _| a.to_bits()),
     // vmov r3, r4, s0, s1; vmov s2, s3, r4, r3, and, not crossed over, r3, r4, d0; d1, r3, r4
     (&[0xec54, 0x3a10, 0xec43, 0x4a11], |_, b| b.to_bits()),
     (&[0xec54, 0x3b10, 0xec44, 0x3b11], |a, _| a.to_bits()),
