@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::link::{Answer, Chore, Commander, Order, VehicleStatus};
-use shared_control::signals::{Plan, PlanRequest, StepInput};
+use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
 
 use super::clock::TimeBase;
 use super::counters;
@@ -31,8 +31,8 @@ pub fn last_step() -> u32 {
 
 /// The loop's ends of its queues.
 pub struct Ends {
-    /// Samples of the IMU.
-    pub samples: Consumer<'static, TimedSample>,
+    /// Samples of both IMUs.
+    pub samples: [Consumer<'static, TimedSample>; 2],
     /// What the ground wants.
     pub orders: Consumer<'static, Order>,
     /// What came of it.
@@ -93,14 +93,9 @@ impl Control {
     fn gather(&mut self, plan: Option<Plan>) {
         let time_us = self.clock.now_us();
         self.input.time_us = time_us;
-        self.input.imu.clear();
-        // what does not fit waits for the next step
-        while !self.input.imu.is_full()
-            && let Some(sample) = self.ends.samples.dequeue()
-        {
-            // never full here
-            let _ = self.input.imu.push(sample.at(self.clock.extend(sample.counter_us)));
-        }
+        let [first, second] = &mut self.ends.samples;
+        gather_samples(&self.clock, first, &mut self.input.imu);
+        gather_samples(&self.clock, second, &mut self.input.imu_second);
         // bounded, whatever arrives meanwhile
         for _ in 0..QUEUE_LENGTH {
             let Some(order) = self.ends.orders.dequeue() else { break };
@@ -117,5 +112,16 @@ impl Control {
         if no_room || nor_here {
             counters::ANSWERS_DROPPED.add();
         }
+    }
+}
+
+/// What does not fit waits for the next step.
+fn gather_samples(clock: &TimeBase, samples: &mut Consumer<'static, TimedSample>, batch: &mut ImuBatch) {
+    batch.clear();
+    while !batch.is_full()
+        && let Some(sample) = samples.dequeue()
+    {
+        // never full here
+        let _ = batch.push(sample.at(clock.extend(sample.counter_us)));
     }
 }

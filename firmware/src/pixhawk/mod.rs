@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!  7  low_supply               supply detector: motors to the disarmed pulse, reset
-//!  6  imu_ready, imu_received  data-ready -> DMA -> sample queue
+//!  6  first_imu_ready, second_imu_ready, imu_received
+//!                              data-ready -> DMA -> sample queues
 //!  5  control_step             TIM3: samples since the last step -> fast -> pulses -> follow
 //!  3  link_idle, link_ring     TELEM1: bytes -> orders
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
@@ -19,10 +20,13 @@ mod fault;
 mod fram;
 mod ground;
 mod imu;
+mod l3gd20;
 mod led;
 mod link_port;
 mod load;
 mod loop_timer;
+mod lsm303d;
+mod mpu6000;
 mod outputs;
 mod pins;
 mod queue;
@@ -49,7 +53,7 @@ mod app {
     use super::fault::{self, Cause, FaultRecord};
     use super::fram::Fram;
     use super::ground::Ground;
-    use super::imu::{Buffers, Imu, SampleQueue};
+    use super::imu::{Buffers, Imus, SampleQueue, Usable};
     use super::led::{Led, Sign};
     use super::link_port::{self, LinkIn, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
@@ -59,12 +63,12 @@ mod app {
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
-    use super::{boot, clock, counters, supply};
+    use super::{boot, clock, counters, l3gd20, lsm303d, mpu6000, supply};
 
     #[shared]
     struct Shared {
         #[lock_free]
-        imu: Imu,
+        imus: Imus,
         #[lock_free]
         link: LinkIn,
         request: Option<PlanRequest>,
@@ -88,7 +92,8 @@ mod app {
 
     /// Interrupts are off until it returns.
     #[init(local = [
-        samples: SampleQueue = SampleQueue::new(), orders: OrderQueue = OrderQueue::new(),
+        samples: SampleQueue = SampleQueue::new(), samples_second: SampleQueue = SampleQueue::new(),
+        orders: OrderQueue = OrderQueue::new(),
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
         mpc_place: MpcPlace = MpcPlace::uninit(),
@@ -107,13 +112,13 @@ mod app {
         let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
         supply::watch(&device.PWR, &device.EXTI, &mut rcc);
 
-        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
+        let mut bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
         let mut memory = Fram::new(device.SPI2, pins.fram, pins.fram_select, &mut rcc);
-        let configuration = Configuration::read(&mut memory);
-        let setup = &configuration.setup;
+        let mut configuration = Configuration::read(&mut memory);
         let mpc = configuration.mpc(cx.local.mpc_place);
-        let outputs =
-            Outputs::new(device.TIM1, pins.motors, &setup.pulse_timer, configuration.disarmed_count(), &mut rcc);
+        let disarmed_count = configuration.disarmed_count();
+        let setup = &configuration.setup;
+        let outputs = Outputs::new(device.TIM1, pins.motors, &setup.pulse_timer, disarmed_count, &mut rcc);
         let loop_timer = LoopTimer::new(device.TIM3, &setup.loop_timer, &mut rcc);
 
         let settings = configuration.link_settings();
@@ -121,6 +126,7 @@ mod app {
         let (answers, answers_out) = cx.local.answers.split();
         let (chores, chores_out) = cx.local.chores.split();
         let (samples, samples_out) = cx.local.samples.split();
+        let (samples_second, samples_second_out) = cx.local.samples_second.split();
         let (ring, buffer) = (cx.local.ring, cx.local.buffer);
         let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, ring, buffer, &mut rcc);
         let link = LinkIn::new(port, settings, orders);
@@ -131,38 +137,56 @@ mod app {
         }
         ground.tell_configuration(&configuration);
 
-        let mut imu = Imu::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, samples, &mut rcc);
-        if let Err(fault) = imu.start(&mut device.EXTI) {
-            // without samples nothing arms
+        // the second first, since its gyro takes a while to settle
+        let second = l3gd20::set_up(&mut bus).and_then(|axes| lsm303d::set_up(&mut bus).map(|()| axes));
+        let first = mpu6000::set_up(&mut bus);
+        let usable = Usable { first: first.is_ok(), second: second.is_ok() };
+        match second {
+            Ok(axes) => configuration.setup.config.imu_second.gyro_axes = axes,
+            Err(fault) => ground.tell(fault.words()),
+        }
+        if let Err(fault) = first {
+            // without samples of either nothing arms
             ground.tell(fault.words());
         }
+        let producers = [samples, samples_second];
+        let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
+        imus.start(&usable, &mut device.EXTI);
 
         let blocks = ArmingBlocks {
             fault_record_unread: record.is_some(),
             configuration_unconfirmed: configuration.fault.is_some(),
         };
         let commander = Commander::new(settings.hover_throttle, blocks);
-        let ends = Ends { samples: samples_out, orders: orders_out, answers, chores };
-        let control = Control::new(setup.config, commander, ends);
+        let ends = Ends { samples: [samples_out, samples_second_out], orders: orders_out, answers, chores };
+        let control = Control::new(configuration.setup.config, commander, ends);
         let (trace, mpc_state) = (Trace::new(), MpcState::new());
         let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
         loop_timer.start();
         let housekeeping_steps = configuration.housekeeping_steps();
         let local =
             Local { control, outputs, loop_timer, trace, housekeeping_steps, mpc, mpc_state, ground, led, watchdog };
-        (Shared { imu, link, request: None, plan: None, status: None }, local)
+        (Shared { imus, link, request: None, plan: None, status: None }, local)
     }
 
-    /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
-    #[task(binds = EXTI15_10, priority = 6, shared = [imu])]
-    fn imu_ready(cx: imu_ready::Context) {
-        cx.shared.imu.begin_transfer();
+    /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up and
+    /// counted.
+    #[task(binds = EXTI15_10, priority = 6, shared = [imus])]
+    fn first_imu_ready(cx: first_imu_ready::Context) {
+        cx.shared.imus.first_ready();
     }
 
-    /// About 15 us after [`imu_ready`], done before the next. On a miss that next sample is given up and counted.
-    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imu])]
+    /// Every 1.3 ms, and once a step by [`control_step`]; done within 3 us. If it comes late, so does the sample.
+    #[task(binds = EXTI0, priority = 6, shared = [imus])]
+    fn second_imu_ready(cx: second_imu_ready::Context) {
+        cx.shared.imus.second_ready();
+    }
+
+    /// 15 us after a transfer has begun, done within 5 us. On a miss the next transfer is late, beyond 200 us given up and
+    /// counted.
+    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imus])]
     fn imu_received(cx: imu_received::Context) {
-        cx.shared.imu.end_transfer();
+        cx.shared.imus.received();
     }
 
     /// Every loop period; its pulses must be written within `board::PULSE_DELAY_US`. On a miss the pulses before are sent
@@ -190,6 +214,8 @@ mod app {
             counters::LOOP_OVERRUNS.add();
         }
         watchdog::report_loop();
+        // a lost edge or a transfer that hangs is noticed once a step
+        rtic::pend(Interrupt::EXTI0);
         if output.step.is_multiple_of(*local.housekeeping_steps) {
             // still busy with the one before: the watchdog notices if that lasts
             rtic::pend(Interrupt::CAN1_RX1);

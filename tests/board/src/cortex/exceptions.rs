@@ -139,9 +139,14 @@ impl Exceptions {
         priority
     }
 
+    /// Those that are pending and enabled, a bit each.
+    pub(crate) fn wanted(&self) -> u128 {
+        self.pending & self.enabled
+    }
+
     /// The highest pending one, lowest number first among equals.
     pub(crate) fn highest_pending(&self) -> Option<u8> {
-        numbers(self.pending & self.enabled).min_by_key(|number| (self.priority_of(*number), *number))
+        numbers(self.wanted()).min_by_key(|number| (self.priority_of(*number), *number))
     }
 
     /// The exception to be taken now.
