@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod attitude;
+pub mod battery;
 pub mod config;
 pub mod elementary;
 pub mod estimator;
@@ -19,6 +20,7 @@ pub mod output;
 pub mod params;
 pub mod qp;
 pub mod signals;
+pub mod signs;
 pub mod supervisor;
 pub mod test_sequence;
 pub mod trace;

@@ -95,7 +95,7 @@ impl Control {
 
     /// What telemetry may tell of a step.
     pub fn status(&self, output: &StepOutput) -> VehicleStatus {
-        VehicleStatus { battery_v: self.input.battery_v, ..VehicleStatus::new(&self.config, output) }
+        VehicleStatus::new(&self.config, &self.input, output)
     }
 
     fn gather(&mut self, plan: Option<Plan>) {

@@ -6,7 +6,7 @@
 //!  5  control_step             TIM3: samples since the last step -> fast -> pulses -> follow
 //!  3  link_idle, link_ring     TELEM1: bytes -> orders
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
-//!  1  housekeeping             telemetry, LED, load, watchdog
+//!  1  housekeeping             telemetry, light and tone, load, watchdog
 //! ```
 
 mod board;
@@ -17,7 +17,8 @@ mod counters;
 mod fault;
 mod ground;
 mod imu;
-mod led;
+mod last_pulse;
+mod light_and_tone;
 mod link_port;
 mod load;
 mod loop_timer;
@@ -38,6 +39,7 @@ mod app {
     use shared_control::link::{Commander, LinkSettings, VehicleStatus};
     use shared_control::mpc::{Mpc, MpcState};
     use shared_control::signals::{ArmingBlocks, MotorCommands, Plan, PlanRequest};
+    use shared_control::signs::Sign;
     use shared_control::vehicle::VehicleParameters;
 
     use super::board::{self, CONTROL_HORIZON};
@@ -45,16 +47,17 @@ mod app {
     use super::fault::{self, Cause, FaultRecord};
     use super::ground::Ground;
     use super::imu::{Buffers, Imu, SampleQueue};
-    use super::led::{Led, Sign};
+    use super::light_and_tone::LightAndTone;
     use super::link_port::{self, LinkIn, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
     use super::loop_timer::LoopTimer;
     use super::outputs::Outputs;
     use super::pins::Pins;
     use super::sensor_bus::SensorBus;
+    use super::supply::SupplyDetector;
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
-    use super::{boot, clock, counters, supply};
+    use super::{boot, clock, counters};
 
     /// Steps of the loop per housekeeping: 100 times a second.
     const HOUSEKEEPING_STEPS: u32 = board::LOOP_RATE_HZ / 100;
@@ -78,7 +81,7 @@ mod app {
         mpc: Mpc<CONTROL_HORIZON>,
         mpc_state: MpcState<CONTROL_HORIZON>,
         ground: Ground,
-        led: Led,
+        light_and_tone: LightAndTone,
         watchdog: Watchdog,
     }
 
@@ -92,15 +95,20 @@ mod app {
         let (mut core, mut device) = (cx.core, cx.device);
         let reset_cause = boot::take_reset_cause(&device.RCC);
         boot::release_clocks(&device.RCC, &device.EXTI);
+        let ports = (device.GPIOA, device.GPIOC, device.GPIOD, device.GPIOE);
+        if !clock::crystal_starts(&device.RCC) {
+            let mut rcc = clock::start_without_crystal(device.RCC);
+            let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
+            boot::stand_still(&mut pins.light_and_tone);
+        }
         let mut rcc = clock::start(device.RCC, &device.FLASH);
+        let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
+        let detector = SupplyDetector::new(&device.PWR, &device.EXTI, &mut rcc);
+        let supply_was_low = boot::wait_for_supply(&detector, &mut pins.light_and_tone);
         clock::freeze_on_halt(&device.DBGMCU);
         clock::start_microseconds(&device.TIM5, &mut rcc);
         load::start(&mut core.DCB, &mut core.DWT);
         let record = FaultRecord::read();
-
-        let ports = (device.GPIOA, device.GPIOC, device.GPIOD, device.GPIOE);
-        let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
-        supply::watch(&device.PWR, &device.EXTI, &mut rcc);
 
         // not `expect`, which would print the error and bring the formatting of floats into the image
         let Ok((config, tuning)) = control::configuration() else { panic!("the compiled-in configuration is bad") };
@@ -121,6 +129,9 @@ mod app {
         let link = LinkIn::new(port, settings, orders);
         let mut ground = Ground::new(&settings, sender, answers_out, chores_out);
         ground.tell(reset_cause);
+        if supply_was_low {
+            ground.tell("waited for a supply above 2.9 V");
+        }
         if let Some(record) = record {
             ground.tell(&record.words());
         }
@@ -137,9 +148,10 @@ mod app {
         let ends = Ends { samples: samples_out, orders: orders_out, answers, chores };
         let control = Control::new(config, commander, ends);
         let (trace, mpc_state) = (Trace::new(), MpcState::new());
-        let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
+        let light_and_tone = LightAndTone::new(pins.light_and_tone);
+        let watchdog = Watchdog::start(device.IWDG);
         loop_timer.start();
-        let local = Local { control, outputs, loop_timer, trace, mpc, mpc_state, ground, led, watchdog };
+        let local = Local { control, outputs, loop_timer, trace, mpc, mpc_state, ground, light_and_tone, watchdog };
         (Shared { imu, link, plan: None, status: None }, local)
     }
 
@@ -213,7 +225,7 @@ mod app {
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
     #[task(
         priority = 1, shared = [status],
-        local = [ground, led, watchdog, load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0]
+        local = [ground, light_and_tone, watchdog, load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0]
     )]
     async fn housekeeping(mut cx: housekeeping::Context) {
         let local = cx.local;
@@ -228,7 +240,7 @@ mod app {
         };
         local.ground.update(time_us, &status);
         if local.ticks.is_multiple_of(10) {
-            local.led.update(Sign::of(&status));
+            local.light_and_tone.update(Sign::of(&status));
         }
         if local.ticks.is_multiple_of(100) {
             *local.load_permille = local.load_meter.permille();

@@ -1,11 +1,11 @@
 //! Which pin does what (Pixhawk 1, FMUv2 schematic), each in the state that is safe until its device is set up.
 
-use stm32f4xx_hal::gpio::{Edge, ExtiPin, Input, OpenDrain, Output, PD15, PE3, PE12, PinState, Pull, Speed};
+use stm32f4xx_hal::gpio::{Edge, ExtiPin, Input, Output, PD15, PE3, PinState, Pull, Speed};
 use stm32f4xx_hal::pac::{EXTI, GPIOA, GPIOC, GPIOD, GPIOE, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::{link_port, outputs, sensor_bus};
+use super::{light_and_tone, link_port, outputs, sensor_bus};
 
 /// The pins in use.
 pub struct Pins {
@@ -21,8 +21,8 @@ pub struct Pins {
     pub motors: outputs::Pins,
     /// TELEM1.
     pub link: link_port::Pins,
-    /// Amber LED, low is on.
-    pub led: PE12<Output<OpenDrain>>,
+    /// LED.
+    pub light_and_tone: light_and_tone::Pins,
 }
 
 impl Pins {
@@ -61,7 +61,7 @@ impl Pins {
             imu_ready,
             motors,
             link: (d.pd5.into_alternate(), d.pd6.into_alternate().internal_resistor(Pull::Up)),
-            led: e.pe12.into_open_drain_output_in_state(high),
+            light_and_tone: light_and_tone::Pins { led: e.pe12.into_open_drain_output_in_state(high) },
         }
     }
 }

@@ -139,7 +139,7 @@ impl Commander {
             Order::FaultRecordRead => (Some(Answer::Refused(MavCmd::MAV_CMD_USER_1, Refusal::Armed)), None),
             Order::NotUnderstood { command, known: true } => (Some(Answer::Senseless(command)), None),
             Order::NotUnderstood { command, known: false } => (Some(Answer::Unknown(command)), None),
-            Order::HilSample(_) => (None, None),
+            Order::HilTick(_) => (None, None),
         }
     }
 
