@@ -21,6 +21,7 @@ pub mod mpc;
 pub mod output;
 pub mod params;
 pub mod qp;
+pub mod setup;
 pub mod signals;
 pub mod signs;
 pub mod supervisor;
