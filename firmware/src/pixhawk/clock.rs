@@ -76,12 +76,14 @@ pub fn wait_tenth_of_a_second(core_hz: u32) {
 }
 
 /// Time that does not wrap; it must be asked at least once in 71 minutes.
-#[derive(Default)]
 pub struct TimeBase {
     now_us: u64,
 }
 
 impl TimeBase {
+    /// Before it is asked first.
+    pub const START: Self = Self { now_us: 0 };
+
     /// The time now, µs since TIM5 started.
     pub fn now_us(&mut self) -> u64 {
         let passed_us = now_us().wrapping_sub(self.now_us as u32);

@@ -4,6 +4,7 @@
 //! peripherals and the sensors around it. A [`World`] is what the sensors measure and the motor outputs drive.
 //! README.md lists what is modelled, what is simplified, and what is not there.
 
+mod bench;
 mod board;
 mod cortex;
 mod cpu;
@@ -12,16 +13,18 @@ mod image;
 mod machine;
 mod memory;
 mod peripherals;
+mod second_imu;
 mod stop;
 pub mod time;
 mod trace;
 mod vehicle;
+mod world;
 
-pub use board::World;
-pub use devices::mpu6000::Counts;
+pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
 pub use image::{Image, ImageError};
 pub use machine::{Counters, Machine};
 pub use peripherals::timer::Pulse;
 pub use stop::{Cause, Stop};
 pub use trace::step_trace;
 pub use vehicle::{Surroundings, Vehicle};
+pub use world::World;
