@@ -3,7 +3,6 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use heapless::Vec;
-use heapless::spsc::{Consumer, Producer, Queue};
 use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::link::frame::{FRAME_MAX, FrameWriter};
@@ -15,6 +14,7 @@ use super::battery::Battery;
 use super::clock::TimeBase;
 use super::counters;
 use super::imu::TimedSample;
+use super::queue::{Consumer, Producer, Queue};
 
 /// Room for orders that arrive within one step, and for what they bring about within one housekeeping.
 const QUEUE_LENGTH: usize = 16;
@@ -84,7 +84,7 @@ impl Control {
 
     /// With hardware in the loop: does another tick wait?
     pub fn has_more(&self) -> bool {
-        self.ends.ticks.as_ref().is_some_and(|ticks| ticks.ready())
+        self.ends.ticks.as_ref().is_some_and(Consumer::is_ready)
     }
 
     /// Makes the step whose input is gathered.

@@ -3,7 +3,6 @@
 use core::fmt::{Display, Write};
 
 use heapless::Vec;
-use heapless::spsc::Consumer;
 use mavlink::dialects::common::MavSeverity;
 use shared_control::link::telemetry::Text;
 use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, VehicleStatus};
@@ -13,6 +12,7 @@ use super::configuration::Configuration;
 use super::fault::{self, FaultRecord};
 use super::fram::Fram;
 use super::link_port::{LinkSender, SendBuffer};
+use super::queue::Consumer;
 
 /// Calls of [`Ground::update`] between a restart's acknowledgement and the restart: 0.1 s, so that it leaves the port.
 const RESTART_UPDATES: u8 = 10;

@@ -29,6 +29,7 @@ mod load;
 mod loop_timer;
 mod outputs;
 mod pins;
+mod queue;
 mod sensor_bus;
 mod supply;
 mod trace;
@@ -36,7 +37,9 @@ mod watchdog;
 
 use defmt_rtt as _;
 
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
+// `plan` and `housekeeping` borrow interrupts of devices that are not used. They are no software tasks of RTIC: those are
+// futures, and in each is a panic for one that is polled after its end.
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use heapless::Vec;
     use shared_control::flight_core::FlightCore;
@@ -73,6 +76,7 @@ mod app {
         #[lock_free]
         link: LinkIn,
         sender: LinkSender,
+        request: Option<PlanRequest>,
         plan: Option<Plan>,
         status: VehicleStatus,
     }
@@ -177,7 +181,7 @@ mod app {
         let local = Local {
             control, outputs, loop_timer, trace, housekeeping_ticks, mpc, mpc_state, ground, light_and_tone, watchdog,
         };
-        (Shared { imu, link, sender, plan: None, status }, local)
+        (Shared { imu, link, sender, request: None, plan: None, status }, local)
     }
 
     /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
@@ -197,7 +201,8 @@ mod app {
     /// timer only beats for housekeeping, and each message makes a step.
     #[task(
         binds = TIM3, priority = 5,
-        local = [control, outputs, loop_timer, trace, housekeeping_ticks, ticks: u32 = 0], shared = [sender, plan, status]
+        local = [control, outputs, loop_timer, trace, housekeeping_ticks, ticks: u32 = 0],
+        shared = [sender, request, plan, status]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
@@ -214,8 +219,7 @@ mod app {
             local.outputs.write(output.compare_counts, local.control.motors_turn(&output));
             if let Some(request) = local.control.follow(&output) {
                 watchdog::expect_plan();
-                // refused while the plan before is still being made: the next step does without, and is counted
-                let _ = plan::spawn(request);
+                cx.shared.request.lock(|open| ask(open, request));
             }
             local.trace.publish(local.control.input(), &output);
             Some(output)
@@ -232,7 +236,7 @@ mod app {
             *local.ticks = local.ticks.wrapping_add(1);
             if local.ticks.is_multiple_of(*local.housekeeping_ticks) {
                 // still busy with the one before: the watchdog notices if that lasts
-                let _ = housekeeping::spawn();
+                rtic::pend(Interrupt::CAN1_RX1);
             }
         }
         if local.control.has_more() {
@@ -259,25 +263,34 @@ mod app {
         cx.shared.sender.lock(|sender| sender.transfer_ended());
     }
 
+    /// Asks for a plan, unless the one before is still being made: then the next step does without, and is counted.
+    fn ask(open: &mut Option<PlanRequest>, request: PlanRequest) {
+        if open.is_none() {
+            *open = Some(request);
+            rtic::pend(Interrupt::CAN1_RX0);
+        }
+    }
+
     /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and its
     /// own request is not made.
-    #[task(priority = 2, local = [mpc, mpc_state], shared = [plan])]
-    async fn plan(mut cx: plan::Context, request: PlanRequest) {
-        let Some(mpc) = cx.local.mpc else { return };
+    #[task(binds = CAN1_RX0, priority = 2, local = [mpc, mpc_state], shared = [request, plan])]
+    fn plan(mut cx: plan::Context) {
+        let (Some(request), Some(mpc)) = (cx.shared.request.lock(|open| *open), cx.local.mpc) else { return };
         let plan = load::PLAN.measure(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
         watchdog::report_plan();
         cx.shared.plan.lock(|latest| *latest = Some(plan));
+        cx.shared.request.lock(|open| *open = None);
     }
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
     #[task(
-        priority = 1, shared = [sender, status],
+        binds = CAN1_RX1, priority = 1, shared = [sender, status],
         local = [
             ground, light_and_tone, watchdog, clock: TimeBase = TimeBase::START,
             load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0,
         ]
     )]
-    async fn housekeeping(mut cx: housekeeping::Context) {
+    fn housekeeping(mut cx: housekeeping::Context) {
         let local = cx.local;
         local.watchdog.feed_if_all_alive();
         *local.ticks = local.ticks.wrapping_add(1);
