@@ -19,6 +19,7 @@ use crate::elementary::{asin, atan2, larger, limit, magnitude, sqrt};
 use crate::frames::{EulerAngles, down_in_body, normalized, q_from_rotation_vector, q_world_from_euler};
 use crate::imu::{ImuStep, seconds_between};
 use crate::signals::AttitudeEstimate;
+use crate::state_words::StateWords;
 
 /// Gains and limits of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,6 +100,18 @@ impl EstimatorState {
     /// Time at rest over which the gyro bias has been averaged, s; zero in flight and once moved.
     pub fn rest_s(&self) -> f32 {
         self.rest.duration_s
+    }
+
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { q_world_from_body: q, gyro_bias_rad_s, last_sample_us, rest } = self;
+        let RestWindow { rotation_rad, duration_s, down_body } = rest;
+        words.numbers(&[q.w, q.i, q.j, q.k]);
+        words.vector(gyro_bias_rad_s);
+        words.optional_time_us(*last_sample_us);
+        words.vector(rotation_rad);
+        words.number(*duration_s);
+        words.word(u32::from(down_body.is_some()));
+        words.vector(&down_body.unwrap_or_default());
     }
 }
 

@@ -19,6 +19,7 @@ pub mod output;
 pub mod params;
 pub mod qp;
 pub mod signals;
+pub mod state_words;
 pub mod supervisor;
 pub mod test_sequence;
 pub mod trace;

@@ -93,6 +93,11 @@ impl Control {
         &self.input
     }
 
+    /// What the core remembers.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
     /// What telemetry may tell of a step.
     pub fn status(&self, output: &StepOutput) -> VehicleStatus {
         VehicleStatus { battery_v: self.input.battery_v, ..VehicleStatus::new(&self.config, output) }

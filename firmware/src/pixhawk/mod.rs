@@ -174,7 +174,7 @@ mod app {
                 // the plan before is still being made: the next step does without
                 counters::LATE_PLANS.add();
             }
-            local.trace.publish(local.control.input(), &output);
+            local.trace.publish(local.control.input(), &output, local.control.state());
             output
         });
         let status = (local.control.input().time_us, local.control.status(&output));

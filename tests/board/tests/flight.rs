@@ -74,7 +74,7 @@ impl Twin {
         let output = FlightCore::fast(&self.config, &mut self.state, &input);
         let _ = FlightCore::follow(&self.config, &mut self.state, &output);
         let mut host = StepTrace::EMPTY;
-        host.record(&input, &output);
+        host.record(&input, &output, &self.state);
         // samples beyond the count are left over from earlier steps on the board
         host.sample = board.sample;
         assert_eq!(&host, board, "step {}", board.step);
