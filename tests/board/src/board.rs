@@ -54,6 +54,8 @@ pub trait World {
     fn imu(&mut self, now: Ticks) -> Counts;
     /// A pulse ended on a motor output: channel 0 to 3 is TIM1 CH1 to CH4.
     fn pulse(&mut self, pulse: Pulse);
+    /// TIM3 sent its trigger, the tick of the image's loop.
+    fn loop_tick(&mut self, _at: Ticks) {}
 }
 
 /// In the place of a world that has been taken out.
@@ -197,6 +199,7 @@ impl Board {
     fn tick_motor_timers(&mut self, now: Ticks) {
         self.tim3.tick(now);
         for at in self.tim3.take_triggers() {
+            self.world.loop_tick(at);
             if self.tim1.trigger_input() == Some(TIM1_FROM_TIM3) {
                 self.tim1.trigger(at);
             }
