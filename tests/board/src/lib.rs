@@ -4,6 +4,7 @@
 //! peripherals and the sensors around it. A [`World`] is what the sensors measure and the motor outputs drive.
 //! README.md lists what is modelled, what is simplified, and what is not there.
 
+mod bench;
 mod board;
 mod cortex;
 mod cpu;
@@ -21,10 +22,10 @@ pub mod time;
 mod trace;
 mod twin;
 mod vehicle;
+mod world;
 
-pub use board::World;
 pub use delays::Delays;
-pub use devices::mpu6000::Counts;
+pub use devices::Counts;
 pub use flight::{Flight, MILLISECOND};
 pub use ground::Ground;
 pub use image::{Image, ImageError};
@@ -35,3 +36,4 @@ pub use stop::{Cause, Stop};
 pub use trace::step_trace;
 pub use twin::{Planned, Twin};
 pub use vehicle::{Surroundings, Vehicle};
+pub use world::World;

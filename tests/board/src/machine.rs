@@ -8,9 +8,10 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use shared_control::params::Params;
 use unicorn_engine::RegisterARM as Register;
 
-use crate::board::{Board, CYCLES_PER_INSTRUCTION, World};
+use crate::board::{Board, CYCLES_PER_INSTRUCTION};
 use crate::cortex::exceptions::{BUS_FAULT, HARD_FAULT, Masks, NMI, SV_CALL, USAGE_FAULT};
 use crate::cortex::stacking;
 use crate::cpu::{Cpu, Outcome};
@@ -19,6 +20,7 @@ use crate::memory::Memory;
 use crate::profile::Profile;
 use crate::stop::{Cause, Stop};
 use crate::time::Ticks;
+use crate::world::World;
 
 /// A slice's longest.
 const SLICE_INSTRUCTIONS: u64 = 256;
@@ -53,7 +55,7 @@ pub struct Counters {
 /// A board that executes an image.
 pub struct Machine {
     cpu: Cpu,
-    board: Rc<RefCell<Board>>,
+    pub(crate) board: Rc<RefCell<Board>>,
     now: Ticks,
     cycles: u64,
     pc: u32,
@@ -69,7 +71,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// A board at power-on with the image in flash; RAM holds the noise of `seed`.
+    /// A board at power-on with the image in flash; RAM holds the noise of `seed`, FRAM the default choices.
     ///
     /// # Errors
     /// If the emulator fails or the image has no vector table.
@@ -84,6 +86,7 @@ impl Machine {
         let (now, cycles, pc, watched) = (0, 0, 0, 0);
         let mut machine =
             Self { cpu, board, now, cycles, pc, asleep: false, masked: false, watched, vectors, counters, profile };
+        machine.configure(&Params::DEFAULT);
         machine.enter_image();
         Ok(machine)
     }
@@ -357,20 +360,5 @@ impl Machine {
     /// Puts the stack pointer elsewhere.
     pub fn poke_stack_pointer(&mut self, address: u32) {
         self.cpu.set_register(Register::SP, address);
-    }
-
-    /// Sends on TELEM1's line.
-    pub fn telem1_send(&mut self, bytes: &[u8]) {
-        self.board.borrow_mut().telem1_sends(bytes);
-    }
-
-    /// The chip's supply from now on, V.
-    pub fn set_supply_v(&mut self, supply_v: f32) {
-        self.board.borrow_mut().set_supply_v(supply_v);
-    }
-
-    /// What came out of TELEM1 since the last call.
-    pub fn telem1_receive(&mut self) -> Vec<u8> {
-        self.board.borrow_mut().telem1_received()
     }
 }

@@ -8,11 +8,11 @@ use sil_host::model::VehicleModel;
 use sil_host::plant::Plant;
 use sil_host::sensors::Sensors;
 
-use crate::board::World;
 use crate::delays::Delays;
-use crate::devices::mpu6000::Counts;
+use crate::devices::Counts;
 use crate::peripherals::timer::Pulse;
 use crate::time::{TICKS_PER_US, Ticks, seconds};
+use crate::world::World;
 
 /// Motor (0 to 3) on each channel of TIM1: AUX 1 to 4 are channels 4 to 1.
 const MOTOR_OF_CHANNEL: [usize; 4] = [3, 2, 1, 0];

@@ -3,6 +3,7 @@
 //! It samples when its own clock says so and keeps the counts that the world gives it. Those are for +-2000 deg/s and +-8 g:
 //! another range has no model.
 
+use super::Counts;
 use crate::time::{TICKS_PER_S, Ticks};
 
 const SMPLRT_DIV: u8 = 0x19;
@@ -34,15 +35,6 @@ const DATA_CLOCK_MAX_HZ: u64 = 20_000_000;
 const PULSE_TICKS: Ticks = 50 * crate::time::TICKS_PER_US;
 /// From power or reset until it answers.
 const START_TICKS: Ticks = TICKS_PER_S / 1000 * 30;
-
-/// One reading: counts in the sensor's axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Rotation rate at +-2000 deg/s.
-    pub gyro: [i16; 3],
-    /// Specific force at +-8 g.
-    pub accel: [i16; 3],
-}
 
 #[derive(Clone, Debug)]
 pub(crate) struct Mpu6000 {
@@ -95,10 +87,6 @@ impl Mpu6000 {
             self.transfer = None;
         }
         self.selected = low;
-    }
-
-    pub(crate) fn is_selected(&self) -> bool {
-        self.selected
     }
 
     /// One byte each way, at this clock. An error says why what comes out is not to be relied upon.

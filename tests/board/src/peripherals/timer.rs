@@ -213,6 +213,11 @@ impl Timer {
         self.status & self.interrupts & 0b101_1110 != 0
     }
 
+    /// All of them on one line, as TIM2 to TIM5 have them.
+    pub(crate) fn interrupt(&self) -> bool {
+        self.update_interrupt() || self.other_interrupts()
+    }
+
     fn write_control(&mut self, value: u32, now: Ticks) -> Result<(), Unmodelled> {
         if value & UNUSED_CONTROL != 0 {
             return Err(Unmodelled("timer that does not simply count up"));

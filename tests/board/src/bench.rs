@@ -1,0 +1,42 @@
+//! What somebody at the bench does with the board: its supply, its connectors, its memory chip.
+
+use shared_control::params::{self, Params};
+
+use crate::machine::Machine;
+
+impl Machine {
+    /// Sends on TELEM1's line.
+    pub fn telem1_send(&mut self, bytes: &[u8]) {
+        self.board.borrow_mut().telem1_sends(bytes);
+    }
+
+    /// What came out of TELEM1 since the last call.
+    pub fn telem1_receive(&mut self) -> Vec<u8> {
+        self.board.borrow_mut().telem1_received()
+    }
+
+    /// The chip's supply from now on, V.
+    pub fn set_supply_v(&mut self, supply_v: f32) {
+        self.board.borrow_mut().set_supply_v(supply_v);
+    }
+
+    /// Stores the owner's choices in the FRAM, as the firmware would; it reads them when it starts.
+    pub fn configure(&mut self, params: &Params) {
+        self.write_fram(0, &params::encode(params));
+    }
+
+    /// Makes the FRAM as it came from its maker.
+    pub fn blank_fram(&mut self) {
+        self.board.borrow_mut().fram.blank();
+    }
+
+    /// Puts bytes into the FRAM past its bus, damaged ones for instance.
+    pub fn write_fram(&mut self, address: usize, bytes: &[u8]) {
+        self.board.borrow_mut().fram.put(address, bytes);
+    }
+
+    /// Bytes that the FRAM holds.
+    pub fn read_fram(&self, address: usize, length: usize) -> Vec<u8> {
+        self.board.borrow().fram.content().iter().cycle().skip(address).take(length).copied().collect()
+    }
+}

@@ -1,0 +1,209 @@
+//! The board as a block diagram: the chip's peripherals, the devices around it, and the wires between them.
+//!
+//! ```text
+//!  PE3 --------> sensors <--- world: counts at each one's sample clock
+//!  PC2, 13, 15 -> select      `--- MPU6000: data-ready --> PD15 -> SYSCFG -> EXTI15_10 -> NVIC
+//!  SPI1 <------> sensors      DMA2 S0 <-- received    S5 --> to send
+//!  SPI2 <------> FRAM (PD10)
+//!  TIM3 -- trigger output (update) --> TIM1 --> PE14, 13, 11, 9 --> world: pulses
+//!  USART2 <----> TELEM1       DMA1 S5 <-- received    S6 --> to send
+//!  TIM5: time base            RCC: clocks of all of them
+//! ```
+//!
+//! `address_map` is what the core sees of it, `buses` what hangs on SPI1 and SPI2, `wiring` pins, DMA and interrupts.
+
+mod address_map;
+mod buses;
+mod wiring;
+
+use crate::cortex::private_bus::PrivateBus;
+use crate::devices::fram::Fram;
+use crate::devices::mpu6000::Mpu6000;
+use crate::memory::{self, Memory};
+use crate::peripherals::Peripheral;
+use crate::peripherals::dbgmcu::DbgMcu;
+use crate::peripherals::dma::Dma;
+use crate::peripherals::exti::Exti;
+use crate::peripherals::flash::Flash;
+use crate::peripherals::gpio::Gpio;
+use crate::peripherals::iwdg::{Iwdg, LSI_HZ};
+use crate::peripherals::pwr::Pwr;
+use crate::peripherals::rcc::{Clocks, Rcc};
+use crate::peripherals::spi::Spi;
+use crate::peripherals::syscfg::SysCfg;
+use crate::peripherals::timer::Timer;
+use crate::peripherals::usart::Usart;
+use crate::stop::{Cause, Stop};
+use crate::time::Ticks;
+use crate::world::{Nowhere, World};
+
+/// Cycles that every instruction is charged.
+pub(crate) const CYCLES_PER_INSTRUCTION: u64 = 2;
+
+const PORTS: [char; 9] = ['A', 'B', 'C', 'D', 'E', 'F', 'G', 'H', 'I'];
+const A: usize = 0;
+const B: usize = 1;
+const C: usize = 2;
+const D: usize = 3;
+const E: usize = 4;
+/// TELEM1's usual baud rate.
+const TELEM1_BAUD: u64 = 115_200;
+
+/// All that is not the core or its memory.
+pub(crate) struct Board {
+    pub(crate) private: PrivateBus,
+    rcc: Rcc,
+    clocks: Clocks,
+    pwr: Pwr,
+    flash: Flash,
+    ports: [Gpio; PORTS.len()],
+    exti: Exti,
+    syscfg: SysCfg,
+    dma: [Dma; 2],
+    spi1: Spi,
+    spi2: Spi,
+    tim1: Timer,
+    tim3: Timer,
+    tim5: Timer,
+    usart2: Usart,
+    iwdg: Iwdg,
+    dbgmcu: DbgMcu,
+    backup_ram: Vec<u8>,
+    mpu6000: Mpu6000,
+    pub(crate) fram: Fram,
+    pub(crate) world: Box<dyn World>,
+    /// Time and core cycles at the start of the slice.
+    pub(crate) now: Ticks,
+    pub(crate) cycles: u64,
+    pub(crate) stop: Option<Stop>,
+}
+
+impl Board {
+    /// As after power-on.
+    pub(crate) fn new(world: Box<dyn World>, seed: u64) -> Self {
+        // power-on, brown-out and pin reset (section 6.3.21)
+        let rcc = Rcc::new(1 << 27 | 1 << 26 | 1 << 25);
+        let clocks = Clocks { core: 21, apb1: 21, apb2: 21, apb1_timers: 21, apb2_timers: 21 };
+        let mut board = Self {
+            private: PrivateBus::new(0),
+            rcc,
+            clocks,
+            pwr: Pwr::default(),
+            flash: Flash::default(),
+            ports: PORTS.map(Gpio::new),
+            exti: Exti::default(),
+            syscfg: SysCfg::default(),
+            dma: Default::default(),
+            spi1: Spi::default(),
+            spi2: Spi::default(),
+            tim1: Timer::advanced(),
+            tim3: Timer::general(0xffff),
+            tim5: Timer::general(u32::MAX),
+            usart2: Usart::new(TELEM1_BAUD),
+            iwdg: Iwdg::new(LSI_HZ),
+            dbgmcu: DbgMcu::default(),
+            backup_ram: memory::noise(0x1000, seed ^ 0xbac),
+            mpu6000: Mpu6000::default(),
+            fram: Fram::default(),
+            world,
+            now: 0,
+            cycles: 0,
+            stop: None,
+        };
+        board.distribute_clocks();
+        board
+    }
+
+    /// A reset for these reasons (flags of RCC_CSR): what keeps its power stays, backup SRAM and all around the chip.
+    pub(crate) fn reset(&mut self, flags: u32) {
+        let flags_so_far = self.rcc.reset_flags();
+        let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), 0);
+        std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
+        std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
+        std::mem::swap(&mut fresh.fram, &mut self.fram);
+        (fresh.now, fresh.cycles) = (self.now, self.cycles);
+        fresh.rcc = Rcc::new(flags_so_far | flags);
+        *self = fresh;
+    }
+
+    /// The reset that is due, by its flags in RCC_CSR (section 6.3.21); each pulls the reset pin too.
+    pub(crate) fn due_reset(&self, now: Ticks) -> Option<u32> {
+        const PIN: u32 = 1 << 26;
+        if self.iwdg.bites(now) {
+            return Some(PIN | 1 << 29);
+        }
+        self.private.reset_requested.then_some(PIN | 1 << 28)
+    }
+
+    pub(crate) fn core_ticks(&self) -> Ticks {
+        self.clocks.core
+    }
+
+    /// Everything that is due by `now`, in the order of the wires.
+    pub(crate) fn tick(&mut self, now: Ticks, memory: &mut dyn Memory) {
+        if self.private.systick.tick(now, self.clocks.core) {
+            self.private.exceptions.pend(crate::cortex::exceptions::SYS_TICK);
+        }
+        self.tim5.tick(now);
+        self.tick_motor_timers(now);
+        self.tick_imu(now);
+        self.tick_spi1(now, memory);
+        self.tick_spi2(now);
+        self.tick_usart2(now, memory);
+        self.refresh_lines();
+    }
+
+    /// When something will happen next without the core doing anything.
+    pub(crate) fn next_event(&self) -> Option<Ticks> {
+        let timers = [&self.tim1, &self.tim3, &self.tim5].into_iter().filter_map(|timer| timer.next_event());
+        let others = [
+            self.private.systick.next_event(self.clocks.core),
+            self.spi1.next_event(),
+            self.spi2.next_event(),
+            self.usart2.next_event(),
+            self.mpu6000.next_event(),
+            self.iwdg.next_event(),
+        ];
+        timers.chain(others.into_iter().flatten()).min()
+    }
+
+    fn tick_imu(&mut self, now: Ticks) {
+        while self.mpu6000.sample_due(now) {
+            let counts = self.world.imu(self.mpu6000.next_event().unwrap_or(now));
+            self.mpu6000.sample(counts);
+        }
+        self.mpu6000.tick(now);
+    }
+
+    fn tick_usart2(&mut self, now: Ticks, memory: &mut dyn Memory) {
+        self.move_items(memory);
+        while self.usart2.next_event().is_some_and(|at| at <= now) {
+            self.usart2.tick(now);
+            self.move_items(memory);
+        }
+    }
+
+    /// The supply of chip and board.
+    pub(crate) fn set_supply_v(&mut self, supply_v: f32) {
+        self.pwr.set_supply_v(supply_v);
+        self.refresh_lines();
+    }
+
+    /// TELEM1's other end sends.
+    pub(crate) fn telem1_sends(&mut self, bytes: &[u8]) {
+        if self.ports[D].alternate_function(6) == Some(7) {
+            self.usart2.line_receives(bytes, self.now);
+        }
+    }
+
+    /// What TELEM1's other end received.
+    pub(crate) fn telem1_received(&mut self) -> Vec<u8> {
+        let sent = self.usart2.take_sent();
+        if self.ports[D].alternate_function(5) == Some(7) { sent } else { Vec::new() }
+    }
+
+    fn refuse(&mut self, cause: Cause, address: u32, value: Option<u32>, pc: u32) {
+        // the first is the cause, the rest may follow from it
+        self.stop.get_or_insert(Stop { cause, address, value, pc });
+    }
+}
