@@ -8,7 +8,7 @@ use crate::filter::LowPass1;
 use crate::imu::ImuConfig;
 use crate::mixer::MixerConfig;
 use crate::mpc::{HORIZON, MpcSettings};
-use crate::output::{OutputConfig, PulseKind};
+use crate::output::OutputConfig;
 use crate::signals::IMU_SAMPLES_MAX;
 use crate::supervisor::SupervisorConfig;
 use crate::vehicle::VehicleParameters;
@@ -145,7 +145,8 @@ impl core::fmt::Display for ConfigError {
 impl core::error::Error for ConfigError {}
 
 impl Config {
-    /// Configuration of the core for a vehicle, with the Pixhawk 1's MPU6000 and PWM at the loop rate.
+    /// Configuration of the core for a vehicle, with the Pixhawk 1's MPU6000, PWM at 400 Hz and the nominal supervisor;
+    /// [`crate::setup`] puts other pulses and limits in their place.
     ///
     /// # Errors
     /// Names the first value that can't be flown with.
@@ -179,7 +180,7 @@ impl Config {
                 torque_per_lift_m: vehicle.torque_per_lift_m,
                 lift_curve: vehicle.lift_curve,
             },
-            output: OutputConfig { kind: PulseKind::Pwm, ticks_per_us: 24.0 },
+            output: OutputConfig::PWM_400_HZ,
             supervisor: SupervisorConfig::NOMINAL,
         })
     }

@@ -18,6 +18,7 @@ pub mod mpc;
 pub mod output;
 pub mod params;
 pub mod qp;
+pub mod setup;
 pub mod signals;
 pub mod state_words;
 pub mod supervisor;

@@ -3,13 +3,11 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use heapless::spsc::{Consumer, Producer, Queue};
-use shared_control::config::{Config, ConfigError, Tuning};
+use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::link::{Answer, Chore, Commander, Order, VehicleStatus};
 use shared_control::signals::{Plan, PlanRequest, StepInput};
-use shared_control::vehicle::VehicleParameters;
 
-use super::board;
 use super::clock::TimeBase;
 use super::counters;
 use super::imu::TimedSample;
@@ -29,19 +27,6 @@ static LAST_STEP: AtomicU32 = AtomicU32::new(0);
 /// Steps made since start.
 pub fn last_step() -> u32 {
     LAST_STEP.load(Ordering::Relaxed)
-}
-
-/// Configuration that is compiled in: the F450 on its gimbal.
-pub fn configuration() -> Result<(Config, Tuning), ConfigError> {
-    let tuning = Tuning::for_motor_lag(VehicleParameters::F450_GIMBAL_MOTOR_LAG_S);
-    let config = Config::new(
-        &VehicleParameters::F450_GIMBAL,
-        &tuning,
-        board::LOOP_RATE_HZ as f32,
-        board::IMU_RATE_HZ as f32,
-        board::CONTROLLER,
-    )?;
-    Ok((config, tuning))
 }
 
 /// The loop's ends of its queues.
@@ -64,18 +49,23 @@ pub struct Control {
     commander: Commander,
     ends: Ends,
     input: StepInput,
+    /// The last `follow` asked for a plan.
+    plan_asked: bool,
 }
 
 impl Control {
     /// Before the first step.
     pub fn new(config: Config, commander: Commander, ends: Ends) -> Self {
         let (state, clock, input) = (State::default(), TimeBase::default(), StepInput::default());
-        Self { config, state, clock, commander, ends, input }
+        Self { config, state, clock, commander, ends, input, plan_asked: false }
     }
 
     /// Gathers the input, makes the step.
     pub fn fast(&mut self, plan: Option<Plan>) -> StepOutput {
         self.gather(plan);
+        if self.plan_asked && plan.is_none_or(|plan| plan.step != self.state.step) {
+            counters::LATE_PLANS.add();
+        }
         let output = FlightCore::fast(&self.config, &mut self.state, &self.input);
         LAST_STEP.store(output.step, Ordering::Relaxed);
         output
@@ -85,7 +75,9 @@ impl Control {
     pub fn follow(&mut self, output: &StepOutput) -> Option<PlanRequest> {
         let answer = self.commander.answer(&output.arming);
         self.pass_on(answer, None);
-        FlightCore::follow(&self.config, &mut self.state, output)
+        let request = FlightCore::follow(&self.config, &mut self.state, output);
+        self.plan_asked = request.is_some();
+        request
     }
 
     /// Input of the last step.

@@ -5,12 +5,12 @@ use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
 use heapless::spsc::{Producer, Queue};
+use shared_control::setup::IMU_RATE_HZ;
 use shared_control::signals::RawImuSample;
 use stm32f4xx_hal::gpio::{ExtiPin, Input, PD15};
 use stm32f4xx_hal::pac::{DMA2, EXTI};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use super::board;
 use super::clock;
 use super::counters;
 use super::sensor_bus::{READ, SensorBus};
@@ -24,15 +24,15 @@ const DATA_READY: u8 = 1;
 
 /// What is written, in this order, and must read back.
 const SETTINGS: [(u8, u8); 9] = [
-    (PWR_MGMT_1, 0x01),                            // awake, clock from the gyro
-    (0x6C, 0x00),                                  // PWR_MGMT_2: all axes on
-    (0x6A, 0x10),                                  // USER_CTRL: I2C off, or bus traffic for others may switch it on
-    (0x1A, 0x00),                                  // CONFIG: 256 Hz, the least delay; gyro at 8 kHz
-    (0x19, (8000 / board::IMU_RATE_HZ - 1) as u8), // SMPLRT_DIV
-    (0x1B, 0x18),                                  // GYRO_CONFIG: +-2000 deg/s
-    (0x1C, 0x10),                                  // ACCEL_CONFIG: +-8 g
-    (0x37, 0x10),                                  // INT_PIN_CFG: 50 us pulse, cleared by any read
-    (0x38, DATA_READY),                            // INT_ENABLE
+    (PWR_MGMT_1, 0x01),                     // awake, clock from the gyro
+    (0x6C, 0x00),                           // PWR_MGMT_2: all axes on
+    (0x6A, 0x10),                           // USER_CTRL: I2C off, or bus traffic for others may switch it on
+    (0x1A, 0x00),                           // CONFIG: 256 Hz, the least delay; gyro at 8 kHz
+    (0x19, (8000 / IMU_RATE_HZ - 1) as u8), // SMPLRT_DIV
+    (0x1B, 0x18),                           // GYRO_CONFIG: +-2000 deg/s
+    (0x1C, 0x10),                           // ACCEL_CONFIG: +-8 g
+    (0x37, 0x10),                           // INT_PIN_CFG: 50 us pulse, cleared by any read
+    (0x38, DATA_READY),                     // INT_ENABLE
 ];
 
 /// Address, status, three accelerations, temperature, three rotations.

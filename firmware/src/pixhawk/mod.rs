@@ -32,16 +32,19 @@ use defmt_rtt as _;
 
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
 mod app {
+    use core::mem::MaybeUninit;
+
     use heapless::Vec;
-    use shared_control::config::mpc_settings;
+    use shared_control::config::Controller;
     use shared_control::flight_core::FlightCore;
     use shared_control::link::{Commander, LinkSettings, VehicleStatus};
-    use shared_control::mpc::{Mpc, MpcState};
+    use shared_control::mpc::{HORIZON, Mpc, MpcState};
+    use shared_control::params::Params;
+    use shared_control::setup::Setup;
     use shared_control::signals::{ArmingBlocks, MotorCommands, Plan, PlanRequest};
-    use shared_control::vehicle::VehicleParameters;
 
-    use super::board::{self, CONTROL_HORIZON};
-    use super::control::{self, AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
+    use super::board;
+    use super::control::{AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
     use super::fault::{self, Cause, FaultRecord};
     use super::ground::Ground;
     use super::imu::{Buffers, Imu, SampleQueue};
@@ -56,8 +59,8 @@ mod app {
     use super::watchdog::{self, Watchdog};
     use super::{boot, clock, counters, supply};
 
-    /// Steps of the loop per housekeeping: 100 times a second.
-    const HOUSEKEEPING_STEPS: u32 = board::LOOP_RATE_HZ / 100;
+    /// Room for every control horizon that can be chosen.
+    type BoardMpc = Mpc<HORIZON>;
 
     #[shared]
     struct Shared {
@@ -75,8 +78,9 @@ mod app {
         outputs: Outputs,
         loop_timer: LoopTimer,
         trace: Trace,
-        mpc: Mpc<CONTROL_HORIZON>,
-        mpc_state: MpcState<CONTROL_HORIZON>,
+        housekeeping_steps: u32,
+        mpc: Option<&'static mut BoardMpc>,
+        mpc_state: MpcState<HORIZON>,
         ground: Ground,
         led: Led,
         watchdog: Watchdog,
@@ -87,6 +91,7 @@ mod app {
         samples: SampleQueue = SampleQueue::new(), orders: OrderQueue = OrderQueue::new(),
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
+        mpc_place: MaybeUninit<BoardMpc> = MaybeUninit::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (mut core, mut device) = (cx.core, cx.device);
@@ -103,13 +108,19 @@ mod app {
         supply::watch(&device.PWR, &device.EXTI, &mut rcc);
 
         // not `expect`, which would print the error and bring the formatting of floats into the image
-        let Ok((config, tuning)) = control::configuration() else { panic!("the compiled-in configuration is bad") };
-        let mpc = Mpc::prepare(&mpc_settings(&VehicleParameters::F450_GIMBAL, &tuning));
-        let Ok(mpc) = mpc else { panic!("the compiled-in MPC is bad") };
+        let params = Params::DEFAULT;
+        let Ok(setup) = Setup::new(&params) else { panic!("choices of a whole record can be flown") };
+        let mpc = match params.controller {
+            Controller::Cascade => None,
+            Controller::Mpc => match Mpc::prepare_shorter(params.control_horizon.into(), &setup.mpc) {
+                Ok(mpc) => Some(cx.local.mpc_place.write(mpc)),
+                Err(_) => panic!("every control horizon can be prepared"),
+            },
+        };
 
-        let disarmed = config.output.compare_counts(&MotorCommands::default(), false);
-        let outputs = Outputs::new(device.TIM1, pins.motors, disarmed[0], &mut rcc);
-        let loop_timer = LoopTimer::new(device.TIM3, &mut rcc);
+        let disarmed = setup.config.output.compare_counts(&MotorCommands::default(), false);
+        let outputs = Outputs::new(device.TIM1, pins.motors, &setup.pulse_timer, disarmed[0], &mut rcc);
+        let loop_timer = LoopTimer::new(device.TIM3, &setup.loop_timer, &mut rcc);
 
         let settings = LinkSettings::NOMINAL;
         let (orders, orders_out) = cx.local.orders.split();
@@ -135,11 +146,13 @@ mod app {
         let blocks = ArmingBlocks { fault_record_unread: record.is_some(), configuration_unconfirmed: false };
         let commander = Commander::new(settings.hover_throttle, blocks);
         let ends = Ends { samples: samples_out, orders: orders_out, answers, chores };
-        let control = Control::new(config, commander, ends);
+        let control = Control::new(setup.config, commander, ends);
         let (trace, mpc_state) = (Trace::new(), MpcState::new());
         let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
         loop_timer.start();
-        let local = Local { control, outputs, loop_timer, trace, mpc, mpc_state, ground, led, watchdog };
+        let housekeeping_steps = u32::from(params.loop_rate_hz / board::HOUSEKEEPING_HZ);
+        let local =
+            Local { control, outputs, loop_timer, trace, housekeeping_steps, mpc, mpc_state, ground, led, watchdog };
         (Shared { imu, link, plan: None, status: None }, local)
     }
 
@@ -159,7 +172,7 @@ mod app {
     /// once more; a step that outlasts the period is counted, and without any the watchdog resets the board.
     #[task(
         binds = TIM3, priority = 5,
-        local = [control, outputs, loop_timer, trace], shared = [plan, status]
+        local = [control, outputs, loop_timer, trace, housekeeping_steps], shared = [plan, status]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
@@ -168,11 +181,9 @@ mod app {
             let plan = cx.shared.plan.lock(Option::take);
             let output = local.control.fast(plan);
             local.outputs.write(output.compare_counts, output.arming.motors_turn());
-            if let Some(request) = local.control.follow(&output)
-                && plan::spawn(request).is_err()
-            {
-                // the plan before is still being made: the next step does without
-                counters::LATE_PLANS.add();
+            if let Some(request) = local.control.follow(&output) {
+                // refused while the plan before is still being made: the next step does without, and is counted
+                let _ = plan::spawn(request);
             }
             local.trace.publish(local.control.input(), &output, local.control.state());
             output
@@ -183,7 +194,7 @@ mod app {
             counters::LOOP_OVERRUNS.add();
         }
         watchdog::report_loop();
-        if output.step.is_multiple_of(HOUSEKEEPING_STEPS) {
+        if output.step.is_multiple_of(*local.housekeeping_steps) {
             // still busy with the one before: the watchdog notices if that lasts
             let _ = housekeeping::spawn();
         }
@@ -206,7 +217,8 @@ mod app {
     /// own request is not made.
     #[task(priority = 2, local = [mpc, mpc_state], shared = [plan])]
     async fn plan(mut cx: plan::Context, request: PlanRequest) {
-        let plan = load::PLAN.measure(|| FlightCore::plan(cx.local.mpc, cx.local.mpc_state, &request));
+        let Some(mpc) = cx.local.mpc else { return };
+        let plan = load::PLAN.measure(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
         cx.shared.plan.lock(|latest| *latest = Some(plan));
     }
 
