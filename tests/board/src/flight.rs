@@ -54,7 +54,8 @@ impl Flight {
     pub fn new(params: &Params, seed: u64) -> Self {
         let image = firmware();
         let vehicle = Vehicle::new(&VehicleModel::nominal(Rig::Gimbal), params.pulses, seed);
-        let machine = Machine::new(&image, Box::new(Surroundings(Rc::clone(&vehicle))), seed).unwrap();
+        let mut machine = Machine::new(&image, Box::new(Surroundings(Rc::clone(&vehicle))), seed).unwrap();
+        machine.configure(params);
         let trace_address = image.symbol("FLIGHT_TRACE").expect("the firmware's record of its steps");
         Self {
             image,

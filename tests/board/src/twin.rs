@@ -2,13 +2,13 @@
 
 use std::collections::VecDeque;
 
-use shared_control::config::{Config, Controller, Tuning, mpc_settings};
+use shared_control::config::{Config, Controller};
 use shared_control::flight_core::{FlightCore, State, TorqueSource};
 use shared_control::mpc::{HORIZON, Mpc, MpcState};
 use shared_control::params::Params;
+use shared_control::setup::Setup;
 use shared_control::signals::{Plan, PlanRequest, StepInput};
 use shared_control::trace::StepTrace;
-use shared_control::vehicle::VehicleParameters;
 
 /// How the plans fared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,6 +19,8 @@ pub struct Planned {
     pub late: u64,
     /// Questions to which the board made no plan, because the one before was still being made.
     pub not_made: u64,
+    /// Steps whose question before was not answered in time.
+    pub missed: u64,
     /// Steps in the air that flew by a plan.
     pub flown: u64,
     /// Steps in the air that flew by the cascade for want of a plan.
@@ -44,10 +46,8 @@ impl Twin {
     /// # Panics
     /// If it can't be flown with.
     pub fn new(params: &Params) -> Self {
-        let tuning = Tuning::for_motor_lag(VehicleParameters::F450_GIMBAL_MOTOR_LAG_S);
-        let vehicle = &VehicleParameters::F450_GIMBAL;
-        let config = Config::new(vehicle, &tuning, f32::from(params.loop_rate_hz), 1000.0, params.controller).unwrap();
-        let mpc = Mpc::prepare_shorter(5, &mpc_settings(vehicle, &tuning)).unwrap();
+        let Setup { config, mpc, .. } = Setup::new(params).unwrap();
+        let mpc = Mpc::prepare_shorter(params.control_horizon.into(), &mpc).unwrap();
         let (state, mpc_state) = (State::default(), MpcState::new());
         Self { config, state, mpc, mpc_state, questions: VecDeque::new(), steps: 0, planned: Planned::default() }
     }
@@ -64,6 +64,8 @@ impl Twin {
     /// If any bit of its input, output, plan or state differs.
     pub fn repeat(&mut self, board: &StepTrace) {
         let input = board.input();
+        let asked = self.questions.back().is_some_and(|question| question.step == self.state.step);
+        self.planned.missed += u64::from(asked && input.plan.is_none_or(|plan| plan.step != self.state.step));
         self.repeat_plan(&input);
         let output = FlightCore::fast(&self.config, &mut self.state, &input);
         let question = FlightCore::follow(&self.config, &mut self.state, &output);
