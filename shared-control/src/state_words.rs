@@ -4,13 +4,13 @@
 //! Each part of the state writes its own words, in the order of its fields, and takes itself apart without `..`: a new
 //! field that is not written does not compile. Every state has the same number of words, whatever is in its options.
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::imu_health::ImuFault;
 use crate::supervisor::{Arming, DisarmedBecause, Refusal};
 
 /// Words of a state.
-pub const STATE_WORDS: usize = 93;
+pub const STATE_WORDS: usize = 139;
 
 /// Takes words until all have come.
 #[derive(Clone, Debug)]
@@ -42,6 +42,10 @@ impl StateWords {
 
     pub(crate) fn vector(&mut self, vector: &Vector3<f32>) {
         self.numbers(&[vector.x, vector.y, vector.z]);
+    }
+
+    pub(crate) fn rotation(&mut self, q: &UnitQuaternion<f32>) {
+        self.numbers(&[q.w, q.i, q.j, q.k]);
     }
 
     /// Low word first.

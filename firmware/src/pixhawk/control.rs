@@ -2,7 +2,6 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use heapless::spsc::{Consumer, Producer, Queue};
 use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::link::{Answer, Chore, Commander, Order, VehicleStatus};
@@ -11,6 +10,7 @@ use shared_control::signals::{Plan, PlanRequest, StepInput};
 use super::clock::TimeBase;
 use super::counters;
 use super::imu::TimedSample;
+use super::queue::{Consumer, Producer, Queue};
 
 /// Room for orders that arrive within one step, and for what they bring about within one housekeeping.
 const QUEUE_LENGTH: usize = 16;

@@ -1,11 +1,11 @@
 //! The slow end of the link: tells the ground, and does what it wants done outside the loop.
 
-use heapless::spsc::Consumer;
 use mavlink::dialects::common::MavSeverity;
 use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, VehicleStatus};
 
 use super::fault::FaultRecord;
 use super::link_port::LinkSender;
+use super::queue::Consumer;
 
 /// Telemetry with its port and its queues.
 pub struct Ground {

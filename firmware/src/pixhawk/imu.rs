@@ -4,7 +4,6 @@
 use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
-use heapless::spsc::{Producer, Queue};
 use shared_control::setup::IMU_RATE_HZ;
 use shared_control::signals::RawImuSample;
 use stm32f4xx_hal::gpio::{ExtiPin, Input, PD15};
@@ -13,6 +12,7 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::clock;
 use super::counters;
+use super::queue::{Producer, Queue};
 use super::sensor_bus::{READ, SensorBus};
 
 const PWR_MGMT_1: u8 = 0x6B;

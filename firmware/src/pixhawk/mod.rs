@@ -23,6 +23,7 @@ mod load;
 mod loop_timer;
 mod outputs;
 mod pins;
+mod queue;
 mod sensor_bus;
 mod supply;
 mod trace;
@@ -30,7 +31,9 @@ mod watchdog;
 
 use defmt_rtt as _;
 
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
+// `plan` and `housekeeping` borrow interrupts of devices that are not used. They are no software tasks of RTIC: those are
+// futures, and in each is a panic for one that is polled after its end.
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use core::mem::MaybeUninit;
 
@@ -42,6 +45,7 @@ mod app {
     use shared_control::params::Params;
     use shared_control::setup::Setup;
     use shared_control::signals::{ArmingBlocks, MotorCommands, Plan, PlanRequest};
+    use stm32f4xx_hal::pac::Interrupt;
 
     use super::board;
     use super::control::{AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
@@ -68,6 +72,7 @@ mod app {
         imu: Imu,
         #[lock_free]
         link: LinkIn,
+        request: Option<PlanRequest>,
         plan: Option<Plan>,
         status: Option<(u64, VehicleStatus)>,
     }
@@ -153,7 +158,7 @@ mod app {
         let housekeeping_steps = u32::from(params.loop_rate_hz / board::HOUSEKEEPING_HZ);
         let local =
             Local { control, outputs, loop_timer, trace, housekeeping_steps, mpc, mpc_state, ground, led, watchdog };
-        (Shared { imu, link, plan: None, status: None }, local)
+        (Shared { imu, link, request: None, plan: None, status: None }, local)
     }
 
     /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
@@ -172,7 +177,7 @@ mod app {
     /// once more; a step that outlasts the period is counted, and without any the watchdog resets the board.
     #[task(
         binds = TIM3, priority = 5,
-        local = [control, outputs, loop_timer, trace, housekeeping_steps], shared = [plan, status]
+        local = [control, outputs, loop_timer, trace, housekeeping_steps], shared = [request, plan, status]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
@@ -182,8 +187,7 @@ mod app {
             let output = local.control.fast(plan);
             local.outputs.write(output.compare_counts, output.arming.motors_turn());
             if let Some(request) = local.control.follow(&output) {
-                // refused while the plan before is still being made: the next step does without, and is counted
-                let _ = plan::spawn(request);
+                cx.shared.request.lock(|open| ask(open, request));
             }
             local.trace.publish(local.control.input(), &output, local.control.state());
             output
@@ -196,7 +200,7 @@ mod app {
         watchdog::report_loop();
         if output.step.is_multiple_of(*local.housekeeping_steps) {
             // still busy with the one before: the watchdog notices if that lasts
-            let _ = housekeeping::spawn();
+            rtic::pend(Interrupt::CAN1_RX1);
         }
     }
 
@@ -213,21 +217,30 @@ mod app {
         cx.shared.link.take();
     }
 
+    /// Asks for a plan, unless the one before is still being made: then the next step does without, and is counted.
+    fn ask(open: &mut Option<PlanRequest>, request: PlanRequest) {
+        if open.is_none() {
+            *open = Some(request);
+            rtic::pend(Interrupt::CAN1_RX0);
+        }
+    }
+
     /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and its
     /// own request is not made.
-    #[task(priority = 2, local = [mpc, mpc_state], shared = [plan])]
-    async fn plan(mut cx: plan::Context, request: PlanRequest) {
-        let Some(mpc) = cx.local.mpc else { return };
+    #[task(binds = CAN1_RX0, priority = 2, local = [mpc, mpc_state], shared = [request, plan])]
+    fn plan(mut cx: plan::Context) {
+        let (Some(request), Some(mpc)) = (cx.shared.request.lock(|open| *open), cx.local.mpc) else { return };
         let plan = load::PLAN.measure(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
         cx.shared.plan.lock(|latest| *latest = Some(plan));
+        cx.shared.request.lock(|open| *open = None);
     }
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
     #[task(
-        priority = 1, shared = [status],
+        binds = CAN1_RX1, priority = 1, shared = [status],
         local = [ground, led, watchdog, load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0]
     )]
-    async fn housekeeping(mut cx: housekeeping::Context) {
+    fn housekeeping(mut cx: housekeeping::Context) {
         let local = cx.local;
         local.watchdog.feed_if_all_alive();
         *local.ticks = local.ticks.wrapping_add(1);

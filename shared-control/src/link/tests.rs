@@ -4,12 +4,13 @@ extern crate std;
 use super::frame::{Frame, FrameFinder, FrameWriter, message};
 use super::*;
 use crate::imu::ImuConfig;
-use crate::imu_health::ImuHealth;
+use crate::imu_health::{ImuFault, ImuHealth};
+use crate::imu_select::ImuUnit;
 use crate::signals::{ArmingBlocks, ArmingRequest, AttitudeEstimate, MotorCommands, MotorTest, Setpoint, StepInput};
 use crate::supervisor::{Arming, DisarmedBecause, LINK_LOST_AFTER_US, Refusal};
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, HilSensorUpdatedFlags, MANUAL_CONTROL_DATA,
-    MavCmd, MavMessage, MavModeFlag, MavResult, MavSeverity, MavType, STATUSTEXT_DATA,
+    MavCmd, MavMessage, MavModeFlag, MavResult, MavSeverity, MavSysStatusSensor, MavType, STATUSTEXT_DATA,
 };
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message, MessageData};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -81,7 +82,9 @@ fn status(arming: Arming) -> VehicleStatus {
             valid: true,
         },
         pulses_us: [1001, 1002, 1003, 1004],
+        imu_unit: ImuUnit::First,
         imu_health: ImuHealth::Good,
+        standby_health: ImuHealth::Bad(ImuFault::Stale),
         controller: crate::config::Controller::Mpc,
         hil: false,
         battery_v: Some(12.345),
@@ -428,6 +431,30 @@ fn what_is_sent_is_what_was_told() {
             })
             .collect();
     assert_eq!(texts[0].to_str().unwrap(), "link lost: level and idle");
+}
+
+#[test]
+fn the_ground_learns_which_imu_is_in_use() {
+    let mut telemetry = Telemetry::new(&SETTINGS);
+    let mut out = heapless::Vec::<u8, 512>::new();
+    let second = VehicleStatus { imu_unit: ImuUnit::Second, ..status(Arming::default()) };
+    let failed = VehicleStatus { imu_health: ImuHealth::Bad(ImuFault::Stale), ..second };
+    telemetry.poll(0, &second, &mut out);
+    telemetry.poll(1_000_000, &failed, &mut out);
+    let messages = decoded(&out);
+    let texts = messages.iter().filter_map(|message| match message {
+        MavMessage::STATUSTEXT(data) => Some(data.text.to_str().unwrap()),
+        _ => None,
+    });
+    assert_eq!(texts.collect::<Vec<_>>(), ["first IMU failed: second in use"]);
+    let healthy = messages.iter().filter_map(|message| match message {
+        MavMessage::SYS_STATUS(data) => Some(data.onboard_control_sensors_health),
+        _ => None,
+    });
+    let (gyro, gyro_2) =
+        (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO, MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO2);
+    let found: Vec<_> = healthy.map(|health| (health.contains(gyro), health.contains(gyro_2))).collect();
+    assert_eq!(found, [(false, true), (false, false)]);
 }
 
 #[test]

@@ -1,7 +1,8 @@
-//! What somebody at the bench does with the board: its supply, its connectors, its memory chip.
+//! What somebody at the bench does with the board: its supply, its connectors, its memory chip, its faults.
 
 use shared_control::params::{self, Params};
 
+use crate::devices::{Sensor, SensorFault};
 use crate::machine::Machine;
 
 impl Machine {
@@ -18,6 +19,36 @@ impl Machine {
     /// The chip's supply from now on, V.
     pub fn set_supply_v(&mut self, supply_v: f32) {
         self.board.borrow_mut().set_supply_v(supply_v);
+    }
+
+    /// Stops the crystal, for good; called before the first run it never starts.
+    pub fn stop_crystal(&mut self) {
+        self.board.borrow_mut().set_crystal(false);
+    }
+
+    /// Lets it oscillate again, whenever the image switches it on.
+    pub fn mend_crystal(&mut self) {
+        self.board.borrow_mut().set_crystal(true);
+    }
+
+    /// The battery's voltage from now on, V; 12.4 at first.
+    pub fn set_battery_v(&mut self, battery_v: f32) {
+        self.board.borrow_mut().set_battery_v(battery_v);
+    }
+
+    /// What the buzzer sounds at, Hz; none if it is silent.
+    pub fn buzzer_hz(&self) -> Option<f64> {
+        self.board.borrow().buzzer_hz()
+    }
+
+    /// Lets a sensor fail, from now on and over resets.
+    pub fn break_sensor(&mut self, sensor: Sensor, fault: SensorFault) {
+        self.board.borrow_mut().set_sensor_fault(sensor, Some(fault));
+    }
+
+    /// Makes it whole again.
+    pub fn mend_sensor(&mut self, sensor: Sensor) {
+        self.board.borrow_mut().set_sensor_fault(sensor, None);
     }
 
     /// Stores the owner's choices in the FRAM, as the firmware would; it reads them when it starts.

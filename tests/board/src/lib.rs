@@ -17,6 +17,7 @@ mod machine;
 mod memory;
 mod peripherals;
 mod profile;
+mod second_imu;
 mod stop;
 pub mod time;
 mod trace;
@@ -25,7 +26,7 @@ mod vehicle;
 mod world;
 
 pub use delays::Delays;
-pub use devices::Counts;
+pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
 pub use flight::{Flight, MILLISECOND};
 pub use ground::Ground;
 pub use image::{Image, ImageError};

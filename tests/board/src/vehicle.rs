@@ -9,8 +9,9 @@ use sil_host::plant::Plant;
 use sil_host::sensors::Sensors;
 
 use crate::delays::Delays;
-use crate::devices::Counts;
+use crate::devices::{Counts, SecondGyro};
 use crate::peripherals::timer::Pulse;
+use crate::second_imu::SecondImu;
 use crate::time::{TICKS_PER_US, Ticks, seconds};
 use crate::world::World;
 
@@ -21,6 +22,7 @@ const MOTOR_OF_CHANNEL: [usize; 4] = [3, 2, 1, 0];
 pub struct Vehicle {
     plant: Plant,
     sensors: Sensors,
+    second_imu: SecondImu,
     /// Time up to which the plant has moved.
     moved_to: Ticks,
     held: bool,
@@ -32,8 +34,13 @@ pub struct Vehicle {
 }
 
 impl Vehicle {
-    /// Held at rest, with the model's sensor noise and ESCs for this kind of pulse.
+    /// Held at rest, with the model's sensor noise and ESCs for this kind of pulse; the second IMU's gyro is an L3GD20.
     pub fn new(model: &VehicleModel, pulses: PulseKind, seed: u64) -> Rc<RefCell<Self>> {
+        Self::with_second_gyro(model, pulses, SecondGyro::L3gd20, seed)
+    }
+
+    /// The same with this variant of that gyro.
+    pub fn with_second_gyro(model: &VehicleModel, pulses: PulseKind, gyro: SecondGyro, seed: u64) -> Rc<RefCell<Self>> {
         let pulse_min = match pulses {
             PulseKind::Pwm => 1000 * TICKS_PER_US,
             PulseKind::OneShot125 => 125 * TICKS_PER_US,
@@ -41,6 +48,7 @@ impl Vehicle {
         Rc::new(RefCell::new(Self {
             plant: Plant::new(model),
             sensors: Sensors::new(&model.noise, seed),
+            second_imu: SecondImu::new(gyro, &model.noise, seed),
             moved_to: 0,
             held: true,
             commands: [0.0; 4],
@@ -101,6 +109,17 @@ impl World for Surroundings {
         let Vehicle { plant, sensors, .. } = &mut *vehicle;
         let sample = sensors.imu(plant, now / TICKS_PER_US);
         Counts { gyro: sample.gyro_counts, accel: sample.accel_counts }
+    }
+
+    fn second_gyro(&self) -> Option<SecondGyro> {
+        Some(self.0.borrow().second_imu.gyro)
+    }
+
+    fn second_imu(&mut self, now: Ticks) -> Counts {
+        let mut vehicle = self.0.borrow_mut();
+        vehicle.move_to(now);
+        let Vehicle { plant, second_imu, .. } = &mut *vehicle;
+        second_imu.measure(plant)
     }
 
     /// An ESC knows its command when the pulse ends.

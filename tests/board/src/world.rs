@@ -1,6 +1,6 @@
 //! What the board meets outside: motion to be measured, motors to be driven.
 
-use crate::devices::Counts;
+use crate::devices::{Counts, SecondGyro};
 use crate::peripherals::timer::Pulse;
 use crate::time::Ticks;
 
@@ -12,11 +12,11 @@ pub trait World {
     fn pulse(&mut self, pulse: Pulse);
     /// TIM3 sent its trigger, the tick of the image's loop.
     fn loop_tick(&mut self, _at: Ticks) {}
-    /// Are the L3GD20 and the LSM303D fitted? Without them nobody answers when they are selected.
-    fn has_second_imu(&self) -> bool {
-        false
+    /// The second IMU's gyro, its LSM303D being there too; none if neither is fitted: then nobody answers when selected.
+    fn second_gyro(&self) -> Option<SecondGyro> {
+        None
     }
-    /// What those two measure at this time: the gyro of the one, the accelerometer of the other.
+    /// What the second IMU measures at this time, the L3GD20 and the LSM303D.
     fn second_imu(&mut self, _now: Ticks) -> Counts {
         Counts::default()
     }

@@ -4,6 +4,7 @@ use super::{Board, CYCLES_PER_INSTRUCTION, PORTS, TELEM1_BAUD};
 use crate::cortex::private_bus::part;
 use crate::cpu::{Bus, Place};
 use crate::memory;
+use crate::peripherals::adc::Adc;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::gpio::Gpio;
 use crate::peripherals::pwr::Pwr;
@@ -22,13 +23,16 @@ const RCC: u32 = 0x4002_3800;
 type Reset = fn(&mut Board);
 
 /// What a reset by RCC puts back, besides ports and DMA.
-const RESETS: [(ClockGate, Reset); 8] = [
+const RESETS: [(ClockGate, Reset); 10] = [
+    (ClockGate::apb1(0), |board| board.tim2 = Timer::general(u32::MAX)),
     (ClockGate::apb1(1), |board| board.tim3 = Timer::general(0xffff)),
     (ClockGate::apb1(3), |board| board.tim5 = Timer::general(u32::MAX)),
     (ClockGate::apb1(14), |board| board.spi2 = Spi::default()),
     (ClockGate::apb1(17), |board| board.usart2 = Usart::new(TELEM1_BAUD)),
-    (ClockGate::apb1(28), |board| board.pwr = Pwr::default()),
+    (ClockGate::apb1(28), |board| board.pwr = Pwr::new(board.pwr.supply_v())),
     (ClockGate::apb2(0), |board| board.tim1 = Timer::advanced()),
+    // all three converters together
+    (ClockGate::apb2(8), |board| board.adc1 = Adc::default()),
     (ClockGate::apb2(12), |board| board.spi1 = Spi::default()),
     (ClockGate::apb2(14), |board| board.syscfg = SysCfg::default()),
 ];
@@ -38,6 +42,7 @@ impl Board {
     fn at(&mut self, address: u32) -> Option<(&mut dyn Peripheral, Option<ClockGate>, u32)> {
         let (base, gate): (u32, _) = (address & !0x3ff, |gate| Some(gate));
         let found: (&mut dyn Peripheral, _) = match base {
+            0x4000_0000 => (&mut self.tim2, gate(ClockGate::apb1(0))),
             0x4000_0400 => (&mut self.tim3, gate(ClockGate::apb1(1))),
             0x4000_0c00 => (&mut self.tim5, gate(ClockGate::apb1(3))),
             0x4000_3000 => (&mut self.iwdg, None),
@@ -45,6 +50,7 @@ impl Board {
             0x4000_4400 => (&mut self.usart2, gate(ClockGate::apb1(17))),
             0x4000_7000 => (&mut self.pwr, gate(ClockGate::apb1(28))),
             0x4001_0000 => (&mut self.tim1, gate(ClockGate::apb2(0))),
+            0x4001_2000 => (&mut self.adc1, gate(ClockGate::apb2(8))),
             0x4001_3000 => (&mut self.spi1, gate(ClockGate::apb2(12))),
             0x4001_3800 => (&mut self.syscfg, gate(ClockGate::apb2(14))),
             0x4001_3c00 => (&mut self.exti, None),
@@ -93,9 +99,11 @@ impl Board {
         self.spi1.set_bus_cycle(self.clocks.apb2);
         self.spi2.set_bus_cycle(self.clocks.apb1);
         self.usart2.set_bus_cycle(self.clocks.apb1);
-        self.tim1.set_cycle(self.clocks.apb2_timers);
-        self.tim3.set_cycle(self.clocks.apb1_timers);
-        self.tim5.set_cycle(self.clocks.apb1_timers);
+        self.adc1.set_bus_cycle(self.clocks.apb2);
+        self.tim1.set_cycle(self.clocks.apb2_timers, self.now);
+        self.tim2.set_cycle(self.clocks.apb1_timers, self.now);
+        self.tim3.set_cycle(self.clocks.apb1_timers, self.now);
+        self.tim5.set_cycle(self.clocks.apb1_timers, self.now);
     }
 
     /// Puts back what RCC holds in reset.

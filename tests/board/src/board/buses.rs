@@ -1,6 +1,8 @@
 //! SPI1 and SPI2 with the devices on them: who is selected answers.
 
-use super::{A, B, Board, C, D};
+use super::wiring::SPI1_DMA;
+use super::{A, B, Board, C, D, FLOATING};
+use crate::devices::Sensor;
 use crate::memory::Memory;
 use crate::stop::Cause;
 use crate::time::Ticks;
@@ -9,8 +11,6 @@ use crate::time::Ticks;
 const SPI1_PINS: [u32; 3] = [5, 6, 7];
 const SPI2_PINS: [u32; 3] = [13, 14, 15];
 const SPI_FUNCTION: Option<u32> = Some(5);
-/// What nobody drives is read as ones.
-const FLOATING: u8 = 0xff;
 
 /// Chip selects on SPI1: the port and the pin.
 const MPU6000: (usize, u32) = (C, 2);
@@ -23,11 +23,11 @@ const FRAM: (usize, u32) = (D, 10);
 
 impl Board {
     pub(super) fn tick_spi1(&mut self, now: Ticks, memory: &mut dyn Memory) {
-        self.move_items(memory);
+        self.move_items(&SPI1_DMA, memory);
         while let Some(byte) = self.spi1.shifted_out(now) {
             let answer = self.exchange_on_spi1(byte, now);
             self.spi1.answer(answer);
-            self.move_items(memory);
+            self.move_items(&SPI1_DMA, memory);
         }
     }
 
@@ -38,12 +38,13 @@ impl Board {
         }
     }
 
-    /// Follows the levels of chip selects and of the sensors' supply.
-    pub(super) fn refresh_devices(&mut self) {
+    /// Follows the levels of the chip selects.
+    pub(super) fn refresh_selects(&mut self) {
         let low = |(port, pin): (usize, u32)| self.ports[port].output_level(pin) == Some(false);
-        let (mpu6000, fram) = (low(MPU6000), low(FRAM));
-        self.mpu6000.power(self.ports[super::E].output_level(3) == Some(true), self.now);
+        let [mpu6000, l3gd20, lsm303d, fram] = [MPU6000, L3GD20, LSM303D, FRAM].map(low);
         self.mpu6000.select(mpu6000);
+        self.l3gd20.select(l3gd20);
+        self.lsm303d.select(lsm303d);
         self.fram.select(fram);
     }
 
@@ -59,10 +60,22 @@ impl Board {
             (Some(_), Some(_)) => Err("SPI1 clocked while more than one chip select is not high"),
             (Some(select), None) if level(select).is_none() => Err("SPI1 clocked while a chip select floats"),
             _ if !self.spi1.is_mode_3() => Err("SPI1 in a mode other than 3"),
-            (Some(MPU6000), None) => self.mpu6000.exchange(byte, self.spi1.clock_hz(), now),
+            (Some(MPU6000), None) => self.exchange_with(Sensor::Mpu6000, byte, now),
+            (Some(L3GD20), None) => self.exchange_with(Sensor::L3gd20, byte, now),
+            (Some(LSM303D), None) => self.exchange_with(Sensor::Lsm303d, byte, now),
             (Some(_), None) => Err("device on SPI1"),
         };
         self.answer_or_refuse(answer)
+    }
+
+    fn exchange_with(&mut self, sensor: Sensor, byte: u8, now: Ticks) -> Result<u8, &'static str> {
+        let clock_hz = self.spi1.clock_hz();
+        let answer = match sensor {
+            Sensor::Mpu6000 => self.mpu6000.exchange(byte, clock_hz, now),
+            Sensor::L3gd20 => self.l3gd20.exchange(byte, clock_hz, now),
+            Sensor::Lsm303d => self.lsm303d.exchange(byte, clock_hz, now),
+        };
+        self.stuck_answer(sensor).map_or(answer, Ok)
     }
 
     fn exchange_on_spi2(&mut self, byte: u8) -> u8 {

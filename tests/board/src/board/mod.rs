@@ -2,25 +2,37 @@
 //!
 //! ```text
 //!  PE3 --------> sensors <--- world: counts at each one's sample clock
-//!  PC2, 13, 15 -> select      `--- MPU6000: data-ready --> PD15 -> SYSCFG -> EXTI15_10 -> NVIC
+//!  PC2, 13, 15 -> select      `--- data-ready --> PD15, PB0, PB4 -> SYSCFG -> EXTI -> NVIC
 //!  SPI1 <------> sensors      DMA2 S0 <-- received    S5 --> to send
 //!  SPI2 <------> FRAM (PD10)
 //!  TIM3 -- trigger output (update) --> TIM1 --> PE14, 13, 11, 9 --> world: pulses
 //!  USART2 <----> TELEM1       DMA1 S5 <-- received    S6 --> to send
-//!  TIM5: time base            RCC: clocks of all of them
+//!  PA2 (battery) -> ADC1      DMA2 S4 <-- conversions
+//!  PA15 (buzzer) <- TIM2      TIM5: time base      RCC: clocks of all of them
 //! ```
 //!
-//! `address_map` is what the core sees of it, `buses` what hangs on SPI1 and SPI2, `wiring` pins, DMA and interrupts.
+//! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults, `analog`
+//! battery and buzzer, `wiring` DMA requests and interrupt lines.
 
 mod address_map;
+mod analog;
 mod buses;
+mod sensors;
 mod wiring;
+
+use analog::USUAL_BATTERY_V;
+use wiring::USART2_DMA;
 
 use crate::cortex::private_bus::PrivateBus;
 use crate::devices::fram::Fram;
+use crate::devices::l3gd20::{L3GD20, L3GD20H};
+use crate::devices::lsm303d::LSM303D;
 use crate::devices::mpu6000::Mpu6000;
+use crate::devices::st_sensor::StSensor;
+use crate::devices::{SecondGyro, SensorFault};
 use crate::memory::{self, Memory};
 use crate::peripherals::Peripheral;
+use crate::peripherals::adc::Adc;
 use crate::peripherals::dbgmcu::DbgMcu;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::exti::Exti;
@@ -46,6 +58,9 @@ const B: usize = 1;
 const C: usize = 2;
 const D: usize = 3;
 const E: usize = 4;
+/// What is read of a data line that nobody drives.
+const FLOATING: u8 = 0xff;
+const USUAL_SUPPLY_V: f32 = 3.3;
 /// TELEM1's usual baud rate.
 const TELEM1_BAUD: u64 = 115_200;
 
@@ -62,7 +77,9 @@ pub(crate) struct Board {
     dma: [Dma; 2],
     spi1: Spi,
     spi2: Spi,
+    adc1: Adc,
     tim1: Timer,
+    tim2: Timer,
     tim3: Timer,
     tim5: Timer,
     usart2: Usart,
@@ -70,7 +87,11 @@ pub(crate) struct Board {
     dbgmcu: DbgMcu,
     backup_ram: Vec<u8>,
     mpu6000: Mpu6000,
+    l3gd20: StSensor,
+    lsm303d: StSensor,
+    sensor_faults: [Option<SensorFault>; 3],
     pub(crate) fram: Fram,
+    battery_v: f32,
     pub(crate) world: Box<dyn World>,
     /// Time and core cycles at the start of the slice.
     pub(crate) now: Ticks,
@@ -82,13 +103,15 @@ impl Board {
     /// As after power-on.
     pub(crate) fn new(world: Box<dyn World>, seed: u64) -> Self {
         // power-on, brown-out and pin reset (section 6.3.21)
-        let rcc = Rcc::new(1 << 27 | 1 << 26 | 1 << 25);
+        let rcc = Rcc::new(1 << 27 | 1 << 26 | 1 << 25, true);
         let clocks = Clocks { core: 21, apb1: 21, apb2: 21, apb1_timers: 21, apb2_timers: 21 };
+        let gyro = if world.second_gyro() == Some(SecondGyro::L3gd20h) { &L3GD20H } else { &L3GD20 };
+        let second_imu = world.second_gyro().is_none().then_some(SensorFault::Removed(FLOATING));
         let mut board = Self {
             private: PrivateBus::new(0),
             rcc,
             clocks,
-            pwr: Pwr::default(),
+            pwr: Pwr::new(USUAL_SUPPLY_V),
             flash: Flash::default(),
             ports: PORTS.map(Gpio::new),
             exti: Exti::default(),
@@ -96,7 +119,9 @@ impl Board {
             dma: Default::default(),
             spi1: Spi::default(),
             spi2: Spi::default(),
+            adc1: Adc::default(),
             tim1: Timer::advanced(),
+            tim2: Timer::general(u32::MAX),
             tim3: Timer::general(0xffff),
             tim5: Timer::general(u32::MAX),
             usart2: Usart::new(TELEM1_BAUD),
@@ -104,7 +129,11 @@ impl Board {
             dbgmcu: DbgMcu::default(),
             backup_ram: memory::noise(0x1000, seed ^ 0xbac),
             mpu6000: Mpu6000::default(),
+            l3gd20: StSensor::new(gyro),
+            lsm303d: StSensor::new(&LSM303D),
+            sensor_faults: [None, second_imu, second_imu],
             fram: Fram::default(),
+            battery_v: USUAL_BATTERY_V,
             world,
             now: 0,
             cycles: 0,
@@ -120,9 +149,14 @@ impl Board {
         let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), 0);
         std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
         std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
+        std::mem::swap(&mut fresh.l3gd20, &mut self.l3gd20);
+        std::mem::swap(&mut fresh.lsm303d, &mut self.lsm303d);
+        fresh.sensor_faults = self.sensor_faults;
+        fresh.battery_v = self.battery_v;
         std::mem::swap(&mut fresh.fram, &mut self.fram);
         (fresh.now, fresh.cycles) = (self.now, self.cycles);
-        fresh.rcc = Rcc::new(flags_so_far | flags);
+        fresh.rcc = Rcc::new(flags_so_far | flags, self.rcc.crystal_oscillates());
+        fresh.pwr = Pwr::new(self.pwr.supply_v());
         *self = fresh;
     }
 
@@ -144,48 +178,55 @@ impl Board {
         if self.private.systick.tick(now, self.clocks.core) {
             self.private.exceptions.pend(crate::cortex::exceptions::SYS_TICK);
         }
+        self.tim2.tick(now);
         self.tim5.tick(now);
         self.tick_motor_timers(now);
-        self.tick_imu(now);
+        self.tick_sensors(now);
         self.tick_spi1(now, memory);
         self.tick_spi2(now);
         self.tick_usart2(now, memory);
+        self.tick_adc1(now, memory);
         self.refresh_lines();
     }
 
     /// When something will happen next without the core doing anything.
     pub(crate) fn next_event(&self) -> Option<Ticks> {
-        let timers = [&self.tim1, &self.tim3, &self.tim5].into_iter().filter_map(|timer| timer.next_event());
+        let timers =
+            [&self.tim1, &self.tim2, &self.tim3, &self.tim5].into_iter().filter_map(|timer| timer.next_event());
         let others = [
             self.private.systick.next_event(self.clocks.core),
             self.spi1.next_event(),
             self.spi2.next_event(),
             self.usart2.next_event(),
             self.mpu6000.next_event(),
+            self.l3gd20.next_event(),
+            self.lsm303d.next_event(),
             self.iwdg.next_event(),
+            self.adc1.next_end().filter(|_| self.dma[1].is_waited_for(4)),
         ];
         timers.chain(others.into_iter().flatten()).min()
     }
 
-    fn tick_imu(&mut self, now: Ticks) {
-        while self.mpu6000.sample_due(now) {
-            let counts = self.world.imu(self.mpu6000.next_event().unwrap_or(now));
-            self.mpu6000.sample(counts);
-        }
-        self.mpu6000.tick(now);
-    }
-
     fn tick_usart2(&mut self, now: Ticks, memory: &mut dyn Memory) {
-        self.move_items(memory);
+        self.move_items(&USART2_DMA, memory);
         while self.usart2.next_event().is_some_and(|at| at <= now) {
             self.usart2.tick(now);
-            self.move_items(memory);
+            self.move_items(&USART2_DMA, memory);
         }
     }
 
     /// The supply of chip and board.
     pub(crate) fn set_supply_v(&mut self, supply_v: f32) {
         self.pwr.set_supply_v(supply_v);
+        self.refresh_lines();
+    }
+
+    /// The crystal stops, or would start.
+    pub(crate) fn set_crystal(&mut self, oscillates: bool) {
+        if !self.rcc.set_crystal(oscillates) {
+            self.refuse(Cause::Unmodelled("the crystal stopped and the clock security system is off"), 0, None, 0);
+        }
+        self.distribute_clocks();
         self.refresh_lines();
     }
 

@@ -1,9 +1,10 @@
 //! Wires inside the chip and to its pins: timers to motors, DMA requests, interrupt lines.
 
-use super::{Board, D, E};
-use crate::cortex::exceptions::interrupt_line;
+use super::{Board, E};
+use crate::cortex::exceptions::{NMI, interrupt_line, line};
 use crate::memory::{self, Memory};
 use crate::peripherals::Peripheral;
+use crate::peripherals::dma::Item;
 use crate::time::Ticks;
 
 /// Pins of the motor channels, TIM1 CH1 to CH4.
@@ -15,7 +16,7 @@ const SUPPLY_LINE: u32 = 16;
 
 /// Who asks a DMA stream for an item: controller (0 is DMA1), stream, channel (RM0090 tables 42 and 43).
 #[derive(Clone, Copy)]
-struct DmaWire {
+pub(super) struct DmaWire {
     controller: usize,
     stream: usize,
     channel: u32,
@@ -23,12 +24,27 @@ struct DmaWire {
     asks: fn(&Board) -> bool,
 }
 
-const DMA_WIRES: [DmaWire; 4] = [
-    DmaWire { controller: 1, stream: 0, channel: 3, to_peripheral: false, asks: |b| b.spi1.requests_receive_dma() },
-    DmaWire { controller: 1, stream: 5, channel: 3, to_peripheral: true, asks: |b| b.spi1.requests_transmit_dma() },
-    DmaWire { controller: 0, stream: 5, channel: 4, to_peripheral: false, asks: |b| b.usart2.requests_receive_dma() },
-    DmaWire { controller: 0, stream: 6, channel: 4, to_peripheral: true, asks: |b| b.usart2.requests_transmit_dma() },
+impl DmaWire {
+    const fn new(
+        controller: usize,
+        stream: usize,
+        channel: u32,
+        to_peripheral: bool,
+        asks: fn(&Board) -> bool,
+    ) -> Self {
+        Self { controller, stream, channel, to_peripheral, asks }
+    }
+}
+
+pub(super) const SPI1_DMA: [DmaWire; 2] = [
+    DmaWire::new(1, 0, 3, false, |board| board.spi1.requests_receive_dma()),
+    DmaWire::new(1, 5, 3, true, |board| board.spi1.requests_transmit_dma()),
 ];
+pub(super) const USART2_DMA: [DmaWire; 2] = [
+    DmaWire::new(0, 5, 4, false, |board| board.usart2.requests_receive_dma()),
+    DmaWire::new(0, 6, 4, true, |board| board.usart2.requests_transmit_dma()),
+];
+pub(super) const ADC1_DMA: [DmaWire; 1] = [DmaWire::new(1, 4, 0, false, |board| board.adc1.requests_dma())];
 
 /// Interrupts of the streams (RM0090 table 62).
 const DMA1_INTERRUPTS: [u8; 8] = [11, 12, 13, 14, 15, 16, 17, 47];
@@ -52,32 +68,42 @@ impl Board {
     }
 
     /// Moves items for as long as a peripheral asks and a stream serves it.
-    pub(super) fn move_items(&mut self, memory: &mut dyn Memory) {
-        for wire in DMA_WIRES {
+    pub(super) fn move_items(&mut self, wires: &[DmaWire], memory: &mut dyn Memory) {
+        for wire in wires {
             while (wire.asks)(self) {
-                let DmaWire { controller, stream, channel, to_peripheral, .. } = wire;
+                let DmaWire { controller, stream, channel, to_peripheral, .. } = *wire;
                 let Some(item) = self.dma[controller].item(stream, channel, to_peripheral) else { break };
-                let mut byte = [0];
-                let reaches = memory::RAM.contains(item.memory_address, 1)
-                    || to_peripheral && memory::FLASH.contains(item.memory_address, 1);
-                let (address, at) = (item.peripheral_address, self.now);
-                let done = reaches
-                    && if to_peripheral {
-                        memory.load(item.memory_address, &mut byte)
-                            && self.write_register(address, byte[0].into(), at).is_ok()
-                    } else {
-                        self.read_register(address, at)
-                            .is_ok_and(|word| memory.store(item.memory_address, &[word as u8]))
-                    };
-                if done { self.dma[controller].moved(stream) } else { self.dma[controller].failed(stream) }
+                if self.move_item(item, to_peripheral, memory) {
+                    self.dma[controller].moved(stream);
+                } else {
+                    self.dma[controller].failed(stream);
+                }
             }
+        }
+    }
+
+    /// False if nothing that DMA reaches lies there: neither CCM nor, to be written, flash.
+    fn move_item(&mut self, item: Item, to_peripheral: bool, memory: &mut dyn Memory) -> bool {
+        let Item { memory_address, peripheral_address, size } = item;
+        let reaches =
+            memory::RAM.contains(memory_address, size) || to_peripheral && memory::FLASH.contains(memory_address, size);
+        let mut bytes = [0; 4];
+        if !reaches {
+            return false;
+        }
+        if to_peripheral {
+            memory.load(memory_address, &mut bytes[..size as usize])
+                && self.write_register(peripheral_address, u32::from_le_bytes(bytes), self.now).is_ok()
+        } else {
+            self.read_register(peripheral_address, self.now)
+                .is_ok_and(|word| memory.store(memory_address, &word.to_le_bytes()[..size as usize]))
         }
     }
 
     /// Levels that follow from others: pins, EXTI lines, interrupt lines.
     pub(crate) fn refresh_lines(&mut self) {
-        self.refresh_devices();
-        self.ports[D].drive(15, self.mpu6000.interrupt_pin());
+        self.refresh_selects();
+        self.refresh_sensors();
         self.exti.set_levels(self.exti_levels());
         let lines = self.interrupt_lines();
         self.private.exceptions.set_lines(lines);
@@ -95,7 +121,7 @@ impl Board {
 
     /// Which interrupts are asked for (RM0090 table 62).
     fn interrupt_lines(&self) -> u128 {
-        let mut lines = 0;
+        let mut lines = line(NMI, self.rcc.crystal_lost());
         for (exti_lines, interrupt) in
             [(1 << 16, 1), (1, 6), (1 << 1, 7), (1 << 2, 8), (1 << 3, 9), (1 << 4, 10), (0x03e0, 23), (0xfc00, 40)]
         {
@@ -107,6 +133,7 @@ impl Board {
             }
         }
         lines
+            | interrupt_line(28, self.tim2.interrupt())
             | interrupt_line(25, self.tim1.update_interrupt())
             | interrupt_line(27, self.tim1.other_interrupts())
             | interrupt_line(29, self.tim3.interrupt())
