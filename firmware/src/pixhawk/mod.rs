@@ -12,9 +12,11 @@
 mod board;
 mod boot;
 mod clock;
+mod configuration;
 mod control;
 mod counters;
 mod fault;
+mod fram;
 mod ground;
 mod imu;
 mod led;
@@ -35,21 +37,17 @@ use defmt_rtt as _;
 // futures, and in each is a panic for one that is polled after its end.
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
-    use core::mem::MaybeUninit;
-
     use heapless::Vec;
-    use shared_control::config::Controller;
     use shared_control::flight_core::FlightCore;
-    use shared_control::link::{Commander, LinkSettings, VehicleStatus};
-    use shared_control::mpc::{HORIZON, Mpc, MpcState};
-    use shared_control::params::Params;
-    use shared_control::setup::Setup;
-    use shared_control::signals::{ArmingBlocks, MotorCommands, Plan, PlanRequest};
+    use shared_control::link::{Commander, VehicleStatus};
+    use shared_control::mpc::{HORIZON, MpcState};
+    use shared_control::signals::{ArmingBlocks, Plan, PlanRequest};
     use stm32f4xx_hal::pac::Interrupt;
 
-    use super::board;
+    use super::configuration::{BoardMpc, Configuration, MpcPlace};
     use super::control::{AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
     use super::fault::{self, Cause, FaultRecord};
+    use super::fram::Fram;
     use super::ground::Ground;
     use super::imu::{Buffers, Imu, SampleQueue};
     use super::led::{Led, Sign};
@@ -62,9 +60,6 @@ mod app {
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
     use super::{boot, clock, counters, supply};
-
-    /// Room for every control horizon that can be chosen.
-    type BoardMpc = Mpc<HORIZON>;
 
     #[shared]
     struct Shared {
@@ -91,12 +86,12 @@ mod app {
         watchdog: Watchdog,
     }
 
-    /// Interrupts are off until it returns. What is wrong with the compiled-in configuration stops the program here.
+    /// Interrupts are off until it returns.
     #[init(local = [
         samples: SampleQueue = SampleQueue::new(), orders: OrderQueue = OrderQueue::new(),
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
-        mpc_place: MaybeUninit<BoardMpc> = MaybeUninit::uninit(),
+        mpc_place: MpcPlace = MpcPlace::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (mut core, mut device) = (cx.core, cx.device);
@@ -108,26 +103,20 @@ mod app {
         load::start(&mut core.DCB, &mut core.DWT);
         let record = FaultRecord::read();
 
-        let ports = (device.GPIOA, device.GPIOC, device.GPIOD, device.GPIOE);
+        let ports = (device.GPIOA, device.GPIOB, device.GPIOC, device.GPIOD, device.GPIOE);
         let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
         supply::watch(&device.PWR, &device.EXTI, &mut rcc);
 
-        // not `expect`, which would print the error and bring the formatting of floats into the image
-        let params = Params::DEFAULT;
-        let Ok(setup) = Setup::new(&params) else { panic!("choices of a whole record can be flown") };
-        let mpc = match params.controller {
-            Controller::Cascade => None,
-            Controller::Mpc => match Mpc::prepare_shorter(params.control_horizon.into(), &setup.mpc) {
-                Ok(mpc) => Some(cx.local.mpc_place.write(mpc)),
-                Err(_) => panic!("every control horizon can be prepared"),
-            },
-        };
-
-        let disarmed = setup.config.output.compare_counts(&MotorCommands::default(), false);
-        let outputs = Outputs::new(device.TIM1, pins.motors, &setup.pulse_timer, disarmed[0], &mut rcc);
+        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
+        let mut memory = Fram::new(device.SPI2, pins.fram, pins.fram_select, &mut rcc);
+        let configuration = Configuration::read(&mut memory);
+        let setup = &configuration.setup;
+        let mpc = configuration.mpc(cx.local.mpc_place);
+        let outputs =
+            Outputs::new(device.TIM1, pins.motors, &setup.pulse_timer, configuration.disarmed_count(), &mut rcc);
         let loop_timer = LoopTimer::new(device.TIM3, &setup.loop_timer, &mut rcc);
 
-        let settings = LinkSettings::NOMINAL;
+        let settings = configuration.link_settings();
         let (orders, orders_out) = cx.local.orders.split();
         let (answers, answers_out) = cx.local.answers.split();
         let (chores, chores_out) = cx.local.chores.split();
@@ -135,27 +124,30 @@ mod app {
         let (ring, buffer) = (cx.local.ring, cx.local.buffer);
         let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, ring, buffer, &mut rcc);
         let link = LinkIn::new(port, settings, orders);
-        let mut ground = Ground::new(&settings, sender, answers_out, chores_out);
+        let mut ground = Ground::new(&settings, (&configuration.params, memory), sender, answers_out, chores_out);
         ground.tell(reset_cause);
         if let Some(record) = record {
-            ground.tell(&record.words());
+            ground.tell(record.words());
         }
+        ground.tell_configuration(&configuration);
 
-        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
         let mut imu = Imu::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, samples, &mut rcc);
         if let Err(fault) = imu.start(&mut device.EXTI) {
             // without samples nothing arms
             ground.tell(fault.words());
         }
 
-        let blocks = ArmingBlocks { fault_record_unread: record.is_some(), configuration_unconfirmed: false };
+        let blocks = ArmingBlocks {
+            fault_record_unread: record.is_some(),
+            configuration_unconfirmed: configuration.fault.is_some(),
+        };
         let commander = Commander::new(settings.hover_throttle, blocks);
         let ends = Ends { samples: samples_out, orders: orders_out, answers, chores };
         let control = Control::new(setup.config, commander, ends);
         let (trace, mpc_state) = (Trace::new(), MpcState::new());
         let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
         loop_timer.start();
-        let housekeeping_steps = u32::from(params.loop_rate_hz / board::HOUSEKEEPING_HZ);
+        let housekeeping_steps = configuration.housekeeping_steps();
         let local =
             Local { control, outputs, loop_timer, trace, housekeeping_steps, mpc, mpc_state, ground, led, watchdog };
         (Shared { imu, link, request: None, plan: None, status: None }, local)
@@ -231,8 +223,8 @@ mod app {
     fn plan(mut cx: plan::Context) {
         let (Some(request), Some(mpc)) = (cx.shared.request.lock(|open| *open), cx.local.mpc) else { return };
         let plan = load::PLAN.measure(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
-        cx.shared.plan.lock(|latest| *latest = Some(plan));
-        cx.shared.request.lock(|open| *open = None);
+        // at once, so that a step between the two neither misses the plan nor finds its own request refused
+        (cx.shared.request, cx.shared.plan).lock(|open, latest| (*open, *latest) = (None, Some(plan)));
     }
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.

@@ -7,12 +7,14 @@ use mavlink::dialects::common::{
 
 use super::commander::Answer;
 use super::frame::FrameWriter;
+use super::parameters::{ParameterRequest, Parameters};
 use super::{COMPONENT_ID, LinkSettings};
 use crate::config::{Config, Controller};
 use crate::flight_core::StepOutput;
 use crate::frames::euler_from_q;
 use crate::imu_health::{ImuFault, ImuHealth};
 use crate::imu_select::ImuUnit;
+use crate::params::{Params, RECORD_LEN};
 use crate::signals::AttitudeEstimate;
 use crate::supervisor::{Arming, DisarmedBecause};
 
@@ -92,6 +94,7 @@ pub struct Telemetry {
     writer: FrameWriter,
     answers: heapless::Deque<Answer, ANSWERS_MAX>,
     texts: heapless::Deque<(MavSeverity, Text), TEXTS_MAX>,
+    parameters: Parameters,
     told: Option<Arming>,
     told_unit: ImuUnit,
     heartbeat: Due,
@@ -104,12 +107,13 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// A sender that has sent nothing.
-    pub fn new(settings: &LinkSettings) -> Self {
+    /// A sender that has sent nothing; with the choices that it can tell.
+    pub fn new(settings: &LinkSettings, params: &Params) -> Self {
         Self {
             writer: FrameWriter::new(settings.system_id, COMPONENT_ID),
             answers: heapless::Deque::new(),
             texts: heapless::Deque::new(),
+            parameters: Parameters::new(params),
             told: None,
             told_unit: ImuUnit::default(),
             heartbeat: Due::every(HEARTBEAT_PERIOD_US),
@@ -123,11 +127,29 @@ impl Telemetry {
 
     /// Takes an answer to be sent. A refusal is also put into words.
     pub fn answer(&mut self, answer: Answer) {
-        if let Answer::Refused(_, refusal) = answer {
+        if let Answer::Refused(_, refusal) | Answer::ParameterRefused(_, refusal) = answer {
             self.text(MavSeverity::MAV_SEVERITY_WARNING, refusal.words());
+        }
+        if let Answer::ParameterRefused(field, _) = answer {
+            self.parameters.tell(field);
+            return;
         }
         self.count_dropped(self.answers.is_full());
         let _ = self.answers.push_back(answer);
+    }
+
+    /// Serves the parameters; `store` as in [`Parameters::serve`].
+    pub fn serve_parameters(&mut self, request: &ParameterRequest, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) {
+        if let Some(words) = self.parameters.serve(request, store) {
+            self.text(MavSeverity::MAV_SEVERITY_NOTICE, &words);
+        }
+    }
+
+    /// Stores the choices as they are, and says what came of it.
+    pub fn store_configuration(&mut self, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) {
+        let kept = self.parameters.store(store);
+        let words = if kept { "configuration stored" } else { "configuration not stored: memory failed" };
+        self.text(MavSeverity::MAV_SEVERITY_NOTICE, words);
     }
 
     /// Takes a text to be sent; what is beyond 50 bytes is cut off.
@@ -147,7 +169,7 @@ impl Telemetry {
         self.tell_arming(&status.arming);
         self.tell_unit(status.imu_unit);
         while let Some(answer) = self.answers.front() {
-            if !self.writer.write(&command_ack(answer), out) {
+            if command_ack(answer).is_some_and(|data| !self.writer.write(&data, out)) {
                 return;
             }
             self.answers.pop_front();
@@ -161,6 +183,7 @@ impl Telemetry {
             self.text.done(time_us);
             self.texts.pop_front();
         }
+        self.parameters.write_next(&mut self.writer, out);
         if self.attitude.is(time_us) && self.writer.write(&attitude(time_us, &status.estimate), out) {
             self.attitude.done(time_us);
         }
@@ -244,15 +267,17 @@ fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str)> {
     })
 }
 
-fn command_ack(answer: &Answer) -> COMMAND_ACK_DATA {
+/// None for what was no command.
+fn command_ack(answer: &Answer) -> Option<COMMAND_ACK_DATA> {
     let (command, result) = match answer {
         Answer::Accepted(command) => (*command, MavResult::MAV_RESULT_ACCEPTED),
         // what stood against it may pass
         Answer::Refused(command, _) | Answer::Busy(command) => (*command, MavResult::MAV_RESULT_TEMPORARILY_REJECTED),
         Answer::Senseless(command) => (*command, MavResult::MAV_RESULT_DENIED),
         Answer::Unknown(command) => (*command, MavResult::MAV_RESULT_UNSUPPORTED),
+        Answer::ParameterRefused(..) => return None,
     };
-    COMMAND_ACK_DATA { command, result }
+    Some(COMMAND_ACK_DATA { command, result })
 }
 
 fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
