@@ -53,7 +53,8 @@ impl Flight {
     /// Without such an image.
     pub fn new(params: &Params, seed: u64) -> Self {
         let image = firmware();
-        let vehicle = Vehicle::new(&VehicleModel::nominal(Rig::Gimbal), params.pulses, seed);
+        let vehicle = Vehicle::new(&VehicleModel::nominal(Rig::Gimbal), seed);
+        vehicle.borrow_mut().fit_escs(params.pulses);
         let mut machine = Machine::new(&image, Box::new(Surroundings(Rc::clone(&vehicle))), seed).unwrap();
         machine.configure(params);
         let trace_address = image.symbol("FLIGHT_TRACE").expect("the firmware's record of its steps");

@@ -10,6 +10,7 @@ mod cortex;
 mod cpu;
 mod delays;
 mod devices;
+mod entry;
 mod flight;
 mod ground;
 mod image;
@@ -25,8 +26,10 @@ mod twin;
 mod vehicle;
 mod world;
 
+pub use board::serial::Connector;
 pub use delays::Delays;
 pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
+pub use entry::EntryState;
 pub use flight::{Flight, MILLISECOND};
 pub use ground::Ground;
 pub use image::{Image, ImageError};

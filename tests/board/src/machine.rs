@@ -15,6 +15,7 @@ use crate::board::{Board, CYCLES_PER_INSTRUCTION};
 use crate::cortex::exceptions::{BUS_FAULT, HARD_FAULT, Masks, NMI, SV_CALL, USAGE_FAULT};
 use crate::cortex::stacking;
 use crate::cpu::{Cpu, Outcome};
+use crate::entry::EntryState;
 use crate::image::Image;
 use crate::memory::Memory;
 use crate::profile::Profile;
@@ -66,6 +67,7 @@ pub struct Machine {
     watched: u64,
     /// Address of the image's vector table.
     vectors: u32,
+    entry: EntryState,
     counters: Counters,
     profile: Profile,
 }
@@ -82,19 +84,28 @@ impl Machine {
         for (address, bytes) in image.segments() {
             cpu.store(*address, bytes);
         }
-        let (vectors, counters, profile) = (image.base(), Counters::default(), Profile::default());
-        let (now, cycles, pc, watched) = (0, 0, 0, 0);
+        let (vectors, entry, counters) = (image.base(), EntryState::Reset, Counters::default());
+        let (now, cycles, pc, watched, profile) = (0, 0, 0, 0, Profile::default());
+        let (asleep, masked) = (false, false);
         let mut machine =
-            Self { cpu, board, now, cycles, pc, asleep: false, masked: false, watched, vectors, counters, profile };
+            Self { cpu, board, now, cycles, pc, asleep, masked, watched, vectors, entry, counters, profile };
         machine.configure(&Params::DEFAULT);
         machine.enter_image();
         Ok(machine)
     }
 
-    /// The core as after reset, at the image's first instruction. VTOR is 0: the image has to set it.
+    /// To be called before the first run: somebody else than the chip's reset starts the image, now and after every reset.
+    pub fn enter_from(&mut self, entry: EntryState) {
+        self.entry = entry;
+        self.enter_image();
+    }
+
+    /// The core at the image's first instruction. After a mere reset VTOR is 0: the image has to set it.
     fn enter_image(&mut self) {
         let [stack, entry] = [0, 4].map(|offset| self.word(self.vectors + offset).unwrap_or_default());
         self.cpu.reset();
+        self.entry.prepare(&mut self.cpu);
+        self.board.borrow_mut().preset(&self.entry.registers(self.vectors));
         self.cpu.set_register(Register::MSP, stack);
         self.cpu.set_register(Register::LR, u32::MAX);
         self.cpu.refresh_mode();

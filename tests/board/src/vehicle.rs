@@ -34,17 +34,13 @@ pub struct Vehicle {
 }
 
 impl Vehicle {
-    /// Held at rest, with the model's sensor noise and ESCs for this kind of pulse; the second IMU's gyro is an L3GD20.
-    pub fn new(model: &VehicleModel, pulses: PulseKind, seed: u64) -> Rc<RefCell<Self>> {
-        Self::with_second_gyro(model, pulses, SecondGyro::L3gd20, seed)
+    /// Held at rest, with the model's sensor noise and ESCs for PWM; the second IMU's gyro is an L3GD20.
+    pub fn new(model: &VehicleModel, seed: u64) -> Rc<RefCell<Self>> {
+        Self::with_second_gyro(model, SecondGyro::L3gd20, seed)
     }
 
     /// The same with this variant of that gyro.
-    pub fn with_second_gyro(model: &VehicleModel, pulses: PulseKind, gyro: SecondGyro, seed: u64) -> Rc<RefCell<Self>> {
-        let pulse_min = match pulses {
-            PulseKind::Pwm => 1000 * TICKS_PER_US,
-            PulseKind::OneShot125 => 125 * TICKS_PER_US,
-        };
+    pub fn with_second_gyro(model: &VehicleModel, gyro: SecondGyro, seed: u64) -> Rc<RefCell<Self>> {
         Rc::new(RefCell::new(Self {
             plant: Plant::new(model),
             sensors: Sensors::new(&model.noise, seed),
@@ -52,10 +48,18 @@ impl Vehicle {
             moved_to: 0,
             held: true,
             commands: [0.0; 4],
-            pulse_min,
+            pulse_min: 1000 * TICKS_PER_US,
             pulses: [None; 4],
             delays: Delays::default(),
         }))
+    }
+
+    /// Fits ESCs for this kind of pulse.
+    pub fn fit_escs(&mut self, pulses: PulseKind) {
+        self.pulse_min = match pulses {
+            PulseKind::Pwm => 1000 * TICKS_PER_US,
+            PulseKind::OneShot125 => 125 * TICKS_PER_US,
+        };
     }
 
     /// Lets it go, the motors settled at what the ESCs were told last.
