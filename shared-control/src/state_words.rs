@@ -83,7 +83,7 @@ fn number_of_reason(because: DisarmedBecause) -> u32 {
         DisarmedBecause::LinkLost => 3,
         DisarmedBecause::MotorTestOver => 4,
         DisarmedBecause::ImuFailed(fault) => 0x10 + number_of_fault(fault),
-        DisarmedBecause::Refused(refusal) => 0x20 + number_of_refusal(refusal),
+        DisarmedBecause::Refused(refusal) => 0x100 + number_of_refusal(refusal),
     }
 }
 
@@ -101,7 +101,8 @@ fn number_of_refusal(refusal: Refusal) -> u32 {
         Refusal::NotArmed => 9,
         Refusal::MotorTestRunning => 10,
         Refusal::NoSuchMotor => 11,
-        Refusal::ImuUnhealthy(fault) => 0x10 + number_of_fault(fault),
+        Refusal::BatteryAbsent => 12,
+        Refusal::ImuUnhealthy(fault) => 0x20 + number_of_fault(fault),
     }
 }
 
