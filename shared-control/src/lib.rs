@@ -24,6 +24,7 @@ pub mod qp;
 pub mod setup;
 pub mod signals;
 pub mod signs;
+pub mod state_words;
 pub mod supervisor;
 pub mod test_sequence;
 pub mod trace;

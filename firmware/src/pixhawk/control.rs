@@ -112,6 +112,11 @@ impl Control {
         &self.input
     }
 
+    /// What the core remembers.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
     /// What telemetry may tell of a step.
     pub fn status(&self, output: &StepOutput) -> VehicleStatus {
         VehicleStatus::new(&self.config, &self.input, output)

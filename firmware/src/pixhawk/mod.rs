@@ -221,7 +221,7 @@ mod app {
                 watchdog::expect_plan();
                 cx.shared.request.lock(|open| ask(open, request));
             }
-            local.trace.publish(local.control.input(), &output);
+            local.trace.publish(local.control.input(), &output, local.control.state());
             Some(output)
         });
         if let Some(output) = step {
@@ -278,8 +278,8 @@ mod app {
         let (Some(request), Some(mpc)) = (cx.shared.request.lock(|open| *open), cx.local.mpc) else { return };
         let plan = load::PLAN.measure(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
         watchdog::report_plan();
-        cx.shared.plan.lock(|latest| *latest = Some(plan));
-        cx.shared.request.lock(|open| *open = None);
+        // at once, so that a step between the two neither misses the plan nor finds its own request refused
+        (cx.shared.request, cx.shared.plan).lock(|open, latest| (*open, *latest) = (None, Some(plan)));
     }
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.

@@ -35,6 +35,8 @@ pub(crate) enum Outcome {
 #[derive(Default)]
 struct Hooked {
     instructions: Cell<u64>,
+    /// Instructions after which no further block begins.
+    wanted: Cell<u64>,
     block: Cell<(u32, u32)>,
     interrupt: Cell<Option<(u32, u32)>>,
     bad_address: Cell<Option<u32>>,
@@ -108,14 +110,17 @@ impl Cpu {
         Ok(Self { engine, hooked })
     }
 
-    /// Runs at most `count` instructions from `pc` on; how many ran, and why no more.
+    /// Runs instructions from `pc` on, up to the end of the block in which the `count`th lies, or the first that writes to a
+    /// peripheral: how many ran, and why no more. The emulator could count by itself, but then calls back at every
+    /// instruction.
     pub(crate) fn run(&mut self, pc: u32, count: u64) -> (u64, Outcome) {
         self.hooked.instructions.set(0);
+        self.hooked.wanted.set(count);
         self.hooked.block.set((0, 0));
         self.hooked.interrupt.set(None);
         self.hooked.bad_address.set(None);
         // no end address: nothing executes at the very top of the address space
-        let result = self.engine.emu_start(u64::from(pc | 1), 0xffff_fffe, 0, count as usize);
+        let result = self.engine.emu_start(u64::from(pc | 1), 0xffff_fffe, 0, 0);
         let interrupt = self.hooked.interrupt.get();
         let outcome = match (result, interrupt) {
             (Ok(()), None) => {
@@ -136,8 +141,7 @@ impl Cpu {
                 None => Outcome::Failed(error),
             },
         };
-        let ran = if outcome == Outcome::Exhausted { count } else { self.count_up_to_stop().min(count) };
-        (ran, outcome)
+        (self.count_up_to_stop(), outcome)
     }
 
     /// A slice that ended well ended at WFI if that is the instruction before the program counter.
@@ -171,6 +175,12 @@ impl Cpu {
 
     pub(crate) fn pc(&self) -> u32 {
         self.register(RegisterARM::PC)
+    }
+
+    /// As [`Memory::store`], for code that may have run already.
+    pub(crate) fn replace(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.hooked.counted.borrow_mut().fill((0, 0));
+        self.store(address, bytes) && self.engine.ctl_flush_tb().is_ok()
     }
 
     /// Registers as after reset; the general ones hold nothing to rely on.
@@ -231,6 +241,8 @@ fn map_bus<B: Bus + 'static>(
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize, value: u64| {
             let place = place(engine, &write_hooked);
             writer.borrow_mut().store(start + offset as u32, size as u32, value as u32, place);
+            // it may have raised an exception or moved the next event
+            write_hooked.wanted.set(0);
         }),
     )
 }
@@ -243,6 +255,9 @@ fn install_hooks(engine: &mut Unicorn<'static, ()>, hooked: &Rc<Hooked>) -> Resu
             let count = seen.count(engine, start, length);
             seen.instructions.set(seen.instructions.get() + u64::from(count));
         }
+        if seen.instructions.get() >= seen.wanted.get() {
+            let _ = engine.emu_stop();
+        }
     })?;
     let raised = Rc::clone(hooked);
     engine.add_intr_hook(move |engine, number| {
@@ -250,11 +265,15 @@ fn install_hooks(engine: &mut Unicorn<'static, ()>, hooked: &Rc<Hooked>) -> Resu
         raised.interrupt.set(Some((number, pc)));
         let _ = engine.emu_stop();
     })?;
-    let bad = Rc::clone(hooked);
-    engine.add_mem_hook(HookType::MEM_INVALID, 1, 0, move |_, _, address, _, _| {
-        bad.bad_address.set(Some(address as u32));
-        false
-    })?;
+    // not for RAM and CCM, where no access is invalid: the emulator would take its slow path at every store there
+    let (ram, ccm) = (memory::RAM, memory::CCM);
+    for (first, last) in [(0, ccm.start - 1), (ccm.start + ccm.size, ram.start - 1), (ram.start + ram.size, u32::MAX)] {
+        let bad = Rc::clone(hooked);
+        engine.add_mem_hook(HookType::MEM_INVALID, first.into(), last.into(), move |_, _, address, _, _| {
+            bad.bad_address.set(Some(address as u32));
+            false
+        })?;
+    }
     Ok(())
 }
 

@@ -15,8 +15,10 @@ use crate::board::{Board, CYCLES_PER_INSTRUCTION};
 use crate::cortex::exceptions::{BUS_FAULT, HARD_FAULT, Masks, NMI, SV_CALL, USAGE_FAULT};
 use crate::cortex::stacking;
 use crate::cpu::{Cpu, Outcome};
+use crate::entry::EntryState;
 use crate::image::Image;
 use crate::memory::Memory;
+use crate::profile::Profile;
 use crate::stop::{Cause, Stop};
 use crate::time::Ticks;
 use crate::world::World;
@@ -65,7 +67,9 @@ pub struct Machine {
     watched: u64,
     /// Address of the image's vector table.
     vectors: u32,
+    entry: EntryState,
     counters: Counters,
+    profile: Profile,
 }
 
 impl Machine {
@@ -80,19 +84,28 @@ impl Machine {
         for (address, bytes) in image.segments() {
             cpu.store(*address, bytes);
         }
-        let (vectors, counters) = (image.base(), Counters::default());
-        let (now, cycles, pc, watched) = (0, 0, 0, 0);
+        let (vectors, entry, counters) = (image.base(), EntryState::Reset, Counters::default());
+        let (now, cycles, pc, watched, profile) = (0, 0, 0, 0, Profile::default());
+        let (asleep, masked) = (false, false);
         let mut machine =
-            Self { cpu, board, now, cycles, pc, asleep: false, masked: false, watched, vectors, counters };
+            Self { cpu, board, now, cycles, pc, asleep, masked, watched, vectors, entry, counters, profile };
         machine.configure(&Params::DEFAULT);
         machine.enter_image();
         Ok(machine)
     }
 
-    /// The core as after reset, at the image's first instruction. VTOR is 0: the image has to set it.
+    /// To be called before the first run: somebody else than the chip's reset starts the image, now and after every reset.
+    pub fn enter_from(&mut self, entry: EntryState) {
+        self.entry = entry;
+        self.enter_image();
+    }
+
+    /// The core at the image's first instruction. After a mere reset VTOR is 0: the image has to set it.
     fn enter_image(&mut self) {
         let [stack, entry] = [0, 4].map(|offset| self.word(self.vectors + offset).unwrap_or_default());
         self.cpu.reset();
+        self.entry.prepare(&mut self.cpu);
+        self.board.borrow_mut().preset(&self.entry.registers(self.vectors));
         self.cpu.set_register(Register::MSP, stack);
         self.cpu.set_register(Register::LR, u32::MAX);
         self.cpu.refresh_mode();
@@ -103,6 +116,7 @@ impl Machine {
     /// Resets chip and core; RAM, backup SRAM and what is around the chip stay as they are.
     fn reset(&mut self, flags: u32) {
         self.counters.resets += 1;
+        self.profile.reset();
         self.board.borrow_mut().reset(flags);
         self.enter_image();
     }
@@ -132,7 +146,9 @@ impl Machine {
     /// The next event, and no later than `end`; nothing executes until then.
     fn skip(&mut self, end: Ticks) {
         let next = self.board.borrow().next_event().unwrap_or(end);
-        self.set_time(next.clamp(self.now, end));
+        let until = next.clamp(self.now, end);
+        self.profile.sleep(until - self.now);
+        self.set_time(until);
     }
 
     fn run_slice(&mut self, end: Ticks) -> Result<(), Stop> {
@@ -146,6 +162,7 @@ impl Machine {
         self.pc = self.cpu.pc();
         self.counters.slices += 1;
         self.counters.instructions += ran;
+        self.profile.execute(ran);
         self.spend(ran * CYCLES_PER_INSTRUCTION);
         self.check_stop()?;
         self.check_float()?;
@@ -208,6 +225,7 @@ impl Machine {
             Err(fault) => {
                 // the exception waits, the fault that its entry caused runs first
                 self.board.borrow_mut().private.exceptions.deactivate(number);
+                self.profile.leave();
                 self.board.borrow_mut().private.exceptions.pend(number);
                 self.fault_without_frame(STACKING_ERROR, fault.address)
             }
@@ -217,6 +235,7 @@ impl Machine {
     fn leave_exception(&mut self, exc_return: u32) -> Result<(), Stop> {
         let running = stacking::running(&self.cpu);
         self.board.borrow_mut().private.exceptions.deactivate(running);
+        self.profile.leave();
         // B1.5.8: FAULTMASK goes with the return from anything but NMI
         if running != NMI {
             self.cpu.set_register(Register::FAULTMASK, 0);
@@ -260,6 +279,7 @@ impl Machine {
         let mut board = self.board.borrow_mut();
         board.private.exceptions.activate(number);
         board.private.running = number;
+        self.profile.enter(number);
     }
 
     fn handler(&mut self, number: u8) -> Result<u32, Stop> {
@@ -311,6 +331,16 @@ impl Machine {
         self.counters
     }
 
+    /// Where the instructions went, since start or since [`Self::restart_profile`].
+    pub fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    /// Counts anew from here.
+    pub fn restart_profile(&mut self) {
+        self.profile.restart();
+    }
+
     /// Address of the next instruction.
     pub fn program_counter(&self) -> u32 {
         self.pc
@@ -331,5 +361,15 @@ impl Machine {
     pub fn bytes(&mut self, address: u32, length: usize) -> Option<Vec<u8>> {
         let mut bytes = vec![0; length];
         self.cpu.load(address, &mut bytes).then_some(bytes)
+    }
+
+    /// Puts bytes into memory, flash included, whatever the image is doing: false if nothing is there.
+    pub fn poke(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.cpu.replace(address, bytes)
+    }
+
+    /// Puts the stack pointer elsewhere.
+    pub fn poke_stack_pointer(&mut self, address: u32) {
+        self.cpu.set_register(Register::SP, address);
     }
 }

@@ -7,21 +7,23 @@
 //!  SPI2 <------> FRAM (PD10)
 //!  TIM3 -- trigger output (update) --> TIM1 --> PE14, 13, 11, 9 --> world: pulses
 //!  USART2 <----> TELEM1       DMA1 S5 <-- received    S6 --> to send
+//!  USART3 <----> TELEM2       DMA1 S1 <-- received    S3, S4 --> to send
 //!  PA2 (battery) -> ADC1      DMA2 S4 <-- conversions
 //!  PA15 (buzzer) <- TIM2      TIM5: time base      RCC: clocks of all of them
 //! ```
 //!
 //! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults, `analog`
-//! battery and buzzer, `wiring` DMA requests and interrupt lines.
+//! battery and buzzer, `serial` the connectors, `wiring` DMA requests and interrupt lines.
 
 mod address_map;
 mod analog;
 mod buses;
 mod sensors;
+pub(crate) mod serial;
 mod wiring;
 
 use analog::USUAL_BATTERY_V;
-use wiring::USART2_DMA;
+use serial::USUAL_BAUD;
 
 use crate::cortex::private_bus::PrivateBus;
 use crate::devices::fram::Fram;
@@ -61,8 +63,6 @@ const E: usize = 4;
 /// What is read of a data line that nobody drives.
 const FLOATING: u8 = 0xff;
 const USUAL_SUPPLY_V: f32 = 3.3;
-/// TELEM1's usual baud rate.
-const TELEM1_BAUD: u64 = 115_200;
 
 /// All that is not the core or its memory.
 pub(crate) struct Board {
@@ -83,6 +83,7 @@ pub(crate) struct Board {
     tim3: Timer,
     tim5: Timer,
     usart2: Usart,
+    usart3: Usart,
     iwdg: Iwdg,
     dbgmcu: DbgMcu,
     backup_ram: Vec<u8>,
@@ -124,7 +125,8 @@ impl Board {
             tim2: Timer::general(u32::MAX),
             tim3: Timer::general(0xffff),
             tim5: Timer::general(u32::MAX),
-            usart2: Usart::new(TELEM1_BAUD),
+            usart2: Usart::new(USUAL_BAUD),
+            usart3: Usart::new(USUAL_BAUD),
             iwdg: Iwdg::new(LSI_HZ),
             dbgmcu: DbgMcu::default(),
             backup_ram: memory::noise(0x1000, seed ^ 0xbac),
@@ -152,6 +154,10 @@ impl Board {
         std::mem::swap(&mut fresh.l3gd20, &mut self.l3gd20);
         std::mem::swap(&mut fresh.lsm303d, &mut self.lsm303d);
         fresh.sensor_faults = self.sensor_faults;
+        std::mem::swap(&mut fresh.usart2, &mut self.usart2);
+        std::mem::swap(&mut fresh.usart3, &mut self.usart3);
+        fresh.usart2.reset();
+        fresh.usart3.reset();
         fresh.battery_v = self.battery_v;
         std::mem::swap(&mut fresh.fram, &mut self.fram);
         (fresh.now, fresh.cycles) = (self.now, self.cycles);
@@ -184,7 +190,7 @@ impl Board {
         self.tick_sensors(now);
         self.tick_spi1(now, memory);
         self.tick_spi2(now);
-        self.tick_usart2(now, memory);
+        self.tick_serial(now, memory);
         self.tick_adc1(now, memory);
         self.refresh_lines();
     }
@@ -198,6 +204,7 @@ impl Board {
             self.spi1.next_event(),
             self.spi2.next_event(),
             self.usart2.next_event(),
+            self.usart3.next_event(),
             self.mpu6000.next_event(),
             self.l3gd20.next_event(),
             self.lsm303d.next_event(),
@@ -205,14 +212,6 @@ impl Board {
             self.adc1.next_end().filter(|_| self.dma[1].is_waited_for(4)),
         ];
         timers.chain(others.into_iter().flatten()).min()
-    }
-
-    fn tick_usart2(&mut self, now: Ticks, memory: &mut dyn Memory) {
-        self.move_items(&USART2_DMA, memory);
-        while self.usart2.next_event().is_some_and(|at| at <= now) {
-            self.usart2.tick(now);
-            self.move_items(&USART2_DMA, memory);
-        }
     }
 
     /// The supply of chip and board.
@@ -228,19 +227,6 @@ impl Board {
         }
         self.distribute_clocks();
         self.refresh_lines();
-    }
-
-    /// TELEM1's other end sends.
-    pub(crate) fn telem1_sends(&mut self, bytes: &[u8]) {
-        if self.ports[D].alternate_function(6) == Some(7) {
-            self.usart2.line_receives(bytes, self.now);
-        }
-    }
-
-    /// What TELEM1's other end received.
-    pub(crate) fn telem1_received(&mut self) -> Vec<u8> {
-        let sent = self.usart2.take_sent();
-        if self.ports[D].alternate_function(5) == Some(7) { sent } else { Vec::new() }
     }
 
     fn refuse(&mut self, cause: Cause, address: u32, value: Option<u32>, pc: u32) {
