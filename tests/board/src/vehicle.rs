@@ -30,6 +30,7 @@ pub struct Vehicle {
     /// Shortest pulse that the ESCs know, which is command 0; twice as long is command 1.
     pulse_min: Ticks,
     pulses: [Option<Pulse>; 4],
+    recorded: Option<Vec<Pulse>>,
     delays: Delays,
 }
 
@@ -50,6 +51,7 @@ impl Vehicle {
             commands: [0.0; 4],
             pulse_min: 1000 * TICKS_PER_US,
             pulses: [None; 4],
+            recorded: None,
             delays: Delays::default(),
         }))
     }
@@ -83,6 +85,16 @@ impl Vehicle {
     /// The last pulse of motors 1 to 4, once it has ended.
     pub fn pulses(&self) -> [Option<Pulse>; 4] {
         self.pulses
+    }
+
+    /// Keeps every pulse that ends from now on.
+    pub fn record_pulses(&mut self) {
+        self.recorded = Some(Vec::new());
+    }
+
+    /// What was kept, in the order of their ends.
+    pub fn recorded_pulses(&self) -> &[Pulse] {
+        self.recorded.as_deref().unwrap_or_default()
     }
 
     /// End of the last pulse on any motor output.
@@ -134,6 +146,9 @@ impl World for Surroundings {
         vehicle.commands[motor] = (pulse.width as f64 / vehicle.pulse_min as f64 - 1.0).clamp(0.0, 1.0);
         vehicle.pulses[motor] = Some(pulse);
         vehicle.delays.pulse(pulse);
+        if let Some(recorded) = &mut vehicle.recorded {
+            recorded.push(pulse);
+        }
         let commands = vehicle.commands;
         vehicle.plant.set_commands(commands);
     }
