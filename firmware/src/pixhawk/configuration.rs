@@ -61,8 +61,8 @@ impl Configuration {
         LinkSettings { hover_throttle, ..LinkSettings::NOMINAL }
     }
 
-    /// Steps of the loop per housekeeping.
-    pub fn housekeeping_steps(&self) -> u32 {
+    /// Ticks of the loop per housekeeping.
+    pub fn housekeeping_ticks(&self) -> u32 {
         u32::from(self.params.loop_rate_hz / board::HOUSEKEEPING_HZ)
     }
 }

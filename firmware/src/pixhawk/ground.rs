@@ -2,6 +2,7 @@
 
 use core::fmt::{Display, Write};
 
+use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
 use shared_control::link::telemetry::Text;
 use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, VehicleStatus};
@@ -10,16 +11,21 @@ use shared_control::params::Params;
 use super::configuration::Configuration;
 use super::fault::{self, FaultRecord};
 use super::fram::Fram;
-use super::link_port::LinkSender;
+use super::link_port::{LinkSender, SendBuffer};
 use super::queue::Consumer;
 
 /// Calls of [`Ground::update`] between a restart's acknowledgement and the restart: 0.1 s, so that it leaves the port.
 const RESTART_UPDATES: u8 = 10;
 
-/// Telemetry with its port and its queues.
+/// Bytes sent at once with hardware in the loop; the longest message has 66.
+const HIL_DUE_BYTES: usize = 100;
+
+/// Telemetry with its queues.
 pub struct Ground {
     telemetry: Telemetry,
-    sender: LinkSender,
+    /// What is due, until the port takes it.
+    due: SendBuffer,
+    hil: bool,
     answers: Consumer<'static, Answer>,
     chores: Consumer<'static, Chore>,
     memory: Fram,
@@ -32,11 +38,11 @@ impl Ground {
     pub fn new(
         settings: &LinkSettings,
         (params, memory): (&Params, Fram),
-        sender: LinkSender,
         answers: Consumer<'static, Answer>,
         chores: Consumer<'static, Chore>,
     ) -> Self {
-        Self { telemetry: Telemetry::new(settings, params), sender, answers, chores, memory, restart_in: None }
+        let telemetry = Telemetry::new(settings, params);
+        Self { telemetry, due: SendBuffer::new(), hil: params.hil, answers, chores, memory, restart_in: None }
     }
 
     /// Tells a person something that should not have happened, or that explains the start.
@@ -65,11 +71,32 @@ impl Ground {
         while let Some(chore) = self.chores.dequeue() {
             self.attend_to(chore);
         }
-        self.sender.send(|buffer| self.telemetry.poll(time_us, status, buffer));
+        if self.due.is_empty() {
+            self.make_due(time_us, status);
+        }
         match &mut self.restart_in {
             Some(0) => fault::restart(),
             Some(updates) => *updates -= 1,
             None => {}
+        }
+    }
+
+    /// Lets the port send what is due, if it is free.
+    pub fn hand_over(&mut self, sender: &mut LinkSender) {
+        if !self.due.is_empty() && sender.send(&self.due) {
+            self.due.clear();
+        }
+    }
+
+    fn make_due(&mut self, time_us: u64, status: &VehicleStatus) {
+        if self.hil {
+            // a step's answer may have to wait until this has left, so it is short: 1.1 ms at 921,600 baud
+            let mut few = Vec::<u8, HIL_DUE_BYTES>::new();
+            self.telemetry.poll(time_us, status, &mut few);
+            // the larger buffer is empty
+            let _ = self.due.extend_from_slice(&few);
+        } else {
+            self.telemetry.poll(time_us, status, &mut self.due);
         }
     }
 

@@ -1,11 +1,11 @@
 //! Which pin does what (Pixhawk 1, FMUv2 schematic), each in the state that is safe until its device is set up.
 
-use stm32f4xx_hal::gpio::{Edge, ExtiPin, OpenDrain, Output, PD10, PE3, PE12, PinState, Pull, Speed};
+use stm32f4xx_hal::gpio::{Edge, ExtiPin, Output, PD10, PE3, PinState, Pull, Speed};
 use stm32f4xx_hal::pac::{EXTI, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::{fram, imu, link_port, outputs, sensor_bus};
+use super::{battery, fram, imu, light_and_tone, link_port, outputs, sensor_bus};
 
 /// The pins in use.
 pub struct Pins {
@@ -25,8 +25,10 @@ pub struct Pins {
     pub motors: outputs::Pins,
     /// TELEM1.
     pub link: link_port::Pins,
-    /// Amber LED, low is on.
-    pub led: PE12<Output<OpenDrain>>,
+    /// LED and buzzer.
+    pub light_and_tone: light_and_tone::Pins,
+    /// The battery's voltage behind its divider.
+    pub battery: battery::Pin,
 }
 
 impl Pins {
@@ -70,7 +72,11 @@ impl Pins {
             fram: (b.pb13.into_alternate(), b.pb14.into_alternate(), b.pb15.into_alternate()),
             motors,
             link: (d.pd5.into_alternate(), d.pd6.into_alternate().internal_resistor(Pull::Up)),
-            led: e.pe12.into_open_drain_output_in_state(high),
+            light_and_tone: light_and_tone::Pins {
+                led: e.pe12.into_open_drain_output_in_state(high),
+                _buzzer: a.pa15.into_alternate(),
+            },
+            battery: a.pa2.into_analog(),
         }
     }
 }

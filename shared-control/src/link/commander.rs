@@ -152,7 +152,7 @@ impl Commander {
             Order::Parameters(request) => self.parameters(request, disarmed),
             Order::NotUnderstood { command, known: true } => (Some(Answer::Senseless(command)), None),
             Order::NotUnderstood { command, known: false } => (Some(Answer::Unknown(command)), None),
-            Order::HilSample(_) => (None, None),
+            Order::HilTick(_) => (None, None),
         }
     }
 

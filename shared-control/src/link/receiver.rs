@@ -7,7 +7,7 @@ use mavlink::dialects::common::{
 };
 
 use super::frame::{Frame, FrameFinder, message};
-use super::hil::HilSample;
+use super::hil::HilTick;
 use super::parameters::ParameterRequest;
 use super::{COMPONENT_ID, LinkSettings};
 use crate::elementary::limit;
@@ -43,8 +43,8 @@ pub enum Order {
         /// True if the command is known and its parameters are wrong.
         known: bool,
     },
-    /// Hardware in the loop: the IMU's sample for the next step.
-    HilSample(HilSample),
+    /// Hardware in the loop: make a step, with the IMU's sample in it.
+    HilTick(HilTick),
 }
 
 /// Turns the bytes that arrive into orders.
@@ -70,8 +70,10 @@ impl Receiver {
             MANUAL_CONTROL_DATA::ID => self.manual_control(&frame),
             COMMAND_LONG_DATA::ID => self.command_long(&frame),
             HIL_SENSOR_DATA::ID => {
-                let sample = message::<HIL_SENSOR_DATA>(&frame).and_then(|data| HilSample::new(&data));
-                self.counted(sample.map(Order::HilSample))
+                let tick = self.counted(message::<HIL_SENSOR_DATA>(&frame).map(|data| HilTick::new(&data)))?;
+                // a tick without a sample makes its step, and counts
+                self.counted(tick.imu);
+                Some(Order::HilTick(tick))
             }
             _ => self.parameters(&frame).map(Order::Parameters),
         }

@@ -5,6 +5,8 @@ use mavlink::dialects::common::{
     MavSysStatusSensor, MavType, SERVO_OUTPUT_RAW_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
 };
 
+use nalgebra::{UnitQuaternion, Vector3};
+
 use super::commander::Answer;
 use super::frame::FrameWriter;
 use super::parameters::{ParameterRequest, Parameters};
@@ -15,7 +17,7 @@ use crate::frames::euler_from_q;
 use crate::imu_health::{ImuFault, ImuHealth};
 use crate::imu_select::ImuUnit;
 use crate::params::{Params, RECORD_LEN};
-use crate::signals::AttitudeEstimate;
+use crate::signals::{ArmingBlocks, AttitudeEstimate, StepInput};
 use crate::supervisor::{Arming, DisarmedBecause};
 
 /// Text of a `STATUSTEXT`.
@@ -57,6 +59,10 @@ pub struct VehicleStatus {
     pub hil: bool,
     /// Battery voltage, V, where measured.
     pub battery_v: Option<f32>,
+    /// True if it is measured and too low for arming.
+    pub battery_low: bool,
+    /// What stands against arming from outside the loop.
+    pub blocks: ArmingBlocks,
     /// Load of the processor, 1/1000.
     pub load_permille: u16,
     /// Steps whose set-point was no number.
@@ -68,8 +74,34 @@ pub struct VehicleStatus {
 }
 
 impl VehicleStatus {
+    /// Status before the first step: no sample yet, hence no IMU and no attitude; no pulses either.
+    pub fn at_start(controller: Controller) -> Self {
+        Self {
+            arming: Arming::default(),
+            estimate: AttitudeEstimate {
+                q_world_from_body: UnitQuaternion::identity(),
+                rate_body_rad_s: Vector3::zeros(),
+                gyro_bias_rad_s: Vector3::zeros(),
+                valid: false,
+            },
+            pulses_us: [0; 4],
+            imu_unit: ImuUnit::First,
+            imu_health: ImuHealth::Bad(ImuFault::Stale),
+            standby_health: ImuHealth::Bad(ImuFault::Stale),
+            controller,
+            hil: false,
+            battery_v: None,
+            battery_low: false,
+            blocks: ArmingBlocks::default(),
+            load_permille: 0,
+            setpoints_rejected: 0,
+            overruns: 0,
+            late_plans: 0,
+        }
+    }
+
     /// Status after a step; what the core does not know is zero, and the board's to add.
-    pub fn new(config: &Config, output: &StepOutput) -> Self {
+    pub fn new(config: &Config, input: &StepInput, output: &StepOutput) -> Self {
         Self {
             arming: output.arming,
             estimate: output.estimate,
@@ -77,13 +109,11 @@ impl VehicleStatus {
             imu_unit: output.imu_unit,
             imu_health: output.imu_health,
             standby_health: output.standby_health,
-            controller: config.controller,
-            hil: false,
-            battery_v: None,
-            load_permille: 0,
             setpoints_rejected: output.setpoints_rejected,
-            overruns: 0,
-            late_plans: 0,
+            battery_v: input.battery_v,
+            battery_low: !config.supervisor.battery_is_good(input.battery_v),
+            blocks: input.blocks,
+            ..Self::at_start(config.controller)
         }
     }
 }
@@ -357,12 +387,16 @@ fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
     let healthy_first = if first == ImuHealth::Good { imu } else { MavSysStatusSensor::empty() };
     // whether there is a second shows by its being healthy
     let second_imu = if second == ImuHealth::Good { imu_second } else { MavSysStatusSensor::empty() };
+    let battery = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY;
+    let measured_battery = if status.battery_v.is_some() { battery } else { MavSysStatusSensor::empty() };
+    let healthy_battery = if status.battery_low { MavSysStatusSensor::empty() } else { measured_battery };
+    let present = imu | second_imu | control | attitude | measured_battery;
     let healthy_attitude = if status.estimate.valid { attitude } else { MavSysStatusSensor::empty() };
     let count = |number: u32| number.min(u32::from(u16::MAX)) as u16;
     SYS_STATUS_DATA {
-        onboard_control_sensors_present: imu | second_imu | control | attitude,
-        onboard_control_sensors_enabled: imu | second_imu | control | attitude,
-        onboard_control_sensors_health: healthy_first | second_imu | healthy_attitude | control,
+        onboard_control_sensors_present: present,
+        onboard_control_sensors_enabled: present,
+        onboard_control_sensors_health: healthy_first | second_imu | healthy_attitude | control | healthy_battery,
         load: status.load_permille,
         // `as` saturates, and makes 0 of NaN; the largest value says that nobody measures
         voltage_battery: status.battery_v.map_or(u16::MAX, |volts| (volts * 1000.0) as u16),

@@ -90,6 +90,8 @@ fn status(arming: Arming) -> VehicleStatus {
         controller: crate::config::Controller::Mpc,
         hil: false,
         battery_v: Some(12.345),
+        battery_low: false,
+        blocks: ArmingBlocks::default(),
         load_permille: 123,
         setpoints_rejected: 1,
         overruns: 2,
@@ -245,16 +247,34 @@ fn sticks_ask_for_what_a_pilot_expects() {
 }
 
 #[test]
-fn hil_samples_that_are_incomplete_or_no_numbers_are_rejected() {
-    let whole =
-        HIL_SENSOR_DATA { zacc: -9.8, fields_updated: HilSensorUpdatedFlags::all(), ..HIL_SENSOR_DATA::DEFAULT };
-    assert!(matches!(orders_of(&encoded(&whole))[..], [Order::HilSample(_)]));
+fn hil_samples_that_are_incomplete_or_no_numbers_are_ticks_without_a_sample() {
+    let whole = HIL_SENSOR_DATA {
+        time_usec: 7,
+        zacc: -9.8,
+        fields_updated: HilSensorUpdatedFlags::all(),
+        ..HIL_SENSOR_DATA::DEFAULT
+    };
+    let tick = |receiver: &mut Receiver, data: &HIL_SENSOR_DATA| match orders(receiver, &encoded(data))[..] {
+        [Order::HilTick(tick)] => tick,
+        ref other => panic!("{other:?}"),
+    };
     let mut receiver = Receiver::new(SETTINGS);
-    let poisoned = HIL_SENSOR_DATA { ygyro: f32::NAN, ..whole.clone() };
-    let partial = HIL_SENSOR_DATA { fields_updated: HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_XACC, ..whole };
-    assert_eq!(orders(&mut receiver, &encoded(&poisoned)), []);
-    assert_eq!(orders(&mut receiver, &encoded(&partial)), []);
-    assert_eq!(receiver.rejected, 2);
+    let imu = ImuConfig::pixhawk1_mpu6000(100.0, 1000.0);
+    let mut input = StepInput::default();
+    tick(&mut receiver, &whole).fill(&imu, &mut input);
+    assert_eq!((input.time_us, input.imu.len(), input.imu[0].time_us), (7, 1, 7));
+    assert_eq!(receiver.rejected, 0);
+    let poisoned = HIL_SENSOR_DATA { time_usec: 8, ygyro: f32::NAN, ..whole.clone() };
+    let partial = HIL_SENSOR_DATA { fields_updated: HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_XACC, ..whole.clone() };
+    assert_eq!(tick(&mut receiver, &poisoned), hil::HilTick { time_us: 8, imu: None });
+    tick(&mut receiver, &poisoned).fill(&imu, &mut input);
+    assert_eq!((input.time_us, input.imu.len()), (8, 0));
+    assert_eq!(tick(&mut receiver, &partial).imu, None);
+    assert_eq!(receiver.rejected, 3);
+    // absurd, but a number: the IMU's full scale
+    let absurd = HIL_SENSOR_DATA { xgyro: 1e30, ..whole };
+    tick(&mut receiver, &absurd).fill(&imu, &mut input);
+    assert!(input.imu[0].gyro_counts.iter().any(|count| count.unsigned_abs() >= i16::MAX.unsigned_abs()));
     let answer = hil::actuator_controls(5, &Arming::Armed, &MotorCommands([0.1, 0.2, 0.3, 0.4]));
     assert_eq!(answer.controls[..5], [0.1, 0.2, 0.3, 0.4, 0.0]);
     assert!(answer.mode.contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED | MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED));

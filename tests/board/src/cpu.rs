@@ -181,6 +181,12 @@ impl Cpu {
         self.register(RegisterARM::PC)
     }
 
+    /// As [`Memory::store`], for code that may have run already.
+    pub(crate) fn replace(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.hooked.counted.borrow_mut().fill((0, 0));
+        self.store(address, bytes) && self.engine.ctl_flush_tb().is_ok()
+    }
+
     /// Registers as after reset; the general ones hold nothing to rely on.
     pub(crate) fn reset(&mut self) {
         self.set_register(RegisterARM::XPSR_NZCVQG, 1 << 24);

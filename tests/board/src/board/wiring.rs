@@ -59,6 +59,7 @@ impl Board {
     pub(super) fn tick_motor_timers(&mut self, now: Ticks) {
         self.tim3.tick(now);
         for at in self.tim3.take_triggers() {
+            self.world.loop_tick(at);
             if self.tim1.trigger_input() == Some(TIM1_FROM_TIM3) {
                 self.tim1.trigger(at);
             }

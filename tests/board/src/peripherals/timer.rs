@@ -257,12 +257,13 @@ impl Timer {
         Ok(())
     }
 
-    fn write_compare(&mut self, channel: usize, value: u32) {
+    fn write_compare(&mut self, channel: usize, value: u32, now: Ticks) {
         self.compare[channel] = value & self.count_max;
         let preloads = self.mode[channel / 2] >> (8 * (channel % 2) + 3) & 1 != 0;
         if !preloads {
             self.active_compare[channel] = self.compare[channel];
-            self.matched[channel] = false;
+            // a value that the counter has passed matches in the next period only
+            self.matched[channel] = self.count(now) > self.compare[channel];
         }
     }
 
@@ -334,7 +335,7 @@ impl Peripheral for Timer {
                 }
             }
             0x30 if value == 0 => {}
-            0x34..=0x40 => self.write_compare(((offset - 0x34) / 4) as usize, value),
+            0x34..=0x40 => self.write_compare(((offset - 0x34) / 4) as usize, value, now),
             0x44 if self.advanced && value & UNUSED_BREAK == 0 => self.brake = value,
             _ => return Err(Unmodelled("timer register")),
         }
@@ -423,6 +424,22 @@ mod tests {
         timer.write(0x40, 48_000, 500_000).unwrap();
         timer.tick(840_000 + 672_000);
         assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 840_000, width: 672_000 }]);
+    }
+
+    #[test]
+    fn without_preload_a_compare_value_acts_at_once_and_makes_no_pulse_in_the_past() {
+        let mut timer = motor_timer();
+        timer.write(0x00, CEN, 0).unwrap();
+        // 32,000 and 10,000 counts later, long after this period's pulse
+        for now in [448_000, 588_000] {
+            timer.write(0x1c, 0x6000, now).unwrap();
+            timer.write(0x40, 24_000, now).unwrap();
+        }
+        timer.tick(839_999);
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 0, width: 336_000 }]);
+        // into a pulse, and shorter than it is: it ends there
+        timer.write(0x40, 12_000, 840_000 + 252_000).unwrap();
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 840_000, width: 252_000 }]);
     }
 
     #[test]
