@@ -225,11 +225,11 @@ impl Plant {
         let end_s = self.time_s + duration_s;
         let mut left_s = duration_s;
         while let Some(event_s) = self.next_event_s().filter(|event_s| *event_s <= end_s + SAME_TIME_S) {
-            let until_s = event_s.clamp(self.time_s, end_s);
+            let until_s = event_s.min(end_s).max(self.time_s);
             self.integrate(until_s - self.time_s);
             self.time_s = until_s;
             self.pass_event(event_s);
-            left_s = end_s - until_s;
+            left_s = (end_s - self.time_s).max(0.0);
         }
         self.integrate(left_s);
         self.time_s = if left_s == duration_s { end_s } else { self.time_s + left_s };

@@ -16,7 +16,8 @@ impl Effect {
         let entry: CatalogueEntry = section.choice("name", &names)?;
         if !entry.rigs.contains(&rig) {
             let rigs: Vec<_> = entry.rigs.iter().map(|rig| rig.name()).collect();
-            let problem = format!("{} has no meaning on the rig {}, only on: {}", entry.name, rig.name(), rigs.join(", "));
+            let problem =
+                format!("{} has no meaning on the rig {}, only on: {}", entry.name, rig.name(), rigs.join(", "));
             return Err(section.impossible(problem));
         }
         let Some(effect) = Self::read_parameters(entry.name, section, rig) else {
@@ -76,9 +77,11 @@ impl Effect {
         format!("{}:{}", self.name(), parts.join(","))
     }
 
-    /// The catalogue for a person, one effect a line: name, what it is, an example.
+    /// The catalogue for a person: name and meaning, below it an example with all parameters.
     pub fn help() -> String {
-        let lines = Self::CATALOGUE.iter().map(|entry| format!("  {:<53}{}\n", entry.example, entry.summary));
+        let lines = Self::CATALOGUE
+            .iter()
+            .map(|entry| format!("  {:<20} {}\n      {}\n", entry.name, entry.summary, entry.example));
         lines.collect()
     }
 }
