@@ -1,7 +1,7 @@
 //! The one control step that flies on the board, in the simulator, in a replay and on the emulated board.
 //!
 //! ```text
-//!  fast    StepInput -> imu -> estimator -> supervisor -> rate PID or plan -> mixer -> outputs
+//!  fast    StepInput -> imu (the good one of two) -> estimator -> supervisor -> rate PID or plan -> mixer -> outputs
 //!  follow  (outputs written) attitude loop -> rate target for the next step; in MPC mode the PlanRequest
 //!  plan    (lower priority) MPC -> Plan for the next step
 //! ```
@@ -14,10 +14,10 @@ use crate::attitude::angle::{self, AngleState};
 use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
 use crate::elementary::{limit, magnitude, wrap_pi};
-use crate::estimator::{self, EstimatorState};
+use crate::estimator::EstimatorState;
 use crate::frames::{euler_from_q, euler_rates};
-use crate::imu::{self, ImuState};
-use crate::imu_health::{ImuHealth, ImuHealthState};
+use crate::imu_health::ImuHealth;
+use crate::imu_select::{self, ImuPairState, ImuUnit};
 use crate::mixer::{self, MixResult};
 use crate::mpc::{Mpc, MpcState};
 use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
@@ -77,8 +77,7 @@ impl SetpointState {
 pub struct State {
     /// Steps made.
     pub step: u32,
-    imu: ImuState,
-    imu_health: ImuHealthState,
+    imus: ImuPairState,
     estimator: EstimatorState,
     arming: Arming,
     setpoint: SetpointState,
@@ -114,8 +113,12 @@ pub struct StepOutput {
     pub source: TorqueSource,
     /// May the motors turn?
     pub arming: Arming,
-    /// Is the IMU to be believed?
+    /// The IMU in use.
+    pub imu_unit: ImuUnit,
+    /// Is it to be believed?
     pub imu_health: ImuHealth,
+    /// And the other one?
+    pub standby_health: ImuHealth,
     /// Steps so far whose set-point held something that is not a finite number; the last good one was kept.
     pub setpoints_rejected: u32,
     /// Where the vehicle is.
@@ -131,12 +134,11 @@ impl FlightCore {
     /// From the samples since the last step to the motor outputs. Cheap, and always equally long.
     pub fn fast(config: &Config, state: &mut State, input: &StepInput) -> StepOutput {
         state.step = state.step.wrapping_add(1);
-        let imu = imu::condition(&config.imu, &mut state.imu, &input.imu, input.time_us);
         let motors_turned = state.arming.motors_turn();
-        let imu_health = state.imu_health.update(&input.imu, !motors_turned && state.estimator.rest_s() > 0.0);
-        let estimate = estimator::update(&config.estimator, &mut state.estimator, &imu, input.time_us, motors_turned);
+        let imu = imu_select::update(config, &mut state.imus, &mut state.estimator, input, motors_turned);
+        let estimate = imu.estimate;
         let setpoint_age_us = state.setpoint.take(input);
-        let findings = Findings::new(&estimate, state.estimator.rest_s(), imu_health, setpoint_age_us);
+        let findings = Findings::new(&estimate, imu.gyro_rest_s, imu.health, setpoint_age_us);
         state.arming = supervisor::update(&config.supervisor, state.arming, input, &findings);
         state.setpoint.flown = state.arming.setpoint(&state.setpoint.good);
 
@@ -157,7 +159,9 @@ impl FlightCore {
             wrench,
             source,
             arming: state.arming,
-            imu_health,
+            imu_unit: imu.unit,
+            imu_health: imu.health,
+            standby_health: imu.standby_health,
             setpoints_rejected: state.setpoint.rejected,
             estimate,
             rate_target_rad_s: state.rate_target_rad_s,

@@ -87,6 +87,8 @@ pub struct StepInput {
     pub time_us: u64,
     /// IMU samples since the last step, oldest first.
     pub imu: ImuBatch,
+    /// The same of the second IMU; empty where there is none.
+    pub imu_second: ImuBatch,
     /// What is asked for.
     pub setpoint: Setpoint,
     /// Request to arm or disarm.

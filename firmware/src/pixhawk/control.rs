@@ -2,17 +2,15 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use heapless::spsc::{Consumer, Producer, Queue};
-use shared_control::config::{Config, ConfigError, Tuning};
+use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::link::{Answer, Chore, Commander, Order, VehicleStatus};
-use shared_control::signals::{Plan, PlanRequest, StepInput};
-use shared_control::vehicle::VehicleParameters;
+use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
 
-use super::board;
 use super::clock::TimeBase;
 use super::counters;
 use super::imu::TimedSample;
+use super::queue::{Consumer, Producer, Queue};
 
 /// Room for orders that arrive within one step, and for what they bring about within one housekeeping.
 const QUEUE_LENGTH: usize = 16;
@@ -31,23 +29,10 @@ pub fn last_step() -> u32 {
     LAST_STEP.load(Ordering::Relaxed)
 }
 
-/// Configuration that is compiled in: the F450 on its gimbal.
-pub fn configuration() -> Result<(Config, Tuning), ConfigError> {
-    let tuning = Tuning::for_motor_lag(VehicleParameters::F450_GIMBAL_MOTOR_LAG_S);
-    let config = Config::new(
-        &VehicleParameters::F450_GIMBAL,
-        &tuning,
-        board::LOOP_RATE_HZ as f32,
-        board::IMU_RATE_HZ as f32,
-        board::CONTROLLER,
-    )?;
-    Ok((config, tuning))
-}
-
 /// The loop's ends of its queues.
 pub struct Ends {
-    /// Samples of the IMU.
-    pub samples: Consumer<'static, TimedSample>,
+    /// Samples of both IMUs.
+    pub samples: [Consumer<'static, TimedSample>; 2],
     /// What the ground wants.
     pub orders: Consumer<'static, Order>,
     /// What came of it.
@@ -64,18 +49,23 @@ pub struct Control {
     commander: Commander,
     ends: Ends,
     input: StepInput,
+    /// The last `follow` asked for a plan.
+    plan_asked: bool,
 }
 
 impl Control {
     /// Before the first step.
     pub fn new(config: Config, commander: Commander, ends: Ends) -> Self {
         let (state, clock, input) = (State::default(), TimeBase::default(), StepInput::default());
-        Self { config, state, clock, commander, ends, input }
+        Self { config, state, clock, commander, ends, input, plan_asked: false }
     }
 
     /// Gathers the input, makes the step.
     pub fn fast(&mut self, plan: Option<Plan>) -> StepOutput {
         self.gather(plan);
+        if self.plan_asked && plan.is_none_or(|plan| plan.step != self.state.step) {
+            counters::LATE_PLANS.add();
+        }
         let output = FlightCore::fast(&self.config, &mut self.state, &self.input);
         LAST_STEP.store(output.step, Ordering::Relaxed);
         output
@@ -85,7 +75,9 @@ impl Control {
     pub fn follow(&mut self, output: &StepOutput) -> Option<PlanRequest> {
         let answer = self.commander.answer(&output.arming);
         self.pass_on(answer, None);
-        FlightCore::follow(&self.config, &mut self.state, output)
+        let request = FlightCore::follow(&self.config, &mut self.state, output);
+        self.plan_asked = request.is_some();
+        request
     }
 
     /// Input of the last step.
@@ -101,14 +93,9 @@ impl Control {
     fn gather(&mut self, plan: Option<Plan>) {
         let time_us = self.clock.now_us();
         self.input.time_us = time_us;
-        self.input.imu.clear();
-        // what does not fit waits for the next step
-        while !self.input.imu.is_full()
-            && let Some(sample) = self.ends.samples.dequeue()
-        {
-            // never full here
-            let _ = self.input.imu.push(sample.at(self.clock.extend(sample.counter_us)));
-        }
+        let [first, second] = &mut self.ends.samples;
+        gather_samples(&self.clock, first, &mut self.input.imu);
+        gather_samples(&self.clock, second, &mut self.input.imu_second);
         // bounded, whatever arrives meanwhile
         for _ in 0..QUEUE_LENGTH {
             let Some(order) = self.ends.orders.dequeue() else { break };
@@ -125,5 +112,16 @@ impl Control {
         if no_room || nor_here {
             counters::ANSWERS_DROPPED.add();
         }
+    }
+}
+
+/// What does not fit waits for the next step.
+fn gather_samples(clock: &TimeBase, samples: &mut Consumer<'static, TimedSample>, batch: &mut ImuBatch) {
+    batch.clear();
+    while !batch.is_full()
+        && let Some(sample) = samples.dequeue()
+    {
+        // never full here
+        let _ = batch.push(sample.at(clock.extend(sample.counter_us)));
     }
 }

@@ -9,7 +9,6 @@ use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
 use heapless::Vec;
-use heapless::spsc::Producer;
 use shared_control::link::{LinkSettings, Order, Receiver};
 use stm32f4xx_hal::gpio::{Alternate, PD5, PD6};
 use stm32f4xx_hal::pac::{DMA1, USART2};
@@ -17,6 +16,7 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::board;
 use super::counters;
+use super::queue::Producer;
 
 /// Size of the ring.
 pub const RING_BYTES: usize = 512;

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!  7  low_supply               supply detector: motors to the disarmed pulse, reset
-//!  6  imu_ready, imu_received  data-ready -> DMA -> sample queue
+//!  6  first_imu_ready, second_imu_ready, imu_received
+//!                              data-ready -> DMA -> sample queues
 //!  5  control_step             TIM3: samples since the last step -> fast -> pulses -> follow
 //!  3  link_idle, link_ring     TELEM1: bytes -> orders
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
@@ -12,17 +13,23 @@
 mod board;
 mod boot;
 mod clock;
+mod configuration;
 mod control;
 mod counters;
 mod fault;
+mod fram;
 mod ground;
 mod imu;
+mod l3gd20;
 mod led;
 mod link_port;
 mod load;
 mod loop_timer;
+mod lsm303d;
+mod mpu6000;
 mod outputs;
 mod pins;
+mod queue;
 mod sensor_bus;
 mod supply;
 mod trace;
@@ -30,21 +37,23 @@ mod watchdog;
 
 use defmt_rtt as _;
 
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
+// `plan` and `housekeeping` borrow interrupts of devices that are not used. They are no software tasks of RTIC: those are
+// futures, and in each is a panic for one that is polled after its end.
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use heapless::Vec;
-    use shared_control::config::mpc_settings;
     use shared_control::flight_core::FlightCore;
-    use shared_control::link::{Commander, LinkSettings, VehicleStatus};
-    use shared_control::mpc::{Mpc, MpcState};
-    use shared_control::signals::{ArmingBlocks, MotorCommands, Plan, PlanRequest};
-    use shared_control::vehicle::VehicleParameters;
+    use shared_control::link::{Commander, VehicleStatus};
+    use shared_control::mpc::{HORIZON, MpcState};
+    use shared_control::signals::{ArmingBlocks, Plan, PlanRequest};
+    use stm32f4xx_hal::pac::Interrupt;
 
-    use super::board::{self, CONTROL_HORIZON};
-    use super::control::{self, AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
+    use super::configuration::{BoardMpc, Configuration, MpcPlace};
+    use super::control::{AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
     use super::fault::{self, Cause, FaultRecord};
+    use super::fram::Fram;
     use super::ground::Ground;
-    use super::imu::{Buffers, Imu, SampleQueue};
+    use super::imu::{Buffers, Checked, Imus, SampleQueue};
     use super::led::{Led, Sign};
     use super::link_port::{self, LinkIn, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
@@ -56,15 +65,13 @@ mod app {
     use super::watchdog::{self, Watchdog};
     use super::{boot, clock, counters, supply};
 
-    /// Steps of the loop per housekeeping: 100 times a second.
-    const HOUSEKEEPING_STEPS: u32 = board::LOOP_RATE_HZ / 100;
-
     #[shared]
     struct Shared {
         #[lock_free]
-        imu: Imu,
+        imus: Imus,
         #[lock_free]
         link: LinkIn,
+        request: Option<PlanRequest>,
         plan: Option<Plan>,
         status: Option<(u64, VehicleStatus)>,
     }
@@ -75,18 +82,21 @@ mod app {
         outputs: Outputs,
         loop_timer: LoopTimer,
         trace: Trace,
-        mpc: Mpc<CONTROL_HORIZON>,
-        mpc_state: MpcState<CONTROL_HORIZON>,
+        housekeeping_steps: u32,
+        mpc: Option<&'static mut BoardMpc>,
+        mpc_state: MpcState<HORIZON>,
         ground: Ground,
         led: Led,
         watchdog: Watchdog,
     }
 
-    /// Interrupts are off until it returns. What is wrong with the compiled-in configuration stops the program here.
+    /// Interrupts are off until it returns.
     #[init(local = [
-        samples: SampleQueue = SampleQueue::new(), orders: OrderQueue = OrderQueue::new(),
+        samples: SampleQueue = SampleQueue::new(), samples_second: SampleQueue = SampleQueue::new(),
+        orders: OrderQueue = OrderQueue::new(),
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
+        mpc_place: MpcPlace = MpcPlace::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (mut core, mut device) = (cx.core, cx.device);
@@ -98,68 +108,85 @@ mod app {
         load::start(&mut core.DCB, &mut core.DWT);
         let record = FaultRecord::read();
 
-        let ports = (device.GPIOA, device.GPIOC, device.GPIOD, device.GPIOE);
+        let ports = (device.GPIOA, device.GPIOB, device.GPIOC, device.GPIOD, device.GPIOE);
         let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
         supply::watch(&device.PWR, &device.EXTI, &mut rcc);
 
-        // not `expect`, which would print the error and bring the formatting of floats into the image
-        let Ok((config, tuning)) = control::configuration() else { panic!("the compiled-in configuration is bad") };
-        let mpc = Mpc::prepare(&mpc_settings(&VehicleParameters::F450_GIMBAL, &tuning));
-        let Ok(mpc) = mpc else { panic!("the compiled-in MPC is bad") };
+        let mut bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
+        let mut memory = Fram::new(device.SPI2, pins.fram, pins.fram_select, &mut rcc);
+        let mut configuration = Configuration::read(&mut memory);
+        let mpc = configuration.mpc(cx.local.mpc_place);
+        let disarmed_count = configuration.disarmed_count();
+        let setup = &configuration.setup;
+        let outputs = Outputs::new(device.TIM1, pins.motors, &setup.pulse_timer, disarmed_count, &mut rcc);
+        let loop_timer = LoopTimer::new(device.TIM3, &setup.loop_timer, &mut rcc);
 
-        let disarmed = config.output.compare_counts(&MotorCommands::default(), false);
-        let outputs = Outputs::new(device.TIM1, pins.motors, disarmed[0], &mut rcc);
-        let loop_timer = LoopTimer::new(device.TIM3, &mut rcc);
-
-        let settings = LinkSettings::NOMINAL;
+        let settings = configuration.link_settings();
         let (orders, orders_out) = cx.local.orders.split();
         let (answers, answers_out) = cx.local.answers.split();
         let (chores, chores_out) = cx.local.chores.split();
         let (samples, samples_out) = cx.local.samples.split();
+        let (samples_second, samples_second_out) = cx.local.samples_second.split();
         let (ring, buffer) = (cx.local.ring, cx.local.buffer);
         let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, ring, buffer, &mut rcc);
         let link = LinkIn::new(port, settings, orders);
-        let mut ground = Ground::new(&settings, sender, answers_out, chores_out);
+        let mut ground = Ground::new(&settings, (&configuration.params, memory), sender, answers_out, chores_out);
         ground.tell(reset_cause);
         if let Some(record) = record {
-            ground.tell(&record.words());
+            ground.tell(record.words());
         }
+        ground.tell_configuration(&configuration);
 
-        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
-        let mut imu = Imu::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, samples, &mut rcc);
-        if let Err(fault) = imu.start(&mut device.EXTI) {
-            // without samples nothing arms
-            ground.tell(fault.words());
+        let checked = Checked::set_up(&mut bus);
+        checked.faults().for_each(|fault| ground.tell(fault.words()));
+        if let Some(axes) = checked.second_gyro_axes() {
+            configuration.setup.config.imu_second.gyro_axes = axes;
         }
+        let producers = [samples, samples_second];
+        let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
+        imus.start(&checked, &mut device.EXTI);
 
-        let blocks = ArmingBlocks { fault_record_unread: record.is_some(), configuration_unconfirmed: false };
+        let blocks = ArmingBlocks {
+            fault_record_unread: record.is_some(),
+            configuration_unconfirmed: configuration.fault.is_some(),
+        };
         let commander = Commander::new(settings.hover_throttle, blocks);
-        let ends = Ends { samples: samples_out, orders: orders_out, answers, chores };
-        let control = Control::new(config, commander, ends);
+        let ends = Ends { samples: [samples_out, samples_second_out], orders: orders_out, answers, chores };
+        let control = Control::new(configuration.setup.config, commander, ends);
         let (trace, mpc_state) = (Trace::new(), MpcState::new());
         let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
         loop_timer.start();
-        let local = Local { control, outputs, loop_timer, trace, mpc, mpc_state, ground, led, watchdog };
-        (Shared { imu, link, plan: None, status: None }, local)
+        let housekeeping_steps = configuration.housekeeping_steps();
+        let local =
+            Local { control, outputs, loop_timer, trace, housekeeping_steps, mpc, mpc_state, ground, led, watchdog };
+        (Shared { imus, link, request: None, plan: None, status: None }, local)
     }
 
-    /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
-    #[task(binds = EXTI15_10, priority = 6, shared = [imu])]
-    fn imu_ready(cx: imu_ready::Context) {
-        cx.shared.imu.begin_transfer();
+    /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up and
+    /// counted.
+    #[task(binds = EXTI15_10, priority = 6, shared = [imus])]
+    fn first_imu_ready(cx: first_imu_ready::Context) {
+        cx.shared.imus.first_ready();
     }
 
-    /// About 15 us after [`imu_ready`], done before the next. On a miss that next sample is given up and counted.
-    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imu])]
+    /// Every 1.3 ms, and once a step by [`control_step`]; done within 3 us. If it comes late, so does the sample.
+    #[task(binds = EXTI0, priority = 6, shared = [imus])]
+    fn second_imu_ready(cx: second_imu_ready::Context) {
+        cx.shared.imus.second_ready();
+    }
+
+    /// 15 us after a transfer has begun, done within 5 us. On a miss the next transfer is late, beyond 200 us given up and
+    /// counted.
+    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imus])]
     fn imu_received(cx: imu_received::Context) {
-        cx.shared.imu.end_transfer();
+        cx.shared.imus.received();
     }
 
     /// Every loop period; its pulses must be written within `board::PULSE_DELAY_US`. On a miss the pulses before are sent
     /// once more; a step that outlasts the period is counted, and without any the watchdog resets the board.
     #[task(
         binds = TIM3, priority = 5,
-        local = [control, outputs, loop_timer, trace], shared = [plan, status]
+        local = [control, outputs, loop_timer, trace, housekeeping_steps], shared = [request, plan, status]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
@@ -168,11 +195,8 @@ mod app {
             let plan = cx.shared.plan.lock(Option::take);
             let output = local.control.fast(plan);
             local.outputs.write(output.compare_counts, output.arming.motors_turn());
-            if let Some(request) = local.control.follow(&output)
-                && plan::spawn(request).is_err()
-            {
-                // the plan before is still being made: the next step does without
-                counters::LATE_PLANS.add();
+            if let Some(request) = local.control.follow(&output) {
+                cx.shared.request.lock(|open| ask(open, request));
             }
             local.trace.publish(local.control.input(), &output);
             output
@@ -183,9 +207,11 @@ mod app {
             counters::LOOP_OVERRUNS.add();
         }
         watchdog::report_loop();
-        if output.step.is_multiple_of(HOUSEKEEPING_STEPS) {
+        // a lost edge or a transfer that hangs is noticed once a step
+        rtic::pend(Interrupt::EXTI0);
+        if output.step.is_multiple_of(*local.housekeeping_steps) {
             // still busy with the one before: the watchdog notices if that lasts
-            let _ = housekeeping::spawn();
+            rtic::pend(Interrupt::CAN1_RX1);
         }
     }
 
@@ -202,20 +228,30 @@ mod app {
         cx.shared.link.take();
     }
 
+    /// Asks for a plan, unless the one before is still being made: then the next step does without, and is counted.
+    fn ask(open: &mut Option<PlanRequest>, request: PlanRequest) {
+        if open.is_none() {
+            *open = Some(request);
+            rtic::pend(Interrupt::CAN1_RX0);
+        }
+    }
+
     /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and its
     /// own request is not made.
-    #[task(priority = 2, local = [mpc, mpc_state], shared = [plan])]
-    async fn plan(mut cx: plan::Context, request: PlanRequest) {
-        let plan = load::PLAN.measure(|| FlightCore::plan(cx.local.mpc, cx.local.mpc_state, &request));
-        cx.shared.plan.lock(|latest| *latest = Some(plan));
+    #[task(binds = CAN1_RX0, priority = 2, local = [mpc, mpc_state], shared = [request, plan])]
+    fn plan(mut cx: plan::Context) {
+        let (Some(request), Some(mpc)) = (cx.shared.request.lock(|open| *open), cx.local.mpc) else { return };
+        let plan = load::PLAN.measure(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
+        // at once, so that a step between the two neither misses the plan nor finds its own request refused
+        (cx.shared.request, cx.shared.plan).lock(|open, latest| (*open, *latest) = (None, Some(plan)));
     }
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
     #[task(
-        priority = 1, shared = [status],
+        binds = CAN1_RX1, priority = 1, shared = [status],
         local = [ground, led, watchdog, load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0]
     )]
-    async fn housekeeping(mut cx: housekeeping::Context) {
+    fn housekeeping(mut cx: housekeeping::Context) {
         let local = cx.local;
         local.watchdog.feed_if_all_alive();
         *local.ticks = local.ticks.wrapping_add(1);

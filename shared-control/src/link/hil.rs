@@ -8,7 +8,7 @@ use mavlink::dialects::common::{
     HIL_ACTUATOR_CONTROLS_DATA, HIL_SENSOR_DATA, HilActuatorControlsFlags, HilSensorUpdatedFlags, MavModeFlag,
 };
 
-use crate::imu::ImuConfig;
+use crate::imu::{AxisMap, ImuConfig};
 use crate::signals::{MotorCommands, RawImuSample};
 use crate::supervisor::Arming;
 
@@ -44,8 +44,8 @@ impl HilSample {
 
     /// What the IMU would have sent.
     pub fn raw(&self, imu: &ImuConfig) -> RawImuSample {
-        let counts = |body: [f32; 3], unit_per_count: f32| {
-            imu.axes.from_body(body).map(|value| {
+        let counts = |axes: &AxisMap, body: [f32; 3], unit_per_count: f32| {
+            axes.from_body(body).map(|value| {
                 let counts = value / unit_per_count;
                 // rounds to nearest; `as` truncates and saturates
                 (if counts < 0.0 { counts - 0.5 } else { counts + 0.5 }) as i16
@@ -53,8 +53,8 @@ impl HilSample {
         };
         RawImuSample {
             time_us: self.time_us,
-            gyro_counts: counts(self.rate_rad_s, imu.gyro_rad_s_per_count),
-            accel_counts: counts(self.specific_force_m_s2, imu.accel_m_s2_per_count),
+            gyro_counts: counts(&imu.gyro_axes, self.rate_rad_s, imu.gyro_rad_s_per_count),
+            accel_counts: counts(&imu.accel_axes, self.specific_force_m_s2, imu.accel_m_s2_per_count),
         }
     }
 }

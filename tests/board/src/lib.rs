@@ -4,24 +4,31 @@
 //! peripherals and the sensors around it. A [`World`] is what the sensors measure and the motor outputs drive.
 //! README.md lists what is modelled, what is simplified, and what is not there.
 
+mod bench;
 mod board;
 mod cortex;
 mod cpu;
 mod devices;
+mod entry;
 mod image;
 mod machine;
 mod memory;
 mod peripherals;
+mod second_imu;
 mod stop;
+pub mod thumb;
 pub mod time;
 mod trace;
 mod vehicle;
+mod world;
 
-pub use board::World;
-pub use devices::mpu6000::Counts;
+pub use board::serial::Connector;
+pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
+pub use entry::EntryState;
 pub use image::{Image, ImageError};
 pub use machine::{Counters, Machine};
 pub use peripherals::timer::Pulse;
 pub use stop::{Cause, Stop};
 pub use trace::step_trace;
 pub use vehicle::{Surroundings, Vehicle};
+pub use world::World;

@@ -2,28 +2,31 @@
 //!
 //! ```text
 //!   .-> board: everything due -> exception due? stack, enter -> asleep? skip to the next event
-//!   '--------------- slice: up to the next event, at most 256 instructions <------'
+//!   '--- slice: whole blocks until the next event is due, or 256 instructions <---'
 //! ```
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use shared_control::params::Params;
 use unicorn_engine::RegisterARM as Register;
 
-use crate::board::{Board, CYCLES_PER_INSTRUCTION, World};
+use crate::board::{Board, CYCLES_PER_INSTRUCTION};
 use crate::cortex::exceptions::{BUS_FAULT, HARD_FAULT, Masks, NMI, SV_CALL, USAGE_FAULT};
 use crate::cortex::stacking;
 use crate::cpu::{Cpu, Outcome};
+use crate::entry::EntryState;
 use crate::image::Image;
 use crate::memory::Memory;
 use crate::stop::{Cause, Stop};
 use crate::time::Ticks;
+use crate::world::World;
 
-/// A slice's longest.
+/// After so many instructions a slice ends with the block that runs.
 const SLICE_INSTRUCTIONS: u64 = 256;
-/// So many instructions are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an
-/// image may lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set.
-const WATCHED_INSTRUCTIONS: u64 = 64;
+/// So many blocks are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an image may
+/// lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set. What lifts it ends a block.
+const WATCHED_BLOCKS: u64 = 64;
 /// For each exception entry and return.
 const EXCEPTION_CYCLES: u64 = 12;
 
@@ -52,22 +55,23 @@ pub struct Counters {
 /// A board that executes an image.
 pub struct Machine {
     cpu: Cpu,
-    board: Rc<RefCell<Board>>,
+    pub(crate) board: Rc<RefCell<Board>>,
     now: Ticks,
     cycles: u64,
     pc: u32,
     asleep: bool,
     /// An exception waits only for a mask to be lifted.
     masked: bool,
-    /// Slices of one instruction that are left while it does.
+    /// Slices of one block that are left while it does.
     watched: u64,
     /// Address of the image's vector table.
     vectors: u32,
+    entry: EntryState,
     counters: Counters,
 }
 
 impl Machine {
-    /// A board at power-on with the image in flash; RAM holds the noise of `seed`.
+    /// A board at power-on with the image in flash; RAM holds the noise of `seed`, FRAM the default choices.
     ///
     /// # Errors
     /// If the emulator fails or the image has no vector table.
@@ -78,18 +82,27 @@ impl Machine {
         for (address, bytes) in image.segments() {
             cpu.store(*address, bytes);
         }
-        let (vectors, counters) = (image.base(), Counters::default());
+        let (vectors, entry, counters) = (image.base(), EntryState::Reset, Counters::default());
         let (now, cycles, pc, watched) = (0, 0, 0, 0);
         let mut machine =
-            Self { cpu, board, now, cycles, pc, asleep: false, masked: false, watched, vectors, counters };
+            Self { cpu, board, now, cycles, pc, asleep: false, masked: false, watched, vectors, entry, counters };
+        machine.configure(&Params::DEFAULT);
         machine.enter_image();
         Ok(machine)
     }
 
-    /// The core as after reset, at the image's first instruction. VTOR is 0: the image has to set it.
+    /// To be called before the first run: somebody else than the chip's reset starts the image, now and after every reset.
+    pub fn enter_from(&mut self, entry: EntryState) {
+        self.entry = entry;
+        self.enter_image();
+    }
+
+    /// The core at the image's first instruction. After a mere reset VTOR is 0: the image has to set it.
     fn enter_image(&mut self) {
         let [stack, entry] = [0, 4].map(|offset| self.word(self.vectors + offset).unwrap_or_default());
         self.cpu.reset();
+        self.entry.prepare(&mut self.cpu);
+        self.board.borrow_mut().preset(&self.entry.registers(self.vectors));
         self.cpu.set_register(Register::MSP, stack);
         self.cpu.set_register(Register::LR, u32::MAX);
         self.cpu.refresh_mode();
@@ -101,6 +114,13 @@ impl Machine {
     fn reset(&mut self, flags: u32) {
         self.counters.resets += 1;
         self.board.borrow_mut().reset(flags);
+        self.enter_image();
+    }
+
+    /// Takes all power away and gives it back: RAM holds the noise of `seed`, only flash and FRAM remember.
+    pub fn power_cycle(&mut self, seed: u64) {
+        self.board.borrow_mut().power_cycle(seed);
+        self.cpu.forget_memory(seed);
         self.enter_image();
     }
 
@@ -150,7 +170,7 @@ impl Machine {
             Outcome::Exhausted => Ok(()),
             Outcome::Wait => {
                 self.asleep = true;
-                self.watched = WATCHED_INSTRUCTIONS;
+                self.watched = WATCHED_BLOCKS;
                 Ok(())
             }
             Outcome::ExceptionReturn(exc_return) => self.leave_exception(exc_return),
@@ -175,7 +195,7 @@ impl Machine {
         self.asleep &= !wakes;
         self.masked = due.is_none() && unmasked.is_some();
         if self.masked && !was_masked {
-            self.watched = WATCHED_INSTRUCTIONS;
+            self.watched = WATCHED_BLOCKS;
         }
         match due {
             Some(number) => self.enter_exception(number),
@@ -267,7 +287,7 @@ impl Machine {
 
     fn check_stop(&self) -> Result<(), Stop> {
         match self.board.borrow_mut().stop.take() {
-            Some(stop) => Err(stop),
+            Some(stop) => Err(Stop { pc: self.pc, ..stop }),
             None => Ok(()),
         }
     }
@@ -324,24 +344,14 @@ impl Machine {
         self.cpu.load(address, &mut bytes).then(|| u32::from_le_bytes(bytes))
     }
 
+    /// Overwrites memory. False if there is not so much.
+    pub fn write(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.cpu.store(address, bytes)
+    }
+
     /// Bytes of memory, if there are that many.
     pub fn bytes(&mut self, address: u32, length: usize) -> Option<Vec<u8>> {
         let mut bytes = vec![0; length];
         self.cpu.load(address, &mut bytes).then_some(bytes)
-    }
-
-    /// Sends on TELEM1's line.
-    pub fn telem1_send(&mut self, bytes: &[u8]) {
-        self.board.borrow_mut().telem1_sends(bytes);
-    }
-
-    /// The chip's supply from now on, V.
-    pub fn set_supply_v(&mut self, supply_v: f32) {
-        self.board.borrow_mut().set_supply_v(supply_v);
-    }
-
-    /// What came out of TELEM1 since the last call.
-    pub fn telem1_receive(&mut self) -> Vec<u8> {
-        self.board.borrow_mut().telem1_received()
     }
 }

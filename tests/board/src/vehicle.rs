@@ -7,10 +7,11 @@ use sil_host::model::VehicleModel;
 use sil_host::plant::Plant;
 use sil_host::sensors::Sensors;
 
-use crate::board::World;
-use crate::devices::mpu6000::Counts;
+use crate::devices::{Counts, SecondGyro};
 use crate::peripherals::timer::Pulse;
+use crate::second_imu::SecondImu;
 use crate::time::{TICKS_PER_US, Ticks, seconds};
+use crate::world::World;
 
 /// Motor (0 to 3) on each channel of TIM1: AUX 1 to 4 are channels 4 to 1.
 const MOTOR_OF_CHANNEL: [usize; 4] = [3, 2, 1, 0];
@@ -22,6 +23,7 @@ const PULSE_SPAN_US: f64 = 1000.0;
 pub struct Vehicle {
     plant: Plant,
     sensors: Sensors,
+    second_imu: SecondImu,
     /// Time up to which the plant has moved.
     moved_to: Ticks,
     held: bool,
@@ -30,10 +32,22 @@ pub struct Vehicle {
 }
 
 impl Vehicle {
-    /// Held at rest, with the model's sensor noise.
+    /// Held at rest, with the model's sensor noise; the second IMU's gyro is an L3GD20.
     pub fn new(model: &VehicleModel, seed: u64) -> Rc<RefCell<Self>> {
-        let (plant, sensors) = (Plant::new(model), Sensors::new(&model.noise, seed));
-        Rc::new(RefCell::new(Self { plant, sensors, moved_to: 0, held: true, commands: [0.0; 4], last_pulse_end: 0 }))
+        Self::with_second_gyro(model, SecondGyro::L3gd20, seed)
+    }
+
+    /// The same with this variant of that gyro.
+    pub fn with_second_gyro(model: &VehicleModel, gyro: SecondGyro, seed: u64) -> Rc<RefCell<Self>> {
+        Rc::new(RefCell::new(Self {
+            plant: Plant::new(model),
+            sensors: Sensors::new(&model.noise, seed),
+            second_imu: SecondImu::new(gyro, &model.noise, seed),
+            moved_to: 0,
+            held: true,
+            commands: [0.0; 4],
+            last_pulse_end: 0,
+        }))
     }
 
     /// Lets it go, the motors settled at what the ESCs were told last.
@@ -77,6 +91,17 @@ impl World for Surroundings {
         let Vehicle { plant, sensors, .. } = &mut *vehicle;
         let sample = sensors.imu(plant, now / TICKS_PER_US);
         Counts { gyro: sample.gyro_counts, accel: sample.accel_counts }
+    }
+
+    fn second_gyro(&self) -> Option<SecondGyro> {
+        Some(self.0.borrow().second_imu.gyro)
+    }
+
+    fn second_imu(&mut self, now: Ticks) -> Counts {
+        let mut vehicle = self.0.borrow_mut();
+        vehicle.move_to(now);
+        let Vehicle { plant, second_imu, .. } = &mut *vehicle;
+        second_imu.measure(plant)
     }
 
     /// An ESC knows its command when the pulse ends.

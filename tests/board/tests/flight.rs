@@ -6,11 +6,12 @@ use std::rc::Rc;
 use std::time::Instant;
 
 use emulated_board::time::{TICKS_PER_US, Ticks};
-use emulated_board::{Image, Machine, Surroundings, Vehicle, step_trace};
+use emulated_board::{Image, Machine, SecondGyro, Sensor, SensorFault, Surroundings, Vehicle, step_trace};
 use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MavCmd, MavType};
 use shared_control::config::{Config, Controller, Tuning};
 use shared_control::flight_core::{FlightCore, State};
+use shared_control::imu::AxisMap;
 use shared_control::link::frame::FrameWriter;
 use shared_control::trace::StepTrace;
 use shared_control::vehicle::VehicleParameters;
@@ -62,10 +63,13 @@ struct Twin {
 }
 
 impl Twin {
-    fn new(controller: Controller) -> Self {
+    fn new(controller: Controller, gyro: SecondGyro) -> Self {
         let tuning = Tuning::for_motor_lag(VehicleParameters::F450_GIMBAL_MOTOR_LAG_S);
         let vehicle = &VehicleParameters::F450_GIMBAL;
-        let config = Config::new(vehicle, &tuning, LOOP_RATE_HZ, IMU_RATE_HZ, controller).unwrap();
+        let mut config = Config::new(vehicle, &tuning, LOOP_RATE_HZ, IMU_RATE_HZ, controller).unwrap();
+        if gyro == SecondGyro::L3gd20h {
+            config.imu_second.gyro_axes = AxisMap::PIXHAWK1_L3GD20H;
+        }
         Self { config, state: State::default(), steps: 0 }
     }
 
@@ -77,6 +81,7 @@ impl Twin {
         host.record(&input, &output);
         // samples beyond the count are left over from earlier steps on the board
         host.sample = board.sample;
+        host.sample_second = board.sample_second;
         assert_eq!(&host, board, "step {}", board.step);
         self.steps += 1;
     }
@@ -92,22 +97,29 @@ struct Flight {
     last: StepTrace,
     next_heartbeat: Ticks,
     deviation_sum_rad: [f64; 2],
+    /// Samples of both IMUs.
+    samples: [u32; 2],
 }
 
 impl Flight {
     fn new(seed: u64) -> Self {
+        Self::with_second_gyro(SecondGyro::L3gd20, seed)
+    }
+
+    fn with_second_gyro(gyro: SecondGyro, seed: u64) -> Self {
         let image = firmware();
-        let vehicle = Vehicle::new(&VehicleModel::nominal(Rig::Gimbal), seed);
+        let vehicle = Vehicle::with_second_gyro(&VehicleModel::nominal(Rig::Gimbal), gyro, seed);
         let machine = Machine::new(&image, Box::new(Surroundings(Rc::clone(&vehicle))), seed).unwrap();
         Self {
             machine,
             vehicle,
             ground: Ground(FrameWriter::new(255, 190)),
-            twin: Twin::new(Controller::Cascade),
+            twin: Twin::new(Controller::Cascade, gyro),
             trace_address: image.symbol("FLIGHT_TRACE").expect("the firmware's record of its steps"),
             last: StepTrace::EMPTY,
             next_heartbeat: 0,
             deviation_sum_rad: [0.0; 2],
+            samples: [0; 2],
         }
     }
 
@@ -135,6 +147,8 @@ impl Flight {
         assert_eq!(trace.step, self.last.step + 1, "a step was missed");
         self.twin.repeat(&trace);
         self.last = trace;
+        self.samples[0] += trace.samples;
+        self.samples[1] += trace.samples_second;
         let [roll, pitch, ..] = trace.setpoint.map(f32::from_bits);
         let tilt_rad = self.vehicle.borrow().tilt_rad();
         for (sum, (wanted, is)) in self.deviation_sum_rad.iter_mut().zip([roll, pitch].into_iter().zip(tilt_rad)) {
@@ -145,7 +159,10 @@ impl Flight {
 
 /// Boots, calibrates, arms, starts the sequence and lets the vehicle go.
 fn in_flight(seed: u64) -> Flight {
-    let mut flight = Flight::new(seed);
+    take_off(Flight::new(seed))
+}
+
+fn take_off(mut flight: Flight) -> Flight {
     // boot with its sensor power sequence, and gyro calibration at rest
     flight.run_for(3500 * MILLISECOND);
     assert!(flight.twin.steps > 800, "the loop does not run: {} steps", flight.twin.steps);
@@ -158,6 +175,7 @@ fn in_flight(seed: u64) -> Flight {
     let now = flight.machine.now();
     flight.vehicle.borrow_mut().release(now);
     flight.deviation_sum_rad = [0.0; 2];
+    flight.samples = [0; 2];
     flight
 }
 
@@ -183,6 +201,9 @@ fn the_image_flies_the_test_sequence_as_the_host_does() {
     // it went to all positions of 30 degrees and stayed near what was asked for; steps of 30 degrees make up most of the mean
     assert!((25.0..45.0).contains(&largest_tilt_rad.to_degrees()), "{}", largest_tilt_rad.to_degrees());
     assert!(deviation_deg.iter().all(|mean| *mean < 5.0), "{deviation_deg:?}");
+    // they share a bus and lose nothing: 1000 and 760 samples a second, but for one at each end
+    let [first, second] = flight.samples;
+    assert!(first.abs_diff(29_700) <= 2 && second.abs_diff(22_572) <= 2, "{first}, {second}");
     // over, hence disarmed
     flight.run_for(250 * MILLISECOND);
     assert_ne!(flight.last.arming, ARMED);
@@ -212,4 +233,50 @@ fn a_failing_supply_ends_the_pulses_and_the_board_comes_back_disarmed() {
     assert!(trace.step > 100 && trace.arming != ARMED, "{trace:?}");
     assert_eq!(trace.blocks[0], 1);
     assert_eq!(flight.vehicle.borrow().commands(), [0.0; 4]);
+}
+
+/// How long the loop may take to notice a fault: five steps, and the look at it.
+const NOTICED_WITHIN: Ticks = 5 * (5 * MILLISECOND / 2) + LOOK;
+
+#[test]
+fn the_second_imu_takes_over_in_flight_and_without_it_the_motors_stop() {
+    let faults = [SensorFault::Removed(0xff), SensorFault::DeadBus(0), SensorFault::Frozen, SensorFault::NoDataReady];
+    let second = [Sensor::L3gd20, Sensor::Lsm303d, Sensor::L3gd20, Sensor::L3gd20];
+    for (seed, (fault, second)) in (3..).zip(faults.into_iter().zip(second)) {
+        let mut flight = in_flight(seed);
+        flight.run_for(1500 * MILLISECOND);
+        assert_eq!((flight.last.imu_unit, flight.last.standby_health), (0, 0));
+        flight.machine.break_sensor(Sensor::Mpu6000, fault);
+        flight.run_for(NOTICED_WITHIN);
+        assert_eq!((flight.last.imu_unit, flight.last.arming), (1, ARMED), "{fault:?}");
+        flight.deviation_sum_rad = [0.0; 2];
+        let steps_before = flight.twin.steps;
+        flight.run_for(3000 * MILLISECOND);
+        assert_eq!((flight.last.imu_unit, flight.last.arming), (1, ARMED), "{fault:?}");
+        let steps = f64::from(flight.twin.steps - steps_before);
+        let deviation_deg = flight.deviation_sum_rad.map(|sum| (sum / steps).to_degrees());
+        println!("second IMU after {fault:?}: mean |set-point - angle| {deviation_deg:.2?} deg");
+        assert!(deviation_deg.iter().all(|mean| *mean < 5.0), "{fault:?}: {deviation_deg:?}");
+
+        flight.machine.break_sensor(second, fault);
+        flight.run_for(NOTICED_WITHIN);
+        assert_ne!(flight.last.arming, ARMED, "{fault:?} of {second:?}");
+        flight.run_for(5 * MILLISECOND);
+        assert_eq!(flight.vehicle.borrow().commands(), [0.0; 4]);
+        assert_eq!(flight.machine.counters().resets, 0);
+    }
+}
+
+#[test]
+fn either_second_gyro_flies_alone_when_the_first_imu_is_dead_at_boot() {
+    for gyro in [SecondGyro::L3gd20, SecondGyro::L3gd20h] {
+        let mut flight = Flight::with_second_gyro(gyro, 11);
+        flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff));
+        let mut flight = take_off(flight);
+        flight.run_for(4000 * MILLISECOND);
+        assert_eq!((flight.last.imu_unit, flight.last.arming), (1, ARMED), "{gyro:?}");
+        let deviation_deg = flight.deviation_sum_rad.map(|sum| (sum / 1600.0).to_degrees());
+        println!("{gyro:?} alone: mean |set-point - angle| {deviation_deg:.2?} deg");
+        assert!(deviation_deg.iter().all(|mean| *mean < 5.0), "{gyro:?}: {deviation_deg:?}");
+    }
 }

@@ -1,8 +1,8 @@
-//! Timers that count up: TIM1 (RM0090 section 17.4), TIM3 and TIM5 (section 18.4). Time base with preload, PWM mode 1, trigger
+//! Timers that count up: TIM1 (RM0090 section 17.4), TIM2, TIM3 and TIM5 (section 18.4). Time base with preload, PWM mode 1, trigger
 //! output and slave modes reset and trigger. Nothing else of theirs is modelled.
 
 use super::{Peripheral, Unmodelled};
-use crate::time::Ticks;
+use crate::time::{TICKS_PER_S, Ticks};
 
 const CEN: u32 = 1;
 const UDIS: u32 = 1 << 1;
@@ -56,7 +56,7 @@ pub(crate) struct Timer {
     active_prescaler: u32,
     active_reload: u32,
     active_compare: [u32; CHANNELS],
-    /// When the counter was 0; while stopped, `held` is the count.
+    /// When the counter was 0, or would have been at its clock of now: it may wrap. While stopped, `held` is the count.
     origin: Ticks,
     held: u32,
     matched: [bool; CHANNELS],
@@ -76,9 +76,17 @@ impl Timer {
         Self { count_max, reload: count_max, active_reload: count_max, ..Self::default() }
     }
 
-    /// Period of its clock.
-    pub(crate) fn set_cycle(&mut self, cycle: Ticks) {
+    /// Period of its clock from now on. The counter goes on from where it is; what the prescaler had counted is lost.
+    pub(crate) fn set_cycle(&mut self, cycle: Ticks, now: Ticks) {
+        if cycle == self.cycle {
+            return;
+        }
+        if self.cycle != 0 {
+            self.tick(now);
+        }
+        let count = self.count(now);
         self.cycle = cycle;
+        self.origin = now.wrapping_sub(self.step_ticks() * u64::from(count));
     }
 
     fn runs(&self) -> bool {
@@ -94,32 +102,45 @@ impl Timer {
         if !self.runs() {
             return self.held;
         }
-        ((now - self.origin) / self.step_ticks()).min(u64::from(self.active_reload)) as u32
+        (now.wrapping_sub(self.origin) / self.step_ticks()).min(u64::from(self.active_reload)) as u32
     }
 
     fn next_update(&self) -> Option<Ticks> {
         (self.runs() && self.active_reload != 0)
-            .then(|| self.origin + self.step_ticks() * (u64::from(self.active_reload) + 1))
+            .then(|| self.origin.wrapping_add(self.step_ticks() * (u64::from(self.active_reload) + 1)))
     }
 
     fn next_match(&self, channel: usize) -> Option<Ticks> {
         let compare = self.active_compare[channel];
         let comes = self.runs() && !self.matched[channel] && compare <= self.active_reload;
-        comes.then(|| self.origin + self.step_ticks() * u64::from(compare))
+        comes.then(|| self.origin.wrapping_add(self.step_ticks() * u64::from(compare)))
     }
 
     fn is_watched(&self, channel: usize) -> bool {
         self.interrupts >> (1 + channel) & 1 != 0 || self.high_since[channel].is_some()
     }
 
-    fn output_level(&self, channel: usize, now: Ticks) -> bool {
+    fn is_pwm(&self, channel: usize) -> bool {
         let mode = self.mode[channel / 2] >> (8 * (channel % 2) + 4) & 7;
-        let on = self.enable >> (4 * channel) & 1 != 0 && (!self.advanced || self.brake & MOE != 0);
-        on && mode == PWM_MODE_1 && self.count(now) < self.active_compare[channel]
+        self.enable >> (4 * channel) & 1 != 0 && mode == PWM_MODE_1
     }
 
-    /// Notes edges of the outputs.
+    /// Frequency of the wave on a channel of a timer without main output enable; none if its pin stays at a level.
+    pub(crate) fn wave_hz(&self, channel: usize) -> Option<f64> {
+        let changes = (1..=self.active_reload).contains(&self.active_compare[channel]);
+        let period = self.step_ticks() * (u64::from(self.active_reload) + 1);
+        (self.runs() && self.is_pwm(channel) && changes).then(|| TICKS_PER_S as f64 / period as f64)
+    }
+
+    fn output_level(&self, channel: usize, now: Ticks) -> bool {
+        self.brake & MOE != 0 && self.is_pwm(channel) && self.count(now) < self.active_compare[channel]
+    }
+
+    /// Notes edges of the outputs, where somebody wants to know: at the motors.
     fn refresh_outputs(&mut self, now: Ticks) {
+        if !self.advanced {
+            return;
+        }
         for channel in 0..CHANNELS {
             match (self.high_since[channel], self.output_level(channel, now)) {
                 (None, true) => self.high_since[channel] = Some(now),
@@ -171,7 +192,7 @@ impl Timer {
 
     fn start(&mut self, now: Ticks) {
         if !self.runs() {
-            self.origin = now - self.step_ticks() * u64::from(self.held);
+            self.origin = now.wrapping_sub(self.step_ticks() * u64::from(self.held));
             self.control |= CEN;
             self.trigger_output(TRGO_ENABLE, now);
         }
@@ -211,6 +232,11 @@ impl Timer {
     /// Compare and trigger interrupts.
     pub(crate) fn other_interrupts(&self) -> bool {
         self.status & self.interrupts & 0b101_1110 != 0
+    }
+
+    /// All of them on one line, as TIM2 to TIM5 have them.
+    pub(crate) fn interrupt(&self) -> bool {
+        self.update_interrupt() || self.other_interrupts()
     }
 
     fn write_control(&mut self, value: u32, now: Ticks) -> Result<(), Unmodelled> {
@@ -298,7 +324,7 @@ impl Peripheral for Timer {
             0x20 => self.enable = value,
             0x24 => {
                 self.held = value & self.count_max;
-                self.origin = now - self.step_ticks() * u64::from(self.held);
+                self.origin = now.wrapping_sub(self.step_ticks() * u64::from(self.held));
             }
             0x28 => self.prescaler = value & 0xffff,
             0x2c => {
@@ -333,8 +359,13 @@ impl Peripheral for Timer {
     }
 
     fn next_event(&self) -> Option<Ticks> {
+        // an update that nobody sees is caught up with later
+        let updates_matter = self.advanced
+            || self.interrupts & UIF != 0
+            || self.control & OPM != 0
+            || self.control_2 >> 4 & 7 == TRGO_UPDATE;
         let matches = (0..CHANNELS).filter(|channel| self.is_watched(*channel)).filter_map(|c| self.next_match(c));
-        matches.chain(self.next_update()).min()
+        matches.chain(self.next_update().filter(|_| updates_matter)).min()
     }
 }
 
@@ -345,7 +376,7 @@ mod tests {
     /// 168 MHz / 7, 400 Hz, PWM mode 1 with preload on channel 4.
     fn motor_timer() -> Timer {
         let mut timer = Timer::advanced();
-        timer.set_cycle(2);
+        timer.set_cycle(2, 0);
         for (offset, value) in [
             (0x28, 6),
             (0x2c, 59_999),
@@ -364,7 +395,7 @@ mod tests {
     #[test]
     fn the_period_is_exact_and_the_update_flag_is_cleared_by_writing_zero() {
         let mut timer = Timer::general(0xffff);
-        timer.set_cycle(4);
+        timer.set_cycle(4, 0);
         timer.write(0x28, 83, 0).unwrap();
         timer.write(0x2c, 2499, 0).unwrap();
         timer.write(0x14, UG, 0).unwrap();
@@ -405,6 +436,35 @@ mod tests {
     }
 
     #[test]
+    fn a_slower_clock_stretches_what_is_left() {
+        let mut timer = motor_timer();
+        timer.write(0x00, CEN, 0).unwrap();
+        // half of the pulse at 168 MHz, half at 16 MHz
+        timer.set_cycle(21, 12_000 * 14);
+        assert_eq!(timer.count(12_000 * 14), 12_000);
+        let end = 12_000 * 14 + 12_000 * 7 * 21;
+        timer.tick(end);
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 0, width: end }]);
+    }
+
+    #[test]
+    fn a_tone_has_the_frequency_of_its_period_and_none_at_a_level() {
+        let mut timer = Timer::general(u32::MAX);
+        timer.set_cycle(4, 0);
+        for (offset, value) in [(0x28, 83), (0x18, 0x68), (0x20, 1), (0x2c, 499), (0x34, 250), (0x14, UG)] {
+            timer.write(offset, value, 0).unwrap();
+        }
+        assert_eq!(timer.wave_hz(0), None);
+        timer.write(0x00, CEN, 0).unwrap();
+        assert_eq!(timer.wave_hz(0), Some(2000.0));
+        // nothing waits for it
+        assert_eq!(timer.next_event(), None);
+        timer.write(0x34, 0, 0).unwrap();
+        timer.write(0x14, UG, 0).unwrap();
+        assert_eq!(timer.wave_hz(0), None);
+    }
+
+    #[test]
     fn an_update_by_software_acts_at_once() {
         let mut timer = motor_timer();
         timer.write(0x00, CEN, 0).unwrap();
@@ -419,7 +479,7 @@ mod tests {
     #[test]
     fn a_slave_in_trigger_mode_starts_with_its_master() {
         let mut master = Timer::general(0xffff);
-        master.set_cycle(4);
+        master.set_cycle(4, 0);
         master.write(0x2c, 99, 0).unwrap();
         master.write(0x04, TRGO_UPDATE << 4, 0).unwrap();
         master.write(0x00, CEN, 0).unwrap();
