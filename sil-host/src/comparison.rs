@@ -287,7 +287,9 @@ mod tests {
         ] {
             let mut model = VehicleModel::nominal(Rig::Gimbal);
             model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
-            let log = Synthesis { log_rate_hz: 400, seed: 5, ..Synthesis::of(model.clone()) }.log().unwrap();
+            let log = Synthesis { log_rate_hz: 400, duration_s: 15.0, seed: 5, ..Synthesis::of(model.clone()) }
+                .log()
+                .unwrap();
             // a measured battery takes the place of the simulated one
             for effect in &mut model.effects {
                 if let Effect::BatterySag(BatterySag { law: BatterySagLaw::Voltage { fall_v_s, .. } }) = effect {
