@@ -37,6 +37,7 @@ pub struct Flight {
     pub ground: Ground,
     /// The host's core.
     pub twin: Twin,
+    params: Params,
     trace_address: u32,
     last: StepTrace,
     resets_seen: u64,
@@ -64,6 +65,7 @@ impl Flight {
             vehicle,
             ground: Ground::default(),
             twin: Twin::new(params),
+            params: *params,
             trace_address,
             last: StepTrace::EMPTY,
             resets_seen: 0,
@@ -80,21 +82,29 @@ impl Flight {
     /// If any of it fails.
     pub fn in_the_air(params: &Params, seed: u64) -> Self {
         let mut flight = Self::new(params, seed);
-        // boot with its sensor power sequence, and gyro calibration at rest
-        flight.run_for(3500 * MILLISECOND);
-        let steps = flight.twin.steps();
-        assert!(steps > 2 * u64::from(params.loop_rate_hz), "the loop does not run: {steps} steps");
-        assert_eq!(flight.vehicle.borrow().commands(), [0.0; 4]);
-        flight.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
-        flight.run_for(100 * MILLISECOND);
-        assert!(flight.is_armed(), "not armed: {:?}, {:?}", flight.ground.texts(), flight.last);
-        flight.command(MavCmd::MAV_CMD_MISSION_START, 0.0);
-        flight.run_for(60 * MILLISECOND);
-        let now = flight.machine.now();
-        flight.vehicle.borrow_mut().release(now);
-        (flight.deviation_sum_rad, flight.deviation_steps) = ([0.0; 2], 0);
-        flight.machine.restart_profile();
+        flight.take_off();
         flight
+    }
+
+    /// The same from power-on.
+    ///
+    /// # Panics
+    /// If any of it fails.
+    pub fn take_off(&mut self) {
+        // boot with its sensor power sequence, and gyro calibration at rest
+        self.run_for(3500 * MILLISECOND);
+        let steps = self.twin.steps();
+        assert!(steps > 2 * u64::from(self.params.loop_rate_hz), "the loop does not run: {steps} steps");
+        assert_eq!(self.vehicle.borrow().commands(), [0.0; 4]);
+        self.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
+        self.run_for(100 * MILLISECOND);
+        assert!(self.is_armed(), "not armed: {:?}, {:?}", self.ground.texts(), self.last);
+        self.command(MavCmd::MAV_CMD_MISSION_START, 0.0);
+        self.run_for(60 * MILLISECOND);
+        let now = self.machine.now();
+        self.vehicle.borrow_mut().release(now);
+        (self.deviation_sum_rad, self.deviation_steps) = ([0.0; 2], 0);
+        self.machine.restart_profile();
     }
 
     /// The ground sends a command.

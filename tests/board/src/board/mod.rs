@@ -148,6 +148,8 @@ impl Board {
     /// A reset for these reasons (flags of RCC_CSR): what keeps its power stays, backup SRAM and all around the chip.
     pub(crate) fn reset(&mut self, flags: u32) {
         let flags_so_far = self.rcc.reset_flags();
+        self.tim1.cut_pulses(self.now);
+        self.pass_on_pulses();
         let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), 0);
         std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
         std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
