@@ -18,7 +18,7 @@ use crate::scenario::Scenario;
 use crate::sensors::Sensors;
 
 /// Simulated time at rest before arming is asked for first, µs: the gyro is calibrated over a second.
-const REST_US: u64 = 1_500_000;
+const REST_US: u64 = 2_000_000;
 /// Simulated time between two attempts at the same command, µs.
 const ASK_AGAIN_US: u64 = 500_000;
 /// Attempts at a command.

@@ -16,5 +16,5 @@ mod timing;
 
 pub use error::HitlError;
 pub use flight::{HitlFlight, HitlSetup, fly};
-pub use port::{BoardPort, FromBoard};
+pub use port::{BoardPort, FromBoard, Patience};
 pub use timing::Timing;

@@ -30,6 +30,29 @@ pub enum FromBoard {
     Text(String),
 }
 
+/// How long is waited in real time. It decides nothing but when to give up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Patience {
+    /// Without a byte, until nobody is there.
+    pub silence: Duration,
+    /// For the answer to a step, until it is sent again.
+    pub answer: Duration,
+    /// For words that follow upon what they are about.
+    pub words: Duration,
+}
+
+impl Patience {
+    /// For a board on a serial port: longer than its start (half a second), several times what the slowest USB adapter adds
+    /// (16 ms), and a few texts at ten a second.
+    pub const SERIAL: Patience = Patience {
+        silence: Duration::from_secs(3),
+        answer: Duration::from_millis(200),
+        words: Duration::from_millis(300),
+    };
+    /// For a board in this very process, which has answered when it was asked.
+    pub const NONE: Patience = Patience { silence: Duration::ZERO, answer: Duration::ZERO, words: Duration::ZERO };
+}
+
 /// A board on the other end of a stream. Reading must return after a short time, with what is there or a time-out.
 #[derive(Debug)]
 pub struct BoardPort<S> {
@@ -37,6 +60,7 @@ pub struct BoardPort<S> {
     finder: FrameFinder,
     writer: FrameWriter,
     heard: VecDeque<FromBoard>,
+    pub(super) patience: Patience,
     /// Bytes that arrived.
     pub bytes_received: u64,
     /// Frames that arrived whole, whatever they held.
@@ -45,15 +69,21 @@ pub struct BoardPort<S> {
 
 impl<S: Read + Write> BoardPort<S> {
     /// A board that has said nothing yet.
-    pub fn new(stream: S) -> Self {
+    pub fn new(stream: S, patience: Patience) -> Self {
         Self {
             stream,
             finder: FrameFinder::default(),
             writer: FrameWriter::new(GROUND_SYSTEM_ID, GROUND_COMPONENT_ID),
             heard: VecDeque::new(),
+            patience,
             bytes_received: 0,
             frames_received: 0,
         }
+    }
+
+    /// The stream.
+    pub fn stream(&self) -> &S {
+        &self.stream
     }
 
     /// Sends a message.

@@ -15,14 +15,8 @@ use crate::hitl::{BoardPort, FromBoard, HitlError, Timing};
 
 /// Time in which a board says that it is there: it does so once a second, and may be starting.
 const GREETING: Duration = Duration::from_secs(8);
-/// Time without a byte after which nobody is there. Longer than a start, shorter than a bootloader's wait on USB power.
-const SILENCE: Duration = Duration::from_secs(3);
-/// Time for the answer to a step before it is sent again: several times what the slowest USB adapter adds.
-const ANSWER: Duration = Duration::from_millis(200);
 /// Times that a step is sent.
 const ATTEMPTS: u32 = 10;
-/// Time in which words follow upon what they are about.
-const WORDS: Duration = Duration::from_millis(300);
 
 /// A board that is there.
 pub(super) struct Session<'a, S> {
@@ -43,7 +37,7 @@ impl<'a, S: Read + Write> Session<'a, S> {
         let begin = Instant::now();
         let mut last_words = None;
         while begin.elapsed() < GREETING {
-            match port.receive(SILENCE)? {
+            match port.receive(port.patience.silence)? {
                 Some(FromBoard::Heartbeat(heartbeat)) => {
                     if !heartbeat.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED) {
                         return Err(HitlError::NotInHil);
@@ -87,16 +81,15 @@ impl<'a, S: Read + Write> Session<'a, S> {
             self.sent_again += u32::from(attempt > 0);
             let sent = Instant::now();
             self.port.send(&message)?;
-            while let Some(left) = ANSWER.checked_sub(sent.elapsed()) {
-                match self.port.receive(left)? {
+            while let Some(news) = self.port.receive(self.port.patience.answer.saturating_sub(sent.elapsed()))? {
+                match news {
                     // one that was sent twice may be answered twice
-                    Some(FromBoard::Controls(answer)) if answer.time_usec == sample.time_us => {
+                    FromBoard::Controls(answer) if answer.time_usec == sample.time_us => {
                         self.timing.add(sent.elapsed());
                         return Ok(answer);
                     }
-                    Some(FromBoard::Text(words)) => self.last_words = Some(words),
-                    Some(FromBoard::Controls(_) | FromBoard::Heartbeat(_) | FromBoard::Ack(_)) => {}
-                    None => break,
+                    FromBoard::Text(words) => self.last_words = Some(words),
+                    FromBoard::Controls(_) | FromBoard::Heartbeat(_) | FromBoard::Ack(_) => {}
                 }
             }
         }
@@ -106,9 +99,7 @@ impl<'a, S: Read + Write> Session<'a, S> {
     /// What the board said last, after a moment in which it may say more.
     pub(super) fn listen(&mut self) -> Result<String, HitlError> {
         let begin = Instant::now();
-        while let Some(left) = WORDS.checked_sub(begin.elapsed())
-            && let Some(news) = self.port.receive(left)?
-        {
+        while let Some(news) = self.port.receive(self.port.patience.words.saturating_sub(begin.elapsed()))? {
             if let FromBoard::Text(words) = news {
                 self.last_words = Some(words);
             }
