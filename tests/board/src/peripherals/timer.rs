@@ -352,17 +352,19 @@ impl Peripheral for Timer {
     }
 
     fn tick(&mut self, now: Ticks) {
+        // in the order of their times, or an output would be looked at before what came before
         loop {
-            let update = self.next_update().filter(|at| *at <= now);
-            for channel in 0..CHANNELS {
-                if let Some(at) = self.next_match(channel).filter(|at| *at <= now) {
+            let matches = (0..CHANNELS).filter_map(|channel| Some((self.next_match(channel)?, Some(channel))));
+            let update = self.next_update().map(|at| (at, None));
+            let due = matches.chain(update).filter(|(at, _)| *at <= now).min_by_key(|(at, _)| *at);
+            let Some((at, channel)) = due else { return };
+            match channel {
+                Some(channel) => {
                     self.matched[channel] = true;
                     self.status |= 2 << channel;
-                    self.refresh_outputs(at);
                 }
+                None => self.overflow(at),
             }
-            let Some(at) = update else { return };
-            self.overflow(at);
             self.refresh_outputs(at);
         }
     }
@@ -502,6 +504,18 @@ mod tests {
         timer.tick(420_000);
         let pulse = |channel| Pulse { channel, rise: 0, width: 350_000 };
         assert_eq!(timer.take_pulses(), [pulse(2), pulse(3)]);
+    }
+
+    #[test]
+    fn edges_that_are_seen_late_keep_their_times() {
+        let mut timer = motor_timer();
+        for (offset, value) in [(0x1c, 0x6868), (0x20, 1 << 12 | 1 << 8), (0x3c, 30_000), (0x14, UG), (0x00, CEN)] {
+            timer.write(offset, value, 0).unwrap();
+        }
+        // channel 4 ends first, both before anybody looks
+        timer.tick(500_000);
+        let pulse = |channel, counts| Pulse { channel, rise: 0, width: 14 * counts };
+        assert_eq!(timer.take_pulses(), [pulse(3, 24_000), pulse(2, 30_000)]);
     }
 
     #[test]

@@ -58,14 +58,16 @@ impl Flown {
         flight.run_for((duration_s * TICKS_PER_S as f64) as Ticks);
         let elapsed_s = cpu_time_s().zip(cpu_s).map_or(start.elapsed().as_secs_f64(), |(end, start)| end - start);
         let steps_flown = flight.twin.steps() - steps;
+        let instructions_per_step = (flight.machine.counters().instructions - instructions) / steps_flown;
         let profile = flight.machine.profile();
         let asleep = seconds(profile.asleep()) / seconds(flight.machine.now() - took_off);
         let (tasks, deviation_deg) = (tasks(profile), flight.deviation_deg());
-        let (delay, pulses) = (flight.vehicle.borrow().delays().range(), flight.vehicle.borrow().delays().count());
         if duration_s > 20.0 {
             end_on_the_ground(&mut flight);
         }
-        assert!(!flight.vehicle.borrow().pulses().cut() && flight.machine.counters().resets == 0);
+        let (delay, pulses) = (flight.vehicle.borrow().delays().range(), flight.vehicle.borrow().delays().count());
+        assert_eq!(flight.machine.counters().resets, 0, "{name}: {:?}", flight.ground.texts());
+        assert!(!flight.vehicle.borrow().pulses().cut(), "{name}: a pulse was cut");
         Self {
             name,
             steps: flight.twin.steps(),
@@ -80,7 +82,7 @@ impl Flown {
             flash_bytes: flight.image.flash_bytes(),
             ram_bytes: flight.image.ram_bytes(),
             computes_in_f64: flight.image.computes_in_f64(),
-            instructions_per_step: (flight.machine.counters().instructions - instructions) / steps_flown,
+            instructions_per_step,
             deviation_deg,
             times_real_time: duration_s / elapsed_s,
         }

@@ -31,7 +31,7 @@ const fn mpc(loop_rate_hz: u16, control_horizon: u8) -> Params {
 
 /// The longest first, so that two threads end at about the same time.
 const PLANS: [Plan; 7] = [
-    Plan { name: "MPC 400 Hz M=30", params: mpc(400, 30), duration_s: 8.0 },
+    Plan { name: "MPC 400 Hz M=30", params: mpc(400, 30), duration_s: 10.0 },
     Plan { name: "MPC 100 Hz, largest M", params: mpc(100, LARGEST_IN_TIME), duration_s: WHOLE_S },
     Plan { name: "PID 400 Hz", params: PID, duration_s: WHOLE_S },
     Plan { name: "MPC 400 Hz M=1", params: mpc(400, 1), duration_s: 8.0 },
