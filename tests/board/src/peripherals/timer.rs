@@ -437,6 +437,22 @@ mod tests {
     }
 
     #[test]
+    fn without_preload_a_compare_value_acts_at_once_and_makes_no_pulse_in_the_past() {
+        let mut timer = motor_timer();
+        timer.write(0x00, CEN, 0).unwrap();
+        // 32,000 and 10,000 counts later, long after this period's pulse
+        for now in [448_000, 588_000] {
+            timer.write(0x1c, 0x6000, now).unwrap();
+            timer.write(0x40, 24_000, now).unwrap();
+        }
+        timer.tick(839_999);
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 0, width: 336_000 }]);
+        // into a pulse, and shorter than it is: it ends there
+        timer.write(0x40, 12_000, 840_000 + 252_000).unwrap();
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 840_000, width: 252_000 }]);
+    }
+
+    #[test]
     fn without_main_output_enable_the_pin_is_low() {
         let mut timer = motor_timer();
         timer.write(0x44, 0, 0).unwrap();
@@ -514,7 +530,7 @@ mod tests {
         }
         // channel 4 ends first, both before anybody looks
         timer.tick(500_000);
-        let pulse = |channel, counts| Pulse { channel, rise: 0, width: 14 * counts };
+        let pulse = |channel, counts: Ticks| Pulse { channel, rise: 0, width: 14 * counts };
         assert_eq!(timer.take_pulses(), [pulse(3, 24_000), pulse(2, 30_000)]);
     }
 
