@@ -13,6 +13,7 @@ use crate::devices::SecondGyro;
 use crate::ground::Ground;
 use crate::image::Image;
 use crate::machine::Machine;
+use crate::memory::CCM;
 use crate::time::{TICKS_PER_US, Ticks};
 use crate::trace::step_trace;
 use crate::twin::Twin;
@@ -23,6 +24,8 @@ pub const MILLISECOND: Ticks = 1000 * TICKS_PER_US;
 /// How often the image's memory is looked at; the shortest step takes 2.5 ms.
 pub const LOOK: Ticks = MILLISECOND / 2;
 const HEARTBEAT_PERIOD: Ticks = 200 * MILLISECOND;
+/// cortex-m-rt's `STACK_PAINT_VALUE`.
+const PAINT: [u8; 4] = [0xcc; 4];
 /// [`StepTrace::arming`] of an armed vehicle.
 const ARMED: u32 = 0;
 
@@ -38,6 +41,7 @@ pub struct Flight {
     pub ground: Ground,
     /// The host's core.
     pub twin: Twin,
+    params: Params,
     trace_address: u32,
     last: StepTrace,
     resets_seen: u64,
@@ -74,6 +78,7 @@ impl Flight {
             vehicle,
             ground: Ground::default(),
             twin: Twin::new(params, gyro),
+            params: *params,
             trace_address,
             last: StepTrace::EMPTY,
             resets_seen: 0,
@@ -91,7 +96,7 @@ impl Flight {
     /// If any of it fails.
     pub fn in_the_air(params: &Params, seed: u64) -> Self {
         let mut flight = Self::new(params, seed);
-        flight.take_off(params);
+        flight.take_off();
         flight
     }
 
@@ -99,11 +104,11 @@ impl Flight {
     ///
     /// # Panics
     /// If any of it fails.
-    pub fn take_off(&mut self, params: &Params) {
+    pub fn take_off(&mut self) {
         // boot with its sensor power sequence, and gyro calibration at rest
         self.run_for(3500 * MILLISECOND);
         let steps = self.twin.steps();
-        assert!(steps > 2 * u64::from(params.loop_rate_hz), "the loop does not run: {steps} steps");
+        assert!(steps > 2 * u64::from(self.params.loop_rate_hz), "the loop does not run: {steps} steps");
         assert_eq!(self.vehicle.borrow().commands(), [0.0; 4]);
         self.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
         self.run_for(100 * MILLISECOND);
@@ -198,6 +203,16 @@ impl Flight {
     /// Largest roll or pitch so far, degrees.
     pub fn largest_tilt_deg(&self) -> f64 {
         self.largest_tilt_rad.to_degrees()
+    }
+
+    /// Most bytes of stack that were ever in use, by the paint that the image's start leaves over all of it.
+    ///
+    /// # Panics
+    /// Never: the memory is there.
+    pub fn stack_used_bytes(&mut self) -> usize {
+        let stack = self.machine.bytes(CCM.start, CCM.size as usize).unwrap();
+        let painted = stack.chunks_exact(4).take_while(|word| **word == PAINT).count();
+        stack.len() - 4 * painted
     }
 
     /// A counter of the image, by the name of its static.

@@ -11,6 +11,7 @@ use sil_host::sensors::Sensors;
 use crate::delays::Delays;
 use crate::devices::{Counts, SecondGyro};
 use crate::peripherals::timer::Pulse;
+use crate::pulses::Pulses;
 use crate::second_imu::SecondImu;
 use crate::time::{TICKS_PER_US, Ticks, seconds};
 use crate::world::World;
@@ -27,9 +28,7 @@ pub struct Vehicle {
     moved_to: Ticks,
     held: bool,
     commands: [f64; 4],
-    /// Shortest pulse that the ESCs know, which is command 0; twice as long is command 1.
-    pulse_min: Ticks,
-    pulses: [Option<Pulse>; 4],
+    pulses: Pulses,
     recorded: Option<Vec<Pulse>>,
     delays: Delays,
 }
@@ -49,8 +48,7 @@ impl Vehicle {
             moved_to: 0,
             held: true,
             commands: [0.0; 4],
-            pulse_min: 1000 * TICKS_PER_US,
-            pulses: [None; 4],
+            pulses: Pulses::new(PulseKind::Pwm),
             recorded: None,
             delays: Delays::default(),
         }))
@@ -58,10 +56,7 @@ impl Vehicle {
 
     /// Fits ESCs for this kind of pulse.
     pub fn fit_escs(&mut self, pulses: PulseKind) {
-        self.pulse_min = match pulses {
-            PulseKind::Pwm => 1000 * TICKS_PER_US,
-            PulseKind::OneShot125 => 125 * TICKS_PER_US,
-        };
+        self.pulses = Pulses::new(pulses);
     }
 
     /// Lets it go, the motors settled at what the ESCs were told last.
@@ -82,9 +77,9 @@ impl Vehicle {
         self.commands
     }
 
-    /// The last pulse of motors 1 to 4, once it has ended.
-    pub fn pulses(&self) -> [Option<Pulse>; 4] {
-        self.pulses
+    /// What came on the motor outputs.
+    pub fn pulses(&self) -> &Pulses {
+        &self.pulses
     }
 
     /// Keeps every pulse that ends from now on.
@@ -95,11 +90,6 @@ impl Vehicle {
     /// What was kept, in the order of their ends.
     pub fn recorded_pulses(&self) -> &[Pulse] {
         self.recorded.as_deref().unwrap_or_default()
-    }
-
-    /// End of the last pulse on any motor output.
-    pub fn last_pulse_end(&self) -> Ticks {
-        self.pulses.iter().flatten().map(|pulse| pulse.rise + pulse.width).max().unwrap_or(0)
     }
 
     /// From the ticks of the image's loop to the pulses that follow.
@@ -143,8 +133,7 @@ impl World for Surroundings {
         let mut vehicle = self.0.borrow_mut();
         let (motor, end) = (MOTOR_OF_CHANNEL[pulse.channel], pulse.rise + pulse.width);
         vehicle.move_to(end);
-        vehicle.commands[motor] = (pulse.width as f64 / vehicle.pulse_min as f64 - 1.0).clamp(0.0, 1.0);
-        vehicle.pulses[motor] = Some(pulse);
+        vehicle.commands[motor] = vehicle.pulses.take(motor, pulse);
         vehicle.delays.pulse(pulse);
         if let Some(recorded) = &mut vehicle.recorded {
             recorded.push(pulse);

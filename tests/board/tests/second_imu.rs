@@ -39,7 +39,7 @@ fn either_second_gyro_flies_alone_when_the_first_imu_is_dead_at_boot() {
     for gyro in [SecondGyro::L3gd20, SecondGyro::L3gd20h] {
         let mut flight = Flight::with_second_gyro(&Params::DEFAULT, gyro, 11);
         flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff));
-        flight.take_off(&Params::DEFAULT);
+        flight.take_off();
         flight.run_for(4000 * MILLISECOND);
         assert!(flight.last().imu_unit == 1 && flight.is_armed(), "{gyro:?}");
         let deviation_deg = flight.deviation_deg();

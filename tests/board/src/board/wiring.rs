@@ -65,6 +65,11 @@ impl Board {
             }
         }
         self.tim1.tick(now);
+        self.pass_on_pulses();
+    }
+
+    /// To the ESCs, from channels whose pin is the timer's.
+    pub(super) fn pass_on_pulses(&mut self) {
         for pulse in self.tim1.take_pulses() {
             if self.ports[E].alternate_function(MOTOR_PINS[pulse.channel]) == Some(1) {
                 self.world.pulse(pulse);

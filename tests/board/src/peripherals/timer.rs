@@ -220,6 +220,14 @@ impl Timer {
         std::mem::take(&mut self.triggers)
     }
 
+    /// The pins are let go of, as by a reset: pulses under way end here.
+    pub(crate) fn cut_pulses(&mut self, now: Ticks) {
+        for (channel, since) in self.high_since.iter_mut().enumerate() {
+            let cut = since.take().map(|rise| Pulse { channel, rise, width: now.saturating_sub(rise) });
+            self.pulses.extend(cut);
+        }
+    }
+
     /// Pulses that ended since the last call.
     pub(crate) fn take_pulses(&mut self) -> Vec<Pulse> {
         std::mem::take(&mut self.pulses)
@@ -344,17 +352,19 @@ impl Peripheral for Timer {
     }
 
     fn tick(&mut self, now: Ticks) {
+        // in the order of their times, or an output would be looked at before what came before
         loop {
-            let update = self.next_update().filter(|at| *at <= now);
-            for channel in 0..CHANNELS {
-                if let Some(at) = self.next_match(channel).filter(|at| *at <= now) {
+            let matches = (0..CHANNELS).filter_map(|channel| Some((self.next_match(channel)?, Some(channel))));
+            let update = self.next_update().map(|at| (at, None));
+            let due = matches.chain(update).filter(|(at, _)| *at <= now).min_by_key(|(at, _)| *at);
+            let Some((at, channel)) = due else { return };
+            match channel {
+                Some(channel) => {
                     self.matched[channel] = true;
                     self.status |= 2 << channel;
-                    self.refresh_outputs(at);
                 }
+                None => self.overflow(at),
             }
-            let Some(at) = update else { return };
-            self.overflow(at);
             self.refresh_outputs(at);
         }
     }
@@ -491,6 +501,37 @@ mod tests {
         timer.write(0x14, UG, 400_000).unwrap();
         timer.tick(400_000 + 30_000 * 14);
         assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 400_000, width: 420_000 }]);
+    }
+
+    #[test]
+    fn without_preload_a_pulse_beyond_its_new_end_ends_once_and_at_once() {
+        let mut timer = motor_timer();
+        for (offset, value) in [(0x1c, 0x6868), (0x20, 1 << 12 | 1 << 8), (0x00, CEN)] {
+            timer.write(offset, value, 0).unwrap();
+        }
+        for channel in [2, 3] {
+            timer.write(0x34 + 4 * channel, 30_000, 0).unwrap();
+        }
+        timer.write(0x14, UG, 0).unwrap();
+        timer.write(0x1c, timer.mode[1] & !0x0808, 350_000).unwrap();
+        for channel in [2, 3] {
+            timer.write(0x34 + 4 * channel, 20_000, 350_000).unwrap();
+        }
+        timer.tick(420_000);
+        let pulse = |channel| Pulse { channel, rise: 0, width: 350_000 };
+        assert_eq!(timer.take_pulses(), [pulse(2), pulse(3)]);
+    }
+
+    #[test]
+    fn edges_that_are_seen_late_keep_their_times() {
+        let mut timer = motor_timer();
+        for (offset, value) in [(0x1c, 0x6868), (0x20, 1 << 12 | 1 << 8), (0x3c, 30_000), (0x14, UG), (0x00, CEN)] {
+            timer.write(offset, value, 0).unwrap();
+        }
+        // channel 4 ends first, both before anybody looks
+        timer.tick(500_000);
+        let pulse = |channel, counts: Ticks| Pulse { channel, rise: 0, width: 14 * counts };
+        assert_eq!(timer.take_pulses(), [pulse(3, 24_000), pulse(2, 30_000)]);
     }
 
     #[test]
