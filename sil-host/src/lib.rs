@@ -9,6 +9,7 @@ pub mod cosim;
 pub mod fidelity;
 pub mod flight;
 pub mod flight_log;
+pub mod hitl;
 pub mod log;
 pub mod margins;
 pub mod metrics;

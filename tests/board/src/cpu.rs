@@ -80,9 +80,8 @@ pub(crate) struct Place {
 pub(crate) trait Bus {
     /// A load of 1, 2 or 4 bytes.
     fn load(&mut self, address: u32, size: u32, place: Place) -> u32;
-    /// A store of 1, 2 or 4 bytes. True if an interrupt came up by it, so that the slice has to end after its
-    /// block.
-    fn store(&mut self, address: u32, size: u32, value: u32, place: Place) -> bool;
+    /// A store of 1, 2 or 4 bytes.
+    fn store(&mut self, address: u32, size: u32, value: u32, place: Place);
     /// Is the run over because of an access? Then it ends at that instruction.
     fn is_over(&self) -> bool;
 }
@@ -115,7 +114,8 @@ impl Cpu {
         Ok(Self { engine, hooked })
     }
 
-    /// Runs whole blocks from `pc` on until `count` instructions ran; how many it were, and what ended them.
+    /// Runs instructions from `pc` on, up to the end of the block in which the `count`th lies, or the first that writes to a
+    /// peripheral: how many ran, and what ended them.
     pub(crate) fn run(&mut self, pc: u32, count: u64) -> (u64, Outcome) {
         self.hooked.instructions.set(0);
         self.hooked.budget.set(count);
@@ -179,6 +179,12 @@ impl Cpu {
 
     pub(crate) fn pc(&self) -> u32 {
         self.register(RegisterARM::PC)
+    }
+
+    /// As [`Memory::store`], for code that may have run already.
+    pub(crate) fn replace(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.hooked.counted.borrow_mut().fill((0, 0));
+        self.store(address, bytes) && self.engine.ctl_flush_tb().is_ok()
     }
 
     /// Registers as after reset; the general ones hold nothing to rely on.
@@ -246,9 +252,9 @@ fn map_bus<B: Bus + 'static>(
         }),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize, value: u64| {
             let mut bus = writer.borrow_mut();
-            if bus.store(start + offset as u32, size as u32, value as u32, place(&write_hooked)) {
-                write_hooked.budget.set(0);
-            }
+            bus.store(start + offset as u32, size as u32, value as u32, place(&write_hooked));
+            // it may have raised an exception or moved the next event
+            write_hooked.budget.set(0);
             if bus.is_over() {
                 let _ = engine.emu_stop();
             }
@@ -275,11 +281,15 @@ fn install_hooks(engine: &mut Unicorn<'static, ()>, hooked: &Rc<Hooked>) -> Resu
         raised.interrupt.set(Some((number, pc)));
         let _ = engine.emu_stop();
     })?;
-    let bad = Rc::clone(hooked);
-    engine.add_mem_hook(HookType::MEM_INVALID, 1, 0, move |_, _, address, _, _| {
-        bad.bad_address.set(Some(address as u32));
-        false
-    })?;
+    // not for RAM and CCM, where no access is invalid: the emulator would take its slow path at every store there
+    let (ram, ccm) = (memory::RAM, memory::CCM);
+    for (first, last) in [(0, ccm.start - 1), (ccm.start + ccm.size, ram.start - 1), (ram.start + ram.size, u32::MAX)] {
+        let bad = Rc::clone(hooked);
+        engine.add_mem_hook(HookType::MEM_INVALID, first.into(), last.into(), move |_, _, address, _, _| {
+            bad.bad_address.set(Some(address as u32));
+            false
+        })?;
+    }
     Ok(())
 }
 

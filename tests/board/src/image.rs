@@ -88,6 +88,11 @@ impl Image {
         self.segments.iter().map(|(_, bytes)| bytes.len()).sum()
     }
 
+    /// Address of the symbol whose name, mangled as it may be, contains this.
+    pub fn symbol_that_contains(&self, part: &str) -> Option<u32> {
+        self.symbols.iter().find(|(symbol, _)| symbol.contains(part)).map(|(_, address)| *address)
+    }
+
     /// Address of a symbol.
     pub fn symbol(&self, name: &str) -> Option<u32> {
         self.symbols.iter().find(|(symbol, _)| symbol == name).map(|(_, address)| *address)

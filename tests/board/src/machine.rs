@@ -18,6 +18,7 @@ use crate::cpu::{Cpu, Outcome};
 use crate::entry::EntryState;
 use crate::image::Image;
 use crate::memory::Memory;
+use crate::profile::Profile;
 use crate::stop::{Cause, Stop};
 use crate::time::Ticks;
 use crate::world::World;
@@ -68,6 +69,7 @@ pub struct Machine {
     vectors: u32,
     entry: EntryState,
     counters: Counters,
+    profile: Profile,
 }
 
 impl Machine {
@@ -83,9 +85,10 @@ impl Machine {
             cpu.store(*address, bytes);
         }
         let (vectors, entry, counters) = (image.base(), EntryState::Reset, Counters::default());
-        let (now, cycles, pc, watched) = (0, 0, 0, 0);
+        let (now, cycles, pc, watched, profile) = (0, 0, 0, 0, Profile::default());
+        let (asleep, masked) = (false, false);
         let mut machine =
-            Self { cpu, board, now, cycles, pc, asleep: false, masked: false, watched, vectors, entry, counters };
+            Self { cpu, board, now, cycles, pc, asleep, masked, watched, vectors, entry, counters, profile };
         machine.configure(&Params::DEFAULT);
         machine.enter_image();
         Ok(machine)
@@ -113,6 +116,7 @@ impl Machine {
     /// Resets chip and core; RAM, backup SRAM and what is around the chip stay as they are.
     fn reset(&mut self, flags: u32) {
         self.counters.resets += 1;
+        self.profile.reset();
         self.board.borrow_mut().reset(flags);
         self.enter_image();
     }
@@ -149,7 +153,9 @@ impl Machine {
     /// The next event, and no later than `end`; nothing executes until then.
     fn skip(&mut self, end: Ticks) {
         let next = self.board.borrow().next_event().unwrap_or(end);
-        self.set_time(next.clamp(self.now, end));
+        let until = next.clamp(self.now, end);
+        self.profile.sleep(until - self.now);
+        self.set_time(until);
     }
 
     fn run_slice(&mut self, end: Ticks) -> Result<(), Stop> {
@@ -163,6 +169,7 @@ impl Machine {
         self.pc = self.cpu.pc();
         self.counters.slices += 1;
         self.counters.instructions += ran;
+        self.profile.execute(ran);
         self.spend(ran * CYCLES_PER_INSTRUCTION);
         self.check_stop()?;
         self.check_float()?;
@@ -225,6 +232,7 @@ impl Machine {
             Err(fault) => {
                 // the exception waits, the fault that its entry caused runs first
                 self.board.borrow_mut().private.exceptions.deactivate(number);
+                self.profile.leave();
                 self.board.borrow_mut().private.exceptions.pend(number);
                 self.fault_without_frame(STACKING_ERROR, fault.address)
             }
@@ -234,6 +242,7 @@ impl Machine {
     fn leave_exception(&mut self, exc_return: u32) -> Result<(), Stop> {
         let running = stacking::running(&self.cpu);
         self.board.borrow_mut().private.exceptions.deactivate(running);
+        self.profile.leave();
         // B1.5.8: FAULTMASK goes with the return from anything but NMI
         if running != NMI {
             self.cpu.set_register(Register::FAULTMASK, 0);
@@ -277,6 +286,7 @@ impl Machine {
         let mut board = self.board.borrow_mut();
         board.private.exceptions.activate(number);
         board.private.running = number;
+        self.profile.enter(number);
     }
 
     fn handler(&mut self, number: u8) -> Result<u32, Stop> {
@@ -328,6 +338,16 @@ impl Machine {
         self.counters
     }
 
+    /// Where the instructions went, since start or since [`Self::restart_profile`].
+    pub fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    /// Counts anew from here.
+    pub fn restart_profile(&mut self) {
+        self.profile.restart();
+    }
+
     /// Address of the next instruction.
     pub fn program_counter(&self) -> u32 {
         self.pc
@@ -344,14 +364,19 @@ impl Machine {
         self.cpu.load(address, &mut bytes).then(|| u32::from_le_bytes(bytes))
     }
 
-    /// Overwrites memory. False if there is not so much.
-    pub fn write(&mut self, address: u32, bytes: &[u8]) -> bool {
-        self.cpu.store(address, bytes)
-    }
-
     /// Bytes of memory, if there are that many.
     pub fn bytes(&mut self, address: u32, length: usize) -> Option<Vec<u8>> {
         let mut bytes = vec![0; length];
         self.cpu.load(address, &mut bytes).then_some(bytes)
+    }
+
+    /// Puts bytes into memory, flash included, whatever the image is doing: false if nothing is there.
+    pub fn poke(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.cpu.replace(address, bytes)
+    }
+
+    /// Puts the stack pointer elsewhere.
+    pub fn poke_stack_pointer(&mut self, address: u32) {
+        self.cpu.set_register(Register::SP, address);
     }
 }

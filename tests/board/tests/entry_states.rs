@@ -42,7 +42,7 @@ fn steps_from(entry: EntryState) -> Vec<StepTrace> {
     }
     assert_eq!(machine.counters().faults, 0, "{entry:?}");
     assert_eq!(machine.counters().resets, 0, "{entry:?}");
-    assert!(vehicle.borrow().last_pulse_end() > DURATION - 10_000 * TICKS_PER_US, "{entry:?}: no pulses");
+    assert!(vehicle.borrow().pulses().last_end() > DURATION - 10_000 * TICKS_PER_US, "{entry:?}: no pulses");
     assert_eq!(vehicle.borrow().commands(), IDLE, "{entry:?}");
     steps
 }

@@ -148,6 +148,8 @@ impl Board {
 
     /// A reset for these reasons (flags of RCC_CSR): what keeps its power stays, backup SRAM and the sensors.
     pub(crate) fn reset(&mut self, flags: u32) {
+        self.tim1.cut_pulses(self.now);
+        self.pass_on_pulses();
         let mut fresh = self.without_power(0);
         std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
         std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
@@ -159,6 +161,8 @@ impl Board {
 
     /// All power is gone, the battery of the backup domain too, and comes back.
     pub(crate) fn power_cycle(&mut self, seed: u64) {
+        self.tim1.cut_pulses(self.now);
+        self.pass_on_pulses();
         *self = self.without_power(seed);
     }
 

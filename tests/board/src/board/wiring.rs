@@ -59,11 +59,17 @@ impl Board {
     pub(super) fn tick_motor_timers(&mut self, now: Ticks) {
         self.tim3.tick(now);
         for at in self.tim3.take_triggers() {
+            self.world.loop_tick(at);
             if self.tim1.trigger_input() == Some(TIM1_FROM_TIM3) {
                 self.tim1.trigger(at);
             }
         }
         self.tim1.tick(now);
+        self.pass_on_pulses();
+    }
+
+    /// To the ESCs, from channels whose pin is the timer's.
+    pub(super) fn pass_on_pulses(&mut self) {
         for pulse in self.tim1.take_pulses() {
             if self.ports[E].alternate_function(MOTOR_PINS[pulse.channel]) == Some(1) {
                 self.world.pulse(pulse);

@@ -220,6 +220,14 @@ impl Timer {
         std::mem::take(&mut self.triggers)
     }
 
+    /// The pins are let go of, as by a reset: pulses under way end here.
+    pub(crate) fn cut_pulses(&mut self, now: Ticks) {
+        for (channel, since) in self.high_since.iter_mut().enumerate() {
+            let cut = since.take().map(|rise| Pulse { channel, rise, width: now.saturating_sub(rise) });
+            self.pulses.extend(cut);
+        }
+    }
+
     /// Pulses that ended since the last call.
     pub(crate) fn take_pulses(&mut self) -> Vec<Pulse> {
         std::mem::take(&mut self.pulses)
@@ -257,12 +265,13 @@ impl Timer {
         Ok(())
     }
 
-    fn write_compare(&mut self, channel: usize, value: u32) {
+    fn write_compare(&mut self, channel: usize, value: u32, now: Ticks) {
         self.compare[channel] = value & self.count_max;
         let preloads = self.mode[channel / 2] >> (8 * (channel % 2) + 3) & 1 != 0;
         if !preloads {
             self.active_compare[channel] = self.compare[channel];
-            self.matched[channel] = false;
+            // a value that the counter has passed matches in the next period only
+            self.matched[channel] = self.count(now) > self.compare[channel];
         }
     }
 
@@ -334,7 +343,7 @@ impl Peripheral for Timer {
                 }
             }
             0x30 if value == 0 => {}
-            0x34..=0x40 => self.write_compare(((offset - 0x34) / 4) as usize, value),
+            0x34..=0x40 => self.write_compare(((offset - 0x34) / 4) as usize, value, now),
             0x44 if self.advanced && value & UNUSED_BREAK == 0 => self.brake = value,
             _ => return Err(Unmodelled("timer register")),
         }
@@ -474,6 +483,23 @@ mod tests {
         timer.write(0x14, UG, 400_000).unwrap();
         timer.tick(400_000 + 30_000 * 14);
         assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 400_000, width: 420_000 }]);
+    }
+
+    #[test]
+    fn without_preload_a_pulse_beyond_its_new_end_ends_once_and_at_once() {
+        let mut timer = motor_timer();
+        timer.write(0x00, CEN, 0).unwrap();
+        for channel in [2, 3] {
+            timer.write(0x34 + 4 * channel, 30_000, 0).unwrap();
+        }
+        timer.write(0x14, UG, 0).unwrap();
+        timer.write(0x1c, timer.mode[1] & !0x0808, 350_000).unwrap();
+        for channel in [2, 3] {
+            timer.write(0x34 + 4 * channel, 20_000, 350_000).unwrap();
+        }
+        timer.tick(420_000);
+        let pulse = |channel| Pulse { channel, rise: 0, width: 350_000 };
+        assert_eq!(timer.take_pulses(), [pulse(2), pulse(3)]);
     }
 
     #[test]
