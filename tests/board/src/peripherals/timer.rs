@@ -488,7 +488,9 @@ mod tests {
     #[test]
     fn without_preload_a_pulse_beyond_its_new_end_ends_once_and_at_once() {
         let mut timer = motor_timer();
-        timer.write(0x00, CEN, 0).unwrap();
+        for (offset, value) in [(0x1c, 0x6868), (0x20, 1 << 12 | 1 << 8), (0x00, CEN)] {
+            timer.write(offset, value, 0).unwrap();
+        }
         for channel in [2, 3] {
             timer.write(0x34 + 4 * channel, 30_000, 0).unwrap();
         }
