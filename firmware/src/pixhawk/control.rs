@@ -63,7 +63,12 @@ pub struct Control {
     plan_asked: bool,
     hil_answers: FrameWriter,
     hil_answer: HilAnswer,
+    /// Beats of the timer since the last message, with hardware in the loop.
+    waited: u32,
 }
+
+/// A quarter of a second at 400 Hz, a second at 100.
+const BEATS_WITHOUT_MESSAGE: u32 = 100;
 
 /// An answer to a tick with hardware in the loop.
 pub type HilAnswer = Vec<u8, FRAME_MAX>;
@@ -74,7 +79,7 @@ impl Control {
         let (state, clock, input) = (State::default(), TimeBase::START, StepInput::default());
         let hil_answers = FrameWriter::new(LinkSettings::NOMINAL.system_id, COMPONENT_ID);
         let hil_answer = HilAnswer::new();
-        Self { config, state, clock, commander, ends, input, plan_asked: false, hil_answers, hil_answer }
+        Self { config, state, clock, commander, ends, input, plan_asked: false, hil_answers, hil_answer, waited: 0 }
     }
 
     /// Is it the timer that makes the steps?
@@ -119,7 +124,7 @@ impl Control {
 
     /// What telemetry may tell of a step.
     pub fn status(&self, output: &StepOutput) -> VehicleStatus {
-        VehicleStatus::new(&self.config, &self.input, output)
+        VehicleStatus { hil: !self.is_timed(), ..VehicleStatus::new(&self.config, &self.input, output) }
     }
 
     /// The answer to the step's tick, with hardware in the loop.
@@ -140,10 +145,30 @@ impl Control {
         match &mut self.ends.ticks {
             None => self.gather_samples(),
             Some(ticks) => {
-                let Some(tick) = ticks.dequeue() else { return false };
+                let Some(tick) = ticks.dequeue() else {
+                    self.wait();
+                    return false;
+                };
+                self.waited = 0;
                 tick.fill(&self.config.imu, &mut self.input);
             }
         }
+        self.obey();
+        self.commander.commands(self.input.time_us).fill(&mut self.input);
+        self.input.battery_v = self.ends.battery.as_ref().map(Battery::voltage_v);
+        true
+    }
+
+    /// With hardware in the loop, at a beat of the timer without a message. While messages come, orders wait for the step of
+    /// theirs, so that a flight can be repeated; when they stay away, somebody may want to end it by parameter.
+    fn wait(&mut self) {
+        self.waited = self.waited.saturating_add(1);
+        if self.waited >= BEATS_WITHOUT_MESSAGE {
+            self.obey();
+        }
+    }
+
+    fn obey(&mut self) {
         let time_us = self.input.time_us;
         // bounded, whatever arrives meanwhile
         for _ in 0..QUEUE_LENGTH {
@@ -151,9 +176,6 @@ impl Control {
             let (answer, chore) = self.commander.order(&order, time_us);
             self.pass_on(answer, chore);
         }
-        self.commander.commands(time_us).fill(&mut self.input);
-        self.input.battery_v = self.ends.battery.as_ref().map(Battery::voltage_v);
-        true
     }
 
     fn gather_samples(&mut self) {

@@ -12,6 +12,7 @@ use sil_host::model::{Rig, VehicleModel};
 use crate::ground::Ground;
 use crate::image::Image;
 use crate::machine::Machine;
+use crate::memory::CCM;
 use crate::time::{TICKS_PER_US, Ticks};
 use crate::trace::step_trace;
 use crate::twin::Twin;
@@ -22,6 +23,8 @@ pub const MILLISECOND: Ticks = 1000 * TICKS_PER_US;
 /// How often the image's memory is looked at; the shortest step takes 2.5 ms.
 const LOOK: Ticks = MILLISECOND / 2;
 const HEARTBEAT_PERIOD: Ticks = 200 * MILLISECOND;
+/// cortex-m-rt's `STACK_PAINT_VALUE`.
+const PAINT: [u8; 4] = [0xcc; 4];
 /// [`StepTrace::arming`] of an armed vehicle.
 const ARMED: u32 = 0;
 
@@ -177,6 +180,16 @@ impl Flight {
     /// Largest roll or pitch so far, degrees.
     pub fn largest_tilt_deg(&self) -> f64 {
         self.largest_tilt_rad.to_degrees()
+    }
+
+    /// Most bytes of stack that were ever in use, by the paint that the image's start leaves over all of it.
+    ///
+    /// # Panics
+    /// Never: the memory is there.
+    pub fn stack_used_bytes(&mut self) -> usize {
+        let stack = self.machine.bytes(CCM.start, CCM.size as usize).unwrap();
+        let painted = stack.chunks_exact(4).take_while(|word| **word == PAINT).count();
+        stack.len() - 4 * painted
     }
 
     /// A counter of the image, by the name of its static.

@@ -29,6 +29,7 @@ pub struct Vehicle {
     held: bool,
     commands: [f64; 4],
     pulses: Pulses,
+    recorded: Option<Vec<Pulse>>,
     delays: Delays,
 }
 
@@ -48,6 +49,7 @@ impl Vehicle {
             held: true,
             commands: [0.0; 4],
             pulses: Pulses::new(PulseKind::Pwm),
+            recorded: None,
             delays: Delays::default(),
         }))
     }
@@ -78,6 +80,16 @@ impl Vehicle {
     /// What came on the motor outputs.
     pub fn pulses(&self) -> &Pulses {
         &self.pulses
+    }
+
+    /// Keeps every pulse that ends from now on.
+    pub fn record_pulses(&mut self) {
+        self.recorded = Some(Vec::new());
+    }
+
+    /// What was kept, in the order of their ends.
+    pub fn recorded_pulses(&self) -> &[Pulse] {
+        self.recorded.as_deref().unwrap_or_default()
     }
 
     /// From the ticks of the image's loop to the pulses that follow.
@@ -123,6 +135,9 @@ impl World for Surroundings {
         vehicle.move_to(end);
         vehicle.commands[motor] = vehicle.pulses.take(motor, pulse);
         vehicle.delays.pulse(pulse);
+        if let Some(recorded) = &mut vehicle.recorded {
+            recorded.push(pulse);
+        }
         let commands = vehicle.commands;
         vehicle.plant.set_commands(commands);
     }

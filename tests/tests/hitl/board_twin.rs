@@ -12,7 +12,6 @@ use shared_control::link::{COMPONENT_ID, Commander, LinkSettings, Order, Receive
 use shared_control::params::Params;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingBlocks, StepInput};
-use shared_control::supervisor::Arming;
 
 /// Steps per housekeeping.
 const HOUSEKEEPING_STEPS: u32 = 4;
@@ -25,7 +24,8 @@ pub struct BoardTwin {
     config: Config,
     state: State,
     input: StepInput,
-    status: VehicleStatus,
+    /// After the last step.
+    pub status: VehicleStatus,
     telemetry: Telemetry,
     answers: FrameWriter,
     /// Wait for their step.
@@ -55,11 +55,6 @@ impl BoardTwin {
             uptime_us: 0,
             loses: |_| false,
         }
-    }
-
-    /// May its motors turn?
-    pub fn arming(&self) -> Arming {
-        self.status.arming
     }
 
     fn order(&mut self, order: Order) {

@@ -155,7 +155,7 @@ impl Bench {
         };
         bench.port.send(&arm).unwrap();
         bench.step(|_| {});
-        assert_eq!(bench.port.stream().arming(), Arming::Armed);
+        assert_eq!(bench.port.stream().status.arming, Arming::Armed);
         bench
     }
 }
@@ -174,7 +174,7 @@ fn input_that_no_imu_could_send_disarms_within_five_steps() {
             bench.step(change);
         }
         let disarmed = Arming::Disarmed(DisarmedBecause::ImuFailed(fault));
-        assert_eq!(bench.port.stream().arming(), disarmed);
+        assert_eq!(bench.port.stream().status.arming, disarmed);
     }
 }
 
@@ -186,6 +186,6 @@ fn a_clock_that_stands_still_or_goes_back_disarms_within_five_steps() {
             bench.time_us -= back_us.min(bench.time_us - 2500);
             bench.step(|_| {});
         }
-        assert_ne!(bench.port.stream().arming(), Arming::Armed, "{back_us}");
+        assert_ne!(bench.port.stream().status.arming, Arming::Armed, "{back_us}");
     }
 }

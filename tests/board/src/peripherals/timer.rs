@@ -352,17 +352,19 @@ impl Peripheral for Timer {
     }
 
     fn tick(&mut self, now: Ticks) {
+        // in the order of their times, or an output would be looked at before what came before
         loop {
-            let update = self.next_update().filter(|at| *at <= now);
-            for channel in 0..CHANNELS {
-                if let Some(at) = self.next_match(channel).filter(|at| *at <= now) {
+            let matches = (0..CHANNELS).filter_map(|channel| Some((self.next_match(channel)?, Some(channel))));
+            let update = self.next_update().map(|at| (at, None));
+            let due = matches.chain(update).filter(|(at, _)| *at <= now).min_by_key(|(at, _)| *at);
+            let Some((at, channel)) = due else { return };
+            match channel {
+                Some(channel) => {
                     self.matched[channel] = true;
                     self.status |= 2 << channel;
-                    self.refresh_outputs(at);
                 }
+                None => self.overflow(at),
             }
-            let Some(at) = update else { return };
-            self.overflow(at);
             self.refresh_outputs(at);
         }
     }
@@ -435,6 +437,22 @@ mod tests {
     }
 
     #[test]
+    fn without_preload_a_compare_value_acts_at_once_and_makes_no_pulse_in_the_past() {
+        let mut timer = motor_timer();
+        timer.write(0x00, CEN, 0).unwrap();
+        // 32,000 and 10,000 counts later, long after this period's pulse
+        for now in [448_000, 588_000] {
+            timer.write(0x1c, 0x6000, now).unwrap();
+            timer.write(0x40, 24_000, now).unwrap();
+        }
+        timer.tick(839_999);
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 0, width: 336_000 }]);
+        // into a pulse, and shorter than it is: it ends there
+        timer.write(0x40, 12_000, 840_000 + 252_000).unwrap();
+        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 840_000, width: 252_000 }]);
+    }
+
+    #[test]
     fn without_main_output_enable_the_pin_is_low() {
         let mut timer = motor_timer();
         timer.write(0x44, 0, 0).unwrap();
@@ -502,6 +520,18 @@ mod tests {
         timer.tick(420_000);
         let pulse = |channel| Pulse { channel, rise: 0, width: 350_000 };
         assert_eq!(timer.take_pulses(), [pulse(2), pulse(3)]);
+    }
+
+    #[test]
+    fn edges_that_are_seen_late_keep_their_times() {
+        let mut timer = motor_timer();
+        for (offset, value) in [(0x1c, 0x6868), (0x20, 1 << 12 | 1 << 8), (0x3c, 30_000), (0x14, UG), (0x00, CEN)] {
+            timer.write(offset, value, 0).unwrap();
+        }
+        // channel 4 ends first, both before anybody looks
+        timer.tick(500_000);
+        let pulse = |channel, counts: Ticks| Pulse { channel, rise: 0, width: 14 * counts };
+        assert_eq!(timer.take_pulses(), [pulse(3, 24_000), pulse(2, 30_000)]);
     }
 
     #[test]
