@@ -80,9 +80,8 @@ pub(crate) struct Place {
 pub(crate) trait Bus {
     /// A load of 1, 2 or 4 bytes.
     fn load(&mut self, address: u32, size: u32, place: Place) -> u32;
-    /// A store of 1, 2 or 4 bytes. True if an interrupt came up by it, so that the slice has to end after its
-    /// block.
-    fn store(&mut self, address: u32, size: u32, value: u32, place: Place) -> bool;
+    /// A store of 1, 2 or 4 bytes.
+    fn store(&mut self, address: u32, size: u32, value: u32, place: Place);
     /// Is the run over because of an access? Then it ends at that instruction.
     fn is_over(&self) -> bool;
 }
@@ -115,7 +114,8 @@ impl Cpu {
         Ok(Self { engine, hooked })
     }
 
-    /// Runs whole blocks from `pc` on until `count` instructions ran; how many it were, and what ended them.
+    /// Runs instructions from `pc` on, up to the end of the block in which the `count`th lies, or the first that writes to a
+    /// peripheral: how many ran, and what ended them.
     pub(crate) fn run(&mut self, pc: u32, count: u64) -> (u64, Outcome) {
         self.hooked.instructions.set(0);
         self.hooked.budget.set(count);
@@ -252,9 +252,9 @@ fn map_bus<B: Bus + 'static>(
         }),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize, value: u64| {
             let mut bus = writer.borrow_mut();
-            if bus.store(start + offset as u32, size as u32, value as u32, place(&write_hooked)) {
-                write_hooked.budget.set(0);
-            }
+            bus.store(start + offset as u32, size as u32, value as u32, place(&write_hooked));
+            // it may have raised an exception or moved the next event
+            write_hooked.budget.set(0);
             if bus.is_over() {
                 let _ = engine.emu_stop();
             }

@@ -364,11 +364,6 @@ impl Machine {
         self.cpu.load(address, &mut bytes).then(|| u32::from_le_bytes(bytes))
     }
 
-    /// Overwrites memory. False if there is not so much.
-    pub fn write(&mut self, address: u32, bytes: &[u8]) -> bool {
-        self.cpu.store(address, bytes)
-    }
-
     /// Bytes of memory, if there are that many.
     pub fn bytes(&mut self, address: u32, length: usize) -> Option<Vec<u8>> {
         let mut bytes = vec![0; length];

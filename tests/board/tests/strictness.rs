@@ -33,7 +33,7 @@ impl World for Nothing {
 fn machine(program: &Program) -> Machine {
     let mut machine = Machine::new(&program.image(), Box::new(Nothing), 1).unwrap();
     // RAM starts as noise
-    machine.write(RESULT, &[0; 64]);
+    machine.poke(RESULT, &[0; 64]);
     machine
 }
 
@@ -113,6 +113,13 @@ fn a_fault_within_hard_fault_locks_up() {
     program.handler(HARD_FAULT).load(0, 0x3000_0000).put(&[0x6801]).main().stores(&[VTOR]);
     program.load(0, 0x3000_0000).put(&[0x6801]).sleep();
     assert!(matches!(stop(&program).cause, Cause::Lockup(_)));
+}
+
+#[test]
+fn an_interrupt_without_a_handler_is_noticed() {
+    let mut program = Program::default();
+    let stop = stop(program.main().stores(&[VTOR, (ISER, 1), (ISPR, 1)]).settle().sleep());
+    assert_eq!(stop.cause, Cause::Lockup("no vector table where VTOR points"));
 }
 
 #[test]

@@ -201,14 +201,12 @@ impl Bus for Board {
         }
     }
 
-    fn store(&mut self, address: u32, size: u32, value: u32, place: Place) -> bool {
+    fn store(&mut self, address: u32, size: u32, value: u32, place: Place) {
         let (now, cycles) = self.time_of(place);
-        let wanted = self.private.exceptions.wanted();
         match self.store_at(address, size, value, now, cycles) {
             Ok(()) => self.refresh_lines(),
             Err(cause) => self.refuse(cause, address, Some(value)),
         }
-        self.private.exceptions.wanted() & !wanted != 0
     }
 
     fn is_over(&self) -> bool {

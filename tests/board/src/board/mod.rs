@@ -161,6 +161,8 @@ impl Board {
 
     /// All power is gone, the battery of the backup domain too, and comes back.
     pub(crate) fn power_cycle(&mut self, seed: u64) {
+        self.tim1.cut_pulses(self.now);
+        self.pass_on_pulses();
         *self = self.without_power(seed);
     }
 

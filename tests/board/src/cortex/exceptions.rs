@@ -139,14 +139,9 @@ impl Exceptions {
         priority
     }
 
-    /// Those that are pending and enabled, a bit each.
-    pub(crate) fn wanted(&self) -> u128 {
-        self.pending & self.enabled
-    }
-
     /// The highest pending one, lowest number first among equals.
     pub(crate) fn highest_pending(&self) -> Option<u8> {
-        numbers(self.wanted()).min_by_key(|number| (self.priority_of(*number), *number))
+        numbers(self.pending & self.enabled).min_by_key(|number| (self.priority_of(*number), *number))
     }
 
     /// The exception to be taken now.
@@ -230,6 +225,18 @@ mod tests {
         assert!(exceptions.is_pending(44));
         exceptions.set_lines(0);
         exceptions.activate(44);
+        exceptions.deactivate(44);
+        assert!(!exceptions.is_pending(44));
+    }
+
+    #[test]
+    fn a_level_that_falls_while_its_handler_runs_does_not_come_again() {
+        let mut exceptions = with_two();
+        exceptions.set_lines(interrupt_line(28, true));
+        exceptions.activate(44);
+        // still high when it is looked at again; then the handler serves it
+        exceptions.set_lines(interrupt_line(28, true));
+        exceptions.set_lines(0);
         exceptions.deactivate(44);
         assert!(!exceptions.is_pending(44));
     }
