@@ -5,12 +5,12 @@ use mavlink::dialects::common::MavCmd;
 use shared_control::params::Params;
 use shared_control::signs::Sign;
 
-/// All pitches that sound in a while, Hz; silence is 0.
+/// All pitches that sound in a while, to 10 Hz: the timer's period is whole microseconds. Silence is 0.
 fn heard(flight: &mut Flight, duration_ms: u64) -> Vec<u32> {
     let mut pitches = Vec::new();
     for _ in 0..duration_ms / 20 {
         flight.run_for(20 * MILLISECOND);
-        let pitch = flight.machine.buzzer_hz().map_or(0, |hz| hz.round() as u32);
+        let pitch = flight.machine.buzzer_hz().map_or(0, |hz| 10 * (hz / 10.0).round() as u32);
         if pitches.last() != Some(&pitch) {
             pitches.push(pitch);
         }
