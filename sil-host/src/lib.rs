@@ -19,3 +19,4 @@ pub mod plant;
 pub mod report;
 pub mod scenario;
 pub mod sensors;
+pub mod synthesis;

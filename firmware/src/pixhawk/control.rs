@@ -8,7 +8,7 @@ use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::link::frame::{FRAME_MAX, FrameWriter};
 use shared_control::link::hil::{self, HilTick};
 use shared_control::link::{Answer, COMPONENT_ID, Chore, Commander, LinkSettings, Order, VehicleStatus};
-use shared_control::signals::{Plan, PlanRequest, StepInput};
+use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
 
 use super::battery::Battery;
 use super::clock::TimeBase;
@@ -37,8 +37,8 @@ pub fn last_step() -> u32 {
 
 /// The loop's ends of its queues.
 pub struct Ends {
-    /// Samples of the IMU.
-    pub samples: Consumer<'static, TimedSample>,
+    /// Samples of both IMUs.
+    pub samples: [Consumer<'static, TimedSample>; 2],
     /// Voltage, where there is a battery and not a simulated one.
     pub battery: Option<Battery>,
     /// Ticks with their samples, with hardware in the loop.
@@ -180,14 +180,9 @@ impl Control {
 
     fn gather_samples(&mut self) {
         self.input.time_us = self.clock.now_us();
-        self.input.imu.clear();
-        // what does not fit waits for the next step
-        while !self.input.imu.is_full()
-            && let Some(sample) = self.ends.samples.dequeue()
-        {
-            // never full here
-            let _ = self.input.imu.push(sample.at(self.clock.extend(sample.counter_us)));
-        }
+        let [first, second] = &mut self.ends.samples;
+        gather_samples(&self.clock, first, &mut self.input.imu);
+        gather_samples(&self.clock, second, &mut self.input.imu_second);
     }
 
     fn pass_on(&mut self, answer: Option<Answer>, chore: Option<Chore>) {
@@ -196,5 +191,16 @@ impl Control {
         if no_room || nor_here {
             counters::ANSWERS_DROPPED.add();
         }
+    }
+}
+
+/// What does not fit waits for the next step.
+fn gather_samples(clock: &TimeBase, samples: &mut Consumer<'static, TimedSample>, batch: &mut ImuBatch) {
+    batch.clear();
+    while !batch.is_full()
+        && let Some(sample) = samples.dequeue()
+    {
+        // never full here
+        let _ = batch.push(sample.at(clock.extend(sample.counter_us)));
     }
 }

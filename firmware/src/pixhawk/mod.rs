@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!  7  low_supply               supply detector: motors to the disarmed pulse, reset
-//!  6  imu_ready, imu_received  data-ready -> DMA -> sample queue
+//!  6  first_imu_ready, second_imu_ready, imu_received
+//!                              data-ready -> DMA -> sample queues
 //!  5  control_step             TIM3: samples since the last step -> fast -> pulses -> follow
 //!                              in HITL a HIL_SENSOR instead: its sample -> fast -> answer -> follow
 //!  3  link_idle, link_ring     TELEM1: bytes -> orders
@@ -22,11 +23,14 @@ mod fault;
 mod fram;
 mod ground;
 mod imu;
+mod l3gd20;
 mod last_pulse;
 mod light_and_tone;
 mod link_port;
 mod load;
 mod loop_timer;
+mod lsm303d;
+mod mpu6000;
 mod outputs;
 mod pins;
 mod queue;
@@ -56,7 +60,7 @@ mod app {
     use super::fault::{self, Cause, FaultRecord};
     use super::fram::Fram;
     use super::ground::Ground;
-    use super::imu::{Buffers, Imu, SampleQueue};
+    use super::imu::{Buffers, Checked, Imus, SampleQueue};
     use super::light_and_tone::LightAndTone;
     use super::link_port::{self, LinkIn, LinkSender, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
@@ -72,7 +76,7 @@ mod app {
     #[shared]
     struct Shared {
         #[lock_free]
-        imu: Imu,
+        imus: Imus,
         #[lock_free]
         link: LinkIn,
         sender: LinkSender,
@@ -97,7 +101,8 @@ mod app {
 
     /// Interrupts are off until it returns.
     #[init(local = [
-        samples: SampleQueue = SampleQueue::new(), orders: OrderQueue = OrderQueue::new(),
+        samples: SampleQueue = SampleQueue::new(), samples_second: SampleQueue = SampleQueue::new(),
+        orders: OrderQueue = OrderQueue::new(),
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
         ticks: TickQueue = TickQueue::new(), conversions: battery::Ring = [0; battery::CONVERSIONS],
@@ -122,12 +127,12 @@ mod app {
         load::start(&mut core.DCB, &mut core.DWT);
         let record = FaultRecord::read();
 
-        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
+        let mut bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
         let mut memory = Fram::new(device.SPI2, pins.fram, pins.fram_select, &mut rcc);
-        let configuration = Configuration::read(&mut memory);
-        let setup = &configuration.setup;
+        let mut configuration = Configuration::read(&mut memory);
         let mpc = configuration.mpc(cx.local.mpc_place);
         let disarmed_count = configuration.disarmed_count();
+        let setup = &configuration.setup;
         let outputs = Outputs::new(device.TIM1, pins.motors, &setup.pulse_timer, disarmed_count, &mut rcc);
         last_pulse::prepare(disarmed_count, setup.config.output.pulse_min_us() as u16);
         let loop_timer = LoopTimer::new(device.TIM3, &setup.loop_timer, &mut rcc);
@@ -137,6 +142,7 @@ mod app {
         let (answers, answers_out) = cx.local.answers.split();
         let (chores, chores_out) = cx.local.chores.split();
         let (samples, samples_out) = cx.local.samples.split();
+        let (samples_second, samples_second_out) = cx.local.samples_second.split();
         let (ticks, ticks_out) = cx.local.ticks.split();
         let hil = configuration.params.hil;
         let baud = if hil { board::HIL_BAUD } else { board::LINK_BAUD };
@@ -153,10 +159,15 @@ mod app {
         }
         ground.tell_configuration(&configuration);
 
-        let mut imu = Imu::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, samples, &mut rcc);
-        if !hil && let Err(fault) = imu.start(&mut device.EXTI) {
-            // without samples nothing arms
-            ground.tell(fault.words());
+        let checked = Checked::set_up(&mut bus);
+        checked.faults().for_each(|fault| ground.tell(fault.words()));
+        if let Some(axes) = checked.second_gyro_axes() {
+            configuration.setup.config.imu_second.gyro_axes = axes;
+        }
+        let producers = [samples, samples_second];
+        let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
+        if !hil {
+            imus.start(&checked, &mut device.EXTI);
         }
         let conversions = cx.local.conversions;
         let battery = Battery::start(device.ADC1, &device.ADC_COMMON, pins.battery, conversions, &mut rcc);
@@ -169,8 +180,11 @@ mod app {
         // the simulated vehicle's battery is never low
         let battery = (!hil).then_some(battery);
         let ticks = hil.then_some(ticks_out);
-        let ends = Ends { samples: samples_out, battery, ticks, orders: orders_out, answers, chores };
-        let control = Control::new(setup.config, commander, ends);
+        #[rustfmt::skip]
+        let ends = Ends {
+            samples: [samples_out, samples_second_out], battery, ticks, orders: orders_out, answers, chores,
+        };
+        let control = Control::new(configuration.setup.config, commander, ends);
         let (trace, mpc_state) = (Trace::new(), MpcState::new());
         let light_and_tone = LightAndTone::new(device.TIM2, pins.light_and_tone, &mut rcc);
         let watchdog = Watchdog::start(device.IWDG);
@@ -181,19 +195,27 @@ mod app {
         let local = Local {
             control, outputs, loop_timer, trace, housekeeping_ticks, mpc, mpc_state, ground, light_and_tone, watchdog,
         };
-        (Shared { imu, link, sender, request: None, plan: None, status }, local)
+        (Shared { imus, link, sender, request: None, plan: None, status }, local)
     }
 
-    /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
-    #[task(binds = EXTI15_10, priority = 6, shared = [imu])]
-    fn imu_ready(cx: imu_ready::Context) {
-        cx.shared.imu.begin_transfer();
+    /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up and
+    /// counted.
+    #[task(binds = EXTI15_10, priority = 6, shared = [imus])]
+    fn first_imu_ready(cx: first_imu_ready::Context) {
+        cx.shared.imus.first_ready();
     }
 
-    /// About 15 us after [`imu_ready`], done before the next. On a miss that next sample is given up and counted.
-    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imu])]
+    /// Every 1.3 ms, and once a step by [`control_step`]; done within 3 us. If it comes late, so does the sample.
+    #[task(binds = EXTI0, priority = 6, shared = [imus])]
+    fn second_imu_ready(cx: second_imu_ready::Context) {
+        cx.shared.imus.second_ready();
+    }
+
+    /// 15 us after a transfer has begun, done within 5 us. On a miss the next transfer is late, beyond 200 us given up and
+    /// counted.
+    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imus])]
     fn imu_received(cx: imu_received::Context) {
-        cx.shared.imu.end_transfer();
+        cx.shared.imus.received();
     }
 
     /// Every loop period; its pulses must be written within `board::PULSE_DELAY_US`. On a miss the pulses before are sent
@@ -229,8 +251,12 @@ mod app {
             cx.shared.status.lock(|status| *status = step_status);
         }
         if ticked {
-            if local.control.is_timed() && local.loop_timer.is_late() {
-                counters::LOOP_OVERRUNS.add();
+            if local.control.is_timed() {
+                // a lost edge or a transfer that hangs is noticed once a step
+                rtic::pend(Interrupt::EXTI0);
+                if local.loop_timer.is_late() {
+                    counters::LOOP_OVERRUNS.add();
+                }
             }
             watchdog::report_loop();
             *local.ticks = local.ticks.wrapping_add(1);

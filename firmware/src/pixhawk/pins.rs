@@ -1,11 +1,11 @@
 //! Which pin does what (Pixhawk 1, FMUv2 schematic), each in the state that is safe until its device is set up.
 
-use stm32f4xx_hal::gpio::{Edge, ExtiPin, Input, Output, PD10, PD15, PE3, PinState, Pull, Speed};
+use stm32f4xx_hal::gpio::{Edge, ExtiPin, Output, PD10, PE3, PinState, Pull, Speed};
 use stm32f4xx_hal::pac::{EXTI, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::{battery, fram, light_and_tone, link_port, outputs, sensor_bus};
+use super::{battery, fram, imu, light_and_tone, link_port, outputs, sensor_bus};
 
 /// The pins in use.
 pub struct Pins {
@@ -15,8 +15,8 @@ pub struct Pins {
     pub sensor_bus: sensor_bus::Pins,
     /// Supply of the sensors: high is on.
     pub sensor_supply: PE3<Output>,
-    /// Data-ready of the MPU6000, interrupt on its rising edge.
-    pub imu_ready: PD15<Input>,
+    /// Data-ready of both IMUs, interrupts on rising edges.
+    pub imu_ready: imu::ReadyPins,
     /// Chip select of the FRAM, high.
     pub fram_select: PD10<Output>,
     /// SPI2.
@@ -39,11 +39,9 @@ impl Pins {
         let high = PinState::High;
         let selects = sensor_bus::Selects {
             mpu6000: c.pc2.into_push_pull_output_in_state(high),
-            _unused: (
-                c.pc13.into_push_pull_output_in_state(high),
-                c.pc15.into_push_pull_output_in_state(high),
-                d.pd7.into_push_pull_output_in_state(high),
-            ),
+            l3gd20: c.pc13.into_push_pull_output_in_state(high),
+            lsm303d: c.pc15.into_push_pull_output_in_state(high),
+            _ms5611: d.pd7.into_push_pull_output_in_state(high),
         };
         let sensor_bus = (
             a.pa5.into_alternate().speed(Speed::High),
@@ -57,9 +55,14 @@ impl Pins {
         motors.1.set_internal_resistor(Pull::Down);
         motors.2.set_internal_resistor(Pull::Down);
         motors.3.set_internal_resistor(Pull::Down);
-        let mut imu_ready = d.pd15.into_floating_input();
-        imu_ready.make_interrupt_source(&mut syscfg.constrain(rcc));
-        imu_ready.trigger_on_edge(exti, Edge::Rising);
+        // low where nobody drives them
+        let mut imu_ready =
+            imu::ReadyPins { first: d.pd15.into_pull_down_input(), second: b.pb0.into_pull_down_input() };
+        let mut syscfg = syscfg.constrain(rcc);
+        imu_ready.first.make_interrupt_source(&mut syscfg);
+        imu_ready.first.trigger_on_edge(exti, Edge::Rising);
+        imu_ready.second.make_interrupt_source(&mut syscfg);
+        imu_ready.second.trigger_on_edge(exti, Edge::Rising);
         Self {
             selects,
             sensor_bus,

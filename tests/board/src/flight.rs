@@ -9,6 +9,7 @@ use shared_control::params::Params;
 use shared_control::trace::StepTrace;
 use sil_host::model::{Rig, VehicleModel};
 
+use crate::devices::SecondGyro;
 use crate::ground::Ground;
 use crate::image::Image;
 use crate::machine::Machine;
@@ -21,7 +22,7 @@ use crate::vehicle::{Surroundings, Vehicle};
 /// A millisecond.
 pub const MILLISECOND: Ticks = 1000 * TICKS_PER_US;
 /// How often the image's memory is looked at; the shortest step takes 2.5 ms.
-const LOOK: Ticks = MILLISECOND / 2;
+pub const LOOK: Ticks = MILLISECOND / 2;
 const HEARTBEAT_PERIOD: Ticks = 200 * MILLISECOND;
 /// cortex-m-rt's `STACK_PAINT_VALUE`.
 const PAINT: [u8; 4] = [0xcc; 4];
@@ -49,6 +50,7 @@ pub struct Flight {
     deviation_sum_rad: [f64; 2],
     deviation_steps: u32,
     largest_tilt_rad: f64,
+    samples: [u32; 2],
 }
 
 impl Flight {
@@ -57,8 +59,16 @@ impl Flight {
     /// # Panics
     /// Without such an image.
     pub fn new(params: &Params, seed: u64) -> Self {
+        Self::with_second_gyro(params, SecondGyro::L3gd20, seed)
+    }
+
+    /// The same with this variant of the second IMU's gyro.
+    ///
+    /// # Panics
+    /// As [`Flight::new`].
+    pub fn with_second_gyro(params: &Params, gyro: SecondGyro, seed: u64) -> Self {
         let image = firmware();
-        let vehicle = Vehicle::new(&VehicleModel::nominal(Rig::Gimbal), seed);
+        let vehicle = Vehicle::with_second_gyro(&VehicleModel::nominal(Rig::Gimbal), gyro, seed);
         vehicle.borrow_mut().fit_escs(params.pulses);
         let mut machine = Machine::new(&image, Box::new(Surroundings(Rc::clone(&vehicle))), seed).unwrap();
         machine.configure(params);
@@ -68,7 +78,7 @@ impl Flight {
             machine,
             vehicle,
             ground: Ground::default(),
-            twin: Twin::new(params),
+            twin: Twin::new(params, gyro),
             params: *params,
             trace_address,
             last: StepTrace::EMPTY,
@@ -78,6 +88,7 @@ impl Flight {
             deviation_sum_rad: [0.0; 2],
             deviation_steps: 0,
             largest_tilt_rad: 0.0,
+            samples: [0; 2],
         }
     }
 
@@ -108,7 +119,7 @@ impl Flight {
         self.run_for(60 * MILLISECOND);
         let now = self.machine.now();
         self.vehicle.borrow_mut().release(now);
-        (self.deviation_sum_rad, self.deviation_steps) = ([0.0; 2], 0);
+        self.measure_anew();
         self.machine.restart_profile();
     }
 
@@ -167,6 +178,18 @@ impl Flight {
             self.largest_tilt_rad = self.largest_tilt_rad.max(is.abs());
         }
         self.deviation_steps += 1;
+        self.samples[0] += self.last.samples;
+        self.samples[1] += self.last.samples_second;
+    }
+
+    /// Starts [`Flight::deviation_deg`] and [`Flight::samples`] again.
+    pub fn measure_anew(&mut self) {
+        (self.deviation_sum_rad, self.deviation_steps, self.samples) = ([0.0; 2], 0, [0; 2]);
+    }
+
+    /// Samples of the first and the second IMU since the vehicle was let go.
+    pub fn samples(&self) -> [u32; 2] {
+        self.samples
     }
 
     /// The last step that was repeated.

@@ -78,6 +78,14 @@ impl Image {
         self.segments.iter().map(|(address, _)| *address).min().unwrap_or(FLASH.start)
     }
 
+    /// A word that goes into flash.
+    pub fn word(&self, address: u32) -> Option<u32> {
+        let (start, bytes) =
+            self.segments.iter().find(|(start, bytes)| (*start..start + bytes.len() as u32).contains(&address))?;
+        let offset = (address - start) as usize;
+        bytes.get(offset..offset + 4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+    }
+
     /// Bytes of flash.
     pub fn flash_bytes(&self) -> usize {
         self.segments.iter().map(|(_, bytes)| bytes.len()).sum()

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   .-> board: everything due -> exception due? stack, enter -> asleep? skip to the next event
-//!   '--------------- slice: up to the next event, at most 256 instructions <------'
+//!   '--- slice: whole blocks until the next event is due, or 256 instructions <---'
 //! ```
 
 use std::cell::RefCell;
@@ -23,11 +23,11 @@ use crate::stop::{Cause, Stop};
 use crate::time::Ticks;
 use crate::world::World;
 
-/// A slice's longest.
+/// After so many instructions a slice ends with the block that runs.
 const SLICE_INSTRUCTIONS: u64 = 256;
-/// So many instructions are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an
-/// image may lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set.
-const WATCHED_INSTRUCTIONS: u64 = 64;
+/// So many blocks are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an image may
+/// lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set. What lifts it ends a block.
+const WATCHED_BLOCKS: u64 = 64;
 /// For each exception entry and return.
 const EXCEPTION_CYCLES: u64 = 12;
 
@@ -63,7 +63,7 @@ pub struct Machine {
     asleep: bool,
     /// An exception waits only for a mask to be lifted.
     masked: bool,
-    /// Slices of one instruction that are left while it does.
+    /// Slices of one block that are left while it does.
     watched: u64,
     /// Address of the image's vector table.
     vectors: u32,
@@ -121,6 +121,13 @@ impl Machine {
         self.enter_image();
     }
 
+    /// Takes all power away and gives it back: RAM holds the noise of `seed`, only flash and FRAM remember.
+    pub fn power_cycle(&mut self, seed: u64) {
+        self.board.borrow_mut().power_cycle(seed);
+        self.cpu.forget_memory(seed);
+        self.enter_image();
+    }
+
     /// Runs up to a point in time.
     ///
     /// # Errors
@@ -170,7 +177,7 @@ impl Machine {
             Outcome::Exhausted => Ok(()),
             Outcome::Wait => {
                 self.asleep = true;
-                self.watched = WATCHED_INSTRUCTIONS;
+                self.watched = WATCHED_BLOCKS;
                 Ok(())
             }
             Outcome::ExceptionReturn(exc_return) => self.leave_exception(exc_return),
@@ -195,7 +202,7 @@ impl Machine {
         self.asleep &= !wakes;
         self.masked = due.is_none() && unmasked.is_some();
         if self.masked && !was_masked {
-            self.watched = WATCHED_INSTRUCTIONS;
+            self.watched = WATCHED_BLOCKS;
         }
         match due {
             Some(number) => self.enter_exception(number),
@@ -290,7 +297,7 @@ impl Machine {
 
     fn check_stop(&self) -> Result<(), Stop> {
         match self.board.borrow_mut().stop.take() {
-            Some(stop) => Err(stop),
+            Some(stop) => Err(Stop { pc: self.pc, ..stop }),
             None => Ok(()),
         }
     }

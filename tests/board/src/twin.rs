@@ -4,11 +4,14 @@ use std::collections::VecDeque;
 
 use shared_control::config::{Config, Controller};
 use shared_control::flight_core::{FlightCore, State, TorqueSource};
+use shared_control::imu::AxisMap;
 use shared_control::mpc::{HORIZON, Mpc, MpcState};
 use shared_control::params::Params;
 use shared_control::setup::Setup;
 use shared_control::signals::{Plan, PlanRequest, StepInput};
 use shared_control::trace::StepTrace;
+
+use crate::devices::SecondGyro;
 
 /// How the plans fared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,12 +44,15 @@ pub struct Twin {
 }
 
 impl Twin {
-    /// Before the first step, as the board is configured.
+    /// Before the first step, as the board is configured and fitted.
     ///
     /// # Panics
     /// If it can't be flown with.
-    pub fn new(params: &Params) -> Self {
-        let Setup { config, mpc, .. } = Setup::new(params).unwrap();
+    pub fn new(params: &Params, gyro: SecondGyro) -> Self {
+        let Setup { mut config, mpc, .. } = Setup::new(params).unwrap();
+        if gyro == SecondGyro::L3gd20h {
+            config.imu_second.gyro_axes = AxisMap::PIXHAWK1_L3GD20H;
+        }
         let mpc = Mpc::prepare_shorter(params.control_horizon.into(), &mpc).unwrap();
         let (state, mpc_state) = (State::default(), MpcState::new());
         Self { config, state, mpc, mpc_state, questions: VecDeque::new(), steps: 0, planned: Planned::default() }
@@ -73,7 +79,7 @@ impl Twin {
         let mut host = StepTrace::EMPTY;
         host.record(&input, &output, &self.state);
         // samples beyond the count are left over from earlier steps on the board
-        host.sample = board.sample;
+        (host.sample, host.sample_second) = (board.sample, board.sample_second);
         assert_eq!(&host, board, "step {}", board.step);
         self.steps += 1;
         match output.source {

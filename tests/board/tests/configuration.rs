@@ -157,16 +157,19 @@ impl Bench {
 }
 
 fn texts(messages: &[MavMessage]) -> Vec<&str> {
-    let text = |message| if let &MavMessage::STATUSTEXT(ref data) = message { data.text.to_str().ok() } else { None };
-    messages.iter().filter_map(text).collect()
+    let text = messages.iter().filter_map(|message| match message {
+        MavMessage::STATUSTEXT(data) => data.text.to_str().ok(),
+        _ => None,
+    });
+    text.collect()
 }
 
 fn values(messages: &[MavMessage]) -> Vec<(&str, f32)> {
-    let value = |message| match message {
-        &MavMessage::PARAM_VALUE(ref data) => Some((data.param_id.to_str().unwrap(), data.param_value)),
+    let value = messages.iter().filter_map(|message| match message {
+        MavMessage::PARAM_VALUE(data) => Some((data.param_id.to_str().ok()?, data.param_value)),
         _ => None,
-    };
-    messages.iter().filter_map(value).collect()
+    });
+    value.collect()
 }
 
 fn acknowledged(messages: &[MavMessage]) -> Option<MavResult> {

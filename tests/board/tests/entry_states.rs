@@ -60,8 +60,8 @@ fn the_loop_runs_whoever_started_the_image() {
     for entry in [EntryState::Px4Bootloader, EntryState::ArdupilotBootloader] {
         let steps = steps_from(entry);
         println!("{entry:?}: {} steps, after a mere reset {}", steps.len(), plain.len());
-        // memory is initialised at 168 MHz instead of 16 if the PLL runs already: up to 10 ms earlier
-        assert!(steps.len().abs_diff(plain.len()) <= 4, "{entry:?}: {} steps, not {}", steps.len(), plain.len());
+        // memory is initialised at 168 MHz instead of 16 if the PLL runs already: some 10 ms earlier
+        assert!(steps.len().abs_diff(plain.len()) <= 10, "{entry:?}: {} steps, not {}", steps.len(), plain.len());
         for (step, like) in steps.iter().zip(&plain) {
             assert_eq!(essence(step), essence(like), "{entry:?}");
             assert!(step.time_us[0].abs_diff(like.time_us[0]) <= 1, "{entry:?}: {step:?} {like:?}");

@@ -179,7 +179,7 @@ impl Board {
     /// Writes words, as a bootloader may have done.
     pub(crate) fn preset(&mut self, registers: &[(u32, u32)]) {
         for (address, word) in registers {
-            self.store(*address, 4, *word, Place { pc: 0, ran: 0 });
+            self.store(*address, 4, *word, Place { ran: 0 });
         }
     }
 
@@ -195,7 +195,7 @@ impl Bus for Board {
         match self.load_at(address, size, now, cycles) {
             Ok(value) => value,
             Err(cause) => {
-                self.refuse(cause, address, None, place.pc);
+                self.refuse(cause, address, None);
                 0
             }
         }
@@ -205,7 +205,11 @@ impl Bus for Board {
         let (now, cycles) = self.time_of(place);
         match self.store_at(address, size, value, now, cycles) {
             Ok(()) => self.refresh_lines(),
-            Err(cause) => self.refuse(cause, address, Some(value), place.pc),
+            Err(cause) => self.refuse(cause, address, Some(value)),
         }
+    }
+
+    fn is_over(&self) -> bool {
+        self.stop.is_some()
     }
 }

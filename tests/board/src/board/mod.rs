@@ -62,6 +62,8 @@ const D: usize = 3;
 const E: usize = 4;
 /// What is read of a data line that nobody drives.
 const FLOATING: u8 = 0xff;
+/// Reset flags of power-on, brown-out and pin (section 6.3.21).
+const POWER_ON: u32 = 1 << 27 | 1 << 26 | 1 << 25;
 const USUAL_SUPPLY_V: f32 = 3.3;
 
 /// All that is not the core or its memory.
@@ -103,8 +105,7 @@ pub(crate) struct Board {
 impl Board {
     /// As after power-on.
     pub(crate) fn new(world: Box<dyn World>, seed: u64) -> Self {
-        // power-on, brown-out and pin reset (section 6.3.21)
-        let rcc = Rcc::new(1 << 27 | 1 << 26 | 1 << 25, true);
+        let rcc = Rcc::new(POWER_ON, true);
         let clocks = Clocks { core: 21, apb1: 21, apb2: 21, apb1_timers: 21, apb2_timers: 21 };
         let gyro = if world.second_gyro() == Some(SecondGyro::L3gd20h) { &L3GD20H } else { &L3GD20 };
         let second_imu = world.second_gyro().is_none().then_some(SensorFault::Removed(FLOATING));
@@ -145,27 +146,40 @@ impl Board {
         board
     }
 
-    /// A reset for these reasons (flags of RCC_CSR): what keeps its power stays, backup SRAM and all around the chip.
+    /// A reset for these reasons (flags of RCC_CSR): what keeps its power stays, backup SRAM and the sensors.
     pub(crate) fn reset(&mut self, flags: u32) {
-        let flags_so_far = self.rcc.reset_flags();
         self.tim1.cut_pulses(self.now);
         self.pass_on_pulses();
-        let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), 0);
+        let mut fresh = self.without_power(0);
         std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
         std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
         std::mem::swap(&mut fresh.l3gd20, &mut self.l3gd20);
         std::mem::swap(&mut fresh.lsm303d, &mut self.lsm303d);
-        fresh.sensor_faults = self.sensor_faults;
+        fresh.rcc = Rcc::new(self.rcc.reset_flags() | flags, self.rcc.crystal_oscillates());
+        *self = fresh;
+    }
+
+    /// All power is gone, the battery of the backup domain too, and comes back.
+    pub(crate) fn power_cycle(&mut self, seed: u64) {
+        self.tim1.cut_pulses(self.now);
+        self.pass_on_pulses();
+        *self = self.without_power(seed);
+    }
+
+    /// The same board after it lost its power: what does not need any, and what is around it, is as it was.
+    fn without_power(&mut self, seed: u64) -> Self {
+        let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), seed);
+        std::mem::swap(&mut fresh.fram, &mut self.fram);
         std::mem::swap(&mut fresh.usart2, &mut self.usart2);
         std::mem::swap(&mut fresh.usart3, &mut self.usart3);
         fresh.usart2.reset();
         fresh.usart3.reset();
+        fresh.sensor_faults = self.sensor_faults;
         fresh.battery_v = self.battery_v;
-        std::mem::swap(&mut fresh.fram, &mut self.fram);
-        (fresh.now, fresh.cycles) = (self.now, self.cycles);
-        fresh.rcc = Rcc::new(flags_so_far | flags, self.rcc.crystal_oscillates());
         fresh.pwr = Pwr::new(self.pwr.supply_v());
-        *self = fresh;
+        fresh.rcc.set_crystal(self.rcc.crystal_oscillates());
+        (fresh.now, fresh.cycles) = (self.now, self.cycles);
+        fresh
     }
 
     /// The reset that is due, by its flags in RCC_CSR (section 6.3.21); each pulls the reset pin too.
@@ -225,14 +239,17 @@ impl Board {
     /// The crystal stops, or would start.
     pub(crate) fn set_crystal(&mut self, oscillates: bool) {
         if !self.rcc.set_crystal(oscillates) {
-            self.refuse(Cause::Unmodelled("the crystal stopped and the clock security system is off"), 0, None, 0);
+            self.refuse(Cause::Unmodelled("the crystal stopped and the clock security system is off"), 0, None);
         }
         self.distribute_clocks();
         self.refresh_lines();
     }
 
-    fn refuse(&mut self, cause: Cause, address: u32, value: Option<u32>, pc: u32) {
+    fn refuse(&mut self, cause: Cause, address: u32, value: Option<u32>) {
         // the first is the cause, the rest may follow from it
-        self.stop.get_or_insert(Stop { cause, address, value, pc });
+        self.stop.get_or_insert(Stop { cause, address, value, pc: 0 });
     }
 }
+
+#[cfg(test)]
+mod tests;
