@@ -49,7 +49,7 @@ const NOTHING: Row = Row {
     may_cut: false,
     says: &[],
     mpc: false,
-    before: no_second_imu,
+    before: |_| {},
     inject: |_| {},
     watch_ms: 600,
 };
@@ -67,24 +67,56 @@ const HOVER_PERMILLE: u16 = 487;
 pub const ROWS: &[Row] = &[
     Row {
         fault: "IMU's data line dead, no second IMU",
+        before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::DeadBus(0xff)),
         ..NOTHING
     },
     Row {
         fault: "IMU gone, no second IMU",
+        before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff)),
         ..NOTHING
     },
     Row {
         fault: "IMU stuck, no second IMU",
+        before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Frozen),
         ..NOTHING
     },
     Row {
         fault: "data-ready lost, no second IMU",
+        before: no_second_imu,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::NoDataReady),
+        ..NOTHING
+    },
+    Row {
+        fault: "first IMU's data line dead, second fitted",
+        end: End::FliesOn,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::DeadBus(0xff)),
+        ..NOTHING
+    },
+    Row {
+        fault: "first IMU gone, second fitted",
+        end: End::FliesOn,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff)),
+        ..NOTHING
+    },
+    Row {
+        fault: "first IMU stuck, second fitted",
+        end: End::FliesOn,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Frozen),
+        ..NOTHING
+    },
+    Row {
+        fault: "first IMU's data-ready lost, second fitted",
+        end: End::FliesOn,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::NoDataReady),
         ..NOTHING
