@@ -67,8 +67,8 @@ fn the_image_flies_the_simulated_vehicle_as_the_host_does_and_moves_no_pin() {
     let setup = HitlSetup { model: VehicleModel::nominal(Rig::Gimbal), seed: 3, rate_hz: 400 };
     let wire = Wire { flight: Rc::clone(&flight), received: VecDeque::new() };
     let (start, begin) = (Instant::now(), flight.borrow().machine.now());
-    let flown =
-        hitl::fly(&mut BoardPort::new(wire, Patience::SERIAL), &setup).unwrap_or_else(|error| panic!("{error}"));
+    let flown = hitl::fly(&mut BoardPort::new(wire, Patience::SERIAL), &setup, &mut |_, _| {})
+        .unwrap_or_else(|error| panic!("{error}"));
     let (elapsed_s, board_ms) = (start.elapsed().as_secs_f64(), (flight.borrow().machine.now() - begin) / MILLISECOND);
     let steps = flown.timing.len();
     println!(
@@ -78,7 +78,7 @@ fn the_image_flies_the_simulated_vehicle_as_the_host_does_and_moves_no_pin() {
     );
 
     let twin = BoardTwin::new(&HIL, ArmingBlocks::default());
-    let host = hitl::fly(&mut BoardPort::new(twin, Patience::NONE), &setup).unwrap();
+    let host = hitl::fly(&mut BoardPort::new(twin, Patience::NONE), &setup, &mut |_, _| {}).unwrap();
     assert_eq!(figures(&flown.summary), figures(&host.summary));
     assert_eq!(flown.sent_again, 0);
     assert_eq!(flight.borrow().machine.counters().resets, 0);

@@ -26,7 +26,7 @@ fn setup() -> HitlSetup {
 }
 
 fn fly(stream: impl Read + Write) -> Result<HitlFlight, HitlError> {
-    hitl::fly(&mut BoardPort::new(stream, Patience::NONE), &setup())
+    hitl::fly(&mut BoardPort::new(stream, Patience::NONE), &setup(), &mut |_, _| {})
 }
 
 fn board() -> BoardTwin {
