@@ -20,6 +20,7 @@ use crate::frames::{EulerAngles, down_in_body, normalized, q_from_rotation_vecto
 use crate::gyro_bias::GyroBias;
 use crate::imu::{ImuStep, all_finite, seconds_between};
 use crate::signals::AttitudeEstimate;
+use crate::state_words::StateWords;
 
 /// Gains and limits of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,6 +91,12 @@ impl EstimatorState {
     /// Goes on from another attitude.
     pub fn set_attitude(&mut self, q_world_from_body: UnitQuaternion<f32>) {
         self.q_world_from_body = q_world_from_body;
+    }
+
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { q_world_from_body, last_sample_us } = self;
+        words.rotation(q_world_from_body);
+        words.optional_time_us(*last_sample_us);
     }
 }
 

@@ -21,7 +21,9 @@ use crate::imu_select::{self, ImuPairState, ImuUnit};
 use crate::mixer::{self, MixResult};
 use crate::mpc::{Mpc, MpcState};
 use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
+use crate::state_words::{STATE_WORDS, StateWords};
 use crate::supervisor::{self, Arming, Findings};
+use crate::trace::number_of_source;
 
 /// Throttle up to which an armed vehicle that has not flown yet counts as standing on the ground.
 const IDLE_THROTTLE_MAX: f32 = 0.02;
@@ -61,6 +63,14 @@ struct SetpointState {
 }
 
 impl SetpointState {
+    fn record(&self, words: &mut StateWords) {
+        let Self { flown, good, good_us, rejected } = self;
+        flown.record(words);
+        good.record(words);
+        words.time_us(*good_us);
+        words.word(*rejected);
+    }
+
     /// Keeps the last good one while what comes is no number. Returns the good one's age, µs.
     fn take(&mut self, input: &StepInput) -> u64 {
         if input.setpoint.is_finite() {
@@ -92,6 +102,43 @@ pub struct State {
 }
 
 impl State {
+    /// All of it as words, of which every target makes the same.
+    pub fn words(&self) -> [u32; STATE_WORDS] {
+        let mut words = StateWords::EMPTY;
+        self.record(&mut words);
+        words.words
+    }
+
+    fn record(&self, words: &mut StateWords) {
+        let Self {
+            step,
+            imus,
+            estimator,
+            arming,
+            setpoint,
+            angle,
+            rate,
+            rate_target_rad_s,
+            airborne,
+            last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
+            last_mix,
+            last_source,
+        } = self;
+        words.word(*step);
+        imus.record(words);
+        estimator.record(words);
+        words.arming(arming);
+        setpoint.record(words);
+        angle.record(words);
+        rate.record(words);
+        words.vector(rate_target_rad_s);
+        words.word(u32::from(*airborne));
+        words.number(*lift_per_motor_n);
+        words.numbers(torque_body_nm);
+        last_mix.record(words);
+        words.word(number_of_source(*last_source));
+    }
+
     /// The shaped reference of the cascade, rad (roll, pitch, yaw).
     pub fn shaped_reference_rad(&self) -> [f32; 3] {
         self.angle.reference.map(|axis| axis.angle_rad)

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::elementary::{limit, sqrt};
 use crate::estimator::EstimatorConfig;
 use crate::imu::ImuStep;
+use crate::state_words::StateWords;
 
 /// What is known of a gyro's bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +33,16 @@ impl GyroBias {
     /// Time at rest over which it has been averaged, s; zero in flight and once moved.
     pub fn rest_s(&self) -> f32 {
         self.rest.duration_s
+    }
+
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { bias_rad_s, calibrated, rest: RestWindow { rotation_rad, duration_s, down_body } } = self;
+        words.vector(bias_rad_s);
+        words.word(u32::from(*calibrated));
+        words.vector(rotation_rad);
+        words.number(*duration_s);
+        words.word(u32::from(down_body.is_some()));
+        words.vector(&down_body.unwrap_or_default());
     }
 
     /// Can the gyro be flown with? Stays true in flight.

@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 
 use crate::filter::{LowPass2, LowPass2State};
 use crate::signals::RawImuSample;
+use crate::state_words::StateWords;
 
 /// What data sheets call "g", m/s^2.
 const STANDARD_GRAVITY_M_S2: f32 = 9.806_65;
@@ -148,6 +149,17 @@ pub struct ImuState {
     last_time_us: Option<u64>,
     lowpass: [LowPass2State; 3],
     rate_body_rad_s: Vector3<f32>,
+}
+
+impl ImuState {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { last_time_us, lowpass, rate_body_rad_s } = self;
+        words.optional_time_us(*last_time_us);
+        for axis in lowpass {
+            axis.record(words);
+        }
+        words.vector(rate_body_rad_s);
+    }
 }
 
 /// The IMU's news since the last step, body frame, SI.

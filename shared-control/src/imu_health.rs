@@ -20,6 +20,7 @@
 
 use crate::imu::Chips;
 use crate::signals::RawImuSample;
+use crate::state_words::StateWords;
 
 /// Steps without a new sample after which the IMU is stale.
 pub const STALE_STEPS: u8 = 4;
@@ -85,6 +86,19 @@ impl ImuHealthState {
     /// Has the sensor shown noise, so that standing still would be noticed?
     pub fn has_noise(&self) -> bool {
         self.changing_at_rest >= NOISE_SAMPLES
+    }
+
+    pub(crate) fn record(&self, out: &mut StateWords) {
+        let Self { last, steps_without_sample, dead_run, equal_runs, full_scale_run, changing_at_rest } = self;
+        let [gyro_run, accel_run] = equal_runs;
+        out.optional_time_us(last.map(|sample| sample.time_us));
+        for word in last.map_or([0; 6], |sample| words(&sample)) {
+            out.word(i32::from(word) as u32);
+        }
+        for count in [steps_without_sample, dead_run, gyro_run, accel_run, full_scale_run] {
+            out.word(u32::from(*count));
+        }
+        out.word(u32::from(*changing_at_rest));
     }
 
     /// True if the sample is a new one.

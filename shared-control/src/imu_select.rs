@@ -16,6 +16,8 @@ use crate::gyro_bias::GyroBias;
 use crate::imu::{self, ImuConfig, ImuState, ImuStep};
 use crate::imu_health::{ImuHealth, ImuHealthState};
 use crate::signals::{AttitudeEstimate, RawImuSample, StepInput};
+use crate::state_words::StateWords;
+use crate::trace::number_of_unit;
 
 /// One of the IMUs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,6 +35,19 @@ struct UnitState {
     conditioning: ImuState,
     health: ImuHealthState,
     gyro: GyroBias,
+}
+
+impl ImuPairState {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { first, second, in_use, q_by_standby } = self;
+        for UnitState { conditioning, health, gyro } in [first, second] {
+            conditioning.record(words);
+            health.record(words);
+            gyro.record(words);
+        }
+        words.word(number_of_unit(*in_use));
+        words.rotation(q_by_standby);
+    }
 }
 
 /// One IMU's news of a step.

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod attitude;
+pub mod battery;
 pub mod config;
 pub mod elementary;
 pub mod estimator;
@@ -22,6 +23,8 @@ pub mod params;
 pub mod qp;
 pub mod setup;
 pub mod signals;
+pub mod signs;
+pub mod state_words;
 pub mod supervisor;
 pub mod test_sequence;
 pub mod trace;

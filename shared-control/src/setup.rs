@@ -50,13 +50,15 @@ impl Setup {
         let loop_timer = TimerPeriod::new(LOOP_TIMER_HZ, params.loop_rate_hz.into());
         let pulse_timer = TimerPeriod::new(PULSE_TIMER_HZ, pulse_rate_hz(params).into());
         let loop_rate_hz = f32::from(params.loop_rate_hz);
+        // with hardware in the loop every step brings its one sample
+        let imu_rate_hz = if params.hil { loop_rate_hz } else { IMU_RATE_HZ as f32 };
         let config = Config {
             output: OutputConfig::new(params.pulses, PULSE_TIMER_HZ, &pulse_timer),
             supervisor: SupervisorConfig {
                 battery_arming_min_v: f32::from(params.battery_arming_min_mv) / 1000.0,
                 ..SupervisorConfig::NOMINAL
             },
-            ..Config::new(&vehicle, &tuning, loop_rate_hz, IMU_RATE_HZ as f32, params.controller)?
+            ..Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?
         };
         let mpc = config::mpc_settings(&vehicle, &tuning);
         Ok(Setup { vehicle, tuning, config, mpc, loop_timer, pulse_timer })

@@ -1,12 +1,13 @@
 //! One step as plain words: what a running image shows of itself, so that a host can repeat the step and compare bits.
 
-use crate::flight_core::{StepOutput, TorqueSource};
+use crate::flight_core::{State, StepOutput, TorqueSource};
 use crate::imu_health::{ImuFault, ImuHealth};
 use crate::imu_select::ImuUnit;
 use crate::signals::{
     ArmingBlocks, ArmingRequest, IMU_SAMPLES_MAX, ImuBatch, MotorTest, Plan, PlanStatus, RawImuSample, Setpoint,
     StepInput,
 };
+use crate::state_words::STATE_WORDS;
 use crate::supervisor::Arming;
 
 /// Input and output of a step. All words are `u32`, so that every target lays it out alike; `f32` as bits, 64-bit times
@@ -64,6 +65,8 @@ pub struct StepTrace {
     pub bias: [u32; 3],
     /// Rate asked for, rad/s.
     pub rate_target: [u32; 3],
+    /// The whole state after the step, `follow` included.
+    pub state: [u32; STATE_WORDS],
 }
 
 impl StepTrace {
@@ -94,10 +97,11 @@ impl StepTrace {
         rate: [0; 3],
         bias: [0; 3],
         rate_target: [0; 3],
+        state: [0; STATE_WORDS],
     };
 
-    /// A step's words.
-    pub fn record(&mut self, input: &StepInput, output: &StepOutput) {
+    /// A step's words: its input, its output, and the state that it leaves.
+    pub fn record(&mut self, input: &StepInput, output: &StepOutput, state: &State) {
         self.step = output.step;
         self.time_us = halves(input.time_us);
         self.samples = record_batch(&mut self.sample, &input.imu);
@@ -115,6 +119,7 @@ impl StepTrace {
         self.battery = input.battery_v.map_or([0; 2], |volts| [1, volts.to_bits()]);
         self.plan = input.plan.as_ref().map_or([0; 7], words_of_plan);
         self.record_output(output);
+        self.state = state.words();
     }
 
     fn record_output(&mut self, output: &StepOutput) {
@@ -247,7 +252,8 @@ fn number_of_status(status: PlanStatus) -> u32 {
     }
 }
 
-fn number_of_source(source: TorqueSource) -> u32 {
+/// Who made a torque, as a number.
+pub(crate) fn number_of_source(source: TorqueSource) -> u32 {
     match source {
         TorqueSource::Disarmed => 0,
         TorqueSource::Cascade => 1,
@@ -268,7 +274,8 @@ fn number_of_arming(arming: Arming) -> u32 {
     }
 }
 
-fn number_of_unit(unit: ImuUnit) -> u32 {
+/// An IMU as a number.
+pub(crate) fn number_of_unit(unit: ImuUnit) -> u32 {
     match unit {
         ImuUnit::First => 0,
         ImuUnit::Second => 1,
@@ -289,7 +296,7 @@ fn number_of_health(health: ImuHealth) -> u32 {
 mod tests {
     use super::*;
     use crate::config::{Config, Controller, Tuning};
-    use crate::flight_core::{FlightCore, State};
+    use crate::flight_core::FlightCore;
     use crate::vehicle::VehicleParameters;
     use proptest::prelude::*;
 
@@ -335,9 +342,10 @@ mod tests {
                 StepInput { time_us, imu, imu_second, setpoint, arming, battery_v, link_age_us, blocks, plan };
             let vehicle = &VehicleParameters::F450_GIMBAL;
             let config = Config::new(vehicle, &Tuning::for_motor_lag(0.0), 400.0, 1000.0, Controller::Cascade).unwrap();
-            let output = FlightCore::fast(&config, &mut State::default(), &input);
+            let mut state = State::default();
+            let output = FlightCore::fast(&config, &mut state, &input);
             let mut trace = StepTrace::EMPTY;
-            trace.record(&input, &output);
+            trace.record(&input, &output, &state);
             prop_assert_eq!(trace.input(), input);
             prop_assert_eq!(trace.step, output.step);
         }
@@ -345,7 +353,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 9, battery 2, plan 7; outputs 33; no padding
-        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 22 + 33));
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 9, battery 2, plan 7; outputs 33; state;
+        // no padding
+        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 22 + 33 + STATE_WORDS));
     }
 }

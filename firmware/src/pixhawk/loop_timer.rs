@@ -29,9 +29,11 @@ impl LoopTimer {
         self.tim.cr1().write(|w| w.cen().set_bit());
     }
 
-    /// Takes notice of a tick.
-    pub fn acknowledge(&self) {
+    /// Takes notice of a tick, if there was one.
+    pub fn take_tick(&self) -> bool {
+        let ticked = self.tim.sr().read().uif().bit_is_set();
         self.tim.sr().write(|w| w.uif().clear_bit());
+        ticked
     }
 
     /// True if the next tick came while this one was still worked on.

@@ -1,10 +1,7 @@
 //! Motor pulses: TIM1 on AUX 1 to 4 (channels 4, 3, 2, 1), and the arm gate in front of it.
 //!
 //! AUX outputs are not behind the safety switch, which only the IO processor reads. After a reset there are no pulses
-//! at all until the loop has made its first step.
-#![allow(unsafe_code)] // the fault path writes this timer whoever owns it
-
-use core::sync::atomic::{AtomicU16, Ordering};
+//! at all until the loop has made its first step. What a fault sends is in `last_pulse`.
 
 use shared_control::output::{PULSE_TIMER_HZ, TimerPeriod};
 use stm32f4xx_hal::gpio::{Alternate, PE9, PE11, PE13, PE14};
@@ -12,9 +9,6 @@ use stm32f4xx_hal::pac::TIM1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::board;
-
-/// Compare value of the disarmed pulse for [`force_disarmed`]; zero until the timer is set up.
-static DISARMED_COUNT: AtomicU16 = AtomicU16::new(0);
 
 /// The pins, so that nobody else takes them.
 pub type Pins = (PE9<Alternate<1>>, PE11<Alternate<1>>, PE13<Alternate<1>>, PE14<Alternate<1>>);
@@ -44,7 +38,6 @@ impl Outputs {
         tim.cnt().write(|w| w.cnt().set(period.count_before_end(PULSE_TIMER_HZ, board::PULSE_DELAY_US)));
         tim.cr1().write(|w| w.arpe().set_bit());
         tim.smcr().write(|w| w.ts().itr2().sms().trigger_mode());
-        DISARMED_COUNT.store(disarmed_count, Ordering::Relaxed);
         Self { tim, disarmed_count, _pins: pins }
     }
 
@@ -58,34 +51,5 @@ impl Outputs {
         // a preloaded value acts from the timer's next period on, and until the first does it is zero: the pins stay low,
         // and the first pulse is a whole one
         self.tim.bdtr().modify(|_, w| w.moe().set_bit());
-    }
-}
-
-/// For faults: from now on the pins carry the disarmed pulse. A longer pulse that has begun ends at once: without the
-/// preload a compare value acts immediately, while an update event would begin another pulse on top of it.
-pub fn force_disarmed() {
-    let count = DISARMED_COUNT.load(Ordering::Relaxed);
-    if count == 0 {
-        return;
-    }
-    // SAFETY: called with interrupts off and never returned from
-    let tim = unsafe { &*TIM1::ptr() };
-    tim.ccmr1_output().write(|w| w.oc1m().pwm_mode1().oc2m().pwm_mode1());
-    tim.ccmr2_output().write(|w| w.oc3m().pwm_mode1().oc4m().pwm_mode1());
-    for channel in 0..4 {
-        tim.ccr(channel).write(|w| w.ccr().set(count));
-    }
-}
-
-/// For faults: waits until no pulse is being sent, so that the reset cuts none.
-pub fn wait_for_pulse_end() {
-    let count = DISARMED_COUNT.load(Ordering::Relaxed);
-    // SAFETY: a read without side effects
-    let tim = unsafe { &*TIM1::ptr() };
-    // bounded, should the timer stand still: 2 ms are at most 336,000 cycles
-    for _ in 0..100_000 {
-        if count == 0 || tim.cnt().read().cnt().bits() >= count {
-            return;
-        }
     }
 }

@@ -35,6 +35,11 @@ impl<T> Producer<'_, T> {
 pub struct Consumer<'a, T>(spsc::Consumer<'a, T>);
 
 impl<T> Consumer<'_, T> {
+    /// Is there an item?
+    pub fn is_ready(&self) -> bool {
+        self.0.ready()
+    }
+
     /// The oldest item.
     pub fn dequeue(&mut self) -> Option<T> {
         if has_no_places(self.0.capacity()) { None } else { self.0.dequeue() }

@@ -2,15 +2,41 @@
 //! `HIL_ACTUATOR_CONTROLS`, in lock-step; the arrival of the one is the tick of the loop.
 //!
 //! `HIL_SENSOR` is in SI units and body axes, a step's input in raw counts: the sample is turned back into what the
-//! IMU would have sent, rounded to whole counts, so that everything behind works as in flight.
+//! IMU would have sent, rounded to whole counts, so that everything behind works as in flight. A message without a whole
+//! sample, or with numbers that are none, is a tick all the same: the step has no sample, and after a few of them the
+//! supervisor does what it does about an IMU that fell silent. Values beyond the IMU's range arrive at full scale.
 
 use mavlink::dialects::common::{
     HIL_ACTUATOR_CONTROLS_DATA, HIL_SENSOR_DATA, HilActuatorControlsFlags, HilSensorUpdatedFlags, MavModeFlag,
 };
 
 use crate::imu::{AxisMap, ImuConfig};
-use crate::signals::{MotorCommands, RawImuSample};
+use crate::signals::{MotorCommands, RawImuSample, StepInput};
 use crate::supervisor::Arming;
+
+/// A `HIL_SENSOR`: makes a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HilTick {
+    /// Time of the simulation, µs: the step's time.
+    pub time_us: u64,
+    /// The IMU's sample, if it is one.
+    pub imu: Option<HilSample>,
+}
+
+impl HilTick {
+    /// The tick of a message.
+    pub fn new(data: &HIL_SENSOR_DATA) -> Self {
+        Self { time_us: data.time_usec, imu: HilSample::new(data) }
+    }
+
+    /// The step's time and samples; the rest of the input is left as it is. There is no second IMU here.
+    pub fn fill(&self, imu: &ImuConfig, input: &mut StepInput) {
+        input.time_us = self.time_us;
+        input.imu.clear();
+        // room for one there is
+        let _ = self.imu.is_none_or(|sample| input.imu.push(sample.raw(imu)).is_ok());
+    }
+}
 
 /// One sample of the simulated IMU, body frame; every part is a finite number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +85,7 @@ impl HilSample {
     }
 }
 
-/// The answer to the sample of `time_us`.
+/// The answer to the tick of `time_us`.
 pub fn actuator_controls(time_us: u64, arming: &Arming, commands: &MotorCommands) -> HIL_ACTUATOR_CONTROLS_DATA {
     let armed = if arming.motors_turn() { MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED } else { MavModeFlag::empty() };
     let mut controls = [0.0; 16];

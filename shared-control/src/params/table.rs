@@ -96,7 +96,7 @@ impl Field {
             Field::PwmRate => (
                 "PWM_RATE_HZ",
                 Allowed::Range(50, 490),
-                "pulses per second with PWM; their delay is constant where it and LOOP_RATE_HZ are multiples of each other",
+                "pulses per second with PWM; their delay is constant if this is a multiple or a divisor of LOOP_RATE_HZ",
             ),
             Field::Rig => {
                 ("RIG", Allowed::Either(0, 1), "vehicle: 0 F450 on the gimbal (yaw locked), 1 F450 in free flight")

@@ -124,7 +124,7 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         for variable in self.variables() {
             let weight = -linear[variable] * self.bound_lengths[variable];
             let nonzero = target.get_mut(variable..self.variables().end).unwrap_or_default();
-            add_scaled(nonzero, weight, self.from_diagonal(variable, &self.bound_rows[variable]));
+            add_scaled(nonzero, weight, self.nonzero_part(variable, &self.bound_rows[variable]));
         }
         target
     }
@@ -157,11 +157,11 @@ impl<const N: usize, const R: usize> Qp<N, R> {
 
     /// m'w of a bound's row, of which the entries before the diagonal are zero.
     pub(super) fn bound_value(&self, variable: usize, point: &[f32; N]) -> f32 {
-        dot(self.from_diagonal(variable, &self.bound_rows[variable]), self.from_diagonal(variable, point))
+        dot(self.nonzero_part(variable, &self.bound_rows[variable]), self.nonzero_part(variable, point))
     }
 
     /// What a bound's row multiplies: the entries from its diagonal on.
-    fn from_diagonal<'a>(&self, variable: usize, entries: &'a [f32; N]) -> &'a [f32] {
+    fn nonzero_part<'a>(&self, variable: usize, entries: &'a [f32; N]) -> &'a [f32] {
         entries.get(variable..self.variables().end).unwrap_or_default()
     }
 

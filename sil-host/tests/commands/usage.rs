@@ -7,13 +7,22 @@ use crate::sil::{Folder, GIMBAL_MODEL, Outcome, RIG_LOG, instance_files};
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = Folder::new();
-    for command in ["", "fly", "compare", "synth", "bench-mpc"] {
+    for command in ["", "fly", "compare", "synth", "hitl", "bench-mpc"] {
         let arguments: Vec<&str> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
         let help = folder.sil(&arguments).assert_done().stdout;
         let example = format!("Example: {}", format!("sil {command}").trim());
         assert!(help.contains(&example), "no \"{example}\" in\n{help}");
         assert!(command.is_empty() || help.contains("--json <"), "{help}");
     }
+}
+
+#[test]
+fn a_port_that_is_not_there_is_named() {
+    let folder = Folder::new();
+    let port = "no-such-port";
+    folder.sil(&["hitl", "--serial", port]).assert_refused(&[port, "expected a serial port"]);
+    folder.sil(&["hitl", "--serial", port, "--rate", "3"]).assert_refused(&["--rate", "50..=1000"]);
+    folder.sil(&["hitl"]).assert_refused(&["--serial"]);
 }
 
 /// The value of each row is impossible; the message names the flag and what it expected.
@@ -51,6 +60,10 @@ fn impossible_values_are_refused() {
         ("--duration", "0", "expected 1 to 3600 s"),
         ("--duration", "-1", "expected 1 to 3600 s"),
         ("--duration", "inf", "expected 1 to 3600 s"),
+        ("--jitter", "-1", "expected 0 to 0.1 s"),
+        ("--jitter", "nan", "expected 0 to 0.1 s"),
+        ("--drop-out", "1", "expected 0 to 0.9 of the rows"),
+        ("--drop-out", "nan", "expected 0 to 0.9 of the rows"),
         ("--rate", "5", "10..=1000"),
         ("--rate", "401 --control-rate 400", "there are 400 a second"),
         ("--control-rate", "3", "50..=1000"),
@@ -75,6 +88,8 @@ fn unknown_effects_and_wrong_parameters_are_refused() {
         ("cg_offset:axis=pitch,cos_moment_nm=1e9", "is 1000000000: expected a moment in N m (-20.0 to 20.0)"),
         ("cg_offset:axis=pitch,cos_moment_nm=0.1,colour=3", "`colour`"),
         ("cg_offset:axis=pitch,cos_moment_nm", "expected key=value"),
+        ("wind:north_m_s=3", "wind has no meaning on the rig gimbal, only on: free"),
+        ("weak_motor:motor=7,scale=1", "`motor` is 7: expected the motor's number, whole (1.0 to 4.0)"),
         ("cg_offset:axis=pitch,cos_moment_nm=1,cos_moment_nm=1", "duplicate key"),
         ("cg_offset:axis=pitch,\"]=1", "not valid"),
     ] {

@@ -2,18 +2,41 @@
 
 use shared_control::params::{self, Params};
 
+use crate::board::serial::Connector;
 use crate::devices::{Sensor, SensorFault};
 use crate::machine::Machine;
 
 impl Machine {
     /// Sends on TELEM1's line.
     pub fn telem1_send(&mut self, bytes: &[u8]) {
-        self.board.borrow_mut().telem1_sends(bytes);
+        self.line_send(Connector::Telem1, bytes);
     }
 
     /// What came out of TELEM1 since the last call.
     pub fn telem1_receive(&mut self) -> Vec<u8> {
-        self.board.borrow_mut().telem1_received()
+        self.line_receive(Connector::Telem1)
+    }
+
+    /// Any bytes on TELEM1's line, one after the other without a gap, until switched off.
+    pub fn telem1_flood(&mut self, on: bool) {
+        let mut board = self.board.borrow_mut();
+        let now = board.now;
+        board.usart(Connector::Telem1).flood(on, now);
+    }
+
+    /// Sends on a connector's line, if the image listens to it.
+    pub fn line_send(&mut self, connector: Connector, bytes: &[u8]) {
+        self.board.borrow_mut().line_sends(connector, bytes);
+    }
+
+    /// What came out of a connector since the last call.
+    pub fn line_receive(&mut self, connector: Connector) -> Vec<u8> {
+        self.board.borrow_mut().line_received(connector)
+    }
+
+    /// The baud rate at a connector's far end from now on; 115200 at first.
+    pub fn set_far_baud(&mut self, connector: Connector, baud: u64) {
+        self.board.borrow_mut().usart(connector).set_far_baud(baud);
     }
 
     /// The chip's supply from now on, V.

@@ -61,6 +61,7 @@ pub fn step_trace(machine: &mut Machine, address: u32) -> Option<StepTrace> {
         rate: words.words()?,
         bias: words.words()?,
         rate_target: words.words()?,
+        state: words.words()?,
     };
     words.word().is_none().then_some(trace)
 }

@@ -1,6 +1,6 @@
 //! What the core sees of the board: peripherals at their addresses (RM0090 section 2.3), their clocks and resets.
 
-use super::{Board, CYCLES_PER_INSTRUCTION, PORTS, TELEM1_BAUD};
+use super::{Board, CYCLES_PER_INSTRUCTION, PORTS};
 use crate::cortex::private_bus::part;
 use crate::cpu::{Bus, Place};
 use crate::memory;
@@ -12,7 +12,6 @@ use crate::peripherals::rcc::ClockGate;
 use crate::peripherals::spi::Spi;
 use crate::peripherals::syscfg::SysCfg;
 use crate::peripherals::timer::Timer;
-use crate::peripherals::usart::Usart;
 use crate::peripherals::{Peripheral, Unmodelled};
 use crate::stop::Cause;
 use crate::time::Ticks;
@@ -23,12 +22,13 @@ const RCC: u32 = 0x4002_3800;
 type Reset = fn(&mut Board);
 
 /// What a reset by RCC puts back, besides ports and DMA.
-const RESETS: [(ClockGate, Reset); 10] = [
+const RESETS: [(ClockGate, Reset); 11] = [
     (ClockGate::apb1(0), |board| board.tim2 = Timer::general(u32::MAX)),
     (ClockGate::apb1(1), |board| board.tim3 = Timer::general(0xffff)),
     (ClockGate::apb1(3), |board| board.tim5 = Timer::general(u32::MAX)),
     (ClockGate::apb1(14), |board| board.spi2 = Spi::default()),
-    (ClockGate::apb1(17), |board| board.usart2 = Usart::new(TELEM1_BAUD)),
+    (ClockGate::apb1(17), |board| board.usart2.reset()),
+    (ClockGate::apb1(18), |board| board.usart3.reset()),
     (ClockGate::apb1(28), |board| board.pwr = Pwr::new(board.pwr.supply_v())),
     (ClockGate::apb2(0), |board| board.tim1 = Timer::advanced()),
     // all three converters together
@@ -48,6 +48,7 @@ impl Board {
             0x4000_3000 => (&mut self.iwdg, None),
             0x4000_3800 => (&mut self.spi2, gate(ClockGate::apb1(14))),
             0x4000_4400 => (&mut self.usart2, gate(ClockGate::apb1(17))),
+            0x4000_4800 => (&mut self.usart3, gate(ClockGate::apb1(18))),
             0x4000_7000 => (&mut self.pwr, gate(ClockGate::apb1(28))),
             0x4001_0000 => (&mut self.tim1, gate(ClockGate::apb2(0))),
             0x4001_2000 => (&mut self.adc1, gate(ClockGate::apb2(8))),
@@ -99,6 +100,7 @@ impl Board {
         self.spi1.set_bus_cycle(self.clocks.apb2);
         self.spi2.set_bus_cycle(self.clocks.apb1);
         self.usart2.set_bus_cycle(self.clocks.apb1);
+        self.usart3.set_bus_cycle(self.clocks.apb1);
         self.adc1.set_bus_cycle(self.clocks.apb2);
         self.tim1.set_cycle(self.clocks.apb2_timers, self.now);
         self.tim2.set_cycle(self.clocks.apb1_timers, self.now);
@@ -174,6 +176,13 @@ impl Board {
         }
     }
 
+    /// Writes words, as a bootloader may have done.
+    pub(crate) fn preset(&mut self, registers: &[(u32, u32)]) {
+        for (address, word) in registers {
+            self.store(*address, 4, *word, Place { ran: 0 });
+        }
+    }
+
     fn time_of(&self, place: Place) -> (Ticks, u64) {
         let cycles = place.ran * CYCLES_PER_INSTRUCTION;
         (self.now + cycles * self.clocks.core, self.cycles + cycles)
@@ -186,7 +195,7 @@ impl Bus for Board {
         match self.load_at(address, size, now, cycles) {
             Ok(value) => value,
             Err(cause) => {
-                self.refuse(cause, address, None, place.pc);
+                self.refuse(cause, address, None);
                 0
             }
         }
@@ -196,7 +205,11 @@ impl Bus for Board {
         let (now, cycles) = self.time_of(place);
         match self.store_at(address, size, value, now, cycles) {
             Ok(()) => self.refresh_lines(),
-            Err(cause) => self.refuse(cause, address, Some(value), place.pc),
+            Err(cause) => self.refuse(cause, address, Some(value)),
         }
+    }
+
+    fn is_over(&self) -> bool {
+        self.stop.is_some()
     }
 }

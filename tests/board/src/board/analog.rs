@@ -33,7 +33,6 @@ impl Board {
                     Cause::Unmodelled("ADC1 channel without anything on its pin, or a pin that is not analog"),
                     0,
                     None,
-                    0,
                 );
             }
             // `as` holds at 0, the converter at its largest count

@@ -48,7 +48,7 @@ impl Board {
         self.fram.select(fram);
     }
 
-    fn exchange_on_spi1(&mut self, byte: u8, now: Ticks) -> u8 {
+    pub(super) fn exchange_on_spi1(&mut self, byte: u8, now: Ticks) -> u8 {
         if SPI1_PINS.iter().any(|pin| self.ports[A].alternate_function(*pin) != SPI_FUNCTION) {
             return FLOATING;
         }
@@ -94,7 +94,7 @@ impl Board {
 
     fn answer_or_refuse(&mut self, answer: Result<u8, &'static str>) -> u8 {
         answer.unwrap_or_else(|why| {
-            self.refuse(Cause::Unmodelled(why), 0, None, 0);
+            self.refuse(Cause::Unmodelled(why), 0, None);
             FLOATING
         })
     }

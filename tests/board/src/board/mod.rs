@@ -7,21 +7,23 @@
 //!  SPI2 <------> FRAM (PD10)
 //!  TIM3 -- trigger output (update) --> TIM1 --> PE14, 13, 11, 9 --> world: pulses
 //!  USART2 <----> TELEM1       DMA1 S5 <-- received    S6 --> to send
+//!  USART3 <----> TELEM2       DMA1 S1 <-- received    S3, S4 --> to send
 //!  PA2 (battery) -> ADC1      DMA2 S4 <-- conversions
 //!  PA15 (buzzer) <- TIM2      TIM5: time base      RCC: clocks of all of them
 //! ```
 //!
 //! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults, `analog`
-//! battery and buzzer, `wiring` DMA requests and interrupt lines.
+//! battery and buzzer, `serial` the connectors, `wiring` DMA requests and interrupt lines.
 
 mod address_map;
 mod analog;
 mod buses;
 mod sensors;
+pub(crate) mod serial;
 mod wiring;
 
 use analog::USUAL_BATTERY_V;
-use wiring::USART2_DMA;
+use serial::USUAL_BAUD;
 
 use crate::cortex::private_bus::PrivateBus;
 use crate::devices::fram::Fram;
@@ -60,9 +62,9 @@ const D: usize = 3;
 const E: usize = 4;
 /// What is read of a data line that nobody drives.
 const FLOATING: u8 = 0xff;
+/// Reset flags of power-on, brown-out and pin (section 6.3.21).
+const POWER_ON: u32 = 1 << 27 | 1 << 26 | 1 << 25;
 const USUAL_SUPPLY_V: f32 = 3.3;
-/// TELEM1's usual baud rate.
-const TELEM1_BAUD: u64 = 115_200;
 
 /// All that is not the core or its memory.
 pub(crate) struct Board {
@@ -83,6 +85,7 @@ pub(crate) struct Board {
     tim3: Timer,
     tim5: Timer,
     usart2: Usart,
+    usart3: Usart,
     iwdg: Iwdg,
     dbgmcu: DbgMcu,
     backup_ram: Vec<u8>,
@@ -102,8 +105,7 @@ pub(crate) struct Board {
 impl Board {
     /// As after power-on.
     pub(crate) fn new(world: Box<dyn World>, seed: u64) -> Self {
-        // power-on, brown-out and pin reset (section 6.3.21)
-        let rcc = Rcc::new(1 << 27 | 1 << 26 | 1 << 25, true);
+        let rcc = Rcc::new(POWER_ON, true);
         let clocks = Clocks { core: 21, apb1: 21, apb2: 21, apb1_timers: 21, apb2_timers: 21 };
         let gyro = if world.second_gyro() == Some(SecondGyro::L3gd20h) { &L3GD20H } else { &L3GD20 };
         let second_imu = world.second_gyro().is_none().then_some(SensorFault::Removed(FLOATING));
@@ -124,7 +126,8 @@ impl Board {
             tim2: Timer::general(u32::MAX),
             tim3: Timer::general(0xffff),
             tim5: Timer::general(u32::MAX),
-            usart2: Usart::new(TELEM1_BAUD),
+            usart2: Usart::new(USUAL_BAUD),
+            usart3: Usart::new(USUAL_BAUD),
             iwdg: Iwdg::new(LSI_HZ),
             dbgmcu: DbgMcu::default(),
             backup_ram: memory::noise(0x1000, seed ^ 0xbac),
@@ -143,21 +146,40 @@ impl Board {
         board
     }
 
-    /// A reset for these reasons (flags of RCC_CSR): what keeps its power stays, backup SRAM and all around the chip.
+    /// A reset for these reasons (flags of RCC_CSR): what keeps its power stays, backup SRAM and the sensors.
     pub(crate) fn reset(&mut self, flags: u32) {
-        let flags_so_far = self.rcc.reset_flags();
-        let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), 0);
+        self.tim1.cut_pulses(self.now);
+        self.pass_on_pulses();
+        let mut fresh = self.without_power(0);
         std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
         std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
         std::mem::swap(&mut fresh.l3gd20, &mut self.l3gd20);
         std::mem::swap(&mut fresh.lsm303d, &mut self.lsm303d);
+        fresh.rcc = Rcc::new(self.rcc.reset_flags() | flags, self.rcc.crystal_oscillates());
+        *self = fresh;
+    }
+
+    /// All power is gone, the battery of the backup domain too, and comes back.
+    pub(crate) fn power_cycle(&mut self, seed: u64) {
+        self.tim1.cut_pulses(self.now);
+        self.pass_on_pulses();
+        *self = self.without_power(seed);
+    }
+
+    /// The same board after it lost its power: what does not need any, and what is around it, is as it was.
+    fn without_power(&mut self, seed: u64) -> Self {
+        let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), seed);
+        std::mem::swap(&mut fresh.fram, &mut self.fram);
+        std::mem::swap(&mut fresh.usart2, &mut self.usart2);
+        std::mem::swap(&mut fresh.usart3, &mut self.usart3);
+        fresh.usart2.reset();
+        fresh.usart3.reset();
         fresh.sensor_faults = self.sensor_faults;
         fresh.battery_v = self.battery_v;
-        std::mem::swap(&mut fresh.fram, &mut self.fram);
-        (fresh.now, fresh.cycles) = (self.now, self.cycles);
-        fresh.rcc = Rcc::new(flags_so_far | flags, self.rcc.crystal_oscillates());
         fresh.pwr = Pwr::new(self.pwr.supply_v());
-        *self = fresh;
+        fresh.rcc.set_crystal(self.rcc.crystal_oscillates());
+        (fresh.now, fresh.cycles) = (self.now, self.cycles);
+        fresh
     }
 
     /// The reset that is due, by its flags in RCC_CSR (section 6.3.21); each pulls the reset pin too.
@@ -184,7 +206,7 @@ impl Board {
         self.tick_sensors(now);
         self.tick_spi1(now, memory);
         self.tick_spi2(now);
-        self.tick_usart2(now, memory);
+        self.tick_serial(now, memory);
         self.tick_adc1(now, memory);
         self.refresh_lines();
     }
@@ -198,6 +220,7 @@ impl Board {
             self.spi1.next_event(),
             self.spi2.next_event(),
             self.usart2.next_event(),
+            self.usart3.next_event(),
             self.mpu6000.next_event(),
             self.l3gd20.next_event(),
             self.lsm303d.next_event(),
@@ -205,14 +228,6 @@ impl Board {
             self.adc1.next_end().filter(|_| self.dma[1].is_waited_for(4)),
         ];
         timers.chain(others.into_iter().flatten()).min()
-    }
-
-    fn tick_usart2(&mut self, now: Ticks, memory: &mut dyn Memory) {
-        self.move_items(&USART2_DMA, memory);
-        while self.usart2.next_event().is_some_and(|at| at <= now) {
-            self.usart2.tick(now);
-            self.move_items(&USART2_DMA, memory);
-        }
     }
 
     /// The supply of chip and board.
@@ -224,27 +239,17 @@ impl Board {
     /// The crystal stops, or would start.
     pub(crate) fn set_crystal(&mut self, oscillates: bool) {
         if !self.rcc.set_crystal(oscillates) {
-            self.refuse(Cause::Unmodelled("the crystal stopped and the clock security system is off"), 0, None, 0);
+            self.refuse(Cause::Unmodelled("the crystal stopped and the clock security system is off"), 0, None);
         }
         self.distribute_clocks();
         self.refresh_lines();
     }
 
-    /// TELEM1's other end sends.
-    pub(crate) fn telem1_sends(&mut self, bytes: &[u8]) {
-        if self.ports[D].alternate_function(6) == Some(7) {
-            self.usart2.line_receives(bytes, self.now);
-        }
-    }
-
-    /// What TELEM1's other end received.
-    pub(crate) fn telem1_received(&mut self) -> Vec<u8> {
-        let sent = self.usart2.take_sent();
-        if self.ports[D].alternate_function(5) == Some(7) { sent } else { Vec::new() }
-    }
-
-    fn refuse(&mut self, cause: Cause, address: u32, value: Option<u32>, pc: u32) {
+    fn refuse(&mut self, cause: Cause, address: u32, value: Option<u32>) {
         // the first is the cause, the rest may follow from it
-        self.stop.get_or_insert(Stop { cause, address, value, pc });
+        self.stop.get_or_insert(Stop { cause, address, value, pc: 0 });
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -44,6 +44,11 @@ pub(super) const USART2_DMA: [DmaWire; 2] = [
     DmaWire::new(0, 5, 4, false, |board| board.usart2.requests_receive_dma()),
     DmaWire::new(0, 6, 4, true, |board| board.usart2.requests_transmit_dma()),
 ];
+pub(super) const USART3_DMA: [DmaWire; 3] = [
+    DmaWire::new(0, 1, 4, false, |board| board.usart3.requests_receive_dma()),
+    DmaWire::new(0, 3, 4, true, |board| board.usart3.requests_transmit_dma()),
+    DmaWire::new(0, 4, 7, true, |board| board.usart3.requests_transmit_dma()),
+];
 pub(super) const ADC1_DMA: [DmaWire; 1] = [DmaWire::new(1, 4, 0, false, |board| board.adc1.requests_dma())];
 
 /// Interrupts of the streams (RM0090 table 62).
@@ -54,11 +59,17 @@ impl Board {
     pub(super) fn tick_motor_timers(&mut self, now: Ticks) {
         self.tim3.tick(now);
         for at in self.tim3.take_triggers() {
+            self.world.loop_tick(at);
             if self.tim1.trigger_input() == Some(TIM1_FROM_TIM3) {
                 self.tim1.trigger(at);
             }
         }
         self.tim1.tick(now);
+        self.pass_on_pulses();
+    }
+
+    /// To the ESCs, from channels whose pin is the timer's.
+    pub(super) fn pass_on_pulses(&mut self) {
         for pulse in self.tim1.take_pulses() {
             if self.ports[E].alternate_function(MOTOR_PINS[pulse.channel]) == Some(1) {
                 self.world.pulse(pulse);
@@ -140,5 +151,6 @@ impl Board {
             | interrupt_line(35, self.spi1.interrupt())
             | interrupt_line(36, self.spi2.interrupt())
             | interrupt_line(38, self.usart2.interrupt())
+            | interrupt_line(39, self.usart3.interrupt())
     }
 }

@@ -230,6 +230,18 @@ mod tests {
     }
 
     #[test]
+    fn a_level_that_falls_while_its_handler_runs_does_not_come_again() {
+        let mut exceptions = with_two();
+        exceptions.set_lines(interrupt_line(28, true));
+        exceptions.activate(44);
+        // still high when it is looked at again; then the handler serves it
+        exceptions.set_lines(interrupt_line(28, true));
+        exceptions.set_lines(0);
+        exceptions.deactivate(44);
+        assert!(!exceptions.is_pending(44));
+    }
+
+    #[test]
     fn faults_escalate_until_there_is_nothing_left() {
         let mut exceptions = Exceptions::default();
         assert_eq!(exceptions.fault_target(BUS_FAULT, FREE), Some(HARD_FAULT));

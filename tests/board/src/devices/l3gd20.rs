@@ -10,8 +10,9 @@ const CTRL_REG1: usize = 0x20;
 const CTRL_REG3: usize = 0x22;
 const CTRL_REG4: usize = 0x23;
 const CTRL_REG5: usize = 0x24;
-/// L3GD20H only.
+/// L3GD20H only: its low rates, its reset and more; the bit that switches I2C off changes nothing here.
 const LOW_ODR: usize = 0x39;
+const I2C_OFF: u8 = 1 << 3;
 
 const POWERED_AND_ALL_AXES: u8 = 0b1111;
 const POWERED: u8 = 1 << 3;
@@ -49,7 +50,7 @@ pub(crate) const L3GD20H: Kind = Kind {
     drives_data_ready,
     holds_while_read,
     check_settings: |registers| match registers[LOW_ODR] {
-        0 => check_settings(registers),
+        0 | I2C_OFF => check_settings(registers),
         _ => Err("L3GD20H with LOW_ODR"),
     },
     too_fast: "L3GD20H accessed at more than 10 MHz",

@@ -20,6 +20,8 @@ const HSION: u32 = 1;
 const HSEON: u32 = 1 << 16;
 const CSSON: u32 = 1 << 19;
 const PLLON: u32 = 1 << 24;
+/// Read-only: one above HSION, HSEON, PLLON, PLLI2SON, PLLSAION.
+const READY: u32 = 1 << 1 | 1 << 17 | 1 << 25 | 1 << 27 | 1 << 29;
 /// PLLI2S, PLLSAI.
 const OTHER_PLLS: u32 = 1 << 26 | 1 << 28;
 const PLL_FROM_HSE: u32 = 1 << 22;
@@ -76,7 +78,7 @@ impl Rcc {
     /// As after a reset for these reasons (the flags of RCC_CSR).
     pub(crate) fn new(reset_flags: u32, crystal_oscillates: bool) -> Self {
         let mut words = [0; WORDS];
-        words[(CR / 4) as usize] = 0x83;
+        words[(CR / 4) as usize] = 0x81;
         words[(PLLCFGR / 4) as usize] = 0x2400_3010;
         // AHB1ENR: CCM data RAM is clocked
         words[0x30 / 4] = 0x0010_0000;
@@ -228,7 +230,7 @@ impl Peripheral for Rcc {
                 self.words[index] = flags | value & 1;
             }
             _ if index < WORDS => {
-                self.words[index] = value;
+                self.words[index] = if offset == CR { value & !READY } else { value };
                 self.switch();
                 if self.word(CFGR) & SWITCH == SWITCH || !self.is_ready(self.source) {
                     return Err(Unmodelled("system clock from nothing that oscillates"));
@@ -266,6 +268,9 @@ mod tests {
         assert_eq!(rcc.read(CR, 0).unwrap() & (1 << 17 | 1 << 25), 0);
         rcc.write(CR, HSION | HSEON | PLLON, 0).unwrap();
         assert_eq!(rcc.read(CR, 0).unwrap(), 3 | 3 << 16 | 3 << 24);
+        // what was ready and is written back does not stay so
+        rcc.write(CR, 3 | 1 << 17 | 1 << 25, 0).unwrap();
+        assert_eq!(rcc.read(CR, 0).unwrap(), 3);
     }
 
     #[test]

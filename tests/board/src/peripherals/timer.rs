@@ -220,6 +220,14 @@ impl Timer {
         std::mem::take(&mut self.triggers)
     }
 
+    /// The pins are let go of, as by a reset: pulses under way end here.
+    pub(crate) fn cut_pulses(&mut self, now: Ticks) {
+        for (channel, since) in self.high_since.iter_mut().enumerate() {
+            let cut = since.take().map(|rise| Pulse { channel, rise, width: now.saturating_sub(rise) });
+            self.pulses.extend(cut);
+        }
+    }
+
     /// Pulses that ended since the last call.
     pub(crate) fn take_pulses(&mut self) -> Vec<Pulse> {
         std::mem::take(&mut self.pulses)
@@ -257,12 +265,13 @@ impl Timer {
         Ok(())
     }
 
-    fn write_compare(&mut self, channel: usize, value: u32) {
+    fn write_compare(&mut self, channel: usize, value: u32, now: Ticks) {
         self.compare[channel] = value & self.count_max;
         let preloads = self.mode[channel / 2] >> (8 * (channel % 2) + 3) & 1 != 0;
         if !preloads {
             self.active_compare[channel] = self.compare[channel];
-            self.matched[channel] = false;
+            // a value that the counter has passed matches in the next period only
+            self.matched[channel] = self.count(now) > self.compare[channel];
         }
     }
 
@@ -334,7 +343,7 @@ impl Peripheral for Timer {
                 }
             }
             0x30 if value == 0 => {}
-            0x34..=0x40 => self.write_compare(((offset - 0x34) / 4) as usize, value),
+            0x34..=0x40 => self.write_compare(((offset - 0x34) / 4) as usize, value, now),
             0x44 if self.advanced && value & UNUSED_BREAK == 0 => self.brake = value,
             _ => return Err(Unmodelled("timer register")),
         }
@@ -343,17 +352,19 @@ impl Peripheral for Timer {
     }
 
     fn tick(&mut self, now: Ticks) {
+        // in the order of their times, or an output would be looked at before what came before
         loop {
-            let update = self.next_update().filter(|at| *at <= now);
-            for channel in 0..CHANNELS {
-                if let Some(at) = self.next_match(channel).filter(|at| *at <= now) {
+            let matches = (0..CHANNELS).filter_map(|channel| Some((self.next_match(channel)?, Some(channel))));
+            let update = self.next_update().map(|at| (at, None));
+            let due = matches.chain(update).filter(|(at, _)| *at <= now).min_by_key(|(at, _)| *at);
+            let Some((at, channel)) = due else { return };
+            match channel {
+                Some(channel) => {
                     self.matched[channel] = true;
                     self.status |= 2 << channel;
-                    self.refresh_outputs(at);
                 }
+                None => self.overflow(at),
             }
-            let Some(at) = update else { return };
-            self.overflow(at);
             self.refresh_outputs(at);
         }
     }
@@ -370,130 +381,4 @@ impl Peripheral for Timer {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// 168 MHz / 7, 400 Hz, PWM mode 1 with preload on channel 4.
-    fn motor_timer() -> Timer {
-        let mut timer = Timer::advanced();
-        timer.set_cycle(2, 0);
-        for (offset, value) in [
-            (0x28, 6),
-            (0x2c, 59_999),
-            (0x1c, 0x6800),
-            (0x20, 1 << 12),
-            (0x40, 24_000),
-            (0x14, 1),
-            (0x10, 0),
-            (0x44, MOE),
-        ] {
-            timer.write(offset, value, 0).unwrap();
-        }
-        timer
-    }
-
-    #[test]
-    fn the_period_is_exact_and_the_update_flag_is_cleared_by_writing_zero() {
-        let mut timer = Timer::general(0xffff);
-        timer.set_cycle(4, 0);
-        timer.write(0x28, 83, 0).unwrap();
-        timer.write(0x2c, 2499, 0).unwrap();
-        timer.write(0x14, UG, 0).unwrap();
-        timer.write(0x10, 0, 0).unwrap();
-        timer.write(0x0c, UIF, 0).unwrap();
-        timer.write(0x00, CEN, 0).unwrap();
-        let period = 2500 * 336;
-        assert_eq!(timer.next_event(), Some(period));
-        timer.tick(period - 1);
-        assert!(!timer.update_interrupt());
-        timer.tick(period);
-        assert!(timer.update_interrupt());
-        timer.write(0x10, !UIF, period).unwrap();
-        assert!(!timer.update_interrupt());
-        assert_eq!(timer.read(0x24, period + 336 * 7).unwrap(), 7);
-        assert_eq!(timer.next_event(), Some(2 * period));
-    }
-
-    #[test]
-    fn a_new_compare_value_waits_for_the_update() {
-        let mut timer = motor_timer();
-        timer.write(0x00, CEN, 0).unwrap();
-        timer.tick(336_000);
-        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 0, width: 336_000 }]);
-        timer.write(0x40, 48_000, 500_000).unwrap();
-        timer.tick(840_000 + 672_000);
-        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 840_000, width: 672_000 }]);
-    }
-
-    #[test]
-    fn without_main_output_enable_the_pin_is_low() {
-        let mut timer = motor_timer();
-        timer.write(0x44, 0, 0).unwrap();
-        timer.take_pulses();
-        timer.write(0x00, CEN, 0).unwrap();
-        timer.tick(3 * 840_000);
-        assert_eq!(timer.take_pulses(), []);
-    }
-
-    #[test]
-    fn a_slower_clock_stretches_what_is_left() {
-        let mut timer = motor_timer();
-        timer.write(0x00, CEN, 0).unwrap();
-        // half of the pulse at 168 MHz, half at 16 MHz
-        timer.set_cycle(21, 12_000 * 14);
-        assert_eq!(timer.count(12_000 * 14), 12_000);
-        let end = 12_000 * 14 + 12_000 * 7 * 21;
-        timer.tick(end);
-        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 0, width: end }]);
-    }
-
-    #[test]
-    fn a_tone_has_the_frequency_of_its_period_and_none_at_a_level() {
-        let mut timer = Timer::general(u32::MAX);
-        timer.set_cycle(4, 0);
-        for (offset, value) in [(0x28, 83), (0x18, 0x68), (0x20, 1), (0x2c, 499), (0x34, 250), (0x14, UG)] {
-            timer.write(offset, value, 0).unwrap();
-        }
-        assert_eq!(timer.wave_hz(0), None);
-        timer.write(0x00, CEN, 0).unwrap();
-        assert_eq!(timer.wave_hz(0), Some(2000.0));
-        // nothing waits for it
-        assert_eq!(timer.next_event(), None);
-        timer.write(0x34, 0, 0).unwrap();
-        timer.write(0x14, UG, 0).unwrap();
-        assert_eq!(timer.wave_hz(0), None);
-    }
-
-    #[test]
-    fn an_update_by_software_acts_at_once() {
-        let mut timer = motor_timer();
-        timer.write(0x00, CEN, 0).unwrap();
-        timer.tick(400_000);
-        timer.take_pulses();
-        timer.write(0x40, 30_000, 400_000).unwrap();
-        timer.write(0x14, UG, 400_000).unwrap();
-        timer.tick(400_000 + 30_000 * 14);
-        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 400_000, width: 420_000 }]);
-    }
-
-    #[test]
-    fn a_slave_in_trigger_mode_starts_with_its_master() {
-        let mut master = Timer::general(0xffff);
-        master.set_cycle(4, 0);
-        master.write(0x2c, 99, 0).unwrap();
-        master.write(0x04, TRGO_UPDATE << 4, 0).unwrap();
-        master.write(0x00, CEN, 0).unwrap();
-        let mut slave = motor_timer();
-        slave.write(0x08, 2 << 4 | SLAVE_TRIGGER, 0).unwrap();
-        assert_eq!(slave.trigger_input(), Some(2));
-        master.tick(399);
-        assert!(master.take_triggers().is_empty());
-        master.tick(400);
-        assert_eq!(master.take_triggers(), [400]);
-        slave.trigger(400);
-        assert_eq!(slave.count(400 + 14 * 5), 5);
-        // a second trigger does not disturb it
-        slave.trigger(800);
-        assert_eq!(slave.count(400 + 14 * 50), 50);
-    }
-}
+mod tests;
