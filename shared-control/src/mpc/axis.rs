@@ -111,6 +111,7 @@ impl<const M: usize> Axis<M> {
     }
 
     /// With one input over the whole horizon: cut where the first angle leaves its limits.
+    #[inline(never)]
     fn cut_at_outputs(&self, start: &[f32; 2], limits: &[f32; 2], outcome: Outcome) -> Outcome {
         let ([angle, rate], [lower, upper]) = (*start, *limits);
         let (mut least, mut greatest, mut time) = (-1.0, 1.0, 0.0);
@@ -138,6 +139,7 @@ impl<const M: usize> Axis<M> {
     }
 
     /// With several inputs: the optimum without limits on the angle if it keeps them, else the dense program's.
+    #[inline(never)]
     fn bound_outputs(
         &self,
         bounded: &BoundedOutput<M>,
