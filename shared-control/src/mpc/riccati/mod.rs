@@ -51,7 +51,7 @@ impl Held {
     #[inline(always)]
     fn is_left(self, wish: f32) -> bool {
         match self {
-            Self::Free => wish > 1.0 || wish < -1.0,
+            Self::Free => wish.abs() > 1.0,
             Self::High => wish < 1.0 - SLACK,
             Self::Low => wish > SLACK - 1.0,
         }
