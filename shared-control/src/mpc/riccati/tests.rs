@@ -107,9 +107,10 @@ fn optimality_of(problems: usize, seed: u64) {
             let plan = plan(&lq, &guess, start, previous);
             assert_eq!(outcome.input.to_bits(), plan[0].to_bits());
             let residual = residual(&plan, increment_weight, horizon, start, previous);
-            // Single precision of costs whose terms cancel, of states up to a hundred bounds away; required are 1e-4.
+            // Required are 1e-4. Below the shipped weights single precision loses digits in costs whose terms cancel.
+            let tolerance = if increment_weight > 1e4 { 3e-5 } else { 1e-4 };
             assert!(
-                residual <= 5e-5,
+                residual <= tolerance,
                 "{residual:e}: rho {increment_weight} M {control_horizon} N {horizon} {start:?} {previous}"
             );
         }
