@@ -93,8 +93,8 @@ fn optimality_of(problems: usize, seed: u64) {
     for _ in 0..problems {
         let horizon = numbers.count(30);
         let control_horizon = numbers.count(horizon);
-        // The thesis' vehicle has 8e4 to 3e6 at 10 ms and 2e7 to 7e8 at 2.5 ms.
-        let increment_weight = libm::powf(10.0, 4.5 + 4.5 * numbers.next());
+        // 10 to 1e9; the thesis' vehicle has 8e4 to 3e6 at 10 ms and 2e7 to 7e8 at 2.5 ms.
+        let increment_weight = libm::powf(10.0, 5.0 + 4.0 * numbers.next());
         let lq = problem(increment_weight, control_horizon, horizon);
         let mut guess = Guess::new();
         for _ in 0..10 {
