@@ -118,8 +118,8 @@ fn memory_stays_small() {
         println!("M = {M:2}: prepared {:6} bytes, state {:5} bytes", sizes.0, sizes.1);
         sizes
     }
-    assert!(sizes::<1>().0 < 2_000);
-    assert!(sizes::<10>().0 < 7_000);
+    assert!(sizes::<1>().0 < 3_000);
+    assert!(sizes::<10>().0 < 10_000);
     let (prepared, state) = sizes::<30>();
-    assert!(prepared < 26_000 && state < 1_000, "{prepared} {state}");
+    assert!(prepared < 34_000 && state < 7_000, "{prepared} {state}");
 }

@@ -31,7 +31,7 @@ pub(crate) fn clippy(workspace: &Workspace) -> Result<()> {
 }
 
 /// The CPU emulator is C, and its bindings are made by libclang.
-fn check_tools() -> Result<()> {
+pub(crate) fn check_tools() -> Result<()> {
     let cmake = Command::new("cmake").arg("--version").stdout(Stdio::null()).status();
     if !cmake.is_ok_and(|status| status.success()) {
         bail!(

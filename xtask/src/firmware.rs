@@ -1,6 +1,6 @@
 //! Building, checking and linting what runs on the flight controller.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
@@ -39,6 +39,14 @@ impl<'a> Target<'a> {
     /// Where [`Self::build_image`] leaves it.
     pub(crate) fn image(&self) -> PathBuf {
         self.workspace.target_dir.join(TRIPLE).join("release/firmware")
+    }
+
+    /// Builds the solver benchmark with the problem in `source`; returns the image's place.
+    pub(crate) fn build_bench_image(&self, source: &Path) -> Result<PathBuf> {
+        let mut command = self.toolchain.build(self.workspace);
+        command.args(["--quiet", "--package", "bench-image"]).args(RELEASE).env("BENCH_DATA", source);
+        process::run(&mut command)?;
+        Ok(self.workspace.target_dir.join(TRIPLE).join("release/bench-image"))
     }
 
     /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its dependencies.

@@ -1,5 +1,6 @@
 //! `cargo xtask`: what CI runs, and what a developer would otherwise type by hand.
 
+mod bench_mcu;
 mod board;
 mod call_graph;
 mod ci;
@@ -41,6 +42,8 @@ enum Task {
     ClippyTarget,
     /// Fly the firmware image on the emulated board (needs cmake, libclang and a C compiler)
     BoardTest,
+    /// Count the MPC's instructions on an emulated Cortex-M4F, for the benchmark's instances (needs what board-test needs)
+    BenchMcu(bench_mcu::Arguments),
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
     /// Run all that CI runs, in its order
@@ -65,6 +68,7 @@ fn run(task: &Task) -> Result<()> {
         Task::CoreTarget => Target::find(&workspace)?.build_core(),
         Task::ClippyTarget => Target::find(&workspace)?.clippy(),
         Task::BoardTest => board::run(&workspace),
+        Task::BenchMcu(arguments) => bench_mcu::run(&workspace, arguments),
         Task::Tidy => tidy::run(&workspace),
         Task::Ci => ci::run(&workspace),
     }

@@ -1,18 +1,34 @@
-//! One axis: its quadratic program, prepared at start-up, and the solve at each control step.
+//! One axis: its problem in units of its own, prepared at start-up, and the solve at each control step.
 
-use super::condense::{Condensed, LinearMap};
+use super::AxisSettings;
+use super::bounded_output::BoundedOutput;
 use super::model::PredictedAngles;
-use super::{AxisSettings, HORIZON};
-use crate::qp::{Bounds, Qp, QpError, Settings, Solution, Status, Workspace};
+use super::riccati::{BoundedLq, DoubleIntegrator, Guess, Outcome};
+use crate::qp::{QpError, Status, Workspace};
 
-/// A prepared axis with M free inputs.
+/// A prepared axis with room for M free inputs.
 #[derive(Clone, Debug)]
 pub(super) struct Axis<const M: usize> {
-    linear_map: LinearMap<M>,
-    qp: Qp<M, HORIZON>,
-    rate_weights: [f32; HORIZON],
-    input_max: f32,
-    output_max_rad: Option<f32>,
+    lq: BoundedLq<DoubleIntegrator, 2, M>,
+    units: Units,
+    bounded_output: Option<BoundedOutput<M>>,
+    control_horizon: usize,
+    /// Prediction steps over which the last input is held.
+    last_steps: usize,
+}
+
+/// Warm starts of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct AxisState<const M: usize> {
+    guess: Guess<2, M>,
+    /// Of the program with bounds on the angle.
+    dense: Workspace<M>,
+}
+
+impl<const M: usize> AxisState<M> {
+    pub(super) const fn new() -> Self {
+        Self { guess: Guess::new(), dense: Workspace::new() }
+    }
 }
 
 /// Where an axis is and where it shall go.
@@ -24,6 +40,19 @@ pub(super) struct AxisRequest {
     pub(super) reference_rad: f32,
 }
 
+/// Factors into the units in which the problem has as few numbers as possible: the prediction step, the weight of the
+/// angle, the bound of the input, and how much faster that makes the axis in one step, are all 1.
+#[derive(Clone, Copy, Debug)]
+struct Units {
+    /// Per rad.
+    angle: f32,
+    /// Per rad/s.
+    rate: f32,
+    /// Per input unit.
+    input: f32,
+    input_max: f32,
+}
+
 impl<const M: usize> Axis<M> {
     pub(super) fn prepare(
         horizon: usize,
@@ -31,66 +60,126 @@ impl<const M: usize> Axis<M> {
         prediction_step_s: f32,
         settings: &AxisSettings,
     ) -> Result<Self, QpError> {
-        let angles = PredictedAngles::<M>::new(horizon, control_horizon, prediction_step_s, settings.input_gain);
-        let condensed = Condensed::new(&angles, settings.tracking_weight, settings.increment_weight);
-        if !condensed.linear_map.0.as_flattened().iter().all(|entry| entry.is_finite()) {
-            return Err(QpError::NotFinite);
-        }
-        let hessian = condensed.hessian.get(..control_horizon).ok_or(QpError::VariableCount)?;
-        let output_rows = match settings.output_max_rad {
-            Some(_) => angles.input_weights.get(..horizon).unwrap_or(&[]),
-            None => &[],
-        };
-        Ok(Self {
-            qp: Qp::prepare(hessian, output_rows)?,
-            linear_map: condensed.linear_map,
-            rate_weights: angles.rate_weights,
+        let full_turn_rad = settings.input_gain * prediction_step_s * prediction_step_s * settings.input_max;
+        let units = Units {
+            angle: 1.0 / full_turn_rad,
+            rate: prediction_step_s / full_turn_rad,
+            input: 1.0 / settings.input_max,
             input_max: settings.input_max,
-            output_max_rad: settings.output_max_rad,
+        };
+        let scale = settings.input_max / full_turn_rad;
+        let increment_weight = settings.increment_weight / settings.tracking_weight * scale * scale;
+        let last_steps = horizon.saturating_sub(control_horizon) + 1;
+        let last = DoubleIntegrator::cost_of_held_input(last_steps);
+        let angles = PredictedAngles::new(horizon, control_horizon, prediction_step_s, settings.input_gain);
+        Ok(Self {
+            lq: BoundedLq::prepare(DoubleIntegrator, increment_weight, control_horizon, last)?,
+            units,
+            bounded_output: BoundedOutput::prepare(&angles, settings)?,
+            control_horizon,
+            last_steps,
         })
     }
 
-    pub(super) fn solve(&self, request: &AxisRequest, solver: &Settings, warm_start: &mut Workspace<M>) -> Solution<M> {
-        let AxisRequest { angle_rad, rate_rad_s, input_prev, reference_rad } = *request;
-        let linear = self.linear_map.at(angle_rad, rate_rad_s, input_prev, reference_rad);
-        let mut bounds = Bounds {
-            lower: [-self.input_max; M],
-            upper: [self.input_max; M],
-            row_lower: [0.0; HORIZON],
-            row_upper: [0.0; HORIZON],
-        };
-        if let Some(output_max_rad) = self.output_max_rad {
-            for (step, time_s) in self.rate_weights.iter().enumerate() {
-                // Where the angle would go with no input at all.
-                let free_rad = angle_rad + time_s * rate_rad_s;
-                bounds.row_lower[step] = -output_max_rad - free_rad;
-                bounds.row_upper[step] = output_max_rad - free_rad;
-            }
+    /// Solves for `request`; the input is finite and inside its bounds whatever the status.
+    pub(super) fn solve(&self, request: &AxisRequest, state: &mut AxisState<M>) -> Outcome {
+        let AxisRequest { input_prev, reference_rad, .. } = *request;
+        let start = self.start(request);
+        let previous = self.units.input * input_prev;
+        let mut outcome = self.lq.solve(&start, previous, &mut state.guess);
+        if let (Some(bounded), Status::Solved) = (&self.bounded_output, outcome.status) {
+            let one = self.units.angle * (-bounded.output_max_rad - reference_rad);
+            let other = self.units.angle * (bounded.output_max_rad - reference_rad);
+            let limits = if one < other { [one, other] } else { [other, one] };
+            outcome = if self.control_horizon == 1 {
+                self.cut_at_outputs(&start, &limits, outcome)
+            } else {
+                self.bound_outputs(bounded, request, &limits, state, outcome)
+            };
+        } else {
+            outcome.input *= self.units.input_max;
         }
-        self.qp.solve(&linear, &bounds, solver, warm_start)
+        if outcome.status != Status::Solved {
+            outcome.input = self.present_input(input_prev);
+        }
+        outcome
     }
 
-    /// What may be applied: the plan's first input, or, without a plan, the present one; always inside the bounds.
-    pub(super) fn first_input(&self, solution: &Solution<M>, input_prev: f32) -> f32 {
-        let wish = if solution.status == Status::Solved { solution.x[0] } else { input_prev };
+    /// The state, in the axis' units: angle from the reference, and rate.
+    fn start(&self, request: &AxisRequest) -> [f32; 2] {
+        [self.units.angle * (request.angle_rad - request.reference_rad), self.units.rate * request.rate_rad_s]
+    }
+
+    /// With one input over the whole horizon: cut where the first angle leaves its limits.
+    #[inline(never)]
+    fn cut_at_outputs(&self, start: &[f32; 2], limits: &[f32; 2], outcome: Outcome) -> Outcome {
+        let ([angle, rate], [lower, upper]) = (*start, *limits);
+        let (mut least, mut greatest, mut time) = (-1.0, 1.0, 0.0);
+        for _ in 0..self.last_steps {
+            time += 1.0;
+            let free = angle + time * rate;
+            let per_input = 2.0 / (time * time);
+            let (from, to) = ((lower - free) * per_input, (upper - free) * per_input);
+            if from > least {
+                least = from;
+            }
+            if to < greatest {
+                greatest = to;
+            }
+        }
+        let input = if outcome.input < least {
+            least
+        } else if outcome.input > greatest {
+            greatest
+        } else {
+            outcome.input
+        };
+        let status = if least <= greatest { Status::Solved } else { Status::Infeasible };
+        Outcome { input: self.units.input_max * input, status, ..outcome }
+    }
+
+    /// With several inputs: the optimum without limits on the angle if it keeps them, else the dense program's.
+    #[inline(never)]
+    fn bound_outputs(
+        &self,
+        bounded: &BoundedOutput<M>,
+        request: &AxisRequest,
+        limits: &[f32; 2],
+        state: &mut AxisState<M>,
+        outcome: Outcome,
+    ) -> Outcome {
+        let start = self.start(request);
+        let [lower, upper] = *limits;
+        let keeps = |[angle, _]: &[f32; 2]| lower <= *angle && *angle <= upper;
+        let previous = self.units.input * request.input_prev;
+        if self.lq.trajectory(&start, previous, &state.guess, self.last_steps, keeps) {
+            return Outcome { input: self.units.input_max * outcome.input, ..outcome };
+        }
+        let dense = bounded.solve(request, &mut state.dense);
+        Outcome { iterations: outcome.iterations.saturating_add(dense.iterations), ..dense }
+    }
+
+    /// What stays applied without a plan.
+    fn present_input(&self, input_prev: f32) -> f32 {
+        let input_max = self.units.input_max;
         // Not `clamp`: its panic message alone brings 25 kB of float formatting onto the board.
-        if wish > self.input_max {
-            self.input_max
-        } else if wish < -self.input_max {
-            -self.input_max
-        } else if wish.is_nan() {
+        if input_prev > input_max {
+            input_max
+        } else if input_prev < -input_max {
+            -input_max
+        } else if input_prev.is_nan() {
             0.0
         } else {
-            wish
+            input_prev
         }
     }
 
     /// Weights of (angle, rate, previous input, reference) in the first input when no bound is active.
     pub(super) fn unconstrained_gain(&self) -> [f32; 4] {
-        let mut gain = [0.0; 4];
-        for (column, weight) in gain.iter_mut().enumerate() {
-            *weight = self.qp.unconstrained(&self.linear_map.0.map(|row| row[column]))[0];
-        }
-        gain
+        let law = self.lq.first_free_law();
+        let [angle, rate] = law.state;
+        let (angle, rate) =
+            (self.units.input_max * self.units.angle * angle, self.units.input_max * self.units.rate * rate);
+        [angle, rate, law.previous, -angle]
     }
 }

@@ -7,20 +7,18 @@
 //! (prepared); then per step [`PlanRequest`] -> f and bounds -> solve -> first input -> [`Plan`].
 
 mod axis;
+mod bounded_output;
 pub mod condense;
 pub mod model;
+mod riccati;
 
-use axis::{Axis, AxisRequest};
+use axis::{Axis, AxisRequest, AxisState};
 
-use crate::qp::{self, QpError, Status, Workspace};
+use crate::qp::{QpError, Status};
 use crate::signals::{Plan, PlanRequest, PlanStatus};
 
 /// Most prediction steps (N), and the usual number.
 pub const HORIZON: usize = 30;
-
-/// Cap on the solver's iterations per axis. Turning every active bound of thirty inputs and thirty angles around takes
-/// 120 changes; half as many have been seen (63 over three axes, after a step of all references).
-const ITERATION_LIMIT: u16 = 150;
 
 /// Parameters of the MPC; arrays are (roll, pitch, yaw).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,13 +149,13 @@ pub struct Mpc<const M: usize> {
 /// What an MPC carries from plan to plan: the warm starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MpcState<const M: usize> {
-    warm_starts: [Workspace<M>; 3],
+    axes: [AxisState<M>; 3],
 }
 
 impl<const M: usize> MpcState<M> {
     /// A cold start.
     pub const fn new() -> Self {
-        Self { warm_starts: [Workspace::new(); 3] }
+        Self { axes: [AxisState::new(); 3] }
     }
 }
 
@@ -212,8 +210,7 @@ impl<const M: usize> Mpc<M> {
     pub fn plan(&self, state: &mut MpcState<M>, request: &PlanRequest) -> Plan {
         let status = if self.axes.is_full() { PlanStatus::Solved } else { PlanStatus::NumericalError };
         let mut plan = Plan { step: request.step, input: [0.0; 3], status, iterations: 0 };
-        let solver = qp::Settings { iteration_limit: ITERATION_LIMIT, ..qp::Settings::default() };
-        for (index, (axis, warm_start)) in self.axes.iter().zip(&mut state.warm_starts).enumerate() {
+        for (index, (axis, axis_state)) in self.axes.iter().zip(&mut state.axes).enumerate() {
             let input_prev = request.input_prev[index];
             let axis_request = AxisRequest {
                 angle_rad: request.angle_rad[index],
@@ -221,8 +218,8 @@ impl<const M: usize> Mpc<M> {
                 input_prev,
                 reference_rad: request.reference_rad[index],
             };
-            let solution = axis.solve(&axis_request, &solver, warm_start);
-            plan.input[index] = axis.first_input(&solution, input_prev);
+            let solution = axis.solve(&axis_request, axis_state);
+            plan.input[index] = solution.input;
             plan.status = worse(plan.status, solution.status);
             plan.iterations = plan.iterations.saturating_add(solution.iterations);
         }

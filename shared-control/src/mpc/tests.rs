@@ -267,7 +267,7 @@ fn settings_are_checked_by_name() {
 #[test]
 fn settings_beyond_single_precision_are_refused() {
     let mut settings = nominal();
-    settings.increment_weight[1] = 1e-6;
+    settings.increment_weight[1] = 1e-8;
     let error = Mpc::<30>::prepare(&settings).err();
     let expected = |error| matches!(error, Some(MpcError::Program { axis: 1, error: QpError::IllConditioned { .. } }));
     assert!(expected(error), "{error:?}");

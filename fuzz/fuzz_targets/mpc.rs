@@ -1,0 +1,63 @@
+//! The MPC on raw bytes: settings, control horizon, then requests one after another with the same warm start.
+//!
+//! `cargo +nightly fuzz run mpc`, in the project's root. Whatever the bytes: no panic, no hang, an input that is a number
+//! inside its bounds, and "solved" only for requests that are numbers.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use shared_control::mpc::{HORIZON, Mpc, MpcSettings, MpcState};
+use shared_control::signals::{PlanRequest, PlanStatus};
+
+/// The bytes, four at a time, zeros after the end.
+struct Words<'a>(&'a [u8]);
+
+impl Words<'_> {
+    fn next(&mut self) -> u32 {
+        let Some((word, rest)) = self.0.split_first_chunk() else {
+            self.0 = &[];
+            return 0;
+        };
+        self.0 = rest;
+        u32::from_le_bytes(*word)
+    }
+
+    fn number(&mut self) -> f32 {
+        f32::from_bits(self.next())
+    }
+
+    fn three(&mut self) -> [f32; 3] {
+        [self.number(), self.number(), self.number()]
+    }
+}
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut words = Words(bytes);
+    let control_horizon = words.next() as usize % (HORIZON + 2);
+    let settings = MpcSettings {
+        horizon: words.next() as usize % (HORIZON + 2),
+        prediction_step_s: words.number(),
+        input_gain: words.three(),
+        tracking_weight: words.three(),
+        increment_weight: words.three(),
+        input_max: words.three(),
+        output_max_rad: [0, 1, 2].map(|_| Some(words.number()).filter(|bound| bound.is_finite())),
+    };
+    let Ok(mpc) = Mpc::<HORIZON>::prepare_shorter(control_horizon, &settings) else { return };
+    let mut state = MpcState::new();
+    while !words.0.is_empty() {
+        let request = PlanRequest {
+            step: 0,
+            angle_rad: words.three(),
+            rate_rad_s: words.three(),
+            input_prev: words.three(),
+            reference_rad: words.three(),
+        };
+        let plan = mpc.plan(&mut state, &request);
+        for (input, input_max) in plan.input.iter().zip(settings.input_max) {
+            assert!(input.abs() <= input_max, "{plan:?} for {request:?}");
+        }
+        let numbers = [request.angle_rad, request.rate_rad_s, request.input_prev, request.reference_rad];
+        let are_numbers = numbers.as_flattened().iter().all(|number| number.is_finite());
+        assert!(are_numbers || plan.status == PlanStatus::NumericalError, "{plan:?} for {request:?}");
+    }
+});

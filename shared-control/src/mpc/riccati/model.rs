@@ -1,0 +1,77 @@
+//! What moves the state from stage to stage.
+
+use super::quadratic::Quadratic;
+
+/// A linear model with S states and one input, which a stage holds for one prediction step.
+///
+/// Written out for each model rather than as matrices: most entries are 0 or 1.
+pub(in crate::mpc) trait Model<const S: usize> {
+    /// The state after one step.
+    fn advance(&self, state: &[f32; S], input: f32) -> [f32; S];
+
+    /// A cost after the step, in (state after, input of the step), as one in (state before, input); adds nothing.
+    fn pull_back(&self, after: &Quadratic<S>) -> Quadratic<S>;
+
+    /// The tracking cost of a state.
+    fn add_tracking(&self, cost: &mut Quadratic<S>);
+}
+
+/// Angle error and rate of a rigid body, in units in which the prediction step, the weight of the angle and the effect
+/// of the input are 1: angle' = angle + rate + input/2, rate' = rate + input, cost angle^2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::mpc) struct DoubleIntegrator;
+
+impl Model<2> for DoubleIntegrator {
+    #[inline(always)]
+    fn advance(&self, state: &[f32; 2], input: f32) -> [f32; 2] {
+        let [angle, rate] = *state;
+        [angle + rate + 0.5 * input, rate + input]
+    }
+
+    /// T'QT with T = [[1, 1, 1/2], [0, 1, 1], [0, 0, 1]].
+    #[inline(always)]
+    fn pull_back(&self, after: &Quadratic<2>) -> Quadratic<2> {
+        let [[p11, p12], [_, p22]] = after.state;
+        let ([c1, c2], [l1, l2]) = (after.cross, after.state_linear);
+        // the columns of QT that belong to the input
+        let column1 = 0.5 * p11 + p12 + c1;
+        let column2 = 0.5 * p12 + p22 + c2;
+        let column3 = 0.5 * c1 + c2 + after.input;
+        let next12 = p11 + p12;
+        let rate_column = column1 + column2;
+        Quadratic {
+            state: [[p11, next12], [0.0, next12 + p12 + p22]],
+            cross: [column1, rate_column],
+            input: 0.5 * column1 + column2 + column3,
+            state_linear: [l1, l1 + l2],
+            input_linear: 0.5 * l1 + l2 + after.input_linear,
+        }
+    }
+
+    #[inline(always)]
+    fn add_tracking(&self, cost: &mut Quadratic<2>) {
+        let [[angle, _], _] = &mut cost.state;
+        *angle += 1.0;
+    }
+}
+
+impl DoubleIntegrator {
+    /// The cost ahead of an input that is held for `steps`.
+    pub(in crate::mpc) fn cost_of_held_input(steps: usize) -> Quadratic<2> {
+        let mut cost = Quadratic::ZERO;
+        for step in 1..=steps {
+            // angle + time rate + turn input
+            let time = step as f32;
+            let turn = 0.5 * time * time;
+            let [[angle, angle_rate], [_, rate]] = &mut cost.state;
+            *angle += 1.0;
+            *angle_rate += time;
+            *rate += time * time;
+            let [cross_angle, cross_rate] = &mut cost.cross;
+            *cross_angle += turn;
+            *cross_rate += time * turn;
+            cost.input += turn * turn;
+        }
+        cost
+    }
+}
