@@ -95,9 +95,12 @@ impl Body {
 
     /// Change of the state under forces and moments.
     pub(super) fn derivative(&self, time_s: f64, x: &State, force: &[f64; 4], moments: &[Box<dyn Moment>]) -> State {
+        let level = (0.0, 1.0);
         let (roll, pitch) = match self.rig {
-            BodyRig::Axes { .. } => ((0.0, 1.0), (0.0, 1.0)),
-            _ => (libm::sincos(x[0]), libm::sincos(x[1])),
+            BodyRig::Axes { .. } => (level, level),
+            // pitch enters the gimbal's motion by moments of gravity only
+            BodyRig::Gimbal { .. } if moments.is_empty() => (libm::sincos(x[0]), level),
+            BodyRig::Gimbal { .. } | BodyRig::Free { .. } => (libm::sincos(x[0]), libm::sincos(x[1])),
         };
         let motion = Motion {
             time_s,

@@ -92,7 +92,7 @@ pub(super) fn fit<'e>(
     starts: &[State],
     training: &[usize],
 ) -> Fit<'e> {
-    let mut best = Round::at(shooting, nominal, terms, starts.to_vec(), training);
+    let mut best = Round::at(shooting, nominal, terms, starts.to_vec(), training, None);
     let mut damping = 1e-4;
     let mut failures = 0;
     for _ in 0..ROUNDS_MAX {
@@ -104,7 +104,7 @@ pub(super) fn fit<'e>(
         let mut starts = best.starts.clone();
         let made = difference(&best.terms, &terms);
         shooting.move_starts(&best.linear, &made, training, &mut starts);
-        let next = Round::at(shooting, nominal, terms, starts, training);
+        let next = Round::at(shooting, nominal, terms, starts, training, Some(&best.linear));
         if next.normal.chi2 < best.normal.chi2 {
             let gained = best.normal.chi2 - next.normal.chi2;
             best = next;
@@ -139,10 +139,11 @@ impl<'e> Round<'e> {
         terms: Vec<Term<'e>>,
         starts: Vec<State>,
         training: &[usize],
+        nearby: Option<&Linearisation>,
     ) -> Round<'e> {
         let base = shooting.drive(model_of(nominal, &terms), None);
         let shifted = shifted_models(shooting, nominal, &terms, 0, &base);
-        let linear = shooting.linearise(&base, &shifted, training, &starts);
+        let linear = shooting.linearise(&base, &shifted, training, &starts, nearby);
         let normal = shooting.normal(&linear, None);
         Round { terms, starts, linear, normal }
     }

@@ -9,6 +9,8 @@ use super::shooting::{Driven, Shooting};
 const FREQUENCY_RANGE_HZ: [f64; 2] = [0.05, 25.0];
 /// Neighbouring frequencies differ by this share of the width of a peak, one over the log's length.
 const FREQUENCY_STEP: f64 = 0.3;
+/// Rows are taken together to stretches of at least this length, s: a fifth of the shortest period.
+const STRETCH_S: f64 = 8e-3;
 /// Onsets are looked for on so many places of the log.
 const ONSETS: usize = 300;
 
@@ -30,7 +32,7 @@ pub(super) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
     hints
 }
 
-/// Per row interval: time of its middle, length, and the mean acceleration that the model lacked in it.
+/// A stretch of rows: time of its middle, length, and the mean acceleration that the model lacked in it.
 struct Interval {
     time_s: f64,
     duration_s: f64,
@@ -44,14 +46,18 @@ fn missing_acceleration(shooting: &Shooting<'_>, driven: &Driven) -> [Option<Vec
         let Some(measured) = shooting.measured_rate(axis) else { continue };
         let mut intervals = Vec::new();
         for window in &shooting.windows {
-            for row in window.start..window.end - 1 {
-                let (from_s, to_s) = (shooting.rows()[row], shooting.rows()[row + 1]);
-                let predicted = shooting.next_rate(driven, row, axis);
+            let mut row = window.start;
+            while let Some(next) =
+                (row + 1..window.end).find(|next| shooting.rows()[*next] - shooting.rows()[row] > STRETCH_S)
+            {
+                let (from_s, to_s) = (shooting.rows()[row], shooting.rows()[next]);
+                let predicted = shooting.later_rate(driven, row, next, axis);
                 intervals.push(Interval {
                     time_s: 0.5 * (from_s + to_s),
                     duration_s: to_s - from_s,
-                    acceleration_rad_s2: (measured[row + 1] - predicted) / (to_s - from_s),
+                    acceleration_rad_s2: (measured[next] - predicted) / (to_s - from_s),
                 });
+                row = next;
             }
         }
         *series = Some(intervals);
@@ -147,10 +153,10 @@ fn squares_left(points: &[(f64, f64)], start_s: f64) -> f64 {
 }
 
 impl Shooting<'_> {
-    /// Rate of an axis (of the body) that the model predicts for the row after `row` from the state measured there.
-    fn next_rate(&self, driven: &Driven, row: usize, axis: usize) -> f64 {
+    /// Rate of an axis (of the body) that the model predicts for a later row from the state measured in `row`.
+    fn later_rate(&self, driven: &Driven, row: usize, later: usize, axis: usize) -> f64 {
         let start = self.measured_state(&driven.model, row);
         let scene = Scene { time_s: self.rows(), track: &driven.track, volts_lost: self.volts_lost() };
-        driven.model.predict(&scene, &start, row, row + 2)[1][3 + axis]
+        driven.model.predict(&scene, &start, row, later + 1)[later - row][3 + axis]
     }
 }

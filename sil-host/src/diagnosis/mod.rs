@@ -1,5 +1,6 @@
 //! What a simulation gets wrong, and why.
 
+mod accuracy;
 mod actuation;
 mod body;
 pub mod effects;
@@ -10,49 +11,25 @@ mod prediction;
 mod search;
 mod sensor;
 mod shooting;
+mod subject;
 
 use crate::fidelity::{FidelityError, SensorNoise};
 use crate::log::Log;
-use crate::model::{Rig, VehicleModel};
-use actuation::{Commands, Drive};
-use body::Body;
-use prediction::Model;
+use fit::model_of;
 use search::Search;
-use shooting::{RigChannels, Shooting};
+pub use subject::Subject;
 
 /// First trial: names.
-pub fn trial(log: &Log, model: &VehicleModel) -> Result<(), FidelityError> {
-    let windows = crate::fidelity::cut_windows(log)?;
+pub fn trial(log: &Log, subject: &Subject<'_>) -> Result<(), FidelityError> {
     let noise = SensorNoise::of(log);
-    println!("noise {noise:?}");
-    let motors =
-        log.motors().ok_or(FidelityError::MissingColumn { column: "motor1".into(), why: "drives the plant" })?;
-    let commands = Commands {
-        time_s: log.time_s.clone(),
-        value: (0..log.rows()).map(|row| [0, 1, 2, 3].map(|m: usize| motors[m][row])).collect(),
-    };
-    let gimbal = model.rig() == Rig::Gimbal;
-    let rig = RigChannels {
-        start_components: if gimbal { vec![0, 1, 3, 4] } else { vec![0, 1, 2, 3, 4, 5] },
-        compared: if gimbal { vec![0, 1, 3, 4, 5] } else { vec![0, 1, 2, 3, 4, 5] },
-        wraps: true,
-    };
-    let shooting = Shooting::new(log, commands, windows, &noise, &rig);
-    let nominal = || Model::nominal(Drive::of(model), Body::of(model));
-    let scope = effects::Scope {
-        axes: [true, true, !gimbal],
-        rates: [true, true, log.rate_rad_s[2].is_some()],
-        angles: [true, true, false],
-        turns: [true, true, !gimbal],
-        motors: true,
-        battery: log.battery_v.is_some(),
-        coupled: true,
-    };
-    let catalogue = effects::catalogue(&scope);
+    let shooting = subject.shooting(log, &noise)?;
+    let nominal = || subject.model();
+    let catalogue = effects::catalogue(&subject.scope(log));
     let search = Search {
         shooting: &shooting,
         nominal: &nominal,
         catalogue: &catalogue,
+        always: Vec::new(),
         training: shooting.part(false),
         held_out: shooting.part(true),
     };
@@ -70,7 +47,7 @@ pub fn trial(log: &Log, model: &VehicleModel) -> Result<(), FidelityError> {
             term.effect.name(),
             term.effect.axis(),
             term.effect.motor(),
-            term.values,
+            term.effect.told(&term.values),
             found.chosen.fit.std_of(index)
         );
         for other in &found.alternatives[index] {
@@ -84,6 +61,15 @@ pub fn trial(log: &Log, model: &VehicleModel) -> Result<(), FidelityError> {
                 other.held_out
             );
         }
+    }
+    for candidate in [&found.nominal, &found.chosen] {
+        let driven = shooting.drive(model_of(&nominal, &candidate.fit.terms), None);
+        let errors = accuracy::prediction_errors(&shooting, &driven, &search.held_out);
+        for place in [0, 1, 3, 4] {
+            let (rms, floor) = accuracy::root_mean_square(&errors, place).unwrap_or_default();
+            print!("  {:.4} ({:.4})", rms.to_degrees(), floor.to_degrees());
+        }
+        println!();
     }
     println!("{:.2} s", begin.elapsed().as_secs_f64());
     Ok(())

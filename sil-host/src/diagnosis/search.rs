@@ -7,7 +7,7 @@
 //! ```
 
 use super::body::State;
-use super::effects::{Effect, Hints};
+use super::effects::Effect;
 use super::fit::{Fit, Nominal, Term, fit, model_of, regular, shifted_models};
 use super::hints::hints;
 use super::linear::{Cholesky, dot};
@@ -32,6 +32,8 @@ pub(super) struct Search<'e> {
     pub(super) shooting: &'e Shooting<'e>,
     pub(super) nominal: Nominal<'e>,
     pub(super) catalogue: &'e [Box<dyn Effect>],
+    /// What the nominal model itself leaves to be fitted, and with which values to begin.
+    pub(super) always: Vec<Term<'e>>,
     pub(super) training: Vec<usize>,
     pub(super) held_out: Vec<usize>,
 }
@@ -57,10 +59,10 @@ pub(super) struct Found<'e> {
 impl<'e> Search<'e> {
     /// Looks for the effects in a log.
     pub(super) fn run(&self) -> Found<'e> {
-        let nominal = self.settled(Vec::new());
+        let nominal = self.settled(self.always.clone());
         let mut chosen = nominal.clone();
         let mut alternatives: Vec<Vec<Candidate<'e>>> = Vec::new();
-        while chosen.fit.terms.len() < EFFECTS_MAX {
+        while chosen.fit.terms.len() < self.always.len() + EFFECTS_MAX {
             let mut extended = self.extensions(&chosen);
             let Some(best) = extended.first().cloned() else { break };
             if !self.pays(&chosen, &best, &nominal) {
@@ -69,7 +71,7 @@ impl<'e> Search<'e> {
             chosen = best;
             extended.remove(0);
             alternatives.push(extended);
-            if chosen.fit.terms.len() > 1 {
+            if chosen.fit.terms.len() > self.always.len() + 1 {
                 (chosen, alternatives) = self.revised(chosen, &nominal);
             }
         }
@@ -97,7 +99,7 @@ impl<'e> Search<'e> {
         let driven = self.shooting.drive(model_of(self.nominal, &to.fit.terms), None);
         let hints = hints(self.shooting, &driven);
         let shifted = shifted_models(self.shooting, self.nominal, &to.fit.terms, 0, &driven);
-        let linear = self.shooting.linearise(&driven, &shifted, &self.training, &to.fit.starts);
+        let linear = self.shooting.linearise(&driven, &shifted, &self.training, &to.fit.starts, None);
         let mut scored: Vec<(f64, Vec<Term<'e>>)> = Vec::new();
         for effect in self.catalogue {
             if to.fit.terms.iter().any(|term| is_the_same(term.effect, effect.as_ref())) {
@@ -138,7 +140,7 @@ impl<'e> Search<'e> {
             let extra = self.shooting.slopes_of(linear, &shifted, &self.training, &to.fit.starts);
             self.shooting.normal(linear, Some(&extra))
         } else {
-            let linear = self.shooting.linearise(&base, &shifted, &self.training, &to.fit.starts);
+            let linear = self.shooting.linearise(&base, &shifted, &self.training, &to.fit.starts, Some(linear));
             self.shooting.normal(&linear, None)
         };
         let size = normal.right.len();
@@ -167,7 +169,7 @@ impl<'e> Search<'e> {
         for _ in 0..EFFECTS_MAX {
             let mut better = None;
             let mut alternatives = Vec::new();
-            for index in 0..chosen.fit.terms.len() {
+            for index in self.always.len()..chosen.fit.terms.len() {
                 let mut terms = chosen.fit.terms.clone();
                 let removed = terms.remove(index);
                 let without = self.fitted(terms, &chosen.fit.starts);
@@ -192,7 +194,7 @@ impl<'e> Search<'e> {
                 None => return (chosen, alternatives),
             }
         }
-        let none = vec![Vec::new(); chosen.fit.terms.len()];
+        let none = vec![Vec::new(); chosen.fit.terms.len() - self.always.len()];
         (chosen, none)
     }
 
@@ -204,7 +206,8 @@ impl<'e> Search<'e> {
         alternatives: Vec<Vec<Candidate<'e>>>,
     ) -> Found<'e> {
         let loss = |index: usize| self.without(&chosen, index) - chosen.held_out;
-        let mut order: Vec<(usize, f64)> = (0..chosen.fit.terms.len()).map(|index| (index, loss(index))).collect();
+        let first = self.always.len();
+        let mut order: Vec<(usize, f64)> = (first..chosen.fit.terms.len()).map(|index| (index, loss(index))).collect();
         order.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mut alternatives: Vec<Option<Vec<Candidate<'e>>>> = alternatives.into_iter().map(Some).collect();
         let terms = order.iter().map(|(index, _)| chosen.fit.terms[*index].clone()).collect();
@@ -223,11 +226,6 @@ impl<'e> Search<'e> {
         let driven = self.shooting.drive(model_of(self.nominal, &terms), None);
         let mut starts = chosen.fit.starts.clone();
         self.shooting.settle(&driven, &self.held_out, &mut starts).iter().sum()
-    }
-
-    /// The hints for a model without effects.
-    pub(super) fn hints_of(&self, candidate: &Candidate<'e>) -> Hints {
-        hints(self.shooting, &self.shooting.drive(model_of(self.nominal, &candidate.fit.terms), None))
     }
 }
 

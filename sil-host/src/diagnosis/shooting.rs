@@ -181,24 +181,31 @@ impl<'a> Shooting<'a> {
     }
 
     /// Residuals and slopes of some windows. `shifted` are models that differ from `base` in one parameter each, by a step.
+    /// The slopes along the start states may come from a linearisation nearby: over half a second they hardly change with the
+    /// parameters, and whatever they are, the fit ends where the residuals do not fall any more.
     pub(super) fn linearise(
         &self,
         base: &Driven,
         shifted: &[(Driven, f64)],
         which: &[usize],
         starts: &[State],
+        nearby: Option<&Linearisation>,
     ) -> Linearisation {
         let residual = self.residuals(base, which, starts, None);
-        let start: Vec<Vec<Column>> = self
-            .start_components
-            .iter()
-            .map(|component| slopes(&residual, self.residuals(base, which, starts, Some(*component)), START_STEP))
-            .collect();
+        let start: Vec<Vec<Column>> = match nearby {
+            Some(nearby) => nearby.windows.iter().map(|window| window.start.clone()).collect(),
+            None => {
+                let along = |component: &usize| {
+                    slopes(&residual, self.residuals(base, which, starts, Some(*component)), START_STEP)
+                };
+                turned(self.start_components.iter().map(along).collect(), which.len())
+            }
+        };
         let parameters: Vec<Vec<Column>> = shifted
             .iter()
             .map(|(driven, step)| slopes(&residual, self.residuals(driven, which, starts, None), *step))
             .collect();
-        let (mut start, mut parameters) = (turned(start, which.len()), turned(parameters, which.len()));
+        let (mut start, mut parameters) = (start, turned(parameters, which.len()));
         let windows = residual
             .into_iter()
             .enumerate()
@@ -230,16 +237,16 @@ impl<'a> Shooting<'a> {
     /// The best start states of some windows under a model, from given ones on, and the sum of squares that is left per window.
     pub(super) fn settle(&self, driven: &Driven, which: &[usize], starts: &mut [State]) -> Vec<f64> {
         let mut left = Vec::new();
+        let mut nearby = None;
         for _ in 0..2 {
-            let linear = self.linearise(driven, &[], which, starts);
+            let linear = self.linearise(driven, &[], which, starts, nearby.as_ref());
             left.clear();
             for (index, window) in which.iter().zip(&linear.windows) {
                 let (step, chi2) = window.best_start(&[], &self.start_components);
-                for (component, step) in self.start_components.iter().zip(step) {
-                    starts[*index][*component] += step;
-                }
+                self.move_start(&mut starts[*index], &step);
                 left.push(chi2);
             }
+            nearby = Some(linear);
         }
         left
     }
@@ -248,9 +255,7 @@ impl<'a> Shooting<'a> {
     pub(super) fn move_starts(&self, linear: &Linearisation, step: &[f64], which: &[usize], starts: &mut [State]) {
         for (index, window) in which.iter().zip(&linear.windows) {
             let (start_step, _) = window.best_start(step, &self.start_components);
-            for (component, by) in self.start_components.iter().zip(start_step) {
-                starts[*index][*component] += by;
-            }
+            self.move_start(&mut starts[*index], &start_step);
         }
     }
 
@@ -271,15 +276,39 @@ impl<'a> Shooting<'a> {
         sum
     }
 
+    /// Places of a report that are compared, and the noise of each.
+    pub(super) fn compared(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.channels.iter().map(|channel| (channel.place, channel.sigma))
+    }
+
+    /// Whitened residuals of one window and their slopes along its start state.
+    pub(super) fn start_slopes(&self, driven: &Driven, window: &Window, start: &State) -> (Column, Vec<Column>) {
+        let residual = self.residual(driven, window, start);
+        let along = |component: &usize| {
+            let mut shifted = *start;
+            shifted[*component] += START_STEP;
+            slope(&residual, self.residual(driven, window, &shifted), START_STEP)
+        };
+        let slopes = self.start_components.iter().map(along).collect();
+        (residual, slopes)
+    }
+
+    /// Normal equations of a start state, factored.
+    pub(super) fn start_factor(&self, slopes: &[Column]) -> Option<Cholesky> {
+        start_factor(slopes, &self.start_components)
+    }
+
+    /// Moves a start state by a step of its free components.
+    pub(super) fn move_start(&self, start: &mut State, step: &[f64]) {
+        for (component, by) in self.start_components.iter().zip(step) {
+            start[*component] += by;
+        }
+    }
+
     /// Samples of some windows, less what their start states take.
     pub(super) fn degrees_of_freedom(&self, which: &[usize]) -> f64 {
         let rows: usize = which.iter().map(|index| self.windows[*index].end - self.windows[*index].start).sum();
         (rows * self.channels.len()) as f64 - (which.len() * self.start_components.len()) as f64
-    }
-
-    /// Number of channels that are compared.
-    pub(super) fn channel_count(&self) -> usize {
-        self.channels.len()
     }
 
     /// Index of the windows that are, or are not, held out.
@@ -289,19 +318,6 @@ impl<'a> Shooting<'a> {
 }
 
 impl WindowLinear {
-    fn start_normal(&self, components: &[usize]) -> Option<Cholesky> {
-        let size = self.start.len();
-        let mut matrix = vec![0.0; size * size];
-        for i in 0..size {
-            for j in 0..size {
-                matrix[i * size + j] = dot(&self.start[i], &self.start[j]);
-            }
-            let prior = if components[i] < 3 { START_PRIOR_ANGLE_RAD } else { START_PRIOR_RATE_RAD_S };
-            matrix[i * size + i] += 1.0 / (prior * prior);
-        }
-        Cholesky::new(&matrix, size)
-    }
-
     /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that is left.
     fn best_start(&self, step: &[f64], components: &[usize]) -> (Vec<f64>, f64) {
         let mut residual = self.residual.clone();
@@ -309,7 +325,7 @@ impl WindowLinear {
             residual.iter_mut().zip(column).for_each(|(residual, slope)| *residual -= slope * by);
         }
         let right: Vec<f64> = self.start.iter().map(|column| dot(column, &residual)).collect();
-        let Some(factor) = self.start_normal(components) else {
+        let Some(factor) = start_factor(&self.start, components) else {
             return (vec![0.0; components.len()], dot(&residual, &residual));
         };
         let best = factor.solve(&right);
@@ -321,7 +337,7 @@ impl WindowLinear {
         let columns: Vec<&Column> = self.parameters.iter().chain(extra).collect();
         let size = columns.len();
         let against = |column: &Column| -> Vec<f64> { self.start.iter().map(|start| dot(start, column)).collect() };
-        let Some(factor) = self.start_normal(components) else {
+        let Some(factor) = start_factor(&self.start, components) else {
             return Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 };
         };
         let residual = factor.forward(&against(&self.residual));
@@ -342,13 +358,27 @@ impl WindowLinear {
     }
 }
 
+fn start_factor(slopes: &[Column], components: &[usize]) -> Option<Cholesky> {
+    let size = slopes.len();
+    let mut matrix = vec![0.0; size * size];
+    for i in 0..size {
+        for j in 0..size {
+            matrix[i * size + j] = dot(&slopes[i], &slopes[j]);
+        }
+        let prior = if components[i] < 3 { START_PRIOR_ANGLE_RAD } else { START_PRIOR_RATE_RAD_S };
+        matrix[i * size + i] += 1.0 / (prior * prior);
+    }
+    Cholesky::new(&matrix, size)
+}
+
 /// How a prediction changes with a parameter: minus the change of the residual.
 fn slopes(residual: &[Column], shifted: Vec<Column>, step: f64) -> Vec<Column> {
-    let slope = |(base, mut shifted): (&Column, Column)| {
-        shifted.iter_mut().zip(base).for_each(|(shifted, base)| *shifted = (base - *shifted) / step);
-        shifted
-    };
-    residual.iter().zip(shifted).map(slope).collect()
+    residual.iter().zip(shifted).map(|(base, shifted)| slope(base, shifted, step)).collect()
+}
+
+fn slope(base: &Column, mut shifted: Column, step: f64) -> Column {
+    shifted.iter_mut().zip(base).for_each(|(shifted, base)| *shifted = (base - *shifted) / step);
+    shifted
 }
 
 /// From column by column to window by window.

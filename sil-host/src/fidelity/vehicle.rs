@@ -157,6 +157,12 @@ impl<'a> Drive<'a> {
     }
 }
 
+/// The axis commands of a log, row by row: (roll, pitch, yaw, 0).
+pub(crate) fn axis_commands(log: &Log) -> Vec<[f64; 4]> {
+    let drive = Drive::axes(log);
+    (0..log.rows()).map(|row| drive.at(row)).collect()
+}
+
 /// What one unit of each motor's command adds to the angular acceleration (roll, pitch, yaw), rad/s^2: the difference
 /// quotient of the level vehicle at its base command, once the motors have settled.
 pub(super) fn acceleration_per_command(model: &VehicleModel) -> [[f64; 4]; 3] {

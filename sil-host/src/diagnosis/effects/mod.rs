@@ -16,6 +16,7 @@ mod gyro;
 mod imu_misalignment;
 mod inertia_coupling;
 mod inertia_error;
+pub(super) mod input_gain;
 mod motor_lag;
 mod periodic_disturbance;
 mod spring;
@@ -92,6 +93,10 @@ pub(super) trait Effect: Sync + Send {
     }
     /// Puts it into a model.
     fn apply(&self, values: &[f64], model: &mut Model);
+    /// The values by their names in EFFECTS.md, where the fit takes others than those.
+    fn told(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
+        self.parameters().iter().zip(values).map(|(parameter, value)| (parameter.name, *value)).collect()
+    }
 }
 
 /// What a log and a rig can speak about.

@@ -35,6 +35,14 @@ impl Effect for PeriodicDisturbance {
         let [sine_nm, cosine_nm, frequency_hz] = [values[0], values[1], values[2]];
         model.moments.push(Box::new(Swing { axis: self.0.index(), sine_nm, cosine_nm, frequency_hz }));
     }
+    fn told(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
+        let [sine_nm, cosine_nm, frequency_hz] = [values[0], values[1], values[2]];
+        vec![
+            ("amplitude_nm", (sine_nm * sine_nm + cosine_nm * cosine_nm).sqrt()),
+            ("frequency_hz", frequency_hz),
+            ("phase_rad", libm::atan2(cosine_nm, sine_nm)),
+        ]
+    }
 }
 
 struct Swing {

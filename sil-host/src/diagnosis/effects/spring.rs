@@ -31,6 +31,9 @@ impl Effect for Spring {
         let (stiffness_nm_rad, at_zero_nm) = (values[0], values[1]);
         model.moments.push(Box::new(Linear { axis: self.0.index(), stiffness_nm_rad, at_zero_nm }));
     }
+    fn told(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
+        vec![("stiffness_nm_rad", values[0]), ("rest_rad", values[1] / values[0])]
+    }
 }
 
 struct Linear {
