@@ -160,7 +160,8 @@ fn closed_loop(
     let mut plant = Plant::new(&setup.model);
     plant.set_attitude([measured_roll[0], measured_pitch[0], 0.0], [0.0; 3]);
     let parameters = setup.design_parameters();
-    let record = cosim::fly(&parameters, &mut plant, &mut Sensors::ideal(), &mut control, &setup.scenario, None);
+    let mut sensors = Sensors::ideal().with_effects(&setup.model.effects);
+    let record = cosim::fly(&parameters, &mut plant, &mut sensors, &mut control, &setup.scenario, None);
     let row_times: Vec<f64> = log.time_s.iter().map(|time| time - log.time_s[0]).collect();
     let simulated_rad = [0, 1].map(|axis| at_times(&row_times, &record.time_s, &record.angle_of(axis)));
     let deviation_deg = |axis: usize, measured: &[f64]| {

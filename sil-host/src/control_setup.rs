@@ -53,12 +53,12 @@ pub fn command_for_lift(model: &VehicleModel, lift_n: f64) -> f64 {
 }
 
 /// Time constant of a motor's lift at the model's base command, s: the area above the response to a small step of the
-/// command, as an engineer would read it off a test stand.
+/// command, as an engineer would read it off a test stand. The controllers know the nominal vehicle: effects are left out.
 pub fn motor_lag_s(model: &VehicleModel) -> f64 {
     const STEP: f64 = 0.01;
     const SAMPLE_S: f64 = 2e-4;
     const SAMPLES: usize = 2500;
-    let mut plant = Plant::new(model);
+    let mut plant = Plant::new(&VehicleModel { effects: Vec::new(), ..model.clone() });
     let start_n = plant.lifts_n()[0];
     let end_n = model.propulsion.equilibrium(model.base_command + STEP).lift_n;
     plant.set_commands([model.base_command + STEP; 4]);

@@ -114,6 +114,11 @@ impl FlightSetup {
         self.choice.tuning.over(Tuning::for_motor_lag(motor_lag_s(&self.model) as f32))
     }
 
+    /// The vehicle's sensors, with noise and with their effects.
+    pub fn sensors(&self) -> Sensors {
+        Sensors::new(&self.model.noise, self.seed).with_effects(&self.model.effects)
+    }
+
     /// A fresh control side.
     ///
     /// # Errors
@@ -139,7 +144,7 @@ impl FlightSetup {
         let parameters = self.design_parameters();
         let mut control = self.control_side()?;
         let mut plant = Plant::new(&self.model);
-        let mut sensors = Sensors::new(&self.model.noise, self.seed);
+        let mut sensors = self.sensors();
         let start = Instant::now();
         let record = cosim::fly(&parameters, &mut plant, &mut sensors, &mut control, &self.scenario, None);
         let computing_s = start.elapsed().as_secs_f64();

@@ -7,7 +7,6 @@ use crate::log::{Column, Log};
 use crate::model::{SensorNoise, VehicleModel};
 use crate::plant::Plant;
 use crate::scenario::{Scenario, Waypoint};
-use crate::sensors::Sensors;
 
 /// Values are written in steps of this (rad, rad/s, ...): a hundredth of the finest sensor's, and short to read.
 const RESOLUTION: f64 = 1e-6;
@@ -47,7 +46,7 @@ pub fn synthesise(setup: &SynthesisSetup) -> Result<Log, SetupError> {
     let flight = FlightSetup { model, choice: setup.choice, scenario, seed: setup.seed };
     let mut control = flight.control_side()?;
     let mut plant = Plant::new(&flight.model);
-    let mut sensors = Sensors::new(&flight.model.noise, setup.seed);
+    let mut sensors = flight.sensors();
     let parameters = flight.design_parameters();
     let record = cosim::fly(&parameters, &mut plant, &mut sensors, &mut control, &flight.scenario, None);
     let mut log = flight_log(&record, setup.log_rate_hz);

@@ -110,7 +110,8 @@ fn at_frequency(
     let hover = Waypoint { start_s: 0.0, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None };
     let scenario = Scenario { name: "margins".into(), duration_s: end_s, waypoints: vec![hover] };
     let mut plant = Plant::new(model);
-    cosim::fly(parameters, &mut plant, &mut Sensors::ideal(), control, &scenario, Some(&mut probe));
+    let mut sensors = Sensors::ideal().with_effects(&model.effects);
+    cosim::fly(parameters, &mut plant, &mut sensors, control, &scenario, Some(&mut probe));
     for axis in 0..2 {
         let answer_nm = 2.0 * magnitude(motors[axis]) / samples;
         let other_nm2 = motors_squared[axis] / samples - 0.5 * answer_nm * answer_nm;

@@ -33,10 +33,42 @@ pub fn fly(
     sensors: &mut Sensors,
     control: &mut ControlSide,
     scenario: &Scenario,
+    probe: Option<Probe<'_>>,
+) -> FlightRecord {
+    let end_us = HELD_US + (scenario.duration_s * 1e6).round() as u64;
+    let delay_s = sensors.attitude_delay_s();
+    if delay_s > 0.0 {
+        plant.look_at(flight_ticks_s(parameters, end_us).map(|time_s| (time_s - delay_s).max(0.0)));
+    }
+    let mut record = run(parameters, plant, sensors, control, scenario, end_us, probe);
+    if delay_s > 0.0 {
+        for (logged, seen) in record.logged_angle_rad.iter_mut().zip(plant.take_seen()) {
+            *logged = sensors.attitude([seen.roll_rad, seen.pitch_rad, seen.yaw_rad]);
+        }
+    }
+    record
+}
+
+/// Times of the control steps that are recorded, s since the rig let go.
+pub fn flight_ticks_s(parameters: &DesignParameters, end_us: u64) -> impl Iterator<Item = f64> {
+    let mut clock = parameters.control_clock();
+    let ticks_us = std::iter::from_fn(move || {
+        let tick_us = clock.next_us();
+        (tick_us < end_us && clock.tick(tick_us)).then_some(tick_us)
+    });
+    ticks_us.filter(|tick_us| *tick_us >= HELD_US).map(flight_time_s)
+}
+
+fn run(
+    parameters: &DesignParameters,
+    plant: &mut Plant,
+    sensors: &mut Sensors,
+    control: &mut ControlSide,
+    scenario: &Scenario,
+    end_us: u64,
     mut probe: Option<Probe<'_>>,
 ) -> FlightRecord {
     let (mut imu_clock, mut control_clock) = (parameters.imu_clock(), parameters.control_clock());
-    let end_us = HELD_US + (scenario.duration_s * 1e6).round() as u64;
     let mut record = FlightRecord::default();
     let mut monitored = Monitored::default();
     let mut last_sample = RawImuSample::default();
@@ -103,7 +135,9 @@ impl Row<'_> {
         record.shaped_reference_rad.push([f64::from(shaped[0]), f64::from(shaped[1])]);
         record.angle_rad.push(angles);
         record.rate_body_rad_s.push(truth.rate_body_rad_s);
-        record.logged_angle_rad.push(self.sensors.attitude(angles));
+        // what is reported late is known at the flight's end
+        let delayed = self.sensors.attitude_delay_s() > 0.0;
+        record.logged_angle_rad.push(if delayed { angles } else { self.sensors.attitude(angles) });
         record.logged_rate_body_rad_s.push([gyro.x, gyro.y, gyro.z].map(f64::from));
         record.logged_force_m_s2.push([force.x, force.y, force.z].map(f64::from));
         record.commands.push(self.controlled.motors);

@@ -104,6 +104,18 @@ impl<'a> Section<'a> {
         Ok(Some(number))
     }
 
+    /// The number at `key`, which must be whole.
+    pub(crate) fn whole_number(&self, key: &'static str, range: Admissible) -> Result<f64, ModelError> {
+        let number = self.number(key, range)?;
+        match self.table.get(key) {
+            Some(value) if number.fract() != 0.0 => {
+                let problem = Problem::OutOfRange { key: key.to_owned(), value: number, expected: range.describe() };
+                Err(self.source.error(value.span(), problem))
+            }
+            _ => Ok(number),
+        }
+    }
+
     /// The text at `key`.
     pub(crate) fn text(&self, key: &'static str, what: &'static str) -> Result<&'a str, ModelError> {
         let value = self.get(key).ok_or_else(|| self.missing(key, what.to_owned()))?;

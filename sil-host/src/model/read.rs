@@ -28,8 +28,11 @@ impl VehicleModel {
         let base_command = root.number("base_command", base)?;
         let (inertia_kg_m2, mounting) = read_body(&root, rig)?;
         let noise = read_noise(&root.section("noise")?)?;
-        let effects =
-            root.sections("effect")?.iter().map(|section| Effect::read(section, rig)).collect::<Result<_, _>>()?;
+        let effects = root
+            .sections("effect")?
+            .iter()
+            .map(|section| Effect::read(section, rig, inertia_kg_m2))
+            .collect::<Result<_, _>>()?;
         root.finish()?;
         Ok(Self {
             name: name.to_owned(),

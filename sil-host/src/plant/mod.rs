@@ -2,45 +2,78 @@
 //!
 //! ```text
 //! commands -> propulsion (3 levels) -> lifts -> airframe torque -> gimbal | free flight -> truth
-//!                                       disturbance, effects --^
+//!      ^-- effects --^              disturbance, effects --^
 //! ```
 //!
-//! The derivative functions are pure; [`Plant`] holds the state and integrates with a fixed step. It knows no
-//! controller and no sensor. Rotor gyroscopic torque and the reaction to rotor acceleration are left out, as in
+//! The derivative functions are pure; [`Plant`] holds the state and integrates, with a fixed step or an adaptive one. It
+//! knows no controller and no sensor. Rotor gyroscopic torque and the reaction to rotor acceleration are left out, as in
 //! the thesis.
 
+mod actuation;
+mod dormand_prince;
 pub mod effects;
+mod forces;
 mod free_flight;
 mod gimbal;
 mod integrate;
 pub mod propulsion;
 mod truth;
 
+use std::collections::VecDeque;
+
 use crate::model::{Mounting, VehicleModel};
-use effects::Effect;
+use actuation::{Actuation, ActuatorChain};
+use dormand_prince::StepControl;
+use effects::{BodyChange, Effect, Origin};
+use forces::{Airframe, Extended, Forces, join, split};
 use free_flight::{FreeBody, FreeState};
 use gimbal::{Gimbal, GimbalState};
 use propulsion::{Propulsion, RotorState};
 
+pub(crate) use free_flight::{euler_rad, quaternion_world_from_body};
 pub use truth::Truth;
 
-/// Longest integration step unless the propulsion needs a shorter one, s.
+/// Longest integration step unless the propulsion or an effect needs a shorter one, s.
 pub const STEP_MAX_S: f64 = 0.5e-3;
+
+/// What is asked to happen this close after the end of a stretch of time happens at its end, s: times are sums of
+/// durations, and round.
+const SAME_TIME_S: f64 = 1e-9;
 
 /// A vehicle in motion.
 #[derive(Clone, Debug)]
 pub struct Plant {
     airframe: Airframe,
     propulsion: Propulsion,
+    /// Those that act on the motion; the rest is in body, actuation and sensors.
     effects: Vec<Effect>,
+    /// True if any effect changes body, actuation or motion.
+    extended: bool,
+    actuation: Actuation,
     gravity_m_s2: f64,
     body: Body,
     rotors: RotorState,
     /// What the commands in force make the motors do, see [`Propulsion::drive`].
     drive: [f64; 4],
     disturbance_torque_body_nm: [f64; 3],
+    wind_ned_m_s: [f64; 3],
     time_s: f64,
+    /// Times at which an effect sets in, s, ascending.
+    onsets_s: Vec<f64>,
+    /// Times at which to look, s, ascending, and what was seen.
+    looks_s: VecDeque<f64>,
+    seen: Vec<Truth>,
+    method: Method,
     step_max_s: f64,
+}
+
+/// How the motion is integrated.
+#[derive(Clone, Copy, Debug)]
+enum Method {
+    /// Runge-Kutta 4 with a fixed step: fast, and accurate to some 1e-5 of the motion.
+    FixedStep,
+    /// Dormand-Prince 5(4), the step following the error.
+    Adaptive(StepControl),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -49,61 +82,70 @@ enum Body {
     Free(FreeBody, FreeState),
 }
 
-/// How lifts become torques, quad-X: motors front right, rear left (both counter-clockwise), front left, rear right.
-#[derive(Clone, Copy, Debug)]
-struct Airframe {
-    /// Lever of each motor about x and y: arm / sqrt 2, m.
-    lever_m: f64,
-    /// Reaction torque over lift, m.
-    reaction_torque_per_lift_m: f64,
-}
-
-impl Airframe {
-    #[inline]
-    fn torque_body_nm(&self, [f1, f2, f3, f4]: [f64; 4]) -> [f64; 3] {
-        [
-            self.lever_m * (f2 + f3 - f1 - f4),
-            self.lever_m * (f1 + f3 - f2 - f4),
-            self.reaction_torque_per_lift_m * (f1 + f2 - f3 - f4),
-        ]
-    }
-}
-
 impl Plant {
     /// At rest and level, at time 0, the motors in equilibrium at the base command.
     pub fn new(model: &VehicleModel) -> Self {
         let inertia = model.inertia_kg_m2;
+        let (mut chain, mut change) = (ActuatorChain::default(), BodyChange::default());
+        for effect in &model.effects {
+            effect.extension().change_actuators(&mut chain);
+            effect.extension().change_body(&mut change);
+        }
         let body = match model.mounting {
-            Mounting::Gimbal { ring_inertia_kg_m2 } => Body::Gimbal(Gimbal::new(inertia, ring_inertia_kg_m2), [0.0; 4]),
+            Mounting::Gimbal { ring_inertia_kg_m2 } => {
+                Body::Gimbal(Gimbal::new(inertia, ring_inertia_kg_m2, &change), [0.0; 4])
+            }
             Mounting::Free { mass_kg } => {
                 let mut state = [0.0; 13];
                 state[6] = 1.0;
-                Body::Free(FreeBody::new(inertia, mass_kg, model.gravity_m_s2), state)
+                Body::Free(FreeBody::new(inertia, mass_kg, model.gravity_m_s2, &change), state)
             }
         };
         let airframe = Airframe {
             lever_m: model.arm_m * core::f64::consts::FRAC_1_SQRT_2,
             reaction_torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m(),
         };
+        let moves = |effect: &&Effect| matches!(effect.entry().origin, Origin::Plant | Origin::Environment);
+        let effects: Vec<Effect> = model.effects.iter().filter(moves).copied().collect();
+        let mut onsets_s: Vec<f64> = effects.iter().filter_map(|effect| effect.extension().sets_in_s()).collect();
+        onsets_s.sort_by(f64::total_cmp);
+        let true_inertia = core::array::from_fn(|axis| change.inertia_scale[axis] * inertia[axis]);
+        let effects_step_max_s =
+            model.effects.iter().map(|effect| effect.extension().step_max_s(true_inertia)).fold(STEP_MAX_S, f64::min);
+        let wind = |axis: usize| effects.iter().map(|effect| effect.extension().wind_ned_m_s()[axis]).sum();
         let mut plant = Self {
             airframe,
             propulsion: model.propulsion,
-            effects: model.effects.clone(),
+            extended: !effects.is_empty() || chain != ActuatorChain::default(),
+            actuation: Actuation::new(chain, [model.base_command; 4]),
             gravity_m_s2: model.gravity_m_s2,
             body,
             rotors: [0.0; 8],
             drive: [0.0; 4],
             disturbance_torque_body_nm: [0.0; 3],
+            wind_ned_m_s: [wind(0), wind(1), wind(2)],
+            effects,
             time_s: 0.0,
-            step_max_s: model.propulsion.step_max_s().min(STEP_MAX_S),
+            onsets_s,
+            looks_s: VecDeque::new(),
+            seen: Vec::new(),
+            method: Method::FixedStep,
+            step_max_s: model.propulsion.step_max_s().min(effects_step_max_s),
         };
         plant.set_motor_equilibrium([model.base_command; 4]);
         plant
     }
 
-    /// Commands in force from now on, motors 1 to 4, 0..1; beyond that they are clamped, and not a number counts as 0.
+    /// Commands given now, motors 1 to 4, 0..1; beyond that they are clamped, and not a number counts as 0. They are in
+    /// force at once, unless an effect delays them.
     pub fn set_commands(&mut self, commands: [f64; 4]) {
-        self.drive = commands.map(|command| self.propulsion.drive(admissible_command(command)));
+        if self.actuation.command(self.time_s, commands.map(admissible_command)) {
+            self.take_commands_in_force();
+        }
+    }
+
+    fn take_commands_in_force(&mut self) {
+        self.drive = self.actuation.target().map(|command| self.propulsion.drive(command));
     }
 
     /// Torque from outside on the body, (x, y, z), N m, from now on.
@@ -124,18 +166,19 @@ impl Plant {
                 *state = [roll, pitch, p, q * cos_roll - r * sin_roll];
             }
             Body::Free(_, state) => {
-                let quaternion = free_flight::quaternion_world_from_body(roll_pitch_yaw_rad);
+                let quaternion = quaternion_world_from_body(roll_pitch_yaw_rad);
                 state[6..10].copy_from_slice(&quaternion);
                 state[10..13].copy_from_slice(&rate_body_rad_s);
             }
         }
     }
 
-    /// Puts the motors where they settle at these commands, which stay in force.
+    /// Puts the motors where they settle at these commands, which are in force; none is under way any more.
     pub fn set_motor_equilibrium(&mut self, commands: [f64; 4]) {
-        self.set_commands(commands);
-        for (motor, command) in commands.into_iter().enumerate() {
-            let settled = self.propulsion.equilibrium(admissible_command(command));
+        self.actuation.settle(commands.map(admissible_command));
+        self.take_commands_in_force();
+        for (motor, command) in self.actuation.target().into_iter().enumerate() {
+            let settled = self.propulsion.equilibrium(command);
             self.rotors[motor] = settled.speed_rad_s;
             self.rotors[4 + motor] = settled.current_a;
         }
@@ -144,6 +187,16 @@ impl Plant {
     /// Longest integration step, s; whoever shortens it trades speed for accuracy.
     pub fn set_step_max_s(&mut self, step_max_s: f64) {
         self.step_max_s = step_max_s;
+        if let Method::Adaptive(control) = &mut self.method {
+            control.step_max_s = step_max_s;
+        }
+    }
+
+    /// From now on integrates with Dormand-Prince 5(4), an error of `tolerance` allowed in a step, relative to each
+    /// component of the state or to one (rad, rad/s, A).
+    pub fn integrate_adaptively(&mut self, tolerance: f64) {
+        let step_s = 0.25 * self.step_max_s;
+        self.method = Method::Adaptive(StepControl { tolerance, step_s, step_max_s: self.step_max_s });
     }
 
     /// Time since the start, s.
@@ -151,57 +204,154 @@ impl Plant {
         self.time_s
     }
 
+    /// Sets the clock by which effects of time act, s.
+    pub fn set_time_s(&mut self, time_s: f64) {
+        self.time_s = time_s;
+    }
+
+    /// The battery's voltage, V.
+    pub fn battery_v(&self) -> f64 {
+        self.actuation.chain.battery.voltage_v(self.time_s)
+    }
+
+    /// Takes a measured battery in place of the simulated one: how far its voltage is below its mean over the first
+    /// second, V.
+    pub fn set_battery_drop_v(&mut self, drop_v: f64) {
+        self.actuation.set_measured_drop_v(drop_v);
+    }
+
+    /// Asks to look at the vehicle at these times, s, to the integrator's accuracy wherever they lie between steps and
+    /// commands. Times that have passed are looked at as soon as time goes on.
+    pub fn look_at(&mut self, times_s: impl IntoIterator<Item = f64>) {
+        self.looks_s.extend(times_s);
+        self.looks_s.make_contiguous().sort_by(f64::total_cmp);
+    }
+
+    /// What was seen at the times asked for so far, in order of time.
+    pub fn take_seen(&mut self) -> Vec<Truth> {
+        std::mem::take(&mut self.seen)
+    }
+
     /// Lets `duration_s` pass. The last step is shortened to end exactly there; no time passes if it is not positive.
     pub fn advance(&mut self, duration_s: f64) {
+        if duration_s.is_nan() || duration_s <= 0.0 {
+            return;
+        }
+        let end_s = self.time_s + duration_s;
+        let mut left_s = duration_s;
+        while let Some(event_s) = self.next_event_s().filter(|event_s| *event_s <= end_s + SAME_TIME_S) {
+            let until_s = event_s.clamp(self.time_s, end_s);
+            self.integrate(until_s - self.time_s);
+            self.time_s = until_s;
+            self.pass_event(event_s);
+            left_s = end_s - until_s;
+        }
+        self.integrate(left_s);
+        self.time_s = if left_s == duration_s { end_s } else { self.time_s + left_s };
+    }
+
+    /// When the next command takes effect, the next effect sets in, or the next look is due, s.
+    fn next_event_s(&self) -> Option<f64> {
+        let onset_s = self.onsets_s.iter().copied().find(|onset_s| *onset_s > self.time_s);
+        let events = [self.actuation.next_s(), self.looks_s.front().copied(), onset_s];
+        events.into_iter().flatten().min_by(f64::total_cmp)
+    }
+
+    fn pass_event(&mut self, event_s: f64) {
+        if self.looks_s.front().is_some_and(|look_s| *look_s <= event_s) {
+            self.looks_s.pop_front();
+            self.seen.push(self.truth());
+        }
+        if self.actuation.next_s().is_some_and(|due_s| due_s <= event_s) {
+            self.actuation.put_in_force(event_s);
+            self.take_commands_in_force();
+        }
+        // an onset just passed is one only until time has gone on to it
+        self.time_s = self.time_s.max(event_s.min(self.time_s + SAME_TIME_S));
+    }
+
+    /// Integrates over a stretch of time in which nothing sets in.
+    fn integrate(&mut self, duration_s: f64) {
         // a remainder this small is rounding of the duration, not time
         let rounding = 1e-9 * self.step_max_s;
-        let mut remaining_s = duration_s;
-        while remaining_s > rounding {
-            let step_s = if remaining_s > self.step_max_s + rounding { self.step_max_s } else { remaining_s };
-            self.step(step_s);
-            remaining_s -= step_s;
+        if let Method::Adaptive(mut control) = self.method {
+            if duration_s > rounding {
+                self.step_adaptively(duration_s, &mut control);
+                self.method = Method::Adaptive(control);
+            }
+        } else {
+            let mut remaining_s = duration_s;
+            while remaining_s > rounding {
+                let step_s = if remaining_s > self.step_max_s + rounding { self.step_max_s } else { remaining_s };
+                self.step(duration_s - remaining_s, step_s);
+                remaining_s -= step_s;
+            }
         }
-        if duration_s > 0.0 {
-            self.time_s += duration_s;
+        if self.actuation.lags() {
+            self.actuation.pass(duration_s);
         }
     }
 
-    fn step(&mut self, step_s: f64) {
-        let (propulsion, airframe, drive) = (&self.propulsion, &self.airframe, &self.drive);
-        let effects = self.effects.as_slice();
-        let disturbance = self.disturbance_torque_body_nm;
-        let torque_body_nm = |lifts: [f64; 4]| {
-            let [x, y, z] = airframe.torque_body_nm(lifts);
-            [x + disturbance[0], y + disturbance[1], z + disturbance[2]]
-        };
-        match &mut self.body {
+    /// One step of fixed length, so long after the stretch's start.
+    fn step(&mut self, passed_s: f64, step_s: f64) {
+        let forces = self.forces();
+        match self.body {
             Body::Gimbal(gimbal, state) => {
-                let mut whole: [f64; 12] = join(state, &self.rotors);
-                integrate::runge_kutta_4(&mut whole, step_s, |whole| {
-                    let (state, rotors) = split(whole);
-                    let torque = torque_body_nm(propulsion.lifts_n(drive, &rotors));
-                    join(&gimbal.derivative(&state, torque, effects), &propulsion.derivative(drive, &rotors))
+                let mut whole = join(&state, &self.rotors);
+                integrate::runge_kutta_4(&mut whole, step_s, |after_s, whole| {
+                    forces.on_gimbal(&gimbal, passed_s + after_s, whole)
                 });
-                (*state, self.rotors) = split(&whole);
+                keep_rotors_forward(&mut whole, 4);
+                let (state, rotors) = split(&whole);
+                (self.body, self.rotors) = (Body::Gimbal(gimbal, state), rotors);
             }
             Body::Free(body, state) => {
-                let mut whole: [f64; 21] = join(state, &self.rotors);
-                integrate::runge_kutta_4(&mut whole, step_s, |whole| {
-                    let (state, rotors) = split(whole);
-                    let lifts = propulsion.lifts_n(drive, &rotors);
-                    let lift_sum_n = lifts.iter().sum();
-                    join(
-                        &body.derivative(&state, lift_sum_n, torque_body_nm(lifts), effects),
-                        &propulsion.derivative(drive, &rotors),
-                    )
+                let mut whole = join(&state, &self.rotors);
+                integrate::runge_kutta_4(&mut whole, step_s, |after_s, whole| {
+                    forces.in_free_flight(&body, passed_s + after_s, whole)
                 });
-                (*state, self.rotors) = split(&whole);
-                free_flight::normalise(state);
+                tidy_free_flight(&mut whole);
+                let (state, rotors) = split(&whole);
+                (self.body, self.rotors) = (Body::Free(body, state), rotors);
             }
         }
-        // the derivative holds a stopped rotor, a step may still overshoot zero
-        for speed in &mut self.rotors[..4] {
-            *speed = speed.max(0.0);
+    }
+
+    fn step_adaptively(&mut self, duration_s: f64, control: &mut StepControl) {
+        let forces = self.forces();
+        match self.body {
+            Body::Gimbal(gimbal, state) => {
+                let mut whole = join(&state, &self.rotors);
+                let derivative = |after_s: f64, whole: &[f64; 12]| forces.on_gimbal(&gimbal, after_s, whole);
+                let tidy = |whole: &mut [f64; 12]| keep_rotors_forward(whole, 4);
+                dormand_prince::dormand_prince(&mut whole, duration_s, control, derivative, tidy);
+                let (state, rotors) = split(&whole);
+                (self.body, self.rotors) = (Body::Gimbal(gimbal, state), rotors);
+            }
+            Body::Free(body, state) => {
+                let mut whole = join(&state, &self.rotors);
+                let derivative = |after_s: f64, whole: &[f64; 21]| forces.in_free_flight(&body, after_s, whole);
+                dormand_prince::dormand_prince(&mut whole, duration_s, control, derivative, tidy_free_flight);
+                let (state, rotors) = split(&whole);
+                (self.body, self.rotors) = (Body::Free(body, state), rotors);
+            }
+        }
+    }
+
+    /// All that turns and pushes the vehicle from now on.
+    fn forces(&self) -> Forces<'_> {
+        let extension = self.extended.then_some(Extended {
+            effects: &self.effects,
+            actuation: &self.actuation,
+            wind_ned_m_s: self.wind_ned_m_s,
+            start_s: self.time_s,
+        });
+        Forces {
+            propulsion: &self.propulsion,
+            airframe: self.airframe,
+            disturbance_torque_body_nm: self.disturbance_torque_body_nm,
+            drive: self.drive,
+            extension,
         }
     }
 }
@@ -210,23 +360,18 @@ fn admissible_command(command: f64) -> f64 {
     if command.is_nan() { 0.0 } else { command.clamp(0.0, 1.0) }
 }
 
+/// The derivative holds a stopped rotor, a step may still overshoot zero.
 #[inline]
-fn join<const A: usize, const N: usize>(body: &[f64; A], rotors: &RotorState) -> [f64; N] {
-    const { assert!(A + 8 == N) };
-    let mut whole = [0.0; N];
-    whole[..A].copy_from_slice(body);
-    whole[A..].copy_from_slice(rotors);
-    whole
+fn keep_rotors_forward<const N: usize>(whole: &mut [f64; N], first: usize) {
+    for speed in &mut whole[first..first + 4] {
+        *speed = speed.max(0.0);
+    }
 }
 
 #[inline]
-fn split<const A: usize, const N: usize>(whole: &[f64; N]) -> ([f64; A], RotorState) {
-    const { assert!(A + 8 == N) };
-    let mut body = [0.0; A];
-    let mut rotors = [0.0; 8];
-    body.copy_from_slice(&whole[..A]);
-    rotors.copy_from_slice(&whole[A..]);
-    (body, rotors)
+fn tidy_free_flight(whole: &mut [f64; 21]) {
+    free_flight::normalise(whole);
+    keep_rotors_forward(whole, 13);
 }
 
 #[cfg(test)]

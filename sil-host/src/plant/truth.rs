@@ -1,5 +1,6 @@
 //! What an observer who sees everything would say of the plant.
 
+use super::free_flight::Loads;
 use super::{Body, Plant, free_flight, gimbal};
 
 /// The vehicle's true motion at one instant.
@@ -77,7 +78,14 @@ impl Plant {
     pub fn specific_force_body_m_s2(&self) -> [f64; 3] {
         match &self.body {
             Body::Gimbal(_, state) => gimbal::specific_force_body_m_s2(state, self.gravity_m_s2),
-            Body::Free(body, _) => body.specific_force_body_m_s2(self.lifts_n().iter().sum()),
+            Body::Free(body, state) => {
+                let lift_sum_n = self.lifts_n().iter().sum();
+                let loads = match &self.forces().extension {
+                    None => Loads::default(),
+                    Some(extended) => extended.loads(body, 0.0, state, lift_sum_n),
+                };
+                body.specific_force_body_m_s2(lift_sum_n, &loads)
+            }
         }
     }
 
@@ -89,7 +97,11 @@ impl Plant {
 
     /// Lift of motors 1 to 4, N.
     pub fn lifts_n(&self) -> [f64; 4] {
-        self.propulsion.lifts_n(&self.drive, &self.rotors)
+        let down_m = match &self.body {
+            Body::Gimbal(..) => 0.0,
+            Body::Free(_, state) => state[2],
+        };
+        self.forces().lifts_n(&self.rotors, down_m)
     }
 }
 

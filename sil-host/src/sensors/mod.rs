@@ -1,18 +1,24 @@
 //! What the vehicle's sensors make of its motion: bias, white noise, counts.
 
+mod chain;
 pub mod imu;
 pub mod random;
 
 use shared_control::signals::RawImuSample;
 
 use crate::model::SensorNoise;
-use crate::plant::Plant;
+use crate::plant::effects::Effect;
+use crate::plant::{Plant, Truth};
 use random::RandomStream;
+
+pub(crate) use chain::SensorChain;
 
 /// The sensors of one vehicle. Each has a random stream of its own, so that none disturbs another.
 #[derive(Clone, Debug)]
 pub struct Sensors {
     noise: SensorNoise,
+    /// None for nominal sensors.
+    chain: Option<SensorChain>,
     gyro_bias_rad_s: [f64; 3],
     accel_bias_m_s2: [f64; 3],
     gyro_stream: RandomStream,
@@ -25,6 +31,7 @@ impl Sensors {
     pub fn new(noise: &SensorNoise, seed: u64) -> Self {
         Self {
             noise: *noise,
+            chain: None,
             gyro_bias_rad_s: [0.0; 3],
             accel_bias_m_s2: [0.0; 3],
             gyro_stream: RandomStream::new(seed, "gyro"),
@@ -45,22 +52,45 @@ impl Sensors {
         self
     }
 
+    /// Adds what the sensors' effects among these do; the others are the plant's.
+    pub fn with_effects(mut self, effects: &[Effect]) -> Self {
+        let mut chain = SensorChain::default();
+        for effect in effects {
+            effect.extension().change_sensors(&mut chain);
+        }
+        self.chain = (chain != SensorChain::default()).then_some(chain);
+        self
+    }
+
+    /// By how much reported attitude lags the true one, s: its reader hands [`Sensors::attitude`] older angles.
+    pub fn attitude_delay_s(&self) -> f64 {
+        self.chain.as_ref().map_or(0.0, |chain| chain.attitude_delay_s)
+    }
+
     /// One reading of the IMU, which sits at the centre of gravity (on the gimbal: at the pivot), stamped `time_us`.
     pub fn imu(&mut self, plant: &Plant, time_us: u64) -> RawImuSample {
-        let rate =
-            disturbed(plant.rate_body_rad_s(), &self.gyro_bias_rad_s, self.noise.gyro_rad_s, &mut self.gyro_stream);
-        let force = disturbed(
-            plant.specific_force_body_m_s2(),
-            &self.accel_bias_m_s2,
-            self.noise.accel_m_s2,
-            &mut self.accel_stream,
-        );
+        self.imu_sample(time_us, plant.rate_body_rad_s(), plant.specific_force_body_m_s2())
+    }
+
+    /// The same of a motion that was seen.
+    pub fn imu_of(&mut self, truth: &Truth) -> RawImuSample {
+        self.imu_sample((truth.time_s * 1e6).round() as u64, truth.rate_body_rad_s, truth.specific_force_body_m_s2)
+    }
+
+    #[inline]
+    fn imu_sample(&mut self, time_us: u64, mut rate_rad_s: [f64; 3], mut force_m_s2: [f64; 3]) -> RawImuSample {
+        if let Some(chain) = &self.chain {
+            (rate_rad_s, force_m_s2) = (chain.gyro_rad_s(rate_rad_s), chain.turned(force_m_s2));
+        }
+        let rate = disturbed(rate_rad_s, &self.gyro_bias_rad_s, self.noise.gyro_rad_s, &mut self.gyro_stream);
+        let force = disturbed(force_m_s2, &self.accel_bias_m_s2, self.noise.accel_m_s2, &mut self.accel_stream);
         imu::quantise(time_us, rate, force)
     }
 
     /// Roll, pitch and yaw as a log reports them, rad.
     pub fn attitude(&mut self, roll_pitch_yaw_rad: [f64; 3]) -> [f64; 3] {
-        disturbed(roll_pitch_yaw_rad, &[0.0; 3], self.noise.attitude_rad, &mut self.attitude_stream)
+        let reported = self.chain.as_ref().map_or(roll_pitch_yaw_rad, |chain| chain.attitude_rad(roll_pitch_yaw_rad));
+        disturbed(reported, &[0.0; 3], self.noise.attitude_rad, &mut self.attitude_stream)
     }
 }
 

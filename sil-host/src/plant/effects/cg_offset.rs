@@ -12,11 +12,9 @@
 //! about pitch, F being the sum of the lifts. At hover that is the same moment as on the gimbal. An offset along z
 //! has no effect there.
 
-use super::Extension;
+use super::{ANY_RIG, CatalogueEntry, Catalogued, Extension, FreeMotion, GimbalMotion, Origin};
 use crate::axis::Axis;
 use crate::model::{ModelError, Rig, Section, admissible};
-use crate::plant::free_flight::FreeMotion;
-use crate::plant::gimbal::GimbalMotion;
 
 /// A centre of gravity off the pivot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +27,14 @@ pub struct CgOffset {
     pub sin_moment_nm: f64,
 }
 
-impl Extension for CgOffset {
-    const NAME: &'static str = "cg_offset";
+impl Catalogued for CgOffset {
+    const ENTRY: CatalogueEntry = CatalogueEntry {
+        name: "cg_offset",
+        origin: Origin::Plant,
+        summary: "gravity on an off-centre mass",
+        example: "cg_offset:axis=pitch,cos_moment_nm=0.1,sin_moment_nm=0.02",
+        rigs: ANY_RIG,
+    };
 
     fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
         let moment = admissible(-20.0, 20.0, "a moment in N m");
@@ -40,7 +44,9 @@ impl Extension for CgOffset {
             sin_moment_nm: section.optional_number("sin_moment_nm", moment)?.unwrap_or(0.0),
         })
     }
+}
 
+impl Extension for CgOffset {
     fn axis(&self) -> Option<Axis> {
         Some(self.axis)
     }

@@ -18,7 +18,7 @@ fn settle(propulsion: &Propulsion, command: f64, from: RotorState, duration_s: f
     let drive = [propulsion.drive(command); 4];
     let mut rotors = from;
     for _ in 0..steps {
-        crate::plant::integrate::runge_kutta_4(&mut rotors, duration_s / steps as f64, |rotors| {
+        crate::plant::integrate::runge_kutta_4(&mut rotors, duration_s / steps as f64, |_, rotors| {
             propulsion.derivative(&drive, rotors)
         });
     }

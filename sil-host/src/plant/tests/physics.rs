@@ -6,7 +6,7 @@ use super::{unpowered, world_from_body};
 use crate::axis::Axis;
 use crate::model::{Mounting, Rig, VehicleModel};
 use crate::plant::Plant;
-use crate::plant::effects::{CgOffset, Effect};
+use crate::plant::effects::{BodyChange, CgOffset, Effect};
 use crate::plant::gimbal::Gimbal;
 
 /// J(phi) and its derivative on the gimbal, as RIG.md writes them.
@@ -247,8 +247,8 @@ proptest! {
         let pitch_acceleration =
             (force[1] - by_roll(&|x| by_pitch_rate(x, roll_rate, pitch_rate)) * roll_rate) / mass_pitch;
 
-        let gimbal = Gimbal::new(model.inertia_kg_m2, ring);
-        let ours = gimbal.derivative(&[roll, pitch, roll_rate, pitch_rate], [tau_x, tau_y, tau_z], &[]);
+        let gimbal = Gimbal::new(model.inertia_kg_m2, ring, &BodyChange::default());
+        let ours = gimbal.derivative(&[roll, pitch, roll_rate, pitch_rate], [tau_x, tau_y, tau_z]);
         prop_assert_eq!(ours[0], roll_rate);
         prop_assert_eq!(ours[1], pitch_rate);
         // h^2 / 6 of the third derivative (1e-8 relative) and rounding 1e-16 / h^2 of T, over an inertia of 0.01

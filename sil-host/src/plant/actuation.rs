@@ -1,0 +1,170 @@
+//! From the command that is given to the one that drives the motors, and from the motors' lift to the true one:
+//!
+//! ```text
+//! command -> delay -> clipping -> lag -> ESC map -> motor -> factors on lift
+//! ```
+//! Without effects each link passes on what it gets.
+
+use std::collections::VecDeque;
+
+/// The links of the chain that effects can change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ActuatorChain {
+    /// Delay, s.
+    pub(crate) delay_s: f64,
+    /// Commands below are done as this.
+    pub(crate) command_min: f64,
+    /// Commands above are done as this.
+    pub(crate) command_max: f64,
+    /// Time constant of the lag on the command, s; 0 for none.
+    pub(crate) lag_s: f64,
+    /// Factors on the lifts of motors 1 to 4.
+    pub(crate) lift_scale: [f64; 4],
+    /// Share of the lift that is lost a second, 1/s.
+    pub(crate) loss_per_s: f64,
+    /// Share of the lift that is lost a volt, 1/V.
+    pub(crate) loss_per_volt: f64,
+    /// The battery.
+    pub(crate) battery: Battery,
+}
+
+impl Default for ActuatorChain {
+    fn default() -> Self {
+        Self {
+            delay_s: 0.0,
+            command_min: 0.0,
+            command_max: 1.0,
+            lag_s: 0.0,
+            lift_scale: [1.0; 4],
+            loss_per_s: 0.0,
+            loss_per_volt: 0.0,
+            battery: Battery { fall_v_s: 0.0 },
+        }
+    }
+}
+
+/// A battery as simple as can be: its voltage falls steadily.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Battery {
+    /// How fast, V/s.
+    pub(crate) fall_v_s: f64,
+}
+
+/// Voltage of three lithium cells under load at the start, V.
+const START_V: f64 = 12.0;
+
+/// The reference of `battery_sag` is the mean of the first second: the voltage at half a second.
+const REFERENCE_S: f64 = 0.5;
+
+impl Battery {
+    /// Voltage, V.
+    pub(crate) fn voltage_v(&self, time_s: f64) -> f64 {
+        START_V - self.fall_v_s * time_s
+    }
+
+    /// How far the voltage is below the mean of the first second, V.
+    fn drop_v(&self, time_s: f64) -> f64 {
+        self.fall_v_s * (time_s - REFERENCE_S)
+    }
+}
+
+/// The chain with what is under way in it.
+#[derive(Clone, Debug)]
+pub(crate) struct Actuation {
+    pub(crate) chain: ActuatorChain,
+    /// Commands under way, each with the time at which it takes effect.
+    under_way: VecDeque<(f64, [f64; 4])>,
+    /// Commands in force behind delay and clipping.
+    target: [f64; 4],
+    /// Where the lag is at the start of the stretch that is integrated.
+    lagged: [f64; 4],
+    /// How far a measured battery is below its mean of the first second, V; in place of the simulated one.
+    measured_drop_v: Option<f64>,
+}
+
+impl Actuation {
+    /// At rest under commands.
+    pub(crate) fn new(chain: ActuatorChain, commands: [f64; 4]) -> Self {
+        let mut actuation =
+            Self { chain, under_way: VecDeque::new(), target: commands, lagged: commands, measured_drop_v: None };
+        actuation.settle(commands);
+        actuation
+    }
+
+    /// Has every link at rest under commands, none under way.
+    pub(crate) fn settle(&mut self, commands: [f64; 4]) {
+        self.under_way.clear();
+        self.target = self.clipped(commands);
+        self.lagged = self.target;
+    }
+
+    /// Gives commands at a time. True if they take effect at once.
+    pub(crate) fn command(&mut self, time_s: f64, commands: [f64; 4]) -> bool {
+        if self.chain.delay_s > 0.0 {
+            self.under_way.push_back((time_s + self.chain.delay_s, commands));
+            return false;
+        }
+        self.target = self.clipped(commands);
+        true
+    }
+
+    /// Commands in force behind delay and clipping.
+    pub(crate) fn target(&self) -> [f64; 4] {
+        self.target
+    }
+
+    /// When the next command takes effect, s.
+    pub(crate) fn next_s(&self) -> Option<f64> {
+        self.under_way.front().map(|(due_s, _)| *due_s)
+    }
+
+    /// Puts those commands in force that are due.
+    pub(crate) fn put_in_force(&mut self, time_s: f64) {
+        while let Some((due_s, commands)) = self.under_way.front().copied() {
+            if due_s > time_s {
+                return;
+            }
+            self.target = self.clipped(commands);
+            self.under_way.pop_front();
+        }
+    }
+
+    /// Lets a stretch of time pass for the lag.
+    pub(crate) fn pass(&mut self, duration_s: f64) {
+        self.lagged = self.driving(duration_s);
+    }
+
+    /// Commands at the speed controllers, so long after the start of the stretch: between two commands the lag's motion
+    /// is an exponential.
+    #[inline]
+    pub(crate) fn driving(&self, after_s: f64) -> [f64; 4] {
+        if self.chain.lag_s <= 0.0 {
+            return self.target;
+        }
+        let left = libm::exp(-after_s / self.chain.lag_s);
+        core::array::from_fn(|motor| self.target[motor] + (self.lagged[motor] - self.target[motor]) * left)
+    }
+
+    /// True if the commands at the speed controllers change by themselves.
+    pub(crate) fn lags(&self) -> bool {
+        self.chain.lag_s > 0.0
+    }
+
+    /// What the lifts are multiplied with at a time.
+    #[inline]
+    pub(crate) fn lift_factors(&self, time_s: f64) -> [f64; 4] {
+        let drop_v = self.measured_drop_v.unwrap_or_else(|| self.chain.battery.drop_v(time_s));
+        let left = (1.0 - self.chain.loss_per_s * time_s) * (1.0 - self.chain.loss_per_volt * drop_v);
+        self.chain.lift_scale.map(|scale| scale * left.max(0.0))
+    }
+
+    /// Takes a measured battery's drop below its mean of the first second in place of the simulated one, V.
+    pub(crate) fn set_measured_drop_v(&mut self, drop_v: f64) {
+        self.measured_drop_v = Some(drop_v);
+    }
+
+    fn clipped(&self, commands: [f64; 4]) -> [f64; 4] {
+        // the limits of several effects may have crossed
+        commands.map(|command| command.max(self.chain.command_min).min(self.chain.command_max))
+    }
+}
