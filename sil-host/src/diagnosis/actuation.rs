@@ -180,8 +180,7 @@ impl<'a> Motors<'a> {
 
     /// Forces at the begin, in the middle and at the end of a step under one command.
     fn motor_step(&mut self, step_s: f64) -> [[f64; 4]; 3] {
-        let begin = self.lagged;
-        let [middle, end] = [0.5 * step_s, step_s].map(|after_s| self.behind_the_lag(after_s));
+        let [begin, middle, end] = [0.0, 0.5 * step_s, step_s].map(|after_s| self.behind_the_lag(after_s));
         self.lagged = end;
         match self.drive {
             Drive::Direct => [begin, middle, end],

@@ -11,6 +11,8 @@ const FREQUENCY_RANGE_HZ: [f64; 2] = [0.05, 25.0];
 const FREQUENCY_STEP: f64 = 0.3;
 /// Rows are taken together to stretches of at least this length, s: a fifth of the shortest period.
 const STRETCH_S: f64 = 8e-3;
+/// What is white in the differences, against what is differences of white noise: gaps and the model's small errors.
+const NOISE_SHARE_MIN: f64 = 1e-4;
 /// Onsets are looked for on so many places of the log.
 const ONSETS: usize = 300;
 
@@ -45,10 +47,9 @@ fn missing_acceleration(shooting: &Shooting<'_>, driven: &Driven) -> [Option<Vec
     for (axis, series) in series.iter_mut().enumerate() {
         let Some(measured) = shooting.measured_rate(axis) else { continue };
         let mut intervals = Vec::new();
-        for window in &shooting.windows {
-            let mut row = window.start;
-            while let Some(next) =
-                (row + 1..window.end).find(|next| shooting.rows()[*next] - shooting.rows()[row] > STRETCH_S)
+        for (first, end) in shooting.stretches() {
+            let mut row = first;
+            while let Some(next) = (row + 1..end).find(|next| shooting.rows()[*next] - shooting.rows()[row] > STRETCH_S)
             {
                 let (from_s, to_s) = (shooting.rows()[row], shooting.rows()[next]);
                 let predicted = shooting.later_rate(driven, row, next, axis);
@@ -79,7 +80,7 @@ fn strongest_frequency_hz(series: &[Interval]) -> Option<f64> {
     let mut frequency_hz = FREQUENCY_RANGE_HZ[0].max(1.0 / length_s);
     while frequency_hz < highest_hz {
         let noise = libm::sin(core::f64::consts::PI * frequency_hz * mean_step_s);
-        let power = power(series, frequency_hz) / (noise * noise);
+        let power = power(series, frequency_hz) / (noise * noise + NOISE_SHARE_MIN);
         if best.is_none_or(|(_, strongest)| power > strongest) {
             best = Some((frequency_hz, power));
         }
@@ -93,7 +94,7 @@ fn power(series: &[Interval], frequency_hz: f64) -> f64 {
     let (mut real, mut imaginary) = (0.0, 0.0);
     // the angle goes on by a rotation where rows are even, and is taken anew where not
     let (mut sin, mut cos) = (0.0, 1.0);
-    let (mut before_s, mut step_s, mut turn) = (f64::NEG_INFINITY, f64::NAN, (0.0, 1.0));
+    let (mut before_s, mut step_s, mut turn) = (f64::NEG_INFINITY, 0.0, (0.0, 1.0));
     for (count, interval) in series.iter().enumerate() {
         let advance_s = interval.time_s - before_s;
         if count % 256 == 0 || !advance_s.is_finite() {

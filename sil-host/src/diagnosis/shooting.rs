@@ -127,6 +127,18 @@ impl<'a> Shooting<'a> {
         self.windows.iter().map(|window| self.measured_state(model, window.start)).collect()
     }
 
+    /// Runs of windows without a gap: first row, and the row that ends the last.
+    pub(super) fn stretches(&self) -> Vec<(usize, usize)> {
+        let mut stretches: Vec<(usize, usize)> = Vec::new();
+        for window in &self.windows {
+            match stretches.last_mut() {
+                Some((_, end)) if *end == window.start => *end = window.end,
+                _ => stretches.push((window.start, window.end)),
+            }
+        }
+        stretches
+    }
+
     /// Times of the log's rows, s.
     pub(super) fn rows(&self) -> &[f64] {
         &self.log.time_s

@@ -19,15 +19,8 @@ const WEIGHTS: [[f64; 6]; 7] = [
 ];
 
 /// Result of order 5 less that of order 4, in slopes.
-const ERROR: [f64; 7] = [
-    71.0 / 57_600.0,
-    0.0,
-    -71.0 / 16_695.0,
-    71.0 / 1_920.0,
-    -17_253.0 / 339_200.0,
-    22.0 / 525.0,
-    -1.0 / 40.0,
-];
+const ERROR: [f64; 7] =
+    [71.0 / 57_600.0, 0.0, -71.0 / 16_695.0, 71.0 / 1_920.0, -17_253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
 /// Shortest step, s: an error that does not fall with the step is a kink of the right-hand side, and is walked over.
 const STEP_MIN_S: f64 = 1e-7;

@@ -131,7 +131,8 @@ impl FreeBody {
         };
         let mut loads = Loads::default();
         for effect in effects {
-            let (torque, force) = (effect.extension().body_torque_nm(&motion), effect.extension().body_force_n(&motion));
+            let (torque, force) =
+                (effect.extension().body_torque_nm(&motion), effect.extension().body_force_n(&motion));
             for axis in 0..3 {
                 loads.torque_body_nm[axis] += torque[axis];
                 loads.force_body_n[axis] += force[axis];
@@ -149,9 +150,8 @@ impl FreeBody {
 
 /// A vector turned by a unit quaternion (w, x, y, z): v + 2 w (u x v) + 2 u x (u x v).
 fn rotated([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     let once = cross([x, y, z], v);
     let twice = cross([x, y, z], once);
     core::array::from_fn(|i| v[i] + 2.0 * (w * once[i] + twice[i]))

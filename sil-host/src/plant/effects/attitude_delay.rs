@@ -21,9 +21,7 @@ impl Catalogued for AttitudeDelay {
     };
 
     fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            delay_s: section.number("delay_s", admissible(0.0, 1.0, "a delay in s"))?,
-        })
+        Ok(Self { delay_s: section.number("delay_s", admissible(0.0, 1.0, "a delay in s"))? })
     }
 }
 

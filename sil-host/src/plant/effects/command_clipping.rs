@@ -26,7 +26,8 @@ impl Catalogued for CommandClipping {
         let [min, max] = [section.optional_number("min", command)?, section.optional_number("max", command)?];
         let clipping = Self { min: min.unwrap_or(0.0), max: max.unwrap_or(1.0) };
         if (min.is_none() && max.is_none()) || clipping.min >= clipping.max {
-            return Err(section.impossible("command_clipping lacks a range: expected `min` or `max` or both, min below max".into()));
+            return Err(section
+                .impossible("command_clipping lacks a range: expected `min` or `max` or both, min below max".into()));
         }
         Ok(clipping)
     }

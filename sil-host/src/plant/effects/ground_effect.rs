@@ -26,7 +26,9 @@ impl Catalogued for GroundEffect {
     fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
         Ok(Self {
             height_m: section.number("height_m", admissible(0.0, 100.0, "a height in m"))?,
-            rotor_radius_m: section.optional_number("rotor_radius_m", admissible(0.01, 1.0, "a radius in m"))?.unwrap_or(0.127),
+            rotor_radius_m: section
+                .optional_number("rotor_radius_m", admissible(0.01, 1.0, "a radius in m"))?
+                .unwrap_or(0.127),
         })
     }
 }

@@ -21,9 +21,7 @@ impl Catalogued for ImuMisalignment {
     };
 
     fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            yaw_rad: section.number("yaw_rad", admissible(-3.2, 3.2, "an angle in rad"))?,
-        })
+        Ok(Self { yaw_rad: section.number("yaw_rad", admissible(-3.2, 3.2, "an angle in rad"))? })
     }
 }
 

@@ -27,7 +27,8 @@ impl Catalogued for InertiaCoupling {
 
     fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
         Ok(Self {
-            product_kg_m2: section.number("product_kg_m2", admissible(-10.0, 10.0, "a product of inertia in kg m^2"))?,
+            product_kg_m2: section
+                .number("product_kg_m2", admissible(-10.0, 10.0, "a product of inertia in kg m^2"))?,
         })
     }
 }
@@ -40,7 +41,10 @@ impl Extension for InertiaCoupling {
     fn impossible_for(&self, [ixx, iyy, _]: [f64; 3]) -> Option<String> {
         let limit = (ixx * iyy).sqrt();
         (self.product_kg_m2.abs() >= limit).then(|| {
-            format!("no body has the product of inertia {:?} kg m^2: expected less than sqrt(ixx iyy), {limit:.6}", self.product_kg_m2)
+            format!(
+                "no body has the product of inertia {:?} kg m^2: expected less than sqrt(ixx iyy), {limit:.6}",
+                self.product_kg_m2
+            )
         })
     }
 

@@ -20,9 +20,7 @@ impl Catalogued for MassError {
     };
 
     fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            scale: section.number("scale", admissible(0.05, 20.0, "true mass over nominal"))?,
-        })
+        Ok(Self { scale: section.number("scale", admissible(0.05, 20.0, "true mass over nominal"))? })
     }
 }
 

@@ -23,9 +23,7 @@ impl Catalogued for MotorLag {
     };
 
     fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            time_constant_s: section.number("time_constant_s", admissible(0.0, 2.0, "a time constant in s"))?,
-        })
+        Ok(Self { time_constant_s: section.number("time_constant_s", admissible(0.0, 2.0, "a time constant in s"))? })
     }
 }
 

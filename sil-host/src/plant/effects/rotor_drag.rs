@@ -24,7 +24,8 @@ impl Catalogued for RotorDrag {
 
     fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
         Ok(Self {
-            coefficient_ns_m: section.number("coefficient_ns_m", admissible(-20.0, 20.0, "a force over a speed in N s/m"))?,
+            coefficient_ns_m: section
+                .number("coefficient_ns_m", admissible(-20.0, 20.0, "a force over a speed in N s/m"))?,
         })
     }
 }

@@ -28,7 +28,8 @@ impl Catalogued for Spring {
     fn read(section: &Section<'_>, rig: Rig) -> Result<Self, ModelError> {
         Ok(Self {
             axis: read_axis(section, rig)?,
-            stiffness_nm_rad: section.number("stiffness_nm_rad", admissible(-50.0, 50.0, "a moment over an angle in N m/rad"))?,
+            stiffness_nm_rad: section
+                .number("stiffness_nm_rad", admissible(-50.0, 50.0, "a moment over an angle in N m/rad"))?,
             rest_rad: section.optional_number("rest_rad", admissible(-7.0, 7.0, "an angle in rad"))?.unwrap_or(0.0),
         })
     }

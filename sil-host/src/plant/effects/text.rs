@@ -16,7 +16,8 @@ impl Effect {
         let entry: CatalogueEntry = section.choice("name", &names)?;
         if !entry.rigs.contains(&rig) {
             let rigs: Vec<_> = entry.rigs.iter().map(|rig| rig.name()).collect();
-            let problem = format!("{} has no meaning on the rig {}, only on: {}", entry.name, rig.name(), rigs.join(", "));
+            let problem =
+                format!("{} has no meaning on the rig {}, only on: {}", entry.name, rig.name(), rigs.join(", "));
             return Err(section.impossible(problem));
         }
         let Some(effect) = Self::read_parameters(entry.name, section, rig) else {

@@ -20,9 +20,7 @@ impl Catalogued for ThrustScale {
     };
 
     fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            scale: section.number("scale", admissible(0.0, 5.0, "true lift over nominal"))?,
-        })
+        Ok(Self { scale: section.number("scale", admissible(0.0, 5.0, "true lift over nominal"))? })
     }
 }
 

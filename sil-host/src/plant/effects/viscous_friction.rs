@@ -26,7 +26,8 @@ impl Catalogued for ViscousFriction {
     fn read(section: &Section<'_>, rig: Rig) -> Result<Self, ModelError> {
         Ok(Self {
             axis: read_axis(section, rig)?,
-            coefficient_nms: section.number("coefficient_nms", admissible(-20.0, 20.0, "a moment over a rate in N m s"))?,
+            coefficient_nms: section
+                .number("coefficient_nms", admissible(-20.0, 20.0, "a moment over a rate in N m s"))?,
         })
     }
 }

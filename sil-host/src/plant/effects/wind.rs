@@ -31,7 +31,9 @@ impl Catalogued for Wind {
         Ok(Self {
             north_m_s: section.optional_number("north_m_s", admissible(-50.0, 50.0, "a speed in m/s"))?.unwrap_or(0.0),
             east_m_s: section.optional_number("east_m_s", admissible(-50.0, 50.0, "a speed in m/s"))?.unwrap_or(0.0),
-            drag_area_m2: section.optional_number("drag_area_m2", admissible(0.0, 2.0, "a drag area in m^2"))?.unwrap_or(0.02),
+            drag_area_m2: section
+                .optional_number("drag_area_m2", admissible(0.0, 2.0, "a drag area in m^2"))?
+                .unwrap_or(0.02),
         })
     }
 }
