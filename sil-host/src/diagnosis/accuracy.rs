@@ -75,3 +75,9 @@ fn tally(
     }
     tallies
 }
+
+/// The largest of the channels' errors over an exact model's.
+pub(super) fn worst_ratio(windows: &[WindowTally]) -> f64 {
+    let ratio = |place| root_mean_square(windows, place).map_or(0.0, |(error, floor)| error / floor);
+    (0..6).map(ratio).fold(0.0, f64::max)
+}

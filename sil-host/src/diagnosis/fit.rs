@@ -41,13 +41,12 @@ impl Fit<'_> {
         self.terms.iter().map(|term| term.values.len()).sum()
     }
 
-    /// Standard deviation of each parameter of a term, in units of the noise.
-    pub(super) fn std_of(&self, term: usize) -> Vec<f64> {
+    /// Covariance of the parameters of one term, rows one behind the other.
+    pub(super) fn covariance_of(&self, term: usize) -> Vec<f64> {
         let before: usize = self.terms[..term].iter().map(|term| term.values.len()).sum();
-        let size = self.size();
-        (before..before + self.terms[term].values.len())
-            .map(|i| self.covariance[i * size + i].max(0.0).sqrt())
-            .collect()
+        let (size, own) = (self.size(), self.terms[term].values.len());
+        let at = |i: usize, j: usize| self.covariance[(before + i) * size + before + j];
+        (0..own * own).map(|k| at(k / own, k % own)).collect()
     }
 }
 

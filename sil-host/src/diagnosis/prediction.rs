@@ -17,6 +17,8 @@ pub(super) struct Model {
     pub(super) body: Body,
     pub(super) moments: Vec<Box<dyn Moment>>,
     pub(super) sensors: Sensors,
+    /// Parts of a body step, where something in the model changes faster than the body turns.
+    pub(super) parts_per_step: u8,
 }
 
 /// Angles (roll, pitch, yaw) and body rates (p, q, r) as a log would report them.
@@ -34,6 +36,7 @@ impl Model {
             body,
             moments: Vec::new(),
             sensors: Sensors::NOMINAL,
+            parts_per_step: 1,
         }
     }
 
@@ -56,22 +59,36 @@ impl Model {
         reports
     }
 
-    /// One step of the body, Runge-Kutta 4; backwards from its end where `duration_s` is negative.
+    /// One step of the body; backwards from its end where `duration_s` is negative.
     fn step(&self, scene: &Scene<'_>, step: &Step, x: &State, duration_s: f64) -> State {
         let factor = self.factors(scene, step);
+        // the forces along the step, from -1 at its beginning to 1 at its end
         let force = |place: f64| -> [f64; 4] {
             core::array::from_fn(|i| factor[i] * (step.mean[i] + place * step.half_change[i]))
         };
         let (begin, from_s) =
             if duration_s < 0.0 { (1.0, step.start_s + step.duration_s) } else { (-1.0, step.start_s) };
-        let [first, middle, last] = [begin, 0.0, -begin].map(force);
+        let parts = f64::from(self.parts_per_step);
+        let part_s = duration_s / parts;
+        let mut state = *x;
+        for part in 0..self.parts_per_step {
+            let passed = f64::from(part) / parts;
+            let place = |share: f64| begin * (1.0 - 2.0 * (passed + share / parts));
+            let forces = [force(place(0.0)), force(place(0.5)), force(place(1.0))];
+            state = self.part(from_s + passed * duration_s, &state, &forces, part_s);
+        }
+        state
+    }
+
+    /// Runge-Kutta 4.
+    fn part(&self, from_s: f64, x: &State, [first, middle, last]: &[[f64; 4]; 3], duration_s: f64) -> State {
         let along = |k: &State, scale: f64| -> State { core::array::from_fn(|i| x[i] + scale * k[i]) };
         let derivative = |at_s, x: &State, force| self.body.derivative(at_s, x, force, &self.moments);
         let half_s = 0.5 * duration_s;
-        let k1 = derivative(from_s, x, &first);
-        let k2 = derivative(from_s + half_s, &along(&k1, half_s), &middle);
-        let k3 = derivative(from_s + half_s, &along(&k2, half_s), &middle);
-        let k4 = derivative(from_s + duration_s, &along(&k3, duration_s), &last);
+        let k1 = derivative(from_s, x, first);
+        let k2 = derivative(from_s + half_s, &along(&k1, half_s), middle);
+        let k3 = derivative(from_s + half_s, &along(&k2, half_s), middle);
+        let k4 = derivative(from_s + duration_s, &along(&k3, duration_s), last);
         core::array::from_fn(|i| x[i] + duration_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 

@@ -46,6 +46,13 @@ pub(super) struct Candidate<'e> {
     pub(super) held_out: f64,
 }
 
+impl<'e> Candidate<'e> {
+    /// The effect that was added last.
+    pub(super) fn last_effect(&self) -> &'e dyn Effect {
+        self.fit.terms[self.fit.terms.len() - 1].effect
+    }
+}
+
 /// What the search found.
 pub(super) struct Found<'e> {
     /// The model without effects.
@@ -121,7 +128,7 @@ impl<'e> Search<'e> {
         // of two starts of the same effect the better one counts
         let mut seen: Vec<Candidate<'e>> = Vec::new();
         for fit in fits {
-            if !seen.iter().any(|other| is_the_same(last_effect(other), last_effect(&fit))) {
+            if !seen.iter().any(|other| is_the_same(other.last_effect(), fit.last_effect())) {
                 seen.push(fit);
             }
         }
@@ -160,7 +167,7 @@ impl<'e> Search<'e> {
 
     /// Mean square that a model leaves on the training windows, in units of the noise: where no model of the catalogue explains a log, its
     /// sums of squares mean that much less.
-    fn spread(&self, candidate: &Candidate<'e>) -> f64 {
+    pub(super) fn spread(&self, candidate: &Candidate<'e>) -> f64 {
         (candidate.fit.training / self.shooting.degrees_of_freedom(&self.training)).max(1.0)
     }
 
@@ -179,14 +186,14 @@ impl<'e> Search<'e> {
                 }
                 let others = self.extensions(&without);
                 let exchanged = others.iter().find(|other| {
-                    !is_the_same(last_effect(other), removed.effect) && criterion(other) + PAYS < criterion(&chosen)
+                    !is_the_same(other.last_effect(), removed.effect) && criterion(other) + PAYS < criterion(&chosen)
                 });
                 if let Some(exchanged) = exchanged {
                     better = Some(exchanged.clone());
                     break;
                 }
                 alternatives.push(
-                    others.into_iter().filter(|other| !is_the_same(last_effect(other), removed.effect)).collect(),
+                    others.into_iter().filter(|other| !is_the_same(other.last_effect(), removed.effect)).collect(),
                 );
             }
             match better {
@@ -232,10 +239,6 @@ impl<'e> Search<'e> {
 /// Held-out sum of squares with a penalty for each parameter.
 fn criterion(candidate: &Candidate<'_>) -> f64 {
     candidate.held_out + 2.0 * candidate.fit.size() as f64
-}
-
-fn last_effect<'e>(candidate: &Candidate<'e>) -> &'e dyn Effect {
-    candidate.fit.terms[candidate.fit.terms.len() - 1].effect
 }
 
 /// Same name, axis and motor.

@@ -9,6 +9,9 @@ pub(super) struct AttitudeDelay;
 const PARAMETERS: [Parameter; 1] = [Parameter { name: "delay_s", nominal: 0.0, step: 1e-5, min: 0.0, max: 0.3 }];
 
 impl Effect for AttitudeDelay {
+    fn in_words(&self) -> &'static str {
+        "the attitude is reported late"
+    }
     fn name(&self) -> &'static str {
         "attitude_delay"
     }

@@ -12,6 +12,9 @@ const PER_SECOND: [Parameter; 1] = [Parameter { name: "per_s", nominal: 0.0, ste
 const PER_VOLT: [Parameter; 1] = [Parameter { name: "per_volt", nominal: 0.0, step: 1e-5, min: -1.0, max: 1.0 }];
 
 impl Effect for PerSecond {
+    fn in_words(&self) -> &'static str {
+        "thrust falls with time"
+    }
     fn name(&self) -> &'static str {
         "battery_sag"
     }
@@ -27,6 +30,9 @@ impl Effect for PerSecond {
 }
 
 impl Effect for PerVolt {
+    fn in_words(&self) -> &'static str {
+        "thrust falls with the battery"
+    }
     fn name(&self) -> &'static str {
         "battery_sag"
     }

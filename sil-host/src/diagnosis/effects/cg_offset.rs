@@ -16,6 +16,9 @@ const PARAMETERS: [Parameter; 2] = [
 ];
 
 impl Effect for CgOffset {
+    fn in_words(&self) -> &'static str {
+        "the centre of gravity lies off the axis"
+    }
     fn name(&self) -> &'static str {
         "cg_offset"
     }

@@ -12,6 +12,9 @@ const PARAMETERS: [Parameter; 2] = [
 ];
 
 impl Effect for CommandClipping {
+    fn in_words(&self) -> &'static str {
+        "the speed controllers do less than they are asked at an end of their range"
+    }
     fn name(&self) -> &'static str {
         "command_clipping"
     }

@@ -14,6 +14,9 @@ const PARAMETERS: [Parameter; 1] = [Parameter { name: "torque_nm", nominal: 0.0,
 const SOFTENING_RAD_S: f64 = 0.02;
 
 impl Effect for CoulombFriction {
+    fn in_words(&self) -> &'static str {
+        "dry friction brakes the vehicle"
+    }
     fn name(&self) -> &'static str {
         "coulomb_friction"
     }
@@ -27,6 +30,8 @@ impl Effect for CoulombFriction {
         &PARAMETERS
     }
     fn apply(&self, values: &[f64], model: &mut Model) {
+        // it turns round while the rate goes from -0.02 to 0.02 rad/s, a millisecond or two
+        model.parts_per_step = model.parts_per_step.max(4);
         model.moments.push(Box::new(Dry { axis: self.0.index(), torque_nm: values[0] }));
     }
 }

@@ -13,6 +13,9 @@ const BIAS: [Parameter; 1] = [Parameter { name: "bias_rad_s", nominal: 0.0, step
 const SCALE: [Parameter; 1] = [Parameter { name: "scale", nominal: 1.0, step: 1e-4, min: 0.2, max: 5.0 }];
 
 impl Effect for GyroBias {
+    fn in_words(&self) -> &'static str {
+        "the gyro has a bias"
+    }
     fn name(&self) -> &'static str {
         "gyro_bias"
     }
@@ -31,6 +34,9 @@ impl Effect for GyroBias {
 }
 
 impl Effect for GyroScale {
+    fn in_words(&self) -> &'static str {
+        "the gyro's scale is off"
+    }
     fn name(&self) -> &'static str {
         "gyro_scale"
     }

@@ -9,6 +9,9 @@ pub(super) struct ImuMisalignment;
 const PARAMETERS: [Parameter; 1] = [Parameter { name: "yaw_rad", nominal: 0.0, step: 1e-5, min: -1.6, max: 1.6 }];
 
 impl Effect for ImuMisalignment {
+    fn in_words(&self) -> &'static str {
+        "the sensor is turned about the vertical axis of the body"
+    }
     fn name(&self) -> &'static str {
         "imu_misalignment"
     }

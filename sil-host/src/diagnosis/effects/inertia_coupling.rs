@@ -10,6 +10,9 @@ const PARAMETERS: [Parameter; 1] =
     [Parameter { name: "product_kg_m2", nominal: 0.0, step: 1e-6, min: -0.009, max: 0.009 }];
 
 impl Effect for InertiaCoupling {
+    fn in_words(&self) -> &'static str {
+        "roll and pitch are coupled by an off-diagonal inertia"
+    }
     fn name(&self) -> &'static str {
         "inertia_coupling"
     }

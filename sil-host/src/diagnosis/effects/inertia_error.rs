@@ -10,6 +10,9 @@ pub(super) struct InertiaError(pub(super) Axis);
 const PARAMETERS: [Parameter; 1] = [Parameter { name: "scale", nominal: 1.0, step: 1e-4, min: 0.2, max: 5.0 }];
 
 impl Effect for InertiaError {
+    fn in_words(&self) -> &'static str {
+        "the inertia is not the nominal one"
+    }
     fn name(&self) -> &'static str {
         "inertia_error"
     }

@@ -12,6 +12,9 @@ pub(in crate::diagnosis) struct InputGain(pub(in crate::diagnosis) Axis);
 const PARAMETERS: [Parameter; 1] = [Parameter { name: "gain_rad_s2", nominal: 1.0, step: 1e-3, min: -1e4, max: 1e4 }];
 
 impl Effect for InputGain {
+    fn in_words(&self) -> &'static str {
+        "acceleration per command"
+    }
     fn name(&self) -> &'static str {
         "input_gain"
     }

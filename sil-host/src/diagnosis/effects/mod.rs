@@ -97,6 +97,13 @@ pub(super) trait Effect: Sync + Send {
     fn told(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
         self.parameters().iter().zip(values).map(|(parameter, value)| (parameter.name, *value)).collect()
     }
+    /// The names of what is told, in order.
+    fn told_names(&self) -> Vec<&'static str> {
+        let any: Vec<f64> = self.parameters().iter().map(|parameter| parameter.nominal).collect();
+        self.told(&any).into_iter().map(|(name, _)| name).collect()
+    }
+    /// What it is, for a person.
+    fn in_words(&self) -> &'static str;
 }
 
 /// What a log and a rig can speak about.

@@ -10,6 +10,9 @@ const PARAMETERS: [Parameter; 1] =
     [Parameter { name: "time_constant_s", nominal: 0.0, step: 1e-5, min: 0.0, max: 0.5 }];
 
 impl Effect for MotorLag {
+    fn in_words(&self) -> &'static str {
+        "the motors follow their commands later than the model says"
+    }
     fn name(&self) -> &'static str {
         "motor_lag"
     }

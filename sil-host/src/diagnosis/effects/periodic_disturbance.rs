@@ -16,6 +16,9 @@ const PARAMETERS: [Parameter; 3] = [
 ];
 
 impl Effect for PeriodicDisturbance {
+    fn in_words(&self) -> &'static str {
+        "a periodic moment acts from outside"
+    }
     fn name(&self) -> &'static str {
         "periodic_disturbance"
     }

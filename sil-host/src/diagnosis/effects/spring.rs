@@ -15,6 +15,9 @@ const PARAMETERS: [Parameter; 2] = [
 ];
 
 impl Effect for Spring {
+    fn in_words(&self) -> &'static str {
+        "a spring pulls the vehicle toward an angle"
+    }
     fn name(&self) -> &'static str {
         "spring"
     }

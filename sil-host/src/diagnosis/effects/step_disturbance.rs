@@ -17,6 +17,9 @@ const PARAMETERS: [Parameter; 2] = [
 const RAMP_S: f64 = 0.01;
 
 impl Effect for StepDisturbance {
+    fn in_words(&self) -> &'static str {
+        "a moment from outside sets in during the log"
+    }
     fn name(&self) -> &'static str {
         "step_disturbance"
     }

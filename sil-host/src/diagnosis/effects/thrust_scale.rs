@@ -9,6 +9,9 @@ pub(super) struct ThrustScale;
 const PARAMETERS: [Parameter; 1] = [Parameter { name: "scale", nominal: 1.0, step: 1e-4, min: 0.1, max: 5.0 }];
 
 impl Effect for ThrustScale {
+    fn in_words(&self) -> &'static str {
+        "all motors lift more or less than the model says"
+    }
     fn name(&self) -> &'static str {
         "thrust_scale"
     }

@@ -11,6 +11,9 @@ pub(super) struct TorqueBias(pub(super) Axis);
 const PARAMETERS: [Parameter; 1] = [Parameter { name: "torque_nm", nominal: 0.0, step: 1e-4, min: -50.0, max: 50.0 }];
 
 impl Effect for TorqueBias {
+    fn in_words(&self) -> &'static str {
+        "a constant moment acts on the vehicle"
+    }
     fn name(&self) -> &'static str {
         "torque_bias"
     }

@@ -12,6 +12,9 @@ const PARAMETERS: [Parameter; 1] =
     [Parameter { name: "coefficient_nms", nominal: 0.0, step: 1e-4, min: -10.0, max: 50.0 }];
 
 impl Effect for ViscousFriction {
+    fn in_words(&self) -> &'static str {
+        "a moment proportional to the rate brakes the vehicle"
+    }
     fn name(&self) -> &'static str {
         "viscous_friction"
     }

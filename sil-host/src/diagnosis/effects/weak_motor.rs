@@ -9,6 +9,9 @@ pub(super) struct WeakMotor(pub(super) u8);
 const PARAMETERS: [Parameter; 1] = [Parameter { name: "scale", nominal: 1.0, step: 1e-4, min: 0.0, max: 3.0 }];
 
 impl Effect for WeakMotor {
+    fn in_words(&self) -> &'static str {
+        "one motor lifts more or less than the others"
+    }
     fn name(&self) -> &'static str {
         "weak_motor"
     }
