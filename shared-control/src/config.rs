@@ -8,7 +8,7 @@ use crate::filter::LowPass1;
 use crate::imu::ImuConfig;
 use crate::mixer::MixerConfig;
 use crate::mpc::{HORIZON, MpcSettings};
-use crate::output::{OutputConfig, PulseKind};
+use crate::output::OutputConfig;
 use crate::signals::IMU_SAMPLES_MAX;
 use crate::supervisor::SupervisorConfig;
 use crate::vehicle::VehicleParameters;
@@ -101,6 +101,8 @@ pub struct Config {
     pub controller: Controller,
     /// Conditioning of the IMU.
     pub imu: ImuConfig,
+    /// Conditioning of the second IMU.
+    pub imu_second: ImuConfig,
     /// Attitude estimator.
     pub estimator: EstimatorConfig,
     /// Attitude loop.
@@ -145,7 +147,8 @@ impl core::fmt::Display for ConfigError {
 impl core::error::Error for ConfigError {}
 
 impl Config {
-    /// Configuration of the core for a vehicle, with the Pixhawk 1's MPU6000 and PWM at the loop rate.
+    /// Configuration of the core for a vehicle, with the Pixhawk 1's IMUs (an L3GD20, not an H), PWM at 400 Hz and the nominal
+    /// supervisor; [`crate::setup`] puts other pulses and limits in their place.
     ///
     /// # Errors
     /// Names the first value that can't be flown with.
@@ -168,6 +171,7 @@ impl Config {
             loop_rate_hz,
             controller,
             imu: ImuConfig::pixhawk1_mpu6000(gyro_cutoff(tuning, loop_rate_hz), imu_rate_hz),
+            imu_second: ImuConfig::pixhawk1_l3gd20_lsm303d(gyro_cutoff(tuning, loop_rate_hz)),
             estimator: EstimatorConfig { gravity_m_s2: vehicle.gravity_m_s2, ..EstimatorConfig::NOMINAL },
             angle: angle_config(vehicle, tuning),
             rate: rate_gains(vehicle, tuning, loop_rate_hz),
@@ -179,7 +183,7 @@ impl Config {
                 torque_per_lift_m: vehicle.torque_per_lift_m,
                 lift_curve: vehicle.lift_curve,
             },
-            output: OutputConfig { kind: PulseKind::Pwm, ticks_per_us: 24.0 },
+            output: OutputConfig::PWM_400_HZ,
             supervisor: SupervisorConfig::NOMINAL,
         })
     }

@@ -15,10 +15,12 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::elementary::{asin, atan2, larger, limit, magnitude, sqrt};
+use crate::elementary::{asin, atan2, larger, magnitude, sqrt};
 use crate::frames::{EulerAngles, down_in_body, normalized, q_from_rotation_vector, q_world_from_euler};
-use crate::imu::{ImuStep, seconds_between};
+use crate::gyro_bias::GyroBias;
+use crate::imu::{ImuStep, all_finite, seconds_between};
 use crate::signals::AttitudeEstimate;
+use crate::state_words::StateWords;
 
 /// Gains and limits of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,46 +73,44 @@ impl EstimatorConfig {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorState {
     q_world_from_body: UnitQuaternion<f32>,
-    gyro_bias_rad_s: Vector3<f32>,
     last_sample_us: Option<u64>,
-    rest: RestWindow,
-}
-
-/// The gyro since the vehicle last came to rest.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct RestWindow {
-    rotation_rad: Vector3<f32>,
-    duration_s: f32,
-    down_body: Option<Vector3<f32>>,
 }
 
 impl Default for EstimatorState {
     fn default() -> Self {
-        Self {
-            q_world_from_body: UnitQuaternion::identity(),
-            gyro_bias_rad_s: Vector3::zeros(),
-            last_sample_us: None,
-            rest: RestWindow::default(),
-        }
+        Self { q_world_from_body: UnitQuaternion::identity(), last_sample_us: None }
     }
 }
 
 impl EstimatorState {
-    /// Time at rest over which the gyro bias has been averaged, s; zero in flight and once moved.
-    pub fn rest_s(&self) -> f32 {
-        self.rest.duration_s
+    /// Forgets roll and pitch; the next usable sample sets them, as the very first does.
+    pub fn level_anew(&mut self) {
+        self.last_sample_us = None;
+    }
+
+    /// Goes on from another attitude.
+    pub fn set_attitude(&mut self, q_world_from_body: UnitQuaternion<f32>) {
+        self.q_world_from_body = q_world_from_body;
+    }
+
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { q_world_from_body, last_sample_us } = self;
+        words.rotation(q_world_from_body);
+        words.optional_time_us(*last_sample_us);
     }
 }
 
-/// One step of the filter. `time_us` is the step's time; it only tells whether samples stay away.
+/// One step of the filter with an IMU and that IMU's gyro bias. `time_us` is the step's time; it only tells whether samples
+/// stay away.
 pub fn update(
     config: &EstimatorConfig,
     state: &mut EstimatorState,
+    gyro: &mut GyroBias,
     imu: &ImuStep,
     time_us: u64,
     in_flight: bool,
 ) -> AttitudeEstimate {
-    if imu.samples > 0 && all_finite(&imu.specific_force_m_s2) && all_finite(&imu.rotation_rad) {
+    if imu.is_usable() {
         let down = measured_down(config, &imu.specific_force_m_s2);
         match (state.last_sample_us, imu.after_gap, down) {
             (None, _, None) => {}
@@ -121,16 +121,16 @@ pub fn update(
             // only on the ground: in flight the accelerometer would call the thrust's direction down
             (Some(_), true, Some((down_body, _))) if !in_flight => {
                 state.q_world_from_body = level_attitude(&down_body, state);
-                state.rest = RestWindow::default();
+                gyro.moved();
                 state.last_sample_us = Some(time_us);
             }
             (Some(_), _, down) => {
                 if in_flight {
-                    state.rest = RestWindow::default();
+                    gyro.moved();
                 } else {
-                    average_bias_at_rest(config, state, imu, down.map(|(down_body, _)| down_body));
+                    gyro.average_at_rest(config, imu, down.map(|(down_body, _)| down_body));
                 }
-                predict_and_correct(config, state, imu, down, in_flight);
+                predict_and_correct(config, state, gyro, imu, down, in_flight);
                 state.last_sample_us = Some(time_us);
             }
         }
@@ -140,11 +140,11 @@ pub fn update(
         Some(last) => time_us >= last && seconds_between(last, time_us) <= config.stale_after_s,
         None => false,
     };
-    let rate_body_rad_s = imu.rate_body_rad_s - state.gyro_bias_rad_s;
+    let rate_body_rad_s = imu.rate_body_rad_s - gyro.bias_rad_s();
     AttitudeEstimate {
         q_world_from_body: state.q_world_from_body,
         rate_body_rad_s: if all_finite(&rate_body_rad_s) { rate_body_rad_s } else { Vector3::zeros() },
-        gyro_bias_rad_s: state.gyro_bias_rad_s,
+        gyro_bias_rad_s: gyro.bias_rad_s(),
         valid: fresh,
     }
 }
@@ -152,67 +152,32 @@ pub fn update(
 fn predict_and_correct(
     config: &EstimatorConfig,
     state: &mut EstimatorState,
+    gyro: &mut GyroBias,
     imu: &ImuStep,
     down: Option<(Vector3<f32>, f32)>,
     in_flight: bool,
 ) {
     let dt_s = imu.duration_s;
-    let mut rotation = imu.rotation_rad - state.gyro_bias_rad_s * dt_s;
+    let mut rotation = imu.rotation_rad - gyro.bias_rad_s() * dt_s;
     if let Some((down_body, weight)) = down {
         let error = down_body.cross(&down_in_body(&state.q_world_from_body));
         let gain_1_s = if in_flight { config.flight_attitude_1_s } else { config.rest_attitude_1_s };
         rotation += error * (gain_1_s * weight * dt_s);
         if in_flight {
-            let bias = state.gyro_bias_rad_s - error * (config.flight_bias_1_s2 * weight * dt_s);
-            state.gyro_bias_rad_s = bounded(config, &bias);
+            gyro.correct(config, error * (-config.flight_bias_1_s2 * weight * dt_s));
         }
     }
-    let turned = state.q_world_from_body * q_from_rotation_vector(&rotation);
-    state.q_world_from_body = normalized(turned.into_inner());
+    state.q_world_from_body = turned(&state.q_world_from_body, &rotation);
 }
 
-/// At rest the mean of the gyro is its bias: after a while of it, for a window that begins anew with every motion. What
-/// was learnt before stays until then, so a slow turn or a bump costs nothing.
-fn average_bias_at_rest(
-    config: &EstimatorConfig,
-    state: &mut EstimatorState,
-    imu: &ImuStep,
-    down_body: Option<Vector3<f32>>,
-) {
-    let rest = &mut state.rest;
-    let mean = if rest.duration_s > 0.0 { rest.rotation_rad * (1.0 / rest.duration_s) } else { imu.rate_body_rad_s };
-    let strayed = imu.rate_body_rad_s - mean;
-    let turned = match (rest.down_body, down_body) {
-        (Some(before), Some(now)) => sqrt(before.cross(&now).dot(&before.cross(&now))) > config.rest_tilt_max_rad,
-        (None, Some(_)) => false,
-        (_, None) => true,
-    };
-    if turned || strayed.dot(&strayed) > config.rest_spread_max_rad_s * config.rest_spread_max_rad_s {
-        *rest = RestWindow { down_body, ..RestWindow::default() };
-        return;
-    }
-    rest.down_body = rest.down_body.or(down_body);
-    rest.rotation_rad += imu.rotation_rad;
-    rest.duration_s += imu.duration_s;
-    if rest.duration_s > config.rest_average_max_s {
-        // forget as much as came, so that a drift is followed
-        let kept = config.rest_average_max_s / rest.duration_s;
-        rest.rotation_rad *= kept;
-        rest.duration_s = config.rest_average_max_s;
-    }
-    if rest.duration_s >= config.rest_settle_s {
-        let bias = rest.rotation_rad * (1.0 / rest.duration_s);
-        state.gyro_bias_rad_s = bounded(config, &bias);
-    }
-}
-
-fn bounded(config: &EstimatorConfig, bias_rad_s: &Vector3<f32>) -> Vector3<f32> {
-    bias_rad_s.map(|b| limit(b, -config.bias_max_rad_s, config.bias_max_rad_s))
+/// An attitude after a rotation, rad, about the body's axes.
+pub fn turned(q_world_from_body: &UnitQuaternion<f32>, rotation_rad: &Vector3<f32>) -> UnitQuaternion<f32> {
+    normalized((q_world_from_body * q_from_rotation_vector(rotation_rad)).into_inner())
 }
 
 /// Direction of down in the body frame as the accelerometer has it, and how much it may be believed (0..1); none
 /// where the specific force is too far from gravity.
-fn measured_down(config: &EstimatorConfig, specific_force: &Vector3<f32>) -> Option<(Vector3<f32>, f32)> {
+pub fn measured_down(config: &EstimatorConfig, specific_force: &Vector3<f32>) -> Option<(Vector3<f32>, f32)> {
     let norm = sqrt(specific_force.dot(specific_force));
     let deviation = magnitude(norm / config.gravity_m_s2 - 1.0);
     let weight = larger(0.0, 1.0 - deviation / config.accel_gate);
@@ -226,10 +191,6 @@ fn level_attitude(down_body: &Vector3<f32>, state: &EstimatorState) -> UnitQuate
         pitch_rad: asin(-down_body.x),
         yaw_rad: crate::frames::euler_from_q(&state.q_world_from_body).yaw_rad,
     })
-}
-
-fn all_finite(v: &Vector3<f32>) -> bool {
-    v.x.is_finite() && v.y.is_finite() && v.z.is_finite()
 }
 
 #[cfg(test)]
@@ -250,9 +211,21 @@ mod tests {
         }
     }
 
+    /// A filter with its gyro.
+    type Filter = (EstimatorState, GyroBias);
+
+    /// One that has had a sample, at this attitude.
+    fn started(q_world_from_body: UnitQuaternion<f32>) -> Filter {
+        (EstimatorState { q_world_from_body, last_sample_us: Some(0) }, GyroBias::default())
+    }
+
     /// At rest.
-    fn update(config: &EstimatorConfig, state: &mut EstimatorState, imu: &ImuStep, time_us: u64) -> AttitudeEstimate {
-        super::update(config, state, imu, time_us, false)
+    fn update(config: &EstimatorConfig, filter: &mut Filter, imu: &ImuStep, time_us: u64) -> AttitudeEstimate {
+        super::update(config, &mut filter.0, &mut filter.1, imu, time_us, false)
+    }
+
+    fn update_in_flight(filter: &mut Filter, imu: &ImuStep, time_us: u64) -> AttitudeEstimate {
+        super::update(&CONFIG, &mut filter.0, &mut filter.1, imu, time_us, true)
     }
 
     fn force_at(q: &UnitQuaternion<f32>) -> Vector3<f32> {
@@ -268,7 +241,7 @@ mod tests {
         #[test]
         fn first_sample_sets_the_tilt(roll in -3.1f32..3.1, pitch in -1.55f32..1.55) {
             let truth = q_world_from_euler(EulerAngles { roll_rad: roll, pitch_rad: pitch, yaw_rad: 0.0 });
-            let mut state = EstimatorState::default();
+            let mut state = Filter::default();
             let estimate = update(&CONFIG, &mut state, &imu(Vector3::zeros(), force_at(&truth), 0.0), 0);
             prop_assert!(estimate.valid);
             prop_assert!((down_in_body(&estimate.q_world_from_body) - down_in_body(&truth)).norm() < 1e-5);
@@ -277,7 +250,7 @@ mod tests {
         /// From any wrong tilt short of the exact opposite the accelerometer brings it back.
         #[test]
         fn tilt_converges_from_any_start(roll in -2.9f32..2.9, pitch in -1.4f32..1.4) {
-            let mut state = EstimatorState { last_sample_us: Some(0), ..Default::default() };
+            let mut state = started(UnitQuaternion::identity());
             let truth = q_world_from_euler(EulerAngles { roll_rad: roll, pitch_rad: pitch, yaw_rad: 0.3 });
             prop_assume!(down_in_body(&truth).z > -0.97);
             let mut estimate = None;
@@ -292,7 +265,7 @@ mod tests {
     #[test]
     fn follows_loops_through_every_attitude_without_the_accelerometer() {
         // pitching over backwards at 2 rad/s in free fall (no specific force): 10 full loops
-        let mut state = EstimatorState { last_sample_us: Some(0), ..Default::default() };
+        let mut state = started(UnitQuaternion::identity());
         let rate = Vector3::new(0.0, 2.0, 0.0);
         let steps = 12_566u64;
         for k in 1..=steps {
@@ -304,12 +277,12 @@ mod tests {
             0.0,
         ));
         // f32 time steps round by 6e-8 each, 12566 of them
-        assert!(angle_between_downs(&state.q_world_from_body, &truth) < 2e-3);
+        assert!(angle_between_downs(&state.0.q_world_from_body, &truth) < 2e-3);
     }
 
     #[test]
     fn learns_the_gyro_bias_at_rest_and_not_while_carried_about() {
-        let mut state = EstimatorState::default();
+        let mut state = Filter::default();
         let bias = Vector3::new(0.03, -0.02, 0.01);
         let level = force_at(&UnitQuaternion::identity());
         update(&CONFIG, &mut state, &imu(bias, level, 0.0), 0);
@@ -333,7 +306,7 @@ mod tests {
 
     #[test]
     fn learns_the_largest_bias_that_the_chip_may_have() {
-        let mut state = EstimatorState::default();
+        let mut state = Filter::default();
         let bias = Vector3::new(20f32.to_radians(), -20f32.to_radians(), 20f32.to_radians());
         let level = force_at(&UnitQuaternion::identity());
         let mut estimate = update(&CONFIG, &mut state, &imu(bias, level, 0.0), 0);
@@ -350,9 +323,13 @@ mod tests {
         let truth = q_world_from_euler(EulerAngles { roll_rad: 0.5, pitch_rad: 0.0, yaw_rad: 0.0 });
         let thrust = force_at(&UnitQuaternion::identity());
         for in_flight in [true, false] {
-            let mut state = EstimatorState { q_world_from_body: truth, last_sample_us: Some(0), ..Default::default() };
+            let mut state = started(truth);
             let gap = ImuStep { after_gap: true, ..imu(Vector3::zeros(), thrust, 0.0) };
-            let estimate = super::update(&CONFIG, &mut state, &gap, 600_000, in_flight);
+            let estimate = if in_flight {
+                update_in_flight(&mut state, &gap, 600_000)
+            } else {
+                update(&CONFIG, &mut state, &gap, 600_000)
+            };
             let kept = angle_between_downs(&estimate.q_world_from_body, &truth) < 1e-5;
             assert_eq!(kept, in_flight, "on the ground the accelerometer is right, in flight it is not");
         }
@@ -360,7 +337,7 @@ mod tests {
 
     #[test]
     fn a_clock_that_runs_back_makes_nothing_fresh() {
-        let mut state = EstimatorState::default();
+        let mut state = Filter::default();
         let level = force_at(&UnitQuaternion::identity());
         update(&CONFIG, &mut state, &imu(Vector3::zeros(), level, 0.0), 1_000_000);
         let nothing = ImuStep { samples: 0, ..imu(Vector3::zeros(), Vector3::zeros(), 0.0) };
@@ -369,32 +346,32 @@ mod tests {
 
     #[test]
     fn follows_the_bias_about_the_horizontal_axes_in_flight() {
-        let mut state = EstimatorState { last_sample_us: Some(0), ..Default::default() };
+        let mut state = started(UnitQuaternion::identity());
         let bias = Vector3::new(0.01, -0.01, 0.0);
         let level = force_at(&UnitQuaternion::identity());
         for k in 1..80_000u64 {
-            super::update(&CONFIG, &mut state, &imu(bias, level, 0.0025), k * 2500, true);
+            update_in_flight(&mut state, &imu(bias, level, 0.0025), k * 2500);
         }
         // critically damped with 20 s: after 200 s (1 + 10) e^-10 is left, 5e-4 of the bias, and f32 rounding
-        assert!((state.gyro_bias_rad_s - bias).norm() < 1e-4, "{:?}", state.gyro_bias_rad_s);
+        assert!((state.1.bias_rad_s() - bias).norm() < 1e-4, "{:?}", state.1);
     }
 
     #[test]
     fn in_flight_a_held_tilt_is_believed_for_a_while() {
         // 30 degrees held for 2 s in free flight: the accelerometer feels only the thrust, as if level
         let truth = q_world_from_euler(EulerAngles { roll_rad: 0.52, pitch_rad: 0.0, yaw_rad: 0.0 });
-        let mut state = EstimatorState { q_world_from_body: truth, last_sample_us: Some(0), ..Default::default() };
+        let mut state = started(truth);
         let thrust = force_at(&UnitQuaternion::identity());
         for k in 1..800u64 {
-            super::update(&CONFIG, &mut state, &imu(Vector3::zeros(), thrust, 0.0025), k * 2500, true);
+            update_in_flight(&mut state, &imu(Vector3::zeros(), thrust, 0.0025), k * 2500);
         }
         // 30 degrees * (1 - exp(-k_P t)) = 5.4 degrees, a little more by the bias
-        assert!(angle_between_downs(&state.q_world_from_body, &truth) < 5.6f32.to_radians());
+        assert!(angle_between_downs(&state.0.q_world_from_body, &truth) < 5.6f32.to_radians());
     }
 
     #[test]
     fn is_sensible_before_the_first_sample_and_when_samples_stay_away() {
-        let mut state = EstimatorState::default();
+        let mut state = Filter::default();
         let nothing = ImuStep { samples: 0, ..imu(Vector3::zeros(), Vector3::zeros(), 0.0) };
         let estimate = update(&CONFIG, &mut state, &nothing, 0);
         assert!(!estimate.valid && estimate.q_world_from_body == UnitQuaternion::identity());
@@ -406,7 +383,7 @@ mod tests {
 
     #[test]
     fn nan_leaves_no_trace() {
-        let mut state = EstimatorState::default();
+        let mut state = Filter::default();
         let level = force_at(&UnitQuaternion::identity());
         update(&CONFIG, &mut state, &imu(Vector3::zeros(), level, 0.0), 0);
         let before = state;

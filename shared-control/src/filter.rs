@@ -1,6 +1,7 @@
 //! Digital filters of the control path: coefficients once, at configuration; in the loop only multiply and add.
 
 use crate::elementary::{limit, sin_cos};
+use crate::state_words::StateWords;
 
 /// First-order low-pass y += a (x - y), the bilinear-free form used for derivative and target filters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +45,13 @@ pub struct LowPass2 {
 pub struct LowPass2State {
     s1: f32,
     s2: f32,
+}
+
+impl LowPass2State {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { s1, s2 } = self;
+        words.numbers(&[*s1, *s2]);
+    }
 }
 
 impl LowPass2 {

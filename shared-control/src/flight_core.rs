@@ -1,7 +1,7 @@
 //! The one control step that flies on the board, in the simulator, in a replay and on the emulated board.
 //!
 //! ```text
-//!  fast    StepInput -> imu -> estimator -> supervisor -> rate PID or plan -> mixer -> outputs
+//!  fast    StepInput -> imu (the good one of two) -> estimator -> supervisor -> rate PID or plan -> mixer -> outputs
 //!  follow  (outputs written) attitude loop -> rate target for the next step; in MPC mode the PlanRequest
 //!  plan    (lower priority) MPC -> Plan for the next step
 //! ```
@@ -14,14 +14,16 @@ use crate::attitude::angle::{self, AngleState};
 use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
 use crate::elementary::{limit, magnitude, wrap_pi};
-use crate::estimator::{self, EstimatorState};
+use crate::estimator::EstimatorState;
 use crate::frames::{euler_from_q, euler_rates};
-use crate::imu::{self, ImuState};
-use crate::imu_health::{ImuHealth, ImuHealthState};
+use crate::imu_health::ImuHealth;
+use crate::imu_select::{self, ImuPairState, ImuUnit};
 use crate::mixer::{self, MixResult};
 use crate::mpc::{Mpc, MpcState};
 use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
+use crate::state_words::{STATE_WORDS, StateWords};
 use crate::supervisor::{self, Arming, Findings};
+use crate::trace::number_of_source;
 
 /// Throttle up to which an armed vehicle that has not flown yet counts as standing on the ground.
 const IDLE_THROTTLE_MAX: f32 = 0.02;
@@ -61,6 +63,14 @@ struct SetpointState {
 }
 
 impl SetpointState {
+    fn record(&self, words: &mut StateWords) {
+        let Self { flown, good, good_us, rejected } = self;
+        flown.record(words);
+        good.record(words);
+        words.time_us(*good_us);
+        words.word(*rejected);
+    }
+
     /// Keeps the last good one while what comes is no number. Returns the good one's age, µs.
     fn take(&mut self, input: &StepInput) -> u64 {
         if input.setpoint.is_finite() {
@@ -77,8 +87,7 @@ impl SetpointState {
 pub struct State {
     /// Steps made.
     pub step: u32,
-    imu: ImuState,
-    imu_health: ImuHealthState,
+    imus: ImuPairState,
     estimator: EstimatorState,
     arming: Arming,
     setpoint: SetpointState,
@@ -93,6 +102,43 @@ pub struct State {
 }
 
 impl State {
+    /// All of it as words, of which every target makes the same.
+    pub fn words(&self) -> [u32; STATE_WORDS] {
+        let mut words = StateWords::EMPTY;
+        self.record(&mut words);
+        words.words
+    }
+
+    fn record(&self, words: &mut StateWords) {
+        let Self {
+            step,
+            imus,
+            estimator,
+            arming,
+            setpoint,
+            angle,
+            rate,
+            rate_target_rad_s,
+            airborne,
+            last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
+            last_mix,
+            last_source,
+        } = self;
+        words.word(*step);
+        imus.record(words);
+        estimator.record(words);
+        words.arming(arming);
+        setpoint.record(words);
+        angle.record(words);
+        rate.record(words);
+        words.vector(rate_target_rad_s);
+        words.word(u32::from(*airborne));
+        words.number(*lift_per_motor_n);
+        words.numbers(torque_body_nm);
+        last_mix.record(words);
+        words.word(number_of_source(*last_source));
+    }
+
     /// The shaped reference of the cascade, rad (roll, pitch, yaw).
     pub fn shaped_reference_rad(&self) -> [f32; 3] {
         self.angle.reference.map(|axis| axis.angle_rad)
@@ -114,8 +160,12 @@ pub struct StepOutput {
     pub source: TorqueSource,
     /// May the motors turn?
     pub arming: Arming,
-    /// Is the IMU to be believed?
+    /// The IMU in use.
+    pub imu_unit: ImuUnit,
+    /// Is it to be believed?
     pub imu_health: ImuHealth,
+    /// And the other one?
+    pub standby_health: ImuHealth,
     /// Steps so far whose set-point held something that is not a finite number; the last good one was kept.
     pub setpoints_rejected: u32,
     /// Where the vehicle is.
@@ -131,12 +181,11 @@ impl FlightCore {
     /// From the samples since the last step to the motor outputs. Cheap, and always equally long.
     pub fn fast(config: &Config, state: &mut State, input: &StepInput) -> StepOutput {
         state.step = state.step.wrapping_add(1);
-        let imu = imu::condition(&config.imu, &mut state.imu, &input.imu, input.time_us);
         let motors_turned = state.arming.motors_turn();
-        let imu_health = state.imu_health.update(&input.imu, !motors_turned && state.estimator.rest_s() > 0.0);
-        let estimate = estimator::update(&config.estimator, &mut state.estimator, &imu, input.time_us, motors_turned);
+        let imu = imu_select::update(config, &mut state.imus, &mut state.estimator, input, motors_turned);
+        let estimate = imu.estimate;
         let setpoint_age_us = state.setpoint.take(input);
-        let findings = Findings::new(&estimate, state.estimator.rest_s(), imu_health, setpoint_age_us);
+        let findings = Findings::new(&estimate, imu.gyro_rest_s, imu.health, setpoint_age_us);
         state.arming = supervisor::update(&config.supervisor, state.arming, input, &findings);
         state.setpoint.flown = state.arming.setpoint(&state.setpoint.good);
 
@@ -157,7 +206,9 @@ impl FlightCore {
             wrench,
             source,
             arming: state.arming,
-            imu_health,
+            imu_unit: imu.unit,
+            imu_health: imu.health,
+            standby_health: imu.standby_health,
             setpoints_rejected: state.setpoint.rejected,
             estimate,
             rate_target_rad_s: state.rate_target_rad_s,

@@ -8,7 +8,12 @@ use nalgebra::Vector3;
 
 use crate::filter::{LowPass2, LowPass2State};
 use crate::signals::RawImuSample;
+use crate::state_words::StateWords;
 
+/// What data sheets call "g", m/s^2.
+const STANDARD_GRAVITY_M_S2: f32 = 9.806_65;
+/// Samples per second of an L3GD20 or L3GD20H at its fastest (data sheets: 760 Hz and 757.6 Hz).
+pub const L3GD20_RATE_HZ: f32 = 760.0;
 /// Longest time between two samples that still counts as continuous, s.
 const SAMPLE_GAP_MAX_S: f32 = 0.05;
 /// Longest gap that is bridged, at the mean of the rates on both sides, s.
@@ -29,6 +34,24 @@ impl AxisMap {
     /// MPU6000 on a level Pixhawk 1: body FRD = (sensor y, -sensor x, sensor z); the chip is mounted upside down, so
     /// that its z axis reads about -1 g at rest.
     pub const PIXHAWK1_MPU6000: AxisMap = AxisMap { source: [1, 0, 2], sign: [1.0, -1.0, 1.0] };
+
+    /// L3GD20 on a level Pixhawk 1: body FRD = (sensor y, -sensor x, sensor z), upside down like all three chips.
+    ///
+    /// Two drivers agree. PX4's `l3gd20` turns an L3GD20 by 270 degrees of yaw: (y, -x, z). ArduPilot's `LSM9DS0` takes
+    /// (x, -y, -z) from the chip and turns that by ROLL_180_YAW_270, (x, y, z) -> (-y, -x, -z): again (y, -x, z).
+    pub const PIXHAWK1_L3GD20: AxisMap = AxisMap { source: [1, 0, 2], sign: [1.0, -1.0, 1.0] };
+
+    /// L3GD20H, soldered to later boards in the L3GD20's place with its axes a quarter turn further: body FRD =
+    /// (-sensor x, -sensor y, sensor z).
+    ///
+    /// PX4 turns it by 180 degrees of yaw, (-x, -y, z); ArduPilot turns (x, -y, -z) by PITCH_180, (x, y, z) -> (-x, y, -z):
+    /// the same.
+    pub const PIXHAWK1_L3GD20H: AxisMap = AxisMap { source: [0, 1, 2], sign: [-1.0, -1.0, 1.0] };
+
+    /// LSM303D's accelerometer: body FRD = its own axes; upside down it reads about -1 g on z at rest.
+    ///
+    /// PX4 starts it unrotated; ArduPilot turns (x, -y, -z) by ROLL_180, which gives (x, y, z).
+    pub const PIXHAWK1_LSM303D: AxisMap = AxisMap { source: [0, 1, 2], sign: [1.0; 3] };
 
     /// A sensor reading turned into the body frame.
     pub fn to_body(&self, sensor: [f32; 3]) -> Vector3<f32> {
@@ -55,15 +78,28 @@ impl AxisMap {
     }
 }
 
+/// Are gyro and accelerometer on one chip? Two can fail one by one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chips {
+    /// One chip.
+    One,
+    /// A gyro and an accelerometer that know nothing of each other.
+    Two,
+}
+
 /// Scales, axes and filter of one IMU.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImuConfig {
+    /// What it is made of.
+    pub chips: Chips,
     /// rad/s per gyro count.
     pub gyro_rad_s_per_count: f32,
     /// m/s^2 per accelerometer count.
     pub accel_m_s2_per_count: f32,
-    /// Sensor axes to body axes.
-    pub axes: AxisMap,
+    /// Gyro axes to body axes.
+    pub gyro_axes: AxisMap,
+    /// Accelerometer axes to body axes.
+    pub accel_axes: AxisMap,
     /// Low-pass on each gyro axis at the sensor's sample rate.
     pub gyro_lowpass: LowPass2,
 }
@@ -73,21 +109,37 @@ impl ImuConfig {
     /// (sections 4.4, 4.5) gives them.
     pub fn pixhawk1_mpu6000(gyro_cutoff_hz: f32, sample_rate_hz: f32) -> Self {
         Self {
+            chips: Chips::One,
             gyro_rad_s_per_count: core::f32::consts::PI / 180.0 / 16.4,
-            accel_m_s2_per_count: 9.806_65 / 4096.0,
-            axes: AxisMap::PIXHAWK1_MPU6000,
+            accel_m_s2_per_count: STANDARD_GRAVITY_M_S2 / 4096.0,
+            gyro_axes: AxisMap::PIXHAWK1_MPU6000,
+            accel_axes: AxisMap::PIXHAWK1_MPU6000,
             gyro_lowpass: LowPass2::new(gyro_cutoff_hz, sample_rate_hz),
+        }
+    }
+
+    /// The second IMU of a Pixhawk 1: L3GD20 at +-2000 deg/s, 70 mdeg/s a digit (data sheet rev. 2, table 4; the L3GD20H's
+    /// has the same), and LSM303D at +-8 g, 0.244 mg a digit (data sheet rev. 2, table 3). Where the gyro says that it is an
+    /// L3GD20H, its axes must be set to [`AxisMap::PIXHAWK1_L3GD20H`].
+    pub fn pixhawk1_l3gd20_lsm303d(gyro_cutoff_hz: f32) -> Self {
+        Self {
+            chips: Chips::Two,
+            gyro_rad_s_per_count: core::f32::consts::PI / 180.0 * 0.070,
+            accel_m_s2_per_count: STANDARD_GRAVITY_M_S2 * 0.000_244,
+            gyro_axes: AxisMap::PIXHAWK1_L3GD20,
+            accel_axes: AxisMap::PIXHAWK1_LSM303D,
+            gyro_lowpass: LowPass2::new(gyro_cutoff_hz, L3GD20_RATE_HZ),
         }
     }
 
     /// Rotation rate of a sample, body frame, rad/s.
     pub fn gyro_rad_s(&self, sample: &RawImuSample) -> Vector3<f32> {
-        self.axes.to_body(sample.gyro_counts.map(f32::from)) * self.gyro_rad_s_per_count
+        self.gyro_axes.to_body(sample.gyro_counts.map(f32::from)) * self.gyro_rad_s_per_count
     }
 
     /// Specific force of a sample, body frame, m/s^2.
     pub fn specific_force_m_s2(&self, sample: &RawImuSample) -> Vector3<f32> {
-        self.axes.to_body(sample.accel_counts.map(f32::from)) * self.accel_m_s2_per_count
+        self.accel_axes.to_body(sample.accel_counts.map(f32::from)) * self.accel_m_s2_per_count
     }
 }
 
@@ -97,6 +149,17 @@ pub struct ImuState {
     last_time_us: Option<u64>,
     lowpass: [LowPass2State; 3],
     rate_body_rad_s: Vector3<f32>,
+}
+
+impl ImuState {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { last_time_us, lowpass, rate_body_rad_s } = self;
+        words.optional_time_us(*last_time_us);
+        for axis in lowpass {
+            axis.record(words);
+        }
+        words.vector(rate_body_rad_s);
+    }
 }
 
 /// The IMU's news since the last step, body frame, SI.
@@ -114,6 +177,18 @@ pub struct ImuStep {
     pub rate_body_rad_s: Vector3<f32>,
     /// Mean specific force, m/s^2; zero without samples.
     pub specific_force_m_s2: Vector3<f32>,
+}
+
+impl ImuStep {
+    /// Is there something in it, made of finite numbers?
+    pub fn is_usable(&self) -> bool {
+        self.samples > 0 && all_finite(&self.specific_force_m_s2) && all_finite(&self.rotation_rad)
+    }
+}
+
+/// Is every part of it a finite number?
+pub fn all_finite(v: &Vector3<f32>) -> bool {
+    v.x.is_finite() && v.y.is_finite() && v.z.is_finite()
 }
 
 /// Conditions the samples of one step at `now_us`. Samples whose time does not increase, or lies in the future, are left
@@ -249,5 +324,36 @@ mod tests {
         assert!((step.specific_force_m_s2.z + 9.806_65).abs() < 1e-4);
         // a 100 Hz low-pass has not settled 5 ms after a step
         assert!(step.rate_body_rad_s.x > 0.1 * 10f32.to_radians() && step.rate_body_rad_s.x != 10f32.to_radians());
+    }
+
+    /// What ArduPilot's `LSM9DS0` driver makes of a reading: (x, -y, -z), then the board's rotation.
+    fn ardupilot([x, y, z]: [f32; 3], rotation: impl Fn([f32; 3]) -> [f32; 3]) -> Vector3<f32> {
+        Vector3::from(rotation([x, -y, -z]))
+    }
+
+    #[test]
+    fn the_second_imus_axes_are_those_of_two_other_drivers() {
+        let sensor = [1.0, 2.0, 3.0];
+        let [x, y, z] = sensor;
+        let roll_180 = |[x, y, z]: [f32; 3]| [x, -y, -z];
+        let roll_180_yaw_270 = |[x, y, z]: [f32; 3]| [-y, -x, -z];
+        let pitch_180 = |[x, y, z]: [f32; 3]| [-x, y, -z];
+        let l3gd20 = AxisMap::PIXHAWK1_L3GD20.to_body(sensor);
+        assert_eq!(l3gd20, ardupilot(sensor, roll_180_yaw_270));
+        // PX4: 270 and 180 degrees of yaw
+        assert_eq!(l3gd20, Vector3::new(y, -x, z));
+        let l3gd20h = AxisMap::PIXHAWK1_L3GD20H.to_body(sensor);
+        assert_eq!(l3gd20h, ardupilot(sensor, pitch_180));
+        assert_eq!(l3gd20h, Vector3::new(-x, -y, z));
+        assert_eq!(AxisMap::PIXHAWK1_LSM303D.to_body(sensor), ardupilot(sensor, roll_180));
+    }
+
+    #[test]
+    fn the_second_imu_reads_in_its_data_sheets_units() {
+        let config = ImuConfig::pixhawk1_l3gd20_lsm303d(100.0);
+        // 1000 digits on the gyro's x axis = 70 deg/s, -y of the body; 1 g is 1000 / 0.244 digits
+        let sample = RawImuSample { time_us: 0, gyro_counts: [1000, 0, 0], accel_counts: [0, 0, -4098] };
+        assert!((config.gyro_rad_s(&sample) - Vector3::new(0.0, -70f32.to_radians(), 0.0)).norm() < 1e-5);
+        assert!((config.specific_force_m_s2(&sample) - Vector3::new(0.0, 0.0, -9.806_65)).norm() < 1.2e-3);
     }
 }

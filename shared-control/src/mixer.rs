@@ -13,6 +13,7 @@
 use crate::elementary::{larger, limit, smaller};
 use crate::lift_curve::LiftCurve;
 use crate::signals::{MotorCommands, Wrench};
+use crate::state_words::StateWords;
 
 /// Signs of roll, pitch and yaw torque for motors 1 to 4.
 const ROLL: [f32; 4] = [-1.0, 1.0, 1.0, -1.0];
@@ -41,6 +42,16 @@ pub struct MixResult {
     pub unmet_lift_n: f32,
     /// True if any motor stands at an end of its range.
     pub saturated: bool,
+}
+
+impl MixResult {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { commands: MotorCommands(commands), unmet_torque_nm, unmet_lift_n, saturated } = self;
+        words.numbers(commands);
+        words.numbers(unmet_torque_nm);
+        words.number(*unmet_lift_n);
+        words.word(u32::from(*saturated));
+    }
 }
 
 /// Distributes a demand over the motors. A demand that is not finite counts as zero torque.

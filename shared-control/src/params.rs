@@ -1,4 +1,5 @@
 //! What the owner of a vehicle chooses, kept in one record that survives power loss: controller, rates, pulses, rig.
+//! [`table`] has each choice with its name and its range; [`crate::setup`] makes a configuration of them.
 //!
 //! ```text
 //!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     24  CRC-32 of all before
@@ -6,14 +7,17 @@
 //! All little-endian. A record that is not whole and sensible gives the defaults and forbids arming until somebody
 //! confirms them ([`crate::signals::ArmingBlocks`]).
 
+pub mod table;
+
 use crate::config::Controller;
 use crate::output::PulseKind;
+use table::Field;
 
 /// Length of a record, bytes.
 pub const RECORD_LEN: usize = 28;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 const PAYLOAD_LEN: usize = RECORD_LEN - 12;
 
 /// What the vehicle hangs on.
@@ -44,6 +48,8 @@ pub struct Params {
     pub battery_arming_min_mv: u16,
     /// Throttle at which the vehicle hovers, 1/1000.
     pub hover_throttle_permille: u16,
+    /// Free inputs per axis of the MPC, 1 to 30.
+    pub control_horizon: u8,
 }
 
 impl Params {
@@ -57,6 +63,7 @@ impl Params {
         hil: false,
         battery_arming_min_mv: 10_500,
         hover_throttle_permille: 500,
+        control_horizon: 5,
     };
 }
 
@@ -94,24 +101,15 @@ pub fn encode(params: &Params) -> [u8; RECORD_LEN] {
     let [pwm0, pwm1] = params.pwm_rate_hz.to_le_bytes();
     let [battery0, battery1] = params.battery_arming_min_mv.to_le_bytes();
     let [hover0, hover1] = params.hover_throttle_permille.to_le_bytes();
-    let controller = match params.controller {
-        Controller::Cascade => 0,
-        Controller::Mpc => 1,
-    };
-    let pulses = match params.pulses {
-        PulseKind::Pwm => 0,
-        PulseKind::OneShot125 => 1,
-    };
-    let rig = match params.rig {
-        Rig::Gimbal => 0,
-        Rig::Free => 1,
-    };
+    // single bytes: the table keeps all of these below 256
+    let [controller, pulses, rig, hil] =
+        [Field::Controller, Field::Pulses, Field::Rig, Field::Hil].map(|field| params.get(field) as u8);
     let [m0, m1, m2, m3] = MAGIC;
     #[rustfmt::skip]
     let body = [
         m0, m1, m2, m3, version0, version1, length0, length1,
-        controller, pulses, rig, u8::from(params.hil), loop0, loop1, pwm0, pwm1,
-        battery0, battery1, hover0, hover1, 0, 0, 0, 0,
+        controller, pulses, rig, hil, loop0, loop1, pwm0, pwm1,
+        battery0, battery1, hover0, hover1, params.control_horizon, 0, 0, 0,
     ];
     let mut record = [0; RECORD_LEN];
     for (to, from) in record.iter_mut().zip(body.into_iter().chain(crc32(&body).to_le_bytes())) {
@@ -129,7 +127,7 @@ pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
     let [
         m0, m1, m2, m3, version0, version1, length0, length1,
         controller, pulses, rig, hil, loop0, loop1, pwm0, pwm1,
-        battery0, battery1, hover0, hover1, _, _, _, _, crc @ ..
+        battery0, battery1, hover0, hover1, control_horizon, _, _, _, crc @ ..
     ] = *record;
     if [m0, m1, m2, m3] != MAGIC {
         return Err(RecordError::NoRecord);
@@ -142,17 +140,21 @@ pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
     if crc32(body) != u32::from_le_bytes(crc) || usize::from(u16::from_le_bytes([length0, length1])) != PAYLOAD_LEN {
         return Err(RecordError::Damaged);
     }
-    let params = Params {
-        controller: choice(controller, [Controller::Cascade, Controller::Mpc], "controller")?,
-        loop_rate_hz: u16::from_le_bytes([loop0, loop1]),
-        pulses: choice(pulses, [PulseKind::Pwm, PulseKind::OneShot125], "pulses")?,
-        pwm_rate_hz: u16::from_le_bytes([pwm0, pwm1]),
-        rig: choice(rig, [Rig::Gimbal, Rig::Free], "rig")?,
-        hil: choice(hil, [false, true], "hil")?,
-        battery_arming_min_mv: u16::from_le_bytes([battery0, battery1]),
-        hover_throttle_permille: u16::from_le_bytes([hover0, hover1]),
-    };
-    validate(&params)?;
+    let values = [
+        (Field::Controller, u16::from(controller)),
+        (Field::LoopRate, u16::from_le_bytes([loop0, loop1])),
+        (Field::Pulses, u16::from(pulses)),
+        (Field::PwmRate, u16::from_le_bytes([pwm0, pwm1])),
+        (Field::Rig, u16::from(rig)),
+        (Field::Hil, u16::from(hil)),
+        (Field::BatteryArmingMin, u16::from_le_bytes([battery0, battery1])),
+        (Field::HoverThrottle, u16::from_le_bytes([hover0, hover1])),
+        (Field::ControlHorizon, u16::from(control_horizon)),
+    ];
+    let mut params = Params::DEFAULT;
+    for (field, value) in values {
+        params = params.with(field, value).ok_or(RecordError::Value(field.row().name))?;
+    }
     Ok(params)
 }
 
@@ -162,23 +164,6 @@ pub fn load(record: &[u8; RECORD_LEN]) -> (Params, Option<RecordError>) {
         Ok(params) => (params, None),
         Err(error) => (Params::DEFAULT, Some(error)),
     }
-}
-
-fn choice<T: Copy>(byte: u8, of: [T; 2], name: &'static str) -> Result<T, RecordError> {
-    of.get(usize::from(byte)).copied().ok_or(RecordError::Value(name))
-}
-
-fn validate(params: &Params) -> Result<(), RecordError> {
-    if ![100, 400].contains(&params.loop_rate_hz) {
-        return Err(RecordError::Value("loop rate"));
-    }
-    if !(50..=490).contains(&params.pwm_rate_hz) {
-        return Err(RecordError::Value("PWM rate"));
-    }
-    if params.hover_throttle_permille > 1000 {
-        return Err(RecordError::Value("hover throttle"));
-    }
-    Ok(())
 }
 
 /// CRC-32 of IEEE 802.3 (reflected 0x04C11DB7, start and end inverted), bit by bit: records are short and read once.
@@ -198,15 +183,15 @@ pub fn crc32(bytes: &[u8]) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     extern crate std;
     use super::*;
     use proptest::prelude::*;
     use std::string::ToString;
 
-    fn any_params() -> impl Strategy<Value = Params> {
-        (any::<[bool; 4]>(), any::<bool>(), 50u16..=490, any::<u16>(), 0u16..=1000).prop_map(
-            |([mpc, one_shot, free, hil], slow, pwm_rate_hz, battery_arming_min_mv, hover_throttle_permille)| Params {
+    pub(crate) fn any_params() -> impl Strategy<Value = Params> {
+        (any::<[bool; 5]>(), 50u16..=490, any::<u16>(), 0u16..=1000, 1u8..=30).prop_map(
+            |([mpc, one_shot, free, hil, slow], pwm_rate_hz, battery_arming_min_mv, hover, control_horizon)| Params {
                 controller: if mpc { Controller::Mpc } else { Controller::Cascade },
                 loop_rate_hz: if slow { 100 } else { 400 },
                 pulses: if one_shot { PulseKind::OneShot125 } else { PulseKind::Pwm },
@@ -214,7 +199,8 @@ mod tests {
                 rig: if free { Rig::Free } else { Rig::Gimbal },
                 hil,
                 battery_arming_min_mv,
-                hover_throttle_permille,
+                hover_throttle_permille: hover,
+                control_horizon,
             },
         )
     }
@@ -246,12 +232,13 @@ mod tests {
     fn errors_name_what_is_wrong() {
         assert_eq!(load(&[0xFF; RECORD_LEN]), (Params::DEFAULT, Some(RecordError::NoRecord)));
         assert_eq!(load(&[0; RECORD_LEN]).1, Some(RecordError::NoRecord));
-        let mut newer = encode(&Params::DEFAULT);
-        newer[4] = 2;
-        assert_eq!(decode(&newer), Err(RecordError::Version(2)));
-        let slow = encode(&Params { loop_rate_hz: 250, ..Params::DEFAULT });
-        assert_eq!(decode(&slow), Err(RecordError::Value("loop rate")));
-        let longest = RecordError::Value("hover throttle").to_string();
+        let mut older = encode(&Params::DEFAULT);
+        older[4] = 1;
+        assert_eq!(decode(&older), Err(RecordError::Version(1)));
+        let refused = |params: &Params| decode(&encode(params)).unwrap_err();
+        assert_eq!(refused(&Params { loop_rate_hz: 250, ..Params::DEFAULT }), RecordError::Value("LOOP_RATE_HZ"));
+        assert_eq!(refused(&Params { control_horizon: 0, ..Params::DEFAULT }), RecordError::Value("CONTROL_HORIZON"));
+        let longest = RecordError::Value("CONTROL_HORIZON").to_string();
         // they go out as STATUSTEXT
         assert!(longest.len() <= 50);
     }

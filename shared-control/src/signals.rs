@@ -9,6 +9,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::state_words::StateWords;
+
 /// Most IMU samples that one step takes; at 1 kHz and 100 Hz ten arrive.
 pub const IMU_SAMPLES_MAX: usize = 16;
 
@@ -40,6 +42,11 @@ pub struct Setpoint {
 }
 
 impl Setpoint {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { roll_rad, pitch_rad, yaw_rate_rad_s, throttle } = self;
+        words.numbers(&[*roll_rad, *pitch_rad, *yaw_rate_rad_s, *throttle]);
+    }
+
     /// Is every part of it a finite number?
     pub fn is_finite(&self) -> bool {
         [self.roll_rad, self.pitch_rad, self.yaw_rate_rad_s, self.throttle].iter().all(|value| value.is_finite())
@@ -87,6 +94,8 @@ pub struct StepInput {
     pub time_us: u64,
     /// IMU samples since the last step, oldest first.
     pub imu: ImuBatch,
+    /// The same of the second IMU; empty where there is none.
+    pub imu_second: ImuBatch,
     /// What is asked for.
     pub setpoint: Setpoint,
     /// Request to arm or disarm.

@@ -9,6 +9,7 @@
 //!     '------ time is up, Disarm, Arm, link lost --'------------------------'
 //! ```
 
+use crate::battery::ABSENT_BELOW_V;
 use crate::imu_health::{ImuFault, ImuHealth};
 use crate::signals::{ArmingRequest, AttitudeEstimate, MotorTest, Setpoint, StepInput};
 
@@ -35,6 +36,11 @@ pub struct SupervisorConfig {
 impl SupervisorConfig {
     /// The gyro's bias to 3e-4 rad/s (0.01 rad/s of white noise at 1 kHz over a second); three lithium cells at 3.5 V.
     pub const NOMINAL: SupervisorConfig = SupervisorConfig { gyro_rest_min_s: 1.0, battery_arming_min_v: 10.5 };
+
+    /// Is the battery good enough to arm? One that is not measured is; one whose voltage is no number is not.
+    pub fn battery_is_good(&self, battery_v: Option<f32>) -> bool {
+        battery_v.is_none_or(|volts| volts >= self.battery_arming_min_v)
+    }
 }
 
 /// May the motors turn?
@@ -94,6 +100,8 @@ pub enum Refusal {
     GyroNotCalibrated,
     /// The battery's voltage is too low.
     BatteryLow,
+    /// There is no battery: the board is fed over USB alone.
+    BatteryAbsent,
     /// Nobody has been heard on the link.
     LinkLost,
     /// The configuration was bad and its replacement is not confirmed.
@@ -123,6 +131,7 @@ impl Refusal {
             Refusal::AttitudeUnknown => "refused: attitude is not known",
             Refusal::GyroNotCalibrated => "refused: keep still until the gyro is calibrated",
             Refusal::BatteryLow => "refused: battery voltage is too low",
+            Refusal::BatteryAbsent => "refused: no battery, USB power alone",
             Refusal::LinkLost => "refused: no set-point or heartbeat for 1 s",
             Refusal::ConfigurationUnconfirmed => "refused: configuration was bad, confirm defaults",
             Refusal::FaultRecordUnread => "refused: fault record is unread",
@@ -225,7 +234,6 @@ fn link_is_lost(input: &StepInput, findings: &Findings) -> bool {
 fn arming_refusal(config: &SupervisorConfig, input: &StepInput, findings: &Findings) -> Option<Refusal> {
     let throttle_is_zero = input.setpoint.throttle <= ARMING_THROTTLE_MAX;
     let gyro_is_calibrated = findings.gyro_rest_s >= config.gyro_rest_min_s;
-    let battery_is_good = input.battery_v.is_none_or(|volts| volts >= config.battery_arming_min_v);
     if let Some(refusal) = standing_refusal(input, findings) {
         Some(refusal)
     } else if !throttle_is_zero {
@@ -236,8 +244,9 @@ fn arming_refusal(config: &SupervisorConfig, input: &StepInput, findings: &Findi
         Some(Refusal::AttitudeUnknown)
     } else if !gyro_is_calibrated {
         Some(Refusal::GyroNotCalibrated)
-    } else if !battery_is_good {
-        Some(Refusal::BatteryLow)
+    } else if !config.battery_is_good(input.battery_v) {
+        let absent = input.battery_v.is_some_and(|volts| volts < ABSENT_BELOW_V);
+        Some(if absent { Refusal::BatteryAbsent } else { Refusal::BatteryLow })
     } else {
         None
     }

@@ -1,12 +1,13 @@
 //! One step as plain words: what a running image shows of itself, so that a host can repeat the step and compare bits.
 
-use heapless::Vec;
-
-use crate::flight_core::{StepOutput, TorqueSource};
+use crate::flight_core::{State, StepOutput, TorqueSource};
 use crate::imu_health::{ImuFault, ImuHealth};
+use crate::imu_select::ImuUnit;
 use crate::signals::{
-    ArmingBlocks, ArmingRequest, IMU_SAMPLES_MAX, MotorTest, Plan, PlanStatus, RawImuSample, Setpoint, StepInput,
+    ArmingBlocks, ArmingRequest, IMU_SAMPLES_MAX, ImuBatch, MotorTest, Plan, PlanStatus, RawImuSample, Setpoint,
+    StepInput,
 };
+use crate::state_words::STATE_WORDS;
 use crate::supervisor::Arming;
 
 /// Input and output of a step. All words are `u32`, so that every target lays it out alike; `f32` as bits, 64-bit times
@@ -22,6 +23,10 @@ pub struct StepTrace {
     pub samples: u32,
     /// Per sample its time (2 words), gyro x, y, z and accelerometer x, y, z, sign-extended.
     pub sample: [[u32; 8]; IMU_SAMPLES_MAX],
+    /// Samples of the second IMU in this step.
+    pub samples_second: u32,
+    /// They themselves.
+    pub sample_second: [[u32; 8]; IMU_SAMPLES_MAX],
     /// Roll, pitch, yaw rate, throttle.
     pub setpoint: [u32; 4],
     /// 0 none, 1 arm, 2 disarm, 3 motor test; then that test's motor, percent and ms.
@@ -38,8 +43,12 @@ pub struct StepTrace {
     pub compare_counts: [u32; 4],
     /// 0 armed, 1 disarmed, 2 motor test, 3 link lost.
     pub arming: u32,
-    /// 0 good, 1 stale, 2 bus dead, 3 stuck, 4 out of range.
+    /// IMU in use: 0 the first, 1 the second.
+    pub imu_unit: u32,
+    /// Of the IMU in use: 0 good, 1 stale, 2 bus dead, 3 stuck, 4 out of range.
     pub imu_health: u32,
+    /// The same of the other.
+    pub standby_health: u32,
     /// Who made the torque.
     pub source: u32,
     /// Commands of motors 1 to 4.
@@ -56,6 +65,8 @@ pub struct StepTrace {
     pub bias: [u32; 3],
     /// Rate asked for, rad/s.
     pub rate_target: [u32; 3],
+    /// The whole state after the step, `follow` included.
+    pub state: [u32; STATE_WORDS],
 }
 
 impl StepTrace {
@@ -65,6 +76,8 @@ impl StepTrace {
         time_us: [0; 2],
         samples: 0,
         sample: [[0; 8]; IMU_SAMPLES_MAX],
+        samples_second: 0,
+        sample_second: [[0; 8]; IMU_SAMPLES_MAX],
         setpoint: [0; 4],
         arming_request: [0; 4],
         link_age: [0; 3],
@@ -73,7 +86,9 @@ impl StepTrace {
         plan: [0; 7],
         compare_counts: [0; 4],
         arming: 0,
+        imu_unit: 0,
         imu_health: 0,
+        standby_health: 0,
         source: 0,
         commands: [0; 4],
         unmet_torque_nm: [0; 3],
@@ -82,16 +97,15 @@ impl StepTrace {
         rate: [0; 3],
         bias: [0; 3],
         rate_target: [0; 3],
+        state: [0; STATE_WORDS],
     };
 
-    /// A step's words.
-    pub fn record(&mut self, input: &StepInput, output: &StepOutput) {
+    /// A step's words: its input, its output, and the state that it leaves.
+    pub fn record(&mut self, input: &StepInput, output: &StepOutput, state: &State) {
         self.step = output.step;
         self.time_us = halves(input.time_us);
-        self.samples = input.imu.len() as u32;
-        for (words, sample) in self.sample.iter_mut().zip(&input.imu) {
-            *words = words_of_sample(sample);
-        }
+        self.samples = record_batch(&mut self.sample, &input.imu);
+        self.samples_second = record_batch(&mut self.sample_second, &input.imu_second);
         let setpoint = &input.setpoint;
         self.setpoint =
             [setpoint.roll_rad, setpoint.pitch_rad, setpoint.yaw_rate_rad_s, setpoint.throttle].map(f32::to_bits);
@@ -105,6 +119,7 @@ impl StepTrace {
         self.battery = input.battery_v.map_or([0; 2], |volts| [1, volts.to_bits()]);
         self.plan = input.plan.as_ref().map_or([0; 7], words_of_plan);
         self.record_output(output);
+        self.state = state.words();
     }
 
     fn record_output(&mut self, output: &StepOutput) {
@@ -113,7 +128,9 @@ impl StepTrace {
         let q = &estimate.q_world_from_body;
         self.compare_counts = output.compare_counts.map(u32::from);
         self.arming = number_of_arming(output.arming);
+        self.imu_unit = number_of_unit(output.imu_unit);
         self.imu_health = number_of_health(output.imu_health);
+        self.standby_health = number_of_health(output.standby_health);
         self.source = number_of_source(output.source);
         self.commands = output.mix.commands.0.map(f32::to_bits);
         self.unmet_torque_nm = output.mix.unmet_torque_nm.map(f32::to_bits);
@@ -127,12 +144,11 @@ impl StepTrace {
     /// The input that was recorded, to the bit.
     pub fn input(&self) -> StepInput {
         let [roll_rad, pitch_rad, yaw_rate_rad_s, throttle] = self.setpoint.map(f32::from_bits);
-        let samples: Vec<_, IMU_SAMPLES_MAX> =
-            self.sample.iter().take(self.samples as usize).map(sample_of_words).collect();
         let [battery_known, battery] = self.battery;
         StepInput {
             time_us: whole(self.time_us),
-            imu: samples,
+            imu: batch_of_words(&self.sample, self.samples),
+            imu_second: batch_of_words(&self.sample_second, self.samples_second),
             setpoint: Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle },
             arming: request_of_words(&self.arming_request),
             link_age_us: link_of_words(self.link_age),
@@ -152,6 +168,18 @@ fn halves(value: u64) -> [u32; 2] {
 
 fn whole([low, high]: [u32; 2]) -> u64 {
     u64::from(high) << 32 | u64::from(low)
+}
+
+/// Returns their number.
+fn record_batch(words: &mut [[u32; 8]; IMU_SAMPLES_MAX], batch: &ImuBatch) -> u32 {
+    for (words, sample) in words.iter_mut().zip(batch) {
+        *words = words_of_sample(sample);
+    }
+    batch.len() as u32
+}
+
+fn batch_of_words(words: &[[u32; 8]; IMU_SAMPLES_MAX], samples: u32) -> ImuBatch {
+    words.iter().take(samples as usize).map(sample_of_words).collect()
 }
 
 fn words_of_sample(sample: &RawImuSample) -> [u32; 8] {
@@ -224,7 +252,8 @@ fn number_of_status(status: PlanStatus) -> u32 {
     }
 }
 
-fn number_of_source(source: TorqueSource) -> u32 {
+/// Who made a torque, as a number.
+pub(crate) fn number_of_source(source: TorqueSource) -> u32 {
     match source {
         TorqueSource::Disarmed => 0,
         TorqueSource::Cascade => 1,
@@ -245,6 +274,14 @@ fn number_of_arming(arming: Arming) -> u32 {
     }
 }
 
+/// An IMU as a number.
+pub(crate) fn number_of_unit(unit: ImuUnit) -> u32 {
+    match unit {
+        ImuUnit::First => 0,
+        ImuUnit::Second => 1,
+    }
+}
+
 fn number_of_health(health: ImuHealth) -> u32 {
     match health {
         ImuHealth::Good => 0,
@@ -259,7 +296,7 @@ fn number_of_health(health: ImuHealth) -> u32 {
 mod tests {
     use super::*;
     use crate::config::{Config, Controller, Tuning};
-    use crate::flight_core::{FlightCore, State};
+    use crate::flight_core::FlightCore;
     use crate::vehicle::VehicleParameters;
     use proptest::prelude::*;
 
@@ -289,6 +326,7 @@ mod tests {
         fn an_input_comes_back_to_the_bit(
             time_us in any::<u64>(),
             samples in proptest::collection::vec(any_sample(), 0..=IMU_SAMPLES_MAX),
+            samples_second in proptest::collection::vec(any_sample(), 0..=IMU_SAMPLES_MAX),
             angle in -3f32..3.0,
             request in any_request(),
             link_age_us in proptest::option::of(any::<u64>()),
@@ -298,14 +336,16 @@ mod tests {
         ) {
             let blocks = ArmingBlocks { fault_record_unread: blocks.0, configuration_unconfirmed: blocks.1 };
             let setpoint = Setpoint { roll_rad: angle, pitch_rad: -angle, yaw_rate_rad_s: 2.0 * angle, throttle: 0.5 };
-            let imu = samples.into_iter().collect();
+            let (imu, imu_second) = (samples.into_iter().collect(), samples_second.into_iter().collect());
+            let arming = request;
             let input =
-                StepInput { time_us, imu, setpoint, arming: request, battery_v, link_age_us, blocks, plan };
+                StepInput { time_us, imu, imu_second, setpoint, arming, battery_v, link_age_us, blocks, plan };
             let vehicle = &VehicleParameters::F450_GIMBAL;
             let config = Config::new(vehicle, &Tuning::for_motor_lag(0.0), 400.0, 1000.0, Controller::Cascade).unwrap();
-            let output = FlightCore::fast(&config, &mut State::default(), &input);
+            let mut state = State::default();
+            let output = FlightCore::fast(&config, &mut state, &input);
             let mut trace = StepTrace::EMPTY;
-            trace.record(&input, &output);
+            trace.record(&input, &output, &state);
             prop_assert_eq!(trace.input(), input);
             prop_assert_eq!(trace.step, output.step);
         }
@@ -313,7 +353,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time, count: 4; 16 * 8 for samples; set-point 4, requests 9, battery 2, plan 7; outputs 31; no padding
-        assert_eq!(size_of::<StepTrace>(), 4 * (4 + 128 + 22 + 31));
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 9, battery 2, plan 7; outputs 33; state;
+        // no padding
+        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 22 + 33 + STATE_WORDS));
     }
 }

@@ -47,6 +47,31 @@ impl VehicleParameters {
     /// Time constant of that vehicle's motors, s.
     pub const F450_GIMBAL_MOTOR_LAG_S: f32 = 0.0019886284;
 
+    /// The F450 in free flight, as `models/f450-free.toml` describes it; the same test compares every number.
+    pub const F450_FREE: VehicleParameters = VehicleParameters {
+        gravity_m_s2: 9.81,
+        arm_m: 0.226,
+        inertia_kg_m2: [0.0115118, 0.0115118, 0.02],
+        torque_per_lift_m: 0.016099548,
+        lift_curve: LiftCurve {
+            lift_min_n: 0.0,
+            lift_max_n: 8.87596,
+            #[rustfmt::skip]
+            command_at: [
+                0.0, 0.15385388, 0.2204657, 0.27272406, 0.3175525, 0.35763285,
+                0.39434046, 0.42849237, 0.46062094, 0.49109593, 0.52018654, 0.54809606,
+                0.5749824, 0.6009711, 0.62616396, 0.65064496, 0.6744841, 0.6977408,
+                0.7204657, 0.7427026, 0.76448953, 0.7858599, 0.80684304, 0.8274652,
+                0.84774953, 0.867717, 0.88738656, 0.90677506, 0.9258981, 0.94476974,
+                0.96340287, 0.9818093, 1.0,
+            ],
+        },
+        yaw_locked: false,
+    };
+
+    /// Time constant of that vehicle's motors, s.
+    pub const F450_FREE_MOTOR_LAG_S: f32 = 0.0528285;
+
     /// Distance of each motor from the roll and the pitch axis, m.
     pub fn lever_m(&self) -> f32 {
         self.arm_m * core::f32::consts::FRAC_1_SQRT_2

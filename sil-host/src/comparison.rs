@@ -226,24 +226,16 @@ fn at_times(wanted_s: &[f64], time_s: &[f64], values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flight_log::{SynthesisSetup, synthesise};
     use crate::model::Rig;
-    use crate::plant::effects::Effect;
+    use crate::plant::effects::{BatterySag, BatterySagLaw, Effect};
+    use crate::synthesis::Synthesis;
     use shared_control::config::Controller;
 
     fn log_of(controller: Controller, effect: Option<&str>, throttle: f64) -> Log {
         let mut model = VehicleModel::nominal(Rig::Gimbal);
         model.effects.extend(effect.map(|text| Effect::parse(text, Rig::Gimbal).unwrap()));
-        synthesise(&SynthesisSetup {
-            model,
-            choice: ControllerChoice::nominal(controller),
-            duration_s: 29.75,
-            log_rate_hz: 200,
-            throttle: Some(throttle),
-            noise: None,
-            seed: 11,
-        })
-        .unwrap()
+        let choice = ControllerChoice::nominal(controller);
+        Synthesis { choice, throttle: Some(throttle), seed: 11, ..Synthesis::of(model) }.log().unwrap()
     }
 
     fn nominal(controller: Controller) -> Subject {
@@ -278,6 +270,45 @@ mod tests {
         assert!(error.nominal.pitch_deg.unwrap() > 3.0 * error.noise_floor.pitch_deg.unwrap());
         // roll is not quite free of it: a wrong pitch rate enters it through J'(phi)
         assert!(error.nominal.roll_deg.unwrap() < 0.1 * error.nominal.pitch_deg.unwrap());
+    }
+
+    /// A log with effects of plant, actuators and environment, some of them of time, held against the model that has them:
+    /// the replay misses by the noise floor, where the nominal model misses by much more.
+    #[test]
+    fn an_extended_model_explains_the_log_of_its_effects() {
+        for effects in [
+            &["spring:axis=roll,stiffness_nm_rad=0.05", "viscous_friction:axis=pitch,coefficient_nms=0.02"][..],
+            &["step_disturbance:axis=pitch,torque_nm=0.03,start_s=7.3"],
+            &["periodic_disturbance:axis=roll,amplitude_nm=0.03,frequency_hz=1.7,phase_rad=1"],
+            &["actuation_delay:delay_s=0.013", "motor_lag:time_constant_s=0.02"],
+            &["battery_sag:per_volt=0.3,fall_v_s=0.05"],
+            &["battery_sag:per_s=0.01", "weak_motor:motor=4,scale=0.96"],
+            &["inertia_error:axis=pitch,scale=1.3", "inertia_coupling:product_kg_m2=0.003"],
+        ] {
+            let mut model = VehicleModel::nominal(Rig::Gimbal);
+            model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
+            let log = Synthesis { log_rate_hz: 400, duration_s: 15.0, seed: 5, ..Synthesis::of(model.clone()) }
+                .log()
+                .unwrap();
+            // a measured battery takes the place of the simulated one
+            for effect in &mut model.effects {
+                if let Effect::BatterySag(BatterySag { law: BatterySagLaw::Voltage { fall_v_s, .. } }) = effect {
+                    *fall_v_s = 0.0;
+                }
+            }
+            let ratios = |model: VehicleModel| {
+                let subject = Subject::Vehicle(Box::new(Vehicle { model, controller: None }));
+                let error = compare(&log, &subject).unwrap().replay.prediction_error();
+                [
+                    error.nominal.p_deg_s.unwrap() / error.noise_floor.p_deg_s.unwrap(),
+                    error.nominal.q_deg_s.unwrap() / error.noise_floor.q_deg_s.unwrap(),
+                ]
+            };
+            let (extended, nominal) = (ratios(model), ratios(VehicleModel::nominal(Rig::Gimbal)));
+            // the share that a finite log leaves to chance
+            assert!(extended.iter().all(|ratio| (0.9..1.1).contains(ratio)), "{effects:?}: {extended:?}");
+            assert!(nominal.iter().any(|ratio| *ratio > 1.5), "{effects:?}: nominal {nominal:?}");
+        }
     }
 
     #[test]

@@ -7,16 +7,27 @@ use anyhow::{Result, bail};
 
 use crate::firmware::Target;
 use crate::process;
+use crate::px4;
 use crate::workspace::Workspace;
 
-/// Builds the image, then runs the emulated board's tests on it; they print what they measured.
+/// With optimisation, or a flight takes minutes.
+const PACKAGE: [&str; 3] = ["--release", "--package", "emulated-board"];
+
+/// Builds the image and its bundle, then runs the emulated board's tests on them; they print what they measured.
 pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     check_tools()?;
+    px4::run(workspace)?;
     let target = Target::find(workspace)?;
-    target.build_image()?;
     let mut command = workspace.cargo("test");
-    command.args(["--release", "--package", "emulated-board", "--", "--nocapture"]);
+    command.args(PACKAGE).args(["--", "--nocapture"]);
     process::run(command.env("FIRMWARE_ELF", target.image()))
+}
+
+/// Lints it, as it is built for the tests: its CPU emulator takes a minute to build.
+pub(crate) fn clippy(workspace: &Workspace) -> Result<()> {
+    check_tools()?;
+    let mut command = workspace.cargo("clippy");
+    process::run(command.args(PACKAGE).args(["--all-targets", "--", "-D", "warnings"]))
 }
 
 /// The CPU emulator is C, and its bindings are made by libclang.
@@ -24,7 +35,8 @@ fn check_tools() -> Result<()> {
     let cmake = Command::new("cmake").arg("--version").stdout(Stdio::null()).status();
     if !cmake.is_ok_and(|status| status.success()) {
         bail!(
-            "the emulated board needs cmake and libclang to build its CPU emulator\n  Debian: apt-get install cmake libclang-dev"
+            "the emulated board needs cmake and libclang to build its CPU emulator\n  \
+             Debian: apt-get install gcc cmake make pkg-config libclang-dev"
         );
     }
     let has_libclang = std::env::var_os("LIBCLANG_PATH").is_some()

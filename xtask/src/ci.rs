@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 
+use crate::board;
 use crate::firmware::Target;
 use crate::process;
 use crate::px4;
@@ -13,7 +14,7 @@ use crate::workspace::Workspace;
 type Step = (&'static str, fn(&Workspace) -> Result<()>);
 
 /// Quick ones first.
-const STEPS: [Step; 8] = [
+const STEPS: [Step; 10] = [
     ("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
     ("tidy", tidy::run),
     ("clippy", clippy),
@@ -22,6 +23,8 @@ const STEPS: [Step; 8] = [
     ("core for the target", |workspace| Target::find(workspace)?.build_core()),
     ("firmware image", px4::run),
     ("clippy for the target", |workspace| Target::find(workspace)?.clippy()),
+    ("emulated board", board::run),
+    ("clippy for the emulated board", board::clippy),
 ];
 
 /// Runs all steps in order.

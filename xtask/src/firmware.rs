@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use crate::image;
+use crate::panic_freedom;
 use crate::process;
 use crate::toolchain::{TRIPLE, Toolchain};
 use crate::workspace::Workspace;
@@ -31,6 +32,7 @@ impl<'a> Target<'a> {
         let image = self.image();
         let size = image::check(&image)?;
         println!("{}: {size}", image.display());
+        println!("{}", panic_freedom::check(&image)?);
         Ok(image)
     }
 

@@ -1,12 +1,15 @@
 //! `cargo xtask`: what CI runs, and what a developer would otherwise type by hand.
 
 mod board;
+mod call_graph;
 mod ci;
 mod firmware;
 mod image;
+mod panic_freedom;
 mod process;
 mod px4;
 mod sysroot;
+mod thumb;
 mod tidy;
 mod toolchain;
 mod workspace;

@@ -3,6 +3,7 @@
 //! A rustup user adds the target and is done. Debian packages a compiler whose back end knows the target and the
 //! source of the library, but not the library: that is built once, see `sysroot`.
 
+use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -90,7 +91,9 @@ impl Toolchain {
 
 /// Whether the usual compiler brings the target's library. It prints the folder's name even where there is no such folder.
 fn has_target() -> Result<bool> {
-    let folder = process::output(Command::new("rustc").args(["--print=target-libdir", "--target", TRIPLE]))?;
+    // the one that cargo takes
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let folder = process::output(Command::new(rustc).args(["--print=target-libdir", "--target", TRIPLE]))?;
     Ok(Path::new(folder.trim()).is_dir())
 }
 

@@ -1,6 +1,6 @@
-//! Constants of the Pixhawk 1 (FMUv2, STM32F427VI) and of what is compiled in for now. RM is the reference manual RM0090.
+//! Constants of the Pixhawk 1 (FMUv2, STM32F427VI). RM is the reference manual RM0090.
 
-use shared_control::config::Controller;
+use shared_control::output::{LOOP_TIMER_HZ, PULSE_TIMER_HZ};
 
 /// Crystal, Hz.
 pub const CRYSTAL_HZ: u32 = 24_000_000;
@@ -15,20 +15,15 @@ pub const APB1_TIMER_HZ: u32 = 2 * APB1_HZ;
 /// Timers on APB2 (TIM1) likewise.
 pub const APB2_TIMER_HZ: u32 = 2 * APB2_HZ;
 
-/// Steps of the fast loop per second.
-pub const LOOP_RATE_HZ: u32 = 400;
-/// Samples of the IMU per second.
-pub const IMU_RATE_HZ: u32 = 1000;
-/// Pulses per second and motor. Equal to the loop's rate or a multiple of it, or the delay from sample to pulse jitters.
-pub const PULSE_RATE_HZ: u32 = 400;
-/// Who flies.
-pub const CONTROLLER: Controller = Controller::Cascade;
-/// Control horizon of the MPC.
-pub const CONTROL_HORIZON: usize = 5;
+// the core's timer arithmetic counts on these clocks
+const _: () = assert!(APB1_TIMER_HZ == LOOP_TIMER_HZ && APB2_TIMER_HZ == PULSE_TIMER_HZ);
 
-/// A pulse starts this long after the tick of the loop that computed it, µs. `fast` must be done by then (its budget of
-/// 60,000 cycles is 357 µs), and the pin is low meanwhile, since the longest pulse of 2000 µs ends before the next tick:
-/// 500 + 2000 = 2500.
+/// Times a second that the slow things are looked at.
+pub const HOUSEKEEPING_HZ: u16 = 100;
+
+/// A pulse starts this long after the tick of the loop that computed it, us, and again with every later period of the
+/// pulses. `fast` must be done by then (its budget of 60,000 cycles is 357 us), or its result waits for the pulse after
+/// it. Where the rates of loop and pulses are no multiples of each other, this is the delay of the first pulse only.
 pub const PULSE_DELAY_US: u32 = 500;
 
 /// Sensor supply: off for at least this long, or the sensors do not restart, ms.
@@ -38,3 +33,5 @@ pub const SENSOR_START_MS: u32 = 120;
 
 /// TELEM1, bits per second.
 pub const LINK_BAUD: u32 = 115_200;
+/// TELEM1 with hardware in the loop: 400 steps a second are 300 kbit/s there and 372 back.
+pub const HIL_BAUD: u32 = 921_600;

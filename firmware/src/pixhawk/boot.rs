@@ -6,7 +6,18 @@
 
 use core::arch::naked_asm;
 
+use cortex_m::peripheral::SCB;
+use shared_control::signs::Sign;
 use stm32f4xx_hal::pac::{EXTI, RCC};
+
+use super::fault::{self, Cause};
+use super::supply::SupplyDetector;
+use super::{board, clock, light_and_tone};
+
+/// A board without its crystal starts again after so many tenths of a second.
+const TRY_AGAIN_TENTHS: u32 = 100;
+/// The supply must have been good for so many tenths of a second.
+const SUPPLY_GOOD_TENTHS: u32 = 2;
 
 /// Called by cortex-m-rt's `Reset` before memory is initialised, hence in assembly and without a stack.
 ///
@@ -97,4 +108,27 @@ pub fn release_clocks(rcc: &RCC, exti: &EXTI) {
     rcc.apb2rstr().reset();
     // EXTI has no reset of its own
     exti.imr().reset();
+}
+
+/// Without the crystal nothing has its right time: no pulses, no link, no watchdog; the light tells, a record stays for
+/// the next start, and the next start comes soon.
+pub fn stand_still(signs: &mut light_and_tone::Pins) -> ! {
+    fault::note(Cause::CrystalSilent);
+    let mut tenths = 0..TRY_AGAIN_TENTHS;
+    signs.show_while(Sign::CrystalSilent, clock::INTERNAL_HZ, || tenths.next().is_some());
+    SCB::sys_reset()
+}
+
+/// Waits, without pulses and for as long as it takes, until the supply is good; from then on its fall is an interrupt.
+/// True if there was something to wait for.
+pub fn wait_for_supply(detector: &SupplyDetector, signs: &mut light_and_tone::Pins) -> bool {
+    if detector.forget() {
+        return false;
+    }
+    let mut good_tenths = 0;
+    signs.show_while(Sign::SupplyLow, board::CORE_HZ, || {
+        good_tenths = if detector.forget() { good_tenths + 1 } else { 0 };
+        good_tenths <= SUPPLY_GOOD_TENTHS
+    });
+    true
 }

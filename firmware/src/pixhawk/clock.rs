@@ -6,6 +6,24 @@ use stm32f4xx_hal::rcc::{Config, Enable, Rcc, Reset};
 
 use super::board;
 
+/// Looks at the crystal's ready flag, each at least 5 cycles of 62.5 ns long: a tenth of a second at least. The data sheet
+/// (table 39) gives 2 ms for the start of a usual crystal.
+const CRYSTAL_LOOKS: u32 = 400_000;
+
+/// The internal oscillator, Hz.
+pub const INTERNAL_HZ: u32 = 16_000_000;
+
+/// Starts the crystal, on the internal oscillator. False if it stays silent; the HAL would wait for ever.
+pub fn crystal_starts(rcc: &RCC) -> bool {
+    rcc.cr().modify(|_, w| w.hseon().set_bit());
+    (0..CRYSTAL_LOOKS).any(|_| rcc.cr().read().hserdy().bit_is_set())
+}
+
+/// The internal oscillator, 16 MHz, for a board that can do no more than say so.
+pub fn start_without_crystal(rcc: RCC) -> Rcc {
+    rcc.freeze(Config::hsi())
+}
+
 /// 168 MHz from the crystal; if the crystal fails later, the processor raises NMI.
 pub fn start(rcc: RCC, flash: &FLASH) -> Rcc {
     let config = Config::hse(board::CRYSTAL_HZ.Hz())
@@ -43,20 +61,29 @@ pub fn now_us() -> u32 {
     unsafe { (*TIM5::ptr()).cnt().read().bits() }
 }
 
+/// `asm::delay` counts its argument down, one subtraction and one taken branch a turn: at least so many cycles on a
+/// Cortex-M4 (technical reference manual, table 3-1: 1 + 1 + P, P from 1 to 3).
+const CYCLES_PER_TURN: u32 = 3;
+
 /// Waits, at least so long; for start-up alone.
 pub fn wait_us(duration_us: u32) {
-    // `delay` counts its argument down, one subtraction and one taken branch a turn: at least 3 cycles on a Cortex-M4
-    // (technical reference manual, table 3-1: 1 + 1 + P, P from 1 to 3)
-    cortex_m::asm::delay(duration_us * (board::CORE_HZ / 1_000_000 / 3));
+    cortex_m::asm::delay(duration_us * (board::CORE_HZ / 1_000_000 / CYCLES_PER_TURN));
+}
+
+/// Waits, at least so long, while the core runs at this clock; for start-up alone.
+pub fn wait_tenth_of_a_second(core_hz: u32) {
+    cortex_m::asm::delay(core_hz / 10 / CYCLES_PER_TURN);
 }
 
 /// Time that does not wrap; it must be asked at least once in 71 minutes.
-#[derive(Default)]
 pub struct TimeBase {
     now_us: u64,
 }
 
 impl TimeBase {
+    /// Before it is asked first.
+    pub const START: Self = Self { now_us: 0 };
+
     /// The time now, µs since TIM5 started.
     pub fn now_us(&mut self) -> u64 {
         let passed_us = now_us().wrapping_sub(self.now_us as u32);

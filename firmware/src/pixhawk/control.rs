@@ -2,20 +2,24 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use heapless::spsc::{Consumer, Producer, Queue};
-use shared_control::config::{Config, ConfigError, Tuning};
+use heapless::Vec;
+use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
-use shared_control::link::{Answer, Chore, Commander, Order, VehicleStatus};
-use shared_control::signals::{Plan, PlanRequest, StepInput};
-use shared_control::vehicle::VehicleParameters;
+use shared_control::link::frame::{FRAME_MAX, FrameWriter};
+use shared_control::link::hil::{self, HilTick};
+use shared_control::link::{Answer, COMPONENT_ID, Chore, Commander, LinkSettings, Order, VehicleStatus};
+use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
 
-use super::board;
+use super::battery::Battery;
 use super::clock::TimeBase;
 use super::counters;
 use super::imu::TimedSample;
+use super::queue::{Consumer, Producer, Queue};
 
 /// Room for orders that arrive within one step, and for what they bring about within one housekeeping.
 const QUEUE_LENGTH: usize = 16;
+/// With hardware in the loop, from the link to the loop: one at a time in lock-step, and what is sent again.
+pub type TickQueue = Queue<HilTick, 4>;
 /// From the link to the loop.
 pub type OrderQueue = Queue<Order, QUEUE_LENGTH>;
 /// From the loop to the link.
@@ -31,23 +35,14 @@ pub fn last_step() -> u32 {
     LAST_STEP.load(Ordering::Relaxed)
 }
 
-/// Configuration that is compiled in: the F450 on its gimbal.
-pub fn configuration() -> Result<(Config, Tuning), ConfigError> {
-    let tuning = Tuning::for_motor_lag(VehicleParameters::F450_GIMBAL_MOTOR_LAG_S);
-    let config = Config::new(
-        &VehicleParameters::F450_GIMBAL,
-        &tuning,
-        board::LOOP_RATE_HZ as f32,
-        board::IMU_RATE_HZ as f32,
-        board::CONTROLLER,
-    )?;
-    Ok((config, tuning))
-}
-
 /// The loop's ends of its queues.
 pub struct Ends {
-    /// Samples of the IMU.
-    pub samples: Consumer<'static, TimedSample>,
+    /// Samples of both IMUs.
+    pub samples: [Consumer<'static, TimedSample>; 2],
+    /// Voltage, where there is a battery and not a simulated one.
+    pub battery: Option<Battery>,
+    /// Ticks with their samples, with hardware in the loop.
+    pub ticks: Option<Consumer<'static, HilTick>>,
     /// What the ground wants.
     pub orders: Consumer<'static, Order>,
     /// What came of it.
@@ -64,18 +59,45 @@ pub struct Control {
     commander: Commander,
     ends: Ends,
     input: StepInput,
+    /// The last `follow` asked for a plan.
+    plan_asked: bool,
+    hil_answers: FrameWriter,
+    hil_answer: HilAnswer,
+    /// Beats of the timer since the last message, with hardware in the loop.
+    waited: u32,
 }
+
+/// A quarter of a second at 400 Hz, a second at 100.
+const BEATS_WITHOUT_MESSAGE: u32 = 100;
+
+/// An answer to a tick with hardware in the loop.
+pub type HilAnswer = Vec<u8, FRAME_MAX>;
 
 impl Control {
     /// Before the first step.
     pub fn new(config: Config, commander: Commander, ends: Ends) -> Self {
-        let (state, clock, input) = (State::default(), TimeBase::default(), StepInput::default());
-        Self { config, state, clock, commander, ends, input }
+        let (state, clock, input) = (State::default(), TimeBase::START, StepInput::default());
+        let hil_answers = FrameWriter::new(LinkSettings::NOMINAL.system_id, COMPONENT_ID);
+        let hil_answer = HilAnswer::new();
+        Self { config, state, clock, commander, ends, input, plan_asked: false, hil_answers, hil_answer, waited: 0 }
     }
 
-    /// Gathers the input, makes the step.
+    /// Is it the timer that makes the steps?
+    pub fn is_timed(&self) -> bool {
+        self.ends.ticks.is_none()
+    }
+
+    /// With hardware in the loop: does another tick wait?
+    pub fn has_more(&self) -> bool {
+        self.ends.ticks.as_ref().is_some_and(Consumer::is_ready)
+    }
+
+    /// Makes the step whose input is gathered.
     pub fn fast(&mut self, plan: Option<Plan>) -> StepOutput {
-        self.gather(plan);
+        self.input.plan = plan;
+        if self.plan_asked && plan.is_none_or(|plan| plan.step != self.state.step) {
+            counters::LATE_PLANS.add();
+        }
         let output = FlightCore::fast(&self.config, &mut self.state, &self.input);
         LAST_STEP.store(output.step, Ordering::Relaxed);
         output
@@ -85,7 +107,9 @@ impl Control {
     pub fn follow(&mut self, output: &StepOutput) -> Option<PlanRequest> {
         let answer = self.commander.answer(&output.arming);
         self.pass_on(answer, None);
-        FlightCore::follow(&self.config, &mut self.state, output)
+        let request = FlightCore::follow(&self.config, &mut self.state, output);
+        self.plan_asked = request.is_some();
+        request
     }
 
     /// Input of the last step.
@@ -93,30 +117,72 @@ impl Control {
         &self.input
     }
 
-    /// What telemetry may tell of a step.
-    pub fn status(&self, output: &StepOutput) -> VehicleStatus {
-        VehicleStatus { battery_v: self.input.battery_v, ..VehicleStatus::new(&self.config, output) }
+    /// What the core remembers.
+    pub fn state(&self) -> &State {
+        &self.state
     }
 
-    fn gather(&mut self, plan: Option<Plan>) {
-        let time_us = self.clock.now_us();
-        self.input.time_us = time_us;
-        self.input.imu.clear();
-        // what does not fit waits for the next step
-        while !self.input.imu.is_full()
-            && let Some(sample) = self.ends.samples.dequeue()
-        {
-            // never full here
-            let _ = self.input.imu.push(sample.at(self.clock.extend(sample.counter_us)));
+    /// What telemetry may tell of a step.
+    pub fn status(&self, output: &StepOutput) -> VehicleStatus {
+        VehicleStatus { hil: !self.is_timed(), ..VehicleStatus::new(&self.config, &self.input, output) }
+    }
+
+    /// The answer to the step's tick, with hardware in the loop.
+    pub fn hil_answer(&mut self, output: &StepOutput) -> Option<&HilAnswer> {
+        self.ends.ticks.as_ref()?;
+        self.hil_answer.clear();
+        let data = hil::actuator_controls(self.input.time_us, &output.arming, &output.mix.commands);
+        self.hil_answers.write(&data, &mut self.hil_answer).then_some(&self.hil_answer)
+    }
+
+    /// May the board's own motors turn? Never with hardware in the loop, whose motors are simulated.
+    pub fn motors_turn(&self, output: &StepOutput) -> bool {
+        self.is_timed() && output.arming.motors_turn()
+    }
+
+    /// Gathers the input of a step. False if none is due: with hardware in the loop there is a tick for each.
+    pub fn gather(&mut self) -> bool {
+        match &mut self.ends.ticks {
+            None => self.gather_samples(),
+            Some(ticks) => {
+                let Some(tick) = ticks.dequeue() else {
+                    self.wait();
+                    return false;
+                };
+                self.waited = 0;
+                tick.fill(&self.config.imu, &mut self.input);
+            }
         }
+        self.obey();
+        self.commander.commands(self.input.time_us).fill(&mut self.input);
+        self.input.battery_v = self.ends.battery.as_ref().map(Battery::voltage_v);
+        true
+    }
+
+    /// With hardware in the loop, at a beat of the timer without a message. While messages come, orders wait for the step of
+    /// theirs, so that a flight can be repeated; when they stay away, somebody may want to end it by parameter.
+    fn wait(&mut self) {
+        self.waited = self.waited.saturating_add(1);
+        if self.waited >= BEATS_WITHOUT_MESSAGE {
+            self.obey();
+        }
+    }
+
+    fn obey(&mut self) {
+        let time_us = self.input.time_us;
         // bounded, whatever arrives meanwhile
         for _ in 0..QUEUE_LENGTH {
             let Some(order) = self.ends.orders.dequeue() else { break };
             let (answer, chore) = self.commander.order(&order, time_us);
             self.pass_on(answer, chore);
         }
-        self.commander.commands(time_us).fill(&mut self.input);
-        self.input.plan = plan;
+    }
+
+    fn gather_samples(&mut self) {
+        self.input.time_us = self.clock.now_us();
+        let [first, second] = &mut self.ends.samples;
+        gather_samples(&self.clock, first, &mut self.input.imu);
+        gather_samples(&self.clock, second, &mut self.input.imu_second);
     }
 
     fn pass_on(&mut self, answer: Option<Answer>, chore: Option<Chore>) {
@@ -125,5 +191,16 @@ impl Control {
         if no_room || nor_here {
             counters::ANSWERS_DROPPED.add();
         }
+    }
+}
+
+/// What does not fit waits for the next step.
+fn gather_samples(clock: &TimeBase, samples: &mut Consumer<'static, TimedSample>, batch: &mut ImuBatch) {
+    batch.clear();
+    while !batch.is_full()
+        && let Some(sample) = samples.dequeue()
+    {
+        // never full here
+        let _ = batch.push(sample.at(clock.extend(sample.counter_us)));
     }
 }

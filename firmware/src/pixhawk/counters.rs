@@ -21,14 +21,39 @@ impl Counter {
     }
 }
 
-/// A sample was due while the one before was still read; both are given up.
-pub static IMU_OVERRUNS: Counter = Counter::new();
-/// Samples without data-ready in their status.
-pub static IMU_OLD: Counter = Counter::new();
-/// Transfers that the DMA broke off.
-pub static IMU_BROKEN_OFF: Counter = Counter::new();
-/// Samples for which the loop had no room.
-pub static IMU_DROPPED: Counter = Counter::new();
+/// What went wrong with an IMU.
+pub struct ImuCounters {
+    /// A sample was due while the one before still waited for the bus; that one is given up.
+    pub overruns: Counter,
+    /// Samples that were not new by their status.
+    pub old: Counter,
+    /// Transfers that failed or did not end.
+    pub broken_off: Counter,
+    /// Samples for which the loop had no room.
+    pub dropped: Counter,
+}
+
+impl ImuCounters {
+    const fn new() -> Self {
+        Self { overruns: Counter::new(), old: Counter::new(), broken_off: Counter::new(), dropped: Counter::new() }
+    }
+
+    fn report(&self, name: &str) {
+        defmt::info!(
+            "{=str} IMU: overruns {=u32}, old {=u32}, broken off {=u32}, dropped {=u32}",
+            name,
+            self.overruns.get(),
+            self.old.get(),
+            self.broken_off.get(),
+            self.dropped.get(),
+        );
+    }
+}
+
+/// The MPU6000's.
+pub static FIRST_IMU: ImuCounters = ImuCounters::new();
+/// The L3GD20's and LSM303D's.
+pub static SECOND_IMU: ImuCounters = ImuCounters::new();
 /// Steps that were still worked on when the next was due.
 pub static LOOP_OVERRUNS: Counter = Counter::new();
 /// Plans that were not done in time for their step.
@@ -40,13 +65,8 @@ pub static ANSWERS_DROPPED: Counter = Counter::new();
 
 /// Sends all of them to a probe, if one listens.
 pub fn report() {
-    defmt::info!(
-        "IMU: overruns {=u32}, old {=u32}, broken off {=u32}, dropped {=u32}",
-        IMU_OVERRUNS.get(),
-        IMU_OLD.get(),
-        IMU_BROKEN_OFF.get(),
-        IMU_DROPPED.get(),
-    );
+    FIRST_IMU.report("first");
+    SECOND_IMU.report("second");
     defmt::info!(
         "overruns {=u32}, late plans {=u32}, orders dropped {=u32}, answers dropped {=u32}",
         LOOP_OVERRUNS.get(),

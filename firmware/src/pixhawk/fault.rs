@@ -15,7 +15,7 @@ use shared_control::params;
 use stm32f4xx_hal::pac::{PWR, RCC};
 
 use super::control;
-use super::outputs;
+use super::last_pulse;
 
 /// Start of the 4 KB backup SRAM.
 const RECORD: *mut [u32; WORDS] = 0x4002_4000 as *mut [u32; WORDS];
@@ -37,6 +37,8 @@ pub enum Cause {
     LowSupply = 4,
     /// An interrupt without a handler; PC is its number.
     UnexpectedInterrupt = 5,
+    /// The crystal did not start.
+    CrystalSilent = 6,
 }
 
 /// What is left of a fault.
@@ -56,15 +58,38 @@ pub struct FaultRecord {
 
 /// Stops the motors, records, resets.
 pub fn stop(cause: Cause, pc: u32, lr: u32) -> ! {
+    // the pins first: whatever fails from here on, the watchdog ends it with the motors off. NMI and HardFault care for no
+    // mask; the others may not be interrupted by a loop that writes pulses
     cortex_m::interrupt::disable();
-    outputs::force_disarmed();
+    let without_crystal = cause == Cause::CrystalLost;
+    if without_crystal {
+        last_pulse::force_low()
+    } else {
+        last_pulse::force_disarmed()
+    }
     // SAFETY: a register of the processor, read only
     let cfsr = unsafe { CFSR.read_volatile() };
     FaultRecord { cause, pc, lr, cfsr, step: control::last_step() }.keep();
-    // without crystal or supply the time of a pulse means nothing: better none
-    if !matches!(cause, Cause::CrystalLost | Cause::LowSupply) {
-        outputs::wait_for_pulse_end();
+    if without_crystal {
+        last_pulse::send_disarmed_without_crystal()
+    } else {
+        last_pulse::send_disarmed()
     }
+    SCB::sys_reset()
+}
+
+/// For what is found before there are any pulses: leaves a record for the next start, unless one waits that tells more.
+pub fn note(cause: Cause) {
+    if FaultRecord::read().is_none() {
+        FaultRecord { cause, pc: 0, lr: 0, cfsr: 0, step: 0 }.keep();
+    }
+}
+
+/// Starts anew because somebody wants it: as [`stop`], but there is nothing to record.
+pub fn restart() -> ! {
+    cortex_m::interrupt::disable();
+    last_pulse::force_disarmed();
+    last_pulse::send_disarmed();
     SCB::sys_reset()
 }
 
@@ -90,6 +115,7 @@ impl FaultRecord {
             2 => Cause::HardFault,
             3 => Cause::CrystalLost,
             4 => Cause::LowSupply,
+            6 => Cause::CrystalSilent,
             _ => Cause::UnexpectedInterrupt,
         };
         Some(Self { cause, pc, lr, cfsr, step })
@@ -110,6 +136,7 @@ impl FaultRecord {
             Cause::CrystalLost => "crystal lost",
             Cause::LowSupply => "low supply",
             Cause::UnexpectedInterrupt => "stray interrupt",
+            Cause::CrystalSilent => "crystal did not start",
         };
         // what does not fit is left out
         let _ = write!(text, "{what} at {:#x} from {:#x} step {}", self.pc, self.lr, self.step);

@@ -1,34 +1,66 @@
 //! The slow end of the link: tells the ground, and does what it wants done outside the loop.
 
-use heapless::spsc::Consumer;
+use core::fmt::{Display, Write};
+
+use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
+use shared_control::link::telemetry::Text;
 use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, VehicleStatus};
+use shared_control::params::Params;
 
-use super::fault::FaultRecord;
-use super::link_port::LinkSender;
+use super::configuration::Configuration;
+use super::fault::{self, FaultRecord};
+use super::fram::Fram;
+use super::link_port::{LinkSender, SendBuffer};
+use super::queue::Consumer;
 
-/// Telemetry with its port and its queues.
+/// Calls of [`Ground::update`] between a restart's acknowledgement and the restart: 0.1 s, so that it leaves the port.
+const RESTART_UPDATES: u8 = 10;
+
+/// Bytes sent at once with hardware in the loop; the longest message has 66.
+const HIL_DUE_BYTES: usize = 100;
+
+/// Telemetry with its queues.
 pub struct Ground {
     telemetry: Telemetry,
-    sender: LinkSender,
+    /// What is due, until the port takes it.
+    due: SendBuffer,
+    hil: bool,
     answers: Consumer<'static, Answer>,
     chores: Consumer<'static, Chore>,
+    memory: Fram,
+    /// Updates until the restart that was ordered.
+    restart_in: Option<u8>,
 }
 
 impl Ground {
     /// Begins with what happened before.
     pub fn new(
         settings: &LinkSettings,
-        sender: LinkSender,
+        (params, memory): (&Params, Fram),
         answers: Consumer<'static, Answer>,
         chores: Consumer<'static, Chore>,
     ) -> Self {
-        Self { telemetry: Telemetry::new(settings), sender, answers, chores }
+        let telemetry = Telemetry::new(settings, params);
+        Self { telemetry, due: SendBuffer::new(), hil: params.hil, answers, chores, memory, restart_in: None }
     }
 
     /// Tells a person something that should not have happened, or that explains the start.
-    pub fn tell(&mut self, words: &str) {
-        self.telemetry.text(MavSeverity::MAV_SEVERITY_WARNING, words);
+    pub fn tell(&mut self, words: impl Display) {
+        let mut text = Text::new();
+        // what does not fit is left out
+        let _ = write!(text, "{words}");
+        self.telemetry.text(MavSeverity::MAV_SEVERITY_WARNING, &text);
+    }
+
+    /// Tells what is out of the ordinary about the configuration.
+    pub fn tell_configuration(&mut self, configuration: &Configuration) {
+        if let Some(fault) = configuration.fault {
+            self.tell(fault);
+        }
+        if !configuration.setup.pulses_keep_phase() {
+            self.tell("PWM_RATE_HZ and LOOP_RATE_HZ unrelated: jitter");
+        }
     }
 
     /// To be called at least every 20 ms, the period of the fastest message.
@@ -37,12 +69,45 @@ impl Ground {
             self.telemetry.answer(answer);
         }
         while let Some(chore) = self.chores.dequeue() {
-            match chore {
-                Chore::ClearFaultRecord => FaultRecord::clear(),
-                // the configuration is compiled in: there is nothing to store yet
-                Chore::StoreConfiguration => {}
-            }
+            self.attend_to(chore);
         }
-        self.sender.send(|buffer| self.telemetry.poll(time_us, status, buffer));
+        if self.due.is_empty() {
+            self.make_due(time_us, status);
+        }
+        match &mut self.restart_in {
+            Some(0) => fault::restart(),
+            Some(updates) => *updates -= 1,
+            None => {}
+        }
+    }
+
+    /// Lets the port send what is due, if it is free.
+    pub fn hand_over(&mut self, sender: &mut LinkSender) {
+        if !self.due.is_empty() && sender.send(&self.due) {
+            self.due.clear();
+        }
+    }
+
+    fn make_due(&mut self, time_us: u64, status: &VehicleStatus) {
+        if self.hil {
+            // a step's answer may have to wait until this has left, so it is short: 1.1 ms at 921,600 baud
+            let mut few = Vec::<u8, HIL_DUE_BYTES>::new();
+            self.telemetry.poll(time_us, status, &mut few);
+            // the larger buffer is empty
+            let _ = self.due.extend_from_slice(&few);
+        } else {
+            self.telemetry.poll(time_us, status, &mut self.due);
+        }
+    }
+
+    fn attend_to(&mut self, chore: Chore) {
+        match chore {
+            Chore::ClearFaultRecord => FaultRecord::clear(),
+            Chore::StoreConfiguration => self.telemetry.store_configuration(|record| self.memory.store(record)),
+            Chore::Parameters(request) => {
+                self.telemetry.serve_parameters(&request, |record| self.memory.store(record));
+            }
+            Chore::Restart => self.restart_in = Some(RESTART_UPDATES),
+        }
     }
 }

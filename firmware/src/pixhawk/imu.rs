@@ -1,42 +1,33 @@
-//! MPU6000: registers, data-ready, one DMA transfer per sample. Register map RM-MPU-6000A-00 revision 4.2.
+//! The two IMUs on their one bus: data-ready, DMA, sample queues.
+//!
+//! ```text
+//!   MPU6000 ready -> transfer ------------------------> first queue
+//!   L3GD20 ready  -> transfer -> LSM303D's transfer ---> second queue
+//! ```
+//! Who comes while the bus is busy waits and is served when the transfer under way ends, the first IMU before the second.
+//! A transfer that does not end in [`TRANSFER_MAX_US`] is broken off by whatever comes next, at the latest by the loop,
+//! which looks in once a step: neither sensor can keep the bus from the other.
 #![allow(unsafe_code)] // addresses and buffers of the DMA
 
 use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
-use heapless::spsc::{Producer, Queue};
+use shared_control::imu::AxisMap;
 use shared_control::signals::RawImuSample;
-use stm32f4xx_hal::gpio::{ExtiPin, Input, PD15};
+use stm32f4xx_hal::gpio::{ExtiPin, Input, PB0, PD15};
 use stm32f4xx_hal::pac::{DMA2, EXTI};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use super::board;
 use super::clock;
-use super::counters;
-use super::sensor_bus::{READ, SensorBus};
+use super::counters::{FIRST_IMU, ImuCounters, SECOND_IMU};
+use super::queue::{Producer, Queue};
+use super::sensor_bus::{Chip, SensorBus, SensorFault};
+use super::{l3gd20, lsm303d, mpu6000};
 
-const PWR_MGMT_1: u8 = 0x6B;
-const WHO_AM_I: u8 = 0x75;
-const IDENTITY: u8 = 0x68;
-/// First register of a sample: INT_STATUS, then acceleration, temperature, rotation, each high byte first.
-const INT_STATUS: u8 = 0x3A;
-const DATA_READY: u8 = 1;
-
-/// What is written, in this order, and must read back.
-const SETTINGS: [(u8, u8); 9] = [
-    (PWR_MGMT_1, 0x01),                            // awake, clock from the gyro
-    (0x6C, 0x00),                                  // PWR_MGMT_2: all axes on
-    (0x6A, 0x10),                                  // USER_CTRL: I2C off, or bus traffic for others may switch it on
-    (0x1A, 0x00),                                  // CONFIG: 256 Hz, the least delay; gyro at 8 kHz
-    (0x19, (8000 / board::IMU_RATE_HZ - 1) as u8), // SMPLRT_DIV
-    (0x1B, 0x18),                                  // GYRO_CONFIG: +-2000 deg/s
-    (0x1C, 0x10),                                  // ACCEL_CONFIG: +-8 g
-    (0x37, 0x10),                                  // INT_PIN_CFG: 50 us pulse, cleared by any read
-    (0x38, DATA_READY),                            // INT_ENABLE
-];
-
-/// Address, status, three accelerations, temperature, three rotations.
-pub const TRANSFER_BYTES: usize = 16;
+/// A transfer takes 13 us; what lasts this long has failed.
+const TRANSFER_MAX_US: u32 = 200;
+/// Longest wait for a DMA stream to stop, turns of a loop; it takes a few cycles.
+const STOP_TURNS: u32 = 100;
 /// Room for the samples of two steps at 100 Hz.
 pub const QUEUE_LENGTH: usize = 32;
 
@@ -61,98 +52,156 @@ impl TimedSample {
 /// From the interrupts to the loop.
 pub type SampleQueue = Queue<TimedSample, QUEUE_LENGTH>;
 
+const BUFFER_BYTES: usize = mpu6000::SAMPLE_BYTES as usize;
+/// An address; the rest only makes clocks.
+type Request = [u8; BUFFER_BYTES];
+
+const fn request(address: u8) -> Request {
+    let mut bytes = [0; BUFFER_BYTES];
+    bytes[0] = address;
+    bytes
+}
+
 /// Buffers of the DMA. They must not lie on the stack, which is out of its reach.
 pub struct Buffers {
-    /// What the sensor answers.
-    pub received: [u8; TRANSFER_BYTES],
-    /// The address; the rest only makes clocks.
-    pub sent: [u8; TRANSFER_BYTES],
+    received: [u8; BUFFER_BYTES],
+    mpu6000: Request,
+    l3gd20: Request,
+    lsm303d: Request,
 }
 
 impl Buffers {
-    /// A read from INT_STATUS on.
-    pub const NEW: Self = {
-        let mut sent = [0; TRANSFER_BYTES];
-        sent[0] = READ | INT_STATUS;
-        Self { received: [0; TRANSFER_BYTES], sent }
+    /// What is asked of each sensor.
+    pub const NEW: Self = Self {
+        received: [0; BUFFER_BYTES],
+        mpu6000: request(mpu6000::SAMPLE_ADDRESS),
+        l3gd20: request(l3gd20::SAMPLE_ADDRESS),
+        lsm303d: request(lsm303d::SAMPLE_ADDRESS),
     };
 }
 
-/// Why the sensor is not used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
-pub enum ImuFault {
-    /// Somebody else, or nobody, answers; with the answer.
-    Identity(u8),
-    /// A register did not keep what was written; with its address.
-    Register(u8),
+/// Data-ready of both IMUs.
+pub struct ReadyPins {
+    /// MPU6000: pulses.
+    pub first: PD15<Input>,
+    /// L3GD20: high from a new sample until it is read.
+    pub second: PB0<Input>,
 }
 
-impl ImuFault {
+/// What the checks of the sensors found.
+pub struct Checked {
+    first: Result<(), SensorFault>,
+    second: Result<AxisMap, SensorFault>,
+}
+
+impl Checked {
+    /// Sets all of them up; one that does not pass is told of and never delivers.
+    pub fn set_up(bus: &mut SensorBus) -> Self {
+        // the second first, since its gyro takes a while to settle
+        let second = l3gd20::set_up(bus).and_then(|axes| lsm303d::set_up(bus).map(|()| axes));
+        Self { first: mpu6000::set_up(bus), second }
+    }
+
+    /// The axes of the second gyro, of which there are two variants.
+    pub fn second_gyro_axes(&self) -> Option<AxisMap> {
+        self.second.ok()
+    }
+
     /// For a person.
-    pub fn words(self) -> &'static str {
+    pub fn faults(&self) -> impl Iterator<Item = SensorFault> {
+        self.first.err().into_iter().chain(self.second.err())
+    }
+}
+
+/// What the DMA is at.
+#[derive(Clone, Copy)]
+enum Transfer {
+    Mpu6000,
+    L3gd20,
+    /// With what the gyro has said.
+    Lsm303d([i16; 3]),
+}
+
+impl Transfer {
+    fn chip(self) -> Chip {
         match self {
-            Self::Identity(_) => "MPU6000 does not answer as itself",
-            Self::Register(_) => "MPU6000 does not keep its settings",
+            Self::Mpu6000 => Chip::Mpu6000,
+            Self::L3gd20 => Chip::L3gd20,
+            Self::Lsm303d(_) => Chip::Lsm303d,
+        }
+    }
+
+    fn bytes(self) -> u16 {
+        match self {
+            Self::Mpu6000 => mpu6000::SAMPLE_BYTES,
+            Self::L3gd20 | Self::Lsm303d(_) => l3gd20::SAMPLE_BYTES,
+        }
+    }
+
+    fn counters(self) -> &'static ImuCounters {
+        match self {
+            Self::Mpu6000 => &FIRST_IMU,
+            Self::L3gd20 | Self::Lsm303d(_) => &SECOND_IMU,
         }
     }
 }
 
-/// The sensor with its DMA streams: 0 receives, 5 sends.
-pub struct Imu {
+#[derive(Clone, Copy)]
+struct UnderWay {
+    transfer: Transfer,
+    /// Of the sample.
+    counter_us: u32,
+    began_us: u32,
+}
+
+/// Both IMUs, their bus, and its DMA streams: 0 receives, 5 sends.
+pub struct Imus {
     bus: SensorBus,
     dma: DMA2,
-    data_ready: PD15<Input>,
+    ready: ReadyPins,
     buffers: &'static mut Buffers,
     samples: Producer<'static, TimedSample>,
-    due_us: u32,
-    busy: bool,
+    samples_second: Producer<'static, TimedSample>,
+    second_is_usable: bool,
+    under_way: Option<UnderWay>,
+    first_due_us: Option<u32>,
+    second_due_us: Option<u32>,
 }
 
 const RECEIVE: usize = 0;
 const SEND: usize = 5;
 const CHANNEL: u8 = 3;
 
-impl Imu {
-    /// The sensor on a bus that nobody else uses, not yet set up.
+impl Imus {
+    /// The sensors, already set up, on a bus that from now on is theirs alone.
     pub fn new(
         bus: SensorBus,
         dma: DMA2,
-        data_ready: PD15<Input>,
+        ready: ReadyPins,
         buffers: &'static mut Buffers,
-        samples: Producer<'static, TimedSample>,
+        [samples, samples_second]: [Producer<'static, TimedSample>; 2],
         rcc: &mut Rcc,
     ) -> Self {
         DMA2::enable(rcc);
         DMA2::reset(rcc);
-        Self { bus, dma, data_ready, buffers, samples, due_us: 0, busy: false }
+        bus.hand_to_dma();
+        let imus = Self {
+            bus,
+            dma,
+            ready,
+            buffers,
+            samples,
+            samples_second,
+            second_is_usable: false,
+            under_way: None,
+            first_due_us: None,
+            second_due_us: None,
+        };
+        imus.prepare_dma();
+        imus
     }
 
-    /// Checks who answers, writes the settings, reads them back, and goes over to DMA.
-    pub fn start(&mut self, exti: &mut EXTI) -> Result<(), ImuFault> {
-        self.bus.write(PWR_MGMT_1, 0x80); // DEVICE_RESET
-        clock::wait_us(100 * 1000);
-        let identity = self.bus.read(WHO_AM_I);
-        if identity != IDENTITY {
-            return Err(ImuFault::Identity(identity));
-        }
-        for (register, value) in SETTINGS {
-            self.bus.write(register, value);
-        }
-        // the gyro's oscillator takes over
-        clock::wait_us(50 * 1000);
-        for (register, value) in SETTINGS {
-            if self.bus.read(register) != value {
-                return Err(ImuFault::Register(register));
-            }
-        }
-        self.bus.fast();
-        self.prepare_dma();
-        self.data_ready.clear_interrupt_pending_bit();
-        self.data_ready.enable_interrupt(exti);
-        Ok(())
-    }
-
-    fn prepare_dma(&mut self) {
+    fn prepare_dma(&self) {
         let data_register = self.bus.spi.dr().as_ptr() as u32;
         let receive = self.dma.st(RECEIVE);
         receive.cr().write(|w| {
@@ -161,64 +210,142 @@ impl Imu {
         });
         let send = self.dma.st(SEND);
         send.cr().write(|w| w.chsel().set(CHANNEL).dir().memory_to_peripheral().minc().set_bit().pl().high());
-        // SAFETY: the SPI's register, and buffers that live for ever and outside the CCM
+        // SAFETY: the SPI's register, and a buffer that lives for ever and outside the CCM
         unsafe {
             receive.par().write(|w| w.pa().bits(data_register));
             receive.m0ar().write(|w| w.m0a().bits(ptr::addr_of!(self.buffers.received) as u32));
             send.par().write(|w| w.pa().bits(data_register));
-            send.m0ar().write(|w| w.m0a().bits(ptr::addr_of!(self.buffers.sent) as u32));
         }
     }
 
-    /// At data-ready: notes the time and starts the transfer.
-    pub fn begin_transfer(&mut self) {
-        let now_us = clock::now_us();
-        self.data_ready.clear_interrupt_pending_bit();
-        if self.busy {
-            counters::IMU_OVERRUNS.add();
-            self.abort();
-            return;
+    /// Listens to those that passed.
+    pub fn start(&mut self, checked: &Checked, exti: &mut EXTI) {
+        self.second_is_usable = checked.second.is_ok();
+        if checked.first.is_ok() {
+            self.ready.first.clear_interrupt_pending_bit();
+            self.ready.first.enable_interrupt(exti);
         }
-        self.busy = true;
-        self.due_us = now_us;
-        self.bus.select();
+        if self.second_is_usable {
+            self.ready.second.clear_interrupt_pending_bit();
+            self.ready.second.enable_interrupt(exti);
+        }
+    }
+
+    /// The first IMU has a sample.
+    pub fn first_ready(&mut self) {
+        let now_us = clock::now_us();
+        self.ready.first.clear_interrupt_pending_bit();
+        if self.first_due_us.replace(now_us).is_some() {
+            FIRST_IMU.overruns.add();
+        }
+        self.serve(now_us);
+    }
+
+    /// The second may have one, if its pin is high; or a step has passed, and a lost edge or a transfer that hangs is looked
+    /// for.
+    pub fn second_ready(&mut self) {
+        let now_us = clock::now_us();
+        self.ready.second.clear_interrupt_pending_bit();
+        // until its gyro is read, the pin stays high
+        let is_asked = matches!(self.under_way, Some(UnderWay { transfer: Transfer::L3gd20, .. }));
+        if self.second_is_usable && !is_asked && self.ready.second.is_high() {
+            self.second_due_us = self.second_due_us.or(Some(now_us));
+        }
+        self.serve(now_us);
+    }
+
+    /// A transfer has ended, well or badly: hands the sample on, and goes on with what is due.
+    pub fn received(&mut self) {
+        let flags = self.dma.lisr().read();
+        let Some(UnderWay { transfer, counter_us, .. }) = self.under_way else {
+            self.clear_flags();
+            return;
+        };
+        let now_us = clock::now_us();
+        if flags.teif0().bit_is_set() {
+            self.break_off(transfer);
+        } else if flags.tcif0().bit_is_set() {
+            self.clear_flags();
+            self.bus.release(transfer.chip());
+            self.under_way = None;
+            fence(Ordering::Acquire);
+            self.take(transfer, counter_us, now_us);
+        }
+        self.serve(now_us);
+    }
+
+    fn take(&mut self, transfer: Transfer, counter_us: u32, now_us: u32) {
+        // SAFETY: the DMA has ended, and the volatile read sees what it wrote
+        let bytes = unsafe { ptr::addr_of!(self.buffers.received).read_volatile() };
+        let [b0, b1, b2, b3, b4, b5, b6, b7, ..] = bytes;
+        let half = [b0, b1, b2, b3, b4, b5, b6, b7];
+        let (sample, queue) = match transfer {
+            Transfer::Mpu6000 => (mpu6000::decode(&bytes), &mut self.samples),
+            Transfer::L3gd20 => {
+                match l3gd20::decode(&half) {
+                    Some(gyro_counts) => self.begin(Transfer::Lsm303d(gyro_counts), counter_us, now_us),
+                    None => SECOND_IMU.old.add(),
+                }
+                return;
+            }
+            Transfer::Lsm303d(gyro) => (l3gd20::decode(&half).map(|accel| (gyro, accel)), &mut self.samples_second),
+        };
+        match sample {
+            None => transfer.counters().old.add(),
+            Some((gyro_counts, accel_counts)) => {
+                if queue.enqueue(TimedSample { counter_us, gyro_counts, accel_counts }).is_err() {
+                    transfer.counters().dropped.add();
+                }
+            }
+        }
+    }
+
+    /// Begins what is due, unless the bus is busy.
+    fn serve(&mut self, now_us: u32) {
+        if let Some(UnderWay { transfer, began_us, .. }) = self.under_way {
+            if now_us.wrapping_sub(began_us) < TRANSFER_MAX_US {
+                return;
+            }
+            self.break_off(transfer);
+        }
+        if let Some(counter_us) = self.first_due_us.take() {
+            self.begin(Transfer::Mpu6000, counter_us, now_us);
+        } else if let Some(counter_us) = self.second_due_us.take() {
+            self.begin(Transfer::L3gd20, counter_us, now_us);
+        }
+    }
+
+    fn begin(&mut self, transfer: Transfer, counter_us: u32, began_us: u32) {
+        self.under_way = Some(UnderWay { transfer, counter_us, began_us });
+        let request = match transfer {
+            Transfer::Mpu6000 => &self.buffers.mpu6000,
+            Transfer::L3gd20 => &self.buffers.l3gd20,
+            Transfer::Lsm303d(_) => &self.buffers.lsm303d,
+        };
         self.clear_flags();
+        // SAFETY: a buffer that lives for ever and outside the CCM
+        unsafe { self.dma.st(SEND).m0ar().write(|w| w.m0a().bits(ptr::addr_of!(*request) as u32)) };
+        self.bus.begin_sample(transfer.chip());
         fence(Ordering::Release);
         for stream in [RECEIVE, SEND] {
-            self.dma.st(stream).ndtr().write(|w| w.ndt().set(TRANSFER_BYTES as u16));
+            self.dma.st(stream).ndtr().write(|w| w.ndt().set(transfer.bytes()));
             self.dma.st(stream).cr().modify(|_, w| w.en().set_bit());
         }
     }
 
-    /// At the transfer's end: hands the sample on.
-    pub fn end_transfer(&mut self) {
-        let failed = self.dma.lisr().read().teif0().bit_is_set();
-        if failed {
-            counters::IMU_BROKEN_OFF.add();
-            self.abort();
-            return;
-        }
-        self.clear_flags();
-        self.bus.release();
-        self.busy = false;
-        fence(Ordering::Acquire);
-        // SAFETY: the DMA has ended, and the volatile read sees what it wrote
-        let bytes = unsafe { ptr::addr_of!(self.buffers.received).read_volatile() };
-        let (status, sample) = decode(self.due_us, &bytes);
-        if status & DATA_READY == 0 {
-            counters::IMU_OLD.add();
-        } else if self.samples.enqueue(sample).is_err() {
-            counters::IMU_DROPPED.add();
-        }
-    }
-
-    fn abort(&mut self) {
+    fn break_off(&mut self, transfer: Transfer) {
+        transfer.counters().broken_off.add();
         for stream in [SEND, RECEIVE] {
             self.dma.st(stream).cr().modify(|_, w| w.en().clear_bit());
         }
-        self.clear_flags();
-        self.bus.release();
-        self.busy = false;
+        // the item under way may still end (RM 10.3.14)
+        for _ in 0..STOP_TURNS {
+            if [SEND, RECEIVE].iter().all(|stream| self.dma.st(*stream).cr().read().en().bit_is_clear()) {
+                break;
+            }
+        }
+        self.bus.start_over(transfer.chip());
+        self.under_way = None;
     }
 
     fn clear_flags(&self) {
@@ -229,16 +356,4 @@ impl Imu {
             w.cfeif5().set_bit().cdmeif5().set_bit().cteif5().set_bit().chtif5().set_bit().ctcif5().set_bit()
         });
     }
-}
-
-/// Status and sample of a transfer.
-fn decode(counter_us: u32, bytes: &[u8; TRANSFER_BYTES]) -> (u8, TimedSample) {
-    let [_, status, ax1, ax0, ay1, ay0, az1, az0, _, _, gx1, gx0, gy1, gy0, gz1, gz0] = *bytes;
-    let word = |high, low| i16::from_be_bytes([high, low]);
-    let sample = TimedSample {
-        counter_us,
-        accel_counts: [word(ax1, ax0), word(ay1, ay0), word(az1, az0)],
-        gyro_counts: [word(gx1, gx0), word(gy1, gy0), word(gz1, gz0)],
-    };
-    (status, sample)
 }

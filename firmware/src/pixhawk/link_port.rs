@@ -2,21 +2,23 @@
 //!
 //! What arrives goes round in a ring (DMA1 stream 5). The half and the end of the ring and an idle line raise an interrupt,
 //! so it is emptied at least every 256 bytes, 22 ms at 115200 baud, and at once when a message ends. A buffer of
-//! messages leaves as one transfer (stream 6).
+//! messages leaves as one transfer (stream 6); with hardware in the loop an answer goes before all that has not begun.
 #![allow(unsafe_code)] // addresses and buffers of the DMA
 
 use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
 use heapless::Vec;
-use heapless::spsc::Producer;
+use shared_control::link::hil::HilTick;
 use shared_control::link::{LinkSettings, Order, Receiver};
 use stm32f4xx_hal::gpio::{Alternate, PD5, PD6};
-use stm32f4xx_hal::pac::{DMA1, USART2};
+use stm32f4xx_hal::pac::{DMA1, Interrupt, USART2, dma1};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::board;
+use super::control::HilAnswer;
 use super::counters;
+use super::queue::Producer;
 
 /// Size of the ring.
 pub const RING_BYTES: usize = 512;
@@ -37,8 +39,8 @@ pub fn open(
     usart: USART2,
     dma: DMA1,
     pins: Pins,
-    ring: &'static mut [u8; RING_BYTES],
-    buffer: &'static mut SendBuffer,
+    baud: u32,
+    (ring, buffer): (&'static mut [u8; RING_BYTES], &'static mut SendBuffer),
     rcc: &mut Rcc,
 ) -> (LinkReceiver, LinkSender) {
     DMA1::enable(rcc);
@@ -60,12 +62,12 @@ pub fn open(
     // SAFETY: as above
     unsafe { dma.st(SEND).par().write(|w| w.pa().bits(data_register)) };
     // sixteen samples a bit: the divider in sixteenths is the clock over the rate, rounded
-    let divider = (board::APB1_HZ + board::LINK_BAUD / 2) / board::LINK_BAUD;
+    let divider = (board::APB1_HZ + baud / 2) / baud;
     // SAFETY: mantissa and fraction together, below 2^16
     unsafe { usart.brr().write(|w| w.bits(divider as u16)) };
     usart.cr3().write(|w| w.dmar().set_bit().dmat().set_bit());
     usart.cr1().write(|w| w.ue().set_bit().te().set_bit().re().set_bit().idleie().set_bit());
-    (LinkReceiver { usart, dma, ring, read: 0, _pins: pins }, LinkSender { buffer })
+    (LinkReceiver { usart, dma, ring, read: 0, _pins: pins }, LinkSender { buffer, first: HilAnswer::new() })
 }
 
 /// The incoming half, which owns the devices.
@@ -112,12 +114,19 @@ pub struct LinkIn {
     port: LinkReceiver,
     receiver: Receiver,
     orders: Producer<'static, Order>,
+    /// With hardware in the loop.
+    ticks: Option<Producer<'static, HilTick>>,
 }
 
 impl LinkIn {
     /// With nothing heard yet.
-    pub fn new(port: LinkReceiver, settings: LinkSettings, orders: Producer<'static, Order>) -> Self {
-        Self { port, receiver: Receiver::new(settings), orders }
+    pub fn new(
+        port: LinkReceiver,
+        settings: LinkSettings,
+        orders: Producer<'static, Order>,
+        ticks: Option<Producer<'static, HilTick>>,
+    ) -> Self {
+        Self { port, receiver: Receiver::new(settings), orders, ticks }
     }
 
     /// Takes all that has arrived; at most a ring of it, however fast it comes.
@@ -125,9 +134,17 @@ impl LinkIn {
         self.port.acknowledge();
         for _ in 0..RING_BYTES {
             let Some(byte) = self.port.next_byte() else { break };
-            if let Some(order) = self.receiver.receive(byte)
-                && self.orders.enqueue(order).is_err()
-            {
+            let Some(order) = self.receiver.receive(byte) else { continue };
+            let taken = match (order, &mut self.ticks) {
+                (Order::HilTick(tick), Some(ticks)) => {
+                    let taken = ticks.enqueue(tick).is_ok();
+                    // the loop's step, made by a message instead of its timer
+                    rtic::pend(Interrupt::TIM3);
+                    taken
+                }
+                (order, _) => self.orders.enqueue(order).is_ok(),
+            };
+            if !taken {
                 counters::ORDERS_DROPPED.add();
             }
         }
@@ -137,29 +154,67 @@ impl LinkIn {
 /// The outgoing half.
 pub struct LinkSender {
     buffer: &'static mut SendBuffer,
+    /// Waits for the end of the transfer under way.
+    first: HilAnswer,
 }
 
 impl LinkSender {
-    /// Lets `fill` write the next messages, unless the last are still leaving.
-    pub fn send(&mut self, fill: impl FnOnce(&mut SendBuffer)) {
-        // SAFETY: stream 6 belongs to this half alone; the flags are cleared by writing ones
-        let dma = unsafe { &*DMA1::ptr() };
-        let stream = dma.st(SEND);
-        if stream.cr().read().en().bit_is_set() {
-            return;
+    /// Sends messages, unless others are still leaving or wait. True if it does.
+    pub fn send(&mut self, messages: &[u8]) -> bool {
+        let free = !is_sending() && self.first.is_empty();
+        free && self.start(messages)
+    }
+
+    /// Sends a message before all that has not begun to leave. One that still waits is forgotten: its time is over.
+    pub fn send_first(&mut self, message: &HilAnswer) {
+        if is_sending() || !self.start(message) {
+            self.first.clone_from(message);
         }
+    }
+
+    /// At the end of a transfer.
+    pub fn transfer_ended(&mut self) {
+        clear_flags();
+        if !self.first.is_empty() && !is_sending() {
+            let message = core::mem::take(&mut self.first);
+            self.start(&message);
+        }
+    }
+
+    /// False if it is too long for one transfer.
+    fn start(&mut self, bytes: &[u8]) -> bool {
         self.buffer.clear();
-        fill(self.buffer);
-        if self.buffer.is_empty() {
-            return;
+        if self.buffer.extend_from_slice(bytes).is_err() {
+            return false;
         }
-        dma.hifcr().write(|w| {
-            w.cfeif6().set_bit().cdmeif6().set_bit().cteif6().set_bit().chtif6().set_bit().ctcif6().set_bit()
-        });
+        clear_flags();
+        let stream = stream();
         // SAFETY: the buffer lives for ever, outside the CCM, and is left alone until the stream has ended
         unsafe { stream.m0ar().write(|w| w.m0a().bits(self.buffer.as_ptr() as u32)) };
         stream.ndtr().write(|w| w.ndt().set(self.buffer.len() as u16));
         fence(Ordering::Release);
-        stream.cr().write(|w| w.chsel().set(CHANNEL).dir().memory_to_peripheral().minc().set_bit().en().set_bit());
+        stream.cr().write(|w| {
+            w.chsel().set(CHANNEL).dir().memory_to_peripheral().minc().set_bit().tcie().set_bit().en().set_bit()
+        });
+        true
     }
+}
+
+fn is_sending() -> bool {
+    stream().cr().read().en().bit_is_set()
+}
+
+fn clear_flags() {
+    controller()
+        .hifcr()
+        .write(|w| w.cfeif6().set_bit().cdmeif6().set_bit().cteif6().set_bit().chtif6().set_bit().ctcif6().set_bit());
+}
+
+fn stream() -> &'static dma1::ST {
+    controller().st(SEND)
+}
+
+fn controller() -> &'static dma1::RegisterBlock {
+    // SAFETY: stream 6 belongs to the outgoing half alone; the flags are cleared by writing ones
+    unsafe { &*DMA1::ptr() }
 }

@@ -1,10 +1,8 @@
 //! TIM3, the beat of the fast loop; its update also starts the pulse timer, so that both keep a fixed phase.
 
-use shared_control::output::prescaler;
+use shared_control::output::TimerPeriod;
 use stm32f4xx_hal::pac::TIM3;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
-
-use super::board;
 
 /// The loop's timer.
 pub struct LoopTimer {
@@ -13,13 +11,11 @@ pub struct LoopTimer {
 
 impl LoopTimer {
     /// Sets it up, standing still.
-    pub fn new(tim: TIM3, rcc: &mut Rcc) -> Self {
+    pub fn new(tim: TIM3, period: &TimerPeriod, rcc: &mut Rcc) -> Self {
         TIM3::enable(rcc);
         TIM3::reset(rcc);
-        let division = prescaler(board::APB1_TIMER_HZ, board::LOOP_RATE_HZ);
-        let ticks = board::APB1_TIMER_HZ / division / board::LOOP_RATE_HZ;
-        tim.psc().write(|w| w.psc().set((division - 1) as u16));
-        tim.arr().write(|w| w.arr().set((ticks - 1) as u16));
+        tim.psc().write(|w| w.psc().set(period.prescaler()));
+        tim.arr().write(|w| w.arr().set(period.reload()));
         tim.egr().write(|w| w.ug().set_bit());
         tim.sr().write(|w| w.uif().clear_bit());
         // only now, or the update above would already start the pulse timer
@@ -33,9 +29,11 @@ impl LoopTimer {
         self.tim.cr1().write(|w| w.cen().set_bit());
     }
 
-    /// Takes notice of a tick.
-    pub fn acknowledge(&self) {
+    /// Takes notice of a tick, if there was one.
+    pub fn take_tick(&self) -> bool {
+        let ticked = self.tim.sr().read().uif().bit_is_set();
         self.tim.sr().write(|w| w.uif().clear_bit());
+        ticked
     }
 
     /// True if the next tick came while this one was still worked on.

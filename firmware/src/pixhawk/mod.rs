@@ -2,27 +2,38 @@
 //!
 //! ```text
 //!  7  low_supply               supply detector: motors to the disarmed pulse, reset
-//!  6  imu_ready, imu_received  data-ready -> DMA -> sample queue
+//!  6  first_imu_ready, second_imu_ready, imu_received
+//!                              data-ready -> DMA -> sample queues
 //!  5  control_step             TIM3: samples since the last step -> fast -> pulses -> follow
+//!                              in HITL a HIL_SENSOR instead: its sample -> fast -> answer -> follow
 //!  3  link_idle, link_ring     TELEM1: bytes -> orders
+//!     link_sent                TELEM1: what was waiting for the line
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
-//!  1  housekeeping             telemetry, LED, load, watchdog
+//!  1  housekeeping             telemetry, light and tone, load, watchdog
 //! ```
 
+mod battery;
 mod board;
 mod boot;
 mod clock;
+mod configuration;
 mod control;
 mod counters;
 mod fault;
+mod fram;
 mod ground;
 mod imu;
-mod led;
+mod l3gd20;
+mod last_pulse;
+mod light_and_tone;
 mod link_port;
 mod load;
 mod loop_timer;
+mod lsm303d;
+mod mpu6000;
 mod outputs;
 mod pins;
+mod queue;
 mod sensor_bus;
 mod supply;
 mod trace;
@@ -30,43 +41,48 @@ mod watchdog;
 
 use defmt_rtt as _;
 
-#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
+// `plan` and `housekeeping` borrow interrupts of devices that are not used. They are no software tasks of RTIC: those are
+// futures, and in each is a panic for one that is polled after its end.
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use heapless::Vec;
-    use shared_control::config::mpc_settings;
     use shared_control::flight_core::FlightCore;
-    use shared_control::link::{Commander, LinkSettings, VehicleStatus};
-    use shared_control::mpc::{Mpc, MpcState};
-    use shared_control::signals::{ArmingBlocks, MotorCommands, Plan, PlanRequest};
-    use shared_control::vehicle::VehicleParameters;
+    use shared_control::link::{Commander, VehicleStatus};
+    use shared_control::mpc::{HORIZON, MpcState};
+    use shared_control::signals::{ArmingBlocks, Plan, PlanRequest};
+    use shared_control::signs::Sign;
+    use stm32f4xx_hal::pac::Interrupt;
 
-    use super::board::{self, CONTROL_HORIZON};
-    use super::control::{self, AnswerQueue, ChoreQueue, Control, Ends, OrderQueue};
+    use super::battery::{self, Battery};
+    use super::clock::TimeBase;
+    use super::configuration::{BoardMpc, Configuration, MpcPlace};
+    use super::control::{AnswerQueue, ChoreQueue, Control, Ends, OrderQueue, TickQueue};
     use super::fault::{self, Cause, FaultRecord};
+    use super::fram::Fram;
     use super::ground::Ground;
-    use super::imu::{Buffers, Imu, SampleQueue};
-    use super::led::{Led, Sign};
-    use super::link_port::{self, LinkIn, RING_BYTES, SendBuffer};
+    use super::imu::{Buffers, Checked, Imus, SampleQueue};
+    use super::light_and_tone::LightAndTone;
+    use super::link_port::{self, LinkIn, LinkSender, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
     use super::loop_timer::LoopTimer;
     use super::outputs::Outputs;
     use super::pins::Pins;
     use super::sensor_bus::SensorBus;
+    use super::supply::SupplyDetector;
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
-    use super::{boot, clock, counters, supply};
-
-    /// Steps of the loop per housekeeping: 100 times a second.
-    const HOUSEKEEPING_STEPS: u32 = board::LOOP_RATE_HZ / 100;
+    use super::{board, boot, clock, counters, last_pulse};
 
     #[shared]
     struct Shared {
         #[lock_free]
-        imu: Imu,
+        imus: Imus,
         #[lock_free]
         link: LinkIn,
+        sender: LinkSender,
+        request: Option<PlanRequest>,
         plan: Option<Plan>,
-        status: Option<(u64, VehicleStatus)>,
+        status: VehicleStatus,
     }
 
     #[local]
@@ -75,117 +91,182 @@ mod app {
         outputs: Outputs,
         loop_timer: LoopTimer,
         trace: Trace,
-        mpc: Mpc<CONTROL_HORIZON>,
-        mpc_state: MpcState<CONTROL_HORIZON>,
+        housekeeping_ticks: u32,
+        mpc: Option<&'static mut BoardMpc>,
+        mpc_state: MpcState<HORIZON>,
         ground: Ground,
-        led: Led,
+        light_and_tone: LightAndTone,
         watchdog: Watchdog,
     }
 
-    /// Interrupts are off until it returns. What is wrong with the compiled-in configuration stops the program here.
+    /// Interrupts are off until it returns.
     #[init(local = [
-        samples: SampleQueue = SampleQueue::new(), orders: OrderQueue = OrderQueue::new(),
+        samples: SampleQueue = SampleQueue::new(), samples_second: SampleQueue = SampleQueue::new(),
+        orders: OrderQueue = OrderQueue::new(),
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
+        ticks: TickQueue = TickQueue::new(), conversions: battery::Ring = [0; battery::CONVERSIONS],
+        mpc_place: MpcPlace = MpcPlace::uninit(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (mut core, mut device) = (cx.core, cx.device);
         let reset_cause = boot::take_reset_cause(&device.RCC);
         boot::release_clocks(&device.RCC, &device.EXTI);
+        let ports = (device.GPIOA, device.GPIOB, device.GPIOC, device.GPIOD, device.GPIOE);
+        if !clock::crystal_starts(&device.RCC) {
+            let mut rcc = clock::start_without_crystal(device.RCC);
+            let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
+            boot::stand_still(&mut pins.light_and_tone);
+        }
         let mut rcc = clock::start(device.RCC, &device.FLASH);
+        let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
+        let detector = SupplyDetector::new(&device.PWR, &device.EXTI, &mut rcc);
+        let supply_was_low = boot::wait_for_supply(&detector, &mut pins.light_and_tone);
         clock::freeze_on_halt(&device.DBGMCU);
         clock::start_microseconds(&device.TIM5, &mut rcc);
         load::start(&mut core.DCB, &mut core.DWT);
         let record = FaultRecord::read();
 
-        let ports = (device.GPIOA, device.GPIOC, device.GPIOD, device.GPIOE);
-        let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
-        supply::watch(&device.PWR, &device.EXTI, &mut rcc);
+        let mut bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
+        let mut memory = Fram::new(device.SPI2, pins.fram, pins.fram_select, &mut rcc);
+        let mut configuration = Configuration::read(&mut memory);
+        let mpc = configuration.mpc(cx.local.mpc_place);
+        let disarmed_count = configuration.disarmed_count();
+        let setup = &configuration.setup;
+        let outputs = Outputs::new(device.TIM1, pins.motors, &setup.pulse_timer, disarmed_count, &mut rcc);
+        last_pulse::prepare(disarmed_count, setup.config.output.pulse_min_us() as u16);
+        let loop_timer = LoopTimer::new(device.TIM3, &setup.loop_timer, &mut rcc);
 
-        // not `expect`, which would print the error and bring the formatting of floats into the image
-        let Ok((config, tuning)) = control::configuration() else { panic!("the compiled-in configuration is bad") };
-        let mpc = Mpc::prepare(&mpc_settings(&VehicleParameters::F450_GIMBAL, &tuning));
-        let Ok(mpc) = mpc else { panic!("the compiled-in MPC is bad") };
-
-        let disarmed = config.output.compare_counts(&MotorCommands::default(), false);
-        let outputs = Outputs::new(device.TIM1, pins.motors, disarmed[0], &mut rcc);
-        let loop_timer = LoopTimer::new(device.TIM3, &mut rcc);
-
-        let settings = LinkSettings::NOMINAL;
+        let settings = configuration.link_settings();
         let (orders, orders_out) = cx.local.orders.split();
         let (answers, answers_out) = cx.local.answers.split();
         let (chores, chores_out) = cx.local.chores.split();
         let (samples, samples_out) = cx.local.samples.split();
+        let (samples_second, samples_second_out) = cx.local.samples_second.split();
+        let (ticks, ticks_out) = cx.local.ticks.split();
+        let hil = configuration.params.hil;
+        let baud = if hil { board::HIL_BAUD } else { board::LINK_BAUD };
         let (ring, buffer) = (cx.local.ring, cx.local.buffer);
-        let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, ring, buffer, &mut rcc);
-        let link = LinkIn::new(port, settings, orders);
-        let mut ground = Ground::new(&settings, sender, answers_out, chores_out);
+        let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, baud, (ring, buffer), &mut rcc);
+        let link = LinkIn::new(port, settings, orders, hil.then_some(ticks));
+        let mut ground = Ground::new(&settings, (&configuration.params, memory), answers_out, chores_out);
         ground.tell(reset_cause);
+        if supply_was_low {
+            ground.tell("waited for a supply above 2.9 V");
+        }
         if let Some(record) = record {
-            ground.tell(&record.words());
+            ground.tell(record.words());
         }
+        ground.tell_configuration(&configuration);
 
-        let bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
-        let mut imu = Imu::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, samples, &mut rcc);
-        if let Err(fault) = imu.start(&mut device.EXTI) {
-            // without samples nothing arms
-            ground.tell(fault.words());
+        let checked = Checked::set_up(&mut bus);
+        checked.faults().for_each(|fault| ground.tell(fault.words()));
+        if let Some(axes) = checked.second_gyro_axes() {
+            configuration.setup.config.imu_second.gyro_axes = axes;
         }
+        let producers = [samples, samples_second];
+        let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
+        if !hil {
+            imus.start(&checked, &mut device.EXTI);
+        }
+        let conversions = cx.local.conversions;
+        let battery = Battery::start(device.ADC1, &device.ADC_COMMON, pins.battery, conversions, &mut rcc);
 
-        let blocks = ArmingBlocks { fault_record_unread: record.is_some(), configuration_unconfirmed: false };
+        let blocks = ArmingBlocks {
+            fault_record_unread: record.is_some(),
+            configuration_unconfirmed: configuration.fault.is_some(),
+        };
         let commander = Commander::new(settings.hover_throttle, blocks);
-        let ends = Ends { samples: samples_out, orders: orders_out, answers, chores };
-        let control = Control::new(config, commander, ends);
+        // the simulated vehicle's battery is never low
+        let battery = (!hil).then_some(battery);
+        let ticks = hil.then_some(ticks_out);
+        #[rustfmt::skip]
+        let ends = Ends {
+            samples: [samples_out, samples_second_out], battery, ticks, orders: orders_out, answers, chores,
+        };
+        let control = Control::new(configuration.setup.config, commander, ends);
         let (trace, mpc_state) = (Trace::new(), MpcState::new());
-        let (led, watchdog) = (Led::new(pins.led), Watchdog::start(device.IWDG));
+        let light_and_tone = LightAndTone::new(device.TIM2, pins.light_and_tone, &mut rcc);
+        let watchdog = Watchdog::start(device.IWDG);
         loop_timer.start();
-        let local = Local { control, outputs, loop_timer, trace, mpc, mpc_state, ground, led, watchdog };
-        (Shared { imu, link, plan: None, status: None }, local)
+        let housekeeping_ticks = configuration.housekeeping_ticks();
+        let status = VehicleStatus { hil, ..VehicleStatus::at_start(configuration.params.controller) };
+        #[rustfmt::skip]
+        let local = Local {
+            control, outputs, loop_timer, trace, housekeeping_ticks, mpc, mpc_state, ground, light_and_tone, watchdog,
+        };
+        (Shared { imus, link, sender, request: None, plan: None, status }, local)
     }
 
-    /// Every 1 ms, done within 2 us. On a miss the sample is given up and counted.
-    #[task(binds = EXTI15_10, priority = 6, shared = [imu])]
-    fn imu_ready(cx: imu_ready::Context) {
-        cx.shared.imu.begin_transfer();
+    /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up and
+    /// counted.
+    #[task(binds = EXTI15_10, priority = 6, shared = [imus])]
+    fn first_imu_ready(cx: first_imu_ready::Context) {
+        cx.shared.imus.first_ready();
     }
 
-    /// About 15 us after [`imu_ready`], done before the next. On a miss that next sample is given up and counted.
-    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imu])]
+    /// Every 1.3 ms, and once a step by [`control_step`]; done within 3 us. If it comes late, so does the sample.
+    #[task(binds = EXTI0, priority = 6, shared = [imus])]
+    fn second_imu_ready(cx: second_imu_ready::Context) {
+        cx.shared.imus.second_ready();
+    }
+
+    /// 15 us after a transfer has begun, done within 5 us. On a miss the next transfer is late, beyond 200 us given up and
+    /// counted.
+    #[task(binds = DMA2_STREAM0, priority = 6, shared = [imus])]
     fn imu_received(cx: imu_received::Context) {
-        cx.shared.imu.end_transfer();
+        cx.shared.imus.received();
     }
 
     /// Every loop period; its pulses must be written within `board::PULSE_DELAY_US`. On a miss the pulses before are sent
-    /// once more; a step that outlasts the period is counted, and without any the watchdog resets the board.
+    /// once more; a step that outlasts the period is counted, and without any the watchdog resets the board. In HITL the
+    /// timer only beats for housekeeping, and each message makes a step.
     #[task(
         binds = TIM3, priority = 5,
-        local = [control, outputs, loop_timer, trace], shared = [plan, status]
+        local = [control, outputs, loop_timer, trace, housekeeping_ticks, ticks: u32 = 0],
+        shared = [sender, request, plan, status]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
-        local.loop_timer.acknowledge();
-        let output = load::LOOP.measure(|| {
+        let ticked = local.loop_timer.take_tick();
+        let step = load::LOOP.measure(|| {
+            if !local.control.gather() {
+                return None;
+            }
             let plan = cx.shared.plan.lock(Option::take);
             let output = local.control.fast(plan);
-            local.outputs.write(output.compare_counts, output.arming.motors_turn());
-            if let Some(request) = local.control.follow(&output)
-                && plan::spawn(request).is_err()
-            {
-                // the plan before is still being made: the next step does without
-                counters::LATE_PLANS.add();
+            if let Some(answer) = local.control.hil_answer(&output) {
+                cx.shared.sender.lock(|sender| sender.send_first(answer));
             }
-            local.trace.publish(local.control.input(), &output);
-            output
+            local.outputs.write(output.compare_counts, local.control.motors_turn(&output));
+            if let Some(request) = local.control.follow(&output) {
+                watchdog::expect_plan();
+                cx.shared.request.lock(|open| ask(open, request));
+            }
+            local.trace.publish(local.control.input(), &output, local.control.state());
+            Some(output)
         });
-        let status = (local.control.input().time_us, local.control.status(&output));
-        cx.shared.status.lock(|latest| *latest = Some(status));
-        if local.loop_timer.is_late() {
-            counters::LOOP_OVERRUNS.add();
+        if let Some(output) = step {
+            let step_status = local.control.status(&output);
+            cx.shared.status.lock(|status| *status = step_status);
         }
-        watchdog::report_loop();
-        if output.step.is_multiple_of(HOUSEKEEPING_STEPS) {
-            // still busy with the one before: the watchdog notices if that lasts
-            let _ = housekeeping::spawn();
+        if ticked {
+            if local.control.is_timed() {
+                // a lost edge or a transfer that hangs is noticed once a step
+                rtic::pend(Interrupt::EXTI0);
+                if local.loop_timer.is_late() {
+                    counters::LOOP_OVERRUNS.add();
+                }
+            }
+            watchdog::report_loop();
+            *local.ticks = local.ticks.wrapping_add(1);
+            if local.ticks.is_multiple_of(*local.housekeeping_ticks) {
+                // still busy with the one before: the watchdog notices if that lasts
+                rtic::pend(Interrupt::CAN1_RX1);
+            }
+        }
+        if local.control.has_more() {
+            rtic::pend(Interrupt::TIM3);
         }
     }
 
@@ -202,33 +283,53 @@ mod app {
         cx.shared.link.take();
     }
 
+    /// When a transfer to the ground has ended: an answer that waited for it goes out, 3 bytes' time later at most.
+    #[task(binds = DMA1_STREAM6, priority = 3, shared = [sender])]
+    fn link_sent(mut cx: link_sent::Context) {
+        cx.shared.sender.lock(|sender| sender.transfer_ended());
+    }
+
+    /// Asks for a plan, unless the one before is still being made: then the next step does without, and is counted.
+    fn ask(open: &mut Option<PlanRequest>, request: PlanRequest) {
+        if open.is_none() {
+            *open = Some(request);
+            rtic::pend(Interrupt::CAN1_RX0);
+        }
+    }
+
     /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and its
     /// own request is not made.
-    #[task(priority = 2, local = [mpc, mpc_state], shared = [plan])]
-    async fn plan(mut cx: plan::Context, request: PlanRequest) {
-        let plan = load::PLAN.measure(|| FlightCore::plan(cx.local.mpc, cx.local.mpc_state, &request));
-        cx.shared.plan.lock(|latest| *latest = Some(plan));
+    #[task(binds = CAN1_RX0, priority = 2, local = [mpc, mpc_state], shared = [request, plan])]
+    fn plan(mut cx: plan::Context) {
+        let (Some(request), Some(mpc)) = (cx.shared.request.lock(|open| *open), cx.local.mpc) else { return };
+        let plan = load::PLAN.measure(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
+        watchdog::report_plan();
+        // at once, so that a step between the two neither misses the plan nor finds its own request refused
+        (cx.shared.request, cx.shared.plan).lock(|open, latest| (*open, *latest) = (None, Some(plan)));
     }
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
     #[task(
-        priority = 1, shared = [status],
-        local = [ground, led, watchdog, load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0]
+        binds = CAN1_RX1, priority = 1, shared = [sender, status],
+        local = [
+            ground, light_and_tone, watchdog, clock: TimeBase = TimeBase::START,
+            load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0,
+        ]
     )]
-    async fn housekeeping(mut cx: housekeeping::Context) {
+    fn housekeeping(mut cx: housekeeping::Context) {
         let local = cx.local;
         local.watchdog.feed_if_all_alive();
         *local.ticks = local.ticks.wrapping_add(1);
-        let Some((time_us, step_status)) = cx.shared.status.lock(|status| *status) else { return };
         let status = VehicleStatus {
             load_permille: *local.load_permille,
             overruns: counters::LOOP_OVERRUNS.get(),
             late_plans: counters::LATE_PLANS.get(),
-            ..step_status
+            ..cx.shared.status.lock(|status| *status)
         };
-        local.ground.update(time_us, &status);
+        local.ground.update(local.clock.now_us(), &status);
+        cx.shared.sender.lock(|sender| local.ground.hand_over(sender));
         if local.ticks.is_multiple_of(10) {
-            local.led.update(Sign::of(&status));
+            local.light_and_tone.update(Sign::of(&status));
         }
         if local.ticks.is_multiple_of(100) {
             *local.load_permille = local.load_meter.permille();

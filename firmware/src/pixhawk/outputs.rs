@@ -1,20 +1,14 @@
 //! Motor pulses: TIM1 on AUX 1 to 4 (channels 4, 3, 2, 1), and the arm gate in front of it.
 //!
 //! AUX outputs are not behind the safety switch, which only the IO processor reads. After a reset there are no pulses
-//! at all until the loop has made its first step.
-#![allow(unsafe_code)] // the fault path writes this timer whoever owns it
+//! at all until the loop has made its first step. What a fault sends is in `last_pulse`.
 
-use core::sync::atomic::{AtomicU16, Ordering};
-
-use shared_control::output::prescaler;
+use shared_control::output::{PULSE_TIMER_HZ, TimerPeriod};
 use stm32f4xx_hal::gpio::{Alternate, PE9, PE11, PE13, PE14};
 use stm32f4xx_hal::pac::TIM1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::board;
-
-/// Compare value of the disarmed pulse for [`force_disarmed`]; zero until the timer is set up.
-static DISARMED_COUNT: AtomicU16 = AtomicU16::new(0);
 
 /// The pins, so that nobody else takes them.
 pub type Pins = (PE9<Alternate<1>>, PE11<Alternate<1>>, PE13<Alternate<1>>, PE14<Alternate<1>>);
@@ -28,14 +22,11 @@ pub struct Outputs {
 
 impl Outputs {
     /// Sets up the timer to start with the loop's first tick, with the pins low.
-    pub fn new(tim: TIM1, pins: Pins, disarmed_count: u16, rcc: &mut Rcc) -> Self {
+    pub fn new(tim: TIM1, pins: Pins, period: &TimerPeriod, disarmed_count: u16, rcc: &mut Rcc) -> Self {
         TIM1::enable(rcc);
         TIM1::reset(rcc);
-        let division = prescaler(board::APB2_TIMER_HZ, board::PULSE_RATE_HZ);
-        let ticks_per_s = board::APB2_TIMER_HZ / division;
-        let period_ticks = ticks_per_s / board::PULSE_RATE_HZ;
-        tim.psc().write(|w| w.psc().set((division - 1) as u16));
-        tim.arr().write(|w| w.arr().set((period_ticks - 1) as u16));
+        tim.psc().write(|w| w.psc().set(period.prescaler()));
+        tim.arr().write(|w| w.arr().set(period.reload()));
         tim.ccmr1_output().write(|w| w.oc1m().pwm_mode1().oc1pe().set_bit().oc2m().pwm_mode1().oc2pe().set_bit());
         tim.ccmr2_output().write(|w| w.oc3m().pwm_mode1().oc3pe().set_bit().oc4m().pwm_mode1().oc4pe().set_bit());
         tim.ccer().write(|w| w.cc1e().set_bit().cc2e().set_bit().cc3e().set_bit().cc4e().set_bit());
@@ -44,11 +35,9 @@ impl Outputs {
         tim.egr().write(|w| w.ug().set_bit());
         tim.sr().write(|w| w.uif().clear_bit());
         // the counter starts with a tick of the loop and wraps, whereupon a pulse begins, so long after it
-        let delay_ticks = ticks_per_s / 1_000_000 * board::PULSE_DELAY_US;
-        tim.cnt().write(|w| w.cnt().set((period_ticks - delay_ticks) as u16));
+        tim.cnt().write(|w| w.cnt().set(period.count_before_end(PULSE_TIMER_HZ, board::PULSE_DELAY_US)));
         tim.cr1().write(|w| w.arpe().set_bit());
         tim.smcr().write(|w| w.ts().itr2().sms().trigger_mode());
-        DISARMED_COUNT.store(disarmed_count, Ordering::Relaxed);
         Self { tim, disarmed_count, _pins: pins }
     }
 
@@ -59,36 +48,8 @@ impl Outputs {
         self.tim.ccr3().write(|w| w.ccr().set(motor2));
         self.tim.ccr2().write(|w| w.ccr().set(motor3));
         self.tim.ccr1().write(|w| w.ccr().set(motor4));
-        // the pins are low at this point of the loop (see PULSE_DELAY_US), so that the first pulse is a whole one
+        // a preloaded value acts from the timer's next period on, and until the first does it is zero: the pins stay low,
+        // and the first pulse is a whole one
         self.tim.bdtr().modify(|_, w| w.moe().set_bit());
-    }
-}
-
-/// For faults: from now on the pins carry the disarmed pulse. A longer pulse that has begun ends at once: without the
-/// preload a compare value acts immediately, while an update event would begin another pulse on top of it.
-pub fn force_disarmed() {
-    let count = DISARMED_COUNT.load(Ordering::Relaxed);
-    if count == 0 {
-        return;
-    }
-    // SAFETY: called with interrupts off and never returned from
-    let tim = unsafe { &*TIM1::ptr() };
-    tim.ccmr1_output().write(|w| w.oc1m().pwm_mode1().oc2m().pwm_mode1());
-    tim.ccmr2_output().write(|w| w.oc3m().pwm_mode1().oc4m().pwm_mode1());
-    for channel in 0..4 {
-        tim.ccr(channel).write(|w| w.ccr().set(count));
-    }
-}
-
-/// For faults: waits until no pulse is being sent, so that the reset cuts none.
-pub fn wait_for_pulse_end() {
-    let count = DISARMED_COUNT.load(Ordering::Relaxed);
-    // SAFETY: a read without side effects
-    let tim = unsafe { &*TIM1::ptr() };
-    // bounded, should the timer stand still: 2 ms are at most 336,000 cycles
-    for _ in 0..100_000 {
-        if count == 0 || tim.cnt().read().cnt().bits() >= count {
-            return;
-        }
     }
 }

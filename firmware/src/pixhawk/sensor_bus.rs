@@ -1,9 +1,11 @@
-//! SPI1, the bus of the internal sensors: supply, chip selects, registers by polling.
+//! SPI1, the bus of the internal sensors: supply, chip selects, registers by polling, speeds.
 //!
-//! Mode 3. Registers at 656 kHz (the MPU6000 allows 1 MHz), samples at 10.5 MHz (it allows 20).
+//! Mode 3. Registers at 656 kHz (the MPU6000 allows 1 MHz), samples at 10.5 MHz (the MPU6000 allows 20) or 5.25 MHz (the
+//! others allow 10).
+#![allow(unsafe_code)] // a reset without the owner of all clocks
 
 use stm32f4xx_hal::gpio::{Alternate, Output, PA5, PA6, PA7, PC2, PC13, PC15, PD7, PE3};
-use stm32f4xx_hal::pac::SPI1;
+use stm32f4xx_hal::pac::{SPI1, spi1};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::board;
@@ -11,13 +13,62 @@ use super::clock;
 
 /// First bit of a register address that is read.
 pub const READ: u8 = 0x80;
+/// Second bit, where the L3GD20 and the LSM303D are to go on to the next register.
+pub const INCREMENT: u8 = 0x40;
+
+/// A sensor in use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
+pub enum Chip {
+    /// Gyro and accelerometer of the first IMU.
+    Mpu6000,
+    /// Gyro of the second IMU.
+    L3gd20,
+    /// Accelerometer of the second IMU.
+    Lsm303d,
+}
+
+/// What is wrong with a sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
+pub enum Flaw {
+    /// Somebody else, or nobody, answers; with the answer.
+    Identity(u8),
+    /// A register did not keep what was written; with its address.
+    Register(u8),
+}
+
+/// Why a sensor is not used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
+pub struct SensorFault {
+    /// The sensor.
+    pub chip: Chip,
+    /// What is wrong with it.
+    pub flaw: Flaw,
+}
+
+impl SensorFault {
+    /// For a person.
+    pub fn words(self) -> &'static str {
+        match (self.chip, self.flaw) {
+            (Chip::Mpu6000, Flaw::Identity(_)) => "MPU6000 does not answer as itself",
+            (Chip::Mpu6000, Flaw::Register(_)) => "MPU6000 does not keep its settings",
+            (Chip::L3gd20, Flaw::Identity(_)) => "L3GD20 does not answer as itself",
+            (Chip::L3gd20, Flaw::Register(_)) => "L3GD20 does not keep its settings",
+            (Chip::Lsm303d, Flaw::Identity(_)) => "LSM303D does not answer as itself",
+            (Chip::Lsm303d, Flaw::Register(_)) => "LSM303D does not keep its settings",
+        }
+    }
+}
 
 /// Chip selects of all that hangs on the bus; one that floats would answer along.
 pub struct Selects {
     /// MPU6000.
     pub mpu6000: PC2<Output>,
-    /// L3GD20, LSM303D, MS5611: not used yet, but kept high.
-    pub _unused: (PC13<Output>, PC15<Output>, PD7<Output>),
+    /// L3GD20.
+    pub l3gd20: PC13<Output>,
+    /// LSM303D.
+    pub lsm303d: PC15<Output>,
+    /// MS5611: not used yet, but kept high.
+    pub _ms5611: PD7<Output>,
 }
 
 /// Clock, MISO, MOSI.
@@ -40,52 +91,84 @@ impl SensorBus {
         clock::wait_us(board::SENSOR_START_MS * 1000);
         SPI1::enable(rcc);
         SPI1::reset(rcc);
-        let bus = Self { spi, selects, _pins: pins };
-        bus.slow();
-        bus
+        // for registers: 84 MHz / 128
+        spi.cr1().write(|w| mode_3(w).br().div128().spe().set_bit());
+        Self { spi, selects, _pins: pins }
     }
 
-    /// For registers: 84 MHz / 128.
-    pub fn slow(&self) {
-        self.spi.cr1().modify(|_, w| w.spe().clear_bit());
-        self.spi.cr1().write(|w| {
-            w.cpol().set_bit().cpha().set_bit().mstr().set_bit().ssm().set_bit().ssi().set_bit().br().div128();
-            w.spe().set_bit()
-        });
-    }
-
-    /// For samples, by DMA: 84 MHz / 8.
-    pub fn fast(&self) {
-        self.spi.cr1().modify(|_, w| w.spe().clear_bit());
+    /// From now on samples, by DMA.
+    pub fn hand_to_dma(&self) {
+        self.spi.cr1().write(|w| mode_3(w));
         self.spi.cr2().write(|w| w.rxdmaen().set_bit().txdmaen().set_bit());
-        self.spi.cr1().modify(|_, w| w.br().div8().spe().set_bit());
     }
 
-    /// Begins a transfer with the MPU6000.
-    pub fn select(&mut self) {
-        self.selects.mpu6000.set_low();
+    /// Begins a transfer of a sample, at the chip's speed.
+    pub fn begin_sample(&mut self, chip: Chip) {
+        // the speed may change only while it is off
+        self.spi.cr1().write(|w| at_speed_of(chip, mode_3(w)));
+        self.select(chip);
+        self.spi.cr1().write(|w| at_speed_of(chip, mode_3(w)).spe().set_bit());
     }
 
-    /// Ends it.
-    pub fn release(&mut self) {
-        self.selects.mpu6000.set_high();
+    /// Ends one that was broken off, and clears away what is left of it.
+    pub fn start_over(&mut self, chip: Chip) {
+        self.release(chip);
+        // SAFETY: a write to the bit of this peripheral alone, through its bit-band alias
+        unsafe { SPI1::reset_unchecked() };
+        self.hand_to_dma();
     }
 
-    /// Reads one register of the MPU6000.
-    pub fn read(&mut self, register: u8) -> u8 {
-        self.transfer(READ | register, 0)
+    /// Ends a transfer.
+    pub fn release(&mut self, chip: Chip) {
+        match chip {
+            Chip::Mpu6000 => self.selects.mpu6000.set_high(),
+            Chip::L3gd20 => self.selects.l3gd20.set_high(),
+            Chip::Lsm303d => self.selects.lsm303d.set_high(),
+        }
+    }
+
+    fn select(&mut self, chip: Chip) {
+        match chip {
+            Chip::Mpu6000 => self.selects.mpu6000.set_low(),
+            Chip::L3gd20 => self.selects.l3gd20.set_low(),
+            Chip::Lsm303d => self.selects.lsm303d.set_low(),
+        }
+    }
+
+    /// Reads one register.
+    pub fn read(&mut self, chip: Chip, register: u8) -> u8 {
+        self.transfer(chip, READ | register, 0)
     }
 
     /// Writes one.
-    pub fn write(&mut self, register: u8, value: u8) {
-        self.transfer(register, value);
+    pub fn write(&mut self, chip: Chip, register: u8, value: u8) {
+        self.transfer(chip, register, value);
     }
 
-    fn transfer(&mut self, address: u8, value: u8) -> u8 {
-        self.select();
+    /// Writes registers, each with its value.
+    pub fn write_all(&mut self, chip: Chip, settings: &[(u8, u8)]) {
+        for (register, value) in settings {
+            self.write(chip, *register, *value);
+        }
+    }
+
+    /// Do they read back?
+    pub fn verify(&mut self, chip: Chip, settings: &[(u8, u8)]) -> Result<(), SensorFault> {
+        for (register, value) in settings {
+            if self.read(chip, *register) != *value {
+                return Err(SensorFault { chip, flaw: Flaw::Register(*register) });
+            }
+        }
+        Ok(())
+    }
+
+    fn transfer(&mut self, chip: Chip, address: u8, value: u8) -> u8 {
+        self.select(chip);
+        // PC13 and PC15 are slow
+        clock::wait_us(1);
         self.exchange(address);
         let answer = self.exchange(value);
-        self.release();
+        self.release(chip);
         // the MPU6000 wants its select high for 500 ns
         clock::wait_us(1);
         answer
@@ -96,5 +179,17 @@ impl SensorBus {
         // a master always gets its byte: it makes the clock
         while self.spi.sr().read().rxne().bit_is_clear() {}
         self.spi.dr().read().dr().bits() as u8
+    }
+}
+
+/// A master in mode 3 that leaves chip selects to others.
+fn mode_3(w: &mut spi1::cr1::W) -> &mut spi1::cr1::W {
+    w.cpol().set_bit().cpha().set_bit().mstr().set_bit().ssm().set_bit().ssi().set_bit()
+}
+
+fn at_speed_of(chip: Chip, w: &mut spi1::cr1::W) -> &mut spi1::cr1::W {
+    match chip {
+        Chip::Mpu6000 => w.br().div8(),
+        Chip::L3gd20 | Chip::Lsm303d => w.br().div16(),
     }
 }

@@ -5,7 +5,7 @@ use core::cell::UnsafeCell;
 use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
-use shared_control::flight_core::StepOutput;
+use shared_control::flight_core::{State, StepOutput};
 use shared_control::signals::StepInput;
 use shared_control::trace::StepTrace;
 
@@ -31,8 +31,8 @@ impl Trace {
     }
 
     /// Publishes a step; its number last, so that a reader who sees it sees the rest.
-    pub fn publish(&mut self, input: &StepInput, output: &StepOutput) {
-        self.next.record(input, output);
+    pub fn publish(&mut self, input: &StepInput, output: &StepOutput, state: &State) {
+        self.next.record(input, output, state);
         let step = self.next.step;
         self.next.step = 0;
         let published = FLIGHT_TRACE.0.get();

@@ -8,15 +8,32 @@ use stm32f4xx_hal::pac::IWDG;
 const RELOAD: u16 = (20 * 47_000 / 4 / 1000 - 1) as u16;
 
 static LOOP_ALIVE: AtomicBool = AtomicBool::new(false);
+static PLAN_EXPECTED: AtomicBool = AtomicBool::new(false);
+static PLAN_MADE: AtomicBool = AtomicBool::new(false);
 
-/// The loop has made a step.
+/// Looks in a row at which no plan had been made although one was expected; a plan may take longer than from one look to
+/// the next, which makes it late, but no reason to stop.
+const LOOKS_WITHOUT_PLAN_MAX: u8 = 2;
+
+/// The loop has made its step, or seen that none is due.
 pub fn report_loop() {
     LOOP_ALIVE.store(true, Ordering::Relaxed);
+}
+
+/// The loop has asked for a plan.
+pub fn expect_plan() {
+    PLAN_EXPECTED.store(true, Ordering::Relaxed);
+}
+
+/// A plan has been made.
+pub fn report_plan() {
+    PLAN_MADE.store(true, Ordering::Relaxed);
 }
 
 /// The watchdog; it cannot be stopped once it runs.
 pub struct Watchdog {
     iwdg: IWDG,
+    looks_without_plan: u8,
 }
 
 impl Watchdog {
@@ -29,12 +46,16 @@ impl Watchdog {
         // the registers live in another clock domain
         while iwdg.sr().read().rvu().bit_is_set() || iwdg.sr().read().pvu().bit_is_set() {}
         iwdg.kr().write(|w| w.key().feed());
-        Self { iwdg }
+        Self { iwdg, looks_without_plan: 0 }
     }
 
     /// To be called by the periodic task of lowest priority, which so reports itself.
     pub fn feed_if_all_alive(&mut self) {
-        if LOOP_ALIVE.swap(false, Ordering::Relaxed) {
+        let expected = PLAN_EXPECTED.swap(false, Ordering::Relaxed);
+        let missing = expected & !PLAN_MADE.swap(false, Ordering::Relaxed);
+        self.looks_without_plan = if missing { self.looks_without_plan.saturating_add(1) } else { 0 };
+        let planner_alive = self.looks_without_plan < LOOKS_WITHOUT_PLAN_MAX;
+        if LOOP_ALIVE.swap(false, Ordering::Relaxed) && planner_alive {
             self.iwdg.kr().write(|w| w.key().feed());
         }
     }

@@ -10,6 +10,7 @@ use crate::attitude::square_root::square_root_controller;
 use crate::elementary::{atan2, limit, sqrt, wrap_pi};
 use crate::frames::{EulerAngles, euler_from_q, q_world_from_euler, rate_body_from_euler_rates};
 use crate::signals::{AttitudeEstimate, Setpoint};
+use crate::state_words::StateWords;
 
 /// Largest heading error that the reference may be ahead, rad.
 const HEADING_ERROR_MAX_RAD: f32 = 0.5;
@@ -43,6 +44,13 @@ impl AngleState {
     pub fn angles(&self) -> EulerAngles {
         let [roll, pitch, yaw] = self.reference.map(|axis| axis.angle_rad);
         EulerAngles { roll_rad: roll, pitch_rad: pitch, yaw_rad: yaw }
+    }
+
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { reference } = self;
+        for ShapedReference { angle_rad, rate_rad_s } in reference {
+            words.numbers(&[*angle_rad, *rate_rad_s]);
+        }
     }
 
     /// The reference that is where the vehicle is and moves as it does: where control starts without a jump. The rates

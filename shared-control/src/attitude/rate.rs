@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 
 use crate::elementary::limit;
 use crate::filter::LowPass1;
+use crate::state_words::StateWords;
 
 /// Time in which the integral follows another controller: its steady part, not its manoeuvres, s.
 const FOLLOWING_TIME_S: f32 = 0.1;
@@ -55,6 +56,16 @@ pub struct RateAxisState {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RateState {
     axes: [RateAxisState; 3],
+}
+
+impl RateState {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { axes } = self;
+        for RateAxisState { integral_rad_s2, filtered_error_rad_s, started } in axes {
+            words.numbers(&[*integral_rad_s2, *filtered_error_rad_s]);
+            words.word(u32::from(*started));
+        }
+    }
 }
 
 /// Angular acceleration to ask for, body frame, rad/s^2.

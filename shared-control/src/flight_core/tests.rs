@@ -321,3 +321,34 @@ fn a_plan_beyond_the_bounds_did_not_come_from_the_mpc() {
     let output = FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, Some(plan)));
     assert_eq!(output.source, TorqueSource::CascadeUnsolved(PlanStatus::NumericalError));
 }
+
+proptest::proptest! {
+    /// Two states that differ anywhere have different words, and there is room for all.
+    #[test]
+    fn words_tell_any_two_states_apart(
+        gyro in proptest::collection::vec(-500i16..500, 40),
+        asks in proptest::collection::vec(0u8..8, 40),
+    ) {
+        let (config, mut state) = armed(Controller::Cascade);
+        let mut before = state;
+        for (k, (gyro, ask)) in (1..).zip(gyro.into_iter().zip(asks)) {
+            let arming = match ask {
+                0 => ArmingRequest::Arm,
+                1 => ArmingRequest::Disarm,
+                2 => ArmingRequest::MotorTest(MotorTest { motor: 1, throttle_percent: 9, duration_ms: 10 }),
+                _ => ArmingRequest::None,
+            };
+            let mut input = input(k, f32::from(ask) * 0.1, arming, None);
+            input.imu[0].gyro_counts = [gyro, 3 - gyro, 7];
+            let output = FlightCore::fast(&config, &mut state, &input);
+            FlightCore::follow(&config, &mut state, &output);
+            // all but the number of the step, which would tell any two apart
+            let apart = State { step: before.step, ..state };
+            proptest::prop_assert!(apart == before || apart.words() != before.words());
+            let mut words = StateWords::EMPTY;
+            state.record(&mut words);
+            proptest::prop_assert_eq!(words.written, STATE_WORDS);
+            before = state;
+        }
+    }
+}

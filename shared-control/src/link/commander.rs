@@ -7,7 +7,9 @@
 
 use mavlink::dialects::common::MavCmd;
 
+use super::parameters::ParameterRequest;
 use super::receiver::Order;
+use crate::params::table::Field;
 use crate::signals::{ArmingBlocks, ArmingRequest, Setpoint, StepInput};
 use crate::supervisor::{Arming, DisarmedBecause, Refusal};
 use crate::test_sequence;
@@ -49,17 +51,23 @@ pub enum Answer {
     Senseless(MavCmd),
     /// Not done, because this vehicle has no such command.
     Unknown(MavCmd),
-    /// Not done, because others wait before it.
+    /// Not done, because others wait before it, or because the board is about to start anew.
     Busy(MavCmd),
+    /// A parameter was not set, for a reason that has words.
+    ParameterRefused(Field, Refusal),
 }
 
 /// What the board has to do outside the loop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Chore {
     /// Store the configuration in use.
     StoreConfiguration,
     /// Clear the fault record.
     ClearFaultRecord,
+    /// Start anew, once the answer has left.
+    Restart,
+    /// Tell or change parameters.
+    Parameters(ParameterRequest),
 }
 
 /// Where the set-point comes from.
@@ -80,6 +88,8 @@ pub struct Commander {
     source: Source,
     heard_us: Option<u64>,
     blocks: ArmingBlocks,
+    /// The board will start anew: nothing turns any more.
+    restarting: bool,
     /// Requests that wait for a step, oldest first.
     waiting: heapless::Deque<ArmingRequest, REQUESTS_MAX>,
     /// The request that the last [`Commands`] carried.
@@ -95,6 +105,7 @@ impl Commander {
             source: Source::Nobody,
             heard_us: None,
             blocks,
+            restarting: false,
             waiting: heapless::Deque::new(),
             asked: ArmingRequest::None,
             arming: Arming::default(),
@@ -137,9 +148,11 @@ impl Commander {
                 (Some(Answer::Refused(MavCmd::MAV_CMD_PREFLIGHT_STORAGE, Refusal::Armed)), None)
             }
             Order::FaultRecordRead => (Some(Answer::Refused(MavCmd::MAV_CMD_USER_1, Refusal::Armed)), None),
+            Order::Restart => self.restart(disarmed),
+            Order::Parameters(request) => self.parameters(request, disarmed),
             Order::NotUnderstood { command, known: true } => (Some(Answer::Senseless(command)), None),
             Order::NotUnderstood { command, known: false } => (Some(Answer::Unknown(command)), None),
-            Order::HilSample(_) => (None, None),
+            Order::HilTick(_) => (None, None),
         }
     }
 
@@ -193,7 +206,35 @@ impl Commander {
         answer
     }
 
+    fn restart(&mut self, disarmed: bool) -> (Option<Answer>, Option<Chore>) {
+        const COMMAND: MavCmd = MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN;
+        if !disarmed {
+            return (Some(Answer::Refused(COMMAND, Refusal::Armed)), None);
+        }
+        if !self.waiting.is_empty() {
+            return (Some(Answer::Busy(COMMAND)), None);
+        }
+        self.restarting = true;
+        (Some(Answer::Accepted(COMMAND)), Some(Chore::Restart))
+    }
+
+    /// Telling is always allowed. Setting is not while defaults stand in for a bad record: one field would vouch for all.
+    fn parameters(&self, request: ParameterRequest, disarmed: bool) -> (Option<Answer>, Option<Chore>) {
+        match request {
+            ParameterRequest::Set { field, .. } if !disarmed => {
+                (Some(Answer::ParameterRefused(field, Refusal::Armed)), None)
+            }
+            ParameterRequest::Set { field, .. } if self.blocks.configuration_unconfirmed => {
+                (Some(Answer::ParameterRefused(field, Refusal::ConfigurationUnconfirmed)), None)
+            }
+            _ => (None, Some(Chore::Parameters(request))),
+        }
+    }
+
     fn request(&mut self, request: ArmingRequest) -> Option<Answer> {
+        if self.restarting && request != ArmingRequest::Disarm {
+            return Some(Answer::Busy(command_of(&request)));
+        }
         match self.waiting.push_back(request) {
             Ok(()) => None,
             Err(request) => Some(Answer::Busy(command_of(&request))),

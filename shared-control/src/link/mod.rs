@@ -22,6 +22,8 @@
 //! | `MAV_CMD_DO_MOTOR_TEST` | param1 motor 1..4, param2 must be 0 (percent), param3 percent, param4 seconds |
 //! | `MAV_CMD_PREFLIGHT_STORAGE` | param1 = 1: confirms the configuration in use and stores it; only when disarmed |
 //! | `MAV_CMD_USER_1` | the fault record has been read; only when disarmed |
+//! | `MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN` | param1 = 1: starts anew; only when disarmed |
+//! | `PARAM_REQUEST_LIST`, `PARAM_REQUEST_READ`, `PARAM_SET` | see [`parameters`]; set only when disarmed |
 //! | `HIL_SENSOR` | hardware in the loop: see [`hil`] |
 //!
 //! Each command is answered with a `COMMAND_ACK`, a refusal also with a `STATUSTEXT` that gives the reason.
@@ -32,10 +34,12 @@
 pub mod commander;
 pub mod frame;
 pub mod hil;
+pub mod parameters;
 pub mod receiver;
 pub mod telemetry;
 
 pub use commander::{Answer, Chore, Commander, Commands};
+pub use parameters::{ParameterRequest, Parameters};
 pub use receiver::{Order, Receiver};
 pub use telemetry::{Telemetry, VehicleStatus};
 

@@ -2,11 +2,13 @@
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, MANUAL_CONTROL_DATA, MavCmd, MavType,
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, MANUAL_CONTROL_DATA, MavCmd, MavType, PARAM_REQUEST_LIST_DATA,
+    PARAM_REQUEST_READ_DATA, PARAM_SET_DATA,
 };
 
 use super::frame::{Frame, FrameFinder, message};
-use super::hil::HilSample;
+use super::hil::HilTick;
+use super::parameters::ParameterRequest;
 use super::{COMPONENT_ID, LinkSettings};
 use crate::elementary::limit;
 use crate::signals::{MotorTest, Setpoint};
@@ -30,6 +32,10 @@ pub enum Order {
     ConfirmConfiguration,
     /// The fault record has been read.
     FaultRecordRead,
+    /// Start anew.
+    Restart,
+    /// Tell or change parameters.
+    Parameters(ParameterRequest),
     /// A command that this vehicle does not know, or with parameters that make no sense.
     NotUnderstood {
         /// The command.
@@ -37,8 +43,8 @@ pub enum Order {
         /// True if the command is known and its parameters are wrong.
         known: bool,
     },
-    /// Hardware in the loop: the IMU's sample for the next step.
-    HilSample(HilSample),
+    /// Hardware in the loop: make a step, with the IMU's sample in it.
+    HilTick(HilTick),
 }
 
 /// Turns the bytes that arrive into orders.
@@ -64,10 +70,12 @@ impl Receiver {
             MANUAL_CONTROL_DATA::ID => self.manual_control(&frame),
             COMMAND_LONG_DATA::ID => self.command_long(&frame),
             HIL_SENSOR_DATA::ID => {
-                let sample = message::<HIL_SENSOR_DATA>(&frame).and_then(|data| HilSample::new(&data));
-                self.counted(sample.map(Order::HilSample))
+                let tick = self.counted(message::<HIL_SENSOR_DATA>(&frame).map(|data| HilTick::new(&data)))?;
+                // a tick without a sample makes its step, and counts
+                self.counted(tick.imu);
+                Some(Order::HilTick(tick))
             }
-            _ => None,
+            _ => self.parameters(&frame).map(Order::Parameters),
         }
     }
 
@@ -104,12 +112,34 @@ impl Receiver {
 
     fn command_long(&mut self, frame: &Frame) -> Option<Order> {
         let data = self.counted(message::<COMMAND_LONG_DATA>(frame))?;
-        let for_us = self.is_for_us(data.target_system) && [0, COMPONENT_ID].contains(&data.target_component);
-        for_us.then(|| order_of(&data))
+        self.is_for_this_component(data.target_system, data.target_component).then(|| order_of(&data))
+    }
+
+    fn parameters(&mut self, frame: &Frame) -> Option<ParameterRequest> {
+        let (system_id, component_id, request) = match frame.message_id {
+            PARAM_REQUEST_LIST_DATA::ID => {
+                let data = self.counted(message::<PARAM_REQUEST_LIST_DATA>(frame))?;
+                (data.target_system, data.target_component, ParameterRequest::List)
+            }
+            PARAM_REQUEST_READ_DATA::ID => {
+                let data = self.counted(message::<PARAM_REQUEST_READ_DATA>(frame))?;
+                (data.target_system, data.target_component, ParameterRequest::read(&data))
+            }
+            PARAM_SET_DATA::ID => {
+                let data = self.counted(message::<PARAM_SET_DATA>(frame))?;
+                (data.target_system, data.target_component, ParameterRequest::set(&data))
+            }
+            _ => return None,
+        };
+        self.is_for_this_component(system_id, component_id).then_some(request)
     }
 
     fn is_for_us(&self, system_id: u8) -> bool {
         system_id == 0 || system_id == self.settings.system_id
+    }
+
+    fn is_for_this_component(&self, system_id: u8, component_id: u8) -> bool {
+        self.is_for_us(system_id) && (component_id == 0 || component_id == COMPONENT_ID)
     }
 
     fn counted<T>(&mut self, sense: Option<T>) -> Option<T> {
@@ -131,6 +161,8 @@ fn order_of(data: &COMMAND_LONG_DATA) -> Order {
         MavCmd::MAV_CMD_PREFLIGHT_STORAGE if data.param1 == 1.0 => Order::ConfirmConfiguration,
         MavCmd::MAV_CMD_PREFLIGHT_STORAGE => wrong,
         MavCmd::MAV_CMD_USER_1 => Order::FaultRecordRead,
+        MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN if data.param1 == 1.0 => Order::Restart,
+        MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN => wrong,
         command => Order::NotUnderstood { command, known: false },
     }
 }
@@ -155,6 +187,9 @@ fn crc_extra(message_id: u32) -> Option<u8> {
         MANUAL_CONTROL_DATA::ID => Some(MANUAL_CONTROL_DATA::EXTRA_CRC),
         COMMAND_LONG_DATA::ID => Some(COMMAND_LONG_DATA::EXTRA_CRC),
         HIL_SENSOR_DATA::ID => Some(HIL_SENSOR_DATA::EXTRA_CRC),
+        PARAM_REQUEST_LIST_DATA::ID => Some(PARAM_REQUEST_LIST_DATA::EXTRA_CRC),
+        PARAM_REQUEST_READ_DATA::ID => Some(PARAM_REQUEST_READ_DATA::EXTRA_CRC),
+        PARAM_SET_DATA::ID => Some(PARAM_SET_DATA::EXTRA_CRC),
         _ => None,
     }
 }

@@ -5,14 +5,19 @@ use mavlink::dialects::common::{
     MavSysStatusSensor, MavType, SERVO_OUTPUT_RAW_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
 };
 
+use nalgebra::{UnitQuaternion, Vector3};
+
 use super::commander::Answer;
 use super::frame::FrameWriter;
+use super::parameters::{ParameterRequest, Parameters};
 use super::{COMPONENT_ID, LinkSettings};
 use crate::config::{Config, Controller};
 use crate::flight_core::StepOutput;
 use crate::frames::euler_from_q;
 use crate::imu_health::{ImuFault, ImuHealth};
-use crate::signals::AttitudeEstimate;
+use crate::imu_select::ImuUnit;
+use crate::params::{Params, RECORD_LEN};
+use crate::signals::{ArmingBlocks, AttitudeEstimate, StepInput};
 use crate::supervisor::{Arming, DisarmedBecause};
 
 /// Text of a `STATUSTEXT`.
@@ -42,14 +47,22 @@ pub struct VehicleStatus {
     pub estimate: AttitudeEstimate,
     /// Pulses to motors 1 to 4, us.
     pub pulses_us: [u16; 4],
-    /// The IMU's health.
+    /// The IMU in use.
+    pub imu_unit: ImuUnit,
+    /// Its health.
     pub imu_health: ImuHealth,
+    /// The other one's.
+    pub standby_health: ImuHealth,
     /// Who flies.
     pub controller: Controller,
     /// True with hardware in the loop.
     pub hil: bool,
     /// Battery voltage, V, where measured.
     pub battery_v: Option<f32>,
+    /// True if it is measured and too low for arming.
+    pub battery_low: bool,
+    /// What stands against arming from outside the loop.
+    pub blocks: ArmingBlocks,
     /// Load of the processor, 1/1000.
     pub load_permille: u16,
     /// Steps whose set-point was no number.
@@ -61,20 +74,46 @@ pub struct VehicleStatus {
 }
 
 impl VehicleStatus {
+    /// Status before the first step: no sample yet, hence no IMU and no attitude; no pulses either.
+    pub fn at_start(controller: Controller) -> Self {
+        Self {
+            arming: Arming::default(),
+            estimate: AttitudeEstimate {
+                q_world_from_body: UnitQuaternion::identity(),
+                rate_body_rad_s: Vector3::zeros(),
+                gyro_bias_rad_s: Vector3::zeros(),
+                valid: false,
+            },
+            pulses_us: [0; 4],
+            imu_unit: ImuUnit::First,
+            imu_health: ImuHealth::Bad(ImuFault::Stale),
+            standby_health: ImuHealth::Bad(ImuFault::Stale),
+            controller,
+            hil: false,
+            battery_v: None,
+            battery_low: false,
+            blocks: ArmingBlocks::default(),
+            load_permille: 0,
+            setpoints_rejected: 0,
+            overruns: 0,
+            late_plans: 0,
+        }
+    }
+
     /// Status after a step; what the core does not know is zero, and the board's to add.
-    pub fn new(config: &Config, output: &StepOutput) -> Self {
+    pub fn new(config: &Config, input: &StepInput, output: &StepOutput) -> Self {
         Self {
             arming: output.arming,
             estimate: output.estimate,
             pulses_us: output.compare_counts.map(|counts| config.output.pulse_us(counts)),
+            imu_unit: output.imu_unit,
             imu_health: output.imu_health,
-            controller: config.controller,
-            hil: false,
-            battery_v: None,
-            load_permille: 0,
+            standby_health: output.standby_health,
             setpoints_rejected: output.setpoints_rejected,
-            overruns: 0,
-            late_plans: 0,
+            battery_v: input.battery_v,
+            battery_low: !config.supervisor.battery_is_good(input.battery_v),
+            blocks: input.blocks,
+            ..Self::at_start(config.controller)
         }
     }
 }
@@ -85,7 +124,9 @@ pub struct Telemetry {
     writer: FrameWriter,
     answers: heapless::Deque<Answer, ANSWERS_MAX>,
     texts: heapless::Deque<(MavSeverity, Text), TEXTS_MAX>,
+    parameters: Parameters,
     told: Option<Arming>,
+    told_unit: ImuUnit,
     heartbeat: Due,
     attitude: Due,
     servo: Due,
@@ -96,13 +137,15 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// A sender that has sent nothing.
-    pub fn new(settings: &LinkSettings) -> Self {
+    /// A sender that has sent nothing; with the choices that it can tell.
+    pub fn new(settings: &LinkSettings, params: &Params) -> Self {
         Self {
             writer: FrameWriter::new(settings.system_id, COMPONENT_ID),
             answers: heapless::Deque::new(),
             texts: heapless::Deque::new(),
+            parameters: Parameters::new(params),
             told: None,
+            told_unit: ImuUnit::default(),
             heartbeat: Due::every(HEARTBEAT_PERIOD_US),
             attitude: Due::every(ATTITUDE_PERIOD_US),
             servo: Due::every(SERVO_PERIOD_US),
@@ -114,11 +157,29 @@ impl Telemetry {
 
     /// Takes an answer to be sent. A refusal is also put into words.
     pub fn answer(&mut self, answer: Answer) {
-        if let Answer::Refused(_, refusal) = answer {
+        if let Answer::Refused(_, refusal) | Answer::ParameterRefused(_, refusal) = answer {
             self.text(MavSeverity::MAV_SEVERITY_WARNING, refusal.words());
+        }
+        if let Answer::ParameterRefused(field, _) = answer {
+            self.parameters.tell(field);
+            return;
         }
         self.count_dropped(self.answers.is_full());
         let _ = self.answers.push_back(answer);
+    }
+
+    /// Serves the parameters; `store` as in [`Parameters::serve`].
+    pub fn serve_parameters(&mut self, request: &ParameterRequest, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) {
+        if let Some(words) = self.parameters.serve(request, store) {
+            self.text(MavSeverity::MAV_SEVERITY_NOTICE, &words);
+        }
+    }
+
+    /// Stores the choices as they are, and says what came of it.
+    pub fn store_configuration(&mut self, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) {
+        let kept = self.parameters.store(store);
+        let words = if kept { "configuration stored" } else { "configuration not stored: memory failed" };
+        self.text(MavSeverity::MAV_SEVERITY_NOTICE, words);
     }
 
     /// Takes a text to be sent; what is beyond 50 bytes is cut off.
@@ -136,8 +197,9 @@ impl Telemetry {
     /// Writes what is due and fits into `out`; what does not fit stays due.
     pub fn poll<const N: usize>(&mut self, time_us: u64, status: &VehicleStatus, out: &mut heapless::Vec<u8, N>) {
         self.tell_arming(&status.arming);
+        self.tell_unit(status.imu_unit);
         while let Some(answer) = self.answers.front() {
-            if !self.writer.write(&command_ack(answer), out) {
+            if command_ack(answer).is_some_and(|data| !self.writer.write(&data, out)) {
                 return;
             }
             self.answers.pop_front();
@@ -151,6 +213,7 @@ impl Telemetry {
             self.text.done(time_us);
             self.texts.pop_front();
         }
+        self.parameters.write_next(&mut self.writer, out);
         if self.attitude.is(time_us) && self.writer.write(&attitude(time_us, &status.estimate), out) {
             self.attitude.done(time_us);
         }
@@ -171,6 +234,17 @@ impl Telemetry {
             self.text(severity, words);
         }
         self.told = Some(*arming);
+    }
+
+    fn tell_unit(&mut self, unit: ImuUnit) {
+        if self.told_unit == unit {
+            return;
+        }
+        match unit {
+            ImuUnit::First => self.text(MavSeverity::MAV_SEVERITY_NOTICE, "first IMU in use again"),
+            ImuUnit::Second => self.text(MavSeverity::MAV_SEVERITY_CRITICAL, "first IMU failed: second in use"),
+        }
+        self.told_unit = unit;
     }
 
     fn count_dropped(&mut self, dropped: bool) {
@@ -223,15 +297,17 @@ fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str)> {
     })
 }
 
-fn command_ack(answer: &Answer) -> COMMAND_ACK_DATA {
+/// None for what was no command.
+fn command_ack(answer: &Answer) -> Option<COMMAND_ACK_DATA> {
     let (command, result) = match answer {
         Answer::Accepted(command) => (*command, MavResult::MAV_RESULT_ACCEPTED),
         // what stood against it may pass
         Answer::Refused(command, _) | Answer::Busy(command) => (*command, MavResult::MAV_RESULT_TEMPORARILY_REJECTED),
         Answer::Senseless(command) => (*command, MavResult::MAV_RESULT_DENIED),
         Answer::Unknown(command) => (*command, MavResult::MAV_RESULT_UNSUPPORTED),
+        Answer::ParameterRefused(..) => return None,
     };
-    COMMAND_ACK_DATA { command, result }
+    Some(COMMAND_ACK_DATA { command, result })
 }
 
 fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
@@ -297,18 +373,30 @@ fn servo_output(time_us: u64, status: &VehicleStatus) -> SERVO_OUTPUT_RAW_DATA {
 
 /// The counters that only this project has go into `errors_count`: set-points rejected, overruns, late plans.
 fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
-    let imu = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
     let control = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ANGULAR_RATE_CONTROL
         | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ATTITUDE_STABILIZATION
         | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
     let attitude = MavSysStatusSensor::MAV_SYS_STATUS_AHRS;
-    let healthy_imu = if status.imu_health == ImuHealth::Good { imu } else { MavSysStatusSensor::empty() };
+    let imu = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
+    let imu_second =
+        MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO2 | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL2;
+    let (first, second) = match status.imu_unit {
+        ImuUnit::First => (status.imu_health, status.standby_health),
+        ImuUnit::Second => (status.standby_health, status.imu_health),
+    };
+    let healthy_first = if first == ImuHealth::Good { imu } else { MavSysStatusSensor::empty() };
+    // whether there is a second shows by its being healthy
+    let second_imu = if second == ImuHealth::Good { imu_second } else { MavSysStatusSensor::empty() };
+    let battery = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY;
+    let measured_battery = if status.battery_v.is_some() { battery } else { MavSysStatusSensor::empty() };
+    let healthy_battery = if status.battery_low { MavSysStatusSensor::empty() } else { measured_battery };
+    let present = imu | second_imu | control | attitude | measured_battery;
     let healthy_attitude = if status.estimate.valid { attitude } else { MavSysStatusSensor::empty() };
     let count = |number: u32| number.min(u32::from(u16::MAX)) as u16;
     SYS_STATUS_DATA {
-        onboard_control_sensors_present: imu | control | attitude,
-        onboard_control_sensors_enabled: imu | control | attitude,
-        onboard_control_sensors_health: healthy_imu | healthy_attitude | control,
+        onboard_control_sensors_present: present,
+        onboard_control_sensors_enabled: present,
+        onboard_control_sensors_health: healthy_first | second_imu | healthy_attitude | control | healthy_battery,
         load: status.load_permille,
         // `as` saturates, and makes 0 of NaN; the largest value says that nobody measures
         voltage_battery: status.battery_v.map_or(u16::MAX, |volts| (volts * 1000.0) as u16),

@@ -4,12 +4,15 @@ extern crate std;
 use super::frame::{Frame, FrameFinder, FrameWriter, message};
 use super::*;
 use crate::imu::ImuConfig;
-use crate::imu_health::ImuHealth;
+use crate::imu_health::{ImuFault, ImuHealth};
+use crate::imu_select::ImuUnit;
+use crate::params::Params;
+use crate::params::table::Field;
 use crate::signals::{ArmingBlocks, ArmingRequest, AttitudeEstimate, MotorCommands, MotorTest, Setpoint, StepInput};
 use crate::supervisor::{Arming, DisarmedBecause, LINK_LOST_AFTER_US, Refusal};
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, HilSensorUpdatedFlags, MANUAL_CONTROL_DATA,
-    MavCmd, MavMessage, MavModeFlag, MavResult, MavSeverity, MavType, STATUSTEXT_DATA,
+    MavCmd, MavMessage, MavModeFlag, MavResult, MavSeverity, MavSysStatusSensor, MavType, STATUSTEXT_DATA,
 };
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkVersion, Message, MessageData};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -81,10 +84,14 @@ fn status(arming: Arming) -> VehicleStatus {
             valid: true,
         },
         pulses_us: [1001, 1002, 1003, 1004],
+        imu_unit: ImuUnit::First,
         imu_health: ImuHealth::Good,
+        standby_health: ImuHealth::Bad(ImuFault::Stale),
         controller: crate::config::Controller::Mpc,
         hil: false,
         battery_v: Some(12.345),
+        battery_low: false,
+        blocks: ArmingBlocks::default(),
         load_permille: 123,
         setpoints_rejected: 1,
         overruns: 2,
@@ -203,6 +210,10 @@ fn every_order_has_its_message() {
         (command(test, [2.0, 0.0, 15.0, f32::INFINITY]), wrong(test)),
         (command(MavCmd::MAV_CMD_PREFLIGHT_STORAGE, [1.0, 0.0, 0.0, 0.0]), Order::ConfirmConfiguration),
         (command(MavCmd::MAV_CMD_USER_1, [0.0; 4]), Order::FaultRecordRead),
+        (command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, [1.0, 0.0, 0.0, 0.0]), Order::Restart),
+        (command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, [3.0, 0.0, 0.0, 0.0]), {
+            wrong(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN)
+        }),
         (
             command(MavCmd::MAV_CMD_NAV_TAKEOFF, [0.0; 4]),
             Order::NotUnderstood { command: MavCmd::MAV_CMD_NAV_TAKEOFF, known: false },
@@ -236,16 +247,34 @@ fn sticks_ask_for_what_a_pilot_expects() {
 }
 
 #[test]
-fn hil_samples_that_are_incomplete_or_no_numbers_are_rejected() {
-    let whole =
-        HIL_SENSOR_DATA { zacc: -9.8, fields_updated: HilSensorUpdatedFlags::all(), ..HIL_SENSOR_DATA::DEFAULT };
-    assert!(matches!(orders_of(&encoded(&whole))[..], [Order::HilSample(_)]));
+fn hil_samples_that_are_incomplete_or_no_numbers_are_ticks_without_a_sample() {
+    let whole = HIL_SENSOR_DATA {
+        time_usec: 7,
+        zacc: -9.8,
+        fields_updated: HilSensorUpdatedFlags::all(),
+        ..HIL_SENSOR_DATA::DEFAULT
+    };
+    let tick = |receiver: &mut Receiver, data: &HIL_SENSOR_DATA| match orders(receiver, &encoded(data))[..] {
+        [Order::HilTick(tick)] => tick,
+        ref other => panic!("{other:?}"),
+    };
     let mut receiver = Receiver::new(SETTINGS);
-    let poisoned = HIL_SENSOR_DATA { ygyro: f32::NAN, ..whole.clone() };
-    let partial = HIL_SENSOR_DATA { fields_updated: HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_XACC, ..whole };
-    assert_eq!(orders(&mut receiver, &encoded(&poisoned)), []);
-    assert_eq!(orders(&mut receiver, &encoded(&partial)), []);
-    assert_eq!(receiver.rejected, 2);
+    let imu = ImuConfig::pixhawk1_mpu6000(100.0, 1000.0);
+    let mut input = StepInput::default();
+    tick(&mut receiver, &whole).fill(&imu, &mut input);
+    assert_eq!((input.time_us, input.imu.len(), input.imu[0].time_us), (7, 1, 7));
+    assert_eq!(receiver.rejected, 0);
+    let poisoned = HIL_SENSOR_DATA { time_usec: 8, ygyro: f32::NAN, ..whole.clone() };
+    let partial = HIL_SENSOR_DATA { fields_updated: HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_XACC, ..whole.clone() };
+    assert_eq!(tick(&mut receiver, &poisoned), hil::HilTick { time_us: 8, imu: None });
+    tick(&mut receiver, &poisoned).fill(&imu, &mut input);
+    assert_eq!((input.time_us, input.imu.len()), (8, 0));
+    assert_eq!(tick(&mut receiver, &partial).imu, None);
+    assert_eq!(receiver.rejected, 3);
+    // absurd, but a number: the IMU's full scale
+    let absurd = HIL_SENSOR_DATA { xgyro: 1e30, ..whole };
+    tick(&mut receiver, &absurd).fill(&imu, &mut input);
+    assert!(input.imu[0].gyro_counts.iter().any(|count| count.unsigned_abs() >= i16::MAX.unsigned_abs()));
     let answer = hil::actuator_controls(5, &Arming::Armed, &MotorCommands([0.1, 0.2, 0.3, 0.4]));
     assert_eq!(answer.controls[..5], [0.1, 0.2, 0.3, 0.4, 0.0]);
     assert!(answer.mode.contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED | MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED));
@@ -364,6 +393,42 @@ fn blocks_are_lifted_by_the_ground_when_disarmed() {
     assert_eq!(commander.commands(0).blocks, ArmingBlocks::default());
 }
 
+#[test]
+fn a_restart_needs_motors_that_stand_still_and_keeps_them_so() {
+    let restart = MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN;
+    let arm = MavCmd::MAV_CMD_COMPONENT_ARM_DISARM;
+    for turning in [Arming::Armed, Arming::MotorTest { motor: 1, throttle_percent: 5, until_us: 9 }] {
+        let mut commander = commander();
+        commander.answer(&turning);
+        let refused = Answer::Refused(restart, Refusal::Armed);
+        assert_eq!(commander.order(&Order::Restart, 0), (Some(refused), None));
+    }
+    let mut commander = commander();
+    // who asked first comes first
+    commander.order(&Order::Arm, 0);
+    assert_eq!(commander.order(&Order::Restart, 0), (Some(Answer::Busy(restart)), None));
+    commander.commands(0);
+    commander.answer(&Arming::Disarmed(DisarmedBecause::Refused(Refusal::BatteryLow)));
+    assert_eq!(commander.order(&Order::Restart, 0), (Some(Answer::Accepted(restart)), Some(Chore::Restart)));
+    assert_eq!(commander.order(&Order::Arm, 0), (Some(Answer::Busy(arm)), None));
+    assert_eq!(commander.commands(0).arming, ArmingRequest::None);
+}
+
+/// With the words, the value that stands, and no acknowledgement, for it was no command.
+#[test]
+fn a_parameter_that_is_not_set_is_told_as_it_is() {
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    telemetry.answer(Answer::ParameterRefused(Field::LoopRate, Refusal::Armed));
+    let mut out = heapless::Vec::<u8, 512>::new();
+    telemetry.poll(0, &status(Arming::default()), &mut out);
+    let messages = decoded(&out);
+    assert!(!messages.iter().any(|message| matches!(message, MavMessage::COMMAND_ACK(_))));
+    let value = messages.iter().find_map(|m| if let MavMessage::PARAM_VALUE(v) = m { Some(v) } else { None });
+    assert_eq!(value.map(|v| (v.param_id.to_str().unwrap(), v.param_value)), Some(("LOOP_RATE_HZ", 400.0)));
+    let words = messages.iter().find_map(|m| if let MavMessage::STATUSTEXT(t) = m { Some(t.text) } else { None });
+    assert_eq!(words.unwrap().to_str().unwrap(), Refusal::Armed.words());
+}
+
 /// Everything that is sent in ten seconds of polling every 2.5 ms.
 fn ten_seconds(telemetry: &mut Telemetry, mut each: impl FnMut(u64, &mut Telemetry)) -> Vec<u8> {
     let mut sent = Vec::new();
@@ -379,7 +444,7 @@ fn ten_seconds(telemetry: &mut Telemetry, mut each: impl FnMut(u64, &mut Telemet
 #[test]
 fn the_worst_case_fits_into_115200_baud() {
     // a refused command every 100 ms, each with its words, is what a person with a stuck button asks for
-    let mut telemetry = Telemetry::new(&SETTINGS);
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
     let sent = ten_seconds(&mut telemetry, |k, telemetry| {
         if k % 40 == 0 {
             telemetry.answer(Answer::Refused(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, Refusal::GyroNotCalibrated));
@@ -395,7 +460,7 @@ fn the_worst_case_fits_into_115200_baud() {
 
 #[test]
 fn what_is_sent_is_what_was_told() {
-    let mut telemetry = Telemetry::new(&SETTINGS);
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
     let mut out = heapless::Vec::<u8, 512>::new();
     telemetry.answer(Answer::Refused(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, Refusal::BatteryLow));
     telemetry.poll(1_234_567, &status(Arming::LinkLost { since_us: 0 }), &mut out);
@@ -431,8 +496,32 @@ fn what_is_sent_is_what_was_told() {
 }
 
 #[test]
+fn the_ground_learns_which_imu_is_in_use() {
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    let mut out = heapless::Vec::<u8, 512>::new();
+    let second = VehicleStatus { imu_unit: ImuUnit::Second, ..status(Arming::default()) };
+    let failed = VehicleStatus { imu_health: ImuHealth::Bad(ImuFault::Stale), ..second };
+    telemetry.poll(0, &second, &mut out);
+    telemetry.poll(1_000_000, &failed, &mut out);
+    let messages = decoded(&out);
+    let texts = messages.iter().filter_map(|message| match message {
+        MavMessage::STATUSTEXT(data) => Some(data.text.to_str().unwrap()),
+        _ => None,
+    });
+    assert_eq!(texts.collect::<Vec<_>>(), ["first IMU failed: second in use"]);
+    let healthy = messages.iter().filter_map(|message| match message {
+        MavMessage::SYS_STATUS(data) => Some(data.onboard_control_sensors_health),
+        _ => None,
+    });
+    let (gyro, gyro_2) =
+        (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO, MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO2);
+    let found: Vec<_> = healthy.map(|health| (health.contains(gyro), health.contains(gyro_2))).collect();
+    assert_eq!(found, [(false, true), (false, false)]);
+}
+
+#[test]
 fn queues_are_bounded_and_what_does_not_fit_waits() {
-    let mut telemetry = Telemetry::new(&SETTINGS);
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
     let long = "a text that is longer than the fifty bytes of a STATUSTEXT";
     for _ in 0..20 {
         telemetry.text(MavSeverity::MAV_SEVERITY_INFO, long);

@@ -141,11 +141,11 @@ impl MpcSettings {
     }
 }
 
-/// A prepared MPC with M free inputs per axis, 1 <= M <= [`HORIZON`]; the last of them is held to the horizon's end.
+/// An MPC with M free inputs per axis, 1 <= M <= [`HORIZON`]; the last of them is held to the horizon's end.
 #[derive(Clone, Debug)]
 pub struct Mpc<const M: usize> {
-    axes: [Axis<M>; 3],
-    solver: qp::Settings,
+    /// All three once it is prepared.
+    axes: heapless::Vec<Axis<M>, 3>,
 }
 
 /// What an MPC carries from plan to plan: the warm starts.
@@ -177,6 +177,19 @@ impl<const M: usize> Mpc<M> {
     ///
     /// Plans equal those of the exact type to the bit.
     pub fn prepare_shorter(control_horizon: usize, settings: &MpcSettings) -> Result<Self, MpcError> {
+        let mut mpc = Self::unprepared();
+        mpc.prepare_in_place(control_horizon, settings)?;
+        Ok(mpc)
+    }
+
+    /// An MPC whose plans are never solved, until it is prepared.
+    pub const fn unprepared() -> Self {
+        Self { axes: heapless::Vec::new() }
+    }
+
+    /// [`Self::prepare_shorter`] where the MPC lies: for a board, whose stack has no room for another 24 KB. On an error it
+    /// is left unprepared.
+    pub fn prepare_in_place(&mut self, control_horizon: usize, settings: &MpcSettings) -> Result<(), MpcError> {
         const { assert!(1 <= M && M <= HORIZON, "the control horizon is 1 to 30 steps") };
         if control_horizon == 0 || control_horizon > M {
             return Err(MpcError::ControlHorizon { found: control_horizon, room: M });
@@ -185,17 +198,21 @@ impl<const M: usize> Mpc<M> {
         if settings.horizon < control_horizon || settings.horizon > HORIZON {
             return Err(MpcError::Horizon { found: settings.horizon, control_horizon });
         }
-        let prepare = |axis| {
-            Axis::prepare(settings.horizon, control_horizon, settings.prediction_step_s, &settings.axis(axis))
-                .map_err(|error| MpcError::Program { axis, error })
-        };
-        let solver = qp::Settings { iteration_limit: ITERATION_LIMIT, ..qp::Settings::default() };
-        Ok(Self { axes: [prepare(0)?, prepare(1)?, prepare(2)?], solver })
+        self.axes.clear();
+        for axis in 0..3 {
+            let prepared =
+                Axis::prepare(settings.horizon, control_horizon, settings.prediction_step_s, &settings.axis(axis));
+            // there is room for three
+            let _ = self.axes.push(prepared.map_err(|error| MpcError::Program { axis, error })?);
+        }
+        Ok(())
     }
 
     /// Plans all three axes; `input` of the result is finite and inside the bounds whatever the status.
     pub fn plan(&self, state: &mut MpcState<M>, request: &PlanRequest) -> Plan {
-        let mut plan = Plan { step: request.step, input: [0.0; 3], status: PlanStatus::Solved, iterations: 0 };
+        let status = if self.axes.is_full() { PlanStatus::Solved } else { PlanStatus::NumericalError };
+        let mut plan = Plan { step: request.step, input: [0.0; 3], status, iterations: 0 };
+        let solver = qp::Settings { iteration_limit: ITERATION_LIMIT, ..qp::Settings::default() };
         for (index, (axis, warm_start)) in self.axes.iter().zip(&mut state.warm_starts).enumerate() {
             let input_prev = request.input_prev[index];
             let axis_request = AxisRequest {
@@ -204,7 +221,7 @@ impl<const M: usize> Mpc<M> {
                 input_prev,
                 reference_rad: request.reference_rad[index],
             };
-            let solution = axis.solve(&axis_request, &self.solver, warm_start);
+            let solution = axis.solve(&axis_request, &solver, warm_start);
             plan.input[index] = axis.first_input(&solution, input_prev);
             plan.status = worse(plan.status, solution.status);
             plan.iterations = plan.iterations.saturating_add(solution.iterations);
@@ -213,9 +230,9 @@ impl<const M: usize> Mpc<M> {
     }
 
     /// Per axis the weights of (angle in rad, rate in rad/s, previous input, reference in rad) in the first input when
-    /// no bound is active: the linear feedback law inside the MPC.
+    /// no bound is active: the linear feedback law inside the MPC. Zero while it is not prepared.
     pub fn unconstrained_gain(&self) -> [[f32; 4]; 3] {
-        [0, 1, 2].map(|axis: usize| self.axes[axis].unconstrained_gain())
+        [0, 1, 2].map(|axis: usize| self.axes.get(axis).map_or([0.0; 4], Axis::unconstrained_gain))
     }
 }
 

@@ -298,3 +298,20 @@ fn a_horizon_outside_its_range_is_refused() {
         assert_eq!(refused.err(), Some(MpcError::Horizon { found: horizon, control_horizon: 5 }));
     }
 }
+
+#[test]
+fn an_mpc_that_is_not_prepared_does_not_pretend_to_plan() {
+    let request = PlanRequest { angle_rad: [0.1; 3], ..PlanRequest::default() };
+    let mut mpc = Mpc::<5>::unprepared();
+    assert_eq!(mpc.plan(&mut MpcState::new(), &request).status, PlanStatus::NumericalError);
+    let reversed = MpcSettings { input_max: [1.0, 1.0, -1.0], ..nominal() };
+    assert!(mpc.prepare_in_place(5, &reversed).is_err());
+    assert_eq!(mpc.plan(&mut MpcState::new(), &request).status, PlanStatus::NumericalError);
+    // and a second preparation replaces the first
+    for _ in 0..2 {
+        mpc.prepare_in_place(5, &nominal()).unwrap();
+    }
+    let plan = mpc.plan(&mut MpcState::new(), &request);
+    assert_eq!(plan, Mpc::<5>::prepare(&nominal()).unwrap().plan(&mut MpcState::new(), &request));
+    assert_eq!(plan.status, PlanStatus::Solved);
+}

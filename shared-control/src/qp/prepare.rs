@@ -123,8 +123,8 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         let mut target = [0.0; N];
         for variable in self.variables() {
             let weight = -linear[variable] * self.bound_lengths[variable];
-            let nonzero = variable..self.variable_count;
-            add_scaled(&mut target[nonzero.clone()], weight, &self.bound_rows[variable][nonzero]);
+            let nonzero = target.get_mut(variable..self.variables().end).unwrap_or_default();
+            add_scaled(nonzero, weight, self.nonzero_part(variable, &self.bound_rows[variable]));
         }
         target
     }
@@ -144,14 +144,25 @@ impl<const N: usize, const R: usize> Qp<N, R> {
     }
 
     /// Indices of the variables in use.
+    ///
+    /// Never above N, and written so that the compiler sees it: then it leaves no panic behind an index.
     pub(super) fn variables(&self) -> core::ops::Range<usize> {
-        0..self.variable_count
+        0..self.variable_count.min(N)
+    }
+
+    /// Indices of the general rows in use; as for [`Self::variables`].
+    pub(super) fn rows(&self) -> core::ops::Range<usize> {
+        0..self.general_count.min(R)
     }
 
     /// m'w of a bound's row, of which the entries before the diagonal are zero.
     pub(super) fn bound_value(&self, variable: usize, point: &[f32; N]) -> f32 {
-        let nonzero = variable..self.variable_count;
-        dot(&self.bound_rows[variable][nonzero.clone()], &point[nonzero])
+        dot(self.nonzero_part(variable, &self.bound_rows[variable]), self.nonzero_part(variable, point))
+    }
+
+    /// What a bound's row multiplies: the entries from its diagonal on.
+    fn nonzero_part<'a>(&self, variable: usize, entries: &'a [f32; N]) -> &'a [f32] {
+        entries.get(variable..self.variables().end).unwrap_or_default()
     }
 
     /// m'w of a general row.

@@ -80,7 +80,7 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
             limits.lower[variable] /= qp.bound_lengths[variable];
             limits.upper[variable] /= qp.bound_lengths[variable];
         }
-        for row in 0..qp.general_count {
+        for row in qp.rows() {
             limits.row_lower[row] /= qp.general_lengths[row];
             limits.row_upper[row] /= qp.general_lengths[row];
         }
@@ -173,7 +173,7 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
             let value = self.qp.bound_value(variable, point);
             compare(variable, value, self.limits.lower[variable], self.limits.upper[variable]);
         }
-        for row in 0..self.qp.general_count {
+        for row in self.qp.rows() {
             let value = self.qp.general_value(row, point);
             compare(N + row, value, self.limits.row_lower[row], self.limits.row_upper[row]);
         }
@@ -188,9 +188,9 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
     /// The half-space with its row and limit; none if this problem has no such constraint.
     fn inequality(&self, half_space: HalfSpace) -> Option<Inequality<N>> {
         let index = usize::from(half_space.constraint);
-        let (row, lower, upper) = if index < self.qp.variable_count {
+        let (row, lower, upper) = if self.qp.variables().contains(&index) {
             (&self.qp.bound_rows[index], self.limits.lower[index], self.limits.upper[index])
-        } else if N <= index && index - N < self.qp.general_count {
+        } else if N <= index && self.qp.rows().contains(&(index - N)) {
             let index = index - N;
             (&self.qp.general_rows[index], self.limits.row_lower[index], self.limits.row_upper[index])
         } else {
@@ -205,7 +205,7 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
         let mut x = self.qp.variables_at(point);
         for held in active {
             let variable = usize::from(held.constraint);
-            if variable < self.qp.variable_count {
+            if self.qp.variables().contains(&variable) {
                 x[variable] = if held.is_upper { bounds.upper[variable] } else { bounds.lower[variable] };
             }
         }

@@ -57,19 +57,28 @@ impl<const N: usize> WorkingSet<N> {
         }
     }
 
+    /// Never above N, and written so that the compiler sees it: then it leaves no panic behind an index.
+    fn count(&self) -> usize {
+        self.count.min(N)
+    }
+
     /// The constraints held.
     pub(super) fn active(&self) -> &[HalfSpace] {
-        &self.active[..self.count]
+        &self.active[..self.count()]
     }
 
     /// Holds one more constraint; or, its row being dependent on those held, says of which combination.
     pub(super) fn append(&mut self, entering: &Inequality<N>, multiplier: f32) -> Appended<N> {
         let appended = self.factor.append(&entering.row, self.dependence_tolerance);
-        if let Appended::Independent = appended {
-            self.active[self.count] = entering.half_space;
-            self.limits[self.count] = entering.limit;
-            self.multipliers[self.count] = multiplier;
-            self.count += 1;
+        let place = self.count();
+        // the factor takes no more than N
+        if let Appended::Independent = appended
+            && place < N
+        {
+            self.active[place] = entering.half_space;
+            self.limits[place] = entering.limit;
+            self.multipliers[place] = multiplier;
+            self.count = place + 1;
         }
         appended
     }
@@ -81,12 +90,12 @@ impl<const N: usize> WorkingSet<N> {
 
     /// Moves the multipliers to `target`, or, if one of them would become negative, to where the first vanishes.
     pub(super) fn walk_to(&mut self, target: &[f32; N]) -> Option<Blocking> {
-        if target[..self.count].iter().all(|aim| *aim >= 0.0) {
+        if target[..self.count()].iter().all(|aim| *aim >= 0.0) {
             self.multipliers = *target;
             return None;
         }
         let mut direction = *target;
-        add_scaled(&mut direction, -1.0, &self.multipliers[..self.count]);
+        add_scaled(&mut direction, -1.0, &self.multipliers[..self.count()]);
         let blocking = self.first_to_vanish(&direction)?;
         self.walk(&direction, blocking.step);
         Some(blocking)
@@ -95,7 +104,7 @@ impl<const N: usize> WorkingSet<N> {
     /// The first multiplier that reaches zero when they move by `direction` again and again; none if none falls.
     pub(super) fn first_to_vanish(&self, direction: &[f32; N]) -> Option<Blocking> {
         let mut first: Option<Blocking> = None;
-        for (position, (multiplier, rate)) in self.multipliers.iter().zip(direction).take(self.count).enumerate() {
+        for (position, (multiplier, rate)) in self.multipliers.iter().zip(direction).take(self.count()).enumerate() {
             let step = -multiplier / rate;
             if *rate < 0.0 && first.is_none_or(|found| step < found.step) {
                 first = Some(Blocking { position, step });
@@ -106,7 +115,8 @@ impl<const N: usize> WorkingSet<N> {
 
     /// Moves the multipliers by `step` times `direction`.
     pub(super) fn walk(&mut self, direction: &[f32; N], step: f32) {
-        for (multiplier, rate) in self.multipliers[..self.count].iter_mut().zip(direction) {
+        let count = self.count();
+        for (multiplier, rate) in self.multipliers[..count].iter_mut().zip(direction) {
             let moved = *multiplier + step * rate;
             // Rounding may end a hair below zero.
             *multiplier = if moved > 0.0 { moved } else { 0.0 };
@@ -115,12 +125,15 @@ impl<const N: usize> WorkingSet<N> {
 
     /// Lets go of the constraint that blocks.
     pub(super) fn release(&mut self, blocking: Blocking) {
-        let position = blocking.position;
+        let (position, count) = (blocking.position, self.count());
+        if position >= count {
+            return;
+        }
         self.factor.remove(position);
-        self.active[position..self.count].rotate_left(1);
-        self.multipliers[position..self.count].rotate_left(1);
-        self.limits[position..self.count].rotate_left(1);
-        self.count -= 1;
+        self.active[position..count].rotate_left(1);
+        self.multipliers[position..count].rotate_left(1);
+        self.limits[position..count].rotate_left(1);
+        self.count = count - 1;
     }
 
     /// The warm start for the next solve.

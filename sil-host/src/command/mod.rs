@@ -7,6 +7,7 @@ mod demonstration;
 mod figures;
 mod flight_report;
 mod fly;
+mod hitl;
 mod synth;
 mod text_table;
 
@@ -31,6 +32,7 @@ pub struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Fly(fly::FlyArguments),
+    Hitl(hitl::HitlArguments),
     Compare(compare::CompareArguments),
     Synth(synth::SynthArguments),
     BenchMpc(bench_mpc::BenchArguments),
@@ -49,6 +51,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
         None => demonstration::run(),
         Some(Command::Fly(arguments)) => fly::run(&arguments),
+        Some(Command::Hitl(arguments)) => hitl::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Synth(arguments)) => synth::run(&arguments),
         Some(Command::BenchMpc(arguments)) => bench_mpc::run(&arguments),

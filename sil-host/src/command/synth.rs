@@ -5,17 +5,15 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 use sil_host::controller_file::ControllerChoice;
-use sil_host::flight_log::{SynthesisSetup, synthesise};
 use sil_host::model::SensorNoise;
 use sil_host::plant::effects::Effect;
+use sil_host::synthesis::Synthesis;
 
 use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle_model, write_json};
 
 /// Make a synthetic rig log with chosen effects, noise and rates
 #[derive(Args)]
-#[command(
-    after_help = "Example: sil synth --effect \"cg_offset:axis=pitch,cos_moment_nm=0.1\" --rate 200 --seed 3 out/rig.csv"
-)]
+#[command(after_help = examples())]
 pub struct SynthArguments {
     /// What the vehicle does beyond its model, as NAME:KEY=VALUE,...; may be given several times
     #[arg(long, value_name = "EFFECT")]
@@ -35,7 +33,19 @@ pub struct SynthArguments {
     /// Standard deviations of attitude and gyro [default: the model's]
     #[arg(long, value_name = "ANGLE_RAD,RATE_RAD_S")]
     noise: Option<String>,
-    /// Seed of the noise
+    /// Rows are late by |N(0, S)|
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    jitter: f64,
+    /// Share of the rows that are missing, each by chance
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true)]
+    drop_out: f64,
+    /// Log the battery's voltage even where no effect depends on it
+    #[arg(long)]
+    battery: bool,
+    /// Leave all out of the log's comments but that it is synthetic
+    #[arg(long)]
+    blind: bool,
+    /// Seed of noise, jitter and drop-outs
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// What flies: pid, mpc, or a controller file
@@ -55,6 +65,14 @@ pub struct SynthArguments {
     out: PathBuf,
 }
 
+fn examples() -> String {
+    format!(
+        "Example: sil synth --effect \"cg_offset:axis=pitch,cos_moment_nm=0.1\" --rate 200 --seed 3 out/rig.csv\n\n\
+         Effects, with all of their parameters:\n{}",
+        Effect::help()
+    )
+}
+
 #[derive(Serialize)]
 struct SynthJson {
     log: LogJson,
@@ -72,9 +90,8 @@ struct LogJson {
 pub fn run(arguments: &SynthArguments) -> Result<(), Failure> {
     let mut model = vehicle_model(arguments.model.as_deref(), arguments.rig.map(Into::into))?;
     for text in &arguments.effect {
-        let effect =
-            Effect::parse(text, model.rig()).map_err(|problem| bad_input(format!("--effect {text}: {problem}")))?;
-        model.effects.push(effect);
+        let effect = Effect::parse_for(text, model.rig(), model.inertia_kg_m2);
+        model.effects.push(effect.map_err(|problem| bad_input(format!("--effect {text}: {problem}")))?);
     }
     let mut choice = ControllerChoice::from_argument(&arguments.controller).map_err(bad_input)?;
     let named = matches!(arguments.controller.as_str(), "pid" | "mpc");
@@ -83,17 +100,20 @@ pub fn run(arguments: &SynthArguments) -> Result<(), Failure> {
     choice.rate_hz = arguments.control_rate.unwrap_or(usual_hz);
     check(arguments, choice.rate_hz)?;
     let noise = arguments.noise.as_deref().map(|text| noise(text, &model.noise)).transpose()?;
-    let setup = SynthesisSetup {
-        model,
+    let synthesis = Synthesis {
         choice,
         duration_s: arguments.duration,
         log_rate_hz: arguments.rate,
         throttle: arguments.throttle,
         noise,
+        jitter_s: arguments.jitter,
+        drop_out_share: arguments.drop_out,
+        battery: arguments.battery,
+        blind: arguments.blind,
         seed: arguments.seed,
+        ..Synthesis::of(model)
     };
-    let log =
-        synthesise(&setup).map_err(|error| bad_input(format!("--controller {}: {error}", arguments.controller)))?;
+    let log = synthesis.log().map_err(|error| bad_input(format!("--controller {}: {error}", arguments.controller)))?;
     make_folder(&arguments.out)?;
     sil_host::log::write_file(&log, &arguments.out).map_err(failed)?;
     let path = arguments.out.display().to_string();
@@ -111,6 +131,12 @@ fn check(arguments: &SynthArguments, control_rate_hz: u32) -> Result<(), Failure
             "--rate {}: a row needs a control step, and there are {control_rate_hz} a second (--control-rate)",
             arguments.rate
         )));
+    }
+    if !(0.0..=0.1).contains(&arguments.jitter) {
+        return Err(bad_input(format!("--jitter {}: expected 0 to 0.1 s", arguments.jitter)));
+    }
+    if !(0.0..=0.9).contains(&arguments.drop_out) {
+        return Err(bad_input(format!("--drop-out {}: expected 0 to 0.9 of the rows", arguments.drop_out)));
     }
     match arguments.throttle {
         Some(throttle) if !(0.05..=0.95).contains(&throttle) => {

@@ -2,7 +2,7 @@
 
 use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
-use shared_control::signals::{ArmingBlocks, Plan, StepInput};
+use shared_control::signals::{ArmingBlocks, ImuBatch, Plan, StepInput};
 
 use crate::cosim::contract::{Events, Monitored};
 use crate::planner::Planner;
@@ -27,6 +27,7 @@ impl ControlSide {
         let input = StepInput {
             time_us,
             imu: core::mem::take(&mut monitored.imu),
+            imu_second: ImuBatch::new(),
             setpoint: events.setpoint,
             arming: events.arming,
             battery_v: None,

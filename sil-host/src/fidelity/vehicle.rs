@@ -40,10 +40,11 @@ impl Vehicle {
         }
     }
 
-    /// Lets the motors settle at these commands.
-    pub(super) fn settle(&mut self, commands: Commands) {
+    /// Lets the motors settle at the commands of a row, at the row's time.
+    pub(super) fn settle(&mut self, drive: &Drive<'_>, row: usize) {
         if let Vehicle::Plant(plant, _) = self {
-            plant.set_motor_equilibrium(commands);
+            plant.set_time_s(drive.time_s[row] - drive.time_s[0]);
+            plant.set_motor_equilibrium(drive.at(row));
         }
     }
 
@@ -94,6 +95,9 @@ impl Vehicle {
         let mut motions = Vec::with_capacity(end.saturating_sub(first));
         for row in first..end {
             motions.push(self.motion());
+            if let (Vehicle::Plant(plant, _), Some(drop_v)) = (&mut *self, &drive.battery_drop_v) {
+                plant.set_battery_drop_v(drop_v[row]);
+            }
             if let Some(next_s) = drive.time_s.get(row + 1) {
                 self.hold(drive.at(row), next_s - drive.time_s[row]);
             }
@@ -106,6 +110,8 @@ impl Vehicle {
 pub(super) struct Drive<'a> {
     pub(super) time_s: &'a [f64],
     columns: [Option<Cow<'a, [f64]>>; 4],
+    /// How far the battery is below its mean of the first second, V.
+    battery_drop_v: Option<Cow<'a, [f64]>>,
 }
 
 /// Which way each motor turns the vehicle about (x, y, z): RIG.md, "Frames and motors".
@@ -115,7 +121,7 @@ impl<'a> Drive<'a> {
     /// The motors; `None` if the log has none.
     pub(super) fn motors(log: &'a Log) -> Option<Drive<'a>> {
         let columns = log.motors()?.map(|column| Some(column.into()));
-        Some(Drive { time_s: &log.time_s, columns })
+        Some(Drive { time_s: &log.time_s, columns, battery_drop_v: battery_drop_v(log) })
     }
 
     /// The axis commands, where the log has them; else made of the motors, half the signed sum, so that they lie in -1..1.
@@ -132,7 +138,7 @@ impl<'a> Drive<'a> {
                 (None, None) => None,
             };
         }
-        Drive { time_s: &log.time_s, columns }
+        Drive { time_s: &log.time_s, columns, battery_drop_v: None }
     }
 
     /// What a controller that makes so many steps per row commands on the mean from each row to the next, if its command
@@ -143,7 +149,8 @@ impl<'a> Drive<'a> {
             let nexts = column.iter().skip(1).chain(column.last());
             column.iter().zip(nexts).map(|(now, next)| now + share_of_next * (next - now)).collect()
         };
-        Drive { time_s: self.time_s, columns: self.columns.each_ref().map(|column| column.as_ref().map(mean)) }
+        let columns = self.columns.each_ref().map(|column| column.as_ref().map(mean));
+        Drive { time_s: self.time_s, columns, battery_drop_v: self.battery_drop_v.clone() }
     }
 
     /// One command's column, by its place in [`Commands`].
@@ -163,6 +170,15 @@ pub(crate) fn axis_commands(log: &Log) -> Vec<[f64; 4]> {
     (0..log.rows()).map(|row| drive.at(row)).collect()
 }
 
+/// The battery's voltage below its mean over the first second, row by row, V.
+fn battery_drop_v(log: &Log) -> Option<Cow<'_, [f64]>> {
+    let voltage_v = log.battery_v.as_ref()?;
+    let end_s = log.time_s.first()? + 1.0;
+    let first_rows = log.time_s.partition_point(|time_s| *time_s < end_s);
+    let mean_v = voltage_v[..first_rows].iter().sum::<f64>() / first_rows as f64;
+    Some(voltage_v.iter().map(|voltage_v| mean_v - voltage_v).collect())
+}
+
 /// What one unit of each motor's command adds to the angular acceleration (roll, pitch, yaw), rad/s^2: the difference
 /// quotient of the level vehicle at its base command, once the motors have settled.
 pub(super) fn acceleration_per_command(model: &VehicleModel) -> [[f64; 4]; 3] {
@@ -170,18 +186,25 @@ pub(super) fn acceleration_per_command(model: &VehicleModel) -> [[f64; 4]; 3] {
     // ten times the slowest motors, and short enough to stay near level
     const SETTLING_S: f64 = 0.2;
     const INTERVAL_S: f64 = 0.05;
-    let mut per_command = [[0.0; 4]; 3];
-    for motor in 0..4 {
-        let mut commands = [model.base_command; 4];
-        commands[motor] += COMMAND_STEP;
+    let rate_gained_rad_s = |commands: Commands| {
         let mut plant = Plant::new(model);
         plant.set_commands(commands);
         plant.advance(SETTLING_S);
         let before = plant.truth().euler_rate_rad_s;
         plant.advance(INTERVAL_S);
         let after = plant.truth().euler_rate_rad_s;
+        [0, 1, 2].map(|axis| after[axis] - before[axis])
+    };
+    // an effect may turn the vehicle without any command
+    let base = [model.base_command; 4];
+    let unmoved = rate_gained_rad_s(base);
+    let mut per_command = [[0.0; 4]; 3];
+    for motor in 0..4 {
+        let mut commands = base;
+        commands[motor] += COMMAND_STEP;
+        let moved = rate_gained_rad_s(commands);
         for axis in 0..3 {
-            per_command[axis][motor] = (after[axis] - before[axis]) / (INTERVAL_S * COMMAND_STEP);
+            per_command[axis][motor] = (moved[axis] - unmoved[axis]) / (INTERVAL_S * COMMAND_STEP);
         }
     }
     per_command

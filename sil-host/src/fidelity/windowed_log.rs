@@ -143,7 +143,7 @@ impl<'a> WindowedLog<'a> {
         let observed = &self.observed[window.index];
         let lead_rows = window.start - window.lead;
         let mut vehicle = vehicle.clone();
-        vehicle.settle(drive.at(window.warm_up));
+        vehicle.settle(drive, window.warm_up);
         vehicle.fly(drive, window.warm_up, window.lead);
         vehicle.place(observed[0]);
         let mut reference = vehicle.fly(drive, window.lead, window.start);

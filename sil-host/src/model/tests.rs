@@ -29,10 +29,16 @@ fn an_extended_model_writes_back_to_the_last_bit() {
     model.arm_m = 0.1 + 0.2;
     model.noise.gyro_rad_s = 5e-324_f64.max(1e-300);
     model.gravity_m_s2 = 10.0;
-    for short in ["cg_offset:axis=pitch,cos_moment_nm=0.1", "cg_offset:axis=roll,cos_moment_nm=-3e-9,sin_moment_nm=1"] {
-        model.effects.push(Effect::parse(short, Rig::Gimbal).unwrap());
-    }
+    model.effects.push(Effect::parse("cg_offset:axis=roll,cos_moment_nm=-3e-9,sin_moment_nm=1", Rig::Gimbal).unwrap());
     assert_eq!(VehicleModel::parse(&model.to_toml(), "written").unwrap(), model);
+    // every effect of the catalogue that the rig can have, all at once
+    for rig in [Rig::Gimbal, Rig::Free] {
+        let mut model = VehicleModel::nominal(rig);
+        let entries = Effect::CATALOGUE.iter().filter(|entry| entry.rigs.contains(&rig));
+        model.effects = entries.map(|entry| Effect::parse(entry.example, rig).unwrap()).collect();
+        assert!(model.effects.len() >= 19);
+        assert_eq!(VehicleModel::parse(&model.to_toml(), "written").unwrap(), model);
+    }
 }
 
 /// The thesis' numbers, typed a second time.
@@ -167,6 +173,10 @@ fn a_wrong_effect_is_named_with_its_place() {
             5,
             "unknown key `mass_kg`",
         ),
+        ("[[effect]]\nname = \"weak_motor\"\nscale = 0.9\nmotor = 2.5", 4, "`motor` is 2.5"),
+        ("[[effect]]\nname = \"spring\"\naxis = \"roll\"\nstifness_nm_rad = 1", 1, "lacks `stiffness_nm_rad`"),
+        ("[[effect]]\nname = \"wind\"", 1, "wind has no meaning on the rig gimbal"),
+        ("[[effect]]\nname = \"inertia_coupling\"\nproduct_kg_m2 = 0.0116", 1, "no body has the product"),
         ("[effect]\nname = \"cg_offset\"", 1, "expected tables headed [[effect]]"),
     ];
     for (effect, line, expected) in cases {

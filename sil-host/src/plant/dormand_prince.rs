@@ -91,10 +91,10 @@ fn attempt<const N: usize>(
     for i in 0..N {
         let error = step_s * ERROR.iter().zip(&slopes).map(|(weight, slope)| weight * slope[i]).sum::<f64>();
         let relative = error.abs() / (tolerance * (1.0 + from[i].abs().max(at[i].abs())));
-        // not max: it would swallow what is no number
-        if !(relative <= largest) {
-            largest = relative;
+        if relative.is_nan() {
+            return (at, relative);
         }
+        largest = largest.max(relative);
     }
     (at, largest)
 }

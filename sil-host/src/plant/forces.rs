@@ -49,71 +49,60 @@ impl Airframe {
 }
 
 impl Forces<'_> {
-    /// On the gimbal, so long after the stretch's start.
-    #[inline]
-    pub(super) fn on_gimbal(&self, gimbal: &Gimbal, after_s: f64, whole: &[f64; 12]) -> [f64; 12] {
+    /// A nominal vehicle on the gimbal.
+    #[inline(always)]
+    pub(super) fn on_gimbal(&self, gimbal: &Gimbal, whole: &[f64; 12]) -> [f64; 12] {
         let (state, rotors): (GimbalState, _) = split(whole);
-        match &self.extension {
-            None => {
-                let torque = self.torque_body_nm(self.propulsion.lifts_n(&self.drive, &rotors));
-                join(&gimbal.derivative(&state, torque), &self.propulsion.derivative(&self.drive, &rotors))
-            }
-            Some(extended) => self.extended_on_gimbal(extended, gimbal, after_s, &state, &rotors),
-        }
+        let torque = self.torque_body_nm(self.propulsion.lifts_n(&self.drive, &rotors));
+        join(&gimbal.derivative(&state, torque), &self.propulsion.derivative(&self.drive, &rotors))
     }
 
-    /// In free flight.
-    #[inline]
-    pub(super) fn in_free_flight(&self, body: &FreeBody, after_s: f64, whole: &[f64; 21]) -> [f64; 21] {
+    /// A nominal vehicle in free flight.
+    #[inline(always)]
+    pub(super) fn in_free_flight(&self, body: &FreeBody, whole: &[f64; 21]) -> [f64; 21] {
         let (state, rotors): (FreeState, _) = split(whole);
-        match &self.extension {
-            None => {
-                let lifts = self.propulsion.lifts_n(&self.drive, &rotors);
-                let lift_sum_n = lifts.iter().sum();
-                join(
-                    &body.derivative(&state, lift_sum_n, self.torque_body_nm(lifts)),
-                    &self.propulsion.derivative(&self.drive, &rotors),
-                )
-            }
-            Some(extended) => self.extended_in_free_flight(extended, body, after_s, &state, &rotors),
-        }
+        let lifts = self.propulsion.lifts_n(&self.drive, &rotors);
+        let lift_sum_n = lifts.iter().sum();
+        join(
+            &body.derivative(&state, lift_sum_n, self.torque_body_nm(lifts)),
+            &self.propulsion.derivative(&self.drive, &rotors),
+        )
     }
 
-    #[inline(never)]
-    fn extended_on_gimbal(
+    /// On the gimbal with effects, so long after the stretch's start.
+    pub(super) fn extended_on_gimbal(
         &self,
         extended: &Extended<'_>,
         gimbal: &Gimbal,
         after_s: f64,
-        state: &GimbalState,
-        rotors: &RotorState,
+        whole: &[f64; 12],
     ) -> [f64; 12] {
+        let (state, rotors): (GimbalState, _) = split(whole);
         let drive = self.drive(extended, after_s);
-        let instant = extended.instant(after_s);
-        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, rotors), after_s, 0.0);
+        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s, 0.0);
         let torque = self.torque_body_nm(lifts);
         join(
-            &gimbal.extended_derivative(state, torque, extended.effects, instant),
-            &self.propulsion.derivative(&drive, rotors),
+            &gimbal.extended_derivative(&state, torque, extended.effects, extended.instant(after_s)),
+            &self.propulsion.derivative(&drive, &rotors),
         )
     }
 
-    #[inline(never)]
-    fn extended_in_free_flight(
+    /// In free flight with effects, so long after the stretch's start.
+    pub(super) fn extended_in_free_flight(
         &self,
         extended: &Extended<'_>,
         body: &FreeBody,
         after_s: f64,
-        state: &FreeState,
-        rotors: &RotorState,
+        whole: &[f64; 21],
     ) -> [f64; 21] {
+        let (state, rotors): (FreeState, _) = split(whole);
         let drive = self.drive(extended, after_s);
-        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, rotors), after_s, state[2]);
+        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s, state[2]);
         let lift_sum_n = lifts.iter().sum();
-        let loads = extended.loads(body, after_s, state, lift_sum_n);
+        let loads = extended.loads(body, after_s, &state, lift_sum_n);
         join(
-            &body.extended_derivative(state, lift_sum_n, self.torque_body_nm(lifts), &loads),
-            &self.propulsion.derivative(&drive, rotors),
+            &body.extended_derivative(&state, lift_sum_n, self.torque_body_nm(lifts), &loads),
+            &self.propulsion.derivative(&drive, &rotors),
         )
     }
 

@@ -23,11 +23,11 @@ use std::collections::VecDeque;
 
 use crate::model::{Mounting, VehicleModel};
 use actuation::{Actuation, ActuatorChain};
-use dormand_prince::StepControl;
 use effects::{BodyChange, Effect, Origin};
 use forces::{Airframe, Extended, Forces, join, split};
 use free_flight::{FreeBody, FreeState};
 use gimbal::{Gimbal, GimbalState};
+use integrate::{Method, in_fixed_steps, runge_kutta_4};
 use propulsion::{Propulsion, RotorState};
 
 pub(crate) use free_flight::{euler_rad, quaternion_world_from_body};
@@ -64,16 +64,6 @@ pub struct Plant {
     looks_s: VecDeque<f64>,
     seen: Vec<Truth>,
     method: Method,
-    step_max_s: f64,
-}
-
-/// How the motion is integrated.
-#[derive(Clone, Copy, Debug)]
-enum Method {
-    /// Runge-Kutta 4 with a fixed step: fast, and accurate to some 1e-5 of the motion.
-    FixedStep,
-    /// Dormand-Prince 5(4), the step following the error.
-    Adaptive(StepControl),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -129,8 +119,7 @@ impl Plant {
             onsets_s,
             looks_s: VecDeque::new(),
             seen: Vec::new(),
-            method: Method::FixedStep,
-            step_max_s: model.propulsion.step_max_s().min(effects_step_max_s),
+            method: Method::FixedStep { step_s: model.propulsion.step_max_s().min(effects_step_max_s) },
         };
         plant.set_motor_equilibrium([model.base_command; 4]);
         plant
@@ -186,17 +175,13 @@ impl Plant {
 
     /// Longest integration step, s; whoever shortens it trades speed for accuracy.
     pub fn set_step_max_s(&mut self, step_max_s: f64) {
-        self.step_max_s = step_max_s;
-        if let Method::Adaptive(control) = &mut self.method {
-            control.step_max_s = step_max_s;
-        }
+        self.method.set_step_max_s(step_max_s);
     }
 
     /// From now on integrates with Dormand-Prince 5(4), an error of `tolerance` allowed in a step, relative to each
     /// component of the state or to one (rad, rad/s, A).
     pub fn integrate_adaptively(&mut self, tolerance: f64) {
-        let step_s = 0.25 * self.step_max_s;
-        self.method = Method::Adaptive(StepControl { tolerance, step_s, step_max_s: self.step_max_s });
+        self.method = self.method.adaptive(tolerance);
     }
 
     /// Time since the start, s.
@@ -240,11 +225,11 @@ impl Plant {
         let end_s = self.time_s + duration_s;
         let mut left_s = duration_s;
         while let Some(event_s) = self.next_event_s().filter(|event_s| *event_s <= end_s + SAME_TIME_S) {
-            let until_s = event_s.clamp(self.time_s, end_s);
+            let until_s = event_s.min(end_s).max(self.time_s);
             self.integrate(until_s - self.time_s);
             self.time_s = until_s;
             self.pass_event(event_s);
-            left_s = end_s - until_s;
+            left_s = (end_s - self.time_s).max(0.0);
         }
         self.integrate(left_s);
         self.time_s = if left_s == duration_s { end_s } else { self.time_s + left_s };
@@ -272,69 +257,67 @@ impl Plant {
 
     /// Integrates over a stretch of time in which nothing sets in.
     fn integrate(&mut self, duration_s: f64) {
-        // a remainder this small is rounding of the duration, not time
-        let rounding = 1e-9 * self.step_max_s;
-        if let Method::Adaptive(mut control) = self.method {
-            if duration_s > rounding {
-                self.step_adaptively(duration_s, &mut control);
-                self.method = Method::Adaptive(control);
+        match self.method {
+            Method::FixedStep { step_s } if !self.extended => self.integrate_nominal(duration_s, step_s),
+            _ => self.integrate_any(duration_s),
+        }
+    }
+
+    /// A nominal vehicle with a fixed step. It is apart from the others because half of a flight's computing time goes by
+    /// here, and the compiler keeps the state in registers only where it sees one derivative and no call.
+    fn integrate_nominal(&mut self, duration_s: f64, step_max_s: f64) {
+        let forces = self.forces();
+        match self.body {
+            Body::Gimbal(gimbal, state) => {
+                let mut whole = join(&state, &self.rotors);
+                in_fixed_steps(duration_s, step_max_s, |_, step_s| {
+                    runge_kutta_4(&mut whole, step_s, |_, whole| forces.on_gimbal(&gimbal, whole));
+                    keep_rotors_forward(&mut whole, 4);
+                });
+                let (state, rotors) = split(&whole);
+                (self.body, self.rotors) = (Body::Gimbal(gimbal, state), rotors);
             }
-        } else {
-            let mut remaining_s = duration_s;
-            while remaining_s > rounding {
-                let step_s = if remaining_s > self.step_max_s + rounding { self.step_max_s } else { remaining_s };
-                self.step(duration_s - remaining_s, step_s);
-                remaining_s -= step_s;
+            Body::Free(body, state) => {
+                let mut whole = join(&state, &self.rotors);
+                in_fixed_steps(duration_s, step_max_s, |_, step_s| {
+                    runge_kutta_4(&mut whole, step_s, |_, whole| forces.in_free_flight(&body, whole));
+                    tidy_free_flight(&mut whole);
+                });
+                let (state, rotors) = split(&whole);
+                (self.body, self.rotors) = (Body::Free(body, state), rotors);
             }
         }
+    }
+
+    /// Any vehicle, by any method.
+    fn integrate_any(&mut self, duration_s: f64) {
+        let mut method = self.method;
+        let forces = self.forces();
+        match self.body {
+            Body::Gimbal(gimbal, state) => {
+                let mut whole = join(&state, &self.rotors);
+                let derivative = |after_s: f64, whole: &[f64; 12]| match &forces.extension {
+                    None => forces.on_gimbal(&gimbal, whole),
+                    Some(extended) => forces.extended_on_gimbal(extended, &gimbal, after_s, whole),
+                };
+                method.run(&mut whole, duration_s, derivative, |whole| keep_rotors_forward(whole, 4));
+                let (state, rotors) = split(&whole);
+                (self.body, self.rotors) = (Body::Gimbal(gimbal, state), rotors);
+            }
+            Body::Free(body, state) => {
+                let mut whole = join(&state, &self.rotors);
+                let derivative = |after_s: f64, whole: &[f64; 21]| match &forces.extension {
+                    None => forces.in_free_flight(&body, whole),
+                    Some(extended) => forces.extended_in_free_flight(extended, &body, after_s, whole),
+                };
+                method.run(&mut whole, duration_s, derivative, tidy_free_flight);
+                let (state, rotors) = split(&whole);
+                (self.body, self.rotors) = (Body::Free(body, state), rotors);
+            }
+        }
+        self.method = method;
         if self.actuation.lags() {
             self.actuation.pass(duration_s);
-        }
-    }
-
-    /// One step of fixed length, so long after the stretch's start.
-    fn step(&mut self, passed_s: f64, step_s: f64) {
-        let forces = self.forces();
-        match self.body {
-            Body::Gimbal(gimbal, state) => {
-                let mut whole = join(&state, &self.rotors);
-                integrate::runge_kutta_4(&mut whole, step_s, |after_s, whole| {
-                    forces.on_gimbal(&gimbal, passed_s + after_s, whole)
-                });
-                keep_rotors_forward(&mut whole, 4);
-                let (state, rotors) = split(&whole);
-                (self.body, self.rotors) = (Body::Gimbal(gimbal, state), rotors);
-            }
-            Body::Free(body, state) => {
-                let mut whole = join(&state, &self.rotors);
-                integrate::runge_kutta_4(&mut whole, step_s, |after_s, whole| {
-                    forces.in_free_flight(&body, passed_s + after_s, whole)
-                });
-                tidy_free_flight(&mut whole);
-                let (state, rotors) = split(&whole);
-                (self.body, self.rotors) = (Body::Free(body, state), rotors);
-            }
-        }
-    }
-
-    fn step_adaptively(&mut self, duration_s: f64, control: &mut StepControl) {
-        let forces = self.forces();
-        match self.body {
-            Body::Gimbal(gimbal, state) => {
-                let mut whole = join(&state, &self.rotors);
-                let derivative = |after_s: f64, whole: &[f64; 12]| forces.on_gimbal(&gimbal, after_s, whole);
-                let tidy = |whole: &mut [f64; 12]| keep_rotors_forward(whole, 4);
-                dormand_prince::dormand_prince(&mut whole, duration_s, control, derivative, tidy);
-                let (state, rotors) = split(&whole);
-                (self.body, self.rotors) = (Body::Gimbal(gimbal, state), rotors);
-            }
-            Body::Free(body, state) => {
-                let mut whole = join(&state, &self.rotors);
-                let derivative = |after_s: f64, whole: &[f64; 21]| forces.in_free_flight(&body, after_s, whole);
-                dormand_prince::dormand_prince(&mut whole, duration_s, control, derivative, tidy_free_flight);
-                let (state, rotors) = split(&whole);
-                (self.body, self.rotors) = (Body::Free(body, state), rotors);
-            }
         }
     }
 

@@ -15,6 +15,15 @@ pub(super) fn unpowered(rig: Rig) -> VehicleModel {
     model
 }
 
+/// A vehicle with effects in their short form, integrated much more finely than the tests ask.
+pub(super) fn with_effects(mut model: VehicleModel, effects: &[&str]) -> Plant {
+    let parse = |short: &&str| effects::Effect::parse(short, model.rig()).unwrap();
+    model.effects = effects.iter().map(parse).collect();
+    let mut plant = Plant::new(&model);
+    plant.integrate_adaptively(1e-12);
+    plant
+}
+
 /// Rotates a body vector into the world by a unit quaternion.
 pub(super) fn world_from_body([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
     let rotation = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
@@ -243,4 +252,8 @@ fn a_tilted_vehicle_accelerates_where_its_lift_points() {
     }
 }
 
+mod effects_in_free_flight;
+mod effects_of_actuators;
+mod effects_on_gimbal;
+mod integration;
 mod physics;

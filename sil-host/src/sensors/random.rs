@@ -44,6 +44,12 @@ impl RandomStream {
         normal
     }
 
+    /// Uniform from 0 to below 1.
+    pub fn uniform(&mut self) -> f64 {
+        // the 53 bits that a double holds
+        (self.generator.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
+    }
+
     /// One 64-bit draw is a point of the square, 2^32 steps a side. A point outside the unit circle (21 %) is
     /// overwritten by the next rather than branched upon.
     fn make_normals(&mut self) {

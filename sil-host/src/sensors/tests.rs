@@ -99,3 +99,81 @@ fn ideal_sensors_only_round() {
     assert_eq!(sample, imu::quantise(5, plant.rate_body_rad_s(), plant.specific_force_body_m_s2()));
     assert_eq!(Sensors::ideal().attitude([0.1, 0.2, 0.3]), [0.1, 0.2, 0.3]);
 }
+
+/// A plant and ideal sensors with effects, and the truth.
+fn with_effects(effects: &[&str]) -> (Plant, Sensors) {
+    let (_, plant) = tilted();
+    let effects: Vec<Effect> = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
+    (plant, Sensors::ideal().with_effects(&effects))
+}
+
+/// Reported rate and force in body axes, as counts allow.
+fn reported(plant: &Plant, sensors: &mut Sensors) -> ([f64; 3], [f64; 3]) {
+    let [x, y, z, ax, ay, az] = in_si(&sensors.imu(plant, 0));
+    // sensor_from_body turned around
+    ([y, -x, z], [ay, -ax, az])
+}
+
+fn assert_close(ours: [f64; 3], expected: [f64; 3], tolerance: f64) {
+    assert!(ours.iter().zip(expected).all(|(a, b)| (a - b).abs() <= tolerance), "{ours:?} {expected:?}");
+}
+
+/// Half a count.
+const GYRO_ROUNDING: f64 = 0.501 / GYRO_COUNTS_PER_RAD_S;
+const ACCEL_ROUNDING: f64 = 0.501 / ACCEL_COUNTS_PER_M_S2;
+
+#[test]
+fn the_gyro_reports_scale_times_felt_plus_bias_after_misalignment() {
+    let effects = [
+        "gyro_bias:axis=pitch,bias_rad_s=0.05",
+        "gyro_bias:axis=yaw,bias_rad_s=-0.02",
+        "gyro_scale:axis=roll,scale=1.5",
+        "gyro_scale:axis=pitch,scale=0.8",
+        "imu_misalignment:yaw_rad=0.3",
+    ];
+    let (plant, mut sensors) = with_effects(&effects);
+    let [p, q, r] = plant.rate_body_rad_s();
+    let (sin, cos) = libm::sincos(0.3);
+    let expected = [1.5 * (p * cos + q * sin), 0.8 * (-p * sin + q * cos) + 0.05, r - 0.02];
+    let (rate, force) = reported(&plant, &mut sensors);
+    assert_close(rate, expected, GYRO_ROUNDING);
+    // scale and bias are the gyro's alone, the misalignment is the whole chip's
+    let [x, y, z] = plant.specific_force_body_m_s2();
+    assert_close(force, [x * cos + y * sin, -x * sin + y * cos, z], ACCEL_ROUNDING);
+}
+
+/// A sensor whose x axis points right feels a pitch rate about it.
+#[test]
+fn a_quarter_turn_makes_pitch_of_roll() {
+    let (mut plant, mut sensors) = with_effects(&["imu_misalignment:yaw_rad=1.5707963267948966"]);
+    plant.set_attitude([0.0; 3], [0.7, 0.4, 0.0]);
+    let (rate, _) = reported(&plant, &mut sensors);
+    assert_close(rate, [0.4, -0.7, 0.0], GYRO_ROUNDING);
+    // nose up of the body is right side down for the sensor
+    assert_close(sensors.attitude([0.0, 0.2, 0.0]), [0.2, 0.0, std::f64::consts::FRAC_PI_2], 1e-12);
+}
+
+/// The reported attitude belongs to the reported force: gravity seen from it is the accelerometer's reading at rest.
+#[test]
+fn a_misaligned_imu_reports_the_attitude_that_its_own_axes_have() {
+    let (plant, mut sensors) = with_effects(&["imu_misalignment:yaw_rad=-0.4"]);
+    let truth = plant.truth();
+    let [roll, pitch, _] = sensors.attitude([truth.roll_rad, truth.pitch_rad, 0.0]);
+    let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (libm::sincos(roll), libm::sincos(pitch));
+    let expected = [9.81 * sin_pitch, -9.81 * cos_pitch * sin_roll, -9.81 * cos_pitch * cos_roll];
+    assert_close(reported(&plant, &mut sensors).1, expected, ACCEL_ROUNDING);
+    // and against rotations written with nalgebra
+    let rotation = nalgebra::Rotation3::from_euler_angles(truth.roll_rad, truth.pitch_rad, 0.0)
+        * nalgebra::Rotation3::from_euler_angles(0.0, 0.0, -0.4);
+    let (expected_roll, expected_pitch, expected_yaw) = rotation.euler_angles();
+    let ours = sensors.attitude([truth.roll_rad, truth.pitch_rad, 0.0]);
+    assert_close(ours, [expected_roll, expected_pitch, expected_yaw], 1e-12);
+}
+
+#[test]
+fn effects_of_the_plant_leave_the_sensors_as_they_are() {
+    let (plant, mut sensors) =
+        with_effects(&["spring:axis=roll,stiffness_nm_rad=0.1", "motor_lag:time_constant_s=0.1"]);
+    assert_eq!(sensors.imu(&plant, 5), Sensors::ideal().imu(&plant, 5));
+    assert_eq!(sensors.attitude_delay_s(), 0.0);
+}

@@ -1,6 +1,6 @@
 //! The logs that the commands write are read back by the commands, and hold what they should.
 
-use crate::sil::{Folder, RIG_LOG};
+use crate::sil::{Folder, GIMBAL_MODEL, RIG_LOG};
 
 /// Held against the model and the controller that made it, a log misses by its noise only: the deviation of the closed
 /// loop is that of the estimator with and without noise (CLI: a nominal log), the replay's error is the noise floor's
@@ -59,6 +59,40 @@ fn of_an_off_balance_ring_deviate_in_pitch() {
     let deviation = |axis: &str| folder.json("out.json")["closed_loop"][axis].as_f64().unwrap();
     assert!(deviation("roll_mean_abs_deg") < 0.3);
     assert!(deviation("pitch_mean_abs_deg") > 1.0, "{}", deviation("pitch_mean_abs_deg"));
+}
+
+/// Several effects, uneven rows, rows that are missing, and a file that tells none of it.
+#[test]
+fn of_synth_can_be_hard_to_read() {
+    let folder = Folder::new();
+    let effects = ["--effect", "motor_lag:time_constant_s=0.02", "--effect", "battery_sag:per_volt=0.1"];
+    let rows = ["--jitter", "0.001", "--drop-out", "0.1", "--blind", "--duration", "10", "log.csv"];
+    folder.sil(&[&["synth"], &effects[..], &rows].concat()).assert_done();
+    let text = String::from_utf8(folder.bytes("log.csv")).unwrap();
+    assert_eq!(text.lines().filter(|line| line.starts_with('#')).count(), 1);
+    assert!(!text.contains("motor_lag") && text.contains("battery_v"));
+    // 2000 rows less a tenth
+    assert!((1700..1900).contains(&text.lines().count()));
+    folder.sil(&["compare", "log.csv"]).assert_done();
+}
+
+/// `fly` and `synth` fly an extended model, and `compare` holds a log against it.
+#[test]
+fn of_an_extended_model_are_explained_by_it() {
+    let folder = Folder::new();
+    let effects = "\n[[effect]]\nname = \"spring\"\naxis = \"pitch\"\nstiffness_nm_rad = 0.1\n\
+                   [[effect]]\nname = \"attitude_delay\"\ndelay_s = 0.01\n";
+    folder.write("extended.toml", GIMBAL_MODEL.to_owned() + effects);
+    folder.sil(&["synth", "--model", "extended.toml", "--rate", "400", "synth.csv"]).assert_done();
+    folder.sil(&["fly", "--model", "extended.toml", "--controller", "pid", "--log", "fly.csv"]).assert_done();
+    let error = |log: &str, model: &[&str]| {
+        folder.sil(&[&["compare", log, "--json", "out.json"], model].concat()).assert_done();
+        folder.json("out.json")["prediction_error"]["nominal"]["q_deg_s"].as_f64().unwrap()
+    };
+    for log in ["synth.csv", "fly.csv"] {
+        let (nominal, extended) = (error(log, &[]), error(log, &["--model", "extended.toml"]));
+        assert!(extended < 0.5 * nominal, "{log}: {extended} deg/s against {nominal}");
+    }
 }
 
 /// The arguments that made the bundled log.

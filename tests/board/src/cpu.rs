@@ -1,6 +1,7 @@
 //! The Cortex-M4F's instructions, registers and memory, on the CPU emulator unicorn.
 //!
-//! Unicorn executes Thumb-2 and floating point. It knows no exceptions: it says when the image returns from one, waits
+//! Unicorn executes Thumb-2 and floating point, block by block: a block is what ends with a jump, or with an instruction that
+//! changes masks or mode. It knows no exceptions: it says when the image returns from one, waits
 //! for one, or raises one by a fault, and `exception` moves the frames.
 
 use std::cell::{Cell, RefCell};
@@ -34,7 +35,11 @@ pub(crate) enum Outcome {
 /// What the emulator's hooks leave for the end of the slice.
 #[derive(Default)]
 struct Hooked {
+    /// Instructions of the slice before the running block, and how many there are to be.
     instructions: Cell<u64>,
+    budget: Cell<u64>,
+    /// The slice is to end here, with this block not executed.
+    stops: Cell<bool>,
     block: Cell<(u32, u32)>,
     interrupt: Cell<Option<(u32, u32)>>,
     bad_address: Cell<Option<u32>>,
@@ -67,7 +72,6 @@ pub(crate) struct Cpu {
 /// Where in the slice a peripheral access happens.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    pub(crate) pc: u32,
     /// Instructions of this slice before the running block.
     pub(crate) ran: u64,
 }
@@ -78,6 +82,8 @@ pub(crate) trait Bus {
     fn load(&mut self, address: u32, size: u32, place: Place) -> u32;
     /// A store of 1, 2 or 4 bytes.
     fn store(&mut self, address: u32, size: u32, value: u32, place: Place);
+    /// Is the run over because of an access? Then it ends at that instruction.
+    fn is_over(&self) -> bool;
 }
 
 const EXCEPTION_SVC: u32 = 2;
@@ -108,23 +114,23 @@ impl Cpu {
         Ok(Self { engine, hooked })
     }
 
-    /// Runs at most `count` instructions from `pc` on; how many ran, and why no more.
+    /// Runs instructions from `pc` on, up to the end of the block in which the `count`th lies, or the first that writes to a
+    /// peripheral: how many ran, and what ended them.
     pub(crate) fn run(&mut self, pc: u32, count: u64) -> (u64, Outcome) {
         self.hooked.instructions.set(0);
+        self.hooked.budget.set(count);
+        self.hooked.stops.set(false);
         self.hooked.block.set((0, 0));
         self.hooked.interrupt.set(None);
         self.hooked.bad_address.set(None);
-        // no end address: nothing executes at the very top of the address space
-        let result = self.engine.emu_start(u64::from(pc | 1), 0xffff_fffe, 0, count as usize);
+        // no end address: nothing executes at the very top of the address space. No count either: the emulator would count
+        // each instruction by a call, which takes as long as all the rest
+        let result = self.engine.emu_start(u64::from(pc | 1), 0xffff_fffe, 0, 0);
         let interrupt = self.hooked.interrupt.get();
         let outcome = match (result, interrupt) {
-            (Ok(()), None) => {
-                if self.waits() {
-                    Outcome::Wait
-                } else {
-                    Outcome::Exhausted
-                }
-            }
+            (Ok(()), None) if self.hooked.stops.get() => Outcome::Exhausted,
+            (Ok(()), None) if self.waits() => Outcome::Wait,
+            (Ok(()), None) => Outcome::Exhausted,
             (_, Some((EXCEPTION_RETURN, pc))) => Outcome::ExceptionReturn(pc | 1),
             (_, Some((EXCEPTION_SVC, _))) => Outcome::SupervisorCall,
             (_, Some((EXCEPTION_PREFETCH_ABORT, _))) => Outcome::InstructionBusError,
@@ -136,8 +142,7 @@ impl Cpu {
                 None => Outcome::Failed(error),
             },
         };
-        let ran = if outcome == Outcome::Exhausted { count } else { self.count_up_to_stop().min(count) };
-        (ran, outcome)
+        (self.count_up_to_stop(), outcome)
     }
 
     /// A slice that ended well ended at WFI if that is the instruction before the program counter.
@@ -151,10 +156,13 @@ impl Cpu {
         ends_block && self.load(before, &mut instruction) && [WFI, WFE].contains(&u16::from_le_bytes(instruction))
     }
 
-    /// Whole blocks, and of the last one what lies before the program counter.
+    /// Whole blocks, and of the last one what lies before the program counter; none of one that was not to begin.
     fn count_up_to_stop(&mut self) -> u64 {
         let (start, size) = self.hooked.block.get();
         let pc = self.pc();
+        if self.hooked.stops.get() && pc == start {
+            return self.hooked.instructions.get();
+        }
         let inside = pc >= start && pc < start + size;
         let last = count_instructions(&self.engine, start, if inside { pc - start } else { size });
         self.hooked.instructions.get() + u64::from(last)
@@ -173,6 +181,12 @@ impl Cpu {
         self.register(RegisterARM::PC)
     }
 
+    /// As [`Memory::store`], for code that may have run already.
+    pub(crate) fn replace(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.hooked.counted.borrow_mut().fill((0, 0));
+        self.store(address, bytes) && self.engine.ctl_flush_tb().is_ok()
+    }
+
     /// Registers as after reset; the general ones hold nothing to rely on.
     pub(crate) fn reset(&mut self) {
         self.set_register(RegisterARM::XPSR_NZCVQG, 1 << 24);
@@ -189,6 +203,13 @@ impl Cpu {
             self.set_register(RegisterARM::R0 as i32 + number, 0xdead_0000 | number as u32);
         }
         self.refresh_mode();
+    }
+
+    /// RAM and CCM hold what they hold when power comes.
+    pub(crate) fn forget_memory(&mut self, seed: u64) {
+        let (ram, ccm) = (memory::RAM, memory::CCM);
+        self.store(ram.start, &memory::noise(ram.size, seed));
+        self.store(ccm.start, &memory::noise(ccm.size, !seed));
     }
 
     /// Makes the translated code notice a change of mode or stack; only this write of the emulator's does.
@@ -217,20 +238,26 @@ fn map_bus<B: Bus + 'static>(
     let (reader, writer) = (Rc::clone(bus), Rc::clone(bus));
     let (read_hooked, write_hooked) = (Rc::clone(hooked), Rc::clone(hooked));
     let start = region.start;
-    let place = |engine: &Unicorn<'_, ()>, hooked: &Hooked| Place {
-        pc: engine.reg_read(RegisterARM::PC).unwrap_or_default() as u32,
-        ran: hooked.instructions.get(),
-    };
+    let place = |hooked: &Hooked| Place { ran: hooked.instructions.get() };
     engine.mmio_map(
         u64::from(region.start),
         u64::from(region.size),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize| {
-            let place = place(engine, &read_hooked);
-            u64::from(reader.borrow_mut().load(start + offset as u32, size as u32, place))
+            let mut bus = reader.borrow_mut();
+            let value = bus.load(start + offset as u32, size as u32, place(&read_hooked));
+            if bus.is_over() {
+                let _ = engine.emu_stop();
+            }
+            u64::from(value)
         }),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize, value: u64| {
-            let place = place(engine, &write_hooked);
-            writer.borrow_mut().store(start + offset as u32, size as u32, value as u32, place);
+            let mut bus = writer.borrow_mut();
+            bus.store(start + offset as u32, size as u32, value as u32, place(&write_hooked));
+            // it may have raised an exception or moved the next event
+            write_hooked.budget.set(0);
+            if bus.is_over() {
+                let _ = engine.emu_stop();
+            }
         }),
     )
 }
@@ -242,6 +269,10 @@ fn install_hooks(engine: &mut Unicorn<'static, ()>, hooked: &Rc<Hooked>) -> Resu
         if length != 0 {
             let count = seen.count(engine, start, length);
             seen.instructions.set(seen.instructions.get() + u64::from(count));
+        }
+        if seen.instructions.get() >= seen.budget.get() {
+            seen.stops.set(true);
+            let _ = engine.emu_stop();
         }
     })?;
     let raised = Rc::clone(hooked);

@@ -4,24 +4,43 @@
 //! peripherals and the sensors around it. A [`World`] is what the sensors measure and the motor outputs drive.
 //! README.md lists what is modelled, what is simplified, and what is not there.
 
+mod bench;
 mod board;
 mod cortex;
 mod cpu;
+mod delays;
 mod devices;
+mod entry;
+mod flight;
+mod ground;
 mod image;
 mod machine;
 mod memory;
 mod peripherals;
+mod profile;
+mod pulses;
+mod second_imu;
 mod stop;
+pub mod thumb;
 pub mod time;
 mod trace;
+mod twin;
 mod vehicle;
+mod world;
 
-pub use board::World;
-pub use devices::mpu6000::Counts;
+pub use board::serial::Connector;
+pub use delays::Delays;
+pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
+pub use entry::EntryState;
+pub use flight::{Flight, LOOK, MILLISECOND};
+pub use ground::Ground;
 pub use image::{Image, ImageError};
 pub use machine::{Counters, Machine};
 pub use peripherals::timer::Pulse;
+pub use profile::Profile;
+pub use pulses::Pulses;
 pub use stop::{Cause, Stop};
 pub use trace::step_trace;
+pub use twin::{Planned, Twin};
 pub use vehicle::{Surroundings, Vehicle};
+pub use world::World;

@@ -2,28 +2,32 @@
 //!
 //! ```text
 //!   .-> board: everything due -> exception due? stack, enter -> asleep? skip to the next event
-//!   '--------------- slice: up to the next event, at most 256 instructions <------'
+//!   '--- slice: whole blocks until the next event is due, or 256 instructions <---'
 //! ```
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use shared_control::params::Params;
 use unicorn_engine::RegisterARM as Register;
 
-use crate::board::{Board, CYCLES_PER_INSTRUCTION, World};
+use crate::board::{Board, CYCLES_PER_INSTRUCTION};
 use crate::cortex::exceptions::{BUS_FAULT, HARD_FAULT, Masks, NMI, SV_CALL, USAGE_FAULT};
 use crate::cortex::stacking;
 use crate::cpu::{Cpu, Outcome};
+use crate::entry::EntryState;
 use crate::image::Image;
 use crate::memory::Memory;
+use crate::profile::Profile;
 use crate::stop::{Cause, Stop};
 use crate::time::Ticks;
+use crate::world::World;
 
-/// A slice's longest.
+/// After so many instructions a slice ends with the block that runs.
 const SLICE_INSTRUCTIONS: u64 = 256;
-/// So many instructions are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an
-/// image may lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set.
-const WATCHED_INSTRUCTIONS: u64 = 64;
+/// So many blocks are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an image may
+/// lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set. What lifts it ends a block.
+const WATCHED_BLOCKS: u64 = 64;
 /// For each exception entry and return.
 const EXCEPTION_CYCLES: u64 = 12;
 
@@ -52,22 +56,24 @@ pub struct Counters {
 /// A board that executes an image.
 pub struct Machine {
     cpu: Cpu,
-    board: Rc<RefCell<Board>>,
+    pub(crate) board: Rc<RefCell<Board>>,
     now: Ticks,
     cycles: u64,
     pc: u32,
     asleep: bool,
     /// An exception waits only for a mask to be lifted.
     masked: bool,
-    /// Slices of one instruction that are left while it does.
+    /// Slices of one block that are left while it does.
     watched: u64,
     /// Address of the image's vector table.
     vectors: u32,
+    entry: EntryState,
     counters: Counters,
+    profile: Profile,
 }
 
 impl Machine {
-    /// A board at power-on with the image in flash; RAM holds the noise of `seed`.
+    /// A board at power-on with the image in flash; RAM holds the noise of `seed`, FRAM the default choices.
     ///
     /// # Errors
     /// If the emulator fails or the image has no vector table.
@@ -78,18 +84,28 @@ impl Machine {
         for (address, bytes) in image.segments() {
             cpu.store(*address, bytes);
         }
-        let (vectors, counters) = (image.base(), Counters::default());
-        let (now, cycles, pc, watched) = (0, 0, 0, 0);
+        let (vectors, entry, counters) = (image.base(), EntryState::Reset, Counters::default());
+        let (now, cycles, pc, watched, profile) = (0, 0, 0, 0, Profile::default());
+        let (asleep, masked) = (false, false);
         let mut machine =
-            Self { cpu, board, now, cycles, pc, asleep: false, masked: false, watched, vectors, counters };
+            Self { cpu, board, now, cycles, pc, asleep, masked, watched, vectors, entry, counters, profile };
+        machine.configure(&Params::DEFAULT);
         machine.enter_image();
         Ok(machine)
     }
 
-    /// The core as after reset, at the image's first instruction. VTOR is 0: the image has to set it.
+    /// To be called before the first run: somebody else than the chip's reset starts the image, now and after every reset.
+    pub fn enter_from(&mut self, entry: EntryState) {
+        self.entry = entry;
+        self.enter_image();
+    }
+
+    /// The core at the image's first instruction. After a mere reset VTOR is 0: the image has to set it.
     fn enter_image(&mut self) {
         let [stack, entry] = [0, 4].map(|offset| self.word(self.vectors + offset).unwrap_or_default());
         self.cpu.reset();
+        self.entry.prepare(&mut self.cpu);
+        self.board.borrow_mut().preset(&self.entry.registers(self.vectors));
         self.cpu.set_register(Register::MSP, stack);
         self.cpu.set_register(Register::LR, u32::MAX);
         self.cpu.refresh_mode();
@@ -100,7 +116,15 @@ impl Machine {
     /// Resets chip and core; RAM, backup SRAM and what is around the chip stay as they are.
     fn reset(&mut self, flags: u32) {
         self.counters.resets += 1;
+        self.profile.reset();
         self.board.borrow_mut().reset(flags);
+        self.enter_image();
+    }
+
+    /// Takes all power away and gives it back: RAM holds the noise of `seed`, only flash and FRAM remember.
+    pub fn power_cycle(&mut self, seed: u64) {
+        self.board.borrow_mut().power_cycle(seed);
+        self.cpu.forget_memory(seed);
         self.enter_image();
     }
 
@@ -129,7 +153,9 @@ impl Machine {
     /// The next event, and no later than `end`; nothing executes until then.
     fn skip(&mut self, end: Ticks) {
         let next = self.board.borrow().next_event().unwrap_or(end);
-        self.set_time(next.clamp(self.now, end));
+        let until = next.clamp(self.now, end);
+        self.profile.sleep(until - self.now);
+        self.set_time(until);
     }
 
     fn run_slice(&mut self, end: Ticks) -> Result<(), Stop> {
@@ -143,6 +169,7 @@ impl Machine {
         self.pc = self.cpu.pc();
         self.counters.slices += 1;
         self.counters.instructions += ran;
+        self.profile.execute(ran);
         self.spend(ran * CYCLES_PER_INSTRUCTION);
         self.check_stop()?;
         self.check_float()?;
@@ -150,7 +177,7 @@ impl Machine {
             Outcome::Exhausted => Ok(()),
             Outcome::Wait => {
                 self.asleep = true;
-                self.watched = WATCHED_INSTRUCTIONS;
+                self.watched = WATCHED_BLOCKS;
                 Ok(())
             }
             Outcome::ExceptionReturn(exc_return) => self.leave_exception(exc_return),
@@ -175,7 +202,7 @@ impl Machine {
         self.asleep &= !wakes;
         self.masked = due.is_none() && unmasked.is_some();
         if self.masked && !was_masked {
-            self.watched = WATCHED_INSTRUCTIONS;
+            self.watched = WATCHED_BLOCKS;
         }
         match due {
             Some(number) => self.enter_exception(number),
@@ -205,6 +232,7 @@ impl Machine {
             Err(fault) => {
                 // the exception waits, the fault that its entry caused runs first
                 self.board.borrow_mut().private.exceptions.deactivate(number);
+                self.profile.leave();
                 self.board.borrow_mut().private.exceptions.pend(number);
                 self.fault_without_frame(STACKING_ERROR, fault.address)
             }
@@ -214,6 +242,7 @@ impl Machine {
     fn leave_exception(&mut self, exc_return: u32) -> Result<(), Stop> {
         let running = stacking::running(&self.cpu);
         self.board.borrow_mut().private.exceptions.deactivate(running);
+        self.profile.leave();
         // B1.5.8: FAULTMASK goes with the return from anything but NMI
         if running != NMI {
             self.cpu.set_register(Register::FAULTMASK, 0);
@@ -257,6 +286,7 @@ impl Machine {
         let mut board = self.board.borrow_mut();
         board.private.exceptions.activate(number);
         board.private.running = number;
+        self.profile.enter(number);
     }
 
     fn handler(&mut self, number: u8) -> Result<u32, Stop> {
@@ -267,7 +297,7 @@ impl Machine {
 
     fn check_stop(&self) -> Result<(), Stop> {
         match self.board.borrow_mut().stop.take() {
-            Some(stop) => Err(stop),
+            Some(stop) => Err(Stop { pc: self.pc, ..stop }),
             None => Ok(()),
         }
     }
@@ -308,6 +338,16 @@ impl Machine {
         self.counters
     }
 
+    /// Where the instructions went, since start or since [`Self::restart_profile`].
+    pub fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    /// Counts anew from here.
+    pub fn restart_profile(&mut self) {
+        self.profile.restart();
+    }
+
     /// Address of the next instruction.
     pub fn program_counter(&self) -> u32 {
         self.pc
@@ -330,18 +370,13 @@ impl Machine {
         self.cpu.load(address, &mut bytes).then_some(bytes)
     }
 
-    /// Sends on TELEM1's line.
-    pub fn telem1_send(&mut self, bytes: &[u8]) {
-        self.board.borrow_mut().telem1_sends(bytes);
+    /// Puts bytes into memory, flash included, whatever the image is doing: false if nothing is there.
+    pub fn poke(&mut self, address: u32, bytes: &[u8]) -> bool {
+        self.cpu.replace(address, bytes)
     }
 
-    /// The chip's supply from now on, V.
-    pub fn set_supply_v(&mut self, supply_v: f32) {
-        self.board.borrow_mut().set_supply_v(supply_v);
-    }
-
-    /// What came out of TELEM1 since the last call.
-    pub fn telem1_receive(&mut self) -> Vec<u8> {
-        self.board.borrow_mut().telem1_received()
+    /// Puts the stack pointer elsewhere.
+    pub fn poke_stack_pointer(&mut self, address: u32) {
+        self.cpu.set_register(Register::SP, address);
     }
 }

@@ -74,6 +74,8 @@ mod tests {
         let alias = 0x2_3840 * 32 + 28 * 4;
         assert_eq!(bit_band_target(PERIPHERALS, alias), (0x4002_3840, 28));
         assert_eq!(bit_band_target(PERIPHERALS, 0), (0x4000_0000, 0));
+        // the next word, and a bit beyond its first byte
+        assert_eq!(bit_band_target(PERIPHERALS, 0x2_3844 * 32 + 14 * 4), (0x4002_3844, 14));
     }
 
     #[test]

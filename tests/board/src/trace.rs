@@ -1,5 +1,6 @@
 //! The firmware's record of its last step, read out of the image's memory.
 
+use shared_control::signals::IMU_SAMPLES_MAX;
 use shared_control::trace::StepTrace;
 
 use crate::machine::Machine;
@@ -19,6 +20,14 @@ impl Words<'_> {
         }
         Some(words)
     }
+
+    fn samples(&mut self) -> Option<[[u32; 8]; IMU_SAMPLES_MAX]> {
+        let mut samples = StepTrace::EMPTY.sample;
+        for sample in &mut samples {
+            *sample = self.words()?;
+        }
+        Some(samples)
+    }
 }
 
 /// The record at this address (symbol `FLIGHT_TRACE`).
@@ -30,13 +39,9 @@ pub fn step_trace(machine: &mut Machine, address: u32) -> Option<StepTrace> {
         step: words.word()?,
         time_us: words.words()?,
         samples: words.word()?,
-        sample: {
-            let mut samples = StepTrace::EMPTY.sample;
-            for sample in &mut samples {
-                *sample = words.words()?;
-            }
-            samples
-        },
+        sample: words.samples()?,
+        samples_second: words.word()?,
+        sample_second: words.samples()?,
         setpoint: words.words()?,
         arming_request: words.words()?,
         link_age: words.words()?,
@@ -45,7 +50,9 @@ pub fn step_trace(machine: &mut Machine, address: u32) -> Option<StepTrace> {
         plan: words.words()?,
         compare_counts: words.words()?,
         arming: words.word()?,
+        imu_unit: words.word()?,
         imu_health: words.word()?,
+        standby_health: words.word()?,
         source: words.word()?,
         commands: words.words()?,
         unmet_torque_nm: words.words()?,
@@ -54,6 +61,7 @@ pub fn step_trace(machine: &mut Machine, address: u32) -> Option<StepTrace> {
         rate: words.words()?,
         bias: words.words()?,
         rate_target: words.words()?,
+        state: words.words()?,
     };
     words.word().is_none().then_some(trace)
 }

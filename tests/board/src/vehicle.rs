@@ -3,37 +3,60 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use shared_control::output::PulseKind;
 use sil_host::model::VehicleModel;
 use sil_host::plant::Plant;
 use sil_host::sensors::Sensors;
 
-use crate::board::World;
-use crate::devices::mpu6000::Counts;
+use crate::delays::Delays;
+use crate::devices::{Counts, SecondGyro};
 use crate::peripherals::timer::Pulse;
+use crate::pulses::Pulses;
+use crate::second_imu::SecondImu;
 use crate::time::{TICKS_PER_US, Ticks, seconds};
+use crate::world::World;
 
 /// Motor (0 to 3) on each channel of TIM1: AUX 1 to 4 are channels 4 to 1.
 const MOTOR_OF_CHANNEL: [usize; 4] = [3, 2, 1, 0];
-/// A PWM ESC's range, us.
-const PULSE_MIN_US: f64 = 1000.0;
-const PULSE_SPAN_US: f64 = 1000.0;
 
 /// The vehicle on its rig, which holds it until it is let go.
 pub struct Vehicle {
     plant: Plant,
     sensors: Sensors,
+    second_imu: SecondImu,
     /// Time up to which the plant has moved.
     moved_to: Ticks,
     held: bool,
     commands: [f64; 4],
-    last_pulse_end: Ticks,
+    pulses: Pulses,
+    recorded: Option<Vec<Pulse>>,
+    delays: Delays,
 }
 
 impl Vehicle {
-    /// Held at rest, with the model's sensor noise.
+    /// Held at rest, with the model's sensor noise and ESCs for PWM; the second IMU's gyro is an L3GD20.
     pub fn new(model: &VehicleModel, seed: u64) -> Rc<RefCell<Self>> {
-        let (plant, sensors) = (Plant::new(model), Sensors::new(&model.noise, seed));
-        Rc::new(RefCell::new(Self { plant, sensors, moved_to: 0, held: true, commands: [0.0; 4], last_pulse_end: 0 }))
+        Self::with_second_gyro(model, SecondGyro::L3gd20, seed)
+    }
+
+    /// The same with this variant of that gyro.
+    pub fn with_second_gyro(model: &VehicleModel, gyro: SecondGyro, seed: u64) -> Rc<RefCell<Self>> {
+        Rc::new(RefCell::new(Self {
+            plant: Plant::new(model),
+            sensors: Sensors::new(&model.noise, seed),
+            second_imu: SecondImu::new(gyro, &model.noise, seed),
+            moved_to: 0,
+            held: true,
+            commands: [0.0; 4],
+            pulses: Pulses::new(PulseKind::Pwm),
+            recorded: None,
+            delays: Delays::default(),
+        }))
+    }
+
+    /// Fits ESCs for this kind of pulse.
+    pub fn fit_escs(&mut self, pulses: PulseKind) {
+        self.pulses = Pulses::new(pulses);
     }
 
     /// Lets it go, the motors settled at what the ESCs were told last.
@@ -54,9 +77,24 @@ impl Vehicle {
         self.commands
     }
 
-    /// End of the last pulse on any motor output.
-    pub fn last_pulse_end(&self) -> Ticks {
-        self.last_pulse_end
+    /// What came on the motor outputs.
+    pub fn pulses(&self) -> &Pulses {
+        &self.pulses
+    }
+
+    /// Keeps every pulse that ends from now on.
+    pub fn record_pulses(&mut self) {
+        self.recorded = Some(Vec::new());
+    }
+
+    /// What was kept, in the order of their ends.
+    pub fn recorded_pulses(&self) -> &[Pulse] {
+        self.recorded.as_deref().unwrap_or_default()
+    }
+
+    /// From the ticks of the image's loop to the pulses that follow.
+    pub fn delays(&self) -> &Delays {
+        &self.delays
     }
 
     fn move_to(&mut self, now: Ticks) {
@@ -79,15 +117,32 @@ impl World for Surroundings {
         Counts { gyro: sample.gyro_counts, accel: sample.accel_counts }
     }
 
+    fn second_gyro(&self) -> Option<SecondGyro> {
+        Some(self.0.borrow().second_imu.gyro)
+    }
+
+    fn second_imu(&mut self, now: Ticks) -> Counts {
+        let mut vehicle = self.0.borrow_mut();
+        vehicle.move_to(now);
+        let Vehicle { plant, second_imu, .. } = &mut *vehicle;
+        second_imu.measure(plant)
+    }
+
     /// An ESC knows its command when the pulse ends.
     fn pulse(&mut self, pulse: Pulse) {
         let mut vehicle = self.0.borrow_mut();
         let (motor, end) = (MOTOR_OF_CHANNEL[pulse.channel], pulse.rise + pulse.width);
         vehicle.move_to(end);
-        let width_us = pulse.width as f64 / TICKS_PER_US as f64;
-        vehicle.commands[motor] = ((width_us - PULSE_MIN_US) / PULSE_SPAN_US).clamp(0.0, 1.0);
-        vehicle.last_pulse_end = end;
+        vehicle.commands[motor] = vehicle.pulses.take(motor, pulse);
+        vehicle.delays.pulse(pulse);
+        if let Some(recorded) = &mut vehicle.recorded {
+            recorded.push(pulse);
+        }
         let commands = vehicle.commands;
         vehicle.plant.set_commands(commands);
+    }
+
+    fn loop_tick(&mut self, at: Ticks) {
+        self.0.borrow_mut().delays.tick(at);
     }
 }

@@ -77,9 +77,11 @@ impl Effect {
         format!("{}:{}", self.name(), parts.join(","))
     }
 
-    /// The catalogue for a person, one effect a line: name, what it is, an example.
+    /// The catalogue for a person: name and meaning, below it an example with all parameters.
     pub fn help() -> String {
-        let lines = Self::CATALOGUE.iter().map(|entry| format!("  {:<53}{}\n", entry.example, entry.summary));
+        let lines = Self::CATALOGUE
+            .iter()
+            .map(|entry| format!("  {:<20} {}\n      {}\n", entry.name, entry.summary, entry.example));
         lines.collect()
     }
 }

@@ -50,6 +50,16 @@ fn bit(number: u8) -> u128 {
     1 << number
 }
 
+/// The bit of an exception in the levels of all lines, if it is asked for.
+pub(crate) fn line(number: u8, high: bool) -> u128 {
+    u128::from(high) << number
+}
+
+/// The bit of an interrupt there.
+pub(crate) fn interrupt_line(interrupt: u8, high: bool) -> u128 {
+    line(FIRST_INTERRUPT + interrupt, high)
+}
+
 fn numbers(mut bits: u128) -> impl Iterator<Item = u8> {
     std::iter::from_fn(move || {
         let number = bits.trailing_zeros() as u8;
@@ -59,13 +69,11 @@ fn numbers(mut bits: u128) -> impl Iterator<Item = u8> {
 }
 
 impl Exceptions {
-    /// The level of an interrupt's line. It pends when it rises, and again on return while it is still high.
-    pub(crate) fn set_line(&mut self, interrupt: u8, high: bool) {
-        let line = bit(FIRST_INTERRUPT + interrupt);
-        if high && self.lines & line == 0 {
-            self.pending |= line;
-        }
-        self.lines = if high { self.lines | line } else { self.lines & !line };
+    /// The levels of all lines, a bit for each exception. One pends when it rises, and again on return while it is still
+    /// high.
+    pub(crate) fn set_lines(&mut self, lines: u128) {
+        self.pending |= lines & !self.lines;
+        self.lines = lines;
     }
 
     pub(crate) fn pend(&mut self, number: u8) {
@@ -183,10 +191,10 @@ mod tests {
     #[test]
     fn the_lower_number_of_priority_preempts_equals_do_not() {
         let mut exceptions = with_two();
-        exceptions.set_line(28, true);
+        exceptions.set_lines(interrupt_line(28, true));
         assert_eq!(exceptions.due(FREE), Some(44));
         exceptions.activate(44);
-        exceptions.set_line(40, true);
+        exceptions.set_lines(interrupt_line(28, true) | interrupt_line(40, true));
         assert_eq!(exceptions.due(FREE), Some(56));
         exceptions.set_priority(56, 0x60);
         assert_eq!(exceptions.due(FREE), None);
@@ -195,7 +203,7 @@ mod tests {
     #[test]
     fn masks_hold_back_what_they_should() {
         let mut exceptions = with_two();
-        exceptions.set_line(28, true);
+        exceptions.set_lines(interrupt_line(28, true));
         assert_eq!(exceptions.due(Masks { basepri: 0x60, ..FREE }), None);
         assert_eq!(exceptions.due(Masks { basepri: 0x70, ..FREE }), Some(44));
         assert_eq!(exceptions.due(Masks { primask: true, ..FREE }), None);
@@ -208,15 +216,27 @@ mod tests {
     #[test]
     fn a_level_pends_again_on_return_an_edge_does_not() {
         let mut exceptions = with_two();
-        exceptions.set_line(28, true);
+        exceptions.set_lines(interrupt_line(28, true));
         exceptions.activate(44);
         // software cannot clear what its line holds
         exceptions.deactivate(44);
         assert!(exceptions.is_pending(44));
         exceptions.unpend(44);
         assert!(exceptions.is_pending(44));
-        exceptions.set_line(28, false);
+        exceptions.set_lines(0);
         exceptions.activate(44);
+        exceptions.deactivate(44);
+        assert!(!exceptions.is_pending(44));
+    }
+
+    #[test]
+    fn a_level_that_falls_while_its_handler_runs_does_not_come_again() {
+        let mut exceptions = with_two();
+        exceptions.set_lines(interrupt_line(28, true));
+        exceptions.activate(44);
+        // still high when it is looked at again; then the handler serves it
+        exceptions.set_lines(interrupt_line(28, true));
+        exceptions.set_lines(0);
         exceptions.deactivate(44);
         assert!(!exceptions.is_pending(44));
     }

@@ -3,6 +3,7 @@
 //! It samples when its own clock says so and keeps the counts that the world gives it. Those are for +-2000 deg/s and +-8 g:
 //! another range has no model.
 
+use super::Counts;
 use crate::time::{TICKS_PER_S, Ticks};
 
 const SMPLRT_DIV: u8 = 0x19;
@@ -34,15 +35,6 @@ const DATA_CLOCK_MAX_HZ: u64 = 20_000_000;
 const PULSE_TICKS: Ticks = 50 * crate::time::TICKS_PER_US;
 /// From power or reset until it answers.
 const START_TICKS: Ticks = TICKS_PER_S / 1000 * 30;
-
-/// One reading: counts in the sensor's axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Rotation rate at +-2000 deg/s.
-    pub gyro: [i16; 3],
-    /// Specific force at +-8 g.
-    pub accel: [i16; 3],
-}
 
 #[derive(Clone, Debug)]
 pub(crate) struct Mpu6000 {
@@ -95,10 +87,6 @@ impl Mpu6000 {
             self.transfer = None;
         }
         self.selected = low;
-    }
-
-    pub(crate) fn is_selected(&self) -> bool {
-        self.selected
     }
 
     /// One byte each way, at this clock. An error says why what comes out is not to be relied upon.
@@ -176,20 +164,21 @@ impl Mpu6000 {
         self.is_awake().then_some(self.next_sample).into_iter().chain(self.pulse_end).min()
     }
 
-    /// Is a sample to be taken now?
-    pub(crate) fn sample_due(&self, now: Ticks) -> bool {
-        self.is_awake() && self.next_sample <= now
+    /// The time of a sample that is due by now.
+    pub(crate) fn sample_due(&self, now: Ticks) -> Option<Ticks> {
+        (self.is_awake() && self.next_sample <= now).then_some(self.next_sample)
     }
 
-    /// Takes the sample that is due.
-    pub(crate) fn sample(&mut self, counts: Counts) {
+    /// Takes the sample that is due; without counts it repeats its last.
+    pub(crate) fn sample(&mut self, counts: Option<Counts>) {
         let at = self.next_sample;
         self.next_sample += self.period();
-        let words =
-            [counts.accel[0], counts.accel[1], counts.accel[2], 0, counts.gyro[0], counts.gyro[1], counts.gyro[2]];
-        for (index, word) in words.into_iter().enumerate() {
-            let first = usize::from(ACCEL_XOUT_H) + 2 * index;
-            self.registers[first..first + 2].copy_from_slice(&word.to_be_bytes());
+        if let Some(Counts { accel, gyro }) = counts {
+            let words = [accel[0], accel[1], accel[2], 0, gyro[0], gyro[1], gyro[2]];
+            for (index, word) in words.into_iter().enumerate() {
+                let first = usize::from(ACCEL_XOUT_H) + 2 * index;
+                self.registers[first..first + 2].copy_from_slice(&word.to_be_bytes());
+            }
         }
         self.registers[usize::from(INT_STATUS)] |= DATA_READY;
         self.pulse_end = Some(at + PULSE_TICKS);
@@ -250,7 +239,7 @@ mod tests {
     #[test]
     fn a_burst_reads_big_endian_words_from_the_status_on() {
         let mut chip = awake();
-        chip.sample(Counts { gyro: [1, -2, 0x1234], accel: [0, 0, -4096] });
+        chip.sample(Some(Counts { gyro: [1, -2, 0x1234], accel: [0, 0, -4096] }));
         let mut burst = [0; 16];
         burst[0] = INT_STATUS | READ;
         let answers = transfer(&mut chip, &burst, FAST_HZ);
@@ -271,7 +260,7 @@ mod tests {
     fn the_interrupt_pulses_high_for_50_us_or_holds_until_read() {
         let mut chip = awake();
         let at = chip.next_event().unwrap();
-        chip.sample(Counts::default());
+        chip.sample(None);
         assert!(chip.interrupt_pin());
         chip.tick(at + PULSE_TICKS);
         assert!(!chip.interrupt_pin());
@@ -285,11 +274,11 @@ mod tests {
     fn the_sample_rate_is_divided() {
         let mut chip = awake();
         let first = chip.next_event().unwrap();
-        chip.sample(Counts::default());
+        chip.sample(None);
         chip.tick(first + PULSE_TICKS);
         assert_eq!(chip.next_event(), Some(first + TICKS_PER_S / 1000));
         transfer(&mut chip, &[SMPLRT_DIV, 4], SLOW_HZ);
-        chip.sample(Counts::default());
+        chip.sample(None);
         chip.tick(first + TICKS_PER_S);
         assert_eq!(chip.next_event(), Some(first + TICKS_PER_S / 1000 * 6));
     }
@@ -298,7 +287,7 @@ mod tests {
     fn a_range_that_the_counts_are_not_for_is_noticed() {
         let mut chip = awake();
         transfer(&mut chip, &[GYRO_CONFIG, 0], SLOW_HZ);
-        chip.sample(Counts::default());
+        chip.sample(None);
         assert!(transfer(&mut chip, &[ACCEL_XOUT_H | READ, 0], FAST_HZ)[1].is_err());
     }
 }

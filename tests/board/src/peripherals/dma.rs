@@ -11,8 +11,12 @@ const TO_PERIPHERAL: u32 = 1 << 6;
 const CIRC: u32 = 1 << 8;
 const PINC: u32 = 1 << 9;
 const MINC: u32 = 1 << 10;
-/// PFCTRL, memory to memory, item sizes, PINCOS, double buffer.
-const UNUSED: u32 = 1 << 5 | 1 << 7 | PINC | 0b11 << 11 | 0b11 << 13 | 1 << 15 | 1 << 18;
+/// Item sizes at the peripheral and in memory: bytes or half-words, the same on both sides.
+const SIZES: u32 = 0b1111 << 11;
+const BYTES: u32 = 0;
+const HALF_WORDS: u32 = 0b0101 << 11;
+/// PFCTRL, memory to memory, PINCOS, double buffer.
+const UNUSED: u32 = 1 << 5 | 1 << 7 | PINC | 1 << 15 | 1 << 18;
 
 const TRANSFER_ERROR: u32 = 1 << 3;
 const HALF: u32 = 1 << 4;
@@ -26,6 +30,8 @@ const FLAG_SHIFT: [u32; 4] = [0, 6, 16, 22];
 pub(crate) struct Item {
     pub(crate) memory_address: u32,
     pub(crate) peripheral_address: u32,
+    /// Bytes, 1 or 2.
+    pub(crate) size: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,6 +48,10 @@ struct Stream {
 }
 
 impl Stream {
+    fn item_bytes(&self) -> u32 {
+        if self.control & SIZES == HALF_WORDS { 2 } else { 1 }
+    }
+
     fn interrupt(&self) -> bool {
         // enable bits DMEIE, TEIE, HTIE, TCIE (1 to 4) are in the order of the flags (2 to 5)
         self.flags & (self.control & DMEIE_TEIE_HTIE_TCIE) << 1 != 0
@@ -62,8 +72,9 @@ impl Dma {
             && (stream.control & TO_PERIPHERAL != 0) == to_peripheral;
         let done = if stream.control & MINC != 0 { stream.block - stream.left } else { 0 };
         serves.then(|| Item {
-            memory_address: stream.memory_address[0].wrapping_add(done),
+            memory_address: stream.memory_address[0].wrapping_add(done * stream.item_bytes()),
             peripheral_address: stream.peripheral_address,
+            size: stream.item_bytes(),
         })
     }
 
@@ -93,6 +104,11 @@ impl Dma {
 
     pub(crate) fn interrupt(&self, stream: usize) -> bool {
         self.streams[stream].interrupt()
+    }
+
+    /// Does anybody wait for this stream's interrupts?
+    pub(crate) fn is_waited_for(&self, stream: usize) -> bool {
+        self.streams[stream].control & DMEIE_TEIE_HTIE_TCIE != 0
     }
 }
 
@@ -139,8 +155,10 @@ fn write_stream(stream: &mut Stream, offset: u32, value: u32) -> Result<(), Unmo
     let enabled = stream.control & EN != 0;
     match offset {
         0x00 => {
-            if value & EN != 0 && value & UNUSED != 0 {
-                return Err(Unmodelled("DMA other than bytes between memory and a fixed peripheral register"));
+            if value & EN != 0 && (value & UNUSED != 0 || ![BYTES, HALF_WORDS].contains(&(value & SIZES))) {
+                return Err(Unmodelled(
+                    "DMA other than bytes or half-words between memory and a fixed peripheral register",
+                ));
             }
             let starts = value & EN != 0 && !enabled;
             if starts && stream.flags & COMPLETE != 0 {
@@ -206,6 +224,15 @@ mod tests {
         dma.moved(0);
         assert_eq!(dma.read(0x14, 0).unwrap(), 2);
         assert_eq!(dma.item(0, 3, false).unwrap().memory_address, 0x2000_0000);
+    }
+
+    #[test]
+    fn half_words_take_two_bytes_each() {
+        let mut dma = stream_0(MINC | CIRC | HALF_WORDS, 3);
+        dma.moved(0);
+        let item = dma.item(0, 0, false).unwrap();
+        assert_eq!((item.memory_address, item.size), (0x2000_0002, 2));
+        assert!(Dma::default().write(0x10, EN | 0b01 << 11, 0).is_err());
     }
 
     #[test]

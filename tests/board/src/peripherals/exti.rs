@@ -13,18 +13,22 @@ pub(crate) struct Exti {
     falling: u32,
     pending: u32,
     levels: u32,
+    /// Lines whose level is known: those that were selected when levels came last.
+    known: u32,
 }
 
 impl Exti {
-    /// The level of a line; an edge that is selected pends.
-    pub(crate) fn set_level(&mut self, line: u32, high: bool) {
-        let bit = 1 << line;
-        let was_high = self.levels & bit != 0;
-        let selected = if high { self.rising } else { self.falling };
-        if was_high != high {
-            self.pending |= selected & bit;
-            self.levels ^= bit;
-        }
+    /// The levels of the lines that are [`selected`](Self::selected); an edge pends. What the level was before a line was
+    /// selected makes no edge.
+    pub(crate) fn set_levels(&mut self, levels: u32) {
+        let (rises, falls) = (levels & !self.levels, self.levels & !levels);
+        self.pending |= (rises & self.rising | falls & self.falling) & self.known;
+        (self.levels, self.known) = (levels, self.selected());
+    }
+
+    /// Lines of which an edge pends.
+    pub(crate) fn selected(&self) -> u32 {
+        self.rising | self.falling
     }
 
     /// Is the interrupt of any line of this set wanted?
@@ -70,14 +74,15 @@ mod tests {
         let mut exti = Exti::default();
         exti.write(0x08, 1 << 15, 0).unwrap();
         exti.write(0x00, 1 << 15, 0).unwrap();
-        exti.set_level(15, true);
+        exti.set_levels(0);
+        exti.set_levels(1 << 15);
         assert!(exti.requests(0xfc00));
         // it stays pending until software clears it, whatever the level does
-        exti.set_level(15, false);
+        exti.set_levels(0);
         assert!(exti.requests(0xfc00));
         exti.write(0x14, 1 << 15, 0).unwrap();
         assert!(!exti.requests(0xfc00));
-        exti.set_level(15, false);
+        exti.set_levels(0);
         assert!(!exti.requests(0xfc00));
     }
 
@@ -85,9 +90,21 @@ mod tests {
     fn a_masked_line_pends_without_an_interrupt() {
         let mut exti = Exti::default();
         exti.write(0x0c, 1, 0).unwrap();
-        exti.set_level(0, true);
-        exti.set_level(0, false);
+        exti.set_levels(1);
+        exti.set_levels(0);
         assert_eq!(exti.read(0x14, 0).unwrap(), 1);
         assert!(!exti.requests(1));
+    }
+
+    #[test]
+    fn a_level_from_before_the_selection_is_no_edge() {
+        let mut exti = Exti::default();
+        exti.write(0x00, 1, 0).unwrap();
+        exti.write(0x08, 1, 0).unwrap();
+        exti.set_levels(1);
+        assert!(!exti.requests(1));
+        exti.set_levels(0);
+        exti.set_levels(1);
+        assert!(exti.requests(1));
     }
 }

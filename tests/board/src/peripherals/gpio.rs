@@ -5,6 +5,7 @@ use crate::time::Ticks;
 
 const MODE_OUTPUT: u32 = 1;
 const MODE_ALTERNATE: u32 = 2;
+const MODE_ANALOG: u32 = 3;
 const PULL_UP: u32 = 1;
 
 #[derive(Clone, Debug)]
@@ -56,6 +57,11 @@ impl Gpio {
     pub(crate) fn alternate_function(&self, pin: u32) -> Option<u32> {
         let function = self.alternate[(pin / 8) as usize] >> (4 * (pin % 8)) & 0xf;
         (self.mode_of(pin) == MODE_ALTERNATE).then_some(function)
+    }
+
+    /// Is the pin an analog one?
+    pub(crate) fn is_analog(&self, pin: u32) -> bool {
+        self.mode_of(pin) == MODE_ANALOG
     }
 
     /// Something outside the chip drives a pin.

@@ -1,5 +1,6 @@
 //! The chip's peripherals, one a file, each with its section of RM0090.
 
+pub(crate) mod adc;
 pub(crate) mod dbgmcu;
 pub(crate) mod dma;
 pub(crate) mod exti;

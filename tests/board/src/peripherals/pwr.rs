@@ -17,13 +17,16 @@ pub(crate) struct Pwr {
     supply_v: f32,
 }
 
-impl Default for Pwr {
-    fn default() -> Self {
-        Self { control: 0xc000, status: 0, supply_v: 3.3 }
-    }
-}
-
 impl Pwr {
+    /// As after reset, with this supply.
+    pub(crate) fn new(supply_v: f32) -> Self {
+        Self { control: 0xc000, status: 0, supply_v }
+    }
+
+    pub(crate) fn supply_v(&self) -> f32 {
+        self.supply_v
+    }
+
     /// DBP: may the backup domain be written?
     pub(crate) fn backup_writable(&self) -> bool {
         self.control >> 8 & 1 != 0
@@ -69,7 +72,7 @@ mod tests {
 
     #[test]
     fn the_detector_compares_with_the_threshold_that_is_set() {
-        let mut pwr = Pwr::default();
+        let mut pwr = Pwr::new(3.3);
         pwr.set_supply_v(2.9);
         assert!(!pwr.supply_low());
         pwr.write(0, PVDE | 7 << 5, 0).unwrap();

@@ -1,6 +1,7 @@
 //! Reset and clock control. RM0090 section 6.3 (STM32F42x).
 //!
-//! Oscillators and the PLL are ready as soon as they are on. Clocks are those of the board: HSE is 24 MHz.
+//! Oscillators and the PLL are ready as soon as they are on, unless the crystal does not oscillate. Clocks are those of the board:
+//! HSE is 24 MHz. The clock security system goes back to HSI when the crystal stops (section 6.2.7).
 
 use super::{Peripheral, Unmodelled};
 use crate::time::{TICKS_PER_S, Ticks};
@@ -14,6 +15,25 @@ const CFGR: u32 = 0x08;
 const CIR: u32 = 0x0c;
 const CSR: u32 = 0x74;
 const RMVF: u32 = 1 << 24;
+
+const HSION: u32 = 1;
+const HSEON: u32 = 1 << 16;
+const CSSON: u32 = 1 << 19;
+const PLLON: u32 = 1 << 24;
+/// Read-only: one above HSION, HSEON, PLLON, PLLI2SON, PLLSAION.
+const READY: u32 = 1 << 1 | 1 << 17 | 1 << 25 | 1 << 27 | 1 << 29;
+/// PLLI2S, PLLSAI.
+const OTHER_PLLS: u32 = 1 << 26 | 1 << 28;
+const PLL_FROM_HSE: u32 = 1 << 22;
+/// In CFGR, and in SWS two bits higher.
+const SWITCH: u32 = 0b11;
+const FROM_HSI: u32 = 0;
+const FROM_HSE: u32 = 1;
+const FROM_PLL: u32 = 2;
+const CSSF: u32 = 1 << 7;
+const CSSC: u32 = 1 << 23;
+/// Interrupts of oscillators that become ready.
+const READY_INTERRUPTS: u32 = 0x7f << 8;
 /// Words of the register block.
 const WORDS: usize = 0x90 / 4;
 
@@ -49,18 +69,71 @@ pub(crate) struct Clocks {
 #[derive(Clone, Debug)]
 pub(crate) struct Rcc {
     words: [u32; WORDS],
+    /// What the system clock comes from, as SWS says.
+    source: u32,
+    crystal_oscillates: bool,
 }
 
 impl Rcc {
     /// As after a reset for these reasons (the flags of RCC_CSR).
-    pub(crate) fn new(reset_flags: u32) -> Self {
+    pub(crate) fn new(reset_flags: u32, crystal_oscillates: bool) -> Self {
         let mut words = [0; WORDS];
-        words[(CR / 4) as usize] = 0x83;
+        words[(CR / 4) as usize] = 0x81;
         words[(PLLCFGR / 4) as usize] = 0x2400_3010;
         // AHB1ENR: CCM data RAM is clocked
         words[0x30 / 4] = 0x0010_0000;
         words[(CSR / 4) as usize] = reset_flags;
-        Self { words }
+        Self { words, source: FROM_HSI, crystal_oscillates }
+    }
+
+    pub(crate) fn crystal_oscillates(&self) -> bool {
+        self.crystal_oscillates
+    }
+
+    /// The crystal starts, if it is switched on, or stops. False if the core is left without a clock.
+    pub(crate) fn set_crystal(&mut self, oscillates: bool) -> bool {
+        let in_use = self.source == FROM_HSE || self.source == FROM_PLL && self.word(PLLCFGR) & PLL_FROM_HSE != 0;
+        let stops = self.is_ready(FROM_HSE) && !oscillates;
+        self.crystal_oscillates = oscillates;
+        if !stops {
+            return true;
+        }
+        let watched = self.word(CR) & CSSON != 0;
+        if watched {
+            self.words[(CR / 4) as usize] &= !(HSEON | if in_use { PLLON } else { 0 });
+            self.words[(CIR / 4) as usize] |= CSSF;
+        }
+        if watched && in_use {
+            self.words[(CFGR / 4) as usize] &= !SWITCH;
+            self.source = FROM_HSI;
+        }
+        watched || !in_use
+    }
+
+    /// The clock security system's NMI: pending until software clears its flag.
+    pub(crate) fn crystal_lost(&self) -> bool {
+        self.word(CIR) & CSSF != 0
+    }
+
+    fn is_ready(&self, source: u32) -> bool {
+        let control = self.word(CR);
+        match source {
+            FROM_HSI => control & HSION != 0,
+            FROM_HSE => control & HSEON != 0 && self.crystal_oscillates,
+            FROM_PLL => {
+                let input = if self.word(PLLCFGR) & PLL_FROM_HSE != 0 { FROM_HSE } else { FROM_HSI };
+                control & PLLON != 0 && self.is_ready(input)
+            }
+            _ => false,
+        }
+    }
+
+    /// The switch is thrown as soon as its target is ready.
+    fn switch(&mut self) {
+        let wanted = self.word(CFGR) & SWITCH;
+        if self.is_ready(wanted) {
+            self.source = wanted;
+        }
     }
 
     fn word(&self, offset: u32) -> u32 {
@@ -83,11 +156,10 @@ impl Rcc {
     /// What the registers say; none if a clock is not a whole number of ticks or comes from where nothing oscillates.
     pub(crate) fn clocks(&self) -> Option<Clocks> {
         let cfgr = self.word(CFGR);
-        let source_hz = match cfgr & 3 {
-            0 => HSI_HZ,
-            1 => HSE_HZ,
-            2 => self.pll_hz()?,
-            _ => return None,
+        let source_hz = match self.source {
+            FROM_HSI => HSI_HZ,
+            FROM_HSE => HSE_HZ,
+            _ => self.pll_hz()?,
         };
         let core = whole_ticks(source_hz)? << ahb_shift(cfgr >> 4 & 0xf);
         let (shift1, shift2) = (apb_shift(cfgr >> 10 & 7), apb_shift(cfgr >> 13 & 7));
@@ -103,7 +175,7 @@ impl Rcc {
 
     fn pll_hz(&self) -> Option<u64> {
         let pll = self.word(PLLCFGR);
-        let input_hz = if pll >> 22 & 1 != 0 { HSE_HZ } else { HSI_HZ };
+        let input_hz = if pll & PLL_FROM_HSE != 0 { HSE_HZ } else { HSI_HZ };
         let (m, n, p) = (u64::from(pll & 0x3f), u64::from(pll >> 6 & 0x1ff), u64::from(pll >> 16 & 3) * 2 + 2);
         (m >= 2).then(|| input_hz / m * n / p)
     }
@@ -129,10 +201,15 @@ impl Peripheral for Rcc {
     fn read(&mut self, offset: u32, _: Ticks) -> Result<u32, Unmodelled> {
         let value = *self.words.get((offset / 4) as usize).ok_or(Unmodelled("RCC register"))?;
         Ok(match offset {
-            // what is on is ready, one bit above: HSI, HSE, PLL
-            CR => value | (value & (1 | 1 << 16 | 1 << 24 | 1 << 26 | 1 << 28)) << 1,
-            // SWS follows SW
-            CFGR => value & !0xc | (value & 3) << 2,
+            // what is on and ready says so one bit above
+            CR => {
+                let ready = [(FROM_HSI, HSION), (FROM_HSE, HSEON), (FROM_PLL, PLLON)]
+                    .iter()
+                    .filter(|(source, _)| self.is_ready(*source))
+                    .fold(value & OTHER_PLLS, |all, (_, on)| all | on);
+                value | ready << 1
+            }
+            CFGR => value & !(SWITCH << 2) | self.source << 2,
             // LSION to LSIRDY
             CSR => value | (value & 1) << 1,
             _ => value,
@@ -142,15 +219,23 @@ impl Peripheral for Rcc {
     fn write(&mut self, offset: u32, value: u32, _: Ticks) -> Result<(), Unmodelled> {
         let index = (offset / 4) as usize;
         match offset {
-            CIR => {}
+            CIR if value & READY_INTERRUPTS != 0 => return Err(Unmodelled("interrupt of a ready oscillator")),
+            CIR => {
+                if value & CSSC != 0 {
+                    self.words[index] &= !CSSF;
+                }
+            }
             CSR => {
                 let flags = if value & RMVF != 0 { 0 } else { self.words[index] & 0xfe00_0000 };
                 self.words[index] = flags | value & 1;
             }
             _ if index < WORDS => {
-                let before = std::mem::replace(&mut self.words[index], value);
+                self.words[index] = if offset == CR { value & !READY } else { value };
+                self.switch();
+                if self.word(CFGR) & SWITCH == SWITCH || !self.is_ready(self.source) {
+                    return Err(Unmodelled("system clock from nothing that oscillates"));
+                }
                 if self.clocks().is_none() {
-                    self.words[index] = before;
                     return Err(Unmodelled("clock that does not divide 336 MHz"));
                 }
             }
@@ -166,10 +251,11 @@ mod tests {
 
     #[test]
     fn the_boards_clocks_are_those_of_the_data_sheet() {
-        let mut rcc = Rcc::new(0);
+        let mut rcc = Rcc::new(0, true);
         assert_eq!(rcc.clocks().unwrap().core, 21);
         // 24 MHz / 24 * 336 / 2, Q 7
         rcc.write(PLLCFGR, 7 << 24 | 1 << 22 | 336 << 6 | 24, 0).unwrap();
+        rcc.write(CR, HSION | HSEON | PLLON, 0).unwrap();
         rcc.write(CFGR, 5 << 10 | 4 << 13 | 2, 0).unwrap();
         let clocks = rcc.clocks().unwrap();
         assert_eq!(clocks, Clocks { core: 2, apb1: 8, apb2: 4, apb1_timers: 4, apb2_timers: 2 });
@@ -178,15 +264,56 @@ mod tests {
 
     #[test]
     fn an_oscillator_is_ready_only_when_on() {
-        let mut rcc = Rcc::new(0);
+        let mut rcc = Rcc::new(0, true);
         assert_eq!(rcc.read(CR, 0).unwrap() & (1 << 17 | 1 << 25), 0);
-        rcc.write(CR, 1 << 16 | 1 << 24, 0).unwrap();
-        assert_eq!(rcc.read(CR, 0).unwrap(), 3 << 16 | 3 << 24);
+        rcc.write(CR, HSION | HSEON | PLLON, 0).unwrap();
+        assert_eq!(rcc.read(CR, 0).unwrap(), 3 | 3 << 16 | 3 << 24);
+        // what was ready and is written back does not stay so
+        rcc.write(CR, 3 | 1 << 17 | 1 << 25, 0).unwrap();
+        assert_eq!(rcc.read(CR, 0).unwrap(), 3);
+    }
+
+    #[test]
+    fn a_crystal_that_does_not_start_makes_nothing_ready_and_the_switch_waits() {
+        let mut rcc = Rcc::new(0, false);
+        rcc.write(PLLCFGR, PLL_FROM_HSE | 336 << 6 | 24, 0).unwrap();
+        rcc.write(CR, HSION | HSEON | PLLON, 0).unwrap();
+        assert_eq!(rcc.read(CR, 0).unwrap() & (HSEON | PLLON) << 1, 0);
+        rcc.write(CFGR, FROM_PLL, 0).unwrap();
+        assert_eq!(rcc.read(CFGR, 0).unwrap() >> 2 & 3, FROM_HSI);
+        assert_eq!(rcc.clocks().unwrap().core, 21);
+    }
+
+    /// 168 MHz by the PLL from the crystal.
+    fn at_168_mhz(watched: u32) -> Rcc {
+        let mut rcc = Rcc::new(0, true);
+        rcc.write(PLLCFGR, PLL_FROM_HSE | 336 << 6 | 24, 0).unwrap();
+        rcc.write(CR, HSION | HSEON | PLLON | watched, 0).unwrap();
+        rcc.write(CFGR, FROM_PLL, 0).unwrap();
+        rcc
+    }
+
+    #[test]
+    fn when_the_crystal_stops_the_security_system_goes_back_to_hsi_and_says_so() {
+        let mut rcc = at_168_mhz(CSSON);
+        assert!(!rcc.crystal_lost());
+        assert!(rcc.set_crystal(false));
+        assert!(rcc.crystal_lost());
+        assert_eq!(rcc.clocks().unwrap().core, 21);
+        assert_eq!(rcc.read(CR, 0).unwrap() & (HSEON | PLLON), 0);
+        assert_eq!(rcc.read(CFGR, 0).unwrap() & 0xf, 0);
+        rcc.write(CIR, CSSC, 0).unwrap();
+        assert!(!rcc.crystal_lost());
+    }
+
+    #[test]
+    fn without_it_the_core_stands_still() {
+        assert!(!at_168_mhz(0).set_crystal(false));
     }
 
     #[test]
     fn reset_flags_stay_until_removed() {
-        let mut rcc = Rcc::new(1 << 29);
+        let mut rcc = Rcc::new(1 << 29, true);
         rcc.write(CSR, 1, 0).unwrap();
         assert_eq!(rcc.read(CSR, 0).unwrap(), 1 << 29 | 3);
         rcc.write(CSR, RMVF, 0).unwrap();

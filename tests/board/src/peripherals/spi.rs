@@ -48,6 +48,11 @@ impl Spi {
         self.control[0] & CPHA_CPOL == CPHA_CPOL
     }
 
+    /// Clock idles low and samples on its first edge.
+    pub(crate) fn is_mode_0(&self) -> bool {
+        self.control[0] & CPHA_CPOL == 0
+    }
+
     fn bit_ticks(&self) -> Ticks {
         self.bus_cycle << (1 + (self.control[0] >> 3 & 7))
     }

@@ -1,8 +1,8 @@
-//! Timers that count up: TIM1 (RM0090 section 17.4), TIM3 and TIM5 (section 18.4). Time base with preload, PWM mode 1, trigger
+//! Timers that count up: TIM1 (RM0090 section 17.4), TIM2, TIM3 and TIM5 (section 18.4). Time base with preload, PWM mode 1, trigger
 //! output and slave modes reset and trigger. Nothing else of theirs is modelled.
 
 use super::{Peripheral, Unmodelled};
-use crate::time::Ticks;
+use crate::time::{TICKS_PER_S, Ticks};
 
 const CEN: u32 = 1;
 const UDIS: u32 = 1 << 1;
@@ -56,7 +56,7 @@ pub(crate) struct Timer {
     active_prescaler: u32,
     active_reload: u32,
     active_compare: [u32; CHANNELS],
-    /// When the counter was 0; while stopped, `held` is the count.
+    /// When the counter was 0, or would have been at its clock of now: it may wrap. While stopped, `held` is the count.
     origin: Ticks,
     held: u32,
     matched: [bool; CHANNELS],
@@ -76,9 +76,17 @@ impl Timer {
         Self { count_max, reload: count_max, active_reload: count_max, ..Self::default() }
     }
 
-    /// Period of its clock.
-    pub(crate) fn set_cycle(&mut self, cycle: Ticks) {
+    /// Period of its clock from now on. The counter goes on from where it is; what the prescaler had counted is lost.
+    pub(crate) fn set_cycle(&mut self, cycle: Ticks, now: Ticks) {
+        if cycle == self.cycle {
+            return;
+        }
+        if self.cycle != 0 {
+            self.tick(now);
+        }
+        let count = self.count(now);
         self.cycle = cycle;
+        self.origin = now.wrapping_sub(self.step_ticks() * u64::from(count));
     }
 
     fn runs(&self) -> bool {
@@ -94,32 +102,45 @@ impl Timer {
         if !self.runs() {
             return self.held;
         }
-        ((now - self.origin) / self.step_ticks()).min(u64::from(self.active_reload)) as u32
+        (now.wrapping_sub(self.origin) / self.step_ticks()).min(u64::from(self.active_reload)) as u32
     }
 
     fn next_update(&self) -> Option<Ticks> {
         (self.runs() && self.active_reload != 0)
-            .then(|| self.origin + self.step_ticks() * (u64::from(self.active_reload) + 1))
+            .then(|| self.origin.wrapping_add(self.step_ticks() * (u64::from(self.active_reload) + 1)))
     }
 
     fn next_match(&self, channel: usize) -> Option<Ticks> {
         let compare = self.active_compare[channel];
         let comes = self.runs() && !self.matched[channel] && compare <= self.active_reload;
-        comes.then(|| self.origin + self.step_ticks() * u64::from(compare))
+        comes.then(|| self.origin.wrapping_add(self.step_ticks() * u64::from(compare)))
     }
 
     fn is_watched(&self, channel: usize) -> bool {
         self.interrupts >> (1 + channel) & 1 != 0 || self.high_since[channel].is_some()
     }
 
-    fn output_level(&self, channel: usize, now: Ticks) -> bool {
+    fn is_pwm(&self, channel: usize) -> bool {
         let mode = self.mode[channel / 2] >> (8 * (channel % 2) + 4) & 7;
-        let on = self.enable >> (4 * channel) & 1 != 0 && (!self.advanced || self.brake & MOE != 0);
-        on && mode == PWM_MODE_1 && self.count(now) < self.active_compare[channel]
+        self.enable >> (4 * channel) & 1 != 0 && mode == PWM_MODE_1
     }
 
-    /// Notes edges of the outputs.
+    /// Frequency of the wave on a channel of a timer without main output enable; none if its pin stays at a level.
+    pub(crate) fn wave_hz(&self, channel: usize) -> Option<f64> {
+        let changes = (1..=self.active_reload).contains(&self.active_compare[channel]);
+        let period = self.step_ticks() * (u64::from(self.active_reload) + 1);
+        (self.runs() && self.is_pwm(channel) && changes).then(|| TICKS_PER_S as f64 / period as f64)
+    }
+
+    fn output_level(&self, channel: usize, now: Ticks) -> bool {
+        self.brake & MOE != 0 && self.is_pwm(channel) && self.count(now) < self.active_compare[channel]
+    }
+
+    /// Notes edges of the outputs, where somebody wants to know: at the motors.
     fn refresh_outputs(&mut self, now: Ticks) {
+        if !self.advanced {
+            return;
+        }
         for channel in 0..CHANNELS {
             match (self.high_since[channel], self.output_level(channel, now)) {
                 (None, true) => self.high_since[channel] = Some(now),
@@ -171,7 +192,7 @@ impl Timer {
 
     fn start(&mut self, now: Ticks) {
         if !self.runs() {
-            self.origin = now - self.step_ticks() * u64::from(self.held);
+            self.origin = now.wrapping_sub(self.step_ticks() * u64::from(self.held));
             self.control |= CEN;
             self.trigger_output(TRGO_ENABLE, now);
         }
@@ -199,6 +220,14 @@ impl Timer {
         std::mem::take(&mut self.triggers)
     }
 
+    /// The pins are let go of, as by a reset: pulses under way end here.
+    pub(crate) fn cut_pulses(&mut self, now: Ticks) {
+        for (channel, since) in self.high_since.iter_mut().enumerate() {
+            let cut = since.take().map(|rise| Pulse { channel, rise, width: now.saturating_sub(rise) });
+            self.pulses.extend(cut);
+        }
+    }
+
     /// Pulses that ended since the last call.
     pub(crate) fn take_pulses(&mut self) -> Vec<Pulse> {
         std::mem::take(&mut self.pulses)
@@ -211,6 +240,11 @@ impl Timer {
     /// Compare and trigger interrupts.
     pub(crate) fn other_interrupts(&self) -> bool {
         self.status & self.interrupts & 0b101_1110 != 0
+    }
+
+    /// All of them on one line, as TIM2 to TIM5 have them.
+    pub(crate) fn interrupt(&self) -> bool {
+        self.update_interrupt() || self.other_interrupts()
     }
 
     fn write_control(&mut self, value: u32, now: Ticks) -> Result<(), Unmodelled> {
@@ -231,12 +265,13 @@ impl Timer {
         Ok(())
     }
 
-    fn write_compare(&mut self, channel: usize, value: u32) {
+    fn write_compare(&mut self, channel: usize, value: u32, now: Ticks) {
         self.compare[channel] = value & self.count_max;
         let preloads = self.mode[channel / 2] >> (8 * (channel % 2) + 3) & 1 != 0;
         if !preloads {
             self.active_compare[channel] = self.compare[channel];
-            self.matched[channel] = false;
+            // a value that the counter has passed matches in the next period only
+            self.matched[channel] = self.count(now) > self.compare[channel];
         }
     }
 
@@ -298,7 +333,7 @@ impl Peripheral for Timer {
             0x20 => self.enable = value,
             0x24 => {
                 self.held = value & self.count_max;
-                self.origin = now - self.step_ticks() * u64::from(self.held);
+                self.origin = now.wrapping_sub(self.step_ticks() * u64::from(self.held));
             }
             0x28 => self.prescaler = value & 0xffff,
             0x2c => {
@@ -308,7 +343,7 @@ impl Peripheral for Timer {
                 }
             }
             0x30 if value == 0 => {}
-            0x34..=0x40 => self.write_compare(((offset - 0x34) / 4) as usize, value),
+            0x34..=0x40 => self.write_compare(((offset - 0x34) / 4) as usize, value, now),
             0x44 if self.advanced && value & UNUSED_BREAK == 0 => self.brake = value,
             _ => return Err(Unmodelled("timer register")),
         }
@@ -317,123 +352,33 @@ impl Peripheral for Timer {
     }
 
     fn tick(&mut self, now: Ticks) {
+        // in the order of their times, or an output would be looked at before what came before
         loop {
-            let update = self.next_update().filter(|at| *at <= now);
-            for channel in 0..CHANNELS {
-                if let Some(at) = self.next_match(channel).filter(|at| *at <= now) {
+            let matches = (0..CHANNELS).filter_map(|channel| Some((self.next_match(channel)?, Some(channel))));
+            let update = self.next_update().map(|at| (at, None));
+            let due = matches.chain(update).filter(|(at, _)| *at <= now).min_by_key(|(at, _)| *at);
+            let Some((at, channel)) = due else { return };
+            match channel {
+                Some(channel) => {
                     self.matched[channel] = true;
                     self.status |= 2 << channel;
-                    self.refresh_outputs(at);
                 }
+                None => self.overflow(at),
             }
-            let Some(at) = update else { return };
-            self.overflow(at);
             self.refresh_outputs(at);
         }
     }
 
     fn next_event(&self) -> Option<Ticks> {
+        // an update that nobody sees is caught up with later
+        let updates_matter = self.advanced
+            || self.interrupts & UIF != 0
+            || self.control & OPM != 0
+            || self.control_2 >> 4 & 7 == TRGO_UPDATE;
         let matches = (0..CHANNELS).filter(|channel| self.is_watched(*channel)).filter_map(|c| self.next_match(c));
-        matches.chain(self.next_update()).min()
+        matches.chain(self.next_update().filter(|_| updates_matter)).min()
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// 168 MHz / 7, 400 Hz, PWM mode 1 with preload on channel 4.
-    fn motor_timer() -> Timer {
-        let mut timer = Timer::advanced();
-        timer.set_cycle(2);
-        for (offset, value) in [
-            (0x28, 6),
-            (0x2c, 59_999),
-            (0x1c, 0x6800),
-            (0x20, 1 << 12),
-            (0x40, 24_000),
-            (0x14, 1),
-            (0x10, 0),
-            (0x44, MOE),
-        ] {
-            timer.write(offset, value, 0).unwrap();
-        }
-        timer
-    }
-
-    #[test]
-    fn the_period_is_exact_and_the_update_flag_is_cleared_by_writing_zero() {
-        let mut timer = Timer::general(0xffff);
-        timer.set_cycle(4);
-        timer.write(0x28, 83, 0).unwrap();
-        timer.write(0x2c, 2499, 0).unwrap();
-        timer.write(0x14, UG, 0).unwrap();
-        timer.write(0x10, 0, 0).unwrap();
-        timer.write(0x0c, UIF, 0).unwrap();
-        timer.write(0x00, CEN, 0).unwrap();
-        let period = 2500 * 336;
-        assert_eq!(timer.next_event(), Some(period));
-        timer.tick(period - 1);
-        assert!(!timer.update_interrupt());
-        timer.tick(period);
-        assert!(timer.update_interrupt());
-        timer.write(0x10, !UIF, period).unwrap();
-        assert!(!timer.update_interrupt());
-        assert_eq!(timer.read(0x24, period + 336 * 7).unwrap(), 7);
-        assert_eq!(timer.next_event(), Some(2 * period));
-    }
-
-    #[test]
-    fn a_new_compare_value_waits_for_the_update() {
-        let mut timer = motor_timer();
-        timer.write(0x00, CEN, 0).unwrap();
-        timer.tick(336_000);
-        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 0, width: 336_000 }]);
-        timer.write(0x40, 48_000, 500_000).unwrap();
-        timer.tick(840_000 + 672_000);
-        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 840_000, width: 672_000 }]);
-    }
-
-    #[test]
-    fn without_main_output_enable_the_pin_is_low() {
-        let mut timer = motor_timer();
-        timer.write(0x44, 0, 0).unwrap();
-        timer.take_pulses();
-        timer.write(0x00, CEN, 0).unwrap();
-        timer.tick(3 * 840_000);
-        assert_eq!(timer.take_pulses(), []);
-    }
-
-    #[test]
-    fn an_update_by_software_acts_at_once() {
-        let mut timer = motor_timer();
-        timer.write(0x00, CEN, 0).unwrap();
-        timer.tick(400_000);
-        timer.take_pulses();
-        timer.write(0x40, 30_000, 400_000).unwrap();
-        timer.write(0x14, UG, 400_000).unwrap();
-        timer.tick(400_000 + 30_000 * 14);
-        assert_eq!(timer.take_pulses(), [Pulse { channel: 3, rise: 400_000, width: 420_000 }]);
-    }
-
-    #[test]
-    fn a_slave_in_trigger_mode_starts_with_its_master() {
-        let mut master = Timer::general(0xffff);
-        master.set_cycle(4);
-        master.write(0x2c, 99, 0).unwrap();
-        master.write(0x04, TRGO_UPDATE << 4, 0).unwrap();
-        master.write(0x00, CEN, 0).unwrap();
-        let mut slave = motor_timer();
-        slave.write(0x08, 2 << 4 | SLAVE_TRIGGER, 0).unwrap();
-        assert_eq!(slave.trigger_input(), Some(2));
-        master.tick(399);
-        assert!(master.take_triggers().is_empty());
-        master.tick(400);
-        assert_eq!(master.take_triggers(), [400]);
-        slave.trigger(400);
-        assert_eq!(slave.count(400 + 14 * 5), 5);
-        // a second trigger does not disturb it
-        slave.trigger(800);
-        assert_eq!(slave.count(400 + 14 * 50), 50);
-    }
-}
+mod tests;

@@ -36,6 +36,8 @@ pub(crate) struct Usart {
     far_byte_ticks: Ticks,
     received: u8,
     incoming: VecDeque<u8>,
+    /// What comes when nothing else does: the state of a generator.
+    flood: Option<u32>,
     incoming_end: Option<Ticks>,
     idle_at: Option<Ticks>,
     holding: Option<u8>,
@@ -54,11 +56,39 @@ impl Usart {
             far_byte_ticks: TICKS_PER_S * BITS_PER_BYTE / far_baud,
             received: 0,
             incoming: VecDeque::new(),
+            flood: None,
             incoming_end: None,
             idle_at: None,
             holding: None,
             shifting: None,
             sent: Vec::new(),
+        }
+    }
+
+    /// As after a reset by RCC; the far end does not notice.
+    pub(crate) fn reset(&mut self) {
+        *self = Self {
+            far_byte_ticks: self.far_byte_ticks,
+            bus_cycle: self.bus_cycle,
+            incoming: std::mem::take(&mut self.incoming),
+            incoming_end: self.incoming_end,
+            flood: self.flood,
+            sent: std::mem::take(&mut self.sent),
+            ..Self::new(1)
+        };
+    }
+
+    /// The far end's baud rate from now on.
+    pub(crate) fn set_far_baud(&mut self, baud: u64) {
+        self.far_byte_ticks = TICKS_PER_S * BITS_PER_BYTE / baud;
+    }
+
+    /// The far end sends any bytes, without a gap, until told to stop.
+    pub(crate) fn flood(&mut self, on: bool, now: Ticks) {
+        self.flood = on.then_some(self.flood.unwrap_or(1));
+        if on && self.incoming_end.is_none() {
+            self.incoming_end = Some(now + self.far_byte_ticks);
+            self.idle_at = None;
         }
     }
 
@@ -120,10 +150,17 @@ impl Usart {
     }
 
     fn next_incoming(&mut self, end: Ticks) {
-        if let Some(byte) = self.incoming.pop_front() {
+        let flood = &mut self.flood;
+        let byte = self.incoming.pop_front().or_else(|| {
+            // Numerical Recipes' generator; its high bits are the better ones
+            *flood = flood.map(|state| state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+            flood.map(|state| (state >> 24) as u8)
+        });
+        if let Some(byte) = byte {
             self.receive(byte);
         }
-        self.incoming_end = (!self.incoming.is_empty()).then_some(end + self.far_byte_ticks);
+        let goes_on = !self.incoming.is_empty() || self.flood.is_some();
+        self.incoming_end = goes_on.then_some(end + self.far_byte_ticks);
         // the line counts as idle after the time of one more byte
         self.idle_at = self.incoming_end.is_none().then_some(end + self.far_byte_ticks);
     }
@@ -271,6 +308,37 @@ mod tests {
         usart.tick(usart.next_event().unwrap());
         assert_eq!(usart.read(0, 0).unwrap() & (ORE | RXNE), ORE | RXNE);
         assert_eq!(usart.read(4, 0).unwrap(), u32::from(b'x'));
+    }
+
+    #[test]
+    fn a_flood_comes_at_the_lines_rate_and_ends_when_told() {
+        let mut usart = port(115_200);
+        usart.flood(true, 0);
+        let mut read = Vec::new();
+        for _ in 0..1000 {
+            let at = usart.next_event().unwrap();
+            usart.tick(at);
+            assert_eq!(usart.read(0, at).unwrap() & (RXNE | IDLE), RXNE);
+            read.push(usart.read(4, at).unwrap());
+        }
+        // ten bits a byte
+        assert_eq!(usart.next_event(), Some(1001 * (TICKS_PER_S * 10 / 115_200)));
+        assert!(read.iter().any(|byte| *byte != read[0]));
+        usart.flood(false, 0);
+        while let Some(at) = usart.next_event() {
+            usart.tick(at);
+        }
+        assert_eq!(usart.read(0, 0).unwrap() & IDLE, IDLE);
+    }
+
+    #[test]
+    fn a_reset_does_not_reach_the_far_end() {
+        let mut usart = port(57_600);
+        usart.line_receives(b"xyz", 0);
+        usart.reset();
+        assert_eq!(usart.read(0x0c, 0).unwrap(), 0);
+        assert_eq!(usart.next_event(), Some(TICKS_PER_S * 10 / 57_600));
+        assert_eq!(usart.incoming.len(), 3);
     }
 
     #[test]

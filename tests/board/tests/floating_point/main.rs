@@ -1,7 +1,17 @@
-//! Trust in the emulator's arithmetic: single instructions on many operands, against the host.
+//! Trust in the emulator's arithmetic: every floating-point instruction that the firmware's ELF has, on many operands,
+//! against the host.
+
+mod forms;
+mod instructions;
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
 
 use emulated_board::time::TICKS_PER_S;
 use emulated_board::{Cause, Counts, Image, Machine, Pulse, World};
+
+use crate::forms::{forms, forms_in_elf};
+use crate::instructions::{INSTRUCTIONS, immediates};
 
 const BASE: u32 = 0x0800_4000;
 const RESULTS: u32 = 0x2000_0000;
@@ -102,53 +112,62 @@ fn results(instructions: &[u16], pairs: &[[u32; 2]]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
-type Reference = fn(f32, f32) -> u32;
-
-/// Mnemonic, its half-words (s2 from s0 and s1), what the host makes of it.
-const INSTRUCTIONS: [(&str, &[u16], Reference); 16] = [
-    ("vadd", &[0xee30, 0x1a20], |a, b| (a + b).to_bits()),
-    ("vsub", &[0xee30, 0x1a60], |a, b| (a - b).to_bits()),
-    ("vmul", &[0xee20, 0x1a20], |a, b| (a * b).to_bits()),
-    ("vnmul", &[0xee20, 0x1a60], |a, b| (-(a * b)).to_bits()),
-    ("vdiv", &[0xee80, 0x1a20], |a, b| (a / b).to_bits()),
-    ("vsqrt", &[0xeeb1, 0x1ac0], |a, _| a.sqrt().to_bits()),
-    ("vabs", &[0xeeb0, 0x1ac0], |a, _| a.abs().to_bits()),
-    ("vneg", &[0xeeb1, 0x1a40], |a, _| (-a).to_bits()),
-    ("vmov", &[0xeeb0, 0x1a40], |a, _| a.to_bits()),
-    ("vcvt.s32.f32", &[0xeebd, 0x1ac0], |a, _| a as i32 as u32),
-    ("vcvt.u32.f32", &[0xeebc, 0x1ac0], |a, _| a as u32),
-    ("vcvt.f32.s32", &[0xeeb8, 0x1ac0], |a, _| (a.to_bits() as i32 as f32).to_bits()),
-    ("vcvt.f32.u32", &[0xeeb8, 0x1a40], |a, _| (a.to_bits() as f32).to_bits()),
-    // multiply, then add, each rounded; s2 starts as s1
-    ("vmla", &[0xeeb0, 0x1a60, 0xee00, 0x1a20], |a, b| (b + a * b).to_bits()),
-    ("vmls", &[0xeeb0, 0x1a60, 0xee00, 0x1a60], |a, b| (b - a * b).to_bits()),
-    // vcmp, vmrs, mrs r3, apsr, vmov s2, r3: N, Z, C, V (ARMv7-M ARM A2.5.3)
-    ("vcmp", &[0xeeb4, 0x0a60, 0xeef1, 0xfa10, 0xf3ef, 0x8300, 0xee01, 0x3a10], |a, b| match a.partial_cmp(&b) {
-        Some(std::cmp::Ordering::Less) => 8 << 28,
-        Some(std::cmp::Ordering::Equal) => 6 << 28,
-        Some(std::cmp::Ordering::Greater) => 2 << 28,
-        None => 3 << 28,
-    }),
-];
-
 #[test]
 fn every_instruction_gives_the_hosts_bits() {
     let mut operands = Operands(0x1234_5678_9abc_def1);
     for _ in 0..RUNS {
         let pairs: Vec<_> = (0..PAIRS_PER_RUN).map(|_| [operands.next(), operands.next()]).collect();
-        for (name, instructions, reference) in INSTRUCTIONS {
+        for (instructions, reference) in INSTRUCTIONS {
             for ([a, b], is) in pairs.iter().zip(results(instructions, &pairs)) {
                 let expected = reference(f32::from_bits(*a), f32::from_bits(*b));
                 let both_nan = f32::from_bits(expected).is_nan() && f32::from_bits(is).is_nan();
-                assert!(is == expected || both_nan, "{name} of {a:#010x}, {b:#010x}: {is:#010x}, not {expected:#010x}");
+                let names = || forms(instructions).into_keys().collect::<Vec<_>>().join(", ");
+                assert!(
+                    is == expected || both_nan,
+                    "{} of {a:#010x}, {b:#010x}: {is:#010x}, not {expected:#010x}",
+                    names()
+                );
             }
         }
     }
-    println!(
-        "{} floating-point instructions on {} pairs each: the host's bits",
-        INSTRUCTIONS.len(),
-        RUNS * PAIRS_PER_RUN
-    );
+    println!("{} sequences on {} pairs of operands each: the host's bits", INSTRUCTIONS.len(), RUNS * PAIRS_PER_RUN);
+}
+
+#[test]
+fn every_immediate_is_its_number() {
+    for (instruction, expected) in immediates() {
+        assert_eq!(results(&instruction, &[[0, 0]]), [expected], "{instruction:04x?}");
+    }
+}
+
+/// What the other tests compare is all that the firmware's ELF has, and it multiplies and adds in one nowhere, which the
+/// host does not.
+#[test]
+fn the_image_has_no_instruction_that_is_not_compared() {
+    let path = firmware();
+    let elf = std::fs::read(&path).unwrap_or_else(|error| panic!("run this by `cargo xtask board-test`: {error}"));
+    let in_image = forms_in_elf(&elf);
+    let compared =
+        INSTRUCTIONS.iter().flat_map(|(code, _)| forms(code)).chain(immediates().flat_map(|(code, _)| forms(&code)));
+    let compared: BTreeSet<_> = compared.map(|(form, _)| form).collect();
+    let not_compared: Vec<_> = in_image.keys().filter(|form| !compared.contains(*form)).collect();
+    assert!(not_compared.is_empty(), "not compared with the host: {not_compared:?}");
+    for needed in ["vmul", "vadd", "vdiv", "vldr", "vmov immediate"] {
+        assert!(in_image.contains_key(needed), "no {needed}: were the image's instructions read?");
+    }
+    for fused in ["vfma", "vfms", "vfnma", "vfnms"] {
+        assert!(!in_image.contains_key(fused) && !compared.contains(fused), "{fused} rounds once");
+    }
+    let list: Vec<_> = in_image.iter().map(|(form, count)| format!("{form} {count}")).collect();
+    println!("floating point in the image: {}", list.join(", "));
+}
+
+/// The image that `cargo xtask board-test` has built.
+fn firmware() -> PathBuf {
+    std::env::var_os("FIRMWARE_ELF").map(PathBuf::from).unwrap_or_else(|| {
+        let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
+        workspace.join("target/thumbv7em-none-eabihf/release/firmware")
+    })
 }
 
 #[test]

@@ -1,0 +1,68 @@
+//! The owner's choices out of the FRAM, and all that follows from them at start.
+
+use core::mem::MaybeUninit;
+
+use shared_control::config::Controller;
+use shared_control::link::LinkSettings;
+use shared_control::mpc::{HORIZON, Mpc};
+use shared_control::params::{self, Params, RecordError};
+use shared_control::setup::Setup;
+use shared_control::signals::MotorCommands;
+
+use super::board;
+use super::fram::Fram;
+
+/// Room for every control horizon that can be chosen.
+pub type BoardMpc = Mpc<HORIZON>;
+/// Where it lies; 24 KB, which the stack has no room for.
+pub type MpcPlace = MaybeUninit<BoardMpc>;
+
+/// How this board is set up until its next start.
+pub struct Configuration {
+    /// What was chosen, or the defaults.
+    pub params: Params,
+    /// What was wrong with the record, if the defaults stand in for it.
+    pub fault: Option<RecordError>,
+    /// What it means.
+    pub setup: Setup,
+}
+
+impl Configuration {
+    /// What the memory holds.
+    pub fn read(memory: &mut Fram) -> Self {
+        let (params, fault) = params::load(&memory.read());
+        // not `expect`, which would print the error and bring the formatting of floats into the image
+        let Ok(setup) = Setup::new(&params) else { panic!("choices of a whole record can be flown") };
+        Self { params, fault, setup }
+    }
+
+    /// The MPC, where it flies. Not inlined: the 30 KB of stack that it takes to prepare are gone when it returns, and who
+    /// flies the cascade never needs them.
+    #[inline(never)]
+    pub fn mpc(&self, place: &'static mut MpcPlace) -> Option<&'static mut BoardMpc> {
+        if self.params.controller == Controller::Cascade {
+            return None;
+        }
+        let mpc = place.write(Mpc::unprepared());
+        if mpc.prepare_in_place(self.params.control_horizon.into(), &self.setup.mpc).is_err() {
+            panic!("every control horizon can be prepared");
+        }
+        Some(mpc)
+    }
+
+    /// Compare value of the disarmed pulse.
+    pub fn disarmed_count(&self) -> u16 {
+        self.setup.config.output.compare_counts(&MotorCommands::default(), false)[0]
+    }
+
+    /// Identity and reach of the sticks, and the hover throttle that was chosen.
+    pub fn link_settings(&self) -> LinkSettings {
+        let hover_throttle = f32::from(self.params.hover_throttle_permille) / 1000.0;
+        LinkSettings { hover_throttle, ..LinkSettings::NOMINAL }
+    }
+
+    /// Ticks of the loop per housekeeping.
+    pub fn housekeeping_ticks(&self) -> u32 {
+        u32::from(self.params.loop_rate_hz / board::HOUSEKEEPING_HZ)
+    }
+}

@@ -1,0 +1,78 @@
+//! The memory that survives power loss: a ferroelectric RAM FM25V01 (16 KB) on SPI2, by polling.
+//!
+//! Data sheet: Cypress 001-84497. It writes at the speed of the bus and without wear, so nothing waits for it; a
+//! transfer of the record takes 50 us.
+
+use shared_control::params::RECORD_LEN;
+use stm32f4xx_hal::gpio::{Alternate, Output, PB13, PB14, PB15, PD10};
+use stm32f4xx_hal::pac::SPI2;
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+/// Allows the next write; forgotten when that ends.
+const WRITE_ENABLE: u8 = 0x06;
+const WRITE: u8 = 0x02;
+const READ: u8 = 0x03;
+/// Where the record lies, high byte first.
+const RECORD_ADDRESS: [u8; 2] = [0, 0];
+
+/// Clock, MISO, MOSI.
+pub type Pins = (PB13<Alternate<5>>, PB14<Alternate<5>>, PB15<Alternate<5>>);
+
+/// The memory with its bus, which nobody else uses.
+pub struct Fram {
+    spi: SPI2,
+    select: PD10<Output>,
+    _pins: Pins,
+}
+
+impl Fram {
+    /// Takes the bus: mode 3, 42 MHz / 8. The chip select must already be high.
+    pub fn new(spi: SPI2, pins: Pins, select: PD10<Output>, rcc: &mut Rcc) -> Self {
+        SPI2::enable(rcc);
+        SPI2::reset(rcc);
+        spi.cr1().write(|w| {
+            w.cpol().set_bit().cpha().set_bit().mstr().set_bit().ssm().set_bit().ssi().set_bit().br().div8();
+            w.spe().set_bit()
+        });
+        Self { spi, select, _pins: pins }
+    }
+
+    /// What is stored; if no memory answers, equal bytes that no record begins with.
+    pub fn read(&mut self) -> [u8; RECORD_LEN] {
+        let mut record = [0; RECORD_LEN];
+        self.begin(READ);
+        for byte in &mut record {
+            *byte = self.exchange(0);
+        }
+        self.select.set_high();
+        record
+    }
+
+    /// Stores a record and reads it back; false if it is not what was written.
+    pub fn store(&mut self, record: &[u8; RECORD_LEN]) -> bool {
+        self.select.set_low();
+        self.exchange(WRITE_ENABLE);
+        self.select.set_high();
+        self.begin(WRITE);
+        for byte in record {
+            self.exchange(*byte);
+        }
+        self.select.set_high();
+        self.read() == *record
+    }
+
+    fn begin(&mut self, opcode: u8) {
+        self.select.set_low();
+        self.exchange(opcode);
+        for byte in RECORD_ADDRESS {
+            self.exchange(byte);
+        }
+    }
+
+    fn exchange(&self, byte: u8) -> u8 {
+        self.spi.dr().write(|w| w.dr().set(u16::from(byte)));
+        // a master always gets its byte: it makes the clock
+        while self.spi.sr().read().rxne().bit_is_clear() {}
+        self.spi.dr().read().dr().bits() as u8
+    }
+}

@@ -1,0 +1,216 @@
+//! The fields of [`Params`] by name, each as a whole number: what a ground station lists, reads and sets.
+
+use super::{Params, Rig};
+use crate::config::Controller;
+use crate::mpc::HORIZON;
+use crate::output::PulseKind;
+
+/// Longest name, bytes: what a MAVLink parameter has room for.
+pub const NAME_MAX: usize = 16;
+
+/// One of the owner's choices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// [`Params::controller`].
+    Controller,
+    /// [`Params::control_horizon`].
+    ControlHorizon,
+    /// [`Params::loop_rate_hz`].
+    LoopRate,
+    /// [`Params::pulses`].
+    Pulses,
+    /// [`Params::pwm_rate_hz`].
+    PwmRate,
+    /// [`Params::rig`].
+    Rig,
+    /// [`Params::hover_throttle_permille`].
+    HoverThrottle,
+    /// [`Params::battery_arming_min_mv`].
+    BatteryArmingMin,
+    /// [`Params::hil`].
+    Hil,
+}
+
+/// Values that a field can take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Allowed {
+    /// All from the first to the second.
+    Range(u16, u16),
+    /// One or the other.
+    Either(u16, u16),
+}
+
+impl Allowed {
+    /// Is this one of them?
+    pub fn contains(self, value: u16) -> bool {
+        match self {
+            Allowed::Range(least, most) => (least..=most).contains(&value),
+            Allowed::Either(one, other) => value == one || value == other,
+        }
+    }
+}
+
+impl core::fmt::Display for Allowed {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Allowed::Range(least, most) => write!(f, "{least} to {most}"),
+            Allowed::Either(one, other) => write!(f, "{one} or {other}"),
+        }
+    }
+}
+
+/// What a person is to know of a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Name on the link; at most [`NAME_MAX`] bytes.
+    pub name: &'static str,
+    /// What it can be.
+    pub allowed: Allowed,
+    /// What it does.
+    pub meaning: &'static str,
+}
+
+impl Field {
+    /// All of them, in the order of their index on the link.
+    pub const ALL: [Field; 9] = [
+        Field::Controller,
+        Field::ControlHorizon,
+        Field::LoopRate,
+        Field::Pulses,
+        Field::PwmRate,
+        Field::Rig,
+        Field::HoverThrottle,
+        Field::BatteryArmingMin,
+        Field::Hil,
+    ];
+
+    /// Its name, range and meaning.
+    pub const fn row(self) -> Row {
+        let (name, allowed, meaning) = match self {
+            Field::Controller => ("CONTROLLER", Allowed::Either(0, 1), "who flies: 0 PID cascade, 1 MPC"),
+            Field::ControlHorizon => {
+                ("CONTROL_HORIZON", Allowed::Range(1, HORIZON as u16), "free inputs per axis of the MPC (M)")
+            }
+            Field::LoopRate => ("LOOP_RATE_HZ", Allowed::Either(100, 400), "steps of the control loop per second"),
+            Field::Pulses => ("PULSES", Allowed::Either(0, 1), "pulse to the ESCs: 0 PWM, 1 OneShot125"),
+            Field::PwmRate => (
+                "PWM_RATE_HZ",
+                Allowed::Range(50, 490),
+                "pulses per second with PWM; their delay is constant if this is a multiple or a divisor of LOOP_RATE_HZ",
+            ),
+            Field::Rig => {
+                ("RIG", Allowed::Either(0, 1), "vehicle: 0 F450 on the gimbal (yaw locked), 1 F450 in free flight")
+            }
+            Field::HoverThrottle => {
+                ("HOVER_PERMILLE", Allowed::Range(0, 1000), "throttle of the test sequence, 1/1000")
+            }
+            Field::BatteryArmingMin => {
+                ("BATT_ARM_MIN_MV", Allowed::Range(0, u16::MAX), "battery voltage needed to arm, mV")
+            }
+            Field::Hil => (
+                "HIL",
+                Allowed::Either(0, 1),
+                "1: hardware in the loop, the IMU is simulated on the link and the pulses stay disarmed",
+            ),
+        };
+        Row { name, allowed, meaning }
+    }
+
+    /// The field of a name.
+    pub fn by_name(name: &[u8]) -> Option<Field> {
+        Field::ALL.into_iter().find(|field| field.row().name.as_bytes() == name)
+    }
+
+    /// The field of an index.
+    pub fn by_index(index: usize) -> Option<Field> {
+        Field::ALL.get(index).copied()
+    }
+
+    /// Its index on the link.
+    pub fn index(self) -> u8 {
+        self as u8
+    }
+}
+
+impl Params {
+    /// A field as a whole number.
+    pub fn get(&self, field: Field) -> u16 {
+        match field {
+            Field::Controller => u16::from(self.controller == Controller::Mpc),
+            Field::ControlHorizon => u16::from(self.control_horizon),
+            Field::LoopRate => self.loop_rate_hz,
+            Field::Pulses => u16::from(self.pulses == PulseKind::OneShot125),
+            Field::PwmRate => self.pwm_rate_hz,
+            Field::Rig => u16::from(self.rig == Rig::Free),
+            Field::HoverThrottle => self.hover_throttle_permille,
+            Field::BatteryArmingMin => self.battery_arming_min_mv,
+            Field::Hil => u16::from(self.hil),
+        }
+    }
+
+    /// The same with one field changed; none where it can't take the value.
+    pub fn with(&self, field: Field, value: u16) -> Option<Params> {
+        if !field.row().allowed.contains(value) {
+            return None;
+        }
+        let mut params = *self;
+        match field {
+            Field::Controller => params.controller = if value == 0 { Controller::Cascade } else { Controller::Mpc },
+            Field::ControlHorizon => params.control_horizon = value as u8,
+            Field::LoopRate => params.loop_rate_hz = value,
+            Field::Pulses => params.pulses = if value == 0 { PulseKind::Pwm } else { PulseKind::OneShot125 },
+            Field::PwmRate => params.pwm_rate_hz = value,
+            Field::Rig => params.rig = if value == 0 { Rig::Gimbal } else { Rig::Free },
+            Field::HoverThrottle => params.hover_throttle_permille = value,
+            Field::BatteryArmingMin => params.battery_arming_min_mv = value,
+            Field::Hil => params.hil = value == 1,
+        }
+        Some(params)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::tests::any_params;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Setting a field gives that field the value and leaves the others; what is not allowed is refused.
+        #[test]
+        fn a_field_is_set_alone(params in any_params(), at in 0..Field::ALL.len(), any_value: u16, small in 0u16..500) {
+            let field = Field::ALL[at];
+            for value in [any_value, small] {
+                let allowed = field.row().allowed.contains(value);
+                let Some(changed) = params.with(field, value) else {
+                    prop_assert!(!allowed);
+                    continue;
+                };
+                prop_assert!(allowed);
+                prop_assert_eq!(changed.get(field), value);
+                for other in Field::ALL.into_iter().filter(|other| *other != field) {
+                    prop_assert_eq!(changed.get(other), params.get(other));
+                }
+            }
+        }
+
+        /// Every field together is the whole: what can be read out can be put in again.
+        #[test]
+        fn the_fields_are_all_there_is(params in any_params()) {
+            let copied = Field::ALL.into_iter().try_fold(Params::DEFAULT, |copy, f| copy.with(f, params.get(f)));
+            prop_assert_eq!(copied, Some(params));
+        }
+    }
+
+    #[test]
+    fn names_fit_the_link_and_find_their_field() {
+        for (index, field) in Field::ALL.into_iter().enumerate() {
+            let Row { name, allowed, .. } = field.row();
+            assert!(name.len() <= NAME_MAX && name.is_ascii(), "{name}");
+            assert_eq!((Field::by_name(name.as_bytes()), Field::by_index(index)), (Some(field), Some(field)));
+            assert_eq!(usize::from(field.index()), index);
+            assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
+        }
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(9)), (None, None, None));
+    }
+}

@@ -1,0 +1,152 @@
+//! From the owner's choices to everything that flies: the vehicle, its tuning, the configuration of the core, the MPC's
+//! problem and the two timers.
+
+use crate::config::{self, Config, ConfigError, Tuning};
+use crate::mpc::MpcSettings;
+use crate::output::{LOOP_TIMER_HZ, OutputConfig, PULSE_TIMER_HZ, PulseKind, TimerPeriod};
+use crate::params::table::Field;
+use crate::params::{Params, Rig};
+use crate::supervisor::SupervisorConfig;
+use crate::vehicle::VehicleParameters;
+
+/// Samples of the board's IMU per second.
+pub const IMU_RATE_HZ: u32 = 1000;
+
+/// What a set of choices means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup {
+    /// What the controllers know of the vehicle.
+    pub vehicle: VehicleParameters,
+    /// Gains.
+    pub tuning: Tuning,
+    /// Configuration of the core.
+    pub config: Config,
+    /// The MPC's problem; its control horizon is in the choices.
+    pub mpc: MpcSettings,
+    /// The loop's timer, which counts [`LOOP_TIMER_HZ`].
+    pub loop_timer: TimerPeriod,
+    /// The pulses' timer, which counts [`PULSE_TIMER_HZ`].
+    pub pulse_timer: TimerPeriod,
+}
+
+impl Setup {
+    /// What these choices mean. The pilot's part, the throttle for hovering, goes to the link
+    /// ([`crate::link::LinkSettings`]).
+    ///
+    /// # Errors
+    /// Names a value out of its range. Choices out of a record ([`crate::params::decode`]) have none.
+    pub fn new(params: &Params) -> Result<Setup, ConfigError> {
+        for field in Field::ALL {
+            let row = field.row();
+            if !row.allowed.contains(params.get(field)) {
+                return Err(ConfigError::OutOfRange(row.name));
+            }
+        }
+        let (vehicle, lag_s) = match params.rig {
+            Rig::Gimbal => (VehicleParameters::F450_GIMBAL, VehicleParameters::F450_GIMBAL_MOTOR_LAG_S),
+            Rig::Free => (VehicleParameters::F450_FREE, VehicleParameters::F450_FREE_MOTOR_LAG_S),
+        };
+        let tuning = Tuning::for_motor_lag(lag_s);
+        let loop_timer = TimerPeriod::new(LOOP_TIMER_HZ, params.loop_rate_hz.into());
+        let pulse_timer = TimerPeriod::new(PULSE_TIMER_HZ, pulse_rate_hz(params).into());
+        let loop_rate_hz = f32::from(params.loop_rate_hz);
+        // with hardware in the loop every step brings its one sample
+        let imu_rate_hz = if params.hil { loop_rate_hz } else { IMU_RATE_HZ as f32 };
+        let config = Config {
+            output: OutputConfig::new(params.pulses, PULSE_TIMER_HZ, &pulse_timer),
+            supervisor: SupervisorConfig {
+                battery_arming_min_v: f32::from(params.battery_arming_min_mv) / 1000.0,
+                ..SupervisorConfig::NOMINAL
+            },
+            ..Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?
+        };
+        let mpc = config::mpc_settings(&vehicle, &tuning);
+        Ok(Setup { vehicle, tuning, config, mpc, loop_timer, pulse_timer })
+    }
+
+    /// Does every pulse begin at the same time after the step that computed it? Where one of the two rates is a whole
+    /// multiple of the other; else the delay goes through all values from nothing to a whole period of the pulses.
+    pub fn pulses_keep_phase(&self) -> bool {
+        let cycles_per_count = PULSE_TIMER_HZ / LOOP_TIMER_HZ;
+        let (step, pulse) = (cycles_per_count * self.loop_timer.cycles(), self.pulse_timer.cycles());
+        step.is_multiple_of(pulse) || pulse.is_multiple_of(step)
+    }
+}
+
+/// Pulses per second and motor.
+fn pulse_rate_hz(params: &Params) -> u16 {
+    match params.pulses {
+        PulseKind::Pwm => params.pwm_rate_hz,
+        PulseKind::OneShot125 => params.loop_rate_hz,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Controller;
+    use crate::mpc::{HORIZON, Mpc};
+    use crate::params::tests::any_params;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The board depends on it: there is nobody to tell when it starts.
+        #[test]
+        fn all_choices_that_a_record_can_hold_can_be_flown(params in any_params()) {
+            let setup = Setup::new(&params).unwrap();
+            prop_assert_eq!(setup.config.controller, params.controller);
+            prop_assert_eq!(setup.config.loop_rate_hz, f32::from(params.loop_rate_hz));
+            prop_assert_eq!(setup.config.output.kind, params.pulses);
+            let minimum_mv = setup.config.supervisor.battery_arming_min_v * 1000.0;
+            prop_assert!((minimum_mv - f32::from(params.battery_arming_min_mv)).abs() < 0.01);
+            let free = params.rig == Rig::Free;
+            prop_assert_eq!((setup.vehicle.yaw_locked, setup.config.angle.yaw_locked), (!free, !free));
+        }
+    }
+
+    /// A bench of host code and the board before it had parameters: the same numbers.
+    #[test]
+    fn the_defaults_are_what_the_core_always_flew() {
+        let tuning = Tuning::for_motor_lag(VehicleParameters::F450_GIMBAL_MOTOR_LAG_S);
+        let vehicle = VehicleParameters::F450_GIMBAL;
+        let config = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
+        let setup = Setup::new(&Params::DEFAULT).unwrap();
+        assert_eq!(setup.config, config);
+        assert_eq!(setup.mpc, config::mpc_settings(&vehicle, &tuning));
+    }
+
+    #[test]
+    fn every_control_horizon_can_be_prepared_for_both_vehicles() {
+        for rig in [Rig::Gimbal, Rig::Free] {
+            let setup = Setup::new(&Params { rig, ..Params::DEFAULT }).unwrap();
+            for horizon in 1..=HORIZON {
+                assert!(Mpc::<HORIZON>::prepare_shorter(horizon, &setup.mpc).is_ok(), "{rig:?} {horizon}");
+            }
+        }
+    }
+
+    /// All rates that can be chosen: related rates stay in phase for ever, since their periods are exact multiples in
+    /// cycles of the one oscillator, and no others do.
+    #[test]
+    fn related_rates_keep_their_phase() {
+        for (loop_rate_hz, pwm_rate_hz) in [100u16, 400].into_iter().flat_map(|l| (50..=490).map(move |p| (l, p))) {
+            let setup = Setup::new(&Params { loop_rate_hz, pwm_rate_hz, ..Params::DEFAULT }).unwrap();
+            let related = loop_rate_hz.is_multiple_of(pwm_rate_hz) || pwm_rate_hz.is_multiple_of(loop_rate_hz);
+            assert_eq!(setup.pulses_keep_phase(), related, "{loop_rate_hz} {pwm_rate_hz}");
+        }
+        for loop_rate_hz in [100, 400] {
+            let params = Params { loop_rate_hz, pulses: PulseKind::OneShot125, pwm_rate_hz: 333, ..Params::DEFAULT };
+            let setup = Setup::new(&params).unwrap();
+            assert!(setup.pulses_keep_phase());
+            assert_eq!(setup.pulse_timer.cycles(), PULSE_TIMER_HZ / u32::from(loop_rate_hz));
+        }
+    }
+
+    #[test]
+    fn what_no_record_can_hold_is_refused_by_name() {
+        let refused = |params| Setup::new(&params).unwrap_err();
+        let out_of_range = |name| ConfigError::OutOfRange(name);
+        assert_eq!(refused(Params { loop_rate_hz: 0, ..Params::DEFAULT }), out_of_range("LOOP_RATE_HZ"));
+        assert_eq!(refused(Params { control_horizon: 31, ..Params::DEFAULT }), out_of_range("CONTROL_HORIZON"));
+    }
+}

@@ -1,0 +1,96 @@
+//! What somebody at the bench does with the board: its supply, its connectors, its memory chip, its faults.
+
+use shared_control::params::{self, Params};
+
+use crate::board::serial::Connector;
+use crate::devices::{Sensor, SensorFault};
+use crate::machine::Machine;
+
+impl Machine {
+    /// Sends on TELEM1's line.
+    pub fn telem1_send(&mut self, bytes: &[u8]) {
+        self.line_send(Connector::Telem1, bytes);
+    }
+
+    /// What came out of TELEM1 since the last call.
+    pub fn telem1_receive(&mut self) -> Vec<u8> {
+        self.line_receive(Connector::Telem1)
+    }
+
+    /// Any bytes on TELEM1's line, one after the other without a gap, until switched off.
+    pub fn telem1_flood(&mut self, on: bool) {
+        let mut board = self.board.borrow_mut();
+        let now = board.now;
+        board.usart(Connector::Telem1).flood(on, now);
+    }
+
+    /// Sends on a connector's line, if the image listens to it.
+    pub fn line_send(&mut self, connector: Connector, bytes: &[u8]) {
+        self.board.borrow_mut().line_sends(connector, bytes);
+    }
+
+    /// What came out of a connector since the last call.
+    pub fn line_receive(&mut self, connector: Connector) -> Vec<u8> {
+        self.board.borrow_mut().line_received(connector)
+    }
+
+    /// The baud rate at a connector's far end from now on; 115200 at first.
+    pub fn set_far_baud(&mut self, connector: Connector, baud: u64) {
+        self.board.borrow_mut().usart(connector).set_far_baud(baud);
+    }
+
+    /// The chip's supply from now on, V.
+    pub fn set_supply_v(&mut self, supply_v: f32) {
+        self.board.borrow_mut().set_supply_v(supply_v);
+    }
+
+    /// Stops the crystal, for good; called before the first run it never starts.
+    pub fn stop_crystal(&mut self) {
+        self.board.borrow_mut().set_crystal(false);
+    }
+
+    /// Lets it oscillate again, whenever the image switches it on.
+    pub fn mend_crystal(&mut self) {
+        self.board.borrow_mut().set_crystal(true);
+    }
+
+    /// The battery's voltage from now on, V; 12.4 at first.
+    pub fn set_battery_v(&mut self, battery_v: f32) {
+        self.board.borrow_mut().set_battery_v(battery_v);
+    }
+
+    /// What the buzzer sounds at, Hz; none if it is silent.
+    pub fn buzzer_hz(&self) -> Option<f64> {
+        self.board.borrow().buzzer_hz()
+    }
+
+    /// Lets a sensor fail, from now on and over resets.
+    pub fn break_sensor(&mut self, sensor: Sensor, fault: SensorFault) {
+        self.board.borrow_mut().set_sensor_fault(sensor, Some(fault));
+    }
+
+    /// Makes it whole again.
+    pub fn mend_sensor(&mut self, sensor: Sensor) {
+        self.board.borrow_mut().set_sensor_fault(sensor, None);
+    }
+
+    /// Stores the owner's choices in the FRAM, as the firmware would; it reads them when it starts.
+    pub fn configure(&mut self, params: &Params) {
+        self.write_fram(0, &params::encode(params));
+    }
+
+    /// Makes the FRAM as it came from its maker.
+    pub fn blank_fram(&mut self) {
+        self.board.borrow_mut().fram.blank();
+    }
+
+    /// Puts bytes into the FRAM past its bus, damaged ones for instance.
+    pub fn write_fram(&mut self, address: usize, bytes: &[u8]) {
+        self.board.borrow_mut().fram.put(address, bytes);
+    }
+
+    /// Bytes that the FRAM holds.
+    pub fn read_fram(&self, address: usize, length: usize) -> Vec<u8> {
+        self.board.borrow().fram.content().iter().cycle().skip(address).take(length).copied().collect()
+    }
+}

@@ -1,0 +1,71 @@
+//! The ground station on TELEM1.
+
+use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MavCmd, MavMessage, MavType};
+use mavlink::{MavlinkVersion, Message, MessageData};
+use shared_control::link::frame::{FrameFinder, FrameWriter};
+
+use crate::machine::Machine;
+use crate::time::Ticks;
+
+/// What it sends and what it was told.
+pub struct Ground {
+    writer: FrameWriter,
+    finder: FrameFinder,
+    texts: Vec<(Ticks, String)>,
+    heartbeats: u32,
+}
+
+impl Default for Ground {
+    fn default() -> Self {
+        Self { writer: FrameWriter::new(255, 190), finder: FrameFinder::default(), texts: Vec::new(), heartbeats: 0 }
+    }
+}
+
+impl Ground {
+    /// Sends a message.
+    ///
+    /// # Panics
+    /// If it is longer than any that the vehicle knows.
+    pub fn send(&mut self, machine: &mut Machine, message: &impl MessageData) {
+        let mut bytes = heapless::Vec::<u8, 128>::new();
+        assert!(self.writer.write(message, &mut bytes));
+        machine.telem1_send(&bytes);
+    }
+
+    /// Sends a command with one parameter.
+    pub fn command(&mut self, machine: &mut Machine, command: MavCmd, param1: f32) {
+        let (target_system, target_component) = (1, 1);
+        let data = COMMAND_LONG_DATA { command, param1, target_system, target_component, ..COMMAND_LONG_DATA::DEFAULT };
+        self.send(machine, &data);
+    }
+
+    /// Shows that somebody is there.
+    pub fn heartbeat(&mut self, machine: &mut Machine) {
+        self.send(machine, &HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_GCS, ..HEARTBEAT_DATA::DEFAULT });
+    }
+
+    /// Takes what the board has sent.
+    pub fn listen(&mut self, machine: &mut Machine) {
+        for byte in machine.telem1_receive() {
+            let Some(frame) = self.finder.push(byte, |id| Some(MavMessage::extra_crc(id))) else { continue };
+            match MavMessage::parse(MavlinkVersion::V2, frame.message_id, &frame.payload) {
+                Ok(MavMessage::STATUSTEXT(status)) => {
+                    let text = String::from_utf8_lossy(&*status.text).trim_end_matches('\0').to_owned();
+                    self.texts.push((machine.now(), text));
+                }
+                Ok(MavMessage::HEARTBEAT(_)) => self.heartbeats += 1,
+                _ => {}
+            }
+        }
+    }
+
+    /// Texts so far, with the time at which they had arrived.
+    pub fn texts(&self) -> &[(Ticks, String)] {
+        &self.texts
+    }
+
+    /// Heartbeats of the board so far.
+    pub fn heartbeats(&self) -> u32 {
+        self.heartbeats
+    }
+}

@@ -1,0 +1,129 @@
+//! The host's core, fed with what the board's core was fed, and compared with it to the bit.
+
+use std::collections::VecDeque;
+
+use shared_control::config::{Config, Controller};
+use shared_control::flight_core::{FlightCore, State, TorqueSource};
+use shared_control::imu::AxisMap;
+use shared_control::mpc::{HORIZON, Mpc, MpcState};
+use shared_control::params::Params;
+use shared_control::setup::Setup;
+use shared_control::signals::{Plan, PlanRequest, StepInput};
+use shared_control::trace::StepTrace;
+
+use crate::devices::SecondGyro;
+
+/// How the plans fared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Planned {
+    /// Plans of the board that the host made again, equal to the bit.
+    pub repeated: u64,
+    /// Of these, such that arrived too late for their step.
+    pub late: u64,
+    /// Questions to which the board made no plan, because the one before was still being made.
+    pub not_made: u64,
+    /// Steps whose question before was not answered in time.
+    pub missed: u64,
+    /// Steps in the air that flew by a plan.
+    pub flown: u64,
+    /// Steps in the air that flew by the cascade for want of a plan.
+    pub without: u64,
+    /// Steps in the air that flew by the cascade because the plan was not solved.
+    pub unsolved: u64,
+}
+
+/// Configuration, state, and plans that may still arrive.
+pub struct Twin {
+    config: Config,
+    state: State,
+    mpc: Mpc<HORIZON>,
+    mpc_state: MpcState<HORIZON>,
+    questions: VecDeque<PlanRequest>,
+    steps: u64,
+    planned: Planned,
+}
+
+impl Twin {
+    /// Before the first step, as the board is configured and fitted.
+    ///
+    /// # Panics
+    /// If it can't be flown with.
+    pub fn new(params: &Params, gyro: SecondGyro) -> Self {
+        let Setup { mut config, mpc, .. } = Setup::new(params).unwrap();
+        if gyro == SecondGyro::L3gd20h {
+            config.imu_second.gyro_axes = AxisMap::PIXHAWK1_L3GD20H;
+        }
+        let mpc = Mpc::prepare_shorter(params.control_horizon.into(), &mpc).unwrap();
+        let (state, mpc_state) = (State::default(), MpcState::new());
+        Self { config, state, mpc, mpc_state, questions: VecDeque::new(), steps: 0, planned: Planned::default() }
+    }
+
+    /// Starts again, as the board does after a reset.
+    pub fn restart(&mut self) {
+        (self.state, self.mpc_state) = (State::default(), MpcState::new());
+        self.questions.clear();
+    }
+
+    /// Makes the board's step again.
+    ///
+    /// # Panics
+    /// If any bit of its input, output, plan or state differs.
+    pub fn repeat(&mut self, board: &StepTrace) {
+        let input = board.input();
+        let asked = self.questions.back().is_some_and(|question| question.step == self.state.step);
+        self.planned.missed += u64::from(asked && input.plan.is_none_or(|plan| plan.step != self.state.step));
+        self.repeat_plan(&input);
+        let output = FlightCore::fast(&self.config, &mut self.state, &input);
+        let question = FlightCore::follow(&self.config, &mut self.state, &output);
+        self.questions.extend(question);
+        let mut host = StepTrace::EMPTY;
+        host.record(&input, &output, &self.state);
+        // samples beyond the count are left over from earlier steps on the board
+        (host.sample, host.sample_second) = (board.sample, board.sample_second);
+        assert_eq!(&host, board, "step {}", board.step);
+        self.steps += 1;
+        match output.source {
+            TorqueSource::Mpc => self.planned.flown += 1,
+            TorqueSource::CascadeNoPlan => self.planned.without += 1,
+            TorqueSource::CascadeUnsolved(_) => self.planned.unsolved += 1,
+            _ => {}
+        }
+    }
+
+    /// Each plan that the board made arrives in some input; the questions before its own were not answered.
+    fn repeat_plan(&mut self, input: &StepInput) {
+        let Some(plan) = input.plan else { return };
+        while let Some(question) = self.questions.pop_front() {
+            if question.step != plan.step {
+                self.planned.not_made += 1;
+                continue;
+            }
+            let own = FlightCore::plan(&self.mpc, &mut self.mpc_state, &question);
+            assert_eq!(bits(&own), bits(&plan), "plan of step {}", plan.step);
+            self.planned.repeated += 1;
+            // the step that takes it has not been counted yet
+            self.planned.late += u64::from(plan.step != self.state.step);
+            return;
+        }
+        panic!("a plan for step {}, which asked for none", plan.step);
+    }
+
+    /// Steps made.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// How the plans fared.
+    pub fn planned(&self) -> Planned {
+        self.planned
+    }
+
+    /// Does the MPC fly?
+    pub fn has_mpc(&self) -> bool {
+        self.config.controller == Controller::Mpc
+    }
+}
+
+fn bits(plan: &Plan) -> (u32, [u32; 3], u16, String) {
+    (plan.step, plan.input.map(f32::to_bits), plan.iterations, format!("{:?}", plan.status))
+}

@@ -1,0 +1,273 @@
+//! The faults, each with its promise.
+
+use emulated_board::{Flight, MILLISECOND, Sensor, SensorFault};
+use mavlink::dialects::common::MavCmd;
+use shared_control::config::Controller;
+use shared_control::params::Params;
+
+/// How the outputs end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// As before the fault.
+    FliesOn,
+    /// Shortest pulses.
+    Disarmed,
+}
+
+/// A fault and what is promised.
+pub struct Row {
+    pub fault: &'static str,
+    pub end: End,
+    /// From the fault to the end of the last pulse that turns a motor, ms.
+    pub within_ms: u64,
+    /// May a pulse be cut short? Only where the processor itself is stopped by hardware.
+    pub may_cut: bool,
+    /// What the ground must hear.
+    pub says: &'static [&'static str],
+    pub mpc: bool,
+    pub before: fn(&mut Flight),
+    pub inject: fn(&mut Flight),
+    /// For how long it is looked at, ms.
+    pub watch_ms: u64,
+}
+
+/// A pulse may have begun when the last step was made: 0.5 ms of delay, and 2 ms at most.
+const PULSE_MS: u64 = 3;
+/// Five periods of the loop.
+const DETECTION_MS: u64 = 13 + PULSE_MS;
+/// The watchdog's longest, fed at most 10 ms before.
+const WATCHDOG_MS: u64 = 55 + PULSE_MS;
+/// From a reset to the loop, and as long again for the ground to hear of it.
+const RESTART_MS: u64 = 3500;
+
+const NOTHING: Row = Row {
+    fault: "",
+    end: End::Disarmed,
+    within_ms: DETECTION_MS,
+    may_cut: false,
+    says: &[],
+    mpc: false,
+    before: no_second_imu,
+    inject: |_| {},
+    watch_ms: 600,
+};
+
+impl Row {
+    pub fn params(&self) -> Params {
+        let controller = if self.mpc { Controller::Mpc } else { Controller::Cascade };
+        // a throttle that is found again in memory
+        Params { controller, hover_throttle_permille: HOVER_PERMILLE, ..Params::DEFAULT }
+    }
+}
+
+const HOVER_PERMILLE: u16 = 487;
+
+pub const ROWS: &[Row] = &[
+    Row {
+        fault: "IMU's data line dead, no second IMU",
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::DeadBus(0xff)),
+        ..NOTHING
+    },
+    Row {
+        fault: "IMU gone, no second IMU",
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff)),
+        ..NOTHING
+    },
+    Row {
+        fault: "IMU stuck, no second IMU",
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Frozen),
+        ..NOTHING
+    },
+    Row {
+        fault: "data-ready lost, no second IMU",
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::NoDataReady),
+        ..NOTHING
+    },
+    Row {
+        fault: "set-point not a number (kept: the last that was one; for 1 s as a lost link)",
+        within_ms: 2000 + DETECTION_MS,
+        inject: spoil_setpoint,
+        watch_ms: 2500,
+        ..NOTHING
+    },
+    Row {
+        fault: "TELEM1 flooded with noise at line rate (for 1 s as a lost link)",
+        within_ms: 2000 + 200 + DETECTION_MS,
+        inject: |flight| flight.machine.telem1_flood(true),
+        watch_ms: 2700,
+        ..NOTHING
+    },
+    Row {
+        fault: "TELEM1 flooded with messages at line rate",
+        end: End::FliesOn,
+        inject: flood_with_messages,
+        watch_ms: 2000,
+        ..NOTHING
+    },
+    Row {
+        fault: "undefined instruction in the loop",
+        within_ms: PULSE_MS,
+        says: &["hard fault", "started by software reset"],
+        inject: |flight| break_code(flight, LOOP, &UNDEFINED),
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "load from nowhere in housekeeping",
+        within_ms: 10 + PULSE_MS,
+        says: &["hard fault", "started by software reset"],
+        inject: |flight| break_code(flight, HOUSEKEEPING, &LOAD_FROM_NOWHERE),
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "stack overflow",
+        within_ms: PULSE_MS,
+        says: &["hard fault", "started by software reset"],
+        inject: overflow_stack,
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "loop hung",
+        within_ms: WATCHDOG_MS,
+        may_cut: true,
+        says: &["started by watchdog"],
+        inject: |flight| break_code(flight, LOOP, &BRANCH_TO_SELF),
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "housekeeping hung",
+        within_ms: WATCHDOG_MS,
+        may_cut: true,
+        says: &["started by watchdog"],
+        inject: |flight| break_code(flight, HOUSEKEEPING, &BRANCH_TO_SELF),
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "plan hung (MPC)",
+        within_ms: WATCHDOG_MS,
+        may_cut: true,
+        says: &["started by watchdog"],
+        mpc: true,
+        inject: |flight| break_code(flight, PLAN, &BRANCH_TO_SELF),
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "supply down to 2.7 V for 20 ms",
+        within_ms: PULSE_MS,
+        says: &["low supply", "started by software reset"],
+        inject: |flight| {
+            flight.machine.set_supply_v(2.7);
+            flight.run_for(20 * MILLISECOND);
+            flight.machine.set_supply_v(3.3);
+        },
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "crystal stops for good",
+        within_ms: PULSE_MS,
+        says: &["crystal lost"],
+        inject: |flight| flight.machine.stop_crystal(),
+        watch_ms: RESTART_MS + 2000,
+        ..NOTHING
+    },
+    Row {
+        fault: "parameters corrupted (noticed at the next start, which then does not arm)",
+        end: End::FliesOn,
+        inject: |flight| flight.machine.write_fram(10, &[0xff; 4]),
+        watch_ms: 500,
+        ..NOTHING
+    },
+    Row {
+        fault: "parameters corrupted, then restarted",
+        within_ms: 200,
+        says: &["configuration: damaged", "refused: configuration was bad"],
+        inject: |flight| {
+            flight.machine.write_fram(10, &[0xff; 4]);
+            flight.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 0.0);
+            flight.run_for(100 * MILLISECOND);
+            flight.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
+            flight.run_for(2500 * MILLISECOND);
+            flight.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
+        },
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+];
+
+/// Handlers of the tasks, by the names of their interrupts.
+const LOOP: &str = "TIM3";
+const PLAN: &str = "CAN1_RX0";
+const HOUSEKEEPING: &str = "CAN1_RX1";
+
+/// `b .`
+const BRANCH_TO_SELF: [u8; 2] = [0xfe, 0xe7];
+/// `udf #0`
+const UNDEFINED: [u8; 2] = [0x00, 0xde];
+/// `mov.w r0, #0x90000000`, `ldr r0, [r0]`
+const LOAD_FROM_NOWHERE: [u8; 6] = [0x4f, 0xf0, 0x10, 0x40, 0x00, 0x68];
+
+/// On the board from the start.
+fn no_second_imu(flight: &mut Flight) {
+    flight.machine.break_sensor(Sensor::L3gd20, SensorFault::Removed(0xff));
+    flight.machine.break_sensor(Sensor::Lsm303d, SensorFault::Removed(0xff));
+}
+
+/// Other instructions at the start of a handler, until the board has reset itself.
+fn break_code(flight: &mut Flight, handler: &str, instructions: &[u8]) {
+    let address = flight.image.symbol(handler).expect("a handler") & !1;
+    let good = flight.machine.bytes(address, instructions.len()).unwrap();
+    let resets = flight.machine.counters().resets;
+    flight.machine.poke(address, instructions);
+    for _ in 0..200 {
+        flight.run_for(MILLISECOND / 2);
+        if flight.machine.counters().resets > resets {
+            break;
+        }
+    }
+    flight.machine.poke(address, &good);
+}
+
+/// The stack pointer goes where a deep recursion would have brought it.
+fn overflow_stack(flight: &mut Flight) {
+    let end = flight.image.symbol("_stack_end").expect("the stack's far end");
+    while !flight.machine.is_asleep() {
+        flight.run_for(MILLISECOND / 100);
+    }
+    flight.machine.poke_stack_pointer(end + 16);
+}
+
+/// The hover throttle, from which the image makes its set-points, becomes a NaN.
+fn spoil_setpoint(flight: &mut Flight) {
+    let control = flight.image.symbol_that_contains("local_resource_control").expect("the loop's memory");
+    let throttle = (f32::from(HOVER_PERMILLE) / 1000.0).to_bits();
+    let memory: Vec<u32> = (0..1024).map(|place| flight.machine.word(control + 4 * place).unwrap()).collect();
+    // in a set-point it comes after three zeros while the vehicle hovers; those are left alone
+    let kept = |place: &usize| memory[*place] == throttle && memory[place - 3..*place] != [0; 3];
+    let places = (3..memory.len()).filter(kept).collect::<Vec<_>>();
+    for place in places {
+        flight.machine.poke(control + 4 * place as u32, &f32::NAN.to_bits().to_le_bytes());
+    }
+    flight.run_for(5 * MILLISECOND);
+    assert!(f32::from_bits(flight.last().setpoint[3]).is_nan());
+}
+
+/// Heartbeats back to back, for two seconds.
+fn flood_with_messages(flight: &mut Flight) {
+    // 21 bytes of 87 us each: 5.5 in 10 ms
+    for _ in 0..190 {
+        for _ in 0..6 {
+            flight.ground.heartbeat(&mut flight.machine);
+        }
+        flight.run_for(10 * MILLISECOND);
+    }
+}

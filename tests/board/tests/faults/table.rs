@@ -1,0 +1,122 @@
+//! What came of a fault, and the table of all.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use emulated_board::{Flight, MILLISECOND};
+
+use crate::rows::{End, Row};
+
+/// Set to write `FAULTS.md` anew.
+const RENEW: &str = "RENEW_BOARD_FIGURES";
+
+const HEAD: &str = "\
+# Faults in flight, and what came of each
+
+The firmware's own image flies the test sequence on the emulated board, half a second into it a fault is injected, and this
+is what the motor outputs do and what the ground is told. `cargo xtask board-test` injects them all again, fails where a
+promise is broken, and compares this table; `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes it.
+
+Outputs are those that last: *fly on* is as before the fault, *disarmed* is the shortest pulse, from which no motor turns.
+*Within* bounds the end of the last pulse from which one does; *found* is what it was here, rounded up. Resets cut no
+flight short by themselves: the board comes back disarmed, 0.4 to 0.6 s later and without a pulse until then.
+
+| fault | outputs | within | found | resets | told to the ground |
+|---|---|---|---|---|---|
+";
+
+/// A row and what was found.
+pub struct Outcome {
+    pub row: &'static Row,
+    end: Option<End>,
+    live_ms: Option<u64>,
+    resets: u64,
+    cut: bool,
+    told: Vec<String>,
+}
+
+impl Outcome {
+    /// Flies, injects, watches.
+    pub fn of(row: &'static Row) -> Self {
+        let mut flight = Flight::new(&row.params(), 1);
+        (row.before)(&mut flight);
+        flight.take_off();
+        flight.run_for(500 * MILLISECOND);
+        assert!(
+            flight.vehicle.borrow().commands().iter().all(|command| *command > 0.2),
+            "{}: not in the air",
+            row.fault
+        );
+        let (fault_at, heard, resets) =
+            (flight.machine.now(), flight.ground.texts().len(), flight.machine.counters().resets);
+        (row.inject)(&mut flight);
+        let rest = (fault_at + row.watch_ms * MILLISECOND).saturating_sub(flight.machine.now());
+        flight.run_for(rest);
+        let now = flight.machine.now();
+        let vehicle = flight.vehicle.borrow();
+        let pulses = vehicle.pulses();
+        // a pulse a step, and a step is at most 10 ms
+        let recent = now - 20 * MILLISECOND;
+        let end = match (pulses.last_live_end() > recent, pulses.last_end() > recent) {
+            (true, _) => Some(End::FliesOn),
+            (false, true) => Some(End::Disarmed),
+            (false, false) => None,
+        };
+        let live = pulses.last_live_end().saturating_sub(fault_at);
+        let live_ms = (end != Some(End::FliesOn)).then_some(live.div_ceil(MILLISECOND));
+        let mut told =
+            flight.ground.texts()[heard..].iter().map(|(_, text)| without_addresses(text)).collect::<Vec<_>>();
+        told.dedup();
+        let resets = flight.machine.counters().resets - resets;
+        Self { row, end, live_ms, resets, cut: pulses.cut(), told }
+    }
+
+    /// What differs from the promise.
+    pub fn broken_promise(&self) -> Option<String> {
+        let Row { fault, end, within_ms, says, .. } = self.row;
+        let late = self.live_ms.is_some_and(|live_ms| live_ms > *within_ms);
+        let unsaid = says.iter().find(|words| !self.told.iter().any(|told| told.contains(**words)));
+        let wrong = self.end != Some(*end) || late || unsaid.is_some() || self.cut && !self.row.may_cut;
+        wrong.then(|| {
+            let Self { end, live_ms, cut, told, .. } = self;
+            format!("{fault}: ends {end:?}, live for {live_ms:?} of {within_ms} ms, cut {cut}, told {told:?}, unsaid {unsaid:?}")
+        })
+    }
+}
+
+/// Addresses and step numbers change with every build.
+fn without_addresses(text: &str) -> String {
+    let mut words: Vec<&str> = Vec::new();
+    for word in text.split(' ') {
+        let counts_steps = words.last() == Some(&"step");
+        words.push(if word.starts_with("0x") || counts_steps { "..." } else { word });
+    }
+    words.join(" ")
+}
+
+pub fn markdown(outcomes: &[Outcome]) -> String {
+    let mut text = HEAD.to_owned();
+    for Outcome { row, live_ms, resets, told, .. } in outcomes {
+        let (outputs, within, found) = match row.end {
+            End::FliesOn => ("fly on", "-".to_owned(), "-".to_owned()),
+            End::Disarmed => {
+                ("disarmed", format!("{} ms", row.within_ms), live_ms.map_or_else(String::new, |ms| format!("{ms} ms")))
+            }
+        };
+        let told = if told.is_empty() { "-".to_owned() } else { told.join("; ") };
+        // a board that goes on resetting does so until it is helped
+        let resets = if *resets > 2 { "again and again".to_owned() } else { resets.to_string() };
+        let _ = writeln!(text, "| {} | {outputs} | {within} | {found} | {resets} | {told} |", row.fault);
+    }
+    text
+}
+
+/// Compares with what is committed, or writes it.
+pub fn compare(text: &str) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("FAULTS.md");
+    if std::env::var_os(RENEW).is_some() {
+        std::fs::write(&path, text).unwrap();
+    }
+    let committed = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(committed == text, "FAULTS.md is not what was found; renew it: {RENEW}=1 cargo xtask board-test");
+}

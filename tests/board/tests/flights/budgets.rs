@@ -1,0 +1,70 @@
+//! What a step, a task and the image cost: hard limits, and figures that a file keeps so that growth is seen.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use crate::flown::Flown;
+
+/// Set to write `budgets.toml` anew.
+const RENEW: &str = "RENEW_BOARD_FIGURES";
+/// Growth that is let pass, percent: what another build of the same source brings.
+const GROWTH_PERCENT: u64 = 3;
+
+/// 15 % of the 420,000 cycles of a step at 400 Hz, two cycles each.
+const PID_LOOP_INSTRUCTIONS_MAX: u32 = 30_000;
+const FLASH_BYTES_MAX: usize = 256 * 1024;
+
+const HEAD: &str = "\
+# What the image costs, measured on the emulated board: bytes, and instructions of each task's activations without what
+# interrupts them. `cargo xtask board-test` fails if a figure grows by more than 3 %; where the growth is worth it,
+# `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes this file.
+
+";
+
+/// Section, figure, value.
+type Figures = BTreeMap<String, BTreeMap<String, u64>>;
+
+pub fn check(flown: &[Flown]) {
+    for flight in flown {
+        let cascade_alone = flight.name.starts_with("PID");
+        let worst = flight.tasks["loop"].worst;
+        assert!(!cascade_alone || worst < PID_LOOP_INSTRUCTIONS_MAX, "{}: {worst}", flight.name);
+        assert!(flight.flash_bytes < FLASH_BYTES_MAX, "{} bytes of flash", flight.flash_bytes);
+        assert!(!flight.computes_in_f64, "f64 arithmetic in the image");
+    }
+    compare(&figures(flown));
+}
+
+fn figures(flown: &[Flown]) -> Figures {
+    let mut figures = Figures::new();
+    for flight in flown {
+        let image = figures.entry("image".to_owned()).or_default();
+        image.insert("flash bytes".to_owned(), flight.flash_bytes as u64);
+        image.insert("RAM bytes".to_owned(), flight.ram_bytes as u64);
+        let section = figures.entry(flight.name.to_owned()).or_default();
+        section.insert("CPU permille".to_owned(), flight.cpu_permille);
+        section.insert("stack bytes".to_owned(), flight.stack_bytes as u64);
+        for (task, instructions) in &flight.tasks {
+            section.insert(format!("{task}, median"), instructions.median.into());
+            section.insert(format!("{task}, worst"), instructions.worst.into());
+        }
+    }
+    figures
+}
+
+fn compare(found: &Figures) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("budgets.toml");
+    if std::env::var_os(RENEW).is_some() {
+        std::fs::write(&path, HEAD.to_owned() + &toml::to_string(found).unwrap()).unwrap();
+    }
+    let committed: Figures = toml::from_str(&std::fs::read_to_string(&path).unwrap_or_default()).unwrap();
+    let mut grown = Vec::new();
+    for (section, name, value) in found.iter().flat_map(|(s, all)| all.iter().map(move |(n, v)| (s, n, *v))) {
+        match committed.get(section).and_then(|figures| figures.get(name)) {
+            Some(before) if 100 * value <= (100 + GROWTH_PERCENT) * before => {}
+            before => grown.push(format!("{section}: {name}: {value}, budget {before:?}")),
+        }
+    }
+    let help = format!("if it is worth it: {RENEW}=1 cargo xtask board-test writes tests/board/budgets.toml");
+    assert!(grown.is_empty(), "grown by more than {GROWTH_PERCENT} %:\n{}\n{help}", grown.join("\n"));
+}

@@ -1,0 +1,15 @@
+//! `docs/configuration.md` is the table of the code.
+
+use shared_control::params::Params;
+use shared_control::params::table::Field;
+
+#[test]
+fn the_page_has_every_parameter_as_it_is() {
+    let rows = Field::ALL.map(|field| {
+        let (row, default) = (field.row(), Params::DEFAULT.get(field));
+        format!("| `{}` | {} | {default} | {} |\n", row.name, row.allowed, row.meaning)
+    });
+    let table = rows.concat();
+    let page = include_str!("../../docs/configuration.md");
+    assert!(page.contains(&table), "the table of docs/configuration.md should be:\n{table}");
+}
