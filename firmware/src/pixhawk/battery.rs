@@ -31,7 +31,7 @@ pub struct Battery {
 
 impl Battery {
     /// Starts it. DMA2 must be running already; its stream 4 is used here alone.
-    pub fn start(adc: ADC1, common: &ADC_COMMON, pin: Pin, ring: &'static mut Ring, rcc: &mut Rcc) -> Self {
+    pub fn start((adc, common): (ADC1, &ADC_COMMON), pin: Pin, ring: &'static mut Ring, rcc: &mut Rcc) -> Self {
         ADC1::enable(rcc);
         ADC1::reset(rcc);
         // SAFETY: stream 4 is nobody else's; its registers are written here only

@@ -8,9 +8,11 @@ use core::arch::naked_asm;
 
 use cortex_m::peripheral::SCB;
 use shared_control::signs::Sign;
-use stm32f4xx_hal::pac::{EXTI, RCC};
+use stm32f4xx_hal::pac::{EXTI, FLASH, PWR, RCC, SYSCFG};
+use stm32f4xx_hal::rcc::Rcc;
 
-use super::fault::{self, Cause};
+use super::fault::{self, Cause, FaultRecord};
+use super::pins::{Pins, Ports};
 use super::supply::SupplyDetector;
 use super::{board, clock, light_and_tone};
 
@@ -65,8 +67,36 @@ unsafe extern "C" fn __pre_init() {
     )
 }
 
+/// What was found at start, for a person.
+pub struct Start {
+    /// Why the processor was reset.
+    pub reset_cause: &'static str,
+    /// The supply was too low, and has been waited for.
+    pub supply_was_low: bool,
+    /// What a fault left behind.
+    pub record: Option<FaultRecord>,
+}
+
+/// Clocks, pins and supply as they must be before anything else is set up.
+pub fn power_up(
+    (rcc, flash, power, exti): (RCC, &FLASH, &PWR, &mut EXTI),
+    (ports, syscfg): (Ports, SYSCFG),
+) -> (Rcc, Pins, Start) {
+    let reset_cause = take_reset_cause(&rcc);
+    release_clocks(&rcc, exti);
+    if !clock::crystal_starts(&rcc) {
+        let mut rcc = clock::start_without_crystal(rcc);
+        stand_still(&mut Pins::new(ports, syscfg, exti, &mut rcc).light_and_tone);
+    }
+    let mut rcc = clock::start(rcc, flash);
+    let mut pins = Pins::new(ports, syscfg, exti, &mut rcc);
+    let supply_was_low = wait_for_supply(&SupplyDetector::new(power, exti, &mut rcc), &mut pins.light_and_tone);
+    let record = FaultRecord::read();
+    (rcc, pins, Start { reset_cause, supply_was_low, record })
+}
+
 /// Why the processor was reset (RCC_CSR, RM 7.3.21), in words; forgotten for the next time.
-pub fn take_reset_cause(rcc: &RCC) -> &'static str {
+fn take_reset_cause(rcc: &RCC) -> &'static str {
     let flags = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
     if flags.lpwrrstf().bit_is_set() {
@@ -85,7 +115,7 @@ pub fn take_reset_cause(rcc: &RCC) -> &'static str {
 }
 
 /// Back to the internal oscillator, PLL off, every peripheral in use reset: what the HAL's `freeze` starts from.
-pub fn release_clocks(rcc: &RCC, exti: &EXTI) {
+fn release_clocks(rcc: &RCC, exti: &EXTI) {
     rcc.cr().modify(|_, w| w.hsion().set_bit());
     while rcc.cr().read().hsirdy().bit_is_clear() {}
     rcc.cfgr().reset();
@@ -112,7 +142,7 @@ pub fn release_clocks(rcc: &RCC, exti: &EXTI) {
 
 /// Without the crystal nothing has its right time: no pulses, no link, no watchdog; the light tells, a record stays for
 /// the next start, and the next start comes soon.
-pub fn stand_still(signs: &mut light_and_tone::Pins) -> ! {
+fn stand_still(signs: &mut light_and_tone::Pins) -> ! {
     fault::note(Cause::CrystalSilent);
     let mut tenths = 0..TRY_AGAIN_TENTHS;
     signs.show_while(Sign::CrystalSilent, clock::INTERNAL_HZ, || tenths.next().is_some());
@@ -121,7 +151,7 @@ pub fn stand_still(signs: &mut light_and_tone::Pins) -> ! {
 
 /// Waits, without pulses and for as long as it takes, until the supply is good; from then on its fall is an interrupt.
 /// True if there was something to wait for.
-pub fn wait_for_supply(detector: &SupplyDetector, signs: &mut light_and_tone::Pins) -> bool {
+fn wait_for_supply(detector: &SupplyDetector, signs: &mut light_and_tone::Pins) -> bool {
     if detector.forget() {
         return false;
     }

@@ -3,6 +3,7 @@
 use core::mem::MaybeUninit;
 
 use shared_control::config::Controller;
+use shared_control::imu::AxisMap;
 use shared_control::link::LinkSettings;
 use shared_control::mpc::{HORIZON, Mpc};
 use shared_control::params::{self, Params, RecordError};
@@ -59,6 +60,18 @@ impl Configuration {
     pub fn link_settings(&self) -> LinkSettings {
         let hover_throttle = f32::from(self.params.hover_throttle_permille) / 1000.0;
         LinkSettings { hover_throttle, ..LinkSettings::NOMINAL }
+    }
+
+    /// Bits per second on the link.
+    pub fn link_baud(&self) -> u32 {
+        if self.params.hil { board::HIL_BAUD } else { board::LINK_BAUD }
+    }
+
+    /// The second IMU's gyro was found to sit like this.
+    pub fn fit_second_gyro(&mut self, axes: Option<AxisMap>) {
+        if let Some(axes) = axes {
+            self.setup.config.imu_second.gyro_axes = axes;
+        }
     }
 
     /// Ticks of the loop per housekeeping.

@@ -8,6 +8,7 @@ use shared_control::link::telemetry::Text;
 use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, VehicleStatus};
 use shared_control::params::Params;
 
+use super::boot::Start;
 use super::configuration::Configuration;
 use super::fault::{self, FaultRecord};
 use super::fram::Fram;
@@ -51,6 +52,17 @@ impl Ground {
         // what does not fit is left out
         let _ = write!(text, "{words}");
         self.telemetry.text(MavSeverity::MAV_SEVERITY_WARNING, &text);
+    }
+
+    /// Tells why the board has started, and what came before.
+    pub fn tell_start(&mut self, start: &Start) {
+        self.tell(start.reset_cause);
+        if start.supply_was_low {
+            self.tell("waited for a supply above 2.9 V");
+        }
+        if let Some(record) = start.record {
+            self.tell(record.words());
+        }
     }
 
     /// Tells what is out of the ordinary about the configuration.

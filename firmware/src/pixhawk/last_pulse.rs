@@ -5,8 +5,8 @@
 //!
 //! | the fault falls | this pulse | then |
 //! |---|---|---|
-//! | between pulses, or into a pulse shorter than the disarmed one so far | ends at the disarmed width | a disarmed pulse |
-//! | into a pulse already longer than that | ends at once: less than was asked for, more than nothing, for one period | a disarmed pulse |
+//! | between pulses, or into a pulse shorter than the disarmed one so far | ends at the disarmed width | a pause, a disarmed pulse |
+//! | into a pulse already longer than that | ends at once: less than was asked for, more than nothing, for 1.5 ms | a pause, a disarmed pulse |
 //!
 //! A pulse on its way cannot be made shorter than it is, and left alone it would end later, at the full command. Without
 //! the crystal the timers run at 16 instead of 168 MHz and a pulse would last 10.5 times as long, which some ESCs take for
@@ -18,18 +18,17 @@ use core::sync::atomic::{AtomicU16, Ordering};
 
 use stm32f4xx_hal::pac::{TIM1, tim1};
 
-/// Compare value of the disarmed pulse; zero until the timer is set up.
+/// Compare value of the disarmed pulse; zero until the timer is set up, which before has no clock.
 static DISARMED_COUNT: AtomicU16 = AtomicU16::new(0);
 /// The same on the internal oscillator, undivided.
 static DISARMED_COUNT_WITHOUT_CRYSTAL: AtomicU16 = AtomicU16::new(0);
 
 /// Internal oscillator, counts per us.
 const INTERNAL_TICKS_PER_US: u16 = 16;
-/// That oscillator may be 8 % slow (data sheet, table 41): by so much shorter is the pulse made on its time.
+/// That oscillator may be 8 % slow over all temperatures (data sheet, HSI characteristics): by so much shorter is the pulse made on its time.
 const INTERNAL_SHARE_PERCENT: u16 = 92;
-/// Turns of a wait, each at least 5 cycles long: 15 ms at 168 MHz, more than the longest wait at 100 pulses per second.
-/// Should it take longer, the watchdog or this bound ends it in a disarmed pulse, which does no harm.
-const WAIT_TURNS: u32 = 500_000;
+/// Turns of a wait, each at least 5 cycles long: 3 ms at 168 MHz, more than any wait takes.
+const WAIT_TURNS: u32 = 100_000;
 
 /// To be called when the pulse timer is set up.
 pub fn prepare(disarmed_count: u16, disarmed_us: u16) {
@@ -41,27 +40,35 @@ pub fn prepare(disarmed_count: u16, disarmed_us: u16) {
 /// First thing in a fault: from now on no edge carries anything but the disarmed pulse.
 pub fn force_disarmed() {
     let count = DISARMED_COUNT.load(Ordering::Relaxed);
-    if count == 0 {
-        return;
+    if count != 0 {
+        write_at_once(pulse_timer(), count);
     }
-    let tim = pulse_timer();
-    write_at_once(tim, count);
 }
 
 /// The same when the crystal is lost: the pins are low from now on.
 pub fn force_low() {
-    pulse_timer().bdtr().modify(|_, w| w.moe().clear_bit());
+    if DISARMED_COUNT.load(Ordering::Relaxed) != 0 {
+        pulse_timer().bdtr().modify(|_, w| w.moe().clear_bit());
+    }
 }
 
-/// After [`force_disarmed`]: waits until a whole disarmed pulse has been sent.
+/// After [`force_disarmed`]: sends a whole disarmed pulse. That takes 2.5 ms at most with PWM, whatever the rate of pulses is:
+/// the pulse under way, a pause, the last pulse. The watchdog, last fed 10 ms ago or less, waits longer.
 pub fn send_disarmed() {
     let (tim, count) = (pulse_timer(), DISARMED_COUNT.load(Ordering::Relaxed));
-    if !pulses_are_sent(tim) {
+    if count == 0 || !pulses_are_sent(tim) {
         return;
     }
     tim.sr().write(|w| w.uif().clear_bit());
-    wait_until(|| tim.sr().read().uif().bit_is_set());
-    wait_until(|| tim.cnt().read().cnt().bits() >= count);
+    let (now, begins) = (|| tim.cnt().read().cnt().bits(), || tim.sr().read().uif().bit_is_set());
+    wait_until(|| now() >= count);
+    // low for half a pulse, so that an ESC tells the two apart; unless the next begins by itself
+    let low_since = now();
+    wait_until(|| begins() || now().wrapping_sub(low_since) >= count / 2);
+    if !begins() {
+        tim.egr().write(|w| w.ug().set_bit());
+    }
+    wait_until(|| now() >= count);
 }
 
 /// After [`force_low`]: sends one disarmed pulse on the internal oscillator's time.

@@ -57,7 +57,7 @@ mod app {
     use super::clock::TimeBase;
     use super::configuration::{BoardMpc, Configuration, MpcPlace};
     use super::control::{AnswerQueue, ChoreQueue, Control, Ends, OrderQueue, TickQueue};
-    use super::fault::{self, Cause, FaultRecord};
+    use super::fault::{self, Cause};
     use super::fram::Fram;
     use super::ground::Ground;
     use super::imu::{Buffers, Checked, Imus, SampleQueue};
@@ -66,12 +66,10 @@ mod app {
     use super::load::{self, LoadMeter};
     use super::loop_timer::LoopTimer;
     use super::outputs::Outputs;
-    use super::pins::Pins;
     use super::sensor_bus::SensorBus;
-    use super::supply::SupplyDetector;
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
-    use super::{board, boot, clock, counters, last_pulse};
+    use super::{boot, clock, counters, last_pulse};
 
     #[shared]
     struct Shared {
@@ -110,22 +108,12 @@ mod app {
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (mut core, mut device) = (cx.core, cx.device);
-        let reset_cause = boot::take_reset_cause(&device.RCC);
-        boot::release_clocks(&device.RCC, &device.EXTI);
         let ports = (device.GPIOA, device.GPIOB, device.GPIOC, device.GPIOD, device.GPIOE);
-        if !clock::crystal_starts(&device.RCC) {
-            let mut rcc = clock::start_without_crystal(device.RCC);
-            let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
-            boot::stand_still(&mut pins.light_and_tone);
-        }
-        let mut rcc = clock::start(device.RCC, &device.FLASH);
-        let mut pins = Pins::new(ports, device.SYSCFG, &mut device.EXTI, &mut rcc);
-        let detector = SupplyDetector::new(&device.PWR, &device.EXTI, &mut rcc);
-        let supply_was_low = boot::wait_for_supply(&detector, &mut pins.light_and_tone);
+        let (mut rcc, mut pins, start) =
+            boot::power_up((device.RCC, &device.FLASH, &device.PWR, &mut device.EXTI), (ports, device.SYSCFG));
         clock::freeze_on_halt(&device.DBGMCU);
         clock::start_microseconds(&device.TIM5, &mut rcc);
         load::start(&mut core.DCB, &mut core.DWT);
-        let record = FaultRecord::read();
 
         let mut bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
         let mut memory = Fram::new(device.SPI2, pins.fram, pins.fram_select, &mut rcc);
@@ -144,41 +132,29 @@ mod app {
         let (samples, samples_out) = cx.local.samples.split();
         let (samples_second, samples_second_out) = cx.local.samples_second.split();
         let (ticks, ticks_out) = cx.local.ticks.split();
-        let hil = configuration.params.hil;
-        let baud = if hil { board::HIL_BAUD } else { board::LINK_BAUD };
-        let (ring, buffer) = (cx.local.ring, cx.local.buffer);
-        let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, baud, (ring, buffer), &mut rcc);
+        let (hil, baud) = (configuration.params.hil, configuration.link_baud());
+        let buffers = (cx.local.ring, cx.local.buffer);
+        let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, baud, buffers, &mut rcc);
         let link = LinkIn::new(port, settings, orders, hil.then_some(ticks));
         let mut ground = Ground::new(&settings, (&configuration.params, memory), answers_out, chores_out);
-        ground.tell(reset_cause);
-        if supply_was_low {
-            ground.tell("waited for a supply above 2.9 V");
-        }
-        if let Some(record) = record {
-            ground.tell(record.words());
-        }
+        ground.tell_start(&start);
         ground.tell_configuration(&configuration);
 
         let checked = Checked::set_up(&mut bus);
         checked.faults().for_each(|fault| ground.tell(fault.words()));
-        if let Some(axes) = checked.second_gyro_axes() {
-            configuration.setup.config.imu_second.gyro_axes = axes;
-        }
+        configuration.fit_second_gyro(checked.second_gyro_axes());
         let producers = [samples, samples_second];
         let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
         if !hil {
             imus.start(&checked, &mut device.EXTI);
         }
-        let conversions = cx.local.conversions;
-        let battery = Battery::start(device.ADC1, &device.ADC_COMMON, pins.battery, conversions, &mut rcc);
-
-        let blocks = ArmingBlocks {
-            fault_record_unread: record.is_some(),
-            configuration_unconfirmed: configuration.fault.is_some(),
-        };
-        let commander = Commander::new(settings.hover_throttle, blocks);
         // the simulated vehicle's battery is never low
-        let battery = (!hil).then_some(battery);
+        let (adc, conversions) = ((device.ADC1, &device.ADC_COMMON), cx.local.conversions);
+        let battery = (!hil).then(|| Battery::start(adc, pins.battery, conversions, &mut rcc));
+
+        let (fault_record_unread, configuration_unconfirmed) = (start.record.is_some(), configuration.fault.is_some());
+        let blocks = ArmingBlocks { fault_record_unread, configuration_unconfirmed };
+        let commander = Commander::new(settings.hover_throttle, blocks);
         let ticks = hil.then_some(ticks_out);
         #[rustfmt::skip]
         let ends = Ends {

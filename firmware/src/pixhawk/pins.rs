@@ -7,6 +7,9 @@ use stm32f4xx_hal::rcc::Rcc;
 
 use super::{battery, fram, imu, light_and_tone, link_port, outputs, sensor_bus};
 
+/// The ports that they belong to.
+pub type Ports = (GPIOA, GPIOB, GPIOC, GPIOD, GPIOE);
+
 /// The pins in use.
 pub struct Pins {
     /// Chip selects on SPI1, all high.
@@ -33,7 +36,7 @@ pub struct Pins {
 
 impl Pins {
     /// Takes and sets up all of them.
-    pub fn new(ports: (GPIOA, GPIOB, GPIOC, GPIOD, GPIOE), syscfg: SYSCFG, exti: &mut EXTI, rcc: &mut Rcc) -> Self {
+    pub fn new(ports: Ports, syscfg: SYSCFG, exti: &mut EXTI, rcc: &mut Rcc) -> Self {
         let (a, b, c) = (ports.0.split(rcc), ports.1.split(rcc), ports.2.split(rcc));
         let (d, e) = (ports.3.split(rcc), ports.4.split(rcc));
         let high = PinState::High;

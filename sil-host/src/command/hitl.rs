@@ -1,5 +1,6 @@
 //! `sil hitl`: the plant for a board in the loop.
 
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -62,9 +63,25 @@ pub fn run(arguments: &HitlArguments) -> Result<(), Failure> {
         .open()
         .map_err(|error| bad_input(no_port(&arguments.serial, &error)))?;
     let mut port = BoardPort::new(stream, Patience::SERIAL);
-    let flight = hitl::fly(&mut port, &setup).map_err(|error| failed(format!("{}: {error}", arguments.serial)))?;
+    let flight = hitl::fly(&mut port, &setup, &mut show_progress);
+    end_progress();
+    let flight = flight.map_err(|error| failed(format!("{}: {error}", arguments.serial)))?;
     print(text(&setup, &flight))?;
     write_json(arguments.json.as_deref(), &json(&flight))
+}
+
+/// On a terminal only; it is gone when the figures come.
+fn show_progress(flown_s: f64, of_s: f64) {
+    if std::io::stderr().is_terminal() {
+        // progress that can't be shown is no reason to stop
+        let _ = write!(std::io::stderr(), "\rin flight: {flown_s:4.1} of {of_s:.1} s ");
+    }
+}
+
+fn end_progress() {
+    if std::io::stderr().is_terminal() {
+        let _ = write!(std::io::stderr(), "\r{:40}\r", "");
+    }
 }
 
 /// With the ports that there are.

@@ -27,6 +27,8 @@ const ASKED_MAX: u32 = 10;
 const HOVERS: f32 = 0.1;
 /// Signs of life per simulated second; the board gives up after one without.
 const HEARTBEATS_PER_S: u32 = 10;
+/// Reports of progress per simulated second.
+const PROGRESS_PER_S: u32 = 10;
 
 /// What decides how a flight goes, but for the board.
 #[derive(Clone, Debug)]
@@ -61,17 +63,22 @@ struct Series {
     commands: Vec<[f64; 4]>,
 }
 
-/// Arms the board, starts its test sequence and flies it to the end.
+/// Arms the board, starts its test sequence and flies it to the end. `watch` learns every tenth of a second of flight how far
+/// it is, s of s.
 ///
 /// # Errors
 /// [`HitlError`]: no board, not this kind of board, refused, or lost on the way.
-pub fn fly<S: Read + Write>(port: &mut BoardPort<S>, setup: &HitlSetup) -> Result<HitlFlight, HitlError> {
+pub fn fly<S: Read + Write>(
+    port: &mut BoardPort<S>,
+    setup: &HitlSetup,
+    watch: &mut dyn FnMut(f64, f64),
+) -> Result<HitlFlight, HitlError> {
     let mut session = Session::greet(port)?;
     let controller = session.controller;
     let mut vehicle = SimulatedVehicle::new(setup);
     vehicle.arm_and_start(&mut session)?;
     let begin = Instant::now();
-    let series = vehicle.fly_sequence(&mut session)?;
+    let series = vehicle.fly_sequence(&mut session, watch)?;
     let computing_s = begin.elapsed().as_secs_f64();
     session.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 0.0)?;
     vehicle.step(&mut session, true)?;
@@ -89,6 +96,7 @@ struct SimulatedVehicle {
     sensors: Sensors,
     clock: Clock,
     heartbeat: Clock,
+    progress: Clock,
     now_us: u64,
     commands: [f64; 4],
 }
@@ -100,6 +108,7 @@ impl SimulatedVehicle {
             sensors: Sensors::new(&setup.model.noise, setup.seed),
             clock: Clock::new(setup.rate_hz),
             heartbeat: Clock::new(HEARTBEATS_PER_S),
+            progress: Clock::new(PROGRESS_PER_S),
             now_us: 0,
             commands: [0.0; 4],
         }
@@ -160,12 +169,19 @@ impl SimulatedVehicle {
     }
 
     /// From the sequence's first step, whose answer is in force, to its end.
-    fn fly_sequence<S: Read + Write>(&mut self, session: &mut Session<'_, S>) -> Result<Series, HitlError> {
+    fn fly_sequence<S: Read + Write>(
+        &mut self,
+        session: &mut Session<'_, S>,
+        watch: &mut dyn FnMut(f64, f64),
+    ) -> Result<Series, HitlError> {
         let (scenario, start_us) = (Scenario::test_sequence(), self.now_us);
         let mut series = Series::default();
         loop {
             let flown_s = seconds_between(start_us, self.now_us);
             series.push(flown_s, &scenario, &self.plant, self.commands);
+            if self.progress.tick(self.now_us) {
+                watch(flown_s, scenario.duration_s);
+            }
             if seconds_between(start_us, self.clock.next_us()) >= scenario.duration_s {
                 return Ok(series);
             }

@@ -7,13 +7,22 @@ use crate::sil::{Folder, GIMBAL_MODEL, Outcome, RIG_LOG, instance_files};
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = Folder::new();
-    for command in ["", "fly", "compare", "synth", "bench-mpc"] {
+    for command in ["", "fly", "compare", "synth", "hitl", "bench-mpc"] {
         let arguments: Vec<&str> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
         let help = folder.sil(&arguments).assert_done().stdout;
         let example = format!("Example: {}", format!("sil {command}").trim());
         assert!(help.contains(&example), "no \"{example}\" in\n{help}");
         assert!(command.is_empty() || help.contains("--json <"), "{help}");
     }
+}
+
+#[test]
+fn a_port_that_is_not_there_is_named() {
+    let folder = Folder::new();
+    let port = "no-such-port";
+    folder.sil(&["hitl", "--serial", port]).assert_refused(&[port, "expected a serial port"]);
+    folder.sil(&["hitl", "--serial", port, "--rate", "3"]).assert_refused(&["--rate", "50..=1000"]);
+    folder.sil(&["hitl"]).assert_refused(&["--serial"]);
 }
 
 /// The value of each row is impossible; the message names the flag and what it expected.

@@ -281,11 +281,15 @@ fn install_hooks(engine: &mut Unicorn<'static, ()>, hooked: &Rc<Hooked>) -> Resu
         raised.interrupt.set(Some((number, pc)));
         let _ = engine.emu_stop();
     })?;
-    let bad = Rc::clone(hooked);
-    engine.add_mem_hook(HookType::MEM_INVALID, 1, 0, move |_, _, address, _, _| {
-        bad.bad_address.set(Some(address as u32));
-        false
-    })?;
+    // not for RAM and CCM, where no access is invalid: the emulator would take its slow path at every store there
+    let (ram, ccm) = (memory::RAM, memory::CCM);
+    for (first, last) in [(0, ccm.start - 1), (ccm.start + ccm.size, ram.start - 1), (ram.start + ram.size, u32::MAX)] {
+        let bad = Rc::clone(hooked);
+        engine.add_mem_hook(HookType::MEM_INVALID, first.into(), last.into(), move |_, _, address, _, _| {
+            bad.bad_address.set(Some(address as u32));
+            false
+        })?;
+    }
     Ok(())
 }
 

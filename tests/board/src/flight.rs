@@ -46,6 +46,7 @@ pub struct Flight {
     last: StepTrace,
     resets_seen: u64,
     next_heartbeat: Ticks,
+    muted: bool,
     deviation_sum_rad: [f64; 2],
     deviation_steps: u32,
     largest_tilt_rad: f64,
@@ -83,6 +84,7 @@ impl Flight {
             last: StepTrace::EMPTY,
             resets_seen: 0,
             next_heartbeat: 0,
+            muted: false,
             deviation_sum_rad: [0.0; 2],
             deviation_steps: 0,
             largest_tilt_rad: 0.0,
@@ -126,6 +128,11 @@ impl Flight {
         self.ground.command(&mut self.machine, command, param1);
     }
 
+    /// The ground goes away without a word.
+    pub fn mute_heartbeats(&mut self) {
+        self.muted = true;
+    }
+
     /// Runs for a while, heartbeats going in, every step repeated by the twin.
     ///
     /// # Panics
@@ -133,7 +140,7 @@ impl Flight {
     pub fn run_for(&mut self, duration: Ticks) {
         let end = self.machine.now() + duration;
         while self.machine.now() < end {
-            if self.machine.now() >= self.next_heartbeat {
+            if !self.muted && self.machine.now() >= self.next_heartbeat {
                 self.next_heartbeat = self.machine.now() + HEARTBEAT_PERIOD;
                 self.ground.heartbeat(&mut self.machine);
             }

@@ -12,7 +12,8 @@ use std::time::Instant;
 use board_twin::BoardTwin;
 use emulated_board::time::TICKS_PER_US;
 use emulated_board::{Connector, Flight, MILLISECOND};
-use shared_control::params::Params;
+use mavlink::dialects::common::{MavParamType, PARAM_SET_DATA};
+use shared_control::params::{self, Params, RECORD_LEN};
 use shared_control::signals::ArmingBlocks;
 use sil_host::flight::RunSummary;
 use sil_host::hitl::{self, BoardPort, HitlSetup, Patience};
@@ -67,8 +68,8 @@ fn the_image_flies_the_simulated_vehicle_as_the_host_does_and_moves_no_pin() {
     let setup = HitlSetup { model: VehicleModel::nominal(Rig::Gimbal), seed: 3, rate_hz: 400 };
     let wire = Wire { flight: Rc::clone(&flight), received: VecDeque::new() };
     let (start, begin) = (Instant::now(), flight.borrow().machine.now());
-    let flown =
-        hitl::fly(&mut BoardPort::new(wire, Patience::SERIAL), &setup).unwrap_or_else(|error| panic!("{error}"));
+    let flown = hitl::fly(&mut BoardPort::new(wire, Patience::SERIAL), &setup, &mut |_, _| {})
+        .unwrap_or_else(|error| panic!("{error}"));
     let (elapsed_s, board_ms) = (start.elapsed().as_secs_f64(), (flight.borrow().machine.now() - begin) / MILLISECOND);
     let steps = flown.timing.len();
     println!(
@@ -78,11 +79,25 @@ fn the_image_flies_the_simulated_vehicle_as_the_host_does_and_moves_no_pin() {
     );
 
     let twin = BoardTwin::new(&HIL, ArmingBlocks::default());
-    let host = hitl::fly(&mut BoardPort::new(twin, Patience::NONE), &setup).unwrap();
+    let host = hitl::fly(&mut BoardPort::new(twin, Patience::NONE), &setup, &mut |_, _| {}).unwrap();
     assert_eq!(figures(&flown.summary), figures(&host.summary));
     assert_eq!(flown.sent_again, 0);
     assert_eq!(flight.borrow().machine.counters().resets, 0);
     let vehicle = flight.borrow().vehicle.clone();
     assert_eq!(vehicle.borrow().commands(), [0.0; 4]);
     assert!(vehicle.borrow().pulses().last().iter().all(|pulse| pulse.unwrap().width == 1000 * TICKS_PER_US));
+}
+
+#[test]
+fn a_board_that_hears_no_simulation_still_hears_that_it_is_to_end() {
+    let mut flight = Flight::new(&HIL, 1);
+    flight.machine.set_far_baud(Connector::Telem1, HIL_BAUD);
+    flight.run_for(2000 * MILLISECOND);
+    assert!(flight.ground.heartbeats() > 0);
+    let (param_id, param_type) = ("HIL".into(), MavParamType::MAV_PARAM_TYPE_REAL32);
+    let end = PARAM_SET_DATA { param_value: 0.0, target_system: 1, target_component: 1, param_id, param_type };
+    flight.ground.send(&mut flight.machine, &end);
+    flight.run_for(300 * MILLISECOND);
+    let record = flight.machine.read_fram(0, RECORD_LEN).try_into().unwrap();
+    assert_eq!(params::decode(&record), Ok(Params::DEFAULT));
 }

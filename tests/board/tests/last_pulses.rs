@@ -49,7 +49,10 @@ fn a_failing_supply_ends_in_a_whole_disarmed_pulse() {
         for channel in 0..4 {
             let last = last_of(&pulses, channel);
             assert!(last.rise + DISARMED > failure && last.width.abs_diff(DISARMED) <= TICKS_PER_US, "{offset_us} us");
-            assert!(last.rise < failure + 2 * PERIOD, "{offset_us} us: more than one pulse follows");
+            assert!(
+                last.rise + last.width < failure + PERIOD + REACTION,
+                "{offset_us} us: more than one pulse follows"
+            );
         }
         assert_eq!(flight.vehicle.borrow().commands(), [0.0; 4]);
         assert_eq!(flight.machine.counters().resets, 1);

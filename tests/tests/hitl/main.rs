@@ -26,7 +26,7 @@ fn setup() -> HitlSetup {
 }
 
 fn fly(stream: impl Read + Write) -> Result<HitlFlight, HitlError> {
-    hitl::fly(&mut BoardPort::new(stream, Patience::NONE), &setup())
+    hitl::fly(&mut BoardPort::new(stream, Patience::NONE), &setup(), &mut |_, _| {})
 }
 
 fn board() -> BoardTwin {
@@ -160,9 +160,11 @@ impl Bench {
     }
 }
 
+type Change = fn(&mut HIL_SENSOR_DATA);
+
 #[test]
 fn input_that_no_imu_could_send_disarms_within_five_steps() {
-    let cases: [(fn(&mut HIL_SENSOR_DATA), ImuFault); 4] = [
+    let cases: [(Change, ImuFault); 4] = [
         (|data| data.xgyro = f32::NAN, ImuFault::Stale),
         (|data| data.zacc = f32::INFINITY, ImuFault::Stale),
         (|data| data.fields_updated = HilSensorUpdatedFlags::empty(), ImuFault::Stale),

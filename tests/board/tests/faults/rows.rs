@@ -12,6 +12,8 @@ pub enum End {
     FliesOn,
     /// Shortest pulses.
     Disarmed,
+    /// None.
+    NoPulses,
 }
 
 /// A fault and what is promised.
@@ -20,7 +22,7 @@ pub struct Row {
     pub end: End,
     /// From the fault to the end of the last pulse that turns a motor, ms.
     pub within_ms: u64,
-    /// May a pulse be cut short? Only where the processor itself is stopped by hardware.
+    /// May a pulse be cut short? Only where hardware stops the processor or its clock.
     pub may_cut: bool,
     /// What the ground must hear.
     pub says: &'static [&'static str],
@@ -47,7 +49,7 @@ const NOTHING: Row = Row {
     may_cut: false,
     says: &[],
     mpc: false,
-    before: no_second_imu,
+    before: |_| {},
     inject: |_| {},
     watch_ms: 600,
 };
@@ -65,24 +67,56 @@ const HOVER_PERMILLE: u16 = 487;
 pub const ROWS: &[Row] = &[
     Row {
         fault: "IMU's data line dead, no second IMU",
+        before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::DeadBus(0xff)),
         ..NOTHING
     },
     Row {
         fault: "IMU gone, no second IMU",
+        before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff)),
         ..NOTHING
     },
     Row {
         fault: "IMU stuck, no second IMU",
+        before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Frozen),
         ..NOTHING
     },
     Row {
         fault: "data-ready lost, no second IMU",
+        before: no_second_imu,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::NoDataReady),
+        ..NOTHING
+    },
+    Row {
+        fault: "first IMU's data line dead, second fitted",
+        end: End::FliesOn,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::DeadBus(0xff)),
+        ..NOTHING
+    },
+    Row {
+        fault: "first IMU gone, second fitted",
+        end: End::FliesOn,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff)),
+        ..NOTHING
+    },
+    Row {
+        fault: "first IMU stuck, second fitted",
+        end: End::FliesOn,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Frozen),
+        ..NOTHING
+    },
+    Row {
+        fault: "first IMU's data-ready lost, second fitted",
+        end: End::FliesOn,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::NoDataReady),
         ..NOTHING
@@ -95,10 +129,18 @@ pub const ROWS: &[Row] = &[
         ..NOTHING
     },
     Row {
-        fault: "TELEM1 flooded with noise at line rate (for 1 s as a lost link)",
+        fault: "nobody on TELEM1 any more (1 s on, 1 s level at idle)",
         within_ms: 2000 + 200 + DETECTION_MS,
-        inject: |flight| flight.machine.telem1_flood(true),
+        says: &["link lost"],
+        inject: |flight| flight.mute_heartbeats(),
         watch_ms: 2700,
+        ..NOTHING
+    },
+    Row {
+        fault: "TELEM1 flooded with noise at line rate, heartbeats among it",
+        end: End::FliesOn,
+        inject: |flight| flight.machine.telem1_flood(true),
+        watch_ms: 2500,
         ..NOTHING
     },
     Row {
@@ -173,11 +215,25 @@ pub const ROWS: &[Row] = &[
         ..NOTHING
     },
     Row {
-        fault: "crystal stops for good",
+        fault: "crystal stops for good (the light tells; the link has no clock)",
+        end: End::NoPulses,
         within_ms: PULSE_MS,
-        says: &["crystal lost"],
+        may_cut: true,
         inject: |flight| flight.machine.stop_crystal(),
-        watch_ms: RESTART_MS + 2000,
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "crystal stops for 50 ms",
+        within_ms: PULSE_MS,
+        may_cut: true,
+        says: &["crystal"],
+        inject: |flight| {
+            flight.machine.stop_crystal();
+            flight.run_for(50 * MILLISECOND);
+            flight.machine.mend_crystal();
+        },
+        watch_ms: RESTART_MS,
         ..NOTHING
     },
     Row {
