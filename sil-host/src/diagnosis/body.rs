@@ -24,8 +24,6 @@ pub(super) struct Motion {
     pub(super) roll: (f64, f64),
     /// Sine and cosine of pitch.
     pub(super) pitch: (f64, f64),
-    /// True in free flight, where moments are about the body's axes.
-    pub(super) free: bool,
     /// Sum of the four forces, N.
     pub(super) lift_sum_n: f64,
 }
@@ -108,7 +106,6 @@ impl Body {
             rate_rad_s: [x[3], x[4], x[5]],
             roll,
             pitch,
-            free: matches!(self.rig, BodyRig::Free { .. }),
             lift_sum_n: force.iter().sum(),
         };
         let mut moment = [0.0; 3];

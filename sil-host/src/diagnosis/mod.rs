@@ -27,11 +27,14 @@ mod structure;
 mod subject;
 mod verdict;
 
+#[cfg(test)]
+mod tests;
+
 use serde::Serialize;
 
 use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S};
 use crate::log::Log;
-use fit::model_of;
+use fit::{Term, model_of};
 use search::{Candidate, Found, Search};
 use shooting::Shooting;
 pub use subject::Subject;
@@ -106,7 +109,8 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
     let nominal = || subject.model();
     let catalogue = effects::catalogue(&subject.scope(log));
     let (training, held_out) = (shooting.part(false), shooting.part(true));
-    let always = Vec::new();
+    let fitted_along = subject.fitted_along(log)?;
+    let always = fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
     let search = Search { shooting: &shooting, nominal: &nominal, catalogue: &catalogue, always, training, held_out };
     let found = search.run();
     Ok(answer(log, &shooting, &search, &found))
@@ -122,6 +126,12 @@ fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found
     let findings = verdict::findings(search, found);
     let unexplained = unexplained(search, found);
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
+    let mut rejected = verdict::rejected(search, found);
+    rejected.push(Rejected {
+        effect: "controller_mismatch",
+        axis: String::new(),
+        reason: "no controller given".to_owned(),
+    });
     let verdict = match (findings.is_empty(), unexplained.white && at_the_floor) {
         (true, true) => Verdict::NoDiscrepancy,
         (true, false) => Verdict::UnknownEffect,
@@ -137,7 +147,7 @@ fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found
         },
         verdict,
         findings,
-        rejected: verdict::rejected(search, found),
+        rejected,
         prediction_error: PredictionErrors {
             window_s: WINDOW_S,
             nominal: nominal_errors,

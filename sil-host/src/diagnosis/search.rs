@@ -19,6 +19,8 @@ const FITTED_MAX: usize = 7;
 const SCORE_SHARE_MIN: f64 = 0.15;
 /// Effects in one model.
 const EFFECTS_MAX: usize = 5;
+/// Effects added, taken out again ones included.
+const ROUNDS_MAX: usize = 8;
 /// Fall of the sum of squares, in units of what is left per degree of freedom, that a new effect must bring on the training windows:
 /// a chance of 1e-4 over sixty hypotheses of up to three parameters.
 const SIGNIFICANT: f64 = 30.0;
@@ -69,7 +71,11 @@ impl<'e> Search<'e> {
         let nominal = self.settled(self.always.clone());
         let mut chosen = nominal.clone();
         let mut alternatives: Vec<Vec<Candidate<'e>>> = Vec::new();
-        while chosen.fit.terms.len() < self.always.len() + EFFECTS_MAX {
+        // each round adds one; revision may take some out again, and must not go round in circles
+        for _ in 0..ROUNDS_MAX {
+            if chosen.fit.terms.len() == self.always.len() + EFFECTS_MAX {
+                break;
+            }
             let mut extended = self.extensions(&chosen);
             let Some(best) = extended.first().cloned() else { break };
             if !self.pays(&chosen, &best, &nominal) {
@@ -217,10 +223,11 @@ impl<'e> Search<'e> {
         let mut order: Vec<(usize, f64)> = (first..chosen.fit.terms.len()).map(|index| (index, loss(index))).collect();
         order.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mut alternatives: Vec<Option<Vec<Candidate<'e>>>> = alternatives.into_iter().map(Some).collect();
-        let terms = order.iter().map(|(index, _)| chosen.fit.terms[*index].clone()).collect();
+        let mut terms = chosen.fit.terms[..first].to_vec();
+        terms.extend(order.iter().map(|(index, _)| chosen.fit.terms[*index].clone()));
         let alternatives = order
             .iter()
-            .map(|(index, _)| alternatives.get_mut(*index).and_then(Option::take).unwrap_or_default())
+            .map(|(index, _)| alternatives.get_mut(index - first).and_then(Option::take).unwrap_or_default())
             .collect();
         let starts = chosen.fit.starts.clone();
         Found { nominal, chosen: self.fitted(terms, &starts), alternatives }

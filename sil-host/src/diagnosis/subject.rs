@@ -3,10 +3,11 @@
 use super::actuation::{Commands, Drive};
 use super::body::Body;
 use super::effects::Scope;
+use super::effects::input_gain::InputGain;
 use super::prediction::Model;
 use super::shooting::{RigChannels, Shooting};
 use crate::axis::Axis;
-use crate::fidelity::{FidelityError, SensorNoise, axis_commands, cut_windows};
+use crate::fidelity::{FidelityError, ReplayOptions, SensorNoise, axis_commands, cut_windows, replay_axes};
 use crate::log::{Log, Quantity};
 use crate::model::{Rig, VehicleModel};
 
@@ -15,8 +16,8 @@ use crate::model::{Rig, VehicleModel};
 pub enum Subject<'a> {
     /// A vehicle with motors, on its rig or free.
     Vehicle(&'a VehicleModel),
-    /// Separate rigid axes of unit inertia; their input gains, rad/s^2 per unit of command.
-    Axes([f64; 3]),
+    /// Separate rigid axes of unit inertia, with input gains that are fitted along.
+    Axes,
 }
 
 impl Subject<'_> {
@@ -24,7 +25,7 @@ impl Subject<'_> {
     pub(super) fn model(&self) -> Model {
         match self {
             Subject::Vehicle(model) => Model::nominal(Drive::of(model), Body::of(model)),
-            Subject::Axes(gain_rad_s2) => Model::nominal(Drive::Direct, Body::axes(*gain_rad_s2)),
+            Subject::Axes => Model::nominal(Drive::Direct, Body::axes([0.0; 3])),
         }
     }
 
@@ -33,7 +34,7 @@ impl Subject<'_> {
         match self {
             Subject::Vehicle(model) if model.rig() == Rig::Gimbal => [true, true, false],
             Subject::Vehicle(_) => [true; 3],
-            Subject::Axes(_) => log.axes,
+            Subject::Axes => log.axes,
         }
     }
 
@@ -44,6 +45,23 @@ impl Subject<'_> {
         // on the gimbal r is no motion of its own, but the gyro shows it
         let compared = (0..6).filter(|place| turns[place % 3] || gimbal && *place == 5).collect();
         RigChannels { start_components, compared, wraps: matches!(self, Subject::Vehicle(_)) }
+    }
+
+    /// What the nominal model leaves to each log: the input gains of separate axes, and where their fit begins.
+    ///
+    /// # Errors
+    /// As [`replay_axes`].
+    pub(super) fn fitted_along(&self, log: &Log) -> Result<Vec<(InputGain, f64)>, FidelityError> {
+        match self {
+            Subject::Vehicle(_) => Ok(Vec::new()),
+            Subject::Axes => {
+                let gain_rad_s2 = replay_axes(log, &ReplayOptions::default())?.input_gain_rad_s2;
+                Ok(Axis::ALL
+                    .into_iter()
+                    .filter_map(|axis| Some((InputGain(axis), gain_rad_s2[axis.index()]?)))
+                    .collect())
+            }
+        }
     }
 
     /// What hypotheses make sense.
@@ -80,7 +98,7 @@ impl Subject<'_> {
                 let motors = log.motors().ok_or_else(|| missing(Quantity::Motor(0), "drives the plant"))?;
                 (0..log.rows()).map(|row| [0, 1, 2, 3].map(|motor: usize| motors[motor][row])).collect()
             }
-            Subject::Axes(_) => {
+            Subject::Axes => {
                 for axis in Axis::ALL {
                     if log.axes[axis.index()] && log.axis_command[axis.index()].is_none() && log.motors().is_none() {
                         return Err(missing(Quantity::Command(axis), "drives that axis (or motor1 to motor4)"));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::accuracy::{WindowTally, root_mean_square};
-use super::effects::{Effect, Place};
+use super::effects::{Effect, Place, per_unit_inertia};
 use super::fit::Term;
 use super::linear::dot;
 use super::search::{Candidate, Found, Search, is_the_same};
@@ -82,7 +82,13 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -
     let term = &found.chosen.fit.terms[index];
     let effect = term.effect;
     let spread = search.spread(&found.chosen);
-    let parameters = estimates(&found.chosen, index, spread);
+    let mut parameters = estimates(&found.chosen, index, spread);
+    let mut names = effect.told_names();
+    // separate axes have a gain each that is fitted along, and no inertia
+    if !search.always.is_empty() {
+        parameters = parameters.into_iter().map(|(name, estimate)| (per_unit_inertia(name), estimate)).collect();
+        names = names.into_iter().map(per_unit_inertia).collect();
+    }
     let all = found.nominal.held_out - found.chosen.held_out;
     let gain_pct = 100.0 * (search.without(&found.chosen, index) - found.chosen.held_out) / all;
     let mut confounded_with: Vec<&'static str> = Vec::new();
@@ -94,7 +100,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -
             confounded_with.push(name);
         }
     }
-    let statement = statement(effect, &parameters, &confounded_with);
+    let statement = statement(effect, &names, &parameters, &confounded_with);
     let axis = effect.axis().map(crate::axis::Axis::name);
     Finding { effect: effect.name(), axis, place: effect.place(), parameters, gain_pct, confounded_with, statement }
 }
@@ -129,9 +135,13 @@ fn estimates(candidate: &Candidate<'_>, index: usize, spread: f64) -> BTreeMap<&
 }
 
 /// One plain sentence.
-fn statement(effect: &dyn Effect, parameters: &BTreeMap<&'static str, Estimate>, confounded: &[&str]) -> String {
-    let numbers: Vec<String> = effect
-        .told_names()
+fn statement(
+    effect: &dyn Effect,
+    names: &[&'static str],
+    parameters: &BTreeMap<&'static str, Estimate>,
+    confounded: &[&str],
+) -> String {
+    let numbers: Vec<String> = names
         .iter()
         .filter_map(|name| Some((name, parameters.get(name)?)))
         .map(|(name, estimate)| format!("{name} {}", with_uncertainty(estimate)))

@@ -38,7 +38,7 @@ const CALIBRATIONS_MAX: usize = 8;
 pub(super) const DURATION_S: f64 = 60.0;
 
 /// What is hidden.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Hidden {
     /// Name in the catalogue.
     pub name: &'static str,

@@ -106,6 +106,19 @@ pub(super) trait Effect: Sync + Send {
     fn in_words(&self) -> &'static str;
 }
 
+/// The name of a parameter where all is per unit of inertia, on separate axes (LOG_FORMAT.md).
+pub(super) fn per_unit_inertia(name: &'static str) -> &'static str {
+    match name {
+        "torque_nm" => "torque_rad_s2",
+        "cos_moment_nm" => "cos_moment_rad_s2",
+        "sin_moment_nm" => "sin_moment_rad_s2",
+        "amplitude_nm" => "amplitude_rad_s2",
+        "stiffness_nm_rad" => "stiffness_1_s2",
+        "coefficient_nms" => "coefficient_1_s",
+        other => other,
+    }
+}
+
 /// What a log and a rig can speak about.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scope {
