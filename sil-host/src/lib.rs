@@ -6,6 +6,7 @@ pub mod comparison;
 pub mod control_setup;
 pub mod controller_file;
 pub mod cosim;
+pub mod diagnosis;
 pub mod fidelity;
 pub mod flight;
 pub mod flight_log;

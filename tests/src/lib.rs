@@ -1,1 +1,3 @@
-//! Fixtures of the integration tests.
+//! Fixtures of the integration tests, and the campaigns that their short forms run a part of.
+
+pub mod blind;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sil_host::axis::Axis;
 use sil_host::comparison::{Comparison, ComparisonError, Subject, Vehicle, compare};
 use sil_host::controller_file::ControllerChoice;
@@ -10,6 +10,7 @@ use sil_host::log::{self, Log, Map};
 use sil_host::model::Rig;
 use sil_host::report::Page;
 
+use super::log_rig::{self, LogRig};
 use super::text_table::{TextTable, number};
 use super::{Failure, bad_input, compare_report, print, vehicle_model, write_file, write_json};
 
@@ -33,7 +34,7 @@ pub struct CompareArguments {
     model: Option<PathBuf>,
     /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
     #[arg(long, value_enum)]
-    rig: Option<CompareRig>,
+    rig: Option<LogRig>,
     /// What flew: pid, mpc, or a controller file
     #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
     controller: Option<String>,
@@ -43,17 +44,6 @@ pub struct CompareArguments {
     /// Write the figures as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
-}
-
-/// The rigs that a log can come from.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum CompareRig {
-    /// The thesis' testbed
-    Gimbal,
-    /// Free flight
-    Free,
-    /// Any bench: each axis a rigid body of unit inertia with one input gain, fitted to the log
-    Axis,
 }
 
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
@@ -83,20 +73,16 @@ fn file_name(log: &Log) -> String {
 }
 
 fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> {
-    let rig = match (arguments.rig, &arguments.model) {
-        // a log in other people's columns is of other people's vehicle
-        (None, None) if arguments.map.is_some() || log.driven_by_axis_commands() => Some(CompareRig::Axis),
-        (rig, _) => rig,
-    };
+    let rig = log_rig::of(log, arguments.rig, arguments.map.is_some(), arguments.model.is_some());
     let controller =
         arguments.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)?;
     let rig = match rig {
-        Some(CompareRig::Axis) if arguments.model.is_some() || controller.is_some() => {
+        Some(LogRig::Axis) if arguments.model.is_some() || controller.is_some() => {
             return Err(bad_input("--rig axis knows no vehicle: leave out --model and --controller"));
         }
-        Some(CompareRig::Axis) => return Ok(Subject::Axes),
-        Some(CompareRig::Gimbal) => Some(Rig::Gimbal),
-        Some(CompareRig::Free) => Some(Rig::Free),
+        Some(LogRig::Axis) => return Ok(Subject::Axes),
+        Some(LogRig::Gimbal) => Some(Rig::Gimbal),
+        Some(LogRig::Free) => Some(Rig::Free),
         None => None,
     };
     let model = vehicle_model(arguments.model.as_deref(), rig)?;

@@ -4,10 +4,12 @@ mod bench_mpc;
 mod compare;
 mod compare_report;
 mod demonstration;
+mod diagnose;
 mod figures;
 mod flight_report;
 mod fly;
 mod hitl;
+mod log_rig;
 mod synth;
 mod text_table;
 
@@ -34,6 +36,7 @@ enum Command {
     Fly(fly::FlyArguments),
     Hitl(hitl::HitlArguments),
     Compare(compare::CompareArguments),
+    Diagnose(diagnose::DiagnoseArguments),
     Synth(synth::SynthArguments),
     BenchMpc(bench_mpc::BenchArguments),
 }
@@ -53,6 +56,7 @@ pub fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Fly(arguments)) => fly::run(&arguments),
         Some(Command::Hitl(arguments)) => hitl::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
+        Some(Command::Diagnose(arguments)) => diagnose::run(&arguments),
         Some(Command::Synth(arguments)) => synth::run(&arguments),
         Some(Command::BenchMpc(arguments)) => bench_mpc::run(&arguments),
     }

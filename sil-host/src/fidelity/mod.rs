@@ -29,4 +29,6 @@ pub use error::FidelityError;
 pub use noise::{SensorNoise, white_noise_std};
 pub use replay::{Replay, ReplayOptions, replay_axes, replay_plant};
 pub use residual::{Channel, ChannelErrors, Part, PredictionError, Residual};
+pub(crate) use vehicle::axis_commands;
+pub(crate) use window::windows as cut_windows;
 pub use window::{WINDOW_S, Window};

@@ -34,7 +34,7 @@ pub struct SensorNoise {
 
 impl SensorNoise {
     /// Estimates both from the rows in which the motors run.
-    pub(super) fn of(log: &Log) -> SensorNoise {
+    pub(crate) fn of(log: &Log) -> SensorNoise {
         let of = |quantity: Quantity| {
             let column = log.column(quantity)?;
             Some(white_noise_std(&log.time_s, column, &stretches(log)).unwrap_or_default())

@@ -164,6 +164,12 @@ impl<'a> Drive<'a> {
     }
 }
 
+/// The axis commands of a log, row by row: (roll, pitch, yaw, 0).
+pub(crate) fn axis_commands(log: &Log) -> Vec<[f64; 4]> {
+    let drive = Drive::axes(log);
+    (0..log.rows()).map(|row| drive.at(row)).collect()
+}
+
 /// The battery's voltage below its mean over the first second, row by row, V.
 fn battery_drop_v(log: &Log) -> Option<Cow<'_, [f64]>> {
     let voltage_v = log.battery_v.as_ref()?;

@@ -40,7 +40,7 @@ pub struct Window {
 ///
 /// # Errors
 /// The rows are too far apart, or there is no window at all.
-pub(super) fn windows(log: &Log) -> Result<Vec<Window>, FidelityError> {
+pub(crate) fn windows(log: &Log) -> Result<Vec<Window>, FidelityError> {
     let step_s = log.median_step_s();
     if step_s * ROWS_MIN as f64 > WINDOW_S {
         return Err(too_slow(log));

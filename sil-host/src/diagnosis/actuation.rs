@@ -1,0 +1,232 @@
+//! From the logged commands to the forces that turn the vehicle: delay, clipping, lag, ESC, motor, rotor.
+//!
+//! What the motors do depends on the commands alone, not on the motion, so it is computed once per log and reused by
+//! every window. The motors are integrated in fine steps that end at every change of a command, the body in coarser ones;
+//! per coarse step the force's mean and first moment are kept, with which a rigid body's step is exact in impulse
+//! and in displacement whatever the force does within it.
+
+use crate::model::VehicleModel;
+use crate::plant::propulsion::{Propulsion, RotorState};
+
+/// Longest step of the body, s.
+const BODY_STEP_MAX_S: f64 = 2.5e-3;
+/// Longest step of the motors, s; the thesis' motors ring with 98 Hz.
+const MOTOR_STEP_MAX_S: f64 = 0.4e-3;
+/// A step shorter than this is rounding of a time.
+const TIME_ROUNDING_S: f64 = 1e-9;
+
+/// What happens to a command before the ESC, in this order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Chain {
+    /// Pure delay, s.
+    pub(super) delay_s: f64,
+    /// Least command that the ESC obeys.
+    pub(super) command_min: f64,
+    /// Greatest.
+    pub(super) command_max: f64,
+    /// First-order lag, s.
+    pub(super) lag_s: f64,
+}
+
+impl Chain {
+    /// Every command arrives at once and whole.
+    pub(super) const NOMINAL: Chain = Chain { delay_s: 0.0, command_min: 0.0, command_max: 1.0, lag_s: 0.0 };
+}
+
+/// What turns commands into forces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Drive {
+    /// Motors with propellers: the forces are their lifts, N.
+    Motors(Propulsion),
+    /// Nothing: the forces are the axis commands themselves.
+    Direct,
+}
+
+impl Drive {
+    /// The motors of a model.
+    pub(super) fn of(model: &VehicleModel) -> Drive {
+        Drive::Motors(model.propulsion)
+    }
+}
+
+/// Commands of a log, held from row to row.
+#[derive(Clone, Debug)]
+pub(super) struct Commands {
+    /// Times of the rows, s.
+    pub(super) time_s: Vec<f64>,
+    /// Per row: motors 1 to 4, or (roll, pitch, yaw, 0).
+    pub(super) value: Vec<[f64; 4]>,
+}
+
+/// One step of the body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    /// Where it begins, s.
+    pub(super) start_s: f64,
+    /// How long it is, s.
+    pub(super) duration_s: f64,
+    /// Mean of the forces.
+    pub(super) mean: [f64; 4],
+    /// Half the change of the straight line with the forces' mean and first moment.
+    pub(super) half_change: [f64; 4],
+}
+
+/// The forces over a whole log.
+#[derive(Clone, Debug)]
+pub(super) struct ForceTrack {
+    steps: Vec<Step>,
+    /// Per row, which step begins there.
+    first_step: Vec<usize>,
+}
+
+impl ForceTrack {
+    /// Follows the commands through chain and drive, everything settled at the first command.
+    pub(super) fn new(commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
+        let rows = commands.time_s.len();
+        let mut track = ForceTrack { steps: Vec::new(), first_step: Vec::with_capacity(rows) };
+        let mut motors = Motors::settled(commands, chain, drive);
+        for interval in commands.time_s.windows(2) {
+            track.first_step.push(track.steps.len());
+            let count = ((interval[1] - interval[0]) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
+            let duration_s = (interval[1] - interval[0]) / count;
+            for k in 0..count as usize {
+                let start_s = interval[0] + k as f64 * duration_s;
+                track.steps.push(motors.body_step(commands, start_s, duration_s));
+            }
+        }
+        track.first_step.push(track.steps.len());
+        track
+    }
+
+    /// The steps from one row to a later one.
+    pub(super) fn between(&self, first_row: usize, end_row: usize) -> &[Step] {
+        &self.steps[self.first_step[first_row]..self.first_step[end_row]]
+    }
+
+    /// The steps from one row to the next.
+    pub(super) fn of_row(&self, row: usize) -> &[Step] {
+        self.between(row, row + 1)
+    }
+}
+
+/// Commands on their way and motors in motion.
+struct Motors<'a> {
+    chain: &'a Chain,
+    drive: &'a Drive,
+    /// Row whose command has arrived, and the one that arrives next.
+    row: usize,
+    arrived: [f64; 4],
+    /// Behind the lag.
+    lagged: [f64; 4],
+    rotors: RotorState,
+}
+
+impl<'a> Motors<'a> {
+    fn settled(commands: &Commands, chain: &'a Chain, drive: &'a Drive) -> Motors<'a> {
+        let arrived = clipped(commands.value.first().copied().unwrap_or_default(), chain, drive);
+        let mut rotors = [0.0; 8];
+        if let Drive::Motors(propulsion) = drive {
+            for motor in 0..4 {
+                let settled = propulsion.equilibrium(arrived[motor]);
+                (rotors[motor], rotors[4 + motor]) = (settled.speed_rad_s, settled.current_a);
+            }
+        }
+        Motors { chain, drive, row: 0, arrived, lagged: arrived, rotors }
+    }
+
+    /// One step of the body, in motor steps that end where a command arrives.
+    fn body_step(&mut self, commands: &Commands, start_s: f64, duration_s: f64) -> Step {
+        let (end_s, centre_s) = (start_s + duration_s, start_s + 0.5 * duration_s);
+        let (mut sum, mut moment) = ([0.0; 4], [0.0; 4]);
+        let mut now_s = start_s;
+        while now_s < end_s - TIME_ROUNDING_S {
+            let next_change_s = self.receive(commands, now_s);
+            let until_s = end_s.min(next_change_s);
+            let count = ((until_s - now_s) / MOTOR_STEP_MAX_S - 1e-6).ceil().max(1.0);
+            let step_s = (until_s - now_s) / count;
+            for _ in 0..count as usize {
+                let [begin, middle, end] = self.motor_step(step_s);
+                for i in 0..4 {
+                    // Simpson's rule for the force and for the force times its distance from the centre
+                    let at = now_s - centre_s;
+                    sum[i] += step_s / 6.0 * (begin[i] + 4.0 * middle[i] + end[i]);
+                    moment[i] +=
+                        step_s / 6.0 * (begin[i] * at + 4.0 * middle[i] * (at + 0.5 * step_s) + end[i] * (at + step_s));
+                }
+                now_s += step_s;
+            }
+            now_s = until_s;
+        }
+        Step {
+            start_s,
+            duration_s,
+            mean: sum.map(|sum| sum / duration_s),
+            half_change: moment.map(|moment| 6.0 * moment / (duration_s * duration_s)),
+        }
+    }
+
+    /// Takes the commands that have arrived by now; when the next one will.
+    fn receive(&mut self, commands: &Commands, now_s: f64) -> f64 {
+        loop {
+            let Some(next_s) = commands.time_s.get(self.row + 1) else { return f64::INFINITY };
+            let arrival_s = next_s + self.chain.delay_s;
+            if arrival_s > now_s + TIME_ROUNDING_S {
+                return arrival_s;
+            }
+            self.row += 1;
+            self.arrived = clipped(commands.value[self.row], self.chain, self.drive);
+        }
+    }
+
+    /// Forces at the begin, in the middle and at the end of a step under one command.
+    fn motor_step(&mut self, step_s: f64) -> [[f64; 4]; 3] {
+        let [begin, middle, end] = [0.0, 0.5 * step_s, step_s].map(|after_s| self.behind_the_lag(after_s));
+        self.lagged = end;
+        match self.drive {
+            Drive::Direct => [begin, middle, end],
+            Drive::Motors(propulsion) => {
+                let drives = [begin, middle, end].map(|command| command.map(|c| propulsion.drive(c)));
+                rotor_step(propulsion, &mut self.rotors, &drives, step_s)
+            }
+        }
+    }
+
+    fn behind_the_lag(&self, after_s: f64) -> [f64; 4] {
+        if self.chain.lag_s <= 0.0 {
+            return self.arrived;
+        }
+        let left = libm::exp(-after_s / self.chain.lag_s);
+        core::array::from_fn(|i| self.arrived[i] + left * (self.lagged[i] - self.arrived[i]))
+    }
+}
+
+fn clipped(command: [f64; 4], chain: &Chain, drive: &Drive) -> [f64; 4] {
+    command.map(|command| match drive {
+        Drive::Motors(_) => command.max(chain.command_min).min(chain.command_max).clamp(0.0, 1.0),
+        Drive::Direct => command.max(-chain.command_max).min(chain.command_max),
+    })
+}
+
+/// One step of the four rotors (Runge-Kutta 4), and their lifts at its begin, middle and end; the speed in the middle by the cubic
+/// through both ends.
+fn rotor_step(propulsion: &Propulsion, rotors: &mut RotorState, drives: &[[f64; 4]; 3], step_s: f64) -> [[f64; 4]; 3] {
+    let shifted = |by: &RotorState, scale: f64| -> RotorState { core::array::from_fn(|i| rotors[i] + scale * by[i]) };
+    let k1 = propulsion.derivative(&drives[0], rotors);
+    let k2 = propulsion.derivative(&drives[1], &shifted(&k1, 0.5 * step_s));
+    let k3 = propulsion.derivative(&drives[1], &shifted(&k2, 0.5 * step_s));
+    let k4 = propulsion.derivative(&drives[2], &shifted(&k3, step_s));
+    let mut end: RotorState =
+        core::array::from_fn(|i| rotors[i] + step_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+    for speed in &mut end[..4] {
+        *speed = speed.max(0.0);
+    }
+    let slope = propulsion.derivative(&drives[2], &end);
+    let middle: RotorState = core::array::from_fn(|i| 0.5 * (rotors[i] + end[i]) + step_s / 8.0 * (k1[i] - slope[i]));
+    let lifts = [
+        propulsion.lifts_n(&drives[0], rotors),
+        propulsion.lifts_n(&drives[1], &middle),
+        propulsion.lifts_n(&drives[2], &end),
+    ];
+    *rotors = end;
+    lifts
+}

@@ -1,0 +1,196 @@
+//! How forces turn the vehicle: the rigs' equations of motion, written for the diagnosis and apart from the plant's.
+//!
+//! | rig | state | equations |
+//! |---|---|---|
+//! | gimbal | roll, pitch, -, roll', pitch', - | RIG.md, rig A, with an off-diagonal inertia P: kinetic energy + P p q |
+//! | free | roll, pitch, yaw, p, q, r | Euler's, angles Z-Y-X |
+//! | axes | angles and their derivatives | unit inertia, one input gain each |
+
+use crate::model::{Mounting, VehicleModel};
+
+/// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal and on separate axes, of the body when free.
+pub(super) type State = [f64; 6];
+
+/// What a moment may depend on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    /// Time, s.
+    pub(super) time_s: f64,
+    /// Roll, pitch, yaw, rad.
+    pub(super) angle_rad: [f64; 3],
+    /// Rates that plant effects act against (EFFECTS.md): of the angles, or of the body when free.
+    pub(super) rate_rad_s: [f64; 3],
+    /// Sine and cosine of roll.
+    pub(super) roll: (f64, f64),
+    /// Sine and cosine of pitch.
+    pub(super) pitch: (f64, f64),
+    /// Sum of the four forces, N.
+    pub(super) lift_sum_n: f64,
+}
+
+/// A moment beside the motors', about the rig's axes or, free, the body's.
+pub(super) trait Moment: Sync + Send {
+    /// Adds it, N m (rad/s^2 on separate axes).
+    fn add(&self, motion: &Motion, moment: &mut [f64; 3]);
+}
+
+/// Rig and inertia.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Body {
+    pub(super) rig: BodyRig,
+    /// True over nominal inertia per axis.
+    pub(super) inertia_scale: [f64; 3],
+    /// Off-diagonal inertia P between roll and pitch, kg m^2.
+    pub(super) product_kg_m2: f64,
+}
+
+/// The numbers of each rig.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum BodyRig {
+    Gimbal { airframe: Airframe, inertia_kg_m2: [f64; 3], ring_inertia_kg_m2: f64 },
+    Free { airframe: Airframe, inertia_kg_m2: [f64; 3], weight_n: f64 },
+    Axes { gain_rad_s2: [f64; 3] },
+}
+
+/// From lifts to torques, quad-X (RIG.md, "Frames and motors").
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Airframe {
+    lever_m: f64,
+    reaction_torque_per_lift_m: f64,
+}
+
+impl Airframe {
+    fn torque_body_nm(&self, f: &[f64; 4]) -> [f64; 3] {
+        [
+            self.lever_m * (f[1] + f[2] - f[0] - f[3]),
+            self.lever_m * (f[0] + f[2] - f[1] - f[3]),
+            self.reaction_torque_per_lift_m * (f[0] + f[1] - f[2] - f[3]),
+        ]
+    }
+}
+
+impl Body {
+    /// The nominal body of a model.
+    pub(super) fn of(model: &VehicleModel) -> Body {
+        let airframe = Airframe {
+            lever_m: model.arm_m * core::f64::consts::FRAC_1_SQRT_2,
+            reaction_torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m(),
+        };
+        let inertia_kg_m2 = model.inertia_kg_m2;
+        let rig = match model.mounting {
+            Mounting::Gimbal { ring_inertia_kg_m2 } => BodyRig::Gimbal { airframe, inertia_kg_m2, ring_inertia_kg_m2 },
+            Mounting::Free { mass_kg } => {
+                BodyRig::Free { airframe, inertia_kg_m2, weight_n: mass_kg * model.gravity_m_s2 }
+            }
+        };
+        Body { rig, inertia_scale: [1.0; 3], product_kg_m2: 0.0 }
+    }
+
+    /// Separate axes.
+    pub(super) fn axes(gain_rad_s2: [f64; 3]) -> Body {
+        Body { rig: BodyRig::Axes { gain_rad_s2 }, inertia_scale: [1.0; 3], product_kg_m2: 0.0 }
+    }
+
+    /// Change of the state under forces and moments.
+    pub(super) fn derivative(&self, time_s: f64, x: &State, force: &[f64; 4], moments: &[Box<dyn Moment>]) -> State {
+        let level = (0.0, 1.0);
+        let (roll, pitch) = match self.rig {
+            BodyRig::Axes { .. } => (level, level),
+            // pitch enters the gimbal's motion by moments of gravity only
+            BodyRig::Gimbal { .. } if moments.is_empty() => (libm::sincos(x[0]), level),
+            BodyRig::Gimbal { .. } | BodyRig::Free { .. } => (libm::sincos(x[0]), libm::sincos(x[1])),
+        };
+        let motion = Motion {
+            time_s,
+            angle_rad: [x[0], x[1], x[2]],
+            rate_rad_s: [x[3], x[4], x[5]],
+            roll,
+            pitch,
+            lift_sum_n: force.iter().sum(),
+        };
+        let mut moment = [0.0; 3];
+        for effect in moments {
+            effect.add(&motion, &mut moment);
+        }
+        match &self.rig {
+            BodyRig::Gimbal { airframe, inertia_kg_m2, ring_inertia_kg_m2 } => {
+                self.gimbal(&motion, &airframe.torque_body_nm(force), &moment, inertia_kg_m2, *ring_inertia_kg_m2)
+            }
+            BodyRig::Free { airframe, inertia_kg_m2, .. } => {
+                self.free(&motion, &airframe.torque_body_nm(force), &moment, inertia_kg_m2)
+            }
+            BodyRig::Axes { gain_rad_s2 } => {
+                let acceleration = |i: usize| (gain_rad_s2[i] * force[i] + moment[i]) / self.inertia_scale[i];
+                [x[3], x[4], x[5], acceleration(0), acceleration(1), acceleration(2)]
+            }
+        }
+    }
+
+    fn gimbal(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3], ring: f64) -> State {
+        let [roll_rate, pitch_rate, _] = m.rate_rad_s;
+        let ((sin, cos), [ixx, iyy, izz]) = (m.roll, *inertia);
+        let j = self.inertia_scale[1] * (ring + iyy * cos * cos + izz * sin * sin);
+        let j_slope = self.inertia_scale[1] * 2.0 * (izz - iyy) * sin * cos;
+        let i = self.inertia_scale[0] * ixx;
+        let on_roll = tau[0] + moment[0] + 0.5 * j_slope * pitch_rate * pitch_rate;
+        let on_pitch = tau[1] * cos - tau[2] * sin + moment[1] - j_slope * roll_rate * pitch_rate
+            + self.product_kg_m2 * sin * roll_rate * roll_rate;
+        // mass matrix [i, c; c, j]
+        let c = self.product_kg_m2 * cos;
+        let determinant = i * j - c * c;
+        let roll_acceleration = (j * on_roll - c * on_pitch) / determinant;
+        let pitch_acceleration = (i * on_pitch - c * on_roll) / determinant;
+        [roll_rate, pitch_rate, 0.0, roll_acceleration, pitch_acceleration, 0.0]
+    }
+
+    fn free(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3]) -> State {
+        let [p, q, r] = m.rate_rad_s;
+        let [ix, iy, iz] = [0, 1, 2].map(|axis: usize| inertia[axis] * self.inertia_scale[axis]);
+        let product = self.product_kg_m2;
+        // angular momentum with the off-diagonal entry, and its turn with the body
+        let h = [ix * p + product * q, product * p + iy * q, iz * r];
+        let on = [
+            tau[0] + moment[0] - (q * h[2] - r * h[1]),
+            tau[1] + moment[1] - (r * h[0] - p * h[2]),
+            tau[2] + moment[2] - (p * h[1] - q * h[0]),
+        ];
+        let determinant = ix * iy - product * product;
+        let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (m.roll, m.pitch);
+        // near the vertical the angles lose their meaning, the formulas stay finite
+        let heading = (q * sin_roll + r * cos_roll) / cos_pitch.abs().max(1e-3).copysign(cos_pitch);
+        [
+            p + sin_pitch * heading,
+            q * cos_roll - r * sin_roll,
+            heading,
+            (iy * on[0] - product * on[1]) / determinant,
+            (ix * on[1] - product * on[0]) / determinant,
+            on[2] / iz,
+        ]
+    }
+
+    /// Body rates p, q, r of a state.
+    pub(super) fn rate_body_rad_s(&self, x: &State) -> [f64; 3] {
+        match self.rig {
+            BodyRig::Gimbal { .. } => {
+                let (sin, cos) = libm::sincos(x[0]);
+                [x[3], x[4] * cos, -x[4] * sin]
+            }
+            BodyRig::Free { .. } | BodyRig::Axes { .. } => [x[3], x[4], x[5]],
+        }
+    }
+
+    /// The state of measured angles and body rates; 0 for what is not measured.
+    pub(super) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> State {
+        let [roll, pitch, yaw] = angle_rad;
+        let [p, q, r] = rate_body_rad_s;
+        match self.rig {
+            BodyRig::Gimbal { .. } => {
+                let (sin, cos) = libm::sincos(roll);
+                // without r, and away from 90 degrees, q alone tells
+                let pitch_rate = if r == 0.0 { q / cos.abs().max(0.1).copysign(cos) } else { q * cos - r * sin };
+                [roll, pitch, 0.0, p, pitch_rate, 0.0]
+            }
+            BodyRig::Free { .. } | BodyRig::Axes { .. } => [roll, pitch, yaw, p, q, r],
+        }
+    }
+}

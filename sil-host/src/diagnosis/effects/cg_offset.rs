@@ -1,0 +1,80 @@
+//! Gravity on a mass off the centre. Pitch: the ring's, `-(C cos theta + S sin theta)` on the pitch axis. Roll: the body's,
+//! `cos theta (C cos phi - S sin phi)` on the roll axis and `-sin theta (C sin phi + S cos phi)` on the pitch axis. In free flight gravity
+//! turns nothing about the centre of mass; there the lift acts off it: `C F / (m g)` on the axis.
+
+use super::{Effect, Parameter, Place};
+use crate::axis::Axis;
+use crate::diagnosis::body::{BodyRig, Moment, Motion};
+use crate::diagnosis::prediction::Model;
+
+/// Of the ring (pitch) or the body (roll).
+pub(super) struct CgOffset(pub(super) Axis);
+
+const PARAMETERS: [Parameter; 2] = [
+    Parameter { name: "cos_moment_nm", nominal: 0.0, step: 1e-4, min: -50.0, max: 50.0 },
+    Parameter { name: "sin_moment_nm", nominal: 0.0, step: 1e-4, min: -50.0, max: 50.0 },
+];
+
+impl Effect for CgOffset {
+    fn in_words(&self) -> &'static str {
+        "the centre of gravity lies off the axis"
+    }
+    fn name(&self) -> &'static str {
+        "cg_offset"
+    }
+    fn place(&self) -> Place {
+        Place::Plant
+    }
+    fn axis(&self) -> Option<Axis> {
+        Some(self.0)
+    }
+    fn parameters(&self) -> &'static [Parameter] {
+        &PARAMETERS
+    }
+    fn apply(&self, values: &[f64], model: &mut Model) {
+        let (cos_nm, sin_nm) = (values[0], values[1]);
+        let moment: Box<dyn Moment> = match (model.body.rig, self.0) {
+            (BodyRig::Free { weight_n, .. }, axis) => {
+                Box::new(LiftOffCentre { axis: axis.index(), lever_m: cos_nm / weight_n })
+            }
+            (_, Axis::Roll) => Box::new(Body { cos_nm, sin_nm }),
+            (_, Axis::Pitch | Axis::Yaw) => Box::new(Ring { cos_nm, sin_nm }),
+        };
+        model.moments.push(moment);
+    }
+}
+
+struct Ring {
+    cos_nm: f64,
+    sin_nm: f64,
+}
+
+impl Moment for Ring {
+    fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
+        moment[1] -= self.cos_nm * motion.pitch.1 + self.sin_nm * motion.pitch.0;
+    }
+}
+
+struct Body {
+    cos_nm: f64,
+    sin_nm: f64,
+}
+
+impl Moment for Body {
+    fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
+        let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (motion.roll, motion.pitch);
+        moment[0] += cos_pitch * (self.cos_nm * cos_roll - self.sin_nm * sin_roll);
+        moment[1] -= sin_pitch * (self.cos_nm * sin_roll + self.sin_nm * cos_roll);
+    }
+}
+
+struct LiftOffCentre {
+    axis: usize,
+    lever_m: f64,
+}
+
+impl Moment for LiftOffCentre {
+    fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
+        moment[self.axis] += self.lever_m * motion.lift_sum_n;
+    }
+}

@@ -1,0 +1,195 @@
+//! Output error over windows: the parameters of some effects, by Gauss and Newton with Levenberg's damping.
+
+use super::body::State;
+use super::effects::{Effect, Parameter};
+use super::linear::{Cholesky, dot};
+use super::prediction::Model;
+use super::shooting::{Driven, Linearisation, Normal, Shooting};
+
+/// Rounds of linearisation.
+const ROUNDS_MAX: usize = 12;
+/// The fit has ended when a round can lower the sum of squares by no more than this.
+const IMPROVEMENT_MIN: f64 = 0.05;
+/// Rounds that make no progress before the fit is given up.
+const FAILURES_MAX: usize = 5;
+
+/// How the nominal vehicle of a log is made.
+pub(super) type Nominal<'a> = &'a (dyn Fn() -> Model + Sync);
+
+/// An effect with values for its parameters.
+#[derive(Clone)]
+pub(super) struct Term<'e> {
+    pub(super) effect: &'e dyn Effect,
+    pub(super) values: Vec<f64>,
+}
+
+/// A set of effects fitted to the training windows.
+#[derive(Clone)]
+pub(super) struct Fit<'e> {
+    pub(super) terms: Vec<Term<'e>>,
+    /// Covariance of all parameters one behind the other, in units of the noise; rows one behind the other.
+    pub(super) covariance: Vec<f64>,
+    /// Sum of squares over the training windows, in units of the noise.
+    pub(super) training: f64,
+    /// Start states of all windows, those held out as given.
+    pub(super) starts: Vec<State>,
+}
+
+impl Fit<'_> {
+    /// Number of parameters.
+    pub(super) fn size(&self) -> usize {
+        self.terms.iter().map(|term| term.values.len()).sum()
+    }
+
+    /// Covariance of the parameters of one term, rows one behind the other.
+    pub(super) fn covariance_of(&self, term: usize) -> Vec<f64> {
+        let before: usize = self.terms[..term].iter().map(|term| term.values.len()).sum();
+        let (size, own) = (self.size(), self.terms[term].values.len());
+        let at = |i: usize, j: usize| self.covariance[(before + i) * size + before + j];
+        (0..own * own).map(|k| at(k / own, k % own)).collect()
+    }
+}
+
+/// The model with these terms in it.
+pub(super) fn model_of(nominal: Nominal<'_>, terms: &[Term<'_>]) -> Model {
+    let mut model = nominal();
+    for term in terms {
+        term.effect.apply(&term.values, &mut model);
+    }
+    model
+}
+
+/// For each parameter of the terms from `first` on, the model with that parameter moved by its step.
+pub(super) fn shifted_models(
+    shooting: &Shooting<'_>,
+    nominal: Nominal<'_>,
+    terms: &[Term<'_>],
+    first: usize,
+    base: &Driven,
+) -> Vec<(Driven, f64)> {
+    let mut shifted = Vec::new();
+    for (index, term) in terms.iter().enumerate().skip(first) {
+        for (place, parameter) in term.effect.parameters().iter().enumerate() {
+            let step = admissible_step(parameter, term.values[place]);
+            let mut moved = terms.to_vec();
+            moved[index].values[place] += step;
+            shifted.push((shooting.drive(model_of(nominal, &moved), Some(base)), step));
+        }
+    }
+    shifted
+}
+
+fn admissible_step(parameter: &Parameter, value: f64) -> f64 {
+    if value + parameter.step <= parameter.max { parameter.step } else { -parameter.step }
+}
+
+/// Fits the terms from their values on, and the start states of the training windows from `starts` on.
+pub(super) fn fit<'e>(
+    shooting: &Shooting<'_>,
+    nominal: Nominal<'_>,
+    terms: Vec<Term<'e>>,
+    starts: &[State],
+    training: &[usize],
+) -> Fit<'e> {
+    let mut best = Round::at(shooting, nominal, terms, starts.to_vec(), training, None);
+    let mut damping = 1e-4;
+    let mut failures = 0;
+    for _ in 0..ROUNDS_MAX {
+        let Some((step, promised)) = best.step(damping) else { break };
+        if promised < IMPROVEMENT_MIN {
+            break;
+        }
+        let terms = moved(&best.terms, &step);
+        let mut starts = best.starts.clone();
+        let made = difference(&best.terms, &terms);
+        shooting.move_starts(&best.linear, &made, training, &mut starts);
+        let next = Round::at(shooting, nominal, terms, starts, training, Some(&best.linear));
+        if next.normal.chi2 < best.normal.chi2 {
+            let gained = best.normal.chi2 - next.normal.chi2;
+            best = next;
+            damping = (damping * 0.1).max(1e-9);
+            failures = 0;
+            if gained < IMPROVEMENT_MIN {
+                break;
+            }
+        } else {
+            damping = (damping * 30.0).max(1e-4);
+            failures += 1;
+            if failures == FAILURES_MAX {
+                break;
+            }
+        }
+    }
+    best.result()
+}
+
+/// One linearisation of a fit.
+struct Round<'e> {
+    terms: Vec<Term<'e>>,
+    starts: Vec<State>,
+    linear: Linearisation,
+    normal: Normal,
+}
+
+impl<'e> Round<'e> {
+    fn at(
+        shooting: &Shooting<'_>,
+        nominal: Nominal<'_>,
+        terms: Vec<Term<'e>>,
+        starts: Vec<State>,
+        training: &[usize],
+        nearby: Option<&Linearisation>,
+    ) -> Round<'e> {
+        let base = shooting.drive(model_of(nominal, &terms), None);
+        let shifted = shifted_models(shooting, nominal, &terms, 0, &base);
+        let linear = shooting.linearise(&base, &shifted, training, &starts, nearby);
+        let normal = shooting.normal(&linear, None);
+        Round { terms, starts, linear, normal }
+    }
+
+    /// The damped step and the fall of the sum of squares that it promises.
+    fn step(&self, damping: f64) -> Option<(Vec<f64>, f64)> {
+        let size = self.normal.right.len();
+        if size == 0 {
+            return None;
+        }
+        let factor = Cholesky::new(&regular(&self.normal.matrix, size, damping), size)?;
+        let step = factor.solve(&self.normal.right);
+        let promised = dot(&step, &self.normal.right);
+        Some((step, promised))
+    }
+
+    fn result(self) -> Fit<'e> {
+        let size = self.normal.right.len();
+        let factor = Cholesky::new(&regular(&self.normal.matrix, size, 0.0), size);
+        let covariance = factor.map_or_else(|| vec![f64::INFINITY; size * size], |factor| factor.inverse());
+        Fit { terms: self.terms, covariance, training: self.normal.chi2, starts: self.starts }
+    }
+}
+
+/// The matrix damped along its diagonal; a parameter without any influence stays where it is.
+pub(super) fn regular(matrix: &[f64], size: usize, damping: f64) -> Vec<f64> {
+    let mut regular = matrix.to_vec();
+    for i in 0..size {
+        let own = matrix[i * size + i];
+        regular[i * size + i] = if own > 0.0 { own * (1.0 + damping + 1e-12) } else { 1.0 };
+    }
+    regular
+}
+
+fn moved<'e>(terms: &[Term<'e>], step: &[f64]) -> Vec<Term<'e>> {
+    let mut moved = terms.to_vec();
+    let mut step = step.iter();
+    for term in &mut moved {
+        for (value, parameter) in term.values.iter_mut().zip(term.effect.parameters()) {
+            let by = step.next().copied().unwrap_or_default();
+            *value = (*value + by).clamp(parameter.min, parameter.max);
+        }
+    }
+    moved
+}
+
+fn difference(from: &[Term<'_>], to: &[Term<'_>]) -> Vec<f64> {
+    let values = |terms: &[Term<'_>]| -> Vec<f64> { terms.iter().flat_map(|term| term.values.clone()).collect() };
+    values(to).iter().zip(values(from)).map(|(to, from)| to - from).collect()
+}

@@ -1,0 +1,163 @@
+//! Where fits begin that have many local optima: the frequency of a swing and the time of an onset, from what each row's motion misses
+//! of the next row's.
+
+use super::effects::Hints;
+use super::prediction::Scene;
+use super::shooting::{Driven, Shooting};
+
+/// Lowest and highest frequency looked at, Hz; below, less than a period of half a minute shows.
+const FREQUENCY_RANGE_HZ: [f64; 2] = [0.05, 25.0];
+/// Neighbouring frequencies differ by this share of the width of a peak, one over the log's length.
+const FREQUENCY_STEP: f64 = 0.3;
+/// Rows are taken together to stretches of at least this length, s: a fifth of the shortest period.
+const STRETCH_S: f64 = 8e-3;
+/// What is white in the differences, against what is differences of white noise: gaps and the model's small errors.
+const NOISE_SHARE_MIN: f64 = 1e-4;
+/// Onsets are looked for on so many places of the log.
+const ONSETS: usize = 300;
+
+/// What a log says about its swings and onsets beyond a model.
+pub(super) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
+    let rows = shooting.rows();
+    let missing = missing_acceleration(shooting, driven);
+    let mut hints = Hints {
+        command_range: shooting.command_range(),
+        end_s: rows.last().copied().unwrap_or_default(),
+        ..Hints::default()
+    };
+    for axis in 0..3 {
+        if let Some(series) = &missing[axis] {
+            hints.frequency_hz[axis] = strongest_frequency_hz(series);
+            hints.step_start_s[axis] = onset_s(series);
+        }
+    }
+    hints
+}
+
+/// A stretch of rows: time of its middle, length, and the mean acceleration that the model lacked in it.
+struct Interval {
+    time_s: f64,
+    duration_s: f64,
+    acceleration_rad_s2: f64,
+}
+
+/// Rates are measured and predicted from each row's measured state to the next row; `None` for axes without a rate.
+fn missing_acceleration(shooting: &Shooting<'_>, driven: &Driven) -> [Option<Vec<Interval>>; 3] {
+    let mut series = [None, None, None];
+    for (axis, series) in series.iter_mut().enumerate() {
+        let Some(measured) = shooting.measured_rate(axis) else { continue };
+        let mut intervals = Vec::new();
+        for (first, end) in shooting.stretches() {
+            let mut row = first;
+            while let Some(next) = (row + 1..end).find(|next| shooting.rows()[*next] - shooting.rows()[row] > STRETCH_S)
+            {
+                let (from_s, to_s) = (shooting.rows()[row], shooting.rows()[next]);
+                let predicted = shooting.later_rate(driven, row, next, axis);
+                intervals.push(Interval {
+                    time_s: 0.5 * (from_s + to_s),
+                    duration_s: to_s - from_s,
+                    acceleration_rad_s2: (measured[next] - predicted) / (to_s - from_s),
+                });
+                row = next;
+            }
+        }
+        *series = Some(intervals);
+    }
+    series
+}
+
+/// The frequency with the largest share above the noise, which in differences of a rate grows with `sin^2(pi f dt)`.
+fn strongest_frequency_hz(series: &[Interval]) -> Option<f64> {
+    let (first, last) = (series.first()?, series.last()?);
+    let length_s = last.time_s - first.time_s;
+    let mean_step_s = series.iter().map(|interval| interval.duration_s).sum::<f64>() / series.len() as f64;
+    if length_s <= 0.0 {
+        return None;
+    }
+    let spacing_hz = FREQUENCY_STEP / length_s;
+    let highest_hz = FREQUENCY_RANGE_HZ[1].min(0.2 / mean_step_s);
+    let mut best = None;
+    let mut frequency_hz = FREQUENCY_RANGE_HZ[0].max(1.0 / length_s);
+    while frequency_hz < highest_hz {
+        let noise = libm::sin(core::f64::consts::PI * frequency_hz * mean_step_s);
+        let power = power(series, frequency_hz) / (noise * noise + NOISE_SHARE_MIN);
+        if best.is_none_or(|(_, strongest)| power > strongest) {
+            best = Some((frequency_hz, power));
+        }
+        frequency_hz += spacing_hz;
+    }
+    best.map(|(frequency_hz, _)| frequency_hz)
+}
+
+fn power(series: &[Interval], frequency_hz: f64) -> f64 {
+    let omega = core::f64::consts::TAU * frequency_hz;
+    let (mut real, mut imaginary) = (0.0, 0.0);
+    // the angle goes on by a rotation where rows are even, and is taken anew where not
+    let (mut sin, mut cos) = (0.0, 1.0);
+    let (mut before_s, mut step_s, mut turn) = (f64::NEG_INFINITY, 0.0, (0.0, 1.0));
+    for (count, interval) in series.iter().enumerate() {
+        let advance_s = interval.time_s - before_s;
+        if count % 256 == 0 || !advance_s.is_finite() {
+            (sin, cos) = libm::sincos(omega * interval.time_s);
+        } else {
+            if (advance_s - step_s).abs() > 1e-9 {
+                (step_s, turn) = (advance_s, libm::sincos(omega * advance_s));
+            }
+            (sin, cos) = (sin * turn.1 + cos * turn.0, cos * turn.1 - sin * turn.0);
+        }
+        before_s = interval.time_s;
+        let weighted = interval.acceleration_rad_s2 * interval.duration_s;
+        real += weighted * cos;
+        imaginary += weighted * sin;
+    }
+    real * real + imaginary * imaginary
+}
+
+/// The time from which a constant acceleration best explains the sum of what was missing: least squares of a kinked line over the places.
+fn onset_s(series: &[Interval]) -> Option<f64> {
+    let (first, last) = (series.first()?, series.last()?);
+    let mut sum = 0.0;
+    let summed: Vec<(f64, f64)> = series
+        .iter()
+        .map(|interval| {
+            sum += interval.acceleration_rad_s2 * interval.duration_s;
+            (interval.time_s, sum)
+        })
+        .collect();
+    let stride = (summed.len() / (8 * ONSETS)).max(1);
+    let thinned: Vec<(f64, f64)> = summed.iter().step_by(stride).copied().collect();
+    let mut best = None;
+    for k in 0..ONSETS {
+        let start_s = first.time_s + (last.time_s - first.time_s) * k as f64 / ONSETS as f64;
+        let left = squares_left(&thinned, start_s);
+        if best.is_none_or(|(_, least)| left < least) {
+            best = Some((start_s, left));
+        }
+    }
+    best.map(|(start_s, _)| start_s)
+}
+
+/// Sum of squares about a constant up to `start_s` that goes on as a straight line.
+fn squares_left(points: &[(f64, f64)], start_s: f64) -> f64 {
+    let (mut n, mut x, mut xx, mut y, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    for (time_s, value) in points {
+        let after = (time_s - start_s).max(0.0);
+        n += 1.0;
+        x += after;
+        xx += after * after;
+        y += value;
+        xy += after * value;
+        yy += value * value;
+    }
+    let (sxx, sxy, syy) = (xx - x * x / n, xy - x * y / n, yy - y * y / n);
+    if sxx > 0.0 { syy - sxy * sxy / sxx } else { syy }
+}
+
+impl Shooting<'_> {
+    /// Rate of an axis (of the body) that the model predicts for a later row from the state measured in `row`.
+    fn later_rate(&self, driven: &Driven, row: usize, later: usize, axis: usize) -> f64 {
+        let start = self.measured_state(&driven.model, row);
+        let scene = Scene { time_s: self.rows(), track: &driven.track, volts_lost: self.volts_lost() };
+        driven.model.predict(&scene, &start, row, later + 1)[later - row][3 + axis]
+    }
+}

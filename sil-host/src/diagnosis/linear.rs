@@ -1,0 +1,78 @@
+//! Small symmetric positive definite systems, row by row in a fixed order: the same bits on every machine.
+
+/// Lower triangle of a symmetric matrix and its Cholesky factor.
+#[derive(Clone, Debug)]
+pub(super) struct Cholesky {
+    size: usize,
+    factor: Vec<f64>,
+}
+
+impl Cholesky {
+    /// Factors a symmetric matrix (rows one behind the other); `None` if it is not positive definite.
+    pub(super) fn new(matrix: &[f64], size: usize) -> Option<Cholesky> {
+        let mut factor = matrix.to_vec();
+        for i in 0..size {
+            for j in 0..=i {
+                let mut sum = factor[i * size + j];
+                for k in 0..j {
+                    sum -= factor[i * size + k] * factor[j * size + k];
+                }
+                if i != j {
+                    factor[i * size + j] = sum / factor[j * size + j];
+                } else if sum > 0.0 && sum.is_finite() {
+                    factor[i * size + i] = sum.sqrt();
+                } else {
+                    return None;
+                }
+            }
+        }
+        Some(Cholesky { size, factor })
+    }
+
+    /// `L^-1 b`.
+    pub(super) fn forward(&self, b: &[f64]) -> Vec<f64> {
+        let mut y = b.to_vec();
+        for i in 0..self.size {
+            for k in 0..i {
+                y[i] -= self.factor[i * self.size + k] * y[k];
+            }
+            y[i] /= self.factor[i * self.size + i];
+        }
+        y
+    }
+
+    /// `L^-T y`.
+    pub(super) fn backward(&self, y: &[f64]) -> Vec<f64> {
+        let mut x = y.to_vec();
+        for i in (0..self.size).rev() {
+            for k in i + 1..self.size {
+                x[i] -= self.factor[k * self.size + i] * x[k];
+            }
+            x[i] /= self.factor[i * self.size + i];
+        }
+        x
+    }
+
+    /// Solution of `A x = b`.
+    pub(super) fn solve(&self, b: &[f64]) -> Vec<f64> {
+        self.backward(&self.forward(b))
+    }
+
+    /// The inverse, rows one behind the other.
+    pub(super) fn inverse(&self) -> Vec<f64> {
+        let mut inverse = vec![0.0; self.size * self.size];
+        for j in 0..self.size {
+            let mut unit = vec![0.0; self.size];
+            unit[j] = 1.0;
+            for (i, value) in self.solve(&unit).into_iter().enumerate() {
+                inverse[i * self.size + j] = value;
+            }
+        }
+        inverse
+    }
+}
+
+/// Inner product.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

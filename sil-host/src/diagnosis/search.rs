@@ -1,0 +1,257 @@
+//! Which effects: added one by one while each pays on windows that no fit has seen, exchanged where another explains more, taken out
+//! where they no longer pay.
+//!
+//! ```text
+//! .-> hypotheses: score (one linearisation each) -> the best few: full fit -> held-out likelihood -> add the best that pays
+//! '---- take out what no longer pays, exchange what another explains better <----'
+//! ```
+
+use super::body::State;
+use super::effects::Effect;
+use super::fit::{Fit, Nominal, Term, fit, model_of, regular, shifted_models};
+use super::hints::hints;
+use super::linear::{Cholesky, dot};
+use super::shooting::{Driven, Linearisation, Shooting};
+
+/// Hypotheses that are fitted in full after scoring.
+const FITTED_MAX: usize = 7;
+/// Less than this share of the best score is not fitted.
+const SCORE_SHARE_MIN: f64 = 0.15;
+/// Effects in one model.
+const EFFECTS_MAX: usize = 5;
+/// Effects added, taken out again ones included.
+const ROUNDS_MAX: usize = 8;
+/// Fall of the sum of squares, in units of what is left per degree of freedom, that a new effect must bring on the training windows:
+/// a chance of 1e-4 over sixty hypotheses of up to three parameters.
+const SIGNIFICANT: f64 = 30.0;
+/// The same on the held-out windows, where nothing was fitted.
+const PAYS: f64 = 6.0;
+/// Share of the held-out error that a finding must take away (CLI.md).
+const SHARE_MIN: f64 = 0.02;
+
+/// A log and the questions that it is asked.
+pub(super) struct Search<'e> {
+    pub(super) shooting: &'e Shooting<'e>,
+    pub(super) nominal: Nominal<'e>,
+    pub(super) catalogue: &'e [Box<dyn Effect>],
+    /// What the nominal model itself leaves to be fitted, and with which values to begin.
+    pub(super) always: Vec<Term<'e>>,
+    pub(super) training: Vec<usize>,
+    pub(super) held_out: Vec<usize>,
+}
+
+/// A fit and what it is worth.
+#[derive(Clone)]
+pub(super) struct Candidate<'e> {
+    pub(super) fit: Fit<'e>,
+    /// Sum of squares over the held-out windows.
+    pub(super) held_out: f64,
+}
+
+impl<'e> Candidate<'e> {
+    /// The effect that was added last.
+    pub(super) fn last_effect(&self) -> &'e dyn Effect {
+        self.fit.terms[self.fit.terms.len() - 1].effect
+    }
+}
+
+/// What the search found.
+pub(super) struct Found<'e> {
+    /// The model without effects.
+    pub(super) nominal: Candidate<'e>,
+    /// The chosen effects, most important first.
+    pub(super) chosen: Candidate<'e>,
+    /// Per chosen effect: what else was fitted in its place, best first.
+    pub(super) alternatives: Vec<Vec<Candidate<'e>>>,
+}
+
+impl<'e> Search<'e> {
+    /// Looks for the effects in a log.
+    pub(super) fn run(&self) -> Found<'e> {
+        let nominal = self.settled(self.always.clone());
+        let mut chosen = nominal.clone();
+        let mut alternatives: Vec<Vec<Candidate<'e>>> = Vec::new();
+        // each round adds one; revision may take some out again, and must not go round in circles
+        for _ in 0..ROUNDS_MAX {
+            if chosen.fit.terms.len() == self.always.len() + EFFECTS_MAX {
+                break;
+            }
+            let mut extended = self.extensions(&chosen);
+            let Some(best) = extended.first().cloned() else { break };
+            if !self.pays(&chosen, &best, &nominal) {
+                break;
+            }
+            chosen = best;
+            extended.remove(0);
+            alternatives.push(extended);
+            if chosen.fit.terms.len() > self.always.len() + 1 {
+                (chosen, alternatives) = self.revised(chosen, &nominal);
+            }
+        }
+        self.order_by_importance(nominal, chosen, alternatives)
+    }
+
+    /// The model with these effects at their values, all start states at their best.
+    fn settled(&self, terms: Vec<Term<'e>>) -> Candidate<'e> {
+        let driven = self.shooting.drive(model_of(self.nominal, &terms), None);
+        let mut starts = self.shooting.measured_starts(&driven.model);
+        self.shooting.settle(&driven, &self.training, &mut starts);
+        self.fitted(terms, &starts)
+    }
+
+    /// The model with these effects fitted.
+    fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Candidate<'e> {
+        let mut fit = fit(self.shooting, self.nominal, terms, starts, &self.training);
+        let driven = self.shooting.drive(model_of(self.nominal, &fit.terms), None);
+        let held_out = self.shooting.settle(&driven, &self.held_out, &mut fit.starts).iter().sum();
+        Candidate { fit, held_out }
+    }
+
+    /// All ways to add one effect that are worth a full fit, best first.
+    pub(super) fn extensions(&self, to: &Candidate<'e>) -> Vec<Candidate<'e>> {
+        let driven = self.shooting.drive(model_of(self.nominal, &to.fit.terms), None);
+        let hints = hints(self.shooting, &driven);
+        let shifted = shifted_models(self.shooting, self.nominal, &to.fit.terms, 0, &driven);
+        let linear = self.shooting.linearise(&driven, &shifted, &self.training, &to.fit.starts, None);
+        let mut scored: Vec<(f64, Vec<Term<'e>>)> = Vec::new();
+        for effect in self.catalogue {
+            if to.fit.terms.iter().any(|term| is_the_same(term.effect, effect.as_ref())) {
+                continue;
+            }
+            for values in effect.starts(&hints) {
+                let mut terms = to.fit.terms.clone();
+                terms.push(Term { effect: effect.as_ref(), values });
+                scored.push((self.score(to, &driven, &linear, &terms), terms));
+            }
+        }
+        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let best = scored.first().map_or(0.0, |(score, _)| *score);
+        scored.retain(|(score, _)| *score > SCORE_SHARE_MIN * best && *score > 0.5 * SIGNIFICANT);
+        scored.truncate(FITTED_MAX);
+        let mut fits: Vec<Candidate<'e>> =
+            scored.into_iter().map(|(_, terms)| self.fitted(terms, &to.fit.starts)).collect();
+        fits.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+        // of two starts of the same effect the better one counts
+        let mut seen: Vec<Candidate<'e>> = Vec::new();
+        for fit in fits {
+            if !seen.iter().any(|other| is_the_same(other.last_effect(), fit.last_effect())) {
+                seen.push(fit);
+            }
+        }
+        seen
+    }
+
+    /// How far the last of the terms would lower the training windows' sum of squares, to first order.
+    fn score(&self, to: &Candidate<'e>, driven: &Driven, linear: &Linearisation, terms: &[Term<'e>]) -> f64 {
+        let last = terms.len() - 1;
+        let base = self.shooting.drive(model_of(self.nominal, terms), Some(driven));
+        let shifted = shifted_models(self.shooting, self.nominal, terms, last, &base);
+        let changes_nothing =
+            terms[last].values.iter().zip(terms[last].effect.parameters()).all(|(value, of)| *value == of.nominal)
+                || terms[last].values[0] == 0.0 && terms[last].effect.parameters()[0].name.ends_with("_nm");
+        let normal = if changes_nothing {
+            let extra = self.shooting.slopes_of(linear, &shifted, &self.training, &to.fit.starts);
+            self.shooting.normal(linear, Some(&extra))
+        } else {
+            let linear = self.shooting.linearise(&base, &shifted, &self.training, &to.fit.starts, Some(linear));
+            self.shooting.normal(&linear, None)
+        };
+        let size = normal.right.len();
+        let gain = Cholesky::new(&regular(&normal.matrix, size, 1e-9), size)
+            .map_or(0.0, |factor| dot(&factor.solve(&normal.right), &normal.right));
+        to.fit.training - normal.chi2 + gain
+    }
+
+    /// Is the larger model worth its parameters?
+    fn pays(&self, smaller: &Candidate<'e>, larger: &Candidate<'e>, nominal: &Candidate<'e>) -> bool {
+        let spread = self.spread(larger);
+        let training = (smaller.fit.training - larger.fit.training) / spread;
+        let held_out = (smaller.held_out - larger.held_out) / spread;
+        let excess = nominal.held_out - self.shooting.degrees_of_freedom(&self.held_out);
+        training > SIGNIFICANT && held_out > PAYS && held_out * spread > SHARE_MIN * SHARE_MIN * excess.max(0.0)
+    }
+
+    /// Mean square that a model leaves on the training windows, in units of the noise: where no model of the catalogue explains a log, its
+    /// sums of squares mean that much less.
+    pub(super) fn spread(&self, candidate: &Candidate<'e>) -> f64 {
+        (candidate.fit.training / self.shooting.degrees_of_freedom(&self.training)).max(1.0)
+    }
+
+    /// Takes out what no longer pays and exchanges what another explains better, until nothing changes.
+    fn revised(&self, mut chosen: Candidate<'e>, nominal: &Candidate<'e>) -> (Candidate<'e>, Vec<Vec<Candidate<'e>>>) {
+        for _ in 0..EFFECTS_MAX {
+            let mut better = None;
+            let mut alternatives = Vec::new();
+            for index in self.always.len()..chosen.fit.terms.len() {
+                let mut terms = chosen.fit.terms.clone();
+                let removed = terms.remove(index);
+                let without = self.fitted(terms, &chosen.fit.starts);
+                if !self.pays(&without, &chosen, nominal) {
+                    better = Some(without);
+                    break;
+                }
+                let others = self.extensions(&without);
+                let exchanged = others.iter().find(|other| {
+                    !is_the_same(other.last_effect(), removed.effect) && criterion(other) + PAYS < criterion(&chosen)
+                });
+                if let Some(exchanged) = exchanged {
+                    better = Some(exchanged.clone());
+                    break;
+                }
+                alternatives.push(
+                    others.into_iter().filter(|other| !is_the_same(other.last_effect(), removed.effect)).collect(),
+                );
+            }
+            match better {
+                Some(better) => chosen = better,
+                None => return (chosen, alternatives),
+            }
+        }
+        let none = vec![Vec::new(); chosen.fit.terms.len() - self.always.len()];
+        (chosen, none)
+    }
+
+    /// Puts the effect first whose loss would cost most on the held-out windows.
+    fn order_by_importance(
+        &self,
+        nominal: Candidate<'e>,
+        chosen: Candidate<'e>,
+        alternatives: Vec<Vec<Candidate<'e>>>,
+    ) -> Found<'e> {
+        let loss = |index: usize| self.without(&chosen, index) - chosen.held_out;
+        let first = self.always.len();
+        let mut order: Vec<(usize, f64)> = (first..chosen.fit.terms.len()).map(|index| (index, loss(index))).collect();
+        order.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let mut alternatives: Vec<Option<Vec<Candidate<'e>>>> = alternatives.into_iter().map(Some).collect();
+        let mut terms = chosen.fit.terms[..first].to_vec();
+        terms.extend(order.iter().map(|(index, _)| chosen.fit.terms[*index].clone()));
+        let alternatives = order
+            .iter()
+            .map(|(index, _)| alternatives.get_mut(index - first).and_then(Option::take).unwrap_or_default())
+            .collect();
+        let starts = chosen.fit.starts.clone();
+        Found { nominal, chosen: self.fitted(terms, &starts), alternatives }
+    }
+
+    /// Sum of squares on the held-out windows with one effect simply left out.
+    pub(super) fn without(&self, chosen: &Candidate<'e>, index: usize) -> f64 {
+        let mut terms = chosen.fit.terms.clone();
+        terms.remove(index);
+        let driven = self.shooting.drive(model_of(self.nominal, &terms), None);
+        let mut starts = chosen.fit.starts.clone();
+        self.shooting.settle(&driven, &self.held_out, &mut starts).iter().sum()
+    }
+}
+
+/// Held-out sum of squares with a penalty for each parameter.
+fn criterion(candidate: &Candidate<'_>) -> f64 {
+    candidate.held_out + 2.0 * candidate.fit.size() as f64
+}
+
+/// Same name, axis and motor.
+pub(super) fn is_the_same(a: &dyn Effect, b: &dyn Effect) -> bool {
+    a.name() == b.name()
+        && a.axis() == b.axis()
+        && a.motor() == b.motor()
+        && a.parameters()[0].name == b.parameters()[0].name
+}

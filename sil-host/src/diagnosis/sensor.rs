@@ -1,0 +1,49 @@
+//! What the log shows of a state: EFFECTS.md, "Exactly how they enter".
+
+use super::body::{Body, State};
+
+/// What the sensors make of the truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sensors {
+    /// Added to the gyro, (x, y, z), rad/s.
+    pub(super) gyro_bias_rad_s: [f64; 3],
+    /// Reported over true rate.
+    pub(super) gyro_scale: [f64; 3],
+    /// How old the reported attitude is, s.
+    pub(super) attitude_delay_s: f64,
+    /// How far the sensor is turned about the body's z axis, rad.
+    pub(super) yaw_rad: f64,
+}
+
+impl Sensors {
+    /// The truth.
+    pub(super) const NOMINAL: Sensors =
+        Sensors { gyro_bias_rad_s: [0.0; 3], gyro_scale: [1.0; 3], attitude_delay_s: 0.0, yaw_rad: 0.0 };
+
+    /// Reported body rates.
+    pub(super) fn rate_rad_s(&self, body: &Body, state: &State) -> [f64; 3] {
+        let [p, q, r] = body.rate_body_rad_s(state);
+        let turned = if self.yaw_rad == 0.0 {
+            [p, q, r]
+        } else {
+            let (sin, cos) = libm::sincos(self.yaw_rad);
+            [cos * p + sin * q, cos * q - sin * p, r]
+        };
+        core::array::from_fn(|axis| self.gyro_scale[axis] * turned[axis] + self.gyro_bias_rad_s[axis])
+    }
+
+    /// Reported angles of the attitude that a state has: Euler angles of `R_world_body R_z(yaw)`.
+    pub(super) fn angle_rad(&self, state: &State) -> [f64; 3] {
+        let [roll, pitch, yaw, ..] = *state;
+        if self.yaw_rad == 0.0 {
+            return [roll, pitch, yaw];
+        }
+        let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (libm::sincos(roll), libm::sincos(pitch));
+        let (sin, cos) = libm::sincos(self.yaw_rad);
+        // the third row of the rotation, gravity's direction in the body, tells roll and pitch
+        let down = [-sin_pitch, cos_pitch * sin_roll, cos_pitch * cos_roll];
+        let turned = [cos * down[0] + sin * down[1], cos * down[1] - sin * down[0], down[2]];
+        let reported_pitch = -libm::asin(turned[0].clamp(-1.0, 1.0));
+        [libm::atan2(turned[1], turned[2]), reported_pitch, yaw + self.yaw_rad]
+    }
+}

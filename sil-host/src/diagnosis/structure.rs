@@ -1,0 +1,84 @@
+//! Is anything left? White residuals mean that a model explains a log; what is smooth in them is somebody's doing.
+//!
+//! Per channel the products of residuals k rows apart are summed over all windows, k = 1 to 8, and compared with what white noise would
+//! give after each window's start state has been fitted to it: with n the noise and r = (I - H) n the mean of r_i r_(i+k) is -H_(i, i+k). The noise's
+//! size cancels, so that nothing depends on how well it is known.
+
+use super::body::State;
+use super::linear::dot;
+use super::shooting::{Driven, Shooting};
+
+/// Rows apart.
+const LAGS: usize = 8;
+/// Standard deviations beyond which residuals of four channels are not white: a chance of 1e-5.
+const STRUCTURED: f64 = 4.5;
+
+/// How far the residuals of one place of a report are from white.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Whiteness {
+    pub(super) place: usize,
+    /// Sum of the correlations over all lags, in standard deviations of white noise.
+    pub(super) deviation: f64,
+}
+
+impl Whiteness {
+    pub(super) fn is_white(&self) -> bool {
+        self.deviation < STRUCTURED
+    }
+}
+
+/// Looks at some windows under a model, their start states settled.
+pub(super) fn whiteness(shooting: &Shooting<'_>, driven: &Driven, which: &[usize], starts: &[State]) -> Vec<Whiteness> {
+    let places: Vec<usize> = shooting.compared().map(|(place, _)| place).collect();
+    let mut sums = vec![Sum::default(); places.len()];
+    for index in which {
+        let window = &shooting.windows[*index];
+        let rows = window.end - window.start;
+        let (mut residual, slopes) = shooting.start_slopes(driven, window, &starts[*index]);
+        let Some(factor) = shooting.start_factor(&slopes) else { continue };
+        // the start state's last small step
+        let right: Vec<f64> = slopes.iter().map(|slope| dot(slope, &residual)).collect();
+        for (slope, by) in slopes.iter().zip(factor.solve(&right)) {
+            residual.iter_mut().zip(slope).for_each(|(residual, slope)| *residual -= slope * by);
+        }
+        let forward: Vec<Vec<f64>> = (0..residual.len())
+            .map(|at| factor.forward(&slopes.iter().map(|slope| slope[at]).collect::<Vec<_>>()))
+            .collect();
+        for (channel, sum) in sums.iter_mut().enumerate() {
+            let at = channel * rows..(channel + 1) * rows;
+            sum.take(&residual[at.clone()], &forward[at]);
+        }
+    }
+    places.iter().zip(sums).map(|(place, sum)| Whiteness { place: *place, deviation: sum.deviation() }).collect()
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    products: f64,
+    expected: f64,
+    terms: f64,
+    squares: f64,
+    rows: f64,
+}
+
+impl Sum {
+    fn take(&mut self, residual: &[f64], forward: &[Vec<f64>]) {
+        for (i, value) in residual.iter().enumerate() {
+            self.squares += value * value;
+            self.rows += 1.0 - dot(&forward[i], &forward[i]);
+            for k in 1..=LAGS.min(residual.len() - 1 - i) {
+                self.products += value * residual[i + k];
+                self.expected -= dot(&forward[i], &forward[i + k]);
+                self.terms += 1.0;
+            }
+        }
+    }
+
+    fn deviation(&self) -> f64 {
+        if self.terms < 1.0 || self.squares <= 0.0 {
+            return 0.0;
+        }
+        let variance = self.squares / self.rows;
+        (self.products / variance - self.expected) / self.terms.sqrt()
+    }
+}

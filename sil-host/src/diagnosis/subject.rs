@@ -1,0 +1,112 @@
+//! What is diagnosed: a log, the rig that it comes from, and what of it can be compared.
+
+use super::actuation::{Commands, Drive};
+use super::body::Body;
+use super::effects::Scope;
+use super::effects::input_gain::InputGain;
+use super::prediction::Model;
+use super::shooting::{RigChannels, Shooting};
+use crate::axis::Axis;
+use crate::fidelity::{FidelityError, ReplayOptions, SensorNoise, axis_commands, cut_windows, replay_axes};
+use crate::log::{Log, Quantity};
+use crate::model::{Rig, VehicleModel};
+
+/// Where the log comes from.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject<'a> {
+    /// A vehicle with motors, on its rig or free.
+    Vehicle(&'a VehicleModel),
+    /// Separate rigid axes of unit inertia, with input gains that are fitted along.
+    Axes,
+}
+
+impl Subject<'_> {
+    /// The nominal model.
+    pub(super) fn model(&self) -> Model {
+        match self {
+            Subject::Vehicle(model) => Model::nominal(Drive::of(model), Body::of(model)),
+            Subject::Axes => Model::nominal(Drive::Direct, Body::axes([0.0; 3])),
+        }
+    }
+
+    /// Axes that the rig lets turn.
+    fn turns(&self, log: &Log) -> [bool; 3] {
+        match self {
+            Subject::Vehicle(model) if model.rig() == Rig::Gimbal => [true, true, false],
+            Subject::Vehicle(_) => [true; 3],
+            Subject::Axes => log.axes,
+        }
+    }
+
+    fn channels(&self, log: &Log) -> RigChannels {
+        let turns = self.turns(log);
+        let start_components = (0..6).filter(|component| turns[component % 3]).collect();
+        let gimbal = matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal);
+        // on the gimbal r is no motion of its own, but the gyro shows it
+        let compared = (0..6).filter(|place| turns[place % 3] || gimbal && *place == 5).collect();
+        RigChannels { start_components, compared, wraps: matches!(self, Subject::Vehicle(_)) }
+    }
+
+    /// What the nominal model leaves to each log: the input gains of separate axes, and where their fit begins.
+    ///
+    /// # Errors
+    /// As [`replay_axes`].
+    pub(super) fn fitted_along(&self, log: &Log) -> Result<Vec<(InputGain, f64)>, FidelityError> {
+        match self {
+            Subject::Vehicle(_) => Ok(Vec::new()),
+            Subject::Axes => {
+                let gain_rad_s2 = replay_axes(log, &ReplayOptions::default())?.input_gain_rad_s2;
+                Ok(Axis::ALL
+                    .into_iter()
+                    .filter_map(|axis| Some((InputGain(axis), gain_rad_s2[axis.index()]?)))
+                    .collect())
+            }
+        }
+    }
+
+    /// What hypotheses make sense.
+    pub(super) fn scope(&self, log: &Log) -> Scope {
+        let turns = self.turns(log);
+        let vehicle = matches!(self, Subject::Vehicle(_));
+        let compared = self.channels(log).compared;
+        let rates = [0, 1, 2].map(|axis: usize| log.rate_rad_s[axis].is_some() && compared.contains(&(3 + axis)));
+        let angles = [0, 1, 2].map(|axis: usize| log.angle_rad[axis].is_some() && compared.contains(&axis));
+        Scope {
+            axes: [0, 1, 2].map(|axis: usize| rates[axis] || angles[axis]),
+            rates,
+            angles,
+            turns,
+            motors: vehicle,
+            battery: log.battery_v.is_some(),
+            coupled: vehicle,
+        }
+    }
+
+    /// The log in windows.
+    ///
+    /// # Errors
+    /// It has no commands for this rig, or no window.
+    pub(super) fn shooting<'l>(&self, log: &'l Log, noise: &SensorNoise) -> Result<Shooting<'l>, FidelityError> {
+        let windows = cut_windows(log)?;
+        Ok(Shooting::new(log, self.commands(log)?, windows, noise, &self.channels(log)))
+    }
+
+    fn commands(&self, log: &Log) -> Result<Commands, FidelityError> {
+        let missing = |quantity: Quantity, why| FidelityError::MissingColumn { column: quantity.name(), why };
+        let value = match self {
+            Subject::Vehicle(_) => {
+                let motors = log.motors().ok_or_else(|| missing(Quantity::Motor(0), "drives the plant"))?;
+                (0..log.rows()).map(|row| [0, 1, 2, 3].map(|motor: usize| motors[motor][row])).collect()
+            }
+            Subject::Axes => {
+                for axis in Axis::ALL {
+                    if log.axes[axis.index()] && log.axis_command[axis.index()].is_none() && log.motors().is_none() {
+                        return Err(missing(Quantity::Command(axis), "drives that axis (or motor1 to motor4)"));
+                    }
+                }
+                axis_commands(log)
+            }
+        };
+        Ok(Commands { time_s: log.time_s.clone(), value })
+    }
+}

@@ -1,0 +1,208 @@
+//! What the search found, in the words and numbers that people and machines read (CLI.md, "JSON of `sil diagnose`").
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::accuracy::{WindowTally, root_mean_square};
+use super::effects::{Effect, Place, per_unit_inertia};
+use super::fit::Term;
+use super::linear::dot;
+use super::search::{Candidate, Found, Search, is_the_same};
+use crate::fidelity::ChannelErrors;
+
+/// Natural logarithm of the likelihood within which two models are not told apart (CLI.md).
+const TOLD_APART: f64 = 3.0;
+/// The accuracy of the integration, as a share of an effect.
+const MODEL_ERROR: f64 = 5e-4;
+/// Names beside a finding that it may be confounded with.
+const CONFOUNDED_MAX: usize = 2;
+
+/// A number with its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Value.
+    pub value: f64,
+    /// Standard deviation.
+    pub std: f64,
+}
+
+/// One effect that the log shows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Its name in EFFECTS.md.
+    pub effect: &'static str,
+    /// Its axis, of effects that have one.
+    pub axis: Option<&'static str>,
+    /// Where it is at home.
+    #[serde(rename = "where")]
+    pub place: Place,
+    /// Its parameters by name.
+    pub parameters: BTreeMap<&'static str, Estimate>,
+    /// Rise of the held-out squared error when it alone is taken out of the extended model, in % of nominal minus extended.
+    pub gain_pct: f64,
+    /// Effects that this log does not tell from it.
+    pub confounded_with: Vec<&'static str>,
+    /// For a person.
+    pub statement: String,
+}
+
+/// A hypothesis that was not taken.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rejected {
+    /// Its name.
+    pub effect: &'static str,
+    /// Its axis or motor; empty where it has none.
+    pub axis: String,
+    /// Why not.
+    pub reason: String,
+}
+
+/// The answer in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The nominal model explains the log.
+    NoDiscrepancy,
+    /// The findings explain it.
+    Explained,
+    /// The findings explain some of it.
+    PartlyExplained,
+    /// Nothing in the catalogue does.
+    UnknownEffect,
+}
+
+/// Findings of a search, most important first.
+pub(super) fn findings(search: &Search<'_>, found: &Found<'_>) -> Vec<Finding> {
+    let first = search.always.len();
+    (first..found.chosen.fit.terms.len()).map(|index| finding(search, found, index, index - first)).collect()
+}
+
+fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -> Finding {
+    let term = &found.chosen.fit.terms[index];
+    let effect = term.effect;
+    let spread = search.spread(&found.chosen);
+    let mut parameters = estimates(&found.chosen, index, spread);
+    let mut names = effect.told_names();
+    // separate axes have a gain each that is fitted along, and no inertia
+    if !search.always.is_empty() {
+        parameters = parameters.into_iter().map(|(name, estimate)| (per_unit_inertia(name), estimate)).collect();
+        names = names.into_iter().map(per_unit_inertia).collect();
+    }
+    let all = found.nominal.held_out - found.chosen.held_out;
+    let gain_pct = 100.0 * (search.without(&found.chosen, index) - found.chosen.held_out) / all;
+    let mut confounded_with: Vec<&'static str> = Vec::new();
+    for other in &found.alternatives[place] {
+        let name = other.fit.terms[other.fit.terms.len() - 1].effect.name();
+        let behind = 0.5 * (other.held_out - found.chosen.held_out) / spread;
+        let is_new = name != effect.name() && !confounded_with.contains(&name);
+        if behind < TOLD_APART && is_new && confounded_with.len() < CONFOUNDED_MAX {
+            confounded_with.push(name);
+        }
+    }
+    let statement = statement(effect, &names, &parameters, &confounded_with);
+    let axis = effect.axis().map(crate::axis::Axis::name);
+    Finding { effect: effect.name(), axis, place: effect.place(), parameters, gain_pct, confounded_with, statement }
+}
+
+/// Values by name with standard deviations: the fit's, carried over to what is told, and the model's own accuracy.
+fn estimates(candidate: &Candidate<'_>, index: usize, spread: f64) -> BTreeMap<&'static str, Estimate> {
+    let Term { effect, values } = &candidate.fit.terms[index];
+    let size = values.len();
+    let covariance = candidate.fit.covariance_of(index);
+    let told = effect.told(values);
+    let slopes: Vec<Vec<f64>> = (0..size)
+        .map(|i| {
+            let step = effect.parameters()[i].step;
+            let mut moved = values.clone();
+            moved[i] += step;
+            effect.told(&moved).iter().zip(&told).map(|((_, moved), (_, value))| (moved - value) / step).collect()
+        })
+        .collect();
+    let mut estimates = BTreeMap::new();
+    for (place, (name, value)) in told.iter().enumerate() {
+        let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[place]).collect();
+        let carried: Vec<f64> = (0..size).map(|i| dot(&covariance[i * size..(i + 1) * size], &slope)).collect();
+        let nominal = effect.parameters().get(place).map_or(0.0, |parameter| parameter.nominal);
+        let own = MODEL_ERROR * (value - nominal);
+        let std = (spread * dot(&slope, &carried).max(0.0) + own * own).sqrt();
+        estimates.insert(*name, Estimate { value: *value, std });
+    }
+    if let Some(motor) = effect.motor() {
+        estimates.insert("motor", Estimate { value: f64::from(motor), std: 0.0 });
+    }
+    estimates
+}
+
+/// One plain sentence.
+fn statement(
+    effect: &dyn Effect,
+    names: &[&'static str],
+    parameters: &BTreeMap<&'static str, Estimate>,
+    confounded: &[&str],
+) -> String {
+    let numbers: Vec<String> = names
+        .iter()
+        .filter_map(|name| Some((name, parameters.get(name)?)))
+        .map(|(name, estimate)| format!("{name} {}", with_uncertainty(estimate)))
+        .collect();
+    let place = match (effect.axis(), effect.motor()) {
+        (Some(axis), _) => format!(" ({})", axis.name()),
+        (None, Some(motor)) => format!(" (motor {motor})"),
+        (None, None) => String::new(),
+    };
+    let mut statement = format!("{}{place}: {}", effect.in_words(), numbers.join(", "));
+    if !confounded.is_empty() {
+        statement += &format!("; this log does not tell it from {}", confounded.join(" or "));
+    }
+    statement + "."
+}
+
+/// A value with as many digits as its uncertainty leaves.
+fn with_uncertainty(estimate: &Estimate) -> String {
+    let digits =
+        if estimate.std > 0.0 { (1.0 - libm::log10(estimate.std).floor()).clamp(0.0, 9.0) as usize } else { 6 };
+    format!("{:.digits$} +- {:.digits$}", estimate.value, estimate.std)
+}
+
+/// Why each hypothesis that is not among the findings is not.
+pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> {
+    let first = search.always.len();
+    let chosen = &found.chosen.fit.terms[first..];
+    let spread = search.spread(&found.chosen);
+    let is_chosen = |effect: &dyn Effect| chosen.iter().any(|term| is_the_same(term.effect, effect));
+    let mut rejected = Vec::new();
+    for effect in search.catalogue.iter().filter(|effect| !is_chosen(effect.as_ref())) {
+        let fitted = found.alternatives.iter().enumerate().flat_map(|(place, others)| {
+            others
+                .iter()
+                .filter(|other| is_the_same(other.last_effect(), effect.as_ref()))
+                .map(move |other| (place, other))
+        });
+        let best = fitted.min_by(|a, b| a.1.held_out.total_cmp(&b.1.held_out));
+        let reason = match best {
+            Some((place, other)) => format!(
+                "in place of {} it leaves the held-out windows less likely by a factor of e^{:.1}",
+                chosen[place].effect.name(),
+                0.5 * (other.held_out - found.chosen.held_out) / spread
+            ),
+            None => "lowers the error by no more than chance would".to_owned(),
+        };
+        let axis = match (effect.axis(), effect.motor()) {
+            (Some(axis), _) => axis.name().to_owned(),
+            (None, Some(motor)) => format!("motor {motor}"),
+            (None, None) => String::new(),
+        };
+        rejected.push(Rejected { effect: effect.name(), axis, reason });
+    }
+    rejected
+}
+
+/// Root mean square errors of a model's windows, and an exact model's.
+pub(super) fn channel_errors(windows: &[WindowTally]) -> [ChannelErrors; 2] {
+    let of = |which: fn((f64, f64)) -> f64| {
+        let degrees = |place| root_mean_square(windows, place).map(|both| which(both).to_degrees());
+        ChannelErrors { roll_deg: degrees(0), pitch_deg: degrees(1), p_deg_s: degrees(3), q_deg_s: degrees(4) }
+    };
+    [of(|(error, _)| error), of(|(_, floor)| floor)]
+}
