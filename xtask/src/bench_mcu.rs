@@ -14,7 +14,7 @@ use crate::workspace::Workspace;
 use counting::{Counter, Counts};
 use instances::Instances;
 
-/// What DAQP 0.7 takes with the same problem split into its axes, on the same processor, float32, -O3: instructions, median
+/// What DAQP takes with the same problem split into its axes, on the same processor, float32, -O3: instructions, median
 /// and maximum of the 200 instances at 10 ms, by case.
 const DAQP: [(&str, u64, u64); 8] = [
     ("a-i", 765, 1_500),

@@ -25,8 +25,8 @@ pub(super) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
         end_s: rows.last().copied().unwrap_or_default(),
         ..Hints::default()
     };
-    for axis in 0..3 {
-        if let Some(series) = &missing[axis] {
+    for (axis, series) in missing.iter().enumerate() {
+        if let Some(series) = series {
             hints.frequency_hz[axis] = strongest_frequency_hz(series);
             hints.step_start_s[axis] = onset_s(series);
         }

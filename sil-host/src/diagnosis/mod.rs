@@ -9,7 +9,7 @@
 //!        findings, rejected <- verdict <- structure: is anything left? <- accuracy: against an exact model
 //! ```
 //!
-//! The model of the vehicle is the diagnosis' own ([`prediction`], with another integrator than the plant's and the effects written
+//! The model of the vehicle is the diagnosis' own (`prediction`, with another integrator than the plant's and the effects written
 //! a second time), so that a mistake in either shows as a disagreement.
 
 mod accuracy;

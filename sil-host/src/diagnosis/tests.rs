@@ -63,7 +63,8 @@ fn axes_of_a_bench_are_diagnosed_per_unit_of_inertia() {
     let (mut times, mut angles, mut rates, mut commands) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for row in 0..6000 {
         let time_s = f64::from(row) * 0.005;
-        let command = if (time_s / 0.9) as u32 % 2 == 0 { 0.3 } else { -0.3 } + 0.2 * libm::sin(7.0 * time_s);
+        let command =
+            if ((time_s / 0.9) as u32).is_multiple_of(2) { 0.3 } else { -0.3 } + 0.2 * libm::sin(7.0 * time_s);
         times.push(time_s);
         angles.push(angle + 1e-3 * noise.normal());
         rates.push(rate + 5e-3 * noise.normal());

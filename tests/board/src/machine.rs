@@ -375,6 +375,11 @@ impl Machine {
         self.cpu.replace(address, bytes)
     }
 
+    /// Keeps an interrupt from being served, or no longer, as one that takes its time would be: what asks for it goes on asking.
+    pub fn hold_back(&mut self, interrupt: u8, held: bool) {
+        self.board.borrow_mut().private.exceptions.enable(16 + interrupt, !held);
+    }
+
     /// Puts the stack pointer elsewhere.
     pub fn poke_stack_pointer(&mut self, address: u32) {
         self.cpu.set_register(Register::SP, address);

@@ -192,15 +192,26 @@ impl Hidden {
             "imu_misalignment" => hidden(name, None, None, "yaw_rad", 0.0, 0.03, |s, e| {
                 (e.sign * s.min(1.0), format!("yaw_rad={}", e.sign * s.min(1.0)))
             }),
-            _ if second => hidden("periodic_disturbance", Some(tilt), None, "amplitude_nm", 0.0, 0.01, |s, e| {
+            _ => Hidden::disturbance(second, tilt, extra),
+        }
+    }
+
+    fn disturbance(periodic: bool, axis: &'static str, extra: Extra) -> Hidden {
+        let (axis, motor, nominal, size) = (Some(axis), None, 0.0, 0.01);
+        if periodic {
+            let text = |s: f64, e: &Extra| {
                 let (frequency_hz, phase_rad) = (0.3 * 25f64.powf(e.share), core::f64::consts::TAU * (e.other - 0.5));
                 (s, format!("amplitude_nm={s},frequency_hz={frequency_hz},phase_rad={phase_rad}"))
-            }),
-            _ => hidden("step_disturbance", Some(tilt), None, "torque_nm", 0.0, 0.01, |s, e| {
-                let start_s = DURATION_S * (0.2 + 0.6 * e.share);
-                (e.sign * s, format!("torque_nm={},start_s={start_s}", e.sign * s))
-            }),
+            };
+            let (name, parameter) = ("periodic_disturbance", "amplitude_nm");
+            return Hidden { name, axis, motor, parameter, nominal, text, size, extra };
         }
+        let text = |s: f64, e: &Extra| {
+            let start_s = DURATION_S * (0.2 + 0.6 * e.share);
+            (e.sign * s, format!("torque_nm={},start_s={start_s}", e.sign * s))
+        };
+        let (name, parameter) = ("step_disturbance", "torque_nm");
+        Hidden { name, axis, motor, parameter, nominal, text, size, extra }
     }
 
     /// The effect at a size, as `sil synth` takes it.
