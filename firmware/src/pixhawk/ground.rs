@@ -4,7 +4,7 @@ use core::fmt::{Display, Write};
 
 use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
-use shared_control::link::telemetry::Text;
+use shared_control::link::telemetry::{Figures, Text};
 use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, VehicleStatus};
 use shared_control::params::Params;
 
@@ -73,6 +73,11 @@ impl Ground {
         if !configuration.setup.pulses_keep_phase() {
             self.tell("PWM_RATE_HZ and LOOP_RATE_HZ unrelated: jitter");
         }
+    }
+
+    /// Takes what the board has measured of itself, to be told in turns.
+    pub fn figures(&mut self, figures: Figures) {
+        self.telemetry.figures(figures);
     }
 
     /// To be called at least every 20 ms, the period of the fastest message.

@@ -4,6 +4,7 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::{DCB, DWT};
+use shared_control::link::telemetry::Figures;
 
 use super::clock;
 
@@ -40,15 +41,36 @@ impl Meter {
 pub static LOOP: Meter = Meter::new();
 /// A plan of the MPC.
 pub static PLAN: Meter = Meter::new();
+/// Data-ready of the first IMU.
+pub static FIRST_IMU: Meter = Meter::new();
+/// Data-ready of the second.
+pub static SECOND_IMU: Meter = Meter::new();
+/// The end of a transfer from either.
+pub static IMU_RECEIVED: Meter = Meter::new();
+/// Bytes from and to the ground, three tasks of one priority.
+pub static LINK: Meter = Meter::new();
+/// Housekeeping.
+pub static HOUSEKEEPING: Meter = Meter::new();
+
+/// Worst cycles of each task, and the deepest stack, bytes.
+pub fn figures() -> Figures {
+    [
+        ("cyc_loop", LOOP.worst_cycles()),
+        ("cyc_plan", PLAN.worst_cycles()),
+        ("cyc_imu1", FIRST_IMU.worst_cycles()),
+        ("cyc_imu2", SECOND_IMU.worst_cycles()),
+        ("cyc_imu_rx", IMU_RECEIVED.worst_cycles()),
+        ("cyc_link", LINK.worst_cycles()),
+        ("cyc_slow", HOUSEKEEPING.worst_cycles()),
+        ("stack_b", stack_used_bytes()),
+    ]
+}
 
 /// Sends the figures to a probe, if one listens.
-pub fn report() {
-    defmt::info!(
-        "worst cycles: loop {=u32}, plan {=u32}; stack {=u32} bytes",
-        LOOP.worst_cycles(),
-        PLAN.worst_cycles(),
-        stack_used_bytes(),
-    );
+pub fn report(figures: &Figures) {
+    for (name, value) in figures {
+        defmt::info!("{=str} {=u32}", name, value);
+    }
 }
 
 /// Time asleep, µs, wrapping.

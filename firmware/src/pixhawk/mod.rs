@@ -178,20 +178,20 @@ mod app {
     /// counted.
     #[task(binds = EXTI15_10, priority = 6, shared = [imus])]
     fn first_imu_ready(cx: first_imu_ready::Context) {
-        cx.shared.imus.first_ready();
+        load::FIRST_IMU.measure(|| cx.shared.imus.first_ready());
     }
 
     /// Every 1.3 ms, and once a step by [`control_step`]; done within 3 us. If it comes late, so does the sample.
     #[task(binds = EXTI0, priority = 6, shared = [imus])]
     fn second_imu_ready(cx: second_imu_ready::Context) {
-        cx.shared.imus.second_ready();
+        load::SECOND_IMU.measure(|| cx.shared.imus.second_ready());
     }
 
     /// 15 us after a transfer has begun, done within 5 us. On a miss the next transfer is late, beyond 200 us given up and
     /// counted.
     #[task(binds = DMA2_STREAM0, priority = 6, shared = [imus])]
     fn imu_received(cx: imu_received::Context) {
-        cx.shared.imus.received();
+        load::IMU_RECEIVED.measure(|| cx.shared.imus.received());
     }
 
     /// Every loop period; its pulses must be written within `board::PULSE_DELAY_US`. On a miss the pulses before are sent
@@ -250,19 +250,19 @@ mod app {
     /// their messages says so. Orders that find no room are lost; the ground repeats what is not answered.
     #[task(binds = USART2, priority = 3, shared = [link])]
     fn link_idle(cx: link_idle::Context) {
-        cx.shared.link.take();
+        load::LINK.measure(|| cx.shared.link.take());
     }
 
     /// As [`link_idle`], when half of the ring is full.
     #[task(binds = DMA1_STREAM5, priority = 3, shared = [link])]
     fn link_ring(cx: link_ring::Context) {
-        cx.shared.link.take();
+        load::LINK.measure(|| cx.shared.link.take());
     }
 
     /// When a transfer to the ground has ended: an answer that waited for it goes out, 3 bytes' time later at most.
     #[task(binds = DMA1_STREAM6, priority = 3, shared = [sender])]
     fn link_sent(mut cx: link_sent::Context) {
-        cx.shared.sender.lock(|sender| sender.transfer_ended());
+        load::LINK.measure(|| cx.shared.sender.lock(|sender| sender.transfer_ended()));
     }
 
     /// Asks for a plan, unless the one before is still being made: then the next step does without, and is counted.
@@ -295,23 +295,27 @@ mod app {
     fn housekeeping(mut cx: housekeeping::Context) {
         let local = cx.local;
         local.watchdog.feed_if_all_alive();
-        *local.ticks = local.ticks.wrapping_add(1);
-        let status = VehicleStatus {
-            load_permille: *local.load_permille,
-            overruns: counters::LOOP_OVERRUNS.get(),
-            late_plans: counters::LATE_PLANS.get(),
-            ..cx.shared.status.lock(|status| *status)
-        };
-        local.ground.update(local.clock.now_us(), &status);
-        cx.shared.sender.lock(|sender| local.ground.hand_over(sender));
-        if local.ticks.is_multiple_of(10) {
-            local.light_and_tone.update(Sign::of(&status));
-        }
-        if local.ticks.is_multiple_of(100) {
-            *local.load_permille = local.load_meter.permille();
-            load::report();
-            counters::report();
-        }
+        load::HOUSEKEEPING.measure(|| {
+            *local.ticks = local.ticks.wrapping_add(1);
+            let status = VehicleStatus {
+                load_permille: *local.load_permille,
+                overruns: counters::LOOP_OVERRUNS.get(),
+                late_plans: counters::LATE_PLANS.get(),
+                ..cx.shared.status.lock(|status| *status)
+            };
+            local.ground.update(local.clock.now_us(), &status);
+            cx.shared.sender.lock(|sender| local.ground.hand_over(sender));
+            if local.ticks.is_multiple_of(10) {
+                local.light_and_tone.update(Sign::of(&status));
+            }
+            if local.ticks.is_multiple_of(100) {
+                *local.load_permille = local.load_meter.permille();
+                let figures = load::figures();
+                load::report(&figures);
+                counters::report();
+                local.ground.figures(figures);
+            }
+        });
     }
 
     /// At once, before anything else. There is no second chance: the supply is failing.

@@ -2,7 +2,7 @@
 
 use mavlink::dialects::common::{
     ATTITUDE_DATA, COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState,
-    MavSysStatusSensor, MavType, SERVO_OUTPUT_RAW_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
+    MavSysStatusSensor, MavType, NAMED_VALUE_INT_DATA, SERVO_OUTPUT_RAW_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
 };
 
 use nalgebra::{UnitQuaternion, Vector3};
@@ -33,6 +33,12 @@ pub const SERVO_PERIOD_US: u64 = 100_000;
 pub const SYS_STATUS_PERIOD_US: u64 = 500_000;
 /// Shortest time between two `STATUSTEXT`, µs.
 pub const TEXT_PERIOD_US: u64 = 100_000;
+
+/// Time from one `NAMED_VALUE_INT` to the next, µs; they take turns.
+pub const FIGURE_PERIOD_US: u64 = 250_000;
+
+/// What a board measures of itself: names of at most 10 characters, and values.
+pub type Figures = [(&'static str, u32); 8];
 
 /// Texts that may wait; what comes beyond is dropped and counted.
 const TEXTS_MAX: usize = 16;
@@ -127,11 +133,14 @@ pub struct Telemetry {
     parameters: Parameters,
     told: Option<Arming>,
     told_unit: ImuUnit,
+    figures: Figures,
+    next_figure: usize,
     heartbeat: Due,
     attitude: Due,
     servo: Due,
     sys_status: Due,
     text: Due,
+    figure: Due,
     /// Texts and answers for which there was no room.
     pub dropped: u32,
 }
@@ -146,11 +155,14 @@ impl Telemetry {
             parameters: Parameters::new(params),
             told: None,
             told_unit: ImuUnit::default(),
+            figures: [("", 0); 8],
+            next_figure: 0,
             heartbeat: Due::every(HEARTBEAT_PERIOD_US),
             attitude: Due::every(ATTITUDE_PERIOD_US),
             servo: Due::every(SERVO_PERIOD_US),
             sys_status: Due::every(SYS_STATUS_PERIOD_US),
             text: Due::every(TEXT_PERIOD_US),
+            figure: Due::every(FIGURE_PERIOD_US),
             dropped: 0,
         }
     }
@@ -166,6 +178,11 @@ impl Telemetry {
         }
         self.count_dropped(self.answers.is_full());
         let _ = self.answers.push_back(answer);
+    }
+
+    /// Takes what the board has measured of itself; one without a name is not told.
+    pub fn figures(&mut self, figures: Figures) {
+        self.figures = figures;
     }
 
     /// Serves the parameters; `store` as in [`Parameters::serve`].
@@ -223,6 +240,21 @@ impl Telemetry {
         if self.sys_status.is(time_us) && self.writer.write(&sys_status(status), out) {
             self.sys_status.done(time_us);
         }
+        if self.figure.is(time_us) && self.write_figure(time_us, out) {
+            self.figure.done(time_us);
+        }
+    }
+
+    /// False if there was no room.
+    fn write_figure<const N: usize>(&mut self, time_us: u64, out: &mut heapless::Vec<u8, N>) -> bool {
+        let figure = self.figures.get(self.next_figure).copied().unwrap_or_default();
+        let (name, value) = figure;
+        let data = NAMED_VALUE_INT_DATA { time_boot_ms: wrapped_ms(time_us), value: value as i32, name: name.into() };
+        let told = name.is_empty() || self.writer.write(&data, out);
+        if told {
+            self.next_figure = if self.next_figure + 1 < self.figures.len() { self.next_figure + 1 } else { 0 };
+        }
+        told
     }
 
     /// Refusals have been told by their answer.

@@ -442,6 +442,22 @@ fn ten_seconds(telemetry: &mut Telemetry, mut each: impl FnMut(u64, &mut Telemet
 }
 
 #[test]
+fn what_the_board_measured_of_itself_is_told_in_turns() {
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    let mut figures = [("", 0); 8];
+    (figures[0], figures[7]) = (("cyc_loop", 24_500), ("stack_b", 7976));
+    telemetry.figures(figures);
+    let sent = ten_seconds(&mut telemetry, |_, _| ());
+    let messages = decoded(&sent);
+    let told = messages
+        .iter()
+        .filter_map(|message| if let MavMessage::NAMED_VALUE_INT(value) = message { Some(value) } else { None })
+        .map(|value| (value.name.to_str().unwrap(), value.value));
+    // eight places, one every quarter of a second: each is told every two seconds, those without a name not at all
+    assert!(told.eq([("cyc_loop", 24_500), ("stack_b", 7976)].into_iter().cycle().take(10)));
+}
+
+#[test]
 fn the_worst_case_fits_into_115200_baud() {
     // a refused command every 100 ms, each with its words, is what a person with a stuck button asks for
     let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
