@@ -36,6 +36,8 @@ pub struct Tuning {
     pub rate_max_rad_s: [f32; 3],
     /// Largest tilt asked for, rad.
     pub tilt_max_rad: f32,
+    /// Share of the shaped reference's acceleration that the cascade feeds forward.
+    pub acceleration_feed_forward: f32,
     /// Angle error to rate, 1/s.
     pub angle_gain_1_s: [f32; 3],
     /// Rate error to angular acceleration, 1/s.
@@ -76,6 +78,7 @@ impl Tuning {
             acceleration_share: 0.6 / (1.0 + 9.0 * lag_s),
             rate_max_rad_s: [5.0, 5.0, 2.0],
             tilt_max_rad: 1.2,
+            acceleration_feed_forward: 0.0,
             angle_gain_1_s: [angle, angle, 0.5 * angle],
             rate_proportional_1_s: [rate, rate, 0.4 * rate],
             rate_integral_1_s2: [2.0 * rate, 2.0 * rate, 0.4 * rate],
@@ -233,6 +236,7 @@ fn angle_config(vehicle: &VehicleParameters, tuning: &Tuning) -> AngleConfig {
         acceleration_max_rad_s2: acceleration_max.map(|a| 0.5 * a),
         rate_max_rad_s: tuning.rate_max_rad_s,
         tilt_max_rad: tuning.tilt_max_rad,
+        acceleration_feed_forward: tuning.acceleration_feed_forward,
         yaw_locked: vehicle.yaw_locked,
     }
 }
@@ -275,6 +279,7 @@ fn validate_tuning(tuning: &Tuning) -> Result<(), ConfigError> {
         not_negative("rate_derivative", tuning.rate_derivative[axis])?;
     }
     positive("acceleration_share", tuning.acceleration_share)?;
+    not_negative("acceleration_feed_forward", tuning.acceleration_feed_forward)?;
     positive("tilt_max_rad", tuning.tilt_max_rad)?;
     if tuning.tilt_max_rad > TILT_MAX_RAD {
         return Err(ConfigError::OutOfRange("tilt_max_rad (Euler angles: at most 1.5)"));
@@ -331,6 +336,7 @@ mod tests {
         starts(refusal(|v, _, _| v.lift_curve.command_at[LIFT_INTERVALS] = 1.2), "lift_curve");
         starts(refusal(|_, t, _| t.angle_gain_1_s[2] = 0.0), "angle_gain_1_s");
         starts(refusal(|_, t, _| t.rate_derivative[0] = -0.1), "rate_derivative");
+        starts(refusal(|_, t, _| t.acceleration_feed_forward = -1.0), "acceleration_feed_forward");
         starts(refusal(|_, t, _| t.tilt_max_rad = 1.6), "tilt_max_rad");
         starts(refusal(|_, t, _| t.gyro_cutoff_hz = 0.0), "gyro_cutoff_hz");
         starts(refusal(|_, _, rates| rates[0] = 20.0), "loop_rate_hz");

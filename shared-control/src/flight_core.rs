@@ -10,7 +10,7 @@
 
 use nalgebra::Vector3;
 
-use crate::attitude::angle::{self, AngleState};
+use crate::attitude::angle::{self, AngleState, RateTarget};
 use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
 use crate::elementary::{limit, magnitude, wrap_pi};
@@ -93,7 +93,7 @@ pub struct State {
     setpoint: SetpointState,
     angle: AngleState,
     rate: RateState,
-    rate_target_rad_s: Vector3<f32>,
+    rate_target: RateTarget,
     /// The throttle has been raised since arming: there is something to control.
     airborne: bool,
     last_wrench: Wrench,
@@ -118,7 +118,7 @@ impl State {
             setpoint,
             angle,
             rate,
-            rate_target_rad_s,
+            rate_target,
             airborne,
             last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
             last_mix,
@@ -131,7 +131,7 @@ impl State {
         setpoint.record(words);
         angle.record(words);
         rate.record(words);
-        words.vector(rate_target_rad_s);
+        rate_target.record(words);
         words.word(u32::from(*airborne));
         words.number(*lift_per_motor_n);
         words.numbers(torque_body_nm);
@@ -211,7 +211,7 @@ impl FlightCore {
             standby_health: imu.standby_health,
             setpoints_rejected: state.setpoint.rejected,
             estimate,
-            rate_target_rad_s: state.rate_target_rad_s,
+            rate_target_rad_s: state.rate_target.rate_rad_s,
         }
     }
 
@@ -228,8 +228,8 @@ impl FlightCore {
             TorqueSource::Mpc => state.angle = AngleState::at(&output.estimate, euler_rate_rad_s),
             TorqueSource::Cascade | TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) => {}
         }
-        state.rate_target_rad_s = match output.source {
-            TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => Vector3::zeros(),
+        state.rate_target = match output.source {
+            TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => RateTarget::default(),
             _ => {
                 angle::update(&config.angle, &mut state.angle, &state.setpoint.flown, &output.estimate, config.step_s())
             }
@@ -261,6 +261,7 @@ impl FlightCore {
 
 /// Torque of the rate loop for the target that the last `follow` left, N m.
 fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimate) -> [f32; 3] {
+    let ahead = state.rate_target.acceleration_rad_s2;
     let last_demand = match state.last_source {
         TorqueSource::Cascade | TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) => {
             Delivery::Applied { unmet: state.last_mix.unmet_torque_nm }
@@ -268,19 +269,19 @@ fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimat
         TorqueSource::Mpc | TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => {
             let asked_nm = state.last_wrench.torque_body_nm;
             Delivery::NotApplied {
-                instead_rad_s2: core::array::from_fn(|axis| asked_nm[axis] / config.inertia_kg_m2[axis]),
+                instead_rad_s2: core::array::from_fn(|axis| asked_nm[axis] / config.inertia_kg_m2[axis] - ahead[axis]),
             }
         }
     };
     let acceleration = rate::update(
         &config.rate,
         &mut state.rate,
-        &state.rate_target_rad_s,
+        &state.rate_target.rate_rad_s,
         &estimate.rate_body_rad_s,
         last_demand,
         config.step_s(),
     );
-    core::array::from_fn(|axis| acceleration[axis] * config.inertia_kg_m2[axis])
+    core::array::from_fn(|axis| (acceleration[axis] + ahead[axis]) * config.inertia_kg_m2[axis])
 }
 
 /// Who flies this step. The fallback from MPC to the cascade is here and nowhere else.

@@ -164,6 +164,7 @@ macro_rules! tuning_fields {
 tuning_fields! {
     shaping_gain_1_s: [f32; 3],
     acceleration_share: f32,
+    acceleration_feed_forward: f32,
     rate_max_rad_s: [f32; 3],
     tilt_max_rad: f32,
     angle_gain_1_s: [f32; 3],

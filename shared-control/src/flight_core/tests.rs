@@ -294,7 +294,7 @@ fn disarming_forgets_what_was_wound_up() {
     let output = FlightCore::fast(&config, &mut state, &off);
     FlightCore::follow(&config, &mut state, &output);
     assert_eq!(state.rate, RateState::default());
-    assert_eq!(state.rate_target_rad_s, Vector3::zeros());
+    assert_eq!(state.rate_target, RateTarget::default());
     assert!(!state.airborne);
 }
 
