@@ -10,6 +10,7 @@ mod axis;
 mod bounded_output;
 pub mod condense;
 pub mod model;
+pub mod motor_limits;
 mod riccati;
 
 use axis::{Axis, AxisRequest, AxisState};
