@@ -12,6 +12,7 @@ pub mod condense;
 pub mod model;
 pub mod motor_limits;
 mod riccati;
+pub mod schedule;
 
 use axis::{Axis, AxisRequest, AxisState};
 

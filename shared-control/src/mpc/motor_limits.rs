@@ -25,7 +25,7 @@ pub const COUPLED_INPUTS_MAX: usize = 10;
 const ITERATION_LIMIT: u16 = 150;
 
 /// How far beyond its limit a motor of the axes' plans may be, as a share of the room: rounding.
-const ROUNDING: f32 = 1e-5;
+const ROUNDING: f32 = 1e-4;
 
 /// (r, p, y), by rows, from (t_1, t_2, t_3).
 const WITH_YAW: [[f32; 3]; 3] = [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]];
@@ -152,7 +152,13 @@ impl<const V: usize, const R: usize> MotorLimits<V, R> {
         let solution = self.qp.solve(&linear, &bounds, &settings, warm_start);
         let dot =
             |weights: &[f32]| weights.iter().zip(&solution.x).fold(0.0, |sum, (weight, motor)| sum + weight * motor);
-        CoupledPlan { shares_n: shares.map(dot), status: solution.status, iterations: solution.iterations }
+        let plan = CoupledPlan { shares_n: shares.map(dot), status: solution.status, iterations: solution.iterations };
+        // errors of 1e15 rad leave single precision no digits for the limits
+        if room.holds(plan.shares_n) {
+            plan
+        } else {
+            CoupledPlan { shares_n: [0.0; 3], status: Status::NumericalError, ..plan }
+        }
     }
 }
 
