@@ -2,7 +2,7 @@
 
 use super::model::Model;
 use super::quadratic::Quadratic;
-use crate::elementary::exp;
+use crate::lagged_axis::LagStep;
 
 /// Angle, rate, and the motors' effect m, which follows the input u with time constant tau:
 ///
@@ -24,11 +24,8 @@ pub(in crate::mpc) struct LaggedIntegrator {
 impl LaggedIntegrator {
     /// `lag` is tau over the prediction step; anything but a positive number is no lag.
     pub(in crate::mpc) fn new(lag: f32) -> Self {
-        let lag = if lag > 0.0 && lag.is_finite() { lag } else { 0.0 };
-        // exp(-1/lag) is nothing at a hundredth of a step, long before the quotient overflows
-        let kept = if lag > 0.01 { exp(-1.0 / lag) } else { 0.0 };
-        let rate_of_motor = lag * (1.0 - kept);
-        Self { kept, rate_of_motor, angle_of_motor: lag * (1.0 - rate_of_motor) }
+        let step = LagStep::new(1.0, lag);
+        Self { kept: step.kept, rate_of_motor: step.rate_share, angle_of_motor: step.angle_share }
     }
 
     /// What the input adds to (angle, rate, m) in a step.

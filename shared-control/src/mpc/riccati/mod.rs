@@ -28,10 +28,12 @@ mod solve;
 mod tests;
 mod track;
 
+pub(super) use lagged::LaggedIntegrator;
 pub(super) use model::{DoubleIntegrator, Model};
 use quadratic::Law;
 use quadratic::Quadratic;
 pub(super) use solve::Outcome;
+pub(super) use track::{Pattern, Tracking};
 
 /// What a guess says of one input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
