@@ -7,6 +7,7 @@
 mod axis;
 mod bounded_output;
 pub mod condense;
+mod coupling;
 pub mod model;
 pub mod motor_limits;
 mod preview;
@@ -16,6 +17,7 @@ pub mod schedule;
 mod settings;
 mod tracking;
 
+pub use coupling::MotorSettings;
 pub use preview::{Preview, ReferenceAhead};
 pub use regulation::{Regulation, RegulationMpc, RegulationRequest, RegulationState};
 use settings::AxisSettings;

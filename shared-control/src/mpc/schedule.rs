@@ -12,13 +12,16 @@
 //!
 //! Input and disturbance are torques, whatever the linearisation; so a switch changes neither, and the torque does not jump.
 
-use crate::elementary::{magnitude, sin_cos, sqrt};
+use crate::elementary::{larger, magnitude, sin_cos, sqrt};
 
 /// Most linearisations that there is room for.
 pub const LINEARISATIONS_MAX: usize = 4;
 
 /// How far beyond a limit roll must be for a switch, rad: ten times the noise of the attitude.
 const HYSTERESIS_RAD: f32 = 0.02;
+
+/// Where less than this share of the input gain is left (beyond 75 degrees), pitch is out of reach and no model helps.
+const GAIN_SHARE_MIN: f32 = 0.2;
 
 /// How the pitch axis answers to torque, over roll.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,11 +33,11 @@ pub struct PitchInertia {
 }
 
 impl PitchInertia {
-    /// Acceleration per torque at a roll angle, as a share of the one when level.
+    /// Acceleration per torque at a roll angle, as a share of the one when level; [`GAIN_SHARE_MIN`] at least.
     pub fn gain_share(&self, roll_rad: f32) -> f32 {
         let (sin_roll, cos_roll) = sin_cos(roll_rad);
         let inertia = self.level_kg_m2 + (self.rolled_kg_m2 - self.level_kg_m2) * sin_roll * sin_roll;
-        cos_roll * self.level_kg_m2 / inertia
+        larger(cos_roll * self.level_kg_m2 / inertia, GAIN_SHARE_MIN)
     }
 }
 
