@@ -36,6 +36,12 @@ impl LaggedIntegrator {
         Self { lead, ..self }
     }
 
+    /// What is held against the reference: the angle with its lead.
+    #[inline(always)]
+    pub(in crate::mpc) fn output(&self, [angle, rate, _]: &[f32; 3]) -> f32 {
+        angle + self.lead * rate
+    }
+
     /// What the input adds to (angle, rate, m) in a step.
     #[inline(always)]
     fn of_input(&self) -> [f32; 3] {

@@ -4,6 +4,8 @@
 extern crate std;
 use std::vec::Vec;
 
+mod motors;
+
 use proptest::prelude::*;
 
 use super::*;
@@ -44,9 +46,11 @@ fn settings(motor_lag_s: f32, ahead: ReferenceAhead) -> MpcSettings {
             },
             prediction_step_s: 0.01,
             control_step_s: STEP_S,
-            lead_s: [0.0; 3],
+            lead_s: [0.1; 3],
             delay_s: 0.0,
         },
+        schedule: Schedule::SINGLE,
+        motors: None,
     }
 }
 
@@ -70,7 +74,8 @@ proptest! {
     /// Without lag, disturbance and preview it is the thesis' problem, in N m.
     #[test]
     fn without_what_it_knows_more_it_is_the_thesis_controller(request in any_request()) {
-        let settings = settings(0.0, ReferenceAhead::Held);
+        let mut settings = settings(0.0, ReferenceAhead::Held);
+        settings.preview.lead_s = [0.0; 3];
         let plan = Mpc::<5>::prepare(&settings).unwrap().plan(&mut MpcState::new(), &request);
         let same = RegulationRequest {
             angle_rad: request.angle_rad,
@@ -130,6 +135,7 @@ proptest! {
             motor_nm: three(6),
             torque_prev_nm: three(9),
             disturbance_nm: three(12),
+            lift_per_motor_n: 1.0,
             reference,
             setpoint: Setpoint { roll_rad: numbers[21], pitch_rad: numbers[22], yaw_rate_rad_s: numbers[23], throttle: 0.5 },
         };
