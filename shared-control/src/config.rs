@@ -223,8 +223,9 @@ impl Config {
 }
 
 /// The MPC's problem for a vehicle: inputs are the lift difference at the arm (N) for roll and pitch and the torque
-/// (N m) for yaw, as in the thesis (2.6); each is bounded by what one motor's span gives, so that roll and pitch can
-/// both have theirs.
+/// (N m) for yaw, as in the thesis (2.6), each bounded by one motor's span. The motors stand arm / sqrt 2 from either axis:
+/// roll or pitch alone can have sqrt 2 times as much, both together 1 / sqrt 2 of it; beyond that the mixer scales both
+/// down. [`Tuning::mpc_motor_limits`] puts what the motors really can do in place of these bounds.
 pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: f32) -> MpcSettings {
     let torque_per_input_nm = [vehicle.arm_m, vehicle.arm_m, 1.0];
     let actuation = known_actuation(vehicle, tuning);
