@@ -412,6 +412,8 @@ mod tests {
         starts(refusal(|v, _, _| v.actuation.lag_s = f32::NAN), "actuation.lag_s");
         starts(refusal(|v, _, _| v.actuation.delay_s = 0.05), "actuation.delay_s");
         starts(refusal(|_, t, _| t.mpc_disturbance_bandwidth_rad_s = -1.0), "mpc_disturbance_bandwidth_rad_s");
+        starts(refusal(|_, t, _| t.mpc_torque_reserve = 0.6), "mpc_torque_reserve");
+        starts(refusal(|_, t, _| t.mpc_linearisations = 0), "mpc_linearisations");
         starts(refusal(|_, t, _| t.angle_gain_1_s[2] = 0.0), "angle_gain_1_s");
         starts(refusal(|_, t, _| t.rate_derivative[0] = -0.1), "rate_derivative");
         starts(refusal(|_, t, _| t.acceleration_feed_forward = -1.0), "acceleration_feed_forward");
