@@ -7,7 +7,6 @@
 //! (prepared); then per step [`PlanRequest`] -> f and bounds -> solve -> first input -> [`Plan`].
 
 mod axis;
-mod bounded_output;
 pub mod condense;
 pub mod model;
 mod riccati;
