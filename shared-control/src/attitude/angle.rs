@@ -28,8 +28,34 @@ pub struct AngleConfig {
     pub rate_max_rad_s: [f32; 3],
     /// Largest roll or pitch set-point, rad.
     pub tilt_max_rad: f32,
+    /// Share of the shaped reference's acceleration that is asked of the motors before any error shows; 0 for none.
+    pub acceleration_feed_forward: f32,
     /// True on a rig whose heading can't move: no heading error, no yaw rate.
     pub yaw_locked: bool,
+}
+
+impl AngleConfig {
+    /// A roll or pitch set-point within its limit; what is no number stays none.
+    pub fn tilt_asked_rad(&self, angle_rad: f32) -> f32 {
+        if angle_rad.is_finite() { limit(angle_rad, -self.tilt_max_rad, self.tilt_max_rad) } else { angle_rad }
+    }
+}
+
+/// What the attitude loop asks of the rate loop, body axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RateTarget {
+    /// Rate, rad/s.
+    pub rate_rad_s: Vector3<f32>,
+    /// Angular acceleration to add to what the rate error asks for, rad/s^2.
+    pub acceleration_rad_s2: Vector3<f32>,
+}
+
+impl RateTarget {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { rate_rad_s, acceleration_rad_s2 } = self;
+        words.vector(rate_rad_s);
+        words.vector(acceleration_rad_s2);
+    }
 }
 
 /// Shaped references of roll, pitch and heading, rad.
@@ -67,15 +93,15 @@ impl AngleState {
     }
 }
 
-/// Advances the reference by one step and gives the rate target, body frame, rad/s.
+/// Advances the reference by one step and gives what the rate loop is to do until the next.
 pub fn update(
     config: &AngleConfig,
     state: &mut AngleState,
     setpoint: &Setpoint,
     estimate: &AttitudeEstimate,
     dt_s: f32,
-) -> Vector3<f32> {
-    shape(config, state, setpoint, dt_s);
+) -> RateTarget {
+    let acceleration_rad_s2 = shape(config, state, setpoint, dt_s);
     let target = q_world_from_euler(state.angles());
     let mut error_rad = attitude_error(&target, &estimate.q_world_from_body);
     if config.yaw_locked {
@@ -83,15 +109,26 @@ pub fn update(
     } else {
         hold_back_heading(state, &mut error_rad.z);
     }
-    // the reference's rate is in the target's body axes; the vehicle's are turned against them by the error
-    let rate_target_body = rate_body_from_euler_rates(state.angles(), state.reference.map(|axis| axis.rate_rad_s));
-    let feed_forward = (estimate.q_world_from_body.inverse() * target) * rate_target_body;
-    Vector3::from_fn(|axis, _| {
-        let correction =
-            square_root_controller(error_rad[axis], config.gain_1_s[axis], config.acceleration_max_rad_s2[axis], dt_s);
-        let ahead = if axis == 2 && config.yaw_locked { 0.0 } else { feed_forward[axis] };
-        limit(correction + ahead, -config.rate_max_rad_s[axis], config.rate_max_rad_s[axis])
-    })
+    // the reference's motion is in the target's body axes; the vehicle's are turned against them by the error
+    let body_from_target = estimate.q_world_from_body.inverse() * target;
+    let in_body = |euler: [f32; 3]| body_from_target * rate_body_from_euler_rates(state.angles(), euler);
+    let rate_ahead = in_body(state.reference.map(|axis| axis.rate_rad_s));
+    // but for what the axes' own turning adds, which is of second order in the rates
+    let acceleration_ahead = in_body(acceleration_rad_s2) * config.acceleration_feed_forward;
+    let moves = |axis: usize| axis != 2 || !config.yaw_locked;
+    RateTarget {
+        rate_rad_s: Vector3::from_fn(|axis, _| {
+            let correction = square_root_controller(
+                error_rad[axis],
+                config.gain_1_s[axis],
+                config.acceleration_max_rad_s2[axis],
+                dt_s,
+            );
+            let ahead = if moves(axis) { rate_ahead[axis] } else { 0.0 };
+            limit(correction + ahead, -config.rate_max_rad_s[axis], config.rate_max_rad_s[axis])
+        }),
+        acceleration_rad_s2: Vector3::from_fn(|axis, _| if moves(axis) { acceleration_ahead[axis] } else { 0.0 }),
+    }
 }
 
 /// A heading that the vehicle cannot follow (yaw has the least authority and gives way first) waits for it: without this
@@ -103,15 +140,14 @@ fn hold_back_heading(state: &mut AngleState, error_rad: &mut f32) {
     *error_rad = kept_rad;
 }
 
-fn shape(config: &AngleConfig, state: &mut AngleState, setpoint: &Setpoint, dt_s: f32) {
-    let tilt = |angle_rad: f32| {
-        if angle_rad.is_finite() { limit(angle_rad, -config.tilt_max_rad, config.tilt_max_rad) } else { angle_rad }
-    };
-    follow_angle(&config.shaping[0], &mut state.reference[0], tilt(setpoint.roll_rad), dt_s);
-    follow_angle(&config.shaping[1], &mut state.reference[1], tilt(setpoint.pitch_rad), dt_s);
-    if !config.yaw_locked {
-        follow_rate(&config.shaping[2], &mut state.reference[2], setpoint.yaw_rate_rad_s, dt_s);
-    }
+/// Moves the reference on; gives its acceleration (Euler angles), rad/s^2.
+pub fn shape(config: &AngleConfig, state: &mut AngleState, setpoint: &Setpoint, dt_s: f32) -> [f32; 3] {
+    let [roll, pitch, yaw] = &mut state.reference;
+    [
+        follow_angle(&config.shaping[0], roll, config.tilt_asked_rad(setpoint.roll_rad), dt_s),
+        follow_angle(&config.shaping[1], pitch, config.tilt_asked_rad(setpoint.pitch_rad), dt_s),
+        if config.yaw_locked { 0.0 } else { follow_rate(&config.shaping[2], yaw, setpoint.yaw_rate_rad_s, dt_s) },
+    ]
 }
 
 /// Rotation still to make, body frame, rad: x and y move the thrust axis, z is what is then left of the heading.
@@ -136,6 +172,7 @@ pub fn attitude_error(target: &UnitQuaternion<f32>, actual: &UnitQuaternion<f32>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elementary::sin_cos;
     use crate::frames::q_from_rotation_vector;
     use proptest::prelude::*;
 
@@ -178,6 +215,7 @@ mod tests {
             acceleration_max_rad_s2: [20.0; 3],
             rate_max_rad_s: [5.0, 5.0, 2.0],
             tilt_max_rad: 1.0,
+            acceleration_feed_forward: 1.0,
             yaw_locked,
         }
     }
@@ -205,7 +243,7 @@ mod tests {
             let mut state = AngleState::at(&estimate, [0.0; 3]);
             let setpoint = Setpoint { roll_rad: 0.5, pitch_rad: -0.4, yaw_rate_rad_s: 0.8, throttle: 0.5 };
             for _ in 0..1200 {
-                let rate = update(&config(false), &mut state, &setpoint, &estimate, 0.0025);
+                let rate = update(&config(false), &mut state, &setpoint, &estimate, 0.0025).rate_rad_s;
                 q = crate::frames::normalized((q * q_from_rotation_vector(&(rate * 0.0025))).into_inner());
                 estimate.q_world_from_body = q;
                 let error = attitude_error(&q_world_from_euler(state.angles()), &q);
@@ -222,10 +260,10 @@ mod tests {
     fn each_axis_has_its_gain_its_limit_and_its_sign() {
         let mut state = AngleState::at(&at(EulerAngles::default()), [0.0; 3]);
         let level = Setpoint::default();
-        let rate = update(&config(false), &mut state, &level, &at(euler(-0.01, 0.02, -0.03)), 0.0025);
+        let rate = update(&config(false), &mut state, &level, &at(euler(-0.01, 0.02, -0.03)), 0.0025).rate_rad_s;
         // small errors: gain times error, per axis
         assert!((rate - Vector3::new(0.08, -0.12, 0.09)).norm() < 2e-3, "{rate}");
-        let far = update(&config(false), &mut state, &level, &at(euler(3.0, 0.0, 0.0)), 0.0025);
+        let far = update(&config(false), &mut state, &level, &at(euler(3.0, 0.0, 0.0)), 0.0025).rate_rad_s;
         assert!(far.norm() <= 5.0 + 2.0 + 1e-3 && far.x < -4.0);
         let steep = Setpoint { roll_rad: 2.0, ..level };
         for _ in 0..2000 {
@@ -234,18 +272,38 @@ mod tests {
         assert!((state.angles().roll_rad - 1.0).abs() < 1e-3, "no further than tilt_max_rad");
     }
 
+    /// Half of the reference's acceleration, in the axes of the vehicle: a nose that rises about the horizontal turns a
+    /// vehicle that lies on its right side to the left.
+    #[test]
+    fn the_acceleration_ahead_is_the_references_in_body_axes() {
+        let config = AngleConfig { acceleration_feed_forward: 0.5, ..config(false) };
+        let (sin, cos) = sin_cos(0.5);
+        for (start, setpoint, expected) in [
+            (euler(0.0, 0.0, 0.0), euler(0.5, 0.0, 0.0), Vector3::new(10.0, 0.0, 0.0)),
+            (euler(0.0, 0.0, 1.5), euler(0.0, -0.5, 1.5), Vector3::new(0.0, -10.0, 0.0)),
+            (euler(0.5, 0.0, 0.0), euler(0.5, 0.5, 0.0), Vector3::new(0.0, 10.0 * cos, -10.0 * sin)),
+        ] {
+            let mut state = AngleState::at(&at(start), [0.0; 3]);
+            let setpoint =
+                Setpoint { roll_rad: setpoint.roll_rad, pitch_rad: setpoint.pitch_rad, ..Setpoint::default() };
+            let ahead = update(&config, &mut state, &setpoint, &at(start), 0.0025).acceleration_rad_s2;
+            // the reference has moved by one step, 6e-5 rad
+            assert!((ahead - expected).norm() < 2e-3, "{ahead} {expected}");
+        }
+    }
+
     #[test]
     fn a_blocked_heading_is_waited_for_and_a_locked_one_is_left_alone() {
         let mut state = AngleState::default();
         let turning = Setpoint { yaw_rate_rad_s: 1.0, ..Setpoint::default() };
         for _ in 0..4000 {
-            let rate = update(&config(false), &mut state, &turning, &at(EulerAngles::default()), 0.0025);
+            let rate = update(&config(false), &mut state, &turning, &at(EulerAngles::default()), 0.0025).rate_rad_s;
             assert!(rate.z >= 0.0, "never the wrong way round");
             assert!(state.angles().yaw_rad <= HEADING_ERROR_MAX_RAD + 1e-3);
         }
         let mut locked = AngleState::default();
         let rate = update(&config(true), &mut locked, &turning, &at(euler(0.0, 0.0, 0.7)), 0.0025);
-        assert_eq!((rate.z, locked.angles().yaw_rad), (0.0, 0.0));
+        assert_eq!((rate.rate_rad_s.z, rate.acceleration_rad_s2.z, locked.angles().yaw_rad), (0.0, 0.0, 0.0));
     }
 
     #[test]

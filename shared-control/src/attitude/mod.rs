@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  set-point -> shaping -> attitude error -> square root P -> rate target -+- follow (after the outputs)
-//!                  `------------- feed-forward rate ---------------^       |
+//!                  `----- feed-forward of rate and acceleration ---^       |
 //!  gyro ----------------------------------------------------> rate PID <---'   fast (before them)
 //! ```
 //! [`angle::update`] runs after the outputs are written and gives the rate target that the next step's

@@ -26,24 +26,28 @@ pub struct ShapedReference {
     pub rate_rad_s: f32,
 }
 
-/// Moves the target of an axis towards an angle. A set-point that is not finite leaves the angle where it is.
-pub fn follow_angle(config: &ShapingConfig, state: &mut ShapedReference, setpoint_rad: f32, dt_s: f32) {
+/// Moves the target of an axis towards an angle. A set-point that is not finite leaves the angle where it is. Gives the
+/// acceleration of this move, rad/s^2.
+pub fn follow_angle(config: &ShapingConfig, state: &mut ShapedReference, setpoint_rad: f32, dt_s: f32) -> f32 {
     let error_rad = if setpoint_rad.is_finite() { wrap_pi(setpoint_rad - state.angle_rad) } else { 0.0 };
     let wanted = square_root_controller(error_rad, config.gain_1_s, config.acceleration_max_rad_s2, dt_s);
-    advance(config, state, wanted, dt_s);
+    advance(config, state, wanted, dt_s)
 }
 
-/// Moves the target of an axis at a rate (heading). A rate that is not finite counts as zero.
-pub fn follow_rate(config: &ShapingConfig, state: &mut ShapedReference, rate_rad_s: f32, dt_s: f32) {
+/// Moves the target of an axis at a rate (heading). A rate that is not finite counts as zero. Gives the acceleration of
+/// this move, rad/s^2.
+pub fn follow_rate(config: &ShapingConfig, state: &mut ShapedReference, rate_rad_s: f32, dt_s: f32) -> f32 {
     let wanted = if rate_rad_s.is_finite() { rate_rad_s } else { 0.0 };
-    advance(config, state, wanted, dt_s);
+    advance(config, state, wanted, dt_s)
 }
 
-fn advance(config: &ShapingConfig, state: &mut ShapedReference, wanted_rad_s: f32, dt_s: f32) {
+fn advance(config: &ShapingConfig, state: &mut ShapedReference, wanted_rad_s: f32, dt_s: f32) -> f32 {
+    let before_rad_s = state.rate_rad_s;
     let step = config.acceleration_max_rad_s2 * dt_s;
-    let rate = limit(wanted_rad_s, state.rate_rad_s - step, state.rate_rad_s + step);
+    let rate = limit(wanted_rad_s, before_rad_s - step, before_rad_s + step);
     state.rate_rad_s = limit(rate, -config.rate_max_rad_s, config.rate_max_rad_s);
     state.angle_rad = wrap_pi(state.angle_rad + state.rate_rad_s * dt_s);
+    (state.rate_rad_s - before_rad_s) / dt_s
 }
 
 #[cfg(test)]
@@ -57,12 +61,13 @@ mod tests {
         #[test]
         fn reaches_any_step_within_its_limits(from in -1f32..1.0, to in -1f32..1.0) {
             let mut state = ShapedReference { angle_rad: from, rate_rad_s: 0.0 };
-            let mut last = state.rate_rad_s;
+            let mut speed = 0.0;
             for _ in 0..800 {
-                follow_angle(&CONFIG, &mut state, to, 0.0025);
-                prop_assert!((state.rate_rad_s - last).abs() <= 20.0 * 0.0025 * 1.001);
+                let acceleration = follow_angle(&CONFIG, &mut state, to, 0.0025);
+                prop_assert!(acceleration.abs() <= 20.0 * 1.001);
                 prop_assert!(state.rate_rad_s.abs() <= 4.0);
-                last = state.rate_rad_s;
+                speed += acceleration * 0.0025;
+                prop_assert!((speed - state.rate_rad_s).abs() < 1e-4, "the accelerations add up to the rate");
             }
             prop_assert!((state.angle_rad - to).abs() < 1e-3);
         }

@@ -7,6 +7,7 @@ use shared_control::config::Controller;
 use sil_host::comparison::{Subject, Vehicle, compare};
 use sil_host::controller_file::ControllerChoice;
 use sil_host::diagnosis;
+use sil_host::flight::FlightSetup;
 use sil_host::log;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::report::Page;
@@ -33,7 +34,15 @@ pub fn run() -> Result<(), Failure> {
     let model = VehicleModel::nominal(Rig::Gimbal);
     let flown = [Controller::Cascade, Controller::Mpc]
         .into_iter()
-        .map(|controller| fly::fly_one(&model, &Scenario::test_sequence(), ControllerChoice::nominal(controller), 0))
+        .map(|controller| {
+            fly::fly_one(FlightSetup {
+                model: model.clone(),
+                controller_model: None,
+                choice: ControllerChoice::nominal(controller),
+                scenario: Scenario::test_sequence(),
+                seed: 0,
+            })
+        })
         .collect::<Result<Vec<_>, _>>()?;
     print(fly::summary_text(&flown))?;
 

@@ -33,10 +33,12 @@ mod track;
 mod working_set;
 
 pub(super) use dual::HeldAngles;
+pub(super) use lagged::LaggedIntegrator;
 pub(super) use model::{DoubleIntegrator, Model};
 use quadratic::Law;
 use quadratic::Quadratic;
 pub(super) use solve::Outcome;
+pub(super) use track::{Pattern, Tracking};
 pub(super) use working_set::{AngleBounds, SoftAngle};
 
 /// What a guess says of one input.
