@@ -19,6 +19,11 @@ impl Planner {
         Ok(Self { mpc: Mpc::prepare_shorter(control_horizon, settings)?, state: MpcState::new() })
     }
 
+    /// Plans on with another MPC, from the warm start that is there: which inputs were held means the same to any.
+    pub fn take_over(&mut self, other: Planner) {
+        self.mpc = other.mpc;
+    }
+
     /// Answers one request; see [`Mpc::plan`].
     pub fn plan(&mut self, request: &PlanRequest) -> Plan {
         self.mpc.plan(&mut self.state, request)

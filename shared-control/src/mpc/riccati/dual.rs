@@ -65,9 +65,9 @@ struct Search<'a, const S: usize, const M: usize> {
     bounds: AngleBounds<'a, S>,
     guess: &'a mut Guess<S, M>,
     rows: &'a mut Rows,
-    shifts: Shifts<S, M>,
-    point: DualPoint<M>,
-    target: DualPoint<M>,
+    shifts: &'a mut Shifts<S, M>,
+    point: &'a mut DualPoint<M>,
+    target: &'a mut DualPoint<M>,
     aim: Aim,
 }
 
@@ -124,21 +124,26 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                 (guess.stamp, *angles) = (self.stamp, HeldAngles::NONE);
                 guess.clear();
             }
+            let mut shifts = Shifts::new();
+            let (mut point, mut target) = (DualPoint::ZERO, DualPoint::ZERO);
             let mut search = Search {
                 present: (start, previous),
                 bounds: *bounds,
                 guess,
                 rows: &mut angles.rows,
-                shifts: Shifts::new(),
-                point: DualPoint::ZERO,
-                target: DualPoint::ZERO,
+                shifts: &mut shifts,
+                point: &mut point,
+                target: &mut target,
                 aim: Aim::Begin,
             };
             while iterations < PASS_LIMIT {
                 iterations += 1;
                 match self.pass(&mut search) {
                     Next::Go(0) => {}
-                    Next::Go(changed) => self.sweep(search.guess, changed),
+                    Next::Go(changed) => {
+                        self.sweep(search.guess, changed);
+                        search.shifts.columns.clear();
+                    }
                     Next::Solved(input) if input.is_finite() => {
                         return Outcome { input: cut(input).0, status: Status::Solved, iterations };
                     }
@@ -146,6 +151,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                     Next::StartAnew => {
                         (*search.rows, search.aim) = (Rows::LOOSE, Aim::Begin);
                         search.guess.clear();
+                        search.shifts.columns.clear();
                     }
                 }
             }
@@ -161,7 +167,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
     /// The equality problem for what is held, and the step that follows from it.
     fn pass(&self, search: &mut Search<'_, S, M>) -> Next {
         let Search { present, bounds, guess, rows, shifts, point, target, aim } = search;
-        match self.shift(*present, guess, rows, bounds, shifts) {
+        match self.shift(*present, guess, rows, bounds, shifts, target) {
             Shifted::Kept => {}
             Shifted::Dependent(_) if *aim != Aim::Begin => {
                 self.cancel(guess, rows, shifts, target);
@@ -178,20 +184,19 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             Shifted::Dependent(row) => return search.let_go(Change::Row(row, Row::Loose)),
             Shifted::Overfull => return Next::StartAnew,
         }
-        let (input, violated) = self.follow(*present, guess, rows, bounds, shifts, target);
-        if *aim == Aim::Begin {
-            if let Some(changed) = target.drop_wrong(guess, rows, bounds.soft.weight) {
-                return Next::Go(changed);
-            }
-        } else {
-            let rate = |now: f32, aim: f32| aim - now;
-            let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
-            if let Some(blocking) = blocking.filter(|blocking| blocking.step < 1.0) {
-                point.walk(rows, target, blocking.step, rate);
-                return search.let_go(blocking.change);
-            }
+        // without held inputs the angles' multipliers are all there are
+        if search.guess.held_count == 0
+            && let Some(next) = search.step()
+        {
+            return next;
         }
-        *point = *target;
+        let Search { present, bounds, guess, rows, shifts, target, .. } = search;
+        let (input, violated) = self.follow(*present, guess, rows, bounds, shifts, target);
+        if let Some(next) = search.step() {
+            return next;
+        }
+        let Search { bounds, guess, rows, point, target, aim, .. } = search;
+        core::mem::swap(point, target);
         let Some(change) = violated else { return Next::Solved(input) };
         *aim = Aim::TakeIn(change, point.begin(change, rows, bounds.soft.weight));
         Next::Go(change.apply(guess, rows))
@@ -199,6 +204,19 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 }
 
 impl<const S: usize, const M: usize> Search<'_, S, M> {
+    /// Moves the multipliers to their target, or to where the first of them comes to its end; none if they get there.
+    fn step(&mut self) -> Option<Next> {
+        let Self { bounds, guess, rows, point, target, aim, .. } = self;
+        if *aim == Aim::Begin {
+            return target.drop_wrong(guess, rows, bounds.soft.weight).map(Next::Go);
+        }
+        let rate = |now: f32, aim: f32| aim - now;
+        let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
+        let blocking = blocking.filter(|blocking| blocking.step < 1.0)?;
+        point.walk(rows, target, blocking.step, rate);
+        Some(self.let_go(blocking.change))
+    }
+
     /// Changes a bound whose multiplier has come to its end.
     fn let_go(&mut self, change: Change) -> Next {
         if let Aim::TakeIn(taken_in, direction) = self.aim

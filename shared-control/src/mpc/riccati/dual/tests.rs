@@ -100,7 +100,7 @@ fn solution(
     angles: &HeldAngles,
 ) -> (Vec<f64>, Vec<f64>) {
     let (mut shifts, mut point) = (Shifts::new(), DualPoint::ZERO);
-    assert_eq!(lq.shift((start, previous), guess, &angles.rows, bounds, &mut shifts), Shifted::Kept);
+    assert_eq!(lq.shift((start, previous), guess, &angles.rows, bounds, &mut shifts, &mut point), Shifted::Kept);
     lq.follow((start, previous), guess, &angles.rows, bounds, &shifts, &mut point);
     let (mut state, mut input) = (*start, previous);
     let stages = (0..lq.control_horizon).map(|index| {
