@@ -109,7 +109,9 @@ pub(super) fn choose<const S: usize, const M: usize>(
     }
     for (place, row) in rows.held().enumerate() {
         if columns.get(place).is_none_or(|column| column.row != row) {
-            if place > M || columns.insert(place, Column::new(row, weights(rows, row))).is_err() {
+            // `insert` panics beyond the end, where `place` never is
+            let has_room = place <= M && place <= columns.len();
+            if !has_room || columns.insert(place, Column::new(row, weights(rows, row))).is_err() {
                 return None;
             }
             make(columns.get_mut(place)?);
