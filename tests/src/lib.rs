@@ -1,3 +1,4 @@
 //! Fixtures of the integration tests, and the campaigns that their short forms run a part of.
 
 pub mod blind;
+pub mod comparison;

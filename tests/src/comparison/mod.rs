@@ -1,0 +1,14 @@
+//! MPC against the cascade on the gimbal, over vehicles that differ from what both believe.
+//!
+//! ```text
+//!  search over 50 draws -> controller files -> 200 other draws -> figures -> table
+//!                                          `-> torque step, noise, margins, eigenvalues
+//! ```
+
+pub mod contender;
+pub mod draw;
+pub mod hover;
+pub mod linear_loop;
+pub mod search;
+pub mod statistics;
+pub mod tuning;
