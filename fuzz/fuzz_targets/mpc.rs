@@ -5,8 +5,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shared_control::mpc::{HORIZON, Mpc, MpcSettings, MpcState};
-use shared_control::signals::{PlanRequest, PlanStatus};
+use shared_control::mpc::{HORIZON, ProblemSettings, RegulationMpc, RegulationRequest, RegulationState};
+use shared_control::signals::PlanStatus;
 
 /// The bytes, four at a time, zeros after the end.
 struct Words<'a>(&'a [u8]);
@@ -33,7 +33,7 @@ impl Words<'_> {
 fuzz_target!(|bytes: &[u8]| {
     let mut words = Words(bytes);
     let control_horizon = words.next() as usize % (HORIZON + 2);
-    let settings = MpcSettings {
+    let settings = ProblemSettings {
         horizon: words.next() as usize % (HORIZON + 2),
         prediction_step_s: words.number(),
         input_gain: words.three(),
@@ -42,11 +42,10 @@ fuzz_target!(|bytes: &[u8]| {
         input_max: words.three(),
         output_max_rad: [0, 1, 2].map(|_| Some(words.number()).filter(|bound| bound.is_finite())),
     };
-    let Ok(mpc) = Mpc::<HORIZON>::prepare_shorter(control_horizon, &settings) else { return };
-    let mut state = MpcState::new();
+    let Ok(mpc) = RegulationMpc::<HORIZON>::prepare_shorter(control_horizon, &settings) else { return };
+    let mut state = RegulationState::new();
     while !words.0.is_empty() {
-        let request = PlanRequest {
-            step: 0,
+        let request = RegulationRequest {
             angle_rad: words.three(),
             rate_rad_s: words.three(),
             input_prev: words.three(),

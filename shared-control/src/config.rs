@@ -7,11 +7,12 @@ use crate::estimator::EstimatorConfig;
 use crate::filter::LowPass1;
 use crate::imu::ImuConfig;
 use crate::mixer::MixerConfig;
-use crate::mpc::{HORIZON, MpcSettings};
+use crate::mpc::{HORIZON, MpcSettings, Preview, ProblemSettings, ReferenceAhead};
 use crate::output::OutputConfig;
 use crate::signals::IMU_SAMPLES_MAX;
 use crate::supervisor::SupervisorConfig;
-use crate::vehicle::VehicleParameters;
+use crate::torque_observer::ObserverConfig;
+use crate::vehicle::{Actuation, VehicleParameters};
 
 /// Steepest tilt that a set-point in Euler angles can mean, rad.
 const TILT_MAX_RAD: f32 = 1.5;
@@ -60,8 +61,14 @@ pub struct Tuning {
     pub mpc_horizon: usize,
     /// Step of the MPC's prediction, s, whatever the loop's rate.
     pub mpc_prediction_step_s: f32,
-    /// Bound on predicted roll and pitch, rad; none leaves them free.
+    /// Bound on predicted roll and pitch, rad; none leaves them free. Not for flight yet: the MPC refuses it.
     pub mpc_tilt_max_rad: Option<f32>,
+    /// What the MPC takes for the reference over its horizon.
+    pub mpc_reference: ReferenceAhead,
+    /// Whether the MPC's prediction holds the motors' lag and the actuation's delay.
+    pub mpc_knows_actuation: bool,
+    /// How fast the disturbance torque is estimated, rad/s; 0 for no estimate.
+    pub mpc_disturbance_bandwidth_rad_s: f32,
 }
 
 impl Tuning {
@@ -91,6 +98,9 @@ impl Tuning {
             mpc_horizon: HORIZON,
             mpc_prediction_step_s: 0.01,
             mpc_tilt_max_rad: None,
+            mpc_reference: ReferenceAhead::Shaped,
+            mpc_knows_actuation: true,
+            mpc_disturbance_bandwidth_rad_s: 10.0,
         }
     }
 }
@@ -114,10 +124,10 @@ pub struct Config {
     pub rate: [RateGains; 3],
     /// Inertia that turns angular acceleration into torque, kg m^2.
     pub inertia_kg_m2: [f32; 3],
-    /// Torque per unit of MPC input, N m.
-    pub mpc_torque_per_input_nm: [f32; 3],
-    /// Largest input of an admissible plan; what exceeds it by more than rounding did not come from the MPC.
-    pub mpc_input_max: [f32; 3],
+    /// Estimate of the motors' torque and of the disturbance.
+    pub observer: ObserverConfig,
+    /// Largest torque of an admissible plan, N m; what exceeds it by more than rounding did not come from the MPC.
+    pub mpc_torque_max_nm: [f32; 3],
     /// Mixer.
     pub mixer: MixerConfig,
     /// Pulses.
@@ -170,6 +180,7 @@ impl Config {
         if !(loop_rate_hz..=loop_rate_hz * IMU_SAMPLES_MAX as f32).contains(&imu_rate_hz) {
             return Err(ConfigError::OutOfRange("imu_rate_hz (1 to 16 samples a step)"));
         }
+        let mpc = mpc_settings(vehicle, tuning, loop_rate_hz);
         Ok(Config {
             loop_rate_hz,
             controller,
@@ -179,8 +190,8 @@ impl Config {
             angle: angle_config(vehicle, tuning),
             rate: rate_gains(vehicle, tuning, loop_rate_hz),
             inertia_kg_m2: vehicle.inertia_kg_m2,
-            mpc_torque_per_input_nm: mpc_torque_per_input_nm(vehicle),
-            mpc_input_max: mpc_settings(vehicle, tuning).input_max,
+            observer: observer_config(vehicle, tuning, loop_rate_hz)?,
+            mpc_torque_max_nm: core::array::from_fn(|axis| mpc.torque_per_input_nm[axis] * mpc.problem.input_max[axis]),
             mixer: MixerConfig {
                 lever_m: vehicle.lever_m(),
                 torque_per_lift_m: vehicle.torque_per_lift_m,
@@ -200,22 +211,52 @@ impl Config {
 /// The MPC's problem for a vehicle: inputs are the lift difference at the arm (N) for roll and pitch and the torque
 /// (N m) for yaw, as in the thesis (2.6); each is bounded by what one motor's span gives, so that roll and pitch can
 /// both have theirs.
-pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning) -> MpcSettings {
-    let [roll_nm, pitch_nm, yaw_nm] = mpc_torque_per_input_nm(vehicle);
-    let [roll, pitch, yaw] = vehicle.inertia_kg_m2;
+pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: f32) -> MpcSettings {
+    let torque_per_input_nm = [vehicle.arm_m, vehicle.arm_m, 1.0];
+    let actuation = known_actuation(vehicle, tuning);
     MpcSettings {
-        horizon: tuning.mpc_horizon,
-        prediction_step_s: tuning.mpc_prediction_step_s,
-        input_gain: [roll_nm / roll, pitch_nm / pitch, yaw_nm / yaw],
-        tracking_weight: tuning.mpc_tracking_weight,
-        increment_weight: tuning.mpc_increment_weight,
-        input_max: [vehicle.lift_span_n(), vehicle.lift_span_n(), vehicle.torque_per_lift_m * vehicle.lift_span_n()],
-        output_max_rad: [tuning.mpc_tilt_max_rad, tuning.mpc_tilt_max_rad, None],
+        problem: ProblemSettings {
+            horizon: tuning.mpc_horizon,
+            prediction_step_s: tuning.mpc_prediction_step_s,
+            input_gain: core::array::from_fn(|axis| torque_per_input_nm[axis] / vehicle.inertia_kg_m2[axis]),
+            tracking_weight: tuning.mpc_tracking_weight,
+            increment_weight: tuning.mpc_increment_weight,
+            input_max: [1.0, 1.0, vehicle.torque_per_lift_m].map(|per_lift| per_lift * vehicle.lift_span_n()),
+            output_max_rad: [tuning.mpc_tilt_max_rad, tuning.mpc_tilt_max_rad, None],
+        },
+        torque_per_input_nm,
+        motor_lag_s: actuation.lag_s,
+        preview: Preview {
+            ahead: tuning.mpc_reference,
+            shaping: angle_config(vehicle, tuning),
+            prediction_step_s: tuning.mpc_prediction_step_s,
+            control_step_s: 1.0 / loop_rate_hz,
+            delay_s: actuation.delay_s,
+        },
     }
 }
 
-fn mpc_torque_per_input_nm(vehicle: &VehicleParameters) -> [f32; 3] {
-    [vehicle.arm_m, vehicle.arm_m, 1.0]
+fn known_actuation(vehicle: &VehicleParameters, tuning: &Tuning) -> Actuation {
+    if tuning.mpc_knows_actuation { vehicle.actuation } else { Actuation::default() }
+}
+
+/// The disturbance may be as large as what the rate loop's integral may hold.
+fn observer_config(
+    vehicle: &VehicleParameters,
+    tuning: &Tuning,
+    loop_rate_hz: f32,
+) -> Result<ObserverConfig, ConfigError> {
+    let authority = vehicle.acceleration_authority_rad_s2();
+    let disturbance_max_nm =
+        core::array::from_fn(|axis| tuning.integral_share * authority[axis] * vehicle.inertia_kg_m2[axis]);
+    ObserverConfig::new(
+        vehicle.inertia_kg_m2,
+        disturbance_max_nm,
+        &known_actuation(vehicle, tuning),
+        tuning.mpc_disturbance_bandwidth_rad_s,
+        1.0 / loop_rate_hz,
+    )
+    .ok_or(ConfigError::OutOfRange("actuation.delay_s (at most 16 control steps)"))
 }
 
 /// Noise above half the loop rate would fold down: the cut-off stays at or below 0.4 of the loop rate.
@@ -261,6 +302,8 @@ fn validate_vehicle(vehicle: &VehicleParameters) -> Result<(), ConfigError> {
     for inertia in vehicle.inertia_kg_m2 {
         positive("inertia_kg_m2", inertia)?;
     }
+    not_negative("actuation.delay_s", vehicle.actuation.delay_s)?;
+    not_negative("actuation.lag_s", vehicle.actuation.lag_s)?;
     let curve = &vehicle.lift_curve;
     let spans_commands = curve.command_at.first() == Some(&0.0) && curve.command_at.last() == Some(&1.0);
     if !(curve.is_increasing() && spans_commands && curve.lift_min_n >= 0.0 && curve.lift_max_n.is_finite()) {
@@ -285,6 +328,7 @@ fn validate_tuning(tuning: &Tuning) -> Result<(), ConfigError> {
         return Err(ConfigError::OutOfRange("tilt_max_rad (Euler angles: at most 1.5)"));
     }
     not_negative("integral_share", tuning.integral_share)?;
+    not_negative("mpc_disturbance_bandwidth_rad_s", tuning.mpc_disturbance_bandwidth_rad_s)?;
     positive("gyro_cutoff_hz", tuning.gyro_cutoff_hz)
 }
 
@@ -307,6 +351,7 @@ mod tests {
         inertia_kg_m2: [0.0115, 0.0366, 0.02],
         torque_per_lift_m: 0.038,
         lift_curve: LiftCurve { lift_min_n: 0.0, lift_max_n: 2.0, command_at: [0.0; LIFT_INTERVALS + 1] },
+        actuation: Actuation { delay_s: 0.0, lag_s: 0.0 },
         yaw_locked: false,
     };
 
@@ -334,6 +379,9 @@ mod tests {
         starts(refusal(|v, _, _| v.lift_curve.lift_max_n = f32::INFINITY), "lift_curve");
         starts(refusal(|v, _, _| v.lift_curve.command_at[7] = 0.9), "lift_curve");
         starts(refusal(|v, _, _| v.lift_curve.command_at[LIFT_INTERVALS] = 1.2), "lift_curve");
+        starts(refusal(|v, _, _| v.actuation.lag_s = f32::NAN), "actuation.lag_s");
+        starts(refusal(|v, _, _| v.actuation.delay_s = 0.05), "actuation.delay_s");
+        starts(refusal(|_, t, _| t.mpc_disturbance_bandwidth_rad_s = -1.0), "mpc_disturbance_bandwidth_rad_s");
         starts(refusal(|_, t, _| t.angle_gain_1_s[2] = 0.0), "angle_gain_1_s");
         starts(refusal(|_, t, _| t.rate_derivative[0] = -0.1), "rate_derivative");
         starts(refusal(|_, t, _| t.acceleration_feed_forward = -1.0), "acceleration_feed_forward");

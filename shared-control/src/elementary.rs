@@ -41,6 +41,11 @@ pub fn sin_cos(x_rad: f32) -> (f32, f32) {
     }
 }
 
+/// e to the power of x.
+pub fn exp(x: f32) -> f32 {
+    libm::expf(x)
+}
+
 /// Arc tangent of y / x in the right quadrant, rad.
 pub fn atan2(y: f32, x: f32) -> f32 {
     libm::atan2f(y, x)

@@ -2,20 +2,21 @@
 //!
 //! ```text
 //!  fast    StepInput -> imu (the good one of two) -> estimator -> supervisor -> rate PID or plan -> mixer -> outputs
-//!  follow  (outputs written) attitude loop -> rate target for the next step; in MPC mode the PlanRequest
+//!  follow  (outputs written) attitude loop -> rate target for the next step; observer; in MPC mode the PlanRequest
 //!  plan    (lower priority) MPC -> Plan for the next step
 //! ```
 //! The order is the thesis' listing 4.1: what takes a varying time comes after the outputs, so that they don't jitter,
 //! at the price of one sample of delay.
+
+mod planning;
 
 use nalgebra::Vector3;
 
 use crate::attitude::angle::{self, AngleState, RateTarget};
 use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
-use crate::elementary::{limit, magnitude, wrap_pi};
+use crate::elementary::{limit, magnitude};
 use crate::estimator::EstimatorState;
-use crate::frames::{euler_from_q, euler_rates};
 use crate::imu_health::ImuHealth;
 use crate::imu_select::{self, ImuPairState, ImuUnit};
 use crate::mixer::{self, MixResult};
@@ -23,12 +24,11 @@ use crate::mpc::{Mpc, MpcState};
 use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
 use crate::state_words::{STATE_WORDS, StateWords};
 use crate::supervisor::{self, Arming, Findings};
+use crate::torque_observer::ObserverState;
 use crate::trace::number_of_source;
 
 /// Throttle up to which an armed vehicle that has not flown yet counts as standing on the ground.
 const IDLE_THROTTLE_MAX: f32 = 0.02;
-/// Pitch beyond which Euler angles say too little for the MPC's model, rad; the cascade knows the whole sphere.
-const MPC_PITCH_MAX_RAD: f32 = 1.3;
 
 /// Who made the torque of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -94,6 +94,7 @@ pub struct State {
     angle: AngleState,
     rate: RateState,
     rate_target: RateTarget,
+    observer: ObserverState,
     /// The throttle has been raised since arming: there is something to control.
     airborne: bool,
     last_wrench: Wrench,
@@ -119,6 +120,7 @@ impl State {
             angle,
             rate,
             rate_target,
+            observer,
             airborne,
             last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
             last_mix,
@@ -132,6 +134,7 @@ impl State {
         angle.record(words);
         rate.record(words);
         rate_target.record(words);
+        observer.record(words);
         words.word(u32::from(*airborne));
         words.number(*lift_per_motor_n);
         words.numbers(torque_body_nm);
@@ -139,9 +142,14 @@ impl State {
         words.word(number_of_source(*last_source));
     }
 
-    /// The shaped reference of the cascade, rad (roll, pitch, yaw).
+    /// The shaped reference, rad (roll, pitch, yaw).
     pub fn shaped_reference_rad(&self) -> [f32; 3] {
         self.angle.reference.map(|axis| axis.angle_rad)
+    }
+
+    /// Estimated disturbance torque, N m (roll, pitch, heading).
+    pub fn disturbance_nm(&self) -> [f32; 3] {
+        self.observer.disturbance_nm()
     }
 }
 
@@ -215,28 +223,30 @@ impl FlightCore {
         }
     }
 
-    /// Right after the outputs are written: the attitude loop, and in MPC mode the question to the planner.
+    /// Right after the outputs are written: the attitude loop and the observer, whoever flies, and in MPC mode the question to
+    /// the planner.
     pub fn follow(config: &Config, state: &mut State, output: &StepOutput) -> Option<PlanRequest> {
-        let angles = euler_from_q(&output.estimate.q_world_from_body);
-        let euler_rate_rad_s = euler_rates(angles, &output.estimate.rate_body_rad_s);
+        let motion = planning::EulerMotion::of(config, &output.estimate);
         match output.source {
             TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => {
                 state.angle = AngleState::at(&output.estimate, [0.0; 3]);
                 state.rate = RateState::default();
+                state.rate_target = RateTarget::default();
+                state.observer = ObserverState::at(motion.rate_rad_s);
             }
-            // the reference stays on the vehicle, so that a fallback starts from where it is
-            TorqueSource::Mpc => state.angle = AngleState::at(&output.estimate, euler_rate_rad_s),
-            TorqueSource::Cascade | TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) => {}
+            TorqueSource::Mpc
+            | TorqueSource::Cascade
+            | TorqueSource::CascadeNoPlan
+            | TorqueSource::CascadeUnsolved(_) => {
+                let setpoint = &state.setpoint.flown;
+                state.rate_target =
+                    angle::update(&config.angle, &mut state.angle, setpoint, &output.estimate, config.step_s());
+                planning::observe(config, &mut state.observer, &motion, output);
+            }
         }
-        state.rate_target = match output.source {
-            TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => RateTarget::default(),
-            _ => {
-                angle::update(&config.angle, &mut state.angle, &state.setpoint.flown, &output.estimate, config.step_s())
-            }
-        };
         match config.controller {
             Controller::Cascade => None,
-            Controller::Mpc => plan_request(config, state, output),
+            Controller::Mpc => planning::request(config, state, &motion, output),
         }
     }
 
@@ -306,7 +316,7 @@ fn torque_of_solved(config: &Config, plan: &Plan, cascade_nm: [f32; 3]) -> (Torq
         PlanStatus::Solved if !is_admissible(config, plan) => {
             (TorqueSource::CascadeUnsolved(PlanStatus::NumericalError), cascade_nm)
         }
-        PlanStatus::Solved => (TorqueSource::Mpc, torque_of_plan(config, plan)),
+        PlanStatus::Solved => (TorqueSource::Mpc, plan.torque_nm),
         PlanStatus::IterationLimit | PlanStatus::Infeasible | PlanStatus::NumericalError => {
             (TorqueSource::CascadeUnsolved(plan.status), cascade_nm)
         }
@@ -315,11 +325,10 @@ fn torque_of_solved(config: &Config, plan: &Plan, cascade_nm: [f32; 3]) -> (Torq
 
 /// Within the MPC's bounds, but for rounding; not a number is not.
 fn is_admissible(config: &Config, plan: &Plan) -> bool {
-    plan.input.iter().zip(config.mpc_input_max).all(|(input, max)| magnitude(*input) <= 1.001 * max)
-}
-
-fn torque_of_plan(config: &Config, plan: &Plan) -> [f32; 3] {
-    core::array::from_fn(|axis| plan.input[axis] * config.mpc_torque_per_input_nm[axis])
+    plan.torque_nm
+        .iter()
+        .zip(config.mpc_torque_max_nm)
+        .all(|(torque_nm, max_nm)| magnitude(*torque_nm) <= 1.001 * max_nm)
 }
 
 /// Commands to the motors, by the mixer or, for a motor test, directly.
@@ -343,42 +352,6 @@ fn demand(config: &Config, setpoint: &Setpoint, source: TorqueSource, mut torque
     }
     let lift_per_motor_n = config.mixer.lift_curve.lift(limit(setpoint.throttle, 0.0, 1.0));
     Wrench { lift_per_motor_n, torque_body_nm }
-}
-
-/// The state at the time when the plan will act, one step ahead: until then the torque of this step holds. None where
-/// the vehicle is too steep or upside down.
-fn plan_request(config: &Config, state: &State, output: &StepOutput) -> Option<PlanRequest> {
-    let dt_s = config.step_s();
-    let angles = euler_from_q(&output.estimate.q_world_from_body);
-    if magnitude(angles.pitch_rad) > MPC_PITCH_MAX_RAD || magnitude(angles.roll_rad) > core::f32::consts::FRAC_PI_2 {
-        return None;
-    }
-    let rates = euler_rates(angles, &output.estimate.rate_body_rad_s);
-    let heading_error_rad = wrap_pi(state.angle.reference[2].angle_rad - angles.yaw_rad);
-    let (heading_rate, heading_reference) =
-        if config.angle.yaw_locked { (0.0, 0.0) } else { (rates[2], heading_error_rad) };
-    let angle_now = [angles.roll_rad, angles.pitch_rad, 0.0];
-    let rate_now = [rates[0], rates[1], heading_rate];
-    let tilt_max = config.angle.tilt_max_rad;
-    // a set-point that is no number leaves the reference where it is
-    let tilt_reference = |setpoint_rad: f32, axis: usize| {
-        let wanted = if setpoint_rad.is_finite() { setpoint_rad } else { state.angle.reference[axis].angle_rad };
-        limit(wanted, -tilt_max, tilt_max)
-    };
-    let delivered_nm: [f32; 3] =
-        core::array::from_fn(|axis| output.wrench.torque_body_nm[axis] - output.mix.unmet_torque_nm[axis]);
-    let acceleration: [f32; 3] = core::array::from_fn(|axis| delivered_nm[axis] / config.inertia_kg_m2[axis]);
-    Some(PlanRequest {
-        step: state.step,
-        angle_rad: core::array::from_fn(|i| angle_now[i] + dt_s * (rate_now[i] + 0.5 * dt_s * acceleration[i])),
-        rate_rad_s: core::array::from_fn(|i| rate_now[i] + dt_s * acceleration[i]),
-        input_prev: core::array::from_fn(|i| delivered_nm[i] / config.mpc_torque_per_input_nm[i]),
-        reference_rad: [
-            tilt_reference(state.setpoint.flown.roll_rad, 0),
-            tilt_reference(state.setpoint.flown.pitch_rad, 1),
-            heading_reference,
-        ],
-    })
 }
 
 #[cfg(test)]

@@ -42,11 +42,11 @@ impl Setup {
                 return Err(ConfigError::OutOfRange(row.name));
             }
         }
-        let (vehicle, lag_s) = match params.rig {
-            Rig::Gimbal => (VehicleParameters::F450_GIMBAL, VehicleParameters::F450_GIMBAL_MOTOR_LAG_S),
-            Rig::Free => (VehicleParameters::F450_FREE, VehicleParameters::F450_FREE_MOTOR_LAG_S),
+        let vehicle = match params.rig {
+            Rig::Gimbal => VehicleParameters::F450_GIMBAL,
+            Rig::Free => VehicleParameters::F450_FREE,
         };
-        let tuning = Tuning::for_motor_lag(lag_s);
+        let tuning = Tuning::for_motor_lag(vehicle.actuation.lag_s);
         let loop_timer = TimerPeriod::new(LOOP_TIMER_HZ, params.loop_rate_hz.into());
         let pulse_timer = TimerPeriod::new(PULSE_TIMER_HZ, pulse_rate_hz(params).into());
         let loop_rate_hz = f32::from(params.loop_rate_hz);
@@ -60,7 +60,7 @@ impl Setup {
             },
             ..Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?
         };
-        let mpc = config::mpc_settings(&vehicle, &tuning);
+        let mpc = config::mpc_settings(&vehicle, &tuning, loop_rate_hz);
         Ok(Setup { vehicle, tuning, config, mpc, loop_timer, pulse_timer })
     }
 
@@ -107,12 +107,12 @@ mod tests {
     /// A bench of host code and the board before it had parameters: the same numbers.
     #[test]
     fn the_defaults_are_what_the_core_always_flew() {
-        let tuning = Tuning::for_motor_lag(VehicleParameters::F450_GIMBAL_MOTOR_LAG_S);
         let vehicle = VehicleParameters::F450_GIMBAL;
+        let tuning = Tuning::for_motor_lag(vehicle.actuation.lag_s);
         let config = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
         let setup = Setup::new(&Params::DEFAULT).unwrap();
         assert_eq!(setup.config, config);
-        assert_eq!(setup.mpc, config::mpc_settings(&vehicle, &tuning));
+        assert_eq!(setup.mpc, config::mpc_settings(&vehicle, &tuning, 400.0));
     }
 
     #[test]

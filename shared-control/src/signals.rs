@@ -9,6 +9,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::attitude::angle::AngleState;
 use crate::state_words::StateWords;
 
 /// Most IMU samples that one step takes; at 1 kHz and 100 Hz ten arrive.
@@ -138,19 +139,26 @@ pub struct MotorCommands(pub [f32; 4]);
 
 /// What the MPC is asked to plan: made by `follow`, answered by `plan`, applied by the next `fast`.
 ///
-/// All of it is per axis (roll, pitch, yaw); the inputs are in the units of the prediction model.
+/// All of it is per axis (roll, pitch, heading), and for the time at which the plan begins to act. Headings count from the present
+/// one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanRequest {
     /// Number of the step that asks.
     pub step: u32,
-    /// Angle, rad, predicted to the time at which the plan will act.
+    /// Angle, rad.
     pub angle_rad: [f32; 3],
-    /// Angular rate, rad/s, at that same time.
+    /// Angular rate, rad/s.
     pub rate_rad_s: [f32; 3],
-    /// Input that acts until then.
-    pub input_prev: [f32; 3],
-    /// Reference angle, rad.
-    pub reference_rad: [f32; 3],
+    /// Torque of the motors, N m.
+    pub motor_nm: [f32; 3],
+    /// Torque that is asked of them until then, N m.
+    pub torque_prev_nm: [f32; 3],
+    /// Disturbance torque, N m.
+    pub disturbance_nm: [f32; 3],
+    /// Shaped reference, of the next step.
+    pub reference: AngleState,
+    /// Where the reference is on its way to.
+    pub setpoint: Setpoint,
 }
 
 /// The MPC's answer to a [`PlanRequest`].
@@ -158,8 +166,8 @@ pub struct PlanRequest {
 pub struct Plan {
     /// Number of the step that asked.
     pub step: u32,
-    /// First input of the plan, in the units of the prediction model.
-    pub input: [f32; 3],
+    /// First torque of the plan, N m (roll, pitch, heading).
+    pub torque_nm: [f32; 3],
     /// How the solution ended; only [`PlanStatus::Solved`] may be applied.
     pub status: PlanStatus,
     /// Solver iterations, summed over the axes.

@@ -37,7 +37,7 @@ pub struct StepTrace {
     pub blocks: [u32; 2],
     /// 1 if a battery voltage is there, and the voltage.
     pub battery: [u32; 2],
-    /// 1 if a plan is there, its step, status, iterations and three inputs.
+    /// 1 if a plan is there, its step, status, iterations and three torques.
     pub plan: [u32; 7],
     /// Compare values of motors 1 to 4.
     pub compare_counts: [u32; 4],
@@ -228,19 +228,19 @@ fn link_of_words([known, low, high]: [u32; 3]) -> Option<u64> {
 }
 
 fn words_of_plan(plan: &Plan) -> [u32; 7] {
-    let [roll, pitch, yaw] = plan.input.map(f32::to_bits);
+    let [roll, pitch, yaw] = plan.torque_nm.map(f32::to_bits);
     [1, plan.step, number_of_status(plan.status), u32::from(plan.iterations), roll, pitch, yaw]
 }
 
 fn plan_of_words(words: &[u32; 7]) -> Option<Plan> {
-    let [known, step, status, iterations, input @ ..] = *words;
+    let [known, step, status, iterations, torque @ ..] = *words;
     let status = match status {
         0 => PlanStatus::Solved,
         1 => PlanStatus::IterationLimit,
         2 => PlanStatus::Infeasible,
         _ => PlanStatus::NumericalError,
     };
-    (known == 1).then_some(Plan { step, input: input.map(f32::from_bits), status, iterations: iterations as u16 })
+    (known == 1).then_some(Plan { step, torque_nm: torque.map(f32::from_bits), status, iterations: iterations as u16 })
 }
 
 fn number_of_status(status: PlanStatus) -> u32 {
@@ -313,9 +313,9 @@ mod tests {
     }
 
     fn any_plan() -> impl Strategy<Value = Plan> {
-        (any::<u32>(), -9f32..9.0, 0u32..4, any::<u16>()).prop_map(|(step, input, status, iterations)| Plan {
+        (any::<u32>(), -9f32..9.0, 0u32..4, any::<u16>()).prop_map(|(step, torque_nm, status, iterations)| Plan {
             step,
-            input: [input, -input, 0.5 * input],
+            torque_nm: [torque_nm, -torque_nm, 0.5 * torque_nm],
             status: plan_of_words(&[1, 0, status, 0, 0, 0, 0]).unwrap().status,
             iterations,
         })

@@ -15,8 +15,19 @@ pub struct VehicleParameters {
     pub torque_per_lift_m: f32,
     /// Command and lift of one motor.
     pub lift_curve: LiftCurve,
+    /// From command to lift.
+    pub actuation: Actuation,
     /// True on a rig whose heading can't move.
     pub yaw_locked: bool,
+}
+
+/// How a motor's lift follows its command.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Actuation {
+    /// Pure delay, s.
+    pub delay_s: f32,
+    /// Time constant of the first-order lag behind it, s.
+    pub lag_s: f32,
 }
 
 impl VehicleParameters {
@@ -41,11 +52,9 @@ impl VehicleParameters {
                 0.8778553, 0.93778676, 1.0,
             ],
         },
+        actuation: Actuation { delay_s: 0.0, lag_s: 0.0019886284 },
         yaw_locked: true,
     };
-
-    /// Time constant of that vehicle's motors, s.
-    pub const F450_GIMBAL_MOTOR_LAG_S: f32 = 0.0019886284;
 
     /// The F450 in free flight, as `models/f450-free.toml` describes it; the same test compares every number.
     pub const F450_FREE: VehicleParameters = VehicleParameters {
@@ -66,11 +75,9 @@ impl VehicleParameters {
                 0.96340287, 0.9818093, 1.0,
             ],
         },
+        actuation: Actuation { delay_s: 0.0, lag_s: 0.0528285 },
         yaw_locked: false,
     };
-
-    /// Time constant of that vehicle's motors, s.
-    pub const F450_FREE_MOTOR_LAG_S: f32 = 0.0528285;
 
     /// Distance of each motor from the roll and the pitch axis, m.
     pub fn lever_m(&self) -> f32 {

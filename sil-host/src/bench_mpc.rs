@@ -8,10 +8,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use shared_control::mpc::{HORIZON, MpcError, MpcSettings};
-use shared_control::signals::{PlanRequest, PlanStatus};
-
-use crate::planner::Planner;
+use shared_control::mpc::{HORIZON, MpcError, ProblemSettings, RegulationMpc, RegulationRequest, RegulationState};
+use shared_control::signals::PlanStatus;
 
 /// One file's figures, as `sil bench-mpc --json` writes them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -103,12 +101,13 @@ struct InstanceFile {
 pub fn solve_file(path: &Path) -> Result<CaseResult, BenchError> {
     let instances = read(path)?;
     instances.check(path)?;
-    let mut planner = Planner::new(instances.control_horizon, &instances.settings())
+    let mpc = RegulationMpc::<HORIZON>::prepare_shorter(instances.control_horizon, &instances.settings())
         .map_err(|source| BenchError::Settings { file: path.to_owned(), source })?;
+    let mut state = RegulationState::new();
     let (mut solved, mut error_max) = (0, 0.0_f64);
     let mut iterations = Vec::with_capacity(instances.theta.len());
-    for (step, (theta, exact)) in instances.theta.iter().zip(&instances.z_ref).enumerate() {
-        let plan = planner.plan(&request(step, theta));
+    for (theta, exact) in instances.theta.iter().zip(&instances.z_ref) {
+        let plan = mpc.plan(&mut state, &request(theta));
         solved += usize::from(plan.status == PlanStatus::Solved);
         iterations.push(plan.iterations);
         for ((input, exact), input_max) in plan.input.iter().zip(exact).zip(instances.umax) {
@@ -141,10 +140,9 @@ fn read(path: &Path) -> Result<InstanceFile, BenchError> {
 }
 
 /// theta = \[roll, roll rate, pitch, pitch rate, yaw, yaw rate, u_prev (3), r (3)\].
-fn request(step: usize, theta: &[f64; 12]) -> PlanRequest {
+fn request(theta: &[f64; 12]) -> RegulationRequest {
     let pick = |indices: [usize; 3]| indices.map(|index| theta[index] as f32);
-    PlanRequest {
-        step: step as u32,
+    RegulationRequest {
         angle_rad: pick([0, 2, 4]),
         rate_rad_s: pick([1, 3, 5]),
         input_prev: pick([6, 7, 8]),
@@ -153,10 +151,10 @@ fn request(step: usize, theta: &[f64; 12]) -> PlanRequest {
 }
 
 impl InstanceFile {
-    fn settings(&self) -> MpcSettings {
+    fn settings(&self) -> ProblemSettings {
         let single = |values: [f64; 3]| values.map(|value| value as f32);
         let angle_max_rad = (self.sub == "ii").then_some(self.ymax as f32);
-        MpcSettings {
+        ProblemSettings {
             horizon: self.horizon,
             prediction_step_s: self.step_s as f32,
             input_gain: single(self.b),

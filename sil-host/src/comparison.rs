@@ -155,7 +155,7 @@ fn closed_loop(
     if let Some(throttle) = usual_throttle(log, &model) {
         model.base_command = throttle;
     }
-    let setup = FlightSetup { model, choice, scenario, seed: 0 };
+    let setup = FlightSetup { model, controller_model: None, choice, scenario, seed: 0 };
     let mut control = setup.control_side()?;
     let mut plant = Plant::new(&setup.model);
     plant.set_attitude([measured_roll[0], measured_pitch[0], 0.0], [0.0; 3]);

@@ -1,30 +1,38 @@
 //! From a vehicle model and a choice of controller to a configured control side.
 //!
 //! The controllers get parameters only: the lift curve is the model's equilibrium curve turned around into a table, the
-//! inertia is the model's. No plant code runs in the core.
+//! inertia is the model's. No plant code runs in the core. Of a model's effects the controllers know what they have a
+//! parameter for: lag, delay, inertia and lift of the motors; so a model that a diagnosis has extended makes a better controller.
 
 use shared_control::config::{self, Config, Controller, Tuning};
 use shared_control::lift_curve::{LIFT_INTERVALS, LiftCurve};
 use shared_control::mpc::MpcSettings;
-use shared_control::vehicle::VehicleParameters;
+use shared_control::vehicle::{Actuation, VehicleParameters};
 
 use crate::model::{Mounting, Rig, VehicleModel};
-use crate::plant::Plant;
+use crate::plant::{self, Plant};
 
-/// What the controllers know of a vehicle model.
+/// What the controllers know of a vehicle model, its effects included.
 pub fn vehicle_parameters(model: &VehicleModel) -> VehicleParameters {
+    let (chain, change) = plant::changes(&model.effects);
     let [ixx, iyy, izz] = model.inertia_kg_m2;
     let ring_kg_m2 = match model.mounting {
         Mounting::Gimbal { ring_inertia_kg_m2 } => ring_inertia_kg_m2,
         Mounting::Free { .. } => 0.0,
     };
+    // pitch turns the ring along
+    let inertia_kg_m2 = [ixx, iyy + ring_kg_m2, izz];
+    let mut curve = lift_curve(model);
+    let lift_scale = (chain.lift_scale.iter().sum::<f64>() / 4.0) as f32;
+    curve.lift_min_n *= lift_scale;
+    curve.lift_max_n *= lift_scale;
     VehicleParameters {
         gravity_m_s2: model.gravity_m_s2 as f32,
         arm_m: model.arm_m as f32,
-        // pitch turns the ring along
-        inertia_kg_m2: [ixx as f32, (iyy + ring_kg_m2) as f32, izz as f32],
+        inertia_kg_m2: core::array::from_fn(|axis| (change.inertia_scale[axis] * inertia_kg_m2[axis]) as f32),
         torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m() as f32,
-        lift_curve: lift_curve(model),
+        lift_curve: curve,
+        actuation: Actuation { delay_s: chain.delay_s as f32, lag_s: (motor_lag_s(model) + chain.lag_s) as f32 },
         yaw_locked: model.rig() == Rig::Gimbal,
     }
 }
@@ -52,9 +60,9 @@ pub fn command_for_lift(model: &VehicleModel, lift_n: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Time constant of a motor's lift at the model's base command, s: the area above the response to a small step of the
-/// command, as an engineer would read it off a test stand. The controllers know the nominal vehicle: effects are left out.
-pub fn motor_lag_s(model: &VehicleModel) -> f64 {
+/// Time constant of a motor's lift at the model's base command, s, without effects: the area above the response to a small step
+/// of the command, as an engineer would read it off a test stand.
+fn motor_lag_s(model: &VehicleModel) -> f64 {
     const STEP: f64 = 0.01;
     const SAMPLE_S: f64 = 2e-4;
     const SAMPLES: usize = 2500;
@@ -87,6 +95,6 @@ pub fn core_config(
 }
 
 /// The MPC's problem for a model.
-pub fn mpc_settings(model: &VehicleModel, tuning: &Tuning) -> MpcSettings {
-    config::mpc_settings(&vehicle_parameters(model), tuning)
+pub fn mpc_settings(model: &VehicleModel, tuning: &Tuning, control_rate_hz: u32) -> MpcSettings {
+    config::mpc_settings(&vehicle_parameters(model), tuning, control_rate_hz as f32)
 }

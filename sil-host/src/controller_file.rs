@@ -12,7 +12,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Deserializer, de::Error};
 use shared_control::config::{Controller, Tuning};
-use shared_control::mpc::HORIZON;
+use shared_control::mpc::{HORIZON, ReferenceAhead};
 
 /// A controller with everything that can be chosen about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -179,6 +179,29 @@ tuning_fields! {
     mpc_horizon: usize,
     mpc_prediction_step_s: f32,
     mpc_tilt_max_rad: f32,
+    mpc_reference: ReferenceName,
+    mpc_knows_actuation: bool,
+    mpc_disturbance_bandwidth_rad_s: f32,
+}
+
+/// [`ReferenceAhead`] by name: `setpoint`, `held` or `shaped`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs)] // named after what they stand for
+pub enum ReferenceName {
+    Setpoint,
+    Held,
+    Shaped,
+}
+
+impl From<ReferenceName> for ReferenceAhead {
+    fn from(name: ReferenceName) -> Self {
+        match name {
+            ReferenceName::Setpoint => ReferenceAhead::Setpoint,
+            ReferenceName::Held => ReferenceAhead::Held,
+            ReferenceName::Shaped => ReferenceAhead::Shaped,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -187,14 +210,13 @@ mod tests {
 
     #[test]
     fn a_file_changes_what_it_names_and_keeps_the_rest() {
-        let text =
-            "controller = \"mpc\"\nrate_hz = 100\n[tuning]\nangle_gain_1_s = [9.0, 7.0, 4.0]\nmpc_tilt_max_rad = 0.7\n";
+        let text = "controller = \"mpc\"\nrate_hz = 100\n[tuning]\nangle_gain_1_s = [9.0, 7.0, 4.0]\nmpc_reference = \"held\"\n";
         let choice = ControllerChoice::parse(text, "c.toml").unwrap();
         assert_eq!((choice.controller, choice.rate_hz, choice.control_horizon), (Controller::Mpc, 100, 5));
         let nominal = Tuning::for_motor_lag(0.0);
         let tuning = choice.tuning.over(nominal);
         assert_eq!(tuning.angle_gain_1_s, [9.0, 7.0, 4.0]);
-        assert_eq!(tuning.mpc_tilt_max_rad, Some(0.7));
+        assert_eq!(tuning.mpc_reference, ReferenceAhead::Held);
         assert_eq!(tuning.rate_derivative, nominal.rate_derivative);
     }
 
@@ -203,6 +225,7 @@ mod tests {
         for (text, expected) in [
             ("controller = \"pdi\"\n", "line 1"),
             ("controller = \"pid\"\n[tuning]\nangle_gain = 3\n", "line 3"),
+            ("controller = \"mpc\"\n[tuning]\nmpc_reference = \"ahead\"\n", "line 3"),
             ("controller = \"pid\"\nrate_hz = 0\n", "line 2"),
             ("controller = \"pid\"\nrate_hz = 1001\n", "expected 50 to 1000"),
             ("controller = \"pid\"\ncontrol_horizon = 0\n", "line 2"),

@@ -4,9 +4,10 @@ use std::time::Instant;
 
 use serde::Serialize;
 use shared_control::config::{ConfigError, Controller, Tuning};
+use shared_control::lagged_axis::LagStep;
 use shared_control::mpc::MpcError;
 
-use crate::control_setup::{core_config, motor_lag_s, mpc_settings};
+use crate::control_setup::{core_config, mpc_settings, vehicle_parameters};
 use crate::controller_file::ControllerChoice;
 use crate::cosim::{self, contract::DesignParameters, control_side::ControlSide, record::FlightRecord};
 use crate::margins::{self, Margins};
@@ -22,6 +23,8 @@ use crate::sensors::Sensors;
 pub struct FlightSetup {
     /// Vehicle and rig.
     pub model: VehicleModel,
+    /// What the controller takes the vehicle for; none for the flown model without its effects.
+    pub controller_model: Option<VehicleModel>,
     /// Controller, gains, rate.
     pub choice: ControllerChoice,
     /// What is flown.
@@ -109,9 +112,19 @@ impl FlightSetup {
         DesignParameters::new(self.model.gravity_m_s2, self.model.base_command, self.choice.rate_hz)
     }
 
-    /// Gains and weights: what follows from the vehicle, with what the choice changes.
+    /// What the controller takes the vehicle for.
+    pub fn known_model(&self) -> VehicleModel {
+        let nominal = || VehicleModel { effects: Vec::new(), ..self.model.clone() };
+        // the throttle at which it hovers is the flown vehicle's: the lag is known there
+        self.controller_model
+            .as_ref()
+            .map_or_else(nominal, |known| VehicleModel { base_command: self.model.base_command, ..known.clone() })
+    }
+
+    /// Gains and weights: what follows from the vehicle as the controller knows it, with what the choice changes.
     pub fn tuning(&self) -> Tuning {
-        self.choice.tuning.over(Tuning::for_motor_lag(motor_lag_s(&self.model) as f32))
+        let actuation = vehicle_parameters(&self.known_model()).actuation;
+        self.choice.tuning.over(Tuning::for_motor_lag(actuation.lag_s))
     }
 
     /// The vehicle's sensors, with noise and with their effects.
@@ -126,12 +139,12 @@ impl FlightSetup {
     pub fn control_side(&self) -> Result<ControlSide, SetupError> {
         let parameters = self.design_parameters();
         let ControllerChoice { controller, rate_hz, control_horizon, .. } = self.choice;
-        let tuning = self.tuning();
-        let config = core_config(&self.model, &tuning, rate_hz, parameters.imu_rate_hz, controller)
-            .map_err(SetupError::Config)?;
+        let (known, tuning) = (self.known_model(), self.tuning());
+        let config =
+            core_config(&known, &tuning, rate_hz, parameters.imu_rate_hz, controller).map_err(SetupError::Config)?;
         let planner = match controller {
             Controller::Cascade => None,
-            Controller::Mpc => Some(Planner::new(control_horizon, &mpc_settings(&self.model, &tuning))?),
+            Controller::Mpc => Some(Planner::new(control_horizon, &mpc_settings(&known, &tuning, rate_hz))?),
         };
         Ok(ControlSide::new(config, planner))
     }
@@ -198,13 +211,15 @@ impl FlightSetup {
     ///
     /// # Errors
     /// [`SetupError`] where the configuration can't be flown.
-    pub fn mpc_eigenvalues(&self) -> Result<Option<[[[f64; 2]; 3]; 2]>, SetupError> {
+    pub fn mpc_eigenvalues(&self) -> Result<Option<[[[f64; 2]; 4]; 2]>, SetupError> {
         if self.choice.controller != Controller::Mpc {
             return Ok(None);
         }
-        let settings = mpc_settings(&self.model, &self.tuning());
+        let known = self.known_model();
+        let settings = mpc_settings(&known, &self.tuning(), self.choice.rate_hz);
         let gains = Planner::new(self.choice.control_horizon, &settings)?.unconstrained_gain();
-        let period_s = 1.0 / f64::from(self.choice.rate_hz);
-        Ok(Some([0, 1].map(|axis| margins::mpc_eigenvalues(gains[axis], settings.input_gain[axis], period_s))))
+        let inertia_kg_m2 = vehicle_parameters(&known).inertia_kg_m2;
+        let step = LagStep::new(1.0 / self.choice.rate_hz as f32, settings.motor_lag_s);
+        Ok(Some([0, 1].map(|axis| margins::mpc_eigenvalues(gains[axis], &step, inertia_kg_m2[axis]))))
     }
 }

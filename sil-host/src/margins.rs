@@ -8,6 +8,8 @@
 //! ```
 //! Estimator, filters, sampling, the one-sample delay and the motors are all in it, because it is they that run.
 
+use shared_control::lagged_axis::LagStep;
+
 use crate::cosim::{self, contract::DesignParameters, control_side::ControlSide};
 use crate::model::VehicleModel;
 use crate::plant::Plant;
@@ -201,20 +203,25 @@ fn divide(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 
 /// Eigenvalues of one axis under the unconstrained MPC with a perfect model, the one-sample delay included.
 ///
-/// `gain` is the feedback row over (angle, rate, previous input, reference). The state is (angle, rate, input in force):
-/// x+ = A x + B u, and the plan that acts next was made for x+, so u+ = g_x x+ + g_u u. Magnitude and angle (rad per
-/// step) of each eigenvalue, largest first.
-pub fn mpc_eigenvalues(gain: [f32; 4], input_gain: f32, control_period_s: f64) -> [[f64; 2]; 3] {
-    let t = control_period_s;
-    let b = f64::from(input_gain);
-    let [g_angle, g_rate, g_input, _] = gain.map(f64::from);
-    let x_next = [[1.0, t, 0.5 * t * t * b], [0.0, 1.0, t * b]];
-    let u_next: [f64; 3] = core::array::from_fn(|column| {
-        g_angle * x_next[0][column] + g_rate * x_next[1][column] + if column == 2 { g_input } else { 0.0 }
+/// `gain` is the feedback row over (angle, rate, motors' torque, previous torque), `step` a control step of the model with
+/// its lag. The state is (angle, rate, motors' torque, torque in force): x+ = A x + B u, and the plan that acts next was made for
+/// x+, so u+ = g_x x+ + g_u u. A delay that is known adds eigenvalues at 0, and the observer its own. Magnitude and angle
+/// (rad per step) of each eigenvalue, largest first.
+pub fn mpc_eigenvalues(gain: [f32; 4], step: &LagStep, inertia_kg_m2: f32) -> [[f64; 2]; 4] {
+    let [g_angle, g_rate, g_motor, g_previous] = gain.map(f64::from);
+    let t = f64::from(step.duration_s);
+    let turn = t / f64::from(inertia_kg_m2);
+    let [kept, c1, c2] = [step.kept, step.rate_share, step.angle_share].map(f64::from);
+    let angle = [1.0, t, t * turn * c2, t * turn * (0.5 - c2)];
+    let rate = [0.0, 1.0, turn * c1, turn * (1.0 - c1)];
+    let motor = [0.0, 0.0, kept, 1.0 - kept];
+    let next: [f64; 4] = core::array::from_fn(|column| {
+        let previous = if column == 3 { g_previous } else { 0.0 };
+        g_angle * angle[column] + g_rate * rate[column] + g_motor * motor[column] + previous
     });
-    let matrix = nalgebra::Matrix3::from_fn(|row, column| if row < 2 { x_next[row][column] } else { u_next[column] });
+    let matrix = nalgebra::Matrix4::from_fn(|row, column| [angle, rate, motor, next][row][column]);
     let eigenvalues = matrix.complex_eigenvalues();
-    let mut polar: [[f64; 2]; 3] = core::array::from_fn(|i| {
+    let mut polar: [[f64; 2]; 4] = core::array::from_fn(|i| {
         [libm::hypot(eigenvalues[i].re, eigenvalues[i].im), libm::atan2(eigenvalues[i].im, eigenvalues[i].re)]
     });
     polar.sort_by(|a, b| b[0].total_cmp(&a[0]).then(b[1].total_cmp(&a[1])));
@@ -247,7 +254,11 @@ mod tests {
 
     #[test]
     fn eigenvalues_of_no_feedback_are_the_integrators() {
-        let [a, b, c] = mpc_eigenvalues([0.0, 0.0, 0.5, 0.0], 10.0, 0.01);
-        assert!((a[0] - 1.0).abs() < 1e-6 && (b[0] - 1.0).abs() < 1e-6 && (c[0] - 0.5).abs() < 1e-9);
+        let step = LagStep::new(0.01, 0.03);
+        let [a, b, c, d] = mpc_eigenvalues([0.0, 0.0, 0.0, 0.5], &step, 0.1);
+        // two integrators, the motors' lag, and the previous torque's share
+        for (found, expected) in [(a, 1.0), (b, 1.0), (c, (-1.0f64 / 3.0).exp()), (d, 0.5)] {
+            assert!((found[0] - expected).abs() < 1e-6, "{found:?} {expected}");
+        }
     }
 }

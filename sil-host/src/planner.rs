@@ -24,7 +24,7 @@ impl Planner {
         self.mpc.plan(&mut self.state, request)
     }
 
-    /// The feedback law without active bounds; see [`Mpc::unconstrained_gain`].
+    /// The feedback law where no bound is active; see [`Mpc::unconstrained_gain`].
     pub fn unconstrained_gain(&self) -> [[f32; 4]; 3] {
         self.mpc.unconstrained_gain()
     }

@@ -80,7 +80,7 @@ impl Synthesis {
         model.noise = self.noise.unwrap_or(model.noise);
         model.base_command = self.throttle.unwrap_or(model.base_command);
         let scenario = repeated(&self.scenario, self.duration_s);
-        let flight = FlightSetup { model, choice: self.choice, scenario, seed: self.seed };
+        let flight = FlightSetup { model, controller_model: None, choice: self.choice, scenario, seed: self.seed };
         let mut plant = Plant::new(&flight.model);
         plant.integrate_adaptively(TOLERANCE);
         let (record, rows) = if self.jitter_s > 0.0 {

@@ -23,7 +23,7 @@ fn setup((controller, rate_hz, control_horizon): (Controller, u32, usize), effec
     let mut model = VehicleModel::nominal(Rig::Gimbal);
     model.effects.extend(effect.map(|text| Effect::parse(text, Rig::Gimbal).unwrap()));
     let choice = ControllerChoice { rate_hz, control_horizon, ..ControllerChoice::nominal(controller) };
-    FlightSetup { model, choice, scenario: Scenario::test_sequence(), seed: 1 }
+    FlightSetup { model, controller_model: None, choice, scenario: Scenario::test_sequence(), seed: 1 }
 }
 
 fn fly(controller: (Controller, u32, usize), effect: Option<&str>) -> Flight {
@@ -143,7 +143,10 @@ fn every_level_and_the_free_vehicle_fly() {
     for name in ["box-gimbal", "generic-gimbal", "f450-gimbal", "box-free", "generic-free", "f450-free"] {
         let model = VehicleModel::load(&models.join(format!("{name}.toml"))).unwrap();
         let choice = ControllerChoice::nominal(Controller::Cascade);
-        let flight = FlightSetup { model, choice, scenario: Scenario::test_sequence(), seed: 1 }.fly().unwrap();
+        let flight =
+            FlightSetup { model, controller_model: None, choice, scenario: Scenario::test_sequence(), seed: 1 }
+                .fly()
+                .unwrap();
         // free flight loses a few degrees to an accelerometer that feels thrust only (see the estimator)
         let limit_deg = if name.ends_with("free") { 10.0 } else { 3.0 };
         for figures in [flight.summary.axes.roll, flight.summary.axes.pitch] {

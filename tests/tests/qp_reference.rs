@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use shared_control::mpc::condense::Condensed;
 use shared_control::mpc::model::PredictedAngles;
-use shared_control::mpc::{HORIZON, Mpc, MpcState};
+use shared_control::mpc::{HORIZON, RegulationMpc, RegulationState};
 use sil_host::bench_mpc::solve_file;
 
 /// Required of u0, in u_max.
@@ -114,7 +114,7 @@ fn condensed_matrices_equal_the_files() {
 #[test]
 fn memory_stays_small() {
     fn sizes<const M: usize>() -> (usize, usize) {
-        let sizes = (size_of::<Mpc<M>>(), size_of::<MpcState<M>>());
+        let sizes = (size_of::<RegulationMpc<M>>(), size_of::<RegulationState<M>>());
         println!("M = {M:2}: prepared {:6} bytes, state {:5} bytes", sizes.0, sizes.1);
         sizes
     }

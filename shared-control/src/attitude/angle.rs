@@ -34,6 +34,13 @@ pub struct AngleConfig {
     pub yaw_locked: bool,
 }
 
+impl AngleConfig {
+    /// A roll or pitch set-point within its limit; what is no number stays none.
+    pub fn tilt_asked_rad(&self, angle_rad: f32) -> f32 {
+        if angle_rad.is_finite() { limit(angle_rad, -self.tilt_max_rad, self.tilt_max_rad) } else { angle_rad }
+    }
+}
+
 /// What the attitude loop asks of the rate loop, body axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RateTarget {
@@ -134,14 +141,11 @@ fn hold_back_heading(state: &mut AngleState, error_rad: &mut f32) {
 }
 
 /// Moves the reference on; gives its acceleration (Euler angles), rad/s^2.
-fn shape(config: &AngleConfig, state: &mut AngleState, setpoint: &Setpoint, dt_s: f32) -> [f32; 3] {
-    let tilt = |angle_rad: f32| {
-        if angle_rad.is_finite() { limit(angle_rad, -config.tilt_max_rad, config.tilt_max_rad) } else { angle_rad }
-    };
+pub fn shape(config: &AngleConfig, state: &mut AngleState, setpoint: &Setpoint, dt_s: f32) -> [f32; 3] {
     let [roll, pitch, yaw] = &mut state.reference;
     [
-        follow_angle(&config.shaping[0], roll, tilt(setpoint.roll_rad), dt_s),
-        follow_angle(&config.shaping[1], pitch, tilt(setpoint.pitch_rad), dt_s),
+        follow_angle(&config.shaping[0], roll, config.tilt_asked_rad(setpoint.roll_rad), dt_s),
+        follow_angle(&config.shaping[1], pitch, config.tilt_asked_rad(setpoint.pitch_rad), dt_s),
         if config.yaw_locked { 0.0 } else { follow_rate(&config.shaping[2], yaw, setpoint.yaw_rate_rad_s, dt_s) },
     ]
 }

@@ -7,7 +7,7 @@ use crate::imu_health::ImuFault;
 use crate::lift_curve::LiftCurve;
 use crate::signals::{ArmingRequest, MotorTest, RawImuSample, Setpoint};
 use crate::supervisor::{DisarmedBecause, Refusal};
-use crate::vehicle::VehicleParameters;
+use crate::vehicle::{Actuation, VehicleParameters};
 
 const VEHICLE: VehicleParameters = VehicleParameters {
     gravity_m_s2: 9.80665,
@@ -15,6 +15,7 @@ const VEHICLE: VehicleParameters = VehicleParameters {
     inertia_kg_m2: [0.0115, 0.0366, 0.02],
     torque_per_lift_m: 0.038,
     lift_curve: LiftCurve { lift_min_n: 0.0, lift_max_n: 2.0, command_at: straight_commands() },
+    actuation: Actuation { delay_s: 0.0, lag_s: 0.0 },
     yaw_locked: true,
 };
 
@@ -82,7 +83,7 @@ fn level_and_at_rest_all_motors_get_the_throttle() {
 #[test]
 fn a_plan_flies_only_if_it_is_for_this_step_and_solved() {
     let (config, state) = armed(Controller::Mpc);
-    let plan = Plan { step: state.step, input: [0.5, 0.0, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let plan = Plan { step: state.step, torque_nm: [0.1, 0.0, 0.0], status: PlanStatus::Solved, iterations: 1 };
     let source_with = |plan| {
         let mut state = state;
         FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, plan)).source
@@ -101,21 +102,21 @@ fn a_plan_flies_only_if_it_is_for_this_step_and_solved() {
 #[test]
 fn the_plan_request_looks_one_step_ahead() {
     let (config, mut state) = armed(Controller::Mpc);
-    let plan = Plan { step: state.step, input: [0.5, -0.25, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let plan = Plan { step: state.step, torque_nm: [0.1, -0.05, 0.0], status: PlanStatus::Solved, iterations: 1 };
     let step = input(1, 0.5, ArmingRequest::None, Some(plan));
     let output = FlightCore::fast(&config, &mut state, &step);
     let request = FlightCore::follow(&config, &mut state, &output).unwrap();
     assert_eq!(request.step, state.step);
-    let acceleration = 0.5 * 0.226 / 0.0115;
+    let acceleration = 0.1 / 0.0115;
     assert!((request.rate_rad_s[0] - 0.0025 * acceleration).abs() < 1e-6);
     assert!((request.angle_rad[0] - 0.5 * 0.0025 * 0.0025 * acceleration).abs() < 1e-7);
-    assert!((request.input_prev[1] + 0.25).abs() < 1e-6);
+    assert!((request.torque_prev_nm[1] + 0.05).abs() < 1e-6);
 }
 
 #[test]
 fn step_is_its_three_calls_and_a_replay_repeats_it_to_the_bit() {
     let (config, start) = armed(Controller::Mpc);
-    let mpc = Mpc::<3>::prepare(&mpc_settings(&VEHICLE, &Tuning::for_motor_lag(0.0))).unwrap();
+    let mpc = Mpc::<3>::prepare(&mpc_settings(&VEHICLE, &Tuning::for_motor_lag(0.0), 400.0)).unwrap();
     let fly = || {
         let (mut state, mut plan_state, mut plan) = (start, MpcState::<3>::new(), None);
         let mut outputs = std::vec::Vec::new();
@@ -140,7 +141,7 @@ fn nothing_that_is_no_number_gets_through() {
     for controller in [Controller::Cascade, Controller::Mpc] {
         let (config, mut state) = armed(controller);
         for k in 1..50 {
-            let plan = Plan { step: state.step, input: [f32::NAN; 3], status: PlanStatus::Solved, iterations: 1 };
+            let plan = Plan { step: state.step, torque_nm: [f32::NAN; 3], status: PlanStatus::Solved, iterations: 1 };
             let mut step = input(k, f32::NAN, ArmingRequest::None, Some(plan));
             step.setpoint.roll_rad = f32::NAN;
             step.setpoint.yaw_rate_rad_s = f32::INFINITY;
@@ -151,8 +152,12 @@ fn nothing_that_is_no_number_gets_through() {
             assert!(output.mix.unmet_torque_nm.iter().all(|t| t.is_finite()));
             let finite = |values: [f32; 3]| values.iter().all(|v| v.is_finite());
             if let Some(request) = request {
-                assert!(finite(request.angle_rad) && finite(request.rate_rad_s) && finite(request.reference_rad));
-                assert!(finite(request.input_prev));
+                assert!(finite(request.angle_rad) && finite(request.rate_rad_s) && finite(request.motor_nm));
+                assert!(finite(request.torque_prev_nm) && finite(request.disturbance_nm));
+                assert!(
+                    request.reference.reference.iter().all(|r| r.angle_rad.is_finite() && r.rate_rad_s.is_finite())
+                );
+                assert!(request.setpoint.is_finite());
             }
         }
     }
@@ -248,8 +253,8 @@ fn the_cascade_begins_where_the_mpc_ended() {
     };
     let (_, mut last_step) = step_with(1, None);
     for k in 2..600 {
-        let input = [held_nm / config.mpc_torque_per_input_nm[0], 0.0, 0.0];
-        let plan = Plan { step: last_step, input, status: PlanStatus::Solved, iterations: 1 };
+        let torque_nm = [held_nm, 0.0, 0.0];
+        let plan = Plan { step: last_step, torque_nm, status: PlanStatus::Solved, iterations: 1 };
         let (output, step) = step_with(k, Some(plan));
         assert_eq!(output.source, TorqueSource::Mpc);
         last_step = step;
@@ -302,7 +307,7 @@ fn disarming_forgets_what_was_wound_up() {
 fn what_the_mixer_could_not_deliver_is_no_part_of_the_planners_input() {
     let (config, mut state) = armed(Controller::Mpc);
     // roll and pitch at their bounds together, more than one motor's span gives each
-    let plan = Plan { step: state.step, input: [2.0, 2.0, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let plan = Plan { step: state.step, torque_nm: [0.452, 0.452, 0.0], status: PlanStatus::Solved, iterations: 1 };
     let step = input(1, 0.03, ArmingRequest::None, Some(plan));
     let output = FlightCore::fast(&config, &mut state, &step);
     assert_eq!(output.source, TorqueSource::Mpc);
@@ -310,14 +315,14 @@ fn what_the_mixer_could_not_deliver_is_no_part_of_the_planners_input() {
     for axis in 0..2 {
         let delivered_nm = output.wrench.torque_body_nm[axis] - output.mix.unmet_torque_nm[axis];
         assert!(output.mix.unmet_torque_nm[axis] > 0.1, "{:?}", output.mix);
-        assert!((request.input_prev[axis] - delivered_nm / 0.226).abs() < 1e-5);
+        assert!((request.torque_prev_nm[axis] - delivered_nm).abs() < 1e-6);
     }
 }
 
 #[test]
 fn a_plan_beyond_the_bounds_did_not_come_from_the_mpc() {
     let (config, mut state) = armed(Controller::Mpc);
-    let plan = Plan { step: state.step, input: [3e38, 0.0, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let plan = Plan { step: state.step, torque_nm: [3e38, 0.0, 0.0], status: PlanStatus::Solved, iterations: 1 };
     let output = FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, Some(plan)));
     assert_eq!(output.source, TorqueSource::CascadeUnsolved(PlanStatus::NumericalError));
 }

@@ -3,7 +3,7 @@
 use super::AxisSettings;
 use super::bounded_output::BoundedOutput;
 use super::model::PredictedAngles;
-use super::riccati::{BoundedLq, DoubleIntegrator, Guess, Outcome};
+use super::riccati::{BoundedLq, DoubleIntegrator, Guess, Model, Outcome};
 use crate::qp::{QpError, Status, Workspace};
 
 /// A prepared axis with room for M free inputs.
@@ -70,7 +70,7 @@ impl<const M: usize> Axis<M> {
         let scale = settings.input_max / full_turn_rad;
         let increment_weight = settings.increment_weight / settings.tracking_weight * scale * scale;
         let last_steps = horizon.saturating_sub(control_horizon) + 1;
-        let last = DoubleIntegrator::cost_of_held_input(last_steps);
+        let last = DoubleIntegrator.cost_of_held_input(last_steps);
         let angles = PredictedAngles::new(horizon, control_horizon, prediction_step_s, settings.input_gain);
         Ok(Self {
             lq: BoundedLq::prepare(DoubleIntegrator, increment_weight, control_horizon, last)?,

@@ -6,13 +6,16 @@ use std::path::Path;
 use shared_control::config::Controller;
 use sil_host::comparison::{Subject, Vehicle, compare};
 use sil_host::controller_file::ControllerChoice;
+use sil_host::diagnosis;
+use sil_host::flight::FlightSetup;
 use sil_host::log;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::report::Page;
 use sil_host::scenario::Scenario;
 
 use super::{
-    Failure, bad_input, compare as compare_command, compare_report, failed, flight_report, fly, print, write_file,
+    Failure, bad_input, compare as compare_command, compare_report, diagnose, diagnose_report, failed, flight_report,
+    fly, print, write_file,
 };
 
 /// The rig log that ships: synthetic, flown by the thesis' MPC (100 Hz, M = 1) on a ring that is off balance.
@@ -31,7 +34,15 @@ pub fn run() -> Result<(), Failure> {
     let model = VehicleModel::nominal(Rig::Gimbal);
     let flown = [Controller::Cascade, Controller::Mpc]
         .into_iter()
-        .map(|controller| fly::fly_one(&model, &Scenario::test_sequence(), ControllerChoice::nominal(controller), 0))
+        .map(|controller| {
+            fly::fly_one(FlightSetup {
+                model: model.clone(),
+                controller_model: None,
+                choice: ControllerChoice::nominal(controller),
+                scenario: Scenario::test_sequence(),
+                seed: 0,
+            })
+        })
         .collect::<Result<Vec<_>, _>>()?;
     print(fly::summary_text(&flown))?;
 
@@ -42,16 +53,23 @@ pub fn run() -> Result<(), Failure> {
     let comparison = compare(&log, &subject).map_err(bad_input)?;
     print(compare_command::summary_text(&log, &comparison, &subject))?;
 
+    print("\n3. What the simulation gets wrong\n")?;
+    let nominal = VehicleModel::nominal(Rig::Gimbal);
+    let answer = diagnosis::diagnose(&log, &diagnosis::Subject::Vehicle(&nominal)).map_err(bad_input)?;
+    print(diagnose::verdict_text(&answer))?;
+
     let mut page = Page::new("A quadrotor on its testbed: flown, and held against a log")
         .lead(
             "First the thesis' experiment in simulation: a DJI F450 on a gimbal flies nine positions under the PID cascade of \
-             APM:Copter and under model predictive control. Then a rig log is held against the simulation; the log is \
-             synthetic, made with a ring that is off balance, as the thesis suspected of its own.",
+             APM:Copter and under model predictive control. Then a rig log is held against the simulation, and the cause \
+             of the disagreement is looked for; the log is synthetic, made with a ring that is off balance, as the thesis \
+             suspected of its own.",
         )
-        .lead(compare_report::lead(&comparison, &subject));
-    for section in
-        flight_report::sections(&flown).into_iter().chain(compare_report::sections(&log, &comparison, &subject))
-    {
+        .lead(compare_report::lead(&comparison, &subject))
+        .lead(diagnose_report::headline(answer.verdict));
+    let flights = flight_report::sections(&flown);
+    let log_sections = compare_report::sections(&log, &comparison, &subject);
+    for section in flights.into_iter().chain(log_sections).chain(diagnose_report::sections(&log, &answer)) {
         page = page.section(section);
     }
     page = page.provenance("Command", "sil").provenance("Seed", "0").provenance("Version", env!("CARGO_PKG_VERSION"));
@@ -67,7 +85,7 @@ fn show(report: &Path) -> Result<(), Failure> {
     let opened = std::io::stdout().is_terminal() && has_screen && open::that_detached(&place).is_ok();
     let opening = if opened { " (opening in the browser)" } else { "" };
     print(format!(
-        "\nreport  {}{opening}\nnext    sil fly --help, sil compare --help, sil synth --help\n",
+        "\nreport  {}{opening}\nnext    sil diagnose --help, sil fly --help, sil synth --help\n",
         place.display()
     ))
 }

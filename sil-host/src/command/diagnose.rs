@@ -10,13 +10,13 @@ use sil_host::plant::effects::Effect;
 
 use super::log_rig::{self, LogRig};
 use super::text_table::{TextTable, number};
-use super::{Failure, bad_input, print, vehicle_model, write_file, write_json};
+use super::{Failure, bad_input, diagnose_report, print, vehicle_model, write_file, write_json};
 
 /// Find what the simulation gets wrong in a measured log, and name the cause
 #[derive(Args)]
 #[command(
-    after_help = "Example: sil diagnose out/rig.csv --extended out/extended.toml   (sil synth out/rig.csv makes a log)\n\
-         sil diagnose bench.csv.gz --map antx\n\n\
+    after_help = "Example: sil diagnose out/rig.csv --report out/diagnosis.html   (sil synth out/rig.csv makes a log)\n\
+Example: sil diagnose bench.csv.gz --map antx\n\n\
 Each effect of the catalogue is fitted to every second window of 0.5 s and judged on the windows in between. Then\n\
 `sil compare LOG --model out/extended.toml` shows what is left."
 )]
@@ -36,6 +36,9 @@ pub struct DiagnoseArguments {
     /// Write the model with the findings in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
+    /// Write a report for the browser
+    #[arg(long, value_name = "OUT.html")]
+    report: Option<PathBuf>,
     /// Write the answer as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
@@ -59,6 +62,11 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     if let (Some(path), Some(model)) = (&arguments.extended, &model) {
         write_extended(path, model, &answer)?;
         print(format!("extended model  {}\n", path.display()))?;
+    }
+    if let Some(path) = &arguments.report {
+        let command = format!("sil diagnose {}", arguments.log.display());
+        write_file(path, diagnose_report::page(&log, &answer, &command).to_html().as_bytes())?;
+        print(format!("report          {}\n", path.display()))?;
     }
     write_json(arguments.json.as_deref(), &answer)
 }
@@ -84,7 +92,13 @@ fn answer_text(log: &Log, answer: &Diagnosis) -> String {
     for note in &log.notes {
         text.push_str(&format!("  {note}\n"));
     }
-    text.push_str(match answer.verdict {
+    text.push_str(&verdict_text(answer));
+    text
+}
+
+/// What was found, and how much better the model predicts with it.
+pub fn verdict_text(answer: &Diagnosis) -> String {
+    let mut text = String::from(match answer.verdict {
         Verdict::NoDiscrepancy => "\nThe simulation agrees with this log: what is left is noise.\n",
         Verdict::Explained => "\nWhat the simulation gets wrong here, and all of it:\n",
         Verdict::PartlyExplained => "\nWhat the simulation gets wrong here, but not all of it:\n",

@@ -61,6 +61,6 @@ pub const WHOLE_FLIGHT: [TextFigure<RunSummary>; 6] = [
 ];
 
 /// Eigenvalues in polar form, as text.
-pub fn eigenvalues_text(eigenvalues: [[f64; 2]; 3]) -> [String; 3] {
+pub fn eigenvalues_text(eigenvalues: [[f64; 2]; 4]) -> [String; 4] {
     eigenvalues.map(|[magnitude, angle_rad]| format!("{magnitude:.4} at {:.2} deg", angle_rad.to_degrees()))
 }

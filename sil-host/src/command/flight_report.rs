@@ -109,7 +109,7 @@ fn robustness(flown: &[FlownController]) -> Section {
     for one in flown {
         let Some(eigenvalues) = one.eigenvalues else { continue };
         let caption = format!("{}, perfect model, one sample of delay: |z| and angle", eigenvalues_title(one));
-        let mut table = Table::new(caption, &["", "first", "second", "third"]);
+        let mut table = Table::new(caption, &["", "first", "second", "third", "fourth"]);
         for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
             let cells = eigenvalues_text(axis).map(Cell::from);
             table = table.row([Cell::from(name)].into_iter().chain(cells));

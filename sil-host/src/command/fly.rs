@@ -10,7 +10,7 @@ use sil_host::controller_file::{CONTROL_HORIZON_DEFAULT, ControllerChoice};
 use sil_host::flight::{Flight, FlightSetup, RunSummary};
 use sil_host::flight_log::flight_log;
 use sil_host::margins::Margins;
-use sil_host::model::{Rig, VehicleModel};
+use sil_host::model::Rig;
 use sil_host::scenario::Scenario;
 
 use super::figures::{FOLLOWING, Figure, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
@@ -33,6 +33,9 @@ pub struct FlyArguments {
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
+    /// What the controllers take the vehicle for, effects included [default: the flown model without its effects]
+    #[arg(long, value_name = "M.toml")]
+    controller_model: Option<PathBuf>,
     /// Steps of the controller per second
     #[arg(long, value_name = "HZ", default_value_t = 400, value_parser = clap::value_parser!(u32).range(50..=1000))]
     rate: u32,
@@ -94,11 +97,15 @@ pub struct FlownController {
     /// Margins of roll and pitch; none if the loop oscillates by itself.
     pub margins: Option<[Margins; 2]>,
     /// Eigenvalues of roll and pitch under the unconstrained MPC.
-    pub eigenvalues: Option<[[[f64; 2]; 3]; 2]>,
+    pub eigenvalues: Option<[[[f64; 2]; 4]; 2]>,
 }
 
 pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     let model = vehicle_model(arguments.model.as_deref(), arguments.rig.map(Into::into))?;
+    let controller_model = match &arguments.controller_model {
+        None => None,
+        Some(path) => Some(vehicle_model(Some(path), Some(model.rig()))?),
+    };
     let scenario = match &arguments.script {
         None => Scenario::test_sequence(),
         Some(path) => Scenario::load(path).map_err(bad_input)?,
@@ -110,7 +117,15 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     };
     let flown: Vec<FlownController> = controllers
         .iter()
-        .map(|&controller| fly_one(&model, &scenario, choice(arguments, controller)?, arguments.seed))
+        .map(|&controller| {
+            fly_one(FlightSetup {
+                model: model.clone(),
+                controller_model: controller_model.clone(),
+                choice: choice(arguments, controller)?,
+                scenario: scenario.clone(),
+                seed: arguments.seed,
+            })
+        })
         .collect::<Result<_, _>>()?;
     print(summary_text(&flown))?;
     for one in &flown {
@@ -149,13 +164,7 @@ fn choice(arguments: &FlyArguments, controller: Controller) -> Result<Controller
 }
 
 /// Flies one controller and measures its margins.
-pub fn fly_one(
-    model: &VehicleModel,
-    scenario: &Scenario,
-    choice: ControllerChoice,
-    seed: u64,
-) -> Result<FlownController, Failure> {
-    let setup = FlightSetup { model: model.clone(), choice, scenario: scenario.clone(), seed };
+pub fn fly_one(setup: FlightSetup) -> Result<FlownController, Failure> {
     let flight = setup.fly().map_err(bad_input)?;
     let margins = setup.margins().map_err(bad_input)?;
     let eigenvalues = setup.mpc_eigenvalues().map_err(bad_input)?;
@@ -177,7 +186,11 @@ fn command_line(arguments: &FlyArguments) -> String {
     if let Some(rig) = arguments.rig {
         line.push_str(&format!(" --rig {}", Rig::from(rig).name()));
     }
-    for (flag, path) in [("--model", &arguments.model), ("--script", &arguments.script)] {
+    for (flag, path) in [
+        ("--model", &arguments.model),
+        ("--controller-model", &arguments.controller_model),
+        ("--script", &arguments.script),
+    ] {
         if let Some(path) = path {
             line.push_str(&format!(" {flag} {}", path.display()));
         }
@@ -254,7 +267,7 @@ pub fn remarks(flown: &FlownController) -> Vec<String> {
     if flown.margins.is_none() {
         remarks.push(format!("{name}: at hover the loop oscillates by itself, so it has no margins."));
     }
-    let unstable = |axes: &[[[f64; 2]; 3]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
+    let unstable = |axes: &[[[f64; 2]; 4]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
     if flown.eigenvalues.as_ref().is_some_and(unstable) {
         remarks.push(format!("{name}: without active bounds this loop is unstable, an eigenvalue has |z| >= 1."));
     }

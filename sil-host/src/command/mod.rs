@@ -5,6 +5,7 @@ mod compare;
 mod compare_report;
 mod demonstration;
 mod diagnose;
+mod diagnose_report;
 mod figures;
 mod flight_report;
 mod fly;
@@ -23,7 +24,7 @@ use sil_host::model::{Rig, VehicleModel};
 /// Quadrotor attitude control in simulation: fly the thesis' testbed, hold the simulation against measured logs.
 ///
 /// Without a subcommand: the demonstration. It flies the test sequence under the PID cascade and under MPC, compares a
-/// rig log with the simulation, and writes a report.
+/// rig log with the simulation, names what the simulation gets wrong, and writes a report.
 #[derive(Parser)]
 #[command(name = "sil", version, after_help = "Example: sil fly --controller both --report out/flight.html")]
 pub struct Arguments {

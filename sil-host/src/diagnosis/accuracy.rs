@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use super::body::State;
 use super::linear::{Cholesky, dot};
 use super::shooting::{Column, Driven, Shooting};
 use crate::fidelity::Window;
@@ -34,9 +35,8 @@ pub(super) fn root_mean_square(windows: &[WindowTally], place: usize) -> Option<
     (count > 0.0).then(|| ((sum(|t| t.squares) / count).sqrt(), (sum(|t| t.floor_squares) / count).sqrt()))
 }
 
-fn window_errors(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> WindowTally {
-    // the same window, begun where the rows for its start begin
-    let whole = Window { start: window.lead, ..*window };
+/// The window, begun where the rows for its start begin, and its state there, estimated from the rows around the start.
+pub(super) fn window_with_start(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> (Window, State) {
     let around = Window { start: window.lead, end: window.tail, ..*window };
     let mut start = shooting.measured_state(&driven.model, window.lead);
     for _ in 0..2 {
@@ -45,6 +45,12 @@ fn window_errors(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> W
         let right: Vec<f64> = slopes.iter().map(|slope| dot(slope, &residual)).collect();
         shooting.move_start(&mut start, &factor.solve(&right));
     }
+    (Window { start: window.lead, ..*window }, start)
+}
+
+fn window_errors(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> WindowTally {
+    let (whole, start) = window_with_start(shooting, driven, window);
+    let around = Window { end: window.tail, ..whole };
     let (_, near) = shooting.start_slopes(driven, &around, &start);
     let (residual, slopes) = shooting.start_slopes(driven, &whole, &start);
     tally(shooting, window, &residual, &slopes, shooting.start_factor(&near).as_ref())

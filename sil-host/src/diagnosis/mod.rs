@@ -20,6 +20,7 @@ mod fit;
 mod hints;
 mod linear;
 mod prediction;
+mod residuals;
 mod search;
 mod sensor;
 mod shooting;
@@ -35,6 +36,7 @@ use serde::Serialize;
 use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S};
 use crate::log::Log;
 use fit::{Term, model_of};
+pub use residuals::ChannelResiduals;
 use search::{Candidate, Found, Search};
 use shooting::Shooting;
 pub use subject::Subject;
@@ -60,6 +62,9 @@ pub struct Diagnosis {
     pub unexplained: Unexplained,
     /// Which manoeuvre would tell apart what this log does not; empty where nothing is confounded.
     pub separating_experiment: String,
+    /// What the models miss, row by row: the picture behind the numbers.
+    #[serde(skip)]
+    pub residuals: Vec<ChannelResiduals>,
 }
 
 /// The log.
@@ -117,10 +122,10 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
 }
 
 fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
-    let [nominal, extended] = [&found.nominal, &found.chosen].map(|candidate| {
-        let driven = shooting.drive(model_of(search.nominal, &candidate.fit.terms), None);
-        accuracy::prediction_errors(shooting, &driven, &search.held_out)
-    });
+    let driven = [&found.nominal, &found.chosen]
+        .map(|candidate| shooting.drive(model_of(search.nominal, &candidate.fit.terms), None));
+    let [nominal, extended] =
+        driven.each_ref().map(|driven| accuracy::prediction_errors(shooting, driven, &search.held_out));
     let [nominal_errors, _] = verdict::channel_errors(&nominal);
     let [extended_errors, noise_floor] = verdict::channel_errors(&extended);
     let findings = verdict::findings(search, found);
@@ -156,6 +161,7 @@ fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found
         },
         unexplained,
         separating_experiment: String::new(),
+        residuals: residuals::of_models(shooting, &driven),
     }
 }
 

@@ -66,6 +66,16 @@ pub struct Plant {
     method: Method,
 }
 
+/// What effects change from command to lift, and of the body.
+pub(crate) fn changes(effects: &[Effect]) -> (ActuatorChain, BodyChange) {
+    let (mut chain, mut change) = (ActuatorChain::default(), BodyChange::default());
+    for effect in effects {
+        effect.extension().change_actuators(&mut chain);
+        effect.extension().change_body(&mut change);
+    }
+    (chain, change)
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Body {
     Gimbal(Gimbal, GimbalState),
@@ -76,11 +86,7 @@ impl Plant {
     /// At rest and level, at time 0, the motors in equilibrium at the base command.
     pub fn new(model: &VehicleModel) -> Self {
         let inertia = model.inertia_kg_m2;
-        let (mut chain, mut change) = (ActuatorChain::default(), BodyChange::default());
-        for effect in &model.effects {
-            effect.extension().change_actuators(&mut chain);
-            effect.extension().change_body(&mut change);
-        }
+        let (chain, change) = changes(&model.effects);
         let body = match model.mounting {
             Mounting::Gimbal { ring_inertia_kg_m2 } => {
                 Body::Gimbal(Gimbal::new(inertia, ring_inertia_kg_m2, &change), [0.0; 4])

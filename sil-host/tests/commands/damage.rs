@@ -113,7 +113,14 @@ fn flown(text: &str) -> Result<(), String> {
     for controller in [Controller::Cascade, Controller::Mpc] {
         let choice = ControllerChoice { rate_hz: 100, ..ControllerChoice::nominal(controller) };
         // a model that no controller can be laid out for is refused here
-        let _ = FlightSetup { model: model.clone(), choice, scenario: scenario.clone(), seed: 0 }.fly();
+        let setup = FlightSetup {
+            model: model.clone(),
+            controller_model: Some(model.clone()),
+            choice,
+            scenario: scenario.clone(),
+            seed: 0,
+        };
+        let _ = setup.fly();
     }
     Ok(())
 }

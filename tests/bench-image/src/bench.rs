@@ -5,14 +5,14 @@
 use core::fmt::Write;
 use core::hint::black_box;
 
-use shared_control::mpc::{Mpc, MpcError, MpcSettings, MpcState};
-use shared_control::signals::{Plan, PlanRequest, PlanStatus};
+use shared_control::mpc::{MpcError, ProblemSettings, Regulation, RegulationMpc, RegulationRequest, RegulationState};
+use shared_control::signals::PlanStatus;
 
 use crate::start::Console;
 
 /// `CASE`, `CONTROL_HORIZON`, `SETTINGS` and `INSTANCES`, written by `cargo xtask bench-mcu`.
 mod data {
-    use super::MpcSettings;
+    use super::ProblemSettings;
 
     include!(env!("BENCH_DATA"));
 }
@@ -36,16 +36,19 @@ extern "C" fn roi_end() {
 }
 
 #[inline(never)]
-fn prepare(settings: &MpcSettings) -> Result<Mpc<{ data::CONTROL_HORIZON }>, MpcError> {
-    Mpc::prepare(settings)
+fn prepare(settings: &ProblemSettings) -> Result<RegulationMpc<{ data::CONTROL_HORIZON }>, MpcError> {
+    RegulationMpc::prepare(settings)
 }
 
 /// From theta to the first inputs.
 #[inline(never)]
-fn solve(mpc: &Mpc<{ data::CONTROL_HORIZON }>, state: &mut MpcState<{ data::CONTROL_HORIZON }>, theta: &Theta) -> Plan {
+fn solve(
+    mpc: &RegulationMpc<{ data::CONTROL_HORIZON }>,
+    state: &mut RegulationState<{ data::CONTROL_HORIZON }>,
+    theta: &Theta,
+) -> Regulation {
     let [roll, roll_rate, pitch, pitch_rate, yaw, yaw_rate, prev0, prev1, prev2, r0, r1, r2] = *theta;
-    let request = PlanRequest {
-        step: 0,
+    let request = RegulationRequest {
         angle_rad: [roll, pitch, yaw],
         rate_rad_s: [roll_rate, pitch_rate, yaw_rate],
         input_prev: [prev0, prev1, prev2],
@@ -60,7 +63,7 @@ pub(crate) fn run(console: &mut Console) -> core::fmt::Result {
         Ok(mpc) => mpc,
         Err(error) => return writeln!(console, "the settings are refused: {error}"),
     };
-    let mut state = MpcState::new();
+    let mut state = RegulationState::new();
     writeln!(console, "prepared {} bytes, state {} bytes", size_of_val(&mpc), size_of_val(&state))?;
     for (index, theta) in black_box(&data::INSTANCES).iter().enumerate() {
         roi_begin();

@@ -125,5 +125,5 @@ impl Twin {
 }
 
 fn bits(plan: &Plan) -> (u32, [u32; 3], u16, String) {
-    (plan.step, plan.input.map(f32::to_bits), plan.iterations, format!("{:?}", plan.status))
+    (plan.step, plan.torque_nm.map(f32::to_bits), plan.iterations, format!("{:?}", plan.status))
 }

@@ -43,6 +43,7 @@ fn a_board_in_the_loop_flies_as_the_simulation_does() {
     let flight = fly(board()).unwrap();
     let simulated = FlightSetup {
         model: setup().model,
+        controller_model: None,
         choice: ControllerChoice::nominal(Controller::Cascade),
         scenario: Scenario::test_sequence(),
         seed: 3,

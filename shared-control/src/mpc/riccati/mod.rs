@@ -19,17 +19,21 @@
 //! A sweep begins at the last stage that changed, since costs ahead depend on later stages only; and after the last held
 //! stage the laws are those without bounds, made at start-up.
 
+mod lagged;
 mod model;
 mod prepare;
 mod quadratic;
 mod solve;
 #[cfg(test)]
 mod tests;
+mod track;
 
+pub(super) use lagged::LaggedIntegrator;
 pub(super) use model::{DoubleIntegrator, Model};
 use quadratic::Law;
 use quadratic::Quadratic;
 pub(super) use solve::Outcome;
+pub(super) use track::{Pattern, Tracking};
 
 /// What a guess says of one input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,8 +12,24 @@ pub(in crate::mpc) trait Model<const S: usize> {
     /// A cost after the step, in (state after, input of the step), as one in (state before, input); adds nothing.
     fn pull_back(&self, after: &Quadratic<S>) -> Quadratic<S>;
 
-    /// The tracking cost of a state.
+    /// The linear part of [`Self::pull_back`] alone: from (state, input) after the step to before it.
+    fn pull_back_linear(&self, state: &[f32; S], input: f32) -> ([f32; S], f32);
+
+    /// The tracking cost of a state, the reference being zero.
     fn add_tracking(&self, cost: &mut Quadratic<S>);
+
+    /// The same for a reference: what adds to the linear part.
+    fn add_reference(&self, state_linear: &mut [f32; S], reference: f32);
+
+    /// The cost ahead of an input that is held for `steps`.
+    fn cost_of_held_input(&self, steps: usize) -> Quadratic<S> {
+        let mut cost = Quadratic::ZERO;
+        for _ in 0..steps {
+            self.add_tracking(&mut cost);
+            cost = self.pull_back(&cost);
+        }
+        cost
+    }
 }
 
 /// Angle error and rate of a rigid body, in units in which the prediction step, the weight of the angle and the effect
@@ -32,7 +48,8 @@ impl Model<2> for DoubleIntegrator {
     #[inline(always)]
     fn pull_back(&self, after: &Quadratic<2>) -> Quadratic<2> {
         let [[p11, p12], [_, p22]] = after.state;
-        let ([c1, c2], [l1, l2]) = (after.cross, after.state_linear);
+        let [c1, c2] = after.cross;
+        let (state_linear, input_linear) = self.pull_back_linear(&after.state_linear, after.input_linear);
         // the columns of QT that belong to the input
         let column1 = 0.5 * p11 + p12 + c1;
         let column2 = 0.5 * p12 + p22 + c2;
@@ -43,9 +60,14 @@ impl Model<2> for DoubleIntegrator {
             state: [[p11, next12], [0.0, next12 + p12 + p22]],
             cross: [column1, rate_column],
             input: 0.5 * column1 + column2 + column3,
-            state_linear: [l1, l1 + l2],
-            input_linear: 0.5 * l1 + l2 + after.input_linear,
+            state_linear,
+            input_linear,
         }
+    }
+
+    #[inline(always)]
+    fn pull_back_linear(&self, [angle, rate]: &[f32; 2], input: f32) -> ([f32; 2], f32) {
+        ([*angle, angle + rate], 0.5 * angle + rate + input)
     }
 
     #[inline(always)]
@@ -53,11 +75,14 @@ impl Model<2> for DoubleIntegrator {
         let [[angle, _], _] = &mut cost.state;
         *angle += 1.0;
     }
-}
 
-impl DoubleIntegrator {
-    /// The cost ahead of an input that is held for `steps`.
-    pub(in crate::mpc) fn cost_of_held_input(steps: usize) -> Quadratic<2> {
+    #[inline(always)]
+    fn add_reference(&self, [angle, _]: &mut [f32; 2], reference: f32) {
+        *angle -= reference;
+    }
+
+    /// By sums, which are whole numbers and therefore exact.
+    fn cost_of_held_input(&self, steps: usize) -> Quadratic<2> {
         let mut cost = Quadratic::ZERO;
         for step in 1..=steps {
             // angle + time rate + turn input

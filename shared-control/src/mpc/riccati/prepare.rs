@@ -1,7 +1,7 @@
 //! What is made once: laws and costs of all stages when every input is free.
 
 use super::quadratic::{Law, Quadratic};
-use super::{BoundedLq, FreeStage, Held, Model};
+use super::{BoundedLq, FreeStage, Model};
 use crate::qp::QpError;
 
 /// Greatest ratio of a stage's curvature with all later inputs fixed to that with them eliminated: above, more than four
@@ -23,7 +23,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         let mut free = [FreeStage::BLANK; M];
         let (mut ahead, mut ahead_of_nothing) = (last, last);
         for (variable, stage) in free.iter_mut().take(control_horizon).enumerate().rev() {
-            let (law, mut cost) = ahead.eliminate(increment_weight, Held::Free);
+            let (law, mut cost) = ahead.eliminate(increment_weight, None);
             let mut cost_of_nothing = ahead_of_nothing.hold(0.0, increment_weight);
             let curvature = ahead.input + increment_weight;
             let (largest, smallest) = (ahead_of_nothing.input + increment_weight, law.previous);

@@ -3,8 +3,6 @@
 //! Dynamic programming (Riccati recursion) for the problem at the head of [`super`]: the cost from stage k on, once its
 //! own input is eliminated, is a quadratic again, in the state and the previous input.
 
-use super::Held;
-
 /// x'Px + 2 c'x u + g u^2 + 2 l'x + 2 n u, without its constant, over S states x and one input u.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::mpc) struct Quadratic<const S: usize> {
@@ -43,9 +41,9 @@ impl<const S: usize> Quadratic<S> {
         Self { state: [[0.0; S]; S], cross: [0.0; S], input: 0.0, state_linear: [0.0; S], input_linear: 0.0 };
 
     /// Adds rho (u - u_prev)^2 and eliminates u: the minimising law without bounds, and what remains if u follows it
-    /// (free) or is held at a bound, as a quadratic in the state and u_prev.
+    /// (`held` is none) or is held at a bound, as a quadratic in the state and u_prev.
     #[inline(always)]
-    pub(in crate::mpc) fn eliminate(&self, increment_weight: f32, held: Held) -> (Law<S>, Self) {
+    pub(in crate::mpc) fn eliminate(&self, increment_weight: f32, held: Option<f32>) -> (Law<S>, Self) {
         let inverse = 1.0 / (self.input + increment_weight);
         let law = Law {
             state: self.cross.map(|entry| -entry * inverse),
@@ -54,7 +52,7 @@ impl<const S: usize> Quadratic<S> {
         };
         (
             law,
-            match held.input() {
+            match held {
                 None => self.follow(&law, increment_weight),
                 Some(input) => self.hold(input, increment_weight),
             },

@@ -169,7 +169,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         let Some(mut ahead) = ahead else { return };
         for stage in guess.stages.iter_mut().take(count).rev() {
             stage.ahead = ahead;
-            let (law, mut cost) = ahead.eliminate(self.increment_weight, stage.held);
+            let (law, mut cost) = ahead.eliminate(self.increment_weight, stage.held.input());
             stage.law = law;
             self.model.add_tracking(&mut cost);
             ahead = self.model.pull_back(&cost);

@@ -8,11 +8,11 @@ use super::*;
 use crate::qp::Status;
 
 /// xorshift64* (Marsaglia; Vigna).
-struct Numbers(u64);
+pub(super) struct Numbers(pub(super) u64);
 
 impl Numbers {
     /// In -1 .. 1.
-    fn next(&mut self) -> f32 {
+    pub(super) fn next(&mut self) -> f32 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
@@ -20,7 +20,7 @@ impl Numbers {
         bits as f32 / (1u64 << 23) as f32 - 1.0
     }
 
-    fn count(&mut self, most: usize) -> usize {
+    pub(super) fn count(&mut self, most: usize) -> usize {
         1 + ((0.5 + 0.5 * self.next()) * most as f32) as usize % most
     }
 }
@@ -28,7 +28,7 @@ impl Numbers {
 type Lq = BoundedLq<DoubleIntegrator, 2, 30>;
 
 fn problem(increment_weight: f32, control_horizon: usize, horizon: usize) -> Lq {
-    let last = DoubleIntegrator::cost_of_held_input(horizon + 1 - control_horizon);
+    let last = DoubleIntegrator.cost_of_held_input(horizon + 1 - control_horizon);
     BoundedLq::prepare(DoubleIntegrator, increment_weight, control_horizon, last).unwrap()
 }
 

@@ -5,10 +5,11 @@ extern crate std;
 use proptest::prelude::*;
 
 use super::*;
+use crate::qp::QpError;
 
 /// The nominal vehicle with the weights of the reference instances.
-fn nominal() -> MpcSettings {
-    MpcSettings {
+fn nominal() -> ProblemSettings {
+    ProblemSettings {
         horizon: HORIZON,
         prediction_step_s: 0.01,
         input_gain: [0.226 / 0.011_511_8, 0.226 / 0.036_565_1, 1.0 / 0.029_074_2],
@@ -22,7 +23,7 @@ fn nominal() -> MpcSettings {
 /// u0 of the unbounded problem with M = 1, in f64: the vertex of the parabola in one input held over the horizon.
 ///
 /// y_k = angle + k Ts rate + b (k Ts)^2 / 2 u, and the cost is mu sum (y_k - r)^2 + rho (u - u_prev)^2.
-fn one_input(settings: &MpcSettings, axis: usize, request: &PlanRequest) -> f64 {
+fn one_input(settings: &ProblemSettings, axis: usize, request: &RegulationRequest) -> f64 {
     let wide = |values: &[f32; 3]| f64::from(values[axis]);
     let (mu, rho) = (wide(&settings.tracking_weight), wide(&settings.increment_weight));
     let (mut pull, mut stiffness) = (rho * wide(&request.input_prev), rho);
@@ -36,19 +37,18 @@ fn one_input(settings: &MpcSettings, axis: usize, request: &PlanRequest) -> f64 
     pull / stiffness
 }
 
-fn ordinary_request() -> impl Strategy<Value = PlanRequest> {
+fn ordinary_request() -> impl Strategy<Value = RegulationRequest> {
     let three = |limit: f32| prop::array::uniform3(-limit..limit);
     (three(1.0), three(5.0), three(2.0), three(0.8)).prop_map(|(angle_rad, rate_rad_s, input_prev, reference_rad)| {
-        PlanRequest { step: 7, angle_rad, rate_rad_s, input_prev, reference_rad }
+        RegulationRequest { angle_rad, rate_rad_s, input_prev, reference_rad }
     })
 }
 
-fn any_request() -> impl Strategy<Value = PlanRequest> {
+fn any_request() -> impl Strategy<Value = RegulationRequest> {
     let number = prop_oneof![4 => -1.0f32..1.0, 1 => prop::num::f32::ANY];
     let three = prop::array::uniform3(number);
     (three.clone(), three.clone(), three.clone(), three).prop_map(
-        |(angle_rad, rate_rad_s, input_prev, reference_rad)| PlanRequest {
-            step: 7,
+        |(angle_rad, rate_rad_s, input_prev, reference_rad)| RegulationRequest {
             angle_rad,
             rate_rad_s,
             input_prev,
@@ -62,8 +62,8 @@ proptest! {
     #[test]
     fn one_input_is_the_closed_form(request in ordinary_request()) {
         let settings = nominal();
-        let plan = Mpc::<1>::prepare(&settings).unwrap().plan(&mut MpcState::new(), &request);
-        prop_assert_eq!((plan.status, plan.step), (PlanStatus::Solved, 7));
+        let plan = RegulationMpc::<1>::prepare(&settings).unwrap().plan(&mut RegulationState::new(), &request);
+        prop_assert_eq!(plan.status, PlanStatus::Solved);
         for axis in 0..3 {
             let input_max = f64::from(settings.input_max[axis]);
             let exact = one_input(&settings, axis, &request).clamp(-input_max, input_max);
@@ -88,7 +88,7 @@ proptest! {
         }
         // At the edge of feasibility rounding decides.
         prop_assume!((high - low).abs() > 1e-3);
-        let plan = Mpc::<1>::prepare(&settings).unwrap().plan(&mut MpcState::new(), &request);
+        let plan = RegulationMpc::<1>::prepare(&settings).unwrap().plan(&mut RegulationState::new(), &request);
         if low > high {
             prop_assert_eq!(plan.status, PlanStatus::Infeasible);
         } else {
@@ -105,8 +105,8 @@ proptest! {
     fn any_request_is_survived(requests in prop::collection::vec(any_request(), 3)) {
         let mut settings = nominal();
         settings.output_max_rad = [Some(0.7), Some(0.7), None];
-        let mpc = Mpc::<5>::prepare(&settings).unwrap();
-        let mut state = MpcState::new();
+        let mpc = RegulationMpc::<5>::prepare(&settings).unwrap();
+        let mut state = RegulationState::new();
         for request in requests {
             let plan = mpc.plan(&mut state, &request);
             for (input, input_max) in plan.input.iter().zip(settings.input_max) {
@@ -124,8 +124,8 @@ proptest! {
     fn unconstrained_gain_is_the_law_inside_the_bounds(request in ordinary_request()) {
         let mut settings = nominal();
         settings.input_max = [1e4; 3];
-        let mpc = Mpc::<10>::prepare(&settings).unwrap();
-        let plan = mpc.plan(&mut MpcState::new(), &request);
+        let mpc = RegulationMpc::<10>::prepare(&settings).unwrap();
+        let plan = mpc.plan(&mut RegulationState::new(), &request);
         for (axis, gain) in mpc.unconstrained_gain().iter().enumerate() {
             let law = gain[0] * request.angle_rad[axis]
                 + gain[1] * request.rate_rad_s[axis]
@@ -140,9 +140,9 @@ proptest! {
     fn room_changes_nothing(requests in prop::collection::vec(ordinary_request(), 4)) {
         let mut settings = nominal();
         settings.output_max_rad = [Some(0.9), Some(0.9), None];
-        let exact = Mpc::<7>::prepare(&settings).unwrap();
-        let roomy = Mpc::<HORIZON>::prepare_shorter(7, &settings).unwrap();
-        let (mut exact_state, mut roomy_state) = (MpcState::new(), MpcState::new());
+        let exact = RegulationMpc::<7>::prepare(&settings).unwrap();
+        let roomy = RegulationMpc::<HORIZON>::prepare_shorter(7, &settings).unwrap();
+        let (mut exact_state, mut roomy_state) = (RegulationState::new(), RegulationState::new());
         for request in requests {
             let (a, b) = (exact.plan(&mut exact_state, &request), roomy.plan(&mut roomy_state, &request));
             prop_assert_eq!(a.input.map(f32::to_bits), b.input.map(f32::to_bits));
@@ -158,9 +158,9 @@ fn warm_equals_cold<const M: usize>(increment_weight: f32, output_max_rad: Optio
     settings.increment_weight = [increment_weight; 3];
     settings.input_max = [2.0, 1.0, 0.1];
     settings.output_max_rad = [output_max_rad; 3];
-    let mpc = Mpc::<M>::prepare(&settings).unwrap();
-    let mut state = MpcState::new();
-    let mut request = PlanRequest::default();
+    let mpc = RegulationMpc::<M>::prepare(&settings).unwrap();
+    let mut state = RegulationState::new();
+    let mut request = RegulationRequest::default();
     let (mut solved, mut undecided) = (0, 0);
     for step in 0..400_u32 {
         if step % 50 == 0 {
@@ -168,7 +168,7 @@ fn warm_equals_cold<const M: usize>(increment_weight: f32, output_max_rad: Optio
             request.reference_rad = [0.65 * side, -0.72 * side, 0.3 * side];
         }
         let warm = mpc.plan(&mut state, &request);
-        let cold = mpc.plan(&mut MpcState::new(), &request);
+        let cold = mpc.plan(&mut RegulationState::new(), &request);
         for status in [warm.status, cold.status] {
             let expected = status == PlanStatus::Solved || output_max_rad.is_some() && status == PlanStatus::Infeasible;
             assert!(expected, "M = {M}, step {step}: {status:?} {request:?}");
@@ -189,7 +189,7 @@ fn warm_equals_cold<const M: usize>(increment_weight: f32, output_max_rad: Optio
         request.input_prev = warm.input;
         if warm.status != PlanStatus::Solved {
             // Few inputs and a bounded angle: a plan may lead to where none is left. Start anew, at rest.
-            request = PlanRequest { reference_rad: request.reference_rad, ..PlanRequest::default() };
+            request = RegulationRequest { reference_rad: request.reference_rad, ..RegulationRequest::default() };
         }
     }
     assert!(solved >= 380, "M = {M}: {solved} of 400 solved");
@@ -211,10 +211,13 @@ fn warm_start_changes_no_answer() {
 /// At rest on the reference there is nothing to do.
 #[test]
 fn rest_needs_no_input() {
-    let mpc = Mpc::<10>::prepare(&nominal()).unwrap();
-    let request =
-        PlanRequest { angle_rad: [0.3, -0.2, 0.1], reference_rad: [0.3, -0.2, 0.1], ..PlanRequest::default() };
-    let plan = mpc.plan(&mut MpcState::new(), &request);
+    let mpc = RegulationMpc::<10>::prepare(&nominal()).unwrap();
+    let request = RegulationRequest {
+        angle_rad: [0.3, -0.2, 0.1],
+        reference_rad: [0.3, -0.2, 0.1],
+        ..RegulationRequest::default()
+    };
+    let plan = mpc.plan(&mut RegulationState::new(), &request);
     assert_eq!((plan.status, plan.iterations), (PlanStatus::Solved, 3));
     assert!(plan.input.iter().all(|input| input.abs() < 1e-6), "{:?}", plan.input);
 }
@@ -224,26 +227,29 @@ fn rest_needs_no_input() {
 fn status_is_the_worst_of_the_axes() {
     let mut settings = nominal();
     settings.output_max_rad = [None, Some(0.7), None];
-    let mpc = Mpc::<5>::prepare(&settings).unwrap();
-    let mut request =
-        PlanRequest { reference_rad: [0.1, 0.0, 0.0], input_prev: [0.0, 0.5, 0.0], ..PlanRequest::default() };
-    let good = mpc.plan(&mut MpcState::new(), &request);
+    let mpc = RegulationMpc::<5>::prepare(&settings).unwrap();
+    let mut request = RegulationRequest {
+        reference_rad: [0.1, 0.0, 0.0],
+        input_prev: [0.0, 0.5, 0.0],
+        ..RegulationRequest::default()
+    };
+    let good = mpc.plan(&mut RegulationState::new(), &request);
     assert_eq!(good.status, PlanStatus::Solved);
     request.angle_rad[1] = 1.5;
-    let beyond = mpc.plan(&mut MpcState::new(), &request);
+    let beyond = mpc.plan(&mut RegulationState::new(), &request);
     assert_eq!(beyond.status, PlanStatus::Infeasible);
     assert_eq!(beyond.input[0], good.input[0]);
     assert_eq!(beyond.input[1], 0.5, "without a plan the present input stays");
     request.rate_rad_s[2] = f32::NAN;
-    assert_eq!(mpc.plan(&mut MpcState::new(), &request).status, PlanStatus::NumericalError);
+    assert_eq!(mpc.plan(&mut RegulationState::new(), &request).status, PlanStatus::NumericalError);
 }
 
 #[test]
 fn settings_are_checked_by_name() {
-    let spoil = |change: fn(&mut MpcSettings)| {
+    let spoil = |change: fn(&mut ProblemSettings)| {
         let mut settings = nominal();
         change(&mut settings);
-        match Mpc::<2>::prepare(&settings).err() {
+        match RegulationMpc::<2>::prepare(&settings).err() {
             Some(MpcError::OutOfRange { field, axis, .. }) => (field, axis),
             other => panic!("{other:?}"),
         }
@@ -256,9 +262,9 @@ fn settings_are_checked_by_name() {
     assert_eq!(spoil(|settings| settings.output_max_rad[1] = Some(0.0)), ("output_max_rad", 1));
     let mut reversed = nominal();
     reversed.input_gain[0] = -10.0;
-    assert!(Mpc::<2>::prepare(&reversed).is_ok(), "an input may turn the other way");
+    assert!(RegulationMpc::<2>::prepare(&reversed).is_ok(), "an input may turn the other way");
     for found in [0, 4] {
-        let error = Mpc::<3>::prepare_shorter(found, &nominal()).err();
+        let error = RegulationMpc::<3>::prepare_shorter(found, &nominal()).err();
         assert_eq!(error, Some(MpcError::ControlHorizon { found, room: 3 }));
     }
 }
@@ -268,7 +274,7 @@ fn settings_are_checked_by_name() {
 fn settings_beyond_single_precision_are_refused() {
     let mut settings = nominal();
     settings.increment_weight[1] = 1e-8;
-    let error = Mpc::<30>::prepare(&settings).err();
+    let error = RegulationMpc::<30>::prepare(&settings).err();
     let expected = |error| matches!(error, Some(MpcError::Program { axis: 1, error: QpError::IllConditioned { .. } }));
     assert!(expected(error), "{error:?}");
 }
@@ -276,8 +282,8 @@ fn settings_beyond_single_precision_are_refused() {
 /// One step ahead and one input: u minimises mu (theta + T theta' + b T^2 u / 2 - r)^2 + rho (u - u_prev)^2.
 #[test]
 fn a_horizon_of_one_step_has_its_closed_form() {
-    let settings = MpcSettings { horizon: 1, ..nominal() };
-    let mpc = Mpc::<1>::prepare(&settings).unwrap();
+    let settings = ProblemSettings { horizon: 1, ..nominal() };
+    let mpc = RegulationMpc::<1>::prepare(&settings).unwrap();
     let step_s = settings.prediction_step_s;
     for (axis, gain) in mpc.unconstrained_gain().into_iter().enumerate() {
         let reach = 0.5 * settings.input_gain[axis] * step_s * step_s;
@@ -294,24 +300,7 @@ fn a_horizon_of_one_step_has_its_closed_form() {
 #[test]
 fn a_horizon_outside_its_range_is_refused() {
     for horizon in [0, 4, HORIZON + 1] {
-        let refused = Mpc::<5>::prepare(&MpcSettings { horizon, ..nominal() });
+        let refused = RegulationMpc::<5>::prepare(&ProblemSettings { horizon, ..nominal() });
         assert_eq!(refused.err(), Some(MpcError::Horizon { found: horizon, control_horizon: 5 }));
     }
-}
-
-#[test]
-fn an_mpc_that_is_not_prepared_does_not_pretend_to_plan() {
-    let request = PlanRequest { angle_rad: [0.1; 3], ..PlanRequest::default() };
-    let mut mpc = Mpc::<5>::unprepared();
-    assert_eq!(mpc.plan(&mut MpcState::new(), &request).status, PlanStatus::NumericalError);
-    let reversed = MpcSettings { input_max: [1.0, 1.0, -1.0], ..nominal() };
-    assert!(mpc.prepare_in_place(5, &reversed).is_err());
-    assert_eq!(mpc.plan(&mut MpcState::new(), &request).status, PlanStatus::NumericalError);
-    // and a second preparation replaces the first
-    for _ in 0..2 {
-        mpc.prepare_in_place(5, &nominal()).unwrap();
-    }
-    let plan = mpc.plan(&mut MpcState::new(), &request);
-    assert_eq!(plan, Mpc::<5>::prepare(&nominal()).unwrap().plan(&mut MpcState::new(), &request));
-    assert_eq!(plan.status, PlanStatus::Solved);
 }

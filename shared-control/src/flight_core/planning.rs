@@ -1,0 +1,73 @@
+//! The question to the planner, and the observer that knows what it asks about.
+
+use super::{State, StepOutput};
+use crate::config::Config;
+use crate::elementary::{magnitude, wrap_pi};
+use crate::frames::{euler_from_q, euler_rates};
+use crate::signals::{AttitudeEstimate, PlanRequest};
+use crate::torque_observer::ObserverState;
+
+/// Pitch beyond which Euler angles say too little for the MPC's model, rad; the cascade knows the whole sphere.
+const PITCH_MAX_RAD: f32 = 1.3;
+/// The same for roll: beyond, the pitch axis' motors turn it the other way round.
+const ROLL_MAX_RAD: f32 = core::f32::consts::FRAC_PI_2;
+
+/// Euler angles and their rates (roll, pitch, heading). A heading that can't move stands still.
+pub(super) struct EulerMotion {
+    angle_rad: [f32; 3],
+    pub(super) rate_rad_s: [f32; 3],
+}
+
+impl EulerMotion {
+    pub(super) fn of(config: &Config, estimate: &AttitudeEstimate) -> Self {
+        let angles = euler_from_q(&estimate.q_world_from_body);
+        let [roll, pitch, heading] = euler_rates(angles, &estimate.rate_body_rad_s);
+        let heading = if config.angle.yaw_locked { 0.0 } else { heading };
+        Self { angle_rad: [angles.roll_rad, angles.pitch_rad, angles.yaw_rad], rate_rad_s: [roll, pitch, heading] }
+    }
+
+    fn is_too_steep(&self) -> bool {
+        let [roll_rad, pitch_rad, _] = self.angle_rad;
+        magnitude(pitch_rad) > PITCH_MAX_RAD || magnitude(roll_rad) > ROLL_MAX_RAD
+    }
+}
+
+/// One step of the observer. Where the vehicle is too steep or upside down it begins anew.
+pub(super) fn observe(config: &Config, observer: &mut ObserverState, motion: &EulerMotion, output: &StepOutput) {
+    if motion.is_too_steep() {
+        *observer = ObserverState::at(motion.rate_rad_s);
+    } else {
+        observer.update(&config.observer, motion.rate_rad_s, delivered_nm(output));
+    }
+}
+
+fn delivered_nm(output: &StepOutput) -> [f32; 3] {
+    core::array::from_fn(|axis| output.wrench.torque_body_nm[axis] - output.mix.unmet_torque_nm[axis])
+}
+
+/// What the planner needs to know, at the time when the plan will act. None where the vehicle is too steep or upside down.
+pub(super) fn request(
+    config: &Config,
+    state: &State,
+    motion: &EulerMotion,
+    output: &StepOutput,
+) -> Option<PlanRequest> {
+    if motion.is_too_steep() {
+        return None;
+    }
+    let [roll_rad, pitch_rad, heading_rad] = motion.angle_rad;
+    let mut reference = state.angle;
+    let [_, _, heading] = &mut reference.reference;
+    heading.angle_rad = if config.angle.yaw_locked { 0.0 } else { wrap_pi(heading.angle_rad - heading_rad) };
+    let then = state.observer.at_next_plan(&config.observer, [roll_rad, pitch_rad, 0.0], motion.rate_rad_s);
+    Some(PlanRequest {
+        step: state.step,
+        angle_rad: then.map(|axis| axis.angle_rad),
+        rate_rad_s: then.map(|axis| axis.rate_rad_s),
+        motor_nm: then.map(|axis| axis.motor_nm),
+        torque_prev_nm: delivered_nm(output),
+        disturbance_nm: state.observer.disturbance_nm(),
+        reference,
+        setpoint: state.setpoint.flown,
+    })
+}
