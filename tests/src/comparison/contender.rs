@@ -1,14 +1,15 @@
 //! A controller that takes part: what `sil fly --controller FILE` flies, on vehicles that are not what it believes.
 
 use rayon::prelude::*;
+use sil_host::control_setup::mpc_settings;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::cosim::{self, control_side::ControlSide, record::FlightRecord};
 use sil_host::flight::FlightSetup;
+use sil_host::lqi::Lqi;
 use sil_host::metrics::{self, AxisMetrics};
-use sil_host::model::{Rig, VehicleModel};
+use sil_host::planner::Planner;
 use sil_host::plant::Plant;
 use sil_host::scenario::Scenario;
-use sil_host::sensors::Sensors;
 
 use super::draw::Draw;
 
@@ -17,13 +18,15 @@ const OVERSHOOT_WEIGHT_DEG: f64 = 0.1;
 /// What a step that never settles counts as: the time until the next, s.
 const NEVER_SETTLED_S: f64 = 1.75;
 
-/// A controller and what it believes of the vehicle.
+/// A controller.
 #[derive(Clone, Debug)]
 pub struct Contender {
     /// What tables call it.
     pub name: &'static str,
     /// Controller and tuning.
     pub choice: ControllerChoice,
+    /// The MPC's problem solved without its bounds and its end, and the result cut.
+    pub without_bounds: bool,
 }
 
 /// Figures of a flight over the test sequence; errors are the true angles against the raw reference.
@@ -79,12 +82,19 @@ impl Contender {
     /// # Panics
     /// If the text can't be read: it is the project's own.
     pub fn new(name: &'static str, text: &str) -> Self {
-        Self { name, choice: ControllerChoice::parse(text, name).unwrap_or_else(|error| panic!("{error}")) }
+        let choice = ControllerChoice::parse(text, name).unwrap_or_else(|error| panic!("{error}"));
+        Self { name, choice, without_bounds: false }
     }
 
-    /// The vehicle that it believes in, with its noise, at a scenario.
-    pub fn setup(&self, scenario: &Scenario, seed: u64) -> FlightSetup {
-        FlightSetup { model: VehicleModel::nominal(Rig::Gimbal), choice: self.choice, scenario: scenario.clone(), seed }
+    /// A vehicle under this controller, which takes it for the nominal one.
+    pub fn setup(&self, draw: &Draw, scenario: &Scenario) -> FlightSetup {
+        FlightSetup {
+            model: draw.model(),
+            controller_model: Some(Draw::nominal(0).model()),
+            choice: self.choice,
+            scenario: scenario.clone(),
+            seed: draw.seed,
+        }
     }
 
     /// A control side that has not flown.
@@ -92,23 +102,35 @@ impl Contender {
     /// # Panics
     /// If the configuration can't be flown.
     pub fn control_side(&self) -> ControlSide {
-        let setup = self.setup(&Scenario::test_sequence(), 0);
-        setup.control_side().unwrap_or_else(|error| panic!("{}: {error}", self.name))
+        let setup = self.setup(&Draw::nominal(0), &Scenario::test_sequence());
+        let control = setup.control_side().unwrap_or_else(|error| panic!("{}: {error}", self.name));
+        if !self.without_bounds {
+            return control;
+        }
+        let problem = mpc_settings(&setup.known_model(), &setup.tuning(), self.choice.rate_hz);
+        ControlSide::new(*control.config(), Some(Planner::Lqi(Box::new(Lqi::new(&problem)))))
     }
 
-    /// A flight of a vehicle.
-    pub fn fly(&self, draw: &Draw, scenario: &Scenario) -> FlightRecord {
-        let setup = self.setup(scenario, draw.seed);
-        let mut plant = Plant::new(&draw.model());
-        let mut sensors = Sensors::new(&setup.model.noise, draw.seed);
-        cosim::fly(&setup.design_parameters(), &mut plant, &mut sensors, &mut self.control_side(), scenario, None)
+    /// The MPC's law where no bound is active; none for the cascade.
+    pub fn law(&self) -> Option<[[f64; 4]; 3]> {
+        self.control_side().planner().map(|planner| planner.unconstrained_gain().map(|axis| axis.map(f64::from)))
+    }
+
+    /// A flight.
+    pub fn fly(&self, setup: &FlightSetup) -> FlightRecord {
+        let (mut plant, mut sensors) = (Plant::new(&setup.model), setup.sensors());
+        let parameters = setup.design_parameters();
+        cosim::fly(&parameters, &mut plant, &mut sensors, &mut self.control_side(), &setup.scenario, None)
     }
 
     /// The test sequence on many vehicles, in their order.
     pub fn fly_all(&self, draws: &[Draw]) -> Vec<Figures> {
         let scenario = Scenario::test_sequence();
-        let base_command = VehicleModel::nominal(Rig::Gimbal).base_command;
-        draws.par_iter().map(|draw| Figures::new(&self.fly(draw, &scenario), base_command)).collect()
+        let figures = |draw: &Draw| {
+            let setup = self.setup(draw, &scenario);
+            Figures::new(&self.fly(&setup), setup.model.base_command)
+        };
+        draws.par_iter().map(figures).collect()
     }
 
     /// Mean cost over vehicles, degrees.

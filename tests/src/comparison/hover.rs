@@ -1,15 +1,13 @@
 //! At hover on the nominal vehicle: what a torque from outside does, and what the sensors' noise makes the motors do.
 
 use sil_host::axis::Axis;
-use sil_host::cosim;
 use sil_host::cosim::record::FlightRecord;
+use sil_host::flight::FlightSetup;
 use sil_host::margins::{self, Margins};
 use sil_host::metrics::mean;
 use sil_host::model::{SensorNoise, VehicleModel};
-use sil_host::plant::Plant;
 use sil_host::plant::effects::{Effect, StepDisturbance};
 use sil_host::scenario::{Scenario, Waypoint};
-use sil_host::sensors::Sensors;
 
 use super::contender::Contender;
 use super::draw::Draw;
@@ -48,11 +46,11 @@ impl Hover {
     /// Flies and measures.
     pub fn of(contender: &Contender) -> Self {
         let model = Draw::nominal(0).model();
-        let parameters = contender.setup(&hover(1.0), 0).design_parameters();
+        let parameters = contender.setup(&Draw::nominal(0), &hover(1.0)).design_parameters();
         let responses = margins::measure(&model, &parameters, &contender.control_side());
         Self {
             torque_step: [torque_step(contender, Axis::Roll), torque_step(contender, Axis::Pitch)],
-            command_deviation: command_deviation(&fly(contender, &model, &model.noise, NOISE_FLIGHT_S)),
+            command_deviation: command_deviation(&fly(contender, model, NOISE_FLIGHT_S)),
             margins: responses.map(|axes| axes.map(|response| margins::margins(&response))),
         }
     }
@@ -63,18 +61,15 @@ fn hover(duration_s: f64) -> Scenario {
     Scenario { name: "hover".into(), duration_s, waypoints: vec![level] }
 }
 
-fn fly(contender: &Contender, model: &VehicleModel, noise: &SensorNoise, duration_s: f64) -> FlightRecord {
-    let scenario = hover(duration_s);
-    let parameters = contender.setup(&scenario, 0).design_parameters();
-    let mut sensors = Sensors::new(noise, 0);
-    cosim::fly(&parameters, &mut Plant::new(model), &mut sensors, &mut contender.control_side(), &scenario, None)
+fn fly(contender: &Contender, model: VehicleModel, duration_s: f64) -> FlightRecord {
+    contender.fly(&FlightSetup { model, ..contender.setup(&Draw::nominal(0), &hover(duration_s)) })
 }
 
 fn torque_step(contender: &Contender, axis: Axis) -> TorqueStep {
     let mut model = Draw::nominal(0).model();
     model.effects.push(Effect::StepDisturbance(StepDisturbance { axis, torque_nm: TORQUE_NM, start_s: SETS_IN_S }));
-    let silent = SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0 };
-    let record = fly(contender, &model, &silent, TORQUE_FLIGHT_S);
+    model.noise = SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0 };
+    let record = fly(contender, model, TORQUE_FLIGHT_S);
     let angles_rad = record.angle_of(axis.index());
     let last_outside = angles_rad.iter().rposition(|angle| angle.abs() > RECOVERED_RAD);
     let recovered_s = last_outside.map_or(Some(SETS_IN_S), |row| record.time_s.get(row + 1).copied());

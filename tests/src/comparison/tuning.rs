@@ -24,8 +24,10 @@ pub struct Parameter {
 pub enum Form {
     /// One number.
     Number,
-    /// Roll and pitch alike, and this for yaw, which the rig locks.
+    /// Roll, this times as much for pitch, and this for yaw, which the rig locks.
     Tilt {
+        /// Pitch over roll.
+        pitch: f64,
         /// Value of yaw.
         yaw: f64,
     },
@@ -51,7 +53,9 @@ impl<const N: usize> Tunable<N> {
             // writing into a string does not fail
             let _ = match parameter.form {
                 Form::Number => writeln!(text, "{} = {value:?}", parameter.field),
-                Form::Tilt { yaw } => writeln!(text, "{} = [{value:?}, {value:?}, {yaw:?}]", parameter.field),
+                Form::Tilt { pitch, yaw } => {
+                    writeln!(text, "{} = [{value:?}, {:?}, {yaw:?}]", parameter.field, rounded(pitch * value))
+                }
             };
         }
         text
@@ -94,7 +98,7 @@ mod tests {
             name: "pid",
             fixed: "controller = \"pid\"\n[tuning]\n".into(),
             parameters: [
-                Parameter { field: "angle_gain_1_s", form: Form::Tilt { yaw: 3.0 }, start: 6.0 },
+                Parameter { field: "angle_gain_1_s", form: Form::Tilt { pitch: 1.0, yaw: 3.0 }, start: 6.0 },
                 Parameter { field: "rate_derivative_cutoff_hz", form: Form::Number, start: 40.0 },
             ],
         };
