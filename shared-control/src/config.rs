@@ -7,7 +7,8 @@ use crate::estimator::EstimatorConfig;
 use crate::filter::LowPass1;
 use crate::imu::ImuConfig;
 use crate::mixer::MixerConfig;
-use crate::mpc::{HORIZON, MpcSettings, Preview, ProblemSettings, ReferenceAhead};
+use crate::mpc::schedule::{LINEARISATIONS_MAX, PitchInertia, Schedule};
+use crate::mpc::{HORIZON, MotorSettings, MpcSettings, Preview, ProblemSettings, ReferenceAhead};
 use crate::output::OutputConfig;
 use crate::signals::IMU_SAMPLES_MAX;
 use crate::supervisor::SupervisorConfig;
@@ -69,6 +70,13 @@ pub struct Tuning {
     pub mpc_knows_actuation: bool,
     /// How fast the disturbance torque is estimated, rad/s; 0 for no estimate.
     pub mpc_disturbance_bandwidth_rad_s: f32,
+    /// Whether the MPC's limits are the motors', which couple the axes (at most 10 free inputs); otherwise each axis has its own.
+    pub mpc_motor_limits: bool,
+    /// With these: share of the motors' span that is kept for torque on either side of the collective, 0 (the collective is
+    /// kept, whatever torque that costs) to 1/2 (it gives way as far as the mixer lets it).
+    pub mpc_torque_reserve: f32,
+    /// Linearisations of the pitch axis along roll, 1 to [`LINEARISATIONS_MAX`].
+    pub mpc_linearisations: usize,
 }
 
 impl Tuning {
@@ -101,6 +109,9 @@ impl Tuning {
             mpc_reference: ReferenceAhead::Shaped,
             mpc_knows_actuation: true,
             mpc_disturbance_bandwidth_rad_s: 10.0,
+            mpc_motor_limits: false,
+            mpc_torque_reserve: 0.5,
+            mpc_linearisations: 1,
         }
     }
 }
@@ -126,6 +137,8 @@ pub struct Config {
     pub inertia_kg_m2: [f32; 3],
     /// Estimate of the motors' torque and of the disturbance.
     pub observer: ObserverConfig,
+    /// How pitch answers to torque when rolled; none where the level vehicle's answer is taken everywhere.
+    pub pitch_inertia: Option<PitchInertia>,
     /// Largest torque of an admissible plan, N m; what exceeds it by more than rounding did not come from the MPC.
     pub mpc_torque_max_nm: [f32; 3],
     /// Mixer.
@@ -191,7 +204,8 @@ impl Config {
             rate: rate_gains(vehicle, tuning, loop_rate_hz),
             inertia_kg_m2: vehicle.inertia_kg_m2,
             observer: observer_config(vehicle, tuning, loop_rate_hz)?,
-            mpc_torque_max_nm: core::array::from_fn(|axis| mpc.torque_per_input_nm[axis] * mpc.problem.input_max[axis]),
+            pitch_inertia: (tuning.mpc_linearisations > 1).then(|| vehicle.pitch_inertia()),
+            mpc_torque_max_nm: mpc.torque_max_nm(),
             mixer: MixerConfig {
                 lever_m: vehicle.lever_m(),
                 torque_per_lift_m: vehicle.torque_per_lift_m,
@@ -226,6 +240,14 @@ pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: 
         },
         torque_per_input_nm,
         motor_lag_s: actuation.lag_s,
+        schedule: Schedule::new(&vehicle.pitch_inertia(), tuning.tilt_max_rad, tuning.mpc_linearisations),
+        motors: tuning.mpc_motor_limits.then(|| MotorSettings {
+            lift_curve: vehicle.lift_curve,
+            torque_reserve: tuning.mpc_torque_reserve,
+            lift_per_torque_1_m: [vehicle.lever_m(), vehicle.lever_m(), vehicle.torque_per_lift_m]
+                .map(|arm_m| 0.25 / arm_m),
+            yaw_locked: vehicle.yaw_locked,
+        }),
         preview: Preview {
             ahead: tuning.mpc_reference,
             shaping: angle_config(vehicle, tuning),
@@ -329,6 +351,12 @@ fn validate_tuning(tuning: &Tuning) -> Result<(), ConfigError> {
     }
     not_negative("integral_share", tuning.integral_share)?;
     not_negative("mpc_disturbance_bandwidth_rad_s", tuning.mpc_disturbance_bandwidth_rad_s)?;
+    if !(0.0..=0.5).contains(&tuning.mpc_torque_reserve) {
+        return Err(ConfigError::OutOfRange("mpc_torque_reserve (0 to 0.5)"));
+    }
+    if !(1..=LINEARISATIONS_MAX).contains(&tuning.mpc_linearisations) {
+        return Err(ConfigError::OutOfRange("mpc_linearisations (1 to 4)"));
+    }
     positive("gyro_cutoff_hz", tuning.gyro_cutoff_hz)
 }
 
@@ -349,6 +377,7 @@ mod tests {
         gravity_m_s2: 9.81,
         arm_m: 0.226,
         inertia_kg_m2: [0.0115, 0.0366, 0.02],
+        ring_inertia_kg_m2: 0.025,
         torque_per_lift_m: 0.038,
         lift_curve: LiftCurve { lift_min_n: 0.0, lift_max_n: 2.0, command_at: [0.0; LIFT_INTERVALS + 1] },
         actuation: Actuation { delay_s: 0.0, lag_s: 0.0 },

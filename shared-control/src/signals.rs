@@ -155,6 +155,8 @@ pub struct PlanRequest {
     pub torque_prev_nm: [f32; 3],
     /// Disturbance torque, N m.
     pub disturbance_nm: [f32; 3],
+    /// Lift of each motor before any torque, N.
+    pub lift_per_motor_n: f32,
     /// Shaped reference, of the next step.
     pub reference: AngleState,
     /// Where the reference is on its way to.

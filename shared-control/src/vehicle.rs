@@ -1,6 +1,7 @@
 //! What the controllers know of the vehicle. Numbers only: the plant is somewhere else and shares no code with this.
 
 use crate::lift_curve::LiftCurve;
+use crate::mpc::schedule::PitchInertia;
 
 /// Parameters of the vehicle on its rig, as the controllers need them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,6 +12,8 @@ pub struct VehicleParameters {
     pub arm_m: f32,
     /// Inertia about the body axes with whatever turns along with them (the rig's rings), kg m^2.
     pub inertia_kg_m2: [f32; 3],
+    /// Part of the inertia about pitch that does not roll along: the rig's ring, kg m^2; 0 in free flight.
+    pub ring_inertia_kg_m2: f32,
     /// Reaction torque per lift of one motor, m.
     pub torque_per_lift_m: f32,
     /// Command and lift of one motor.
@@ -37,6 +40,7 @@ impl VehicleParameters {
         gravity_m_s2: 9.81,
         arm_m: 0.226,
         inertia_kg_m2: [0.0115118, 0.0365651, 0.02],
+        ring_inertia_kg_m2: 0.0250533,
         torque_per_lift_m: 0.037823286,
         lift_curve: LiftCurve {
             lift_min_n: 0.0017807509,
@@ -61,6 +65,7 @@ impl VehicleParameters {
         gravity_m_s2: 9.81,
         arm_m: 0.226,
         inertia_kg_m2: [0.0115118, 0.0115118, 0.02],
+        ring_inertia_kg_m2: 0.0,
         torque_per_lift_m: 0.016099548,
         lift_curve: LiftCurve {
             lift_min_n: 0.0,
@@ -82,6 +87,13 @@ impl VehicleParameters {
     /// Distance of each motor from the roll and the pitch axis, m.
     pub fn lever_m(&self) -> f32 {
         self.arm_m * core::f32::consts::FRAC_1_SQRT_2
+    }
+
+    /// How pitch answers to torque, over roll. Where yaw is locked the body's other inertia turns into pitch's.
+    pub fn pitch_inertia(&self) -> PitchInertia {
+        let [_, level_kg_m2, yaw_kg_m2] = self.inertia_kg_m2;
+        let rolled_kg_m2 = if self.yaw_locked { self.ring_inertia_kg_m2 + yaw_kg_m2 } else { level_kg_m2 };
+        PitchInertia { level_kg_m2, rolled_kg_m2 }
     }
 
     /// Difference between the largest and the smallest lift of one motor, N.

@@ -30,6 +30,7 @@ pub fn vehicle_parameters(model: &VehicleModel) -> VehicleParameters {
         gravity_m_s2: model.gravity_m_s2 as f32,
         arm_m: model.arm_m as f32,
         inertia_kg_m2: core::array::from_fn(|axis| (change.inertia_scale[axis] * inertia_kg_m2[axis]) as f32),
+        ring_inertia_kg_m2: (change.inertia_scale[1] * ring_kg_m2) as f32,
         torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m() as f32,
         lift_curve: curve,
         actuation: Actuation { delay_s: chain.delay_s as f32, lag_s: (motor_lag_s(model) + chain.lag_s) as f32 },

@@ -182,6 +182,9 @@ tuning_fields! {
     mpc_reference: ReferenceName,
     mpc_knows_actuation: bool,
     mpc_disturbance_bandwidth_rad_s: f32,
+    mpc_motor_limits: bool,
+    mpc_torque_reserve: f32,
+    mpc_linearisations: usize,
 }
 
 /// [`ReferenceAhead`] by name: `setpoint`, `held` or `shaped`.

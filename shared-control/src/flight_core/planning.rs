@@ -26,6 +26,13 @@ impl EulerMotion {
         Self { angle_rad: [angles.roll_rad, angles.pitch_rad, angles.yaw_rad], rate_rad_s: [roll, pitch, heading] }
     }
 
+    /// What a torque about the body's y axis is about the pitch axis: share of the acceleration that it gives when level. The
+    /// observer counts torques about the axes; plans are torques about the body, to which its findings are turned back.
+    fn pitch_gain_share(&self, config: &Config) -> f32 {
+        let [roll_rad, ..] = self.angle_rad;
+        config.pitch_inertia.map_or(1.0, |inertia| inertia.gain_share(roll_rad))
+    }
+
     fn is_too_steep(&self) -> bool {
         let [roll_rad, pitch_rad, _] = self.angle_rad;
         magnitude(pitch_rad) > PITCH_MAX_RAD || magnitude(roll_rad) > ROLL_MAX_RAD
@@ -37,7 +44,9 @@ pub(super) fn observe(config: &Config, observer: &mut ObserverState, motion: &Eu
     if motion.is_too_steep() {
         *observer = ObserverState::at(motion.rate_rad_s);
     } else {
-        observer.update(&config.observer, motion.rate_rad_s, delivered_nm(output));
+        let [roll_nm, pitch_nm, heading_nm] = delivered_nm(output);
+        let about_axes_nm = [roll_nm, pitch_nm * motion.pitch_gain_share(config), heading_nm];
+        observer.update(&config.observer, motion.rate_rad_s, about_axes_nm);
     }
 }
 
@@ -60,13 +69,16 @@ pub(super) fn request(
     let [_, _, heading] = &mut reference.reference;
     heading.angle_rad = if config.angle.yaw_locked { 0.0 } else { wrap_pi(heading.angle_rad - heading_rad) };
     let then = state.observer.at_next_plan(&config.observer, [roll_rad, pitch_rad, 0.0], motion.rate_rad_s);
+    let per_share = [1.0, 1.0 / motion.pitch_gain_share(config), 1.0];
+    let about_body = |torque_nm: [f32; 3]| core::array::from_fn(|axis| torque_nm[axis] * per_share[axis]);
     Some(PlanRequest {
         step: state.step,
         angle_rad: then.map(|axis| axis.angle_rad),
         rate_rad_s: then.map(|axis| axis.rate_rad_s),
-        motor_nm: then.map(|axis| axis.motor_nm),
+        motor_nm: about_body(then.map(|axis| axis.motor_nm)),
         torque_prev_nm: delivered_nm(output),
-        disturbance_nm: state.observer.disturbance_nm(),
+        disturbance_nm: about_body(state.observer.disturbance_nm()),
+        lift_per_motor_n: output.wrench.lift_per_motor_n,
         reference,
         setpoint: state.setpoint.flown,
     })

@@ -13,6 +13,7 @@ const VEHICLE: VehicleParameters = VehicleParameters {
     gravity_m_s2: 9.80665,
     arm_m: 0.226,
     inertia_kg_m2: [0.0115, 0.0366, 0.02],
+    ring_inertia_kg_m2: 0.0,
     torque_per_lift_m: 0.038,
     lift_curve: LiftCurve { lift_min_n: 0.0, lift_max_n: 2.0, command_at: straight_commands() },
     actuation: Actuation { delay_s: 0.0, lag_s: 0.0 },

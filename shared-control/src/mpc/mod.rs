@@ -7,13 +7,17 @@
 mod axis;
 mod bounded_output;
 pub mod condense;
+mod coupling;
 pub mod model;
+pub mod motor_limits;
 mod preview;
 mod regulation;
 mod riccati;
+pub mod schedule;
 mod settings;
 mod tracking;
 
+pub use coupling::MotorSettings;
 pub use preview::{Preview, ReferenceAhead};
 pub use regulation::{Regulation, RegulationMpc, RegulationRequest, RegulationState};
 use settings::AxisSettings;

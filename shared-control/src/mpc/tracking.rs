@@ -9,13 +9,18 @@
 //! All that crosses this boundary is in N m and rad: plans and requests mean the same whatever set of weights and
 //! models answers. Data flow: once, [`MpcSettings`] -> [`TrackingAxis`] (prepared); per step [`PlanRequest`] -> references -> solve -> [`Plan`].
 
+use super::coupling::{Coupling, MotorSettings, TorqueForecast, TorqueResponse, UNKNOWNS};
+use super::motor_limits::{COUPLED_INPUTS_MAX, Room};
 use super::preview::Preview;
 use super::riccati::{BoundedLq, LaggedIntegrator, Model, Pattern, Tracking};
+use super::schedule::{LINEARISATIONS_MAX, Schedule};
 use super::settings::{AxisSettings, MpcError, ProblemSettings};
 use super::{HORIZON, worse};
 use crate::elementary::limit;
-use crate::qp::{QpError, Status};
+use crate::qp::{Status, Workspace};
 use crate::signals::{Plan, PlanRequest, PlanStatus};
+
+const PITCH: usize = 1;
 
 /// Everything about the MPC that flies; arrays are (roll, pitch, heading).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +33,10 @@ pub struct MpcSettings {
     pub motor_lag_s: f32,
     /// The reference over the horizon.
     pub preview: Preview,
+    /// Linearisations of the pitch axis.
+    pub schedule: Schedule,
+    /// The motors' limits in place of the inputs' bounds, for at most [`COUPLED_INPUTS_MAX`] free inputs; none keeps the bounds.
+    pub motors: Option<MotorSettings>,
 }
 
 /// An MPC with M free inputs per axis, 1 <= M <= [`HORIZON`]; the last of them is held to the horizon's end.
@@ -35,20 +44,28 @@ pub struct MpcSettings {
 pub struct Mpc<const M: usize> {
     /// All three once it is prepared.
     axes: heapless::Vec<TrackingAxis<M>, 3>,
+    schedule: Schedule,
+    /// The pitch axis' linearisations after the first.
+    rolled_pitch: heapless::Vec<TrackingAxis<M>, { LINEARISATIONS_MAX - 1 }>,
+    coupling: Option<Coupling>,
+    control_horizon: usize,
     /// Some once it is prepared.
     preview: Option<Preview>,
 }
 
-/// What an MPC carries from plan to plan: which inputs were held. It fits any MPC of this size.
+/// What an MPC carries from plan to plan: which inputs were held, and the linearisation in use. It fits any MPC of this
+/// size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MpcState<const M: usize> {
     patterns: [Pattern<M>; 3],
+    linearisation: usize,
+    coupled: Workspace<UNKNOWNS>,
 }
 
 impl<const M: usize> MpcState<M> {
     /// A cold start.
     pub const fn new() -> Self {
-        Self { patterns: [Pattern::new(); 3] }
+        Self { patterns: [Pattern::new(); 3], linearisation: 0, coupled: Workspace::new() }
     }
 }
 
@@ -75,7 +92,14 @@ impl<const M: usize> Mpc<M> {
 
     /// An MPC whose plans are never solved, until it is prepared.
     pub const fn unprepared() -> Self {
-        Self { axes: heapless::Vec::new(), preview: None }
+        Self {
+            axes: heapless::Vec::new(),
+            schedule: Schedule::SINGLE,
+            rolled_pitch: heapless::Vec::new(),
+            coupling: None,
+            control_horizon: 0,
+            preview: None,
+        }
     }
 
     /// [`Self::prepare_shorter`] where the MPC lies: for a board, whose stack has no room for another. On an error it is left
@@ -83,31 +107,113 @@ impl<const M: usize> Mpc<M> {
     pub fn prepare_in_place(&mut self, control_horizon: usize, settings: &MpcSettings) -> Result<(), MpcError> {
         const { assert!(1 <= M && M <= HORIZON, "the control horizon is 1 to 30 steps") };
         self.preview = None;
+        self.coupling = None;
         self.axes.clear();
+        self.rolled_pitch.clear();
         settings.problem.check_horizon(control_horizon, M)?;
         settings.validate()?;
         for axis in 0..3 {
-            let prepared = TrackingAxis::prepare(control_horizon, settings, axis);
             // there is room for three
-            let _ = self.axes.push(prepared.map_err(|error| MpcError::Program { axis, error })?);
+            let _ = self.axes.push(TrackingAxis::prepare(control_horizon, settings, axis, 1.0)?);
+        }
+        self.schedule = settings.schedule;
+        self.control_horizon = control_horizon;
+        for linearisation in settings.schedule.linearisations().iter().skip(1) {
+            let axis = TrackingAxis::prepare(control_horizon, settings, PITCH, linearisation.gain_share)?;
+            let _ = self.rolled_pitch.push(axis);
+        }
+        if let Some(motors) = &settings.motors {
+            self.prepare_coupling(control_horizon, settings, motors)?;
         }
         self.preview = Some(settings.preview);
         Ok(())
+    }
+
+    /// The coupled programs, where they lie.
+    #[inline(never)]
+    fn prepare_coupling(
+        &mut self,
+        control_horizon: usize,
+        settings: &MpcSettings,
+        motors: &MotorSettings,
+    ) -> Result<(), MpcError> {
+        if control_horizon > COUPLED_INPUTS_MAX {
+            return Err(MpcError::ControlHorizon { found: control_horizon, room: COUPLED_INPUTS_MAX });
+        }
+        let mut coupling = Coupling::new(motors);
+        for linearisation in 0..settings.schedule.linearisations().len() {
+            if let [Some(roll), Some(pitch), Some(heading)] = [0, 1, 2].map(|axis| self.axis(axis, linearisation)) {
+                let responses = [roll, pitch, heading].map(TrackingAxis::torque_response);
+                let horizon = settings.problem.horizon;
+                let prepared = coupling.prepare(horizon, control_horizon, &responses);
+                prepared.map_err(|error| MpcError::Program { axis: PITCH, error })?;
+            }
+        }
+        self.coupling = Some(coupling);
+        Ok(())
+    }
+
+    /// An axis' model; the pitch axis has several.
+    fn axis(&self, axis: usize, linearisation: usize) -> Option<&TrackingAxis<M>> {
+        match linearisation.checked_sub(1) {
+            Some(rolled) if axis == PITCH => self.rolled_pitch.get(rolled),
+            _ => self.axes.get(axis),
+        }
     }
 
     /// Plans all three axes. The torque is finite whatever the status; only that of a plan that was solved may be applied.
     pub fn plan(&self, state: &mut MpcState<M>, request: &PlanRequest) -> Plan {
         let mut plan = Plan { step: request.step, torque_nm: [0.0; 3], status: PlanStatus::Solved, iterations: 0 };
         let Some(preview) = &self.preview else { return Plan { status: PlanStatus::NumericalError, ..plan } };
+        let [roll_rad, ..] = request.angle_rad;
+        state.linearisation = self.schedule.choose(state.linearisation, roll_rad);
         let references_rad = preview.references_rad(request);
-        let axes = self.axes.iter().zip(&mut state.patterns).zip(&references_rad).enumerate();
-        for (index, ((axis, pattern), reference_rad)) in axes {
-            let (torque_nm, status, iterations) = axis.solve(&AxisStart::of(request, index), reference_rad, pattern);
+        let room = self.coupling.as_ref().map(|coupling| (coupling, coupling.room(request.lift_per_motor_n)));
+        let torque_max_nm = room.map(|(coupling, room)| coupling.torque_max_nm(&room));
+        for (index, (pattern, reference_rad)) in state.patterns.iter_mut().zip(&references_rad).enumerate() {
+            let Some(axis) = self.axis(index, state.linearisation) else { continue };
+            let bound_nm = torque_max_nm.map_or(axis.torque_max_nm, |torque_max_nm| torque_max_nm[index]);
+            let start = AxisStart::of(request, index);
+            let (torque_nm, status, iterations) = axis.solve(&start, reference_rad, bound_nm, pattern);
             plan.torque_nm[index] = torque_nm;
             plan.status = worse(plan.status, status);
             plan.iterations = plan.iterations.saturating_add(iterations);
         }
-        plan
+        match room {
+            Some((coupling, room)) if plan.status == PlanStatus::Solved => {
+                self.couple(coupling, &room, state, request, &references_rad, plan)
+            }
+            _ => plan,
+        }
+    }
+
+    /// The axes' own plan if the motors can make all of it, else the coupled one.
+    #[inline(never)]
+    fn couple(
+        &self,
+        coupling: &Coupling,
+        room: &Room,
+        state: &mut MpcState<M>,
+        request: &PlanRequest,
+        references_rad: &[[f32; HORIZON]; 3],
+        plan: Plan,
+    ) -> Plan {
+        let [Some(roll), Some(pitch), Some(heading)] = [0, 1, 2].map(|axis| self.axis(axis, state.linearisation))
+        else {
+            return plan;
+        };
+        let axes = [roll, pitch, heading];
+        let starts = [0, 1, 2].map(|axis| AxisStart::of(request, axis));
+        let block_nm = |block: usize| {
+            core::array::from_fn(|axis| axes[axis].planned_nm(&starts[axis], &state.patterns[axis], block))
+        };
+        if (0..self.control_horizon).all(|block| coupling.holds(room, block_nm(block))) {
+            return plan;
+        }
+        let forecasts = core::array::from_fn(|axis| axes[axis].torque_forecast(&starts[axis], &references_rad[axis]));
+        let (torque_nm, status, iterations) = coupling.solve(state.linearisation, &forecasts, room, &mut state.coupled);
+        let iterations = plan.iterations.saturating_add(iterations);
+        Plan { torque_nm, status: worse(plan.status, status), iterations, ..plan }
     }
 
     /// Per axis the weights of (angle in rad, rate in rad/s, motors' torque in N m, previous torque in N m) in the torque when
@@ -118,6 +224,14 @@ impl<const M: usize> Mpc<M> {
 }
 
 impl MpcSettings {
+    /// The greatest torque that any plan can ask for, N m.
+    pub fn torque_max_nm(&self) -> [f32; 3] {
+        match &self.motors {
+            Some(motors) => motors.torque_max_nm(),
+            None => core::array::from_fn(|axis| self.torque_per_input_nm[axis] * self.problem.input_max[axis]),
+        }
+    }
+
     /// Checks that every setting is finite and positive, the input gains finite and not zero, the lag not negative; and that
     /// no angle is bounded.
     fn validate(&self) -> Result<(), MpcError> {
@@ -126,6 +240,11 @@ impl MpcSettings {
             return Err(MpcError::AngleBound { axis });
         }
         let refuse = |field, axis, value| Err(MpcError::OutOfRange { field, axis, value });
+        for (axis, linearisation) in self.schedule.linearisations().iter().enumerate() {
+            if !(linearisation.gain_share.is_normal() && linearisation.gain_share > 0.0) {
+                return refuse("schedule", axis, linearisation.gain_share);
+            }
+        }
         for (axis, torque_nm) in self.torque_per_input_nm.into_iter().enumerate() {
             if !(torque_nm.is_normal() && torque_nm > 0.0) {
                 return refuse("torque_per_input_nm", axis, torque_nm);
@@ -148,6 +267,9 @@ struct TrackingAxis<const M: usize> {
     units: [f32; 3],
     torque_max_nm: f32,
     horizon: usize,
+    tracking_weight: f32,
+    /// Of the torque, 1/(N m)^2.
+    increment_weight: f32,
 }
 
 /// Where an axis is when the plan begins to act.
@@ -174,38 +296,91 @@ impl AxisStart {
 }
 
 impl<const M: usize> TrackingAxis<M> {
-    fn prepare(control_horizon: usize, settings: &MpcSettings, axis: usize) -> Result<Self, QpError> {
+    /// `gain_share` is the input gain as a share of the one in `settings`.
+    fn prepare(control_horizon: usize, settings: &MpcSettings, axis: usize, gain_share: f32) -> Result<Self, MpcError> {
         let (problem, step_s) = (&settings.problem, settings.problem.prediction_step_s);
         let AxisSettings { input_gain, tracking_weight, increment_weight, input_max, .. } = problem.axis(axis);
         let torque_max_nm = input_max * settings.torque_per_input_nm[axis];
-        let full_turn_rad = input_gain * step_s * step_s * input_max;
+        let full_turn_rad = gain_share * input_gain * step_s * step_s * input_max;
         let scale = input_max / full_turn_rad;
         let model = LaggedIntegrator::new(settings.motor_lag_s / step_s);
         let last = model.cost_of_held_input(problem.horizon.saturating_sub(control_horizon) + 1);
-        let increment_weight = increment_weight / tracking_weight * scale * scale;
+        let weight = increment_weight / tracking_weight * scale * scale;
+        let lq = BoundedLq::prepare(model, weight, control_horizon, last);
+        let torque_per_input_nm = settings.torque_per_input_nm[axis];
         Ok(Self {
-            lq: BoundedLq::prepare(model, increment_weight, control_horizon, last)?,
+            lq: lq.map_err(|error| MpcError::Program { axis, error })?,
+            tracking_weight,
+            increment_weight: increment_weight / (torque_per_input_nm * torque_per_input_nm),
             units: [1.0 / full_turn_rad, step_s / full_turn_rad, 1.0 / torque_max_nm],
             torque_max_nm,
             horizon: problem.horizon,
         })
     }
 
-    /// Torque, N m, status and iterations.
-    fn solve(&self, start: &AxisStart, reference_rad: &[f32; HORIZON], pattern: &mut Pattern<M>) -> (f32, Status, u16) {
-        let [per_rad, per_rad_s, per_nm] = self.units;
+    /// In the axis' units: the state, with the disturbance, and the disturbance.
+    #[inline(always)]
+    fn start(&self, start: &AxisStart) -> ([f32; 3], f32) {
+        let [_, per_rad_s, per_nm] = self.units;
         let disturbance = per_nm * start.disturbance_nm;
         // angles from where the axis is: small numbers keep their digits
+        ([0.0, per_rad_s * start.rate_rad_s, per_nm * start.motor_nm + disturbance], disturbance)
+    }
+
+    /// Torque, at most `bound_nm`, N m; status and iterations.
+    fn solve(
+        &self,
+        start: &AxisStart,
+        reference_rad: &[f32; HORIZON],
+        bound_nm: f32,
+        pattern: &mut Pattern<M>,
+    ) -> (f32, Status, u16) {
+        let [per_rad, _, per_nm] = self.units;
+        let (state, disturbance) = self.start(start);
+        let bound = per_nm * bound_nm;
         let reference = reference_rad.map(|reference_rad| per_rad * (reference_rad - start.angle_rad));
         let problem = Tracking {
-            start: [0.0, per_rad_s * start.rate_rad_s, per_nm * start.motor_nm + disturbance],
+            start: state,
             previous: per_nm * start.torque_prev_nm + disturbance,
-            bounds: [disturbance - 1.0, disturbance + 1.0],
+            bounds: [disturbance - bound, disturbance + bound],
             reference: reference.get(..self.horizon).unwrap_or(&reference),
         };
         let outcome = self.lq.track(&problem, pattern);
-        let torque_nm = self.torque_max_nm * limit(outcome.input - disturbance, -1.0, 1.0);
+        let torque_nm = self.torque_max_nm * limit(outcome.input - disturbance, -bound, bound);
         (torque_nm, outcome.status, outcome.iterations)
+    }
+
+    /// Torque of a block of the plan that was solved last, N m.
+    fn planned_nm(&self, start: &AxisStart, pattern: &Pattern<M>, block: usize) -> f32 {
+        let [_, _, per_nm] = self.units;
+        let input = pattern.inputs.get(block).copied().unwrap_or_default();
+        self.torque_max_nm * (input - per_nm * start.disturbance_nm)
+    }
+
+    /// Angle less reference over the horizon if no torque is asked for.
+    fn torque_forecast(&self, start: &AxisStart, reference_rad: &[f32; HORIZON]) -> TorqueForecast {
+        let [per_rad, ..] = self.units;
+        let (mut state, disturbance) = self.start(start);
+        let error_rad = reference_rad.map(|reference_rad| {
+            state = self.lq.model().advance(&state, disturbance);
+            let [angle, ..] = state;
+            angle / per_rad + (start.angle_rad - reference_rad)
+        });
+        TorqueForecast { error_rad, torque_prev_nm: start.torque_prev_nm }
+    }
+
+    /// What a torque during the first step does.
+    fn torque_response(&self) -> TorqueResponse {
+        let [per_rad, _, per_nm] = self.units;
+        let (mut state, mut input) = ([0.0; 3], 1.0);
+        let pulse_rad_nm = [0.0; HORIZON].map(|_: f32| {
+            state = self.lq.model().advance(&state, input);
+            input = 0.0;
+            let [angle, ..] = state;
+            angle / per_rad * per_nm
+        });
+        let Self { tracking_weight, increment_weight, .. } = *self;
+        TorqueResponse { pulse_rad_nm, tracking_weight, increment_weight }
     }
 
     fn unconstrained_gain(&self) -> [f32; 4] {
@@ -215,5 +390,7 @@ impl<const M: usize> TrackingAxis<M> {
     }
 }
 
+#[cfg(test)]
+mod motors_tests;
 #[cfg(test)]
 mod tests;

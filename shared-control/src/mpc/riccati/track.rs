@@ -121,6 +121,11 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         Outcome { input, status, iterations }
     }
 
+    /// The prediction model.
+    pub(in crate::mpc) fn model(&self) -> &D {
+        &self.model
+    }
+
     /// Laws of all stages for a guess of which inputs are held.
     #[inline(never)]
     fn sweep_tracking(&self, problem: &Tracking<'_, S>, held: &[Held; M], laws: &mut [Law<S>; M]) {

@@ -16,7 +16,7 @@ use crate::signals::Setpoint;
 const INERTIA_KG_M2: [f32; 3] = [0.011_511_8, 0.036_565_1, 0.029_074_2];
 const STEP_S: f32 = 0.0025;
 
-fn settings(motor_lag_s: f32, ahead: ReferenceAhead) -> MpcSettings {
+pub(super) fn settings(motor_lag_s: f32, ahead: ReferenceAhead) -> MpcSettings {
     let torque_per_input_nm = [0.226, 0.226, 1.0];
     let shaping = ShapingConfig { gain_1_s: 7.0, acceleration_max_rad_s2: 5.0, rate_max_rad_s: 3.0 };
     MpcSettings {
@@ -46,6 +46,8 @@ fn settings(motor_lag_s: f32, ahead: ReferenceAhead) -> MpcSettings {
             control_step_s: STEP_S,
             delay_s: 0.0,
         },
+        schedule: Schedule::SINGLE,
+        motors: None,
     }
 }
 
@@ -53,7 +55,7 @@ fn torque_max_nm(settings: &MpcSettings, axis: usize) -> f32 {
     settings.torque_per_input_nm[axis] * settings.problem.input_max[axis]
 }
 
-fn any_request() -> impl Strategy<Value = PlanRequest> {
+pub(super) fn any_request() -> impl Strategy<Value = PlanRequest> {
     let three = |limit: f32| prop::array::uniform3(-limit..limit);
     (three(1.0), three(3.0), three(0.3), three(0.8)).prop_map(|(angle_rad, rate_rad_s, torque_nm, reference)| {
         let mut shaped = AngleState::default();
@@ -129,6 +131,7 @@ proptest! {
             motor_nm: three(6),
             torque_prev_nm: three(9),
             disturbance_nm: three(12),
+            lift_per_motor_n: 1.0,
             reference,
             setpoint: Setpoint { roll_rad: numbers[21], pitch_rad: numbers[22], yaw_rate_rad_s: numbers[23], throttle: 0.5 },
         };

@@ -1,0 +1,124 @@
+//! What the motors allow the axes' plans together, in N m: the room at the present throttle, and the coupled program where the
+//! axes' own plans don't fit into it ([`super::motor_limits`]).
+
+use super::HORIZON;
+use super::motor_limits::{AxisForecast, AxisResponse, COUPLED_INPUTS_MAX, MotorLimits, Room};
+use super::schedule::LINEARISATIONS_MAX;
+use crate::lift_curve::LiftCurve;
+use crate::qp::{QpError, Status, Workspace};
+
+/// Unknowns that there is room for.
+pub(super) const UNKNOWNS: usize = 3 * COUPLED_INPUTS_MAX;
+
+/// What the MPC is told of the motors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotorSettings {
+    /// Range of one motor's lift.
+    pub lift_curve: LiftCurve,
+    /// Share of the motors' span that is kept for torque on either side of the collective, 0 to 1/2; see [`Room::at`].
+    pub torque_reserve: f32,
+    /// Lift per motor that a torque takes, 1/m (roll, pitch, yaw).
+    pub lift_per_torque_1_m: [f32; 3],
+    /// True on a rig whose heading can't move: yaw torque is not asked for.
+    pub yaw_locked: bool,
+}
+
+impl MotorSettings {
+    /// The greatest torque that each axis can have alone, at any throttle, N m.
+    pub fn torque_max_nm(&self) -> [f32; 3] {
+        let half_span_n = 0.5 * (self.lift_curve.lift_max_n - self.lift_curve.lift_min_n);
+        self.lift_per_torque_1_m.map(|lift_per_torque_1_m| half_span_n / lift_per_torque_1_m)
+    }
+}
+
+/// What an axis is to the program, per N m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TorqueResponse {
+    /// Angle after 1, 2, ... prediction steps, rad per N m, of a torque that acts during the first.
+    pub(super) pulse_rad_nm: [f32; HORIZON],
+    pub(super) tracking_weight: f32,
+    /// Of the torque, 1/(N m)^2.
+    pub(super) increment_weight: f32,
+}
+
+/// What one solve is told of an axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TorqueForecast {
+    /// Angle less reference after each prediction step if no torque is asked for, rad.
+    pub(super) error_rad: [f32; HORIZON],
+    pub(super) torque_prev_nm: f32,
+}
+
+/// The prepared programs, one for each linearisation.
+#[derive(Clone, Debug)]
+pub(super) struct Coupling {
+    settings: MotorSettings,
+    programs: heapless::Vec<MotorLimits<UNKNOWNS, COUPLED_INPUTS_MAX>, LINEARISATIONS_MAX>,
+}
+
+impl Coupling {
+    /// Without any program yet.
+    pub(super) fn new(settings: &MotorSettings) -> Self {
+        Self { settings: *settings, programs: heapless::Vec::new() }
+    }
+
+    /// Adds the program of one linearisation.
+    pub(super) fn prepare(
+        &mut self,
+        horizon: usize,
+        control_horizon: usize,
+        axes: &[TorqueResponse; 3],
+    ) -> Result<(), QpError> {
+        let mut responses = axes.map(|axis| AxisResponse {
+            pulse_rad_n: axis.pulse_rad_nm,
+            tracking_weight: axis.tracking_weight,
+            increment_weight: axis.increment_weight,
+        });
+        for (response, lift_per_torque_1_m) in responses.iter_mut().zip(self.settings.lift_per_torque_1_m) {
+            response.pulse_rad_n = response.pulse_rad_n.map(|rad_nm| rad_nm / lift_per_torque_1_m);
+            response.increment_weight /= lift_per_torque_1_m * lift_per_torque_1_m;
+        }
+        let program = MotorLimits::prepare(horizon, control_horizon, &responses, self.settings.yaw_locked)?;
+        self.programs.push(program).map_err(|_| QpError::VariableCount)
+    }
+
+    pub(super) fn room(&self, lift_per_motor_n: f32) -> Room {
+        Room::at(&self.settings.lift_curve, lift_per_motor_n, self.settings.torque_reserve)
+    }
+
+    /// Greatest torque that each axis can have alone, N m.
+    pub(super) fn torque_max_nm(&self, room: &Room) -> [f32; 3] {
+        self.settings.lift_per_torque_1_m.map(|lift_per_torque_1_m| room.single_axis_n() / lift_per_torque_1_m)
+    }
+
+    /// Whether the motors can make these torques together, N m.
+    pub(super) fn holds(&self, room: &Room, torque_nm: [f32; 3]) -> bool {
+        room.holds(self.shares_n(torque_nm))
+    }
+
+    /// The first torques of the coupled plan, N m, zero unless solved; with status and iterations.
+    pub(super) fn solve(
+        &self,
+        linearisation: usize,
+        forecasts: &[TorqueForecast; 3],
+        room: &Room,
+        warm_start: &mut Workspace<UNKNOWNS>,
+    ) -> ([f32; 3], Status, u16) {
+        let previous_n = self.shares_n(forecasts.map(|forecast| forecast.torque_prev_nm));
+        let Some(program) = self.programs.get(linearisation) else { return ([0.0; 3], Status::NumericalError, 0) };
+        let forecasts = core::array::from_fn(|axis| AxisForecast {
+            error_rad: forecasts[axis].error_rad,
+            previous_n: previous_n[axis],
+        });
+        let plan = program.solve(&forecasts, room, warm_start);
+        let mut torque_nm = plan.shares_n;
+        for (torque_nm, lift_per_torque_1_m) in torque_nm.iter_mut().zip(self.settings.lift_per_torque_1_m) {
+            *torque_nm /= lift_per_torque_1_m;
+        }
+        (torque_nm, plan.status, plan.iterations)
+    }
+
+    fn shares_n(&self, torque_nm: [f32; 3]) -> [f32; 3] {
+        core::array::from_fn(|axis| torque_nm[axis] * self.settings.lift_per_torque_1_m[axis])
+    }
+}

@@ -1,0 +1,147 @@
+//! The MPC that flies with the motors' limits, and with several linearisations.
+
+extern crate std;
+
+use proptest::prelude::*;
+
+use super::tests::{any_request, settings};
+use super::*;
+use crate::lift_curve::LiftCurve;
+use crate::mpc::ReferenceAhead;
+use crate::mpc::schedule::PitchInertia;
+
+const LIFT_PER_TORQUE_1_M: [f32; 3] = [0.25 / 0.16, 0.25 / 0.16, 0.25 / 0.038];
+const GIMBAL: PitchInertia = PitchInertia { level_kg_m2: 0.0366, rolled_kg_m2: 0.045 };
+
+/// Motors of this span on a vehicle whose heading is free or not.
+fn with_motors(span_n: f32, yaw_locked: bool) -> MpcSettings {
+    let motors = MotorSettings {
+        lift_curve: LiftCurve::straight(span_n),
+        torque_reserve: 0.1,
+        lift_per_torque_1_m: LIFT_PER_TORQUE_1_M,
+        yaw_locked,
+    };
+    MpcSettings {
+        motors: Some(motors),
+        schedule: Schedule::new(&GIMBAL, 1.2, 3),
+        ..settings(0.03, ReferenceAhead::Held)
+    }
+}
+
+/// At some throttle, and under a disturbance.
+fn request() -> impl Strategy<Value = PlanRequest> {
+    let disturbance = prop::array::uniform3(-0.03f32..0.03);
+    (any_request(), 0.0f32..2.0, disturbance, 0.0f32..3.0).prop_map(
+        |(request, lift_per_motor_n, disturbance_nm, far)| {
+            let mut request = PlanRequest { lift_per_motor_n, disturbance_nm, ..request };
+            for axis in &mut request.reference.reference {
+                axis.angle_rad *= far;
+            }
+            // a locked heading, or one that is held
+            request.reference.reference[2].angle_rad = 0.0;
+            (request.angle_rad[2], request.rate_rad_s[2], request.torque_prev_nm[2]) = (0.0, 0.0, 0.0);
+            request.disturbance_nm[2] = 0.0;
+            request
+        },
+    )
+}
+
+fn room_of(settings: &MpcSettings, request: &PlanRequest) -> Room {
+    let motors = settings.motors.unwrap();
+    Room::at(&motors.lift_curve, request.lift_per_motor_n, motors.torque_reserve)
+}
+
+fn shares_n(torque_nm: [f32; 3]) -> [f32; 3] {
+    core::array::from_fn(|axis| torque_nm[axis] * LIFT_PER_TORQUE_1_M[axis])
+}
+
+proptest! {
+    /// Two ways to the same optimum: where no motor is at a limit, the coupled program says what the axes' own plans say; the
+    /// prediction with lag and disturbance, the weights and the units are the same in both.
+    #[test]
+    fn without_active_limits_the_coupled_program_is_the_axes_plans(
+        request in request(), yaw_locked: bool, control_horizon in 1usize..=10
+    ) {
+        let settings = with_motors(1000.0, yaw_locked);
+        let request = PlanRequest { lift_per_motor_n: 500.0, ..request };
+        let mpc = Mpc::<10>::prepare_shorter(control_horizon, &settings).unwrap();
+        let mut state = MpcState::new();
+        let plan = mpc.plan(&mut state, &request);
+        prop_assert_eq!(plan.status, PlanStatus::Solved);
+        let axes = [0, 1, 2].map(|axis| mpc.axis(axis, state.linearisation).unwrap());
+        let forecasts = core::array::from_fn(|axis| {
+            let reference_rad = [request.reference.reference[axis].angle_rad; HORIZON];
+            axes[axis].torque_forecast(&AxisStart::of(&request, axis), &reference_rad)
+        });
+        let coupling = mpc.coupling.as_ref().unwrap();
+        let room = room_of(&settings, &request);
+        let (torque_nm, status, _) = coupling.solve(state.linearisation, &forecasts, &room, &mut Workspace::new());
+        prop_assert_eq!(status, Status::Solved);
+        for axis in 0..3 {
+            let error_nm = (torque_nm[axis] - plan.torque_nm[axis]).abs();
+            // the optimum asks for up to 5 N m here
+            prop_assert!(error_nm <= 2e-5 * (1.0 + plan.torque_nm[axis].abs()), "{axis}: {torque_nm:?} {plan:?}");
+        }
+    }
+
+    /// Whatever is asked, every plan is one that the motors can make.
+    #[test]
+    fn plans_are_what_the_motors_can_make(requests in prop::collection::vec(request(), 4), yaw_locked: bool) {
+        let settings = with_motors(2.0, yaw_locked);
+        let mpc = Mpc::<5>::prepare(&settings).unwrap();
+        let mut state = MpcState::new();
+        for request in requests {
+            let plan = mpc.plan(&mut state, &request);
+            prop_assert_eq!(plan.status, PlanStatus::Solved);
+            prop_assert!(room_of(&settings, &request).holds(shares_n(plan.torque_nm)), "{:?}", plan);
+            let cold = mpc.plan(&mut MpcState { linearisation: state.linearisation, ..MpcState::new() }, &request);
+            for axis in 0..3 {
+                prop_assert!((plan.torque_nm[axis] - cold.torque_nm[axis]).abs() <= 1e-5, "{:?} {:?}", plan, cold);
+            }
+        }
+    }
+
+    /// A torque that holds against a disturbance stays where it is in whichever linearisation, and so it does when they switch.
+    #[test]
+    fn switching_moves_no_torque(roll_rad in -1.3f32..1.3, pitch_nm in -0.2f32..0.2, before in 0usize..4) {
+        let schedule = Schedule::new(&GIMBAL, 1.2, 4);
+        let settings = MpcSettings { schedule, ..settings(0.03, ReferenceAhead::Held) };
+        let mpc = Mpc::<10>::prepare(&settings).unwrap();
+        let mut state = MpcState { linearisation: before, ..MpcState::new() };
+        let held_nm = [0.0, pitch_nm, 0.0];
+        let mut request = PlanRequest {
+            angle_rad: [roll_rad, 0.4, 0.0],
+            motor_nm: held_nm,
+            torque_prev_nm: held_nm,
+            disturbance_nm: held_nm.map(|torque_nm| -torque_nm),
+            ..PlanRequest::default()
+        };
+        (request.reference.reference[0].angle_rad, request.reference.reference[1].angle_rad) = (roll_rad, 0.4);
+        let plan = mpc.plan(&mut state, &request);
+        prop_assert_eq!(state.linearisation, schedule.choose(before, roll_rad));
+        prop_assert!((plan.torque_nm[1] - pitch_nm).abs() <= 1e-5, "{:?}", plan);
+    }
+}
+
+/// Rolled, it plans as an MPC does that knows nothing but that roll angle's model; level as the single one.
+#[test]
+fn the_linearisation_in_use_is_that_of_the_present_roll() {
+    let single = settings(0.03, ReferenceAhead::Held);
+    let several = MpcSettings { schedule: Schedule::new(&GIMBAL, 1.2, 4), ..single };
+    let plan = |settings: &MpcSettings, roll_rad: f32| {
+        let mut request = PlanRequest { angle_rad: [roll_rad, 0.01, 0.0], ..PlanRequest::default() };
+        request.reference.reference[0].angle_rad = roll_rad;
+        Mpc::<10>::prepare(settings).unwrap().plan(&mut MpcState::new(), &request).torque_nm[1]
+    };
+    assert_eq!(plan(&several, 0.1).to_bits(), plan(&single, 0.1).to_bits());
+    let mut rolled = single;
+    rolled.problem.input_gain[1] *= several.schedule.linearisations()[3].gain_share;
+    assert_eq!(plan(&several, -1.2).to_bits(), plan(&rolled, -1.2).to_bits());
+    assert!((plan(&rolled, 1.2) / plan(&single, 1.2) - 1.0).abs() > 0.05, "or else it would make no difference");
+}
+
+#[test]
+fn more_free_inputs_than_the_coupled_program_holds_are_refused() {
+    let error = Mpc::<11>::prepare(&with_motors(2.0, true)).err();
+    assert_eq!(error, Some(MpcError::ControlHorizon { found: 11, room: COUPLED_INPUTS_MAX }));
+}
