@@ -86,7 +86,9 @@ impl LqiAxis {
             power *= closed_loop;
         }
         let feedback = RowVector4::new(0.0, 0.0, 0.0, 1.0) - k;
-        Self { feedback, feed_forward, torque_max_nm: f64::from(problem.input_max[axis]) * per_input_nm }
+        let own_nm = (f64::from(problem.input_max[axis]) * per_input_nm) as f32;
+        let torque_max_nm = settings.motors.map_or(own_nm, |motors| motors.torque_max_nm()[axis]);
+        Self { feedback, feed_forward, torque_max_nm: f64::from(torque_max_nm) }
     }
 
     fn torque_nm(&self, request: &PlanRequest, axis: usize, references_rad: &[f32]) -> f64 {
