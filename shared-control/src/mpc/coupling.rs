@@ -49,51 +49,71 @@ pub(super) struct TorqueForecast {
     pub(super) torque_prev_nm: f32,
 }
 
-/// The prepared programs, one for each linearisation.
+/// The prepared programs, one for each linearisation; none where each axis has limits of its own.
 #[derive(Clone, Debug)]
 pub(super) struct Coupling {
-    settings: MotorSettings,
+    motors: Option<MotorSettings>,
     programs: heapless::Vec<MotorLimits<UNKNOWNS, COUPLED_INPUTS_MAX>, LINEARISATIONS_MAX>,
 }
 
 impl Coupling {
-    /// Without any program yet.
-    pub(super) fn new(settings: &MotorSettings) -> Self {
-        Self { settings: *settings, programs: heapless::Vec::new() }
+    /// No motors' limits.
+    pub(super) const NONE: Self = Self { motors: None, programs: heapless::Vec::new() };
+
+    /// Begins anew, without any program yet.
+    pub(super) fn begin(&mut self, motors: Option<MotorSettings>) {
+        self.motors = motors;
+        self.programs.clear();
     }
 
-    /// Adds the program of one linearisation.
+    /// Adds the program of the next linearisation.
     pub(super) fn prepare(
         &mut self,
         horizon: usize,
         control_horizon: usize,
         axes: &[TorqueResponse; 3],
     ) -> Result<(), QpError> {
+        let Some(motors) = &self.motors else { return Ok(()) };
         let mut responses = axes.map(|axis| AxisResponse {
             pulse_rad_n: axis.pulse_rad_nm,
             tracking_weight: axis.tracking_weight,
             increment_weight: axis.increment_weight,
         });
-        for (response, lift_per_torque_1_m) in responses.iter_mut().zip(self.settings.lift_per_torque_1_m) {
+        for (response, lift_per_torque_1_m) in responses.iter_mut().zip(motors.lift_per_torque_1_m) {
             response.pulse_rad_n = response.pulse_rad_n.map(|rad_nm| rad_nm / lift_per_torque_1_m);
             response.increment_weight /= lift_per_torque_1_m * lift_per_torque_1_m;
         }
-        let program = MotorLimits::prepare(horizon, control_horizon, &responses, self.settings.yaw_locked)?;
+        let program = MotorLimits::prepare(horizon, control_horizon, &responses, motors.yaw_locked)?;
         self.programs.push(program).map_err(|_| QpError::VariableCount)
     }
 
-    pub(super) fn room(&self, lift_per_motor_n: f32) -> Room {
-        Room::at(&self.settings.lift_curve, lift_per_motor_n, self.settings.torque_reserve)
+    /// The limits at a throttle; none where each axis has its own.
+    pub(super) fn at(&self, lift_per_motor_n: f32) -> Option<Coupled<'_>> {
+        self.motors.as_ref().map(|motors| Coupled {
+            motors,
+            programs: &self.programs,
+            room: Room::at(&motors.lift_curve, lift_per_motor_n, motors.torque_reserve),
+        })
     }
+}
 
+/// The motors' limits at one throttle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coupled<'a> {
+    motors: &'a MotorSettings,
+    programs: &'a [MotorLimits<UNKNOWNS, COUPLED_INPUTS_MAX>],
+    room: Room,
+}
+
+impl Coupled<'_> {
     /// Greatest torque that each axis can have alone, N m.
-    pub(super) fn torque_max_nm(&self, room: &Room) -> [f32; 3] {
-        self.settings.lift_per_torque_1_m.map(|lift_per_torque_1_m| room.single_axis_n() / lift_per_torque_1_m)
+    pub(super) fn torque_max_nm(&self) -> [f32; 3] {
+        self.motors.lift_per_torque_1_m.map(|lift_per_torque_1_m| self.room.single_axis_n() / lift_per_torque_1_m)
     }
 
     /// Whether the motors can make these torques together, N m.
-    pub(super) fn holds(&self, room: &Room, torque_nm: [f32; 3]) -> bool {
-        room.holds(self.shares_n(torque_nm))
+    pub(super) fn holds(&self, torque_nm: [f32; 3]) -> bool {
+        self.room.holds(self.shares_n(torque_nm))
     }
 
     /// The first torques of the coupled plan, N m, zero unless solved; with status and iterations.
@@ -101,24 +121,25 @@ impl Coupling {
         &self,
         linearisation: usize,
         forecasts: &[TorqueForecast; 3],
-        room: &Room,
         warm_start: &mut Workspace<UNKNOWNS>,
     ) -> ([f32; 3], Status, u16) {
-        let previous_n = self.shares_n(forecasts.map(|forecast| forecast.torque_prev_nm));
         let Some(program) = self.programs.get(linearisation) else { return ([0.0; 3], Status::NumericalError, 0) };
-        let forecasts = core::array::from_fn(|axis| AxisForecast {
-            error_rad: forecasts[axis].error_rad,
-            previous_n: previous_n[axis],
-        });
-        let plan = program.solve(&forecasts, room, warm_start);
+        let [roll, pitch, heading] = forecasts;
+        let torque_prev_nm = [roll.torque_prev_nm, pitch.torque_prev_nm, heading.torque_prev_nm];
+        let [roll_n, pitch_n, yaw_n] = self.shares_n(torque_prev_nm);
+        let forecasts = [(roll, roll_n), (pitch, pitch_n), (heading, yaw_n)]
+            .map(|(axis, previous_n)| AxisForecast { error_rad: axis.error_rad, previous_n });
+        let plan = program.solve(&forecasts, &self.room, warm_start);
         let mut torque_nm = plan.shares_n;
-        for (torque_nm, lift_per_torque_1_m) in torque_nm.iter_mut().zip(self.settings.lift_per_torque_1_m) {
+        for (torque_nm, lift_per_torque_1_m) in torque_nm.iter_mut().zip(self.motors.lift_per_torque_1_m) {
             *torque_nm /= lift_per_torque_1_m;
         }
         (torque_nm, plan.status, plan.iterations)
     }
 
-    fn shares_n(&self, torque_nm: [f32; 3]) -> [f32; 3] {
-        core::array::from_fn(|axis| torque_nm[axis] * self.settings.lift_per_torque_1_m[axis])
+    /// Lift per motor that torques take, N.
+    fn shares_n(&self, [roll_nm, pitch_nm, yaw_nm]: [f32; 3]) -> [f32; 3] {
+        let [per_roll, per_pitch, per_yaw] = self.motors.lift_per_torque_1_m;
+        [roll_nm * per_roll, pitch_nm * per_pitch, yaw_nm * per_yaw]
     }
 }

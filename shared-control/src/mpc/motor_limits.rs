@@ -216,7 +216,7 @@ impl CoupledAxis {
 
     /// `shares` is the axis' share over the unknowns of a block.
     fn add_to_hessian<const V: usize>(&self, hessian: &mut [[f32; V]], shares: &[f32]) {
-        for (row_block, rows) in hessian.chunks_mut(shares.len()).enumerate() {
+        for (row_block, rows) in hessian.chunks_mut(shares.len().max(1)).enumerate() {
             for column_block in 0..self.control_horizon {
                 let (earlier, later) =
                     if row_block < column_block { (row_block, column_block) } else { (column_block, row_block) };
@@ -233,7 +233,7 @@ impl CoupledAxis {
 
     /// Adds the gradient of the axis' cost at no input.
     fn add_to_linear<const V: usize>(&self, linear: &mut [f32; V], forecast: &AxisForecast, shares: &[f32]) {
-        for (block, unknowns) in linear.chunks_mut(shares.len()).take(self.control_horizon).enumerate() {
+        for (block, unknowns) in linear.chunks_mut(shares.len().max(1)).take(self.control_horizon).enumerate() {
             let errors = forecast.error_rad.iter().skip(block);
             let tracking = self.effect(block).zip(errors).fold(0.0, |sum, (effect, error)| sum + effect * error);
             let previous_n = if block == 0 { forecast.previous_n } else { 0.0 };

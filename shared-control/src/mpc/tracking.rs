@@ -9,8 +9,7 @@
 //! All that crosses this boundary is in N m and rad: plans and requests mean the same whatever set of weights and
 //! models answers. Data flow: once, [`MpcSettings`] -> [`TrackingAxis`] (prepared); per step [`PlanRequest`] -> references -> solve -> [`Plan`].
 
-use super::coupling::{Coupling, MotorSettings, TorqueForecast, TorqueResponse, UNKNOWNS};
-use super::motor_limits::{COUPLED_INPUTS_MAX, Room};
+use super::coupling::{Coupling, MotorSettings, UNKNOWNS};
 use super::preview::Preview;
 use super::riccati::{BoundedLq, LaggedIntegrator, Model, Pattern, Tracking};
 use super::schedule::{LINEARISATIONS_MAX, Schedule};
@@ -19,6 +18,8 @@ use super::{HORIZON, worse};
 use crate::elementary::limit;
 use crate::qp::{Status, Workspace};
 use crate::signals::{Plan, PlanRequest, PlanStatus};
+
+mod coupled;
 
 const PITCH: usize = 1;
 
@@ -35,7 +36,7 @@ pub struct MpcSettings {
     pub preview: Preview,
     /// Linearisations of the pitch axis.
     pub schedule: Schedule,
-    /// The motors' limits in place of the inputs' bounds, for at most [`COUPLED_INPUTS_MAX`] free inputs; none keeps the bounds.
+    /// The motors' limits in place of the inputs' bounds, for at most [`COUPLED_INPUTS_MAX`](super::motor_limits::COUPLED_INPUTS_MAX) free inputs; none keeps the bounds.
     pub motors: Option<MotorSettings>,
 }
 
@@ -47,7 +48,7 @@ pub struct Mpc<const M: usize> {
     schedule: Schedule,
     /// The pitch axis' linearisations after the first.
     rolled_pitch: heapless::Vec<TrackingAxis<M>, { LINEARISATIONS_MAX - 1 }>,
-    coupling: Option<Coupling>,
+    coupling: Coupling,
     control_horizon: usize,
     /// Some once it is prepared.
     preview: Option<Preview>,
@@ -96,7 +97,7 @@ impl<const M: usize> Mpc<M> {
             axes: heapless::Vec::new(),
             schedule: Schedule::SINGLE,
             rolled_pitch: heapless::Vec::new(),
-            coupling: None,
+            coupling: Coupling::NONE,
             control_horizon: 0,
             preview: None,
         }
@@ -107,7 +108,6 @@ impl<const M: usize> Mpc<M> {
     pub fn prepare_in_place(&mut self, control_horizon: usize, settings: &MpcSettings) -> Result<(), MpcError> {
         const { assert!(1 <= M && M <= HORIZON, "the control horizon is 1 to 30 steps") };
         self.preview = None;
-        self.coupling = None;
         self.axes.clear();
         self.rolled_pitch.clear();
         settings.problem.check_horizon(control_horizon, M)?;
@@ -122,34 +122,8 @@ impl<const M: usize> Mpc<M> {
             let axis = TrackingAxis::prepare(control_horizon, settings, PITCH, linearisation.gain_share)?;
             let _ = self.rolled_pitch.push(axis);
         }
-        if let Some(motors) = &settings.motors {
-            self.prepare_coupling(control_horizon, settings, motors)?;
-        }
+        self.prepare_coupling(control_horizon, settings)?;
         self.preview = Some(settings.preview);
-        Ok(())
-    }
-
-    /// The coupled programs, where they lie.
-    #[inline(never)]
-    fn prepare_coupling(
-        &mut self,
-        control_horizon: usize,
-        settings: &MpcSettings,
-        motors: &MotorSettings,
-    ) -> Result<(), MpcError> {
-        if control_horizon > COUPLED_INPUTS_MAX {
-            return Err(MpcError::ControlHorizon { found: control_horizon, room: COUPLED_INPUTS_MAX });
-        }
-        let mut coupling = Coupling::new(motors);
-        for linearisation in 0..settings.schedule.linearisations().len() {
-            if let [Some(roll), Some(pitch), Some(heading)] = [0, 1, 2].map(|axis| self.axis(axis, linearisation)) {
-                let responses = [roll, pitch, heading].map(TrackingAxis::torque_response);
-                let horizon = settings.problem.horizon;
-                let prepared = coupling.prepare(horizon, control_horizon, &responses);
-                prepared.map_err(|error| MpcError::Program { axis: PITCH, error })?;
-            }
-        }
-        self.coupling = Some(coupling);
         Ok(())
     }
 
@@ -168,8 +142,8 @@ impl<const M: usize> Mpc<M> {
         let [roll_rad, ..] = request.angle_rad;
         state.linearisation = self.schedule.choose(state.linearisation, roll_rad);
         let references_rad = preview.references_rad(request);
-        let room = self.coupling.as_ref().map(|coupling| (coupling, coupling.room(request.lift_per_motor_n)));
-        let torque_max_nm = room.map(|(coupling, room)| coupling.torque_max_nm(&room));
+        let coupled = self.coupling.at(request.lift_per_motor_n);
+        let torque_max_nm = coupled.map(|coupled| coupled.torque_max_nm());
         for (index, (pattern, reference_rad)) in state.patterns.iter_mut().zip(&references_rad).enumerate() {
             let Some(axis) = self.axis(index, state.linearisation) else { continue };
             let bound_nm = torque_max_nm.map_or(axis.torque_max_nm, |torque_max_nm| torque_max_nm[index]);
@@ -179,41 +153,12 @@ impl<const M: usize> Mpc<M> {
             plan.status = worse(plan.status, status);
             plan.iterations = plan.iterations.saturating_add(iterations);
         }
-        match room {
-            Some((coupling, room)) if plan.status == PlanStatus::Solved => {
-                self.couple(coupling, &room, state, request, &references_rad, plan)
+        match coupled {
+            Some(coupled) if plan.status == PlanStatus::Solved => {
+                self.couple(&coupled, state, request, &references_rad, plan)
             }
             _ => plan,
         }
-    }
-
-    /// The axes' own plan if the motors can make all of it, else the coupled one.
-    #[inline(never)]
-    fn couple(
-        &self,
-        coupling: &Coupling,
-        room: &Room,
-        state: &mut MpcState<M>,
-        request: &PlanRequest,
-        references_rad: &[[f32; HORIZON]; 3],
-        plan: Plan,
-    ) -> Plan {
-        let [Some(roll), Some(pitch), Some(heading)] = [0, 1, 2].map(|axis| self.axis(axis, state.linearisation))
-        else {
-            return plan;
-        };
-        let axes = [roll, pitch, heading];
-        let starts = [0, 1, 2].map(|axis| AxisStart::of(request, axis));
-        let block_nm = |block: usize| {
-            core::array::from_fn(|axis| axes[axis].planned_nm(&starts[axis], &state.patterns[axis], block))
-        };
-        if (0..self.control_horizon).all(|block| coupling.holds(room, block_nm(block))) {
-            return plan;
-        }
-        let forecasts = core::array::from_fn(|axis| axes[axis].torque_forecast(&starts[axis], &references_rad[axis]));
-        let (torque_nm, status, iterations) = coupling.solve(state.linearisation, &forecasts, room, &mut state.coupled);
-        let iterations = plan.iterations.saturating_add(iterations);
-        Plan { torque_nm, status: worse(plan.status, status), iterations, ..plan }
     }
 
     /// Per axis the weights of (angle in rad, rate in rad/s, motors' torque in N m, previous torque in N m) in the torque when
@@ -350,39 +295,6 @@ impl<const M: usize> TrackingAxis<M> {
         (torque_nm, outcome.status, outcome.iterations)
     }
 
-    /// Torque of a block of the plan that was solved last, N m.
-    fn planned_nm(&self, start: &AxisStart, pattern: &Pattern<M>, block: usize) -> f32 {
-        let [_, _, per_nm] = self.units;
-        let input = pattern.inputs.get(block).copied().unwrap_or_default();
-        self.torque_max_nm * (input - per_nm * start.disturbance_nm)
-    }
-
-    /// Angle less reference over the horizon if no torque is asked for.
-    fn torque_forecast(&self, start: &AxisStart, reference_rad: &[f32; HORIZON]) -> TorqueForecast {
-        let [per_rad, ..] = self.units;
-        let (mut state, disturbance) = self.start(start);
-        let error_rad = reference_rad.map(|reference_rad| {
-            state = self.lq.model().advance(&state, disturbance);
-            let [angle, ..] = state;
-            angle / per_rad + (start.angle_rad - reference_rad)
-        });
-        TorqueForecast { error_rad, torque_prev_nm: start.torque_prev_nm }
-    }
-
-    /// What a torque during the first step does.
-    fn torque_response(&self) -> TorqueResponse {
-        let [per_rad, _, per_nm] = self.units;
-        let (mut state, mut input) = ([0.0; 3], 1.0);
-        let pulse_rad_nm = [0.0; HORIZON].map(|_: f32| {
-            state = self.lq.model().advance(&state, input);
-            input = 0.0;
-            let [angle, ..] = state;
-            angle / per_rad * per_nm
-        });
-        let Self { tracking_weight, increment_weight, .. } = *self;
-        TorqueResponse { pulse_rad_nm, tracking_weight, increment_weight }
-    }
-
     fn unconstrained_gain(&self) -> [f32; 4] {
         let law = self.lq.first_free_law();
         let ([angle, rate, motor], [per_rad, per_rad_s, per_nm]) = (law.state, self.units);
@@ -390,7 +302,5 @@ impl<const M: usize> TrackingAxis<M> {
     }
 }
 
-#[cfg(test)]
-mod motors_tests;
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,8 @@
 extern crate std;
 use std::vec::Vec;
 
+mod motors;
+
 use proptest::prelude::*;
 
 use super::*;
@@ -16,7 +18,7 @@ use crate::signals::Setpoint;
 const INERTIA_KG_M2: [f32; 3] = [0.011_511_8, 0.036_565_1, 0.029_074_2];
 const STEP_S: f32 = 0.0025;
 
-pub(super) fn settings(motor_lag_s: f32, ahead: ReferenceAhead) -> MpcSettings {
+fn settings(motor_lag_s: f32, ahead: ReferenceAhead) -> MpcSettings {
     let torque_per_input_nm = [0.226, 0.226, 1.0];
     let shaping = ShapingConfig { gain_1_s: 7.0, acceleration_max_rad_s2: 5.0, rate_max_rad_s: 3.0 };
     MpcSettings {
@@ -55,7 +57,7 @@ fn torque_max_nm(settings: &MpcSettings, axis: usize) -> f32 {
     settings.torque_per_input_nm[axis] * settings.problem.input_max[axis]
 }
 
-pub(super) fn any_request() -> impl Strategy<Value = PlanRequest> {
+fn any_request() -> impl Strategy<Value = PlanRequest> {
     let three = |limit: f32| prop::array::uniform3(-limit..limit);
     (three(1.0), three(3.0), three(0.3), three(0.8)).prop_map(|(angle_rad, rate_rad_s, torque_nm, reference)| {
         let mut shaped = AngleState::default();

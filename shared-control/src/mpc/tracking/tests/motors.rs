@@ -4,10 +4,9 @@ extern crate std;
 
 use proptest::prelude::*;
 
-use super::tests::{any_request, settings};
 use super::*;
 use crate::lift_curve::LiftCurve;
-use crate::mpc::ReferenceAhead;
+use crate::mpc::motor_limits::{COUPLED_INPUTS_MAX, Room};
 use crate::mpc::schedule::PitchInertia;
 
 const LIFT_PER_TORQUE_1_M: [f32; 3] = [0.25 / 0.16, 0.25 / 0.16, 0.25 / 0.038];
@@ -47,7 +46,7 @@ fn request() -> impl Strategy<Value = PlanRequest> {
 }
 
 fn room_of(settings: &MpcSettings, request: &PlanRequest) -> Room {
-    let motors = settings.motors.unwrap();
+    let motors = settings.motors.expect("motors' limits");
     Room::at(&motors.lift_curve, request.lift_per_motor_n, motors.torque_reserve)
 }
 
@@ -73,9 +72,8 @@ proptest! {
             let reference_rad = [request.reference.reference[axis].angle_rad; HORIZON];
             axes[axis].torque_forecast(&AxisStart::of(&request, axis), &reference_rad)
         });
-        let coupling = mpc.coupling.as_ref().unwrap();
-        let room = room_of(&settings, &request);
-        let (torque_nm, status, _) = coupling.solve(state.linearisation, &forecasts, &room, &mut Workspace::new());
+        let coupled = mpc.coupling.at(request.lift_per_motor_n).unwrap();
+        let (torque_nm, status, _) = coupled.solve(state.linearisation, &forecasts, &mut Workspace::new());
         prop_assert_eq!(status, Status::Solved);
         for axis in 0..3 {
             let error_nm = (torque_nm[axis] - plan.torque_nm[axis]).abs();
