@@ -97,6 +97,11 @@ impl Contender {
         }
     }
 
+    /// Whether its settings are such as a core and a planner take.
+    pub fn can_fly(&self) -> bool {
+        self.setup(&Draw::nominal(0), &Scenario::test_sequence()).control_side().is_ok()
+    }
+
     /// A control side that has not flown.
     ///
     /// # Panics

@@ -75,7 +75,9 @@ impl<const N: usize> Tunable<N> {
     pub fn tune(&self, draws: &[Draw], evaluations: usize, seed: u64) -> Found<N> {
         let mut count = 0;
         search::minimise(self.start(), evaluations, seed, |point| {
-            let cost = self.contender(point).cost(draws);
+            let contender = self.contender(point);
+            // what can't be flown has no cost
+            let cost = if contender.can_fly() { contender.cost(draws) } else { f64::NAN };
             count += 1;
             eprintln!("{} {count:4}: {cost:.4}", self.name);
             cost
