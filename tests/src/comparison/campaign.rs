@@ -78,6 +78,7 @@ pub fn result(contender: &Contender, draws: &[Draw]) -> Result {
         name: contender.name,
         flights,
         eigenvalues: [0, 1].map(|axis| eigenvalues(contender, axis, &Vehicle::nominal())),
+        law: contender.law(),
         hover: Hover::of(contender),
     }
 }
@@ -87,6 +88,13 @@ pub fn report(count: u64) -> String {
     let draws = draws(count);
     let results: Vec<Result> = contenders::all().iter().map(|contender| result(contender, &draws)).collect();
     let [mpc, cascade] = contenders::tuned();
+    // parts that act at a bound only leave the linear loop as it is
+    let mut linear: Vec<Result> = Vec::new();
+    for result in &results {
+        if linear.iter().all(|other| other.eigenvalues != result.eigenvalues) {
+            linear.push(result.clone());
+        }
+    }
     [
         format!("### Flights over {count} draws: median / 95th percentile\n"),
         table::flights(&results),
@@ -95,7 +103,9 @@ pub fn report(count: u64) -> String {
         "### At hover, nominal vehicle: roll / pitch\n".into(),
         table::hover(&results),
         "### Eigenvalues at hover, nominal vehicle\n".into(),
-        table::eigenvalues(&results),
+        table::eigenvalues(&linear),
+        "### Laws where no bound is active\n".into(),
+        table::laws(&linear),
         "### Spectral radius of the MPC's loop, the worse of roll and pitch\n".into(),
         radii(&mpc),
         "### The same of the cascade\n".into(),

@@ -86,3 +86,50 @@ pub fn spectral_radius(contender: &Contender, vehicle: &Vehicle) -> f64 {
     let largest = |axis| eigenvalues(contender, axis, vehicle).first().map_or(f64::NAN, |value| value[0]);
     largest(0).max(largest(1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::contenders;
+    use super::*;
+
+    /// The host's own eigenvalues know neither observer nor gyro filter. By separation the loop with an observer has them
+    /// too, and a filter of 0.1 ms hardly moves them: two derivations that share no line.
+    #[test]
+    fn a_loop_with_observer_keeps_the_eigenvalues_of_the_law() {
+        let [mpc, _] = contenders::tuned();
+        let setup = mpc.setup(&Draw::nominal(0), &Scenario::test_sequence());
+        let known = vehicle_parameters(&setup.known_model());
+        let expected = setup.mpc_eigenvalues().unwrap().unwrap();
+        for axis in 0..2 {
+            let (inertia_kg_m2, lag_s) = (f64::from(known.inertia_kg_m2[axis]), f64::from(known.actuation.lag_s));
+            let body = Body { inertia_kg_m2, lag_s, gain: 1.0, gyro_lag_s: 1e-4, step_s: 0.0025 };
+            let gain = mpc.law().unwrap()[axis];
+            let found = PlannerLaw { gain, inertia_kg_m2, lag_s, bandwidth_rad_s: 10.0 }.eigenvalues(&body);
+            for [magnitude, angle] in expected[axis] {
+                let near = |value: &&[f64; 2]| (value[0] - magnitude).abs() < 5e-3 && (value[1] - angle).abs() < 5e-3;
+                assert!(found.iter().any(|value| near(&value)), "{magnitude} {angle}: {found:?}");
+            }
+        }
+    }
+
+    /// Both tuned loops hold over all lags up to twice what they believe in and over the whole range of throttle.
+    #[test]
+    fn tuned_loops_hold_away_from_the_nominal_vehicle() {
+        for contender in contenders::tuned() {
+            for (lag_s, throttle) in [(0.0, 0.35), (0.0, 0.7), (0.03, 0.5), (0.05, 0.35), (0.05, 0.7)] {
+                for authority in [0.8 / 1.2, 1.0, 1.2 / 0.8] {
+                    let vehicle = Vehicle { lag_s, throttle, authority };
+                    let radius = spectral_radius(&contender, &vehicle);
+                    assert!(radius < 1.0, "{} {vehicle:?}: {radius}", contender.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_mixers_table_is_the_motors_curve_but_for_its_corners() {
+        for throttle in [0.35, 0.42, 0.5, 0.6, 0.7] {
+            assert!((lift_gain(throttle) - 1.0).abs() < 0.05, "{throttle}: {}", lift_gain(throttle));
+        }
+    }
+}

@@ -15,6 +15,8 @@ pub struct Result {
     pub flights: Vec<Figures>,
     /// Its eigenvalues of roll and pitch at the nominal vehicle, magnitude and angle, the largest first.
     pub eigenvalues: [Vec<[f64; 2]>; 2],
+    /// Torque per angle, rate, motors' torque and previous torque where no bound is active; none for the cascade.
+    pub law: Option<[[f64; 4]; 3]>,
     /// Torque step, noise, margins.
     pub hover: Hover,
 }
@@ -124,6 +126,19 @@ pub fn eigenvalues(results: &[Result]) -> String {
                 })
                 .collect();
             text += &row([result.name.into(), axis.into(), shown.join(", ")]);
+        }
+    }
+    text
+}
+
+/// The planners' laws where no bound is active, one axis a row.
+pub fn laws(results: &[Result]) -> String {
+    let header = ["", "axis", "angle, N m/rad", "rate, N m s/rad", "motors' torque", "previous torque"];
+    let mut text = row(header.map(Into::into)) + &rule(header.len() - 1);
+    for Result { name, law, .. } in results {
+        for (axis, gains) in ["roll", "pitch"].into_iter().zip(law.iter().flatten()) {
+            let gains = gains.map(|gain| format!("{gain:.4}"));
+            text += &row([(*name).into(), axis.into()].into_iter().chain(gains));
         }
     }
     text
