@@ -18,6 +18,9 @@ use crate::vehicle::{Actuation, VehicleParameters};
 /// Steepest tilt that a set-point in Euler angles can mean, rad.
 const TILT_MAX_RAD: f32 = 1.5;
 
+/// Weight of a squared change of the angular acceleration in the MPC's cost, 1/(rad/s^2)^2, beside 100/rad^2 on the angle.
+const MPC_ACCELERATION_WEIGHT: f32 = 2.5e-3;
+
 /// Which controller makes the torque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Controller {
@@ -64,6 +67,8 @@ pub struct Tuning {
     pub mpc_prediction_step_s: f32,
     /// Bound on predicted roll and pitch, rad; none leaves them free. Not for flight yet: the MPC refuses it.
     pub mpc_tilt_max_rad: Option<f32>,
+    /// Time constant with which the MPC's cost asks an error to vanish, s; 0 weighs the angle alone.
+    pub mpc_lead_s: [f32; 3],
     /// What the MPC takes for the reference over its horizon.
     pub mpc_reference: ReferenceAhead,
     /// Whether the MPC's prediction holds the motors' lag and the actuation's delay.
@@ -102,17 +107,28 @@ impl Tuning {
             integral_share: 0.8,
             gyro_cutoff_hz: 100.0,
             mpc_tracking_weight: [100.0, 100.0, 100.0],
-            mpc_increment_weight: [30.0, 30.0, 3000.0],
+            mpc_increment_weight: [1.0, 1.0, 100.0],
             mpc_horizon: HORIZON,
             mpc_prediction_step_s: 0.01,
             mpc_tilt_max_rad: None,
+            mpc_lead_s: [0.1 + lag_s; 3],
             mpc_reference: ReferenceAhead::Shaped,
             mpc_knows_actuation: true,
-            mpc_disturbance_bandwidth_rad_s: 10.0,
+            mpc_disturbance_bandwidth_rad_s: 10.0 / (1.0 + 20.0 * lag_s),
             mpc_motor_limits: false,
             mpc_torque_reserve: 0.5,
             mpc_linearisations: 1,
         }
+    }
+
+    /// The project's tuning for a vehicle: that for its motors' lag, with the MPC's increments weighed as changes of the angular
+    /// acceleration, whatever the inertia.
+    pub fn for_vehicle(vehicle: &VehicleParameters) -> Tuning {
+        let mut tuning = Tuning::for_motor_lag(vehicle.actuation.lag_s);
+        let of_acceleration = [MPC_ACCELERATION_WEIGHT, MPC_ACCELERATION_WEIGHT, 10.0 * MPC_ACCELERATION_WEIGHT];
+        let gains = mpc_input_gain(vehicle);
+        tuning.mpc_increment_weight = core::array::from_fn(|axis| of_acceleration[axis] * gains[axis] * gains[axis]);
+        tuning
     }
 }
 
@@ -226,19 +242,18 @@ impl Config {
 /// (N m) for yaw, as in the thesis (2.6); each is bounded by what one motor's span gives, so that roll and pitch can
 /// both have theirs.
 pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: f32) -> MpcSettings {
-    let torque_per_input_nm = [vehicle.arm_m, vehicle.arm_m, 1.0];
     let actuation = known_actuation(vehicle, tuning);
     MpcSettings {
         problem: ProblemSettings {
             horizon: tuning.mpc_horizon,
             prediction_step_s: tuning.mpc_prediction_step_s,
-            input_gain: core::array::from_fn(|axis| torque_per_input_nm[axis] / vehicle.inertia_kg_m2[axis]),
+            input_gain: mpc_input_gain(vehicle),
             tracking_weight: tuning.mpc_tracking_weight,
             increment_weight: tuning.mpc_increment_weight,
             input_max: [1.0, 1.0, vehicle.torque_per_lift_m].map(|per_lift| per_lift * vehicle.lift_span_n()),
             output_max_rad: [tuning.mpc_tilt_max_rad, tuning.mpc_tilt_max_rad, None],
         },
-        torque_per_input_nm,
+        torque_per_input_nm: mpc_torque_per_input_nm(vehicle),
         motor_lag_s: actuation.lag_s,
         schedule: Schedule::new(&vehicle.pitch_inertia(), tuning.tilt_max_rad, tuning.mpc_linearisations),
         motors: tuning.mpc_motor_limits.then(|| MotorSettings {
@@ -253,9 +268,20 @@ pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: 
             shaping: angle_config(vehicle, tuning),
             prediction_step_s: tuning.mpc_prediction_step_s,
             control_step_s: 1.0 / loop_rate_hz,
+            lead_s: tuning.mpc_lead_s,
             delay_s: actuation.delay_s,
         },
     }
+}
+
+fn mpc_torque_per_input_nm(vehicle: &VehicleParameters) -> [f32; 3] {
+    [vehicle.arm_m, vehicle.arm_m, 1.0]
+}
+
+/// Angular acceleration per input unit, rad/s^2.
+fn mpc_input_gain(vehicle: &VehicleParameters) -> [f32; 3] {
+    let torque_nm = mpc_torque_per_input_nm(vehicle);
+    core::array::from_fn(|axis| torque_nm[axis] / vehicle.inertia_kg_m2[axis])
 }
 
 fn known_actuation(vehicle: &VehicleParameters, tuning: &Tuning) -> Actuation {

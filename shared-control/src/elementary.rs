@@ -84,7 +84,12 @@ pub fn magnitude(x: f32) -> f32 {
 }
 
 /// Angle wrapped to [-pi, pi]; zero for anything not finite or beyond 100 turns.
+#[inline]
 pub fn wrap_pi(angle_rad: f32) -> f32 {
+    // nearly always, and then without a division
+    if angle_rad > -PI && angle_rad < PI {
+        return angle_rad;
+    }
     if !(angle_rad > -200.0 * PI && angle_rad < 200.0 * PI) {
         return 0.0;
     }

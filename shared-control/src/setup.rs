@@ -46,7 +46,7 @@ impl Setup {
             Rig::Gimbal => VehicleParameters::F450_GIMBAL,
             Rig::Free => VehicleParameters::F450_FREE,
         };
-        let tuning = Tuning::for_motor_lag(vehicle.actuation.lag_s);
+        let tuning = Tuning::for_vehicle(&vehicle);
         let loop_timer = TimerPeriod::new(LOOP_TIMER_HZ, params.loop_rate_hz.into());
         let pulse_timer = TimerPeriod::new(PULSE_TIMER_HZ, pulse_rate_hz(params).into());
         let loop_rate_hz = f32::from(params.loop_rate_hz);
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn the_defaults_are_what_the_core_always_flew() {
         let vehicle = VehicleParameters::F450_GIMBAL;
-        let tuning = Tuning::for_motor_lag(vehicle.actuation.lag_s);
+        let tuning = Tuning::for_vehicle(&vehicle);
         let config = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
         let setup = Setup::new(&Params::DEFAULT).unwrap();
         assert_eq!(setup.config, config);

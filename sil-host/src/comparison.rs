@@ -231,25 +231,22 @@ mod tests {
     use crate::synthesis::Synthesis;
     use shared_control::config::Controller;
 
-    fn log_of(controller: Controller, effect: Option<&str>, throttle: f64) -> Log {
+    fn log_of(choice: ControllerChoice, effect: Option<&str>, throttle: f64) -> Log {
         let mut model = VehicleModel::nominal(Rig::Gimbal);
         model.effects.extend(effect.map(|text| Effect::parse(text, Rig::Gimbal).unwrap()));
-        let choice = ControllerChoice::nominal(controller);
         Synthesis { choice, throttle: Some(throttle), seed: 11, ..Synthesis::of(model) }.log().unwrap()
     }
 
-    fn nominal(controller: Controller) -> Subject {
-        Subject::Vehicle(Box::new(Vehicle {
-            model: VehicleModel::nominal(Rig::Gimbal),
-            controller: Some(ControllerChoice::nominal(controller)),
-        }))
+    fn nominal(choice: ControllerChoice) -> Subject {
+        Subject::Vehicle(Box::new(Vehicle { model: VehicleModel::nominal(Rig::Gimbal), controller: Some(choice) }))
     }
 
     /// What is left between the same flight with and without noise is the log's noise (0.002 rad: a mean |x| of 0.09
     /// degrees) and the estimator's drift with the gyro noise (a tenth of a degree).
     #[test]
     fn a_nominal_log_deviates_by_its_noise_only() {
-        let comparison = compare(&log_of(Controller::Cascade, None, 0.45), &nominal(Controller::Cascade)).unwrap();
+        let cascade = ControllerChoice::nominal(Controller::Cascade);
+        let comparison = compare(&log_of(cascade, None, 0.45), &nominal(cascade)).unwrap();
         let closed_loop = comparison.closed_loop.unwrap().deviation;
         assert!(closed_loop.roll_mean_abs_deg < 0.2 && closed_loop.pitch_mean_abs_deg < 0.2, "{closed_loop:?}");
         let error = comparison.replay.prediction_error();
@@ -257,13 +254,13 @@ mod tests {
         assert!((0.85..1.15).contains(&ratio), "nominal over noise floor: {ratio}");
     }
 
+    /// Under the thesis' MPC, which estimates no disturbance.
     #[test]
     fn an_off_balance_ring_shows_in_the_pitch_of_both() {
-        let comparison = compare(
-            &log_of(Controller::Mpc, Some("cg_offset:axis=pitch,cos_moment_nm=0.1"), 0.5),
-            &nominal(Controller::Mpc),
-        )
-        .unwrap();
+        let thesis =
+            ControllerChoice::parse(include_str!("../demonstration/thesis-mpc.toml"), "thesis-mpc.toml").unwrap();
+        let ring = Some("cg_offset:axis=pitch,cos_moment_nm=0.1");
+        let comparison = compare(&log_of(thesis, ring, 0.5), &nominal(thesis)).unwrap();
         let deviation = comparison.closed_loop.as_ref().unwrap().deviation;
         assert!(deviation.pitch_mean_abs_deg > 5.0 * deviation.roll_mean_abs_deg, "{deviation:?}");
         let error = comparison.replay.prediction_error();
@@ -315,7 +312,12 @@ mod tests {
     fn usual_throttle_is_the_one_that_flew() {
         let model = VehicleModel::nominal(Rig::Gimbal);
         // half of the time the vehicle is turning, and the collective gives way where a motor saturates
-        assert!((usual_throttle(&log_of(Controller::Cascade, None, 0.42), &model).unwrap() - 0.42).abs() < 0.005);
+        assert!(
+            (usual_throttle(&log_of(ControllerChoice::nominal(Controller::Cascade), None, 0.42), &model).unwrap()
+                - 0.42)
+                .abs()
+                < 0.005
+        );
     }
 
     #[test]

@@ -179,6 +179,7 @@ tuning_fields! {
     mpc_horizon: usize,
     mpc_prediction_step_s: f32,
     mpc_tilt_max_rad: f32,
+    mpc_lead_s: [f32; 3],
     mpc_reference: ReferenceName,
     mpc_knows_actuation: bool,
     mpc_disturbance_bandwidth_rad_s: f32,

@@ -123,8 +123,7 @@ impl FlightSetup {
 
     /// Gains and weights: what follows from the vehicle as the controller knows it, with what the choice changes.
     pub fn tuning(&self) -> Tuning {
-        let actuation = vehicle_parameters(&self.known_model()).actuation;
-        self.choice.tuning.over(Tuning::for_motor_lag(actuation.lag_s))
+        self.choice.tuning.over(Tuning::for_vehicle(&vehicle_parameters(&self.known_model())))
     }
 
     /// The vehicle's sensors, with noise and with their effects.

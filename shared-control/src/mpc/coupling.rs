@@ -34,7 +34,7 @@ impl MotorSettings {
 /// What an axis is to the program, per N m.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TorqueResponse {
-    /// Angle after 1, 2, ... prediction steps, rad per N m, of a torque that acts during the first.
+    /// Angle (with its lead) after 1, 2, ... prediction steps, rad per N m, of a torque that acts during the first.
     pub(super) pulse_rad_nm: [f32; HORIZON],
     pub(super) tracking_weight: f32,
     /// Of the torque, 1/(N m)^2.
@@ -44,7 +44,7 @@ pub(super) struct TorqueResponse {
 /// What one solve is told of an axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TorqueForecast {
-    /// Angle less reference after each prediction step if no torque is asked for, rad.
+    /// Angle (with its lead) less reference after each prediction step if no torque is asked for, rad.
     pub(super) error_rad: [f32; HORIZON],
     pub(super) torque_prev_nm: f32,
 }

@@ -73,7 +73,7 @@ impl Room {
 /// What the program knows of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisResponse {
-    /// Angle after 1, 2, ... prediction steps, rad per N, of a share that acts during the first step alone.
+    /// Angle (with its lead) after 1, 2, ... prediction steps, rad per N, of a share that acts during the first step alone.
     pub pulse_rad_n: [f32; HORIZON],
     /// Weight of the squared tracking error, 1/rad^2.
     pub tracking_weight: f32,
@@ -84,7 +84,7 @@ pub struct AxisResponse {
 /// What one solve is told of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisForecast {
-    /// Angle less reference after each prediction step if the axis had no input at all, rad.
+    /// Angle (with its lead) less reference after each prediction step if the axis had no input at all, rad.
     pub error_rad: [f32; HORIZON],
     /// Share that acts until the plan does, N.
     pub previous_n: f32,

@@ -28,12 +28,14 @@ pub struct Preview {
     pub prediction_step_s: f32,
     /// Control step, s, in which the reference moves.
     pub control_step_s: f32,
+    /// How much of the reference's rate is added to its angle, s.
+    pub lead_s: [f32; 3],
     /// Time from the shaped reference's present state to the moment at which a plan begins to act, s.
     pub delay_s: f32,
 }
 
 impl Preview {
-    /// Reference at the end of each prediction step, rad, per axis (roll, pitch, heading).
+    /// Reference at the end of each prediction step, its lead included, rad, per axis (roll, pitch, heading).
     pub fn references_rad(&self, request: &PlanRequest) -> [[f32; HORIZON]; 3] {
         let mut reference = request.reference;
         let mut ahead_rad = reference.reference.map(|axis| [axis.angle_rad; HORIZON]);
@@ -57,7 +59,11 @@ impl Preview {
                 let [roll, pitch, heading] = &mut ahead_rad;
                 for ((roll, pitch), heading) in roll.iter_mut().zip(pitch).zip(heading) {
                     self.advance(&mut reference, request, parts, part_s);
-                    [*roll, *pitch, *heading] = reference.reference.map(|axis| axis.angle_rad);
+                    let [of_roll, of_pitch, of_heading] = reference.reference;
+                    let [roll_lead_s, pitch_lead_s, heading_lead_s] = self.lead_s;
+                    *roll = of_roll.angle_rad + roll_lead_s * of_roll.rate_rad_s;
+                    *pitch = of_pitch.angle_rad + pitch_lead_s * of_pitch.rate_rad_s;
+                    *heading = of_heading.angle_rad + heading_lead_s * of_heading.rate_rad_s;
                 }
             }
         }
@@ -95,7 +101,7 @@ mod tests {
             acceleration_feed_forward: 0.0,
             yaw_locked: false,
         };
-        Preview { ahead, shaping, prediction_step_s: 0.01, control_step_s: 0.0025, delay_s }
+        Preview { ahead, shaping, prediction_step_s: 0.01, control_step_s: 0.0025, lead_s: [0.0, 0.1, 0.2], delay_s }
     }
 
     proptest! {
@@ -122,7 +128,9 @@ mod tests {
             for step in 0..HORIZON {
                 go_on(&mut state, 4);
                 for axis in 0..3 {
-                    prop_assert_eq!(said[axis][step].to_bits(), state.reference[axis].angle_rad.to_bits());
+                    let then = state.reference[axis];
+                    let expected = then.angle_rad + preview.lead_s[axis] * then.rate_rad_s;
+                    prop_assert_eq!(said[axis][step].to_bits(), expected.to_bits());
                 }
             }
         }

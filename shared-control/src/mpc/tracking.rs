@@ -195,6 +195,11 @@ impl MpcSettings {
                 return refuse("torque_per_input_nm", axis, torque_nm);
             }
         }
+        for (axis, lead_s) in self.preview.lead_s.into_iter().enumerate() {
+            if !(lead_s.is_finite() && lead_s >= 0.0) {
+                return refuse("lead_s", axis, lead_s);
+            }
+        }
         if !(self.motor_lag_s.is_finite() && self.motor_lag_s >= 0.0) {
             return refuse("motor_lag_s", 0, self.motor_lag_s);
         }
@@ -248,7 +253,8 @@ impl<const M: usize> TrackingAxis<M> {
         let torque_max_nm = input_max * settings.torque_per_input_nm[axis];
         let full_turn_rad = gain_share * input_gain * step_s * step_s * input_max;
         let scale = input_max / full_turn_rad;
-        let model = LaggedIntegrator::new(settings.motor_lag_s / step_s);
+        let lead = settings.preview.lead_s[axis] / step_s;
+        let model = LaggedIntegrator::new(settings.motor_lag_s / step_s).with_lead(lead);
         let last = model.cost_of_held_input(problem.horizon.saturating_sub(control_horizon) + 1);
         let weight = increment_weight / tracking_weight * scale * scale;
         let lq = BoundedLq::prepare(model, weight, control_horizon, last);

@@ -49,13 +49,16 @@ fn of_synth_are_the_same_bytes_for_the_same_seed() {
     assert!(folder.bytes("a.csv") != folder.bytes("c.csv"));
 }
 
-/// The thesis' figure 5.3: an off-balance ring spoils pitch and leaves roll alone.
+/// The thesis' figure 5.3: an off-balance ring spoils the pitch of the thesis' MPC and leaves roll alone.
 #[test]
 fn of_an_off_balance_ring_deviate_in_pitch() {
     let folder = Folder::new();
     let effect = "cg_offset:axis=pitch,cos_moment_nm=0.1";
-    folder.sil(&["synth", "--controller", "mpc", "--effect", effect, "log.csv"]).assert_done();
-    folder.sil(&["compare", "log.csv", "--controller", "mpc", "--json", "out.json"]).assert_done();
+    let rates = ["--rate", "100", "--control-rate", "100"];
+    folder
+        .sil(&[&["synth", "--controller", THESIS_MPC, "--effect", effect, "log.csv"], &rates[..]].concat())
+        .assert_done();
+    folder.sil(&["compare", "log.csv", "--controller", THESIS_MPC, "--json", "out.json"]).assert_done();
     let deviation = |axis: &str| folder.json("out.json")["closed_loop"][axis].as_f64().unwrap();
     assert!(deviation("roll_mean_abs_deg") < 0.3);
     assert!(deviation("pitch_mean_abs_deg") > 1.0, "{}", deviation("pitch_mean_abs_deg"));
@@ -95,6 +98,9 @@ fn of_an_extended_model_are_explained_by_it() {
     }
 }
 
+/// The thesis' controller.
+const THESIS_MPC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/demonstration/thesis-mpc.toml");
+
 /// The arguments that made the bundled log.
 const RIG_LOG_ARGUMENTS: [&str; 11] = [
     "synth",
@@ -105,7 +111,7 @@ const RIG_LOG_ARGUMENTS: [&str; 11] = [
     "--control-rate",
     "100",
     "--controller",
-    concat!(env!("CARGO_MANIFEST_DIR"), "/demonstration/thesis-mpc.toml"),
+    THESIS_MPC,
     "--seed",
     "5",
 ];

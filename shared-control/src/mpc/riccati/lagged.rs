@@ -10,7 +10,8 @@ use crate::lagged_axis::LagStep;
 /// angle'' = m,   tau m' = u - m
 /// ```
 /// exactly discretised under zero-order hold, in units in which the prediction step and the effect of the input are 1
-/// and the cost is angle^2. Without lag m plays no part, and angle and rate are the double integrator's.
+/// and the cost is (angle + lead rate)^2, which asks an axis off its reference to close in with the time constant `lead`: damping.
+/// Without lag m plays no part, and angle and rate are the double integrator's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::mpc) struct LaggedIntegrator {
     /// Share of m that is left after a step: exp(-step / tau).
@@ -19,13 +20,26 @@ pub(in crate::mpc) struct LaggedIntegrator {
     rate_of_motor: f32,
     /// Angle that m leaves behind within the step.
     angle_of_motor: f32,
+    /// In prediction steps.
+    lead: f32,
 }
 
 impl LaggedIntegrator {
     /// `lag` is tau over the prediction step; anything but a positive number is no lag.
     pub(in crate::mpc) fn new(lag: f32) -> Self {
         let step = LagStep::new(1.0, lag);
-        Self { kept: step.kept, rate_of_motor: step.rate_share, angle_of_motor: step.angle_share }
+        Self { kept: step.kept, rate_of_motor: step.rate_share, angle_of_motor: step.angle_share, lead: 0.0 }
+    }
+
+    /// With a lead, in prediction steps.
+    pub(in crate::mpc) fn with_lead(self, lead: f32) -> Self {
+        Self { lead, ..self }
+    }
+
+    /// What is held against the reference: the angle with its lead.
+    #[inline(always)]
+    pub(in crate::mpc) fn output(&self, [angle, rate, _]: &[f32; 3]) -> f32 {
+        angle + self.lead * rate
     }
 
     /// What the input adds to (angle, rate, m) in a step.
@@ -93,12 +107,15 @@ impl Model<3> for LaggedIntegrator {
 
     #[inline(always)]
     fn add_tracking(&self, cost: &mut Quadratic<3>) {
-        let [[angle, ..], ..] = &mut cost.state;
+        let [[angle, angle_rate, _], [_, rate, _], _] = &mut cost.state;
         *angle += 1.0;
+        *angle_rate += self.lead;
+        *rate += self.lead * self.lead;
     }
 
     #[inline(always)]
-    fn add_reference(&self, [angle, ..]: &mut [f32; 3], reference: f32) {
+    fn add_reference(&self, [angle, rate, _]: &mut [f32; 3], reference: f32) {
         *angle -= reference;
+        *rate -= self.lead * reference;
     }
 }

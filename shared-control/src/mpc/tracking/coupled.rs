@@ -77,8 +77,7 @@ impl<const M: usize> TrackingAxis<M> {
         let (mut state, disturbance) = self.start(start);
         let error_rad = reference_rad.map(|reference_rad| {
             state = self.lq.model().advance(&state, disturbance);
-            let [angle, ..] = state;
-            angle / per_rad + (start.angle_rad - reference_rad)
+            self.lq.model().output(&state) / per_rad + (start.angle_rad - reference_rad)
         });
         TorqueForecast { error_rad, torque_prev_nm: start.torque_prev_nm }
     }
@@ -90,8 +89,7 @@ impl<const M: usize> TrackingAxis<M> {
         let pulse_rad_nm = [0.0; HORIZON].map(|_: f32| {
             state = self.lq.model().advance(&state, input);
             input = 0.0;
-            let [angle, ..] = state;
-            angle / per_rad * per_nm
+            self.lq.model().output(&state) / per_rad * per_nm
         });
         let Self { tracking_weight, increment_weight, .. } = *self;
         TorqueResponse { pulse_rad_nm, tracking_weight, increment_weight }

@@ -46,6 +46,7 @@ fn settings(motor_lag_s: f32, ahead: ReferenceAhead) -> MpcSettings {
             },
             prediction_step_s: 0.01,
             control_step_s: STEP_S,
+            lead_s: [0.1; 3],
             delay_s: 0.0,
         },
         schedule: Schedule::SINGLE,
@@ -73,7 +74,8 @@ proptest! {
     /// Without lag, disturbance and preview it is the thesis' problem, in N m.
     #[test]
     fn without_what_it_knows_more_it_is_the_thesis_controller(request in any_request()) {
-        let settings = settings(0.0, ReferenceAhead::Held);
+        let mut settings = settings(0.0, ReferenceAhead::Held);
+        settings.preview.lead_s = [0.0; 3];
         let plan = Mpc::<5>::prepare(&settings).unwrap().plan(&mut MpcState::new(), &request);
         let same = RegulationRequest {
             angle_rad: request.angle_rad,
@@ -249,6 +251,7 @@ fn settings_are_checked_by_name() {
     assert_eq!(field(|settings| settings.problem.input_gain[1] = 0.0), ("input_gain", 1));
     assert_eq!(field(|settings| settings.torque_per_input_nm[2] = -1.0), ("torque_per_input_nm", 2));
     assert_eq!(field(|settings| settings.motor_lag_s = f32::NAN), ("motor_lag_s", 0));
+    assert_eq!(field(|settings| settings.preview.lead_s[1] = -0.1), ("lead_s", 1));
     assert_eq!(field(|settings| settings.preview.control_step_s = 0.0), ("control_step_s", 0));
     assert_eq!(
         refused(|settings| settings.problem.output_max_rad[1] = Some(0.7)),
