@@ -5,7 +5,7 @@
 //! the control is the increment D of the torque:
 //!
 //! ```text
-//!   min  sum over k > 0 of  mu (angle_k - r_k)^2 + rho D_(k-1)^2
+//!   min  sum over k > 0 of  mu (angle_k + lead rate_k - r_k)^2 + rho D_(k-1)^2      (r holds the lead too)
 //!   P = Q + A'P(A - B K)      K = (rho + B'PB)^-1 B'PA      (discrete algebraic Riccati equation)
 //!   D = -K z + (rho + B'PB)^-1 B' sum over i of (A - B K)'^i Q r_(i+1)
 //! ```
@@ -72,17 +72,20 @@ impl LqiAxis {
         let a = transition(step_s, f64::from(settings.motor_lag_s), acceleration_per_nm);
         // an increment acts as the previous torque does, and stays
         let b: Vector4<f64> = a.column(3).into();
-        let q = Matrix4::from_diagonal(&Vector4::new(f64::from(problem.tracking_weight[axis]), 0.0, 0.0, 0.0));
+        let (weight, lead_s) = (f64::from(problem.tracking_weight[axis]), f64::from(settings.preview.lead_s[axis]));
+        let output = Vector4::new(1.0, lead_s, 0.0, 0.0);
+        let q = output * output.transpose() * weight;
         let rho = f64::from(problem.increment_weight[axis]) / (per_input_nm * per_input_nm);
         let p = riccati(&a, &b, &q, rho);
-        let weight = rho + (b.transpose() * p * b)[0];
-        let k = b.transpose() * p * a / weight;
+        let curvature = rho + (b.transpose() * p * b)[0];
+        let k = b.transpose() * p * a / curvature;
         let closed_loop = (a - b * k).transpose();
         let mut feed_forward = [0.0; HORIZON];
         let mut power = Matrix4::identity();
         for (step, gain) in feed_forward.iter_mut().enumerate().take(known_steps) {
-            let cost = if step + 1 == known_steps { p } else { q };
-            *gain = (b.transpose() * power * cost.column(0))[0] / weight;
+            // in the end the reference stands still: then it is an angle
+            let slope = if step + 1 == known_steps { p.column(0).into() } else { output * weight };
+            *gain = (b.transpose() * power * slope)[0] / curvature;
             power *= closed_loop;
         }
         let feedback = RowVector4::new(0.0, 0.0, 0.0, 1.0) - k;

@@ -14,12 +14,12 @@ pub const DRAWS: u64 = 200;
 pub const TUNING_DRAWS: u64 = 50;
 const TUNING_FIRST: u64 = 1000;
 /// Values of the cost that the search of each controller may ask for.
-pub const EVALUATIONS: usize = 60;
+pub const EVALUATIONS: usize = 40;
 const SEARCH_SEED: u64 = 1;
 
 /// Draws and evaluations of each controller in the scan of shapings.
 const SCAN_DRAWS: u64 = 8;
-const SCAN_EVALUATIONS: usize = 30;
+const SCAN_EVALUATIONS: usize = 20;
 /// Shapings of the scan: gain, 1/s, and acceleration share.
 const SCAN: [(f64, f64); 4] = [(7.1, 1.76), (9.0, 1.6), (12.0, 1.4), (20.0, 1.0)];
 

@@ -56,7 +56,7 @@ pub fn cascade(shaping: &Shaping) -> Tunable<6> {
 }
 
 /// The MPC before it is tuned.
-pub fn mpc(shaping: &Shaping) -> Tunable<4> {
+pub fn mpc(shaping: &Shaping) -> Tunable<5> {
     let fixed = format!(
         "controller = \"mpc\"\ncontrol_horizon = 10\n[tuning]\n{}mpc_motor_limits = true\nmpc_torque_reserve = 0.5\n\
          mpc_linearisations = 3\n",
@@ -69,8 +69,9 @@ pub fn mpc(shaping: &Shaping) -> Tunable<4> {
             Parameter {
                 field: "mpc_increment_weight",
                 form: Form::Tilt { pitch: PITCH_WEIGHT, yaw: 3000.0 },
-                start: 1.0,
+                start: 0.1,
             },
+            Parameter { field: "mpc_lead_s", form: Form::Tilt { pitch: 1.0, yaw: 0.1 }, start: 0.05 },
             Parameter { field: "mpc_disturbance_bandwidth_rad_s", form: Form::Number, start: 7.0 },
             Parameter { field: "mpc_prediction_step_s", form: Form::Number, start: 0.01 },
             Parameter { field: "gyro_cutoff_hz", form: Form::Number, start: 100.0 },
