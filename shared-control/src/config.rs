@@ -239,8 +239,9 @@ impl Config {
 }
 
 /// The MPC's problem for a vehicle: inputs are the lift difference at the arm (N) for roll and pitch and the torque
-/// (N m) for yaw, as in the thesis (2.6); each is bounded by what one motor's span gives, so that roll and pitch can
-/// both have theirs.
+/// (N m) for yaw, as in the thesis (2.6), each bounded by one motor's span. The motors stand arm / sqrt 2 from either axis:
+/// roll or pitch alone can have sqrt 2 times as much, both together 1 / sqrt 2 of it; beyond that the mixer scales both
+/// down. [`Tuning::mpc_motor_limits`] puts what the motors really can do in place of these bounds.
 pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: f32) -> MpcSettings {
     let actuation = known_actuation(vehicle, tuning);
     MpcSettings {
@@ -437,6 +438,8 @@ mod tests {
         starts(refusal(|v, _, _| v.actuation.lag_s = f32::NAN), "actuation.lag_s");
         starts(refusal(|v, _, _| v.actuation.delay_s = 0.05), "actuation.delay_s");
         starts(refusal(|_, t, _| t.mpc_disturbance_bandwidth_rad_s = -1.0), "mpc_disturbance_bandwidth_rad_s");
+        starts(refusal(|_, t, _| t.mpc_torque_reserve = 0.6), "mpc_torque_reserve");
+        starts(refusal(|_, t, _| t.mpc_linearisations = 0), "mpc_linearisations");
         starts(refusal(|_, t, _| t.angle_gain_1_s[2] = 0.0), "angle_gain_1_s");
         starts(refusal(|_, t, _| t.rate_derivative[0] = -0.1), "rate_derivative");
         starts(refusal(|_, t, _| t.acceleration_feed_forward = -1.0), "acceleration_feed_forward");

@@ -1,17 +1,16 @@
 //! One axis: its problem in units of its own, prepared at start-up, and the solve at each control step.
 
 use super::AxisSettings;
-use super::bounded_output::BoundedOutput;
-use super::model::PredictedAngles;
-use super::riccati::{BoundedLq, DoubleIntegrator, Guess, Model, Outcome};
-use crate::qp::{QpError, Status, Workspace};
+use super::riccati::{AngleBounds, BoundedLq, DoubleIntegrator, Guess, HeldAngles, Model, Outcome, SoftAngle};
+use crate::elementary::limit;
+use crate::qp::{QpError, Status};
 
 /// A prepared axis with room for M free inputs.
 #[derive(Clone, Debug)]
 pub(super) struct Axis<const M: usize> {
     lq: BoundedLq<DoubleIntegrator, 2, M>,
     units: Units,
-    bounded_output: Option<BoundedOutput<M>>,
+    output: Option<OutputBound>,
     control_horizon: usize,
     /// Prediction steps over which the last input is held.
     last_steps: usize,
@@ -21,13 +20,13 @@ pub(super) struct Axis<const M: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AxisState<const M: usize> {
     guess: Guess<2, M>,
-    /// Of the program with bounds on the angle.
-    dense: Workspace<M>,
+    /// Of the problem with bounds on the angle.
+    held: HeldAngles,
 }
 
 impl<const M: usize> AxisState<M> {
     pub(super) const fn new() -> Self {
-        Self { guess: Guess::new(), dense: Workspace::new() }
+        Self { guess: Guess::new(), held: HeldAngles::NONE }
     }
 }
 
@@ -53,6 +52,20 @@ struct Units {
     input_max: f32,
 }
 
+/// A bound on the angle over the horizon.
+#[derive(Clone, Copy, Debug)]
+struct OutputBound {
+    output_max_rad: f32,
+    soft: SoftAngle<2>,
+}
+
+/// What a violation of the angle's bound costs, per step and unit of angle: the weight of the increments and this floor,
+/// all in the axis' units. Where the increments cost next to nothing, it is the tracking over thirty steps that multipliers
+/// work against. The multipliers of bounds that can be kept are below it but at the edge (docs/solver.md).
+const PENALTY_FLOOR: f32 = 1e5;
+/// So much of the bound is rounding, after one step.
+const ANGLE_TOLERANCE: f32 = 1.5e-7;
+
 impl<const M: usize> Axis<M> {
     pub(super) fn prepare(
         horizon: usize,
@@ -71,11 +84,14 @@ impl<const M: usize> Axis<M> {
         let increment_weight = settings.increment_weight / settings.tracking_weight * scale * scale;
         let last_steps = horizon.saturating_sub(control_horizon) + 1;
         let last = DoubleIntegrator.cost_of_held_input(last_steps);
-        let angles = PredictedAngles::new(horizon, control_horizon, prediction_step_s, settings.input_gain);
         Ok(Self {
             lq: BoundedLq::prepare(DoubleIntegrator, increment_weight, control_horizon, last)?,
             units,
-            bounded_output: BoundedOutput::prepare(&angles, settings)?,
+            output: settings.output_max_rad.map(|output_max_rad| {
+                let tolerance = ANGLE_TOLERANCE * output_max_rad * units.angle.abs();
+                let soft = SoftAngle::new(&DoubleIntegrator, last_steps, increment_weight + PENALTY_FLOOR, tolerance);
+                OutputBound { output_max_rad, soft }
+            }),
             control_horizon,
             last_steps,
         })
@@ -83,43 +99,74 @@ impl<const M: usize> Axis<M> {
 
     /// Solves for `request`; the input is finite and inside its bounds whatever the status.
     pub(super) fn solve(&self, request: &AxisRequest, state: &mut AxisState<M>) -> Outcome {
-        let AxisRequest { input_prev, reference_rad, .. } = *request;
-        let start = self.start(request);
-        let previous = self.units.input * input_prev;
-        let mut outcome = self.lq.solve(&start, previous, &mut state.guess);
-        if let (Some(bounded), Status::Solved) = (&self.bounded_output, outcome.status) {
-            let one = self.units.angle * (-bounded.output_max_rad - reference_rad);
-            let other = self.units.angle * (bounded.output_max_rad - reference_rad);
-            let limits = if one < other { [one, other] } else { [other, one] };
-            outcome = if self.control_horizon == 1 {
-                self.cut_at_outputs(&start, &limits, outcome)
-            } else {
-                self.bound_outputs(bounded, request, &limits, state, outcome)
-            };
-        } else {
-            outcome.input *= self.units.input_max;
-        }
-        if outcome.status != Status::Solved {
-            outcome.input = self.present_input(input_prev);
-        }
-        outcome
+        let start =
+            [self.units.angle * (request.angle_rad - request.reference_rad), self.units.rate * request.rate_rad_s];
+        let previous = self.units.input * request.input_prev;
+        let outcome = match &self.output {
+            Some(output) if state.held.is_any() => {
+                let bounds = self.angle_bounds(output, request.reference_rad);
+                self.lq.solve_bounded(&start, previous, &bounds, &mut state.guess, &mut state.held)
+            }
+            Some(output) => {
+                let outcome = self.lq.solve(&start, previous, &mut state.guess);
+                if outcome.status == Status::Solved {
+                    let bounds = self.angle_bounds(output, request.reference_rad);
+                    self.keep_bounds(&bounds, &start, previous, state, outcome)
+                } else {
+                    outcome
+                }
+            }
+            None => self.lq.solve(&start, previous, &mut state.guess),
+        };
+        let input = match outcome.status {
+            Status::Solved => self.units.input_max * outcome.input,
+            _ => self.present_input(request.input_prev),
+        };
+        Outcome { input, ..outcome }
     }
 
-    /// The state, in the axis' units: angle from the reference, and rate.
-    fn start(&self, request: &AxisRequest) -> [f32; 2] {
-        [self.units.angle * (request.angle_rad - request.reference_rad), self.units.rate * request.rate_rad_s]
+    /// In the axis' units, from the reference.
+    fn angle_bounds<'a>(&self, output: &'a OutputBound, reference_rad: f32) -> AngleBounds<'a, 2> {
+        let one = self.units.angle * (-output.output_max_rad - reference_rad);
+        let other = self.units.angle * (output.output_max_rad - reference_rad);
+        let (lower, upper) = if one < other { (one, other) } else { (other, one) };
+        AngleBounds::new(lower, upper, &output.soft)
     }
 
-    /// With one input over the whole horizon: cut where the first angle leaves its limits.
+    /// The optimum without bounds on the angle if it keeps them, else the one with them.
     #[inline(never)]
-    fn cut_at_outputs(&self, start: &[f32; 2], limits: &[f32; 2], outcome: Outcome) -> Outcome {
-        let ([angle, rate], [lower, upper]) = (*start, *limits);
+    fn keep_bounds(
+        &self,
+        bounds: &AngleBounds<'_, 2>,
+        start: &[f32; 2],
+        previous: f32,
+        state: &mut AxisState<M>,
+        outcome: Outcome,
+    ) -> Outcome {
+        if self.control_horizon == 1 {
+            if let Some((least, greatest)) = self.inputs_that_keep(bounds, start) {
+                return Outcome { input: limit(outcome.input, least, greatest), ..outcome };
+            }
+        } else {
+            let keeps = |[angle, _]: &[f32; 2]| bounds.lower <= *angle && *angle <= bounds.upper;
+            if self.lq.trajectory(start, previous, &state.guess, self.last_steps, keeps) {
+                return outcome;
+            }
+        }
+        self.lq.give_up(start, bounds, &mut state.guess, &mut state.held);
+        let bounded = self.lq.solve_bounded(start, previous, bounds, &mut state.guess, &mut state.held);
+        Outcome { iterations: outcome.iterations.saturating_add(bounded.iterations), ..bounded }
+    }
+
+    /// The range of the one input that is held over the whole horizon; none if it is empty.
+    fn inputs_that_keep(&self, bounds: &AngleBounds<'_, 2>, start: &[f32; 2]) -> Option<(f32, f32)> {
+        let [angle, rate] = *start;
         let (mut least, mut greatest, mut time) = (-1.0, 1.0, 0.0);
         for _ in 0..self.last_steps {
             time += 1.0;
             let free = angle + time * rate;
             let per_input = 2.0 / (time * time);
-            let (from, to) = ((lower - free) * per_input, (upper - free) * per_input);
+            let (from, to) = ((bounds.lower - free) * per_input, (bounds.upper - free) * per_input);
             if from > least {
                 least = from;
             }
@@ -127,36 +174,7 @@ impl<const M: usize> Axis<M> {
                 greatest = to;
             }
         }
-        let input = if outcome.input < least {
-            least
-        } else if outcome.input > greatest {
-            greatest
-        } else {
-            outcome.input
-        };
-        let status = if least <= greatest { Status::Solved } else { Status::Infeasible };
-        Outcome { input: self.units.input_max * input, status, ..outcome }
-    }
-
-    /// With several inputs: the optimum without limits on the angle if it keeps them, else the dense program's.
-    #[inline(never)]
-    fn bound_outputs(
-        &self,
-        bounded: &BoundedOutput<M>,
-        request: &AxisRequest,
-        limits: &[f32; 2],
-        state: &mut AxisState<M>,
-        outcome: Outcome,
-    ) -> Outcome {
-        let start = self.start(request);
-        let [lower, upper] = *limits;
-        let keeps = |[angle, _]: &[f32; 2]| lower <= *angle && *angle <= upper;
-        let previous = self.units.input * request.input_prev;
-        if self.lq.trajectory(&start, previous, &state.guess, self.last_steps, keeps) {
-            return Outcome { input: self.units.input_max * outcome.input, ..outcome };
-        }
-        let dense = bounded.solve(request, &mut state.dense);
-        Outcome { iterations: outcome.iterations.saturating_add(dense.iterations), ..dense }
+        (least <= greatest).then_some((least, greatest))
     }
 
     /// What stays applied without a plan.

@@ -5,7 +5,6 @@
 //! and the control period are two parameters: what is solved at 400 Hz still looks 0.3 s ahead.
 
 mod axis;
-mod bounded_output;
 pub mod condense;
 mod coupling;
 pub mod model;

@@ -36,8 +36,8 @@ impl Reference {
         let mut angles: Vec<f64> = forecast.error_rad.iter().map(|error| f64::from(*error)).collect();
         for step in 0..HORIZON {
             let share = shares[step.min(self.blocks - 1)];
-            for later in step..HORIZON {
-                angles[later] += share * f64::from(self.axes[axis].pulse_rad_n[later - step]);
+            for (angle, pulse) in angles.iter_mut().skip(step).zip(&self.axes[axis].pulse_rad_n) {
+                *angle += share * f64::from(*pulse);
             }
         }
         angles
@@ -317,7 +317,7 @@ proptest! {
 /// The most work and the largest error over many problems: `cargo test --release -p shared-control motor_limits -- --ignored
 /// --nocapture`.
 #[test]
-#[ignore = "seconds long; prints the figures of docs/switching-mpc.md"]
+#[ignore = "seconds long; prints figures of docs/motor-limits.md"]
 fn figures() {
     use proptest::strategy::ValueTree;
     use proptest::test_runner::TestRunner;

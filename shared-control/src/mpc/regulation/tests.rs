@@ -37,6 +37,38 @@ fn one_input(settings: &ProblemSettings, axis: usize, request: &RegulationReques
     pull / stiffness
 }
 
+/// With M = 1 and a bounded angle that can't be kept: the minimum of the convex function that violations make of the cost,
+/// found by thirds.
+fn softly_bounded_input(settings: &ProblemSettings, request: &RegulationRequest) -> f64 {
+    let wide = |values: &[f32; 3]| f64::from(values[0]);
+    let (mu, rho, input_max) =
+        (wide(&settings.tracking_weight), wide(&settings.increment_weight), wide(&settings.input_max));
+    let step_s = f64::from(settings.prediction_step_s);
+    let full_turn_rad = wide(&settings.input_gain) * step_s * step_s * input_max;
+    // per rad of violation: the penalty's weight, 1e5 and that of the increments, out of the axis' units
+    let scale = input_max / full_turn_rad;
+    let penalty = (rho / mu * scale * scale + 1e5) * mu * full_turn_rad;
+    let bound = f64::from(settings.output_max_rad[0].unwrap());
+    let cost = |input: f64| {
+        let increment = input - wide(&request.input_prev);
+        let mut cost = 0.5 * rho * increment * increment;
+        for step in 1..=HORIZON {
+            let time_s = step as f64 * step_s;
+            let turned = wide(&request.angle_rad) + time_s * wide(&request.rate_rad_s);
+            let angle = turned + 0.5 * wide(&settings.input_gain) * time_s * time_s * input;
+            let error = angle - wide(&request.reference_rad);
+            cost += 0.5 * mu * error * error + penalty * (angle.abs() - bound).max(0.0);
+        }
+        cost
+    };
+    let (mut low, mut high) = (-input_max, input_max);
+    for _ in 0..100 {
+        let (left, right) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if cost(left) < cost(right) { high = right } else { low = left }
+    }
+    0.5 * (low + high)
+}
+
 fn ordinary_request() -> impl Strategy<Value = RegulationRequest> {
     let three = |limit: f32| prop::array::uniform3(-limit..limit);
     (three(1.0), three(5.0), three(2.0), three(0.8)).prop_map(|(angle_rad, rate_rad_s, input_prev, reference_rad)| {
@@ -86,18 +118,18 @@ proptest! {
             low = low.max((-f64::from(0.7_f32) - free_rad) / effect);
             high = high.min((f64::from(0.7_f32) - free_rad) / effect);
         }
-        // At the edge of feasibility rounding decides.
-        prop_assume!((high - low).abs() > 1e-3);
         let plan = RegulationMpc::<1>::prepare(&settings).unwrap().plan(&mut RegulationState::new(), &request);
-        if low > high {
-            prop_assert_eq!(plan.status, PlanStatus::Infeasible);
+        prop_assert_eq!(plan.status, PlanStatus::Solved);
+        let exact = if low > high {
+            softly_bounded_input(&settings, &request)
         } else {
-            prop_assert_eq!(plan.status, PlanStatus::Solved);
-            let exact = one_input(&settings, 0, &request).clamp(low, high);
-            let error = (f64::from(plan.input[0]) - exact).abs();
-            // Where a late angle is at its limit: rounding of the angle, 1e-7, over the effect of the input on it.
-            prop_assert!(error <= 1e-4 * (1.0 + exact.abs()), "{} {}", plan.input[0], exact);
-        }
+            one_input(&settings, 0, &request).clamp(low, high)
+        };
+        // At the edge of feasibility rounding decides between the two.
+        prop_assume!((high - low).abs() > 1e-3);
+        let error = (f64::from(plan.input[0]) - exact).abs();
+        // Where a late angle is at its limit: rounding of the angle, 1e-7, over the effect of the input on it.
+        prop_assert!(error <= 1e-4 * (1.0 + exact.abs()), "{} {}", plan.input[0], exact);
     }
 
     /// Any bits give a status, and an input that could be applied.
@@ -161,7 +193,6 @@ fn warm_equals_cold<const M: usize>(increment_weight: f32, output_max_rad: Optio
     let mpc = RegulationMpc::<M>::prepare(&settings).unwrap();
     let mut state = RegulationState::new();
     let mut request = RegulationRequest::default();
-    let (mut solved, mut undecided) = (0, 0);
     for step in 0..400_u32 {
         if step % 50 == 0 {
             let side = if step % 100 == 0 { 1.0 } else { -1.0 };
@@ -170,31 +201,17 @@ fn warm_equals_cold<const M: usize>(increment_weight: f32, output_max_rad: Optio
         let warm = mpc.plan(&mut state, &request);
         let cold = mpc.plan(&mut RegulationState::new(), &request);
         for status in [warm.status, cold.status] {
-            let expected = status == PlanStatus::Solved || output_max_rad.is_some() && status == PlanStatus::Infeasible;
-            assert!(expected, "M = {M}, step {step}: {status:?} {request:?}");
+            assert_eq!(status, PlanStatus::Solved, "M = {M}, step {step}: {request:?}");
         }
-        let both_solved = warm.status == PlanStatus::Solved && cold.status == PlanStatus::Solved;
-        solved += u32::from(both_solved);
-        undecided += u32::from(warm.status != cold.status);
         for axis in 0..3 {
             let difference = (warm.input[axis] - cold.input[axis]).abs() / settings.input_max[axis];
-            assert!(
-                !both_solved || difference <= 2e-5,
-                "M = {M}, step {step}, axis {axis}: {difference:e} {request:?}"
-            );
+            assert!(difference <= 4e-5, "M = {M}, step {step}, axis {axis}: {difference:e} {request:?}");
             let acceleration_rad_s2 = settings.input_gain[axis] * warm.input[axis];
             request.angle_rad[axis] += 0.01 * request.rate_rad_s[axis] + 5e-5 * acceleration_rad_s2;
             request.rate_rad_s[axis] += 0.01 * acceleration_rad_s2;
         }
         request.input_prev = warm.input;
-        if warm.status != PlanStatus::Solved {
-            // Few inputs and a bounded angle: a plan may lead to where none is left. Start anew, at rest.
-            request = RegulationRequest { reference_rad: request.reference_rad, ..RegulationRequest::default() };
-        }
     }
-    assert!(solved >= 380, "M = {M}: {solved} of 400 solved");
-    // Full braking towards a bounded angle rides the edge of feasibility, where rounding decides.
-    assert!(undecided <= 1, "M = {M}: {undecided} of 400 infeasible one way and solved the other");
 }
 
 #[test]
@@ -237,11 +254,14 @@ fn status_is_the_worst_of_the_axes() {
     assert_eq!(good.status, PlanStatus::Solved);
     request.angle_rad[1] = 1.5;
     let beyond = mpc.plan(&mut RegulationState::new(), &request);
-    assert_eq!(beyond.status, PlanStatus::Infeasible);
+    assert_eq!(beyond.status, PlanStatus::Solved);
     assert_eq!(beyond.input[0], good.input[0]);
-    assert_eq!(beyond.input[1], 0.5, "without a plan the present input stays");
-    request.rate_rad_s[2] = f32::NAN;
-    assert_eq!(mpc.plan(&mut RegulationState::new(), &request).status, PlanStatus::NumericalError);
+    assert_eq!(beyond.input[1], -2.0, "a bound that can't be kept is approached as fast as can be");
+    request.rate_rad_s[1] = f32::NAN;
+    let failed = mpc.plan(&mut RegulationState::new(), &request);
+    assert_eq!(failed.status, PlanStatus::NumericalError);
+    assert_eq!(failed.input[0], good.input[0]);
+    assert_eq!(failed.input[1], 0.5, "without a plan the present input stays");
 }
 
 #[test]

@@ -19,6 +19,9 @@
 //! A sweep begins at the last stage that changed, since costs ahead depend on later stages only; and after the last held
 //! stage the laws are those without bounds, made at start-up.
 
+mod columns;
+mod dual;
+mod equality;
 mod lagged;
 mod model;
 mod prepare;
@@ -27,13 +30,16 @@ mod solve;
 #[cfg(test)]
 mod tests;
 mod track;
+mod working_set;
 
+pub(super) use dual::HeldAngles;
 pub(super) use lagged::LaggedIntegrator;
 pub(super) use model::{DoubleIntegrator, Model};
 use quadratic::Law;
 use quadratic::Quadratic;
 pub(super) use solve::Outcome;
 pub(super) use track::{Pattern, Tracking};
+pub(super) use working_set::{AngleBounds, SoftAngle};
 
 /// What a guess says of one input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -29,7 +29,7 @@ pub(in crate::mpc) struct Outcome {
 
 /// Cuts an input at its bounds.
 #[inline(always)]
-fn cut(wish: f32) -> (f32, Held) {
+pub(super) fn cut(wish: f32) -> (f32, Held) {
     if wish > 1.0 {
         (1.0, Held::High)
     } else if wish < -1.0 {
@@ -155,7 +155,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
     }
 
     /// Makes laws and costs anew for what `changed` of the first stages, from the last roll-out, say of the inputs.
-    fn sweep(&self, guess: &mut Guess<S, M>, changed: usize) {
+    pub(super) fn sweep(&self, guess: &mut Guess<S, M>, changed: usize) {
         let seen = if changed > guess.held_count { changed } else { guess.held_count };
         let is_held = |stage: &Stage<S>| stage.held != Held::Free;
         let held_count = guess.stages.iter().take(seen).rposition(is_held).map_or(0, |index| index + 1);

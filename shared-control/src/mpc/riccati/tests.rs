@@ -130,7 +130,7 @@ fn many_random_problems_are_solved_to_optimality() {
 }
 
 /// (rho, angle per rad, rate per rad/s) of the nominal vehicle's axes in units of their own: roll, pitch, yaw.
-fn shipped(step_s: f32) -> [(f32, f32, f32); 3] {
+pub(super) fn shipped(step_s: f32) -> [(f32, f32, f32); 3] {
     let axis = |input_gain: f32, increment_weight: f32, input_max: f32| {
         let turn = input_gain * step_s * step_s * input_max;
         let scale = input_max / turn;

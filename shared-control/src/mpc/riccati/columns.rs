@@ -1,0 +1,152 @@
+//! What the held bounds on the angle do to the plan: a column per bound, and the small system of their multipliers.
+//!
+//! A multiplier is a linear term of the cost, so that each input's law gets an offset in proportion to it: a column of
+//! offsets. The angles at the bounds then follow from the multipliers by a symmetric matrix J (the Schur complement of
+//! the equality problem), and J nu = (angles without multipliers) - (bounds).
+//!
+//! Angles one step apart move almost alike. So a bound next to held ones is taken as its difference from them, first or
+//! second, without which J would be singular to single precision; the multipliers of the angles are put together again
+//! from those of the differences.
+
+use super::working_set::{AngleBounds, Rows, set};
+use crate::mpc::HORIZON;
+
+/// A column whose share that is independent of the ones before it is smaller counts as dependent.
+const DEPENDENCE: f32 = 2e-5;
+
+/// A sum of angles, and what it depends on.
+#[derive(Clone, Copy)]
+pub(super) struct Column<const S: usize, const M: usize> {
+    /// The latest of the angles it is made of.
+    pub(super) row: usize,
+    /// Weights of this angle, the one before, and the one before that.
+    pub(super) weights: [f32; 3],
+    /// The sum, less the target, without multipliers.
+    pub(super) excess: f32,
+    /// Effect of each free input on it, the later ones following their laws.
+    pub(super) effects: [f32; M],
+    /// Offset of each stage's law per multiplier.
+    pub(super) offsets: [f32; M],
+    /// Row of L in J = L D L'.
+    factor: [f32; M],
+    pivot: f32,
+    pub(super) multiplier: f32,
+}
+
+/// All of them, earliest angle first. Of M + 1 one depends on the others; no more are ever held.
+pub(super) type Columns<const S: usize, const M: usize> = heapless::Vec<Column<S, M>, { HORIZON + 1 }>;
+
+impl<const S: usize, const M: usize> Column<S, M> {
+    /// For the held angle of `row`, given whether those of the two steps before are held too.
+    pub(super) fn new(row: usize, target: f32, is_next: bool, is_third: bool) -> Self {
+        let (weights, target) = match (is_next, is_third) {
+            (true, true) => ([1.0, -2.0, 1.0], 0.0),
+            (true, false) => ([1.0, -1.0, 0.0], 0.0),
+            (false, _) => ([1.0, 0.0, 0.0], target),
+        };
+        Self {
+            row,
+            weights,
+
+            excess: -target,
+            effects: [0.0; M],
+            offsets: [0.0; M],
+            factor: [0.0; M],
+            pivot: 0.0,
+            multiplier: 0.0,
+        }
+    }
+
+    /// Weight of the angle of `row`.
+    #[inline(always)]
+    pub(super) fn weight(&self, row: usize) -> f32 {
+        self.weights.get(self.row.wrapping_sub(row)).copied().unwrap_or(0.0)
+    }
+
+    /// How the sum moves with the multiplier of `other`.
+    #[inline(always)]
+    pub(super) fn coupling(&self, other: &Self) -> f32 {
+        self.effects.iter().zip(&other.offsets).fold(0.0, |sum, (effect, offset)| sum + effect * offset)
+    }
+
+    /// Its row of the factor and its pivot, 0 if it depends on the `earlier` ones.
+    fn factor_after(&mut self, earlier: &[Self]) {
+        let whole = -self.coupling(self);
+        let mut rest = whole;
+        let mut scaled = [0.0; M];
+        for (index, other) in earlier.iter().enumerate() {
+            let known = other.factor.iter().zip(&scaled).take(index);
+            let entry = known.fold(-self.coupling(other), |sum, (factor, scaled)| sum - factor * scaled);
+            let factor = entry / other.pivot;
+            set(&mut self.factor, index, factor);
+            set(&mut scaled, index, entry);
+            rest -= entry * factor;
+        }
+        self.pivot = if rest > DEPENDENCE * whole { rest } else { 0.0 };
+    }
+}
+
+/// Chooses the columns for what `rows` holds.
+pub(super) fn begin<const S: usize, const M: usize>(
+    columns: &mut Columns<S, M>,
+    rows: &Rows,
+    bounds: &AngleBounds<'_, S>,
+) -> bool {
+    columns.clear();
+    let mut has_room = true;
+    for row in rows.held() {
+        let is_held = |steps: usize| row.checked_sub(steps).is_some_and(|row| rows.is_held(row));
+        let bound = rows.get(row).held(bounds).unwrap_or(0.0);
+        let column = Column::new(row, bound, is_held(1), is_held(2));
+        has_room &= columns.len() <= M && columns.push(column).is_ok();
+    }
+    has_room
+}
+
+/// Factors J and solves for the multipliers. If a column depends on those before it: the multipliers that together move
+/// nothing, and the column's angle.
+pub(super) fn solve<const S: usize, const M: usize>(columns: &mut [Column<S, M>]) -> Option<usize> {
+    let mut dependent = None;
+    let mut reduced: [f32; HORIZON + 1] = [0.0; HORIZON + 1];
+    for index in 0..columns.len() {
+        let Some((earlier, [column, ..])) = columns.split_at_mut_checked(index) else { break };
+        column.factor_after(earlier);
+        if column.pivot <= 0.0 {
+            dependent = Some(column.row);
+            for other in earlier {
+                other.multiplier = 0.0;
+            }
+            column.multiplier = 1.0;
+            break;
+        }
+        let known = column.factor.iter().zip(&reduced).take(index);
+        let excess = known.fold(column.excess, |sum, (factor, known)| sum - factor * known);
+        set(&mut reduced, index, excess);
+        column.multiplier = excess / column.pivot;
+    }
+    // nu = L'^-1 (what stands there now)
+    for index in (1..columns.len()).rev() {
+        let Some((earlier, [column, ..])) = columns.split_at_mut_checked(index) else { continue };
+        if dependent.is_some_and(|row| column.row > row) {
+            column.multiplier = 0.0;
+            continue;
+        }
+        for (other, factor) in earlier.iter_mut().zip(&column.factor) {
+            other.multiplier -= factor * column.multiplier;
+        }
+    }
+    dependent
+}
+
+/// Multipliers of the held bounds on the angle.
+pub(super) fn row_multipliers<const S: usize, const M: usize>(
+    columns: &[Column<S, M>],
+    rows: &Rows,
+    multipliers: &mut [f32; HORIZON],
+) {
+    for (index, column) in columns.iter().enumerate() {
+        let later = columns.iter().skip(index).take(3);
+        let of_angle = later.fold(0.0, |sum, other| sum + other.weight(column.row) * other.multiplier);
+        set(multipliers, column.row, rows.get(column.row).multiplier(of_angle));
+    }
+}

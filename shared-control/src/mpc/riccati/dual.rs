@@ -1,0 +1,219 @@
+//! Bounds on the angle beside those on the inputs: a dual active-set method whose every step is a sweep and a roll-out.
+//!
+//! Goldfarb and Idnani (*A numerically stable dual method for solving strictly convex quadratic programs*, Mathematical
+//! Programming 27, 1983): some bounds are held as equalities, with multipliers of the right signs; the worst violated
+//! bound is taken in, and its multiplier raised until it holds too, letting go on the way of each bound whose multiplier
+//! reaches 0. The dual cost rises with every step, so that no set of held bounds comes twice and the method ends.
+//! Equality problems are solved by `equality`, in time proportional to the horizon.
+//!
+//! Soft bounds: a violation of an angle's bound costs `weight` times its size (an exact penalty), which is the same as
+//! the multiplier of that bound being at most `weight`: one that gets there is given up, and stays in the cost.
+
+use super::equality::{Shifted, Shifts};
+use super::solve::{Outcome, cut};
+use super::working_set::{AngleBounds, Change, Direction, DualPoint, Row, Rows};
+use super::{BoundedLq, Guess, Held, Model};
+use crate::qp::Status;
+
+/// Passes altogether.
+const PASS_LIMIT: u16 = 150;
+
+/// A bound that is violated but, held, would be left at once is so by rounding; violations count from so many times more on.
+const DOUBT: f32 = 4.0;
+/// More than that is no rounding.
+const MOST_DOUBT: f32 = 200.0;
+
+/// The warm start beside the inputs' guess: which bounds on the angle the last solution held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::mpc) struct HeldAngles {
+    rows: Rows,
+}
+
+impl HeldAngles {
+    pub(in crate::mpc) const NONE: Self = Self { rows: Rows::LOOSE };
+
+    /// Whether there is any.
+    pub(in crate::mpc) fn is_any(&self) -> bool {
+        self.rows != Rows::LOOSE
+    }
+}
+
+/// What the next pass is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Aim {
+    /// Multipliers of the right signs for what is held.
+    Begin,
+    /// That this bound, taken in last, holds.
+    TakeIn(Change, Direction),
+    /// The point that belongs to what is held.
+    Settle,
+}
+
+/// How a pass ends.
+enum Next {
+    /// With a change up to this number of stages.
+    Go(usize),
+    /// The first input of the solution.
+    Solved(f32),
+    /// What is held makes no sense.
+    StartAnew,
+}
+
+/// One solve under way.
+struct Search<'a, const S: usize, const M: usize> {
+    present: (&'a [f32; S], f32),
+    bounds: AngleBounds<'a, S>,
+    guess: &'a mut Guess<S, M>,
+    rows: &'a mut Rows,
+    shifts: Shifts<S, M>,
+    point: DualPoint<M>,
+    target: DualPoint<M>,
+    aim: Aim,
+}
+
+impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
+    /// Before a first solve with bounds on the angle, after one without: gives up those that no input can keep. An angle
+    /// that is beyond its bound with all inputs at the other end is so with any, and all of them are for it.
+    #[inline(never)]
+    pub(in crate::mpc) fn give_up(
+        &self,
+        start: &[f32; S],
+        bounds: &AngleBounds<'_, S>,
+        guess: &mut Guess<S, M>,
+        angles: &mut HeldAngles,
+    ) {
+        *angles = HeldAngles::NONE;
+        let (mut least, mut greatest, mut lost) = (*start, *start, (0, Held::Free));
+        let horizon = self.control_horizon - 1 + bounds.soft.last_steps;
+        for index in 0..horizon {
+            least = self.model.advance(&least, -1.0);
+            greatest = self.model.advance(&greatest, 1.0);
+            if least[0] > bounds.upper {
+                angles.rows.set(index, Row::AboveUpper);
+                lost = (index + 1, Held::Low);
+            } else if greatest[0] < bounds.lower {
+                angles.rows.set(index, Row::BelowLower);
+                lost = (index + 1, Held::High);
+            }
+        }
+        let count = if lost.0 < self.control_horizon { lost.0 } else { self.control_horizon };
+        for stage in guess.stages.iter_mut().take(count) {
+            stage.held = lost.1;
+        }
+        if count > 0 {
+            self.sweep(guess, count);
+        }
+    }
+
+    /// Solves from the state `start` and the input `previous` with bounds on the angle, beginning with what `guess` and
+    /// `angles` hold and leaving there what is held at the end.
+    #[inline(never)]
+    pub(in crate::mpc) fn solve_bounded(
+        &self,
+        start: &[f32; S],
+        previous: f32,
+        bounds: &AngleBounds<'_, S>,
+        guess: &mut Guess<S, M>,
+        angles: &mut HeldAngles,
+    ) -> Outcome {
+        let mut status = Status::NumericalError;
+        let mut iterations = 0;
+        let sum = start.iter().fold(previous, |sum, value| sum + value.abs()) + bounds.upper + bounds.lower;
+        if sum.is_finite() {
+            if guess.stamp != self.stamp {
+                (guess.stamp, *angles) = (self.stamp, HeldAngles::NONE);
+                guess.clear();
+            }
+            let mut search = Search {
+                present: (start, previous),
+                bounds: *bounds,
+                guess,
+                rows: &mut angles.rows,
+                shifts: Shifts::new(),
+                point: DualPoint::ZERO,
+                target: DualPoint::ZERO,
+                aim: Aim::Begin,
+            };
+            while iterations < PASS_LIMIT {
+                iterations += 1;
+                match self.pass(&mut search) {
+                    Next::Go(0) => {}
+                    Next::Go(changed) => self.sweep(search.guess, changed),
+                    Next::Solved(input) if input.is_finite() => {
+                        return Outcome { input: cut(input).0, status: Status::Solved, iterations };
+                    }
+                    Next::Solved(_) => break,
+                    Next::StartAnew => {
+                        (*search.rows, search.aim) = (Rows::LOOSE, Aim::Begin);
+                        search.guess.clear();
+                    }
+                }
+            }
+            if iterations >= PASS_LIMIT {
+                status = Status::IterationLimit;
+            }
+        }
+        (*angles, guess.held_count) = (HeldAngles::NONE, 0);
+        guess.clear();
+        Outcome { input: 0.0, status, iterations }
+    }
+
+    /// The equality problem for what is held, and the step that follows from it.
+    fn pass(&self, search: &mut Search<'_, S, M>) -> Next {
+        let Search { present, bounds, guess, rows, shifts, point, target, aim } = search;
+        match self.shift(*present, guess, rows, bounds, shifts) {
+            Shifted::Kept => {}
+            Shifted::Dependent(_) if *aim != Aim::Begin => {
+                self.cancel(guess, rows, shifts, target);
+                let sign = match *aim {
+                    Aim::TakeIn(change, direction) if !target.goes(change, direction) => -1.0,
+                    _ => 1.0,
+                };
+                let rate = |_: f32, direction: f32| sign * direction;
+                let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
+                let Some(blocking) = blocking else { return Next::StartAnew };
+                point.walk(rows, target, blocking.step, rate);
+                return search.let_go(blocking.change);
+            }
+            Shifted::Dependent(row) => return search.let_go(Change::Row(row, Row::Loose)),
+            Shifted::Overfull => return Next::StartAnew,
+        }
+        let (input, violated) = self.follow(*present, guess, rows, bounds, shifts, target);
+        if *aim == Aim::Begin {
+            if let Some(changed) = target.drop_wrong(guess, rows, bounds.soft.weight) {
+                return Next::Go(changed);
+            }
+        } else {
+            let rate = |now: f32, aim: f32| aim - now;
+            let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
+            if let Some(blocking) = blocking.filter(|blocking| blocking.step < 1.0) {
+                point.walk(rows, target, blocking.step, rate);
+                return search.let_go(blocking.change);
+            }
+        }
+        *point = *target;
+        let Some(change) = violated else { return Next::Solved(input) };
+        *aim = Aim::TakeIn(change, point.begin(change, rows, bounds.soft.weight));
+        Next::Go(change.apply(guess, rows))
+    }
+}
+
+impl<const S: usize, const M: usize> Search<'_, S, M> {
+    /// Changes a bound whose multiplier has come to its end.
+    fn let_go(&mut self, change: Change) -> Next {
+        if let Aim::TakeIn(taken_in, direction) = self.aim
+            && taken_in.is_of(&change)
+        {
+            let was_given_up = matches!(change, Change::Row(_, Row::AboveUpper | Row::BelowLower));
+            let [_, tolerance] = self.bounds.tolerances;
+            if was_given_up == (direction == Direction::Falls) && tolerance < MOST_DOUBT * self.bounds.soft.tolerance {
+                self.bounds.tolerances = self.bounds.tolerances.map(|tolerance| DOUBT * tolerance);
+            }
+            self.aim = Aim::Settle;
+        }
+        Next::Go(change.apply(self.guess, self.rows))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,427 @@
+//! Bounds on the angle, which of them are held, and the multipliers of all that is held.
+
+use super::{Guess, Held, Model};
+use crate::mpc::HORIZON;
+
+/// Inputs beyond their bounds by so much are within: above rounding, below what matters.
+const INPUT_TOLERANCE: f32 = 2e-6;
+
+/// What is made once for bounds on the angle, in the axis' units.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mpc) struct SoftAngle<const S: usize> {
+    /// The angles while the last input is held, as sums of the state before it and the input.
+    pub(super) while_held: [([f32; S], f32); HORIZON],
+    /// How many they are.
+    pub(super) last_steps: usize,
+    /// Greatest multiplier: what a violation costs per step and unit of angle, in halves of the cost.
+    pub(super) weight: f32,
+    /// Violations below it, times the step's number, are rounding.
+    pub(super) tolerance: f32,
+}
+
+impl<const S: usize> SoftAngle<S> {
+    pub(in crate::mpc) fn new(model: &impl Model<S>, last_steps: usize, weight: f32, tolerance: f32) -> Self {
+        let (mut state, mut input) = ([0.0; S], 0.0);
+        state[0] = 1.0;
+        let while_held = [(); HORIZON].map(|()| {
+            (state, input) = model.pull_back_linear(&state, input);
+            (state, input)
+        });
+        Self { while_held, last_steps, weight, tolerance }
+    }
+}
+
+/// The bounds on the angle, from the reference.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mpc) struct AngleBounds<'a, const S: usize> {
+    pub(in crate::mpc) lower: f32,
+    pub(in crate::mpc) upper: f32,
+    pub(in crate::mpc) soft: &'a SoftAngle<S>,
+    /// Violations that count as none, of an input and, times the step's number, of an angle.
+    pub(super) tolerances: [f32; 2],
+}
+
+impl<'a, const S: usize> AngleBounds<'a, S> {
+    pub(in crate::mpc) fn new(lower: f32, upper: f32, soft: &'a SoftAngle<S>) -> Self {
+        Self { lower, upper, soft, tolerances: [INPUT_TOLERANCE, soft.tolerance] }
+    }
+}
+
+/// What is chosen for the angle after one prediction step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Row {
+    /// Its bounds are ignored.
+    Loose,
+    /// At the upper bound.
+    Upper,
+    /// At the lower bound.
+    Lower,
+    /// At or above the upper bound, for which the cost rises with it.
+    AboveUpper,
+    /// At or below the lower bound.
+    BelowLower,
+}
+
+impl Row {
+    /// The angle that is to be kept.
+    #[inline(always)]
+    pub(super) fn held<const S: usize>(self, bounds: &AngleBounds<'_, S>) -> Option<f32> {
+        match self {
+            Self::Upper => Some(bounds.upper),
+            Self::Lower => Some(bounds.lower),
+            Self::Loose | Self::AboveUpper | Self::BelowLower => None,
+        }
+    }
+
+    /// Slope of the cost beyond a bound that is given up.
+    #[inline(always)]
+    pub(super) fn slope<const S: usize>(self, bounds: &AngleBounds<'_, S>) -> f32 {
+        match self {
+            Self::AboveUpper => bounds.soft.weight,
+            Self::BelowLower => -bounds.soft.weight,
+            Self::Loose | Self::Upper | Self::Lower => 0.0,
+        }
+    }
+
+    /// The multiplier of the bound, from that of the angle.
+    #[inline(always)]
+    pub(super) fn multiplier(self, of_angle: f32) -> f32 {
+        if self == Self::Lower { -of_angle } else { of_angle }
+    }
+
+    /// What it becomes when its multiplier has reached the greatest one.
+    pub(super) fn given_up(self) -> Self {
+        match self {
+            Self::Upper => Self::AboveUpper,
+            Self::Lower => Self::BelowLower,
+            other => other,
+        }
+    }
+}
+
+/// The choices for all angles: a bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Rows {
+    upper: u32,
+    lower: u32,
+    above: u32,
+    below: u32,
+}
+
+const _: () = assert!(HORIZON <= 32, "a bit for each angle");
+
+impl Rows {
+    /// None is held.
+    pub(super) const LOOSE: Self = Self { upper: 0, lower: 0, above: 0, below: 0 };
+
+    pub(super) fn get(&self, index: usize) -> Row {
+        let bit = bit(index);
+        if self.upper & bit != 0 {
+            Row::Upper
+        } else if self.lower & bit != 0 {
+            Row::Lower
+        } else if self.above & bit != 0 {
+            Row::AboveUpper
+        } else if self.below & bit != 0 {
+            Row::BelowLower
+        } else {
+            Row::Loose
+        }
+    }
+
+    pub(super) fn set(&mut self, index: usize, row: Row) {
+        let bit = bit(index);
+        for bits in [&mut self.upper, &mut self.lower, &mut self.above, &mut self.below] {
+            *bits &= !bit;
+        }
+        match row {
+            Row::Loose => {}
+            Row::Upper => self.upper |= bit,
+            Row::Lower => self.lower |= bit,
+            Row::AboveUpper => self.above |= bit,
+            Row::BelowLower => self.below |= bit,
+        }
+    }
+
+    /// Whether the angle is held at a bound.
+    #[inline(always)]
+    pub(super) fn is_held(&self, index: usize) -> bool {
+        (self.upper | self.lower) & bit(index) != 0
+    }
+
+    /// The angles that are held, the earliest first.
+    #[inline(always)]
+    pub(super) fn held(&self) -> Indices {
+        Indices(self.upper | self.lower)
+    }
+
+    /// The angles whose bounds are given up.
+    #[inline(always)]
+    pub(super) fn given_up(&self) -> Indices {
+        Indices(self.above | self.below)
+    }
+}
+
+/// No bit for what is no angle.
+#[inline(always)]
+fn bit(index: usize) -> u32 {
+    if index < HORIZON { 1 << index } else { 0 }
+}
+
+/// Of the bits that are set.
+#[derive(Clone, Copy)]
+pub(super) struct Indices(u32);
+
+impl Indices {
+    #[inline(always)]
+    pub(super) fn contains(self, index: usize) -> bool {
+        self.0 & bit(index) != 0
+    }
+
+    pub(super) fn last(self) -> Option<usize> {
+        (self.0 != 0).then(|| 31 - self.0.leading_zeros() as usize)
+    }
+}
+
+impl Iterator for Indices {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let index = self.0.trailing_zeros() as usize;
+        self.0 &= self.0 - 1;
+        Some(index)
+    }
+}
+
+/// One bound, and what becomes of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Change {
+    Input(usize, Held),
+    Row(usize, Row),
+}
+
+impl Change {
+    /// Whether both speak of the same input or angle.
+    pub(super) fn is_of(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Input(one, _), Self::Input(two, _)) | (Self::Row(one, _), Self::Row(two, _)) => one == two,
+            _ => false,
+        }
+    }
+
+    /// Makes it so; returns the number of stages up to the last whose law is another now.
+    pub(super) fn apply<const S: usize, const M: usize>(self, guess: &mut Guess<S, M>, rows: &mut Rows) -> usize {
+        match self {
+            Self::Input(index, held) => {
+                if let Some(stage) = guess.stages.get_mut(index) {
+                    stage.held = held;
+                }
+                index + 1
+            }
+            Self::Row(index, row) => {
+                rows.set(index, row);
+                0
+            }
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn set<T>(list: &mut [T], index: usize, value: T) {
+    if let Some(slot) = list.get_mut(index) {
+        *slot = value;
+    }
+}
+
+/// The worst violation so far.
+#[derive(Clone, Copy)]
+pub(super) struct Violation {
+    amount: f32,
+    change: Option<Change>,
+}
+
+impl Violation {
+    pub(super) fn none<const S: usize>(bounds: &AngleBounds<'_, S>) -> Self {
+        let [amount, _] = bounds.tolerances;
+        Self { amount, change: None }
+    }
+
+    #[inline(always)]
+    pub(super) fn see_free_input(&mut self, index: usize, input: f32) {
+        let beyond = input.abs() - 1.0;
+        if beyond > self.amount {
+            self.amount = beyond;
+            let held = if input > 0.0 { Held::High } else { Held::Low };
+            self.change = Some(Change::Input(index, held));
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn see_angle<const S: usize>(
+        &mut self,
+        index: usize,
+        angle: f32,
+        rows: &Rows,
+        bounds: &AngleBounds<'_, S>,
+    ) {
+        let (above, below) = (angle - bounds.upper, bounds.lower - angle);
+        let outside = if above > below { above } else { below };
+        if outside > self.amount || rows.given_up().contains(index) {
+            self.see_bound(index, rows.get(index), (above, below), bounds);
+        }
+    }
+
+    #[inline(never)]
+    fn see_bound<const S: usize>(
+        &mut self,
+        index: usize,
+        row: Row,
+        (above, below): (f32, f32),
+        bounds: &AngleBounds<'_, S>,
+    ) {
+        let (amount, to) = match row {
+            Row::Loose if above > below => (above, Row::Upper),
+            Row::Loose => (below, Row::Lower),
+            Row::AboveUpper => (-above, Row::Upper),
+            Row::BelowLower => (-below, Row::Lower),
+            Row::Upper | Row::Lower => return,
+        };
+        let [_, tolerance] = bounds.tolerances;
+        if amount > tolerance * (index + 1) as f32 && amount > self.amount {
+            self.amount = amount;
+            self.change = Some(Change::Row(index, to));
+        }
+    }
+
+    pub(super) fn worst(&self) -> Option<Change> {
+        self.change
+    }
+}
+
+/// Multipliers of held inputs and of held bounds on the angle: 0 or more, and those of angles at most the weight. Where
+/// nothing is held they mean nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct DualPoint<const M: usize> {
+    pub(super) inputs: [f32; M],
+    pub(super) rows: [f32; HORIZON],
+}
+
+/// Where the multiplier of a bound that is taken in goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Direction {
+    Rises,
+    Falls,
+}
+
+/// How far multipliers can move before one of them reaches an end, and what its bound becomes there.
+#[derive(Clone, Copy)]
+pub(super) struct Blocking {
+    pub(super) step: f32,
+    pub(super) change: Change,
+}
+
+impl<const M: usize> DualPoint<M> {
+    pub(super) const ZERO: Self = Self { inputs: [0.0; M], rows: [0.0; HORIZON] };
+
+    /// Whether these rates move the multiplier of the bound in its direction.
+    pub(super) fn goes(&self, change: Change, direction: Direction) -> bool {
+        let rate = match change {
+            Change::Input(index, _) => self.inputs.get(index),
+            Change::Row(index, _) => self.rows.get(index),
+        };
+        rate.is_some_and(|rate| (*rate > 0.0) == (direction == Direction::Rises))
+    }
+
+    /// Begins the multiplier of a bound that is taken in: at 0, or at `weight` if it had been given up.
+    pub(super) fn begin(&mut self, change: Change, rows: &Rows, weight: f32) -> Direction {
+        match change {
+            Change::Input(index, _) => set(&mut self.inputs, index, 0.0),
+            Change::Row(index, _) if rows.get(index) != Row::Loose => {
+                set(&mut self.rows, index, weight);
+                return Direction::Falls;
+            }
+            Change::Row(index, _) => set(&mut self.rows, index, 0.0),
+        }
+        Direction::Rises
+    }
+
+    /// Where multipliers, moving from here by `rate(now, towards)` each, first reach an end of their range.
+    pub(super) fn first_blocking<const S: usize>(
+        &self,
+        (guess, rows): (&Guess<S, M>, &Rows),
+        weight: f32,
+        towards: &Self,
+        rate: impl Fn(f32, f32) -> f32,
+    ) -> Option<Blocking> {
+        let mut first: Option<Blocking> = None;
+        let mut see = |step: f32, change: Change| {
+            if first.is_none_or(|found| step < found.step) {
+                first = Some(Blocking { step, change });
+            }
+        };
+        let inputs = guess.stages.iter().take(guess.held_count).zip(self.inputs.iter().zip(&towards.inputs));
+        for (index, (stage, (now, aim))) in inputs.enumerate() {
+            let rate = rate(*now, *aim);
+            if rate < 0.0 && stage.held != Held::Free {
+                see(-now / rate, Change::Input(index, Held::Free));
+            }
+        }
+        for index in rows.held() {
+            let (Some(now), Some(aim)) = (self.rows.get(index), towards.rows.get(index)) else { continue };
+            let rate = rate(*now, *aim);
+            if rate < 0.0 {
+                see(-now / rate, Change::Row(index, Row::Loose));
+            } else if rate > 0.0 {
+                see((weight - now) / rate, Change::Row(index, rows.get(index).given_up()));
+            }
+        }
+        first
+    }
+
+    /// Moves the multipliers.
+    pub(super) fn walk(&mut self, rows: &Rows, towards: &Self, step: f32, rate: impl Fn(f32, f32) -> f32) {
+        let walk = |(now, aim): (&mut f32, &f32)| {
+            let moved = *now + step * rate(*now, *aim);
+            // rounding may end a hair below zero
+            *now = if moved > 0.0 { moved } else { 0.0 };
+        };
+        self.inputs.iter_mut().zip(&towards.inputs).for_each(walk);
+        for index in rows.held() {
+            self.rows.get_mut(index).zip(towards.rows.get(index)).into_iter().for_each(walk);
+        }
+    }
+
+    /// Lets go of every bound whose multiplier is out of range, and gives up those above the weight; returns the number of
+    /// stages up to the last that changed, or none if nothing did.
+    pub(super) fn drop_wrong<const S: usize>(
+        &self,
+        guess: &mut Guess<S, M>,
+        rows: &mut Rows,
+        weight: f32,
+    ) -> Option<usize> {
+        let mut changed = None;
+        for index in rows.held() {
+            let multiplier = self.rows.get(index).copied().unwrap_or(0.0);
+            if multiplier < 0.0 {
+                rows.set(index, Row::Loose);
+                changed = Some(0);
+            } else if multiplier > weight {
+                let row = rows.get(index);
+                rows.set(index, row.given_up());
+                changed = Some(0);
+            }
+        }
+        let stages = guess.stages.iter_mut().take(guess.held_count).zip(&self.inputs);
+        for (place, (stage, multiplier)) in (1..).zip(stages) {
+            if stage.held != Held::Free && *multiplier < 0.0 {
+                stage.held = Held::Free;
+                changed = Some(place);
+            }
+        }
+        changed
+    }
+}
