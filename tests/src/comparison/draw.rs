@@ -64,6 +64,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_nominal_vehicle_is_the_one_of_the_file() {
+        let text = include_str!("../../comparison/vehicle.toml");
+        let of_file = VehicleModel::parse(text, "vehicle.toml").unwrap();
+        let nominal = Draw::nominal(0).model();
+        // the other effects do nothing
+        assert_eq!(of_file.effects[..], nominal.effects[..1]);
+        assert_eq!(VehicleModel { name: nominal.name.clone(), effects: nominal.effects.clone(), ..of_file }, nominal);
+    }
+
+    #[test]
     fn draws_fill_their_ranges_and_come_again() {
         let draws: Vec<Draw> = (0..400).map(Draw::new).collect();
         for (what, low, high) in [
