@@ -1,4 +1,5 @@
-//! The MPC with a control horizon chosen at run time.
+//! What answers the control core's requests for plans: the MPC with a control horizon chosen at run time, or a law to
+//! compare it with.
 //!
 //! In the control core the control horizon M is a const parameter, so that every array has its exact size. The host
 //! reads M from a command line or a file, and takes the type with room for the longest.
@@ -6,31 +7,51 @@
 use shared_control::mpc::{HORIZON, Mpc, MpcError, MpcSettings, MpcState};
 use shared_control::signals::{Plan, PlanRequest};
 
-/// An MPC with its warm start; plans like `Mpc<M>` for the M it was made with, to the bit.
+use crate::lqi::Lqi;
+
+/// A planner.
 #[derive(Debug, Clone)]
-pub struct Planner {
-    mpc: Mpc<HORIZON>,
-    state: MpcState<HORIZON>,
+pub enum Planner {
+    /// An MPC with its warm start; plans like `Mpc<M>` for the M it was made with, to the bit.
+    Mpc {
+        /// What it plans with.
+        mpc: Box<Mpc<HORIZON>>,
+        /// Its warm start.
+        state: MpcState<HORIZON>,
+    },
+    /// The same problem without bounds, over an infinite horizon.
+    Lqi(Box<Lqi>),
 }
 
 impl Planner {
     /// Prepares the MPC with `control_horizon` free inputs per axis, 1 to [`HORIZON`].
     pub fn new(control_horizon: usize, settings: &MpcSettings) -> Result<Self, MpcError> {
-        Ok(Self { mpc: Mpc::prepare_shorter(control_horizon, settings)?, state: MpcState::new() })
+        let mpc = Box::new(Mpc::prepare_shorter(control_horizon, settings)?);
+        Ok(Self::Mpc { mpc, state: MpcState::new() })
     }
 
-    /// Plans on with another MPC, from the warm start that is there: which inputs were held means the same to any.
+    /// Plans on with another one. An MPC after an MPC goes on from the warm start that is there: which inputs were held means
+    /// the same to any.
     pub fn take_over(&mut self, other: Planner) {
-        self.mpc = other.mpc;
+        match (self, other) {
+            (Self::Mpc { mpc, .. }, Self::Mpc { mpc: other, .. }) => *mpc = other,
+            (this, other) => *this = other,
+        }
     }
 
-    /// Answers one request; see [`Mpc::plan`].
+    /// Answers one request; see [`Mpc::plan`] and [`Lqi::plan`].
     pub fn plan(&mut self, request: &PlanRequest) -> Plan {
-        self.mpc.plan(&mut self.state, request)
+        match self {
+            Self::Mpc { mpc, state } => mpc.plan(state, request),
+            Self::Lqi(lqi) => lqi.plan(request),
+        }
     }
 
     /// The feedback law where no bound is active; see [`Mpc::unconstrained_gain`].
     pub fn unconstrained_gain(&self) -> [[f32; 4]; 3] {
-        self.mpc.unconstrained_gain()
+        match self {
+            Self::Mpc { mpc, .. } => mpc.unconstrained_gain(),
+            Self::Lqi(lqi) => lqi.feedback().map(|axis| axis.map(|gain| gain as f32)),
+        }
     }
 }

@@ -1,4 +1,5 @@
 //! Fixtures of the integration tests, and the campaigns that their short forms run a part of.
 
 pub mod blind;
+pub mod comparison;
 pub mod steps;

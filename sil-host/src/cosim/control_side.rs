@@ -77,6 +77,11 @@ impl ControlSide {
         self.state.shaped_reference_rad()
     }
 
+    /// What answers the requests for plans, where something does.
+    pub fn planner(&self) -> Option<&Planner> {
+        self.planner.as_ref()
+    }
+
     /// Configuration in use.
     pub fn config(&self) -> &Config {
         &self.config

@@ -1,0 +1,130 @@
+//! The whole comparison: tuning on some draws, flights on others, tables.
+
+use super::contender::Contender;
+use super::contenders::{self, Shaping};
+use super::draw::{Draw, NOMINAL_LAG_S};
+use super::hover::Hover;
+use super::stability::{Vehicle, eigenvalues, lift_gain, spectral_radius};
+use super::statistics::median;
+use super::table::{self, Result};
+
+/// Draws that decide.
+pub const DRAWS: u64 = 200;
+/// Draws on which controllers are tuned: other ones.
+pub const TUNING_DRAWS: u64 = 50;
+const TUNING_FIRST: u64 = 1000;
+/// Values of the cost that the search of each controller may ask for.
+pub const EVALUATIONS: usize = 40;
+const SEARCH_SEED: u64 = 1;
+
+/// Draws and evaluations of each controller in the scan of shapings.
+const SCAN_DRAWS: u64 = 8;
+const SCAN_EVALUATIONS: usize = 20;
+/// Shapings of the scan: gain, 1/s, and acceleration share.
+const SCAN: [(f64, f64); 4] = [(7.1, 1.76), (9.0, 1.6), (12.0, 1.4), (20.0, 1.0)];
+
+/// Lags beyond the model's own, s, and throttles of the table of spectral radii.
+const LAGS_S: [f64; 6] = [0.0, 0.01, 0.02, 0.03, 0.04, 0.05];
+const THROTTLES: [f64; 5] = [0.35, 0.425, 0.5, 0.6, 0.7];
+
+/// The first draws of those that decide.
+pub fn draws(count: u64) -> Vec<Draw> {
+    (0..count).map(Draw::new).collect()
+}
+
+fn tuning_draws(count: u64) -> Vec<Draw> {
+    (TUNING_FIRST..TUNING_FIRST + count).map(Draw::new).collect()
+}
+
+/// Tunes both controllers and gives their files, the MPC's first.
+pub fn tune() -> [String; 2] {
+    let draws = tuning_draws(TUNING_DRAWS);
+    let (mpc, cascade) = (contenders::mpc(&contenders::SHAPING), contenders::cascade(&contenders::SHAPING));
+    let mpc_found = mpc.tune(&draws, EVALUATIONS, SEARCH_SEED);
+    let cascade_found = cascade.tune(&draws, EVALUATIONS, SEARCH_SEED);
+    let commented = |file: String, cost: f64, first: f64| {
+        format!(
+            "# Tuned by `controller_comparison tune`: {EVALUATIONS} evaluations on {TUNING_DRAWS} draws took the cost from \
+             {first:.3} to {cost:.3} degrees.\n{file}"
+        )
+    };
+    [
+        commented(mpc.file(&mpc_found.point), mpc_found.cost, mpc_found.history[0]),
+        commented(cascade.file(&cascade_found.point), cascade_found.cost, cascade_found.history[0]),
+    ]
+}
+
+/// Both controllers, tuned a little at several shapings of the reference.
+pub fn scan() -> String {
+    let draws = tuning_draws(SCAN_DRAWS);
+    let header = ["shaping gain, 1/s", "acceleration share", "cost MPC, deg", "cost cascade, deg", "sum"];
+    let mut text = table::row(header.map(Into::into)) + &table::rule(header.len() - 1);
+    for (gain_1_s, acceleration_share) in SCAN {
+        let shaping = Shaping { gain_1_s, acceleration_share };
+        let mpc = contenders::mpc(&shaping).tune(&draws, SCAN_EVALUATIONS, SEARCH_SEED).cost;
+        let cascade = contenders::cascade(&shaping).tune(&draws, SCAN_EVALUATIONS, SEARCH_SEED).cost;
+        let costs = [mpc, cascade, mpc + cascade].map(|cost| format!("{cost:.3}"));
+        text += &table::row([format!("{gain_1_s}"), format!("{acceleration_share}")].into_iter().chain(costs));
+    }
+    text
+}
+
+/// Flights of a contender over draws, and all else that is told of it.
+pub fn result(contender: &Contender, draws: &[Draw]) -> Result {
+    let flights = contender.fly_all(draws);
+    let rms: Vec<f64> = flights.iter().map(|figures| figures.rms_deg).collect();
+    eprintln!("{}: median RMS {:.3} deg", contender.name, median(&rms));
+    Result {
+        name: contender.name,
+        flights,
+        eigenvalues: [0, 1].map(|axis| eigenvalues(contender, axis, &Vehicle::nominal())),
+        law: contender.law(),
+        hover: Hover::of(contender),
+    }
+}
+
+/// Every table over this many draws.
+pub fn report(count: u64) -> String {
+    let draws = draws(count);
+    let results: Vec<Result> = contenders::all().iter().map(|contender| result(contender, &draws)).collect();
+    let [mpc, cascade] = contenders::tuned();
+    // parts that act at a bound only leave the linear loop as it is
+    let mut linear: Vec<Result> = Vec::new();
+    for result in &results {
+        if linear.iter().all(|other| other.eigenvalues != result.eigenvalues) {
+            linear.push(result.clone());
+        }
+    }
+    [
+        format!("### Flights over {count} draws: median / 95th percentile\n"),
+        table::flights(&results),
+        "### Differences with paired 95 % intervals\n".into(),
+        table::differences(&results),
+        "### At hover, nominal vehicle: roll / pitch\n".into(),
+        table::hover(&results),
+        "### Eigenvalues at hover, nominal vehicle\n".into(),
+        table::eigenvalues(&linear),
+        "### Laws where no bound is active\n".into(),
+        table::laws(&linear),
+        "### Spectral radius of the MPC's loop, the worse of roll and pitch\n".into(),
+        radii(&mpc),
+        "### The same of the cascade\n".into(),
+        radii(&cascade),
+    ]
+    .join("\n")
+}
+
+/// Spectral radii over true lag and throttle of a controller that believes in the nominal vehicle.
+fn radii(contender: &Contender) -> String {
+    let header = THROTTLES.map(|throttle| format!("throttle {throttle}, lift gain {:.3}", lift_gain(throttle)));
+    let mut text = table::row(["lag, ms".to_owned()].into_iter().chain(header)) + &table::rule(THROTTLES.len());
+    for lag_s in LAGS_S {
+        let name = if lag_s == NOMINAL_LAG_S { "**30**".into() } else { format!("{:.0}", 1e3 * lag_s) };
+        let cells = THROTTLES.map(|throttle| {
+            let vehicle = Vehicle { lag_s, throttle, authority: 1.0 };
+            format!("{:.4}", spectral_radius(contender, &vehicle))
+        });
+        text += &table::row([name].into_iter().chain(cells));
+    }
+    text
+}

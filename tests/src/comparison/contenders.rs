@@ -1,0 +1,117 @@
+//! Who takes part: the two controllers that were tuned, as their files are kept, and what is left of the MPC without
+//! one of its parts.
+
+use sil_host::controller_file::ReferenceName;
+
+use super::contender::Contender;
+use super::tuning::{Form, Parameter, Tunable};
+
+/// The file of the cascade, as tuned.
+pub const CASCADE_FILE: &str = include_str!("../../comparison/cascade.toml");
+/// The file of the MPC, as tuned.
+pub const MPC_FILE: &str = include_str!("../../comparison/mpc.toml");
+
+/// Squared ratio of the axes' input gains: what makes an increment of the torque as dear about pitch, measured by the
+/// acceleration that it gives, as about roll. (0.0115118 / 0.0365651)^2
+const PITCH_WEIGHT: f64 = 0.0991;
+
+/// The shaping of both controllers' reference: how fast it closes in, 1/s, and which share it uses of the acceleration that roll
+/// and pitch can both have at the same time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shaping {
+    /// Gain, 1/s.
+    pub gain_1_s: f64,
+    /// Share.
+    pub acceleration_share: f64,
+}
+
+/// The one that was chosen: see docs/mpc-against-cascade.md.
+pub const SHAPING: Shaping = Shaping { gain_1_s: 9.0, acceleration_share: 1.6 };
+
+impl Shaping {
+    fn lines(&self) -> String {
+        let Self { gain_1_s, acceleration_share } = self;
+        format!(
+            "shaping_gain_1_s = [{gain_1_s:?}, {gain_1_s:?}, 3.0]\nacceleration_share = {acceleration_share:?}\n\
+             rate_max_rad_s = [8.0, 8.0, 2.0]\n"
+        )
+    }
+}
+
+/// The cascade before it is tuned.
+pub fn cascade(shaping: &Shaping) -> Tunable<6> {
+    let tilt = |yaw| Form::Tilt { pitch: 1.0, yaw };
+    Tunable {
+        name: "cascade",
+        fixed: format!("controller = \"pid\"\n[tuning]\n{}", shaping.lines()),
+        parameters: [
+            Parameter { field: "angle_gain_1_s", form: tilt(3.0), start: 22.0 },
+            Parameter { field: "rate_proportional_1_s", form: tilt(9.0), start: 27.0 },
+            Parameter { field: "rate_integral_1_s2", form: tilt(9.0), start: 33.0 },
+            Parameter { field: "rate_derivative", form: tilt(0.0), start: 1.2 },
+            Parameter { field: "rate_derivative_cutoff_hz", form: Form::Number, start: 14.0 },
+            Parameter { field: "acceleration_feed_forward", form: Form::Number, start: 0.75 },
+        ],
+    }
+}
+
+/// The MPC before it is tuned.
+pub fn mpc(shaping: &Shaping) -> Tunable<5> {
+    let fixed = format!(
+        "controller = \"mpc\"\ncontrol_horizon = 10\n[tuning]\n{}mpc_motor_limits = true\nmpc_torque_reserve = 0.5\n\
+         mpc_linearisations = 3\n",
+        shaping.lines()
+    );
+    Tunable {
+        name: "MPC",
+        fixed,
+        parameters: [
+            Parameter {
+                field: "mpc_increment_weight",
+                form: Form::Tilt { pitch: PITCH_WEIGHT, yaw: 3000.0 },
+                start: 0.1,
+            },
+            Parameter { field: "mpc_lead_s", form: Form::Tilt { pitch: 1.0, yaw: 0.1 }, start: 0.05 },
+            Parameter { field: "mpc_disturbance_bandwidth_rad_s", form: Form::Number, start: 7.0 },
+            Parameter { field: "mpc_prediction_step_s", form: Form::Number, start: 0.01 },
+            Parameter { field: "gyro_cutoff_hz", form: Form::Number, start: 100.0 },
+        ],
+    }
+}
+
+/// The two, as tuned.
+pub fn tuned() -> [Contender; 2] {
+    [Contender::new("MPC", MPC_FILE), Contender::new("cascade", CASCADE_FILE)]
+}
+
+/// Those of the full campaign, the MPC first.
+pub fn all() -> Vec<Contender> {
+    let [mpc, cascade] = tuned();
+    let changed = |name, change: fn(&mut Contender)| {
+        let mut contender = Contender { name, ..mpc.clone() };
+        change(&mut contender);
+        contender
+    };
+    let variants = [
+        changed("MPC without preview", |c| c.choice.tuning.mpc_reference = Some(ReferenceName::Held)),
+        changed("MPC without disturbance", |c| c.choice.tuning.mpc_disturbance_bandwidth_rad_s = Some(0.0)),
+        changed("MPC without lag", |c| c.choice.tuning.mpc_knows_actuation = Some(false)),
+        changed("MPC, an axis at a time", |c| c.choice.tuning.mpc_motor_limits = Some(false)),
+        changed("LQI", |c| c.without_bounds = true),
+    ];
+    [mpc.clone(), cascade].into_iter().chain(variants).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_fly_the_same_reference() {
+        let [mpc, cascade] = tuned().map(|contender| contender.choice.tuning);
+        assert!(mpc.shaping_gain_1_s.is_some() && mpc.acceleration_share.is_some() && mpc.rate_max_rad_s.is_some());
+        assert_eq!(mpc.shaping_gain_1_s, cascade.shaping_gain_1_s);
+        assert_eq!(mpc.acceleration_share, cascade.acceleration_share);
+        assert_eq!(mpc.rate_max_rad_s, cascade.rate_max_rad_s);
+    }
+}

@@ -1,0 +1,169 @@
+//! The figures of a campaign as Markdown.
+
+use std::fmt::Write;
+
+use super::contender::Figures;
+use super::hover::Hover;
+use super::statistics::{Difference, median, paired_difference, quantile};
+
+/// A contender's flights over the draws, and what it does at hover.
+#[derive(Clone, Debug)]
+pub struct Result {
+    /// The contender.
+    pub name: &'static str,
+    /// A flight per draw.
+    pub flights: Vec<Figures>,
+    /// Its eigenvalues of roll and pitch at the nominal vehicle, magnitude and angle, the largest first.
+    pub eigenvalues: [Vec<[f64; 2]>; 2],
+    /// Torque per angle, rate, motors' torque and previous torque where no bound is active; none for the cascade.
+    pub law: Option<[[f64; 4]; 3]>,
+    /// Torque step, noise, margins.
+    pub hover: Hover,
+}
+
+/// One column of the table of flights.
+struct Column {
+    name: &'static str,
+    decimals: usize,
+    figure: fn(&Figures) -> f64,
+}
+
+const COLUMNS: [Column; 8] = [
+    Column { name: "RMS, deg", decimals: 3, figure: |f| f.rms_deg },
+    Column { name: "RMS roll", decimals: 3, figure: |f| f.axis_rms_deg[0] },
+    Column { name: "RMS pitch", decimals: 3, figure: |f| f.axis_rms_deg[1] },
+    Column { name: "overshoot, %", decimals: 2, figure: |f| f.overshoot_pct },
+    Column { name: "settling, s", decimals: 3, figure: |f| f.settling_s },
+    Column { name: "steady error, deg", decimals: 3, figure: |f| f.steady_error_deg },
+    Column { name: "effort", decimals: 4, figure: |f| f.effort },
+    Column { name: "saturated, %", decimals: 1, figure: |f| f.saturated_pct },
+];
+
+/// One figure of all flights.
+pub fn series(flights: &[Figures], figure: fn(&Figures) -> f64) -> Vec<f64> {
+    flights.iter().map(figure).collect()
+}
+
+/// Median and 95th percentile of every figure.
+pub fn flights(results: &[Result]) -> String {
+    let mut text = row(["".into()].into_iter().chain(COLUMNS.iter().map(|column| column.name.into())));
+    text += &rule(COLUMNS.len());
+    for result in results {
+        let cells = COLUMNS.iter().map(|column| {
+            let values = series(&result.flights, column.figure);
+            format!("{:.2$} / {:.2$}", median(&values), quantile(&values, 0.95), column.decimals)
+        });
+        text += &row([result.name.into()].into_iter().chain(cells));
+    }
+    text
+}
+
+/// The first contender's figures less each other's, with paired 95 % intervals.
+pub fn differences(results: &[Result]) -> String {
+    let Some((ours, others)) = results.split_first() else {
+        return String::new();
+    };
+    let figures: [(&str, fn(&Figures) -> f64, f64); 5] = [
+        ("RMS median, deg", |f| f.rms_deg, 0.5),
+        ("RMS 95th percentile, deg", |f| f.rms_deg, 0.95),
+        ("overshoot median, %", |f| f.overshoot_pct, 0.5),
+        ("settling median, s", |f| f.settling_s, 0.5),
+        ("effort median", |f| f.effort, 0.5),
+    ];
+    let header = figures.iter().map(|(name, ..)| (*name).into());
+    let mut text = row([format!("{} less", ours.name)].into_iter().chain(header)) + &rule(figures.len());
+    for theirs in others {
+        let cells = figures.iter().map(|&(_, figure, share)| {
+            interval(&paired_difference(&series(&ours.flights, figure), &series(&theirs.flights, figure), share))
+        });
+        text += &row([theirs.name.into()].into_iter().chain(cells));
+    }
+    text
+}
+
+/// Torque step, noise and margins; each cell is roll / pitch.
+pub fn hover(results: &[Result]) -> String {
+    let names = [
+        "peak after 0.1 N m, deg",
+        "within 0.5 deg after, s",
+        "command deviation",
+        "gain margin, dB",
+        "phase margin, deg",
+        "delay margin, ms",
+        "peak sensitivity",
+    ];
+    let mut text = row([""].into_iter().chain(names).map(Into::into)) + &rule(names.len());
+    for Result { name, hover, .. } in results {
+        let margin = |figure: fn(&sil_host::margins::Margins) -> Option<f64>, decimals| match &hover.margins {
+            Some(axes) => pair(axes.map(|axis| figure(&axis)), decimals),
+            None => "oscillates".into(),
+        };
+        let step = &hover.torque_step;
+        text += &row([
+            (*name).into(),
+            pair(step.map(|axis| Some(axis.peak_deg)), 2),
+            pair(step.map(|axis| axis.recovery_s), 2),
+            format!("{:.5}", hover.command_deviation),
+            margin(|m| m.gain_db, 1),
+            margin(|m| m.phase_deg, 1),
+            margin(|m| m.delay_ms, 1),
+            margin(|m| Some(m.sensitivity_peak), 2),
+        ]);
+    }
+    text
+}
+
+/// Eigenvalues of each contender's linear loop, one axis a row.
+pub fn eigenvalues(results: &[Result]) -> String {
+    let mut text = row(["".into(), "axis".into(), "magnitude, angle in rad per step".into()]) + &rule(2);
+    for result in results {
+        for (axis, values) in ["roll", "pitch"].into_iter().zip(&result.eigenvalues) {
+            let shown = values.iter().filter(|[magnitude, angle]| *magnitude > 1e-3 && *angle >= 0.0);
+            let shown: Vec<String> = shown
+                .map(|[magnitude, angle]| match *angle {
+                    0.0 => format!("{magnitude:.4}"),
+                    angle => format!("{magnitude:.4} at ±{angle:.3}"),
+                })
+                .collect();
+            text += &row([result.name.into(), axis.into(), shown.join(", ")]);
+        }
+    }
+    text
+}
+
+/// The planners' laws where no bound is active, one axis a row.
+pub fn laws(results: &[Result]) -> String {
+    let header = ["", "axis", "angle, N m/rad", "rate, N m s/rad", "motors' torque", "previous torque"];
+    let mut text = row(header.map(Into::into)) + &rule(header.len() - 1);
+    for Result { name, law, .. } in results {
+        for (axis, gains) in ["roll", "pitch"].into_iter().zip(law.iter().flatten()) {
+            let gains = gains.map(|gain| format!("{gain:.4}"));
+            text += &row([(*name).into(), axis.into()].into_iter().chain(gains));
+        }
+    }
+    text
+}
+
+/// Cells of a row.
+pub fn row(cells: impl IntoIterator<Item = String>) -> String {
+    let mut text = String::from("|");
+    for cell in cells {
+        // writing into a string does not fail
+        let _ = write!(text, " {cell} |");
+    }
+    text.push('\n');
+    text
+}
+
+/// The line below a header of one column and these more.
+pub fn rule(columns: usize) -> String {
+    format!("|---|{}\n", "---|".repeat(columns))
+}
+
+fn interval(difference: &Difference) -> String {
+    format!("{:+.4} ({:+.4} to {:+.4})", difference.value, difference.low, difference.high)
+}
+
+fn pair(values: [Option<f64>; 2], decimals: usize) -> String {
+    values.map(|value| value.map_or("none".into(), |value| format!("{value:.decimals$}"))).join(" / ")
+}
