@@ -58,12 +58,15 @@ pub fn flights(results: &[Result]) -> String {
     text
 }
 
+/// A figure's name, the figure, and which share of the flights lies below what is compared.
+type Quantile = (&'static str, fn(&Figures) -> f64, f64);
+
 /// The first contender's figures less each other's, with paired 95 % intervals.
 pub fn differences(results: &[Result]) -> String {
     let Some((ours, others)) = results.split_first() else {
         return String::new();
     };
-    let figures: [(&str, fn(&Figures) -> f64, f64); 5] = [
+    let figures: [Quantile; 5] = [
         ("RMS median, deg", |f| f.rms_deg, 0.5),
         ("RMS 95th percentile, deg", |f| f.rms_deg, 0.95),
         ("overshoot median, %", |f| f.overshoot_pct, 0.5),
