@@ -10,6 +10,8 @@
 
 mod planning;
 
+use planning::PlanningState;
+
 use nalgebra::Vector3;
 
 use crate::attitude::angle::{self, AngleState, RateTarget};
@@ -21,7 +23,9 @@ use crate::imu_health::ImuHealth;
 use crate::imu_select::{self, ImuPairState, ImuUnit};
 use crate::mixer::{self, MixResult};
 use crate::mpc::{Mpc, MpcState};
-use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
+use crate::signals::{
+    AttitudeEstimate, MotorCommands, Plan, PlanReport, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench,
+};
 use crate::state_words::{STATE_WORDS, StateWords};
 use crate::supervisor::{self, Arming, Findings};
 use crate::torque_observer::ObserverState;
@@ -95,6 +99,7 @@ pub struct State {
     rate: RateState,
     rate_target: RateTarget,
     observer: ObserverState,
+    planning: PlanningState,
     /// The throttle has been raised since arming: there is something to control.
     airborne: bool,
     last_wrench: Wrench,
@@ -121,6 +126,7 @@ impl State {
             rate,
             rate_target,
             observer,
+            planning,
             airborne,
             last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
             last_mix,
@@ -135,6 +141,7 @@ impl State {
         rate.record(words);
         rate_target.record(words);
         observer.record(words);
+        planning.record(words);
         words.word(u32::from(*airborne));
         words.number(*lift_per_motor_n);
         words.numbers(torque_body_nm);
@@ -178,6 +185,8 @@ pub struct StepOutput {
     pub setpoints_rejected: u32,
     /// Where the vehicle is.
     pub estimate: AttitudeEstimate,
+    /// How the MPC's plans fare.
+    pub planning: PlanReport,
     /// Rate that the cascade asked for, body frame, rad/s.
     pub rate_target_rad_s: Vector3<f32>,
 }
@@ -206,6 +215,8 @@ impl FlightCore {
         state.last_wrench = wrench;
         state.last_mix = mix;
         state.last_source = source;
+        let plan = plan_in_time(state, input);
+        let planning = state.planning.report(plan.as_ref(), source);
 
         StepOutput {
             step: state.step,
@@ -219,6 +230,7 @@ impl FlightCore {
             standby_health: imu.standby_health,
             setpoints_rejected: state.setpoint.rejected,
             estimate,
+            planning,
             rate_target_rad_s: state.rate_target.rate_rad_s,
         }
     }
@@ -244,10 +256,12 @@ impl FlightCore {
                 planning::observe(config, &mut state.observer, &motion, output);
             }
         }
-        match config.controller {
+        let request = match config.controller {
             Controller::Cascade => None,
             Controller::Mpc => planning::request(config, state, &motion, output),
-        }
+        };
+        state.planning.asked = request.is_some();
+        request
     }
 
     /// Answers a [`PlanRequest`]; on the board in a task of lower priority.
@@ -296,8 +310,7 @@ fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimat
 
 /// Who flies this step. The fallback from MPC to the cascade is here and nowhere else.
 fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3]) -> (TorqueSource, [f32; 3]) {
-    let fresh = |plan: &Plan| plan.step == state.step.wrapping_sub(1);
-    let plan = input.plan.filter(fresh);
+    let plan = plan_in_time(state, input);
     match state.arming {
         Arming::Disarmed(_) => (TorqueSource::Disarmed, [0.0; 3]),
         Arming::MotorTest { .. } => (TorqueSource::MotorTest, [0.0; 3]),
@@ -308,6 +321,11 @@ fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3
             (Controller::Mpc, Some(plan)) => torque_of_solved(config, &plan, cascade_nm),
         },
     }
+}
+
+/// The plan that the last step asked for; a late one is none.
+fn plan_in_time(state: &State, input: &StepInput) -> Option<Plan> {
+    input.plan.filter(|plan| plan.step == state.step.wrapping_sub(1))
 }
 
 /// The plan's torque if it was solved, else the cascade's.

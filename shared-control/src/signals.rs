@@ -174,6 +174,24 @@ pub struct Plan {
     pub status: PlanStatus,
     /// Solver iterations, summed over the axes.
     pub iterations: u16,
+    /// Time that the plan took, µs, as whoever asked for it measured; 0 where nobody measures. The core has no clock, and
+    /// nothing that it does depends on this.
+    pub duration_us: u32,
+}
+
+/// How the MPC's plans fare.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlanReport {
+    /// How the plan for this step ended; none where none came in time.
+    pub status: Option<PlanStatus>,
+    /// Its solver iterations.
+    pub iterations: u16,
+    /// Time that it took, µs; see [`Plan::duration_us`].
+    pub duration_us: u32,
+    /// Steps so far that the cascade flew in the MPC's place, for want of a plan or of one that was solved.
+    pub fallbacks: u32,
+    /// Steps so far whose plan had been asked for and was not there in time.
+    pub deadline_misses: u32,
 }
 
 /// How a plan ended.

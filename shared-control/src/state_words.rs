@@ -10,7 +10,7 @@ use crate::imu_health::ImuFault;
 use crate::supervisor::{Arming, DisarmedBecause, Refusal};
 
 /// Words of a state.
-pub const STATE_WORDS: usize = 205;
+pub const STATE_WORDS: usize = 208;
 
 /// Takes words until all have come.
 #[derive(Clone, Debug)]

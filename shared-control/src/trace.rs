@@ -37,8 +37,8 @@ pub struct StepTrace {
     pub blocks: [u32; 2],
     /// 1 if a battery voltage is there, and the voltage.
     pub battery: [u32; 2],
-    /// 1 if a plan is there, its step, status, iterations and three torques.
-    pub plan: [u32; 7],
+    /// 1 if a plan is there, its step, status, iterations, duration, µs, and three torques.
+    pub plan: [u32; 8],
     /// Compare values of motors 1 to 4.
     pub compare_counts: [u32; 4],
     /// 0 armed, 1 disarmed, 2 motor test, 3 link lost.
@@ -83,7 +83,7 @@ impl StepTrace {
         link_age: [0; 3],
         blocks: [0; 2],
         battery: [0; 2],
-        plan: [0; 7],
+        plan: [0; 8],
         compare_counts: [0; 4],
         arming: 0,
         imu_unit: 0,
@@ -117,7 +117,7 @@ impl StepTrace {
         let ArmingBlocks { fault_record_unread, configuration_unconfirmed } = input.blocks;
         self.blocks = [fault_record_unread, configuration_unconfirmed].map(u32::from);
         self.battery = input.battery_v.map_or([0; 2], |volts| [1, volts.to_bits()]);
-        self.plan = input.plan.as_ref().map_or([0; 7], words_of_plan);
+        self.plan = input.plan.as_ref().map_or([0; 8], words_of_plan);
         self.record_output(output);
         self.state = state.words();
     }
@@ -227,20 +227,27 @@ fn link_of_words([known, low, high]: [u32; 3]) -> Option<u64> {
     (known == 1).then_some(whole([low, high]))
 }
 
-fn words_of_plan(plan: &Plan) -> [u32; 7] {
+fn words_of_plan(plan: &Plan) -> [u32; 8] {
     let [roll, pitch, yaw] = plan.torque_nm.map(f32::to_bits);
-    [1, plan.step, number_of_status(plan.status), u32::from(plan.iterations), roll, pitch, yaw]
+    let (status, iterations) = (number_of_status(plan.status), u32::from(plan.iterations));
+    [1, plan.step, status, iterations, plan.duration_us, roll, pitch, yaw]
 }
 
-fn plan_of_words(words: &[u32; 7]) -> Option<Plan> {
-    let [known, step, status, iterations, torque @ ..] = *words;
+fn plan_of_words(words: &[u32; 8]) -> Option<Plan> {
+    let [known, step, status, iterations, duration_us, torque @ ..] = *words;
     let status = match status {
         0 => PlanStatus::Solved,
         1 => PlanStatus::IterationLimit,
         2 => PlanStatus::Infeasible,
         _ => PlanStatus::NumericalError,
     };
-    (known == 1).then_some(Plan { step, torque_nm: torque.map(f32::from_bits), status, iterations: iterations as u16 })
+    (known == 1).then_some(Plan {
+        step,
+        torque_nm: torque.map(f32::from_bits),
+        status,
+        iterations: iterations as u16,
+        duration_us,
+    })
 }
 
 fn number_of_status(status: PlanStatus) -> u32 {
@@ -316,8 +323,9 @@ mod tests {
         (any::<u32>(), -9f32..9.0, 0u32..4, any::<u16>()).prop_map(|(step, torque_nm, status, iterations)| Plan {
             step,
             torque_nm: [torque_nm, -torque_nm, 0.5 * torque_nm],
-            status: plan_of_words(&[1, 0, status, 0, 0, 0, 0]).unwrap().status,
+            status: plan_of_words(&[1, 0, status, 0, 0, 0, 0, 0]).unwrap().status,
             iterations,
+            duration_us: u32::from(iterations) << 9,
         })
     }
 
@@ -353,8 +361,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 9, battery 2, plan 7; outputs 33; state;
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 9, battery 2, plan 8; outputs 33; state;
         // no padding
-        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 22 + 33 + STATE_WORDS));
+        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 23 + 33 + STATE_WORDS));
     }
 }

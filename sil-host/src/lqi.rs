@@ -55,7 +55,7 @@ impl Lqi {
             let known_rad = &references_rad[axis][..self.known_steps];
             self.axes[axis].torque_nm(request, axis, known_rad) as f32
         });
-        Plan { step: request.step, torque_nm, status: PlanStatus::Solved, iterations: 0 }
+        Plan { step: request.step, torque_nm, status: PlanStatus::Solved, iterations: 0, duration_us: 0 }
     }
 
     /// Per axis the weights of (angle in rad, rate in rad/s, motors' torque in N m, previous torque in N m) in the torque.

@@ -17,7 +17,7 @@ pub enum Planner {
         /// What it plans with.
         mpc: Box<Mpc<HORIZON>>,
         /// Its warm start.
-        state: MpcState<HORIZON>,
+        state: Box<MpcState<HORIZON>>,
     },
     /// The same problem without bounds, over an infinite horizon.
     Lqi(Box<Lqi>),
@@ -27,7 +27,15 @@ impl Planner {
     /// Prepares the MPC with `control_horizon` free inputs per axis, 1 to [`HORIZON`].
     pub fn new(control_horizon: usize, settings: &MpcSettings) -> Result<Self, MpcError> {
         let mpc = Box::new(Mpc::prepare_shorter(control_horizon, settings)?);
-        Ok(Self::Mpc { mpc, state: MpcState::new() })
+        Ok(Self::Mpc { mpc, state: Box::new(MpcState::new()) })
+    }
+
+    /// Plans on with another MPC, from the warm start that is there: which inputs were held means the same to any.
+    pub fn take_over(&mut self, other: Planner) {
+        match (self, other) {
+            (Self::Mpc { mpc, .. }, Self::Mpc { mpc: other, .. }) => *mpc = other,
+            (planner, other) => *planner = other,
+        }
     }
 
     /// Answers one request; see [`Mpc::plan`] and [`Lqi::plan`].

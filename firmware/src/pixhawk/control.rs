@@ -59,8 +59,6 @@ pub struct Control {
     commander: Commander,
     ends: Ends,
     input: StepInput,
-    /// The last `follow` asked for a plan.
-    plan_asked: bool,
     hil_answers: FrameWriter,
     hil_answer: HilAnswer,
     /// Beats of the timer since the last message, with hardware in the loop.
@@ -79,7 +77,7 @@ impl Control {
         let (state, clock, input) = (State::default(), TimeBase::START, StepInput::default());
         let hil_answers = FrameWriter::new(LinkSettings::NOMINAL.system_id, COMPONENT_ID);
         let hil_answer = HilAnswer::new();
-        Self { config, state, clock, commander, ends, input, plan_asked: false, hil_answers, hil_answer, waited: 0 }
+        Self { config, state, clock, commander, ends, input, hil_answers, hil_answer, waited: 0 }
     }
 
     /// Is it the timer that makes the steps?
@@ -95,10 +93,8 @@ impl Control {
     /// Makes the step whose input is gathered.
     pub fn fast(&mut self, plan: Option<Plan>) -> StepOutput {
         self.input.plan = plan;
-        if self.plan_asked && plan.is_none_or(|plan| plan.step != self.state.step) {
-            counters::LATE_PLANS.add();
-        }
         let output = FlightCore::fast(&self.config, &mut self.state, &self.input);
+        counters::LATE_PLANS.set(output.planning.deadline_misses);
         LAST_STEP.store(output.step, Ordering::Relaxed);
         output
     }
@@ -107,9 +103,7 @@ impl Control {
     pub fn follow(&mut self, output: &StepOutput) -> Option<PlanRequest> {
         let answer = self.commander.answer(&output.arming);
         self.pass_on(answer, None);
-        let request = FlightCore::follow(&self.config, &mut self.state, output);
-        self.plan_asked = request.is_some();
-        request
+        FlightCore::follow(&self.config, &mut self.state, output)
     }
 
     /// Input of the last step.

@@ -15,6 +15,11 @@ impl Counter {
         self.0.fetch_add(1, Ordering::Relaxed);
     }
 
+    /// So many by now, where somebody else counts.
+    pub fn set(&self, count: u32) {
+        self.0.store(count, Ordering::Relaxed);
+    }
+
     /// How many.
     pub fn get(&self) -> u32 {
         self.0.load(Ordering::Relaxed)

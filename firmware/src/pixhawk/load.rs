@@ -5,8 +5,11 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::{DCB, DWT};
 use shared_control::link::telemetry::Figures;
+use shared_control::signals::PlanReport;
 
-use super::clock;
+use super::{board, clock};
+
+const CYCLES_PER_US: u32 = board::CORE_HZ / 1_000_000;
 
 /// Worst case of one task, cycles. Tasks of higher priority count in where they interrupt.
 pub struct Meter {
@@ -21,6 +24,11 @@ impl Meter {
 
     /// Runs a task and measures it.
     pub fn measure<T>(&self, task: impl FnOnce() -> T) -> T {
+        self.time(task).0
+    }
+
+    /// The same, and says how long it took, µs.
+    pub fn time<T>(&self, task: impl FnOnce() -> T) -> (T, u32) {
         let begin = DWT::cycle_count();
         let result = task();
         let cycles = DWT::cycle_count().wrapping_sub(begin);
@@ -28,7 +36,7 @@ impl Meter {
         if cycles > self.worst_cycles.load(Ordering::Relaxed) {
             self.worst_cycles.store(cycles, Ordering::Relaxed);
         }
-        result
+        (result, cycles / CYCLES_PER_US)
     }
 
     /// The longest so far, cycles.
@@ -52,8 +60,8 @@ pub static LINK: Meter = Meter::new();
 /// Housekeeping.
 pub static HOUSEKEEPING: Meter = Meter::new();
 
-/// Worst cycles of each task, and the deepest stack, bytes.
-pub fn figures() -> Figures {
+/// Worst cycles of each task, the deepest stack, bytes, and how the last plan and all before it fared.
+pub fn figures(planning: &PlanReport) -> Figures {
     [
         ("cyc_loop", LOOP.worst_cycles()),
         ("cyc_plan", PLAN.worst_cycles()),
@@ -63,6 +71,10 @@ pub fn figures() -> Figures {
         ("cyc_link", LINK.worst_cycles()),
         ("cyc_slow", HOUSEKEEPING.worst_cycles()),
         ("stack_b", stack_used_bytes()),
+        ("plan_iter", planning.iterations.into()),
+        ("plan_us", planning.duration_us),
+        ("plan_late", planning.deadline_misses),
+        ("fallbacks", planning.fallbacks),
     ]
 }
 

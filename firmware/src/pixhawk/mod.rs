@@ -278,7 +278,8 @@ mod app {
     #[task(binds = CAN1_RX0, priority = 2, local = [mpc, mpc_state], shared = [request, plan])]
     fn plan(mut cx: plan::Context) {
         let (Some(request), Some(mpc)) = (cx.shared.request.lock(|open| *open), cx.local.mpc) else { return };
-        let plan = load::PLAN.measure(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
+        let (plan, duration_us) = load::PLAN.time(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
+        let plan = Plan { duration_us, ..plan };
         watchdog::report_plan();
         // at once, so that a step between the two neither misses the plan nor finds its own request refused
         (cx.shared.request, cx.shared.plan).lock(|open, latest| (*open, *latest) = (None, Some(plan)));
@@ -300,7 +301,6 @@ mod app {
             let status = VehicleStatus {
                 load_permille: *local.load_permille,
                 overruns: counters::LOOP_OVERRUNS.get(),
-                late_plans: counters::LATE_PLANS.get(),
                 ..cx.shared.status.lock(|status| *status)
             };
             local.ground.update(local.clock.now_us(), &status);
@@ -310,7 +310,7 @@ mod app {
             }
             if local.ticks.is_multiple_of(100) {
                 *local.load_permille = local.load_meter.permille();
-                let figures = load::figures();
+                let figures = load::figures(&status.planning);
                 load::report(&figures);
                 counters::report();
                 local.ground.figures(figures);

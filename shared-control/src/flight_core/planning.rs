@@ -1,16 +1,49 @@
-//! The question to the planner, and the observer that knows what it asks about.
+//! The question to the planner, the observer that knows what it asks about, and the count of what came of it.
 
-use super::{State, StepOutput};
+use super::{State, StepOutput, TorqueSource};
 use crate::config::Config;
 use crate::elementary::{magnitude, wrap_pi};
 use crate::frames::{euler_from_q, euler_rates};
-use crate::signals::{AttitudeEstimate, PlanRequest};
+use crate::signals::{AttitudeEstimate, Plan, PlanReport, PlanRequest};
+use crate::state_words::StateWords;
 use crate::torque_observer::ObserverState;
 
 /// Pitch beyond which Euler angles say too little for the MPC's model, rad; the cascade knows the whole sphere.
 const PITCH_MAX_RAD: f32 = 1.3;
 /// The same for roll: beyond, the pitch axis' motors turn it the other way round.
 const ROLL_MAX_RAD: f32 = core::f32::consts::FRAC_PI_2;
+
+/// What is remembered of the plans.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct PlanningState {
+    /// The last step asked for a plan.
+    pub(super) asked: bool,
+    fallbacks: u32,
+    deadline_misses: u32,
+}
+
+impl PlanningState {
+    pub(super) fn record(&self, words: &mut StateWords) {
+        let Self { asked, fallbacks, deadline_misses } = self;
+        words.word(u32::from(*asked));
+        words.word(*fallbacks);
+        words.word(*deadline_misses);
+    }
+
+    /// Counts a step: the plan that came in time for it, if any, and who made its torque.
+    pub(super) fn report(&mut self, plan: Option<&Plan>, source: TorqueSource) -> PlanReport {
+        let is_fallback = matches!(source, TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_));
+        self.fallbacks = self.fallbacks.saturating_add(u32::from(is_fallback));
+        self.deadline_misses = self.deadline_misses.saturating_add(u32::from(self.asked && plan.is_none()));
+        PlanReport {
+            status: plan.map(|plan| plan.status),
+            iterations: plan.map_or(0, |plan| plan.iterations),
+            duration_us: plan.map_or(0, |plan| plan.duration_us),
+            fallbacks: self.fallbacks,
+            deadline_misses: self.deadline_misses,
+        }
+    }
+}
 
 /// Euler angles and their rates (roll, pitch, heading). A heading that can't move stands still.
 pub(super) struct EulerMotion {

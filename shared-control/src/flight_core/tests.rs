@@ -84,7 +84,7 @@ fn level_and_at_rest_all_motors_get_the_throttle() {
 #[test]
 fn a_plan_flies_only_if_it_is_for_this_step_and_solved() {
     let (config, state) = armed(Controller::Mpc);
-    let plan = Plan { step: state.step, torque_nm: [0.1, 0.0, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let plan = Plan { step: state.step, torque_nm: [0.1, 0.0, 0.0], status: PlanStatus::Solved, ..Plan::default() };
     let source_with = |plan| {
         let mut state = state;
         FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, plan)).source
@@ -103,7 +103,7 @@ fn a_plan_flies_only_if_it_is_for_this_step_and_solved() {
 #[test]
 fn the_plan_request_looks_one_step_ahead() {
     let (config, mut state) = armed(Controller::Mpc);
-    let plan = Plan { step: state.step, torque_nm: [0.1, -0.05, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let plan = Plan { step: state.step, torque_nm: [0.1, -0.05, 0.0], status: PlanStatus::Solved, ..Plan::default() };
     let step = input(1, 0.5, ArmingRequest::None, Some(plan));
     let output = FlightCore::fast(&config, &mut state, &step);
     let request = FlightCore::follow(&config, &mut state, &output).unwrap();
@@ -142,7 +142,8 @@ fn nothing_that_is_no_number_gets_through() {
     for controller in [Controller::Cascade, Controller::Mpc] {
         let (config, mut state) = armed(controller);
         for k in 1..50 {
-            let plan = Plan { step: state.step, torque_nm: [f32::NAN; 3], status: PlanStatus::Solved, iterations: 1 };
+            let plan =
+                Plan { step: state.step, torque_nm: [f32::NAN; 3], status: PlanStatus::Solved, ..Plan::default() };
             let mut step = input(k, f32::NAN, ArmingRequest::None, Some(plan));
             step.setpoint.roll_rad = f32::NAN;
             step.setpoint.yaw_rate_rad_s = f32::INFINITY;
@@ -255,7 +256,7 @@ fn the_cascade_begins_where_the_mpc_ended() {
     let (_, mut last_step) = step_with(1, None);
     for k in 2..600 {
         let torque_nm = [held_nm, 0.0, 0.0];
-        let plan = Plan { step: last_step, torque_nm, status: PlanStatus::Solved, iterations: 1 };
+        let plan = Plan { step: last_step, torque_nm, status: PlanStatus::Solved, ..Plan::default() };
         let (output, step) = step_with(k, Some(plan));
         assert_eq!(output.source, TorqueSource::Mpc);
         last_step = step;
@@ -308,7 +309,7 @@ fn disarming_forgets_what_was_wound_up() {
 fn what_the_mixer_could_not_deliver_is_no_part_of_the_planners_input() {
     let (config, mut state) = armed(Controller::Mpc);
     // roll and pitch at their bounds together, more than one motor's span gives each
-    let plan = Plan { step: state.step, torque_nm: [0.452, 0.452, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let plan = Plan { step: state.step, torque_nm: [0.452, 0.452, 0.0], status: PlanStatus::Solved, ..Plan::default() };
     let step = input(1, 0.03, ArmingRequest::None, Some(plan));
     let output = FlightCore::fast(&config, &mut state, &step);
     assert_eq!(output.source, TorqueSource::Mpc);
@@ -323,7 +324,7 @@ fn what_the_mixer_could_not_deliver_is_no_part_of_the_planners_input() {
 #[test]
 fn a_plan_beyond_the_bounds_did_not_come_from_the_mpc() {
     let (config, mut state) = armed(Controller::Mpc);
-    let plan = Plan { step: state.step, torque_nm: [3e38, 0.0, 0.0], status: PlanStatus::Solved, iterations: 1 };
+    let plan = Plan { step: state.step, torque_nm: [3e38, 0.0, 0.0], status: PlanStatus::Solved, ..Plan::default() };
     let output = FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, Some(plan)));
     assert_eq!(output.source, TorqueSource::CascadeUnsolved(PlanStatus::NumericalError));
 }
@@ -357,4 +358,36 @@ proptest::proptest! {
             before = state;
         }
     }
+}
+
+/// What the output says of the plans is what happened: two that came late, one that was not solved, the rest flown.
+#[test]
+fn the_output_tells_how_the_plans_fare() {
+    let (config, mut state) = armed(Controller::Mpc);
+    let plan_of = |state: &State| Plan { step: state.step, iterations: 3, duration_us: 250, ..Plan::default() };
+    let solved = |state: &State| Plan { status: PlanStatus::Solved, ..plan_of(state) };
+    let mut last = PlanReport::default();
+    for k in 1..=10 {
+        let plan = match k {
+            // one that comes late, and one that never comes
+            4 => Some(Plan { step: state.step.wrapping_sub(1), ..solved(&state) }),
+            7 => None,
+            9 => Some(Plan { status: PlanStatus::IterationLimit, ..plan_of(&state) }),
+            _ => Some(solved(&state)),
+        };
+        let output = FlightCore::fast(&config, &mut state, &input(k, 0.5, ArmingRequest::None, plan));
+        FlightCore::follow(&config, &mut state, &output);
+        let expected = match k {
+            4 | 7 => (None, 0, 0),
+            9 => (Some(PlanStatus::IterationLimit), 3, 250),
+            _ => (Some(PlanStatus::Solved), 3, 250),
+        };
+        last = output.planning;
+        assert_eq!((last.status, last.iterations, last.duration_us), expected, "step {k}");
+    }
+    assert_eq!((last.fallbacks, last.deadline_misses), (3, 2));
+    // the cascade asks for no plan, and misses none
+    let (config, mut state) = armed(Controller::Cascade);
+    let output = FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, None));
+    assert_eq!(output.planning, PlanReport::default());
 }

@@ -17,7 +17,7 @@ use crate::frames::euler_from_q;
 use crate::imu_health::{ImuFault, ImuHealth};
 use crate::imu_select::ImuUnit;
 use crate::params::{Params, RECORD_LEN};
-use crate::signals::{ArmingBlocks, AttitudeEstimate, StepInput};
+use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, StepInput};
 use crate::supervisor::{Arming, DisarmedBecause};
 
 /// Text of a `STATUSTEXT`.
@@ -37,8 +37,11 @@ pub const TEXT_PERIOD_US: u64 = 100_000;
 /// Time from one `NAMED_VALUE_INT` to the next, µs; they take turns.
 pub const FIGURE_PERIOD_US: u64 = 250_000;
 
+/// Figures that there is room for.
+pub const FIGURES: usize = 12;
+
 /// What a board measures of itself: names of at most 10 characters, and values.
-pub type Figures = [(&'static str, u32); 8];
+pub type Figures = [(&'static str, u32); FIGURES];
 
 /// Texts that may wait; what comes beyond is dropped and counted.
 const TEXTS_MAX: usize = 16;
@@ -75,8 +78,8 @@ pub struct VehicleStatus {
     pub setpoints_rejected: u32,
     /// Steps that were late.
     pub overruns: u32,
-    /// Plans that came too late.
-    pub late_plans: u32,
+    /// How the MPC's plans fare.
+    pub planning: PlanReport,
 }
 
 impl VehicleStatus {
@@ -102,7 +105,7 @@ impl VehicleStatus {
             load_permille: 0,
             setpoints_rejected: 0,
             overruns: 0,
-            late_plans: 0,
+            planning: PlanReport::default(),
         }
     }
 
@@ -119,6 +122,7 @@ impl VehicleStatus {
             battery_v: input.battery_v,
             battery_low: !config.supervisor.battery_is_good(input.battery_v),
             blocks: input.blocks,
+            planning: output.planning,
             ..Self::at_start(config.controller)
         }
     }
@@ -155,7 +159,7 @@ impl Telemetry {
             parameters: Parameters::new(params),
             told: None,
             told_unit: ImuUnit::default(),
-            figures: [("", 0); 8],
+            figures: [("", 0); FIGURES],
             next_figure: 0,
             heartbeat: Due::every(HEARTBEAT_PERIOD_US),
             attitude: Due::every(ATTITUDE_PERIOD_US),
@@ -436,7 +440,7 @@ fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
         battery_remaining: -1,
         errors_count1: count(status.setpoints_rejected),
         errors_count2: count(status.overruns),
-        errors_count3: count(status.late_plans),
+        errors_count3: count(status.planning.deadline_misses),
         ..SYS_STATUS_DATA::DEFAULT
     }
 }

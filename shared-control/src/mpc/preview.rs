@@ -125,12 +125,12 @@ mod tests {
             go_on(&mut state, steps_before);
             let said = preview.references_rad(&PlanRequest { reference: state, setpoint, ..PlanRequest::default() });
             go_on(&mut state, usize::from(delay_steps));
-            for step in 0..HORIZON {
+            let [roll, pitch, heading] = said;
+            for ((roll, pitch), heading) in roll.into_iter().zip(pitch).zip(heading) {
                 go_on(&mut state, 4);
-                for axis in 0..3 {
-                    let then = state.reference[axis];
-                    let expected = then.angle_rad + preview.lead_s[axis] * then.rate_rad_s;
-                    prop_assert_eq!(said[axis][step].to_bits(), expected.to_bits());
+                for ((said, then), lead_s) in [roll, pitch, heading].iter().zip(state.reference).zip(preview.lead_s) {
+                    let expected = then.angle_rad + lead_s * then.rate_rad_s;
+                    prop_assert_eq!(said.to_bits(), expected.to_bits());
                 }
             }
         }

@@ -14,16 +14,44 @@ pub struct ControlSide {
     state: State,
     planner: Option<Planner>,
     plan: Option<Plan>,
+    change: Option<Box<Change>>,
+}
+
+/// Another configuration and MPC, prepared aside, and when they take over.
+#[derive(Clone)]
+struct Change {
+    at_us: u64,
+    config: Config,
+    planner: Option<Planner>,
 }
 
 impl ControlSide {
     /// A core at rest. The planner is needed where the configuration says MPC; without one the cascade flies.
     pub fn new(config: Config, planner: Option<Planner>) -> Self {
-        Self { config, state: State::default(), planner, plan: None }
+        Self { config, state: State::default(), planner, plan: None, change: None }
+    }
+
+    /// Has the configuration and the MPC of another side, prepared already, take over in flight: weights, models, gains or the
+    /// controller itself, at the first step from `at_us` on. Nothing is prepared in the loop, and nothing jumps: what passes
+    /// from step to step (state, requests, plans, the warm start) is in SI units and means the same to both.
+    pub fn change_at(&mut self, at_us: u64, prepared: ControlSide) {
+        let ControlSide { config, planner, .. } = prepared;
+        self.change = Some(Box::new(Change { at_us, config, planner }));
+    }
+
+    fn take_over(&mut self, change: Change) {
+        self.config = change.config;
+        match (&mut self.planner, change.planner) {
+            (Some(planner), Some(other)) => planner.take_over(other),
+            (planner, other) => *planner = other,
+        }
     }
 
     /// One step. The plan that it asks for is the next step's.
     pub fn step(&mut self, time_us: u64, monitored: &mut Monitored, events: &Events) -> (StepOutput, Option<Plan>) {
+        if let Some(change) = self.change.take_if(|change| change.at_us <= time_us) {
+            self.take_over(*change);
+        }
         let input = StepInput {
             time_us,
             imu: core::mem::take(&mut monitored.imu),

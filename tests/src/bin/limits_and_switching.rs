@@ -24,11 +24,7 @@ fn main() {
 
 fn motor_limits(model: &VehicleModel) {
     let shaped = TuningChange { mpc_linearisations: Some(4), ..TuningChange::default() };
-    let raw = TuningChange {
-        mpc_reference: Some(ReferenceName::Setpoint),
-        mpc_increment_weight: Some([3.0, 3.0, 3000.0]),
-        ..shaped
-    };
+    let raw = TuningChange { mpc_reference: Some(ReferenceName::Setpoint), ..shaped };
     for throttle in [0.35, 0.5, 0.7] {
         println!("\nThrottle {throttle}\n\n{}", Flown::TABLE_HEAD);
         for (reference, tuning) in [("shaped", shaped), ("raw steps", raw)] {

@@ -8,7 +8,7 @@
 //! second, without which J would be singular to single precision; the multipliers of the angles are put together again
 //! from those of the differences.
 
-use super::working_set::{AngleBounds, Rows, set};
+use super::working_set::{Rows, set};
 use crate::mpc::HORIZON;
 
 /// A column whose share that is independent of the ones before it is smaller counts as dependent.
@@ -21,7 +21,9 @@ pub(super) struct Column<const S: usize, const M: usize> {
     pub(super) row: usize,
     /// Weights of this angle, the one before, and the one before that.
     pub(super) weights: [f32; 3],
-    /// The sum, less the target, without multipliers.
+    /// The sum without multipliers.
+    pub(super) value: f32,
+    /// The same less what it is to be, with the bounds given up.
     pub(super) excess: f32,
     /// Effect of each free input on it, the later ones following their laws.
     pub(super) effects: [f32; M],
@@ -37,18 +39,12 @@ pub(super) struct Column<const S: usize, const M: usize> {
 pub(super) type Columns<const S: usize, const M: usize> = heapless::Vec<Column<S, M>, { HORIZON + 1 }>;
 
 impl<const S: usize, const M: usize> Column<S, M> {
-    /// For the held angle of `row`, given whether those of the two steps before are held too.
-    pub(super) fn new(row: usize, target: f32, is_next: bool, is_third: bool) -> Self {
-        let (weights, target) = match (is_next, is_third) {
-            (true, true) => ([1.0, -2.0, 1.0], 0.0),
-            (true, false) => ([1.0, -1.0, 0.0], 0.0),
-            (false, _) => ([1.0, 0.0, 0.0], target),
-        };
+    pub(super) fn new(row: usize, weights: [f32; 3]) -> Self {
         Self {
             row,
             weights,
-
-            excess: -target,
+            value: 0.0,
+            excess: 0.0,
             effects: [0.0; M],
             offsets: [0.0; M],
             factor: [0.0; M],
@@ -66,7 +62,9 @@ impl<const S: usize, const M: usize> Column<S, M> {
     /// How the sum moves with the multiplier of `other`.
     #[inline(always)]
     pub(super) fn coupling(&self, other: &Self) -> f32 {
-        self.effects.iter().zip(&other.offsets).fold(0.0, |sum, (effect, offset)| sum + effect * offset)
+        let common = if self.row < other.row { self.row } else { other.row };
+        let products = self.effects.iter().zip(&other.offsets).take(common + 1);
+        products.fold(0.0, |sum, (effect, offset)| sum + effect * offset)
     }
 
     /// Its row of the factor and its pivot, 0 if it depends on the `earlier` ones.
@@ -86,31 +84,53 @@ impl<const S: usize, const M: usize> Column<S, M> {
     }
 }
 
-/// Chooses the columns for what `rows` holds.
-pub(super) fn begin<const S: usize, const M: usize>(
-    columns: &mut Columns<S, M>,
-    rows: &Rows,
-    bounds: &AngleBounds<'_, S>,
-) -> bool {
-    columns.clear();
-    let mut has_room = true;
-    for row in rows.held() {
-        let is_held = |steps: usize| row.checked_sub(steps).is_some_and(|row| rows.is_held(row));
-        let bound = rows.get(row).held(bounds).unwrap_or(0.0);
-        let column = Column::new(row, bound, is_held(1), is_held(2));
-        has_room &= columns.len() <= M && columns.push(column).is_ok();
+/// Weights of the held angle of `row`, and of the two before it.
+fn weights(rows: &Rows, row: usize) -> [f32; 3] {
+    let is_held = |steps: usize| row.checked_sub(steps).is_some_and(|row| rows.is_held(row));
+    match (is_held(1), is_held(2)) {
+        (true, true) => [1.0, -2.0, 1.0],
+        (true, false) => [1.0, -1.0, 0.0],
+        (false, _) => [1.0, 0.0, 0.0],
     }
-    has_room
 }
 
-/// Factors J and solves for the multipliers. If a column depends on those before it: the multipliers that together move
+/// Chooses the columns for what `rows` holds: keeps those that there are, and has `make` make the others. Returns how many
+/// of the first are as they were, or none if there is no room.
+pub(super) fn choose<const S: usize, const M: usize>(
+    columns: &mut Columns<S, M>,
+    rows: &Rows,
+    make: impl Fn(&mut Column<S, M>),
+) -> Option<usize> {
+    let stays = |column: &Column<S, M>| rows.is_held(column.row) && column.weights == weights(rows, column.row);
+    let mut unchanged = columns.len();
+    if let Some(place) = columns.iter().position(|column| !stays(column)) {
+        unchanged = place;
+        columns.retain(stays);
+    }
+    for (place, row) in rows.held().enumerate() {
+        if columns.get(place).is_none_or(|column| column.row != row) {
+            if place > M || columns.insert(place, Column::new(row, weights(rows, row))).is_err() {
+                return None;
+            }
+            make(columns.get_mut(place)?);
+            if place < unchanged {
+                unchanged = place;
+            }
+        }
+    }
+    Some(unchanged)
+}
+
+/// Factors J, of which the rows of the first `unchanged` columns are factored already, and solves for the multipliers. If a column depends on those before it: the multipliers that together move
 /// nothing, and the column's angle.
-pub(super) fn solve<const S: usize, const M: usize>(columns: &mut [Column<S, M>]) -> Option<usize> {
+pub(super) fn solve<const S: usize, const M: usize>(columns: &mut [Column<S, M>], unchanged: usize) -> Option<usize> {
     let mut dependent = None;
     let mut reduced: [f32; HORIZON + 1] = [0.0; HORIZON + 1];
     for index in 0..columns.len() {
         let Some((earlier, [column, ..])) = columns.split_at_mut_checked(index) else { break };
-        column.factor_after(earlier);
+        if index >= unchanged {
+            column.factor_after(earlier);
+        }
         if column.pivot <= 0.0 {
             dependent = Some(column.row);
             for other in earlier {

@@ -15,6 +15,9 @@ use super::working_set::{AngleBounds, Change, Direction, DualPoint, Row, Rows};
 use super::{BoundedLq, Guess, Held, Model};
 use crate::qp::Status;
 
+/// Passes from what the last solution held, before a start from the solution without bounds on the angle.
+const WARM_LIMIT: u16 = 30;
+
 /// Passes altogether.
 const PASS_LIMIT: u16 = 150;
 
@@ -64,10 +67,10 @@ struct Search<'a, const S: usize, const M: usize> {
     present: (&'a [f32; S], f32),
     bounds: AngleBounds<'a, S>,
     guess: &'a mut Guess<S, M>,
-    rows: &'a mut Rows,
-    shifts: Shifts<S, M>,
-    point: DualPoint<M>,
-    target: DualPoint<M>,
+    angles: &'a mut HeldAngles,
+    shifts: &'a mut Shifts<S, M>,
+    point: &'a mut DualPoint<M>,
+    target: &'a mut DualPoint<M>,
     aim: Aim,
 }
 
@@ -80,19 +83,19 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         start: &[f32; S],
         bounds: &AngleBounds<'_, S>,
         guess: &mut Guess<S, M>,
-        angles: &mut HeldAngles,
+        HeldAngles { rows }: &mut HeldAngles,
     ) {
-        *angles = HeldAngles::NONE;
+        *rows = Rows::LOOSE;
         let (mut least, mut greatest, mut lost) = (*start, *start, (0, Held::Free));
         let horizon = self.control_horizon - 1 + bounds.soft.last_steps;
         for index in 0..horizon {
             least = self.model.advance(&least, -1.0);
             greatest = self.model.advance(&greatest, 1.0);
             if least[0] > bounds.upper {
-                angles.rows.set(index, Row::AboveUpper);
+                rows.set(index, Row::AboveUpper);
                 lost = (index + 1, Held::Low);
             } else if greatest[0] < bounds.lower {
-                angles.rows.set(index, Row::BelowLower);
+                rows.set(index, Row::BelowLower);
                 lost = (index + 1, Held::High);
             }
         }
@@ -117,6 +120,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         angles: &mut HeldAngles,
     ) -> Outcome {
         let mut status = Status::NumericalError;
+        let is_warm = angles.is_any();
         let mut iterations = 0;
         let sum = start.iter().fold(previous, |sum, value| sum + value.abs()) + bounds.upper + bounds.lower;
         if sum.is_finite() {
@@ -124,44 +128,60 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                 (guess.stamp, *angles) = (self.stamp, HeldAngles::NONE);
                 guess.clear();
             }
+            let mut shifts = Shifts::new();
+            let (mut point, mut target) = (DualPoint::ZERO, DualPoint::ZERO);
             let mut search = Search {
                 present: (start, previous),
                 bounds: *bounds,
                 guess,
-                rows: &mut angles.rows,
-                shifts: Shifts::new(),
-                point: DualPoint::ZERO,
-                target: DualPoint::ZERO,
+                angles,
+                shifts: &mut shifts,
+                point: &mut point,
+                target: &mut target,
                 aim: Aim::Begin,
             };
             while iterations < PASS_LIMIT {
                 iterations += 1;
                 match self.pass(&mut search) {
                     Next::Go(0) => {}
-                    Next::Go(changed) => self.sweep(search.guess, changed),
+                    Next::Go(changed) => {
+                        self.sweep(search.guess, changed);
+                        search.shifts.columns.clear();
+                    }
                     Next::Solved(input) if input.is_finite() => {
                         return Outcome { input: cut(input).0, status: Status::Solved, iterations };
                     }
                     Next::Solved(_) => break,
-                    Next::StartAnew => {
-                        (*search.rows, search.aim) = (Rows::LOOSE, Aim::Begin);
-                        search.guess.clear();
-                    }
+                    Next::StartAnew => iterations += self.start_anew(&mut search),
+                }
+                if is_warm && iterations == WARM_LIMIT {
+                    iterations += self.start_anew(&mut search);
                 }
             }
             if iterations >= PASS_LIMIT {
                 status = Status::IterationLimit;
             }
         }
-        (*angles, guess.held_count) = (HeldAngles::NONE, 0);
+        *angles = HeldAngles::NONE;
         guess.clear();
         Outcome { input: 0.0, status, iterations }
     }
 
+    /// From the solution without bounds on the angle; returns the passes that this took.
+    fn start_anew(&self, search: &mut Search<'_, S, M>) -> u16 {
+        let Search { present: (start, previous), bounds, guess, angles, shifts, aim, .. } = search;
+        guess.clear();
+        shifts.columns.clear();
+        *aim = Aim::Begin;
+        let outcome = self.solve(start, *previous, guess);
+        self.give_up(start, bounds, guess, angles);
+        outcome.iterations
+    }
+
     /// The equality problem for what is held, and the step that follows from it.
     fn pass(&self, search: &mut Search<'_, S, M>) -> Next {
-        let Search { present, bounds, guess, rows, shifts, point, target, aim } = search;
-        match self.shift(*present, guess, rows, bounds, shifts) {
+        let Search { present, bounds, guess, angles: HeldAngles { rows }, shifts, point, target, aim } = search;
+        match self.shift(*present, guess, rows, bounds, shifts, target) {
             Shifted::Kept => {}
             Shifted::Dependent(_) if *aim != Aim::Begin => {
                 self.cancel(guess, rows, shifts, target);
@@ -178,20 +198,19 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             Shifted::Dependent(row) => return search.let_go(Change::Row(row, Row::Loose)),
             Shifted::Overfull => return Next::StartAnew,
         }
-        let (input, violated) = self.follow(*present, guess, rows, bounds, shifts, target);
-        if *aim == Aim::Begin {
-            if let Some(changed) = target.drop_wrong(guess, rows, bounds.soft.weight) {
-                return Next::Go(changed);
-            }
-        } else {
-            let rate = |now: f32, aim: f32| aim - now;
-            let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
-            if let Some(blocking) = blocking.filter(|blocking| blocking.step < 1.0) {
-                point.walk(rows, target, blocking.step, rate);
-                return search.let_go(blocking.change);
-            }
+        // without held inputs the angles' multipliers are all there are
+        if search.guess.held_count == 0
+            && let Some(next) = search.step()
+        {
+            return next;
         }
-        *point = *target;
+        let Search { present, bounds, guess, angles: HeldAngles { rows }, shifts, target, .. } = search;
+        let (input, violated) = self.follow(*present, guess, rows, bounds, shifts, target);
+        if let Some(next) = search.step() {
+            return next;
+        }
+        let Search { bounds, guess, angles: HeldAngles { rows }, point, target, aim, .. } = search;
+        core::mem::swap(point, target);
         let Some(change) = violated else { return Next::Solved(input) };
         *aim = Aim::TakeIn(change, point.begin(change, rows, bounds.soft.weight));
         Next::Go(change.apply(guess, rows))
@@ -199,6 +218,19 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 }
 
 impl<const S: usize, const M: usize> Search<'_, S, M> {
+    /// Moves the multipliers to their target, or to where the first of them comes to its end; none if they get there.
+    fn step(&mut self) -> Option<Next> {
+        let Self { bounds, guess, angles: HeldAngles { rows }, point, target, aim, .. } = self;
+        if *aim == Aim::Begin {
+            return target.drop_wrong(guess, rows, bounds.soft.weight).map(Next::Go);
+        }
+        let rate = |now: f32, aim: f32| aim - now;
+        let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
+        let blocking = blocking.filter(|blocking| blocking.step < 1.0)?;
+        point.walk(rows, target, blocking.step, rate);
+        Some(self.let_go(blocking.change))
+    }
+
     /// Changes a bound whose multiplier has come to its end.
     fn let_go(&mut self, change: Change) -> Next {
         if let Aim::TakeIn(taken_in, direction) = self.aim
@@ -211,7 +243,7 @@ impl<const S: usize, const M: usize> Search<'_, S, M> {
             }
             self.aim = Aim::Settle;
         }
-        Next::Go(change.apply(self.guess, self.rows))
+        Next::Go(change.apply(self.guess, &mut self.angles.rows))
     }
 }
 

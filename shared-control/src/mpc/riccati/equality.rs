@@ -7,13 +7,14 @@ use super::{BoundedLq, Guess, Held, Model};
 
 /// What the bounds on the angle add to the laws.
 pub(super) struct Shifts<const S: usize, const M: usize> {
-    columns: Columns<S, M>,
+    pub(super) columns: Columns<S, M>,
     /// On each stage's law.
     pub(super) offsets: [f32; M],
 }
 
 impl<const S: usize, const M: usize> Shifts<S, M> {
-    pub(super) const fn new() -> Self {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
         Self { columns: Columns::new(), offsets: [0.0; M] }
     }
 }
@@ -70,7 +71,7 @@ impl<D: Model<S>, const S: usize> Sum<'_, D, S> {
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
-    /// Multipliers of the held angles under the laws of `guess`, and what they add to these.
+    /// Multipliers of the held angles under the laws of `guess`, to `point`, and what they add to these.
     pub(super) fn shift(
         &self,
         present: Present<'_, S>,
@@ -78,19 +79,24 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         rows: &Rows,
         bounds: &AngleBounds<'_, S>,
         shifts: &mut Shifts<S, M>,
+        point: &mut DualPoint<M>,
     ) -> Shifted {
         let Shifts { columns, offsets } = shifts;
-        *offsets = [0.0; M];
-        if !columns::begin(columns, rows, bounds) {
-            return Shifted::Overfull;
-        }
-        for column in columns.iter_mut() {
+        let unchanged = columns::choose(columns, rows, |column| {
             let (row, weights) = (column.row, column.weights);
             let weight = |index: usize| weights.get(row.wrapping_sub(index)).copied().unwrap_or(0.0);
             self.carry_back(present, guess, bounds, (row, row.saturating_sub(2)), weight, column);
+        });
+        let Some(unchanged) = unchanged else { return Shifted::Overfull };
+        for column in columns.iter_mut() {
+            // differences are to be 0
+            let [_, before, _] = column.weights;
+            let bound = if before == 0.0 { rows.get(column.row).held(bounds).unwrap_or(0.0) } else { 0.0 };
+            column.excess = column.value - bound;
         }
+        *offsets = [0.0; M];
         if let Some(last) = rows.given_up().last() {
-            let mut given_up = Column::new(last, 0.0, false, false);
+            let mut given_up = Column::new(last, [0.0; 3]);
             let weight = |index: usize| rows.get(index).slope(bounds);
             self.carry_back(present, guess, bounds, (last, 0), weight, &mut given_up);
             for column in columns.iter_mut() {
@@ -98,10 +104,11 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             }
             *offsets = given_up.offsets;
         }
-        if let Some(row) = columns::solve(columns) {
+        if let Some(row) = columns::solve(columns, unchanged) {
             return Shifted::Dependent(row);
         }
         add_offsets(columns, offsets);
+        columns::row_multipliers(columns, rows, &mut point.rows);
         Shifted::Kept
     }
 
@@ -134,7 +141,6 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             }
             last_stage + 1
         };
-        let mut index = count;
         let held_count = if guess.held_count < count { guess.held_count } else { count };
         let (Some(free), Some(held)) = (self.free.get(held_count..count), guess.stages.get(..held_count)) else {
             return;
@@ -144,25 +150,27 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         else {
             return;
         };
-        for ((free, effect), offset) in free.iter().zip(effects).zip(offsets).rev() {
+        // between the stages lie the angles before `index`
+        let mut index = count;
+        let mut step_back = |sum: &mut Sum<'_, D, S>| {
             if index < count {
-                sum.step_back(weight(index - 1));
+                sum.step_back(if index > first { weight(index - 1) } else { 0.0 });
             }
             index -= 1;
+        };
+        for ((free, effect), offset) in free.iter().zip(effects).zip(offsets).rev() {
+            step_back(&mut sum);
             sum.pass(Held::Free, &free.law, effect, offset);
         }
         for ((stage, effect), offset) in held.iter().zip(held_effects).zip(held_offsets).rev() {
-            if index < count {
-                sum.step_back(weight(index - 1));
-            }
-            index -= 1;
+            step_back(&mut sum);
             sum.pass(stage.held, &stage.law, effect, offset);
         }
-        let constant = column.excess + sum.constant + sum.input * previous;
-        column.excess = sum.state.iter().zip(start).fold(constant, |total, (entry, value)| total + entry * value);
+        let constant = sum.constant + sum.input * previous;
+        column.value = sum.state.iter().zip(start).fold(constant, |total, (entry, value)| total + entry * value);
     }
 
-    /// Follows the shifted laws, without cutting: multipliers of what is held to `point`; returns the first input and the
+    /// Follows the shifted laws, without cutting: multipliers of held inputs to `point`; returns the first input and the
     /// worst violation.
     pub(super) fn follow(
         &self,
@@ -203,7 +211,6 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             state = self.model.advance(&state, input);
             violation.see_angle(index, state[0], rows, bounds);
         }
-        columns::row_multipliers(&shifts.columns, rows, &mut point.rows);
         (first.unwrap_or(0.0), violation.worst())
     }
 
@@ -224,7 +231,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 /// What the multipliers add to the laws.
 fn add_offsets<const S: usize, const M: usize>(columns: &[Column<S, M>], offsets: &mut [f32; M]) {
     for column in columns {
-        for (sum, offset) in offsets.iter_mut().zip(&column.offsets) {
+        for (sum, offset) in offsets.iter_mut().zip(&column.offsets).take(column.row + 1) {
             *sum += column.multiplier * offset;
         }
     }

@@ -129,6 +129,35 @@ fn many_random_problems_are_solved_to_optimality() {
     optimality_of(60_000, 2);
 }
 
+/// Settings far below the shipped weights are either refused or solved as well as all others.
+#[test]
+fn what_is_accepted_is_solved() {
+    let mut numbers = Numbers(7);
+    let (mut accepted, mut refused) = (0, 0);
+    for _ in 0..2_000 {
+        let horizon = numbers.count(30);
+        let control_horizon = numbers.count(horizon);
+        let increment_weight = libm::powf(10.0, 1.0 + 3.0 * numbers.next());
+        let last = DoubleIntegrator.cost_of_held_input(horizon + 1 - control_horizon);
+        let Ok(lq) = Lq::prepare(DoubleIntegrator, increment_weight, control_horizon, last) else {
+            refused += 1;
+            continue;
+        };
+        accepted += 1;
+        let mut guess = Guess::new();
+        for _ in 0..10 {
+            let reach = (horizon * horizon) as f32 * libm::powf(10.0, 1.5 * numbers.next() - 1.0);
+            let start = [reach * numbers.next(), reach / horizon as f32 * numbers.next()];
+            let previous = numbers.next();
+            assert_eq!(lq.solve(&start, previous, &mut guess).status, Status::Solved);
+            let plan = plan(&lq, &guess, start, previous);
+            let residual = residual(&plan, increment_weight, horizon, start, previous);
+            assert!(residual <= 1e-4, "{residual:e}: rho {increment_weight} M {control_horizon} N {horizon}");
+        }
+    }
+    assert!(accepted > 1_000 && refused > 200, "{accepted} accepted, {refused} refused");
+}
+
 /// (rho, angle per rad, rate per rad/s) of the nominal vehicle's axes in units of their own: roll, pitch, yaw.
 pub(super) fn shipped(step_s: f32) -> [(f32, f32, f32); 3] {
     let axis = |input_gain: f32, increment_weight: f32, input_max: f32| {

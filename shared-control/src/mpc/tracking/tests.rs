@@ -108,9 +108,9 @@ proptest! {
         let mpc = Mpc::<10>::prepare(&settings).unwrap();
         let plan = mpc.plan(&mut MpcState::new(), &request);
         prop_assert_eq!(plan.status, PlanStatus::Solved);
-        for axis in 0..3 {
-            let error = (plan.torque_nm[axis] - held_nm[axis]).abs() / torque_max_nm(&settings, axis);
-            prop_assert!(error < 1e-5, "axis {}: {} for {}", axis, plan.torque_nm[axis], held_nm[axis]);
+        for (axis, (torque_nm, held_nm)) in plan.torque_nm.into_iter().zip(held_nm).enumerate() {
+            let error = (torque_nm - held_nm).abs() / torque_max_nm(&settings, axis);
+            prop_assert!(error < 1e-5, "axis {axis}: {torque_nm} for {held_nm}");
         }
         let too_much = PlanRequest { disturbance_nm: [3.0, -3.0, 3.0], ..request };
         let plan = mpc.plan(&mut MpcState::new(), &too_much);

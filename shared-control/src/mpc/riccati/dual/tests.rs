@@ -5,12 +5,15 @@ extern crate std;
 
 use std::vec::Vec;
 
-use super::super::SoftAngle;
 use super::super::lagged::LaggedIntegrator;
 use super::super::quadratic::Law;
-use super::super::tests::Numbers;
+use super::super::tests::{Numbers, shipped};
+use super::super::{DoubleIntegrator, SoftAngle};
 use super::*;
 use crate::elementary::larger;
+
+/// Most passes that any of the shipped problems was found to take, in the long campaign.
+const MOST_SEEN: u16 = 66;
 
 type Lq = BoundedLq<LaggedIntegrator, 3, 30>;
 
@@ -100,7 +103,7 @@ fn solution(
     angles: &HeldAngles,
 ) -> (Vec<f64>, Vec<f64>) {
     let (mut shifts, mut point) = (Shifts::new(), DualPoint::ZERO);
-    assert_eq!(lq.shift((start, previous), guess, &angles.rows, bounds, &mut shifts), Shifted::Kept);
+    assert_eq!(lq.shift((start, previous), guess, &angles.rows, bounds, &mut shifts, &mut point), Shifted::Kept);
     lq.follow((start, previous), guess, &angles.rows, bounds, &shifts, &mut point);
     let (mut state, mut input) = (*start, previous);
     let stages = (0..lq.control_horizon).map(|index| {
@@ -252,4 +255,63 @@ fn random_problems_are_solved_to_optimality() {
 #[ignore = "minutes in release"]
 fn many_random_problems_are_solved_to_optimality() {
     campaign(60_000, 6).check();
+}
+
+/// Most passes of the nominal vehicle's roll and pitch with angles within 0.7 rad: sequences of ten related requests from
+/// states up to 0.75 rad and 8 rad/s (beyond what can be stopped in time), references up to 0.75 rad.
+fn most_passes(sequences: usize, control_horizons: &[usize], seed: u64) -> u16 {
+    let mut numbers = Numbers(seed);
+    let mut most = 0;
+    for (increment_weight, per_rad, per_rad_s) in shipped(0.01).into_iter().take(2) {
+        for control_horizon in control_horizons {
+            let last_steps = 31 - control_horizon;
+            let last = DoubleIntegrator.cost_of_held_input(last_steps);
+            let lq: BoundedLq<_, 2, 30> =
+                BoundedLq::prepare(DoubleIntegrator, increment_weight, *control_horizon, last).unwrap();
+            let soft = SoftAngle::new(&DoubleIntegrator, last_steps, increment_weight + 1e5, 1e-7 * per_rad);
+            let (mut guess, mut held) = (Guess::new(), HeldAngles::NONE);
+            for _ in 0..sequences {
+                let (mut state, mut previous) =
+                    ([0.75 * per_rad * numbers.next(), 8.0 * per_rad_s * numbers.next()], 0.0);
+                let reference = 0.75 * per_rad * numbers.next();
+                let bounds = AngleBounds::new(-0.7 * per_rad - reference, 0.7 * per_rad - reference, &soft);
+                for _ in 0..10 {
+                    let start = [state[0] - reference, state[1]];
+                    let mut outcome = Outcome { input: 0.0, status: Status::Solved, iterations: 0 };
+                    let keeps = |[angle, _]: &[f32; 2]| bounds.lower <= *angle && *angle <= bounds.upper;
+                    if !held.is_any() {
+                        outcome = lq.solve(&start, previous, &mut guess);
+                    }
+                    if held.is_any() || !lq.trajectory(&start, previous, &guess, last_steps, keeps) {
+                        if !held.is_any() {
+                            lq.give_up(&start, &bounds, &mut guess, &mut held);
+                        }
+                        outcome = lq.solve_bounded(&start, previous, &bounds, &mut guess, &mut held);
+                        most = if outcome.iterations > most { outcome.iterations } else { most };
+                    }
+                    assert_eq!(outcome.status, Status::Solved, "M {control_horizon}: {start:?} {previous}");
+                    previous = outcome.input;
+                    state = lq.model.advance(&state, previous);
+                }
+            }
+        }
+    }
+    most
+}
+
+#[test]
+fn the_shipped_problems_take_few_passes() {
+    let most = most_passes(300, &[2, 5, 10, 30], 8);
+    std::println!("most passes: {most}");
+    assert!(most <= MOST_SEEN);
+}
+
+/// Six million solves: `cargo test --release -p shared-control -- --ignored`.
+#[test]
+#[ignore = "minutes in release"]
+fn the_shipped_problems_take_few_passes_in_a_long_campaign() {
+    let control_horizons: Vec<usize> = (2..=30).collect();
+    let most = most_passes(10_000, &control_horizons, 9);
+    std::println!("most passes: {most}");
+    assert!(most <= MOST_SEEN);
 }

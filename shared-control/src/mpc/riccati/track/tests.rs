@@ -72,7 +72,7 @@ fn optimality_of(problems: usize, seed: u64) -> u16 {
         let horizon = numbers.count(30);
         let control_horizon = numbers.count(horizon);
         let increment_weight = libm::powf(10.0, 5.5 + 2.0 * numbers.next());
-        let lag = (6.0 * numbers.next()).max(0.0);
+        let lag = crate::elementary::larger(6.0 * numbers.next(), 0.0);
         let lq = problem(lag, increment_weight, control_horizon, horizon);
         let mut pattern = Pattern::new();
         for _ in 0..10 {
