@@ -30,12 +30,11 @@ impl Planner {
         Ok(Self::Mpc { mpc, state: Box::new(MpcState::new()) })
     }
 
-    /// Plans on with another one. An MPC after an MPC goes on from the warm start that is there: which inputs were held means
-    /// the same to any.
+    /// Plans on with another MPC, from the warm start that is there: which inputs were held means the same to any.
     pub fn take_over(&mut self, other: Planner) {
         match (self, other) {
             (Self::Mpc { mpc, .. }, Self::Mpc { mpc: other, .. }) => *mpc = other,
-            (this, other) => *this = other,
+            (planner, other) => *planner = other,
         }
     }
 

@@ -39,6 +39,21 @@ const COLUMNS: [Column; 8] = [
     Column { name: "saturated, %", decimals: 1, figure: |f| f.saturated_pct },
 ];
 
+/// A figure, and the share of the flights that have less, whose differences are told.
+struct Compared {
+    name: &'static str,
+    figure: fn(&Figures) -> f64,
+    share: f64,
+}
+
+const COMPARED: [Compared; 5] = [
+    Compared { name: "RMS median, deg", figure: |f| f.rms_deg, share: 0.5 },
+    Compared { name: "RMS 95th percentile, deg", figure: |f| f.rms_deg, share: 0.95 },
+    Compared { name: "overshoot median, %", figure: |f| f.overshoot_pct, share: 0.5 },
+    Compared { name: "settling median, s", figure: |f| f.settling_s, share: 0.5 },
+    Compared { name: "effort median", figure: |f| f.effort, share: 0.5 },
+];
+
 /// One figure of all flights.
 pub fn series(flights: &[Figures], figure: fn(&Figures) -> f64) -> Vec<f64> {
     flights.iter().map(figure).collect()
@@ -58,25 +73,15 @@ pub fn flights(results: &[Result]) -> String {
     text
 }
 
-/// A figure's name, the figure, and which share of the flights lies below what is compared.
-type Quantile = (&'static str, fn(&Figures) -> f64, f64);
-
 /// The first contender's figures less each other's, with paired 95 % intervals.
 pub fn differences(results: &[Result]) -> String {
     let Some((ours, others)) = results.split_first() else {
         return String::new();
     };
-    let figures: [Quantile; 5] = [
-        ("RMS median, deg", |f| f.rms_deg, 0.5),
-        ("RMS 95th percentile, deg", |f| f.rms_deg, 0.95),
-        ("overshoot median, %", |f| f.overshoot_pct, 0.5),
-        ("settling median, s", |f| f.settling_s, 0.5),
-        ("effort median", |f| f.effort, 0.5),
-    ];
-    let header = figures.iter().map(|(name, ..)| (*name).into());
-    let mut text = row([format!("{} less", ours.name)].into_iter().chain(header)) + &rule(figures.len());
+    let header = COMPARED.iter().map(|compared| compared.name.into());
+    let mut text = row([format!("{} less", ours.name)].into_iter().chain(header)) + &rule(COMPARED.len());
     for theirs in others {
-        let cells = figures.iter().map(|&(_, figure, share)| {
+        let cells = COMPARED.iter().map(|&Compared { figure, share, .. }| {
             interval(&paired_difference(&series(&ours.flights, figure), &series(&theirs.flights, figure), share))
         });
         text += &row([theirs.name.into()].into_iter().chain(cells));
