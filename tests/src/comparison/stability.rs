@@ -100,12 +100,12 @@ mod tests {
         let setup = mpc.setup(&Draw::nominal(0), &Scenario::test_sequence());
         let known = vehicle_parameters(&setup.known_model());
         let expected = setup.mpc_eigenvalues().unwrap().unwrap();
-        for (axis, expected) in expected.iter().enumerate().take(2) {
+        for (axis, expected) in expected.into_iter().enumerate() {
             let (inertia_kg_m2, lag_s) = (f64::from(known.inertia_kg_m2[axis]), f64::from(known.actuation.lag_s));
             let body = Body { inertia_kg_m2, lag_s, gain: 1.0, gyro_lag_s: 1e-4, step_s: 0.0025 };
             let gain = mpc.law().unwrap()[axis];
             let found = PlannerLaw { gain, inertia_kg_m2, lag_s, bandwidth_rad_s: 10.0 }.eigenvalues(&body);
-            for [magnitude, angle] in *expected {
+            for [magnitude, angle] in expected {
                 let near = |value: &&[f64; 2]| (value[0] - magnitude).abs() < 5e-3 && (value[1] - angle).abs() < 5e-3;
                 assert!(found.iter().any(|value| near(&value)), "{magnitude} {angle}: {found:?}");
             }
