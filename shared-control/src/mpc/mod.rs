@@ -5,9 +5,7 @@
 //! and the control period are two parameters: what is solved at 400 Hz still looks 0.3 s ahead.
 
 mod axis;
-pub mod condense;
 mod coupling;
-pub mod model;
 pub mod motor_limits;
 mod preview;
 mod regulation;
