@@ -162,7 +162,11 @@ pub fn margins(response: &[LoopPoint]) -> Margins {
         let (p0, p1) = (phases[i - 1] + std::f64::consts::PI, phases[i] + std::f64::consts::PI);
         if p0 > 0.0 && p1 <= 0.0 {
             let share = p0 / (p0 - p1);
-            smallest(&mut gain_db, -(m0 + share * (m1 - m0)) * 20.0 / std::f64::consts::LN_10);
+            let margin_db = -(m0 + share * (m1 - m0)) * 20.0 / std::f64::consts::LN_10;
+            // where the gain is above 1 it is a limit on how far it may fall, of a loop that holds
+            if margin_db > 0.0 {
+                smallest(&mut gain_db, margin_db);
+            }
         }
     }
     let sensitivity_peak = response
@@ -250,6 +254,19 @@ mod tests {
         assert!((m.delay_ms.unwrap() - 1e3 * (std::f64::consts::FRAC_PI_2 - k * delay_s) / k).abs() < 0.1);
         let gain = 20.0 * (std::f64::consts::FRAC_PI_2 / (delay_s * k)).log10();
         assert!((m.gain_db.unwrap() - gain).abs() < 0.05);
+    }
+
+    /// A phase that dips below -180 degrees while the gain is high limits how far the gain may fall, not how far it may rise.
+    #[test]
+    fn a_conditionally_stable_loop_has_the_margin_upward() {
+        let points =
+            [(1.0, 10.0, -150.0), (2.0, 4.0, -210.0), (4.0, 2.0, -150.0), (8.0, 0.4, -150.0), (16.0, 0.1, -210.0)];
+        let response = points.map(|(frequency_hz, gain, phase_deg): (f64, f64, f64)| {
+            let (sin, cos) = libm::sincos(phase_deg.to_radians());
+            LoopPoint { frequency_hz, open_loop: [gain * cos, gain * sin] }
+        });
+        // half way between the last two, in the logarithm of the gain: 0.2
+        assert!((margins(&response).gain_db.unwrap() - 20.0 * 5f64.log10()).abs() < 1e-6);
     }
 
     #[test]

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use clap::builder::RangedU64ValueParser;
-use clap::{Args, ValueEnum};
 use serde::Serialize;
 use shared_control::config::Controller;
-use sil_host::controller_file::{CONTROL_HORIZON_DEFAULT, ControllerChoice};
+use sil_host::controller_file::ControllerChoice;
 use sil_host::flight::{Flight, FlightSetup, RunSummary};
 use sil_host::flight_log::flight_log;
 use sil_host::margins::Margins;
@@ -22,11 +22,13 @@ use super::{
 /// Fly the thesis' test sequence, or a script, in co-simulation
 #[derive(Args)]
 #[command(after_help = "Example: sil fly --controller both --rig gimbal --report out/flight.html\n\n\
-A script is TOML: duration_s, then [[step]] with at_s, roll_deg, pitch_deg, yaw_rate_deg_s, throttle.")]
+A script is TOML: duration_s, then [[step]] with at_s, roll_deg, pitch_deg, yaw_rate_deg_s, throttle.\n\
+A controller file is TOML: controller, rate_hz, control_horizon, and [tuning] with what differs from the vehicle's own.")]
 pub struct FlyArguments {
-    /// Which controller flies
-    #[arg(long, value_enum, default_value = "both")]
-    controller: ControllerArgument,
+    /// Which controller flies: the PID cascade of APM:Copter, model predictive control with the cascade as fallback, one
+    /// after the other, or what a file says
+    #[arg(long, value_name = "pid|mpc|both|C.toml", default_value = BOTH)]
+    controller: String,
     /// Which rig holds the vehicle [default: that of the model, else gimbal]
     #[arg(long, value_enum)]
     rig: Option<RigArgument>,
@@ -36,24 +38,24 @@ pub struct FlyArguments {
     /// What the controllers take the vehicle for, effects included [default: the flown model without its effects]
     #[arg(long, value_name = "M.toml")]
     controller_model: Option<PathBuf>,
-    /// Steps of the controller per second
-    #[arg(long, value_name = "HZ", default_value_t = 400, value_parser = clap::value_parser!(u32).range(50..=1000))]
-    rate: u32,
+    /// Steps of the controller per second [default: the file's, else 400]
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(50..=1000))]
+    rate: Option<u32>,
     /// Fly this instead of the test sequence
     #[arg(long, value_name = "S.toml")]
     script: Option<PathBuf>,
     /// Seed of the sensors' noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Prediction steps of the MPC, M to 30
-    #[arg(long, value_name = "N", default_value_t = shared_control::mpc::HORIZON)]
-    horizon: usize,
-    /// Free inputs per axis of the MPC, 1 to N
-    #[arg(long, value_name = "M", default_value_t = CONTROL_HORIZON_DEFAULT, value_parser = control_horizon())]
-    control_horizon: usize,
-    /// Length of a prediction step of the MPC, s, whatever the rate
-    #[arg(long, value_name = "S", default_value_t = 0.01, allow_negative_numbers = true)]
-    prediction_step: f32,
+    /// Prediction steps of the MPC, M to 30 [default: the file's, else 30]
+    #[arg(long, value_name = "N")]
+    horizon: Option<usize>,
+    /// Free inputs per axis of the MPC, 1 to N [default: the file's, else 5]
+    #[arg(long, value_name = "M", value_parser = control_horizon())]
+    control_horizon: Option<usize>,
+    /// Length of a prediction step of the MPC, s, whatever the rate [default: the file's, else 0.01]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    prediction_step: Option<f32>,
     /// Write the flight as a log; with both controllers OUT-pid.csv and OUT-mpc.csv
     #[arg(long, value_name = "OUT.csv")]
     log: Option<PathBuf>,
@@ -73,15 +75,8 @@ fn control_horizon() -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(1..=shared_control::mpc::HORIZON as u64)
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum ControllerArgument {
-    /// The PID cascade of APM:Copter
-    Pid,
-    /// Model predictive control, with the cascade as fallback
-    Mpc,
-    /// One after the other
-    Both,
-}
+/// One after the other.
+const BOTH: &str = "both";
 
 #[derive(Serialize)]
 struct FlyJson<'a> {
@@ -110,18 +105,13 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
         None => Scenario::test_sequence(),
         Some(path) => Scenario::load(path).map_err(bad_input)?,
     };
-    let controllers: &[Controller] = match arguments.controller {
-        ControllerArgument::Pid => &[Controller::Cascade],
-        ControllerArgument::Mpc => &[Controller::Mpc],
-        ControllerArgument::Both => &[Controller::Cascade, Controller::Mpc],
-    };
-    let flown: Vec<FlownController> = controllers
-        .iter()
-        .map(|&controller| {
+    let flown: Vec<FlownController> = choices(arguments)?
+        .into_iter()
+        .map(|choice| {
             fly_one(FlightSetup {
                 model: model.clone(),
                 controller_model: controller_model.clone(),
-                choice: choice(arguments, controller)?,
+                choice,
                 scenario: scenario.clone(),
                 seed: arguments.seed,
             })
@@ -142,25 +132,36 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     write_json(arguments.json.as_deref(), &FlyJson { runs: flown.iter().map(|one| &one.flight.summary).collect() })
 }
 
-fn choice(arguments: &FlyArguments, controller: Controller) -> Result<ControllerChoice, Failure> {
-    let horizons = arguments.control_horizon..=shared_control::mpc::HORIZON;
-    if !horizons.contains(&arguments.horizon) {
+/// The controllers asked for, with what the command line says of them.
+fn choices(arguments: &FlyArguments) -> Result<Vec<ControllerChoice>, Failure> {
+    let mut choices = match arguments.controller.as_str() {
+        BOTH => [Controller::Cascade, Controller::Mpc].map(ControllerChoice::nominal).to_vec(),
+        argument => vec![ControllerChoice::from_argument(argument).map_err(bad_input)?],
+    };
+    for choice in &mut choices {
+        choice.rate_hz = arguments.rate.unwrap_or(choice.rate_hz);
+        choice.control_horizon = arguments.control_horizon.unwrap_or(choice.control_horizon);
+        choice.tuning.mpc_horizon = arguments.horizon.or(choice.tuning.mpc_horizon);
+        choice.tuning.mpc_prediction_step_s = arguments.prediction_step.or(choice.tuning.mpc_prediction_step_s);
+        check(choice)?;
+    }
+    Ok(choices)
+}
+
+fn check(choice: &ControllerChoice) -> Result<(), Failure> {
+    let horizon = choice.tuning.mpc_horizon.unwrap_or(shared_control::mpc::HORIZON);
+    let horizons = choice.control_horizon..=shared_control::mpc::HORIZON;
+    if !horizons.contains(&horizon) {
         let (min, max) = (horizons.start(), horizons.end());
-        return Err(bad_input(format!(
-            "--horizon {}: expected {min} (the control horizon) to {max} steps",
-            arguments.horizon
-        )));
+        return Err(bad_input(format!("--horizon {horizon}: expected {min} (the control horizon) to {max} steps")));
     }
-    if !PREDICTION_STEP_S.contains(&arguments.prediction_step) {
-        let (min, max) = (PREDICTION_STEP_S.start(), PREDICTION_STEP_S.end());
-        return Err(bad_input(format!("--prediction-step {}: expected {min} to {max} s", arguments.prediction_step)));
+    match choice.tuning.mpc_prediction_step_s {
+        Some(step_s) if !PREDICTION_STEP_S.contains(&step_s) => {
+            let (min, max) = (PREDICTION_STEP_S.start(), PREDICTION_STEP_S.end());
+            Err(bad_input(format!("--prediction-step {step_s}: expected {min} to {max} s")))
+        }
+        _ => Ok(()),
     }
-    let mut choice = ControllerChoice::nominal(controller);
-    choice.rate_hz = arguments.rate;
-    choice.control_horizon = arguments.control_horizon;
-    choice.tuning.mpc_horizon = Some(arguments.horizon);
-    choice.tuning.mpc_prediction_step_s = Some(arguments.prediction_step);
-    Ok(choice)
 }
 
 /// Flies one controller and measures its margins.
@@ -173,16 +174,18 @@ pub fn fly_one(setup: FlightSetup) -> Result<FlownController, Failure> {
 
 /// The command that repeats this run.
 fn command_line(arguments: &FlyArguments) -> String {
-    let controller = match arguments.controller {
-        ControllerArgument::Pid => "pid",
-        ControllerArgument::Mpc => "mpc",
-        ControllerArgument::Both => "both",
-    };
-    let mut line = format!("sil fly --controller {controller} --rate {} --seed {}", arguments.rate, arguments.seed);
-    line.push_str(&format!(
-        " --horizon {} --control-horizon {} --prediction-step {}",
-        arguments.horizon, arguments.control_horizon, arguments.prediction_step
-    ));
+    let mut line = format!("sil fly --controller {} --seed {}", arguments.controller, arguments.seed);
+    let numbers = [
+        ("--rate", arguments.rate.map(|rate_hz| rate_hz.to_string())),
+        ("--horizon", arguments.horizon.map(|steps| steps.to_string())),
+        ("--control-horizon", arguments.control_horizon.map(|inputs| inputs.to_string())),
+        ("--prediction-step", arguments.prediction_step.map(|step_s| step_s.to_string())),
+    ];
+    for (flag, number) in numbers {
+        if let Some(number) = number {
+            line.push_str(&format!(" {flag} {number}"));
+        }
+    }
     if let Some(rig) = arguments.rig {
         line.push_str(&format!(" --rig {}", Rig::from(rig).name()));
     }

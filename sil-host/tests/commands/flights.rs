@@ -55,6 +55,22 @@ fn the_command_in_a_report_makes_the_same_report() {
     assert!(folder.bytes("first.html") == folder.bytes("second.html"), "sil {}", command.join(" "));
 }
 
+/// A controller file says what flies, and the command line has the last word.
+#[test]
+fn a_controller_file_flies_and_flags_go_over_it() {
+    let folder = Folder::new();
+    folder.write("c.toml", "controller = \"mpc\"\nrate_hz = 200\ncontrol_horizon = 3\n");
+    folder.write("short.toml", "duration_s = 1.0\n");
+    let fly = ["fly", "--controller", "c.toml", "--script", "short.toml", "--json", "out.json"];
+    for (flags, rate_hz, control_horizon) in [(&[][..], 200, 3), (&["--rate", "100", "--control-horizon", "2"], 100, 2)]
+    {
+        folder.sil(&[&fly[..], flags].concat()).assert_done();
+        let run = &folder.json("out.json")["runs"][0];
+        assert_eq!(run["controller"], "mpc");
+        assert_eq!((&run["rate_hz"], &run["mpc"]["control_horizon"]), (&rate_hz.into(), &control_horizon.into()));
+    }
+}
+
 /// How fast is the machine's affair; that it is said is the command's.
 #[test]
 fn the_speed_of_the_simulation_is_printed() {
