@@ -33,7 +33,7 @@ pub struct PitchInertia {
 }
 
 impl PitchInertia {
-    /// Acceleration per torque at a roll angle, as a share of the one when level; [`GAIN_SHARE_MIN`] at least.
+    /// Acceleration per torque at a roll angle, as a share of the one when level; a fifth at least.
     pub fn gain_share(&self, roll_rad: f32) -> f32 {
         let (sin_roll, cos_roll) = sin_cos(roll_rad);
         let inertia = self.level_kg_m2 + (self.rolled_kg_m2 - self.level_kg_m2) * sin_roll * sin_roll;
