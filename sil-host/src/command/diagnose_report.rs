@@ -71,14 +71,9 @@ fn parameter_row(finding: &Finding, name: &str, estimate: &Estimate, is_first: b
     } else {
         (String::new(), Cell::from(""))
     };
-    let decimals = decimals(estimate);
+    let decimals = estimate.decimals().unwrap_or(0);
     let spread = if estimate.std > 0.0 { Cell::number(estimate.std, decimals) } else { Cell::number(f64::NAN, 0) };
     [effect.into(), name.into(), Cell::number(estimate.value, decimals), spread, gain]
-}
-
-/// As many as the uncertainty leaves.
-fn decimals(estimate: &Estimate) -> usize {
-    if estimate.std > 0.0 { (1.0 - libm::log10(estimate.std).floor()).clamp(0.0, 9.0) as usize } else { 0 }
 }
 
 fn before_and_after(answer: &Diagnosis) -> Section {

@@ -179,7 +179,7 @@ fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
     let worst = whiteness.iter().max_by(|a, b| a.deviation.total_cmp(&b.deviation));
     let signature = match worst {
         Some(worst) if !white => {
-            let name = ["roll", "pitch", "yaw", "p", "q", "r"][worst.place];
+            let name = residuals::NAMES[worst.place];
             format!(
                 "{name} misses its prediction by something that goes on from row to row ({:.0} sigma)",
                 worst.deviation

@@ -20,7 +20,8 @@ pub struct ChannelResiduals {
     pub extended: Vec<f64>,
 }
 
-const NAMES: [&str; 6] = ["roll", "pitch", "yaw", "p", "q", "r"];
+/// What the places of a report are called.
+pub(super) const NAMES: [&str; 6] = ["roll", "pitch", "yaw", "p", "q", "r"];
 
 /// All channels that are compared, for (nominal, extended).
 pub(super) fn of_models(shooting: &Shooting<'_>, models: &[Driven; 2]) -> Vec<ChannelResiduals> {

@@ -27,6 +27,13 @@ pub struct Estimate {
     pub std: f64,
 }
 
+impl Estimate {
+    /// As many decimals as the uncertainty leaves; none where there is no uncertainty.
+    pub fn decimals(&self) -> Option<usize> {
+        (self.std > 0.0).then(|| (1.0 - libm::log10(self.std).floor()).clamp(0.0, 9.0) as usize)
+    }
+}
+
 /// One effect that the log shows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
@@ -160,8 +167,7 @@ fn statement(
 
 /// A value with as many digits as its uncertainty leaves.
 fn with_uncertainty(estimate: &Estimate) -> String {
-    let digits =
-        if estimate.std > 0.0 { (1.0 - libm::log10(estimate.std).floor()).clamp(0.0, 9.0) as usize } else { 6 };
+    let digits = estimate.decimals().unwrap_or(6);
     format!("{:.digits$} +- {:.digits$}", estimate.value, estimate.std)
 }
 
