@@ -190,7 +190,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                     _ => 1.0,
                 };
                 let rate = |_: f32, direction: f32| sign * direction;
-                let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
+                let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, f32::INFINITY, rate);
                 let Some(blocking) = blocking else { return Next::StartAnew };
                 point.walk(rows, target, blocking.step, rate);
                 return search.let_go(blocking.change);
@@ -225,8 +225,7 @@ impl<const S: usize, const M: usize> Search<'_, S, M> {
             return target.drop_wrong(guess, rows, bounds.soft.weight).map(Next::Go);
         }
         let rate = |now: f32, aim: f32| aim - now;
-        let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
-        let blocking = blocking.filter(|blocking| blocking.step < 1.0)?;
+        let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, 1.0, rate)?;
         point.walk(rows, target, blocking.step, rate);
         Some(self.let_go(blocking.change))
     }

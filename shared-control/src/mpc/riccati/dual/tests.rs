@@ -182,7 +182,7 @@ fn campaign(problems: usize, seed: u64) -> Tally {
             if !held.is_any() {
                 let outcome = lq.solve(&start, previous, &mut guess);
                 assert_eq!(outcome.status, Status::Solved);
-                let keeps = |[angle, ..]: &[f32; 3]| bounds.lower <= *angle && *angle <= bounds.upper;
+                let keeps = |angle: f32| bounds.lower <= angle && angle <= bounds.upper;
                 if lq.trajectory(&start, previous, &guess, last_steps, keeps) {
                     (previous, state) = (outcome.input, lq.model.advance(&state, outcome.input));
                     continue;
@@ -278,7 +278,7 @@ fn most_passes(sequences: usize, control_horizons: &[usize], seed: u64) -> u16 {
                 for _ in 0..10 {
                     let start = [state[0] - reference, state[1]];
                     let mut outcome = Outcome { input: 0.0, status: Status::Solved, iterations: 0 };
-                    let keeps = |[angle, _]: &[f32; 2]| bounds.lower <= *angle && *angle <= bounds.upper;
+                    let keeps = |angle: f32| bounds.lower <= angle && angle <= bounds.upper;
                     if !held.is_any() {
                         outcome = lq.solve(&start, previous, &mut guess);
                     }
