@@ -90,9 +90,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         let Some(unchanged) = unchanged else { return Shifted::Overfull };
         for column in columns.iter_mut() {
             // differences are to be 0
-            let [_, before, _] = column.weights;
-            let bound = if before == 0.0 { rows.get(column.row).held(bounds).unwrap_or(0.0) } else { 0.0 };
-            column.excess = column.value - bound;
+            let bound = if column.is_difference() { None } else { rows.get(column.row).held(bounds) };
+            column.excess = column.value - bound.unwrap_or(0.0);
         }
         *offsets = [0.0; M];
         if let Some(last) = rows.given_up().last() {

@@ -408,6 +408,20 @@ impl<const M: usize> DualPoint<M> {
         }
     }
 
+    /// Lets go of every held input whose multiplier would be negative a quarter of the way to `towards`; returns the number
+    /// of stages up to the last of them.
+    pub(super) fn let_go_near<const S: usize>(&self, guess: &mut Guess<S, M>, towards: &Self) -> usize {
+        let mut changed = 0;
+        let stages = guess.stages.iter_mut().take(guess.held_count).zip(self.inputs.iter().zip(&towards.inputs));
+        for (place, (stage, (now, aim))) in (1..).zip(stages) {
+            if stage.held != Held::Free && 3.0 * now + aim < 0.0 {
+                stage.held = Held::Free;
+                changed = place;
+            }
+        }
+        changed
+    }
+
     /// Lets go of every bound whose multiplier is out of range, and gives up those above the weight; returns the number of
     /// stages up to the last that changed, or none if nothing did.
     pub(super) fn drop_wrong<const S: usize>(
