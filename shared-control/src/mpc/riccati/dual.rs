@@ -77,6 +77,8 @@ struct Search<'a, const S: usize, const M: usize> {
     aim: Aim,
     /// Whether a step may still let go of many inputs: once a solve, since the dual cost may fall with it.
     may_leap: bool,
+    /// Whether it goes on from what another solution held.
+    is_warm: bool,
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
@@ -145,6 +147,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                 target: &mut target,
                 aim: Aim::Begin,
                 may_leap: true,
+                is_warm,
             };
             while iterations < PASS_LIMIT {
                 iterations += 1;
@@ -160,7 +163,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                     Next::Solved(_) => break,
                     Next::StartAnew => iterations += self.start_anew(&mut search),
                 }
-                if is_warm && iterations == WARM_LIMIT {
+                if search.is_warm && iterations >= WARM_LIMIT {
                     iterations += self.start_anew(&mut search);
                 }
             }
@@ -175,7 +178,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 
     /// From the solution without bounds on the angle; returns the passes that this took.
     fn start_anew(&self, search: &mut Search<'_, S, M>) -> u16 {
-        let Search { present: (start, previous), bounds, guess, angles, shifts, aim, .. } = search;
+        let Search { present: (start, previous), bounds, guess, angles, shifts, aim, is_warm, .. } = search;
+        *is_warm = false;
         guess.clear();
         shifts.columns.clear();
         *aim = Aim::Begin;
@@ -248,7 +252,12 @@ impl<const S: usize, const M: usize> Search<'_, S, M> {
         {
             let was_given_up = matches!(change, Change::Row(_, Row::AboveUpper | Row::BelowLower));
             let [_, tolerance] = self.bounds.tolerances;
-            if was_given_up == (direction == Direction::Falls) && tolerance < MOST_DOUBT * self.bounds.soft.tolerance {
+            let is_doubtful = was_given_up == (direction == Direction::Falls);
+            if is_doubtful && self.is_warm {
+                // what was held may be the reason, and not rounding
+                return Next::StartAnew;
+            }
+            if is_doubtful && tolerance < MOST_DOUBT * self.bounds.soft.tolerance {
                 self.bounds.tolerances = self.bounds.tolerances.map(|tolerance| DOUBT * tolerance);
             }
             self.aim = Aim::Settle;
