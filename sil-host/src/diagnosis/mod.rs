@@ -20,6 +20,7 @@ mod fit;
 mod hints;
 mod linear;
 mod prediction;
+mod process_noise;
 mod residuals;
 mod search;
 mod sensor;
@@ -36,6 +37,7 @@ use serde::Serialize;
 use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S};
 use crate::log::Log;
 use fit::{Term, model_of};
+use process_noise::AxisNoise;
 pub use residuals::ChannelResiduals;
 use search::{Candidate, Found, Search};
 use shooting::Shooting;
@@ -44,6 +46,8 @@ pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
 /// Above this multiple of the noise floor an error is not explained.
 const FLOOR_FACTOR_MAX: f64 = 1.3;
+/// Above this multiple the disturbances are taken for part of the noise ([`process_noise`]).
+const UNEXPLAINED_FACTOR: f64 = 3.0;
 
 /// The answer to a log (CLI.md, "JSON of `sil diagnose`").
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -113,12 +117,27 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
     let shooting = subject.shooting(log, &noise)?;
     let nominal = || subject.model();
     let catalogue = effects::catalogue(&subject.scope(log));
-    let (training, held_out) = (shooting.part(false), shooting.part(true));
     let fitted_along = subject.fitted_along(log)?;
-    let always = fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
-    let search = Search { shooting: &shooting, nominal: &nominal, catalogue: &catalogue, always, training, held_out };
+    let always: Vec<Term<'_>> =
+        fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
+    let search = Search::new(&shooting, &nominal, &catalogue, always.clone());
+    let found = search.run();
+    let Some(disturbed) = noise_beyond_sensors(&search, &found) else {
+        return Ok(answer(log, &shooting, &search, &found));
+    };
+    let shooting = subject.shooting(log, &noise)?.with_noise(disturbed);
+    let search = Search::new(&shooting, &nominal, &catalogue, always);
     let found = search.run();
     Ok(answer(log, &shooting, &search, &found))
+}
+
+/// The noise to be looked with once more, where what was found is far from explaining the log.
+fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisNoise; 3]> {
+    let shooting = search.shooting;
+    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms), None);
+    let errors = accuracy::prediction_errors(shooting, &driven, &search.held_out);
+    let is_far = accuracy::worst_ratio(&errors) > UNEXPLAINED_FACTOR;
+    is_far.then(|| shooting.most_likely_noise(&driven, &search.training, &found.chosen.fit.starts))
 }
 
 fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {

@@ -6,6 +6,9 @@
 //! reaches 0. The dual cost rises with every step, so that no set of held bounds comes twice and the method ends.
 //! Equality problems are solved by `equality`, in time proportional to the horizon.
 //!
+//! One step of a solve may go further: an angle taken in far from the solution without it frees a run of held inputs, one
+//! a pass, and those whose multipliers would end early on the way are let go at once.
+//!
 //! Soft bounds: a violation of an angle's bound costs `weight` times its size (an exact penalty), which is the same as
 //! the multiplier of that bound being at most `weight`: one that gets there is given up, and stays in the cost.
 
@@ -72,6 +75,8 @@ struct Search<'a, const S: usize, const M: usize> {
     point: &'a mut DualPoint<M>,
     target: &'a mut DualPoint<M>,
     aim: Aim,
+    /// Whether a step may still let go of many inputs: once a solve, since the dual cost may fall with it.
+    may_leap: bool,
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
@@ -139,6 +144,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                 point: &mut point,
                 target: &mut target,
                 aim: Aim::Begin,
+                may_leap: true,
             };
             while iterations < PASS_LIMIT {
                 iterations += 1;
@@ -180,7 +186,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 
     /// The equality problem for what is held, and the step that follows from it.
     fn pass(&self, search: &mut Search<'_, S, M>) -> Next {
-        let Search { present, bounds, guess, angles: HeldAngles { rows }, shifts, point, target, aim } = search;
+        let Search { present, bounds, guess, angles: HeldAngles { rows }, shifts, point, target, aim, .. } = search;
         match self.shift(*present, guess, rows, bounds, shifts, target) {
             Shifted::Kept => {}
             Shifted::Dependent(_) if *aim != Aim::Begin => {
@@ -190,7 +196,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                     _ => 1.0,
                 };
                 let rate = |_: f32, direction: f32| sign * direction;
-                let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
+                let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, f32::INFINITY, rate);
                 let Some(blocking) = blocking else { return Next::StartAnew };
                 point.walk(rows, target, blocking.step, rate);
                 return search.let_go(blocking.change);
@@ -220,14 +226,18 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 impl<const S: usize, const M: usize> Search<'_, S, M> {
     /// Moves the multipliers to their target, or to where the first of them comes to its end; none if they get there.
     fn step(&mut self) -> Option<Next> {
-        let Self { bounds, guess, angles: HeldAngles { rows }, point, target, aim, .. } = self;
+        let Self { bounds, guess, angles: HeldAngles { rows }, point, target, aim, may_leap, .. } = self;
         if *aim == Aim::Begin {
             return target.drop_wrong(guess, rows, bounds.soft.weight).map(Next::Go);
         }
         let rate = |now: f32, aim: f32| aim - now;
-        let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
-        let blocking = blocking.filter(|blocking| blocking.step < 1.0)?;
+        let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, 1.0, rate)?;
         point.walk(rows, target, blocking.step, rate);
+        let is_taken_in = matches!(*aim, Aim::TakeIn(change, _) if change.is_of(&blocking.change));
+        let is_input = matches!(blocking.change, Change::Input(..));
+        if is_input && !is_taken_in && core::mem::take(may_leap) {
+            return Some(Next::Go(point.let_go_near(guess, target)));
+        }
         Some(self.let_go(blocking.change))
     }
 

@@ -184,32 +184,33 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
-    /// Whether all states that the solved `guess` leads to satisfy `test`, the last input being held for `last_steps`.
+    /// Whether all angles that the solved `guess` leads to satisfy `test`, the last input being held for `last_steps`.
     pub(in crate::mpc) fn trajectory(
         &self,
         start: &[f32; S],
         previous: f32,
         guess: &Guess<S, M>,
         last_steps: usize,
-        mut test: impl FnMut(&[f32; S]) -> bool,
+        test: impl Fn(f32) -> bool,
     ) -> bool {
         let (mut state, mut input) = (*start, previous);
-        let held = guess.stages.iter().take(guess.held_count).map(|stage| &stage.law);
-        let free = self.free.iter().take(self.control_horizon).skip(guess.held_count).map(|stage| &stage.law);
-        for law in held.chain(free) {
-            (input, _) = cut(law.input(&state, input));
+        for stage in guess.stages.iter().take(guess.held_count) {
+            input = stage.held.input().unwrap_or_else(|| stage.law.input(&state, input));
             state = self.model.advance(&state, input);
-            if !test(&state) {
+            if !test(state[0]) {
                 return false;
             }
         }
-        for _ in 1..last_steps {
+        for stage in self.free.iter().take(self.control_horizon).skip(guess.held_count) {
+            input = stage.law.input(&state, input);
             state = self.model.advance(&state, input);
-            if !test(&state) {
+            if !test(state[0]) {
                 return false;
             }
         }
-        true
+        let mut all = true;
+        self.model.see_extreme_angles(&state, input, last_steps - 1, |_, angle| all &= test(angle));
+        all
     }
 
     /// The first input's law when every input is free.
