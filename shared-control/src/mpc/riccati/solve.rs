@@ -6,13 +6,14 @@ use crate::qp::Status;
 /// Roll-outs that a guess from the last solve is given before a start with everything free.
 const WARM_LIMIT: u16 = 6;
 
-/// Roll-outs in which any number of inputs changes. From a start with everything free the shipped problems need 7 at
+/// Roll-outs in which any number of inputs changes. From a start with everything free the shipped problems need 8 at
 /// most (docs/solver.md); other weights can make them go round in circles.
 const BLOCK_LIMIT: u16 = WARM_LIMIT + 12;
 
-/// Most roll-outs from a start with everything free that any state of the shipped problems was found to take.
+/// Most roll-outs from a start with everything free that any state of the shipped problems takes: found by following every way
+/// that they can go (tests/src/worst_case).
 #[cfg(test)]
-pub(super) const COLD_MOST: u16 = 7;
+pub(super) const COLD_MOST: u16 = 8;
 
 /// Roll-outs altogether.
 const ITERATION_LIMIT: u16 = 500;
@@ -48,13 +49,13 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             Some(first) if guess.held_count == 0 && first.reaches_no_bound(start, previous) => {
                 Outcome { input: first.law.input(start, previous), status: Status::Solved, iterations: 1 }
             }
-            _ => self.search(start, previous, guess),
+            _ => self.search(start, previous, guess, ITERATION_LIMIT),
         }
     }
 
-    /// The alternation of sweeps and roll-outs.
+    /// The alternation of sweeps and roll-outs, `limit` of the latter at most.
     #[inline(never)]
-    fn search(&self, start: &[f32; S], previous: f32, guess: &mut Guess<S, M>) -> Outcome {
+    pub(super) fn search(&self, start: &[f32; S], previous: f32, guess: &mut Guess<S, M>, limit: u16) -> Outcome {
         let is_number = previous.is_finite() && start.iter().all(|value| value.is_finite());
         if !is_number {
             return Outcome { input: 0.0, status: Status::NumericalError, iterations: 0 };
@@ -72,10 +73,15 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             } else {
                 self.change_first(start, previous, guess)
             };
-            let is_last = changed == 0 || iterations >= ITERATION_LIMIT;
+            let is_last = changed == 0 || iterations >= limit;
             if is_last {
                 let status = if changed == 0 { Status::Solved } else { Status::IterationLimit };
-                return self.finish(start, previous, guess, Outcome { input: 0.0, status, iterations });
+                let outcome = self.finish(start, previous, guess, Outcome { input: 0.0, status, iterations });
+                if changed > 0 {
+                    // its laws are those of another guess: no warm start
+                    guess.clear();
+                }
+                return outcome;
             }
             if iterations == restart {
                 guess.clear();
