@@ -47,6 +47,14 @@ impl Drive {
     pub(super) fn of(model: &VehicleModel) -> Drive {
         Drive::Motors(model.propulsion)
     }
+
+    /// What commands make the motors do, in the unit of [`Propulsion::derivative`]; without motors the commands themselves.
+    fn of_commands(&self, commands: &[f64; 4]) -> [f64; 4] {
+        match self {
+            Drive::Motors(propulsion) => commands.map(|command| propulsion.drive(command)),
+            Drive::Direct => *commands,
+        }
+    }
 }
 
 /// Commands of a log, held from row to row.
@@ -118,6 +126,8 @@ struct Motors<'a> {
     arrived: [f64; 4],
     /// Behind the lag.
     lagged: [f64; 4],
+    /// What that makes the motors do: an exponential each, so it is computed only where the command changes.
+    driving: [f64; 4],
     rotors: RotorState,
 }
 
@@ -131,7 +141,7 @@ impl<'a> Motors<'a> {
                 (rotors[motor], rotors[4 + motor]) = (settled.speed_rad_s, settled.current_a);
             }
         }
-        Motors { chain, drive, row: 0, arrived, lagged: arrived, rotors }
+        Motors { chain, drive, row: 0, arrived, lagged: arrived, driving: drive.of_commands(&arrived), rotors }
     }
 
     /// One step of the body, in motor steps that end where a command arrives.
@@ -175,28 +185,32 @@ impl<'a> Motors<'a> {
             }
             self.row += 1;
             self.arrived = clipped(commands.value[self.row], self.chain, self.drive);
+            if self.chain.lag_s <= 0.0 {
+                self.lagged = self.arrived;
+                self.driving = self.drive.of_commands(&self.arrived);
+            }
         }
     }
 
     /// Forces at the begin, in the middle and at the end of a step under one command.
     fn motor_step(&mut self, step_s: f64) -> [[f64; 4]; 3] {
-        let [begin, middle, end] = [0.0, 0.5 * step_s, step_s].map(|after_s| self.behind_the_lag(after_s));
-        self.lagged = end;
+        let begin = self.driving;
+        let (middle, end) = if self.chain.lag_s > 0.0 {
+            let half_left = libm::exp(-0.5 * step_s / self.chain.lag_s);
+            let behind = |left: f64| -> [f64; 4] {
+                core::array::from_fn(|i| self.arrived[i] + left * (self.lagged[i] - self.arrived[i]))
+            };
+            let (middle, end) = (behind(half_left), behind(half_left * half_left));
+            self.lagged = end;
+            (self.drive.of_commands(&middle), self.drive.of_commands(&end))
+        } else {
+            (begin, begin)
+        };
+        self.driving = end;
         match self.drive {
             Drive::Direct => [begin, middle, end],
-            Drive::Motors(propulsion) => {
-                let drives = [begin, middle, end].map(|command| command.map(|c| propulsion.drive(c)));
-                rotor_step(propulsion, &mut self.rotors, &drives, step_s)
-            }
+            Drive::Motors(propulsion) => rotor_step(propulsion, &mut self.rotors, &[begin, middle, end], step_s),
         }
-    }
-
-    fn behind_the_lag(&self, after_s: f64) -> [f64; 4] {
-        if self.chain.lag_s <= 0.0 {
-            return self.arrived;
-        }
-        let left = libm::exp(-after_s / self.chain.lag_s);
-        core::array::from_fn(|i| self.arrived[i] + left * (self.lagged[i] - self.arrived[i]))
     }
 }
 

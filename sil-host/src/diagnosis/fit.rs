@@ -65,7 +65,6 @@ pub(super) fn shifted_models(
     nominal: Nominal<'_>,
     terms: &[Term<'_>],
     first: usize,
-    base: &Driven,
 ) -> Vec<(Driven, f64)> {
     let mut shifted = Vec::new();
     for (index, term) in terms.iter().enumerate().skip(first) {
@@ -73,7 +72,7 @@ pub(super) fn shifted_models(
             let step = admissible_step(parameter, term.values[place]);
             let mut moved = terms.to_vec();
             moved[index].values[place] += step;
-            shifted.push((shooting.drive(model_of(nominal, &moved), Some(base)), step));
+            shifted.push((shooting.drive(model_of(nominal, &moved)), step));
         }
     }
     shifted
@@ -83,20 +82,23 @@ fn admissible_step(parameter: &Parameter, value: f64) -> f64 {
     if value + parameter.step <= parameter.max { parameter.step } else { -parameter.step }
 }
 
-/// Fits the terms from their values on, and the start states of the training windows from `starts` on.
+/// Fits the terms from their values on, and the start states of the training windows from `starts` on. It is given up where not even
+/// `overshot` times what a round promises would lower the sum of squares to `to_reach`.
 pub(super) fn fit<'e>(
     shooting: &Shooting<'_>,
     nominal: Nominal<'_>,
     terms: Vec<Term<'e>>,
     starts: &[State],
     training: &[usize],
+    overshot: f64,
+    to_reach: f64,
 ) -> Fit<'e> {
     let mut best = Round::at(shooting, nominal, terms, starts.to_vec(), training, None);
     let mut damping = 1e-4;
     let mut failures = 0;
     for _ in 0..ROUNDS_MAX {
         let Some((step, promised)) = best.step(damping) else { break };
-        if promised < IMPROVEMENT_MIN {
+        if promised < IMPROVEMENT_MIN || best.normal.chi2 - overshot * promised > to_reach {
             break;
         }
         let terms = moved(&best.terms, &step);
@@ -140,8 +142,8 @@ impl<'e> Round<'e> {
         training: &[usize],
         nearby: Option<&Linearisation>,
     ) -> Round<'e> {
-        let base = shooting.drive(model_of(nominal, &terms), None);
-        let shifted = shifted_models(shooting, nominal, &terms, 0, &base);
+        let base = shooting.drive(model_of(nominal, &terms));
+        let shifted = shifted_models(shooting, nominal, &terms, 0);
         let linear = shooting.linearise(&base, &shifted, training, &starts, nearby);
         let normal = shooting.normal(&linear, None);
         Round { terms, starts, linear, normal }

@@ -8,9 +8,9 @@ use super::shooting::{Driven, Shooting};
 /// Lowest and highest frequency looked at, Hz; below, less than a period of half a minute shows.
 const FREQUENCY_RANGE_HZ: [f64; 2] = [0.05, 25.0];
 /// Neighbouring frequencies differ by this share of the width of a peak, one over the log's length.
-const FREQUENCY_STEP: f64 = 0.3;
-/// Rows are taken together to stretches of at least this length, s: a fifth of the shortest period.
-const STRETCH_S: f64 = 8e-3;
+const FREQUENCY_STEP: f64 = 0.5;
+/// Rows are taken together to stretches of at least this length, s: a quarter of the shortest period.
+const STRETCH_S: f64 = 10e-3;
 /// What is white in the differences, against what is differences of white noise: gaps and the model's small errors.
 const NOISE_SHARE_MIN: f64 = 1e-4;
 /// Onsets are looked for on so many places of the log.

@@ -24,6 +24,7 @@ mod residuals;
 mod search;
 mod sensor;
 mod shooting;
+mod signature;
 mod structure;
 mod subject;
 mod verdict;
@@ -121,9 +122,19 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
     Ok(answer(log, &shooting, &search, &found))
 }
 
+/// Errors of a model as it stands over the held-out windows, and those of an exact one.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn prediction_error(log: &Log, subject: &Subject<'_>) -> Result<[ChannelErrors; 2], FidelityError> {
+    let shooting = subject.shooting(log, &SensorNoise::of(log))?;
+    let driven = shooting.drive(subject.model());
+    Ok(verdict::channel_errors(&accuracy::prediction_errors(&shooting, &driven, &shooting.part(true))))
+}
+
 fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
-    let driven = [&found.nominal, &found.chosen]
-        .map(|candidate| shooting.drive(model_of(search.nominal, &candidate.fit.terms), None));
+    let driven =
+        [&found.nominal, &found.chosen].map(|candidate| shooting.drive(model_of(search.nominal, &candidate.fit.terms)));
     let [nominal, extended] =
         driven.each_ref().map(|driven| accuracy::prediction_errors(shooting, driven, &search.held_out));
     let [nominal_errors, _] = verdict::channel_errors(&nominal);
@@ -167,25 +178,26 @@ fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found
 
 fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
     let shooting = search.shooting;
-    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms), None);
+    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms));
     let mut all: Vec<usize> = search.training.clone();
     all.extend(&search.held_out);
     let whiteness = structure::whiteness(shooting, &driven, &all, &found.chosen.fit.starts);
-    let white = whiteness.iter().all(structure::Whiteness::is_white);
+    let even = whiteness.iter().all(structure::Whiteness::is_white);
+    let dependence = signature::strongest(search, &found.chosen);
+    let white = even && dependence.is_none();
     let expected = shooting.degrees_of_freedom(&search.held_out);
     let beyond = |candidate: &Candidate<'_>| (candidate.held_out - expected).max(0.0);
     let nominal = beyond(&found.nominal);
     let variance_pct = if nominal > 0.0 { 100.0 * (beyond(&found.chosen) / nominal).min(1.0) } else { 0.0 };
     let worst = whiteness.iter().max_by(|a, b| a.deviation.total_cmp(&b.deviation));
-    let signature = match worst {
-        Some(worst) if !white => {
-            let name = residuals::NAMES[worst.place];
-            format!(
-                "{name} misses its prediction by something that goes on from row to row ({:.0} sigma)",
-                worst.deviation
-            )
-        }
-        _ => String::new(),
-    };
+    let goes_on = worst.filter(|_| !even).map(|worst| {
+        let frequency = signature::frequency(search, &found.chosen, worst.place % 3).unwrap_or_default();
+        format!(
+            "{} misses its prediction by something that goes on from row to row ({:.0} sigma), {frequency}",
+            residuals::NAMES[worst.place],
+            worst.deviation
+        )
+    });
+    let signature = dependence.or(goes_on).unwrap_or_default();
     Unexplained { variance_pct, white, signature }
 }

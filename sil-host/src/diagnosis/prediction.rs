@@ -2,7 +2,11 @@
 
 use super::actuation::{Chain, Commands, Drive, ForceTrack, Step};
 use super::body::{Body, Moment, State};
+use super::effects::SOFTENING_RAD_S;
 use super::sensor::Sensors;
+
+/// Parts of a step of the body in which dry friction turns round, a millisecond or two.
+const DRY_PARTS: u8 = 4;
 
 /// A model with whatever effects it is given; [`super::effects::Effect::apply`] changes it.
 pub(super) struct Model {
@@ -17,8 +21,8 @@ pub(super) struct Model {
     pub(super) body: Body,
     pub(super) moments: Vec<Box<dyn Moment>>,
     pub(super) sensors: Sensors,
-    /// Parts of a body step, where something in the model changes faster than the body turns.
-    pub(super) parts_per_step: u8,
+    /// Axes with dry friction, whose moment turns round while the rate goes through 0.
+    pub(super) dry: [bool; 3],
 }
 
 /// Angles (roll, pitch, yaw) and body rates (p, q, r) as a log would report them.
@@ -36,7 +40,7 @@ impl Model {
             body,
             moments: Vec::new(),
             sensors: Sensors::NOMINAL,
-            parts_per_step: 1,
+            dry: [false; 3],
         }
     }
 
@@ -68,16 +72,32 @@ impl Model {
         };
         let (begin, from_s) =
             if duration_s < 0.0 { (1.0, step.start_s + step.duration_s) } else { (-1.0, step.start_s) };
-        let parts = f64::from(self.parts_per_step);
+        let count = self.parts(from_s, x, &force(begin), duration_s);
+        let parts = f64::from(count);
         let part_s = duration_s / parts;
         let mut state = *x;
-        for part in 0..self.parts_per_step {
+        for part in 0..count {
             let passed = f64::from(part) / parts;
             let place = |share: f64| begin * (1.0 - 2.0 * (passed + share / parts));
             let forces = [force(place(0.0)), force(place(0.5)), force(place(1.0))];
             state = self.part(from_s + passed * duration_s, &state, &forces, part_s);
         }
         state
+    }
+
+    /// Into how many parts a step is cut: more than one where a rate goes through 0 against dry friction.
+    fn parts(&self, from_s: f64, x: &State, force: &[f64; 4], duration_s: f64) -> u8 {
+        if self.dry == [false; 3] {
+            return 1;
+        }
+        let change = self.body.derivative(from_s, x, force, &self.moments);
+        let turns_round = (0..3).any(|axis| {
+            let passed_rad_s = (change[3 + axis] * duration_s).abs();
+            self.dry[axis]
+                && passed_rad_s > 0.25 * SOFTENING_RAD_S
+                && x[3 + axis].abs() < passed_rad_s + 4.0 * SOFTENING_RAD_S
+        });
+        if turns_round { DRY_PARTS } else { 1 }
     }
 
     /// Runge-Kutta 4.

@@ -4,12 +4,15 @@
 //! method's assumption, white sensor noise and commands that are known, the residuals of a true model are white, in a closed loop too:
 //! given its start the motion is a function of known commands, and a sample's noise reaches later commands only.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use rayon::prelude::*;
 
-use super::actuation::{Commands, ForceTrack};
+use super::actuation::{Chain, Commands, ForceTrack};
 use super::body::State;
 use super::linear::{Cholesky, dot};
 use super::prediction::{Model, Scene, track};
+use crate::axis::Axis;
 use crate::fidelity::{SensorNoise, Window};
 use crate::log::Log;
 
@@ -20,6 +23,9 @@ const START_PRIOR_RATE_RAD_S: f64 = 10.0;
 const START_STEP: f64 = 1e-5;
 /// The least noise that a channel is taken to have: the rounding of logs and the accuracy of the integration, rad and rad/s.
 const NOISE_MIN: [f64; 2] = [2e-5, 2e-4];
+
+/// Force tracks that are kept: those of one fit with a lag, a delay and clipping, and the nominal one.
+const TRACKS_KEPT: usize = 8;
 
 /// What a rig lets turn and what of it is compared.
 #[derive(Clone, Debug)]
@@ -50,12 +56,14 @@ pub(super) struct Shooting<'a> {
     /// Components of the state that a window may choose.
     start_components: Vec<usize>,
     wraps: bool,
+    /// Forces by what lies between command and motor, all of one drive.
+    tracks: Mutex<Vec<(Chain, Arc<ForceTrack>)>>,
 }
 
 /// A model with the forces that the log's commands make in it.
 pub(super) struct Driven {
     pub(super) model: Model,
-    pub(super) track: std::sync::Arc<ForceTrack>,
+    pub(super) track: Arc<ForceTrack>,
 }
 
 /// Whitened residuals of one window, or their change with a parameter.
@@ -104,15 +112,31 @@ impl<'a> Shooting<'a> {
         channels.retain(|channel| rig.compared.contains(&channel.place));
         channels.sort_by_key(|channel| channel.place);
         let start_components = rig.start_components.clone();
-        Shooting { log, commands, volts_lost: volts_lost(log), channels, windows, start_components, wraps: rig.wraps }
+        Shooting {
+            log,
+            commands,
+            volts_lost: volts_lost(log),
+            channels,
+            windows,
+            start_components,
+            wraps: rig.wraps,
+            tracks: Mutex::default(),
+        }
     }
 
-    /// Puts a log's forces beside a model, taken over from another where the commands go the same way.
-    pub(super) fn drive(&self, model: Model, like: Option<&Driven>) -> Driven {
-        let track = match like {
-            Some(other) if other.model.chain == model.chain => std::sync::Arc::clone(&other.track),
-            _ => std::sync::Arc::new(track(&model, &self.commands)),
+    /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
+    pub(super) fn drive(&self, model: Model) -> Driven {
+        // whoever died with the lock held has left whole tracks behind
+        let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = kept.iter().position(|(chain, _)| *chain == model.chain);
+        let (chain, track) = match place {
+            Some(place) => kept.remove(place),
+            None => (model.chain, Arc::new(track(&model, &self.commands))),
         };
+        // the one used last is forgotten last
+        kept.push((chain, Arc::clone(&track)));
+        let surplus = kept.len().saturating_sub(TRACKS_KEPT);
+        kept.drain(..surplus);
         Driven { model, track }
     }
 
@@ -286,6 +310,16 @@ impl<'a> Shooting<'a> {
             sum.chi2 += normal.chi2;
         }
         sum
+    }
+
+    /// True if an axis can turn.
+    pub(super) fn turns(&self, axis: Axis) -> bool {
+        self.start_components.contains(&axis.index())
+    }
+
+    /// True if the forces are motors' lifts.
+    pub(super) fn has_motors(&self) -> bool {
+        self.wraps
     }
 
     /// Places of a report that are compared, and the noise of each.

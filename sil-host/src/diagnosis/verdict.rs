@@ -8,11 +8,9 @@ use super::accuracy::{WindowTally, root_mean_square};
 use super::effects::{Effect, Place, per_unit_inertia};
 use super::fit::Term;
 use super::linear::dot;
-use super::search::{Candidate, Found, Search, is_the_same};
+use super::search::{Candidate, Found, Search, TOLD_APART, is_the_same};
 use crate::fidelity::ChannelErrors;
 
-/// Natural logarithm of the likelihood within which two models are not told apart (CLI.md).
-const TOLD_APART: f64 = 3.0;
 /// The accuracy of the integration, as a share of an effect.
 const MODEL_ERROR: f64 = 5e-4;
 /// Names beside a finding that it may be confounded with.
@@ -192,7 +190,7 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
                 chosen[place].effect.name(),
                 0.5 * (other.held_out - found.chosen.held_out) / spread
             ),
-            None => "lowers the error by no more than chance would".to_owned(),
+            None => "explains no more than chance would, or far less than the findings".to_owned(),
         };
         let axis = match (effect.axis(), effect.motor()) {
             (Some(axis), _) => axis.name().to_owned(),
