@@ -75,7 +75,8 @@ fn tally(
             });
             let variance = if row < window.tail { 1.0 - leverage } else { 1.0 + leverage };
             tallies[place].squares += residual[at] * residual[at] * sigma * sigma;
-            tallies[place].floor_squares += variance.max(0.0) * sigma * sigma;
+            let unknown = shooting.unknown_variance(place, window.start, row);
+            tallies[place].floor_squares += variance.max(0.0) * sigma * sigma + unknown;
             tallies[place].count += 1.0;
         }
     }

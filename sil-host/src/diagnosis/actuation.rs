@@ -9,7 +9,7 @@ use crate::model::VehicleModel;
 use crate::plant::propulsion::{Propulsion, RotorState};
 
 /// Longest step of the body, s.
-const BODY_STEP_MAX_S: f64 = 2.5e-3;
+const BODY_STEP_MAX_S: f64 = 5e-3;
 /// Longest step of the motors, s; the thesis' motors ring with 98 Hz.
 const MOTOR_STEP_MAX_S: f64 = 0.4e-3;
 /// A step shorter than this is rounding of a time.
@@ -48,6 +48,14 @@ impl Drive {
         Drive::Motors(model.propulsion)
     }
 
+    /// Forces once the motors have settled.
+    pub(super) fn settled(&self, commands: &[f64; 4]) -> [f64; 4] {
+        match self {
+            Drive::Motors(propulsion) => commands.map(|command| propulsion.lift_n(command)),
+            Drive::Direct => *commands,
+        }
+    }
+
     /// What commands make the motors do, in the unit of [`Propulsion::derivative`]; without motors the commands themselves.
     fn of_commands(&self, commands: &[f64; 4]) -> [f64; 4] {
         match self {
@@ -57,12 +65,12 @@ impl Drive {
     }
 }
 
-/// Commands of a log, held from row to row.
+/// Commands, each in force until the next.
 #[derive(Clone, Debug)]
 pub(super) struct Commands {
-    /// Times of the rows, s.
+    /// When they are given, s.
     pub(super) time_s: Vec<f64>,
-    /// Per row: motors 1 to 4, or (roll, pitch, yaw, 0).
+    /// Motors 1 to 4, or (roll, pitch, yaw, 0).
     pub(super) value: Vec<[f64; 4]>,
 }
 
@@ -88,12 +96,11 @@ pub(super) struct ForceTrack {
 }
 
 impl ForceTrack {
-    /// Follows the commands through chain and drive, everything settled at the first command.
-    pub(super) fn new(commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
-        let rows = commands.time_s.len();
-        let mut track = ForceTrack { steps: Vec::new(), first_step: Vec::with_capacity(rows) };
+    /// Follows the commands through chain and drive, everything settled at the first command; steps end at the rows of a log.
+    pub(super) fn new(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
+        let mut track = ForceTrack { steps: Vec::new(), first_step: Vec::with_capacity(rows_s.len()) };
         let mut motors = Motors::settled(commands, chain, drive);
-        for interval in commands.time_s.windows(2) {
+        for interval in rows_s.windows(2) {
             track.first_step.push(track.steps.len());
             let count = ((interval[1] - interval[0]) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
             let duration_s = (interval[1] - interval[0]) / count;

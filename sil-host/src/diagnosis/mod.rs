@@ -15,12 +15,15 @@
 mod accuracy;
 mod actuation;
 mod body;
+mod cancelling;
 pub mod effects;
 mod fit;
 mod hints;
+mod innovation;
 mod linear;
 mod prediction;
 mod residuals;
+mod sampling;
 mod search;
 mod sensor;
 mod shooting;
@@ -38,6 +41,7 @@ use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S};
 use crate::log::Log;
 use fit::{Term, model_of};
 pub use residuals::ChannelResiduals;
+use sampling::Sampled;
 use search::{Candidate, Found, Search};
 use shooting::Shooting;
 pub use subject::Subject;
@@ -110,16 +114,19 @@ pub struct Unexplained {
 /// # Errors
 /// The log has no window, or no commands for its rig.
 pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityError> {
-    let noise = SensorNoise::of(log);
-    let shooting = subject.shooting(log, &noise)?;
+    let sampled = Sampled::new(log, subject)?;
     let nominal = || subject.model();
     let catalogue = effects::catalogue(&subject.scope(log));
-    let (training, held_out) = (shooting.part(false), shooting.part(true));
     let fitted_along = subject.fitted_along(log)?;
-    let always = fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
-    let search = Search { shooting: &shooting, nominal: &nominal, catalogue: &catalogue, always, training, held_out };
-    let found = search.run();
-    Ok(answer(log, &shooting, &search, &found))
+    let (search, found) = sampled.search(|shooting| Search {
+        shooting,
+        nominal: &nominal,
+        catalogue: &catalogue,
+        always: fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect(),
+        training: shooting.part(false),
+        held_out: shooting.part(true),
+    });
+    Ok(answer(log, search.shooting, &search, &found))
 }
 
 /// Errors of a model as it stands over the held-out windows, and those of an exact one.
@@ -148,7 +155,7 @@ fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found
         axis: String::new(),
         reason: "no controller given".to_owned(),
     });
-    let verdict = match (findings.is_empty(), unexplained.white && at_the_floor) {
+    let verdict = match (findings.is_empty(), unexplained.signature.is_empty() && at_the_floor) {
         (true, true) => Verdict::NoDiscrepancy,
         (true, false) => Verdict::UnknownEffect,
         (false, true) => Verdict::Explained,
@@ -198,6 +205,7 @@ fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
             worst.deviation
         )
     });
-    let signature = dependence.or(goes_on).unwrap_or_default();
+    let cancelling = || cancelling::cancelling(&found.chosen.fit, search.always.len());
+    let signature = dependence.or(goes_on).or_else(cancelling).unwrap_or_default();
     Unexplained { variance_pct, white, signature }
 }

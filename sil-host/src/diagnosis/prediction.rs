@@ -6,7 +6,7 @@ use super::effects::SOFTENING_RAD_S;
 use super::sensor::Sensors;
 
 /// Parts of a step of the body in which dry friction turns round, a millisecond or two.
-const DRY_PARTS: u8 = 4;
+const DRY_PARTS: u8 = 8;
 
 /// A model with whatever effects it is given; [`super::effects::Effect::apply`] changes it.
 pub(super) struct Model {
@@ -112,6 +112,21 @@ impl Model {
         core::array::from_fn(|i| x[i] + duration_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 
+    /// What one unit of each command adds to the angular accelerations, rad/s^2, level and settled.
+    pub(super) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
+        const STEP: f64 = 0.01;
+        let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
+            let change = self.body.derivative(0.0, &[0.0; 6], &self.drive.settled(commands), &[]);
+            [change[3], change[4], change[5]]
+        };
+        core::array::from_fn(|i| {
+            let [mut less, mut more] = [*commands; 2];
+            (less[i], more[i]) = (less[i] - STEP, more[i] + STEP);
+            let (less, more) = (acceleration(&less), acceleration(&more));
+            core::array::from_fn(|axis| (more[axis] - less[axis]) / (2.0 * STEP))
+        })
+    }
+
     fn factors(&self, scene: &Scene<'_>, step: &Step) -> [f64; 4] {
         let mut common = 1.0 - self.sag_per_s * (step.start_s + 0.5 * step.duration_s - scene.time_s[0]);
         if self.sag_per_volt != 0.0 {
@@ -136,9 +151,9 @@ impl Scene<'_> {
     }
 }
 
-/// The forces of a model under the commands of a log.
-pub(super) fn track(model: &Model, commands: &Commands) -> ForceTrack {
-    ForceTrack::new(commands, &model.chain, &model.drive)
+/// The forces of a model under commands, from row to row.
+pub(super) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
+    ForceTrack::new(rows_s, commands, &model.chain, &model.drive)
 }
 
 /// States a little back in time, for an attitude that is reported late.

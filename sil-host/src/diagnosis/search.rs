@@ -95,10 +95,16 @@ impl<'e> Search<'e> {
 
     /// The model with these effects at their values, all start states at their best.
     fn settled(&self, terms: Vec<Term<'e>>) -> Candidate<'e> {
-        let driven = self.shooting.drive(model_of(self.nominal, &terms));
+        let starts = self.settled_starts(&terms);
+        self.fitted(terms, &starts, f64::INFINITY)
+    }
+
+    /// Start states of the training windows at their best under these effects, from the measured ones on.
+    pub(super) fn settled_starts(&self, terms: &[Term<'e>]) -> Vec<State> {
+        let driven = self.shooting.drive(model_of(self.nominal, terms));
         let mut starts = self.shooting.measured_starts(&driven.model);
         self.shooting.settle(&driven, &self.training, &mut starts);
-        self.fitted(terms, &starts, f64::INFINITY)
+        starts
     }
 
     /// The model with these effects fitted; given up where it can't come near a sum of squares.

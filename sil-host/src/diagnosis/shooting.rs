@@ -53,6 +53,8 @@ pub(super) struct Shooting<'a> {
     volts_lost: Vec<f64>,
     channels: Vec<Channel<'a>>,
     pub(super) windows: Vec<Window>,
+    /// Standard deviation of the accelerations that lost commands leave unknown, per axis, constant from row to row.
+    pub(super) unknown_acceleration_rad_s2: [f64; 3],
     /// Components of the state that a window may choose.
     start_components: Vec<usize>,
     wraps: bool,
@@ -66,7 +68,7 @@ pub(super) struct Driven {
     pub(super) track: Arc<ForceTrack>,
 }
 
-/// Whitened residuals of one window, or their change with a parameter.
+/// Residuals of one window, or their change with a parameter.
 pub(super) type Column = Vec<f64>;
 
 /// Per window: residuals, and their slopes along the start state and the parameters.
@@ -118,10 +120,16 @@ impl<'a> Shooting<'a> {
             volts_lost: volts_lost(log),
             channels,
             windows,
+            unknown_acceleration_rad_s2: [0.0; 3],
             start_components,
             wraps: rig.wraps,
             tracks: Mutex::default(),
         }
+    }
+
+    /// The same log with other commands, and with accelerations that they leave unknown.
+    pub(super) fn commanded(self, commands: Commands, unknown_acceleration_rad_s2: [f64; 3]) -> Shooting<'a> {
+        Shooting { commands, unknown_acceleration_rad_s2, tracks: Mutex::default(), ..self }
     }
 
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
@@ -131,7 +139,7 @@ impl<'a> Shooting<'a> {
         let place = kept.iter().position(|(chain, _)| *chain == model.chain);
         let (chain, track) = match place {
             Some(place) => kept.remove(place),
-            None => (model.chain, Arc::new(track(&model, &self.commands))),
+            None => (model.chain, Arc::new(track(&model, self.rows(), &self.commands))),
         };
         // the one used last is forgotten last
         kept.push((chain, Arc::clone(&track)));
@@ -175,7 +183,12 @@ impl<'a> Shooting<'a> {
 
     /// The measured body rate of an axis that is compared.
     pub(super) fn measured_rate(&self, axis: usize) -> Option<&[f64]> {
-        self.channels.iter().find(|channel| channel.place == 3 + axis).map(|channel| channel.column)
+        self.measured(3 + axis)
+    }
+
+    /// The measured column at a place of a report, where it is compared.
+    pub(super) fn measured(&self, place: usize) -> Option<&[f64]> {
+        self.channels.iter().find(|channel| channel.place == place).map(|channel| channel.column)
     }
 
     /// Commands between which 96 % of all lie.
@@ -187,7 +200,14 @@ impl<'a> Shooting<'a> {
         [at(0.02), at(0.98)]
     }
 
-    /// Whitened residuals of one window.
+    /// Innovations of one window: residuals as least squares take them.
+    fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Column {
+        let mut residual = self.residual(driven, window, start);
+        self.innovate(window, &mut residual);
+        residual
+    }
+
+    /// Plain residuals of one window, in units of the sensors' noise.
     pub(super) fn residual(&self, driven: &Driven, window: &Window, start: &State) -> Column {
         let scene = Scene { time_s: &self.log.time_s, track: &driven.track, volts_lost: &self.volts_lost };
         let reports = driven.model.predict(&scene, start, window.start, window.end);
@@ -204,14 +224,14 @@ impl<'a> Shooting<'a> {
         residual
     }
 
-    /// Whitened residuals of some windows.
+    /// Innovations of some windows.
     fn residuals(&self, driven: &Driven, which: &[usize], starts: &[State], shift: Option<usize>) -> Vec<Column> {
         let one = |index: &usize| {
             let mut start = starts[*index];
             if let Some(component) = shift {
                 start[component] += START_STEP;
             }
-            self.residual(driven, &self.windows[*index], &start)
+            self.innovations(driven, &self.windows[*index], &start)
         };
         which.par_iter().map(one).collect()
     }
@@ -314,7 +334,17 @@ impl<'a> Shooting<'a> {
 
     /// True if an axis can turn.
     pub(super) fn turns(&self, axis: Axis) -> bool {
-        self.start_components.contains(&axis.index())
+        self.turns_at(axis.index())
+    }
+
+    /// The same, by the axis' number.
+    pub(super) fn turns_at(&self, axis: usize) -> bool {
+        self.start_components.contains(&axis)
+    }
+
+    /// True on the gimbal, whose vehicle can't turn in yaw of its own.
+    pub(super) fn is_gimbal(&self) -> bool {
+        self.wraps && !self.turns_at(2)
     }
 
     /// True if the forces are motors' lifts.
@@ -327,13 +357,22 @@ impl<'a> Shooting<'a> {
         self.channels.iter().map(|channel| (channel.place, channel.sigma))
     }
 
-    /// Whitened residuals of one window and their slopes along its start state.
+    /// Plain residuals of one window and their slopes along its start state.
     pub(super) fn start_slopes(&self, driven: &Driven, window: &Window, start: &State) -> (Column, Vec<Column>) {
-        let residual = self.residual(driven, window, start);
+        self.slopes_along_start(start, |start| self.residual(driven, window, start))
+    }
+
+    /// The same of the innovations.
+    pub(super) fn innovation_slopes(&self, driven: &Driven, window: &Window, start: &State) -> (Column, Vec<Column>) {
+        self.slopes_along_start(start, |start| self.innovations(driven, window, start))
+    }
+
+    fn slopes_along_start(&self, start: &State, of: impl Fn(&State) -> Column) -> (Column, Vec<Column>) {
+        let residual = of(start);
         let along = |component: &usize| {
             let mut shifted = *start;
             shifted[*component] += START_STEP;
-            slope(&residual, self.residual(driven, window, &shifted), START_STEP)
+            slope(&residual, of(&shifted), START_STEP)
         };
         let slopes = self.start_components.iter().map(along).collect();
         (residual, slopes)

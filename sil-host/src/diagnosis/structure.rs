@@ -34,7 +34,7 @@ pub(super) fn whiteness(shooting: &Shooting<'_>, driven: &Driven, which: &[usize
     for index in which {
         let window = &shooting.windows[*index];
         let rows = window.end - window.start;
-        let (mut residual, slopes) = shooting.start_slopes(driven, window, &starts[*index]);
+        let (mut residual, slopes) = shooting.innovation_slopes(driven, window, &starts[*index]);
         let Some(factor) = shooting.start_factor(&slopes) else { continue };
         // the start state's last small step
         let right: Vec<f64> = slopes.iter().map(|slope| dot(slope, &residual)).collect();

@@ -32,3 +32,4 @@ pub use residual::{Channel, ChannelErrors, Part, PredictionError, Residual};
 pub(crate) use vehicle::axis_commands;
 pub(crate) use window::windows as cut_windows;
 pub use window::{WINDOW_S, Window};
+pub(crate) use windowed_log::USUAL_CONTROL_RATE_HZ;

@@ -1,0 +1,103 @@
+//! What the motors were told between two rows. A log holds one command per row; a controller that runs faster gives more, and those are
+//! lost. Two hypotheses, and the log decides: its commands were held from row to row, or they are every n-th of a controller at the usual
+//! 400 Hz.
+//!
+//! Under the second the command is taken to go straight from row to row, in n steps; of its white part, which the sensors' noise puts on it
+//! through the controller, one step in n is known, so that an interval's mean is off by u sqrt((n - 1) / n), u its standard deviation in
+//! the log. That error enters as a white angular acceleration, constant from row to row (`innovation`). Assumption: the command's noise is
+//! white from step to step of the controller.
+//!
+//! Which of both is true shows in time: held commands are late by half a row. Plain residuals decide, without and with the findings.
+
+use super::actuation::Commands;
+use super::fit::{Term, fit};
+use super::prediction::Model;
+use super::search::{Found, Search};
+use super::shooting::Shooting;
+use super::subject::Subject;
+use crate::fidelity::{FidelityError, SensorNoise, USUAL_CONTROL_RATE_HZ, white_noise_std};
+use crate::log::Log;
+
+/// Steps per row up to which none is lost: a rate that is the log's but for rounding.
+const STEPS_MIN: f64 = 1.01;
+
+/// A log under both hypotheses.
+pub(super) struct Sampled<'l> {
+    held: Shooting<'l>,
+    /// Straight from row to row, and whether the error of that is counted; none for logs as fast as controllers are.
+    faster: Option<[Shooting<'l>; 2]>,
+}
+
+impl<'l> Sampled<'l> {
+    /// # Errors
+    /// As [`Subject::shooting`].
+    pub(super) fn new(log: &'l Log, subject: &Subject<'_>) -> Result<Sampled<'l>, FidelityError> {
+        let noise = SensorNoise::of(log);
+        let shooting = || subject.shooting(log, &noise);
+        let steps_per_row = USUAL_CONTROL_RATE_HZ * log.mean_regular_step_s();
+        let held = shooting()?;
+        if steps_per_row < STEPS_MIN {
+            return Ok(Sampled { held, faster: None });
+        }
+        let unknown = unknown_acceleration_rad_s2(&held, &subject.model(), steps_per_row);
+        let commands = straight(&held.commands, USUAL_CONTROL_RATE_HZ);
+        let timed = shooting()?.commanded(commands.clone(), [0.0; 3]);
+        let counted = shooting()?.commanded(commands, unknown);
+        Ok(Sampled { held, faster: Some([timed, counted]) })
+    }
+
+    /// Searches under the hypothesis that explains the log better, as it is seen before and after.
+    pub(super) fn search<'e>(&'e self, of: impl Fn(&'e Shooting<'e>) -> Search<'e>) -> (Search<'e>, Found<'e>) {
+        let Some([timed, counted]) = &self.faster else {
+            let search = of(&self.held);
+            let found = search.run();
+            return (search, found);
+        };
+        let is_faster = |terms: &[Term<'e>]| left(&of(timed), terms) < left(&of(&self.held), terms);
+        let under = |faster: bool| {
+            let search = of(if faster { counted } else { &self.held });
+            let found = search.run();
+            (search, found)
+        };
+        let first = is_faster(&of(&self.held).always);
+        let (search, found) = under(first);
+        let again = is_faster(&found.chosen.fit.terms);
+        if again == first { (search, found) } else { under(again) }
+    }
+}
+
+/// Sum of squares that some effects leave on the training windows once they are fitted.
+fn left(search: &Search<'_>, terms: &[Term<'_>]) -> f64 {
+    let starts = search.settled_starts(terms);
+    fit(search.shooting, search.nominal, terms.to_vec(), &starts, &search.training, 1.0, f64::INFINITY).training
+}
+
+/// The commands of a controller at a rate that go straight from one logged value to the next.
+fn straight(commands: &Commands, rate_hz: f64) -> Commands {
+    let mut finer = Commands { time_s: Vec::new(), value: Vec::new() };
+    for (time_s, value) in commands.time_s.windows(2).zip(commands.value.windows(2)) {
+        let steps = ((time_s[1] - time_s[0]) * rate_hz).round().max(1.0);
+        for step in 0..steps as usize {
+            let share = step as f64 / steps;
+            finer.time_s.push(time_s[0] + share * (time_s[1] - time_s[0]));
+            finer.value.push(core::array::from_fn(|i| value[0][i] + share * (value[1][i] - value[0][i])));
+        }
+    }
+    finer.time_s.extend(commands.time_s.last());
+    finer.value.extend(commands.value.last());
+    finer
+}
+
+/// Standard deviation of the angular accelerations' means from row to row that lost commands leave unknown.
+fn unknown_acceleration_rad_s2(held: &Shooting<'_>, model: &Model, steps_per_row: f64) -> [f64; 3] {
+    let Commands { time_s, value } = &held.commands;
+    let mean: [f64; 4] =
+        core::array::from_fn(|i| value.iter().map(|row| row[i]).sum::<f64>() / value.len().max(1) as f64);
+    let per_command = model.acceleration_per_command(&mean);
+    core::array::from_fn(|axis| {
+        let series: Vec<f64> =
+            value.iter().map(|row| (0..4).map(|i| per_command[i][axis] * row[i]).sum::<f64>()).collect();
+        let white = white_noise_std(time_s, &series, &held.stretches()).unwrap_or_default();
+        white * ((steps_per_row - 1.0) / steps_per_row).sqrt()
+    })
+}
