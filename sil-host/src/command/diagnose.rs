@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sil_host::diagnosis::{Diagnosis, Finding, Subject, Verdict, diagnose};
-use sil_host::log::{self, Log, Map};
-use sil_host::model::{Rig, VehicleModel};
+use sil_host::diagnosis::{Diagnosis, Finding, Subject, diagnose};
+use sil_host::log::Log;
+use sil_host::model::VehicleModel;
 use sil_host::plant::effects::Effect;
 
-use super::log_rig::{self, LogRig};
+use super::log_arguments::LogArguments;
 use super::text_table::{TextTable, number};
-use super::{Failure, bad_input, diagnose_report, print, vehicle_model, write_file, write_json};
+use super::{Failure, bad_input, diagnose_report, print, write_file, write_json};
 
 /// Find what the simulation gets wrong in a measured log, and name the cause
 #[derive(Args)]
@@ -21,18 +21,8 @@ Each effect of the catalogue is fitted to every second window of 0.5 s and judge
 `sil compare LOG --model out/extended.toml` shows what is left."
 )]
 pub struct DiagnoseArguments {
-    /// The log: CSV or CSV.gz
-    #[arg(value_name = "LOG")]
-    log: PathBuf,
-    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller, crazypad_motor)
-    #[arg(long, value_name = "MAP")]
-    map: Option<String>,
-    /// Vehicle model [default: the project's F450 on that rig]
-    #[arg(long, value_name = "M.toml")]
-    model: Option<PathBuf>,
-    /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
-    #[arg(long, value_enum)]
-    rig: Option<LogRig>,
+    #[command(flatten)]
+    log: LogArguments,
     /// Write the model with the findings in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
@@ -45,17 +35,8 @@ pub struct DiagnoseArguments {
 }
 
 pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
-    let map = arguments.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
-    let log = log::read(&arguments.log, map.as_ref()).map_err(bad_input)?;
-    let model = match log_rig::of(&log, arguments.rig, arguments.map.is_some(), arguments.model.is_some()) {
-        Some(LogRig::Axis) if arguments.model.is_some() || arguments.extended.is_some() => {
-            return Err(bad_input("--rig axis knows no vehicle: leave out --model and --extended"));
-        }
-        Some(LogRig::Axis) => None,
-        Some(LogRig::Gimbal) => Some(vehicle_model(arguments.model.as_deref(), Some(Rig::Gimbal))?),
-        Some(LogRig::Free) => Some(vehicle_model(arguments.model.as_deref(), Some(Rig::Free))?),
-        None => Some(vehicle_model(arguments.model.as_deref(), None)?),
-    };
+    let log = arguments.log.read()?;
+    let model = arguments.log.vehicle(&log, arguments.extended.as_ref().map(|_| "--extended"))?;
     let subject = model.as_ref().map_or(Subject::Axes, Subject::Vehicle);
     let answer = diagnose(&log, &subject).map_err(|error| bad_input(format!("{}: {error}", log.path)))?;
     print(answer_text(&log, &answer))?;
@@ -64,7 +45,7 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         print(format!("extended model  {}\n", path.display()))?;
     }
     if let Some(path) = &arguments.report {
-        let command = format!("sil diagnose {}", arguments.log.display());
+        let command = arguments.log.command("diagnose");
         write_file(path, diagnose_report::page(&log, &answer, &command).to_html().as_bytes())?;
         print(format!("report          {}\n", path.display()))?;
     }
@@ -98,14 +79,7 @@ fn answer_text(log: &Log, answer: &Diagnosis) -> String {
 
 /// What was found, and how much better the model predicts with it.
 pub fn verdict_text(answer: &Diagnosis) -> String {
-    let mut text = String::from(match answer.verdict {
-        Verdict::NoDiscrepancy => "\nThe simulation agrees with this log: what is left is noise.\n",
-        Verdict::Explained => "\nWhat the simulation gets wrong here, and all of it:\n",
-        Verdict::PartlyExplained => "\nWhat the simulation gets wrong here, but not all of it:\n",
-        Verdict::UnknownEffect => {
-            "\nThe simulation misses something in this log that no effect of the catalogue explains.\n"
-        }
-    });
+    let mut text = format!("\n{}\n", diagnose_report::headline(answer.verdict));
     for finding in &answer.findings {
         text.push_str(&format!("  {:5.1} %  {}\n", finding.gain_pct, finding.statement));
     }
@@ -115,12 +89,7 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
     let errors = &answer.prediction_error;
     let title = format!("open loop over {} s, held-out windows, RMSE", errors.window_s);
     let mut table = TextTable::new([title.as_str(), "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
-    let rows = [
-        ("nominal model", errors.nominal),
-        ("with the findings", errors.extended),
-        ("an exact model", errors.noise_floor),
-    ];
-    for (name, errors) in rows {
+    for (name, errors) in diagnose_report::error_rows(errors) {
         table.row([
             name.to_owned(),
             number(errors.roll_deg, 3),

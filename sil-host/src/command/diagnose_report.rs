@@ -1,6 +1,7 @@
 //! The page about a diagnosis: the sentence, the size, the picture before and after, what was denied, what is left.
 
-use sil_host::diagnosis::{ChannelResiduals, Diagnosis, Estimate, Finding, Verdict};
+use sil_host::diagnosis::{ChannelResiduals, Diagnosis, Estimate, Finding, PredictionErrors, Verdict};
+use sil_host::fidelity::ChannelErrors;
 use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Page, Section, Table};
 
@@ -21,16 +22,21 @@ pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
     page.provenance("Command", command).provenance("Version", env!("CARGO_PKG_VERSION"))
 }
 
-/// The verdict in a sentence.
+/// The verdict in a sentence, on the terminal and on the page.
 pub fn headline(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NoDiscrepancy => "The simulation agrees with this log: what is left is noise.",
-        Verdict::Explained => "What the simulation gets wrong here is named below, and that is all of it.",
-        Verdict::PartlyExplained => "What the simulation gets wrong here is named below, but that is not all of it.",
+        Verdict::Explained => "What the simulation gets wrong here, and all of it:",
+        Verdict::PartlyExplained => "What the simulation gets wrong here, but not all of it:",
         Verdict::UnknownEffect => {
             "The simulation misses something in this log that no effect of the catalogue explains."
         }
     }
+}
+
+/// The models whose errors are told, by name.
+pub fn error_rows(errors: &PredictionErrors) -> [(&'static str, ChannelErrors); 3] {
+    [("nominal model", errors.nominal), ("with the findings", errors.extended), ("an exact model", errors.noise_floor)]
 }
 
 /// The sections, for a page of its own and for the demonstration's.
@@ -88,11 +94,7 @@ fn before_and_after(answer: &Diagnosis) -> Section {
     }
     let mut table =
         Table::new("RMSE over the held-out windows", &["", "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
-    for (name, of) in [
-        ("nominal model", errors.nominal),
-        ("with the findings", errors.extended),
-        ("an exact model: noise floor", errors.noise_floor),
-    ] {
+    for (name, of) in error_rows(errors) {
         let cells = [of.roll_deg, of.pitch_deg, of.p_deg_s, of.q_deg_s];
         table = table.row(
             std::iter::once(Cell::from(name))

@@ -10,7 +10,7 @@ mod figures;
 mod flight_report;
 mod fly;
 mod hitl;
-mod log_rig;
+mod log_arguments;
 mod synth;
 mod text_table;
 
