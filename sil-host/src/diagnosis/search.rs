@@ -11,6 +11,7 @@ use super::effects::Effect;
 use super::fit::{Fit, Nominal, Term, fit, model_of, regular, shifted_models};
 use super::hints::hints;
 use super::linear::{Cholesky, dot};
+use super::progress::{Observer, Progress};
 use super::shooting::{Driven, Linearisation, Shooting};
 
 /// Hypotheses that are fitted in full after scoring.
@@ -38,6 +39,8 @@ pub(super) struct Search<'e> {
     pub(super) always: Vec<Term<'e>>,
     pub(super) training: Vec<usize>,
     pub(super) held_out: Vec<usize>,
+    /// Is told how far the search is.
+    pub(super) observer: Observer<'e>,
 }
 
 /// A fit and what it is worth.
@@ -114,7 +117,10 @@ impl<'e> Search<'e> {
         let shifted = shifted_models(self.shooting, self.nominal, &to.fit.terms, 0, &driven);
         let linear = self.shooting.linearise(&driven, &shifted, &self.training, &to.fit.starts, None);
         let mut scored: Vec<(f64, Vec<Term<'e>>)> = Vec::new();
-        for effect in self.catalogue {
+        let effects = to.fit.terms.len() - self.always.len();
+        let total = self.catalogue.len() + FITTED_MAX;
+        for (done, effect) in self.catalogue.iter().enumerate() {
+            (self.observer)(Progress::Searching { effects, done, total });
             if to.fit.terms.iter().any(|term| is_the_same(term.effect, effect.as_ref())) {
                 continue;
             }
@@ -128,8 +134,11 @@ impl<'e> Search<'e> {
         let best = scored.first().map_or(0.0, |(score, _)| *score);
         scored.retain(|(score, _)| *score > SCORE_SHARE_MIN * best && *score > 0.5 * SIGNIFICANT);
         scored.truncate(FITTED_MAX);
-        let mut fits: Vec<Candidate<'e>> =
-            scored.into_iter().map(|(_, terms)| self.fitted(terms, &to.fit.starts)).collect();
+        let fit_in_full = |(done, (_, terms)): (usize, (f64, Vec<Term<'e>>))| {
+            (self.observer)(Progress::Searching { effects, done, total });
+            self.fitted(terms, &to.fit.starts)
+        };
+        let mut fits: Vec<Candidate<'e>> = (self.catalogue.len()..).zip(scored).map(fit_in_full).collect();
         fits.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
         // of two starts of the same effect the better one counts
         let mut seen: Vec<Candidate<'e>> = Vec::new();
@@ -235,11 +244,20 @@ impl<'e> Search<'e> {
 
     /// Sum of squares on the held-out windows with one effect simply left out.
     pub(super) fn without(&self, chosen: &Candidate<'e>, index: usize) -> f64 {
+        self.losses_without(chosen, index).iter().sum()
+    }
+
+    /// The same, window by window.
+    pub(super) fn losses_without(&self, chosen: &Candidate<'e>, index: usize) -> Vec<f64> {
         let mut terms = chosen.fit.terms.clone();
         terms.remove(index);
-        let driven = self.shooting.drive(model_of(self.nominal, &terms), None);
-        let mut starts = chosen.fit.starts.clone();
-        self.shooting.settle(&driven, &self.held_out, &mut starts).iter().sum()
+        self.losses(&terms, &chosen.fit.starts)
+    }
+
+    /// Sums of squares of the held-out windows under a model, their start states at their best from given ones on.
+    pub(super) fn losses(&self, terms: &[Term<'e>], starts: &[State]) -> Vec<f64> {
+        let driven = self.shooting.drive(model_of(self.nominal, terms), None);
+        self.shooting.settle(&driven, &self.held_out, &mut starts.to_vec())
     }
 }
 

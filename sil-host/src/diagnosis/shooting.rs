@@ -151,7 +151,17 @@ impl<'a> Shooting<'a> {
 
     /// The measured body rate of an axis that is compared.
     pub(super) fn measured_rate(&self, axis: usize) -> Option<&[f64]> {
-        self.channels.iter().find(|channel| channel.place == 3 + axis).map(|channel| channel.column)
+        self.measured(3 + axis)
+    }
+
+    /// True for an axis about which the rig lets the vehicle turn by itself.
+    pub(super) fn turns(&self, axis: usize) -> bool {
+        self.start_components.contains(&(3 + axis))
+    }
+
+    /// The measured column at a place of a report, where it is compared.
+    pub(super) fn measured(&self, place: usize) -> Option<&[f64]> {
+        self.channels.iter().find(|channel| channel.place == place).map(|channel| channel.column)
     }
 
     /// Commands between which 96 % of all lie.

@@ -12,7 +12,7 @@ use super::search::{Candidate, Found, Search, is_the_same};
 use crate::fidelity::ChannelErrors;
 
 /// Natural logarithm of the likelihood within which two models are not told apart (CLI.md).
-const TOLD_APART: f64 = 3.0;
+pub(super) const TOLD_APART: f64 = 3.0;
 /// The accuracy of the integration, as a share of an effect.
 const MODEL_ERROR: f64 = 5e-4;
 /// Names beside a finding that it may be confounded with.
