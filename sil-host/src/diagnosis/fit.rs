@@ -10,6 +10,8 @@ use super::shooting::{Driven, Linearisation, Normal, Shooting};
 const ROUNDS_MAX: usize = 12;
 /// The fit has ended when a round can lower the sum of squares by no more than this.
 const IMPROVEMENT_MIN: f64 = 0.05;
+/// A fit explains at most so many times what a linearisation promises; what could not win even so is given up.
+pub(super) const OVERSHOT: f64 = 3.0;
 /// Rounds that make no progress before the fit is given up.
 const FAILURES_MAX: usize = 5;
 
@@ -82,15 +84,24 @@ fn admissible_step(parameter: &Parameter, value: f64) -> f64 {
     if value + parameter.step <= parameter.max { parameter.step } else { -parameter.step }
 }
 
-/// Fits the terms from their values on, and the start states of the training windows from `starts` on. It is given up where not even
-/// `overshot` times what a round promises would lower the sum of squares to `to_reach`.
+/// Fits the terms from their values on, and the start states of the training windows from `starts` on.
 pub(super) fn fit<'e>(
     shooting: &Shooting<'_>,
     nominal: Nominal<'_>,
     terms: Vec<Term<'e>>,
     starts: &[State],
     training: &[usize],
-    overshot: f64,
+) -> Fit<'e> {
+    fit_to_reach(shooting, nominal, terms, starts, training, f64::INFINITY)
+}
+
+/// The same, given up where the sum of squares can't come down to `to_reach`.
+pub(super) fn fit_to_reach<'e>(
+    shooting: &Shooting<'_>,
+    nominal: Nominal<'_>,
+    terms: Vec<Term<'e>>,
+    starts: &[State],
+    training: &[usize],
     to_reach: f64,
 ) -> Fit<'e> {
     let mut best = Round::at(shooting, nominal, terms, starts.to_vec(), training, None);
@@ -98,7 +109,7 @@ pub(super) fn fit<'e>(
     let mut failures = 0;
     for _ in 0..ROUNDS_MAX {
         let Some((step, promised)) = best.step(damping) else { break };
-        if promised < IMPROVEMENT_MIN || best.normal.chi2 - overshot * promised > to_reach {
+        if promised < IMPROVEMENT_MIN || best.normal.chi2 - OVERSHOT * promised > to_reach {
             break;
         }
         let terms = moved(&best.terms, &step);

@@ -19,7 +19,7 @@ const ONSETS: usize = 300;
 /// What a log says about its swings and onsets beyond a model.
 pub(super) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
     let rows = shooting.rows();
-    let missing = missing_acceleration(shooting, driven);
+    let missing = missing_acceleration(shooting, driven, STRETCH_S);
     let mut hints = Hints {
         command_range: shooting.command_range(),
         end_s: rows.last().copied().unwrap_or_default(),
@@ -35,21 +35,25 @@ pub(super) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
 }
 
 /// A stretch of rows: time of its middle, length, and the mean acceleration that the model lacked in it.
-struct Interval {
-    time_s: f64,
+pub(super) struct Interval {
+    pub(super) time_s: f64,
     duration_s: f64,
-    acceleration_rad_s2: f64,
+    pub(super) acceleration_rad_s2: f64,
 }
 
-/// Rates are measured and predicted from each row's measured state to the next row; `None` for axes without a rate.
-fn missing_acceleration(shooting: &Shooting<'_>, driven: &Driven) -> [Option<Vec<Interval>>; 3] {
+/// Rates are measured and predicted from a row's measured state to the row a stretch later; `None` for axes without a rate.
+pub(super) fn missing_acceleration(
+    shooting: &Shooting<'_>,
+    driven: &Driven,
+    stretch_s: f64,
+) -> [Option<Vec<Interval>>; 3] {
     let mut series = [None, None, None];
     for (axis, series) in series.iter_mut().enumerate() {
         let Some(measured) = shooting.measured_rate(axis) else { continue };
         let mut intervals = Vec::new();
         for (first, end) in shooting.stretches() {
             let mut row = first;
-            while let Some(next) = (row + 1..end).find(|next| shooting.rows()[*next] - shooting.rows()[row] > STRETCH_S)
+            while let Some(next) = (row + 1..end).find(|next| shooting.rows()[*next] - shooting.rows()[row] > stretch_s)
             {
                 let (from_s, to_s) = (shooting.rows()[row], shooting.rows()[next]);
                 let predicted = shooting.later_rate(driven, row, next, axis);

@@ -64,7 +64,7 @@ impl Shooting<'_> {
             // the gimbal's pitch axis lies across the body
             (1, 4) if self.is_gimbal() => Some([0.0, cos_roll]),
             (1, 5) if self.is_gimbal() => Some([0.0, -sin_roll]),
-            (axis, place) if place == axis + 3 && self.turns_at(axis) => Some([0.0, 1.0]),
+            (axis, place) if place == axis + 3 && self.turns(axis) => Some([0.0, 1.0]),
             _ => None,
         };
         self.compared().enumerate().filter_map(|(channel, (place, _))| Some((channel, slope(place)?))).collect()

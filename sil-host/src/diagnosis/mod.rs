@@ -15,19 +15,29 @@
 mod accuracy;
 mod actuation;
 mod body;
+mod bootstrap;
 mod cancelling;
+mod conditions;
 pub mod effects;
+mod eigen;
+mod excitation;
+mod experiment;
+mod extension;
 mod fit;
 mod hints;
+mod horizons;
 mod innovation;
 mod linear;
+mod manoeuvres;
 mod prediction;
+mod progress;
 mod residuals;
 mod sampling;
 mod search;
 mod sensor;
 mod shooting;
 mod signature;
+mod statistics;
 mod structure;
 mod subject;
 mod verdict;
@@ -37,13 +47,21 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S};
+use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, Window, axis_commands};
 use crate::log::Log;
+pub use bootstrap::Gain;
+pub use conditions::{Condition, Spectrum};
+pub use excitation::{Excitation, Excited};
+pub use experiment::Experiment;
+pub use extension::{NotExtended, extended_model};
 use fit::{Term, model_of};
+pub use horizons::{Horizon, HorizonError};
+pub use progress::{Observer, Progress};
 pub use residuals::ChannelResiduals;
 use sampling::Sampled;
 use search::{Candidate, Found, Search};
-use shooting::Shooting;
+use statistics::Judged;
+pub use statistics::{ChannelStatistics, ModelStatistics};
 pub use subject::Subject;
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
@@ -67,7 +85,22 @@ pub struct Diagnosis {
     pub unexplained: Unexplained,
     /// Which manoeuvre would tell apart what this log does not; empty where nothing is confounded.
     pub separating_experiment: String,
-    /// What the models miss, row by row: the picture behind the numbers.
+    /// How sure the gains are.
+    pub gain: Gain,
+    /// Errors over windows of several lengths.
+    pub horizons: Vec<Horizon>,
+    /// The figures that people know, channel by channel, over the held-out windows.
+    pub statistics: Vec<ChannelStatistics>,
+    /// Under which conditions the errors arise, the one that explains most of each axis first.
+    pub conditions: Vec<Condition>,
+    /// Spectra of the angular accelerations that the models lack.
+    pub spectra: Vec<Spectrum>,
+    /// What the log can speak about.
+    pub excitation: Excitation,
+    /// The flight behind the separating experiment.
+    #[serde(skip)]
+    pub experiment: Option<Experiment>,
+    /// What the models miss on the held-out windows, row by row: the picture behind the numbers.
     #[serde(skip)]
     pub residuals: Vec<ChannelResiduals>,
 }
@@ -114,6 +147,14 @@ pub struct Unexplained {
 /// # Errors
 /// The log has no window, or no commands for its rig.
 pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityError> {
+    diagnose_observed(log, subject, &|_| ())
+}
+
+/// The same, telling how far it is.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_>) -> Result<Diagnosis, FidelityError> {
     let sampled = Sampled::new(log, subject)?;
     let nominal = || subject.model();
     let catalogue = effects::catalogue(&subject.scope(log));
@@ -125,8 +166,10 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
         always: fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect(),
         training: shooting.part(false),
         held_out: shooting.part(true),
+        observer,
     });
-    Ok(answer(log, search.shooting, &search, &found))
+    observer(Progress::Judging);
+    Ok(answer(log, subject, &search, &found))
 }
 
 /// Errors of a model as it stands over the held-out windows, and those of an exact one.
@@ -136,17 +179,21 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
 pub fn prediction_error(log: &Log, subject: &Subject<'_>) -> Result<[ChannelErrors; 2], FidelityError> {
     let shooting = subject.shooting(log, &SensorNoise::of(log))?;
     let driven = shooting.drive(subject.model());
-    Ok(verdict::channel_errors(&accuracy::prediction_errors(&shooting, &driven, &shooting.part(true))))
+    let held_out: Vec<Window> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
+    Ok(verdict::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out))))
 }
 
-fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
+fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
+    let shooting = search.shooting;
     let driven =
         [&found.nominal, &found.chosen].map(|candidate| shooting.drive(model_of(search.nominal, &candidate.fit.terms)));
-    let [nominal, extended] =
-        driven.each_ref().map(|driven| accuracy::prediction_errors(shooting, driven, &search.held_out));
+    let windows: Vec<Window> = search.held_out.iter().map(|index| shooting.windows[*index]).collect();
+    let predicted = driven.each_ref().map(|driven| accuracy::predict(shooting, driven, &windows));
+    let [nominal, extended] = predicted.each_ref().map(|predicted| accuracy::tallies(predicted));
     let [nominal_errors, _] = verdict::channel_errors(&nominal);
     let [extended_errors, noise_floor] = verdict::channel_errors(&extended);
     let findings = verdict::findings(search, found);
+    let experiment = experiment::separating(log, subject, search, found, &findings);
     let unexplained = unexplained(search, found);
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
     let mut rejected = verdict::rejected(search, found);
@@ -161,6 +208,12 @@ fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found
         (false, true) => Verdict::Explained,
         (false, false) => Verdict::PartlyExplained,
     };
+    let commands = axis_commands(log);
+    let (conditions, spectra) = conditions::conditions(shooting, &driven, &commands, throttle(log).as_deref());
+    let judged = [
+        Judged { driven: &driven[0], predicted: &predicted[0], starts: &found.nominal.fit.starts },
+        Judged { driven: &driven[1], predicted: &predicted[1], starts: &found.chosen.fit.starts },
+    ];
     Diagnosis {
         log: LogSummary {
             path: log.path.clone(),
@@ -178,9 +231,24 @@ fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found
             noise_floor,
         },
         unexplained,
-        separating_experiment: String::new(),
-        residuals: residuals::of_models(shooting, &driven),
+        separating_experiment: experiment.as_ref().map_or_else(String::new, |experiment| experiment.sentence.clone()),
+        experiment,
+        gain: bootstrap::gain(search, found),
+        horizons: horizons::horizons(shooting, &driven),
+        statistics: statistics::statistics(shooting, judged, &commands),
+        conditions,
+        spectra,
+        excitation: excitation::excitation(search, found),
+        residuals: residuals::of_models(shooting, &predicted[0], &predicted[1]),
     }
+}
+
+/// Mean command of the motors, or the log's own throttle.
+fn throttle(log: &Log) -> Option<Vec<f64>> {
+    let mean = |motors: [&[f64]; 4]| -> Vec<f64> {
+        (0..log.rows()).map(|row| 0.25 * motors.iter().map(|motor| motor[row]).sum::<f64>()).collect()
+    };
+    log.motors().map(mean).or_else(|| log.thrust_command.clone())
 }
 
 fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {

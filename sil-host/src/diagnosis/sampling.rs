@@ -69,7 +69,7 @@ impl<'l> Sampled<'l> {
 /// Sum of squares that some effects leave on the training windows once they are fitted.
 fn left(search: &Search<'_>, terms: &[Term<'_>]) -> f64 {
     let starts = search.settled_starts(terms);
-    fit(search.shooting, search.nominal, terms.to_vec(), &starts, &search.training, 1.0, f64::INFINITY).training
+    fit(search.shooting, search.nominal, terms.to_vec(), &starts, &search.training).training
 }
 
 /// The commands of a controller at a rate that go straight from one logged value to the next.

@@ -8,15 +8,14 @@
 
 use super::body::State;
 use super::effects::Effect;
-use super::fit::{Fit, Nominal, Term, fit, model_of, regular, shifted_models};
+use super::fit::{Fit, Nominal, OVERSHOT, Term, fit_to_reach, model_of, regular, shifted_models};
 use super::hints::hints;
 use super::linear::{Cholesky, dot};
+use super::progress::{Observer, Progress};
 use super::shooting::{Linearisation, Shooting};
 
 /// Hypotheses that are fitted in full after scoring.
 const FITTED_MAX: usize = 7;
-/// A fit explains at most so many times what its first linearisation promises; what could not win even so is not fitted.
-const OVERSHOT: f64 = 3.0;
 /// Effects in one model.
 const EFFECTS_MAX: usize = 5;
 /// Effects added, taken out again ones included.
@@ -40,6 +39,8 @@ pub(super) struct Search<'e> {
     pub(super) always: Vec<Term<'e>>,
     pub(super) training: Vec<usize>,
     pub(super) held_out: Vec<usize>,
+    /// Is told how far the search is.
+    pub(super) observer: Observer<'e>,
 }
 
 /// A fit and what it is worth.
@@ -109,7 +110,7 @@ impl<'e> Search<'e> {
 
     /// The model with these effects fitted; given up where it can't come near a sum of squares.
     fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State], to_reach: f64) -> Candidate<'e> {
-        let mut fit = fit(self.shooting, self.nominal, terms, starts, &self.training, OVERSHOT, to_reach);
+        let mut fit = fit_to_reach(self.shooting, self.nominal, terms, starts, &self.training, to_reach);
         let driven = self.shooting.drive(model_of(self.nominal, &fit.terms));
         let held_out = self.shooting.settle(&driven, &self.held_out, &mut fit.starts).iter().sum();
         Candidate { fit, held_out }
@@ -120,7 +121,9 @@ impl<'e> Search<'e> {
     pub(super) fn extensions(&self, to: &Candidate<'e>, known: f64) -> Vec<Candidate<'e>> {
         let mut fits: Vec<Candidate<'e>> = Vec::new();
         let mut most = known;
-        for (score, terms) in self.scored(to) {
+        let (effects, total) = (to.fit.terms.len() - self.always.len(), self.catalogue.len() + FITTED_MAX);
+        for (done, (score, terms)) in (self.catalogue.len()..).zip(self.scored(to)) {
+            (self.observer)(Progress::Searching { effects, done, total });
             if OVERSHOT * score < most {
                 break;
             }
@@ -147,7 +150,10 @@ impl<'e> Search<'e> {
         let shifted = shifted_models(self.shooting, self.nominal, &to.fit.terms, 0);
         let linear = self.shooting.linearise(&driven, &shifted, &self.training, &to.fit.starts, None);
         let mut scored: Vec<(f64, Vec<Term<'e>>)> = Vec::new();
-        for effect in self.catalogue {
+        let effects = to.fit.terms.len() - self.always.len();
+        let total = self.catalogue.len() + FITTED_MAX;
+        for (done, effect) in self.catalogue.iter().enumerate() {
+            (self.observer)(Progress::Searching { effects, done, total });
             if to.fit.terms.iter().any(|term| is_the_same(term.effect, effect.as_ref())) {
                 continue;
             }
@@ -274,11 +280,20 @@ impl<'e> Search<'e> {
 
     /// Sum of squares on the held-out windows with one effect simply left out.
     pub(super) fn without(&self, chosen: &Candidate<'e>, index: usize) -> f64 {
+        self.losses_without(chosen, index).iter().sum()
+    }
+
+    /// The same, window by window.
+    pub(super) fn losses_without(&self, chosen: &Candidate<'e>, index: usize) -> Vec<f64> {
         let mut terms = chosen.fit.terms.clone();
         terms.remove(index);
-        let driven = self.shooting.drive(model_of(self.nominal, &terms));
-        let mut starts = chosen.fit.starts.clone();
-        self.shooting.settle(&driven, &self.held_out, &mut starts).iter().sum()
+        self.losses(&terms, &chosen.fit.starts)
+    }
+
+    /// Sums of squares of the held-out windows under a model, their start states at their best from given ones on.
+    pub(super) fn losses(&self, terms: &[Term<'e>], starts: &[State]) -> Vec<f64> {
+        let driven = self.shooting.drive(model_of(self.nominal, terms));
+        self.shooting.settle(&driven, &self.held_out, &mut starts.to_vec())
     }
 }
 

@@ -12,7 +12,6 @@ use super::actuation::{Chain, Commands, ForceTrack};
 use super::body::State;
 use super::linear::{Cholesky, dot};
 use super::prediction::{Model, Scene, track};
-use crate::axis::Axis;
 use crate::fidelity::{SensorNoise, Window};
 use crate::log::Log;
 
@@ -186,6 +185,11 @@ impl<'a> Shooting<'a> {
         self.measured(3 + axis)
     }
 
+    /// True for an axis about which the rig lets the vehicle turn by itself.
+    pub(super) fn turns(&self, axis: usize) -> bool {
+        self.start_components.contains(&(3 + axis))
+    }
+
     /// The measured column at a place of a report, where it is compared.
     pub(super) fn measured(&self, place: usize) -> Option<&[f64]> {
         self.channels.iter().find(|channel| channel.place == place).map(|channel| channel.column)
@@ -332,19 +336,9 @@ impl<'a> Shooting<'a> {
         sum
     }
 
-    /// True if an axis can turn.
-    pub(super) fn turns(&self, axis: Axis) -> bool {
-        self.turns_at(axis.index())
-    }
-
-    /// The same, by the axis' number.
-    pub(super) fn turns_at(&self, axis: usize) -> bool {
-        self.start_components.contains(&axis)
-    }
-
     /// True on the gimbal, whose vehicle can't turn in yaw of its own.
     pub(super) fn is_gimbal(&self) -> bool {
-        self.wraps && !self.turns_at(2)
+        self.wraps && !self.turns(2)
     }
 
     /// True if the forces are motors' lifts.

@@ -113,7 +113,7 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
     let (begin_s, end_s) = (rows.first().copied().unwrap_or_default(), rows.last().copied().unwrap_or_default());
     let phase = move |time_s: f64| core::f64::consts::PI * (time_s - begin_s) / (end_s - begin_s);
     let mut all = Vec::new();
-    for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(*axis)) {
+    for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(axis.index())) {
         let i = axis.index();
         let on_axis = move |value: f64| -> [f64; 3] { core::array::from_fn(|k| if k == i { value } else { 0.0 }) };
         let shape =
