@@ -3,8 +3,9 @@
 use super::body::State;
 use super::effects::{Effect, Parameter};
 use super::linear::{Cholesky, dot};
+use super::linearisation::{Linearisation, Normal};
 use super::prediction::Model;
-use super::shooting::{Driven, Linearisation, Normal, Shooting};
+use super::shooting::{Driven, Shooting};
 
 /// Rounds of linearisation.
 const ROUNDS_MAX: usize = 12;

@@ -28,6 +28,7 @@ mod hints;
 mod horizons;
 mod innovation;
 mod linear;
+mod linearisation;
 mod manoeuvres;
 mod prediction;
 mod progress;
@@ -253,12 +254,12 @@ fn throttle(log: &Log) -> Option<Vec<f64>> {
 
 fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
     let shooting = search.shooting;
-    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms));
-    let mut all: Vec<usize> = search.training.clone();
-    all.extend(&search.held_out);
-    let whiteness = structure::whiteness(shooting, &driven, &all, &found.chosen.fit.starts);
+    let whole = search.fitted_to_all(&found.chosen);
+    let driven = shooting.drive(model_of(search.nominal, &whole.fit.terms));
+    let all: Vec<usize> = (0..shooting.windows.len()).collect();
+    let whiteness = structure::whiteness(shooting, &driven, &all, &whole.fit.starts);
     let even = whiteness.iter().all(structure::Whiteness::is_white);
-    let dependence = signature::strongest(search, &found.chosen);
+    let dependence = signature::strongest(search, &found.chosen, &whole.fit);
     let white = even && dependence.is_none();
     let expected = shooting.degrees_of_freedom(&search.held_out);
     let beyond = |candidate: &Candidate<'_>| (candidate.held_out - expected).max(0.0);
@@ -266,14 +267,14 @@ fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
     let variance_pct = if nominal > 0.0 { 100.0 * (beyond(&found.chosen) / nominal).min(1.0) } else { 0.0 };
     let worst = whiteness.iter().max_by(|a, b| a.deviation.total_cmp(&b.deviation));
     let goes_on = worst.filter(|_| !even).map(|worst| {
-        let frequency = signature::frequency(search, &found.chosen, worst.place % 3).unwrap_or_default();
+        let frequency = signature::frequency(search, &whole.fit, worst.place % 3).unwrap_or_default();
         format!(
             "{} misses its prediction by something that goes on from row to row ({:.0} sigma), {frequency}",
             residuals::NAMES[worst.place],
             worst.deviation
         )
     });
-    let cancelling = || cancelling::cancelling(&found.chosen.fit, search.always.len());
+    let cancelling = || cancelling::cancelling(&whole.fit, search.always.len());
     let signature = dependence.or(goes_on).or_else(cancelling).unwrap_or_default();
     Unexplained { variance_pct, white, signature }
 }

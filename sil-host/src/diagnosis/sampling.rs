@@ -2,7 +2,7 @@
 //! lost. Two hypotheses, and the log decides: its commands were held from row to row, or they are every n-th of a controller at the usual
 //! 400 Hz.
 //!
-//! Under the second the command is taken to go straight from row to row, in n steps; of its white part, which the sensors' noise puts on it
+//! Under the second the command is taken to go smoothly from row to row, in n steps; of its white part, which the sensors' noise puts on it
 //! through the controller, one step in n is known, so that an interval's mean is off by u sqrt((n - 1) / n), u its standard deviation in
 //! the log. That error enters as a white angular acceleration, constant from row to row (`innovation`). Assumption: the command's noise is
 //! white from step to step of the controller.
@@ -24,7 +24,7 @@ const STEPS_MIN: f64 = 1.01;
 /// A log under both hypotheses.
 pub(super) struct Sampled<'l> {
     held: Shooting<'l>,
-    /// Straight from row to row, and whether the error of that is counted; none for logs as fast as controllers are.
+    /// Smoothly from row to row, first without, then with the error of that counted; none for logs as fast as controllers are.
     faster: Option<[Shooting<'l>; 2]>,
 }
 
@@ -40,7 +40,7 @@ impl<'l> Sampled<'l> {
             return Ok(Sampled { held, faster: None });
         }
         let unknown = unknown_acceleration_rad_s2(&held, &subject.model(), steps_per_row);
-        let commands = straight(&held.commands, USUAL_CONTROL_RATE_HZ);
+        let commands = smooth(&held.commands, USUAL_CONTROL_RATE_HZ);
         let timed = shooting()?.commanded(commands.clone(), [0.0; 3]);
         let counted = shooting()?.commanded(commands, unknown);
         Ok(Sampled { held, faster: Some([timed, counted]) })
@@ -72,19 +72,31 @@ fn left(search: &Search<'_>, terms: &[Term<'_>]) -> f64 {
     fit(search.shooting, search.nominal, terms.to_vec(), &starts, &search.training).training
 }
 
-/// The commands of a controller at a rate that go straight from one logged value to the next.
-fn straight(commands: &Commands, rate_hz: f64) -> Commands {
+/// The commands of a controller at a rate that go from one logged value to the next on Hermite's cubic, its slopes the difference
+/// quotients across each row.
+fn smooth(commands: &Commands, rate_hz: f64) -> Commands {
+    let Commands { time_s, value } = commands;
+    let rows = time_s.len();
+    let slope = |row: usize, i: usize| {
+        let (before, after) = (row.saturating_sub(1), (row + 1).min(rows - 1));
+        (value[after][i] - value[before][i]) / (time_s[after] - time_s[before])
+    };
     let mut finer = Commands { time_s: Vec::new(), value: Vec::new() };
-    for (time_s, value) in commands.time_s.windows(2).zip(commands.value.windows(2)) {
-        let steps = ((time_s[1] - time_s[0]) * rate_hz).round().max(1.0);
+    for row in 0..rows.saturating_sub(1) {
+        let duration_s = time_s[row + 1] - time_s[row];
+        let steps = (duration_s * rate_hz).round().max(1.0);
         for step in 0..steps as usize {
-            let share = step as f64 / steps;
-            finer.time_s.push(time_s[0] + share * (time_s[1] - time_s[0]));
-            finer.value.push(core::array::from_fn(|i| value[0][i] + share * (value[1][i] - value[0][i])));
+            let s = step as f64 / steps;
+            let (late, early) = (s * s * (3.0 - 2.0 * s), s * (1.0 - s));
+            finer.time_s.push(time_s[row] + s * duration_s);
+            finer.value.push(core::array::from_fn(|i| {
+                let bend = early * ((1.0 - s) * slope(row, i) - s * slope(row + 1, i));
+                value[row][i] + late * (value[row + 1][i] - value[row][i]) + duration_s * bend
+            }));
         }
     }
-    finer.time_s.extend(commands.time_s.last());
-    finer.value.extend(commands.value.last());
+    finer.time_s.extend(time_s.last());
+    finer.value.extend(value.last());
     finer
 }
 

@@ -8,11 +8,12 @@
 
 use super::body::State;
 use super::effects::Effect;
-use super::fit::{Fit, Nominal, OVERSHOT, Term, fit_to_reach, model_of, regular, shifted_models};
+use super::fit::{Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models};
 use super::hints::hints;
 use super::linear::{Cholesky, dot};
+use super::linearisation::Linearisation;
 use super::progress::{Observer, Progress};
-use super::shooting::{Linearisation, Shooting};
+use super::shooting::Shooting;
 
 /// Hypotheses that are fitted in full after scoring.
 const FITTED_MAX: usize = 7;
@@ -98,6 +99,13 @@ impl<'e> Search<'e> {
     fn settled(&self, terms: Vec<Term<'e>>) -> Candidate<'e> {
         let starts = self.settled_starts(&terms);
         self.fitted(terms, &starts, f64::INFINITY)
+    }
+
+    /// The chosen effects fitted to all windows, held out or not: what no model of these effects explains is left then.
+    pub(super) fn fitted_to_all(&self, chosen: &Candidate<'e>) -> Candidate<'e> {
+        let all: Vec<usize> = (0..self.shooting.windows.len()).collect();
+        let fit = fit(self.shooting, self.nominal, chosen.fit.terms.clone(), &chosen.fit.starts, &all);
+        Candidate { fit, held_out: chosen.held_out }
     }
 
     /// Start states of the training windows at their best under these effects, from the measured ones on.

@@ -5,11 +5,12 @@
 use std::sync::Arc;
 
 use super::body::{Moment, Motion};
-use super::fit::{model_of, regular, shifted_models};
+use super::fit::{Fit, model_of, regular, shifted_models};
 use super::hints::hints;
 use super::linear::{Cholesky, dot};
+use super::linearisation::Normal;
 use super::search::{Candidate, Search};
-use super::shooting::{Driven, Normal};
+use super::shooting::Driven;
 use crate::axis::Axis;
 
 /// Fall of the sum of squares, in units of what is left per degree of freedom, that a shape must bring: a chance of 1e-5 over all of them.
@@ -47,14 +48,14 @@ impl Moment for Scaled {
     }
 }
 
-/// The signature of what a model leaves in all windows; `None` if no shape explains anything of it.
-pub(super) fn strongest(search: &Search<'_>, chosen: &Candidate<'_>) -> Option<String> {
+/// The signature of what the chosen effects leave, fitted to all windows; `None` if no shape explains anything of it.
+pub(super) fn strongest(search: &Search<'_>, chosen: &Candidate<'_>, whole: &Fit<'_>) -> Option<String> {
     let shooting = search.shooting;
-    let terms = &chosen.fit.terms;
+    let terms = &whole.terms;
     let driven = shooting.drive(model_of(search.nominal, terms));
     let all: Vec<usize> = (0..shooting.windows.len()).collect();
     let own = shifted_models(shooting, search.nominal, terms, 0);
-    let linear = shooting.linearise(&driven, &own, &all, &chosen.fit.starts, None);
+    let linear = shooting.linearise(&driven, &own, &all, &whole.starts, None);
     let explained_by_own = explained(&shooting.normal(&linear, None)).map_or(0.0, |(fall, _)| fall);
     let mut best: Option<(f64, String)> = None;
     for dependence in dependences(search) {
@@ -64,7 +65,7 @@ pub(super) fn strongest(search: &Search<'_>, chosen: &Candidate<'_>) -> Option<S
             (shooting.drive(model), STEP)
         };
         let shifted: Vec<(Driven, f64)> = dependence.shapes.iter().map(with).collect();
-        let extra = shooting.slopes_of(&linear, &shifted, &all, &chosen.fit.starts);
+        let extra = shooting.slopes_of(&linear, &shifted, &all, &whole.starts);
         let normal = shooting.normal(&linear, Some(&extra));
         let Some((fall, coefficients)) = explained(&normal) else { continue };
         // a shape more explains one unit more by chance
@@ -78,8 +79,8 @@ pub(super) fn strongest(search: &Search<'_>, chosen: &Candidate<'_>) -> Option<S
 }
 
 /// The strongest frequency of what is missing on an axis, in words.
-pub(super) fn frequency(search: &Search<'_>, chosen: &Candidate<'_>, axis: usize) -> Option<String> {
-    let driven = search.shooting.drive(model_of(search.nominal, &chosen.fit.terms));
+pub(super) fn frequency(search: &Search<'_>, whole: &Fit<'_>, axis: usize) -> Option<String> {
+    let driven = search.shooting.drive(model_of(search.nominal, &whole.terms));
     let frequency_hz = hints(search.shooting, &driven).frequency_hz[axis]?;
     Some(format!("strongest in frequency near {frequency_hz:.2} Hz"))
 }

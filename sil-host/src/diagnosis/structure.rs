@@ -6,7 +6,8 @@
 
 use super::body::State;
 use super::linear::dot;
-use super::shooting::{Column, Driven, Shooting};
+use super::linearisation::Column;
+use super::shooting::{Driven, Shooting};
 use crate::fidelity::Window;
 
 /// Rows apart.
