@@ -269,7 +269,8 @@ fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
     let goes_on = worst.filter(|_| !even).map(|worst| {
         let frequency = signature::frequency(search, &whole.fit, worst.place % 3).unwrap_or_default();
         format!(
-            "{} misses its prediction by something that goes on from row to row ({:.0} sigma), {frequency}",
+            "{}: {} misses its prediction by something that goes on from row to row ({:.0} sigma), {frequency}",
+            residuals::NAMES[worst.place % 3],
             residuals::NAMES[worst.place],
             worst.deviation
         )

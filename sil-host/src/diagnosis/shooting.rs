@@ -31,8 +31,8 @@ pub(super) struct RigChannels {
     pub(super) start_components: Vec<usize>,
     /// Places of a report that are compared where the log has them.
     pub(super) compared: Vec<usize>,
-    /// True where angles are known up to full turns.
-    pub(super) wraps: bool,
+    /// True for a vehicle with motors, whose angles are known up to full turns.
+    pub(super) is_vehicle: bool,
 }
 
 /// One measured column.
@@ -54,7 +54,7 @@ pub(super) struct Shooting<'a> {
     pub(super) unknown_acceleration_rad_s2: [f64; 3],
     /// Components of the state that a window may choose.
     start_components: Vec<usize>,
-    wraps: bool,
+    is_vehicle: bool,
     /// Forces by what lies between command and motor, all of one drive.
     tracks: Mutex<Vec<(Chain, Arc<ForceTrack>)>>,
 }
@@ -94,7 +94,7 @@ impl<'a> Shooting<'a> {
             windows,
             unknown_acceleration_rad_s2: [0.0; 3],
             start_components,
-            wraps: rig.wraps,
+            is_vehicle: rig.is_vehicle,
             tracks: Mutex::default(),
         }
     }
@@ -102,6 +102,11 @@ impl<'a> Shooting<'a> {
     /// The same log with other commands, and with accelerations that they leave unknown.
     pub(super) fn commanded(self, commands: Commands, unknown_acceleration_rad_s2: [f64; 3]) -> Shooting<'a> {
         Shooting { commands, unknown_acceleration_rad_s2, tracks: Mutex::default(), ..self }
+    }
+
+    /// True where commands were lost between rows.
+    pub(super) fn lacks_commands(&self) -> bool {
+        self.unknown_acceleration_rad_s2 != [0.0; 3]
     }
 
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
@@ -192,7 +197,7 @@ impl<'a> Shooting<'a> {
         for channel in &self.channels {
             for (row, report) in (window.start..window.end).zip(&reports) {
                 let mut error = channel.column[row] - report[channel.place];
-                if self.wraps && channel.place < 3 {
+                if self.is_vehicle && channel.place < 3 {
                     error = wrapped(error);
                 }
                 residual.push(error / channel.sigma);
@@ -311,12 +316,12 @@ impl<'a> Shooting<'a> {
 
     /// True on the gimbal, whose vehicle can't turn in yaw of its own.
     pub(super) fn is_gimbal(&self) -> bool {
-        self.wraps && !self.turns(2)
+        self.is_vehicle && !self.turns(2)
     }
 
     /// True if the forces are motors' lifts.
     pub(super) fn has_motors(&self) -> bool {
-        self.wraps
+        self.is_vehicle
     }
 
     /// Places of a report that are compared, and the noise of each.

@@ -48,7 +48,7 @@ impl Subject<'_> {
         let gimbal = matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal);
         // on the gimbal r is no motion of its own, but the gyro shows it
         let compared = (0..6).filter(|place| turns[place % 3] || gimbal && *place == 5).collect();
-        RigChannels { start_components, compared, wraps: matches!(self, Subject::Vehicle(_)) }
+        RigChannels { start_components, compared, is_vehicle: matches!(self, Subject::Vehicle(_)) }
     }
 
     /// What the nominal model leaves to each log: the input gains of separate axes, and where their fit begins.

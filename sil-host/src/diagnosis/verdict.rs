@@ -13,6 +13,8 @@ use crate::fidelity::ChannelErrors;
 
 /// The accuracy of the integration, as a share of an effect.
 const MODEL_ERROR: f64 = 5e-4;
+/// The same where commands are lost between rows: what they were is an assumption (`sampling`), and what it does to a size is no noise that averages out.
+const MODEL_ERROR_WITH_LOST_COMMANDS: f64 = 1e-2;
 /// Names beside a finding that it may be confounded with.
 const CONFOUNDED_MAX: usize = 2;
 
@@ -87,7 +89,8 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -
     let term = &found.chosen.fit.terms[index];
     let effect = term.effect;
     let spread = search.spread(&found.chosen);
-    let mut parameters = estimates(&found.chosen, index, spread);
+    let model_error = if search.shooting.lacks_commands() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
+    let mut parameters = estimates(&found.chosen, index, spread, model_error);
     let mut names = effect.told_names();
     // separate axes have a gain each that is fitted along, and no inertia
     if !search.always.is_empty() {
@@ -111,7 +114,12 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -
 }
 
 /// Values by name with standard deviations: the fit's, carried over to what is told, and the model's own accuracy.
-fn estimates(candidate: &Candidate<'_>, index: usize, spread: f64) -> BTreeMap<&'static str, Estimate> {
+fn estimates(
+    candidate: &Candidate<'_>,
+    index: usize,
+    spread: f64,
+    model_error: f64,
+) -> BTreeMap<&'static str, Estimate> {
     let Term { effect, values } = &candidate.fit.terms[index];
     let size = values.len();
     let covariance = candidate.fit.covariance_of(index);
@@ -129,7 +137,7 @@ fn estimates(candidate: &Candidate<'_>, index: usize, spread: f64) -> BTreeMap<&
         let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[place]).collect();
         let carried: Vec<f64> = (0..size).map(|i| dot(&covariance[i * size..(i + 1) * size], &slope)).collect();
         let nominal = effect.parameters().get(place).map_or(0.0, |parameter| parameter.nominal);
-        let own = MODEL_ERROR * (value - nominal);
+        let own = model_error * (value - nominal);
         let std = (spread * dot(&slope, &carried).max(0.0) + own * own).sqrt();
         estimates.insert(*name, Estimate { value: *value, std });
     }

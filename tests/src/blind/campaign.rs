@@ -102,6 +102,7 @@ impl Campaign {
             Campaign::Outside => vec![
                 ("unknown_effect or partly_explained", "90 %", score.unknown_admitted()),
                 ("explained by something that is not there", "0", score.explained()),
+                ("signature says axis or motor, and quantity", "", score.signed()),
             ],
         };
         let mut text =
@@ -115,7 +116,8 @@ impl Campaign {
                 text += &format!("\n{table}");
             }
         }
-        if self != Campaign::Outside {
+        // with lost commands the true model's own error hangs on what is made of them
+        if !matches!(self, Campaign::Outside | Campaign::LostCommands) {
             text += &format!("\n{}", score.gains());
         }
         text

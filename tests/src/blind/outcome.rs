@@ -34,6 +34,8 @@ pub struct Outcome {
     pub verdict: Verdict,
     /// What is left, in words.
     pub signature: String,
+    /// True if that says where something outside the catalogue acts and what it depends on.
+    pub signature_is_right: bool,
     /// How much the extended model gains, where the test knows the true one.
     pub gain: Option<Gain>,
 }
@@ -113,6 +115,7 @@ impl Outcome {
             log_rate_hz: case.conditions.log_rate_hz,
             verdict: answer.verdict,
             signature: answer.unexplained.signature.clone(),
+            signature_is_right: case.outside.is_some_and(|it| it.is_told_by(&answer.unexplained.signature)),
             gain,
         }
     }

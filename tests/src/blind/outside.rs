@@ -62,6 +62,24 @@ impl Outside {
         format!("{:?}{place}", self.kind)
     }
 
+    /// Does a signature say where it acts, and on which measured quantity what is left depends?
+    pub fn is_told_by(&self, signature: &str) -> bool {
+        let place = match self.kind {
+            Kind::HotMotors => String::new(),
+            Kind::LooseArm => format!("motor {}:", self.motor + 1),
+            _ => format!("{}:", ["roll", "pitch"][self.axis]),
+        };
+        let quantities: &[&str] = match self.kind {
+            Kind::CubicSpring | Kind::Stop => &["angle"],
+            Kind::SquareDrag => &["rate"],
+            Kind::Hysteresis => &["angle", "rate"],
+            Kind::LooseArm => &["command"],
+            Kind::HotMotors => &["time"],
+            Kind::Gusts => &["time", "from row to row"],
+        };
+        signature.starts_with(&place) && quantities.iter().any(|quantity| signature.contains(quantity))
+    }
+
     /// A size to begin with.
     pub(super) fn first_size(&self) -> f64 {
         match self.kind {

@@ -64,6 +64,11 @@ impl Score {
         self.share(|outcome| outcome.verdict == Verdict::Explained)
     }
 
+    /// Share of cases whose signature says where something acts and what it depends on.
+    pub fn signed(&self) -> f64 {
+        self.share(|outcome| outcome.signature_is_right)
+    }
+
     /// Share of cases whose hold-out errors are as near to the true model's as the issue asks.
     pub fn gained(&self) -> [f64; 3] {
         let gains = || self.outcomes.iter().filter_map(|outcome| outcome.gain);
