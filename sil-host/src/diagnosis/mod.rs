@@ -31,6 +31,7 @@ mod linear;
 mod linearisation;
 mod manoeuvres;
 mod prediction;
+mod process_noise;
 mod progress;
 mod residuals;
 mod sampling;
@@ -57,6 +58,7 @@ pub use experiment::Experiment;
 pub use extension::{NotExtended, extended_model};
 use fit::{Term, model_of};
 pub use horizons::{Horizon, HorizonError};
+use process_noise::AxisNoise;
 pub use progress::{Observer, Progress};
 pub use residuals::ChannelResiduals;
 use sampling::Sampled;
@@ -68,6 +70,8 @@ pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
 /// Above this multiple of the noise floor an error is not explained.
 const FLOOR_FACTOR_MAX: f64 = 1.3;
+/// Above this multiple the disturbances are taken for part of the noise ([`process_noise`]).
+const UNEXPLAINED_FACTOR: f64 = 3.0;
 
 /// The answer to a log (CLI.md, "JSON of `sil diagnose`").
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -160,17 +164,29 @@ pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_
     let nominal = || subject.model();
     let catalogue = effects::catalogue(&subject.scope(log));
     let fitted_along = subject.fitted_along(log)?;
-    let (search, found) = sampled.search(|shooting| Search {
-        shooting,
-        nominal: &nominal,
-        catalogue: &catalogue,
-        always: fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect(),
-        training: shooting.part(false),
-        held_out: shooting.part(true),
-        observer,
-    });
+    let always: Vec<Term<'_>> =
+        fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
+    let (search, found) =
+        sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, always.clone(), observer));
+    let Some(disturbed) = noise_beyond_sensors(&search, &found) else {
+        observer(Progress::Judging);
+        return Ok(answer(log, subject, &search, &found));
+    };
+    let shooting = subject.shooting(log, &SensorNoise::of(log))?.commanded_as(search.shooting).with_noise(disturbed);
+    let search = Search::new(&shooting, &nominal, &catalogue, always, observer);
+    let found = search.run();
     observer(Progress::Judging);
     Ok(answer(log, subject, &search, &found))
+}
+
+/// The noise to be looked with once more, where what was found is far from explaining the log.
+fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisNoise; 3]> {
+    let shooting = search.shooting;
+    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms));
+    let held_out: Vec<Window> = search.held_out.iter().map(|index| shooting.windows[*index]).collect();
+    let errors = accuracy::tallies(&accuracy::predict(shooting, &driven, &held_out));
+    let is_far = accuracy::worst_ratio(&errors) > UNEXPLAINED_FACTOR;
+    is_far.then(|| shooting.most_likely_noise(&driven, &search.training, &found.chosen.fit.starts))
 }
 
 /// Errors of a model as it stands over the held-out windows, and those of an exact one.

@@ -4,7 +4,7 @@
 //!
 //! Under the second the command is taken to go smoothly from row to row, in n steps; of its white part, which the sensors' noise puts on it
 //! through the controller, one step in n is known, so that an interval's mean is off by u sqrt((n - 1) / n), u its standard deviation in
-//! the log. That error enters as a white angular acceleration, constant from row to row (`innovation`). Assumption: the command's noise is
+//! the log. That error enters as a white angular acceleration (`process_noise`). Assumption: the command's noise is
 //! white from step to step of the controller.
 //!
 //! Which of both is true shows in time: held commands are late by half a row. Plain residuals decide, without and with the findings.
@@ -12,6 +12,7 @@
 use super::actuation::Commands;
 use super::fit::{Term, fit};
 use super::prediction::Model;
+use super::process_noise::AxisNoise;
 use super::search::{Found, Search};
 use super::shooting::Shooting;
 use super::subject::Subject;
@@ -39,10 +40,10 @@ impl<'l> Sampled<'l> {
         if steps_per_row < STEPS_MIN {
             return Ok(Sampled { held, faster: None });
         }
-        let unknown = unknown_acceleration_rad_s2(&held, &subject.model(), steps_per_row);
+        let unknown = unknown_acceleration(&held, &subject.model(), steps_per_row, log.mean_regular_step_s());
         let commands = smooth(&held.commands, USUAL_CONTROL_RATE_HZ);
-        let timed = shooting()?.commanded(commands.clone(), [0.0; 3]);
-        let counted = shooting()?.commanded(commands, unknown);
+        let timed = shooting()?.commanded(commands.clone());
+        let counted = shooting()?.commanded(commands).with_lost(unknown);
         Ok(Sampled { held, faster: Some([timed, counted]) })
     }
 
@@ -100,8 +101,8 @@ fn smooth(commands: &Commands, rate_hz: f64) -> Commands {
     finer
 }
 
-/// Standard deviation of the angular accelerations' means from row to row that lost commands leave unknown.
-fn unknown_acceleration_rad_s2(held: &Shooting<'_>, model: &Model, steps_per_row: f64) -> [f64; 3] {
+/// Angular accelerations that lost commands leave unknown: their means from row to row, as white noise.
+fn unknown_acceleration(held: &Shooting<'_>, model: &Model, steps_per_row: f64, row_s: f64) -> [AxisNoise; 3] {
     let Commands { time_s, value } = &held.commands;
     let mean: [f64; 4] =
         core::array::from_fn(|i| value.iter().map(|row| row[i]).sum::<f64>() / value.len().max(1) as f64);
@@ -110,6 +111,7 @@ fn unknown_acceleration_rad_s2(held: &Shooting<'_>, model: &Model, steps_per_row
         let series: Vec<f64> =
             value.iter().map(|row| (0..4).map(|i| per_command[i][axis] * row[i]).sum::<f64>()).collect();
         let white = white_noise_std(time_s, &series, &held.stretches()).unwrap_or_default();
-        white * ((steps_per_row - 1.0) / steps_per_row).sqrt()
+        let mean_is_off_rad_s2 = white * ((steps_per_row - 1.0) / steps_per_row).sqrt();
+        AxisNoise { acceleration: mean_is_off_rad_s2 * row_s.sqrt(), sensors: 1.0 }
     })
 }

@@ -70,6 +70,18 @@ pub(super) struct Found<'e> {
 }
 
 impl<'e> Search<'e> {
+    /// A log's windows and the questions.
+    pub(super) fn new(
+        shooting: &'e Shooting<'e>,
+        nominal: Nominal<'e>,
+        catalogue: &'e [Box<dyn Effect>],
+        always: Vec<Term<'e>>,
+        observer: Observer<'e>,
+    ) -> Search<'e> {
+        let (training, held_out) = (shooting.part(false), shooting.part(true));
+        Search { shooting, nominal, catalogue, always, training, held_out, observer }
+    }
+
     /// Looks for the effects in a log.
     pub(super) fn run(&self) -> Found<'e> {
         let nominal = self.settled(self.always.clone());

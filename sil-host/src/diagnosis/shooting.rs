@@ -13,6 +13,7 @@ use super::body::State;
 use super::linear::Cholesky;
 use super::linearisation::{Column, Linearisation, Normal, WindowLinear, slope, slopes, start_factor, turned};
 use super::prediction::{Model, Scene, track};
+use super::process_noise::AxisNoise;
 use crate::fidelity::{SensorNoise, Window};
 use crate::log::Log;
 
@@ -50,11 +51,13 @@ pub(super) struct Shooting<'a> {
     volts_lost: Vec<f64>,
     channels: Vec<Channel<'a>>,
     pub(super) windows: Vec<Window>,
-    /// Standard deviation of the accelerations that lost commands leave unknown, per axis, constant from row to row.
-    pub(super) unknown_acceleration_rad_s2: [f64; 3],
+    /// Accelerations that commands lost between rows leave unknown, per axis; none where none are.
+    pub(super) lost: Option<[AxisNoise; 3]>,
     /// Components of the state that a window may choose.
     start_components: Vec<usize>,
     is_vehicle: bool,
+    /// Noise of each axis as innovations count it.
+    pub(super) noise: [AxisNoise; 3],
     /// Forces by what lies between command and motor, all of one drive.
     tracks: Mutex<Vec<(Chain, Arc<ForceTrack>)>>,
 }
@@ -92,21 +95,33 @@ impl<'a> Shooting<'a> {
             volts_lost: volts_lost(log),
             channels,
             windows,
-            unknown_acceleration_rad_s2: [0.0; 3],
+            lost: None,
             start_components,
             is_vehicle: rig.is_vehicle,
+            noise: [AxisNoise::SENSORS; 3],
             tracks: Mutex::default(),
         }
     }
 
-    /// The same log with other commands, and with accelerations that they leave unknown.
-    pub(super) fn commanded(self, commands: Commands, unknown_acceleration_rad_s2: [f64; 3]) -> Shooting<'a> {
-        Shooting { commands, unknown_acceleration_rad_s2, tracks: Mutex::default(), ..self }
+    /// The same log with other commands.
+    pub(super) fn commanded(self, commands: Commands) -> Shooting<'a> {
+        Shooting { commands, tracks: Mutex::default(), ..self }
     }
 
-    /// True where commands were lost between rows.
-    pub(super) fn lacks_commands(&self) -> bool {
-        self.unknown_acceleration_rad_s2 != [0.0; 3]
+    /// The same with the commands of another, and with what those leave unknown.
+    pub(super) fn commanded_as(self, other: &Shooting<'_>) -> Shooting<'a> {
+        let shooting = self.commanded(other.commands.clone());
+        Shooting { lost: other.lost, ..shooting }
+    }
+
+    /// The same, its commands leaving accelerations unknown.
+    pub(super) fn with_lost(self, lost: [AxisNoise; 3]) -> Shooting<'a> {
+        Shooting { lost: Some(lost), noise: lost, ..self }
+    }
+
+    /// The same, with more noise than the sensors'.
+    pub(super) fn with_noise(self, noise: [AxisNoise; 3]) -> Shooting<'a> {
+        Shooting { noise, ..self }
     }
 
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.

@@ -89,7 +89,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -
     let term = &found.chosen.fit.terms[index];
     let effect = term.effect;
     let spread = search.spread(&found.chosen);
-    let model_error = if search.shooting.lacks_commands() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
+    let model_error = if search.shooting.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
     let mut parameters = estimates(&found.chosen, index, spread, model_error);
     let mut names = effect.told_names();
     // separate axes have a gain each that is fitted along, and no inertia

@@ -1,0 +1,224 @@
+//! Moments that no model knows (gusts, a cable, the air between the rotors and a bench), as white angular acceleration, and what becomes of a
+//! fit under them.
+//!
+//! The output error alone takes all that is missed for the sensors' noise. In a closed loop it is then wrong, and sure of it: the controller
+//! answers a disturbance with commands that work against it, so that motion and commands seem to contradict each other, and the fit believes
+//! in weak or late motors (Forssell and Ljung, Closed-loop identification revisited, Automatica 35, 1999). With the disturbance in
+//! the noise model, each row is predicted from the rows before it, and the estimate is that of the prediction-error method, which is
+//! consistent in a closed loop.
+//!
+//! Per axis the disturbance drives a double integrator (over a few milliseconds every vehicle is one), measured by the log's angle and rate. A
+//! Kalman filter on it turns a window's residuals, and their slopes, into innovations of unit variance; the filter does not depend on the
+//! model's parameters, so that all else of the fit stays as it is. Strength and the sensors' share are those of the greatest likelihood.
+
+use rayon::prelude::*;
+
+use super::linear::dot;
+
+/// White noise of an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct AxisNoise {
+    /// Root of the power density of the angular acceleration, rad/s^2 per root of Hz.
+    pub(super) acceleration: f64,
+    /// Sensors' noise over what the log's smoothness says: an estimator's error goes on from row to row and cannot be seen there.
+    pub(super) sensors: f64,
+}
+
+impl AxisNoise {
+    /// What is left of the sensors alone.
+    pub(super) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0 };
+}
+
+/// Strengths that are tried: a factor of two apart.
+const ACCELERATIONS: std::ops::Range<i32> = -10..7;
+const SENSORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+
+/// The two channels of an axis: standard deviations of its angle (rad) and of its rate (rad/s), where they are measured.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisSensors {
+    pub(super) angle_rad: Option<f64>,
+    pub(super) rate_rad_s: Option<f64>,
+}
+
+/// A motion's departure from its prediction, as far as the rows so far have told it, and its covariance.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Departure {
+    angle_rad: f64,
+    rate_rad_s: f64,
+    /// Of (angle, rate): the angle's variance, both, the rate's.
+    covariance: [f64; 3],
+}
+
+impl Departure {
+    /// Takes one residual, its slopes along (angle, rate) and its sensor's standard deviation, all in one unit; its innovation and that one's
+    /// variance.
+    pub(super) fn correct(&mut self, residual: f64, [angle, rate]: [f64; 2], sensor: f64) -> (f64, f64) {
+        let [aa, ar, rr] = self.covariance;
+        let (with_angle, with_rate) = (aa * angle + ar * rate, ar * angle + rr * rate);
+        let variance = sensor * sensor + angle * with_angle + rate * with_rate;
+        let innovation = residual - angle * self.angle_rad - rate * self.rate_rad_s;
+        self.angle_rad += with_angle / variance * innovation;
+        self.rate_rad_s += with_rate / variance * innovation;
+        self.covariance = [
+            aa - with_angle * with_angle / variance,
+            ar - with_angle * with_rate / variance,
+            rr - with_rate * with_rate / variance,
+        ];
+        (innovation, variance)
+    }
+
+    /// Lets time pass under a white acceleration.
+    pub(super) fn pass(&mut self, h: f64, acceleration: f64) {
+        self.angle_rad += h * self.rate_rad_s;
+        let density = acceleration * acceleration;
+        let [aa, ar, rr] = self.covariance;
+        self.covariance = [
+            aa + h * (2.0 * ar + h * rr) + density * h * h * h / 3.0,
+            ar + h * rr + density * h * h / 2.0,
+            rr + density * h,
+        ];
+    }
+}
+
+/// Turns residuals of an axis, (angle, rate), in units of each channel's noise, into innovations of unit variance; the logarithm of the
+/// variances that they had, summed. A channel that is not there is empty.
+fn innovate(time_s: &[f64], sensors: AxisSensors, noise: &AxisNoise, residual: &mut [Vec<f64>; 2]) -> f64 {
+    let slopes = [sensors.angle_rad.map(|std| [1.0 / std, 0.0]), sensors.rate_rad_s.map(|std| [0.0, 1.0 / std])];
+    let mut departure = Departure::default();
+    let mut log_determinant = 0.0;
+    let mut before_s = time_s.first().copied().unwrap_or_default();
+    for (row, at_s) in time_s.iter().enumerate() {
+        departure.pass(at_s - before_s, noise.acceleration);
+        before_s = *at_s;
+        for (channel, slope) in residual.iter_mut().zip(slopes) {
+            let (Some(value), Some(slope)) = (channel.get_mut(row), slope) else { continue };
+            let (innovation, variance) = departure.correct(*value, slope, noise.sensors);
+            *value = innovation / variance.sqrt();
+            log_determinant += libm::log(variance);
+        }
+    }
+    log_determinant
+}
+
+/// One window of an axis: its rows' times, residuals and slopes along the start state, each as (angle, rate).
+pub(super) struct AxisWindow<'a> {
+    pub(super) time_s: &'a [f64],
+    pub(super) residual: [Vec<f64>; 2],
+    pub(super) slopes: Vec<[Vec<f64>; 2]>,
+}
+
+/// The noise under which what a model leaves of an axis is most likely.
+pub(super) fn most_likely(windows: &[AxisWindow<'_>], sensors: AxisSensors) -> AxisNoise {
+    let candidates = SENSORS.into_iter().flat_map(|sensors| {
+        let white =
+            ACCELERATIONS.map(move |exponent| AxisNoise { acceleration: libm::exp2(f64::from(exponent)), sensors });
+        std::iter::once(AxisNoise { acceleration: 0.0, sensors }).chain(white)
+    });
+    let candidates: Vec<AxisNoise> = candidates.collect();
+    let unlikeliness: Vec<f64> = candidates
+        .par_iter()
+        .map(|noise| windows.iter().map(|window| unlikeliness(window, sensors, noise)).sum())
+        .collect();
+    let best = unlikeliness.iter().zip(&candidates).min_by(|a, b| a.0.total_cmp(b.0));
+    best.map_or(AxisNoise::SENSORS, |(_, noise)| *noise)
+}
+
+/// Twice the negative logarithm of a window's likelihood, its start state quite free, up to a constant.
+fn unlikeliness(window: &AxisWindow<'_>, sensors: AxisSensors, noise: &AxisNoise) -> f64 {
+    let white = |channels: &[Vec<f64>; 2]| -> (Vec<f64>, f64) {
+        let mut channels = channels.clone();
+        let log_determinant = innovate(window.time_s, sensors, noise, &mut channels);
+        (channels.concat(), log_determinant)
+    };
+    let (mut left, log_determinant) = white(&window.residual);
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    // Gram and Schmidt: what the start state can explain is taken out
+    for slope in &window.slopes {
+        let (mut column, _) = white(slope);
+        for other in &basis {
+            let along = dot(other, &column);
+            column.iter_mut().zip(other).for_each(|(value, other)| *value -= along * other);
+        }
+        let length = dot(&column, &column).sqrt();
+        if length > 0.0 {
+            column.iter_mut().for_each(|value| *value /= length);
+            let along = dot(&column, &left);
+            left.iter_mut().zip(&column).for_each(|(left, value)| *left -= along * value);
+            basis.push(column);
+        }
+    }
+    dot(&left, &left) + log_determinant
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensors::random::RandomStream;
+
+    const SENSORS: AxisSensors = AxisSensors { angle_rad: Some(1e-3), rate_rad_s: Some(5e-3) };
+    const STEP_S: f64 = 0.004;
+
+    /// What is seen of a double integrator under white acceleration, in units of the sensors' noise.
+    fn seen(acceleration: f64, sensors: f64, rows: usize, seed: u64) -> (Vec<f64>, [Vec<f64>; 2]) {
+        let mut random = RandomStream::new(seed, "disturbed");
+        let (mut x, mut v) = (0.0, 0.0);
+        let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
+        for row in 0..rows {
+            times.push(row as f64 * STEP_S);
+            angles.push(x / 1e-3 + sensors * random.normal());
+            rates.push(v / 5e-3 + sensors * random.normal());
+            for _ in 0..8 {
+                let step_s = STEP_S / 8.0;
+                let kick = acceleration * step_s.sqrt() * random.normal();
+                x += step_s * (v + 0.5 * kick);
+                v += kick;
+            }
+        }
+        (times, [angles, rates])
+    }
+
+    #[test]
+    fn innovations_are_white_and_of_unit_variance() {
+        let noise = AxisNoise { acceleration: 0.5, sensors: 2.0 };
+        let (times, mut channels) = seen(0.5, 2.0, 4000, 1);
+        innovate(&times, SENSORS, &noise, &mut channels);
+        let [angle, rate] = channels;
+        for channel in [&angle, &rate] {
+            let variance = dot(channel, channel) / 4000.0;
+            let next = dot(&channel[1..], &channel[..3999]) / 4000.0;
+            // four standard deviations of 4000 samples
+            assert!((variance - 1.0).abs() < 4.0 * (2.0 / 4000f64).sqrt(), "{variance}");
+            assert!(next.abs() < 4.0 / 4000f64.sqrt(), "{next}");
+        }
+        assert!(dot(&angle, &rate).abs() / 4000.0 < 4.0 / 4000f64.sqrt());
+    }
+
+    #[test]
+    fn without_a_disturbance_residuals_stay_as_they_are() {
+        let (times, before) = seen(0.5, 1.0, 50, 2);
+        let mut channels = before.clone();
+        innovate(&times, SENSORS, &AxisNoise::SENSORS, &mut channels);
+        assert_eq!(channels, before);
+        let gyro = AxisSensors { angle_rad: None, ..SENSORS };
+        let mut channels = [Vec::new(), before[1].clone()];
+        innovate(&times, gyro, &AxisNoise { acceleration: 0.0, sensors: 2.0 }, &mut channels);
+        let [_, rate] = channels;
+        assert!(rate.iter().zip(&before[1]).all(|(white, rate)| (2.0 * white - rate).abs() < 1e-12));
+    }
+
+    #[test]
+    fn the_strength_of_a_disturbance_is_read_off_what_is_left() {
+        for (acceleration, sensors) in [(0.0, 1.0), (0.5, 1.0), (0.0625, 4.0)] {
+            let made: Vec<_> = (0..20).map(|seed| seen(acceleration, sensors, 125, seed)).collect();
+            let windows: Vec<AxisWindow<'_>> = made
+                .iter()
+                .map(|(times, residual)| {
+                    let ones = [vec![1.0 / 1e-3; 125], vec![0.0; 125]];
+                    let ramp = [times.iter().map(|time_s| time_s / 1e-3).collect(), vec![1.0 / 5e-3; 125]];
+                    AxisWindow { time_s: times, residual: residual.clone(), slopes: vec![ones, ramp] }
+                })
+                .collect();
+            assert_eq!(most_likely(&windows, SENSORS), AxisNoise { acceleration, sensors });
+        }
+    }
+}
