@@ -97,7 +97,7 @@ fn causes(answer: &Diagnosis) -> Section {
     let gain = &answer.gain;
     let between = gain.total_interval_pct.map(|interval| format!(" ({} %)", interval_text(interval)));
     section
-        .list(answer.findings.iter().map(|finding| finding.statement.clone()))
+        .list(answer.findings.iter().map(|finding| capitalised(&finding.statement)))
         .table(table)
         .paragraph(format!(
             "Each effect was fitted to every second window of the log and judged on the windows in between, which no fit has seen. There \
@@ -167,22 +167,18 @@ fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {
 
 /// RMSE of angles, rates and accelerations after several times.
 fn horizons(answer: &Diagnosis) -> Table {
-    let header: Vec<String> = answer
-        .horizons
-        .iter()
-        .flat_map(|horizon| ["nominal", "findings", "exact"].map(|model| format!("{} s, {model}", horizon.horizon_s)))
-        .collect();
-    let mut names = vec![""];
-    names.extend(header.iter().map(String::as_str));
-    let caption =
-        "RMSE of open-loop predictions over several times; those longer than a window cover rows that the fit has seen";
+    let header: Vec<String> = answer.horizons.iter().map(|horizon| format!("{} s", horizon.horizon_s)).collect();
+    let names: Vec<&str> = std::iter::once("").chain(header.iter().map(String::as_str)).collect();
+    let caption = "RMSE of predictions over several times: nominal → with the findings (an exact model); above 0.5 s half of the rows \
+                   were seen by the fit";
     let mut table = Table::new(caption, &names);
     let Some(first) = answer.horizons.first() else { return table };
     for error in &first.errors {
-        let cells = answer.horizons.iter().flat_map(|horizon| {
+        let cells = answer.horizons.iter().map(|horizon| {
             let found = horizon.errors.iter().find(|other| other.quantity == error.quantity);
-            let values = found.map_or([f64::NAN; 3], |found| [found.nominal, found.extended, found.noise_floor]);
-            values.map(|value| Cell::number(value, 2))
+            found.map_or(Cell::from(""), |e| {
+                Cell::from(format!("{:.2} → {:.2} ({:.2})", e.nominal, e.extended, e.noise_floor))
+            })
         });
         let name = Cell::from(format!("{}, {}", error.quantity, error.unit));
         table = table.row(std::iter::once(name).chain(cells));
@@ -190,14 +186,27 @@ fn horizons(answer: &Diagnosis) -> Table {
     table
 }
 
+/// What was fitted first, and in one row each what was denied for one and the same reason.
 fn denied(answer: &Diagnosis) -> Section {
-    let mut table = Table::new("What was asked and denied", &["effect", "axis", "why not"]);
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for rejected in &answer.rejected {
-        table = table.row([
-            Cell::from(rejected.effect),
-            Cell::from(rejected.axis.clone()),
-            Cell::from(rejected.reason.clone()),
-        ]);
+        let place = if rejected.axis.is_empty() { String::new() } else { format!(" ({})", rejected.axis) };
+        let name = format!("{}{place}", rejected.effect);
+        match reasons.iter_mut().find(|(reason, _)| *reason == rejected.reason) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((&rejected.reason, vec![name])),
+        }
+    }
+    reasons.sort_by_key(|(_, names)| names.len());
+    let mut table = Table::new("What was asked and denied", &["effect", "why not"]);
+    for (reason, names) in reasons {
+        table = table.row([Cell::from(names.join(", ")), Cell::from(reason)]);
     }
     Section::new("What it is not").table(table)
+}
+
+/// The same with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

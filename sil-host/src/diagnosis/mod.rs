@@ -39,6 +39,8 @@ mod subject;
 mod verdict;
 
 #[cfg(test)]
+mod evidence_tests;
+#[cfg(test)]
 mod tests;
 
 use serde::Serialize;
