@@ -17,7 +17,7 @@ use table::Field;
 pub const RECORD_LEN: usize = 28;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 2;
+const VERSION: u16 = 3;
 const PAYLOAD_LEN: usize = RECORD_LEN - 12;
 
 /// What the vehicle hangs on.
@@ -50,6 +50,10 @@ pub struct Params {
     pub hover_throttle_permille: u16,
     /// Free inputs per axis of the MPC, 1 to 30.
     pub control_horizon: u8,
+    /// The motors' limits in the MPC, which couple the axes: with at most [`COUPLED_INPUTS_MAX`](crate::mpc::motor_limits::COUPLED_INPUTS_MAX) free inputs.
+    pub motor_limits: bool,
+    /// Linearisations of the MPC's pitch axis, 1 to 4.
+    pub linearisations: u8,
 }
 
 impl Params {
@@ -64,6 +68,8 @@ impl Params {
         battery_arming_min_mv: 10_500,
         hover_throttle_permille: 500,
         control_horizon: 5,
+        motor_limits: false,
+        linearisations: 1,
     };
 }
 
@@ -102,14 +108,14 @@ pub fn encode(params: &Params) -> [u8; RECORD_LEN] {
     let [battery0, battery1] = params.battery_arming_min_mv.to_le_bytes();
     let [hover0, hover1] = params.hover_throttle_permille.to_le_bytes();
     // single bytes: the table keeps all of these below 256
-    let [controller, pulses, rig, hil] =
-        [Field::Controller, Field::Pulses, Field::Rig, Field::Hil].map(|field| params.get(field) as u8);
+    let [controller, pulses, rig, hil, motor_limits] =
+        [Field::Controller, Field::Pulses, Field::Rig, Field::Hil, Field::MotorLimits].map(|f| params.get(f) as u8);
     let [m0, m1, m2, m3] = MAGIC;
     #[rustfmt::skip]
     let body = [
         m0, m1, m2, m3, version0, version1, length0, length1,
         controller, pulses, rig, hil, loop0, loop1, pwm0, pwm1,
-        battery0, battery1, hover0, hover1, params.control_horizon, 0, 0, 0,
+        battery0, battery1, hover0, hover1, params.control_horizon, motor_limits, params.linearisations, 0,
     ];
     let mut record = [0; RECORD_LEN];
     for (to, from) in record.iter_mut().zip(body.into_iter().chain(crc32(&body).to_le_bytes())) {
@@ -127,7 +133,7 @@ pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
     let [
         m0, m1, m2, m3, version0, version1, length0, length1,
         controller, pulses, rig, hil, loop0, loop1, pwm0, pwm1,
-        battery0, battery1, hover0, hover1, control_horizon, _, _, _, crc @ ..
+        battery0, battery1, hover0, hover1, control_horizon, motor_limits, linearisations, _, crc @ ..
     ] = *record;
     if [m0, m1, m2, m3] != MAGIC {
         return Err(RecordError::NoRecord);
@@ -150,6 +156,8 @@ pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
         (Field::BatteryArmingMin, u16::from_le_bytes([battery0, battery1])),
         (Field::HoverThrottle, u16::from_le_bytes([hover0, hover1])),
         (Field::ControlHorizon, u16::from(control_horizon)),
+        (Field::MotorLimits, u16::from(motor_limits)),
+        (Field::Linearisations, u16::from(linearisations)),
     ];
     let mut params = Params::DEFAULT;
     for (field, value) in values {
@@ -190,8 +198,9 @@ pub(crate) mod tests {
     use std::string::ToString;
 
     pub(crate) fn any_params() -> impl Strategy<Value = Params> {
-        (any::<[bool; 5]>(), 50u16..=490, any::<u16>(), 0u16..=1000, 1u8..=30).prop_map(
-            |([mpc, one_shot, free, hil, slow], pwm_rate_hz, battery_arming_min_mv, hover, control_horizon)| Params {
+        let inputs = (1u8..=30, 1u8..=4);
+        (any::<[bool; 6]>(), 50u16..=490, any::<u16>(), 0u16..=1000, inputs).prop_map(
+            |([mpc, one_shot, free, hil, slow, limits], pwm_rate_hz, battery_arming_min_mv, hover, inputs)| Params {
                 controller: if mpc { Controller::Mpc } else { Controller::Cascade },
                 loop_rate_hz: if slow { 100 } else { 400 },
                 pulses: if one_shot { PulseKind::OneShot125 } else { PulseKind::Pwm },
@@ -200,7 +209,9 @@ pub(crate) mod tests {
                 hil,
                 battery_arming_min_mv,
                 hover_throttle_permille: hover,
-                control_horizon,
+                control_horizon: inputs.0,
+                motor_limits: limits,
+                linearisations: inputs.1,
             },
         )
     }

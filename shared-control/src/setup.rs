@@ -3,6 +3,7 @@
 
 use crate::config::{self, Config, ConfigError, Tuning};
 use crate::mpc::MpcSettings;
+use crate::mpc::motor_limits::COUPLED_INPUTS_MAX;
 use crate::output::{LOOP_TIMER_HZ, OutputConfig, PULSE_TIMER_HZ, PulseKind, TimerPeriod};
 use crate::params::table::Field;
 use crate::params::{Params, Rig};
@@ -46,7 +47,11 @@ impl Setup {
             Rig::Gimbal => VehicleParameters::F450_GIMBAL,
             Rig::Free => VehicleParameters::F450_FREE,
         };
-        let tuning = Tuning::for_vehicle(&vehicle);
+        let tuning = Tuning {
+            mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
+            mpc_linearisations: params.linearisations.into(),
+            ..Tuning::for_vehicle(&vehicle)
+        };
         let loop_timer = TimerPeriod::new(LOOP_TIMER_HZ, params.loop_rate_hz.into());
         let pulse_timer = TimerPeriod::new(PULSE_TIMER_HZ, pulse_rate_hz(params).into());
         let loop_rate_hz = f32::from(params.loop_rate_hz);
@@ -116,11 +121,14 @@ mod tests {
     }
 
     #[test]
-    fn every_control_horizon_can_be_prepared_for_both_vehicles() {
-        for rig in [Rig::Gimbal, Rig::Free] {
-            let setup = Setup::new(&Params { rig, ..Params::DEFAULT }).unwrap();
-            for horizon in 1..=HORIZON {
-                assert!(Mpc::<HORIZON>::prepare_shorter(horizon, &setup.mpc).is_ok(), "{rig:?} {horizon}");
+    fn every_mpc_that_can_be_chosen_can_be_prepared() {
+        for (rig, motor_limits, linearisations) in [(Rig::Gimbal, false, 1), (Rig::Free, true, 4)] {
+            for control_horizon in 1..=HORIZON as u8 {
+                let params = Params { rig, control_horizon, motor_limits, linearisations, ..Params::DEFAULT };
+                let settings = Setup::new(&params).unwrap().mpc;
+                assert_eq!(settings.motors.is_some(), motor_limits && control_horizon <= 10);
+                let prepared = Mpc::<HORIZON>::prepare_shorter(control_horizon.into(), &settings);
+                assert!(prepared.is_ok(), "{params:?}");
             }
         }
     }

@@ -3,6 +3,7 @@
 use super::{Params, Rig};
 use crate::config::Controller;
 use crate::mpc::HORIZON;
+use crate::mpc::schedule::LINEARISATIONS_MAX;
 use crate::output::PulseKind;
 
 /// Longest name, bytes: what a MAVLink parameter has room for.
@@ -15,6 +16,10 @@ pub enum Field {
     Controller,
     /// [`Params::control_horizon`].
     ControlHorizon,
+    /// [`Params::motor_limits`].
+    MotorLimits,
+    /// [`Params::linearisations`].
+    Linearisations,
     /// [`Params::loop_rate_hz`].
     LoopRate,
     /// [`Params::pulses`].
@@ -72,9 +77,11 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 9] = [
+    pub const ALL: [Field; 11] = [
         Field::Controller,
         Field::ControlHorizon,
+        Field::MotorLimits,
+        Field::Linearisations,
         Field::LoopRate,
         Field::Pulses,
         Field::PwmRate,
@@ -91,6 +98,16 @@ impl Field {
             Field::ControlHorizon => {
                 ("CONTROL_HORIZON", Allowed::Range(1, HORIZON as u16), "free inputs per axis of the MPC (M)")
             }
+            Field::MotorLimits => (
+                "MOTOR_LIMITS",
+                Allowed::Either(0, 1),
+                "1: the MPC keeps the motors' limits, all axes together, where CONTROL_HORIZON is at most 10; 0: bounds of each axis' own",
+            ),
+            Field::Linearisations => (
+                "LINEARISATIONS",
+                Allowed::Range(1, LINEARISATIONS_MAX as u16),
+                "models of the pitch axis that the MPC switches between as roll grows",
+            ),
             Field::LoopRate => ("LOOP_RATE_HZ", Allowed::Either(100, 400), "steps of the control loop per second"),
             Field::Pulses => ("PULSES", Allowed::Either(0, 1), "pulse to the ESCs: 0 PWM, 1 OneShot125"),
             Field::PwmRate => (
@@ -138,6 +155,8 @@ impl Params {
         match field {
             Field::Controller => u16::from(self.controller == Controller::Mpc),
             Field::ControlHorizon => u16::from(self.control_horizon),
+            Field::MotorLimits => u16::from(self.motor_limits),
+            Field::Linearisations => u16::from(self.linearisations),
             Field::LoopRate => self.loop_rate_hz,
             Field::Pulses => u16::from(self.pulses == PulseKind::OneShot125),
             Field::PwmRate => self.pwm_rate_hz,
@@ -157,6 +176,8 @@ impl Params {
         match field {
             Field::Controller => params.controller = if value == 0 { Controller::Cascade } else { Controller::Mpc },
             Field::ControlHorizon => params.control_horizon = value as u8,
+            Field::MotorLimits => params.motor_limits = value == 1,
+            Field::Linearisations => params.linearisations = value as u8,
             Field::LoopRate => params.loop_rate_hz = value,
             Field::Pulses => params.pulses = if value == 0 { PulseKind::Pwm } else { PulseKind::OneShot125 },
             Field::PwmRate => params.pwm_rate_hz = value,
@@ -211,6 +232,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(9)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(11)), (None, None, None));
     }
 }

@@ -28,6 +28,7 @@ mod horizons;
 mod linear;
 mod manoeuvres;
 mod prediction;
+mod process_noise;
 mod progress;
 mod residuals;
 mod search;
@@ -45,7 +46,7 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, Window, axis_commands};
+use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, axis_commands};
 use crate::log::Log;
 pub use bootstrap::Gain;
 pub use conditions::{Condition, Spectrum};
@@ -54,6 +55,7 @@ pub use experiment::Experiment;
 pub use extension::{NotExtended, extended_model};
 use fit::{Term, model_of};
 pub use horizons::{Horizon, HorizonError};
+use process_noise::AxisNoise;
 pub use progress::{Observer, Progress};
 pub use residuals::ChannelResiduals;
 use search::{Candidate, Found, Search};
@@ -64,6 +66,8 @@ pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
 /// Above this multiple of the noise floor an error is not explained.
 const FLOOR_FACTOR_MAX: f64 = 1.3;
+/// Above this multiple the disturbances are taken for part of the noise ([`process_noise`]).
+const UNEXPLAINED_FACTOR: f64 = 3.0;
 
 /// The answer to a log (CLI.md, "JSON of `sil diagnose`").
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -156,21 +160,36 @@ pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_
     let shooting = subject.shooting(log, &noise)?;
     let nominal = || subject.model();
     let catalogue = effects::catalogue(&subject.scope(log));
-    let (training, held_out) = (shooting.part(false), shooting.part(true));
     let fitted_along = subject.fitted_along(log)?;
-    let always = fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
-    let search =
-        Search { shooting: &shooting, nominal: &nominal, catalogue: &catalogue, always, training, held_out, observer };
+    let always: Vec<Term<'_>> =
+        fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
+    let search = Search::new(&shooting, &nominal, &catalogue, always.clone(), observer);
+    let found = search.run();
+    let Some(disturbed) = noise_beyond_sensors(&search, &found) else {
+        observer(Progress::Judging);
+        return Ok(answer(log, subject, &search, &found));
+    };
+    let shooting = subject.shooting(log, &noise)?.with_noise(disturbed);
+    let search = Search::new(&shooting, &nominal, &catalogue, always, observer);
     let found = search.run();
     observer(Progress::Judging);
     Ok(answer(log, subject, &search, &found))
+}
+
+/// The noise to be looked with once more, where what was found is far from explaining the log.
+fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisNoise; 3]> {
+    let shooting = search.shooting;
+    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms), None);
+    let errors = accuracy::tallies(&accuracy::predict(shooting, &driven, &search.held_out_windows()));
+    let is_far = accuracy::worst_ratio(&errors) > UNEXPLAINED_FACTOR;
+    is_far.then(|| shooting.most_likely_noise(&driven, &search.training, &found.chosen.fit.starts))
 }
 
 fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
     let shooting = search.shooting;
     let driven = [&found.nominal, &found.chosen]
         .map(|candidate| shooting.drive(model_of(search.nominal, &candidate.fit.terms), None));
-    let windows: Vec<Window> = search.held_out.iter().map(|index| shooting.windows[*index]).collect();
+    let windows = search.held_out_windows();
     let predicted = driven.each_ref().map(|driven| accuracy::predict(shooting, driven, &windows));
     let [nominal, extended] = predicted.each_ref().map(|predicted| accuracy::tallies(predicted));
     let [nominal_errors, _] = verdict::channel_errors(&nominal);

@@ -13,6 +13,7 @@ use super::hints::hints;
 use super::linear::{Cholesky, dot};
 use super::progress::{Observer, Progress};
 use super::shooting::{Driven, Linearisation, Shooting};
+use crate::fidelity::Window;
 
 /// Hypotheses that are fitted in full after scoring.
 const FITTED_MAX: usize = 7;
@@ -69,6 +70,23 @@ pub(super) struct Found<'e> {
 }
 
 impl<'e> Search<'e> {
+    /// A log's windows and the questions.
+    pub(super) fn new(
+        shooting: &'e Shooting<'e>,
+        nominal: Nominal<'e>,
+        catalogue: &'e [Box<dyn Effect>],
+        always: Vec<Term<'e>>,
+        observer: Observer<'e>,
+    ) -> Search<'e> {
+        let (training, held_out) = (shooting.part(false), shooting.part(true));
+        Search { shooting, nominal, catalogue, always, training, held_out, observer }
+    }
+
+    /// The windows that no fit looks at.
+    pub(super) fn held_out_windows(&self) -> Vec<Window> {
+        self.held_out.iter().map(|index| self.shooting.windows[*index]).collect()
+    }
+
     /// Looks for the effects in a log.
     pub(super) fn run(&self) -> Found<'e> {
         let nominal = self.settled(self.always.clone());

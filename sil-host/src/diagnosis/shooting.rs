@@ -10,6 +10,7 @@ use super::actuation::{Commands, ForceTrack};
 use super::body::State;
 use super::linear::{Cholesky, dot};
 use super::prediction::{Model, Scene, track};
+use super::process_noise::{self, AxisNoise, AxisSensors, AxisWindow, Filter};
 use crate::fidelity::{SensorNoise, Window};
 use crate::log::Log;
 
@@ -50,6 +51,8 @@ pub(super) struct Shooting<'a> {
     /// Components of the state that a window may choose.
     start_components: Vec<usize>,
     wraps: bool,
+    /// Noise of each axis beyond the sensors', where some was found.
+    noise: Option<[AxisNoise; 3]>,
 }
 
 /// A model with the forces that the log's commands make in it.
@@ -104,7 +107,65 @@ impl<'a> Shooting<'a> {
         channels.retain(|channel| rig.compared.contains(&channel.place));
         channels.sort_by_key(|channel| channel.place);
         let start_components = rig.start_components.clone();
-        Shooting { log, commands, volts_lost: volts_lost(log), channels, windows, start_components, wraps: rig.wraps }
+        let (volts_lost, wraps) = (volts_lost(log), rig.wraps);
+        Shooting { log, commands, volts_lost, channels, windows, start_components, wraps, noise: None }
+    }
+
+    /// The same, with more noise than the sensors'.
+    pub(super) fn with_noise(self, noise: [AxisNoise; 3]) -> Shooting<'a> {
+        Shooting { noise: Some(noise), ..self }
+    }
+
+    /// Under which noise what a model leaves is most likely, per axis.
+    pub(super) fn most_likely_noise(&self, driven: &Driven, which: &[usize], starts: &[State]) -> [AxisNoise; 3] {
+        let linear = self.linearise(driven, &[], which, starts, None);
+        [0, 1, 2].map(|axis| {
+            let sensors = self.sensors_of(axis);
+            let window = |(index, linear): (&usize, &WindowLinear)| {
+                let window = &self.windows[*index];
+                let rows = window.end - window.start;
+                let own = |column: &Column| [axis, 3 + axis].map(|place| self.part_of(column, rows, place).to_vec());
+                AxisWindow {
+                    time_s: &self.log.time_s[window.start..window.end],
+                    residual: own(&linear.residual),
+                    slopes: linear.start.iter().map(own).collect(),
+                }
+            };
+            let windows: Vec<AxisWindow<'_>> = which.iter().zip(&linear.windows).map(window).collect();
+            process_noise::most_likely(&windows, sensors)
+        })
+    }
+
+    /// Standard deviations of an axis' angle and rate.
+    fn sensors_of(&self, axis: usize) -> AxisSensors {
+        let std =
+            |place: usize| self.channels.iter().find(|channel| channel.place == place).map(|channel| channel.sigma);
+        AxisSensors { angle_rad: std(axis), rate_rad_s: std(3 + axis) }
+    }
+
+    /// The rows of a channel in a window's residuals; empty for a channel that is not compared.
+    fn part_of<'c>(&self, column: &'c [f64], rows: usize, place: usize) -> &'c [f64] {
+        let index = self.channels.iter().position(|channel| channel.place == place);
+        index.map_or(&[], |index| &column[index * rows..(index + 1) * rows])
+    }
+
+    /// Residuals, or their slopes, turned into innovations where there is noise beyond the sensors'.
+    fn whitened(&self, window: &Window, mut column: Column) -> Column {
+        let Some(noise) = &self.noise else { return column };
+        let rows = window.end - window.start;
+        for (axis, noise) in noise.iter().enumerate() {
+            let filter = Filter::new(&self.log.time_s[window.start..window.end], self.sensors_of(axis), noise);
+            let places = [axis, 3 + axis];
+            let mut parts = places.map(|place| self.part_of(&column, rows, place).to_vec());
+            let [angle, rate] = &mut parts;
+            filter.apply(angle, rate);
+            for (place, part) in places.into_iter().zip(parts) {
+                if let Some(index) = self.channels.iter().position(|channel| channel.place == place) {
+                    column[index * rows..(index + 1) * rows].copy_from_slice(&part);
+                }
+            }
+        }
+        column
     }
 
     /// Puts a log's forces beside a model, taken over from another where the commands go the same way.
@@ -197,7 +258,7 @@ impl<'a> Shooting<'a> {
             if let Some(component) = shift {
                 start[component] += START_STEP;
             }
-            self.residual(driven, &self.windows[*index], &start)
+            self.whitened(&self.windows[*index], self.residual(driven, &self.windows[*index], &start))
         };
         which.par_iter().map(one).collect()
     }

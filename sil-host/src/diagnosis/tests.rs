@@ -103,3 +103,72 @@ fn a_systems_inverse_solves_it() {
     assert!((linear::dot(&matrix[..3], &[inverse[0], inverse[3], inverse[6]]) - 1.0).abs() < 1e-14);
     assert!(linear::Cholesky::new(&[1.0, 2.0, 2.0, 1.0], 2).is_none());
 }
+
+/// A bench in gusts under control: gain 200 rad/s^2, lag 20 ms, stiffness 9 1/s^2; exact to 1e-3.
+fn bench_in_gusts() -> Log {
+    let mut random = crate::sensors::random::RandomStream::new(7, "gusts");
+    let (mut angle, mut rate, mut motor) = (0.0, 0.0, 0.0);
+    let mut made = Log { axes: [false, true, false], ..Log::default() };
+    let (mut times, mut angles, mut rates, mut commands) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for row in 0..10_000 {
+        let time_s = f64::from(row) * 0.004;
+        let (seen_angle, seen_rate) = (angle + 1e-4 * random.normal(), rate + 2e-3 * random.normal());
+        let reference = if ((time_s / 1.3) as u32).is_multiple_of(2) { 0.15 } else { -0.15 };
+        let command = 0.25 * (reference - seen_angle) - 0.06 * seen_rate;
+        times.push(time_s);
+        angles.push(seen_angle);
+        rates.push(seen_rate);
+        commands.push(command);
+        for _ in 0..40 {
+            motor += 1e-4 / 0.02 * (command - motor);
+            let kick = 0.7 * 1e-4f64.sqrt() * random.normal();
+            rate += 1e-4 * (200.0 * motor - 9.0 * angle) + kick;
+            angle += 1e-4 * rate;
+        }
+    }
+    made.time_s = times;
+    made.angle_rad[1] = Some(angles);
+    made.rate_rad_s[1] = Some(rates);
+    made.axis_command[1] = Some(commands);
+    made
+}
+
+/// What the method assumes, and what follows where that does not hold: the fit of output errors alone is wrong by far more than it says.
+#[test]
+fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
+    let log = bench_in_gusts();
+    let subject = Subject::Axes;
+    let noise = crate::fidelity::SensorNoise::of(&log);
+    let catalogue = effects::catalogue(&subject.scope(&log));
+    let gain = effects::input_gain::InputGain(crate::axis::Axis::Pitch);
+    let of = |name: &str| catalogue.iter().find(|effect| effect.name() == name).unwrap().as_ref();
+    let truth = vec![
+        Term { effect: &gain, values: vec![200.0] },
+        Term { effect: of("motor_lag"), values: vec![0.02] },
+        Term { effect: of("spring"), values: vec![9.0, 0.0] },
+    ];
+    let nominal = || subject.model();
+    let fitted = |shooting: &shooting::Shooting<'_>| {
+        let training = shooting.part(false);
+        let driven = shooting.drive(model_of(&nominal, &truth), None);
+        let starts = shooting.measured_starts(&driven.model);
+        let fit = fit::fit(shooting, &nominal, truth.clone(), &starts, &training);
+        let left = shooting.drive(model_of(&nominal, &fit.terms), None);
+        let noise = shooting.most_likely_noise(&left, &training, &fit.starts);
+        // (error, standard deviation) of gain, lag and stiffness
+        let errors = [(0, 200.0), (1, 0.02), (2, 9.0)]
+            .map(|(term, truth)| (fit.terms[term].values[0] - truth, fit.covariance_of(term)[0].sqrt()));
+        (errors, noise)
+    };
+    let shooting = subject.shooting(&log, &noise).unwrap();
+    let (misled, found_noise) = fitted(&shooting);
+    println!("sensors only: {misled:?}");
+    assert!(misled.iter().any(|(error, std)| error.abs() > 20.0 * std), "{misled:?}");
+    let (errors, _) = fitted(&shooting.with_noise(found_noise));
+    println!("with {found_noise:?}: {errors:?}");
+    for (error, std) in errors {
+        assert!(error.abs() < 3.5 * std, "{errors:?}");
+    }
+    // and it says something: a tenth of the gain, a fifth of the lag, half of the stiffness
+    assert!(errors[0].1 < 20.0 && errors[1].1 < 0.004 && errors[2].1 < 4.5, "{errors:?}");
+}
