@@ -126,7 +126,7 @@ fn statistics<const N: usize>(
         let name = format!("{}, {}", channel.quantity, channel.unit);
         table = table.row([Cell::from(name), "nominal".into()].into_iter().chain(cells(&channel.nominal)));
         if !answer.findings.is_empty() {
-            table = table.row([Cell::from(""), "with the findings".into()].into_iter().chain(cells(&channel.extended)));
+            table = table.row([Cell::from(""), "findings".into()].into_iter().chain(cells(&channel.extended)));
         }
     }
     table

@@ -8,6 +8,9 @@ use sil_host::report::{Cell, Chart, Page, Section, Table};
 use super::diagnose_evidence;
 use super::flight_report::degrees;
 
+/// More effects than these with the same reason are told in one breath.
+const DENIED_ALIKE: usize = 3;
+
 /// A page of its own.
 pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
     let mut page = Page::new("Why does the simulation disagree?").lead(lead(answer)).lead(format!(
@@ -186,7 +189,7 @@ fn horizons(answer: &Diagnosis) -> Table {
     table
 }
 
-/// What was fitted first, and in one row each what was denied for one and the same reason.
+/// What came near, one by one; what was denied for one and the same reason, together.
 fn denied(answer: &Diagnosis) -> Section {
     let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for rejected in &answer.rejected {
@@ -197,12 +200,15 @@ fn denied(answer: &Diagnosis) -> Section {
             None => reasons.push((&rejected.reason, vec![name])),
         }
     }
-    reasons.sort_by_key(|(_, names)| names.len());
-    let mut table = Table::new("What was asked and denied", &["effect", "why not"]);
-    for (reason, names) in reasons {
-        table = table.row([Cell::from(names.join(", ")), Cell::from(reason)]);
+    let (alike, single): (Vec<_>, Vec<_>) = reasons.into_iter().partition(|(_, names)| names.len() > DENIED_ALIKE);
+    let mut section = Section::new("What it is not");
+    if !single.is_empty() {
+        let table = Table::new("What was asked and denied", &["effect", "why not"]);
+        section = section.table(
+            single.iter().fold(table, |table, (why, names)| table.row([names.join(", ").into(), Cell::from(*why)])),
+        );
     }
-    Section::new("What it is not").table(table)
+    section.list(alike.iter().map(|(why, names)| format!("{}: {}.", capitalised(why), names.join(", "))))
 }
 
 /// The same with a capital first letter.
