@@ -70,7 +70,6 @@ pub fn run() -> Result<(), Failure> {
              of the disagreement is looked for; the log is synthetic, made with a ring that is off balance, as the thesis \
              suspected of its own.",
         )
-        .lead(compare_report::lead(&comparison, &subject))
         .lead(diagnose_report::lead(&answer));
     let flights = flight_report::sections(&flown);
     let log_sections = compare_report::sections(&log, &comparison, &subject);

@@ -34,9 +34,17 @@ pub struct DiagnoseArguments {
     json: Option<PathBuf>,
 }
 
+impl DiagnoseArguments {
+    /// The option that separate axes can't serve.
+    fn wants_vehicle(&self) -> Option<&'static str> {
+        let extended = self.extended.as_ref().map(|_| "--extended");
+        extended.or(self.experiment.as_ref().map(|_| "--experiment"))
+    }
+}
+
 pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
-    let model = arguments.log.vehicle(&log, arguments.extended.as_ref().map(|_| "--extended"))?;
+    let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
     let subject = model.as_ref().map_or(Subject::Axes, Subject::Vehicle);
     let answer = {
         let line = ProgressLine::new();

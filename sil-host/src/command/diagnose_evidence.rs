@@ -4,8 +4,10 @@ use sil_host::diagnosis::{Condition, Diagnosis, ModelStatistics};
 use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Section, Table};
 
+use super::diagnose_report::capitalised;
+
 /// Conditions drawn per axis: the strongest ones.
-const DRAWN_PER_AXIS: usize = 3;
+const DRAWN_PER_AXIS: usize = 2;
 
 /// Under which conditions the errors arise.
 pub fn where_it_arises(answer: &Diagnosis) -> Section {
@@ -16,11 +18,23 @@ pub fn where_it_arises(answer: &Diagnosis) -> Section {
          constant moment's.",
     );
     for of_axis in answer.conditions.chunk_by(|a, b| a.axis == b.axis) {
-        let drawn = of_axis.iter().take(DRAWN_PER_AXIS).map(|condition| condition_chart(condition, answer));
-        section = section.side_by_side(title_case(of_axis[0].axis), drawn);
+        let axis = capitalised(of_axis[0].axis);
+        let significant: Vec<&Condition> = of_axis.iter().filter(|condition| condition.is_significant()).collect();
+        if significant.is_empty() {
+            section = section.paragraph(format!("{axis}: nothing is missing that chance would not explain."));
+            continue;
+        }
+        let shapes = significant.iter().filter(|condition| condition.nominal_bins.len() > 1);
+        // a constant alone is a level over whatever it is drawn over
+        let angle = of_axis.iter().filter(|condition| condition.condition == "angle");
+        let mut drawn: Vec<&Condition> = shapes.copied().take(DRAWN_PER_AXIS).collect();
+        if drawn.is_empty() {
+            drawn.extend(angle);
+        }
+        section = section.side_by_side(axis, drawn.into_iter().map(|condition| condition_chart(condition, answer)));
     }
     let mut table = Table::new(
-        "Share of the variance of the missing acceleration that goes with a condition",
+        "Share of the missing acceleration's variance that goes with a condition (of its mean square, with being constant)",
         &["axis", "condition", "nominal model, %", "with the findings, %", "chance stays below, %"],
     );
     for condition in &answer.conditions {
@@ -65,7 +79,7 @@ pub fn left_over(log: &Log, answer: &Diagnosis) -> Section {
         .spectra
         .iter()
         .map(|spectrum| {
-            let title = format!("{}, missing acceleration", title_case(spectrum.axis));
+            let title = format!("{}, missing acceleration", capitalised(spectrum.axis));
             let chart = Chart::over("frequency, Hz", title, "deg/s²");
             let chart = chart.series("nominal model", &spectrum.frequency_hz, &spectrum.nominal_deg_s2);
             if answer.findings.is_empty() {
@@ -82,63 +96,72 @@ pub fn left_over(log: &Log, answer: &Diagnosis) -> Section {
             spectra,
         );
     }
-    section = section.table(statistics(answer)).paragraph(
-        "Fit: 100 % is perfect, 0 % no better than the mean of the measurement. Theil's U: 0 is perfect, 1 unrelated; its split says whether \
-         the error is an offset (bias), a wrong size of the motion (variance) or neither (covariance). Ljung and Box, and the correlation with \
-         the axis' command: above their bounds, which chance exceeds once in a hundred, the residual has a structure.",
-    );
+    section = section
+        .table(sizes(answer))
+        .paragraph(
+            "Fit: 100 % is perfect, 0 % no better than the mean of the measurement. Theil's U: 0 is perfect, 1 unrelated; its split says \
+             whether the error is an offset (bias), a wrong size of the motion (variance) or neither (covariance).",
+        )
+        .table(structures(answer))
+        .paragraph(
+            "What a right model leaves is noise without memory that has nothing to do with the command. Above the bounds, which chance \
+             exceeds once in a hundred, the residual has a structure.",
+        );
     if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
         section = section.warning("This log is synthetic: it was simulated, not measured.");
     }
     section.list(log.notes.iter().cloned())
 }
 
-fn statistics(answer: &Diagnosis) -> Table {
-    let mut table = Table::new(
-        "The figures that people know, over the held-out windows",
-        &[
-            "",
-            "model",
-            "mean |error|",
-            "fit, %",
-            "Theil's U",
-            "bias, %",
-            "variance, %",
-            "covariance, %",
-            "Ljung-Box",
-            "bound",
-            "with command",
-            "bound",
-        ],
-    );
+/// A table with a row per channel and model.
+fn statistics<const N: usize>(
+    answer: &Diagnosis,
+    caption: &str,
+    header: [&str; N],
+    cells: impl Fn(&ModelStatistics) -> [Cell; N],
+) -> Table {
+    let header: Vec<&str> = ["", "model"].into_iter().chain(header).collect();
+    let mut table = Table::new(caption, &header);
     for channel in &answer.statistics {
         let name = format!("{}, {}", channel.quantity, channel.unit);
-        table = table.row(statistics_row(name, "nominal", &channel.nominal));
+        table = table.row([Cell::from(name), "nominal".into()].into_iter().chain(cells(&channel.nominal)));
         if !answer.findings.is_empty() {
-            table = table.row(statistics_row(String::new(), "findings", &channel.extended));
+            table = table.row([Cell::from(""), "findings".into()].into_iter().chain(cells(&channel.extended)));
         }
     }
     table
 }
 
-fn statistics_row(name: String, model: &str, of: &ModelStatistics) -> Vec<Cell> {
-    let number = |value: Option<f64>, decimals| Cell::number(value.unwrap_or(f64::NAN), decimals);
-    let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 0);
-    let split = of.agreement.theil_split;
-    vec![
-        Cell::from(name),
-        Cell::from(model),
-        Cell::number(of.agreement.mean_abs, 3),
-        number(of.agreement.fit_pct, 1),
-        number(of.agreement.theil, 3),
-        percent(split.map(|split| split.bias)),
-        percent(split.map(|split| split.variance)),
-        percent(split.map(|split| split.covariance)),
-        number(of.ljung_box.map(|test| test.statistic), 0),
-        number(of.ljung_box.map(|test| test.bound), 0),
-        number(of.input_correlation.map(|with| with.correlation), 2),
-        number(of.input_correlation.map(|with| with.bound), 2),
-    ]
+fn number(value: Option<f64>, decimals: usize) -> Cell {
+    Cell::number(value.unwrap_or(f64::NAN), decimals)
+}
+
+fn sizes(answer: &Diagnosis) -> Table {
+    let header = ["mean |error|", "fit, %", "Theil's U", "bias, %", "variance, %", "covariance, %"];
+    statistics(answer, "Size of the error over the held-out windows", header, |of| {
+        let split = of.agreement.theil_split;
+        let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 0);
+        [
+            Cell::number(of.agreement.mean_abs, 3),
+            number(of.agreement.fit_pct, 1),
+            number(of.agreement.theil, 3),
+            percent(split.map(|split| split.bias)),
+            percent(split.map(|split| split.variance)),
+            percent(split.map(|split| split.covariance)),
+        ]
+    })
+}
+
+fn structures(answer: &Diagnosis) -> Table {
+    let header = ["Ljung and Box's Q", "bound", "correlation with the command", "bound"];
+    statistics(answer, "Structure of what is left in the held-out windows, their starts at their best", header, |of| {
+        [
+            number(of.ljung_box.map(|test| test.statistic), 0),
+            number(of.ljung_box.map(|test| test.bound), 0),
+            number(of.input_correlation.map(|with| with.correlation), 2),
+            number(of.input_correlation.map(|with| with.bound), 2),
+        ]
+    })
 }
 
 /// What the log does not tell apart, what it does not excite, and which flight would.
@@ -161,16 +184,20 @@ pub fn what_cannot_be_told(answer: &Diagnosis) -> Section {
     if let Some(scenario) = answer.experiment.as_ref().and_then(|experiment| experiment.scenario.as_ref()) {
         section = section.paragraph("As a script for sil fly --script:").code(scenario.to_script());
     }
-    section.table(excitation(answer))
+    let number = answer.excitation.condition_number.map_or("none".to_owned(), |number| format!("{number:.1}"));
+    section
+        .paragraph(format!(
+            "How closely the log could tell the basic parameters of each axis. The condition number of their information is {number}: at 1 \
+             each leaves a trace of its own, above 1000 some look alike."
+        ))
+        .table(excitation(answer))
 }
 
 fn excitation(answer: &Diagnosis) -> Table {
-    let number = answer.excitation.condition_number.map_or("none".to_owned(), |number| format!("{number:.1}"));
-    let caption = format!(
-        "How closely the log could tell the basic parameters, as standard deviations; condition number of their information: {number} \
-         (1: each leaves a trace of its own; above 1000: some look alike)"
+    let mut table = Table::new(
+        "Standard deviations that the log's noise allows",
+        &["effect", "parameter", "the others known", "all fitted together"],
     );
-    let mut table = Table::new(caption, &["effect", "parameter", "the others known", "all together"]);
     for of in &answer.excitation.parameters {
         let effect = of.axis.map_or_else(|| of.effect.to_owned(), |axis| format!("{}, {axis}", of.effect));
         table = table.row([effect.into(), of.parameter.into(), deviation(of.std_alone), deviation(of.std_together)]);
@@ -182,9 +209,4 @@ fn excitation(answer: &Diagnosis) -> Table {
 fn deviation(std: Option<f64>) -> Cell {
     let decimals = std.map_or(0, |std| (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize);
     Cell::number(std.unwrap_or(f64::NAN), decimals)
-}
-
-fn title_case(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -8,6 +8,9 @@ use sil_host::report::{Cell, Chart, Page, Section, Table};
 use super::diagnose_evidence;
 use super::flight_report::degrees;
 
+/// More effects than these with the same reason are told in one breath.
+const DENIED_ALIKE: usize = 3;
+
 /// A page of its own.
 pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
     let mut page = Page::new("Why does the simulation disagree?").lead(lead(answer)).lead(format!(
@@ -97,7 +100,7 @@ fn causes(answer: &Diagnosis) -> Section {
     let gain = &answer.gain;
     let between = gain.total_interval_pct.map(|interval| format!(" ({} %)", interval_text(interval)));
     section
-        .list(answer.findings.iter().map(|finding| finding.statement.clone()))
+        .list(answer.findings.iter().map(|finding| capitalised(&finding.statement)))
         .table(table)
         .paragraph(format!(
             "Each effect was fitted to every second window of the log and judged on the windows in between, which no fit has seen. There \
@@ -167,22 +170,18 @@ fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {
 
 /// RMSE of angles, rates and accelerations after several times.
 fn horizons(answer: &Diagnosis) -> Table {
-    let header: Vec<String> = answer
-        .horizons
-        .iter()
-        .flat_map(|horizon| ["nominal", "findings", "exact"].map(|model| format!("{} s, {model}", horizon.horizon_s)))
-        .collect();
-    let mut names = vec![""];
-    names.extend(header.iter().map(String::as_str));
-    let caption =
-        "RMSE of open-loop predictions over several times; those longer than a window cover rows that the fit has seen";
+    let header: Vec<String> = answer.horizons.iter().map(|horizon| format!("{} s", horizon.horizon_s)).collect();
+    let names: Vec<&str> = std::iter::once("").chain(header.iter().map(String::as_str)).collect();
+    let caption = "RMSE of predictions over several times: nominal → with the findings (an exact model); above 0.5 s half of the rows \
+                   were seen by the fit";
     let mut table = Table::new(caption, &names);
     let Some(first) = answer.horizons.first() else { return table };
     for error in &first.errors {
-        let cells = answer.horizons.iter().flat_map(|horizon| {
+        let cells = answer.horizons.iter().map(|horizon| {
             let found = horizon.errors.iter().find(|other| other.quantity == error.quantity);
-            let values = found.map_or([f64::NAN; 3], |found| [found.nominal, found.extended, found.noise_floor]);
-            values.map(|value| Cell::number(value, 2))
+            found.map_or(Cell::from(""), |e| {
+                Cell::from(format!("{:.2} → {:.2} ({:.2})", e.nominal, e.extended, e.noise_floor))
+            })
         });
         let name = Cell::from(format!("{}, {}", error.quantity, error.unit));
         table = table.row(std::iter::once(name).chain(cells));
@@ -190,14 +189,30 @@ fn horizons(answer: &Diagnosis) -> Table {
     table
 }
 
+/// What came near, one by one; what was denied for one and the same reason, together.
 fn denied(answer: &Diagnosis) -> Section {
-    let mut table = Table::new("What was asked and denied", &["effect", "axis", "why not"]);
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for rejected in &answer.rejected {
-        table = table.row([
-            Cell::from(rejected.effect),
-            Cell::from(rejected.axis.clone()),
-            Cell::from(rejected.reason.clone()),
-        ]);
+        let place = if rejected.axis.is_empty() { String::new() } else { format!(" ({})", rejected.axis) };
+        let name = format!("{}{place}", rejected.effect);
+        match reasons.iter_mut().find(|(reason, _)| *reason == rejected.reason) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((&rejected.reason, vec![name])),
+        }
     }
-    Section::new("What it is not").table(table)
+    let (alike, single): (Vec<_>, Vec<_>) = reasons.into_iter().partition(|(_, names)| names.len() > DENIED_ALIKE);
+    let mut section = Section::new("What it is not");
+    if !single.is_empty() {
+        let table = Table::new("What was asked and denied", &["effect", "why not"]);
+        section = section.table(
+            single.iter().fold(table, |table, (why, names)| table.row([names.join(", ").into(), Cell::from(*why)])),
+        );
+    }
+    section.list(alike.iter().map(|(why, names)| format!("{}: {}.", capitalised(why), names.join(", "))))
+}
+
+/// The same with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -112,10 +112,14 @@ fn strongest_conditions(answer: &Diagnosis) -> impl Iterator<Item = &Condition> 
 }
 
 fn condition_text(condition: &Condition) -> String {
-    format!(
-        "{}: what the nominal model lacks goes with the {} ({:.0} % of its variance, {:.0} % with the findings; chance stays below {:.0} %)",
-        condition.axis, condition.condition, condition.nominal_pct, condition.extended_pct, condition.chance_pct
-    )
+    let shares = format!(
+        "{:.0} %, with the findings {:.0} %; by chance up to {:.0} %",
+        condition.nominal_pct, condition.extended_pct, condition.chance_pct
+    );
+    match condition.condition {
+        "constant" => format!("{}: what the nominal model lacks is mostly constant ({shares})", condition.axis),
+        with => format!("{}: what the nominal model lacks goes with the {with} ({shares})", condition.axis),
+    }
 }
 
 fn excitation_text(answer: &Diagnosis) -> String {

@@ -86,18 +86,22 @@ mod tests {
         let make = |repeat: usize, noise: &mut RandomStream| -> Vec<f64> {
             (0..240 / repeat).flat_map(|_| vec![noise.normal(); repeat]).collect()
         };
-        let width = |values: &[f64]| {
+        let mut width = |repeat: usize| {
+            let values = make(repeat, &mut noise);
             let mean = |drawn: &[usize]| drawn.iter().map(|i| values[*i]).sum::<f64>() / drawn.len() as f64;
             let [low, high] = interval(values.len(), mean).unwrap();
-            assert!(low < mean(&(0..240).collect::<Vec<_>>()) && mean(&(0..240).collect::<Vec<_>>()) < high);
+            let all = mean(&(0..240).collect::<Vec<_>>());
+            assert!(low < all && all < high);
             high - low
         };
+        // one width scatters by 9 %, the mean of thirty by 2 %
+        let mut mean_width = |repeat: usize| (0..30).map(|_| width(repeat)).sum::<f64>() / 30.0;
         // 2 * 1.96 / sqrt(240) = 0.253
-        let single = width(&make(1, &mut noise));
-        assert!((0.2..0.31).contains(&single), "{single}");
-        // blocks of four at any offset keep (4 + 2 * (3 + 2 + 1) * 2/4...)/4 = 2.75 of the variance's factor of four
-        let fourfold = width(&make(4, &mut noise));
-        assert!(fourfold > 1.3 * single, "{fourfold} against {single}");
+        let single = mean_width(1);
+        assert!((0.23..0.275).contains(&single), "{single}");
+        // sums of four neighbours at any offset have a mean square of (16 + 10 + 8 + 10) / 4 = 11, against 4: a width 1.66 times as large
+        let fourfold = mean_width(4) / single;
+        assert!((1.5..1.8).contains(&fourfold), "{fourfold}");
         assert_eq!(interval(WINDOWS_MIN - 1, |_| 1.0), None);
         assert_eq!(interval(20, |_| f64::NAN), None);
     }

@@ -21,11 +21,11 @@ const FREQUENCIES: usize = 48;
 pub struct Condition {
     /// The axis of the acceleration.
     pub axis: &'static str,
-    /// angle, rate, command, throttle or time.
+    /// angle, rate, command, throttle or time; constant for the mean.
     pub condition: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// Share of the variance of the missing acceleration that goes with it, without any effect, %.
+    /// Share of the variance of the missing acceleration that goes with it (of the mean square, of a constant), without any effect, %.
     pub nominal_pct: f64,
     /// The same with the findings.
     pub extended_pct: f64,
@@ -69,56 +69,71 @@ pub(super) fn conditions(
     let missing = models.each_ref().map(|driven| missing_acceleration(shooting, driven, STRETCH_S));
     let (mut conditions, mut spectra) = (Vec::new(), Vec::new());
     for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(axis.index())) {
-        let i = axis.index();
         let series = missing.each_ref().map(|missing| {
-            let intervals = missing[i].as_ref()?;
+            let intervals = missing[axis.index()].as_ref()?;
             Some(intervals.iter().map(|at| (at.time_s, at.acceleration_rad_s2.to_degrees())).collect::<Vec<_>>())
         });
         let [Some(nominal), Some(extended)] = series else { continue };
-        let row_at = |time_s: f64| shooting.rows().partition_point(|row_s| *row_s <= time_s).saturating_sub(1);
-        let rows: Vec<usize> = nominal.iter().map(|(time_s, _)| row_at(*time_s)).collect();
-        let column =
-            |values: Option<&[f64]>| Some(rows.iter().map(|row| values.map(|v| v[*row])).collect::<Option<Vec<_>>>()?);
-        let degrees = |place| Some(column(shooting.measured(place))?.iter().map(|value| value.to_degrees()).collect());
-        let candidates: [(&str, &str, Option<Vec<f64>>); 5] = [
-            ("angle", "deg", degrees(i)),
-            ("rate", "deg/s", degrees(3 + i)),
-            ("command", "", Some(rows.iter().map(|row| commands[*row][i]).collect())),
-            ("throttle", "", column(throttle)),
-            ("time", "s", Some(nominal.iter().map(|(time_s, _)| *time_s).collect())),
-        ];
-        let mut of_axis: Vec<Condition> = candidates
+        let series = [nominal.as_slice(), extended.as_slice()];
+        let mut of_axis: Vec<Condition> = candidates(shooting, axis.index(), series[0], commands, throttle)
             .into_iter()
-            .filter_map(|(name, unit, values)| condition(axis, name, unit, &values?, [&nominal, &extended]))
+            .filter_map(|(name, unit, values)| {
+                condition(axis, name, unit, series.map(|series| against(series, &values)))
+            })
             .collect();
+        let errors = |series: &[(f64, f64)]| series.iter().map(|(_, error)| *error).collect::<Vec<f64>>();
+        let constant = series.map(|series| ConditionalError::constant(&errors(series)));
+        of_axis.extend(condition(axis, "constant", "", constant));
         of_axis.sort_by(|a, b| b.nominal_pct.total_cmp(&a.nominal_pct));
         conditions.extend(of_axis);
-        spectra.extend(spectrum(axis, [&nominal, &extended]));
+        spectra.extend(spectrum(axis, series));
     }
     (conditions, spectra)
 }
 
+/// What an axis' error is held against, at the times of a series: name, unit, values.
+fn candidates(
+    shooting: &Shooting<'_>,
+    axis: usize,
+    series: &[(f64, f64)],
+    commands: &[[f64; 4]],
+    throttle: Option<&[f64]>,
+) -> Vec<(&'static str, &'static str, Vec<f64>)> {
+    let row_at = |time_s: f64| shooting.rows().partition_point(|row_s| *row_s <= time_s).saturating_sub(1);
+    let rows: Vec<usize> = series.iter().map(|(time_s, _)| row_at(*time_s)).collect();
+    let of_rows = |value: &dyn Fn(usize) -> f64| rows.iter().map(|row| value(*row)).collect::<Vec<f64>>();
+    let measured = |place| shooting.measured(place).map(|column| of_rows(&|row| column[row].to_degrees()));
+    let candidates = [
+        ("angle", "deg", measured(axis)),
+        ("rate", "deg/s", measured(3 + axis)),
+        ("command", "", Some(of_rows(&|row| commands[row][axis]))),
+        ("throttle", "", throttle.map(|throttle| of_rows(&|row| throttle[row]))),
+        ("time", "s", Some(series.iter().map(|(time_s, _)| *time_s).collect())),
+    ];
+    candidates.into_iter().filter_map(|(name, unit, values)| Some((name, unit, values?))).collect()
+}
+
+fn against(series: &[(f64, f64)], values: &[f64]) -> Option<ConditionalError> {
+    let samples: Vec<(f64, f64)> = values.iter().zip(series).map(|(value, (_, error))| (*value, *error)).collect();
+    ConditionalError::of(&samples)
+}
+
 fn condition(
     axis: Axis,
-    name: &'static str,
+    condition: &'static str,
     unit: &'static str,
-    values: &[f64],
-    series: [&[(f64, f64)]; 2],
+    errors: [Option<ConditionalError>; 2],
 ) -> Option<Condition> {
-    let against = |series: &[(f64, f64)]| {
-        let samples: Vec<(f64, f64)> = values.iter().zip(series).map(|(value, (_, error))| (*value, *error)).collect();
-        ConditionalError::of(&samples)
-    };
-    let [nominal, extended] = [against(series[0])?, against(series[1])?];
+    let [nominal, extended] = [errors[0].as_ref()?, errors[1].as_ref()?];
     Some(Condition {
         axis: axis.name(),
-        condition: name,
+        condition,
         unit,
         nominal_pct: 100.0 * nominal.share,
         extended_pct: 100.0 * extended.share,
         chance_pct: 100.0 * nominal.chance,
-        nominal_bins: nominal.bins,
-        extended_bins: extended.bins,
+        nominal_bins: nominal.bins.clone(),
+        extended_bins: extended.bins.clone(),
     })
 }
 

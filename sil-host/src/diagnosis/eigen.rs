@@ -38,9 +38,9 @@ fn rotate(a: &mut [f64], vectors: &mut [Vec<f64>], size: usize, p: usize, q: usi
         let (pk, qk) = (a[p * size + k], a[q * size + k]);
         (a[p * size + k], a[q * size + k]) = (cos * pk - sin * qk, sin * pk + cos * qk);
     }
-    for k in 0..size {
-        let (pk, qk) = (vectors[p][k], vectors[q][k]);
-        (vectors[p][k], vectors[q][k]) = (cos * pk - sin * qk, sin * pk + cos * qk);
+    let (before, from_q) = vectors.split_at_mut(q);
+    for (of_p, of_q) in before[p].iter_mut().zip(&mut from_q[0]) {
+        (*of_p, *of_q) = (cos * *of_p - sin * *of_q, sin * *of_p + cos * *of_q);
     }
 }
 

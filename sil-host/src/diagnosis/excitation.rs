@@ -49,9 +49,9 @@ pub struct Excited {
     pub std_alone: Option<f64>,
     /// The same if all are fitted together.
     pub std_together: Option<f64>,
-    /// For a gain, its size.
+    /// Its value in the fit.
     #[serde(skip)]
-    scale: f64,
+    value: f64,
 }
 
 /// Looks at all windows of a log, at the fit.
@@ -112,7 +112,7 @@ fn excited(terms: &[Term<'_>], information: &[f64], is_vehicle: bool) -> Vec<Exc
                 parameter: if is_vehicle { parameter.name } else { per_unit_inertia(parameter.name) },
                 std_alone: (own > 0.0).then(|| 1.0 / own.sqrt()),
                 std_together: together.filter(|_| own > 0.0),
-                scale: if parameter.nominal == 0.0 { value.abs() } else { parameter.nominal },
+                value: *value,
             }
         })
         .collect()
@@ -139,7 +139,7 @@ fn weaknesses(parameters: &[Excited], condition_number: Option<f64>, alike: &[us
     for of in parameters.iter().filter(|of| ["inertia_error", "input_gain"].contains(&of.effect)) {
         let axis = of.axis.unwrap_or_default();
         let what = if of.effect == "input_gain" { "its input gain" } else { "its inertia" };
-        match of.std_together.map(|std| std / of.scale) {
+        match of.std_together.map(|std| std / of.value.abs()) {
             None => sentences.push(format!("The command of {axis} never moves it in this log: nothing can be said of {what}.")),
             Some(relative) if relative > UNMOVED => sentences.push(format!(
                 "The command hardly moves {axis} in this log: {what} could be told to {:.0} % only (one standard deviation).",

@@ -2,17 +2,19 @@
 //!
 //! For a finding and its rival, an effect that this log does not tell from it, each of the two models flies each candidate in closed loop, without noise, under
 //! the cascade; the other one is fitted anew to that flight, so that it gets every chance. Half of the sum of squares that it leaves, in units of this log's noise,
-//! is the difference of log-likelihoods to be expected from such a flight if the first is true (Kullback and Leibler). What counts is the mean of both ways
+//! is the difference of log-likelihoods to be expected from such a flight if the first is true (Kullback and Leibler). The other may be on another axis or motor
+//! than in this log: a flight is to settle the matter by itself. What counts is the mean of both ways
 //! (Box and Hill, Technometrics 9, 1967): a rival of which the finding is a special case can never be less likely, but it can turn out not to be needed. The
 //! plainest manoeuvre that is decisive is proposed, else the best one.
 
 use shared_control::config::Controller;
 
+use super::effects::Effect;
 use super::extension::model_with_terms;
 use super::fit::{Term, fit, model_of};
 use super::manoeuvres::{Manoeuvre, manoeuvres};
 use super::progress::Progress;
-use super::search::{Candidate, Found, Search, TOLD_APART};
+use super::search::{Found, Search, TOLD_APART};
 use super::subject::Subject;
 use super::verdict::Finding;
 use crate::controller_file::ControllerChoice;
@@ -41,8 +43,16 @@ pub struct Experiment {
 struct Pair<'e> {
     /// "torque_bias (pitch) from cg_offset".
     names: String,
-    /// The model with the rival in it.
-    rival: &'e [Term<'e>],
+    finding: Side<'e>,
+    rival: Side<'e>,
+}
+
+/// One of the two.
+struct Side<'e> {
+    /// The model with it in.
+    terms: Vec<Term<'e>>,
+    /// The same, and with the effect on each other axis or motor.
+    family: Vec<Vec<Term<'e>>>,
 }
 
 /// A manoeuvre and the differences of log-likelihoods to be expected from it, pair by pair.
@@ -59,7 +69,7 @@ pub(super) fn separating(
     found: &Found<'_>,
     findings: &[Finding],
 ) -> Option<Experiment> {
-    let pairs = pairs(found, findings);
+    let pairs = pairs(search, found, findings);
     if pairs.is_empty() {
         return None;
     }
@@ -75,8 +85,8 @@ pub(super) fn separating(
     let total = candidates.len();
     for (done, manoeuvre) in candidates.into_iter().enumerate() {
         (search.observer)(Progress::Separating { done, total });
-        let of = |pair: &Pair<'_>| judge.told_apart(&manoeuvre.scenario, &found.chosen.fit.terms, pair.rival);
-        let tried = Tried { told: pairs.iter().map(of).collect(), manoeuvre };
+        let told = pairs.iter().map(|pair| judge.told_apart(&manoeuvre.scenario, pair)).collect();
+        let tried = Tried { told, manoeuvre };
         let is_decisive = tried.told.iter().all(|told| *told >= DECISIVE);
         if best.as_ref().is_none_or(|best| tried.worth() > best.worth()) {
             best = Some(tried);
@@ -122,16 +132,37 @@ fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.collect::<Vec<_>>().join(" and ")
 }
 
-fn pairs<'e>(found: &'e Found<'e>, findings: &[Finding]) -> Vec<Pair<'e>> {
-    let of = |(finding, alternatives): (&Finding, &'e Vec<Candidate<'e>>)| -> Vec<Pair<'e>> {
+fn pairs<'e>(search: &Search<'e>, found: &Found<'e>, findings: &[Finding]) -> Vec<Pair<'e>> {
+    let mut pairs = Vec::new();
+    for (place, (finding, alternatives)) in findings.iter().zip(&found.alternatives).enumerate() {
         let axis = finding.axis.map(|axis| format!(" ({axis})")).unwrap_or_default();
-        let pair = |name: &&'static str| {
-            let rival = alternatives.iter().find(|other| other.last_effect().name() == *name)?;
-            Some(Pair { names: format!("{}{axis} from {name}", finding.effect), rival: &rival.fit.terms })
-        };
-        finding.confounded_with.iter().filter_map(|name| pair(name)).collect()
-    };
-    findings.iter().zip(&found.alternatives).flat_map(of).collect()
+        for name in &finding.confounded_with {
+            let rival = alternatives.iter().find(|other| other.last_effect().name() == *name);
+            let Some(rival) = rival.map(|rival| &rival.fit.terms) else { continue };
+            pairs.push(Pair {
+                names: format!("{}{axis} from {name}", finding.effect),
+                finding: Side::of(search, &found.chosen.fit.terms, search.always.len() + place),
+                rival: Side::of(search, rival, rival.len() - 1),
+            });
+        }
+    }
+    pairs
+}
+
+impl<'e> Side<'e> {
+    /// The effect is that of one of the terms.
+    fn of(search: &Search<'e>, terms: &[Term<'e>], index: usize) -> Side<'e> {
+        let effect = terms[index].effect;
+        let others = search.catalogue.iter().map(AsRef::as_ref).filter(|other: &&dyn Effect| {
+            other.name() == effect.name() && (other.axis(), other.motor()) != (effect.axis(), effect.motor())
+        });
+        let moved = others.map(|other| {
+            let mut moved = terms.to_vec();
+            moved[index] = Term { effect: other, values: terms[index].values.clone() };
+            moved
+        });
+        Side { family: std::iter::once(terms.to_vec()).chain(moved).collect(), terms: terms.to_vec() }
+    }
 }
 
 /// A sensor's noise per row, were there as many rows as in the simulated flight.
@@ -152,14 +183,16 @@ struct Judge<'a> {
 
 impl Judge<'_> {
     /// Mean of the expected differences of log-likelihoods if either of two models is true; 0 where neither can be flown.
-    fn told_apart(&self, scenario: &Scenario, terms: &[Term<'_>], rival: &[Term<'_>]) -> f64 {
-        let both = [self.told_if_true(scenario, terms, rival), self.told_if_true(scenario, rival, terms)];
+    fn told_apart(&self, scenario: &Scenario, pair: &Pair<'_>) -> f64 {
+        let (finding, rival) = (&pair.finding, &pair.rival);
+        let both =
+            [self.told_if_true(scenario, &finding.terms, rival), self.told_if_true(scenario, &rival.terms, finding)];
         let flown: Vec<f64> = both.into_iter().flatten().collect();
         flown.iter().sum::<f64>() / flown.len().max(1) as f64
     }
 
     /// The difference if one model is true and the other one is fitted anew.
-    fn told_if_true(&self, scenario: &Scenario, truth: &[Term<'_>], other: &[Term<'_>]) -> Option<f64> {
+    fn told_if_true(&self, scenario: &Scenario, truth: &[Term<'_>], other: &Side<'_>) -> Option<f64> {
         let flight = self.fly(scenario, truth)?;
         let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
         let all: Vec<usize> = (0..shooting.windows.len()).collect();
@@ -167,8 +200,9 @@ impl Judge<'_> {
         let mut starts = shooting.measured_starts(&flown.model);
         // what the two integrators and the rounding of the log differ by
         let own: f64 = shooting.settle(&flown, &all, &mut starts).iter().sum();
-        let left = fit(&shooting, self.search.nominal, other.to_vec(), &starts, &all).training;
-        Some(0.5 * (left - own).max(0.0))
+        let left = |terms: &Vec<Term<'_>>| fit(&shooting, self.search.nominal, terms.clone(), &starts, &all).training;
+        let least = other.family.iter().map(left).fold(f64::INFINITY, f64::min);
+        Some(0.5 * (least - own).max(0.0))
     }
 
     /// A noiseless flight, logged as the log was: what is not in it is not in the flight's.

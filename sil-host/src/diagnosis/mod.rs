@@ -45,11 +45,13 @@ mod subject;
 mod verdict;
 
 #[cfg(test)]
+mod evidence_tests;
+#[cfg(test)]
 mod tests;
 
 use serde::Serialize;
 
-use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, Window, axis_commands};
+use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, axis_commands};
 use crate::log::Log;
 pub use bootstrap::Gain;
 pub use conditions::{Condition, Spectrum};
@@ -183,8 +185,7 @@ pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_
 fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisNoise; 3]> {
     let shooting = search.shooting;
     let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms));
-    let held_out: Vec<Window> = search.held_out.iter().map(|index| shooting.windows[*index]).collect();
-    let errors = accuracy::tallies(&accuracy::predict(shooting, &driven, &held_out));
+    let errors = accuracy::tallies(&accuracy::predict(shooting, &driven, &search.held_out_windows()));
     let is_far = accuracy::worst_ratio(&errors) > UNEXPLAINED_FACTOR;
     is_far.then(|| shooting.most_likely_noise(&driven, &search.training, &found.chosen.fit.starts))
 }
@@ -196,7 +197,7 @@ fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisN
 pub fn prediction_error(log: &Log, subject: &Subject<'_>) -> Result<[ChannelErrors; 2], FidelityError> {
     let shooting = subject.shooting(log, &SensorNoise::of(log))?;
     let driven = shooting.drive(subject.model());
-    let held_out: Vec<Window> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
+    let held_out: Vec<_> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
     Ok(verdict::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out))))
 }
 
@@ -204,7 +205,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let shooting = search.shooting;
     let driven =
         [&found.nominal, &found.chosen].map(|candidate| shooting.drive(model_of(search.nominal, &candidate.fit.terms)));
-    let windows: Vec<Window> = search.held_out.iter().map(|index| shooting.windows[*index]).collect();
+    let windows = search.held_out_windows();
     let predicted = driven.each_ref().map(|driven| accuracy::predict(shooting, driven, &windows));
     let [nominal, extended] = predicted.each_ref().map(|predicted| accuracy::tallies(predicted));
     let [nominal_errors, _] = verdict::channel_errors(&nominal);

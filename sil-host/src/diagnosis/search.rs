@@ -14,6 +14,7 @@ use super::linear::{Cholesky, dot};
 use super::linearisation::Linearisation;
 use super::progress::{Observer, Progress};
 use super::shooting::Shooting;
+use crate::fidelity::Window;
 
 /// Hypotheses that are fitted in full after scoring.
 const FITTED_MAX: usize = 7;
@@ -80,6 +81,11 @@ impl<'e> Search<'e> {
     ) -> Search<'e> {
         let (training, held_out) = (shooting.part(false), shooting.part(true));
         Search { shooting, nominal, catalogue, always, training, held_out, observer }
+    }
+
+    /// The windows that no fit looks at.
+    pub(super) fn held_out_windows(&self) -> Vec<Window> {
+        self.held_out.iter().map(|index| self.shooting.windows[*index]).collect()
     }
 
     /// Looks for the effects in a log.

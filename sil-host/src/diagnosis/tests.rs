@@ -149,7 +149,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
         Term { effect: of("spring"), values: vec![9.0, 0.0] },
     ];
     let nominal = || subject.model();
-    let fitted = |shooting: &Shooting<'_>| {
+    let fitted = |shooting: &shooting::Shooting<'_>| {
         let training = shooting.part(false);
         let driven = shooting.drive(model_of(&nominal, &truth));
         let starts = shooting.measured_starts(&driven.model);

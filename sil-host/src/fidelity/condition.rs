@@ -7,6 +7,8 @@ use super::whiteness::chi_square_99;
 
 /// Bins between the quantiles of 1 % and 99 %.
 const BINS: usize = 12;
+/// What the square of a standard normal variable exceeds in one case of a hundred.
+const CHI_SQUARE_99_OF_ONE: f64 = 6.6349;
 /// Fewer samples in a bin say nothing.
 const SAMPLES_MIN: usize = 8;
 
@@ -62,6 +64,18 @@ impl ConditionalError {
         Some(ConditionalError { bins, share: between / total, chance })
     }
 
+    /// The error's mean as a condition of its own: one bin, its share that of the mean square. `None` without an error.
+    pub fn constant(errors: &[f64]) -> Option<ConditionalError> {
+        let members: Vec<(f64, f64)> = errors.iter().map(|error| (0.0, *error)).collect();
+        let bin = Bin::of(&members);
+        let mean_square = errors.iter().map(|error| error * error).sum::<f64>() / errors.len().max(1) as f64;
+        (mean_square > 0.0).then(|| ConditionalError {
+            bins: vec![bin],
+            share: bin.mean * bin.mean / mean_square,
+            chance: CHI_SQUARE_99_OF_ONE / errors.len() as f64,
+        })
+    }
+
     /// True if chance does not explain it.
     pub fn is_significant(&self) -> bool {
         self.share > self.chance
@@ -103,6 +117,11 @@ mod tests {
             assert!((bin.mean + 3.0 * bin.condition).abs() < 4.5 * bin.mean_std, "{bin:?}");
         }
         assert!(!against(1).is_significant());
+        // an offset of 1 in a mean square of 1 + 3 + 1
+        let errors = |offset: f64| rows.iter().map(|row| offset + row[2]).collect::<Vec<f64>>();
+        let constant = ConditionalError::constant(&errors(1.0)).unwrap();
+        assert!((constant.share - 0.2).abs() < 0.04 && constant.is_significant(), "{}", constant.share);
+        assert!(!ConditionalError::constant(&errors(0.0)).unwrap().is_significant());
     }
 
     #[test]
@@ -112,5 +131,6 @@ mod tests {
         assert_eq!(ConditionalError::of(&[(0.0, 1.0), (1.0, 2.0), (2.0, f64::NAN)]), None);
         let nan: Vec<(f64, f64)> = (0..100).map(|_| (f64::NAN, 1.0)).collect();
         assert_eq!(ConditionalError::of(&nan), None);
+        assert_eq!(ConditionalError::constant(&[]), None);
     }
 }

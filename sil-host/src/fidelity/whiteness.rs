@@ -110,13 +110,11 @@ pub struct InputCorrelation {
     pub bound: f64,
 }
 
-/// Correlates stretches of (residual, input) over lags from 0 to `lags_max` rows; `None` if either does not move.
+/// Correlates stretches of (residual, input), both of the same rows, over lags from 0 to `lags_max` rows; `None` if either does not move.
 pub fn input_correlation(stretches: &[(Vec<f64>, Vec<f64>)], lags_max: usize) -> Option<InputCorrelation> {
-    let mean_of = |which: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> Vec<f64>| {
-        let all: Vec<f64> = stretches.iter().flat_map(which).collect();
-        all.iter().sum::<f64>() / all.len().max(1) as f64
-    };
-    let (mean_e, mean_u) = (mean_of(&|(e, _)| e.clone()), mean_of(&|(_, u)| u.clone()));
+    let samples = stretches.iter().map(|(residual, _)| residual.len()).sum::<usize>().max(1) as f64;
+    let mean_e = stretches.iter().flat_map(|(residual, _)| residual).sum::<f64>() / samples;
+    let mean_u = stretches.iter().flat_map(|(_, input)| input).sum::<f64>() / samples;
     let mut strongest: Option<InputCorrelation> = None;
     for lag in 0..=lags_max {
         let (mut products, mut e_squares, mut u_squares, mut pairs) = (0.0, 0.0, 0.0, 0.0_f64);
