@@ -179,6 +179,30 @@ impl Scenario {
         Ok(Self { name, duration_s: script.duration_s, waypoints })
     }
 
+    /// The script that [`Scenario::parse`] reads back.
+    pub fn to_script(&self) -> String {
+        let mut script =
+            format!("name = {}\nduration_s = {}\n", toml::Value::from(self.name.as_str()), self.duration_s);
+        for waypoint in &self.waypoints {
+            // nine digits: degrees of a radian that was degrees
+            let degrees = |angle_rad: f64| (1e9 * angle_rad.to_degrees()).round() / 1e9;
+            script.push_str(&format!("\n[[step]]\nat_s = {}\n", waypoint.start_s));
+            for (key, value) in [
+                ("roll_deg", degrees(waypoint.roll_rad)),
+                ("pitch_deg", degrees(waypoint.pitch_rad)),
+                ("yaw_rate_deg_s", degrees(waypoint.yaw_rate_rad_s)),
+            ] {
+                if value != 0.0 {
+                    script.push_str(&format!("{key} = {value}\n"));
+                }
+            }
+            if let Some(throttle) = waypoint.throttle {
+                script.push_str(&format!("throttle = {throttle}\n"));
+            }
+        }
+        script
+    }
+
     /// The set-point in force at a time.
     pub fn at(&self, time_s: f64) -> Waypoint {
         let next = self.waypoints.partition_point(|waypoint| waypoint.start_s <= time_s);
@@ -200,6 +224,22 @@ mod tests {
         assert_eq!(sequence.at(3.6).roll_rad, 0.0);
         assert!((sequence.at(27.0).pitch_rad.to_degrees() + 30.0).abs() < 1e-12);
         assert_eq!(sequence.at(28.1).pitch_rad, 0.0);
+    }
+
+    #[test]
+    fn a_scenario_is_written_as_a_script_and_read_back() {
+        let mut sequence = Scenario { name: "a \"test\"".into(), ..Scenario::test_sequence() };
+        sequence.waypoints[3].throttle = Some(0.4);
+        sequence.waypoints[4].yaw_rate_rad_s = -0.3;
+        let back = Scenario::parse(&sequence.to_script(), "s.toml").unwrap();
+        assert_eq!((&back.name, back.duration_s), (&sequence.name, sequence.duration_s));
+        for time_s in (0..297).map(|k| 0.1 * f64::from(k)) {
+            let (back, sequence) = (back.at(time_s), sequence.at(time_s));
+            assert_eq!((back.start_s, back.throttle), (sequence.start_s, sequence.throttle));
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-10;
+            assert!(near(back.roll_rad, sequence.roll_rad) && near(back.pitch_rad, sequence.pitch_rad));
+            assert!(near(back.yaw_rate_rad_s, sequence.yaw_rate_rad_s));
+        }
     }
 
     #[test]

@@ -6,13 +6,12 @@ use clap::Args;
 use sil_host::axis::Axis;
 use sil_host::comparison::{Comparison, ComparisonError, Subject, Vehicle, compare};
 use sil_host::controller_file::ControllerChoice;
-use sil_host::log::{self, Log, Map};
-use sil_host::model::Rig;
+use sil_host::log::Log;
 use sil_host::report::Page;
 
-use super::log_rig::{self, LogRig};
+use super::log_arguments::{LogArguments, quoted};
 use super::text_table::{TextTable, number};
-use super::{Failure, bad_input, compare_report, print, vehicle_model, write_file, write_json};
+use super::{Failure, bad_input, compare_report, print, write_file, write_json};
 
 /// Hold a measured log against the simulation: closed loop and open-loop replay
 #[derive(Args)]
@@ -23,18 +22,8 @@ The replay is open loop: in windows of 0.5 s the model starts where the log was 
 With --controller the closed loop is simulated too, on the log's references."
 )]
 pub struct CompareArguments {
-    /// The log: CSV or CSV.gz
-    #[arg(value_name = "LOG")]
-    log: PathBuf,
-    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller, crazypad_motor)
-    #[arg(long, value_name = "MAP")]
-    map: Option<String>,
-    /// Vehicle model [default: the project's F450 on that rig]
-    #[arg(long, value_name = "M.toml")]
-    model: Option<PathBuf>,
-    /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
-    #[arg(long, value_enum)]
-    rig: Option<LogRig>,
+    #[command(flatten)]
+    log: LogArguments,
     /// What flew: pid, mpc, or a controller file
     #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
     controller: Option<String>,
@@ -47,8 +36,7 @@ pub struct CompareArguments {
 }
 
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
-    let map = arguments.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
-    let log = log::read(&arguments.log, map.as_ref()).map_err(bad_input)?;
+    let log = arguments.log.read()?;
     let subject = subject(arguments, &log)?;
     let comparison = compare(&log, &subject).map_err(|error| match (&error, &arguments.controller) {
         (ComparisonError::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
@@ -60,7 +48,11 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     for section in compare_report::sections(&log, &comparison, &subject) {
         page = page.section(section);
     }
-    page = page.provenance("Log", log.path.clone()).provenance("Version", env!("CARGO_PKG_VERSION"));
+    let mut command = arguments.log.command("compare");
+    if let Some(controller) = &arguments.controller {
+        command.push_str(&format!(" --controller {}", quoted(controller)));
+    }
+    page = page.provenance("Command", command).provenance("Version", env!("CARGO_PKG_VERSION"));
     write_file(&arguments.report, page.to_html().as_bytes())?;
     print(format!("report  {}\n", arguments.report.display()))?;
     write_json(arguments.json.as_deref(), &comparison.summary())
@@ -73,20 +65,10 @@ fn file_name(log: &Log) -> String {
 }
 
 fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> {
-    let rig = log_rig::of(log, arguments.rig, arguments.map.is_some(), arguments.model.is_some());
     let controller =
         arguments.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)?;
-    let rig = match rig {
-        Some(LogRig::Axis) if arguments.model.is_some() || controller.is_some() => {
-            return Err(bad_input("--rig axis knows no vehicle: leave out --model and --controller"));
-        }
-        Some(LogRig::Axis) => return Ok(Subject::Axes),
-        Some(LogRig::Gimbal) => Some(Rig::Gimbal),
-        Some(LogRig::Free) => Some(Rig::Free),
-        None => None,
-    };
-    let model = vehicle_model(arguments.model.as_deref(), rig)?;
-    Ok(Subject::Vehicle(Box::new(Vehicle { model, controller })))
+    let vehicle = arguments.log.vehicle(log, controller.map(|_| "--controller"))?;
+    Ok(vehicle.map_or(Subject::Axes, |model| Subject::Vehicle(Box::new(Vehicle { model, controller }))))
 }
 
 /// What the terminal shows.

@@ -13,9 +13,10 @@ use sil_host::model::{Rig, VehicleModel};
 use sil_host::report::Page;
 use sil_host::scenario::Scenario;
 
+use super::progress_line::ProgressLine;
 use super::{
-    Failure, bad_input, compare as compare_command, compare_report, diagnose, diagnose_report, failed, flight_report,
-    fly, print, write_file,
+    Failure, bad_input, compare as compare_command, compare_report, diagnose_report, diagnose_text, failed,
+    flight_report, fly, print, write_file,
 };
 
 /// The rig log that ships: synthetic, flown by the thesis' MPC (100 Hz, M = 1) on a ring that is off balance.
@@ -55,8 +56,12 @@ pub fn run() -> Result<(), Failure> {
 
     print("\n3. What the simulation gets wrong\n")?;
     let nominal = VehicleModel::nominal(Rig::Gimbal);
-    let answer = diagnosis::diagnose(&log, &diagnosis::Subject::Vehicle(&nominal)).map_err(bad_input)?;
-    print(diagnose::verdict_text(&answer))?;
+    let answer = {
+        let line = ProgressLine::new();
+        let subject = diagnosis::Subject::Vehicle(&nominal);
+        diagnosis::diagnose_observed(&log, &subject, &|progress| line.show(progress)).map_err(bad_input)?
+    };
+    print(diagnose_text::verdict_text(&answer))?;
 
     let mut page = Page::new("A quadrotor on its testbed: flown, and held against a log")
         .lead(
@@ -65,8 +70,7 @@ pub fn run() -> Result<(), Failure> {
              of the disagreement is looked for; the log is synthetic, made with a ring that is off balance, as the thesis \
              suspected of its own.",
         )
-        .lead(compare_report::lead(&comparison, &subject))
-        .lead(diagnose_report::headline(answer.verdict));
+        .lead(diagnose_report::lead(&answer));
     let flights = flight_report::sections(&flown);
     let log_sections = compare_report::sections(&log, &comparison, &subject);
     for section in flights.into_iter().chain(log_sections).chain(diagnose_report::sections(&log, &answer)) {

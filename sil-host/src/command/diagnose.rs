@@ -1,16 +1,13 @@
 //! `sil diagnose`: what the simulation gets wrong, its cause, the extended model, the gain on held-out data.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use sil_host::diagnosis::{Diagnosis, Finding, Subject, Verdict, diagnose};
-use sil_host::log::{self, Log, Map};
-use sil_host::model::{Rig, VehicleModel};
-use sil_host::plant::effects::Effect;
+use sil_host::diagnosis::{Subject, diagnose_observed, extended_model};
 
-use super::log_rig::{self, LogRig};
-use super::text_table::{TextTable, number};
-use super::{Failure, bad_input, diagnose_report, print, vehicle_model, write_file, write_json};
+use super::log_arguments::LogArguments;
+use super::progress_line::ProgressLine;
+use super::{Failure, bad_input, diagnose_report, diagnose_text, print, write_file, write_json};
 
 /// Find what the simulation gets wrong in a measured log, and name the cause
 #[derive(Args)]
@@ -18,24 +15,17 @@ use super::{Failure, bad_input, diagnose_report, print, vehicle_model, write_fil
     after_help = "Example: sil diagnose out/rig.csv --report out/diagnosis.html   (sil synth out/rig.csv makes a log)\n\
 Example: sil diagnose bench.csv.gz --map antx\n\n\
 Each effect of the catalogue is fitted to every second window of 0.5 s and judged on the windows in between. Then\n\
-`sil compare LOG --model out/extended.toml` shows what is left."
+`sil compare LOG --model out/extended.toml` shows what is left. docs/reading-a-diagnosis.md explains the figures."
 )]
 pub struct DiagnoseArguments {
-    /// The log: CSV or CSV.gz
-    #[arg(value_name = "LOG")]
-    log: PathBuf,
-    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller, crazypad_motor)
-    #[arg(long, value_name = "MAP")]
-    map: Option<String>,
-    /// Vehicle model [default: the project's F450 on that rig]
-    #[arg(long, value_name = "M.toml")]
-    model: Option<PathBuf>,
-    /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
-    #[arg(long, value_enum)]
-    rig: Option<LogRig>,
+    #[command(flatten)]
+    log: LogArguments,
     /// Write the model with the findings in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
+    /// Write the flight that would tell apart what this log does not, for `sil fly --script`
+    #[arg(long, value_name = "OUT.toml")]
+    experiment: Option<PathBuf>,
     /// Write a report for the browser
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
@@ -44,91 +34,42 @@ pub struct DiagnoseArguments {
     json: Option<PathBuf>,
 }
 
+impl DiagnoseArguments {
+    /// The option that separate axes can't serve.
+    fn wants_vehicle(&self) -> Option<&'static str> {
+        let extended = self.extended.as_ref().map(|_| "--extended");
+        extended.or(self.experiment.as_ref().map(|_| "--experiment"))
+    }
+}
+
 pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
-    let map = arguments.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
-    let log = log::read(&arguments.log, map.as_ref()).map_err(bad_input)?;
-    let model = match log_rig::of(&log, arguments.rig, arguments.map.is_some(), arguments.model.is_some()) {
-        Some(LogRig::Axis) if arguments.model.is_some() || arguments.extended.is_some() => {
-            return Err(bad_input("--rig axis knows no vehicle: leave out --model and --extended"));
-        }
-        Some(LogRig::Axis) => None,
-        Some(LogRig::Gimbal) => Some(vehicle_model(arguments.model.as_deref(), Some(Rig::Gimbal))?),
-        Some(LogRig::Free) => Some(vehicle_model(arguments.model.as_deref(), Some(Rig::Free))?),
-        None => Some(vehicle_model(arguments.model.as_deref(), None)?),
-    };
+    let log = arguments.log.read()?;
+    let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
     let subject = model.as_ref().map_or(Subject::Axes, Subject::Vehicle);
-    let answer = diagnose(&log, &subject).map_err(|error| bad_input(format!("{}: {error}", log.path)))?;
-    print(answer_text(&log, &answer))?;
+    let answer = {
+        let line = ProgressLine::new();
+        diagnose_observed(&log, &subject, &|progress| line.show(progress))
+    };
+    let answer = answer.map_err(|error| bad_input(format!("{}: {error}", log.path)))?;
+    print(diagnose_text::answer_text(&log, &answer))?;
     if let (Some(path), Some(model)) = (&arguments.extended, &model) {
-        write_extended(path, model, &answer)?;
+        let extended = extended_model(model, &answer.findings).map_err(bad_input)?;
+        write_file(path, extended.to_toml().as_bytes())?;
         print(format!("extended model  {}\n", path.display()))?;
     }
+    if let Some(path) = &arguments.experiment {
+        match answer.experiment.as_ref().and_then(|experiment| experiment.scenario.as_ref()) {
+            Some(scenario) => {
+                write_file(path, scenario.to_script().as_bytes())?;
+                print(format!("experiment      {}\n", path.display()))?;
+            }
+            None => print("experiment      none to fly\n")?,
+        }
+    }
     if let Some(path) = &arguments.report {
-        let command = format!("sil diagnose {}", arguments.log.display());
+        let command = arguments.log.command("diagnose");
         write_file(path, diagnose_report::page(&log, &answer, &command).to_html().as_bytes())?;
         print(format!("report          {}\n", path.display()))?;
     }
     write_json(arguments.json.as_deref(), &answer)
-}
-
-fn write_extended(path: &Path, model: &VehicleModel, answer: &Diagnosis) -> Result<(), Failure> {
-    let mut extended = model.clone();
-    for finding in &answer.findings {
-        let effect = Effect::parse_for(&short(finding), model.rig(), model.inertia_kg_m2);
-        extended.effects.push(effect.map_err(|problem| bad_input(format!("{}: {problem}", finding.effect)))?);
-    }
-    write_file(path, extended.to_toml().as_bytes())
-}
-
-/// A finding as `sil synth --effect` takes it.
-fn short(finding: &Finding) -> String {
-    let axis = finding.axis.map(|axis| format!("axis={axis}"));
-    let parameters = finding.parameters.iter().map(|(name, estimate)| format!("{name}={}", estimate.value));
-    format!("{}:{}", finding.effect, axis.into_iter().chain(parameters).collect::<Vec<_>>().join(","))
-}
-
-fn answer_text(log: &Log, answer: &Diagnosis) -> String {
-    let mut text = format!("{}: {} rows, {:.2} s, {:.1} Hz\n", log.path, log.rows(), log.duration_s(), log.rate_hz());
-    for note in &log.notes {
-        text.push_str(&format!("  {note}\n"));
-    }
-    text.push_str(&verdict_text(answer));
-    text
-}
-
-/// What was found, and how much better the model predicts with it.
-pub fn verdict_text(answer: &Diagnosis) -> String {
-    let mut text = String::from(match answer.verdict {
-        Verdict::NoDiscrepancy => "\nThe simulation agrees with this log: what is left is noise.\n",
-        Verdict::Explained => "\nWhat the simulation gets wrong here, and all of it:\n",
-        Verdict::PartlyExplained => "\nWhat the simulation gets wrong here, but not all of it:\n",
-        Verdict::UnknownEffect => {
-            "\nThe simulation misses something in this log that no effect of the catalogue explains.\n"
-        }
-    });
-    for finding in &answer.findings {
-        text.push_str(&format!("  {:5.1} %  {}\n", finding.gain_pct, finding.statement));
-    }
-    if !answer.unexplained.signature.is_empty() {
-        text.push_str(&format!("  left over: {}\n", answer.unexplained.signature));
-    }
-    let errors = &answer.prediction_error;
-    let title = format!("open loop over {} s, held-out windows, RMSE", errors.window_s);
-    let mut table = TextTable::new([title.as_str(), "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
-    let rows = [
-        ("nominal model", errors.nominal),
-        ("with the findings", errors.extended),
-        ("an exact model", errors.noise_floor),
-    ];
-    for (name, errors) in rows {
-        table.row([
-            name.to_owned(),
-            number(errors.roll_deg, 3),
-            number(errors.pitch_deg, 3),
-            number(errors.p_deg_s, 3),
-            number(errors.q_deg_s, 3),
-        ]);
-    }
-    text.push_str(&format!("\n{table}\n"));
-    text
 }

@@ -1,14 +1,19 @@
-//! The page about a diagnosis: the sentence, the size, the picture before and after, what was denied, what is left.
+//! The page about a diagnosis: the sentence, the sizes, the picture before and after, what was denied.
 
-use sil_host::diagnosis::{ChannelResiduals, Diagnosis, Estimate, Finding, Verdict};
+use sil_host::diagnosis::{ChannelResiduals, Diagnosis, Estimate, Finding, PredictionErrors, Verdict};
+use sil_host::fidelity::ChannelErrors;
 use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Page, Section, Table};
 
+use super::diagnose_evidence;
 use super::flight_report::degrees;
+
+/// More effects than these with the same reason are told in one breath.
+const DENIED_ALIKE: usize = 3;
 
 /// A page of its own.
 pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
-    let mut page = Page::new("Why does the simulation disagree?").lead(headline(answer.verdict)).lead(format!(
+    let mut page = Page::new("Why does the simulation disagree?").lead(lead(answer)).lead(format!(
         "{}: {} rows over {:.1} s, {:.0} Hz.",
         log.path,
         log.rows(),
@@ -21,21 +26,61 @@ pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
     page.provenance("Command", command).provenance("Version", env!("CARGO_PKG_VERSION"))
 }
 
-/// The verdict in a sentence.
+/// The verdict in a sentence, on the terminal and on the page; where effects are named, they follow.
 pub fn headline(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NoDiscrepancy => "The simulation agrees with this log: what is left is noise.",
-        Verdict::Explained => "What the simulation gets wrong here is named below, and that is all of it.",
-        Verdict::PartlyExplained => "What the simulation gets wrong here is named below, but that is not all of it.",
+        Verdict::Explained => "What the simulation gets wrong here, and all of it:",
+        Verdict::PartlyExplained => "What the simulation gets wrong here, but not all of it:",
         Verdict::UnknownEffect => {
             "The simulation misses something in this log that no effect of the catalogue explains."
         }
     }
 }
 
+/// The answer in a few sentences.
+pub fn lead(answer: &Diagnosis) -> String {
+    let causes: Vec<&str> = answer.findings.iter().map(|finding| finding.statement.trim_end_matches('.')).collect();
+    let causes = if causes.is_empty() { String::new() } else { format!(" {}.", causes.join("; ")) };
+    format!("{}{causes}{}", headline(answer.verdict), improvement(answer).unwrap_or_default())
+}
+
+/// What that is worth, of the angle that was missed most.
+fn improvement(answer: &Diagnosis) -> Option<String> {
+    let errors = &answer.prediction_error;
+    let of = |axis, pick: fn(&ChannelErrors) -> Option<f64>| {
+        Some((axis, pick(&errors.nominal)?, pick(&errors.extended)?, pick(&errors.noise_floor)?))
+    };
+    let angles = [of("roll", |errors| errors.roll_deg), of("pitch", |errors| errors.pitch_deg)];
+    let (axis, nominal, extended, floor) = angles.into_iter().flatten().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let with = if answer.findings.is_empty() { String::new() } else { format!(", with the findings by {extended:.2}") };
+    Some(format!(
+        " Over {} s without a look at the log the model misses {axis} by {nominal:.2} degrees{with}; an exact model would \
+         miss it by {floor:.2}.",
+        errors.window_s
+    ))
+}
+
+/// The models whose errors are told, by name.
+pub fn error_rows(errors: &PredictionErrors) -> [(&'static str, ChannelErrors); 3] {
+    [("nominal model", errors.nominal), ("with the findings", errors.extended), ("an exact model", errors.noise_floor)]
+}
+
+/// "98.2 to 99.6".
+pub fn interval_text([low, high]: [f64; 2]) -> String {
+    format!("{low:.1} to {high:.1}")
+}
+
 /// The sections, for a page of its own and for the demonstration's.
 pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
-    vec![causes(answer), before_and_after(answer), denied(answer), left_over(log, answer)]
+    vec![
+        causes(answer),
+        before_and_after(answer),
+        denied(answer),
+        diagnose_evidence::where_it_arises(answer),
+        diagnose_evidence::left_over(log, answer),
+        diagnose_evidence::what_cannot_be_told(answer),
+    ]
 }
 
 fn causes(answer: &Diagnosis) -> Section {
@@ -43,68 +88,79 @@ fn causes(answer: &Diagnosis) -> Section {
     if answer.findings.is_empty() {
         return section.paragraph("No effect of the catalogue lowers the error by more than chance would.");
     }
-    let section = section.paragraph(
-        "Each effect was fitted to every second window of the log and judged on the windows in between, which no fit \
-         has seen. The gain is how much of the improvement is lost when this effect alone is taken out again.",
+    let mut table = Table::new(
+        "Sizes, with one standard deviation; gains, with an interval of 95 %",
+        &["effect", "parameter", "value", "±", "gain, %", "between, %"],
     );
-    let section = section.list(answer.findings.iter().map(|finding| finding.statement.clone()));
-    let mut table = Table::new("Sizes, with one standard deviation", &["effect", "parameter", "value", "±", "gain, %"]);
-    for finding in &answer.findings {
+    for (finding, interval) in answer.findings.iter().zip(&answer.gain.findings_interval_pct) {
         for (index, (name, estimate)) in finding.parameters.iter().enumerate() {
-            table = table.row(parameter_row(finding, name, estimate, index == 0));
+            table = table.row(parameter_row(finding, *interval, name, estimate, index == 0));
         }
     }
-    let doubts = answer.findings.iter().filter(|finding| !finding.confounded_with.is_empty());
-    doubts.fold(section.table(table), |section, finding| {
-        section.note(format!(
-            "This log does not tell {} from {}.",
-            finding.effect,
-            finding.confounded_with.join(" or ")
+    let gain = &answer.gain;
+    let between = gain.total_interval_pct.map(|interval| format!(" ({} %)", interval_text(interval)));
+    section
+        .list(answer.findings.iter().map(|finding| capitalised(&finding.statement)))
+        .table(table)
+        .paragraph(format!(
+            "Each effect was fitted to every second window of the log and judged on the windows in between, which no fit has seen. There \
+             the findings together take away {:.1} %{} of the squared error. The gain of one effect is how much of that is lost when it \
+             alone is taken out again; gains overlap where effects stand in for each other.",
+            gain.total_pct,
+            between.unwrap_or_default()
         ))
-    })
 }
 
-fn parameter_row(finding: &Finding, name: &str, estimate: &Estimate, is_first: bool) -> [Cell; 5] {
+fn parameter_row(
+    finding: &Finding,
+    interval: Option<[f64; 2]>,
+    name: &str,
+    estimate: &Estimate,
+    is_first: bool,
+) -> [Cell; 6] {
     let axis = finding.axis.map(|axis| format!(", {axis}")).unwrap_or_default();
-    let (effect, gain) = if is_first {
-        (format!("{}{axis}", finding.effect), Cell::number(finding.gain_pct, 1))
+    let (effect, gain, between) = if is_first {
+        let between = interval.map_or_else(String::new, interval_text);
+        (format!("{}{axis}", finding.effect), Cell::number(finding.gain_pct, 1), between)
     } else {
-        (String::new(), Cell::from(""))
+        (String::new(), Cell::from(""), String::new())
     };
     let decimals = estimate.decimals().unwrap_or(0);
     let spread = if estimate.std > 0.0 { Cell::number(estimate.std, decimals) } else { Cell::number(f64::NAN, 0) };
-    [effect.into(), name.into(), Cell::number(estimate.value, decimals), spread, gain]
+    [effect.into(), name.into(), Cell::number(estimate.value, decimals), spread, gain, between.into()]
 }
 
 fn before_and_after(answer: &Diagnosis) -> Section {
     let errors = &answer.prediction_error;
-    let mut section = Section::new("Before and after").paragraph(format!(
-        "In windows of {} s the model starts where the log was and gets the logged commands. What is drawn is measured \
-         less predicted: the model as it was, and with the findings in it.",
-        errors.window_s
-    ));
-    for channel in &answer.residuals {
-        section = section.chart(residual_chart(channel, answer.findings.is_empty()));
-    }
     let mut table =
         Table::new("RMSE over the held-out windows", &["", "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
-    for (name, of) in [
-        ("nominal model", errors.nominal),
-        ("with the findings", errors.extended),
-        ("an exact model: noise floor", errors.noise_floor),
-    ] {
+    for (name, of) in error_rows(errors) {
         let cells = [of.roll_deg, of.pitch_deg, of.p_deg_s, of.q_deg_s];
         table = table.row(
             std::iter::once(Cell::from(name))
                 .chain(cells.into_iter().map(|value| Cell::number(value.unwrap_or(f64::NAN), 3))),
         );
     }
-    section.table(table)
+    let section = Section::new("Before and after").paragraph(format!(
+        "In windows of {} s the model starts where the log was, gets the logged commands and never looks at the log again. What is \
+         drawn is measured less predicted, in the windows that no fit has seen: the model as it was, and with the findings in it.",
+        errors.window_s
+    ));
+    let is_alone = answer.findings.is_empty();
+    let charts = |is_rate: bool| -> Vec<Chart> {
+        let of_kind = answer.residuals.iter().filter(|channel| channel.is_rate == is_rate);
+        of_kind.map(|channel| residual_chart(channel, is_alone)).collect()
+    };
+    let section = [("Angles", charts(false)), ("Body rates", charts(true))]
+        .into_iter()
+        .filter(|(_, charts)| !charts.is_empty())
+        .fold(section.table(table), |section, (kind, charts)| section.small_multiples(kind, charts));
+    section.table(horizons(answer))
 }
 
 fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {
-    let (kind, unit) = if channel.is_rate { ("rate", "deg/s") } else { ("angle", "deg") };
-    let chart = Chart::time_series(format!("{} {kind}, measured less predicted", channel.name), unit).series(
+    let unit = if channel.is_rate { "deg/s" } else { "deg" };
+    let chart = Chart::time_series(format!("{}, measured less predicted", channel.name), unit).series(
         "nominal model",
         &channel.time_s,
         &degrees(&channel.nominal),
@@ -112,30 +168,51 @@ fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {
     if is_alone { chart } else { chart.series("with the findings", &channel.time_s, &degrees(&channel.extended)) }
 }
 
-fn denied(answer: &Diagnosis) -> Section {
-    let mut table = Table::new("What was asked and denied", &["effect", "axis", "why not"]);
-    for rejected in &answer.rejected {
-        table = table.row([
-            Cell::from(rejected.effect),
-            Cell::from(rejected.axis.clone()),
-            Cell::from(rejected.reason.clone()),
-        ]);
+/// RMSE of angles, rates and accelerations after several times.
+fn horizons(answer: &Diagnosis) -> Table {
+    let header: Vec<String> = answer.horizons.iter().map(|horizon| format!("{} s", horizon.horizon_s)).collect();
+    let names: Vec<&str> = std::iter::once("").chain(header.iter().map(String::as_str)).collect();
+    let caption = "RMSE of predictions over several times: nominal → with the findings (an exact model); above 0.5 s half of the rows \
+                   were seen by the fit";
+    let mut table = Table::new(caption, &names);
+    let Some(first) = answer.horizons.first() else { return table };
+    for error in &first.errors {
+        let cells = answer.horizons.iter().map(|horizon| {
+            let found = horizon.errors.iter().find(|other| other.quantity == error.quantity);
+            found.map_or(Cell::from(""), |e| {
+                Cell::from(format!("{:.2} → {:.2} ({:.2})", e.nominal, e.extended, e.noise_floor))
+            })
+        });
+        let name = Cell::from(format!("{}, {}", error.quantity, error.unit));
+        table = table.row(std::iter::once(name).chain(cells));
     }
-    Section::new("What it is not").table(table)
+    table
 }
 
-fn left_over(log: &Log, answer: &Diagnosis) -> Section {
-    let left = &answer.unexplained;
-    let mut section = Section::new("What is left").paragraph(format!(
-        "{:.1} % of the nominal model's held-out error beyond the noise remains; the residuals are {}.",
-        left.variance_pct,
-        if left.white { "white, as noise is" } else { "not white: something is still missing" }
-    ));
-    if !left.signature.is_empty() {
-        section = section.note(left.signature.clone());
+/// What came near, one by one; what was denied for one and the same reason, together.
+fn denied(answer: &Diagnosis) -> Section {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for rejected in &answer.rejected {
+        let place = if rejected.axis.is_empty() { String::new() } else { format!(" ({})", rejected.axis) };
+        let name = format!("{}{place}", rejected.effect);
+        match reasons.iter_mut().find(|(reason, _)| *reason == rejected.reason) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((&rejected.reason, vec![name])),
+        }
     }
-    if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
-        section = section.warning("This log is synthetic: it was simulated, not measured.");
+    let (alike, single): (Vec<_>, Vec<_>) = reasons.into_iter().partition(|(_, names)| names.len() > DENIED_ALIKE);
+    let mut section = Section::new("What it is not");
+    if !single.is_empty() {
+        let table = Table::new("What was asked and denied", &["effect", "why not"]);
+        section = section.table(
+            single.iter().fold(table, |table, (why, names)| table.row([names.join(", ").into(), Cell::from(*why)])),
+        );
     }
-    section.list(log.notes.iter().cloned())
+    section.list(alike.iter().map(|(why, names)| format!("{}: {}.", capitalised(why), names.join(", "))))
+}
+
+/// The same with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

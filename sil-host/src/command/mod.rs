@@ -5,12 +5,15 @@ mod compare;
 mod compare_report;
 mod demonstration;
 mod diagnose;
+mod diagnose_evidence;
 mod diagnose_report;
+mod diagnose_text;
 mod figures;
 mod flight_report;
 mod fly;
 mod hitl;
-mod log_rig;
+mod log_arguments;
+mod progress_line;
 mod synth;
 mod text_table;
 

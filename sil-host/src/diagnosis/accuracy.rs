@@ -3,13 +3,14 @@
 //!
 //! The state is estimated at the first of those rows by least squares over all of them (the residuals linear in it), with the model
 //! under test. Of an exact model the residuals, in units of the noise, are n - J (J_m' J_m)^-1 J_m' n_m, J the slopes along the start state
-//! and m the rows that it comes from; their variance is 1 - h in those rows and 1 + h in the others, h = J (J_m' J_m)^-1 J'.
+//! and m the rows that it comes from; their variance is 1 - h in those rows and 1 + h in the others, h = J (J_m' J_m)^-1 J'. Angular
+//! accelerations are difference quotients of the rates, of the measured ones as of the predicted.
 
 use rayon::prelude::*;
 
 use super::body::State;
-use super::linear::{Cholesky, dot};
-use super::shooting::{Column, Driven, Shooting};
+use super::linear::dot;
+use super::shooting::{Driven, Shooting};
 use crate::fidelity::Window;
 
 /// Per place of a report: sum of squares of the residuals and of an exact model's standard deviations, SI, and the number of both.
@@ -20,12 +21,51 @@ pub(super) struct Tally {
     pub(super) count: f64,
 }
 
-/// Errors of one window, per place of a report.
-pub(super) type WindowTally = [Tally; 6];
+/// Errors of one window, per place of a report and, behind those, angular acceleration about the three axes.
+pub(super) type WindowTally = [Tally; 9];
+
+/// Places of a report.
+const PLACES: usize = 6;
+
+/// What a difference quotient of rates is taken over, s: long enough for the gyro's noise not to hide all else.
+const ACCELERATION_OVER_S: f64 = 0.02;
+
+/// One window predicted open loop.
+pub(super) struct Predicted {
+    pub(super) window: Window,
+    pub(super) series: Vec<Series>,
+}
+
+/// One quantity of it: measured less predicted, and the standard deviation that an exact model would leave, SI.
+pub(super) struct Series {
+    /// As in a [`WindowTally`].
+    pub(super) place: usize,
+    /// First row that each error belongs to.
+    pub(super) rows: Vec<usize>,
+    pub(super) error: Vec<f64>,
+    pub(super) floor: Vec<f64>,
+}
 
 /// Predicts windows from the rows around their starts.
-pub(super) fn prediction_errors(shooting: &Shooting<'_>, driven: &Driven, which: &[usize]) -> Vec<WindowTally> {
-    which.par_iter().map(|index| window_errors(shooting, driven, &shooting.windows[*index])).collect()
+pub(super) fn predict(shooting: &Shooting<'_>, driven: &Driven, windows: &[Window]) -> Vec<Predicted> {
+    windows.par_iter().map(|window| predict_window(shooting, driven, window)).collect()
+}
+
+/// Sums of the errors, window by window.
+pub(super) fn tallies(predicted: &[Predicted]) -> Vec<WindowTally> {
+    let of = |predicted: &Predicted| {
+        let mut tallies = WindowTally::default();
+        for series in &predicted.series {
+            let square = |values: &[f64]| values.iter().map(|value| value * value).sum();
+            tallies[series.place] = Tally {
+                squares: square(&series.error),
+                floor_squares: square(&series.floor),
+                count: series.error.len() as f64,
+            };
+        }
+        tallies
+    };
+    predicted.iter().map(of).collect()
 }
 
 /// Root mean square over windows, of the errors and of an exact model's.
@@ -48,42 +88,91 @@ pub(super) fn window_with_start(shooting: &Shooting<'_>, driven: &Driven, window
     (Window { start: window.lead, ..*window }, start)
 }
 
-fn window_errors(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> WindowTally {
+fn predict_window(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> Predicted {
     let (whole, start) = window_with_start(shooting, driven, window);
     let around = Window { end: window.tail, ..whole };
     let (_, near) = shooting.start_slopes(driven, &around, &start);
     let (residual, slopes) = shooting.start_slopes(driven, &whole, &start);
-    tally(shooting, window, &residual, &slopes, shooting.start_factor(&near).as_ref())
-}
-
-fn tally(
-    shooting: &Shooting<'_>,
-    window: &Window,
-    residual: &Column,
-    slopes: &[Column],
-    factor: Option<&Cholesky>,
-) -> WindowTally {
-    let mut tallies = WindowTally::default();
+    let factor = shooting.start_factor(&near);
+    let forward = |at: usize| -> Vec<f64> {
+        let slope: Vec<f64> = slopes.iter().map(|slope| slope[at]).collect();
+        factor.as_ref().map_or_else(Vec::new, |factor| factor.forward(&slope))
+    };
     let rows = window.end - window.lead;
+    let mut predicted = Predicted { window: *window, series: Vec::new() };
     for (index, (place, sigma)) in shooting.compared().enumerate() {
-        for row in window.start..window.end {
-            let at = index * rows + row - window.lead;
-            let slope: Vec<f64> = slopes.iter().map(|slope| slope[at]).collect();
-            let leverage = factor.map_or(0.0, |factor| {
-                let forward = factor.forward(&slope);
-                dot(&forward, &forward)
-            });
-            let variance = if row < window.tail { 1.0 - leverage } else { 1.0 + leverage };
-            tallies[place].squares += residual[at] * residual[at] * sigma * sigma;
-            tallies[place].floor_squares += variance.max(0.0) * sigma * sigma;
-            tallies[place].count += 1.0;
+        let samples: Vec<Sample> = (window.start..window.end)
+            .map(|row| {
+                let at = index * rows + row - window.lead;
+                Sample { row, error: sigma * residual[at], forward: forward(at), serves: row < window.tail }
+            })
+            .collect();
+        predicted
+            .series
+            .push(Series::of(place, sigma, &samples, |row| shooting.unknown_variance(place, window.start, row)));
+        if place >= 3 {
+            predicted.series.push(Series::quotients(place + 3, sigma, &samples, shooting));
         }
     }
-    tallies
+    predicted
+}
+
+/// One row of one channel.
+struct Sample {
+    row: usize,
+    /// SI.
+    error: f64,
+    /// Row of L^-1 J.
+    forward: Vec<f64>,
+    /// True if the start state comes from this row too.
+    serves: bool,
+}
+
+impl Series {
+    fn of(place: usize, sigma: f64, samples: &[Sample], unknown_variance: impl Fn(usize) -> f64) -> Series {
+        let floor = |sample: &Sample| sigma * sigma * variance(&[(1.0, sample)]) + unknown_variance(sample.row);
+        Series {
+            place,
+            rows: samples.iter().map(|sample| sample.row).collect(),
+            error: samples.iter().map(|sample| sample.error).collect(),
+            floor: samples.iter().map(|sample| floor(sample).sqrt()).collect(),
+        }
+    }
+
+    fn quotients(place: usize, sigma: f64, samples: &[Sample], shooting: &Shooting<'_>) -> Series {
+        let time_s = shooting.rows();
+        let mut series = Series { place, rows: Vec::new(), error: Vec::new(), floor: Vec::new() };
+        for (i, first) in samples.iter().enumerate() {
+            let is_later = |later: &&Sample| time_s[later.row] - time_s[first.row] > ACCELERATION_OVER_S - 1e-6;
+            let Some(later) = samples[i..].iter().find(is_later) else { break };
+            let per_s = 1.0 / (time_s[later.row] - time_s[first.row]);
+            series.rows.push(first.row);
+            series.error.push(per_s * (later.error - first.error));
+            let unknown = per_s * per_s * shooting.unknown_variance(place - 3, first.row, later.row);
+            let known = sigma * sigma * variance(&[(-per_s, first), (per_s, later)]);
+            series.floor.push((known + unknown).sqrt());
+        }
+        series
+    }
+}
+
+/// Variance of a sum of an exact model's residuals, in units of the noise: with c the factors, d = c' J and s the part of d from the rows that the start
+/// comes from, c' c + d P d' - 2 d P s', P = (J_m' J_m)^-1.
+fn variance(sum: &[(f64, &Sample)]) -> f64 {
+    let components = sum.first().map_or(0, |(_, sample)| sample.forward.len());
+    let (mut all, mut serving, mut own) = (vec![0.0; components], vec![0.0; components], 0.0);
+    for (factor, sample) in sum {
+        own += factor * factor;
+        for (i, value) in sample.forward.iter().enumerate() {
+            all[i] += factor * value;
+            serving[i] += if sample.serves { factor * value } else { 0.0 };
+        }
+    }
+    (own + dot(&all, &all) - 2.0 * dot(&all, &serving)).max(0.0)
 }
 
 /// The largest of the channels' errors over an exact model's.
 pub(super) fn worst_ratio(windows: &[WindowTally]) -> f64 {
     let ratio = |place| root_mean_square(windows, place).map_or(0.0, |(error, floor)| error / floor);
-    (0..6).map(ratio).fold(0.0, f64::max)
+    (0..PLACES).map(ratio).fold(0.0, f64::max)
 }

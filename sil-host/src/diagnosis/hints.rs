@@ -8,18 +8,18 @@ use super::shooting::{Driven, Shooting};
 /// Lowest and highest frequency looked at, Hz; below, less than a period of half a minute shows.
 const FREQUENCY_RANGE_HZ: [f64; 2] = [0.05, 25.0];
 /// Neighbouring frequencies differ by this share of the width of a peak, one over the log's length.
-const FREQUENCY_STEP: f64 = 0.3;
-/// Rows are taken together to stretches of at least this length, s: a fifth of the shortest period.
-const STRETCH_S: f64 = 8e-3;
+const FREQUENCY_STEP: f64 = 0.5;
+/// Rows are taken together to stretches of at least this length, s: a quarter of the shortest period.
+const STRETCH_S: f64 = 10e-3;
 /// What is white in the differences, against what is differences of white noise: gaps and the model's small errors.
 const NOISE_SHARE_MIN: f64 = 1e-4;
-/// Onsets are looked for on so many places of the log.
+/// Onsets are looked for on so many places of the log, and then more finely about the best.
 const ONSETS: usize = 300;
 
 /// What a log says about its swings and onsets beyond a model.
 pub(super) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
     let rows = shooting.rows();
-    let missing = missing_acceleration(shooting, driven);
+    let missing = missing_acceleration(shooting, driven, STRETCH_S);
     let mut hints = Hints {
         command_range: shooting.command_range(),
         end_s: rows.last().copied().unwrap_or_default(),
@@ -35,21 +35,25 @@ pub(super) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
 }
 
 /// A stretch of rows: time of its middle, length, and the mean acceleration that the model lacked in it.
-struct Interval {
-    time_s: f64,
+pub(super) struct Interval {
+    pub(super) time_s: f64,
     duration_s: f64,
-    acceleration_rad_s2: f64,
+    pub(super) acceleration_rad_s2: f64,
 }
 
-/// Rates are measured and predicted from each row's measured state to the next row; `None` for axes without a rate.
-fn missing_acceleration(shooting: &Shooting<'_>, driven: &Driven) -> [Option<Vec<Interval>>; 3] {
+/// Rates are measured and predicted from a row's measured state to the row a stretch later; `None` for axes without a rate.
+pub(super) fn missing_acceleration(
+    shooting: &Shooting<'_>,
+    driven: &Driven,
+    stretch_s: f64,
+) -> [Option<Vec<Interval>>; 3] {
     let mut series = [None, None, None];
     for (axis, series) in series.iter_mut().enumerate() {
         let Some(measured) = shooting.measured_rate(axis) else { continue };
         let mut intervals = Vec::new();
         for (first, end) in shooting.stretches() {
             let mut row = first;
-            while let Some(next) = (row + 1..end).find(|next| shooting.rows()[*next] - shooting.rows()[row] > STRETCH_S)
+            while let Some(next) = (row + 1..end).find(|next| shooting.rows()[*next] - shooting.rows()[row] > stretch_s)
             {
                 let (from_s, to_s) = (shooting.rows()[row], shooting.rows()[next]);
                 let predicted = shooting.later_rate(driven, row, next, axis);
@@ -126,15 +130,19 @@ fn onset_s(series: &[Interval]) -> Option<f64> {
         .collect();
     let stride = (summed.len() / (8 * ONSETS)).max(1);
     let thinned: Vec<(f64, f64)> = summed.iter().step_by(stride).copied().collect();
-    let mut best = None;
-    for k in 0..ONSETS {
-        let start_s = first.time_s + (last.time_s - first.time_s) * k as f64 / ONSETS as f64;
-        let left = squares_left(&thinned, start_s);
-        if best.is_none_or(|(_, least)| left < least) {
-            best = Some((start_s, left));
-        }
-    }
-    best.map(|(start_s, _)| start_s)
+    let length_s = last.time_s - first.time_s;
+    let spacing_s = length_s / ONSETS as f64;
+    let coarse_s = best_onset_s(&thinned, first.time_s, spacing_s, ONSETS)?;
+    // once more about the best, to the length of a stretch
+    let finer = (spacing_s / STRETCH_S).ceil().max(1.0);
+    let begin_s = (coarse_s - spacing_s).max(first.time_s);
+    best_onset_s(&thinned, begin_s, spacing_s / finer, 2 * finer as usize + 1)
+}
+
+fn best_onset_s(points: &[(f64, f64)], first_s: f64, spacing_s: f64, places: usize) -> Option<f64> {
+    let onsets = (0..places).map(|k| first_s + k as f64 * spacing_s);
+    let left = onsets.map(|start_s| (start_s, squares_left(points, start_s)));
+    left.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(start_s, _)| start_s)
 }
 
 /// Sum of squares about a constant up to `start_s` that goes on as a straight line.

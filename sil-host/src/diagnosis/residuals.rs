@@ -1,9 +1,7 @@
-//! What the nominal and the extended model miss, row by row: every window predicted open loop from the rows around its start.
+//! What the nominal and the extended model miss, row by row: the held-out windows, predicted open loop from the rows around their starts.
 
-use rayon::prelude::*;
-
-use super::accuracy::window_with_start;
-use super::shooting::{Driven, Shooting};
+use super::accuracy::{Predicted, Series};
+use super::shooting::Shooting;
 
 /// One channel: measured less predicted.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,22 +18,18 @@ pub struct ChannelResiduals {
     pub extended: Vec<f64>,
 }
 
-/// What the places of a report are called.
-pub(super) const NAMES: [&str; 6] = ["roll", "pitch", "yaw", "p", "q", "r"];
+/// What the places of a report are called, and the accelerations behind them.
+pub(super) const NAMES: [&str; 9] = ["roll", "pitch", "yaw", "p", "q", "r", "p_dot", "q_dot", "r_dot"];
+/// Their units for people.
+pub(super) const UNITS: [&str; 9] = ["deg", "deg", "deg", "deg/s", "deg/s", "deg/s", "deg/s2", "deg/s2", "deg/s2"];
 
-/// All channels that are compared, for (nominal, extended).
-pub(super) fn of_models(shooting: &Shooting<'_>, models: &[Driven; 2]) -> Vec<ChannelResiduals> {
-    let per_window: Vec<[Vec<f64>; 2]> = shooting
-        .windows
-        .par_iter()
-        .map(|window| {
-            models.each_ref().map(|driven| {
-                let (whole, start) = window_with_start(shooting, driven, window);
-                shooting.residual(driven, &whole, &start)
-            })
-        })
-        .collect();
-    let channel = |(index, (place, sigma)): (usize, (usize, f64))| {
+/// All channels that are compared, of the same windows for both models.
+pub(super) fn of_models(
+    shooting: &Shooting<'_>,
+    nominal: &[Predicted],
+    extended: &[Predicted],
+) -> Vec<ChannelResiduals> {
+    let channel = |place: usize| {
         let mut channel = ChannelResiduals {
             name: NAMES[place],
             is_rate: place >= 3,
@@ -43,19 +37,23 @@ pub(super) fn of_models(shooting: &Shooting<'_>, models: &[Driven; 2]) -> Vec<Ch
             nominal: Vec::new(),
             extended: Vec::new(),
         };
-        for (window, [nominal, extended]) in shooting.windows.iter().zip(&per_window) {
-            // each channel's rows lie one behind the other, those before the window's start first
-            let first = index * (window.end - window.lead) + (window.start - window.lead);
-            let rows = first..first + (window.end - window.start);
-            let take = |from: &[f64]| -> Vec<f64> { from[rows.clone()].iter().map(|value| value * sigma).collect() };
-            channel.time_s.extend_from_slice(&shooting.rows()[window.start..window.end]);
-            channel.nominal.extend(take(nominal));
-            channel.extended.extend(take(extended));
+        for (nominal, extended) in nominal.iter().zip(extended) {
+            let (Some(nominal), Some(extended)) = (nominal.at(place), extended.at(place)) else { continue };
+            channel.time_s.extend(nominal.rows.iter().map(|row| shooting.rows()[*row]));
+            channel.nominal.extend(&nominal.error);
+            channel.extended.extend(&extended.error);
             for values in [&mut channel.time_s, &mut channel.nominal, &mut channel.extended] {
                 values.push(f64::NAN);
             }
         }
         channel
     };
-    shooting.compared().enumerate().map(channel).collect()
+    shooting.compared().map(|(place, _)| channel(place)).collect()
+}
+
+impl Predicted {
+    /// The series at a place.
+    pub(super) fn at(&self, place: usize) -> Option<&Series> {
+        self.series.iter().find(|series| series.place == place)
+    }
 }

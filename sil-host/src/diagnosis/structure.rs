@@ -6,7 +6,9 @@
 
 use super::body::State;
 use super::linear::dot;
+use super::linearisation::Column;
 use super::shooting::{Driven, Shooting};
+use crate::fidelity::Window;
 
 /// Rows apart.
 const LAGS: usize = 8;
@@ -32,24 +34,48 @@ pub(super) fn whiteness(shooting: &Shooting<'_>, driven: &Driven, which: &[usize
     let places: Vec<usize> = shooting.compared().map(|(place, _)| place).collect();
     let mut sums = vec![Sum::default(); places.len()];
     for index in which {
-        let window = &shooting.windows[*index];
-        let rows = window.end - window.start;
-        let (mut residual, slopes) = shooting.start_slopes(driven, window, &starts[*index]);
-        let Some(factor) = shooting.start_factor(&slopes) else { continue };
-        // the start state's last small step
+        let Some(settled) = Settled::of(shooting, driven, &shooting.windows[*index], &starts[*index]) else { continue };
+        for (channel, sum) in sums.iter_mut().enumerate() {
+            let (residual, forward) = settled.channel(channel);
+            sum.take(residual, forward);
+        }
+    }
+    places.iter().zip(sums).map(|(place, sum)| Whiteness { place: *place, deviation: sum.deviation() }).collect()
+}
+
+/// A window whose start state is at its best.
+pub(super) struct Settled {
+    rows: usize,
+    /// In units of the noise, channel by channel.
+    residual: Column,
+    /// Per residual, the row of L^-1 J: inner products of two are entries of H.
+    forward: Vec<Vec<f64>>,
+}
+
+impl Settled {
+    /// Takes a start state's last small step; `None` if the window does not determine it.
+    pub(super) fn of(shooting: &Shooting<'_>, driven: &Driven, window: &Window, start: &State) -> Option<Settled> {
+        // a disturbance that was only found in the log is no part of an explanation, lost commands are
+        let (mut residual, slopes) = match shooting.lost {
+            Some(_) => shooting.innovation_slopes(driven, window, start),
+            None => shooting.start_slopes(driven, window, start),
+        };
+        let factor = shooting.start_factor(&slopes)?;
         let right: Vec<f64> = slopes.iter().map(|slope| dot(slope, &residual)).collect();
         for (slope, by) in slopes.iter().zip(factor.solve(&right)) {
             residual.iter_mut().zip(slope).for_each(|(residual, slope)| *residual -= slope * by);
         }
-        let forward: Vec<Vec<f64>> = (0..residual.len())
+        let forward = (0..residual.len())
             .map(|at| factor.forward(&slopes.iter().map(|slope| slope[at]).collect::<Vec<_>>()))
             .collect();
-        for (channel, sum) in sums.iter_mut().enumerate() {
-            let at = channel * rows..(channel + 1) * rows;
-            sum.take(&residual[at.clone()], &forward[at]);
-        }
+        Some(Settled { rows: window.end - window.start, residual, forward })
     }
-    places.iter().zip(sums).map(|(place, sum)| Whiteness { place: *place, deviation: sum.deviation() }).collect()
+
+    /// Residuals of a channel, by its number among the compared ones, and their rows of L^-1 J.
+    pub(super) fn channel(&self, channel: usize) -> (&[f64], &[Vec<f64>]) {
+        let at = channel * self.rows..(channel + 1) * self.rows;
+        (&self.residual[at.clone()], &self.forward[at])
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default)]

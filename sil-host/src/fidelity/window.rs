@@ -91,24 +91,44 @@ fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut
     };
     // the row that ends a window must be there: its command is in force up to it
     while let Some(window_end) = row_at(start, time_s[start] + WINDOW_S) {
-        let start_s = time_s[start];
-        let reach_s = START_REACH_S + 1e-9;
-        let lead = (first..=start).find(|row| time_s[*row] >= start_s - reach_s);
-        let tail = (start..window_end).find(|row| time_s[*row] > start_s + reach_s);
         if window_end - start >= ROWS_MIN {
-            let lead = lead.unwrap_or(start);
-            let warm_up = (first..=lead).find(|row| time_s[*row] >= time_s[lead] - MOTOR_MEMORY_S);
+            let index = windows.len();
             windows.push(Window {
-                index: windows.len(),
-                warm_up: warm_up.unwrap_or(lead),
-                lead,
-                start,
-                tail: tail.unwrap_or(window_end),
-                end: window_end,
-                held_out: windows.len() % 2 == 1,
+                index,
+                held_out: index % 2 == 1,
+                ..Window::between(time_s, first, start, window_end)
             });
         }
         start = window_end;
+    }
+}
+
+impl Window {
+    /// A window over these rows, the first of its kind; rows from `earliest` on may serve to find its start.
+    fn between(time_s: &[f64], earliest: usize, start: usize, end: usize) -> Window {
+        let (start_s, reach_s) = (time_s[start], START_REACH_S + 1e-9);
+        let lead = (earliest..=start).find(|row| time_s[*row] >= start_s - reach_s).unwrap_or(start);
+        let tail = (start..end).find(|row| time_s[*row] > start_s + reach_s).unwrap_or(end);
+        let warm_up = (earliest..=lead).find(|row| time_s[*row] >= time_s[lead] - MOTOR_MEMORY_S).unwrap_or(lead);
+        Window { index: 0, warm_up, lead, start, tail, end, held_out: false }
+    }
+
+    /// Windows of another length over the same rows, end to end from the first one's start to the last one's end; `run` are windows that follow
+    /// each other without a gap. Empty where the rows are too few.
+    pub(crate) fn of_length(time_s: &[f64], run: &[Window], length_s: f64) -> Vec<Window> {
+        let (Some(first), Some(last)) = (run.first(), run.last()) else { return Vec::new() };
+        let tolerance_s = 0.5 * (time_s[last.end] - time_s[first.start]) / (last.end - first.start) as f64;
+        let row_at = |from: usize, at_s: f64| (from..=last.end).find(|row| time_s[*row] >= at_s - tolerance_s);
+        let mut windows = Vec::new();
+        let mut start = first.start;
+        while let Some(end) = row_at(start, time_s[start] + length_s) {
+            if end - start < ROWS_MIN {
+                return Vec::new();
+            }
+            windows.push(Window { held_out: first.held_out, ..Window::between(time_s, first.warm_up, start, end) });
+            start = end;
+        }
+        windows
     }
 }
 
@@ -134,6 +154,22 @@ mod tests {
             assert_eq!((window.lead, window.tail), (window.start - 12, window.start + 13));
             assert_eq!(window.held_out, index % 2 == 1);
         }
+    }
+
+    #[test]
+    fn the_same_rows_give_windows_of_other_lengths() {
+        let log = log_at((0..1001).map(|row| f64::from(row) * 0.004).collect());
+        let windows = windows(&log).unwrap();
+        let fifths = Window::of_length(&log.time_s, &windows[1..2], 0.1);
+        assert_eq!(fifths.len(), 5);
+        assert_eq!((fifths[0].start, fifths[4].end), (windows[1].start, windows[1].end));
+        assert!(fifths.iter().all(|fifth| fifth.end - fifth.start == 25 && fifth.held_out));
+        assert_eq!((fifths[1].lead, fifths[1].tail), (fifths[1].start - 12, fifths[1].start + 13));
+        // seven windows of 0.5 s hold one of 2 s, and a start without rows before it keeps what is there
+        let long = Window::of_length(&log.time_s, &windows, 2.0);
+        assert_eq!(long.iter().map(|window| (window.start, window.end)).collect::<Vec<_>>(), [(12, 512)]);
+        assert!(Window::of_length(&log.time_s, &windows, 0.01).is_empty());
+        assert!(Window::of_length(&log.time_s, &[], 0.1).is_empty());
     }
 
     #[test]

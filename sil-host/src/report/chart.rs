@@ -1,4 +1,4 @@
-//! What a chart shows: curves over time, and shaded spans of time.
+//! What a chart shows: curves over time or over another quantity, and shaded spans of it.
 
 use super::axis::{Axis, extent, is_plottable};
 use super::palette::{Key, Mark};
@@ -8,11 +8,13 @@ use super::trace::Interpolation;
 const TIME_TICKS: u32 = 6;
 const VALUE_TICKS: u32 = 5;
 
-/// A chart of one quantity over time.
+/// A chart of one quantity over another, mostly time.
 #[derive(Clone, Debug)]
 pub struct Chart {
     pub(super) title: String,
     pub(super) unit: String,
+    /// What runs to the right, with its unit.
+    pub(super) over: String,
     pub(super) caption: String,
     pub(super) series: Vec<Series>,
     pub(super) spans: Vec<Span>,
@@ -37,9 +39,15 @@ pub(super) struct Span {
 impl Chart {
     /// A chart without curves; `unit` is the unit of the values ("" for none). Time is in seconds.
     pub fn time_series(title: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self::over("time, s", title, unit)
+    }
+
+    /// The same over another quantity than time, named with its unit: "angle, deg".
+    pub fn over(quantity: impl Into<String>, title: impl Into<String>, unit: impl Into<String>) -> Self {
         Self {
             title: title.into(),
             unit: unit.into(),
+            over: quantity.into(),
             caption: String::new(),
             series: Vec::new(),
             spans: Vec::new(),

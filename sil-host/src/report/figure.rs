@@ -34,8 +34,22 @@ pub(super) fn single(chart: &Chart, palette: &mut Palette) -> Markup {
 
 /// Several charts side by side where there is room, with the same axes.
 pub(super) fn small_multiples(caption: &str, charts: &[Chart], palette: &mut Palette) -> Markup {
-    let legend = Legend::new(charts, palette);
     let axes = shared_axes(charts);
+    group(caption, charts, |_| axes, palette)
+}
+
+/// The same, each with axes of its own.
+pub(super) fn side_by_side(caption: &str, charts: &[Chart], palette: &mut Palette) -> Markup {
+    group(caption, charts, |chart| shared_axes(std::slice::from_ref(chart)), palette)
+}
+
+fn group(
+    caption: &str,
+    charts: &[Chart],
+    axes: impl Fn(&Chart) -> Option<(Axis, Axis)>,
+    palette: &mut Palette,
+) -> Markup {
+    let legend = Legend::new(charts, palette);
     html! {
         figure.group {
             figcaption { p { (caption) } }
@@ -47,7 +61,7 @@ pub(super) fn small_multiples(caption: &str, charts: &[Chart], palette: &mut Pal
                             (heading(&chart.title, &chart.unit))
                             @if !chart.caption.is_empty() { p { (chart.caption) } }
                         }
-                        (plot(chart, axes, &legend))
+                        (plot(chart, axes(chart), &legend))
                     }
                 }
             }
@@ -114,7 +128,7 @@ fn plot(chart: &Chart, axes: Option<(Axis, Axis)>, legend: &Legend<'_>) -> Marku
     let view_box = format!("0 0 {WIDTH} {HEIGHT}");
     html! {
         svg.plot role="img" aria-label=(description(chart, &time, &value)) style=(margin) {
-            (ticks(&time, &value))
+            (ticks(&chart.over, &time, &value))
             svg width="100%" height="100%" viewBox=(view_box) preserveAspectRatio="none" {
                 @for ((mark, label), class) in &legend.entries {
                     @if *mark == Mark::Shade {
@@ -137,7 +151,9 @@ fn description(chart: &Chart, time: &Axis, value: &Axis) -> String {
         format!("{} to {}", axis.label(low), axis.label(high))
     };
     let time_range = range(time, *time.range().start(), *time.range().end());
-    let mut text = format!("{}: line chart over time, {time_range} s.", chart.title);
+    let (quantity, unit) = chart.over.split_once(", ").unwrap_or((&chart.over, ""));
+    let mut text =
+        format!("{}: line chart over {quantity}, {}.", chart.title, format!("{time_range} {unit}").trim_end());
     for series in &chart.series {
         let values = match extent(series.samples.iter().map(|&(_, value)| value)) {
             Some((low, high)) => format!("{} {}", range(value, low, high), chart.unit),
@@ -149,7 +165,7 @@ fn description(chart: &Chart, time: &Axis, value: &Axis) -> String {
 }
 
 /// Grid lines and labels of both axes.
-fn ticks(time: &Axis, value: &Axis) -> Markup {
+fn ticks(over: &str, time: &Axis, value: &Axis) -> Markup {
     let percent = |fraction: f64| format!("{:.2}%", 100.0 * fraction);
     html! {
         g aria-hidden="true" {
@@ -163,7 +179,7 @@ fn ticks(time: &Axis, value: &Axis) -> Markup {
                 line x1=(x) x2=(x) y1="0" y2="100%" {}
                 text.time x=(x) y="100%" dy="1.5em" { (time.label(tick)) }
             }
-            text.time x="50%" y="100%" dy="2.8em" { "time, s" }
+            text.time x="50%" y="100%" dy="2.8em" { (over) }
         }
     }
 }

@@ -38,6 +38,7 @@ enum Block {
     Warning(String),
     Chart(Chart),
     SmallMultiples { caption: String, charts: Vec<Chart> },
+    SideBySide { caption: String, charts: Vec<Chart> },
     Table(Table),
 }
 
@@ -167,6 +168,11 @@ impl Section {
         self.with(Block::SmallMultiples { caption: caption.into(), charts: charts.into_iter().collect() })
     }
 
+    /// Adds small charts with axes of their own and one legend, such as one quantity over several others.
+    pub fn side_by_side(self, caption: impl Into<String>, charts: impl IntoIterator<Item = Chart>) -> Self {
+        self.with(Block::SideBySide { caption: caption.into(), charts: charts.into_iter().collect() })
+    }
+
     /// Adds a table.
     pub fn table(self, table: Table) -> Self {
         self.with(Block::Table(table))
@@ -195,6 +201,7 @@ impl Block {
             Self::Warning(text) => html! { p.warning { strong { "Warning: " } (text) } },
             Self::Chart(chart) => figure::single(chart, palette),
             Self::SmallMultiples { caption, charts } => figure::small_multiples(caption, charts, palette),
+            Self::SideBySide { caption, charts } => figure::side_by_side(caption, charts, palette),
             Self::Table(table) => table.render(),
         }
     }
@@ -231,7 +238,8 @@ mod tests {
             .note(text)
             .warning(text)
             .chart(chart.clone())
-            .small_multiples(text, [chart.clone(), chart])
+            .small_multiples(text, [chart.clone(), chart.clone()])
+            .side_by_side(text, [Chart::over(text, text, text).series(text, &[0.0, 1.0], &[2.0, 3.0]), chart])
             .table(
                 Table::new(text, &[text, "PID", "MPC"])
                     .comparison(text, &[1.0, 2.0], 1, Better::Lower)

@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use crate::sil::{Folder, RIG_LOG, instance_files};
 
 /// Holds a value against a template: objects have the same keys, every element of an array fits the template's one
-/// element, and a leaf is "integer", "number", "number?" (or null) or "string".
-fn assert_fits(value: &Value, template: &Value, place: &str) {
+/// element, and a leaf is "integer", "number", "number?" (or null), "string", "boolean" or "anything".
+pub fn assert_fits(value: &Value, template: &Value, place: &str) {
     match template {
         Value::Object(fields) => {
             let object = value.as_object().unwrap_or_else(|| panic!("{place}: expected an object, found {value}"));
@@ -30,6 +30,8 @@ fn assert_fits(value: &Value, template: &Value, place: &str) {
                 Some("number") => value.is_number(),
                 Some("number?") => value.is_number() || value.is_null(),
                 Some("string") => value.is_string(),
+                Some("boolean") => value.is_boolean(),
+                Some("anything") => true,
                 // a value to the letter
                 _ => value == leaf,
             };

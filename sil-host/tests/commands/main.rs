@@ -4,6 +4,7 @@
 mod bad_files;
 mod damage;
 mod demonstration;
+mod diagnosis;
 mod flights;
 mod json;
 mod logs;

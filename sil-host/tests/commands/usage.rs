@@ -7,7 +7,7 @@ use crate::sil::{Folder, GIMBAL_MODEL, Outcome, RIG_LOG, instance_files};
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = Folder::new();
-    for command in ["", "fly", "compare", "synth", "hitl", "bench-mpc"] {
+    for command in ["", "fly", "compare", "diagnose", "synth", "hitl", "bench-mpc"] {
         let arguments: Vec<&str> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
         let help = folder.sil(&arguments).assert_done().stdout;
         let example = format!("Example: {}", format!("sil {command}").trim());
@@ -113,7 +113,12 @@ fn arguments_that_contradict_each_other_are_refused() {
     for extra in [["--model", "gimbal.toml"], ["--controller", "pid"]] {
         folder
             .sil(&[&["compare", "log.csv", "--rig", "axis"][..], &extra].concat())
-            .assert_refused(&["--rig axis knows no vehicle"]);
+            .assert_refused(&["--rig axis knows no vehicle", extra[0]]);
+    }
+    for extra in ["--extended", "--experiment"] {
+        folder
+            .sil(&["diagnose", "log.csv", "--rig", "axis", extra, "out.toml"])
+            .assert_refused(&["--rig axis knows no vehicle", extra]);
     }
     for arguments in [&["compare"][..], &["synth"], &["bench-mpc"], &["hover"], &["fly", "--fast"]] {
         folder.sil(arguments).assert_refused(&["--help"]);

@@ -1,0 +1,212 @@
+//! The page's evidence: where the error arises, what is left of it, and what the log can't tell.
+
+use sil_host::diagnosis::{Condition, Diagnosis, ModelStatistics};
+use sil_host::log::Log;
+use sil_host::report::{Cell, Chart, Section, Table};
+
+use super::diagnose_report::capitalised;
+
+/// Conditions drawn per axis: the strongest ones.
+const DRAWN_PER_AXIS: usize = 2;
+
+/// Under which conditions the errors arise.
+pub fn where_it_arises(answer: &Diagnosis) -> Section {
+    let mut section = Section::new("Where it arises").paragraph(
+        "From each row's measured state the rate is predicted 40 ms ahead; what the measured rate misses of it is an angular \
+         acceleration that the model lacks. Below it stands against what the vehicle does and is told: a flat line about zero is \
+         what a right model leaves, a slope over the angle is a spring's, a slope over the rate a friction's, a level off zero a \
+         constant moment's.",
+    );
+    for of_axis in answer.conditions.chunk_by(|a, b| a.axis == b.axis) {
+        let axis = capitalised(of_axis[0].axis);
+        let significant: Vec<&Condition> = of_axis.iter().filter(|condition| condition.is_significant()).collect();
+        if significant.is_empty() {
+            section = section.paragraph(format!("{axis}: nothing is missing that chance would not explain."));
+            continue;
+        }
+        let shapes = significant.iter().filter(|condition| condition.nominal_bins.len() > 1);
+        // a constant alone is a level over whatever it is drawn over
+        let angle = of_axis.iter().filter(|condition| condition.condition == "angle");
+        let mut drawn: Vec<&Condition> = shapes.copied().take(DRAWN_PER_AXIS).collect();
+        if drawn.is_empty() {
+            drawn.extend(angle);
+        }
+        section = section.side_by_side(axis, drawn.into_iter().map(|condition| condition_chart(condition, answer)));
+    }
+    let mut table = Table::new(
+        "Share of the missing acceleration's variance that goes with a condition (of its mean square, with being constant)",
+        &["axis", "condition", "nominal model, %", "with the findings, %", "chance stays below, %"],
+    );
+    for condition in &answer.conditions {
+        table = table.row([
+            Cell::from(condition.axis),
+            Cell::from(condition.condition),
+            Cell::number(condition.nominal_pct, 1),
+            Cell::number(condition.extended_pct, 1),
+            Cell::number(condition.chance_pct, 1),
+        ]);
+    }
+    section.table(table)
+}
+
+fn condition_chart(condition: &Condition, answer: &Diagnosis) -> Chart {
+    let unit = if condition.unit.is_empty() { String::new() } else { format!(", {}", condition.unit) };
+    let chart = Chart::over(
+        format!("{}{unit}", condition.condition),
+        format!("missing, over {}", condition.condition),
+        "deg/s²",
+    );
+    let curves = [("nominal model", &condition.nominal_bins), ("with the findings", &condition.extended_bins)];
+    let shown = if answer.findings.is_empty() { &curves[..1] } else { &curves[..] };
+    shown.iter().fold(chart, |chart, (name, bins)| {
+        let (at, means): (Vec<f64>, Vec<f64>) = bins.iter().map(|bin| (bin.condition, bin.mean)).unzip();
+        chart.series(*name, &at, &means)
+    })
+}
+
+/// What the findings leave.
+pub fn left_over(log: &Log, answer: &Diagnosis) -> Section {
+    let left = &answer.unexplained;
+    let mut section = Section::new("What is left").paragraph(format!(
+        "{:.1} % of the nominal model's held-out error beyond the noise remains; the residuals are {}.",
+        left.variance_pct,
+        if left.white { "white, as noise is" } else { "not white: something is still missing" }
+    ));
+    if !left.signature.is_empty() {
+        section = section.note(left.signature.clone());
+    }
+    let spectra: Vec<Chart> = answer
+        .spectra
+        .iter()
+        .map(|spectrum| {
+            let title = format!("{}, missing acceleration", capitalised(spectrum.axis));
+            let chart = Chart::over("frequency, Hz", title, "deg/s²");
+            let chart = chart.series("nominal model", &spectrum.frequency_hz, &spectrum.nominal_deg_s2);
+            if answer.findings.is_empty() {
+                chart
+            } else {
+                chart.series("with the findings", &spectrum.frequency_hz, &spectrum.extended_deg_s2)
+            }
+        })
+        .collect();
+    if !spectra.is_empty() {
+        section = section.small_multiples(
+            "How fast what is missing swings: amplitude over frequency. The gyro's noise gives a smooth ground that rises a little; a peak is \
+             a vibration or a disturbance, a rise at the left end something slow.",
+            spectra,
+        );
+    }
+    section = section
+        .table(sizes(answer))
+        .paragraph(
+            "Fit: 100 % is perfect, 0 % no better than the mean of the measurement. Theil's U: 0 is perfect, 1 unrelated; its split says \
+             whether the error is an offset (bias), a wrong size of the motion (variance) or neither (covariance).",
+        )
+        .table(structures(answer))
+        .paragraph(
+            "What a right model leaves is noise without memory that has nothing to do with the command. Above the bounds, which chance \
+             exceeds once in a hundred, the residual has a structure.",
+        );
+    if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
+        section = section.warning("This log is synthetic: it was simulated, not measured.");
+    }
+    section.list(log.notes.iter().cloned())
+}
+
+/// A table with a row per channel and model.
+fn statistics<const N: usize>(
+    answer: &Diagnosis,
+    caption: &str,
+    header: [&str; N],
+    cells: impl Fn(&ModelStatistics) -> [Cell; N],
+) -> Table {
+    let header: Vec<&str> = ["", "model"].into_iter().chain(header).collect();
+    let mut table = Table::new(caption, &header);
+    for channel in &answer.statistics {
+        let name = format!("{}, {}", channel.quantity, channel.unit);
+        table = table.row([Cell::from(name), "nominal".into()].into_iter().chain(cells(&channel.nominal)));
+        if !answer.findings.is_empty() {
+            table = table.row([Cell::from(""), "findings".into()].into_iter().chain(cells(&channel.extended)));
+        }
+    }
+    table
+}
+
+fn number(value: Option<f64>, decimals: usize) -> Cell {
+    Cell::number(value.unwrap_or(f64::NAN), decimals)
+}
+
+fn sizes(answer: &Diagnosis) -> Table {
+    let header = ["mean |error|", "fit, %", "Theil's U", "bias, %", "variance, %", "covariance, %"];
+    statistics(answer, "Size of the error over the held-out windows", header, |of| {
+        let split = of.agreement.theil_split;
+        let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 0);
+        [
+            Cell::number(of.agreement.mean_abs, 3),
+            number(of.agreement.fit_pct, 1),
+            number(of.agreement.theil, 3),
+            percent(split.map(|split| split.bias)),
+            percent(split.map(|split| split.variance)),
+            percent(split.map(|split| split.covariance)),
+        ]
+    })
+}
+
+fn structures(answer: &Diagnosis) -> Table {
+    let header = ["Ljung and Box's Q", "bound", "correlation with the command", "bound"];
+    statistics(answer, "Structure of what is left in the held-out windows, their starts at their best", header, |of| {
+        [
+            number(of.ljung_box.map(|test| test.statistic), 0),
+            number(of.ljung_box.map(|test| test.bound), 0),
+            number(of.input_correlation.map(|with| with.correlation), 2),
+            number(of.input_correlation.map(|with| with.bound), 2),
+        ]
+    })
+}
+
+/// What the log does not tell apart, what it does not excite, and which flight would.
+pub fn what_cannot_be_told(answer: &Diagnosis) -> Section {
+    let mut section = Section::new("What this log can't tell");
+    let doubts = answer.findings.iter().filter(|finding| !finding.confounded_with.is_empty());
+    let doubts: Vec<String> = doubts
+        .map(|finding| format!("{} is not told from {}.", finding.effect, finding.confounded_with.join(" or ")))
+        .chain(answer.excitation.weaknesses.iter().cloned())
+        .collect();
+    section = if doubts.is_empty() {
+        section
+            .paragraph("Nothing that was asked for: no other effect fits as well, and the log moves every axis enough.")
+    } else {
+        section.list(doubts)
+    };
+    if !answer.separating_experiment.is_empty() {
+        section = section.note(answer.separating_experiment.clone());
+    }
+    if let Some(scenario) = answer.experiment.as_ref().and_then(|experiment| experiment.scenario.as_ref()) {
+        section = section.paragraph("As a script for sil fly --script:").code(scenario.to_script());
+    }
+    let number = answer.excitation.condition_number.map_or("none".to_owned(), |number| format!("{number:.1}"));
+    section
+        .paragraph(format!(
+            "How closely the log could tell the basic parameters of each axis. The condition number of their information is {number}: at 1 \
+             each leaves a trace of its own, above 1000 some look alike."
+        ))
+        .table(excitation(answer))
+}
+
+fn excitation(answer: &Diagnosis) -> Table {
+    let mut table = Table::new(
+        "Standard deviations that the log's noise allows",
+        &["effect", "parameter", "the others known", "all fitted together"],
+    );
+    for of in &answer.excitation.parameters {
+        let effect = of.axis.map_or_else(|| of.effect.to_owned(), |axis| format!("{}, {axis}", of.effect));
+        table = table.row([effect.into(), of.parameter.into(), deviation(of.std_alone), deviation(of.std_together)]);
+    }
+    table
+}
+
+/// Two digits.
+fn deviation(std: Option<f64>) -> Cell {
+    let decimals = std.map_or(0, |std| (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize);
+    Cell::number(std.unwrap_or(f64::NAN), decimals)
+}

@@ -1,0 +1,139 @@
+//! A diagnosis on the terminal.
+
+use sil_host::diagnosis::{Condition, Diagnosis, Horizon, ModelStatistics};
+use sil_host::log::Log;
+
+use super::diagnose_report::{error_rows, headline, interval_text};
+use super::text_table::{TextTable, number};
+
+/// Everything that `sil diagnose` prints of the answer.
+pub fn answer_text(log: &Log, answer: &Diagnosis) -> String {
+    let mut text = format!("{}: {} rows, {:.2} s, {:.1} Hz\n", log.path, log.rows(), log.duration_s(), log.rate_hz());
+    for note in &log.notes {
+        text.push_str(&format!("  {note}\n"));
+    }
+    text.push_str(&verdict_text(answer));
+    text.push_str(&format!("{}\n", horizons_table(&answer.horizons)));
+    text.push_str(&format!("{}\n", statistics_table(answer)));
+    for condition in strongest_conditions(answer) {
+        text.push_str(&format!("{}\n", condition_text(condition)));
+    }
+    text.push_str(&excitation_text(answer));
+    if !answer.separating_experiment.is_empty() {
+        text.push_str(&format!("{}\n", answer.separating_experiment));
+    }
+    text + "\n"
+}
+
+/// What was found, and how much better the model predicts with it.
+pub fn verdict_text(answer: &Diagnosis) -> String {
+    let mut text = format!("\n{}\n", headline(answer.verdict));
+    for (finding, interval) in answer.findings.iter().zip(&answer.gain.findings_interval_pct) {
+        let interval = interval.map(|interval| format!(" ({})", interval_text(interval))).unwrap_or_default();
+        text.push_str(&format!("  {:5.1} %{interval}  {}\n", finding.gain_pct, finding.statement));
+    }
+    if !answer.unexplained.signature.is_empty() {
+        text.push_str(&format!("  left over: {}\n", answer.unexplained.signature));
+    }
+    let errors = &answer.prediction_error;
+    let title = format!("open loop over {} s, held-out windows, RMSE", errors.window_s);
+    let mut table = TextTable::new([title.as_str(), "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
+    for (name, errors) in error_rows(errors) {
+        table.row([
+            name.to_owned(),
+            number(errors.roll_deg, 3),
+            number(errors.pitch_deg, 3),
+            number(errors.p_deg_s, 3),
+            number(errors.q_deg_s, 3),
+        ]);
+    }
+    text.push_str(&format!("\n{table}\n"));
+    text
+}
+
+fn horizons_table(horizons: &[Horizon]) -> TextTable {
+    let title = "RMSE after: nominal > with the findings (exact)".to_owned();
+    let mut table =
+        TextTable::new(std::iter::once(title).chain(horizons.iter().map(|horizon| format!("{} s", horizon.horizon_s))));
+    let Some(first) = horizons.first() else { return table };
+    for error in &first.errors {
+        let cell = |horizon: &Horizon| {
+            let found = horizon.errors.iter().find(|other| other.quantity == error.quantity);
+            found.map_or("-".to_owned(), |e| format!("{:.2} > {:.2} ({:.2})", e.nominal, e.extended, e.noise_floor))
+        };
+        let name = format!("{}, {}", error.quantity, error.unit);
+        table.row(std::iter::once(name).chain(horizons.iter().map(cell)));
+    }
+    table
+}
+
+fn statistics_table(answer: &Diagnosis) -> TextTable {
+    let mut table = TextTable::new([
+        "held-out windows",
+        "mean |error|",
+        "fit, %",
+        "Theil's U",
+        "bias/var/cov, %",
+        "Ljung-Box (bound)",
+        "with command (bound)",
+    ]);
+    for channel in &answer.statistics {
+        table.row(statistics_row(format!("{}, {}: nominal", channel.quantity, channel.unit), &channel.nominal));
+        if !answer.findings.is_empty() {
+            table.row(statistics_row(format!("{}, {}: extended", channel.quantity, channel.unit), &channel.extended));
+        }
+    }
+    table
+}
+
+fn statistics_row(name: String, model: &ModelStatistics) -> [String; 7] {
+    let agreement = &model.agreement;
+    let split = agreement.theil_split.map_or("-".to_owned(), |split| {
+        format!("{:.0}/{:.0}/{:.0}", 100.0 * split.bias, 100.0 * split.variance, 100.0 * split.covariance)
+    });
+    let whiteness = model.ljung_box.map_or("-".to_owned(), |test| format!("{:.0} ({:.0})", test.statistic, test.bound));
+    let correlation =
+        model.input_correlation.map_or("-".to_owned(), |with| format!("{:.2} ({:.2})", with.correlation, with.bound));
+    [
+        name,
+        number(agreement.mean_abs, 3),
+        number(agreement.fit_pct, 1),
+        number(agreement.theil, 3),
+        split,
+        whiteness,
+        correlation,
+    ]
+}
+
+/// Of each axis the condition that goes with most of what is missing, where chance does not explain it.
+fn strongest_conditions(answer: &Diagnosis) -> impl Iterator<Item = &Condition> {
+    let by_axis = answer.conditions.chunk_by(|a, b| a.axis == b.axis);
+    by_axis.filter_map(|of_axis| of_axis.first()).filter(|condition| condition.is_significant())
+}
+
+fn condition_text(condition: &Condition) -> String {
+    let shares = format!(
+        "{:.0} %, with the findings {:.0} %; by chance up to {:.0} %",
+        condition.nominal_pct, condition.extended_pct, condition.chance_pct
+    );
+    match condition.condition {
+        "constant" => format!("{}: what the nominal model lacks is mostly constant ({shares})", condition.axis),
+        with => format!("{}: what the nominal model lacks goes with the {with} ({shares})", condition.axis),
+    }
+}
+
+fn excitation_text(answer: &Diagnosis) -> String {
+    let excitation = &answer.excitation;
+    let mut text = String::new();
+    if let Some(number) = excitation.condition_number {
+        text.push_str(&format!("excitation: condition number {number:.1}"));
+        if let Some(number) = excitation.findings_condition_number {
+            text.push_str(&format!(", of the findings {number:.1}"));
+        }
+        text.push('\n');
+    }
+    for weakness in &excitation.weaknesses {
+        text.push_str(&format!("  {weakness}\n"));
+    }
+    text
+}

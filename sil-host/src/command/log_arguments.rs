@@ -1,0 +1,87 @@
+//! The arguments of every command that takes a measured log: the log, what its columns mean, and what made it.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use sil_host::log::{self, Log, Map};
+use sil_host::model::{Rig, VehicleModel};
+
+use super::{Failure, bad_input, vehicle_model};
+
+// A doc comment here would stand in the place of the command's own help.
+#[derive(Args)]
+pub struct LogArguments {
+    /// The log: CSV or CSV.gz
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
+    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller, crazypad_motor)
+    #[arg(long, value_name = "MAP")]
+    map: Option<String>,
+    /// Vehicle model [default: the project's F450 on that rig]
+    #[arg(long, value_name = "M.toml")]
+    model: Option<PathBuf>,
+    /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
+    #[arg(long, value_enum)]
+    rig: Option<LogRig>,
+}
+
+/// The rigs that a log can come from.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum LogRig {
+    /// The thesis' testbed
+    Gimbal,
+    /// Free flight
+    Free,
+    /// Any bench: each axis a rigid body of unit inertia with one input gain, fitted to the log
+    Axis,
+}
+
+impl LogArguments {
+    /// Reads the log.
+    pub fn read(&self) -> Result<Log, Failure> {
+        let map = self.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
+        log::read(&self.log, map.as_ref()).map_err(bad_input)
+    }
+
+    /// The vehicle that the log is of; none for separate axes, with which an option that `wants_vehicle` can't be given. The rig is
+    /// the one that was said; else the model's; else `axis` for a log in other people's columns, which is of other people's
+    /// vehicle, or without motors.
+    pub fn vehicle(&self, log: &Log, wants_vehicle: Option<&str>) -> Result<Option<VehicleModel>, Failure> {
+        let foreign = self.map.is_some() || log.driven_by_axis_commands();
+        let rig = match self.rig {
+            None if foreign && self.model.is_none() => Some(LogRig::Axis),
+            said => said,
+        };
+        let rig = match rig {
+            Some(LogRig::Axis) => {
+                return match self.model.as_ref().map(|_| "--model").or(wants_vehicle) {
+                    Some(option) => Err(bad_input(format!("--rig axis knows no vehicle: leave out {option}"))),
+                    None => Ok(None),
+                };
+            }
+            Some(LogRig::Gimbal) => Some(Rig::Gimbal),
+            Some(LogRig::Free) => Some(Rig::Free),
+            None => None,
+        };
+        vehicle_model(self.model.as_deref(), rig).map(Some)
+    }
+
+    /// How the command was called, for a page that tells how to make it again.
+    pub fn command(&self, name: &str) -> String {
+        let mut command = format!("sil {name} {}", quoted(&self.log.display().to_string()));
+        let rig = self.rig.and_then(|rig| rig.to_possible_value()).map(|value| value.get_name().to_owned());
+        let model = self.model.as_ref().map(|model| model.display().to_string());
+        for (option, value) in [("--map", self.map.clone()), ("--model", model), ("--rig", rig)] {
+            if let Some(value) = value {
+                command.push_str(&format!(" {option} {}", quoted(&value)));
+            }
+        }
+        command
+    }
+}
+
+/// A word for a shell.
+pub fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:=,@%".contains(c);
+    if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}

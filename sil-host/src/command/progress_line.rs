@@ -1,0 +1,37 @@
+//! How far a diagnosis is, on a terminal; silent where stderr is none.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use sil_host::diagnosis::Progress;
+
+/// A line on stderr that is gone with the value.
+pub struct ProgressLine(ProgressBar);
+
+impl ProgressLine {
+    pub fn new() -> Self {
+        let bar = ProgressBar::new(1);
+        if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {elapsed} {msg}") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Self(bar)
+    }
+
+    pub fn show(&self, progress: Progress) {
+        let (done, total, message) = match progress {
+            Progress::Searching { effects: 0, done, total } => (done, total, "looking for an effect".to_owned()),
+            Progress::Searching { effects, done, total } => {
+                (done, total, format!("{effects} found, looking for another"))
+            }
+            Progress::Judging => (1, 1, "weighing what was found".to_owned()),
+            Progress::Separating { done, total } => (done, total, "looking for a flight that tells more".to_owned()),
+        };
+        self.0.set_length(total as u64);
+        self.0.set_position(done as u64);
+        self.0.set_message(message);
+    }
+}
+
+impl Drop for ProgressLine {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,227 @@
+//! Which manoeuvre would tell apart what this log does not.
+//!
+//! For a finding and its rival, an effect that this log does not tell from it, each of the two models flies each candidate in closed loop, without noise, under
+//! the cascade; the other one is fitted anew to that flight, so that it gets every chance. Half of the sum of squares that it leaves, in units of this log's noise,
+//! is the difference of log-likelihoods to be expected from such a flight if the first is true (Kullback and Leibler). The other may be on another axis or motor
+//! than in this log: a flight is to settle the matter by itself. What counts is the mean of both ways
+//! (Box and Hill, Technometrics 9, 1967): a rival of which the finding is a special case can never be less likely, but it can turn out not to be needed. The
+//! plainest manoeuvre that is decisive is proposed, else the best one.
+
+use shared_control::config::Controller;
+
+use super::effects::Effect;
+use super::extension::model_with_terms;
+use super::fit::{Term, fit, model_of};
+use super::manoeuvres::{Manoeuvre, manoeuvres};
+use super::progress::Progress;
+use super::search::{Found, Search, TOLD_APART};
+use super::subject::Subject;
+use super::verdict::Finding;
+use crate::controller_file::ControllerChoice;
+use crate::fidelity::SensorNoise;
+use crate::flight::FlightSetup;
+use crate::flight_log::flight_log;
+use crate::log::Log;
+use crate::model::{self, VehicleModel};
+use crate::scenario::Scenario;
+
+/// Steps of the controller and rows of a flight per second: each command has its row.
+const RATE_HZ: u32 = 200;
+/// A difference of log-likelihoods that leaves no doubt, noise and all: odds of e^10, 22000 to 1.
+const DECISIVE: f64 = 10.0;
+
+/// A proposed flight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    /// For a person.
+    pub sentence: String,
+    /// What to fly; none where no manoeuvre would help.
+    pub scenario: Option<Scenario>,
+}
+
+/// A finding and an effect that might stand in its place.
+struct Pair<'e> {
+    /// "torque_bias (pitch) from cg_offset".
+    names: String,
+    finding: Side<'e>,
+    rival: Side<'e>,
+}
+
+/// One of the two.
+struct Side<'e> {
+    /// The model with it in.
+    terms: Vec<Term<'e>>,
+    /// The same, and with the effect on each other axis or motor.
+    family: Vec<Vec<Term<'e>>>,
+}
+
+/// A manoeuvre and the differences of log-likelihoods to be expected from it, pair by pair.
+struct Tried {
+    manoeuvre: Manoeuvre,
+    told: Vec<f64>,
+}
+
+/// The flight that would tell the findings from what they are confounded with; `None` where nothing is.
+pub(super) fn separating(
+    log: &Log,
+    subject: &Subject<'_>,
+    search: &Search<'_>,
+    found: &Found<'_>,
+    findings: &[Finding],
+) -> Option<Experiment> {
+    let pairs = pairs(search, found, findings);
+    if pairs.is_empty() {
+        return None;
+    }
+    let Subject::Vehicle(model) = subject else {
+        let names = listed(pairs.iter().map(|pair| pair.names.as_str()));
+        let sentence =
+            format!("What would tell {names} can't be simulated: nothing is known of what flies these axes.");
+        return Some(Experiment { sentence, scenario: None });
+    };
+    let judge = Judge { log, model, search, noise: noise_per_row(log) };
+    let mut best: Option<Tried> = None;
+    let candidates = manoeuvres();
+    let total = candidates.len();
+    for (done, manoeuvre) in candidates.into_iter().enumerate() {
+        (search.observer)(Progress::Separating { done, total });
+        let told = pairs.iter().map(|pair| judge.told_apart(&manoeuvre.scenario, pair)).collect();
+        let tried = Tried { told, manoeuvre };
+        let is_decisive = tried.told.iter().all(|told| *told >= DECISIVE);
+        if best.as_ref().is_none_or(|best| tried.worth() > best.worth()) {
+            best = Some(tried);
+        }
+        if is_decisive {
+            break;
+        }
+    }
+    best.map(|best| best.proposed(&pairs))
+}
+
+impl Tried {
+    /// More than decisive is no better.
+    fn worth(&self) -> f64 {
+        self.told.iter().map(|told| told.min(DECISIVE)).sum()
+    }
+
+    fn proposed(self, pairs: &[Pair<'_>]) -> Experiment {
+        let which =
+            |is_told: bool| pairs.iter().zip(&self.told).filter(move |(_, told)| (**told >= TOLD_APART) == is_told);
+        let names = |is_told: bool| listed(which(is_told).map(|(pair, _)| pair.names.as_str()));
+        let mut sentences = Vec::new();
+        let least = which(true).map(|(_, told)| *told).fold(f64::INFINITY, f64::min);
+        if least.is_finite() {
+            sentences.push(format!(
+                "To tell {}, fly {}: a difference of {least:.0} between their log-likelihoods is to be expected, where {TOLD_APART} are \
+                 enough.",
+                names(true),
+                self.manoeuvre.in_words
+            ));
+        }
+        if which(false).next().is_some() {
+            sentences.push(format!(
+                "No manoeuvre that was tried in simulation tells {} on this rig: one of them must be measured by itself.",
+                names(false)
+            ));
+        }
+        Experiment { sentence: sentences.join(" "), scenario: least.is_finite().then_some(self.manoeuvre.scenario) }
+    }
+}
+
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(" and ")
+}
+
+fn pairs<'e>(search: &Search<'e>, found: &Found<'e>, findings: &[Finding]) -> Vec<Pair<'e>> {
+    let mut pairs = Vec::new();
+    for (place, (finding, alternatives)) in findings.iter().zip(&found.alternatives).enumerate() {
+        let axis = finding.axis.map(|axis| format!(" ({axis})")).unwrap_or_default();
+        for name in &finding.confounded_with {
+            let rival = alternatives.iter().find(|other| other.last_effect().name() == *name);
+            let Some(rival) = rival.map(|rival| &rival.fit.terms) else { continue };
+            pairs.push(Pair {
+                names: format!("{}{axis} from {name}", finding.effect),
+                finding: Side::of(search, &found.chosen.fit.terms, search.always.len() + place),
+                rival: Side::of(search, rival, rival.len() - 1),
+            });
+        }
+    }
+    pairs
+}
+
+impl<'e> Side<'e> {
+    /// The effect is that of one of the terms.
+    fn of(search: &Search<'e>, terms: &[Term<'e>], index: usize) -> Side<'e> {
+        let effect = terms[index].effect;
+        let others = search.catalogue.iter().map(AsRef::as_ref).filter(|other: &&dyn Effect| {
+            other.name() == effect.name() && (other.axis(), other.motor()) != (effect.axis(), effect.motor())
+        });
+        let moved = others.map(|other| {
+            let mut moved = terms.to_vec();
+            moved[index] = Term { effect: other, values: terms[index].values.clone() };
+            moved
+        });
+        Side { family: std::iter::once(terms.to_vec()).chain(moved).collect(), terms: terms.to_vec() }
+    }
+}
+
+/// A sensor's noise per row, were there as many rows as in the simulated flight.
+fn noise_per_row(log: &Log) -> SensorNoise {
+    let scale = (f64::from(RATE_HZ) / log.rate_hz()).sqrt();
+    let scaled = |sigma: Option<f64>| sigma.map(|sigma| sigma * scale);
+    let noise = SensorNoise::of(log);
+    SensorNoise { angle_rad: noise.angle_rad.map(scaled), rate_rad_s: noise.rate_rad_s.map(scaled) }
+}
+
+/// What a log's manoeuvres are judged with.
+struct Judge<'a> {
+    log: &'a Log,
+    model: &'a VehicleModel,
+    search: &'a Search<'a>,
+    noise: SensorNoise,
+}
+
+impl Judge<'_> {
+    /// Mean of the expected differences of log-likelihoods if either of two models is true; 0 where neither can be flown.
+    fn told_apart(&self, scenario: &Scenario, pair: &Pair<'_>) -> f64 {
+        let (finding, rival) = (&pair.finding, &pair.rival);
+        let both =
+            [self.told_if_true(scenario, &finding.terms, rival), self.told_if_true(scenario, &rival.terms, finding)];
+        let flown: Vec<f64> = both.into_iter().flatten().collect();
+        flown.iter().sum::<f64>() / flown.len().max(1) as f64
+    }
+
+    /// The difference if one model is true and the other one is fitted anew.
+    fn told_if_true(&self, scenario: &Scenario, truth: &[Term<'_>], other: &Side<'_>) -> Option<f64> {
+        let flight = self.fly(scenario, truth)?;
+        let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
+        let all: Vec<usize> = (0..shooting.windows.len()).collect();
+        let flown = shooting.drive(model_of(self.search.nominal, truth));
+        let mut starts = shooting.measured_starts(&flown.model);
+        // what the two integrators and the rounding of the log differ by
+        let own: f64 = shooting.settle(&flown, &all, &mut starts).iter().sum();
+        let left = |terms: &Vec<Term<'_>>| fit(&shooting, self.search.nominal, terms.clone(), &starts, &all).training;
+        let least = other.family.iter().map(left).fold(f64::INFINITY, f64::min);
+        Some(0.5 * (least - own).max(0.0))
+    }
+
+    /// A noiseless flight, logged as the log was: what is not in it is not in the flight's.
+    fn fly(&self, scenario: &Scenario, terms: &[Term<'_>]) -> Option<Log> {
+        // fitted values that no vehicle can have fly nothing
+        let mut model = model_with_terms(self.model, terms).ok()?;
+        model.noise = model::SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0 };
+        let choice = ControllerChoice { rate_hz: RATE_HZ, ..ControllerChoice::nominal(Controller::Cascade) };
+        let setup = FlightSetup { model, controller_model: None, choice, scenario: scenario.clone(), seed: 0 };
+        let flight = setup.fly().ok().filter(|flight| !flight.record.ended_early)?;
+        let mut log = flight_log(&flight.record, RATE_HZ);
+        for axis in 0..3 {
+            if self.log.angle_rad[axis].is_none() {
+                log.angle_rad[axis] = None;
+            }
+            if self.log.rate_rad_s[axis].is_none() {
+                log.rate_rad_s[axis] = None;
+            }
+        }
+        Some(log)
+    }
+}

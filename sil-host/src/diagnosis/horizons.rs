@@ -1,0 +1,72 @@
+//! How far a prediction stays right: windows of several lengths, each begun where the log was.
+//!
+//! Up to the length of a held-out window only held-out rows count; a longer window covers rows that the fit has seen as well, half of all.
+
+use serde::Serialize;
+
+use super::accuracy::{predict, root_mean_square, tallies};
+use super::residuals::{NAMES, UNITS};
+use super::shooting::{Driven, Shooting};
+use crate::fidelity::{WINDOW_S, Window};
+
+/// Lengths of the windows, s.
+const HORIZONS_S: [f64; 3] = [0.1, 0.5, 2.0];
+
+/// Errors of open-loop predictions over windows of one length.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Horizon {
+    /// Length of the windows, s.
+    pub horizon_s: f64,
+    /// Their number.
+    pub windows: usize,
+    /// True if no fit has seen any of their rows.
+    pub held_out: bool,
+    /// Angles, body rates, angular accelerations.
+    pub errors: Vec<HorizonError>,
+}
+
+/// Root mean square errors of one quantity at all samples of the windows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HorizonError {
+    /// roll, pitch, yaw; p, q, r; p_dot, q_dot, r_dot.
+    pub quantity: &'static str,
+    /// deg, deg/s or deg/s2.
+    pub unit: &'static str,
+    /// Without any effect.
+    pub nominal: f64,
+    /// With the findings.
+    pub extended: f64,
+    /// Of an exact model.
+    pub noise_floor: f64,
+}
+
+/// For (nominal, extended); lengths that the log has no rows for are left out.
+pub(super) fn horizons(shooting: &Shooting<'_>, models: &[Driven; 2]) -> Vec<Horizon> {
+    HORIZONS_S.into_iter().filter_map(|horizon_s| horizon(shooting, models, horizon_s)).collect()
+}
+
+fn horizon(shooting: &Shooting<'_>, models: &[Driven; 2], horizon_s: f64) -> Option<Horizon> {
+    let held_out = horizon_s <= WINDOW_S;
+    let of_run = |run: &[Window]| Window::of_length(shooting.rows(), run, horizon_s);
+    let windows: Vec<Window> = if held_out {
+        shooting.windows.iter().filter(|window| window.held_out).flat_map(|window| of_run(&[*window])).collect()
+    } else {
+        shooting.windows.chunk_by(|a, b| a.end == b.start).flat_map(of_run).collect()
+    };
+    if windows.is_empty() {
+        return None;
+    }
+    let [nominal, extended] = models.each_ref().map(|driven| tallies(&predict(shooting, driven, &windows)));
+    let errors = (0..NAMES.len()).filter_map(|place| {
+        let (nominal, _) = root_mean_square(&nominal, place)?;
+        let (extended, noise_floor) = root_mean_square(&extended, place)?;
+        Some(HorizonError {
+            quantity: NAMES[place],
+            unit: UNITS[place],
+            nominal: nominal.to_degrees(),
+            extended: extended.to_degrees(),
+            noise_floor: noise_floor.to_degrees(),
+        })
+    });
+    Some(Horizon { horizon_s, windows: windows.len(), held_out, errors: errors.collect() })
+}

@@ -1,0 +1,105 @@
+//! The figures that people know of a prediction, channel by channel, over the held-out windows.
+//!
+//! Size of the error ([`Agreement`]): open loop from the rows around a window's start. Whiteness and correlation with the input: the same windows with the start
+//! state at its best in each, where an exact model leaves white noise; what the fit of the start takes out of the noise is allowed for.
+
+use serde::Serialize;
+
+use super::accuracy::Predicted;
+use super::body::State;
+use super::linear::dot;
+use super::residuals::{NAMES, UNITS};
+use super::shooting::{Driven, Shooting};
+use super::structure::Settled;
+use crate::fidelity::{Agreement, Correlogram, InputCorrelation, LjungBox, input_correlation};
+
+/// Rows apart up to which residuals are correlated with each other and with the input.
+const LAGS: usize = 20;
+
+/// How one channel is predicted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChannelStatistics {
+    /// roll, pitch, yaw, p, q or r.
+    pub quantity: &'static str,
+    /// deg or deg/s.
+    pub unit: &'static str,
+    /// By the model without any effect.
+    pub nominal: ModelStatistics,
+    /// With the findings.
+    pub extended: ModelStatistics,
+}
+
+/// One model's figures.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ModelStatistics {
+    /// Size of the error.
+    #[serde(flatten)]
+    pub agreement: Agreement,
+    /// Whiteness of what is left.
+    pub ljung_box: Option<LjungBox>,
+    /// Its correlation with the axis' command.
+    pub input_correlation: Option<InputCorrelation>,
+}
+
+/// A model, what it predicts for the held-out windows, and the start states at their best.
+pub(super) struct Judged<'a> {
+    pub(super) driven: &'a Driven,
+    pub(super) predicted: &'a [Predicted],
+    pub(super) starts: &'a [State],
+}
+
+/// All channels that are compared; `commands` are the axes' (roll, pitch, yaw) per row.
+pub(super) fn statistics(
+    shooting: &Shooting<'_>,
+    models: [Judged<'_>; 2],
+    commands: &[[f64; 4]],
+) -> Vec<ChannelStatistics> {
+    let settled = models.each_ref().map(|model| settle(shooting, model));
+    let places: Vec<usize> = shooting.compared().map(|(place, _)| place).collect();
+    let channel = |(index, place): (usize, &usize)| {
+        let of = |model: usize| {
+            let agreement = agreement(shooting, models[model].predicted, *place)?;
+            let (ljung_box, input_correlation) = left_over(&settled[model], index, *place, commands);
+            Some(ModelStatistics { agreement, ljung_box, input_correlation })
+        };
+        Some(ChannelStatistics { quantity: NAMES[*place], unit: UNITS[*place], nominal: of(0)?, extended: of(1)? })
+    };
+    places.iter().enumerate().filter_map(channel).collect()
+}
+
+/// Held-out windows by their first row.
+fn settle(shooting: &Shooting<'_>, model: &Judged<'_>) -> Vec<(usize, Settled)> {
+    let of = |predicted: &Predicted| {
+        let window = &predicted.window;
+        Some((window.start, Settled::of(shooting, model.driven, window, &model.starts[window.index])?))
+    };
+    model.predicted.iter().filter_map(of).collect()
+}
+
+fn agreement(shooting: &Shooting<'_>, predicted: &[Predicted], place: usize) -> Option<Agreement> {
+    let measured = shooting.measured(place)?;
+    let mut samples = Vec::new();
+    for series in predicted.iter().filter_map(|predicted| predicted.at(place)) {
+        // an error the short way round, whatever turn the measurement is in
+        let pairs = series.rows.iter().zip(&series.error);
+        samples.extend(pairs.map(|(row, error)| (measured[*row].to_degrees(), (measured[*row] - error).to_degrees())));
+    }
+    Agreement::of(&samples)
+}
+
+fn left_over(
+    settled: &[(usize, Settled)],
+    channel: usize,
+    place: usize,
+    commands: &[[f64; 4]],
+) -> (Option<LjungBox>, Option<InputCorrelation>) {
+    let mut correlogram = Correlogram::new(LAGS);
+    let mut stretches = Vec::new();
+    for (start, settled) in settled {
+        let (residual, forward) = settled.channel(channel);
+        correlogram.take_fitted(residual, |i, j| dot(&forward[i], &forward[j]));
+        let input = commands[*start..start + residual.len()].iter().map(|command| command[place % 3]).collect();
+        stretches.push((residual.to_vec(), input));
+    }
+    (correlogram.ljung_box(), input_correlation(&stretches, LAGS))
+}

@@ -1,0 +1,94 @@
+//! `sil diagnose`: its JSON, its page, and the flight that it proposes.
+
+use serde_json::{Value, json};
+
+use crate::json::assert_fits;
+use crate::sil::Folder;
+
+/// Four seconds of roll alone: a weak thrust and a heavy body look alike.
+fn short_log(folder: &Folder) {
+    let rates = ["--rate", "200", "--control-rate", "200", "--duration", "6"];
+    folder.sil(&[&["synth", "--effect", "thrust_scale:scale=0.95", "log.csv"], &rates[..]].concat()).assert_done();
+}
+
+fn agreement() -> Value {
+    json!({
+        "rmse": "number", "mean_abs": "number", "fit_pct": "number?", "theil": "number?",
+        "theil_split": { "bias": "number", "variance": "number", "covariance": "number" },
+        "ljung_box": { "statistic": "number", "bound": "number", "lags": "integer" },
+        "input_correlation": { "correlation": "number", "lag": "integer", "bound": "number" },
+    })
+}
+
+/// The fields of CLI.md, and behind them what the log shows in detail.
+fn answer() -> Value {
+    let errors = json!({ "roll_deg": "number", "pitch_deg": "number", "p_deg_s": "number", "q_deg_s": "number" });
+    let error = json!({ "quantity": "string", "unit": "string", "nominal": "number", "extended": "number", "noise_floor": "number" });
+    json!({
+        "log": { "path": "string", "rows": 1200, "duration_s": "number", "rate_hz": "number" },
+        "verdict": "explained",
+        "findings": [{
+            "effect": "thrust_scale", "axis": null, "where": "actuator",
+            "parameters": { "scale": { "value": "number", "std": "number" } },
+            "gain_pct": "number", "confounded_with": ["inertia_error"], "statement": "string",
+        }],
+        "rejected": [{ "effect": "string", "axis": "string", "reason": "string" }],
+        "prediction_error": { "window_s": 0.5, "nominal": errors, "extended": errors, "noise_floor": errors },
+        "unexplained": { "variance_pct": "number", "white": true, "signature": "" },
+        "separating_experiment": "string",
+        "gain": { "total_pct": "number", "total_interval_pct": "anything", "findings_interval_pct": "anything" },
+        "horizons": [{ "horizon_s": "number", "windows": "integer", "held_out": "boolean", "errors": [error] }],
+        "statistics": [{ "quantity": "string", "unit": "string", "nominal": agreement(), "extended": agreement() }],
+        "conditions": [{
+            "axis": "string", "condition": "string", "unit": "string",
+            "nominal_pct": "number", "extended_pct": "number", "chance_pct": "number",
+        }],
+        "spectra": [{
+            "axis": "string", "frequency_hz": ["number"], "nominal_deg_s2": ["number"], "extended_deg_s2": ["number"],
+        }],
+        "excitation": {
+            "condition_number": "number", "findings_condition_number": "number",
+            "parameters": [{
+                "effect": "string", "axis": "anything", "parameter": "string",
+                "std_alone": "number?", "std_together": "number?",
+            }],
+            "weaknesses": ["string"],
+        },
+    })
+}
+
+#[test]
+fn is_told_as_json_on_a_page_and_by_a_flight_that_can_be_flown() {
+    let folder = Folder::new();
+    short_log(&folder);
+    let outputs = ["--json", "out.json", "--report", "out.html", "--experiment", "next.toml", "--extended", "out.toml"];
+    let outcome = folder.sil(&[&["diagnose", "log.csv", "--rig", "gimbal"], &outputs[..]].concat()).assert_done();
+    let json = folder.json("out.json");
+    assert_fits(&json, &answer(), "");
+    // both are told to a person as well
+    for sentence in [&json["findings"][0]["statement"], &json["separating_experiment"]] {
+        assert!(outcome.stdout.contains(sentence.as_str().unwrap()), "{outcome:?}");
+    }
+    let page = String::from_utf8(folder.bytes("out.html")).unwrap();
+    assert!(page.contains("<code>sil diagnose log.csv --rig gimbal</code>"));
+    assert!(page.contains(json["separating_experiment"].as_str().unwrap()));
+    let proposed = String::from_utf8(folder.bytes("next.toml")).unwrap();
+    assert!(proposed.contains("pitch_deg") && page.contains("pitch_deg = "), "{proposed}");
+    let flight = ["fly", "--script", "next.toml", "--model", "out.toml", "--controller", "pid", "--json", "fly.json"];
+    folder.sil(&flight).assert_done();
+    // the log knows roll alone: now both are to move
+    let axes = &folder.json("fly.json")["runs"][0]["axes"];
+    assert!(axes["pitch"]["rise_time_s"].is_number() && axes["roll"]["rise_time_s"].is_number(), "{axes}");
+}
+
+#[test]
+fn of_a_log_that_leaves_no_doubt_has_no_flight_to_propose() {
+    let folder = Folder::new();
+    let effect = "weak_motor:motor=2,scale=0.95";
+    let rates = ["--rate", "200", "--control-rate", "200", "--duration", "15"];
+    folder.sil(&[&["synth", "--effect", effect, "log.csv"], &rates[..]].concat()).assert_done();
+    let outcome = folder.sil(&["diagnose", "log.csv", "--experiment", "next.toml", "--json", "out.json"]).assert_done();
+    assert!(outcome.stdout.contains("experiment      none to fly"), "{outcome:?}");
+    assert!(!folder.path("next.toml").exists());
+    assert_eq!(folder.json("out.json")["separating_experiment"], "");
+}
