@@ -7,6 +7,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use sil_host::axis::Axis;
+use sil_host::diagnosis::{Diagnosis, Subject, Verdict, diagnose};
 use sil_host::fidelity::{Channel, Part, ReplayOptions, replay_axes};
 use sil_host::log::{Log, Map, Quantity, read};
 
@@ -158,6 +159,32 @@ fn bench_with_free_pitch_is_replayed_and_missed() {
             let longest = (window.lead + 1..window.end).map(|row| log.time_s[row] - log.time_s[row - 1]);
             assert!(longest.fold(0.0, f64::max) <= 0.0201, "a gap inside a window");
         }
+    }
+}
+
+/// Value of a finding's parameter; 0 where it was not found.
+fn value(diagnosis: &Diagnosis, effect: &str, parameter: &str) -> f64 {
+    let finding = diagnosis.findings.iter().find(|finding| finding.effect == effect);
+    finding.map_or(0.0, |finding| finding.parameters[parameter].value)
+}
+
+/// What the bench's model lacks is found in the two shortest runs (docs/real-logs.md has all five): motors that come late by what the authors call a
+/// delay of 20 ms. The bench is in moving air and on a rail, so that not all is explained, and the answer says so.
+#[test]
+fn bench_with_free_pitch_is_diagnosed() {
+    for path in files("rig_antx_2dof", "Lab01") {
+        let diagnosis = diagnose(&load(&path, "antx"), &Subject::Axes).unwrap();
+        let errors = &diagnosis.prediction_error;
+        println!("{}: {:#?}", path.display(), diagnosis.findings);
+        for (nominal, extended) in
+            [(errors.nominal.pitch_deg, errors.extended.pitch_deg), (errors.nominal.q_deg_s, errors.extended.q_deg_s)]
+        {
+            assert!(extended.unwrap() < nominal.unwrap(), "{errors:?}");
+        }
+        let late_s =
+            value(&diagnosis, "motor_lag", "time_constant_s") + value(&diagnosis, "actuation_delay", "delay_s");
+        assert!((0.01..0.035).contains(&late_s), "{late_s}");
+        assert_eq!(diagnosis.verdict, Verdict::PartlyExplained);
     }
 }
 
