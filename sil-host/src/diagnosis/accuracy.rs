@@ -107,9 +107,11 @@ fn predict_window(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> 
                 Sample { row, error: sigma * residual[at], forward: forward(at), serves: row < window.tail }
             })
             .collect();
-        predicted.series.push(Series::of(place, sigma, &samples));
+        predicted
+            .series
+            .push(Series::of(place, sigma, &samples, |row| shooting.unknown_variance(place, window.start, row)));
         if place >= 3 {
-            predicted.series.push(Series::quotients(place + 3, sigma, &samples, shooting.rows()));
+            predicted.series.push(Series::quotients(place + 3, sigma, &samples, shooting));
         }
     }
     predicted
@@ -127,16 +129,18 @@ struct Sample {
 }
 
 impl Series {
-    fn of(place: usize, sigma: f64, samples: &[Sample]) -> Series {
+    fn of(place: usize, sigma: f64, samples: &[Sample], unknown_variance: impl Fn(usize) -> f64) -> Series {
+        let floor = |sample: &Sample| sigma * sigma * variance(&[(1.0, sample)]) + unknown_variance(sample.row);
         Series {
             place,
             rows: samples.iter().map(|sample| sample.row).collect(),
             error: samples.iter().map(|sample| sample.error).collect(),
-            floor: samples.iter().map(|sample| sigma * variance(&[(1.0, sample)]).sqrt()).collect(),
+            floor: samples.iter().map(|sample| floor(sample).sqrt()).collect(),
         }
     }
 
-    fn quotients(place: usize, sigma: f64, samples: &[Sample], time_s: &[f64]) -> Series {
+    fn quotients(place: usize, sigma: f64, samples: &[Sample], shooting: &Shooting<'_>) -> Series {
+        let time_s = shooting.rows();
         let mut series = Series { place, rows: Vec::new(), error: Vec::new(), floor: Vec::new() };
         for (i, first) in samples.iter().enumerate() {
             let is_later = |later: &&Sample| time_s[later.row] - time_s[first.row] > ACCELERATION_OVER_S - 1e-6;
@@ -144,7 +148,9 @@ impl Series {
             let per_s = 1.0 / (time_s[later.row] - time_s[first.row]);
             series.rows.push(first.row);
             series.error.push(per_s * (later.error - first.error));
-            series.floor.push(sigma * variance(&[(-per_s, first), (per_s, later)]).sqrt());
+            let unknown = per_s * per_s * shooting.unknown_variance(place - 3, first.row, later.row);
+            let known = sigma * sigma * variance(&[(-per_s, first), (per_s, later)]);
+            series.floor.push((known + unknown).sqrt());
         }
         series
     }

@@ -9,7 +9,7 @@ use crate::model::VehicleModel;
 use crate::plant::propulsion::{Propulsion, RotorState};
 
 /// Longest step of the body, s.
-const BODY_STEP_MAX_S: f64 = 2.5e-3;
+const BODY_STEP_MAX_S: f64 = 5e-3;
 /// Longest step of the motors, s; the thesis' motors ring with 98 Hz.
 const MOTOR_STEP_MAX_S: f64 = 0.4e-3;
 /// A step shorter than this is rounding of a time.
@@ -47,14 +47,30 @@ impl Drive {
     pub(super) fn of(model: &VehicleModel) -> Drive {
         Drive::Motors(model.propulsion)
     }
+
+    /// Forces once the motors have settled.
+    pub(super) fn settled(&self, commands: &[f64; 4]) -> [f64; 4] {
+        match self {
+            Drive::Motors(propulsion) => commands.map(|command| propulsion.lift_n(command)),
+            Drive::Direct => *commands,
+        }
+    }
+
+    /// What commands make the motors do, in the unit of [`Propulsion::derivative`]; without motors the commands themselves.
+    fn of_commands(&self, commands: &[f64; 4]) -> [f64; 4] {
+        match self {
+            Drive::Motors(propulsion) => commands.map(|command| propulsion.drive(command)),
+            Drive::Direct => *commands,
+        }
+    }
 }
 
-/// Commands of a log, held from row to row.
+/// Commands, each in force until the next.
 #[derive(Clone, Debug)]
 pub(super) struct Commands {
-    /// Times of the rows, s.
+    /// When they are given, s.
     pub(super) time_s: Vec<f64>,
-    /// Per row: motors 1 to 4, or (roll, pitch, yaw, 0).
+    /// Motors 1 to 4, or (roll, pitch, yaw, 0).
     pub(super) value: Vec<[f64; 4]>,
 }
 
@@ -80,12 +96,11 @@ pub(super) struct ForceTrack {
 }
 
 impl ForceTrack {
-    /// Follows the commands through chain and drive, everything settled at the first command.
-    pub(super) fn new(commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
-        let rows = commands.time_s.len();
-        let mut track = ForceTrack { steps: Vec::new(), first_step: Vec::with_capacity(rows) };
+    /// Follows the commands through chain and drive, everything settled at the first command; steps end at the rows of a log.
+    pub(super) fn new(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
+        let mut track = ForceTrack { steps: Vec::new(), first_step: Vec::with_capacity(rows_s.len()) };
         let mut motors = Motors::settled(commands, chain, drive);
-        for interval in commands.time_s.windows(2) {
+        for interval in rows_s.windows(2) {
             track.first_step.push(track.steps.len());
             let count = ((interval[1] - interval[0]) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
             let duration_s = (interval[1] - interval[0]) / count;
@@ -118,6 +133,8 @@ struct Motors<'a> {
     arrived: [f64; 4],
     /// Behind the lag.
     lagged: [f64; 4],
+    /// What that makes the motors do: an exponential each, so it is computed only where the command changes.
+    driving: [f64; 4],
     rotors: RotorState,
 }
 
@@ -131,7 +148,7 @@ impl<'a> Motors<'a> {
                 (rotors[motor], rotors[4 + motor]) = (settled.speed_rad_s, settled.current_a);
             }
         }
-        Motors { chain, drive, row: 0, arrived, lagged: arrived, rotors }
+        Motors { chain, drive, row: 0, arrived, lagged: arrived, driving: drive.of_commands(&arrived), rotors }
     }
 
     /// One step of the body, in motor steps that end where a command arrives.
@@ -175,28 +192,32 @@ impl<'a> Motors<'a> {
             }
             self.row += 1;
             self.arrived = clipped(commands.value[self.row], self.chain, self.drive);
+            if self.chain.lag_s <= 0.0 {
+                self.lagged = self.arrived;
+                self.driving = self.drive.of_commands(&self.arrived);
+            }
         }
     }
 
     /// Forces at the begin, in the middle and at the end of a step under one command.
     fn motor_step(&mut self, step_s: f64) -> [[f64; 4]; 3] {
-        let [begin, middle, end] = [0.0, 0.5 * step_s, step_s].map(|after_s| self.behind_the_lag(after_s));
-        self.lagged = end;
+        let begin = self.driving;
+        let (middle, end) = if self.chain.lag_s > 0.0 {
+            let half_left = libm::exp(-0.5 * step_s / self.chain.lag_s);
+            let behind = |left: f64| -> [f64; 4] {
+                core::array::from_fn(|i| self.arrived[i] + left * (self.lagged[i] - self.arrived[i]))
+            };
+            let (middle, end) = (behind(half_left), behind(half_left * half_left));
+            self.lagged = end;
+            (self.drive.of_commands(&middle), self.drive.of_commands(&end))
+        } else {
+            (begin, begin)
+        };
+        self.driving = end;
         match self.drive {
             Drive::Direct => [begin, middle, end],
-            Drive::Motors(propulsion) => {
-                let drives = [begin, middle, end].map(|command| command.map(|c| propulsion.drive(c)));
-                rotor_step(propulsion, &mut self.rotors, &drives, step_s)
-            }
+            Drive::Motors(propulsion) => rotor_step(propulsion, &mut self.rotors, &[begin, middle, end], step_s),
         }
-    }
-
-    fn behind_the_lag(&self, after_s: f64) -> [f64; 4] {
-        if self.chain.lag_s <= 0.0 {
-            return self.arrived;
-        }
-        let left = libm::exp(-after_s / self.chain.lag_s);
-        core::array::from_fn(|i| self.arrived[i] + left * (self.lagged[i] - self.arrived[i]))
     }
 }
 

@@ -22,10 +22,8 @@ pub(super) struct Motion {
     pub(super) rate_rad_s: [f64; 3],
     /// Sine and cosine of roll.
     pub(super) roll: (f64, f64),
-    /// Sine and cosine of pitch.
-    pub(super) pitch: (f64, f64),
-    /// Sum of the four forces, N.
-    pub(super) lift_sum_n: f64,
+    /// The four forces: the motors' lifts, N; on separate axes the axis commands.
+    pub(super) force: [f64; 4],
 }
 
 /// A moment beside the motors', about the rig's axes or, free, the body's.
@@ -94,20 +92,12 @@ impl Body {
     /// Change of the state under forces and moments.
     pub(super) fn derivative(&self, time_s: f64, x: &State, force: &[f64; 4], moments: &[Box<dyn Moment>]) -> State {
         let level = (0.0, 1.0);
-        let (roll, pitch) = match self.rig {
-            BodyRig::Axes { .. } => (level, level),
-            // pitch enters the gimbal's motion by moments of gravity only
-            BodyRig::Gimbal { .. } if moments.is_empty() => (libm::sincos(x[0]), level),
-            BodyRig::Gimbal { .. } | BodyRig::Free { .. } => (libm::sincos(x[0]), libm::sincos(x[1])),
+        let roll = match self.rig {
+            BodyRig::Axes { .. } => level,
+            BodyRig::Gimbal { .. } | BodyRig::Free { .. } => libm::sincos(x[0]),
         };
-        let motion = Motion {
-            time_s,
-            angle_rad: [x[0], x[1], x[2]],
-            rate_rad_s: [x[3], x[4], x[5]],
-            roll,
-            pitch,
-            lift_sum_n: force.iter().sum(),
-        };
+        let motion =
+            Motion { time_s, angle_rad: [x[0], x[1], x[2]], rate_rad_s: [x[3], x[4], x[5]], roll, force: *force };
         let mut moment = [0.0; 3];
         for effect in moments {
             effect.add(&motion, &mut moment);
@@ -155,7 +145,7 @@ impl Body {
             tau[2] + moment[2] - (p * h[1] - q * h[0]),
         ];
         let determinant = ix * iy - product * product;
-        let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (m.roll, m.pitch);
+        let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (m.roll, libm::sincos(m.angle_rad[1]));
         // near the vertical the angles lose their meaning, the formulas stay finite
         let heading = (q * sin_roll + r * cos_roll) / cos_pitch.abs().max(1e-3).copysign(cos_pitch);
         [

@@ -84,8 +84,8 @@ pub(super) fn excitation(search: &Search<'_>, found: &Found<'_>) -> Excitation {
 fn information(search: &Search<'_>, found: &Found<'_>, known: &[Term<'_>], asked: &[Term<'_>]) -> Vec<f64> {
     let shooting = search.shooting;
     let terms: Vec<Term<'_>> = known.iter().chain(asked).cloned().collect();
-    let driven = shooting.drive(model_of(search.nominal, &terms), None);
-    let shifted = shifted_models(shooting, search.nominal, &terms, known.len(), &driven);
+    let driven = shooting.drive(model_of(search.nominal, &terms));
+    let shifted = shifted_models(shooting, search.nominal, &terms, known.len());
     let all: Vec<usize> = (0..shooting.windows.len()).collect();
     let linear = shooting.linearise(&driven, &shifted, &all, &found.chosen.fit.starts, None);
     shooting.normal(&linear, None).matrix

@@ -14,9 +14,9 @@ use super::extension::model_with_terms;
 use super::fit::{Term, fit, model_of};
 use super::manoeuvres::{Manoeuvre, manoeuvres};
 use super::progress::Progress;
-use super::search::{Found, Search};
+use super::search::{Found, Search, TOLD_APART};
 use super::subject::Subject;
-use super::verdict::{Finding, TOLD_APART};
+use super::verdict::Finding;
 use crate::controller_file::ControllerChoice;
 use crate::fidelity::SensorNoise;
 use crate::flight::FlightSetup;
@@ -194,9 +194,11 @@ impl Judge<'_> {
     /// The difference if one model is true and the other one is fitted anew.
     fn told_if_true(&self, scenario: &Scenario, truth: &[Term<'_>], other: &Side<'_>) -> Option<f64> {
         let flight = self.fly(scenario, truth)?;
+        // what disturbed this log would disturb the flight too
         let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
+        let shooting = shooting.with_noise(self.search.shooting.noise);
         let all: Vec<usize> = (0..shooting.windows.len()).collect();
-        let flown = shooting.drive(model_of(self.search.nominal, truth), None);
+        let flown = shooting.drive(model_of(self.search.nominal, truth));
         let mut starts = shooting.measured_starts(&flown.model);
         // what the two integrators and the rounding of the log differ by
         let own: f64 = shooting.settle(&flown, &all, &mut starts).iter().sum();

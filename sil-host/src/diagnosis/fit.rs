@@ -3,13 +3,16 @@
 use super::body::State;
 use super::effects::{Effect, Parameter};
 use super::linear::{Cholesky, dot};
+use super::linearisation::{Linearisation, Normal};
 use super::prediction::Model;
-use super::shooting::{Driven, Linearisation, Normal, Shooting};
+use super::shooting::{Driven, Shooting};
 
 /// Rounds of linearisation.
 const ROUNDS_MAX: usize = 12;
 /// The fit has ended when a round can lower the sum of squares by no more than this.
 const IMPROVEMENT_MIN: f64 = 0.05;
+/// A fit explains at most so many times what a linearisation promises; what could not win even so is given up.
+pub(super) const OVERSHOT: f64 = 3.0;
 /// Rounds that make no progress before the fit is given up.
 const FAILURES_MAX: usize = 5;
 
@@ -65,7 +68,6 @@ pub(super) fn shifted_models(
     nominal: Nominal<'_>,
     terms: &[Term<'_>],
     first: usize,
-    base: &Driven,
 ) -> Vec<(Driven, f64)> {
     let mut shifted = Vec::new();
     for (index, term) in terms.iter().enumerate().skip(first) {
@@ -73,7 +75,7 @@ pub(super) fn shifted_models(
             let step = admissible_step(parameter, term.values[place]);
             let mut moved = terms.to_vec();
             moved[index].values[place] += step;
-            shifted.push((shooting.drive(model_of(nominal, &moved), Some(base)), step));
+            shifted.push((shooting.drive(model_of(nominal, &moved)), step));
         }
     }
     shifted
@@ -91,12 +93,24 @@ pub(super) fn fit<'e>(
     starts: &[State],
     training: &[usize],
 ) -> Fit<'e> {
+    fit_to_reach(shooting, nominal, terms, starts, training, f64::INFINITY)
+}
+
+/// The same, given up where the sum of squares can't come down to `to_reach`.
+pub(super) fn fit_to_reach<'e>(
+    shooting: &Shooting<'_>,
+    nominal: Nominal<'_>,
+    terms: Vec<Term<'e>>,
+    starts: &[State],
+    training: &[usize],
+    to_reach: f64,
+) -> Fit<'e> {
     let mut best = Round::at(shooting, nominal, terms, starts.to_vec(), training, None);
     let mut damping = 1e-4;
     let mut failures = 0;
     for _ in 0..ROUNDS_MAX {
         let Some((step, promised)) = best.step(damping) else { break };
-        if promised < IMPROVEMENT_MIN {
+        if promised < IMPROVEMENT_MIN || best.normal.chi2 - OVERSHOT * promised > to_reach {
             break;
         }
         let terms = moved(&best.terms, &step);
@@ -140,8 +154,8 @@ impl<'e> Round<'e> {
         training: &[usize],
         nearby: Option<&Linearisation>,
     ) -> Round<'e> {
-        let base = shooting.drive(model_of(nominal, &terms), None);
-        let shifted = shifted_models(shooting, nominal, &terms, 0, &base);
+        let base = shooting.drive(model_of(nominal, &terms));
+        let shifted = shifted_models(shooting, nominal, &terms, 0);
         let linear = shooting.linearise(&base, &shifted, training, &starts, nearby);
         let normal = shooting.normal(&linear, None);
         Round { terms, starts, linear, normal }

@@ -8,12 +8,12 @@ use super::shooting::{Driven, Shooting};
 /// Lowest and highest frequency looked at, Hz; below, less than a period of half a minute shows.
 const FREQUENCY_RANGE_HZ: [f64; 2] = [0.05, 25.0];
 /// Neighbouring frequencies differ by this share of the width of a peak, one over the log's length.
-const FREQUENCY_STEP: f64 = 0.3;
-/// Rows are taken together to stretches of at least this length, s: a fifth of the shortest period.
-const STRETCH_S: f64 = 8e-3;
+const FREQUENCY_STEP: f64 = 0.5;
+/// Rows are taken together to stretches of at least this length, s: a quarter of the shortest period.
+const STRETCH_S: f64 = 10e-3;
 /// What is white in the differences, against what is differences of white noise: gaps and the model's small errors.
 const NOISE_SHARE_MIN: f64 = 1e-4;
-/// Onsets are looked for on so many places of the log.
+/// Onsets are looked for on so many places of the log, and then more finely about the best.
 const ONSETS: usize = 300;
 
 /// What a log says about its swings and onsets beyond a model.
@@ -130,15 +130,19 @@ fn onset_s(series: &[Interval]) -> Option<f64> {
         .collect();
     let stride = (summed.len() / (8 * ONSETS)).max(1);
     let thinned: Vec<(f64, f64)> = summed.iter().step_by(stride).copied().collect();
-    let mut best = None;
-    for k in 0..ONSETS {
-        let start_s = first.time_s + (last.time_s - first.time_s) * k as f64 / ONSETS as f64;
-        let left = squares_left(&thinned, start_s);
-        if best.is_none_or(|(_, least)| left < least) {
-            best = Some((start_s, left));
-        }
-    }
-    best.map(|(start_s, _)| start_s)
+    let length_s = last.time_s - first.time_s;
+    let spacing_s = length_s / ONSETS as f64;
+    let coarse_s = best_onset_s(&thinned, first.time_s, spacing_s, ONSETS)?;
+    // once more about the best, to the length of a stretch
+    let finer = (spacing_s / STRETCH_S).ceil().max(1.0);
+    let begin_s = (coarse_s - spacing_s).max(first.time_s);
+    best_onset_s(&thinned, begin_s, spacing_s / finer, 2 * finer as usize + 1)
+}
+
+fn best_onset_s(points: &[(f64, f64)], first_s: f64, spacing_s: f64, places: usize) -> Option<f64> {
+    let onsets = (0..places).map(|k| first_s + k as f64 * spacing_s);
+    let left = onsets.map(|start_s| (start_s, squares_left(points, start_s)));
+    left.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(start_s, _)| start_s)
 }
 
 /// Sum of squares about a constant up to `start_s` that goes on as a straight line.

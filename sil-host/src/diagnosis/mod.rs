@@ -16,6 +16,7 @@ mod accuracy;
 mod actuation;
 mod body;
 mod bootstrap;
+mod cancelling;
 mod conditions;
 pub mod effects;
 mod eigen;
@@ -25,15 +26,19 @@ mod extension;
 mod fit;
 mod hints;
 mod horizons;
+mod innovation;
 mod linear;
+mod linearisation;
 mod manoeuvres;
 mod prediction;
 mod process_noise;
 mod progress;
 mod residuals;
+mod sampling;
 mod search;
 mod sensor;
 mod shooting;
+mod signature;
 mod statistics;
 mod structure;
 mod subject;
@@ -46,7 +51,7 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, axis_commands};
+use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, Window, axis_commands};
 use crate::log::Log;
 pub use bootstrap::Gain;
 pub use conditions::{Condition, Spectrum};
@@ -58,6 +63,7 @@ pub use horizons::{Horizon, HorizonError};
 use process_noise::AxisNoise;
 pub use progress::{Observer, Progress};
 pub use residuals::ChannelResiduals;
+use sampling::Sampled;
 use search::{Candidate, Found, Search};
 use statistics::Judged;
 pub use statistics::{ChannelStatistics, ModelStatistics};
@@ -156,20 +162,19 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
 /// # Errors
 /// As [`diagnose`].
 pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_>) -> Result<Diagnosis, FidelityError> {
-    let noise = SensorNoise::of(log);
-    let shooting = subject.shooting(log, &noise)?;
+    let sampled = Sampled::new(log, subject)?;
     let nominal = || subject.model();
     let catalogue = effects::catalogue(&subject.scope(log));
     let fitted_along = subject.fitted_along(log)?;
     let always: Vec<Term<'_>> =
         fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
-    let search = Search::new(&shooting, &nominal, &catalogue, always.clone(), observer);
-    let found = search.run();
+    let (search, found) =
+        sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, always.clone(), observer));
     let Some(disturbed) = noise_beyond_sensors(&search, &found) else {
         observer(Progress::Judging);
         return Ok(answer(log, subject, &search, &found));
     };
-    let shooting = subject.shooting(log, &noise)?.with_noise(disturbed);
+    let shooting = subject.shooting(log, &SensorNoise::of(log))?.commanded_as(search.shooting).with_noise(disturbed);
     let search = Search::new(&shooting, &nominal, &catalogue, always, observer);
     let found = search.run();
     observer(Progress::Judging);
@@ -179,16 +184,27 @@ pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_
 /// The noise to be looked with once more, where what was found is far from explaining the log.
 fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisNoise; 3]> {
     let shooting = search.shooting;
-    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms), None);
+    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms));
     let errors = accuracy::tallies(&accuracy::predict(shooting, &driven, &search.held_out_windows()));
     let is_far = accuracy::worst_ratio(&errors) > UNEXPLAINED_FACTOR;
     is_far.then(|| shooting.most_likely_noise(&driven, &search.training, &found.chosen.fit.starts))
 }
 
+/// Errors of a model as it stands over the held-out windows, and those of an exact one.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn prediction_error(log: &Log, subject: &Subject<'_>) -> Result<[ChannelErrors; 2], FidelityError> {
+    let shooting = subject.shooting(log, &SensorNoise::of(log))?;
+    let driven = shooting.drive(subject.model());
+    let held_out: Vec<Window> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
+    Ok(verdict::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out))))
+}
+
 fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
     let shooting = search.shooting;
-    let driven = [&found.nominal, &found.chosen]
-        .map(|candidate| shooting.drive(model_of(search.nominal, &candidate.fit.terms), None));
+    let driven =
+        [&found.nominal, &found.chosen].map(|candidate| shooting.drive(model_of(search.nominal, &candidate.fit.terms)));
     let windows = search.held_out_windows();
     let predicted = driven.each_ref().map(|driven| accuracy::predict(shooting, driven, &windows));
     let [nominal, extended] = predicted.each_ref().map(|predicted| accuracy::tallies(predicted));
@@ -204,7 +220,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
         axis: String::new(),
         reason: "no controller given".to_owned(),
     });
-    let verdict = match (findings.is_empty(), unexplained.white && at_the_floor) {
+    let verdict = match (findings.is_empty(), unexplained.signature.is_empty() && at_the_floor) {
         (true, true) => Verdict::NoDiscrepancy,
         (true, false) => Verdict::UnknownEffect,
         (false, true) => Verdict::Explained,
@@ -255,25 +271,28 @@ fn throttle(log: &Log) -> Option<Vec<f64>> {
 
 fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
     let shooting = search.shooting;
-    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms), None);
-    let mut all: Vec<usize> = search.training.clone();
-    all.extend(&search.held_out);
-    let whiteness = structure::whiteness(shooting, &driven, &all, &found.chosen.fit.starts);
-    let white = whiteness.iter().all(structure::Whiteness::is_white);
+    let whole = search.fitted_to_all(&found.chosen);
+    let driven = shooting.drive(model_of(search.nominal, &whole.fit.terms));
+    let all: Vec<usize> = (0..shooting.windows.len()).collect();
+    let whiteness = structure::whiteness(shooting, &driven, &all, &whole.fit.starts);
+    let even = whiteness.iter().all(structure::Whiteness::is_white);
+    let dependence = signature::strongest(search, &found.chosen, &whole.fit);
+    let white = even && dependence.is_none();
     let expected = shooting.degrees_of_freedom(&search.held_out);
     let beyond = |candidate: &Candidate<'_>| (candidate.held_out - expected).max(0.0);
     let nominal = beyond(&found.nominal);
     let variance_pct = if nominal > 0.0 { 100.0 * (beyond(&found.chosen) / nominal).min(1.0) } else { 0.0 };
     let worst = whiteness.iter().max_by(|a, b| a.deviation.total_cmp(&b.deviation));
-    let signature = match worst {
-        Some(worst) if !white => {
-            let name = residuals::NAMES[worst.place];
-            format!(
-                "{name} misses its prediction by something that goes on from row to row ({:.0} sigma)",
-                worst.deviation
-            )
-        }
-        _ => String::new(),
-    };
+    let goes_on = worst.filter(|_| !even).map(|worst| {
+        let frequency = signature::frequency(search, &whole.fit, worst.place % 3).unwrap_or_default();
+        format!(
+            "{}: {} misses its prediction by something that goes on from row to row ({:.0} sigma), {frequency}",
+            residuals::NAMES[worst.place % 3],
+            residuals::NAMES[worst.place],
+            worst.deviation
+        )
+    });
+    let cancelling = || cancelling::cancelling(&whole.fit, search.always.len());
+    let signature = dependence.or(goes_on).or_else(cancelling).unwrap_or_default();
     Unexplained { variance_pct, white, signature }
 }

@@ -2,7 +2,11 @@
 
 use super::actuation::{Chain, Commands, Drive, ForceTrack, Step};
 use super::body::{Body, Moment, State};
+use super::effects::SOFTENING_RAD_S;
 use super::sensor::Sensors;
+
+/// Parts of a step of the body in which dry friction turns round, a millisecond or two.
+const DRY_PARTS: u8 = 8;
 
 /// A model with whatever effects it is given; [`super::effects::Effect::apply`] changes it.
 pub(super) struct Model {
@@ -17,8 +21,8 @@ pub(super) struct Model {
     pub(super) body: Body,
     pub(super) moments: Vec<Box<dyn Moment>>,
     pub(super) sensors: Sensors,
-    /// Parts of a body step, where something in the model changes faster than the body turns.
-    pub(super) parts_per_step: u8,
+    /// Axes with dry friction, whose moment turns round while the rate goes through 0.
+    pub(super) dry: [bool; 3],
 }
 
 /// Angles (roll, pitch, yaw) and body rates (p, q, r) as a log would report them.
@@ -36,7 +40,7 @@ impl Model {
             body,
             moments: Vec::new(),
             sensors: Sensors::NOMINAL,
-            parts_per_step: 1,
+            dry: [false; 3],
         }
     }
 
@@ -68,16 +72,32 @@ impl Model {
         };
         let (begin, from_s) =
             if duration_s < 0.0 { (1.0, step.start_s + step.duration_s) } else { (-1.0, step.start_s) };
-        let parts = f64::from(self.parts_per_step);
+        let count = self.parts(from_s, x, &force(begin), duration_s);
+        let parts = f64::from(count);
         let part_s = duration_s / parts;
         let mut state = *x;
-        for part in 0..self.parts_per_step {
+        for part in 0..count {
             let passed = f64::from(part) / parts;
             let place = |share: f64| begin * (1.0 - 2.0 * (passed + share / parts));
             let forces = [force(place(0.0)), force(place(0.5)), force(place(1.0))];
             state = self.part(from_s + passed * duration_s, &state, &forces, part_s);
         }
         state
+    }
+
+    /// Into how many parts a step is cut: more than one where a rate goes through 0 against dry friction.
+    fn parts(&self, from_s: f64, x: &State, force: &[f64; 4], duration_s: f64) -> u8 {
+        if self.dry == [false; 3] {
+            return 1;
+        }
+        let change = self.body.derivative(from_s, x, force, &self.moments);
+        let turns_round = (0..3).any(|axis| {
+            let passed_rad_s = (change[3 + axis] * duration_s).abs();
+            self.dry[axis]
+                && passed_rad_s > 0.25 * SOFTENING_RAD_S
+                && x[3 + axis].abs() < passed_rad_s + 4.0 * SOFTENING_RAD_S
+        });
+        if turns_round { DRY_PARTS } else { 1 }
     }
 
     /// Runge-Kutta 4.
@@ -90,6 +110,21 @@ impl Model {
         let k3 = derivative(from_s + half_s, &along(&k2, half_s), middle);
         let k4 = derivative(from_s + duration_s, &along(&k3, duration_s), last);
         core::array::from_fn(|i| x[i] + duration_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+    }
+
+    /// What one unit of each command adds to the angular accelerations, rad/s^2, level and settled.
+    pub(super) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
+        const STEP: f64 = 0.01;
+        let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
+            let change = self.body.derivative(0.0, &[0.0; 6], &self.drive.settled(commands), &[]);
+            [change[3], change[4], change[5]]
+        };
+        core::array::from_fn(|i| {
+            let [mut less, mut more] = [*commands; 2];
+            (less[i], more[i]) = (less[i] - STEP, more[i] + STEP);
+            let (less, more) = (acceleration(&less), acceleration(&more));
+            core::array::from_fn(|axis| (more[axis] - less[axis]) / (2.0 * STEP))
+        })
     }
 
     fn factors(&self, scene: &Scene<'_>, step: &Step) -> [f64; 4] {
@@ -116,9 +151,9 @@ impl Scene<'_> {
     }
 }
 
-/// The forces of a model under the commands of a log.
-pub(super) fn track(model: &Model, commands: &Commands) -> ForceTrack {
-    ForceTrack::new(commands, &model.chain, &model.drive)
+/// The forces of a model under commands, from row to row.
+pub(super) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
+    ForceTrack::new(rows_s, commands, &model.chain, &model.drive)
 }
 
 /// States a little back in time, for an attitude that is reported late.

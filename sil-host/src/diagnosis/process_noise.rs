@@ -40,82 +40,64 @@ pub(super) struct AxisSensors {
     pub(super) rate_rad_s: Option<f64>,
 }
 
-/// The filter's numbers for one row: they depend on times and noise only.
-struct Gain {
-    step_s: f64,
-    /// State per innovation of unit variance, (angle, rate) x (first, second channel).
-    gain: [[f64; 2]; 2],
-    /// Lower triangle that makes innovations of unit variance: first, second from first, second.
-    whitener: [f64; 3],
+/// A motion's departure from its prediction, as far as the rows so far have told it, and its covariance.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Departure {
+    angle_rad: f64,
+    rate_rad_s: f64,
+    /// Of (angle, rate): the angle's variance, both, the rate's.
+    covariance: [f64; 3],
 }
 
-/// The filter of an axis along one window.
-pub(super) struct Filter {
-    sensors: AxisSensors,
-    gains: Vec<Gain>,
-    /// Logarithm of the innovations' variances, summed.
-    pub(super) log_determinant: f64,
+impl Departure {
+    /// Takes one residual, its slopes along (angle, rate) and its sensor's standard deviation, all in one unit; its innovation and that one's
+    /// variance.
+    pub(super) fn correct(&mut self, residual: f64, [angle, rate]: [f64; 2], sensor: f64) -> (f64, f64) {
+        let [aa, ar, rr] = self.covariance;
+        let (with_angle, with_rate) = (aa * angle + ar * rate, ar * angle + rr * rate);
+        let variance = sensor * sensor + angle * with_angle + rate * with_rate;
+        let innovation = residual - angle * self.angle_rad - rate * self.rate_rad_s;
+        self.angle_rad += with_angle / variance * innovation;
+        self.rate_rad_s += with_rate / variance * innovation;
+        self.covariance = [
+            aa - with_angle * with_angle / variance,
+            ar - with_angle * with_rate / variance,
+            rr - with_rate * with_rate / variance,
+        ];
+        (innovation, variance)
+    }
+
+    /// Lets time pass under a white acceleration.
+    pub(super) fn pass(&mut self, h: f64, acceleration: f64) {
+        self.angle_rad += h * self.rate_rad_s;
+        let density = acceleration * acceleration;
+        let [aa, ar, rr] = self.covariance;
+        self.covariance = [
+            aa + h * (2.0 * ar + h * rr) + density * h * h * h / 3.0,
+            ar + h * rr + density * h * h / 2.0,
+            rr + density * h,
+        ];
+    }
 }
 
-impl Filter {
-    /// Along these rows; the state at the first of them is somebody else's.
-    pub(super) fn new(time_s: &[f64], sensors: AxisSensors, noise: &AxisNoise) -> Filter {
-        let density = noise.acceleration * noise.acceleration;
-        // in units of each channel's own noise; a channel that is not there has the weight of nothing
-        let scale = [sensors.angle_rad, sensors.rate_rad_s].map(|std| std.map_or(0.0, |std| 1.0 / std));
-        let own = noise.sensors * noise.sensors;
-        let (mut p00, mut p01, mut p11) = (0.0, 0.0, 0.0);
-        let mut gains = Vec::with_capacity(time_s.len());
-        let mut log_determinant = 0.0;
-        let mut before_s = time_s.first().copied().unwrap_or_default();
-        for at_s in time_s {
-            let h = at_s - before_s;
-            before_s = *at_s;
-            p00 += h * (2.0 * p01 + h * p11) + density * h * h * h / 3.0;
-            p01 += h * p11 + density * h * h / 2.0;
-            p11 += density * h;
-            let s00 = scale[0] * scale[0] * p00 + own;
-            let s01 = scale[0] * scale[1] * p01;
-            let s11 = scale[1] * scale[1] * p11 + own;
-            let l00 = s00.sqrt();
-            let l10 = s01 / l00;
-            let l11 = (s11 - l10 * l10).sqrt();
-            // P H' L'^-1
-            let columns = [[p00 * scale[0], p01 * scale[1]], [p01 * scale[0], p11 * scale[1]]];
-            let gain = columns.map(|[a, b]| [a / l00, (b - a / l00 * l10) / l11]);
-            p00 -= gain[0][0] * gain[0][0] + gain[0][1] * gain[0][1];
-            p01 -= gain[0][0] * gain[1][0] + gain[0][1] * gain[1][1];
-            p11 -= gain[1][0] * gain[1][0] + gain[1][1] * gain[1][1];
-            if sensors.angle_rad.is_some() {
-                log_determinant += 2.0 * libm::log(l00);
-            }
-            if sensors.rate_rad_s.is_some() {
-                log_determinant += 2.0 * libm::log(l11);
-            }
-            gains.push(Gain { step_s: h, gain, whitener: [l00, l10, l11] });
-        }
-        Filter { sensors, gains, log_determinant }
-    }
-
-    /// Turns residuals, in units of each channel's noise, into innovations of unit variance. A channel that is not there is empty.
-    pub(super) fn apply(&self, angle: &mut [f64], rate: &mut [f64]) {
-        let [to_angle, to_rate] =
-            [self.sensors.angle_rad, self.sensors.rate_rad_s].map(|std| std.map_or(0.0, |std| 1.0 / std));
-        let (mut x, mut v) = (0.0, 0.0);
-        for (row, Gain { step_s, gain, whitener: [l00, l10, l11] }) in self.gains.iter().enumerate() {
-            x += step_s * v;
-            let first = angle.get(row).map_or(0.0, |value| (value - to_angle * x) / l00);
-            let second = rate.get(row).map_or(0.0, |value| (value - to_rate * v - l10 * first) / l11);
-            x += gain[0][0] * first + gain[0][1] * second;
-            v += gain[1][0] * first + gain[1][1] * second;
-            if let Some(value) = angle.get_mut(row) {
-                *value = first;
-            }
-            if let Some(value) = rate.get_mut(row) {
-                *value = second;
-            }
+/// Turns residuals of an axis, (angle, rate), in units of each channel's noise, into innovations of unit variance; the logarithm of the
+/// variances that they had, summed. A channel that is not there is empty.
+fn innovate(time_s: &[f64], sensors: AxisSensors, noise: &AxisNoise, residual: &mut [Vec<f64>; 2]) -> f64 {
+    let slopes = [sensors.angle_rad.map(|std| [1.0 / std, 0.0]), sensors.rate_rad_s.map(|std| [0.0, 1.0 / std])];
+    let mut departure = Departure::default();
+    let mut log_determinant = 0.0;
+    let mut before_s = time_s.first().copied().unwrap_or_default();
+    for (row, at_s) in time_s.iter().enumerate() {
+        departure.pass(at_s - before_s, noise.acceleration);
+        before_s = *at_s;
+        for (channel, slope) in residual.iter_mut().zip(slopes) {
+            let (Some(value), Some(slope)) = (channel.get_mut(row), slope) else { continue };
+            let (innovation, variance) = departure.correct(*value, slope, noise.sensors);
+            *value = innovation / variance.sqrt();
+            log_determinant += libm::log(variance);
         }
     }
+    log_determinant
 }
 
 /// One window of an axis: its rows' times, residuals and slopes along the start state, each as (angle, rate).
@@ -143,18 +125,16 @@ pub(super) fn most_likely(windows: &[AxisWindow<'_>], sensors: AxisSensors) -> A
 
 /// Twice the negative logarithm of a window's likelihood, its start state quite free, up to a constant.
 fn unlikeliness(window: &AxisWindow<'_>, sensors: AxisSensors, noise: &AxisNoise) -> f64 {
-    let filter = Filter::new(window.time_s, sensors, noise);
-    let white = |channels: &[Vec<f64>; 2]| -> Vec<f64> {
-        let [mut angle, mut rate] = channels.clone();
-        filter.apply(&mut angle, &mut rate);
-        angle.extend(rate);
-        angle
+    let white = |channels: &[Vec<f64>; 2]| -> (Vec<f64>, f64) {
+        let mut channels = channels.clone();
+        let log_determinant = innovate(window.time_s, sensors, noise, &mut channels);
+        (channels.concat(), log_determinant)
     };
-    let mut left = white(&window.residual);
+    let (mut left, log_determinant) = white(&window.residual);
     let mut basis: Vec<Vec<f64>> = Vec::new();
     // Gram and Schmidt: what the start state can explain is taken out
     for slope in &window.slopes {
-        let mut column = white(slope);
+        let (mut column, _) = white(slope);
         for other in &basis {
             let along = dot(other, &column);
             column.iter_mut().zip(other).for_each(|(value, other)| *value -= along * other);
@@ -167,7 +147,7 @@ fn unlikeliness(window: &AxisWindow<'_>, sensors: AxisSensors, noise: &AxisNoise
             basis.push(column);
         }
     }
-    dot(&left, &left) + filter.log_determinant
+    dot(&left, &left) + log_determinant
 }
 
 #[cfg(test)]
@@ -200,8 +180,9 @@ mod tests {
     #[test]
     fn innovations_are_white_and_of_unit_variance() {
         let noise = AxisNoise { acceleration: 0.5, sensors: 2.0 };
-        let (times, [mut angle, mut rate]) = seen(0.5, 2.0, 4000, 1);
-        Filter::new(&times, SENSORS, &noise).apply(&mut angle, &mut rate);
+        let (times, mut channels) = seen(0.5, 2.0, 4000, 1);
+        innovate(&times, SENSORS, &noise, &mut channels);
+        let [angle, rate] = channels;
         for channel in [&angle, &rate] {
             let variance = dot(channel, channel) / 4000.0;
             let next = dot(&channel[1..], &channel[..3999]) / 4000.0;
@@ -215,12 +196,13 @@ mod tests {
     #[test]
     fn without_a_disturbance_residuals_stay_as_they_are() {
         let (times, before) = seen(0.5, 1.0, 50, 2);
-        let [mut angle, mut rate] = before.clone();
-        Filter::new(&times, SENSORS, &AxisNoise { acceleration: 0.0, sensors: 1.0 }).apply(&mut angle, &mut rate);
-        assert_eq!([angle, rate], before);
+        let mut channels = before.clone();
+        innovate(&times, SENSORS, &AxisNoise::SENSORS, &mut channels);
+        assert_eq!(channels, before);
         let gyro = AxisSensors { angle_rad: None, ..SENSORS };
-        let mut rate = before[1].clone();
-        Filter::new(&times, gyro, &AxisNoise { acceleration: 0.0, sensors: 2.0 }).apply(&mut [], &mut rate);
+        let mut channels = [Vec::new(), before[1].clone()];
+        innovate(&times, gyro, &AxisNoise { acceleration: 0.0, sensors: 2.0 }, &mut channels);
+        let [_, rate] = channels;
         assert!(rate.iter().zip(&before[1]).all(|(white, rate)| (2.0 * white - rate).abs() < 1e-12));
     }
 

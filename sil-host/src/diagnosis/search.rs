@@ -8,17 +8,16 @@
 
 use super::body::State;
 use super::effects::Effect;
-use super::fit::{Fit, Nominal, Term, fit, model_of, regular, shifted_models};
+use super::fit::{Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models};
 use super::hints::hints;
 use super::linear::{Cholesky, dot};
+use super::linearisation::Linearisation;
 use super::progress::{Observer, Progress};
-use super::shooting::{Driven, Linearisation, Shooting};
+use super::shooting::Shooting;
 use crate::fidelity::Window;
 
 /// Hypotheses that are fitted in full after scoring.
 const FITTED_MAX: usize = 7;
-/// Less than this share of the best score is not fitted.
-const SCORE_SHARE_MIN: f64 = 0.15;
 /// Effects in one model.
 const EFFECTS_MAX: usize = 5;
 /// Effects added, taken out again ones included.
@@ -28,6 +27,8 @@ const ROUNDS_MAX: usize = 8;
 const SIGNIFICANT: f64 = 30.0;
 /// The same on the held-out windows, where nothing was fitted.
 const PAYS: f64 = 6.0;
+/// Natural logarithm of the likelihood within which two models are not told apart (CLI.md).
+pub(super) const TOLD_APART: f64 = 3.0;
 /// Share of the held-out error that a finding must take away (CLI.md).
 const SHARE_MIN: f64 = 0.02;
 
@@ -97,7 +98,7 @@ impl<'e> Search<'e> {
             if chosen.fit.terms.len() == self.always.len() + EFFECTS_MAX {
                 break;
             }
-            let mut extended = self.extensions(&chosen);
+            let mut extended = self.extensions(&chosen, 0.0);
             let Some(best) = extended.first().cloned() else { break };
             if !self.pays(&chosen, &best, &nominal) {
                 break;
@@ -114,25 +115,65 @@ impl<'e> Search<'e> {
 
     /// The model with these effects at their values, all start states at their best.
     fn settled(&self, terms: Vec<Term<'e>>) -> Candidate<'e> {
-        let driven = self.shooting.drive(model_of(self.nominal, &terms), None);
-        let mut starts = self.shooting.measured_starts(&driven.model);
-        self.shooting.settle(&driven, &self.training, &mut starts);
-        self.fitted(terms, &starts)
+        let starts = self.settled_starts(&terms);
+        self.fitted(terms, &starts, f64::INFINITY)
     }
 
-    /// The model with these effects fitted.
-    fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Candidate<'e> {
-        let mut fit = fit(self.shooting, self.nominal, terms, starts, &self.training);
-        let driven = self.shooting.drive(model_of(self.nominal, &fit.terms), None);
+    /// The chosen effects fitted to all windows, held out or not: what no model of these effects explains is left then.
+    pub(super) fn fitted_to_all(&self, chosen: &Candidate<'e>) -> Candidate<'e> {
+        let all: Vec<usize> = (0..self.shooting.windows.len()).collect();
+        let fit = fit(self.shooting, self.nominal, chosen.fit.terms.clone(), &chosen.fit.starts, &all);
+        Candidate { fit, held_out: chosen.held_out }
+    }
+
+    /// Start states of the training windows at their best under these effects, from the measured ones on.
+    pub(super) fn settled_starts(&self, terms: &[Term<'e>]) -> Vec<State> {
+        let driven = self.shooting.drive(model_of(self.nominal, terms));
+        let mut starts = self.shooting.measured_starts(&driven.model);
+        self.shooting.settle(&driven, &self.training, &mut starts);
+        starts
+    }
+
+    /// The model with these effects fitted; given up where it can't come near a sum of squares.
+    fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State], to_reach: f64) -> Candidate<'e> {
+        let mut fit = fit_to_reach(self.shooting, self.nominal, terms, starts, &self.training, to_reach);
+        let driven = self.shooting.drive(model_of(self.nominal, &fit.terms));
         let held_out = self.shooting.settle(&driven, &self.held_out, &mut fit.starts).iter().sum();
         Candidate { fit, held_out }
     }
 
-    /// All ways to add one effect that are worth a full fit, best first.
-    pub(super) fn extensions(&self, to: &Candidate<'e>) -> Vec<Candidate<'e>> {
-        let driven = self.shooting.drive(model_of(self.nominal, &to.fit.terms), None);
+    /// All ways to add one effect that are worth a full fit, best first. Those that explain far less than `known` does, a fall of the
+    /// training windows' sum of squares, are not.
+    pub(super) fn extensions(&self, to: &Candidate<'e>, known: f64) -> Vec<Candidate<'e>> {
+        let mut fits: Vec<Candidate<'e>> = Vec::new();
+        let mut most = known;
+        let (effects, total) = (to.fit.terms.len() - self.always.len(), self.catalogue.len() + FITTED_MAX);
+        for (done, (score, terms)) in (self.catalogue.len()..).zip(self.scored(to)) {
+            (self.observer)(Progress::Searching { effects, done, total });
+            if OVERSHOT * score < most {
+                break;
+            }
+            let fit = self.fitted(terms, &to.fit.starts, to.fit.training - most);
+            most = most.max(to.fit.training - fit.fit.training);
+            fits.push(fit);
+        }
+        fits.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+        // of two starts of the same effect the better one counts
+        let mut seen: Vec<Candidate<'e>> = Vec::new();
+        for fit in fits {
+            if !seen.iter().any(|other| is_the_same(other.last_effect(), fit.last_effect())) {
+                seen.push(fit);
+            }
+        }
+        self.simplest_first(&mut seen);
+        seen
+    }
+
+    /// All ways to add one effect that may be significant, with what they would explain to first order, most first.
+    fn scored(&self, to: &Candidate<'e>) -> Vec<(f64, Vec<Term<'e>>)> {
+        let driven = self.shooting.drive(model_of(self.nominal, &to.fit.terms));
         let hints = hints(self.shooting, &driven);
-        let shifted = shifted_models(self.shooting, self.nominal, &to.fit.terms, 0, &driven);
+        let shifted = shifted_models(self.shooting, self.nominal, &to.fit.terms, 0);
         let linear = self.shooting.linearise(&driven, &shifted, &self.training, &to.fit.starts, None);
         let mut scored: Vec<(f64, Vec<Term<'e>>)> = Vec::new();
         let effects = to.fit.terms.len() - self.always.len();
@@ -145,34 +186,30 @@ impl<'e> Search<'e> {
             for values in effect.starts(&hints) {
                 let mut terms = to.fit.terms.clone();
                 terms.push(Term { effect: effect.as_ref(), values });
-                scored.push((self.score(to, &driven, &linear, &terms), terms));
+                scored.push((self.score(to, &linear, &terms), terms));
             }
         }
         scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let best = scored.first().map_or(0.0, |(score, _)| *score);
-        scored.retain(|(score, _)| *score > SCORE_SHARE_MIN * best && *score > 0.5 * SIGNIFICANT);
+        scored.retain(|(score, _)| *score > 0.5 * SIGNIFICANT);
         scored.truncate(FITTED_MAX);
-        let fit_in_full = |(done, (_, terms)): (usize, (f64, Vec<Term<'e>>))| {
-            (self.observer)(Progress::Searching { effects, done, total });
-            self.fitted(terms, &to.fit.starts)
-        };
-        let mut fits: Vec<Candidate<'e>> = (self.catalogue.len()..).zip(scored).map(fit_in_full).collect();
-        fits.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
-        // of two starts of the same effect the better one counts
-        let mut seen: Vec<Candidate<'e>> = Vec::new();
-        for fit in fits {
-            if !seen.iter().any(|other| is_the_same(other.last_effect(), fit.last_effect())) {
-                seen.push(fit);
-            }
+        scored
+    }
+
+    /// Of those that the log does not tell from the best, the one with the fewest parameters goes first.
+    fn simplest_first(&self, fits: &mut [Candidate<'e>]) {
+        let Some(best) = fits.first() else { return };
+        let limit = best.held_out + 2.0 * TOLD_APART * self.spread(best);
+        let not_told_apart = fits.iter().enumerate().filter(|(_, fit)| fit.held_out < limit);
+        if let Some((place, _)) = not_told_apart.min_by_key(|(_, fit)| fit.fit.size()) {
+            fits[..=place].rotate_right(1);
         }
-        seen
     }
 
     /// How far the last of the terms would lower the training windows' sum of squares, to first order.
-    fn score(&self, to: &Candidate<'e>, driven: &Driven, linear: &Linearisation, terms: &[Term<'e>]) -> f64 {
+    fn score(&self, to: &Candidate<'e>, linear: &Linearisation, terms: &[Term<'e>]) -> f64 {
         let last = terms.len() - 1;
-        let base = self.shooting.drive(model_of(self.nominal, terms), Some(driven));
-        let shifted = shifted_models(self.shooting, self.nominal, terms, last, &base);
+        let base = self.shooting.drive(model_of(self.nominal, terms));
+        let shifted = shifted_models(self.shooting, self.nominal, terms, last);
         let changes_nothing =
             terms[last].values.iter().zip(terms[last].effect.parameters()).all(|(value, of)| *value == of.nominal)
                 || terms[last].values[0] == 0.0 && terms[last].effect.parameters()[0].name.ends_with("_nm");
@@ -212,14 +249,14 @@ impl<'e> Search<'e> {
             for index in self.always.len()..chosen.fit.terms.len() {
                 let mut terms = chosen.fit.terms.clone();
                 let removed = terms.remove(index);
-                let without = self.fitted(terms, &chosen.fit.starts);
+                let without = self.fitted(terms, &chosen.fit.starts, f64::INFINITY);
                 if !self.pays(&without, &chosen, nominal) {
                     better = Some(without);
                     break;
                 }
-                let others = self.extensions(&without);
+                let others = self.extensions(&without, without.fit.training - chosen.fit.training);
                 let exchanged = others.iter().find(|other| {
-                    !is_the_same(other.last_effect(), removed.effect) && criterion(other) + PAYS < criterion(&chosen)
+                    !is_the_same(other.last_effect(), removed.effect) && self.is_preferred(other, &chosen)
                 });
                 if let Some(exchanged) = exchanged {
                     better = Some(exchanged.clone());
@@ -236,6 +273,13 @@ impl<'e> Search<'e> {
         }
         let none = vec![Vec::new(); chosen.fit.terms.len() - self.always.len()];
         (chosen, none)
+    }
+
+    /// Is another model clearly better, or as good with fewer parameters?
+    fn is_preferred(&self, other: &Candidate<'e>, chosen: &Candidate<'e>) -> bool {
+        let spread = self.spread(chosen);
+        criterion(other) + PAYS * spread < criterion(chosen)
+            || other.fit.size() < chosen.fit.size() && other.held_out < chosen.held_out + 2.0 * TOLD_APART * spread
     }
 
     /// Puts the effect first whose loss would cost most on the held-out windows.
@@ -257,7 +301,7 @@ impl<'e> Search<'e> {
             .map(|(index, _)| alternatives.get_mut(index - first).and_then(Option::take).unwrap_or_default())
             .collect();
         let starts = chosen.fit.starts.clone();
-        Found { nominal, chosen: self.fitted(terms, &starts), alternatives }
+        Found { nominal, chosen: self.fitted(terms, &starts, f64::INFINITY), alternatives }
     }
 
     /// Sum of squares on the held-out windows with one effect simply left out.
@@ -274,7 +318,7 @@ impl<'e> Search<'e> {
 
     /// Sums of squares of the held-out windows under a model, their start states at their best from given ones on.
     pub(super) fn losses(&self, terms: &[Term<'e>], starts: &[State]) -> Vec<f64> {
-        let driven = self.shooting.drive(model_of(self.nominal, terms), None);
+        let driven = self.shooting.drive(model_of(self.nominal, terms));
         self.shooting.settle(&driven, &self.held_out, &mut starts.to_vec())
     }
 }

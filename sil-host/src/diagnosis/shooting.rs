@@ -4,23 +4,26 @@
 //! method's assumption, white sensor noise and commands that are known, the residuals of a true model are white, in a closed loop too:
 //! given its start the motion is a function of known commands, and a sample's noise reaches later commands only.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use rayon::prelude::*;
 
-use super::actuation::{Commands, ForceTrack};
+use super::actuation::{Chain, Commands, ForceTrack};
 use super::body::State;
-use super::linear::{Cholesky, dot};
+use super::linear::Cholesky;
+use super::linearisation::{Column, Linearisation, Normal, WindowLinear, slope, slopes, start_factor, turned};
 use super::prediction::{Model, Scene, track};
-use super::process_noise::{self, AxisNoise, AxisSensors, AxisWindow, Filter};
+use super::process_noise::AxisNoise;
 use crate::fidelity::{SensorNoise, Window};
 use crate::log::Log;
 
-/// Start states are free in so far as these are far beyond any error of a measured one.
-const START_PRIOR_ANGLE_RAD: f64 = 0.5;
-const START_PRIOR_RATE_RAD_S: f64 = 10.0;
 /// Change of a start state for a difference quotient, rad or rad/s.
 const START_STEP: f64 = 1e-5;
 /// The least noise that a channel is taken to have: the rounding of logs and the accuracy of the integration, rad and rad/s.
 const NOISE_MIN: [f64; 2] = [2e-5, 2e-4];
+
+/// Force tracks that are kept: those of one fit with a lag, a delay and clipping, and the nominal one.
+const TRACKS_KEPT: usize = 8;
 
 /// What a rig lets turn and what of it is compared.
 #[derive(Clone, Debug)]
@@ -29,8 +32,8 @@ pub(super) struct RigChannels {
     pub(super) start_components: Vec<usize>,
     /// Places of a report that are compared where the log has them.
     pub(super) compared: Vec<usize>,
-    /// True where angles are known up to full turns.
-    pub(super) wraps: bool,
+    /// True for a vehicle with motors, whose angles are known up to full turns.
+    pub(super) is_vehicle: bool,
 }
 
 /// One measured column.
@@ -48,42 +51,21 @@ pub(super) struct Shooting<'a> {
     volts_lost: Vec<f64>,
     channels: Vec<Channel<'a>>,
     pub(super) windows: Vec<Window>,
+    /// Accelerations that commands lost between rows leave unknown, per axis; none where none are.
+    pub(super) lost: Option<[AxisNoise; 3]>,
     /// Components of the state that a window may choose.
     start_components: Vec<usize>,
-    wraps: bool,
-    /// Noise of each axis beyond the sensors', where some was found.
-    noise: Option<[AxisNoise; 3]>,
+    is_vehicle: bool,
+    /// Noise of each axis as innovations count it.
+    pub(super) noise: [AxisNoise; 3],
+    /// Forces by what lies between command and motor, all of one drive.
+    tracks: Mutex<Vec<(Chain, Arc<ForceTrack>)>>,
 }
 
 /// A model with the forces that the log's commands make in it.
 pub(super) struct Driven {
     pub(super) model: Model,
-    pub(super) track: std::sync::Arc<ForceTrack>,
-}
-
-/// Whitened residuals of one window, or their change with a parameter.
-pub(super) type Column = Vec<f64>;
-
-/// Per window: residuals, and their slopes along the start state and the parameters.
-pub(super) struct Linearisation {
-    pub(super) windows: Vec<WindowLinear>,
-}
-
-/// One window of it.
-pub(super) struct WindowLinear {
-    residual: Column,
-    start: Vec<Column>,
-    parameters: Vec<Column>,
-}
-
-/// Normal equations of the parameters, the start states eliminated.
-#[derive(Clone, Debug)]
-pub(super) struct Normal {
-    /// Rows one behind the other.
-    pub(super) matrix: Vec<f64>,
-    pub(super) right: Vec<f64>,
-    /// Sum of squares that the best start states leave at the present parameters.
-    pub(super) chi2: f64,
+    pub(super) track: Arc<ForceTrack>,
 }
 
 impl<'a> Shooting<'a> {
@@ -107,73 +89,54 @@ impl<'a> Shooting<'a> {
         channels.retain(|channel| rig.compared.contains(&channel.place));
         channels.sort_by_key(|channel| channel.place);
         let start_components = rig.start_components.clone();
-        let (volts_lost, wraps) = (volts_lost(log), rig.wraps);
-        Shooting { log, commands, volts_lost, channels, windows, start_components, wraps, noise: None }
+        Shooting {
+            log,
+            commands,
+            volts_lost: volts_lost(log),
+            channels,
+            windows,
+            lost: None,
+            start_components,
+            is_vehicle: rig.is_vehicle,
+            noise: [AxisNoise::SENSORS; 3],
+            tracks: Mutex::default(),
+        }
+    }
+
+    /// The same log with other commands.
+    pub(super) fn commanded(self, commands: Commands) -> Shooting<'a> {
+        Shooting { commands, tracks: Mutex::default(), ..self }
+    }
+
+    /// The same with the commands of another, and with what those leave unknown.
+    pub(super) fn commanded_as(self, other: &Shooting<'_>) -> Shooting<'a> {
+        let shooting = self.commanded(other.commands.clone());
+        Shooting { lost: other.lost, ..shooting }
+    }
+
+    /// The same, its commands leaving accelerations unknown.
+    pub(super) fn with_lost(self, lost: [AxisNoise; 3]) -> Shooting<'a> {
+        Shooting { lost: Some(lost), noise: lost, ..self }
     }
 
     /// The same, with more noise than the sensors'.
     pub(super) fn with_noise(self, noise: [AxisNoise; 3]) -> Shooting<'a> {
-        Shooting { noise: Some(noise), ..self }
+        Shooting { noise, ..self }
     }
 
-    /// Under which noise what a model leaves is most likely, per axis.
-    pub(super) fn most_likely_noise(&self, driven: &Driven, which: &[usize], starts: &[State]) -> [AxisNoise; 3] {
-        let linear = self.linearise(driven, &[], which, starts, None);
-        [0, 1, 2].map(|axis| {
-            let sensors = self.sensors_of(axis);
-            let window = |(index, linear): (&usize, &WindowLinear)| {
-                let window = &self.windows[*index];
-                let rows = window.end - window.start;
-                let own = |column: &Column| [axis, 3 + axis].map(|place| self.part_of(column, rows, place).to_vec());
-                AxisWindow {
-                    time_s: &self.log.time_s[window.start..window.end],
-                    residual: own(&linear.residual),
-                    slopes: linear.start.iter().map(own).collect(),
-                }
-            };
-            let windows: Vec<AxisWindow<'_>> = which.iter().zip(&linear.windows).map(window).collect();
-            process_noise::most_likely(&windows, sensors)
-        })
-    }
-
-    /// Standard deviations of an axis' angle and rate.
-    fn sensors_of(&self, axis: usize) -> AxisSensors {
-        let std =
-            |place: usize| self.channels.iter().find(|channel| channel.place == place).map(|channel| channel.sigma);
-        AxisSensors { angle_rad: std(axis), rate_rad_s: std(3 + axis) }
-    }
-
-    /// The rows of a channel in a window's residuals; empty for a channel that is not compared.
-    fn part_of<'c>(&self, column: &'c [f64], rows: usize, place: usize) -> &'c [f64] {
-        let index = self.channels.iter().position(|channel| channel.place == place);
-        index.map_or(&[], |index| &column[index * rows..(index + 1) * rows])
-    }
-
-    /// Residuals, or their slopes, turned into innovations where there is noise beyond the sensors'.
-    fn whitened(&self, window: &Window, mut column: Column) -> Column {
-        let Some(noise) = &self.noise else { return column };
-        let rows = window.end - window.start;
-        for (axis, noise) in noise.iter().enumerate() {
-            let filter = Filter::new(&self.log.time_s[window.start..window.end], self.sensors_of(axis), noise);
-            let places = [axis, 3 + axis];
-            let mut parts = places.map(|place| self.part_of(&column, rows, place).to_vec());
-            let [angle, rate] = &mut parts;
-            filter.apply(angle, rate);
-            for (place, part) in places.into_iter().zip(parts) {
-                if let Some(index) = self.channels.iter().position(|channel| channel.place == place) {
-                    column[index * rows..(index + 1) * rows].copy_from_slice(&part);
-                }
-            }
-        }
-        column
-    }
-
-    /// Puts a log's forces beside a model, taken over from another where the commands go the same way.
-    pub(super) fn drive(&self, model: Model, like: Option<&Driven>) -> Driven {
-        let track = match like {
-            Some(other) if other.model.chain == model.chain => std::sync::Arc::clone(&other.track),
-            _ => std::sync::Arc::new(track(&model, &self.commands)),
+    /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
+    pub(super) fn drive(&self, model: Model) -> Driven {
+        // whoever died with the lock held has left whole tracks behind
+        let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = kept.iter().position(|(chain, _)| *chain == model.chain);
+        let (chain, track) = match place {
+            Some(place) => kept.remove(place),
+            None => (model.chain, Arc::new(track(&model, self.rows(), &self.commands))),
         };
+        // the one used last is forgotten last
+        kept.push((chain, Arc::clone(&track)));
+        let surplus = kept.len().saturating_sub(TRACKS_KEPT);
+        kept.drain(..surplus);
         Driven { model, track }
     }
 
@@ -234,7 +197,14 @@ impl<'a> Shooting<'a> {
         [at(0.02), at(0.98)]
     }
 
-    /// Whitened residuals of one window.
+    /// Innovations of one window: residuals as least squares take them.
+    fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Column {
+        let mut residual = self.residual(driven, window, start);
+        self.innovate(window, &mut residual);
+        residual
+    }
+
+    /// Plain residuals of one window, in units of the sensors' noise.
     pub(super) fn residual(&self, driven: &Driven, window: &Window, start: &State) -> Column {
         let scene = Scene { time_s: &self.log.time_s, track: &driven.track, volts_lost: &self.volts_lost };
         let reports = driven.model.predict(&scene, start, window.start, window.end);
@@ -242,7 +212,7 @@ impl<'a> Shooting<'a> {
         for channel in &self.channels {
             for (row, report) in (window.start..window.end).zip(&reports) {
                 let mut error = channel.column[row] - report[channel.place];
-                if self.wraps && channel.place < 3 {
+                if self.is_vehicle && channel.place < 3 {
                     error = wrapped(error);
                 }
                 residual.push(error / channel.sigma);
@@ -251,14 +221,14 @@ impl<'a> Shooting<'a> {
         residual
     }
 
-    /// Whitened residuals of some windows.
+    /// Innovations of some windows.
     fn residuals(&self, driven: &Driven, which: &[usize], starts: &[State], shift: Option<usize>) -> Vec<Column> {
         let one = |index: &usize| {
             let mut start = starts[*index];
             if let Some(component) = shift {
                 start[component] += START_STEP;
             }
-            self.whitened(&self.windows[*index], self.residual(driven, &self.windows[*index], &start))
+            self.innovations(driven, &self.windows[*index], &start)
         };
         which.par_iter().map(one).collect()
     }
@@ -359,18 +329,37 @@ impl<'a> Shooting<'a> {
         sum
     }
 
+    /// True on the gimbal, whose vehicle can't turn in yaw of its own.
+    pub(super) fn is_gimbal(&self) -> bool {
+        self.is_vehicle && !self.turns(2)
+    }
+
+    /// True if the forces are motors' lifts.
+    pub(super) fn has_motors(&self) -> bool {
+        self.is_vehicle
+    }
+
     /// Places of a report that are compared, and the noise of each.
     pub(super) fn compared(&self) -> impl Iterator<Item = (usize, f64)> {
         self.channels.iter().map(|channel| (channel.place, channel.sigma))
     }
 
-    /// Whitened residuals of one window and their slopes along its start state.
+    /// Plain residuals of one window and their slopes along its start state.
     pub(super) fn start_slopes(&self, driven: &Driven, window: &Window, start: &State) -> (Column, Vec<Column>) {
-        let residual = self.residual(driven, window, start);
+        self.slopes_along_start(start, |start| self.residual(driven, window, start))
+    }
+
+    /// The same of the innovations.
+    pub(super) fn innovation_slopes(&self, driven: &Driven, window: &Window, start: &State) -> (Column, Vec<Column>) {
+        self.slopes_along_start(start, |start| self.innovations(driven, window, start))
+    }
+
+    fn slopes_along_start(&self, start: &State, of: impl Fn(&State) -> Column) -> (Column, Vec<Column>) {
+        let residual = of(start);
         let along = |component: &usize| {
             let mut shifted = *start;
             shifted[*component] += START_STEP;
-            slope(&residual, self.residual(driven, window, &shifted), START_STEP)
+            slope(&residual, of(&shifted), START_STEP)
         };
         let slopes = self.start_components.iter().map(along).collect();
         (residual, slopes)
@@ -398,81 +387,6 @@ impl<'a> Shooting<'a> {
     pub(super) fn part(&self, held_out: bool) -> Vec<usize> {
         self.windows.iter().filter(|window| window.held_out == held_out).map(|window| window.index).collect()
     }
-}
-
-impl WindowLinear {
-    /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that is left.
-    fn best_start(&self, step: &[f64], components: &[usize]) -> (Vec<f64>, f64) {
-        let mut residual = self.residual.clone();
-        for (column, by) in self.parameters.iter().zip(step) {
-            residual.iter_mut().zip(column).for_each(|(residual, slope)| *residual -= slope * by);
-        }
-        let right: Vec<f64> = self.start.iter().map(|column| dot(column, &residual)).collect();
-        let Some(factor) = start_factor(&self.start, components) else {
-            return (vec![0.0; components.len()], dot(&residual, &residual));
-        };
-        let best = factor.solve(&right);
-        let chi2 = dot(&residual, &residual) - dot(&right, &best);
-        (best, chi2)
-    }
-
-    fn reduced(&self, extra: &[Column], components: &[usize]) -> Normal {
-        let columns: Vec<&Column> = self.parameters.iter().chain(extra).collect();
-        let size = columns.len();
-        let against = |column: &Column| -> Vec<f64> { self.start.iter().map(|start| dot(start, column)).collect() };
-        let Some(factor) = start_factor(&self.start, components) else {
-            return Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 };
-        };
-        let residual = factor.forward(&against(&self.residual));
-        let projected: Vec<Vec<f64>> = columns.iter().map(|column| factor.forward(&against(column))).collect();
-        let mut matrix = vec![0.0; size * size];
-        for i in 0..size {
-            for j in 0..=i {
-                let value = dot(columns[i], columns[j]) - dot(&projected[i], &projected[j]);
-                (matrix[i * size + j], matrix[j * size + i]) = (value, value);
-            }
-        }
-        let right = columns
-            .iter()
-            .zip(&projected)
-            .map(|(column, projected)| dot(column, &self.residual) - dot(projected, &residual))
-            .collect();
-        Normal { matrix, right, chi2: dot(&self.residual, &self.residual) - dot(&residual, &residual) }
-    }
-}
-
-fn start_factor(slopes: &[Column], components: &[usize]) -> Option<Cholesky> {
-    let size = slopes.len();
-    let mut matrix = vec![0.0; size * size];
-    for i in 0..size {
-        for j in 0..size {
-            matrix[i * size + j] = dot(&slopes[i], &slopes[j]);
-        }
-        let prior = if components[i] < 3 { START_PRIOR_ANGLE_RAD } else { START_PRIOR_RATE_RAD_S };
-        matrix[i * size + i] += 1.0 / (prior * prior);
-    }
-    Cholesky::new(&matrix, size)
-}
-
-/// How a prediction changes with a parameter: minus the change of the residual.
-fn slopes(residual: &[Column], shifted: Vec<Column>, step: f64) -> Vec<Column> {
-    residual.iter().zip(shifted).map(|(base, shifted)| slope(base, shifted, step)).collect()
-}
-
-fn slope(base: &Column, mut shifted: Column, step: f64) -> Column {
-    shifted.iter_mut().zip(base).for_each(|(shifted, base)| *shifted = (base - *shifted) / step);
-    shifted
-}
-
-/// From column by column to window by window.
-fn turned(columns: Vec<Vec<Column>>, windows: usize) -> Vec<Vec<Column>> {
-    let mut turned: Vec<Vec<Column>> = (0..windows).map(|_| Vec::with_capacity(columns.len())).collect();
-    for column in columns {
-        for (window, part) in turned.iter_mut().zip(column) {
-            window.push(part);
-        }
-    }
-    turned
 }
 
 fn wrapped(angle_rad: f64) -> f64 {

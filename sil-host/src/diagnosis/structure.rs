@@ -6,7 +6,8 @@
 
 use super::body::State;
 use super::linear::dot;
-use super::shooting::{Column, Driven, Shooting};
+use super::linearisation::Column;
+use super::shooting::{Driven, Shooting};
 use crate::fidelity::Window;
 
 /// Rows apart.
@@ -54,7 +55,11 @@ pub(super) struct Settled {
 impl Settled {
     /// Takes a start state's last small step; `None` if the window does not determine it.
     pub(super) fn of(shooting: &Shooting<'_>, driven: &Driven, window: &Window, start: &State) -> Option<Settled> {
-        let (mut residual, slopes) = shooting.start_slopes(driven, window, start);
+        // a disturbance that was only found in the log is no part of an explanation, lost commands are
+        let (mut residual, slopes) = match shooting.lost {
+            Some(_) => shooting.innovation_slopes(driven, window, start),
+            None => shooting.start_slopes(driven, window, start),
+        };
         let factor = shooting.start_factor(&slopes)?;
         let right: Vec<f64> = slopes.iter().map(|slope| dot(slope, &residual)).collect();
         for (slope, by) in slopes.iter().zip(factor.solve(&right)) {

@@ -2,8 +2,8 @@
 
 use super::actuation::{Commands, Drive};
 use super::body::Body;
-use super::effects::Scope;
 use super::effects::input_gain::InputGain;
+use super::effects::{Scope, apply_known};
 use super::prediction::Model;
 use super::shooting::{RigChannels, Shooting};
 use crate::axis::Axis;
@@ -21,10 +21,14 @@ pub enum Subject<'a> {
 }
 
 impl Subject<'_> {
-    /// The nominal model.
+    /// The nominal model, with the effects that it is known to have.
     pub(super) fn model(&self) -> Model {
         match self {
-            Subject::Vehicle(model) => Model::nominal(Drive::of(model), Body::of(model)),
+            Subject::Vehicle(vehicle) => {
+                let mut model = Model::nominal(Drive::of(vehicle), Body::of(vehicle));
+                vehicle.effects.iter().for_each(|known| apply_known(known, &mut model));
+                model
+            }
             Subject::Axes => Model::nominal(Drive::Direct, Body::axes([0.0; 3])),
         }
     }
@@ -44,7 +48,7 @@ impl Subject<'_> {
         let gimbal = matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal);
         // on the gimbal r is no motion of its own, but the gyro shows it
         let compared = (0..6).filter(|place| turns[place % 3] || gimbal && *place == 5).collect();
-        RigChannels { start_components, compared, wraps: matches!(self, Subject::Vehicle(_)) }
+        RigChannels { start_components, compared, is_vehicle: matches!(self, Subject::Vehicle(_)) }
     }
 
     /// What the nominal model leaves to each log: the input gains of separate axes, and where their fit begins.

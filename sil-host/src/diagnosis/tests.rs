@@ -150,10 +150,10 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     let nominal = || subject.model();
     let fitted = |shooting: &shooting::Shooting<'_>| {
         let training = shooting.part(false);
-        let driven = shooting.drive(model_of(&nominal, &truth), None);
+        let driven = shooting.drive(model_of(&nominal, &truth));
         let starts = shooting.measured_starts(&driven.model);
         let fit = fit::fit(shooting, &nominal, truth.clone(), &starts, &training);
-        let left = shooting.drive(model_of(&nominal, &fit.terms), None);
+        let left = shooting.drive(model_of(&nominal, &fit.terms));
         let noise = shooting.most_likely_noise(&left, &training, &fit.starts);
         // (error, standard deviation) of gain, lag and stiffness
         let errors = [(0, 200.0), (1, 0.02), (2, 9.0)]

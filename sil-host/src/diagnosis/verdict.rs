@@ -8,13 +8,13 @@ use super::accuracy::{WindowTally, root_mean_square};
 use super::effects::{Effect, Place, per_unit_inertia};
 use super::fit::Term;
 use super::linear::dot;
-use super::search::{Candidate, Found, Search, is_the_same};
+use super::search::{Candidate, Found, Search, TOLD_APART, is_the_same};
 use crate::fidelity::ChannelErrors;
 
-/// Natural logarithm of the likelihood within which two models are not told apart (CLI.md).
-pub(super) const TOLD_APART: f64 = 3.0;
 /// The accuracy of the integration, as a share of an effect.
 const MODEL_ERROR: f64 = 5e-4;
+/// The same where commands are lost between rows: what they were is an assumption (`sampling`), and what it does to a size is no noise that averages out.
+const MODEL_ERROR_WITH_LOST_COMMANDS: f64 = 1e-2;
 /// Names beside a finding that it may be confounded with.
 const CONFOUNDED_MAX: usize = 2;
 
@@ -89,7 +89,8 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -
     let term = &found.chosen.fit.terms[index];
     let effect = term.effect;
     let spread = search.spread(&found.chosen);
-    let mut parameters = estimates(&found.chosen, index, spread);
+    let model_error = if search.shooting.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
+    let mut parameters = estimates(&found.chosen, index, spread, model_error);
     let mut names = effect.told_names();
     // separate axes have a gain each that is fitted along, and no inertia
     if !search.always.is_empty() {
@@ -113,7 +114,12 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -
 }
 
 /// Values by name with standard deviations: the fit's, carried over to what is told, and the model's own accuracy.
-fn estimates(candidate: &Candidate<'_>, index: usize, spread: f64) -> BTreeMap<&'static str, Estimate> {
+fn estimates(
+    candidate: &Candidate<'_>,
+    index: usize,
+    spread: f64,
+    model_error: f64,
+) -> BTreeMap<&'static str, Estimate> {
     let Term { effect, values } = &candidate.fit.terms[index];
     let size = values.len();
     let covariance = candidate.fit.covariance_of(index);
@@ -131,7 +137,7 @@ fn estimates(candidate: &Candidate<'_>, index: usize, spread: f64) -> BTreeMap<&
         let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[place]).collect();
         let carried: Vec<f64> = (0..size).map(|i| dot(&covariance[i * size..(i + 1) * size], &slope)).collect();
         let nominal = effect.parameters().get(place).map_or(0.0, |parameter| parameter.nominal);
-        let own = MODEL_ERROR * (value - nominal);
+        let own = model_error * (value - nominal);
         let std = (spread * dot(&slope, &carried).max(0.0) + own * own).sqrt();
         estimates.insert(*name, Estimate { value: *value, std });
     }
@@ -192,7 +198,7 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
                 chosen[place].effect.name(),
                 0.5 * (other.held_out - found.chosen.held_out) / spread
             ),
-            None => "lowers the error by no more than chance would".to_owned(),
+            None => "explains no more than chance would, or far less than the findings".to_owned(),
         };
         let axis = match (effect.axis(), effect.motor()) {
             (Some(axis), _) => axis.name().to_owned(),

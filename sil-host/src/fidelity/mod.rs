@@ -41,3 +41,4 @@ pub(crate) use vehicle::axis_commands;
 pub use whiteness::{Correlogram, InputCorrelation, LjungBox, chi_square_99, input_correlation};
 pub(crate) use window::windows as cut_windows;
 pub use window::{WINDOW_S, Window};
+pub(crate) use windowed_log::USUAL_CONTROL_RATE_HZ;

@@ -13,7 +13,7 @@ use crate::axis::Axis;
 use crate::log::Log;
 
 /// The rate loop of this project and of ArduPilot, and the slowest usual one of PX4.
-pub(super) const USUAL_CONTROL_RATE_HZ: f64 = 400.0;
+pub(crate) const USUAL_CONTROL_RATE_HZ: f64 = 400.0;
 
 /// A log, ready to be replayed.
 pub(super) struct WindowedLog<'a> {

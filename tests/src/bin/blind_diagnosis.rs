@@ -1,34 +1,42 @@
-//! The blind campaign: `cargo run --release -p integration-tests --bin blind_diagnosis -- [FIRST [COUNT]]`.
+//! The blind campaigns: `cargo run --release -p integration-tests --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST]]]`, CAMPAIGN one of
+//! singles, nominal, lost-commands, pairs, triples, outside; all of them without one. Tables go to the terminal, every case before them
+//! as it is done.
 
-use integration_tests::blind::{Case, Outcome, Score};
-use sil_host::diagnosis::{Subject, diagnose};
-use sil_host::model::{Rig, VehicleModel};
+use integration_tests::blind::{Campaign, Case, Outcome};
 
 fn main() {
-    let mut arguments = std::env::args().skip(1).map(|argument| argument.parse::<u64>().expect("a number"));
-    let (first, count) = (arguments.next().unwrap_or(0), arguments.next().unwrap_or(200));
-    let model = VehicleModel::nominal(Rig::Gimbal);
-    let mut score = Score::default();
-    for seed in first..first + count {
-        let case = Case::new(seed);
-        let begin = std::time::Instant::now();
-        let answer = diagnose(&case.log(), &Subject::Vehicle(&model)).expect("a whole log");
-        let outcome = Outcome::new(&case, &answer);
-        println!(
-            "{seed:4} {} {:<24} -> {:<24} {:?} ratio {:.2} {} Hz size error {:?} covered {:?} more {} {:?} {:.1} s",
-            if outcome.right { "right" } else { "WRONG" },
-            outcome.hidden,
-            outcome.found,
-            answer.findings.first().map(|finding| &finding.confounded_with),
-            case.ratio,
-            case.rate_hz,
-            outcome.size_error,
-            outcome.covered,
-            outcome.false_findings,
-            outcome.verdict,
-            begin.elapsed().as_secs_f64()
-        );
-        score.add(outcome);
+    // cases are many; more threads than this are somebody else's
+    rayon::ThreadPoolBuilder::new().num_threads(2).build_global().expect("the first pool");
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |place: usize| arguments.get(place).map(|text| text.parse::<u64>().expect("a number"));
+    let chosen = |campaign: &&Campaign| arguments.first().is_none_or(|name| name == campaign.name());
+    for campaign in Campaign::ALL.iter().filter(chosen) {
+        let first = number(2).unwrap_or(0);
+        let seeds: Vec<u64> = (first..first + number(1).unwrap_or(campaign.cases())).collect();
+        let score = campaign.run(&seeds, tell);
+        println!("\n{}", campaign.report(&score));
     }
-    println!("\n{}", score.table());
+}
+
+fn tell(case: &Case, outcome: &Outcome) {
+    let right =
+        outcome.all_named() && outcome.false_findings == 0 && outcome.first_is_right != outcome.hidden.is_empty();
+    let sizes: Vec<String> =
+        outcome.sizes.iter().map(|size| format!("{:.2} % {:+.1} sigma", 100.0 * size.error, size.deviations)).collect();
+    println!(
+        "{:4} {} {} -> {} {:?} {:?} ratio {:.2} {} Hz; {} {}",
+        case.seed,
+        if right { "right" } else { "WRONG" },
+        case.label(),
+        outcome.found.join(" + "),
+        outcome.confounded,
+        outcome.verdict,
+        outcome.ratio,
+        outcome.log_rate_hz,
+        sizes.join(", "),
+        outcome.signature
+    );
+    if let Some(gain) = outcome.gain {
+        println!("     {gain:.3?}");
+    }
 }

@@ -1,11 +1,22 @@
-//! Blind diagnosis: an effect is hidden in a synthetic log, and the diagnosis, given nothing but the CSV, has to name and measure it.
+//! Blind diagnosis: something is hidden in a synthetic log, and the diagnosis, given nothing but the CSV, has to name and measure it, or
+//! to say that it is nothing that it knows.
 //!
-//! A case is made by its number alone: which effect, its axis or motor and sign, the log's rate, throttle, noise seed and size. The
+//! A case is made by its number alone: which effects, their axes or motors and signs, the log's rate, throttle, noise seed and sizes. A
 //! size is log-uniform between those at which the nominal model's held-out error is 1.5 and 10 times the noise floor, found by a few
-//! syntheses, with the replay of `sil compare` as the measure.
+//! flights, with the replay of `sil compare` as the measure.
 
+pub mod campaign;
 mod case;
+mod conditions;
+mod hidden;
+mod outcome;
+mod outside;
 mod score;
 
-pub use case::{Case, Hidden};
-pub use score::{Outcome, Score};
+pub use campaign::Campaign;
+pub use case::Case;
+pub use conditions::Conditions;
+pub use hidden::Hidden;
+pub use outcome::Outcome;
+pub use outside::{Kind, Outside};
+pub use score::Score;

@@ -1,132 +1,159 @@
-//! What the diagnosis made of the cases.
+//! What the diagnosis made of all cases of a campaign, in tables.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 
-use sil_host::diagnosis::{Diagnosis, Verdict};
+use sil_host::diagnosis::Verdict;
 
-use super::Case;
+use super::outcome::{Gain, Outcome};
 
-/// One case and its answer.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// What was hidden: name with axis or motor.
-    pub hidden: String,
-    /// What was found first, likewise; empty where nothing was.
-    pub found: String,
-    /// True if name, axis and motor are right, or an admissible confounded name is.
-    pub right: bool,
-    /// Further findings that are not there.
-    pub false_findings: usize,
-    /// Relative error of the size, of right names.
-    pub size_error: Option<f64>,
-    /// Is the truth within 1.96 standard deviations?
-    pub covered: Option<bool>,
-    /// Held-out error of the nominal model over the noise floor.
-    pub ratio: f64,
-    /// Its verdict.
-    pub verdict: Verdict,
-}
+/// Standard deviations that 95 % lie within.
+const INTERVAL: f64 = 1.96;
+/// Ends of the classes of held-out error over noise floor.
+const CLASSES: [f64; 6] = [0.0, 2.0, 3.0, 5.0, 7.0, f64::INFINITY];
 
-impl Outcome {
-    /// Compares an answer with what was hidden.
-    pub fn new(case: &Case, answer: &Diagnosis) -> Outcome {
-        let hidden = &case.hidden;
-        let label = |effect: &str, axis: Option<&str>, motor: Option<u8>| {
-            let place = axis.map(str::to_owned).or_else(|| motor.map(|motor| motor.to_string()));
-            place.map_or_else(|| effect.to_owned(), |place| format!("{effect} {place}"))
-        };
-        let first = answer.findings.first();
-        let motor_of = |finding: &sil_host::diagnosis::Finding| {
-            finding.parameters.get("motor").map(|estimate| estimate.value.round() as u8)
-        };
-        let same = first.is_some_and(|finding| {
-            finding.effect == hidden.name && finding.axis == hidden.axis && motor_of(finding) == hidden.motor
-        });
-        let confounded = first.is_some_and(|finding| finding.confounded_with.contains(&hidden.name));
-        let estimate = first.filter(|_| same).and_then(|finding| finding.parameters.get(hidden.parameter));
-        let truth = case.value;
-        Outcome {
-            hidden: label(hidden.name, hidden.axis, hidden.motor),
-            found: first.map_or(String::new(), |finding| label(finding.effect, finding.axis, motor_of(finding))),
-            right: same || confounded,
-            false_findings: answer.findings.len().saturating_sub(1),
-            size_error: estimate.map(|estimate| ((estimate.value - truth) / (truth - hidden.nominal)).abs()),
-            covered: estimate.map(|estimate| (estimate.value - truth).abs() <= 1.96 * estimate.std),
-            ratio: case.ratio,
-            verdict: answer.verdict,
-        }
-    }
-}
-
-/// All of them together.
+/// The outcomes of a campaign.
 #[derive(Clone, Debug, Default)]
 pub struct Score {
-    outcomes: Vec<Outcome>,
+    /// In order of the seeds.
+    pub outcomes: Vec<Outcome>,
 }
 
 impl Score {
-    /// One more.
-    pub fn add(&mut self, outcome: Outcome) {
-        self.outcomes.push(outcome);
+    fn share(&self, of: impl Fn(&Outcome) -> bool) -> f64 {
+        share(self.outcomes.iter().map(of))
     }
 
-    /// Cases so far.
-    pub fn cases(&self) -> usize {
-        self.outcomes.len()
+    /// Share of cases whose first finding is right.
+    pub fn first_is_right(&self) -> f64 {
+        self.share(|outcome| outcome.first_is_right)
     }
 
-    fn share(&self, of: impl Fn(&Outcome) -> Option<bool>) -> f64 {
-        let known: Vec<bool> = self.outcomes.iter().filter_map(of).collect();
-        known.iter().filter(|yes| **yes).count() as f64 / known.len().max(1) as f64
+    /// Share of cases in which everything hidden is named.
+    pub fn all_named(&self) -> f64 {
+        self.share(Outcome::all_named)
     }
 
-    /// Share of right first findings.
-    pub fn named(&self) -> f64 {
-        self.share(|outcome| Some(outcome.right))
-    }
-
-    /// Share of cases with a further finding that is not there.
+    /// Share of cases with a finding that is not there.
     pub fn false_findings(&self) -> f64 {
-        self.share(|outcome| Some(outcome.false_findings > 0))
+        self.share(|outcome| outcome.false_findings > 0)
     }
 
-    /// Share of right names whose size is within 10 %.
+    /// Share of cases without any finding.
+    pub fn without_finding(&self) -> f64 {
+        self.share(|outcome| outcome.found.is_empty())
+    }
+
+    /// Share of named effects whose size is within 10 %.
     pub fn sized(&self) -> f64 {
-        self.share(|outcome| outcome.size_error.map(|error| error <= 0.1))
+        share(self.outcomes.iter().flat_map(|outcome| &outcome.sizes).map(|size| size.error <= 0.1))
     }
 
-    /// Share of right names whose interval holds the truth.
+    /// Share of named effects whose interval holds the truth.
     pub fn covered(&self) -> f64 {
-        self.share(|outcome| outcome.covered)
+        share(self.outcomes.iter().flat_map(|outcome| &outcome.sizes).map(|size| size.deviations.abs() <= INTERVAL))
     }
 
-    /// The figures, what was taken for what, and the naming rate over the effect's size.
-    pub fn table(&self) -> String {
-        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let mut text = format!(
-            "cases {}\nfirst finding right   {}\nfurther false finding {}\nsize within 10 %      {}\n1.96 std hold truth   {}\n",
-            self.cases(),
-            percent(self.named()),
-            percent(self.false_findings()),
-            percent(self.sized()),
-            percent(self.covered()),
-        );
-        text += "\nerror / floor   cases  right\n";
-        for (from, to) in [(0.0, 2.0), (2.0, 3.0), (3.0, 5.0), (5.0, 8.0), (8.0, 1e9)] {
-            let of: Vec<&Outcome> = self.outcomes.iter().filter(|o| (from..to).contains(&o.ratio)).collect();
-            let right = of.iter().filter(|outcome| outcome.right).count();
-            text += &format!("{from:5.1} to {to:5.1}   {:5}  {right:5}\n", of.len());
-        }
-        let mut confusion: BTreeMap<(&str, &str), usize> = BTreeMap::new();
-        for outcome in &self.outcomes {
-            *confusion.entry((&outcome.hidden, &outcome.found)).or_default() += 1;
-        }
-        text += "\nhidden                        found                         cases\n";
-        for ((hidden, found), cases) in confusion {
-            let found = if found.is_empty() { "nothing" } else { found };
-            let mark = if hidden == found { ' ' } else { '*' };
-            text += &format!("{hidden:<28}{mark} {found:<28}  {cases:5}\n");
+    /// Share of cases in which it is said that something is left that no effect explains.
+    pub fn unknown_admitted(&self) -> f64 {
+        self.share(|outcome| matches!(outcome.verdict, Verdict::UnknownEffect | Verdict::PartlyExplained))
+    }
+
+    /// Share of cases with `explained` as the verdict.
+    pub fn explained(&self) -> f64 {
+        self.share(|outcome| outcome.verdict == Verdict::Explained)
+    }
+
+    /// Share of cases whose signature says where something acts and what it depends on.
+    pub fn signed(&self) -> f64 {
+        self.share(|outcome| outcome.signature_is_right)
+    }
+
+    /// Share of cases whose hold-out errors are as near to the true model's as the issue asks.
+    pub fn gained(&self) -> [f64; 3] {
+        let gains = || self.outcomes.iter().filter_map(|outcome| outcome.gain);
+        let limits: [fn(Gain) -> bool; 3] = [
+            |gain| gain.extended_to_true <= 1.1,
+            |gain| gain.extended_to_floor <= 1.3,
+            |gain| gain.floor_to_true <= 1.15,
+        ];
+        limits.map(|limit| share(gains().map(limit)))
+    }
+
+    /// How held-out errors lie: median, 95 % and largest of each figure.
+    pub fn gains(&self) -> String {
+        let figures: [(&str, fn(Gain) -> f64); 3] = [
+            ("extended / true model, at most 1.1", |gain| gain.extended_to_true),
+            ("extended / noise floor, at most 1.3", |gain| gain.extended_to_floor),
+            ("noise floor and true model, the larger / the smaller, at most 1.15", |gain| gain.floor_to_true),
+        ];
+        let mut text =
+            "| held-out error, worst channel | within | median | 95 % | largest |\n|---|---|---|---|---|\n".to_owned();
+        for ((name, figure), within) in figures.into_iter().zip(self.gained()) {
+            let mut sorted: Vec<f64> = self.outcomes.iter().filter_map(|outcome| outcome.gain).map(figure).collect();
+            sorted.sort_by(f64::total_cmp);
+            let at = |share: f64| sorted.get((share * (sorted.len().saturating_sub(1)) as f64).round() as usize);
+            let cell = |share: f64| at(share).map_or_else(String::new, |value| format!("{value:.3}"));
+            let within = percent(within);
+            let _ = writeln!(text, "| {name} | {within} | {} | {} | {} |", cell(0.5), cell(0.95), cell(1.0));
         }
         text
     }
+
+    /// The naming rate over the effects' size.
+    pub fn by_size(&self) -> String {
+        let mut text = "| error / floor | cases | right |\n|---|---|---|\n".to_owned();
+        for ends in CLASSES.windows(2) {
+            let class: Vec<&Outcome> = self.outcomes.iter().filter(|o| (ends[0]..ends[1]).contains(&o.ratio)).collect();
+            let right = class.iter().filter(|outcome| outcome.first_is_right).count();
+            let name =
+                if ends[1].is_finite() { format!("{} to {}", ends[0], ends[1]) } else { format!("{} up", ends[0]) };
+            let _ = writeln!(text, "| {name} | {} | {right} |", class.len());
+        }
+        text
+    }
+
+    /// What was taken for what: hidden effects without axis and motor, and the first findings.
+    pub fn confusion(&self) -> String {
+        let mut cells: BTreeMap<(String, String), usize> = BTreeMap::new();
+        for outcome in &self.outcomes {
+            let hidden = outcome.hidden.first().map_or("nothing", |hidden| bare(hidden));
+            let found = match outcome.found.first() {
+                _ if outcome.first_is_right && outcome.hidden.first() != outcome.found.first() => {
+                    format!("{} or {hidden}", bare(&outcome.found[0]))
+                }
+                Some(found) if outcome.first_is_right => bare(found).to_owned(),
+                Some(found) => format!("**{found}**"),
+                None => "**nothing**".to_owned(),
+            };
+            *cells.entry((hidden.to_owned(), found)).or_default() += 1;
+        }
+        let mut text = "| hidden | found first | cases |\n|---|---|---|\n".to_owned();
+        for ((hidden, found), cases) in cells {
+            let _ = writeln!(text, "| {hidden} | {found} | {cases} |");
+        }
+        text
+    }
+
+    /// Verdicts.
+    pub fn verdicts(&self) -> String {
+        let all = [Verdict::NoDiscrepancy, Verdict::Explained, Verdict::PartlyExplained, Verdict::UnknownEffect];
+        let count = |verdict| self.outcomes.iter().filter(|outcome| outcome.verdict == verdict).count();
+        let cells: Vec<String> = all.iter().map(|verdict| format!("{verdict:?} {}", count(*verdict))).collect();
+        cells.join(", ")
+    }
+}
+
+/// A share as people read it.
+pub(super) fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+fn bare(label: &str) -> &str {
+    label.split(' ').next().unwrap_or(label)
+}
+
+fn share(of: impl Iterator<Item = bool>) -> f64 {
+    let all: Vec<bool> = of.collect();
+    all.iter().filter(|yes| **yes).count() as f64 / all.len().max(1) as f64
 }

@@ -14,7 +14,7 @@ pub const DRAWS: u64 = 200;
 pub const TUNING_DRAWS: u64 = 50;
 const TUNING_FIRST: u64 = 1000;
 /// Values of the cost that the search of each controller may ask for.
-pub const EVALUATIONS: usize = 150;
+pub const EVALUATIONS: usize = 40;
 const SEARCH_SEED: u64 = 1;
 
 /// Draws and evaluations of each controller in the scan of shapings.

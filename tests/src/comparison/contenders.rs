@@ -45,12 +45,12 @@ pub fn cascade(shaping: &Shaping) -> Tunable<6> {
         name: "cascade",
         fixed: format!("controller = \"pid\"\n[tuning]\n{}", shaping.lines()),
         parameters: [
-            Parameter { field: "angle_gain_1_s", form: tilt(3.0), start: 32.13 },
-            Parameter { field: "rate_proportional_1_s", form: tilt(9.0), start: 46.21 },
-            Parameter { field: "rate_integral_1_s2", form: tilt(9.0), start: 17.03 },
-            Parameter { field: "rate_derivative", form: tilt(0.0), start: 2.919 },
-            Parameter { field: "rate_derivative_cutoff_hz", form: Form::Number, start: 20.29 },
-            Parameter { field: "acceleration_feed_forward", form: Form::Number, start: 0.7858 },
+            Parameter { field: "angle_gain_1_s", form: tilt(3.0), start: 22.0 },
+            Parameter { field: "rate_proportional_1_s", form: tilt(9.0), start: 27.0 },
+            Parameter { field: "rate_integral_1_s2", form: tilt(9.0), start: 33.0 },
+            Parameter { field: "rate_derivative", form: tilt(0.0), start: 1.2 },
+            Parameter { field: "rate_derivative_cutoff_hz", form: Form::Number, start: 14.0 },
+            Parameter { field: "acceleration_feed_forward", form: Form::Number, start: 0.75 },
         ],
     }
 }
@@ -69,12 +69,12 @@ pub fn mpc(shaping: &Shaping) -> Tunable<5> {
             Parameter {
                 field: "mpc_increment_weight",
                 form: Form::Tilt { pitch: PITCH_WEIGHT, yaw: 3000.0 },
-                start: 0.04789,
+                start: 0.1,
             },
-            Parameter { field: "mpc_lead_s", form: Form::Tilt { pitch: 1.0, yaw: 0.1 }, start: 0.07725 },
-            Parameter { field: "mpc_disturbance_bandwidth_rad_s", form: Form::Number, start: 3.225 },
-            Parameter { field: "mpc_prediction_step_s", form: Form::Number, start: 0.007659 },
-            Parameter { field: "gyro_cutoff_hz", form: Form::Number, start: 96.26 },
+            Parameter { field: "mpc_lead_s", form: Form::Tilt { pitch: 1.0, yaw: 0.1 }, start: 0.05 },
+            Parameter { field: "mpc_disturbance_bandwidth_rad_s", form: Form::Number, start: 7.0 },
+            Parameter { field: "mpc_prediction_step_s", form: Form::Number, start: 0.01 },
+            Parameter { field: "gyro_cutoff_hz", form: Form::Number, start: 100.0 },
         ],
     }
 }

@@ -25,6 +25,6 @@ impl Effect for ActuationDelay {
         vec![vec![0.005]]
     }
     fn apply(&self, values: &[f64], model: &mut Model) {
-        model.chain.delay_s = values[0];
+        model.chain.delay_s += values[0];
     }
 }

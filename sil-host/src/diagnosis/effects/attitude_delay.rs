@@ -25,6 +25,6 @@ impl Effect for AttitudeDelay {
         vec![vec![0.005]]
     }
     fn apply(&self, values: &[f64], model: &mut Model) {
-        model.sensors.attitude_delay_s = values[0];
+        model.sensors.attitude_delay_s += values[0];
     }
 }

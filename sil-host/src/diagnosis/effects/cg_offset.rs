@@ -51,7 +51,8 @@ struct Ring {
 
 impl Moment for Ring {
     fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
-        moment[1] -= self.cos_nm * motion.pitch.1 + self.sin_nm * motion.pitch.0;
+        let (sin_pitch, cos_pitch) = libm::sincos(motion.angle_rad[1]);
+        moment[1] -= self.cos_nm * cos_pitch + self.sin_nm * sin_pitch;
     }
 }
 
@@ -62,7 +63,7 @@ struct Body {
 
 impl Moment for Body {
     fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
-        let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (motion.roll, motion.pitch);
+        let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (motion.roll, libm::sincos(motion.angle_rad[1]));
         moment[0] += cos_pitch * (self.cos_nm * cos_roll - self.sin_nm * sin_roll);
         moment[1] -= sin_pitch * (self.cos_nm * sin_roll + self.sin_nm * cos_roll);
     }
@@ -75,6 +76,6 @@ struct LiftOffCentre {
 
 impl Moment for LiftOffCentre {
     fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
-        moment[self.axis] += self.lever_m * motion.lift_sum_n;
+        moment[self.axis] += self.lever_m * motion.force.iter().sum::<f64>();
     }
 }

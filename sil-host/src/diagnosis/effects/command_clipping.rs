@@ -31,6 +31,7 @@ impl Effect for CommandClipping {
         vec![vec![0.0, high - inset], vec![low + inset, 1.0]]
     }
     fn apply(&self, values: &[f64], model: &mut Model) {
-        (model.chain.command_min, model.chain.command_max) = (values[0], values[1]);
+        let chain = &mut model.chain;
+        (chain.command_min, chain.command_max) = (chain.command_min.max(values[0]), chain.command_max.min(values[1]));
     }
 }

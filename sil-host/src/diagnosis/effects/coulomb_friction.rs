@@ -11,7 +11,7 @@ pub(super) struct CoulombFriction(pub(super) Axis);
 const PARAMETERS: [Parameter; 1] = [Parameter { name: "torque_nm", nominal: 0.0, step: 1e-4, min: -5.0, max: 50.0 }];
 
 /// Rate at which it is three quarters there, rad/s.
-const SOFTENING_RAD_S: f64 = 0.02;
+pub(in crate::diagnosis) const SOFTENING_RAD_S: f64 = 0.02;
 
 impl Effect for CoulombFriction {
     fn in_words(&self) -> &'static str {
@@ -30,8 +30,7 @@ impl Effect for CoulombFriction {
         &PARAMETERS
     }
     fn apply(&self, values: &[f64], model: &mut Model) {
-        // it turns round while the rate goes from -0.02 to 0.02 rad/s, a millisecond or two
-        model.parts_per_step = model.parts_per_step.max(4);
+        model.dry[self.0.index()] = true;
         model.moments.push(Box::new(Dry { axis: self.0.index(), torque_nm: values[0] }));
     }
 }

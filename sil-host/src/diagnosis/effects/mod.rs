@@ -26,6 +26,8 @@ mod torque_bias;
 mod viscous_friction;
 mod weak_motor;
 
+pub(super) use coulomb_friction::SOFTENING_RAD_S;
+
 /// Where an effect is at home (CLI.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -97,6 +99,10 @@ pub(super) trait Effect: Sync + Send {
     fn told(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
         self.parameters().iter().zip(values).map(|(parameter, value)| (parameter.name, *value)).collect()
     }
+    /// The way back: the fit's values of what is told by name; what is not told is nominal.
+    fn values_of(&self, told: &dyn Fn(&str) -> Option<f64>) -> Vec<f64> {
+        self.parameters().iter().map(|parameter| told(parameter.name).unwrap_or(parameter.nominal)).collect()
+    }
     /// The names of what is told, in order.
     fn told_names(&self) -> Vec<&'static str> {
         let any: Vec<f64> = self.parameters().iter().map(|parameter| parameter.nominal).collect();
@@ -136,6 +142,33 @@ pub(super) struct Scope {
     pub(super) battery: bool,
     /// True where roll and pitch belong to one body.
     pub(super) coupled: bool,
+}
+
+impl Scope {
+    /// A log that has everything.
+    const WHOLE: Scope = Scope {
+        axes: [true; 3],
+        rates: [true; 3],
+        angles: [true; 3],
+        turns: [true; 3],
+        motors: true,
+        battery: true,
+        coupled: true,
+    };
+}
+
+/// Puts an effect that a vehicle model already has into a model of it. Those that turn nothing leave it as it is.
+pub(super) fn apply_known(known: &crate::plant::effects::Effect, model: &mut Model) {
+    let parameters = known.parameters();
+    let told = |name: &str| parameters.iter().find(|(own, _)| *own == name).map(|(_, value)| *value);
+    let motor = told("motor").map(|motor| motor as u8);
+    let is_it = |effect: &Box<dyn Effect>| {
+        let has_parameter = effect.told_names().first().is_some_and(|name| told(name).is_some());
+        effect.name() == known.entry().name && effect.axis() == known.axis() && effect.motor() == motor && has_parameter
+    };
+    if let Some(effect) = catalogue(&Scope::WHOLE).iter().find(|effect| is_it(effect)) {
+        effect.apply(&effect.values_of(&told), model);
+    }
 }
 
 /// All hypotheses that a log can be asked about.

@@ -26,6 +26,6 @@ impl Effect for MotorLag {
         vec![vec![0.01]]
     }
     fn apply(&self, values: &[f64], model: &mut Model) {
-        model.chain.lag_s = values[0];
+        model.chain.lag_s += values[0];
     }
 }

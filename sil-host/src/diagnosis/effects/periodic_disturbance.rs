@@ -46,6 +46,12 @@ impl Effect for PeriodicDisturbance {
             ("phase_rad", libm::atan2(cosine_nm, sine_nm)),
         ]
     }
+    fn values_of(&self, told: &dyn Fn(&str) -> Option<f64>) -> Vec<f64> {
+        let [amplitude_nm, frequency_hz, phase_rad] =
+            ["amplitude_nm", "frequency_hz", "phase_rad"].map(|name| told(name).unwrap_or_default());
+        let (sin, cos) = libm::sincos(phase_rad);
+        vec![amplitude_nm * cos, amplitude_nm * sin, frequency_hz]
+    }
 }
 
 struct Swing {

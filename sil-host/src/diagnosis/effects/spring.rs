@@ -37,6 +37,10 @@ impl Effect for Spring {
     fn told(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
         vec![("stiffness_nm_rad", values[0]), ("rest_rad", values[1] / values[0])]
     }
+    fn values_of(&self, told: &dyn Fn(&str) -> Option<f64>) -> Vec<f64> {
+        let stiffness_nm_rad = told("stiffness_nm_rad").unwrap_or_default();
+        vec![stiffness_nm_rad, stiffness_nm_rad * told("rest_rad").unwrap_or_default()]
+    }
 }
 
 struct Linear {

@@ -1,0 +1,166 @@
+//! On what does that which the findings leave depend? Moments of general shapes, none of them in the catalogue, are tried beside the
+//! findings: on each axis the angle's and the rate's square and cube and slow changes with time, each motor's lift squared, all lifts
+//! with time. What explains most says which measured quantity the residual depends on, and how: a signature, no name.
+
+use std::sync::Arc;
+
+use super::body::{Moment, Motion};
+use super::fit::{Fit, model_of, regular, shifted_models};
+use super::hints::hints;
+use super::linear::{Cholesky, dot};
+use super::linearisation::Normal;
+use super::search::{Candidate, Search};
+use super::shooting::Driven;
+use crate::axis::Axis;
+
+/// Fall of the sum of squares, in units of what is left per degree of freedom, that a shape must bring: a chance of 1e-5 over all of them.
+const SIGNIFICANT: f64 = 30.0;
+/// Change of a coefficient for a difference quotient, N m per unit of the shape; the prediction is linear in it.
+const STEP: f64 = 1e-3;
+/// Half waves over the log's length.
+const HALF_WAVES: [f64; 3] = [1.0, 2.0, 3.0];
+/// Signs of the motors' torques about roll and pitch (RIG.md).
+const TILT_SIGNS: [[f64; 2]; 4] = [[-1.0, 1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, -1.0]];
+
+/// A moment per unit of a coefficient, and how it is told.
+struct Shape {
+    words: &'static str,
+    moment: Arc<dyn Fn(&Motion) -> [f64; 3] + Sync + Send>,
+}
+
+/// Shapes that depend on one quantity.
+struct Dependence {
+    place: String,
+    quantity: &'static str,
+    shapes: Vec<Shape>,
+}
+
+/// A shape with a coefficient.
+struct Scaled {
+    moment: Arc<dyn Fn(&Motion) -> [f64; 3] + Sync + Send>,
+    by: f64,
+}
+
+impl Moment for Scaled {
+    fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
+        let more = (self.moment)(motion);
+        (0..3).for_each(|axis| moment[axis] += self.by * more[axis]);
+    }
+}
+
+/// The signature of what the chosen effects leave, fitted to all windows; `None` if no shape explains anything of it.
+pub(super) fn strongest(search: &Search<'_>, chosen: &Candidate<'_>, whole: &Fit<'_>) -> Option<String> {
+    let shooting = search.shooting;
+    let terms = &whole.terms;
+    let driven = shooting.drive(model_of(search.nominal, terms));
+    let all: Vec<usize> = (0..shooting.windows.len()).collect();
+    let own = shifted_models(shooting, search.nominal, terms, 0);
+    let linear = shooting.linearise(&driven, &own, &all, &whole.starts, None);
+    let explained_by_own = explained(&shooting.normal(&linear, None)).map_or(0.0, |(fall, _)| fall);
+    let mut best: Option<(f64, String)> = None;
+    for dependence in dependences(search) {
+        let with = |shape: &Shape| -> (Driven, f64) {
+            let mut model = model_of(search.nominal, terms);
+            model.moments.push(Box::new(Scaled { moment: Arc::clone(&shape.moment), by: STEP }));
+            (shooting.drive(model), STEP)
+        };
+        let shifted: Vec<(Driven, f64)> = dependence.shapes.iter().map(with).collect();
+        let extra = shooting.slopes_of(&linear, &shifted, &all, &whole.starts);
+        let normal = shooting.normal(&linear, Some(&extra));
+        let Some((fall, coefficients)) = explained(&normal) else { continue };
+        // a shape more explains one unit more by chance
+        let fall = (fall - explained_by_own) / search.spread(chosen) - dependence.shapes.len() as f64;
+        if fall > SIGNIFICANT && best.as_ref().is_none_or(|(most, _)| fall > *most) {
+            let first = coefficients.len() - dependence.shapes.len();
+            best = Some((fall, dependence.in_words(&normal, &coefficients, first)));
+        }
+    }
+    best.map(|(_, words)| words)
+}
+
+/// The strongest frequency of what is missing on an axis, in words.
+pub(super) fn frequency(search: &Search<'_>, whole: &Fit<'_>, axis: usize) -> Option<String> {
+    let driven = search.shooting.drive(model_of(search.nominal, &whole.terms));
+    let frequency_hz = hints(search.shooting, &driven).frequency_hz[axis]?;
+    Some(format!("strongest in frequency near {frequency_hz:.2} Hz"))
+}
+
+/// How far all parameters together would lower the sum of squares, and their steps.
+fn explained(normal: &Normal) -> Option<(f64, Vec<f64>)> {
+    let size = normal.right.len();
+    let factor = Cholesky::new(&regular(&normal.matrix, size, 1e-9), size)?;
+    let steps = factor.solve(&normal.right);
+    Some((dot(&steps, &normal.right), steps))
+}
+
+impl Dependence {
+    /// The shape that contributes most, and its sign.
+    fn in_words(&self, normal: &Normal, coefficients: &[f64], first: usize) -> String {
+        let size = coefficients.len();
+        let weight = |i: usize| coefficients[i] * coefficients[i] * normal.matrix[i * size + i];
+        let most = (first..size).max_by(|a, b| weight(*a).total_cmp(&weight(*b))).unwrap_or(first);
+        let shape = self.shapes.get(most - first).map_or("", |shape| shape.words);
+        let sign = if coefficients[most] < 0.0 { "minus " } else { "" };
+        format!(
+            "{}: what is left depends on the {}: a moment that goes with {sign}{shape} ({:+.2e} N m per unit)",
+            self.place, self.quantity, coefficients[most]
+        )
+    }
+}
+
+fn dependences(search: &Search<'_>) -> Vec<Dependence> {
+    let shooting = search.shooting;
+    let rows = shooting.rows();
+    let (begin_s, end_s) = (rows.first().copied().unwrap_or_default(), rows.last().copied().unwrap_or_default());
+    let phase = move |time_s: f64| core::f64::consts::PI * (time_s - begin_s) / (end_s - begin_s);
+    let mut all = Vec::new();
+    for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(axis.index())) {
+        let i = axis.index();
+        let on_axis = move |value: f64| -> [f64; 3] { core::array::from_fn(|k| if k == i { value } else { 0.0 }) };
+        let shape =
+            |words, of: fn(&Motion, usize) -> f64| Shape { words, moment: Arc::new(move |m| on_axis(of(m, i))) };
+        let dependence = |quantity, shapes| Dependence { place: axis.name().to_owned(), quantity, shapes };
+        let angle = vec![
+            shape("its square", |m, i| m.angle_rad[i] * m.angle_rad[i]),
+            shape("its cube", |m, i| m.angle_rad[i] * m.angle_rad[i] * m.angle_rad[i]),
+        ];
+        let rate = vec![
+            shape("its square, signed", |m, i| m.rate_rad_s[i] * m.rate_rad_s[i].abs()),
+            shape("its cube", |m, i| m.rate_rad_s[i] * m.rate_rad_s[i] * m.rate_rad_s[i]),
+        ];
+        let time = HALF_WAVES.map(|waves| Shape {
+            words: "a slow wave over the log",
+            moment: Arc::new(move |m: &Motion| on_axis(libm::cos(waves * phase(m.time_s)))),
+        });
+        all.push(dependence("angle", angle));
+        all.push(dependence("rate", rate));
+        all.push(dependence("time", time.into()));
+    }
+    if shooting.has_motors() {
+        for motor in 0..4 {
+            let squared = move |m: &Motion| tilted(motor, m.force[motor] * m.force[motor]);
+            let shapes = vec![Shape { words: "the square of its lift", moment: Arc::new(squared) }];
+            all.push(Dependence { place: format!("motor {}", motor + 1), quantity: "command", shapes });
+        }
+        let fading = HALF_WAVES.map(|waves| Shape {
+            words: "all lifts, in a slow wave over the log",
+            moment: Arc::new(move |m: &Motion| {
+                let [roll, pitch] =
+                    [0, 1].map(|k| (0..4).map(|motor| TILT_SIGNS[motor][k] * m.force[motor]).sum::<f64>());
+                let wave = libm::cos(waves * phase(m.time_s));
+                [wave * roll, wave * pitch, 0.0]
+            }),
+        });
+        all.push(Dependence {
+            place: "all motors".to_owned(),
+            quantity: "command and the time",
+            shapes: fading.into(),
+        });
+    }
+    all
+}
+
+/// A moment of one motor about roll and pitch, per meter of its lever.
+fn tilted(motor: usize, value: f64) -> [f64; 3] {
+    [TILT_SIGNS[motor][0] * value, TILT_SIGNS[motor][1] * value, 0.0]
+}

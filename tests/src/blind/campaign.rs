@@ -1,0 +1,125 @@
+//! The campaigns of issue 5: what is hidden, how often, and what is told of the answers.
+
+use rayon::prelude::*;
+
+use super::case::Case;
+use super::outcome::Outcome;
+use super::score::{Score, percent};
+
+/// A kind of cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Campaign {
+    /// One effect, control at the log's rate.
+    Singles,
+    /// Nothing.
+    Nominal,
+    /// One effect, control at 400 Hz, logs at 100 and 200 Hz.
+    LostCommands,
+    /// Two effects.
+    Pairs,
+    /// Three.
+    Triples,
+    /// Something that no catalogue has.
+    Outside,
+}
+
+impl Campaign {
+    /// All, in the order of the issue.
+    pub const ALL: [Campaign; 6] = [
+        Campaign::Singles,
+        Campaign::Nominal,
+        Campaign::LostCommands,
+        Campaign::Pairs,
+        Campaign::Triples,
+        Campaign::Outside,
+    ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Campaign::Singles => "singles",
+            Campaign::Nominal => "nominal",
+            Campaign::LostCommands => "lost-commands",
+            Campaign::Pairs => "pairs",
+            Campaign::Triples => "triples",
+            Campaign::Outside => "outside",
+        }
+    }
+
+    /// Cases of the whole campaign.
+    pub fn cases(self) -> u64 {
+        match self {
+            Campaign::Singles => 200,
+            Campaign::Nominal | Campaign::LostCommands => 100,
+            Campaign::Pairs | Campaign::Triples => 60,
+            Campaign::Outside => 70,
+        }
+    }
+
+    /// A case of it.
+    pub fn case(self, seed: u64) -> Case {
+        match self {
+            Campaign::Singles => Case::single(seed),
+            Campaign::Nominal => Case::nominal(seed),
+            Campaign::LostCommands => Case::with_lost_commands(seed),
+            Campaign::Pairs => Case::combined(seed, 2),
+            Campaign::Triples => Case::combined(seed, 3),
+            Campaign::Outside => Case::outside(seed),
+        }
+    }
+
+    /// Makes cases and has them diagnosed; `told` hears of each as it is done.
+    pub fn run(self, seeds: &[u64], told: impl Fn(&Case, &Outcome) + Sync) -> Score {
+        let one = |seed: &u64| {
+            let case = self.case(*seed);
+            let outcome = Outcome::of(&case);
+            told(&case, &outcome);
+            outcome
+        };
+        Score { outcomes: seeds.par_iter().with_max_len(1).map(one).collect() }
+    }
+
+    /// The tables.
+    pub fn report(self, score: &Score) -> String {
+        let rows: Vec<(&str, &str, f64)> = match self {
+            Campaign::Singles | Campaign::LostCommands => vec![
+                (
+                    "first finding right",
+                    if self == Campaign::Singles { "98 %" } else { "90 %" },
+                    score.first_is_right(),
+                ),
+                ("with a further finding that is not there", "at most 5 %", score.false_findings()),
+                ("size within 10 %, of right names", "90 %", score.sized()),
+                ("value +- 1.96 std holds the truth", "90 to 99 %", score.covered()),
+            ],
+            Campaign::Nominal => vec![("without a finding", "99 %", score.without_finding())],
+            Campaign::Pairs | Campaign::Triples => vec![
+                ("all named", if self == Campaign::Pairs { "90 %" } else { "75 %" }, score.all_named()),
+                ("with a finding that is not there", "", score.false_findings()),
+                ("size within 10 %, of right names", "", score.sized()),
+                ("value +- 1.96 std holds the truth", "", score.covered()),
+            ],
+            Campaign::Outside => vec![
+                ("unknown_effect or partly_explained", "90 %", score.unknown_admitted()),
+                ("explained by something that is not there", "0", score.explained()),
+                ("signature says axis or motor, and quantity", "", score.signed()),
+            ],
+        };
+        let mut text =
+            format!("### {}, {} cases\n\n| | asked | measured |\n|---|---|---|\n", self.name(), score.outcomes.len());
+        for (what, asked, share) in rows {
+            text += &format!("| {what} | {asked} | {} |\n", percent(share));
+        }
+        text += &format!("\nVerdicts: {}.\n", score.verdicts());
+        if let Campaign::Singles | Campaign::LostCommands = self {
+            for table in [score.by_size(), score.confusion()] {
+                text += &format!("\n{table}");
+            }
+        }
+        // with lost commands the true model's own error hangs on what is made of them
+        if !matches!(self, Campaign::Outside | Campaign::LostCommands) {
+            text += &format!("\n{}", score.gains());
+        }
+        text
+    }
+}

@@ -1,0 +1,154 @@
+//! Under what a log is made, and how large an effect must be there to show as much as is wanted.
+
+use sil_host::cosim::{self, Probe};
+use sil_host::fidelity::{Channel, Part, ReplayOptions, replay_plant};
+use sil_host::flight::FlightSetup;
+use sil_host::flight_log::flight_log;
+use sil_host::log::Log;
+use sil_host::model::{Rig, VehicleModel};
+use sil_host::plant::Plant;
+use sil_host::plant::effects::Effect;
+use sil_host::scenario::{Scenario, Waypoint};
+use sil_host::sensors::random::RandomStream;
+use sil_host::synthesis::Synthesis;
+
+/// Length of a log, s.
+pub const DURATION_S: f64 = 60.0;
+const RATES_HZ: [u32; 5] = [100, 150, 200, 300, 400];
+/// Rates of logs that a controller at 400 Hz outruns.
+const SLOW_RATES_HZ: [u32; 2] = [100, 200];
+const FAST_CONTROL_HZ: u32 = 400;
+/// Held-out error over noise floor at the ends of the range of sizes.
+const RATIO_RANGE: [f64; 2] = [1.5, 10.0];
+/// A size is good when its ratio is this near to the one wanted.
+const RATIO_TOLERANCE: f64 = 0.05;
+const CALIBRATIONS_MAX: usize = 8;
+
+/// Rates, throttle and seed of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// Steps of the controller per second.
+    pub control_rate_hz: u32,
+    /// Rows per second.
+    pub log_rate_hz: u32,
+    /// Collective command.
+    pub throttle: f64,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+}
+
+impl Conditions {
+    /// Control at the log's rate.
+    pub fn draw(seed: u64, draws: &mut RandomStream) -> Conditions {
+        let rate_hz = RATES_HZ[(draws.uniform() * RATES_HZ.len() as f64) as usize];
+        Conditions { control_rate_hz: rate_hz, log_rate_hz: rate_hz, throttle: throttle(draws), seed }
+    }
+
+    /// Control faster than the log: commands are lost between rows.
+    pub fn draw_with_lost_commands(seed: u64, draws: &mut RandomStream) -> Conditions {
+        let log_rate_hz = SLOW_RATES_HZ[(draws.uniform() * SLOW_RATES_HZ.len() as f64) as usize];
+        Conditions { control_rate_hz: FAST_CONTROL_HZ, log_rate_hz, throttle: throttle(draws), seed }
+    }
+
+    /// The nominal vehicle with effects.
+    ///
+    /// # Panics
+    /// If an effect can't be read.
+    pub fn vehicle(&self, effects: &[String]) -> VehicleModel {
+        let mut model = VehicleModel::nominal(Rig::Gimbal);
+        model.base_command = self.throttle;
+        let parsed =
+            |short: &String| Effect::parse(short, Rig::Gimbal).unwrap_or_else(|error| panic!("{short}: {error}"));
+        model.effects = effects.iter().map(parsed).collect();
+        model
+    }
+
+    /// The log of `sil synth`.
+    ///
+    /// # Panics
+    /// If it can't be flown.
+    pub fn synthesised(&self, effects: &[String]) -> Log {
+        let mut synthesis = Synthesis {
+            duration_s: DURATION_S,
+            log_rate_hz: self.log_rate_hz,
+            blind: true,
+            seed: self.seed,
+            ..Synthesis::of(self.vehicle(effects))
+        };
+        synthesis.choice.rate_hz = self.control_rate_hz;
+        synthesis.log().expect("a flight at a usual rate")
+    }
+
+    /// An ordinary flight's log, coarser and quicker, with what turns the vehicle besides.
+    ///
+    /// # Panics
+    /// If it can't be flown.
+    pub fn flown(&self, effects: &[String], besides: Option<Probe<'_>>) -> Log {
+        let model = self.vehicle(effects);
+        let mut choice = Synthesis::of(model.clone()).choice;
+        choice.rate_hz = self.control_rate_hz;
+        let mut plant = Plant::new(&model);
+        let flight = FlightSetup { model, controller_model: None, choice, scenario: scenario(), seed: self.seed };
+        let mut control = flight.control_side().expect("a usual rate");
+        let mut sensors = flight.sensors();
+        let parameters = flight.design_parameters();
+        let record = cosim::fly(&parameters, &mut plant, &mut sensors, &mut control, &flight.scenario, besides);
+        flight_log(&record, self.log_rate_hz)
+    }
+
+    /// Held-out error of the nominal model over its noise floor: root mean square over the channels.
+    ///
+    /// # Panics
+    /// If the log can't be replayed.
+    pub fn ratio(&self, log: &Log) -> f64 {
+        let options = ReplayOptions { control_rate_hz: Some(f64::from(self.control_rate_hz)) };
+        let replay = replay_plant(log, &self.vehicle(&[]), &options).expect("a whole log");
+        let squares = Channel::ALL.into_iter().filter_map(|channel| {
+            let ratio = replay.rmse(channel, Part::HeldOut)? / replay.noise_floor(channel, Part::HeldOut)?;
+            Some(ratio * ratio)
+        });
+        let squares: Vec<f64> = squares.collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    }
+
+    /// The size at which a log shows a wanted ratio.
+    pub fn size(&self, first: f64, wanted: f64, mut log_of: impl FnMut(f64) -> Log) -> f64 {
+        let mut size = first;
+        let mut best = (f64::INFINITY, first);
+        for _ in 0..CALIBRATIONS_MAX {
+            let ratio = self.ratio(&log_of(size));
+            let miss = (ratio / wanted).ln().abs();
+            if miss < best.0 {
+                best = (miss, size);
+            }
+            if miss < RATIO_TOLERANCE {
+                break;
+            }
+            // what goes beyond the floor grows with the size
+            let beyond = |ratio: f64| (ratio * ratio - 1.0).max(0.02).sqrt();
+            size *= (beyond(wanted) / beyond(ratio)).clamp(0.2, 5.0);
+        }
+        best.1
+    }
+}
+
+/// Log-uniform over the range.
+pub(super) fn wanted_ratio(draws: &mut RandomStream) -> f64 {
+    RATIO_RANGE[0] * (RATIO_RANGE[1] / RATIO_RANGE[0]).powf(draws.uniform())
+}
+
+fn throttle(draws: &mut RandomStream) -> f64 {
+    0.35 + 0.25 * draws.uniform()
+}
+
+/// The test sequence over and over.
+fn scenario() -> Scenario {
+    let once = Scenario::test_sequence();
+    let repeats = (DURATION_S / once.duration_s).ceil() as u32;
+    let waypoints = (0..repeats).flat_map(|k| {
+        let shift_s = f64::from(k) * once.duration_s;
+        once.waypoints.iter().map(move |at| Waypoint { start_s: at.start_s + shift_s, ..*at })
+    });
+    let waypoints = waypoints.filter(|at| at.start_s < DURATION_S).collect();
+    Scenario { duration_s: DURATION_S, waypoints, ..once }
+}

@@ -1,0 +1,153 @@
+//! One case and what the diagnosis made of it.
+
+use sil_host::diagnosis::{Diagnosis, Finding, Subject, Verdict, diagnose, prediction_error};
+use sil_host::fidelity::ChannelErrors;
+use sil_host::model::{Rig, VehicleModel};
+
+use super::case::Case;
+use super::hidden::{Hidden, label};
+
+/// An answer beside the truth.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The case's number.
+    pub seed: u64,
+    /// What was hidden.
+    pub hidden: Vec<String>,
+    /// What was found, most important first.
+    pub found: Vec<String>,
+    /// Effects that it is said may stand in the first finding's place.
+    pub confounded: Vec<&'static str>,
+    /// Hidden effects that are named, with axis and motor or as an admissible confounded name.
+    pub named: usize,
+    /// True if the first finding is a hidden effect, likewise.
+    pub first_is_right: bool,
+    /// Findings that are not there.
+    pub false_findings: usize,
+    /// Of each hidden effect that is named by its own name.
+    pub sizes: Vec<Size>,
+    /// Held-out error of the nominal model over the noise floor.
+    pub ratio: f64,
+    /// Rows per second.
+    pub log_rate_hz: u32,
+    /// Its verdict.
+    pub verdict: Verdict,
+    /// What is left, in words.
+    pub signature: String,
+    /// True if that says where something outside the catalogue acts and what it depends on.
+    pub signature_is_right: bool,
+    /// How much the extended model gains, where the test knows the true one.
+    pub gain: Option<Gain>,
+}
+
+/// A parameter beside its true value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// Error relative to the effect.
+    pub error: f64,
+    /// Error in standard deviations.
+    pub deviations: f64,
+}
+
+/// Held-out errors: of four channels the worst.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain {
+    /// Of the extended model over those of the true one, on the same windows and starts.
+    pub extended_to_true: f64,
+    /// Of the extended model over the noise floor.
+    pub extended_to_floor: f64,
+    /// Of noise floor and true model, the larger over the smaller.
+    pub floor_to_true: f64,
+}
+
+impl Outcome {
+    /// Has a case diagnosed: by its CSV alone.
+    ///
+    /// # Panics
+    /// If the log can't be diagnosed.
+    pub fn of(case: &Case) -> Outcome {
+        let nominal = VehicleModel::nominal(Rig::Gimbal);
+        let log = case.log();
+        let answer = diagnose(&log, &Subject::Vehicle(&nominal)).expect("a whole log");
+        let gain = case.outside.is_none().then(|| {
+            let [truth, _] = prediction_error(&log, &Subject::Vehicle(&case.vehicle)).expect("a whole log");
+            Gain::of(&answer, &truth)
+        });
+        Outcome::beside_truth(case, &answer, gain)
+    }
+
+    fn beside_truth(case: &Case, answer: &Diagnosis, gain: Option<Gain>) -> Outcome {
+        let mut left: Vec<&Finding> = answer.findings.iter().collect();
+        let (mut named, mut sizes) = (0, Vec::new());
+        // those named by their own names first, then those that another may stand for
+        let own = |finding: &Finding, effect: &Hidden| {
+            finding.effect == effect.name && finding.axis == effect.axis && motor_of(finding) == effect.motor
+        };
+        let admitted = |finding: &Finding, effect: &Hidden| finding.confounded_with.contains(&effect.name);
+        let mut unnamed = Vec::new();
+        for (effect, value) in &case.hidden {
+            match left.iter().position(|finding| own(finding, effect)) {
+                Some(place) => {
+                    named += 1;
+                    sizes.extend(size(left.remove(place), effect, *value));
+                }
+                None => unnamed.push(effect),
+            }
+        }
+        for effect in unnamed {
+            if let Some(place) = left.iter().position(|finding| admitted(finding, effect)) {
+                named += 1;
+                left.remove(place);
+            }
+        }
+        let first = answer.findings.first();
+        let right = |finding: &Finding| case.hidden.iter().any(|(e, _)| own(finding, e) || admitted(finding, e));
+        Outcome {
+            seed: case.seed,
+            hidden: case.hidden.iter().map(|(effect, _)| effect.label()).collect(),
+            found: answer.findings.iter().map(|f| label(f.effect, f.axis, motor_of(f))).collect(),
+            confounded: first.map_or_else(Vec::new, |first| first.confounded_with.clone()),
+            named,
+            first_is_right: first.is_some_and(right),
+            false_findings: left.len(),
+            sizes,
+            ratio: case.ratio,
+            log_rate_hz: case.conditions.log_rate_hz,
+            verdict: answer.verdict,
+            signature: answer.unexplained.signature.clone(),
+            signature_is_right: case.outside.is_some_and(|it| it.is_told_by(&answer.unexplained.signature)),
+            gain,
+        }
+    }
+
+    /// True if every hidden effect is named.
+    pub fn all_named(&self) -> bool {
+        self.named == self.hidden.len()
+    }
+}
+
+fn motor_of(finding: &Finding) -> Option<u8> {
+    finding.parameters.get("motor").map(|estimate| estimate.value.round() as u8)
+}
+
+fn size(finding: &Finding, effect: &Hidden, truth: f64) -> Option<Size> {
+    let estimate = finding.parameters.get(effect.parameter)?;
+    let error = estimate.value - truth;
+    Some(Size { error: (error / (truth - effect.nominal)).abs(), deviations: error / estimate.std })
+}
+
+impl Gain {
+    fn of(answer: &Diagnosis, truth: &ChannelErrors) -> Gain {
+        let channels = |errors: &ChannelErrors| [errors.roll_deg, errors.pitch_deg, errors.p_deg_s, errors.q_deg_s];
+        let truth = channels(truth);
+        let [extended, floor] = [&answer.prediction_error.extended, &answer.prediction_error.noise_floor].map(channels);
+        let worst = |above: &[Option<f64>; 4], below: &[Option<f64>; 4]| {
+            above.iter().zip(below).filter_map(|(above, below)| Some((*above)? / (*below)?)).fold(0.0, f64::max)
+        };
+        Gain {
+            extended_to_true: worst(&extended, &truth),
+            extended_to_floor: worst(&extended, &floor),
+            floor_to_true: worst(&floor, &truth).max(worst(&truth, &floor)),
+        }
+    }
+}
