@@ -197,7 +197,7 @@ fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisN
 pub fn prediction_error(log: &Log, subject: &Subject<'_>) -> Result<[ChannelErrors; 2], FidelityError> {
     let shooting = subject.shooting(log, &SensorNoise::of(log))?;
     let driven = shooting.drive(subject.model());
-    let held_out: Vec<Window> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
+    let held_out: Vec<_> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
     Ok(verdict::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out))))
 }
 

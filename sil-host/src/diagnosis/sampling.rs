@@ -7,7 +7,8 @@
 //! the log. That error enters as a white angular acceleration (`process_noise`). Assumption: the command's noise is
 //! white from step to step of the controller.
 //!
-//! Which of both is true shows in time: held commands are late by half a row. Plain residuals decide, without and with the findings.
+//! Which of both is true shows in time: held commands are late by half a row. Plain residuals decide, without and with the findings; a delay
+//! that only undoes the faster controller speaks for held commands.
 
 use super::actuation::Commands;
 use super::fit::{Term, fit};
@@ -21,6 +22,11 @@ use crate::log::Log;
 
 /// Steps per row up to which none is lost: a rate that is the log's but for rounding.
 const STEPS_MIN: f64 = 1.01;
+
+/// Fall of the sum of squares that speaks for a faster controller.
+const MARGIN: f64 = 6.0;
+/// Effects by which commands that were held look like a faster controller's: they have to be better than none under held ones.
+const LATE: [&str; 2] = ["actuation_delay", "motor_lag"];
 
 /// A log under both hypotheses.
 pub(super) struct Sampled<'l> {
@@ -54,7 +60,13 @@ impl<'l> Sampled<'l> {
             let found = search.run();
             return (search, found);
         };
-        let is_faster = |terms: &[Term<'e>]| left(&of(timed), terms) < left(&of(&self.held), terms);
+        let is_faster = |terms: &[Term<'e>]| {
+            let without: Vec<Term<'e>> =
+                terms.iter().filter(|term| !LATE.contains(&term.effect.name())).cloned().collect();
+            let held = of(&self.held);
+            let under_held = left(&held, terms).min(left(&held, &without));
+            left(&of(timed), terms) + MARGIN < under_held
+        };
         let under = |faster: bool| {
             let search = of(if faster { counted } else { &self.held });
             let found = search.run();

@@ -22,8 +22,8 @@ const FITTED_MAX: usize = 7;
 const EFFECTS_MAX: usize = 5;
 /// Effects added, taken out again ones included.
 const ROUNDS_MAX: usize = 8;
-/// Fall of the sum of squares, in units of what is left per degree of freedom, that a new effect must bring on the training windows:
-/// a chance of 1e-4 over sixty hypotheses of up to three parameters.
+/// Fall of the sum of squares, in units of what is left per degree of freedom, that a new effect must bring on all windows,
+/// half of it on the training windows: a chance of 1e-4 over sixty hypotheses of up to three parameters.
 const SIGNIFICANT: f64 = 30.0;
 /// The same on the held-out windows, where nothing was fitted.
 const PAYS: f64 = 6.0;
@@ -232,7 +232,8 @@ impl<'e> Search<'e> {
         let training = (smaller.fit.training - larger.fit.training) / spread;
         let held_out = (smaller.held_out - larger.held_out) / spread;
         let excess = nominal.held_out - self.shooting.degrees_of_freedom(&self.held_out);
-        training > SIGNIFICANT && held_out > PAYS && held_out * spread > SHARE_MIN * SHARE_MIN * excess.max(0.0)
+        let is_significant = training + held_out > SIGNIFICANT && training > 0.5 * SIGNIFICANT;
+        is_significant && held_out > PAYS && held_out * spread > SHARE_MIN * SHARE_MIN * excess.max(0.0)
     }
 
     /// Mean square that a model leaves on the training windows, in units of the noise: where no model of the catalogue explains a log, its

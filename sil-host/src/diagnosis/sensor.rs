@@ -32,6 +32,16 @@ impl Sensors {
         core::array::from_fn(|axis| self.gyro_scale[axis] * turned[axis] + self.gyro_bias_rad_s[axis])
     }
 
+    /// The way back from reported angles and rates to those of the body, but for the delay.
+    pub(super) fn undone(&self, angle_rad: [f64; 3], rate_rad_s: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        let [p, q, r] =
+            core::array::from_fn(|axis| (rate_rad_s[axis] - self.gyro_bias_rad_s[axis]) / self.gyro_scale[axis]);
+        let back = Sensors { yaw_rad: -self.yaw_rad, ..Sensors::NOMINAL };
+        let [roll, pitch, yaw] = angle_rad;
+        let (sin, cos) = libm::sincos(self.yaw_rad);
+        (back.angle_rad(&[roll, pitch, yaw, 0.0, 0.0, 0.0]), [cos * p - sin * q, cos * q + sin * p, r])
+    }
+
     /// Reported angles of the attitude that a state has: Euler angles of `R_world_body R_z(yaw)`.
     pub(super) fn angle_rad(&self, state: &State) -> [f64; 3] {
         let [roll, pitch, yaw, ..] = *state;

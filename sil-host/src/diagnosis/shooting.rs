@@ -140,10 +140,16 @@ impl<'a> Shooting<'a> {
         Driven { model, track }
     }
 
-    /// The measured state in a row.
+    /// The measured state in a row, what the model's sensors do to it undone.
     pub(super) fn measured_state(&self, model: &Model, row: usize) -> State {
         let at = |column: &crate::log::Column| column.as_ref().map_or(0.0, |column| column[row]);
-        model.body.state_of(self.log.angle_rad.each_ref().map(at), self.log.rate_rad_s.each_ref().map(at))
+        let reported = (self.log.angle_rad.each_ref().map(at), self.log.rate_rad_s.each_ref().map(at));
+        let (angle_rad, mut rate_rad_s) = model.sensors.undone(reported.0, reported.1);
+        for (rate, column) in rate_rad_s.iter_mut().zip(&self.log.rate_rad_s) {
+            // no measurement is no rate, whatever the bias
+            *rate = if column.is_some() { *rate } else { 0.0 };
+        }
+        model.body.state_of(angle_rad, rate_rad_s)
     }
 
     /// The measured states at the windows' starts.

@@ -1,6 +1,6 @@
-//! The blind campaigns: `cargo run --release -p integration-tests --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST]]]`, CAMPAIGN one of
-//! singles, nominal, lost-commands, pairs, triples, outside; all of them without one. Tables go to the terminal, every case before them
-//! as it is done.
+//! The blind campaigns: `cargo run --release -p integration-tests --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST [FOLDER]]]]`, CAMPAIGN
+//! one of singles, nominal, lost-commands, pairs, triples, outside; all of them without one. Tables go to the terminal, every case before
+//! them as it is done; logs go to the folder, where one is given.
 
 use integration_tests::blind::{Campaign, Case, Outcome};
 
@@ -13,7 +13,13 @@ fn main() {
     for campaign in Campaign::ALL.iter().filter(chosen) {
         let first = number(2).unwrap_or(0);
         let seeds: Vec<u64> = (first..first + number(1).unwrap_or(campaign.cases())).collect();
-        let score = campaign.run(&seeds, tell);
+        let score = campaign.run(&seeds, |case, outcome| {
+            tell(case, outcome);
+            if let Some(folder) = arguments.get(3) {
+                let file = format!("{folder}/{}-{}.csv", campaign.name(), case.seed);
+                std::fs::write(file, &case.csv).expect("the folder is there");
+            }
+        });
         println!("\n{}", campaign.report(&score));
     }
 }
