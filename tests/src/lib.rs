@@ -3,3 +3,4 @@
 pub mod blind;
 pub mod comparison;
 pub mod steps;
+pub mod worst_case;

@@ -148,7 +148,7 @@ impl<const M: usize> Axis<M> {
                 return Outcome { input: limit(outcome.input, least, greatest), ..outcome };
             }
         } else {
-            let keeps = |[angle, _]: &[f32; 2]| bounds.lower <= *angle && *angle <= bounds.upper;
+            let keeps = |angle: f32| bounds.lower <= angle && angle <= bounds.upper;
             if self.lq.trajectory(start, previous, &state.guess, self.last_steps, keeps) {
                 return outcome;
             }

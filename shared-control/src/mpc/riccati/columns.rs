@@ -35,7 +35,8 @@ pub(super) struct Column<const S: usize, const M: usize> {
     pub(super) multiplier: f32,
 }
 
-/// All of them, earliest angle first. Of M + 1 one depends on the others; no more are ever held.
+/// All of them, in the order in which they came, so that a new one leaves the factors of the others as they are. Of M + 1
+/// one depends on the others; no more are ever held.
 pub(super) type Columns<const S: usize, const M: usize> = heapless::Vec<Column<S, M>, { HORIZON + 1 }>;
 
 impl<const S: usize, const M: usize> Column<S, M> {
@@ -53,10 +54,11 @@ impl<const S: usize, const M: usize> Column<S, M> {
         }
     }
 
-    /// Weight of the angle of `row`.
+    /// Whether it is more than one angle.
     #[inline(always)]
-    pub(super) fn weight(&self, row: usize) -> f32 {
-        self.weights.get(self.row.wrapping_sub(row)).copied().unwrap_or(0.0)
+    pub(super) fn is_difference(&self) -> bool {
+        let [_, before, _] = self.weights;
+        before != 0.0
     }
 
     /// How the sum moves with the multiplier of `other`.
@@ -107,24 +109,21 @@ pub(super) fn choose<const S: usize, const M: usize>(
         unchanged = place;
         columns.retain(stays);
     }
-    for (place, row) in rows.held().enumerate() {
-        if columns.get(place).is_none_or(|column| column.row != row) {
-            // `insert` panics beyond the end, where `place` never is
-            let has_room = place <= M && place <= columns.len();
-            if !has_room || columns.insert(place, Column::new(row, weights(rows, row))).is_err() {
+    for row in rows.held() {
+        if columns.iter().all(|column| column.row != row) {
+            // of more than M + 1 it would be the second that depends on the others
+            let has_room = columns.len() <= M;
+            if !has_room || columns.push(Column::new(row, weights(rows, row))).is_err() {
                 return None;
             }
-            make(columns.get_mut(place)?);
-            if place < unchanged {
-                unchanged = place;
-            }
+            make(columns.last_mut()?);
         }
     }
     Some(unchanged)
 }
 
-/// Factors J, of which the rows of the first `unchanged` columns are factored already, and solves for the multipliers. If a column depends on those before it: the multipliers that together move
-/// nothing, and the column's angle.
+/// Factors J, of which the rows of the first `unchanged` columns are factored already, and solves for the multipliers. If
+/// a column depends on those before it: the multipliers that together move nothing, and the column's angle.
 pub(super) fn solve<const S: usize, const M: usize>(columns: &mut [Column<S, M>], unchanged: usize) -> Option<usize> {
     let mut dependent = None;
     let mut reduced: [f32; HORIZON + 1] = [0.0; HORIZON + 1];
@@ -134,7 +133,7 @@ pub(super) fn solve<const S: usize, const M: usize>(columns: &mut [Column<S, M>]
             column.factor_after(earlier);
         }
         if column.pivot <= 0.0 {
-            dependent = Some(column.row);
+            dependent = Some((index, column.row));
             for other in earlier {
                 other.multiplier = 0.0;
             }
@@ -149,7 +148,7 @@ pub(super) fn solve<const S: usize, const M: usize>(columns: &mut [Column<S, M>]
     // nu = L'^-1 (what stands there now)
     for index in (1..columns.len()).rev() {
         let Some((earlier, [column, ..])) = columns.split_at_mut_checked(index) else { continue };
-        if dependent.is_some_and(|row| column.row > row) {
+        if dependent.is_some_and(|(place, _)| index > place) {
             column.multiplier = 0.0;
             continue;
         }
@@ -157,7 +156,7 @@ pub(super) fn solve<const S: usize, const M: usize>(columns: &mut [Column<S, M>]
             other.multiplier -= factor * column.multiplier;
         }
     }
-    dependent
+    dependent.map(|(_, row)| row)
 }
 
 /// Multipliers of the held bounds on the angle.
@@ -166,9 +165,21 @@ pub(super) fn row_multipliers<const S: usize, const M: usize>(
     rows: &Rows,
     multipliers: &mut [f32; HORIZON],
 ) {
-    for (index, column) in columns.iter().enumerate() {
-        let later = columns.iter().skip(index).take(3);
-        let of_angle = later.fold(0.0, |sum, other| sum + other.weight(column.row) * other.multiplier);
-        set(multipliers, column.row, rows.get(column.row).multiplier(of_angle));
+    for column in columns {
+        set(multipliers, column.row, column.multiplier);
+    }
+    for column in columns.iter().filter(|column| column.is_difference()) {
+        let [_, before, second] = column.weights;
+        for (back, weight) in [(1, before), (2, second)] {
+            // of an angle that is not held the weight is 0
+            if let Some(sum) = multipliers.get_mut(column.row.wrapping_sub(back)) {
+                *sum += weight * column.multiplier;
+            }
+        }
+    }
+    for column in columns {
+        if let Some(multiplier) = multipliers.get_mut(column.row) {
+            *multiplier = rows.get(column.row).multiplier(*multiplier);
+        }
     }
 }

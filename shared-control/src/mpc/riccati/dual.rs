@@ -6,6 +6,9 @@
 //! reaches 0. The dual cost rises with every step, so that no set of held bounds comes twice and the method ends.
 //! Equality problems are solved by `equality`, in time proportional to the horizon.
 //!
+//! One step of a solve may go further: an angle taken in far from the solution without it frees a run of held inputs, one
+//! a pass, and those whose multipliers would end early on the way are let go at once.
+//!
 //! Soft bounds: a violation of an angle's bound costs `weight` times its size (an exact penalty), which is the same as
 //! the multiplier of that bound being at most `weight`: one that gets there is given up, and stays in the cost.
 
@@ -72,6 +75,10 @@ struct Search<'a, const S: usize, const M: usize> {
     point: &'a mut DualPoint<M>,
     target: &'a mut DualPoint<M>,
     aim: Aim,
+    /// Whether a step may still let go of many inputs: once a solve, since the dual cost may fall with it.
+    may_leap: bool,
+    /// Whether it goes on from what another solution held.
+    is_warm: bool,
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
@@ -139,6 +146,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                 point: &mut point,
                 target: &mut target,
                 aim: Aim::Begin,
+                may_leap: true,
+                is_warm,
             };
             while iterations < PASS_LIMIT {
                 iterations += 1;
@@ -154,7 +163,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                     Next::Solved(_) => break,
                     Next::StartAnew => iterations += self.start_anew(&mut search),
                 }
-                if is_warm && iterations == WARM_LIMIT {
+                if search.is_warm && iterations >= WARM_LIMIT {
                     iterations += self.start_anew(&mut search);
                 }
             }
@@ -169,7 +178,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 
     /// From the solution without bounds on the angle; returns the passes that this took.
     fn start_anew(&self, search: &mut Search<'_, S, M>) -> u16 {
-        let Search { present: (start, previous), bounds, guess, angles, shifts, aim, .. } = search;
+        let Search { present: (start, previous), bounds, guess, angles, shifts, aim, is_warm, .. } = search;
+        *is_warm = false;
         guess.clear();
         shifts.columns.clear();
         *aim = Aim::Begin;
@@ -180,7 +190,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 
     /// The equality problem for what is held, and the step that follows from it.
     fn pass(&self, search: &mut Search<'_, S, M>) -> Next {
-        let Search { present, bounds, guess, angles: HeldAngles { rows }, shifts, point, target, aim } = search;
+        let Search { present, bounds, guess, angles: HeldAngles { rows }, shifts, point, target, aim, .. } = search;
         match self.shift(*present, guess, rows, bounds, shifts, target) {
             Shifted::Kept => {}
             Shifted::Dependent(_) if *aim != Aim::Begin => {
@@ -190,7 +200,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                     _ => 1.0,
                 };
                 let rate = |_: f32, direction: f32| sign * direction;
-                let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
+                let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, f32::INFINITY, rate);
                 let Some(blocking) = blocking else { return Next::StartAnew };
                 point.walk(rows, target, blocking.step, rate);
                 return search.let_go(blocking.change);
@@ -220,14 +230,18 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 impl<const S: usize, const M: usize> Search<'_, S, M> {
     /// Moves the multipliers to their target, or to where the first of them comes to its end; none if they get there.
     fn step(&mut self) -> Option<Next> {
-        let Self { bounds, guess, angles: HeldAngles { rows }, point, target, aim, .. } = self;
+        let Self { bounds, guess, angles: HeldAngles { rows }, point, target, aim, may_leap, .. } = self;
         if *aim == Aim::Begin {
             return target.drop_wrong(guess, rows, bounds.soft.weight).map(Next::Go);
         }
         let rate = |now: f32, aim: f32| aim - now;
-        let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, rate);
-        let blocking = blocking.filter(|blocking| blocking.step < 1.0)?;
+        let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, 1.0, rate)?;
         point.walk(rows, target, blocking.step, rate);
+        let is_taken_in = matches!(*aim, Aim::TakeIn(change, _) if change.is_of(&blocking.change));
+        let is_input = matches!(blocking.change, Change::Input(..));
+        if is_input && !is_taken_in && core::mem::take(may_leap) {
+            return Some(Next::Go(point.let_go_near(guess, target)));
+        }
         Some(self.let_go(blocking.change))
     }
 
@@ -238,7 +252,12 @@ impl<const S: usize, const M: usize> Search<'_, S, M> {
         {
             let was_given_up = matches!(change, Change::Row(_, Row::AboveUpper | Row::BelowLower));
             let [_, tolerance] = self.bounds.tolerances;
-            if was_given_up == (direction == Direction::Falls) && tolerance < MOST_DOUBT * self.bounds.soft.tolerance {
+            let is_doubtful = was_given_up == (direction == Direction::Falls);
+            if is_doubtful && self.is_warm {
+                // what was held may be the reason, and not rounding
+                return Next::StartAnew;
+            }
+            if is_doubtful && tolerance < MOST_DOUBT * self.bounds.soft.tolerance {
                 self.bounds.tolerances = self.bounds.tolerances.map(|tolerance| DOUBT * tolerance);
             }
             self.aim = Aim::Settle;

@@ -90,9 +90,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         let Some(unchanged) = unchanged else { return Shifted::Overfull };
         for column in columns.iter_mut() {
             // differences are to be 0
-            let [_, before, _] = column.weights;
-            let bound = if before == 0.0 { rows.get(column.row).held(bounds).unwrap_or(0.0) } else { 0.0 };
-            column.excess = column.value - bound;
+            let bound = if column.is_difference() { None } else { rows.get(column.row).held(bounds) };
+            column.excess = column.value - bound.unwrap_or(0.0);
         }
         *offsets = [0.0; M];
         if let Some(last) = rows.given_up().last() {
@@ -182,7 +181,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         point: &mut DualPoint<M>,
     ) -> (f32, Option<Change>) {
         let (mut state, mut input, mut first) = (*start, previous, None);
-        let mut violation = Violation::none(bounds);
+        let mut violation = Violation::none(bounds, rows);
         let (count, held_count) = (self.control_horizon, guess.held_count);
         let stages = guess.stages.iter().zip(&shifts.offsets).zip(&mut point.inputs).take(held_count);
         for (index, ((stage, offset), multiplier)) in stages.enumerate() {
@@ -197,7 +196,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             }
             first = first.or(Some(input));
             state = self.model.advance(&state, input);
-            violation.see_angle(index, state[0], rows, bounds);
+            violation.see_angle(index, state[0]);
         }
         let stages = self.free.iter().zip(&shifts.offsets).take(count).skip(held_count);
         for (index, (free, offset)) in (held_count..).zip(stages) {
@@ -205,11 +204,17 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             violation.see_free_input(index, input);
             first = first.or(Some(input));
             state = self.model.advance(&state, input);
-            violation.see_angle(index, state[0], rows, bounds);
+            violation.see_angle(index, state[0]);
         }
-        for index in count..count - 1 + bounds.soft.last_steps {
-            state = self.model.advance(&state, input);
-            violation.see_angle(index, state[0], rows, bounds);
+        let more_steps = bounds.soft.last_steps - 1;
+        if rows.has_given_up() {
+            for index in count..count + more_steps {
+                state = self.model.advance(&state, input);
+                violation.see_angle(index, state[0]);
+            }
+        } else {
+            let see = |step, angle| violation.see_angle(count - 1 + step, angle);
+            self.model.see_extreme_angles(&state, input, more_steps, see);
         }
         (first.unwrap_or(0.0), violation.worst())
     }

@@ -21,6 +21,16 @@ pub(in crate::mpc) trait Model<const S: usize> {
     /// The same for a reference: what adds to the linear part.
     fn add_reference(&self, state_linear: &mut [f32; S], reference: f32);
 
+    /// Shows `see` angles after 1 to `steps` more steps with the input held, with the step's number: the least and the
+    /// greatest of them, whatever bounds are next to, and maybe others.
+    fn see_extreme_angles(&self, state: &[f32; S], input: f32, steps: usize, mut see: impl FnMut(usize, f32)) {
+        let mut state = *state;
+        for step in 1..=steps {
+            state = self.advance(&state, input);
+            see(step, state[0]);
+        }
+    }
+
     /// The cost ahead of an input that is held for `steps`.
     fn cost_of_held_input(&self, steps: usize) -> Quadratic<S> {
         let mut cost = Quadratic::ZERO;
@@ -79,6 +89,20 @@ impl Model<2> for DoubleIntegrator {
     #[inline(always)]
     fn add_reference(&self, [angle, _]: &mut [f32; 2], reference: f32) {
         *angle -= reference;
+    }
+
+    /// The ends, and the two steps around the vertex of the parabola.
+    #[inline(always)]
+    fn see_extreme_angles(&self, state: &[f32; 2], input: f32, steps: usize, mut see: impl FnMut(usize, f32)) {
+        let [angle, rate] = *state;
+        // 0 for what is negative or no number, the greatest integer for what is beyond
+        let vertex = (-rate / input) as usize;
+        for step in [1, vertex, vertex.saturating_add(1), steps] {
+            if 1 <= step && step <= steps {
+                let time = step as f32;
+                see(step, angle + time * (rate + 0.5 * time * input));
+            }
+        }
     }
 
     /// By sums, which are whole numbers and therefore exact.

@@ -6,13 +6,14 @@ use crate::qp::Status;
 /// Roll-outs that a guess from the last solve is given before a start with everything free.
 const WARM_LIMIT: u16 = 6;
 
-/// Roll-outs in which any number of inputs changes. From a start with everything free the shipped problems need 7 at
+/// Roll-outs in which any number of inputs changes. From a start with everything free the shipped problems need 8 at
 /// most (docs/solver.md); other weights can make them go round in circles.
 const BLOCK_LIMIT: u16 = WARM_LIMIT + 12;
 
-/// Most roll-outs from a start with everything free that any state of the shipped problems was found to take.
+/// Most roll-outs from a start with everything free that any state of the shipped problems takes: found by following every way
+/// that they can go (tests/src/worst_case).
 #[cfg(test)]
-pub(super) const COLD_MOST: u16 = 7;
+pub(super) const COLD_MOST: u16 = 8;
 
 /// Roll-outs altogether.
 const ITERATION_LIMIT: u16 = 500;
@@ -48,13 +49,13 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             Some(first) if guess.held_count == 0 && first.reaches_no_bound(start, previous) => {
                 Outcome { input: first.law.input(start, previous), status: Status::Solved, iterations: 1 }
             }
-            _ => self.search(start, previous, guess),
+            _ => self.search(start, previous, guess, ITERATION_LIMIT),
         }
     }
 
-    /// The alternation of sweeps and roll-outs.
+    /// The alternation of sweeps and roll-outs, `limit` of the latter at most.
     #[inline(never)]
-    fn search(&self, start: &[f32; S], previous: f32, guess: &mut Guess<S, M>) -> Outcome {
+    pub(super) fn search(&self, start: &[f32; S], previous: f32, guess: &mut Guess<S, M>, limit: u16) -> Outcome {
         let is_number = previous.is_finite() && start.iter().all(|value| value.is_finite());
         if !is_number {
             return Outcome { input: 0.0, status: Status::NumericalError, iterations: 0 };
@@ -72,10 +73,15 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             } else {
                 self.change_first(start, previous, guess)
             };
-            let is_last = changed == 0 || iterations >= ITERATION_LIMIT;
+            let is_last = changed == 0 || iterations >= limit;
             if is_last {
                 let status = if changed == 0 { Status::Solved } else { Status::IterationLimit };
-                return self.finish(start, previous, guess, Outcome { input: 0.0, status, iterations });
+                let outcome = self.finish(start, previous, guess, Outcome { input: 0.0, status, iterations });
+                if changed > 0 {
+                    // its laws are those of another guess: no warm start
+                    guess.clear();
+                }
+                return outcome;
             }
             if iterations == restart {
                 guess.clear();
@@ -178,32 +184,33 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
-    /// Whether all states that the solved `guess` leads to satisfy `test`, the last input being held for `last_steps`.
+    /// Whether all angles that the solved `guess` leads to satisfy `test`, the last input being held for `last_steps`.
     pub(in crate::mpc) fn trajectory(
         &self,
         start: &[f32; S],
         previous: f32,
         guess: &Guess<S, M>,
         last_steps: usize,
-        mut test: impl FnMut(&[f32; S]) -> bool,
+        test: impl Fn(f32) -> bool,
     ) -> bool {
         let (mut state, mut input) = (*start, previous);
-        let held = guess.stages.iter().take(guess.held_count).map(|stage| &stage.law);
-        let free = self.free.iter().take(self.control_horizon).skip(guess.held_count).map(|stage| &stage.law);
-        for law in held.chain(free) {
-            (input, _) = cut(law.input(&state, input));
+        for stage in guess.stages.iter().take(guess.held_count) {
+            input = stage.held.input().unwrap_or_else(|| stage.law.input(&state, input));
             state = self.model.advance(&state, input);
-            if !test(&state) {
+            if !test(state[0]) {
                 return false;
             }
         }
-        for _ in 1..last_steps {
+        for stage in self.free.iter().take(self.control_horizon).skip(guess.held_count) {
+            input = stage.law.input(&state, input);
             state = self.model.advance(&state, input);
-            if !test(&state) {
+            if !test(state[0]) {
                 return false;
             }
         }
-        true
+        let mut all = true;
+        self.model.see_extreme_angles(&state, input, last_steps - 1, |_, angle| all &= test(angle));
+        all
     }
 
     /// The first input's law when every input is free.

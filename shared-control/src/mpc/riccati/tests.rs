@@ -233,6 +233,39 @@ fn a_bad_guess_costs_six_roll_outs_at_most() {
     }
 }
 
+/// A solve that the cap ends says so, its input is inside the bounds, and the next one is as good as ever.
+#[test]
+fn the_cap_leaves_an_input_inside_its_bounds_and_no_harm() {
+    let mut numbers = Numbers(8);
+    let (increment_weight, per_rad, per_rad_s) = shipped(0.01)[0];
+    // the shipped problem, and one that goes in circles
+    for (lq, reach) in [
+        (problem(increment_weight, 30, 30), [1.6 * per_rad, 8.0 * per_rad_s]),
+        (problem(300.0, 30, 30), [1000.0, 100.0]),
+    ] {
+        let mut capped = 0;
+        for _ in 0..500 {
+            let (start, previous) = ([reach[0] * numbers.next(), reach[1] * numbers.next()], numbers.next());
+            let whole = lq.search(&start, previous, &mut Guess::new(), 500);
+            for limit in 1..=whole.iterations + 1 {
+                let mut guess = Guess::new();
+                let outcome = lq.search(&start, previous, &mut guess, limit);
+                if limit >= whole.iterations {
+                    assert_eq!(outcome, whole);
+                    continue;
+                }
+                capped += 1;
+                assert_eq!((outcome.status, outcome.iterations), (Status::IterationLimit, limit));
+                assert!(outcome.input.abs() <= 1.0, "{outcome:?}");
+                let next = lq.solve(&start, previous, &mut guess);
+                assert_eq!(next.status, Status::Solved);
+                assert!((next.input - whole.input).abs() <= 2e-5, "{next:?} {whole:?}");
+            }
+        }
+        assert!(capped > 500, "{capped}");
+    }
+}
+
 /// A guess from another problem is none.
 #[test]
 fn a_guess_of_another_problem_changes_nothing() {

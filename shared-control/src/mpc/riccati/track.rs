@@ -92,6 +92,11 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
     /// Solves, beginning with the inputs held that `pattern` says and leaving there which ones are, and the plan. The
     /// first input of the result is inside the bounds if there are any.
     pub(in crate::mpc) fn track(&self, problem: &Tracking<'_, S>, pattern: &mut Pattern<M>) -> Outcome {
+        self.track_within(PASS_LIMIT, problem, pattern)
+    }
+
+    /// The same in so many passes at most.
+    fn track_within(&self, limit: u16, problem: &Tracking<'_, S>, pattern: &mut Pattern<M>) -> Outcome {
         if !problem.is_sound() {
             return Outcome { input: 0.0, status: Status::NumericalError, iterations: 0 };
         }
@@ -108,7 +113,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             };
             match has_changed {
                 false => break Status::Solved,
-                true if iterations >= PASS_LIMIT => break Status::IterationLimit,
+                true if iterations >= limit => break Status::IterationLimit,
                 true if is_warm && iterations == WARM_LIMIT => pattern.held = [Held::Free; M],
                 true => {}
             }

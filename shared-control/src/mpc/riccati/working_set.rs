@@ -1,6 +1,7 @@
 //! Bounds on the angle, which of them are held, and the multipliers of all that is held.
 
 use super::{Guess, Held, Model};
+use crate::elementary::larger;
 use crate::mpc::HORIZON;
 
 /// Inputs beyond their bounds by so much are within: above rounding, below what matters.
@@ -237,69 +238,74 @@ pub(super) fn set<T>(list: &mut [T], index: usize, value: T) {
     }
 }
 
-/// The worst violation so far.
-#[derive(Clone, Copy)]
-pub(super) struct Violation {
-    amount: f32,
-    change: Option<Change>,
-    input_tolerance: f32,
-}
-
 /// What a violation of an input's bound counts beside one of an angle's. So inputs are seen to first as long as they are
 /// far beyond their bounds, and three times fewer passes are needed at most than with angles first.
 const INPUT_SHARE: f32 = 32.0;
 
-impl Violation {
-    pub(super) fn none<const S: usize>(bounds: &AngleBounds<'_, S>) -> Self {
-        let [input_tolerance, angle_tolerance] = bounds.tolerances;
-        Self { amount: angle_tolerance, change: None, input_tolerance }
+/// The worst violation so far.
+pub(super) struct Violation<'a, const S: usize> {
+    bounds: &'a AngleBounds<'a, S>,
+    rows: &'a Rows,
+    amount: f32,
+    change: Option<Change>,
+    /// What is within these is no worse: size of an input, and angles.
+    input_most: f32,
+    lower: f32,
+    upper: f32,
+}
+
+impl<'a, const S: usize> Violation<'a, S> {
+    pub(super) fn none(bounds: &'a AngleBounds<'a, S>, rows: &'a Rows) -> Self {
+        let [_, amount] = bounds.tolerances;
+        let mut violation = Self { bounds, rows, amount, change: None, input_most: 1.0, lower: 0.0, upper: 0.0 };
+        violation.look_beyond(amount);
+        violation
     }
 
     #[inline(always)]
     pub(super) fn see_free_input(&mut self, index: usize, input: f32) {
-        let beyond = input.abs() - 1.0;
-        if INPUT_SHARE * beyond > self.amount && beyond > self.input_tolerance {
-            self.amount = INPUT_SHARE * beyond;
+        if input.abs() > self.input_most {
             let held = if input > 0.0 { Held::High } else { Held::Low };
-            self.change = Some(Change::Input(index, held));
+            self.is_worse(INPUT_SHARE * (input.abs() - 1.0), Change::Input(index, held));
         }
     }
 
     #[inline(always)]
-    pub(super) fn see_angle<const S: usize>(
-        &mut self,
-        index: usize,
-        angle: f32,
-        rows: &Rows,
-        bounds: &AngleBounds<'_, S>,
-    ) {
-        let (above, below) = (angle - bounds.upper, bounds.lower - angle);
-        let outside = if above > below { above } else { below };
-        if outside > self.amount || rows.has_given_up() {
-            self.see_bound(index, rows.get(index), (above, below), bounds);
+    pub(super) fn see_angle(&mut self, index: usize, angle: f32) {
+        if angle > self.upper || angle < self.lower {
+            self.see_bound(index, angle);
         }
     }
 
     #[inline(never)]
-    fn see_bound<const S: usize>(
-        &mut self,
-        index: usize,
-        row: Row,
-        (above, below): (f32, f32),
-        bounds: &AngleBounds<'_, S>,
-    ) {
-        let (amount, to) = match row {
+    fn see_bound(&mut self, index: usize, angle: f32) {
+        let (above, below) = (angle - self.bounds.upper, self.bounds.lower - angle);
+        let (amount, to) = match self.rows.get(index) {
             Row::Loose if above > below => (above, Row::Upper),
             Row::Loose => (below, Row::Lower),
             Row::AboveUpper => (-above, Row::Upper),
             Row::BelowLower => (-below, Row::Lower),
             Row::Upper | Row::Lower => return,
         };
-        let [_, tolerance] = bounds.tolerances;
+        let [_, tolerance] = self.bounds.tolerances;
         if amount > tolerance * (index + 1) as f32 && amount > self.amount {
-            self.amount = amount;
-            self.change = Some(Change::Row(index, to));
+            self.is_worse(amount, Change::Row(index, to));
         }
+    }
+
+    fn is_worse(&mut self, amount: f32, change: Change) {
+        self.change = Some(change);
+        self.look_beyond(amount);
+    }
+
+    #[inline(always)]
+    fn look_beyond(&mut self, amount: f32) {
+        let [input_tolerance, _] = self.bounds.tolerances;
+        self.amount = amount;
+        self.input_most = 1.0 + larger(input_tolerance, amount * (1.0 / INPUT_SHARE));
+        // where bounds are given up, an angle inside them may be wrong
+        let outside = if self.rows.has_given_up() { f32::NEG_INFINITY } else { amount };
+        (self.lower, self.upper) = (self.bounds.lower - outside, self.bounds.upper + outside);
     }
 
     pub(super) fn worst(&self) -> Option<Change> {
@@ -354,37 +360,39 @@ impl<const M: usize> DualPoint<M> {
         Direction::Rises
     }
 
-    /// Where multipliers, moving from here by `rate(now, towards)` each, first reach an end of their range.
+    /// Where multipliers, moving from here by `rate(now, towards)` each, first reach an end of their range; none if none
+    /// does before `step`.
     pub(super) fn first_blocking<const S: usize>(
         &self,
         (guess, rows): (&Guess<S, M>, &Rows),
         weight: f32,
         towards: &Self,
+        mut step: f32,
         rate: impl Fn(f32, f32) -> f32,
     ) -> Option<Blocking> {
-        let mut first: Option<Blocking> = None;
-        let mut see = |step: f32, change: Change| {
-            if first.is_none_or(|found| step < found.step) {
-                first = Some(Blocking { step, change });
-            }
-        };
+        let mut change = None;
         let inputs = guess.stages.iter().take(guess.held_count).zip(self.inputs.iter().zip(&towards.inputs));
         for (index, (stage, (now, aim))) in inputs.enumerate() {
             let rate = rate(*now, *aim);
-            if rate < 0.0 && stage.held != Held::Free {
-                see(-now / rate, Change::Input(index, Held::Free));
+            // written without the division, which few need
+            if now + step * rate < 0.0 && stage.held != Held::Free {
+                step = -now / rate;
+                change = Some(Change::Input(index, Held::Free));
             }
         }
         for index in rows.held() {
             let (Some(now), Some(aim)) = (self.rows.get(index), towards.rows.get(index)) else { continue };
             let rate = rate(*now, *aim);
-            if rate < 0.0 {
-                see(-now / rate, Change::Row(index, Row::Loose));
-            } else if rate > 0.0 {
-                see((weight - now) / rate, Change::Row(index, rows.get(index).given_up()));
+            let there = now + step * rate;
+            if there < 0.0 {
+                step = -now / rate;
+                change = Some(Change::Row(index, Row::Loose));
+            } else if there > weight {
+                step = (weight - now) / rate;
+                change = Some(Change::Row(index, rows.get(index).given_up()));
             }
         }
-        first
+        change.map(|change| Blocking { step, change })
     }
 
     /// Moves the multipliers.
@@ -398,6 +406,20 @@ impl<const M: usize> DualPoint<M> {
         for index in rows.held() {
             self.rows.get_mut(index).zip(towards.rows.get(index)).into_iter().for_each(walk);
         }
+    }
+
+    /// Lets go of every held input whose multiplier would be negative a quarter of the way to `towards`; returns the number
+    /// of stages up to the last of them.
+    pub(super) fn let_go_near<const S: usize>(&self, guess: &mut Guess<S, M>, towards: &Self) -> usize {
+        let mut changed = 0;
+        let stages = guess.stages.iter_mut().take(guess.held_count).zip(self.inputs.iter().zip(&towards.inputs));
+        for (place, (stage, (now, aim))) in (1..).zip(stages) {
+            if stage.held != Held::Free && 3.0 * now + aim < 0.0 {
+                stage.held = Held::Free;
+                changed = place;
+            }
+        }
+        changed
     }
 
     /// Lets go of every bound whose multiplier is out of range, and gives up those above the weight; returns the number of

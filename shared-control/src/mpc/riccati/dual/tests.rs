@@ -13,7 +13,7 @@ use super::*;
 use crate::elementary::larger;
 
 /// Most passes that any of the shipped problems was found to take, in the long campaign.
-const MOST_SEEN: u16 = 66;
+const MOST_SEEN: u16 = 68;
 
 type Lq = BoundedLq<LaggedIntegrator, 3, 30>;
 
@@ -182,7 +182,7 @@ fn campaign(problems: usize, seed: u64) -> Tally {
             if !held.is_any() {
                 let outcome = lq.solve(&start, previous, &mut guess);
                 assert_eq!(outcome.status, Status::Solved);
-                let keeps = |[angle, ..]: &[f32; 3]| bounds.lower <= *angle && *angle <= bounds.upper;
+                let keeps = |angle: f32| bounds.lower <= angle && angle <= bounds.upper;
                 if lq.trajectory(&start, previous, &guess, last_steps, keeps) {
                     (previous, state) = (outcome.input, lq.model.advance(&state, outcome.input));
                     continue;
@@ -225,7 +225,8 @@ impl Tally {
             return;
         }
         let (plan, multipliers) = solution(lq, present, &meant.bounds, guess, held);
-        assert!((plan[0] - f64::from(outcome.input)).abs() <= 1e-6);
+        // the columns come in another order here, with other rounding
+        assert!((plan[0] - f64::from(outcome.input)).abs() <= 1e-5);
         let is_soft = multipliers.iter().any(|multiplier| multiplier.abs() == f64::from(meant.bounds.soft.weight));
         self.softened += u32::from(is_soft);
         let (input, angle) = (meant.input_residual(&plan, &multipliers), meant.angle_residual(&plan, &multipliers));
@@ -278,7 +279,7 @@ fn most_passes(sequences: usize, control_horizons: &[usize], seed: u64) -> u16 {
                 for _ in 0..10 {
                     let start = [state[0] - reference, state[1]];
                     let mut outcome = Outcome { input: 0.0, status: Status::Solved, iterations: 0 };
-                    let keeps = |[angle, _]: &[f32; 2]| bounds.lower <= *angle && *angle <= bounds.upper;
+                    let keeps = |angle: f32| bounds.lower <= angle && angle <= bounds.upper;
                     if !held.is_any() {
                         outcome = lq.solve(&start, previous, &mut guess);
                     }

@@ -117,6 +117,67 @@ fn many_random_tracking_problems_are_solved_to_optimality() {
     assert!(most <= PASSES_SEEN, "{most}");
 }
 
+/// A reference that jumps to and fro by 60 rad of the nominal roll axis: found by following every way that the passes can go
+/// (tests/src/worst_case).
+const CIRCLING: ([f32; 4], f32) = ([31_493.121, -68_649.92, 37_964.475, -51.298_424], 389.0);
+
+/// For the weight above and M = 4, without lag: the sum of the inputs' effects on the angles with these factors.
+fn circling_reference() -> Vec<f32> {
+    let (factors, _) = CIRCLING;
+    let effect = |input: usize, age: f32| match input {
+        _ if age <= 0.0 => 0.0,
+        3 => 0.5 * age * age,
+        _ => age - 0.5,
+    };
+    let at = |step: usize| (0..4).map(|input| factors[input] * effect(input, (step + 1) as f32 - input as f32)).sum();
+    (0..30).map(at).collect()
+}
+
+/// Changing many inputs at once may go in circles here; one by one it still ends.
+#[test]
+fn circles_are_left() {
+    let (lq, reference) = (problem(0.0, CIRCLING.1, 4, 30), circling_reference());
+    let problem = Tracking { start: [0.0; 3], previous: 0.0, bounds: [-1.0, 1.0], reference: &reference };
+    let mut pattern = Pattern::new();
+    let outcome = lq.track(&problem, &mut pattern);
+    assert_eq!(outcome.status, Status::Solved);
+    assert!(outcome.iterations > BLOCK_LIMIT, "{outcome:?}");
+    assert!(residual(&pattern.inputs[..4], 0.0, CIRCLING.1, &problem) <= 1e-4);
+}
+
+/// A solve that the cap ends says so, every input of its plan is inside the bounds, and the next one goes on from what it left.
+#[test]
+fn the_cap_leaves_a_plan_inside_its_bounds_and_no_harm() {
+    let mut numbers = Numbers(9);
+    let lq = problem(3.0, 1e4, 30, 30);
+    let mut capped = 0;
+    for _ in 0..500 {
+        let reference: Vec<f32> = (0..30).map(|_| 300.0 * numbers.next()).collect();
+        let middle = 0.6 * numbers.next();
+        let bounds = [middle - 1.0, middle + 1.0];
+        let start = [300.0 * numbers.next(), 20.0 * numbers.next(), numbers.next()];
+        let problem = Tracking { start, previous: numbers.next(), bounds, reference: &reference };
+        let whole = lq.track(&problem, &mut Pattern::new());
+        assert_eq!(whole.status, Status::Solved);
+        for limit in 1..=whole.iterations {
+            let mut pattern = Pattern::new();
+            let outcome = lq.track_within(limit, &problem, &mut pattern);
+            if limit == whole.iterations {
+                assert_eq!(outcome, whole);
+                continue;
+            }
+            capped += 1;
+            assert_eq!((outcome.status, outcome.iterations), (Status::IterationLimit, limit));
+            assert!(pattern.inputs.iter().all(|input| bounds[0] <= *input && *input <= bounds[1]), "{pattern:?}");
+            assert_eq!(outcome.input.to_bits(), pattern.inputs[0].to_bits());
+            let next = lq.track(&problem, &mut pattern);
+            assert_eq!(next.status, Status::Solved);
+            assert!((next.input - whole.input).abs() <= 2e-5, "{next:?} {whole:?}");
+        }
+    }
+    assert!(capped > 500, "{capped}");
+}
+
 /// With a constant reference, no lag and the bounds at one, it is the problem of the other solve.
 #[test]
 fn without_lag_and_with_a_constant_reference_it_is_the_regulation_problem() {
