@@ -51,7 +51,7 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, Window, axis_commands};
+use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, axis_commands};
 use crate::log::Log;
 pub use bootstrap::Gain;
 pub use conditions::{Condition, Spectrum};
