@@ -194,7 +194,9 @@ impl Judge<'_> {
     /// The difference if one model is true and the other one is fitted anew.
     fn told_if_true(&self, scenario: &Scenario, truth: &[Term<'_>], other: &Side<'_>) -> Option<f64> {
         let flight = self.fly(scenario, truth)?;
+        // what disturbed this log would disturb the flight too
         let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
+        let shooting = shooting.with_noise(self.search.shooting.noise);
         let all: Vec<usize> = (0..shooting.windows.len()).collect();
         let flown = shooting.drive(model_of(self.search.nominal, truth));
         let mut starts = shooting.measured_starts(&flown.model);

@@ -22,10 +22,13 @@ const HALF_WAVES: [f64; 3] = [1.0, 2.0, 3.0];
 /// Signs of the motors' torques about roll and pitch (RIG.md).
 const TILT_SIGNS: [[f64; 2]; 4] = [[-1.0, 1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, -1.0]];
 
-/// A moment per unit of a coefficient, and how it is told.
+/// A moment per unit of a coefficient, about the three axes.
+type PerUnit = Arc<dyn Fn(&Motion) -> [f64; 3] + Sync + Send>;
+
+/// A shape, and how it is told.
 struct Shape {
     words: &'static str,
-    moment: Arc<dyn Fn(&Motion) -> [f64; 3] + Sync + Send>,
+    moment: PerUnit,
 }
 
 /// Shapes that depend on one quantity.
@@ -37,7 +40,7 @@ struct Dependence {
 
 /// A shape with a coefficient.
 struct Scaled {
-    moment: Arc<dyn Fn(&Motion) -> [f64; 3] + Sync + Send>,
+    moment: PerUnit,
     by: f64,
 }
 

@@ -1,4 +1,3 @@
-use super::shooting::Shooting;
 use super::*;
 use crate::model::{Rig, SensorNoise, VehicleModel};
 use crate::plant::effects::Effect;

@@ -58,7 +58,7 @@ impl Hidden {
     /// Draws axis, motor, sign and whatever else an effect leaves open, for logs of a length.
     ///
     /// # Panics
-    /// If the name is none of [`EFFECTS`].
+    /// If the name is none of the effects that can be hidden.
     pub fn draw(name: &'static str, duration_s: f64, draws: &mut RandomStream) -> Hidden {
         let mut uniform = || draws.uniform();
         let tilt = Some(if uniform() < 0.5 { "roll" } else { "pitch" });

@@ -141,10 +141,10 @@ impl State {
     fn hot(&mut self, size: f64, lift_n: &[f64; 4], passed_s: f64) -> [f64; 3] {
         const WARM_UP_S: f64 = 10.0;
         let mut torque_nm = [0.0; 3];
-        for motor in 0..4 {
-            let load = lift_n[motor] * lift_n[motor] / (1.3 * 1.3);
-            self.heat[motor] += (load - self.heat[motor]) * passed_s / WARM_UP_S;
-            add(&mut torque_nm, motor, -size * self.heat[motor] * lift_n[motor]);
+        for (motor, (lift_n, heat)) in lift_n.iter().zip(&mut self.heat).enumerate() {
+            let load = lift_n * lift_n / (1.3 * 1.3);
+            *heat += (load - *heat) * passed_s / WARM_UP_S;
+            add(&mut torque_nm, motor, -size * *heat * lift_n);
         }
         torque_nm
     }

@@ -12,6 +12,9 @@ const INTERVAL: f64 = 1.96;
 /// Ends of the classes of held-out error over noise floor.
 const CLASSES: [f64; 6] = [0.0, 2.0, 3.0, 5.0, 7.0, f64::INFINITY];
 
+/// One number of a gain.
+type Figure = fn(Gain) -> f64;
+
 /// The outcomes of a campaign.
 #[derive(Clone, Debug, Default)]
 pub struct Score {
@@ -82,7 +85,7 @@ impl Score {
 
     /// How held-out errors lie: median, 95 % and largest of each figure.
     pub fn gains(&self) -> String {
-        let figures: [(&str, fn(Gain) -> f64); 3] = [
+        let figures: [(&str, Figure); 3] = [
             ("extended / true model, at most 1.1", |gain| gain.extended_to_true),
             ("extended / noise floor, at most 1.3", |gain| gain.extended_to_floor),
             ("noise floor and true model, the larger / the smaller, at most 1.15", |gain| gain.floor_to_true),

@@ -162,11 +162,11 @@ pub(super) fn apply_known(known: &crate::plant::effects::Effect, model: &mut Mod
     let parameters = known.parameters();
     let told = |name: &str| parameters.iter().find(|(own, _)| *own == name).map(|(_, value)| *value);
     let motor = told("motor").map(|motor| motor as u8);
-    let is_it = |effect: &Box<dyn Effect>| {
+    let is_it = |effect: &dyn Effect| {
         let has_parameter = effect.told_names().first().is_some_and(|name| told(name).is_some());
         effect.name() == known.entry().name && effect.axis() == known.axis() && effect.motor() == motor && has_parameter
     };
-    if let Some(effect) = catalogue(&Scope::WHOLE).iter().find(|effect| is_it(effect)) {
+    if let Some(effect) = catalogue(&Scope::WHOLE).iter().find(|effect| is_it(effect.as_ref())) {
         effect.apply(&effect.values_of(&told), model);
     }
 }
