@@ -7,8 +7,8 @@
 //! the log. That error enters as a white angular acceleration (`process_noise`). Assumption: the command's noise is
 //! white from step to step of the controller.
 //!
-//! Which of both is true shows in time: held commands are late by half a row. Plain residuals decide, without and with the findings; a delay
-//! that only undoes the faster controller speaks for held commands.
+//! Which of both is true shows in time: held commands are late by half a row. Plain residuals decide, with what was found under held commands; a
+//! delay that only undoes the faster controller speaks for held ones.
 
 use super::actuation::Commands;
 use super::fit::{Term, fit};
@@ -53,7 +53,7 @@ impl<'l> Sampled<'l> {
         Ok(Sampled { held, faster: Some([timed, counted]) })
     }
 
-    /// Searches under the hypothesis that explains the log better, as it is seen before and after.
+    /// Searches under held commands, and again where the faster controller explains the log better.
     pub(super) fn search<'e>(&'e self, of: impl Fn(&'e Shooting<'e>) -> Search<'e>) -> (Search<'e>, Found<'e>) {
         let Some([timed, counted]) = &self.faster else {
             let search = of(&self.held);
@@ -72,10 +72,9 @@ impl<'l> Sampled<'l> {
             let found = search.run();
             (search, found)
         };
-        let first = is_faster(&of(&self.held).always);
-        let (search, found) = under(first);
-        let again = is_faster(&found.chosen.fit.terms);
-        if again == first { (search, found) } else { under(again) }
+        // under held commands nothing is taken for noise: what is there is seen sharply
+        let (search, found) = under(false);
+        if is_faster(&found.chosen.fit.terms) { under(true) } else { (search, found) }
     }
 }
 
