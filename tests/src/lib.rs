@@ -2,4 +2,6 @@
 
 pub mod blind;
 pub mod comparison;
+pub mod controller_blame;
 pub mod steps;
+pub mod thesis_case;

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sil_host::diagnosis::{Diagnosis, Finding, Subject, Verdict, diagnose};
+use sil_host::comparison::ComparisonError;
+use sil_host::controller_file::ControllerChoice;
+use sil_host::diagnosis::{Diagnosis, Subject, Verdict, diagnose, diagnose_flown_by};
 use sil_host::log::{self, Log, Map};
 use sil_host::model::{Rig, VehicleModel};
-use sil_host::plant::effects::Effect;
 
 use super::log_rig::{self, LogRig};
 use super::text_table::{TextTable, number};
@@ -33,6 +34,9 @@ pub struct DiagnoseArguments {
     /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
     #[arg(long, value_enum)]
     rig: Option<LogRig>,
+    /// What flew: pid, mpc, or a controller file; without it nothing is said of the controller
+    #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
+    controller: Option<String>,
     /// Write the model with the findings in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
@@ -47,17 +51,29 @@ pub struct DiagnoseArguments {
 pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     let map = arguments.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
     let log = log::read(&arguments.log, map.as_ref()).map_err(bad_input)?;
+    let controller =
+        arguments.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)?;
     let model = match log_rig::of(&log, arguments.rig, arguments.map.is_some(), arguments.model.is_some()) {
         Some(LogRig::Axis) if arguments.model.is_some() || arguments.extended.is_some() => {
             return Err(bad_input("--rig axis knows no vehicle: leave out --model and --extended"));
+        }
+        Some(LogRig::Axis) if controller.is_some() => {
+            return Err(bad_input("--rig axis knows no vehicle: leave out --controller"));
         }
         Some(LogRig::Axis) => None,
         Some(LogRig::Gimbal) => Some(vehicle_model(arguments.model.as_deref(), Some(Rig::Gimbal))?),
         Some(LogRig::Free) => Some(vehicle_model(arguments.model.as_deref(), Some(Rig::Free))?),
         None => Some(vehicle_model(arguments.model.as_deref(), None)?),
     };
-    let subject = model.as_ref().map_or(Subject::Axes, Subject::Vehicle);
-    let answer = diagnose(&log, &subject).map_err(|error| bad_input(format!("{}: {error}", log.path)))?;
+    let answer = match (&model, controller) {
+        (Some(model), Some(choice)) => diagnose_flown_by(&log, model, choice),
+        (Some(model), None) => diagnose(&log, &Subject::Vehicle(model)).map_err(ComparisonError::from),
+        (None, _) => diagnose(&log, &Subject::Axes).map_err(ComparisonError::from),
+    };
+    let answer = answer.map_err(|error| match (&error, &arguments.controller) {
+        (ComparisonError::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
+        _ => bad_input(format!("{}: {error}", log.path)),
+    })?;
     print(answer_text(&log, &answer))?;
     if let (Some(path), Some(model)) = (&arguments.extended, &model) {
         write_extended(path, model, &answer)?;
@@ -72,19 +88,8 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
 }
 
 fn write_extended(path: &Path, model: &VehicleModel, answer: &Diagnosis) -> Result<(), Failure> {
-    let mut extended = model.clone();
-    for finding in &answer.findings {
-        let effect = Effect::parse_for(&short(finding), model.rig(), model.inertia_kg_m2);
-        extended.effects.push(effect.map_err(|problem| bad_input(format!("{}: {problem}", finding.effect)))?);
-    }
+    let extended = answer.extended(model).map_err(bad_input)?;
     write_file(path, extended.to_toml().as_bytes())
-}
-
-/// A finding as `sil synth --effect` takes it.
-fn short(finding: &Finding) -> String {
-    let axis = finding.axis.map(|axis| format!("axis={axis}"));
-    let parameters = finding.parameters.iter().map(|(name, estimate)| format!("{name}={}", estimate.value));
-    format!("{}:{}", finding.effect, axis.into_iter().chain(parameters).collect::<Vec<_>>().join(","))
 }
 
 fn answer_text(log: &Log, answer: &Diagnosis) -> String {
@@ -112,6 +117,9 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
     if !answer.unexplained.signature.is_empty() {
         text.push_str(&format!("  left over: {}\n", answer.unexplained.signature));
     }
+    for rejected in answer.rejected.iter().filter(|rejected| rejected.effect == "controller_mismatch") {
+        text.push_str(&format!("  controller: {}\n", rejected.reason));
+    }
     let errors = &answer.prediction_error;
     let title = format!("open loop over {} s, held-out windows, RMSE", errors.window_s);
     let mut table = TextTable::new([title.as_str(), "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
@@ -130,5 +138,12 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
         ]);
     }
     text.push_str(&format!("\n{table}\n"));
+    if let Some(closed_loop) = &answer.closed_loop {
+        let mut table = TextTable::new(["closed loop, mean |simulated - measured|", "roll, deg", "pitch, deg"]);
+        for (name, deviation) in [("nominal model", closed_loop.nominal), ("with the findings", closed_loop.extended)] {
+            table.row([name.into(), number(deviation.roll_mean_abs_deg, 2), number(deviation.pitch_mean_abs_deg, 2)]);
+        }
+        text.push_str(&format!("{table}\n"));
+    }
     text
 }

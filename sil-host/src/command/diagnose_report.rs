@@ -1,6 +1,6 @@
 //! The page about a diagnosis: the sentence, the size, the picture before and after, what was denied, what is left.
 
-use sil_host::diagnosis::{ChannelResiduals, Diagnosis, Estimate, Finding, Verdict};
+use sil_host::diagnosis::{ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Finding, Verdict};
 use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Page, Section, Table};
 
@@ -35,7 +35,10 @@ pub fn headline(verdict: Verdict) -> &'static str {
 
 /// The sections, for a page of its own and for the demonstration's.
 pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
-    vec![causes(answer), before_and_after(answer), denied(answer), left_over(log, answer)]
+    let mut sections = vec![causes(answer), before_and_after(answer)];
+    sections.extend(answer.closed_loop.as_ref().map(closed_loop));
+    sections.extend([denied(answer), left_over(log, answer)]);
+    sections
 }
 
 fn causes(answer: &Diagnosis) -> Section {
@@ -100,6 +103,18 @@ fn before_and_after(answer: &Diagnosis) -> Section {
         );
     }
     section.table(table)
+}
+
+fn closed_loop(closed_loop: &ClosedLoops) -> Section {
+    let mut table = Table::new("Mean |simulated - measured| (the thesis' table 5.1)", &["", "roll, deg", "pitch, deg"]);
+    for (name, deviation) in [("nominal model", closed_loop.nominal), ("with the findings", closed_loop.extended)] {
+        let cells = [deviation.roll_mean_abs_deg, deviation.pitch_mean_abs_deg];
+        table =
+            table.row(std::iter::once(Cell::from(name)).chain(cells.into_iter().map(|value| Cell::number(value, 2))));
+    }
+    Section::new("In closed loop")
+        .paragraph("The controller flies the simulated vehicle on the log's references, from the log's first attitude.")
+        .table(table)
 }
 
 fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {

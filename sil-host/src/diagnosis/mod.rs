@@ -15,8 +15,12 @@
 mod accuracy;
 mod actuation;
 mod body;
+pub mod controller;
 pub mod effects;
+mod extension;
+mod finding_json;
 mod fit;
+mod flown_by;
 mod hints;
 mod linear;
 mod prediction;
@@ -35,7 +39,9 @@ use serde::Serialize;
 
 use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S};
 use crate::log::Log;
+pub use effects::Place;
 use fit::{Term, model_of};
+pub use flown_by::{ClosedLoops, diagnose_flown_by};
 pub use residuals::ChannelResiduals;
 use search::{Candidate, Found, Search};
 use shooting::Shooting;
@@ -58,6 +64,8 @@ pub struct Diagnosis {
     pub rejected: Vec<Rejected>,
     /// Over the held-out windows.
     pub prediction_error: PredictionErrors,
+    /// The simulated closed loop against the log, before and after; none without a controller or references.
+    pub closed_loop: Option<ClosedLoops>,
     /// What is left.
     pub unexplained: Unexplained,
     /// Which manoeuvre would tell apart what this log does not; empty where nothing is confounded.
@@ -159,6 +167,7 @@ fn answer(log: &Log, shooting: &Shooting<'_>, search: &Search<'_>, found: &Found
             extended: extended_errors,
             noise_floor,
         },
+        closed_loop: None,
         unexplained,
         separating_experiment: String::new(),
         residuals: residuals::of_models(shooting, &driven),
