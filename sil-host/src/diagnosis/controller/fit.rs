@@ -23,8 +23,8 @@ const FINE_STEPS: i32 = 7;
 const FINE_FACTOR: f64 = 1.1;
 /// Two numbers whose sums differ by less are not told apart: 3 in log-likelihood (CLI.md).
 pub(super) const TOLD_APART: f64 = 6.0;
-/// Numbers that are fitted of those that look best.
-const CANDIDATES: usize = 5;
+/// Numbers that are fitted, of those that look best.
+const CANDIDATES: usize = 3;
 /// Numbers that are taken at most.
 const TAKEN_MAX: usize = 3;
 const ITERATIONS_MAX: usize = 8;
@@ -150,25 +150,28 @@ impl Comparison<'_> {
         }
     }
 
-    /// Numbers along which the scores lie most, in the order of what a change of each alone would explain.
+    /// Numbers worth a fit: those that leave least where their fits would begin.
     fn candidates(&self, basis: &Basis<'_>, so_far: &Fit) -> Vec<usize> {
         let scores = basis.scores(&so_far.residual);
-        let mut explained: Vec<(usize, f64)> = self
-            .tunables
-            .iter()
-            .enumerate()
-            .filter(|(place, _)| so_far.taken.iter().all(|taken| taken.place != *place))
-            .map(|(place, tunable)| {
-                let fall = |direction: &Residual| {
-                    let along = basis.scores(direction);
-                    dot(&along, &scores).powi(2) / dot(&along, &along)
-                };
-                (place, tunable.directions().map(fall).fold(0.0, f64::max))
+        let is_promising = |place: &usize| {
+            let fall = |direction: &Residual| {
+                let along = basis.scores(direction);
+                dot(&along, &scores).powi(2) / dot(&along, &along)
+            };
+            let is_new = so_far.taken.iter().all(|taken| taken.place != *place);
+            is_new && self.tunables[*place].directions().map(fall).fold(0.0, f64::max) > PROMISING
+        };
+        let mut left: Vec<(usize, f64)> = (0..self.tunables.len())
+            .into_par_iter()
+            .filter(is_promising)
+            .filter_map(|place| {
+                let tunable = &self.tunables[place];
+                let (.., sum) = self.best_start(basis, &so_far.numbers, tunable, &tunable.starts)?;
+                Some((place, sum))
             })
-            .filter(|(_, fall)| *fall > PROMISING)
             .collect();
-        explained.sort_by(|a, b| b.1.total_cmp(&a.1));
-        explained.into_iter().take(CANDIDATES).map(|(place, _)| place).collect()
+        left.sort_by(|a, b| a.1.total_cmp(&b.1));
+        left.into_iter().take(CANDIDATES).map(|(place, _)| place).collect()
     }
 
     /// One number more; none where it can't be flown with or has no effect.
@@ -177,7 +180,7 @@ impl Comparison<'_> {
         taken.push(Taken { place, alike: Vec::new(), fall: 0.0 });
         let tunable = &self.tunables[place];
         let from = |starts: &[f64]| {
-            let numbers = self.best_start(basis, &so_far.numbers, tunable, starts)?;
+            let (numbers, _) = self.best_start(basis, &so_far.numbers, tunable, starts)?;
             self.converged(basis, taken.clone(), numbers)
         };
         let fit = from(&tunable.starts)?;
@@ -257,13 +260,19 @@ impl Comparison<'_> {
         })
     }
 
-    /// The start from which least is left.
-    fn best_start(&self, basis: &Basis<'_>, numbers: &Numbers, tunable: &Tunable, starts: &[f64]) -> Option<Numbers> {
+    /// The start from which least is left, and the sum of the squared scores there.
+    fn best_start(
+        &self,
+        basis: &Basis<'_>,
+        numbers: &Numbers,
+        tunable: &Tunable,
+        starts: &[f64],
+    ) -> Option<(Numbers, f64)> {
         let tried = starts.iter().filter_map(|value| {
             let numbers = tunable.parameter.with(numbers, *value);
             let scores = basis.scores(&self.design.residual(self.measured, &numbers).ok()?);
             Some((numbers, dot(&scores, &scores)))
         });
-        tried.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(numbers, _)| numbers)
+        tried.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
