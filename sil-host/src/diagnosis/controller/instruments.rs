@@ -10,7 +10,6 @@
 //! normal with variance 1.
 
 use rayon::prelude::*;
-use shared_control::config::Controller;
 
 use super::inputs::Step;
 use super::parameters::{Numbers, Parameter};
@@ -52,10 +51,6 @@ impl Tunable {
 /// [`SetupError`] where the modelled controller can't fly.
 pub(super) fn tunables(design: &Design, simulated: &[Step], modelled: &Numbers) -> Result<Vec<Tunable>, SetupError> {
     let nominal = design.residual(simulated, modelled)?;
-    let has_part = |parameter: &Parameter| match design.controller {
-        Controller::Cascade => !parameter.is_of_mpc(),
-        Controller::Mpc => !parameter.is_of_cascade(),
-    };
     let tunable = |parameter: Parameter| -> Option<Tunable> {
         let value = parameter.of(modelled);
         let direction = |moved: f64| {
@@ -76,6 +71,7 @@ pub(super) fn tunables(design: &Design, simulated: &[Step], modelled: &Numbers) 
         let far = shares.iter().filter_map(|share| direction(share * value)).collect();
         Some(Tunable { parameter, near, far, starts })
     };
+    let has_part = |parameter: &Parameter| parameter.is_of(design.controller);
     let mut tunables: Vec<Tunable> =
         super::parameters::all().into_par_iter().filter(has_part).filter_map(tunable).collect();
     tunables.retain(|tunable| tunable.directions().next().is_some());

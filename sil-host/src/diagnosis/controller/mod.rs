@@ -146,7 +146,12 @@ fn answer(found: &Found, comparison: &Comparison<'_>, choice: ControllerChoice) 
 /// The numbers of which this log says nothing, or little.
 fn untold(found: &Found, comparison: &Comparison<'_>) -> String {
     let is_tested = |name: &str| comparison.tunables.iter().any(|tunable| tunable.parameter.name == name);
-    let mut names: Vec<&str> = parameters::all().iter().map(|parameter| parameter.name).collect();
+    let controller = comparison.design.controller;
+    let mut names: Vec<&str> = parameters::all()
+        .iter()
+        .filter(|parameter| parameter.is_of(controller))
+        .map(|parameter| parameter.name)
+        .collect();
     names.dedup();
     names.retain(|name| !is_tested(name));
     let mut text = String::new();

@@ -1,11 +1,21 @@
 //! The numbers of a controller that can be chosen: every field of a controller file that is one.
 
-use shared_control::config::Tuning;
+use shared_control::config::{Controller, Tuning};
 use shared_control::mpc::HORIZON;
 use shared_control::mpc::schedule::LINEARISATIONS_MAX;
 
 use crate::axis::Axis;
 use crate::controller_file::{ControllerChoice, TuningChange};
+
+/// Numbers that an MPC does not use.
+const CASCADE_ALONE: [&str; 6] = [
+    "angle_gain_1_s",
+    "rate_proportional_1_s",
+    "rate_integral_1_s2",
+    "rate_derivative",
+    "rate_derivative_cutoff_hz",
+    "acceleration_feed_forward",
+];
 
 /// What a controller file decides about the numbers of a controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -170,22 +180,12 @@ impl Parameter {
         ["rate_max_rad_s", "tilt_max_rad", "integral_share"].contains(&self.name)
     }
 
-    /// Is it a gain of the cascade alone? While an MPC flies it has no effect.
-    pub(super) fn is_of_cascade(&self) -> bool {
-        let cascade = [
-            "angle_gain_1_s",
-            "rate_proportional_1_s",
-            "rate_integral_1_s2",
-            "rate_derivative",
-            "rate_derivative_cutoff_hz",
-            "acceleration_feed_forward",
-        ];
-        cascade.contains(&self.name)
-    }
-
-    /// Is it of the MPC alone?
-    pub(super) fn is_of_mpc(&self) -> bool {
-        self.name.starts_with("mpc_") || self.name == "control_horizon"
+    /// Is it a number of this controller? The cascade's gains have no effect while an MPC flies, nor have an MPC's in the cascade.
+    pub(super) fn is_of(&self, controller: Controller) -> bool {
+        match controller {
+            Controller::Cascade => !self.name.starts_with("mpc_") && self.name != "control_horizon",
+            Controller::Mpc => !CASCADE_ALONE.contains(&self.name),
+        }
     }
 
     /// Is it a whole number?
@@ -197,7 +197,6 @@ impl Parameter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared_control::config::Controller;
 
     /// Every number is read back as it was set, and no other changes; a controller file that says so flies the same.
     #[test]
