@@ -5,6 +5,7 @@ use crate::attitude::rate::RateGains;
 use crate::attitude::shaping::ShapingConfig;
 use crate::estimator::EstimatorConfig;
 use crate::filter::LowPass1;
+use crate::gravity_moment::GravityMoment;
 use crate::imu::ImuConfig;
 use crate::mixer::MixerConfig;
 use crate::mpc::schedule::{LINEARISATIONS_MAX, PitchInertia, Schedule};
@@ -153,6 +154,8 @@ pub struct Config {
     pub inertia_kg_m2: [f32; 3],
     /// Estimate of the motors' torque and of the disturbance.
     pub observer: ObserverConfig,
+    /// Gravity's moment, fed forward by cascade and MPC; none where the vehicle is balanced.
+    pub gravity_moment: Option<GravityMoment>,
     /// How pitch answers to torque when rolled; none where the level vehicle's answer is taken everywhere.
     pub pitch_inertia: Option<PitchInertia>,
     /// Largest torque of an admissible plan, N m; what exceeds it by more than rounding did not come from the MPC.
@@ -220,6 +223,7 @@ impl Config {
             rate: rate_gains(vehicle, tuning, loop_rate_hz),
             inertia_kg_m2: vehicle.inertia_kg_m2,
             observer: observer_config(vehicle, tuning, loop_rate_hz)?,
+            gravity_moment: (vehicle.gravity_moment != GravityMoment::NONE).then_some(vehicle.gravity_moment),
             pitch_inertia: (tuning.mpc_linearisations > 1).then(|| vehicle.pitch_inertia()),
             mpc_torque_max_nm: mpc.torque_max_nm(),
             mixer: MixerConfig {
@@ -353,6 +357,9 @@ fn validate_vehicle(vehicle: &VehicleParameters) -> Result<(), ConfigError> {
     }
     not_negative("actuation.delay_s", vehicle.actuation.delay_s)?;
     not_negative("actuation.lag_s", vehicle.actuation.lag_s)?;
+    if !vehicle.gravity_moment.is_finite() {
+        return Err(ConfigError::OutOfRange("gravity_moment (finite numbers)"));
+    }
     let curve = &vehicle.lift_curve;
     let spans_commands = curve.command_at.first() == Some(&0.0) && curve.command_at.last() == Some(&1.0);
     if !(curve.is_increasing() && spans_commands && curve.lift_min_n >= 0.0 && curve.lift_max_n.is_finite()) {
@@ -408,6 +415,7 @@ mod tests {
         torque_per_lift_m: 0.038,
         lift_curve: LiftCurve { lift_min_n: 0.0, lift_max_n: 2.0, command_at: [0.0; LIFT_INTERVALS + 1] },
         actuation: Actuation { delay_s: 0.0, lag_s: 0.0 },
+        gravity_moment: GravityMoment::NONE,
         yaw_locked: false,
     };
 
@@ -435,6 +443,7 @@ mod tests {
         starts(refusal(|v, _, _| v.lift_curve.lift_max_n = f32::INFINITY), "lift_curve");
         starts(refusal(|v, _, _| v.lift_curve.command_at[7] = 0.9), "lift_curve");
         starts(refusal(|v, _, _| v.lift_curve.command_at[LIFT_INTERVALS] = 1.2), "lift_curve");
+        starts(refusal(|v, _, _| v.gravity_moment.ring.cos_nm = f32::NAN), "gravity_moment");
         starts(refusal(|v, _, _| v.actuation.lag_s = f32::NAN), "actuation.lag_s");
         starts(refusal(|v, _, _| v.actuation.delay_s = 0.05), "actuation.delay_s");
         starts(refusal(|_, t, _| t.mpc_disturbance_bandwidth_rad_s = -1.0), "mpc_disturbance_bandwidth_rad_s");

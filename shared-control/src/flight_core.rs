@@ -19,6 +19,7 @@ use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
 use crate::elementary::{limit, magnitude};
 use crate::estimator::EstimatorState;
+use crate::frames::euler_from_q;
 use crate::imu_health::ImuHealth;
 use crate::imu_select::{self, ImuPairState, ImuUnit};
 use crate::mixer::{self, MixResult};
@@ -154,6 +155,12 @@ impl State {
         self.angle.reference.map(|axis| axis.angle_rad)
     }
 
+    /// Moves the rate loop's integrals (body axes, rad/s^2). For a replay of another controller's log: an integral collects
+    /// what noise the log does not hold, and nothing else brings it back.
+    pub fn shift_rate_integral(&mut self, by_rad_s2: [f32; 3]) {
+        self.rate.shift_integral(by_rad_s2);
+    }
+
     /// Estimated disturbance torque, N m (roll, pitch, heading).
     pub fn disturbance_nm(&self) -> [f32; 3] {
         self.observer.disturbance_nm()
@@ -285,7 +292,11 @@ impl FlightCore {
 
 /// Torque of the rate loop for the target that the last `follow` left, N m.
 fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimate) -> [f32; 3] {
-    let ahead = state.rate_target.acceleration_rad_s2;
+    let gravity_nm = gravity_about_body_nm(config, estimate);
+    // what the rate loop need not make: the reference's acceleration, and what holds against gravity
+    let ahead_rad_s2: [f32; 3] = core::array::from_fn(|axis| {
+        state.rate_target.acceleration_rad_s2[axis] - gravity_nm[axis] / config.inertia_kg_m2[axis]
+    });
     let last_demand = match state.last_source {
         TorqueSource::Cascade | TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) => {
             Delivery::Applied { unmet: state.last_mix.unmet_torque_nm }
@@ -293,7 +304,9 @@ fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimat
         TorqueSource::Mpc | TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => {
             let asked_nm = state.last_wrench.torque_body_nm;
             Delivery::NotApplied {
-                instead_rad_s2: core::array::from_fn(|axis| asked_nm[axis] / config.inertia_kg_m2[axis] - ahead[axis]),
+                instead_rad_s2: core::array::from_fn(|axis| {
+                    asked_nm[axis] / config.inertia_kg_m2[axis] - ahead_rad_s2[axis]
+                }),
             }
         }
     };
@@ -305,7 +318,14 @@ fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimat
         last_demand,
         config.step_s(),
     );
-    core::array::from_fn(|axis| (acceleration[axis] + ahead[axis]) * config.inertia_kg_m2[axis])
+    core::array::from_fn(|axis| (acceleration[axis] + ahead_rad_s2[axis]) * config.inertia_kg_m2[axis])
+}
+
+/// Gravity's moment where the vehicle is, as far as it is known, N m.
+fn gravity_about_body_nm(config: &Config, estimate: &AttitudeEstimate) -> [f32; 3] {
+    let Some(moment) = &config.gravity_moment else { return [0.0; 3] };
+    let angles = euler_from_q(&estimate.q_world_from_body);
+    moment.about_body_nm(angles.roll_rad, angles.pitch_rad)
 }
 
 /// Who flies this step. The fallback from MPC to the cascade is here and nowhere else.

@@ -10,6 +10,7 @@ pub mod estimator;
 pub mod filter;
 pub mod flight_core;
 pub mod frames;
+pub mod gravity_moment;
 pub mod gyro_bias;
 pub mod imu;
 pub mod imu_health;

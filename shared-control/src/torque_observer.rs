@@ -118,34 +118,51 @@ impl ObserverState {
     }
 
     /// One control step on, with the rates measured now (roll, pitch, heading, rad/s) and the torques that are delivered from
-    /// now to the next step, N m. A rate that is no number says nothing: then only the model goes on.
-    pub fn update(&mut self, config: &ObserverConfig, rate_rad_s: [f32; 3], delivered_nm: [f32; 3]) {
-        let inputs = rate_rad_s.into_iter().zip(delivered_nm);
-        for ((axis, axis_config), (rate_rad_s, delivered_nm)) in self.axes.iter_mut().zip(&config.axes).zip(inputs) {
-            axis.update(config, axis_config, rate_rad_s);
+    /// now to the next step, N m; `known_nm` is the torque from outside that needs no estimate, such as gravity's on a mass off
+    /// the axes. A rate that is no number says nothing: then only the model goes on.
+    pub fn update(
+        &mut self,
+        config: &ObserverConfig,
+        rate_rad_s: [f32; 3],
+        delivered_nm: [f32; 3],
+        known_nm: [f32; 3],
+    ) {
+        let inputs = rate_rad_s.into_iter().zip(delivered_nm).zip(known_nm);
+        for ((axis, axis_config), ((rate_rad_s, delivered_nm), known_nm)) in
+            self.axes.iter_mut().zip(&config.axes).zip(inputs)
+        {
+            axis.update(config, axis_config, rate_rad_s, known_nm);
             axis.push(if delivered_nm.is_finite() { delivered_nm } else { 0.0 });
         }
     }
 
     /// Where the axes are when a plan that is asked for now begins to act: one step and the delay from now, by the torques
-    /// that are under way and the disturbance. `angle_rad` and `rate_rad_s` are those of now.
-    pub fn at_next_plan(&self, config: &ObserverConfig, angle_rad: [f32; 3], rate_rad_s: [f32; 3]) -> [AxisMotion; 3] {
+    /// that are under way, the disturbance and the known torque. `angle_rad` and `rate_rad_s` are those of now.
+    pub fn at_next_plan(
+        &self,
+        config: &ObserverConfig,
+        angle_rad: [f32; 3],
+        rate_rad_s: [f32; 3],
+        known_nm: [f32; 3],
+    ) -> [AxisMotion; 3] {
         let mut motions = [AxisMotion::default(); 3];
-        let axes = self.axes.iter().zip(&config.axes).zip(angle_rad.into_iter().zip(rate_rad_s));
-        for (motion, ((axis, axis_config), (angle_rad, rate_rad_s))) in motions.iter_mut().zip(axes) {
+        let now = angle_rad.into_iter().zip(rate_rad_s).zip(known_nm);
+        let axes = self.axes.iter().zip(&config.axes).zip(now);
+        for (motion, ((axis, axis_config), ((angle_rad, rate_rad_s), known_nm))) in motions.iter_mut().zip(axes) {
             let now = AxisMotion { angle_rad, rate_rad_s, motor_nm: axis.motor_nm };
-            *motion = axis.at_next_plan(config, axis_config, &now);
+            *motion = axis.at_next_plan(config, axis_config, &now, known_nm);
         }
         motions
     }
 }
 
 impl AxisState {
-    fn update(&mut self, config: &ObserverConfig, axis: &AxisConfig, measured_rad_s: f32) {
+    fn update(&mut self, config: &ObserverConfig, axis: &AxisConfig, measured_rad_s: f32, known_nm: f32) {
+        let outside_nm = self.disturbance_nm + known_nm;
         let last = AxisMotion { angle_rad: 0.0, rate_rad_s: self.rate_rad_s, motor_nm: self.motor_nm };
         let [early_nm, late_nm] = self.acting_nm(config.delay_steps);
-        let middle = config.late_part.advance(&last, early_nm, self.disturbance_nm, axis.inertia_kg_m2);
-        let predicted = config.rest.advance(&middle, late_nm, self.disturbance_nm, axis.inertia_kg_m2);
+        let middle = config.late_part.advance(&last, early_nm, outside_nm, axis.inertia_kg_m2);
+        let predicted = config.rest.advance(&middle, late_nm, outside_nm, axis.inertia_kg_m2);
         self.motor_nm = predicted.motor_nm;
         self.rate_rad_s = predicted.rate_rad_s;
         let error_rad_s = measured_rad_s - predicted.rate_rad_s;
@@ -167,12 +184,13 @@ impl AxisState {
         [delay_steps + 1, delay_steps].map(|steps| self.delivered_nm.get(steps).copied().unwrap_or(0.0))
     }
 
-    fn at_next_plan(&self, config: &ObserverConfig, axis: &AxisConfig, now: &AxisMotion) -> AxisMotion {
+    fn at_next_plan(&self, config: &ObserverConfig, axis: &AxisConfig, now: &AxisMotion, known_nm: f32) -> AxisMotion {
+        let outside_nm = self.disturbance_nm + known_nm;
         let [first_nm, _] = self.acting_nm(config.delay_steps);
-        let begun = config.late_part.advance(now, first_nm, self.disturbance_nm, axis.inertia_kg_m2);
+        let begun = config.late_part.advance(now, first_nm, outside_nm, axis.inertia_kg_m2);
         let under_way = self.delivered_nm.iter().take(config.delay_steps + 1).rev();
         under_way.fold(begun, |motion, torque_nm| {
-            config.whole_step.advance(&motion, *torque_nm, self.disturbance_nm, axis.inertia_kg_m2)
+            config.whole_step.advance(&motion, *torque_nm, outside_nm, axis.inertia_kg_m2)
         })
     }
 }
@@ -233,11 +251,11 @@ mod tests {
             let mut body = Body::new(delay_slices, lag_s);
             for demand_nm in demands {
                 let AxisMotion { angle_rad, rate_rad_s, .. } = body.motion;
-                state.update(&config, [rate_rad_s; 3], [demand_nm; 3]);
+                state.update(&config, [rate_rad_s; 3], [demand_nm; 3], [0.0; 3]);
                 body.demands_nm.push(demand_nm);
                 let mut later = body.clone();
                 later.run(SLICES_PER_STEP + delay_slices, 0.0);
-                for said in state.at_next_plan(&config, [angle_rad; 3], [rate_rad_s; 3]) {
+                for said in state.at_next_plan(&config, [angle_rad; 3], [rate_rad_s; 3], [0.0; 3]) {
                     // thousands of slices, each rounded
                     prop_assert!((said.rate_rad_s - later.motion.rate_rad_s).abs() < 2e-4, "{said:?} {:?}", later.motion);
                     prop_assert!((said.angle_rad - later.motion.angle_rad).abs() < 2e-5, "{said:?} {:?}", later.motion);
@@ -253,7 +271,7 @@ mod tests {
             let config = observer(0.004, 0.03, 30.0);
             let mut state = ObserverState::default();
             for rate in rates {
-                state.update(&config, [rate; 3], [torque; 3]);
+                state.update(&config, [rate; 3], [torque; 3], [0.0; 3]);
                 prop_assert!(state.disturbance_nm().iter().all(|disturbance| disturbance.abs() <= 0.2));
             }
         }
@@ -269,7 +287,7 @@ mod tests {
         for step in 0..400u16 {
             // the motors do something all the while
             let demand_nm = if step / 40 % 2 == 0 { 0.05 } else { -0.05 };
-            state.update(&config, [body.motion.rate_rad_s; 3], [demand_nm; 3]);
+            state.update(&config, [body.motion.rate_rad_s; 3], [demand_nm; 3], [0.0; 3]);
             let disturbance_nm = if step < 100 { 0.0 } else { 0.1 };
             body.demands_nm.push(demand_nm);
             body.run(SLICES_PER_STEP, disturbance_nm);
@@ -288,7 +306,7 @@ mod tests {
             let config = observer(0.0, 0.0, bandwidth_rad_s);
             let (mut state, mut body) = (ObserverState::default(), Body::new(0, 0.0));
             for _ in 0..400 {
-                state.update(&config, [body.motion.rate_rad_s; 3], [0.0; 3]);
+                state.update(&config, [body.motion.rate_rad_s; 3], [0.0; 3], [0.0; 3]);
                 body.demands_nm.push(0.0);
                 body.run(SLICES_PER_STEP, -0.5);
             }

@@ -1,5 +1,6 @@
 //! What the controllers know of the vehicle. Numbers only: the plant is somewhere else and shares no code with this.
 
+use crate::gravity_moment::GravityMoment;
 use crate::lift_curve::LiftCurve;
 use crate::mpc::schedule::PitchInertia;
 
@@ -20,6 +21,8 @@ pub struct VehicleParameters {
     pub lift_curve: LiftCurve,
     /// From command to lift.
     pub actuation: Actuation,
+    /// What gravity does to masses off the rig's axes.
+    pub gravity_moment: GravityMoment,
     /// True on a rig whose heading can't move.
     pub yaw_locked: bool,
 }
@@ -57,6 +60,7 @@ impl VehicleParameters {
             ],
         },
         actuation: Actuation { delay_s: 0.0, lag_s: 0.0019886284 },
+        gravity_moment: GravityMoment::NONE,
         yaw_locked: true,
     };
 
@@ -81,6 +85,7 @@ impl VehicleParameters {
             ],
         },
         actuation: Actuation { delay_s: 0.0, lag_s: 0.0528285 },
+        gravity_moment: GravityMoment::NONE,
         yaw_locked: false,
     };
 

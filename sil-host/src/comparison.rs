@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::control_setup::command_for_lift;
 use crate::controller_file::ControllerChoice;
-use crate::cosim;
+use crate::cosim::{self, record::FlightRecord};
 use crate::fidelity::{
     FidelityError, PredictionError, Replay, ReplayOptions, mean_absolute_deviation, replay_axes, replay_plant,
 };
@@ -129,7 +129,7 @@ pub fn compare(log: &Log, subject: &Subject) -> Result<Comparison, ComparisonErr
 }
 
 /// The columns without which there is no closed loop to compare.
-fn missing_for_closed_loop(log: &Log) -> String {
+pub(crate) fn missing_for_closed_loop(log: &Log) -> String {
     let needed = [
         ("roll_rad", &log.angle_rad[0]),
         ("pitch_rad", &log.angle_rad[1]),
@@ -140,12 +140,16 @@ fn missing_for_closed_loop(log: &Log) -> String {
     missing.join(", ")
 }
 
-/// Simulates the closed loop on the log's references from the log's first attitude, without sensor noise.
-fn closed_loop(
+/// Simulates the closed loop on the log's references from the log's first attitude, without sensor noise; gives the flight's
+/// set-up too. None where the log lacks attitude or references.
+///
+/// # Errors
+/// [`ComparisonError`]: the log is too long, the controller can't fly.
+pub(crate) fn simulated_flight(
     log: &Log,
     model: &VehicleModel,
     choice: ControllerChoice,
-) -> Result<Option<ClosedLoop>, ComparisonError> {
+) -> Result<Option<(FlightSetup, FlightRecord)>, ComparisonError> {
     let (Some(measured_roll), Some(measured_pitch)) = (&log.angle_rad[0], &log.angle_rad[1]) else { return Ok(None) };
     let Some(scenario) = reference_scenario(log) else { return Ok(None) };
     if scenario.duration_s > DURATION_MAX_S {
@@ -162,6 +166,17 @@ fn closed_loop(
     let parameters = setup.design_parameters();
     let mut sensors = Sensors::ideal().with_effects(&setup.model.effects);
     let record = cosim::fly(&parameters, &mut plant, &mut sensors, &mut control, &setup.scenario, None);
+    Ok(Some((setup, record)))
+}
+
+/// The simulated closed loop at the log's rows.
+pub(crate) fn closed_loop(
+    log: &Log,
+    model: &VehicleModel,
+    choice: ControllerChoice,
+) -> Result<Option<ClosedLoop>, ComparisonError> {
+    let (Some(measured_roll), Some(measured_pitch)) = (&log.angle_rad[0], &log.angle_rad[1]) else { return Ok(None) };
+    let Some((_, record)) = simulated_flight(log, model, choice)? else { return Ok(None) };
     let row_times: Vec<f64> = log.time_s.iter().map(|time| time - log.time_s[0]).collect();
     let simulated_rad = [0, 1].map(|axis| at_times(&row_times, &record.time_s, &record.angle_of(axis)));
     let deviation_deg = |axis: usize, measured: &[f64]| {

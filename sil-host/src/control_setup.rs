@@ -2,14 +2,17 @@
 //!
 //! The controllers get parameters only: the lift curve is the model's equilibrium curve turned around into a table, the
 //! inertia is the model's. No plant code runs in the core. Of a model's effects the controllers know what they have a
-//! parameter for: lag, delay, inertia and lift of the motors; so a model that a diagnosis has extended makes a better controller.
+//! parameter for: lag, delay, inertia, lift of the motors, gravity's moment on the rig; so a model that a diagnosis has extended makes a better controller.
 
 use shared_control::config::{self, Config, Controller, Tuning};
+use shared_control::gravity_moment::{GravityMoment, OffCentre};
 use shared_control::lift_curve::{LIFT_INTERVALS, LiftCurve};
 use shared_control::mpc::MpcSettings;
 use shared_control::vehicle::{Actuation, VehicleParameters};
 
+use crate::axis::Axis;
 use crate::model::{Mounting, Rig, VehicleModel};
+use crate::plant::effects::{CgOffset, Effect};
 use crate::plant::{self, Plant};
 
 /// What the controllers know of a vehicle model, its effects included.
@@ -34,8 +37,24 @@ pub fn vehicle_parameters(model: &VehicleModel) -> VehicleParameters {
         torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m() as f32,
         lift_curve: curve,
         actuation: Actuation { delay_s: chain.delay_s as f32, lag_s: (motor_lag_s(model) + chain.lag_s) as f32 },
+        gravity_moment: gravity_moment(model),
         yaw_locked: model.rig() == Rig::Gimbal,
     }
+}
+
+/// What the model's masses off the axes do on the gimbal. In free flight gravity has no moment.
+fn gravity_moment(model: &VehicleModel) -> GravityMoment {
+    let mut moment = GravityMoment::NONE;
+    if model.rig() == Rig::Free {
+        return moment;
+    }
+    for effect in &model.effects {
+        let Effect::CgOffset(CgOffset { axis, cos_moment_nm, sin_moment_nm }) = effect else { continue };
+        let of: &mut OffCentre = if *axis == Axis::Roll { &mut moment.body } else { &mut moment.ring };
+        of.cos_nm += *cos_moment_nm as f32;
+        of.sin_nm += *sin_moment_nm as f32;
+    }
+    moment
 }
 
 /// The model's equilibrium lift over command, turned around.

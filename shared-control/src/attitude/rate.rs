@@ -59,6 +59,15 @@ pub struct RateState {
 }
 
 impl RateState {
+    /// Adds to the integrals, rad/s^2; the next update holds them within their limits. What is no number is left out.
+    pub fn shift_integral(&mut self, by_rad_s2: [f32; 3]) {
+        for (axis, by_rad_s2) in self.axes.iter_mut().zip(by_rad_s2) {
+            if by_rad_s2.is_finite() {
+                axis.integral_rad_s2 += by_rad_s2;
+            }
+        }
+    }
+
     pub(crate) fn record(&self, words: &mut StateWords) {
         let Self { axes } = self;
         for RateAxisState { integral_rad_s2, filtered_error_rad_s, started } in axes {

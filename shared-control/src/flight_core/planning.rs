@@ -66,6 +66,17 @@ impl EulerMotion {
         config.pitch_inertia.map_or(1.0, |inertia| inertia.gain_share(roll_rad))
     }
 
+    /// A torque about the body's axes as the observer counts it.
+    fn about_axes_nm(&self, config: &Config, [roll_nm, pitch_nm, heading_nm]: [f32; 3]) -> [f32; 3] {
+        [roll_nm, pitch_nm * self.pitch_gain_share(config), heading_nm]
+    }
+
+    /// Gravity's moment, as far as it is known, N m.
+    fn gravity_about_body_nm(&self, config: &Config) -> [f32; 3] {
+        let [roll_rad, pitch_rad, _] = self.angle_rad;
+        config.gravity_moment.map_or([0.0; 3], |moment| moment.about_body_nm(roll_rad, pitch_rad))
+    }
+
     fn is_too_steep(&self) -> bool {
         let [roll_rad, pitch_rad, _] = self.angle_rad;
         magnitude(pitch_rad) > PITCH_MAX_RAD || magnitude(roll_rad) > ROLL_MAX_RAD
@@ -77,9 +88,9 @@ pub(super) fn observe(config: &Config, observer: &mut ObserverState, motion: &Eu
     if motion.is_too_steep() {
         *observer = ObserverState::at(motion.rate_rad_s);
     } else {
-        let [roll_nm, pitch_nm, heading_nm] = delivered_nm(output);
-        let about_axes_nm = [roll_nm, pitch_nm * motion.pitch_gain_share(config), heading_nm];
-        observer.update(&config.observer, motion.rate_rad_s, about_axes_nm);
+        let about_axes = |torque_nm| motion.about_axes_nm(config, torque_nm);
+        let known_nm = about_axes(motion.gravity_about_body_nm(config));
+        observer.update(&config.observer, motion.rate_rad_s, about_axes(delivered_nm(output)), known_nm);
     }
 }
 
@@ -101,16 +112,19 @@ pub(super) fn request(
     let mut reference = state.angle;
     let [_, _, heading] = &mut reference.reference;
     heading.angle_rad = if config.angle.yaw_locked { 0.0 } else { wrap_pi(heading.angle_rad - heading_rad) };
-    let then = state.observer.at_next_plan(&config.observer, [roll_rad, pitch_rad, 0.0], motion.rate_rad_s);
+    let gravity_nm = motion.gravity_about_body_nm(config);
+    let known_nm = motion.about_axes_nm(config, gravity_nm);
+    let then = state.observer.at_next_plan(&config.observer, [roll_rad, pitch_rad, 0.0], motion.rate_rad_s, known_nm);
     let per_share = [1.0, 1.0 / motion.pitch_gain_share(config), 1.0];
     let about_body = |torque_nm: [f32; 3]| core::array::from_fn(|axis| torque_nm[axis] * per_share[axis]);
+    let estimated_nm = about_body(state.observer.disturbance_nm());
     Some(PlanRequest {
         step: state.step,
         angle_rad: then.map(|axis| axis.angle_rad),
         rate_rad_s: then.map(|axis| axis.rate_rad_s),
         motor_nm: about_body(then.map(|axis| axis.motor_nm)),
         torque_prev_nm: delivered_nm(output),
-        disturbance_nm: about_body(state.observer.disturbance_nm()),
+        disturbance_nm: core::array::from_fn(|axis| estimated_nm[axis] + gravity_nm[axis]),
         lift_per_motor_n: output.wrench.lift_per_motor_n,
         reference,
         setpoint: state.setpoint.flown,

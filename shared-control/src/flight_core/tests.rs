@@ -1,6 +1,9 @@
 //! The pipeline without a plant: who flies when, and that nothing hidden changes a result.
 
 extern crate std;
+
+mod gravity;
+
 use super::*;
 use crate::config::{Tuning, mpc_settings};
 use crate::imu_health::ImuFault;
@@ -17,6 +20,7 @@ const VEHICLE: VehicleParameters = VehicleParameters {
     torque_per_lift_m: 0.038,
     lift_curve: LiftCurve { lift_min_n: 0.0, lift_max_n: 2.0, command_at: straight_commands() },
     actuation: Actuation { delay_s: 0.0, lag_s: 0.0 },
+    gravity_moment: crate::gravity_moment::GravityMoment::NONE,
     yaw_locked: true,
 };
 

@@ -1,6 +1,6 @@
 //! The page about a diagnosis: the sentence, the sizes, the picture before and after, what was denied.
 
-use sil_host::diagnosis::{ChannelResiduals, Diagnosis, Estimate, Finding, PredictionErrors, Verdict};
+use sil_host::diagnosis::{ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Finding, PredictionErrors, Verdict};
 use sil_host::fidelity::ChannelErrors;
 use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Page, Section, Table};
@@ -73,14 +73,15 @@ pub fn interval_text([low, high]: [f64; 2]) -> String {
 
 /// The sections, for a page of its own and for the demonstration's.
 pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
-    vec![
-        causes(answer),
-        before_and_after(answer),
+    let mut sections = vec![causes(answer), before_and_after(answer)];
+    sections.extend(answer.closed_loop.as_ref().map(closed_loop));
+    sections.extend([
         denied(answer),
         diagnose_evidence::where_it_arises(answer),
         diagnose_evidence::left_over(log, answer),
         diagnose_evidence::what_cannot_be_told(answer),
-    ]
+    ]);
+    sections
 }
 
 fn causes(answer: &Diagnosis) -> Section {
@@ -156,6 +157,18 @@ fn before_and_after(answer: &Diagnosis) -> Section {
         .filter(|(_, charts)| !charts.is_empty())
         .fold(section.table(table), |section, (kind, charts)| section.small_multiples(kind, charts));
     section.table(horizons(answer))
+}
+
+fn closed_loop(closed_loop: &ClosedLoops) -> Section {
+    let mut table = Table::new("Mean |simulated - measured| (the thesis' table 5.1)", &["", "roll, deg", "pitch, deg"]);
+    for (name, deviation) in [("nominal model", closed_loop.nominal), ("with the findings", closed_loop.extended)] {
+        let cells = [deviation.roll_mean_abs_deg, deviation.pitch_mean_abs_deg];
+        table =
+            table.row(std::iter::once(Cell::from(name)).chain(cells.into_iter().map(|value| Cell::number(value, 2))));
+    }
+    Section::new("In closed loop")
+        .paragraph("The controller flies the simulated vehicle on the log's references, from the log's first attitude.")
+        .table(table)
 }
 
 fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {

@@ -1,6 +1,6 @@
 //! A diagnosis on the terminal.
 
-use sil_host::diagnosis::{Condition, Diagnosis, Horizon, ModelStatistics};
+use sil_host::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics};
 use sil_host::log::Log;
 
 use super::diagnose_report::{error_rows, headline, interval_text};
@@ -35,6 +35,9 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
     if !answer.unexplained.signature.is_empty() {
         text.push_str(&format!("  left over: {}\n", answer.unexplained.signature));
     }
+    for rejected in answer.rejected.iter().filter(|rejected| rejected.effect == "controller_mismatch") {
+        text.push_str(&format!("  controller: {}\n", rejected.reason));
+    }
     let errors = &answer.prediction_error;
     let title = format!("open loop over {} s, held-out windows, RMSE", errors.window_s);
     let mut table = TextTable::new([title.as_str(), "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
@@ -48,7 +51,16 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
         ]);
     }
     text.push_str(&format!("\n{table}\n"));
+    text.extend(answer.closed_loop.as_ref().map(|closed_loop| format!("{}\n", closed_loop_table(closed_loop))));
     text
+}
+
+fn closed_loop_table(closed_loop: &ClosedLoops) -> TextTable {
+    let mut table = TextTable::new(["closed loop, mean |simulated - measured|", "roll, deg", "pitch, deg"]);
+    for (name, deviation) in [("nominal model", closed_loop.nominal), ("with the findings", closed_loop.extended)] {
+        table.row([name.into(), number(deviation.roll_mean_abs_deg, 2), number(deviation.pitch_mean_abs_deg, 2)]);
+    }
+    table
 }
 
 fn horizons_table(horizons: &[Horizon]) -> TextTable {

@@ -1,6 +1,6 @@
 //! From findings to an extended model: their effects as the simulated plant knows them.
 
-use super::effects::Effect as Hypothesis;
+use super::effects::{Effect as Hypothesis, Place};
 use super::fit::Term;
 use super::verdict::Finding;
 use crate::model::VehicleModel;
@@ -16,7 +16,7 @@ pub struct NotExtended {
     problem: String,
 }
 
-/// The model with the findings in it, behind the effects that it has already.
+/// The model with the findings in it, behind the effects that it has already; what the controller has of its own is no part of the vehicle.
 ///
 /// # Errors
 /// A value that no model may have: an effect was fitted to what is another's doing.
@@ -24,7 +24,8 @@ pub fn extended_model(model: &VehicleModel, findings: &[Finding]) -> Result<Vehi
     let parameters = |finding: &Finding| -> Vec<(&'static str, f64)> {
         finding.parameters.iter().map(|(name, estimate)| (*name, estimate.value)).collect()
     };
-    extended(model, findings.iter().map(|finding| (finding.effect, finding.axis, parameters(finding))))
+    let of_vehicle = findings.iter().filter(|finding| finding.place != Place::Controller);
+    extended(model, of_vehicle.map(|finding| (finding.effect, finding.axis, parameters(finding))))
 }
 
 /// The same of fitted terms.

@@ -18,12 +18,15 @@ mod body;
 mod bootstrap;
 mod cancelling;
 mod conditions;
+pub mod controller;
 pub mod effects;
 mod eigen;
 mod excitation;
 mod experiment;
 mod extension;
+mod finding_json;
 mod fit;
+mod flown_by;
 mod hints;
 mod horizons;
 mod innovation;
@@ -55,10 +58,12 @@ use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, axis_
 use crate::log::Log;
 pub use bootstrap::Gain;
 pub use conditions::{Condition, Spectrum};
+pub use effects::Place;
 pub use excitation::{Excitation, Excited};
 pub use experiment::Experiment;
 pub use extension::{NotExtended, extended_model};
 use fit::{Term, model_of};
+pub use flown_by::{ClosedLoops, diagnose_flown_by};
 pub use horizons::{Horizon, HorizonError};
 use process_noise::AxisNoise;
 pub use progress::{Observer, Progress};
@@ -88,6 +93,8 @@ pub struct Diagnosis {
     pub rejected: Vec<Rejected>,
     /// Over the held-out windows.
     pub prediction_error: PredictionErrors,
+    /// The simulated closed loop against the log, before and after; none without a controller or references.
+    pub closed_loop: Option<ClosedLoops>,
     /// What is left.
     pub unexplained: Unexplained,
     /// Which manoeuvre would tell apart what this log does not; empty where nothing is confounded.
@@ -248,6 +255,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
             extended: extended_errors,
             noise_floor,
         },
+        closed_loop: None,
         unexplained,
         separating_experiment: experiment.as_ref().map_or_else(String::new, |experiment| experiment.sentence.clone()),
         experiment,

@@ -35,15 +35,16 @@ impl Estimate {
 }
 
 /// One effect that the log shows.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Its name in EFFECTS.md.
     pub effect: &'static str,
     /// Its axis, of effects that have one.
     pub axis: Option<&'static str>,
     /// Where it is at home.
-    #[serde(rename = "where")]
     pub place: Place,
+    /// Of a controller's finding, the number that differs, by its name in the controller file.
+    pub controller_parameter: Option<&'static str>,
     /// Its parameters by name.
     pub parameters: BTreeMap<&'static str, Estimate>,
     /// Rise of the held-out squared error when it alone is taken out of the extended model, in % of nominal minus extended.
@@ -110,7 +111,16 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -
     }
     let statement = statement(effect, &names, &parameters, &confounded_with);
     let axis = effect.axis().map(crate::axis::Axis::name);
-    Finding { effect: effect.name(), axis, place: effect.place(), parameters, gain_pct, confounded_with, statement }
+    Finding {
+        effect: effect.name(),
+        axis,
+        place: effect.place(),
+        controller_parameter: None,
+        parameters,
+        gain_pct,
+        confounded_with,
+        statement,
+    }
 }
 
 /// Values by name with standard deviations: the fit's, carried over to what is told, and the model's own accuracy.

@@ -137,3 +137,42 @@ fn the_bundled_log_is_what_synth_writes_now() {
         }
     }
 }
+
+/// A controller that is not the modelled one is blamed by the name and the value of what differs, on a rig that has an effect of
+/// its own, and both are told; the closed loop is simulated before and after.
+#[test]
+fn of_another_controller_name_its_gain_beside_the_plants_effect() {
+    let folder = Folder::new();
+    folder.write("flown.toml", "controller = \"pid\"\n[tuning]\nrate_proportional_1_s = [29.47, 40.0, 11.8]\n");
+    let effect = "cg_offset:axis=pitch,cos_moment_nm=0.1";
+    let synthesis = ["synth", "--controller", "flown.toml", "--rate", "400", "--effect", effect, "log.csv"];
+    folder.sil(&synthesis).assert_done();
+    let diagnosis = ["diagnose", "log.csv", "--controller", "pid", "--extended", "m.toml", "--json", "out.json"];
+    folder.sil(&diagnosis).assert_done();
+    let json = folder.json("out.json");
+    let findings = json["findings"].as_array().unwrap();
+    let named: Vec<_> = findings.iter().map(|finding| finding["effect"].as_str().unwrap()).collect();
+    assert_eq!(named, ["cg_offset", "controller_mismatch"], "{json:#}");
+    let parameters = &findings[1]["parameters"];
+    assert_eq!(parameters["parameter"]["value"], "rate_proportional_1_s");
+    assert_eq!((&findings[1]["axis"], &findings[1]["where"]), (&"pitch".into(), &"controller".into()));
+    assert!((parameters["logged"]["value"].as_f64().unwrap() - 40.0).abs() < 1.0, "{parameters}");
+    assert!((parameters["modelled"]["value"].as_f64().unwrap() - 29.47).abs() < 0.1, "{parameters}");
+    assert_eq!(json["verdict"], "explained");
+    let deviation = |which: &str| json["closed_loop"][which]["pitch_mean_abs_deg"].as_f64().unwrap();
+    assert!(deviation("extended") < 0.3 && deviation("nominal") < 2.0, "{}", json["closed_loop"]);
+    let model = String::from_utf8(folder.bytes("m.toml")).unwrap();
+    assert!(model.contains("cg_offset") && !model.contains("controller_mismatch"));
+}
+
+/// A log of every second step of its controller can't tell what the controller saw.
+#[test]
+fn of_half_the_controllers_rate_are_no_ground_for_blaming_it() {
+    let folder = Folder::new();
+    folder.sil(&["synth", "--duration", "10", "--rate", "200", "log.csv"]).assert_done();
+    folder.sil(&["diagnose", "log.csv", "--controller", "pid", "--json", "out.json"]).assert_done();
+    let rejected = folder.json("out.json")["rejected"].clone();
+    let reason = rejected.as_array().unwrap().iter().find(|one| one["effect"] == "controller_mismatch").unwrap();
+    let reason = reason["reason"].as_str().unwrap();
+    assert!(reason.contains("200 rows a second and the controller runs at 400"), "{reason}");
+}
