@@ -25,7 +25,10 @@ pub struct Gain {
     pub total_pct: f64,
     /// Its interval; none where the held-out windows are too few.
     pub total_interval_pct: Option<[f64; 2]>,
-    /// Intervals of the findings' `gain_pct`, in their order.
+    /// The findings' `gain_pct`, in their order.
+    #[serde(skip)]
+    pub findings_pct: Vec<f64>,
+    /// Their intervals.
     pub findings_interval_pct: Vec<Option<[f64; 2]>>,
 }
 
@@ -39,15 +42,16 @@ pub(super) fn gain(search: &Search<'_>, found: &Found<'_>) -> Gain {
     };
     let all: Vec<usize> = (0..nominal.len()).collect();
     let excess: Vec<f64> = nominal.iter().zip(&extended).map(|(nominal, extended)| nominal - extended).collect();
-    let findings_interval_pct = (search.always.len()..found.chosen.fit.terms.len())
+    let (findings_pct, findings_interval_pct) = (search.always.len()..found.chosen.fit.terms.len())
         .map(|index| {
-            let without = search.losses_without(&found.chosen, index);
-            interval(all.len(), |drawn| share(drawn, &without, &excess))
+            let without = search.losses_without(&found.nominal, &found.chosen, index);
+            (share(&all, &without, &excess), interval(all.len(), |drawn| share(drawn, &without, &excess)))
         })
-        .collect();
+        .unzip();
     Gain {
         total_pct: share(&all, &nominal, &nominal),
         total_interval_pct: interval(all.len(), |drawn| share(drawn, &nominal, &nominal)),
+        findings_pct,
         findings_interval_pct,
     }
 }

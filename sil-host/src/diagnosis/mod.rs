@@ -217,7 +217,8 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let [nominal, extended] = predicted.each_ref().map(|predicted| accuracy::tallies(predicted));
     let [nominal_errors, _] = verdict::channel_errors(&nominal);
     let [extended_errors, noise_floor] = verdict::channel_errors(&extended);
-    let findings = verdict::findings(search, found);
+    let gain = bootstrap::gain(search, found);
+    let findings = verdict::findings(search, found, &gain);
     let experiment = experiment::separating(log, subject, search, found, &findings);
     let unexplained = unexplained(search, found);
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
@@ -259,7 +260,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
         unexplained,
         separating_experiment: experiment.as_ref().map_or_else(String::new, |experiment| experiment.sentence.clone()),
         experiment,
-        gain: bootstrap::gain(search, found),
+        gain,
         horizons: horizons::horizons(shooting, &driven),
         statistics: statistics::statistics(shooting, judged, &commands),
         conditions,

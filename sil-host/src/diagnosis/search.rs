@@ -290,7 +290,7 @@ impl<'e> Search<'e> {
         chosen: Candidate<'e>,
         alternatives: Vec<Vec<Candidate<'e>>>,
     ) -> Found<'e> {
-        let loss = |index: usize| self.without(&chosen, index) - chosen.held_out;
+        let loss = |index: usize| self.losses_without(&nominal, &chosen, index).iter().sum::<f64>() - chosen.held_out;
         let first = self.always.len();
         let mut order: Vec<(usize, f64)> = (first..chosen.fit.terms.len()).map(|index| (index, loss(index))).collect();
         order.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -305,16 +305,13 @@ impl<'e> Search<'e> {
         Found { nominal, chosen: self.fitted(terms, &starts, f64::INFINITY), alternatives }
     }
 
-    /// Sum of squares on the held-out windows with one effect simply left out.
-    pub(super) fn without(&self, chosen: &Candidate<'e>, index: usize) -> f64 {
-        self.losses_without(chosen, index).iter().sum()
-    }
-
-    /// The same, window by window.
-    pub(super) fn losses_without(&self, chosen: &Candidate<'e>, index: usize) -> Vec<f64> {
+    /// Sums of squares of the held-out windows with one effect simply left out. Start states are sought from those of the chosen model and
+    /// from those of the nominal one: what is left may be near to either.
+    pub(super) fn losses_without(&self, nominal: &Candidate<'e>, chosen: &Candidate<'e>, index: usize) -> Vec<f64> {
         let mut terms = chosen.fit.terms.clone();
         terms.remove(index);
-        self.losses(&terms, &chosen.fit.starts)
+        let [far, near] = [chosen, nominal].map(|candidate| self.losses(&terms, &candidate.fit.starts));
+        far.iter().zip(&near).map(|(far, near)| far.min(*near)).collect()
     }
 
     /// Sums of squares of the held-out windows under a model, their start states at their best from given ones on.

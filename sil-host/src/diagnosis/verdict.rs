@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::accuracy::{WindowTally, root_mean_square};
+use super::bootstrap::Gain;
 use super::effects::{Effect, Place, per_unit_inertia};
 use super::fit::Term;
 use super::linear::dot;
@@ -81,12 +82,13 @@ pub enum Verdict {
 }
 
 /// Findings of a search, most important first.
-pub(super) fn findings(search: &Search<'_>, found: &Found<'_>) -> Vec<Finding> {
-    let first = search.always.len();
-    (first..found.chosen.fit.terms.len()).map(|index| finding(search, found, index, index - first)).collect()
+pub(super) fn findings(search: &Search<'_>, found: &Found<'_>, gain: &Gain) -> Vec<Finding> {
+    let places = gain.findings_pct.iter().enumerate();
+    places.map(|(place, gain_pct)| finding(search, found, place, *gain_pct)).collect()
 }
 
-fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -> Finding {
+fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) -> Finding {
+    let index = search.always.len() + place;
     let term = &found.chosen.fit.terms[index];
     let effect = term.effect;
     let spread = search.spread(&found.chosen);
@@ -98,8 +100,6 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, place: usize) -
         parameters = parameters.into_iter().map(|(name, estimate)| (per_unit_inertia(name), estimate)).collect();
         names = names.into_iter().map(per_unit_inertia).collect();
     }
-    let all = found.nominal.held_out - found.chosen.held_out;
-    let gain_pct = 100.0 * (search.without(&found.chosen, index) - found.chosen.held_out) / all;
     let mut confounded_with: Vec<&'static str> = Vec::new();
     for other in &found.alternatives[place] {
         let name = other.fit.terms[other.fit.terms.len() - 1].effect.name();

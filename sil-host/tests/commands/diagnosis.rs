@@ -34,6 +34,7 @@ fn answer() -> Value {
         }],
         "rejected": [{ "effect": "string", "axis": "string", "reason": "string" }],
         "prediction_error": { "window_s": 0.5, "nominal": errors, "extended": errors, "noise_floor": errors },
+        "closed_loop": null,
         "unexplained": { "variance_pct": "number", "white": true, "signature": "" },
         "separating_experiment": "string",
         "gain": { "total_pct": "number", "total_interval_pct": "anything", "findings_interval_pct": "anything" },
