@@ -13,6 +13,7 @@ use mavlink::dialects::common::{
 use mavlink::{MAVLinkV2MessageRaw, MavlinkVersion, Message, MessageData};
 use shared_control::link::frame::FrameWriter;
 use shared_control::output::PulseKind;
+use shared_control::params::table::Field;
 use shared_control::params::{Params, RECORD_LEN, encode};
 use sil_host::model::{Rig, VehicleModel};
 
@@ -207,7 +208,7 @@ fn what_is_set_over_the_link_is_stored_at_once_and_flies_after_a_restart() {
     let mut bench = Bench::new(&encode(&Params::DEFAULT));
     bench.run_for(START);
     let all = bench.ask(&PARAM_REQUEST_LIST_DATA { target_system: 1, target_component: 1 });
-    assert_eq!(values(&all).len(), 9);
+    assert_eq!(values(&all).len(), Field::ALL.len());
     assert!(values(&all).contains(&("PWM_RATE_HZ", 400.0)));
 
     let set = bench.set("PWM_RATE_HZ", 50.0);
