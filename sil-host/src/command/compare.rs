@@ -4,14 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sil_host::axis::Axis;
-use sil_host::comparison::{Comparison, ComparisonError, Subject, Vehicle, compare};
-use sil_host::controller_file::ControllerChoice;
+use sil_host::comparison::{Comparison, Subject, Vehicle, compare};
 use sil_host::log::Log;
 use sil_host::report::Page;
 
-use super::log_arguments::{LogArguments, quoted};
-use super::text_table::{TextTable, number};
-use super::{Failure, bad_input, compare_report, print, write_file, write_json};
+use super::log_arguments::LogArguments;
+use super::text_table::{TextTable, error_table, number};
+use super::{Failure, compare_report, print, write_file, write_json};
 
 /// Hold a measured log against the simulation: closed loop and open-loop replay
 #[derive(Args)]
@@ -24,9 +23,6 @@ With --controller the closed loop is simulated too, on the log's references."
 pub struct CompareArguments {
     #[command(flatten)]
     log: LogArguments,
-    /// What flew: pid, mpc, or a controller file
-    #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
-    controller: Option<String>,
     /// The report with plots
     #[arg(long, value_name = "OUT.html", default_value = "out/compare.html")]
     report: PathBuf,
@@ -38,21 +34,15 @@ pub struct CompareArguments {
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
     let subject = subject(arguments, &log)?;
-    let comparison = compare(&log, &subject).map_err(|error| match (&error, &arguments.controller) {
-        (ComparisonError::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
-        _ => bad_input(format!("{}: {error}", log.path)),
-    })?;
+    let comparison = compare(&log, &subject).map_err(|error| arguments.log.refused(&log, &error))?;
     print(summary_text(&log, &comparison, &subject))?;
     let mut page = Page::new(format!("Measured against simulated: {}", file_name(&log)))
         .lead(compare_report::lead(&comparison, &subject));
     for section in compare_report::sections(&log, &comparison, &subject) {
         page = page.section(section);
     }
-    let mut command = arguments.log.command("compare");
-    if let Some(controller) = &arguments.controller {
-        command.push_str(&format!(" --controller {}", quoted(controller)));
-    }
-    page = page.provenance("Command", command).provenance("Version", env!("CARGO_PKG_VERSION"));
+    page =
+        page.provenance("Command", arguments.log.command("compare")).provenance("Version", env!("CARGO_PKG_VERSION"));
     write_file(&arguments.report, page.to_html().as_bytes())?;
     print(format!("report  {}\n", arguments.report.display()))?;
     write_json(arguments.json.as_deref(), &comparison.summary())
@@ -65,9 +55,8 @@ fn file_name(log: &Log) -> String {
 }
 
 fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> {
-    let controller =
-        arguments.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)?;
-    let vehicle = arguments.log.vehicle(log, controller.map(|_| "--controller"))?;
+    let controller = arguments.log.controller()?;
+    let vehicle = arguments.log.vehicle(log, None)?;
     Ok(vehicle.map_or(Subject::Axes, |model| Subject::Vehicle(Box::new(Vehicle { model, controller }))))
 }
 
@@ -90,16 +79,8 @@ pub fn summary_text(log: &Log, comparison: &Comparison, subject: &Subject) -> St
     }
     let error = comparison.replay.prediction_error();
     let title = format!("open-loop replay, windows of {} s, RMSE", error.window_s);
-    let mut table = TextTable::new([title.as_str(), "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
-    for (name, errors) in [("this model", error.nominal), ("noise floor (an exact model)", error.noise_floor)] {
-        table.row([
-            name.to_owned(),
-            number(errors.roll_deg, 3),
-            number(errors.pitch_deg, 3),
-            number(errors.p_deg_s, 3),
-            number(errors.q_deg_s, 3),
-        ]);
-    }
+    let rows = [("this model", error.nominal), ("noise floor (an exact model)", error.noise_floor)];
+    let table = error_table(&title, rows);
     text.push_str(&format!("\n{table}\n"));
     for axis in [Axis::Roll, Axis::Pitch, Axis::Yaw] {
         if let Some(gain) = comparison.replay.input_gain_rad_s2[axis.index()] {

@@ -123,7 +123,8 @@ fn replay(log: &Log, comparison: &Comparison, subject: &Subject) -> Section {
     section
 }
 
-fn error_cells(name: &str, errors: &ChannelErrors) -> [Cell; 5] {
+/// A row of prediction errors.
+pub fn error_cells(name: &str, errors: &ChannelErrors) -> [Cell; 5] {
     let cell = |value: Option<f64>| Cell::number(value.unwrap_or(f64::NAN), 3);
     [Cell::from(name), cell(errors.roll_deg), cell(errors.pitch_deg), cell(errors.p_deg_s), cell(errors.q_deg_s)]
 }

@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sil_host::comparison::ComparisonError;
-use sil_host::controller_file::ControllerChoice;
 use sil_host::diagnosis::{Subject, diagnose_flown_by, diagnose_observed, extended_model};
 
-use super::log_arguments::{LogArguments, quoted};
+use super::log_arguments::LogArguments;
 use super::progress_line::ProgressLine;
 use super::{Failure, bad_input, diagnose_report, diagnose_text, print, write_file, write_json};
 
@@ -22,9 +21,6 @@ Each effect of the catalogue is fitted to every second window of 0.5 s and judge
 pub struct DiagnoseArguments {
     #[command(flatten)]
     log: LogArguments,
-    /// What flew: pid, mpc, or a controller file; without it nothing is said of the controller
-    #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
-    controller: Option<String>,
     /// Write the model with the findings in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
@@ -43,15 +39,13 @@ impl DiagnoseArguments {
     /// The option that separate axes can't serve.
     fn wants_vehicle(&self) -> Option<&'static str> {
         let extended = self.extended.as_ref().map(|_| "--extended");
-        let experiment = self.experiment.as_ref().map(|_| "--experiment");
-        extended.or(experiment).or(self.controller.as_ref().map(|_| "--controller"))
+        extended.or(self.experiment.as_ref().map(|_| "--experiment"))
     }
 }
 
 pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
-    let controller =
-        arguments.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)?;
+    let controller = arguments.log.controller()?;
     let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
     let answer = {
         let line = ProgressLine::new();
@@ -64,10 +58,7 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
             (None, _) => diagnose_observed(&log, &Subject::Axes, &observer).map_err(ComparisonError::from),
         }
     };
-    let answer = answer.map_err(|error| match (&error, &arguments.controller) {
-        (ComparisonError::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
-        _ => bad_input(format!("{}: {error}", log.path)),
-    })?;
+    let answer = answer.map_err(|error| arguments.log.refused(&log, &error))?;
     print(diagnose_text::answer_text(&log, &answer))?;
     if let (Some(path), Some(model)) = (&arguments.extended, &model) {
         let extended = extended_model(model, &answer.findings).map_err(bad_input)?;
@@ -84,10 +75,7 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         }
     }
     if let Some(path) = &arguments.report {
-        let mut command = arguments.log.command("diagnose");
-        if let Some(controller) = &arguments.controller {
-            command.push_str(&format!(" --controller {}", quoted(controller)));
-        }
+        let command = arguments.log.command("diagnose");
         write_file(path, diagnose_report::page(&log, &answer, &command).to_html().as_bytes())?;
         print(format!("report          {}\n", path.display()))?;
     }

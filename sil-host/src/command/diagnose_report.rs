@@ -5,6 +5,7 @@ use sil_host::fidelity::ChannelErrors;
 use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Page, Section, Table};
 
+use super::compare_report::error_cells;
 use super::diagnose_evidence;
 use super::flight_report::degrees;
 
@@ -136,11 +137,7 @@ fn before_and_after(answer: &Diagnosis) -> Section {
     let mut table =
         Table::new("RMSE over the held-out windows", &["", "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
     for (name, of) in error_rows(errors) {
-        let cells = [of.roll_deg, of.pitch_deg, of.p_deg_s, of.q_deg_s];
-        table = table.row(
-            std::iter::once(Cell::from(name))
-                .chain(cells.into_iter().map(|value| Cell::number(value.unwrap_or(f64::NAN), 3))),
-        );
+        table = table.row(error_cells(name, &of));
     }
     let section = Section::new("Before and after").paragraph(format!(
         "In windows of {} s the model starts where the log was, gets the logged commands and never looks at the log again. What is \

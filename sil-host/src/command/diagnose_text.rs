@@ -4,7 +4,7 @@ use sil_host::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStati
 use sil_host::log::Log;
 
 use super::diagnose_report::{error_rows, headline, interval_text};
-use super::text_table::{TextTable, number};
+use super::text_table::{TextTable, error_table, number};
 
 /// Everything that `sil diagnose` prints of the answer.
 pub fn answer_text(log: &Log, answer: &Diagnosis) -> String {
@@ -40,16 +40,7 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
     }
     let errors = &answer.prediction_error;
     let title = format!("open loop over {} s, held-out windows, RMSE", errors.window_s);
-    let mut table = TextTable::new([title.as_str(), "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
-    for (name, errors) in error_rows(errors) {
-        table.row([
-            name.to_owned(),
-            number(errors.roll_deg, 3),
-            number(errors.pitch_deg, 3),
-            number(errors.p_deg_s, 3),
-            number(errors.q_deg_s, 3),
-        ]);
-    }
+    let table = error_table(&title, error_rows(errors));
     text.push_str(&format!("\n{table}\n"));
     text.extend(answer.closed_loop.as_ref().map(|closed_loop| format!("{}\n", closed_loop_table(closed_loop))));
     text

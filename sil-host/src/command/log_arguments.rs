@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use sil_host::comparison::ComparisonError;
+use sil_host::controller_file::ControllerChoice;
 use sil_host::log::{self, Log, Map};
 use sil_host::model::{Rig, VehicleModel};
 
@@ -23,6 +25,9 @@ pub struct LogArguments {
     /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
     #[arg(long, value_enum)]
     rig: Option<LogRig>,
+    /// What flew: pid, mpc, or a controller file; without it nothing is said of the controller
+    #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
+    controller: Option<String>,
 }
 
 /// The rigs that a log can come from.
@@ -43,6 +48,19 @@ impl LogArguments {
         log::read(&self.log, map.as_ref()).map_err(bad_input)
     }
 
+    /// What flew, where that was said.
+    pub fn controller(&self) -> Result<Option<ControllerChoice>, Failure> {
+        self.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)
+    }
+
+    /// A log that can't be held against what was said of it.
+    pub fn refused(&self, log: &Log, error: &ComparisonError) -> Failure {
+        match (error, &self.controller) {
+            (ComparisonError::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
+            _ => bad_input(format!("{}: {error}", log.path)),
+        }
+    }
+
     /// The vehicle that the log is of; none for separate axes, with which an option that `wants_vehicle` can't be given. The rig is
     /// the one that was said; else the model's; else `axis` for a log in other people's columns, which is of other people's
     /// vehicle, or without motors.
@@ -54,7 +72,8 @@ impl LogArguments {
         };
         let rig = match rig {
             Some(LogRig::Axis) => {
-                return match self.model.as_ref().map(|_| "--model").or(wants_vehicle) {
+                let controller = self.controller.as_ref().map(|_| "--controller");
+                return match self.model.as_ref().map(|_| "--model").or(wants_vehicle).or(controller) {
                     Some(option) => Err(bad_input(format!("--rig axis knows no vehicle: leave out {option}"))),
                     None => Ok(None),
                 };
@@ -71,7 +90,13 @@ impl LogArguments {
         let mut command = format!("sil {name} {}", quoted(&self.log.display().to_string()));
         let rig = self.rig.and_then(|rig| rig.to_possible_value()).map(|value| value.get_name().to_owned());
         let model = self.model.as_ref().map(|model| model.display().to_string());
-        for (option, value) in [("--map", self.map.clone()), ("--model", model), ("--rig", rig)] {
+        let said = [
+            ("--map", self.map.clone()),
+            ("--model", model),
+            ("--rig", rig),
+            ("--controller", self.controller.clone()),
+        ];
+        for (option, value) in said {
             if let Some(value) = value {
                 command.push_str(&format!(" {option} {}", quoted(&value)));
             }
@@ -81,7 +106,7 @@ impl LogArguments {
 }
 
 /// A word for a shell.
-pub fn quoted(word: &str) -> String {
+fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:=,@%".contains(c);
     if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }

@@ -1,5 +1,7 @@
 //! A table on a terminal: first column left, the others right, as wide as their longest cell.
 
+use sil_host::fidelity::ChannelErrors;
+
 /// Rows of cells; the first row is the header.
 pub struct TextTable {
     rows: Vec<Vec<String>>,
@@ -37,6 +39,16 @@ impl std::fmt::Display for TextTable {
         }
         Ok(())
     }
+}
+
+/// Prediction errors of some models, a row each.
+pub fn error_table(title: &str, rows: impl IntoIterator<Item = (&'static str, ChannelErrors)>) -> TextTable {
+    let mut table = TextTable::new([title, "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
+    for (name, errors) in rows {
+        let cells = [errors.roll_deg, errors.pitch_deg, errors.p_deg_s, errors.q_deg_s];
+        table.row(std::iter::once(name.to_owned()).chain(cells.map(|error| number(error, 3))));
+    }
+    table
 }
 
 /// A number with fixed decimals, a dash where there is none.

@@ -14,7 +14,7 @@ use super::linear::Cholesky;
 use super::linearisation::{Column, Linearisation, Normal, WindowLinear, slope, slopes, start_factor, turned};
 use super::prediction::{Model, Scene, track};
 use super::process_noise::AxisNoise;
-use crate::fidelity::{SensorNoise, Window};
+use crate::fidelity::{SensorNoise, Window, wrapped};
 use crate::log::Log;
 
 /// Change of a start state for a difference quotient, rad or rad/s.
@@ -393,11 +393,6 @@ impl<'a> Shooting<'a> {
     pub(super) fn part(&self, held_out: bool) -> Vec<usize> {
         self.windows.iter().filter(|window| window.held_out == held_out).map(|window| window.index).collect()
     }
-}
-
-fn wrapped(angle_rad: f64) -> f64 {
-    let turn = core::f64::consts::TAU;
-    angle_rad - turn * (angle_rad / turn).round()
 }
 
 fn volts_lost(log: &Log) -> Vec<f64> {

@@ -13,7 +13,7 @@ pub fn mean_absolute_deviation(a_rad: &[f64], b_rad: &[f64]) -> Option<f64> {
 }
 
 /// The same angle in [-pi, pi).
-pub(super) fn wrapped(angle_rad: f64) -> f64 {
+pub(crate) fn wrapped(angle_rad: f64) -> f64 {
     if (-PI..PI).contains(&angle_rad) {
         return angle_rad;
     }

@@ -32,6 +32,7 @@ mod windowed_log;
 pub use agreement::{Agreement, TheilSplit};
 pub use condition::{Bin, ConditionalError};
 pub use deviation::mean_absolute_deviation;
+pub(crate) use deviation::wrapped;
 pub use error::FidelityError;
 pub use noise::{SensorNoise, white_noise_std};
 pub use replay::{Replay, ReplayOptions, replay_axes, replay_plant};
