@@ -8,9 +8,9 @@
 
 use rayon::prelude::*;
 
-use super::body::State;
-use super::linear::dot;
-use super::shooting::{Driven, Shooting};
+use crate::diagnosis::fitting::linear::dot;
+use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::diagnosis::vehicle::body::State;
 use crate::fidelity::Window;
 
 /// Per place of a report: sum of squares of the residuals and of an exact model's standard deviations, SI, and the number of both.

@@ -1,8 +1,8 @@
 //! From findings to an extended model: their effects as the simulated plant knows them.
 
 use super::effects::{Effect as Hypothesis, Place};
-use super::fit::Term;
 use super::verdict::Finding;
+use crate::diagnosis::fitting::fit::Term;
 use crate::model::VehicleModel;
 use crate::plant::effects::Effect;
 

@@ -13,42 +13,20 @@
 //! a second time), so that a mistake in either shows as a disagreement.
 
 mod accuracy;
-mod actuation;
-mod body;
-mod bootstrap;
-mod cancelling;
-mod conditions;
 pub mod controller;
 pub mod effects;
-mod eigen;
-mod excitation;
-mod experiment;
+mod evidence;
 mod extension;
 mod finding_json;
-mod fit;
+mod fitting;
 mod flown_by;
-mod hints;
-mod horizons;
-mod innovation;
-mod linear;
-mod linearisation;
-mod manoeuvres;
-mod prediction;
-mod process_noise;
+mod left_over;
 mod progress;
-mod residuals;
-mod sampling;
 mod search;
-mod sensor;
-mod shooting;
-mod signature;
-mod statistics;
-mod structure;
 mod subject;
+mod vehicle;
 mod verdict;
 
-#[cfg(test)]
-mod evidence_tests;
 #[cfg(test)]
 mod tests;
 
@@ -56,28 +34,28 @@ use serde::Serialize;
 
 use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, axis_commands};
 use crate::log::Log;
-pub use bootstrap::Gain;
-pub use conditions::{Condition, Spectrum};
 pub use effects::Place;
-pub use excitation::{Excitation, Excited};
-pub use experiment::Experiment;
+pub use evidence::bootstrap::Gain;
+pub use evidence::conditions::{Condition, Spectrum};
+pub use evidence::excitation::{Excitation, Excited};
+pub use evidence::experiment::Experiment;
+pub use evidence::horizons::{Horizon, HorizonError};
+pub use evidence::residuals::ChannelResiduals;
+use evidence::statistics::Judged;
+pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
-use fit::{Term, model_of};
+use fitting::fit::{Term, model_of};
+use fitting::process_noise::AxisNoise;
+use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
-pub use horizons::{Horizon, HorizonError};
-use process_noise::AxisNoise;
 pub use progress::{Observer, Progress};
-pub use residuals::ChannelResiduals;
-use sampling::Sampled;
-use search::{Candidate, Found, Search};
-use statistics::Judged;
-pub use statistics::{ChannelStatistics, ModelStatistics};
+use search::{Found, Search};
 pub use subject::Subject;
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
 /// Above this multiple of the noise floor an error is not explained.
 const FLOOR_FACTOR_MAX: f64 = 1.3;
-/// Above this multiple the disturbances are taken for part of the noise ([`process_noise`]).
+/// Above this multiple the disturbances are taken for part of the noise ([`fitting::process_noise`]).
 const UNEXPLAINED_FACTOR: f64 = 3.0;
 
 /// The answer to a log (CLI.md, "JSON of `sil diagnose`").
@@ -217,10 +195,10 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let [nominal, extended] = predicted.each_ref().map(|predicted| accuracy::tallies(predicted));
     let [nominal_errors, _] = verdict::channel_errors(&nominal);
     let [extended_errors, noise_floor] = verdict::channel_errors(&extended);
-    let gain = bootstrap::gain(search, found);
+    let gain = evidence::bootstrap::gain(search, found);
     let findings = verdict::findings(search, found, &gain);
-    let experiment = experiment::separating(log, subject, search, found, &findings);
-    let unexplained = unexplained(search, found);
+    let experiment = evidence::experiment::separating(log, subject, search, found, &findings);
+    let unexplained = left_over::unexplained(search, found);
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
     let mut rejected = verdict::rejected(search, found);
     rejected.push(Rejected {
@@ -235,7 +213,8 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
         (false, false) => Verdict::PartlyExplained,
     };
     let commands = axis_commands(log);
-    let (conditions, spectra) = conditions::conditions(shooting, &driven, &commands, throttle(log).as_deref());
+    let (conditions, spectra) =
+        evidence::conditions::conditions(shooting, &driven, &commands, throttle(log).as_deref());
     let judged = [
         Judged { driven: &driven[0], predicted: &predicted[0], starts: &found.nominal.fit.starts },
         Judged { driven: &driven[1], predicted: &predicted[1], starts: &found.chosen.fit.starts },
@@ -261,12 +240,12 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
         separating_experiment: experiment.as_ref().map_or_else(String::new, |experiment| experiment.sentence.clone()),
         experiment,
         gain,
-        horizons: horizons::horizons(shooting, &driven),
-        statistics: statistics::statistics(shooting, judged, &commands),
+        horizons: evidence::horizons::horizons(shooting, &driven),
+        statistics: evidence::statistics::statistics(shooting, judged, &commands),
         conditions,
         spectra,
-        excitation: excitation::excitation(search, found),
-        residuals: residuals::of_models(shooting, &predicted[0], &predicted[1]),
+        excitation: evidence::excitation::excitation(search, found),
+        residuals: evidence::residuals::of_models(shooting, &predicted[0], &predicted[1]),
     }
 }
 
@@ -276,32 +255,4 @@ fn throttle(log: &Log) -> Option<Vec<f64>> {
         (0..log.rows()).map(|row| 0.25 * motors.iter().map(|motor| motor[row]).sum::<f64>()).collect()
     };
     log.motors().map(mean).or_else(|| log.thrust_command.clone())
-}
-
-fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
-    let shooting = search.shooting;
-    let whole = search.fitted_to_all(&found.chosen);
-    let driven = shooting.drive(model_of(search.nominal, &whole.fit.terms));
-    let all: Vec<usize> = (0..shooting.windows.len()).collect();
-    let whiteness = structure::whiteness(shooting, &driven, &all, &whole.fit.starts);
-    let even = whiteness.iter().all(structure::Whiteness::is_white);
-    let dependence = signature::strongest(search, &found.chosen, &whole.fit);
-    let white = even && dependence.is_none();
-    let expected = shooting.degrees_of_freedom(&search.held_out);
-    let beyond = |candidate: &Candidate<'_>| (candidate.held_out - expected).max(0.0);
-    let nominal = beyond(&found.nominal);
-    let variance_pct = if nominal > 0.0 { 100.0 * (beyond(&found.chosen) / nominal).min(1.0) } else { 0.0 };
-    let worst = whiteness.iter().max_by(|a, b| a.deviation.total_cmp(&b.deviation));
-    let goes_on = worst.filter(|_| !even).map(|worst| {
-        let frequency = signature::frequency(search, &whole.fit, worst.place % 3).unwrap_or_default();
-        format!(
-            "{}: {} misses its prediction by something that goes on from row to row ({:.0} sigma), {frequency}",
-            residuals::NAMES[worst.place % 3],
-            residuals::NAMES[worst.place],
-            worst.deviation
-        )
-    });
-    let cancelling = || cancelling::cancelling(&whole.fit, search.always.len());
-    let signature = dependence.or(goes_on).or_else(cancelling).unwrap_or_default();
-    Unexplained { variance_pct, white, signature }
 }

@@ -6,14 +6,16 @@
 //! '---- take out what no longer pays, exchange what another explains better <----'
 //! ```
 
-use super::body::State;
 use super::effects::Effect;
-use super::fit::{Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models};
-use super::hints::hints;
-use super::linear::{Cholesky, dot};
-use super::linearisation::Linearisation;
 use super::progress::{Observer, Progress};
-use super::shooting::Shooting;
+use crate::diagnosis::fitting::fit::{
+    Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models,
+};
+use crate::diagnosis::fitting::hints::hints;
+use crate::diagnosis::fitting::linear::{Cholesky, dot};
+use crate::diagnosis::fitting::linearisation::Linearisation;
+use crate::diagnosis::fitting::shooting::Shooting;
+use crate::diagnosis::vehicle::body::State;
 use crate::fidelity::Window;
 
 /// Hypotheses that are fitted in full after scoring.

@@ -1,12 +1,12 @@
 //! What is diagnosed: a log, the rig that it comes from, and what of it can be compared.
 
-use super::actuation::{Commands, Drive};
-use super::body::Body;
 use super::effects::input_gain::InputGain;
 use super::effects::{Scope, apply_known};
-use super::prediction::Model;
-use super::shooting::{RigChannels, Shooting};
 use crate::axis::Axis;
+use crate::diagnosis::fitting::shooting::{RigChannels, Shooting};
+use crate::diagnosis::vehicle::actuation::{Commands, Drive};
+use crate::diagnosis::vehicle::body::Body;
+use crate::diagnosis::vehicle::prediction::Model;
 use crate::fidelity::{FidelityError, ReplayOptions, SensorNoise, axis_commands, cut_windows, replay_axes};
 use crate::log::{Log, Quantity};
 use crate::model::{Rig, VehicleModel};

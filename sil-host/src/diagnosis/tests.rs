@@ -1,3 +1,4 @@
+use super::fitting::{fit, linear, shooting};
 use super::*;
 use crate::model::{Rig, SensorNoise, VehicleModel};
 use crate::plant::effects::Effect;

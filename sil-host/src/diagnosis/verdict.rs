@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::accuracy::{WindowTally, root_mean_square};
-use super::bootstrap::Gain;
 use super::effects::{Effect, Place, per_unit_inertia};
-use super::fit::Term;
-use super::linear::dot;
 use super::search::{Candidate, Found, Search, TOLD_APART, is_the_same};
+use crate::diagnosis::evidence::bootstrap::Gain;
+use crate::diagnosis::fitting::fit::Term;
+use crate::diagnosis::fitting::linear::dot;
 use crate::fidelity::ChannelErrors;
 
 /// The accuracy of the integration, as a share of an effect.

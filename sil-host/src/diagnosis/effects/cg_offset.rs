@@ -4,8 +4,8 @@
 
 use super::{Effect, Parameter, Place};
 use crate::axis::Axis;
-use crate::diagnosis::body::{BodyRig, Moment, Motion};
-use crate::diagnosis::prediction::Model;
+use crate::diagnosis::vehicle::body::{BodyRig, Moment, Motion};
+use crate::diagnosis::vehicle::prediction::Model;
 
 /// Of the ring (pitch) or the body (roll).
 pub(super) struct CgOffset(pub(super) Axis);

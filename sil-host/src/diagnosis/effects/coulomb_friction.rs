@@ -2,8 +2,8 @@
 
 use super::{Effect, Parameter, Place};
 use crate::axis::Axis;
-use crate::diagnosis::body::{Moment, Motion};
-use crate::diagnosis::prediction::Model;
+use crate::diagnosis::vehicle::body::{Moment, Motion};
+use crate::diagnosis::vehicle::prediction::Model;
 
 /// On one axis.
 pub(super) struct CoulombFriction(pub(super) Axis);

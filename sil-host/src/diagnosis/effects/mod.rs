@@ -4,7 +4,7 @@
 //! in one of them shows.
 
 use crate::axis::Axis;
-use crate::diagnosis::prediction::Model;
+use crate::diagnosis::vehicle::prediction::Model;
 
 mod actuation_delay;
 mod attitude_delay;

@@ -1,7 +1,7 @@
 //! What the nominal and the extended model miss, row by row: the held-out windows, predicted open loop from the rows around their starts.
 
-use super::accuracy::{Predicted, Series};
-use super::shooting::Shooting;
+use crate::diagnosis::accuracy::{Predicted, Series};
+use crate::diagnosis::fitting::shooting::Shooting;
 
 /// One channel: measured less predicted.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,12 +19,13 @@ pub struct ChannelResiduals {
 }
 
 /// What the places of a report are called, and the accelerations behind them.
-pub(super) const NAMES: [&str; 9] = ["roll", "pitch", "yaw", "p", "q", "r", "p_dot", "q_dot", "r_dot"];
+pub(in crate::diagnosis) const NAMES: [&str; 9] = ["roll", "pitch", "yaw", "p", "q", "r", "p_dot", "q_dot", "r_dot"];
 /// Their units for people.
-pub(super) const UNITS: [&str; 9] = ["deg", "deg", "deg", "deg/s", "deg/s", "deg/s", "deg/s2", "deg/s2", "deg/s2"];
+pub(in crate::diagnosis) const UNITS: [&str; 9] =
+    ["deg", "deg", "deg", "deg/s", "deg/s", "deg/s", "deg/s2", "deg/s2", "deg/s2"];
 
 /// All channels that are compared, of the same windows for both models.
-pub(super) fn of_models(
+pub(in crate::diagnosis) fn of_models(
     shooting: &Shooting<'_>,
     nominal: &[Predicted],
     extended: &[Predicted],
@@ -53,7 +54,7 @@ pub(super) fn of_models(
 
 impl Predicted {
     /// The series at a place.
-    pub(super) fn at(&self, place: usize) -> Option<&Series> {
+    pub(in crate::diagnosis) fn at(&self, place: usize) -> Option<&Series> {
         self.series.iter().find(|series| series.place == place)
     }
 }

@@ -9,15 +9,15 @@
 
 use shared_control::config::Controller;
 
-use super::effects::Effect;
-use super::extension::model_with_terms;
-use super::fit::{Term, fit, model_of};
-use super::manoeuvres::{Manoeuvre, manoeuvres};
-use super::progress::Progress;
-use super::search::{Found, Search, TOLD_APART};
-use super::subject::Subject;
-use super::verdict::Finding;
 use crate::controller_file::ControllerChoice;
+use crate::diagnosis::effects::Effect;
+use crate::diagnosis::evidence::manoeuvres::{Manoeuvre, manoeuvres};
+use crate::diagnosis::extension::model_with_terms;
+use crate::diagnosis::fitting::fit::{Term, fit, model_of};
+use crate::diagnosis::progress::Progress;
+use crate::diagnosis::search::{Found, Search, TOLD_APART};
+use crate::diagnosis::subject::Subject;
+use crate::diagnosis::verdict::Finding;
 use crate::fidelity::SensorNoise;
 use crate::flight::FlightSetup;
 use crate::flight_log::flight_log;
@@ -62,7 +62,7 @@ struct Tried {
 }
 
 /// The flight that would tell the findings from what they are confounded with; `None` where nothing is.
-pub(super) fn separating(
+pub(in crate::diagnosis) fn separating(
     log: &Log,
     subject: &Subject<'_>,
     search: &Search<'_>,

@@ -3,10 +3,10 @@
 //! and of unit variance under the model's own noise, as plain residuals are where the forces are known; and being linear in the
 //! residuals innovations serve the same least squares (Ljung, System Identification, 2nd ed., 7.2).
 
-use super::body::State;
-use super::linearisation::Column;
-use super::process_noise::{AxisNoise, AxisSensors, AxisWindow, Departure, most_likely};
-use super::shooting::{Driven, Shooting};
+use crate::diagnosis::fitting::linearisation::Column;
+use crate::diagnosis::fitting::process_noise::{AxisNoise, AxisSensors, AxisWindow, Departure, most_likely};
+use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::diagnosis::vehicle::body::State;
 use crate::fidelity::Window;
 
 /// How the departure of an axis shows in the compared channels at a row: channel, slopes along (angle, rate) in units of the channel's noise.
@@ -14,7 +14,7 @@ type Seen = Vec<(usize, [f64; 2])>;
 
 impl Shooting<'_> {
     /// Turns the plain residuals of a window, or their slopes, in units of the sensors' noise into innovations in units of their own.
-    pub(super) fn innovate(&self, window: &Window, residual: &mut [f64]) {
+    pub(in crate::diagnosis) fn innovate(&self, window: &Window, residual: &mut [f64]) {
         let rows = window.end - window.start;
         for (axis, noise) in self.noise.iter().enumerate().filter(|(_, noise)| **noise != AxisNoise::SENSORS) {
             let mut departure = Departure::default();
@@ -32,7 +32,7 @@ impl Shooting<'_> {
     }
 
     /// Variance, SI, that commands lost since an earlier row give to a plain residual, by its place in a report.
-    pub(super) fn unknown_variance(&self, place: usize, since: usize, row: usize) -> f64 {
+    pub(in crate::diagnosis) fn unknown_variance(&self, place: usize, since: usize, row: usize) -> f64 {
         let Some(lost) = self.lost else { return 0.0 };
         let Some((channel, sigma)) =
             self.compared().enumerate().find(|(_, (compared, _))| *compared == place).map(|(k, (_, sigma))| (k, sigma))
@@ -69,7 +69,12 @@ impl Shooting<'_> {
     }
 
     /// Under which noise what a model leaves is most likely, per axis.
-    pub(super) fn most_likely_noise(&self, driven: &Driven, which: &[usize], starts: &[State]) -> [AxisNoise; 3] {
+    pub(in crate::diagnosis) fn most_likely_noise(
+        &self,
+        driven: &Driven,
+        which: &[usize],
+        starts: &[State],
+    ) -> [AxisNoise; 3] {
         let left: Vec<(Column, Vec<Column>)> =
             which.iter().map(|index| self.start_slopes(driven, &self.windows[*index], &starts[*index])).collect();
         [0, 1, 2].map(|axis| {

@@ -17,25 +17,26 @@ const TIME_ROUNDING_S: f64 = 1e-9;
 
 /// What happens to a command before the ESC, in this order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Chain {
+pub(in crate::diagnosis) struct Chain {
     /// Pure delay, s.
-    pub(super) delay_s: f64,
+    pub(in crate::diagnosis) delay_s: f64,
     /// Least command that the ESC obeys.
-    pub(super) command_min: f64,
+    pub(in crate::diagnosis) command_min: f64,
     /// Greatest.
-    pub(super) command_max: f64,
+    pub(in crate::diagnosis) command_max: f64,
     /// First-order lag, s.
-    pub(super) lag_s: f64,
+    pub(in crate::diagnosis) lag_s: f64,
 }
 
 impl Chain {
     /// Every command arrives at once and whole.
-    pub(super) const NOMINAL: Chain = Chain { delay_s: 0.0, command_min: 0.0, command_max: 1.0, lag_s: 0.0 };
+    pub(in crate::diagnosis) const NOMINAL: Chain =
+        Chain { delay_s: 0.0, command_min: 0.0, command_max: 1.0, lag_s: 0.0 };
 }
 
 /// What turns commands into forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Drive {
+pub(in crate::diagnosis) enum Drive {
     /// Motors with propellers: the forces are their lifts, N.
     Motors(Propulsion),
     /// Nothing: the forces are the axis commands themselves.
@@ -44,12 +45,12 @@ pub(super) enum Drive {
 
 impl Drive {
     /// The motors of a model.
-    pub(super) fn of(model: &VehicleModel) -> Drive {
+    pub(in crate::diagnosis) fn of(model: &VehicleModel) -> Drive {
         Drive::Motors(model.propulsion)
     }
 
     /// Forces once the motors have settled.
-    pub(super) fn settled(&self, commands: &[f64; 4]) -> [f64; 4] {
+    pub(in crate::diagnosis) fn settled(&self, commands: &[f64; 4]) -> [f64; 4] {
         match self {
             Drive::Motors(propulsion) => commands.map(|command| propulsion.lift_n(command)),
             Drive::Direct => *commands,
@@ -67,29 +68,29 @@ impl Drive {
 
 /// Commands, each in force until the next.
 #[derive(Clone, Debug)]
-pub(super) struct Commands {
+pub(in crate::diagnosis) struct Commands {
     /// When they are given, s.
-    pub(super) time_s: Vec<f64>,
+    pub(in crate::diagnosis) time_s: Vec<f64>,
     /// Motors 1 to 4, or (roll, pitch, yaw, 0).
-    pub(super) value: Vec<[f64; 4]>,
+    pub(in crate::diagnosis) value: Vec<[f64; 4]>,
 }
 
 /// One step of the body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
+pub(in crate::diagnosis) struct Step {
     /// Where it begins, s.
-    pub(super) start_s: f64,
+    pub(in crate::diagnosis) start_s: f64,
     /// How long it is, s.
-    pub(super) duration_s: f64,
+    pub(in crate::diagnosis) duration_s: f64,
     /// Mean of the forces.
-    pub(super) mean: [f64; 4],
+    pub(in crate::diagnosis) mean: [f64; 4],
     /// Half the change of the straight line with the forces' mean and first moment.
-    pub(super) half_change: [f64; 4],
+    pub(in crate::diagnosis) half_change: [f64; 4],
 }
 
 /// The forces over a whole log.
 #[derive(Clone, Debug)]
-pub(super) struct ForceTrack {
+pub(in crate::diagnosis) struct ForceTrack {
     steps: Vec<Step>,
     /// Per row, which step begins there.
     first_step: Vec<usize>,
@@ -97,7 +98,7 @@ pub(super) struct ForceTrack {
 
 impl ForceTrack {
     /// Follows the commands through chain and drive, everything settled at the first command; steps end at the rows of a log.
-    pub(super) fn new(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
+    pub(in crate::diagnosis) fn new(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
         let mut track = ForceTrack { steps: Vec::new(), first_step: Vec::with_capacity(rows_s.len()) };
         let mut motors = Motors::settled(commands, chain, drive);
         for interval in rows_s.windows(2) {
@@ -114,12 +115,12 @@ impl ForceTrack {
     }
 
     /// The steps from one row to a later one.
-    pub(super) fn between(&self, first_row: usize, end_row: usize) -> &[Step] {
+    pub(in crate::diagnosis) fn between(&self, first_row: usize, end_row: usize) -> &[Step] {
         &self.steps[self.first_step[first_row]..self.first_step[end_row]]
     }
 
     /// The steps from one row to the next.
-    pub(super) fn of_row(&self, row: usize) -> &[Step] {
+    pub(in crate::diagnosis) fn of_row(&self, row: usize) -> &[Step] {
         self.between(row, row + 1)
     }
 }

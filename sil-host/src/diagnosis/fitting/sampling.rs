@@ -10,13 +10,13 @@
 //! Which of both is true shows in time: held commands are late by half a row. Plain residuals decide, with what was found under held commands; a
 //! delay that only undoes the faster controller speaks for held ones.
 
-use super::actuation::Commands;
-use super::fit::{Term, fit};
-use super::prediction::Model;
-use super::process_noise::AxisNoise;
-use super::search::{Found, Search};
-use super::shooting::Shooting;
-use super::subject::Subject;
+use crate::diagnosis::fitting::fit::{Term, fit};
+use crate::diagnosis::fitting::process_noise::AxisNoise;
+use crate::diagnosis::fitting::shooting::Shooting;
+use crate::diagnosis::search::{Found, Search};
+use crate::diagnosis::subject::Subject;
+use crate::diagnosis::vehicle::actuation::Commands;
+use crate::diagnosis::vehicle::prediction::Model;
 use crate::fidelity::{FidelityError, SensorNoise, USUAL_CONTROL_RATE_HZ, white_noise_std};
 use crate::log::Log;
 
@@ -29,7 +29,7 @@ const MARGIN: f64 = 6.0;
 const LATE: [&str; 2] = ["actuation_delay", "motor_lag"];
 
 /// A log under both hypotheses.
-pub(super) struct Sampled<'l> {
+pub(in crate::diagnosis) struct Sampled<'l> {
     held: Shooting<'l>,
     /// Smoothly from row to row, first without, then with the error of that counted; none for logs as fast as controllers are.
     faster: Option<[Shooting<'l>; 2]>,
@@ -38,7 +38,7 @@ pub(super) struct Sampled<'l> {
 impl<'l> Sampled<'l> {
     /// # Errors
     /// As [`Subject::shooting`].
-    pub(super) fn new(log: &'l Log, subject: &Subject<'_>) -> Result<Sampled<'l>, FidelityError> {
+    pub(in crate::diagnosis) fn new(log: &'l Log, subject: &Subject<'_>) -> Result<Sampled<'l>, FidelityError> {
         let noise = SensorNoise::of(log);
         let shooting = || subject.shooting(log, &noise);
         let steps_per_row = USUAL_CONTROL_RATE_HZ * log.mean_regular_step_s();
@@ -54,7 +54,10 @@ impl<'l> Sampled<'l> {
     }
 
     /// Searches under held commands, and again where the faster controller explains the log better.
-    pub(super) fn search<'e>(&'e self, of: impl Fn(&'e Shooting<'e>) -> Search<'e>) -> (Search<'e>, Found<'e>) {
+    pub(in crate::diagnosis) fn search<'e>(
+        &'e self,
+        of: impl Fn(&'e Shooting<'e>) -> Search<'e>,
+    ) -> (Search<'e>, Found<'e>) {
         let Some([timed, counted]) = &self.faster else {
             let search = of(&self.held);
             let found = search.run();

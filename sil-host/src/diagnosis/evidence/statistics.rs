@@ -5,12 +5,12 @@
 
 use serde::Serialize;
 
-use super::accuracy::Predicted;
-use super::body::State;
-use super::linear::dot;
-use super::residuals::{NAMES, UNITS};
-use super::shooting::{Driven, Shooting};
-use super::structure::Settled;
+use crate::diagnosis::accuracy::Predicted;
+use crate::diagnosis::evidence::residuals::{NAMES, UNITS};
+use crate::diagnosis::fitting::linear::dot;
+use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::diagnosis::left_over::structure::Settled;
+use crate::diagnosis::vehicle::body::State;
 use crate::fidelity::{Agreement, Correlogram, InputCorrelation, LjungBox, input_correlation};
 
 /// Rows apart up to which residuals are correlated with each other and with the input.
@@ -42,14 +42,14 @@ pub struct ModelStatistics {
 }
 
 /// A model, what it predicts for the held-out windows, and the start states at their best.
-pub(super) struct Judged<'a> {
-    pub(super) driven: &'a Driven,
-    pub(super) predicted: &'a [Predicted],
-    pub(super) starts: &'a [State],
+pub(in crate::diagnosis) struct Judged<'a> {
+    pub(in crate::diagnosis) driven: &'a Driven,
+    pub(in crate::diagnosis) predicted: &'a [Predicted],
+    pub(in crate::diagnosis) starts: &'a [State],
 }
 
 /// All channels that are compared; `commands` are the axes' (roll, pitch, yaw) per row.
-pub(super) fn statistics(
+pub(in crate::diagnosis) fn statistics(
     shooting: &Shooting<'_>,
     models: [Judged<'_>; 2],
     commands: &[[f64; 4]],

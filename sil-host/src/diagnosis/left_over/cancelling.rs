@@ -1,8 +1,8 @@
 //! Findings that all but cancel each other: two large effects whose difference is small explain anything smooth, a cubic spring say as a
 //! spring against a heavy ring. What needs that is more likely something else, and no two names.
 
-use super::fit::Fit;
-use super::linear::{Cholesky, dot};
+use crate::diagnosis::fitting::fit::Fit;
+use crate::diagnosis::fitting::linear::{Cholesky, dot};
 
 /// Two effects cancel where each alone would do so many times what both do together (root mean square of what they change).
 const TIMES: f64 = 2.0;
@@ -10,7 +10,7 @@ const TIMES: f64 = 2.0;
 const NOT_SIZES: [&str; 2] = ["frequency_hz", "start_s"];
 
 /// The first two terms from `first` on that cancel each other, in words.
-pub(super) fn cancelling(fit: &Fit<'_>, first: usize) -> Option<String> {
+pub(in crate::diagnosis) fn cancelling(fit: &Fit<'_>, first: usize) -> Option<String> {
     let size = fit.size();
     // of the normal equations: what a change of parameters changes in the predictions
     let information = Cholesky::new(&fit.covariance, size)?.inverse();
@@ -37,7 +37,7 @@ pub(super) fn cancelling(fit: &Fit<'_>, first: usize) -> Option<String> {
 /// How far the parameters of one term are from doing nothing; 0 for those of the others.
 fn change(fit: &Fit<'_>, index: usize) -> Vec<f64> {
     let of =
-        |(place, term): (usize, &super::fit::Term<'_>)| -> Vec<f64> {
+        |(place, term): (usize, &crate::diagnosis::fitting::fit::Term<'_>)| -> Vec<f64> {
             let values = term.values.iter().zip(term.effect.parameters());
             values
                 .map(|(value, parameter)| {

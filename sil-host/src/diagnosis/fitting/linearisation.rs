@@ -1,39 +1,39 @@
 //! Residuals of windows and their slopes: the best start states, and the normal equations of the parameters with these eliminated.
 
-use super::linear::{Cholesky, dot};
+use crate::diagnosis::fitting::linear::{Cholesky, dot};
 
 /// Start states are free in so far as these are far beyond any error of a measured one.
 const START_PRIOR_ANGLE_RAD: f64 = 0.5;
 const START_PRIOR_RATE_RAD_S: f64 = 10.0;
 
 /// Residuals of one window, or their change with a parameter.
-pub(super) type Column = Vec<f64>;
+pub(in crate::diagnosis) type Column = Vec<f64>;
 
 /// Per window: residuals, and their slopes along the start state and the parameters.
-pub(super) struct Linearisation {
-    pub(super) windows: Vec<WindowLinear>,
+pub(in crate::diagnosis) struct Linearisation {
+    pub(in crate::diagnosis) windows: Vec<WindowLinear>,
 }
 
 /// One window of it.
-pub(super) struct WindowLinear {
-    pub(super) residual: Column,
-    pub(super) start: Vec<Column>,
-    pub(super) parameters: Vec<Column>,
+pub(in crate::diagnosis) struct WindowLinear {
+    pub(in crate::diagnosis) residual: Column,
+    pub(in crate::diagnosis) start: Vec<Column>,
+    pub(in crate::diagnosis) parameters: Vec<Column>,
 }
 
 /// Normal equations of the parameters, the start states eliminated.
 #[derive(Clone, Debug)]
-pub(super) struct Normal {
+pub(in crate::diagnosis) struct Normal {
     /// Rows one behind the other.
-    pub(super) matrix: Vec<f64>,
-    pub(super) right: Vec<f64>,
+    pub(in crate::diagnosis) matrix: Vec<f64>,
+    pub(in crate::diagnosis) right: Vec<f64>,
     /// Sum of squares that the best start states leave at the present parameters.
-    pub(super) chi2: f64,
+    pub(in crate::diagnosis) chi2: f64,
 }
 
 impl WindowLinear {
     /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that is left.
-    pub(super) fn best_start(&self, step: &[f64], components: &[usize]) -> (Vec<f64>, f64) {
+    pub(in crate::diagnosis) fn best_start(&self, step: &[f64], components: &[usize]) -> (Vec<f64>, f64) {
         let mut residual = self.residual.clone();
         for (column, by) in self.parameters.iter().zip(step) {
             residual.iter_mut().zip(column).for_each(|(residual, slope)| *residual -= slope * by);
@@ -47,7 +47,7 @@ impl WindowLinear {
         (best, chi2)
     }
 
-    pub(super) fn reduced(&self, extra: &[Column], components: &[usize]) -> Normal {
+    pub(in crate::diagnosis) fn reduced(&self, extra: &[Column], components: &[usize]) -> Normal {
         let columns: Vec<&Column> = self.parameters.iter().chain(extra).collect();
         let size = columns.len();
         let against = |column: &Column| -> Vec<f64> { self.start.iter().map(|start| dot(start, column)).collect() };
@@ -72,7 +72,7 @@ impl WindowLinear {
     }
 }
 
-pub(super) fn start_factor(slopes: &[Column], components: &[usize]) -> Option<Cholesky> {
+pub(in crate::diagnosis) fn start_factor(slopes: &[Column], components: &[usize]) -> Option<Cholesky> {
     let size = slopes.len();
     let mut matrix = vec![0.0; size * size];
     for i in 0..size {
@@ -86,17 +86,17 @@ pub(super) fn start_factor(slopes: &[Column], components: &[usize]) -> Option<Ch
 }
 
 /// How a prediction changes with a parameter: minus the change of the residual.
-pub(super) fn slopes(residual: &[Column], shifted: Vec<Column>, step: f64) -> Vec<Column> {
+pub(in crate::diagnosis) fn slopes(residual: &[Column], shifted: Vec<Column>, step: f64) -> Vec<Column> {
     residual.iter().zip(shifted).map(|(base, shifted)| slope(base, shifted, step)).collect()
 }
 
-pub(super) fn slope(base: &Column, mut shifted: Column, step: f64) -> Column {
+pub(in crate::diagnosis) fn slope(base: &Column, mut shifted: Column, step: f64) -> Column {
     shifted.iter_mut().zip(base).for_each(|(shifted, base)| *shifted = (base - *shifted) / step);
     shifted
 }
 
 /// From column by column to window by window.
-pub(super) fn turned(columns: Vec<Vec<Column>>, windows: usize) -> Vec<Vec<Column>> {
+pub(in crate::diagnosis) fn turned(columns: Vec<Vec<Column>>, windows: usize) -> Vec<Vec<Column>> {
     let mut turned: Vec<Vec<Column>> = (0..windows).map(|_| Vec::with_capacity(columns.len())).collect();
     for column in columns {
         for (window, part) in turned.iter_mut().zip(column) {

@@ -3,16 +3,16 @@
 use crate::scenario::{Scenario, Waypoint};
 
 /// A flight and what it is, for a person: "fly ...".
-pub(super) struct Manoeuvre {
-    pub(super) in_words: &'static str,
-    pub(super) scenario: Scenario,
+pub(in crate::diagnosis) struct Manoeuvre {
+    pub(in crate::diagnosis) in_words: &'static str,
+    pub(in crate::diagnosis) scenario: Scenario,
 }
 
 /// One set-point: how long, s; roll and pitch, degrees; collective command, where it is not the model's.
 type Leg = (f64, f64, f64, Option<f64>);
 
 /// All of them, the plainest first.
-pub(super) fn manoeuvres() -> Vec<Manoeuvre> {
+pub(in crate::diagnosis) fn manoeuvres() -> Vec<Manoeuvre> {
     let flown = |name: &str, in_words, legs: &[Leg]| Manoeuvre { in_words, scenario: scenario(name, legs) };
     let steps = |half_s: f64, angles: &[(f64, f64)]| -> Vec<Leg> {
         angles.iter().map(|(roll_deg, pitch_deg)| (half_s, *roll_deg, *pitch_deg, None)).collect()

@@ -4,14 +4,14 @@
 
 use std::sync::Arc;
 
-use super::body::{Moment, Motion};
-use super::fit::{Fit, model_of, regular, shifted_models};
-use super::hints::hints;
-use super::linear::{Cholesky, dot};
-use super::linearisation::Normal;
-use super::search::{Candidate, Search};
-use super::shooting::Driven;
 use crate::axis::Axis;
+use crate::diagnosis::fitting::fit::{Fit, model_of, regular, shifted_models};
+use crate::diagnosis::fitting::hints::hints;
+use crate::diagnosis::fitting::linear::{Cholesky, dot};
+use crate::diagnosis::fitting::linearisation::Normal;
+use crate::diagnosis::fitting::shooting::Driven;
+use crate::diagnosis::search::{Candidate, Search};
+use crate::diagnosis::vehicle::body::{Moment, Motion};
 
 /// Fall of the sum of squares, in units of what is left per degree of freedom, that a shape must bring: a chance of 1e-5 over all of them.
 const SIGNIFICANT: f64 = 30.0;
@@ -52,7 +52,7 @@ impl Moment for Scaled {
 }
 
 /// The signature of what the chosen effects leave, fitted to all windows; `None` if no shape explains anything of it.
-pub(super) fn strongest(search: &Search<'_>, chosen: &Candidate<'_>, whole: &Fit<'_>) -> Option<String> {
+pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_>, whole: &Fit<'_>) -> Option<String> {
     let shooting = search.shooting;
     let terms = &whole.terms;
     let driven = shooting.drive(model_of(search.nominal, terms));
@@ -82,7 +82,7 @@ pub(super) fn strongest(search: &Search<'_>, chosen: &Candidate<'_>, whole: &Fit
 }
 
 /// The strongest frequency of what is missing on an axis, in words.
-pub(super) fn frequency(search: &Search<'_>, whole: &Fit<'_>, axis: usize) -> Option<String> {
+pub(in crate::diagnosis) fn frequency(search: &Search<'_>, whole: &Fit<'_>, axis: usize) -> Option<String> {
     let driven = search.shooting.drive(model_of(search.nominal, &whole.terms));
     let frequency_hz = hints(search.shooting, &driven).frequency_hz[axis]?;
     Some(format!("strongest in frequency near {frequency_hz:.2} Hz"))

@@ -1,51 +1,51 @@
 //! Output error over windows: the parameters of some effects, by Gauss and Newton with Levenberg's damping.
 
-use super::body::State;
-use super::effects::{Effect, Parameter};
-use super::linear::{Cholesky, dot};
-use super::linearisation::{Linearisation, Normal};
-use super::prediction::Model;
-use super::shooting::{Driven, Shooting};
+use crate::diagnosis::effects::{Effect, Parameter};
+use crate::diagnosis::fitting::linear::{Cholesky, dot};
+use crate::diagnosis::fitting::linearisation::{Linearisation, Normal};
+use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::diagnosis::vehicle::body::State;
+use crate::diagnosis::vehicle::prediction::Model;
 
 /// Rounds of linearisation.
 const ROUNDS_MAX: usize = 12;
 /// The fit has ended when a round can lower the sum of squares by no more than this.
 const IMPROVEMENT_MIN: f64 = 0.05;
 /// A fit explains at most so many times what a linearisation promises; what could not win even so is given up.
-pub(super) const OVERSHOT: f64 = 3.0;
+pub(in crate::diagnosis) const OVERSHOT: f64 = 3.0;
 /// Rounds that make no progress before the fit is given up.
 const FAILURES_MAX: usize = 5;
 
 /// How the nominal vehicle of a log is made.
-pub(super) type Nominal<'a> = &'a (dyn Fn() -> Model + Sync);
+pub(in crate::diagnosis) type Nominal<'a> = &'a (dyn Fn() -> Model + Sync);
 
 /// An effect with values for its parameters.
 #[derive(Clone)]
-pub(super) struct Term<'e> {
-    pub(super) effect: &'e dyn Effect,
-    pub(super) values: Vec<f64>,
+pub(in crate::diagnosis) struct Term<'e> {
+    pub(in crate::diagnosis) effect: &'e dyn Effect,
+    pub(in crate::diagnosis) values: Vec<f64>,
 }
 
 /// A set of effects fitted to the training windows.
 #[derive(Clone)]
-pub(super) struct Fit<'e> {
-    pub(super) terms: Vec<Term<'e>>,
+pub(in crate::diagnosis) struct Fit<'e> {
+    pub(in crate::diagnosis) terms: Vec<Term<'e>>,
     /// Covariance of all parameters one behind the other, in units of the noise; rows one behind the other.
-    pub(super) covariance: Vec<f64>,
+    pub(in crate::diagnosis) covariance: Vec<f64>,
     /// Sum of squares over the training windows, in units of the noise.
-    pub(super) training: f64,
+    pub(in crate::diagnosis) training: f64,
     /// Start states of all windows, those held out as given.
-    pub(super) starts: Vec<State>,
+    pub(in crate::diagnosis) starts: Vec<State>,
 }
 
 impl Fit<'_> {
     /// Number of parameters.
-    pub(super) fn size(&self) -> usize {
+    pub(in crate::diagnosis) fn size(&self) -> usize {
         self.terms.iter().map(|term| term.values.len()).sum()
     }
 
     /// Covariance of the parameters of one term, rows one behind the other.
-    pub(super) fn covariance_of(&self, term: usize) -> Vec<f64> {
+    pub(in crate::diagnosis) fn covariance_of(&self, term: usize) -> Vec<f64> {
         let before: usize = self.terms[..term].iter().map(|term| term.values.len()).sum();
         let (size, own) = (self.size(), self.terms[term].values.len());
         let at = |i: usize, j: usize| self.covariance[(before + i) * size + before + j];
@@ -54,7 +54,7 @@ impl Fit<'_> {
 }
 
 /// The model with these terms in it.
-pub(super) fn model_of(nominal: Nominal<'_>, terms: &[Term<'_>]) -> Model {
+pub(in crate::diagnosis) fn model_of(nominal: Nominal<'_>, terms: &[Term<'_>]) -> Model {
     let mut model = nominal();
     for term in terms {
         term.effect.apply(&term.values, &mut model);
@@ -63,7 +63,7 @@ pub(super) fn model_of(nominal: Nominal<'_>, terms: &[Term<'_>]) -> Model {
 }
 
 /// For each parameter of the terms from `first` on, the model with that parameter moved by its step.
-pub(super) fn shifted_models(
+pub(in crate::diagnosis) fn shifted_models(
     shooting: &Shooting<'_>,
     nominal: Nominal<'_>,
     terms: &[Term<'_>],
@@ -86,7 +86,7 @@ fn admissible_step(parameter: &Parameter, value: f64) -> f64 {
 }
 
 /// Fits the terms from their values on, and the start states of the training windows from `starts` on.
-pub(super) fn fit<'e>(
+pub(in crate::diagnosis) fn fit<'e>(
     shooting: &Shooting<'_>,
     nominal: Nominal<'_>,
     terms: Vec<Term<'e>>,
@@ -97,7 +97,7 @@ pub(super) fn fit<'e>(
 }
 
 /// The same, given up where the sum of squares can't come down to `to_reach`.
-pub(super) fn fit_to_reach<'e>(
+pub(in crate::diagnosis) fn fit_to_reach<'e>(
     shooting: &Shooting<'_>,
     nominal: Nominal<'_>,
     terms: Vec<Term<'e>>,
@@ -182,7 +182,7 @@ impl<'e> Round<'e> {
 }
 
 /// The matrix damped along its diagonal; a parameter without any influence stays where it is.
-pub(super) fn regular(matrix: &[f64], size: usize, damping: f64) -> Vec<f64> {
+pub(in crate::diagnosis) fn regular(matrix: &[f64], size: usize, damping: f64) -> Vec<f64> {
     let mut regular = matrix.to_vec();
     for i in 0..size {
         let own = matrix[i * size + i];

@@ -1,36 +1,36 @@
 //! The extended model, and what it predicts for the rows of a window from a start state on.
 
-use super::actuation::{Chain, Commands, Drive, ForceTrack, Step};
-use super::body::{Body, Moment, State};
-use super::effects::SOFTENING_RAD_S;
-use super::sensor::Sensors;
+use crate::diagnosis::effects::SOFTENING_RAD_S;
+use crate::diagnosis::vehicle::actuation::{Chain, Commands, Drive, ForceTrack, Step};
+use crate::diagnosis::vehicle::body::{Body, Moment, State};
+use crate::diagnosis::vehicle::sensor::Sensors;
 
 /// Parts of a step of the body in which dry friction turns round, a millisecond or two.
 const DRY_PARTS: u8 = 8;
 
-/// A model with whatever effects it is given; [`super::effects::Effect::apply`] changes it.
-pub(super) struct Model {
-    pub(super) drive: Drive,
-    pub(super) chain: Chain,
+/// A model with whatever effects it is given; [`crate::diagnosis::effects::Effect::apply`] changes it.
+pub(in crate::diagnosis) struct Model {
+    pub(in crate::diagnosis) drive: Drive,
+    pub(in crate::diagnosis) chain: Chain,
     /// Factors on the four lifts.
-    pub(super) lift_factor: [f64; 4],
+    pub(in crate::diagnosis) lift_factor: [f64; 4],
     /// Loss of lift per second.
-    pub(super) sag_per_s: f64,
+    pub(in crate::diagnosis) sag_per_s: f64,
     /// Loss of lift per volt that the battery has lost.
-    pub(super) sag_per_volt: f64,
-    pub(super) body: Body,
-    pub(super) moments: Vec<Box<dyn Moment>>,
-    pub(super) sensors: Sensors,
+    pub(in crate::diagnosis) sag_per_volt: f64,
+    pub(in crate::diagnosis) body: Body,
+    pub(in crate::diagnosis) moments: Vec<Box<dyn Moment>>,
+    pub(in crate::diagnosis) sensors: Sensors,
     /// Axes with dry friction, whose moment turns round while the rate goes through 0.
-    pub(super) dry: [bool; 3],
+    pub(in crate::diagnosis) dry: [bool; 3],
 }
 
 /// Angles (roll, pitch, yaw) and body rates (p, q, r) as a log would report them.
-pub(super) type Report = [f64; 6];
+pub(in crate::diagnosis) type Report = [f64; 6];
 
 impl Model {
     /// Nothing but the nominal vehicle.
-    pub(super) fn nominal(drive: Drive, body: Body) -> Model {
+    pub(in crate::diagnosis) fn nominal(drive: Drive, body: Body) -> Model {
         Model {
             drive,
             chain: Chain::NOMINAL,
@@ -45,7 +45,13 @@ impl Model {
     }
 
     /// The reports at the rows `first..end` from a state at the first of them.
-    pub(super) fn predict(&self, scene: &Scene<'_>, start: &State, first: usize, end: usize) -> Vec<Report> {
+    pub(in crate::diagnosis) fn predict(
+        &self,
+        scene: &Scene<'_>,
+        start: &State,
+        first: usize,
+        end: usize,
+    ) -> Vec<Report> {
         let mut reports = Vec::with_capacity(end - first);
         let mut past = Past::before(self, scene, start, first);
         let mut state = *start;
@@ -113,7 +119,7 @@ impl Model {
     }
 
     /// What one unit of each command adds to the angular accelerations, rad/s^2, level and settled.
-    pub(super) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
+    pub(in crate::diagnosis) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
         const STEP: f64 = 0.01;
         let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
             let change = self.body.derivative(0.0, &[0.0; 6], &self.drive.settled(commands), &[]);
@@ -137,11 +143,11 @@ impl Model {
 }
 
 /// What a log gives to a model: its times, the forces that its commands make, its battery.
-pub(super) struct Scene<'a> {
-    pub(super) time_s: &'a [f64],
-    pub(super) track: &'a ForceTrack,
+pub(in crate::diagnosis) struct Scene<'a> {
+    pub(in crate::diagnosis) time_s: &'a [f64],
+    pub(in crate::diagnosis) track: &'a ForceTrack,
     /// Per row, what the battery has lost against the first second, V; empty where the log has no voltage.
-    pub(super) volts_lost: &'a [f64],
+    pub(in crate::diagnosis) volts_lost: &'a [f64],
 }
 
 impl Scene<'_> {
@@ -152,7 +158,7 @@ impl Scene<'_> {
 }
 
 /// The forces of a model under commands, from row to row.
-pub(super) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
+pub(in crate::diagnosis) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
     ForceTrack::new(rows_s, commands, &model.chain, &model.drive)
 }
 

@@ -8,12 +8,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::actuation::{Chain, Commands, ForceTrack};
-use super::body::State;
-use super::linear::Cholesky;
-use super::linearisation::{Column, Linearisation, Normal, WindowLinear, slope, slopes, start_factor, turned};
-use super::prediction::{Model, Scene, track};
-use super::process_noise::AxisNoise;
+use crate::diagnosis::fitting::linear::Cholesky;
+use crate::diagnosis::fitting::linearisation::{
+    Column, Linearisation, Normal, WindowLinear, slope, slopes, start_factor, turned,
+};
+use crate::diagnosis::fitting::process_noise::AxisNoise;
+use crate::diagnosis::vehicle::actuation::{Chain, Commands, ForceTrack};
+use crate::diagnosis::vehicle::body::State;
+use crate::diagnosis::vehicle::prediction::{Model, Scene, track};
 use crate::fidelity::{SensorNoise, Window, wrapped};
 use crate::log::Log;
 
@@ -27,50 +29,50 @@ const TRACKS_KEPT: usize = 8;
 
 /// What a rig lets turn and what of it is compared.
 #[derive(Clone, Debug)]
-pub(super) struct RigChannels {
+pub(in crate::diagnosis) struct RigChannels {
     /// Components of the state that a window's start may choose.
-    pub(super) start_components: Vec<usize>,
+    pub(in crate::diagnosis) start_components: Vec<usize>,
     /// Places of a report that are compared where the log has them.
-    pub(super) compared: Vec<usize>,
+    pub(in crate::diagnosis) compared: Vec<usize>,
     /// True for a vehicle with motors, whose angles are known up to full turns.
-    pub(super) is_vehicle: bool,
+    pub(in crate::diagnosis) is_vehicle: bool,
 }
 
 /// One measured column.
 struct Channel<'a> {
-    /// Place in a [`super::prediction::Report`].
+    /// Place in a [`crate::diagnosis::vehicle::prediction::Report`].
     place: usize,
     column: &'a [f64],
     sigma: f64,
 }
 
 /// Windows of a log that have been cut for a fit.
-pub(super) struct Shooting<'a> {
+pub(in crate::diagnosis) struct Shooting<'a> {
     log: &'a Log,
-    pub(super) commands: Commands,
+    pub(in crate::diagnosis) commands: Commands,
     volts_lost: Vec<f64>,
     channels: Vec<Channel<'a>>,
-    pub(super) windows: Vec<Window>,
+    pub(in crate::diagnosis) windows: Vec<Window>,
     /// Accelerations that commands lost between rows leave unknown, per axis; none where none are.
-    pub(super) lost: Option<[AxisNoise; 3]>,
+    pub(in crate::diagnosis) lost: Option<[AxisNoise; 3]>,
     /// Components of the state that a window may choose.
     start_components: Vec<usize>,
     is_vehicle: bool,
     /// Noise of each axis as innovations count it.
-    pub(super) noise: [AxisNoise; 3],
+    pub(in crate::diagnosis) noise: [AxisNoise; 3],
     /// Forces by what lies between command and motor, all of one drive.
     tracks: Mutex<Vec<(Chain, Arc<ForceTrack>)>>,
 }
 
 /// A model with the forces that the log's commands make in it.
-pub(super) struct Driven {
-    pub(super) model: Model,
-    pub(super) track: Arc<ForceTrack>,
+pub(in crate::diagnosis) struct Driven {
+    pub(in crate::diagnosis) model: Model,
+    pub(in crate::diagnosis) track: Arc<ForceTrack>,
 }
 
 impl<'a> Shooting<'a> {
     /// A log whose columns are compared where the model reports them.
-    pub(super) fn new(
+    pub(in crate::diagnosis) fn new(
         log: &'a Log,
         commands: Commands,
         windows: Vec<Window>,
@@ -104,28 +106,28 @@ impl<'a> Shooting<'a> {
     }
 
     /// The same log with other commands.
-    pub(super) fn commanded(self, commands: Commands) -> Shooting<'a> {
+    pub(in crate::diagnosis) fn commanded(self, commands: Commands) -> Shooting<'a> {
         Shooting { commands, tracks: Mutex::default(), ..self }
     }
 
     /// The same with the commands of another, and with what those leave unknown.
-    pub(super) fn commanded_as(self, other: &Shooting<'_>) -> Shooting<'a> {
+    pub(in crate::diagnosis) fn commanded_as(self, other: &Shooting<'_>) -> Shooting<'a> {
         let shooting = self.commanded(other.commands.clone());
         Shooting { lost: other.lost, ..shooting }
     }
 
     /// The same, its commands leaving accelerations unknown.
-    pub(super) fn with_lost(self, lost: [AxisNoise; 3]) -> Shooting<'a> {
+    pub(in crate::diagnosis) fn with_lost(self, lost: [AxisNoise; 3]) -> Shooting<'a> {
         Shooting { lost: Some(lost), noise: lost, ..self }
     }
 
     /// The same, with more noise than the sensors'.
-    pub(super) fn with_noise(self, noise: [AxisNoise; 3]) -> Shooting<'a> {
+    pub(in crate::diagnosis) fn with_noise(self, noise: [AxisNoise; 3]) -> Shooting<'a> {
         Shooting { noise, ..self }
     }
 
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
-    pub(super) fn drive(&self, model: Model) -> Driven {
+    pub(in crate::diagnosis) fn drive(&self, model: Model) -> Driven {
         // whoever died with the lock held has left whole tracks behind
         let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
         let place = kept.iter().position(|(chain, _)| *chain == model.chain);
@@ -141,7 +143,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// The measured state in a row, what the model's sensors do to it undone.
-    pub(super) fn measured_state(&self, model: &Model, row: usize) -> State {
+    pub(in crate::diagnosis) fn measured_state(&self, model: &Model, row: usize) -> State {
         let at = |column: &crate::log::Column| column.as_ref().map_or(0.0, |column| column[row]);
         let reported = (self.log.angle_rad.each_ref().map(at), self.log.rate_rad_s.each_ref().map(at));
         let (angle_rad, mut rate_rad_s) = model.sensors.undone(reported.0, reported.1);
@@ -153,12 +155,12 @@ impl<'a> Shooting<'a> {
     }
 
     /// The measured states at the windows' starts.
-    pub(super) fn measured_starts(&self, model: &Model) -> Vec<State> {
+    pub(in crate::diagnosis) fn measured_starts(&self, model: &Model) -> Vec<State> {
         self.windows.iter().map(|window| self.measured_state(model, window.start)).collect()
     }
 
     /// Runs of windows without a gap: first row, and the row that ends the last.
-    pub(super) fn stretches(&self) -> Vec<(usize, usize)> {
+    pub(in crate::diagnosis) fn stretches(&self) -> Vec<(usize, usize)> {
         let mut stretches: Vec<(usize, usize)> = Vec::new();
         for window in &self.windows {
             match stretches.last_mut() {
@@ -170,32 +172,32 @@ impl<'a> Shooting<'a> {
     }
 
     /// Times of the log's rows, s.
-    pub(super) fn rows(&self) -> &[f64] {
+    pub(in crate::diagnosis) fn rows(&self) -> &[f64] {
         &self.log.time_s
     }
 
     /// Per row, what the battery has lost, V; empty where nothing is known of it.
-    pub(super) fn volts_lost(&self) -> &[f64] {
+    pub(in crate::diagnosis) fn volts_lost(&self) -> &[f64] {
         &self.volts_lost
     }
 
     /// The measured body rate of an axis that is compared.
-    pub(super) fn measured_rate(&self, axis: usize) -> Option<&[f64]> {
+    pub(in crate::diagnosis) fn measured_rate(&self, axis: usize) -> Option<&[f64]> {
         self.measured(3 + axis)
     }
 
     /// True for an axis about which the rig lets the vehicle turn by itself.
-    pub(super) fn turns(&self, axis: usize) -> bool {
+    pub(in crate::diagnosis) fn turns(&self, axis: usize) -> bool {
         self.start_components.contains(&(3 + axis))
     }
 
     /// The measured column at a place of a report, where it is compared.
-    pub(super) fn measured(&self, place: usize) -> Option<&[f64]> {
+    pub(in crate::diagnosis) fn measured(&self, place: usize) -> Option<&[f64]> {
         self.channels.iter().find(|channel| channel.place == place).map(|channel| channel.column)
     }
 
     /// Commands between which 96 % of all lie.
-    pub(super) fn command_range(&self) -> [f64; 2] {
+    pub(in crate::diagnosis) fn command_range(&self) -> [f64; 2] {
         let mut all: Vec<f64> = self.commands.value.iter().flatten().copied().collect();
         all.sort_by(f64::total_cmp);
         let at =
@@ -211,7 +213,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// Plain residuals of one window, in units of the sensors' noise.
-    pub(super) fn residual(&self, driven: &Driven, window: &Window, start: &State) -> Column {
+    pub(in crate::diagnosis) fn residual(&self, driven: &Driven, window: &Window, start: &State) -> Column {
         let scene = Scene { time_s: &self.log.time_s, track: &driven.track, volts_lost: &self.volts_lost };
         let reports = driven.model.predict(&scene, start, window.start, window.end);
         let mut residual = Vec::with_capacity(reports.len() * self.channels.len());
@@ -242,7 +244,7 @@ impl<'a> Shooting<'a> {
     /// Residuals and slopes of some windows. `shifted` are models that differ from `base` in one parameter each, by a step.
     /// The slopes along the start states may come from a linearisation nearby: over half a second they hardly change with the
     /// parameters, and whatever they are, the fit ends where the residuals do not fall any more.
-    pub(super) fn linearise(
+    pub(in crate::diagnosis) fn linearise(
         &self,
         base: &Driven,
         shifted: &[(Driven, f64)],
@@ -278,7 +280,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// Slopes along more parameters, the rest taken from a linearisation at the same values.
-    pub(super) fn slopes_of(
+    pub(in crate::diagnosis) fn slopes_of(
         &self,
         linear: &Linearisation,
         shifted: &[(Driven, f64)],
@@ -294,7 +296,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// The best start states of some windows under a model, from given ones on, and the sum of squares that is left per window.
-    pub(super) fn settle(&self, driven: &Driven, which: &[usize], starts: &mut [State]) -> Vec<f64> {
+    pub(in crate::diagnosis) fn settle(&self, driven: &Driven, which: &[usize], starts: &mut [State]) -> Vec<f64> {
         let mut left = Vec::new();
         let mut nearby = None;
         for _ in 0..2 {
@@ -311,7 +313,13 @@ impl<'a> Shooting<'a> {
     }
 
     /// Moves the start states by what a step of the parameters asks for.
-    pub(super) fn move_starts(&self, linear: &Linearisation, step: &[f64], which: &[usize], starts: &mut [State]) {
+    pub(in crate::diagnosis) fn move_starts(
+        &self,
+        linear: &Linearisation,
+        step: &[f64],
+        which: &[usize],
+        starts: &mut [State],
+    ) {
         for (index, window) in which.iter().zip(&linear.windows) {
             let (start_step, _) = window.best_start(step, &self.start_components);
             self.move_start(&mut starts[*index], &start_step);
@@ -319,7 +327,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// Normal equations over all windows of a linearisation, with `extra` columns behind the parameters' own.
-    pub(super) fn normal(&self, linear: &Linearisation, extra: Option<&[Vec<Column>]>) -> Normal {
+    pub(in crate::diagnosis) fn normal(&self, linear: &Linearisation, extra: Option<&[Vec<Column>]>) -> Normal {
         let of = |(i, window): (usize, &WindowLinear)| {
             let more = extra.map_or(&[][..], |extra| &extra[i]);
             window.reduced(more, &self.start_components)
@@ -336,27 +344,37 @@ impl<'a> Shooting<'a> {
     }
 
     /// True on the gimbal, whose vehicle can't turn in yaw of its own.
-    pub(super) fn is_gimbal(&self) -> bool {
+    pub(in crate::diagnosis) fn is_gimbal(&self) -> bool {
         self.is_vehicle && !self.turns(2)
     }
 
     /// True if the forces are motors' lifts.
-    pub(super) fn has_motors(&self) -> bool {
+    pub(in crate::diagnosis) fn has_motors(&self) -> bool {
         self.is_vehicle
     }
 
     /// Places of a report that are compared, and the noise of each.
-    pub(super) fn compared(&self) -> impl Iterator<Item = (usize, f64)> {
+    pub(in crate::diagnosis) fn compared(&self) -> impl Iterator<Item = (usize, f64)> {
         self.channels.iter().map(|channel| (channel.place, channel.sigma))
     }
 
     /// Plain residuals of one window and their slopes along its start state.
-    pub(super) fn start_slopes(&self, driven: &Driven, window: &Window, start: &State) -> (Column, Vec<Column>) {
+    pub(in crate::diagnosis) fn start_slopes(
+        &self,
+        driven: &Driven,
+        window: &Window,
+        start: &State,
+    ) -> (Column, Vec<Column>) {
         self.slopes_along_start(start, |start| self.residual(driven, window, start))
     }
 
     /// The same of the innovations.
-    pub(super) fn innovation_slopes(&self, driven: &Driven, window: &Window, start: &State) -> (Column, Vec<Column>) {
+    pub(in crate::diagnosis) fn innovation_slopes(
+        &self,
+        driven: &Driven,
+        window: &Window,
+        start: &State,
+    ) -> (Column, Vec<Column>) {
         self.slopes_along_start(start, |start| self.innovations(driven, window, start))
     }
 
@@ -372,25 +390,25 @@ impl<'a> Shooting<'a> {
     }
 
     /// Normal equations of a start state, factored.
-    pub(super) fn start_factor(&self, slopes: &[Column]) -> Option<Cholesky> {
+    pub(in crate::diagnosis) fn start_factor(&self, slopes: &[Column]) -> Option<Cholesky> {
         start_factor(slopes, &self.start_components)
     }
 
     /// Moves a start state by a step of its free components.
-    pub(super) fn move_start(&self, start: &mut State, step: &[f64]) {
+    pub(in crate::diagnosis) fn move_start(&self, start: &mut State, step: &[f64]) {
         for (component, by) in self.start_components.iter().zip(step) {
             start[*component] += by;
         }
     }
 
     /// Samples of some windows, less what their start states take.
-    pub(super) fn degrees_of_freedom(&self, which: &[usize]) -> f64 {
+    pub(in crate::diagnosis) fn degrees_of_freedom(&self, which: &[usize]) -> f64 {
         let rows: usize = which.iter().map(|index| self.windows[*index].end - self.windows[*index].start).sum();
         (rows * self.channels.len()) as f64 - (which.len() * self.start_components.len()) as f64
     }
 
     /// Index of the windows that are, or are not, held out.
-    pub(super) fn part(&self, held_out: bool) -> Vec<usize> {
+    pub(in crate::diagnosis) fn part(&self, held_out: bool) -> Vec<usize> {
         self.windows.iter().filter(|window| window.held_out == held_out).map(|window| window.index).collect()
     }
 }

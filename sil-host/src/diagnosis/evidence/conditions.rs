@@ -5,9 +5,9 @@
 
 use serde::Serialize;
 
-use super::hints::missing_acceleration;
-use super::shooting::{Driven, Shooting};
 use crate::axis::Axis;
+use crate::diagnosis::fitting::hints::missing_acceleration;
+use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::fidelity::{Bin, ConditionalError, amplitude_spectrum};
 
 /// Over so long the rate's noise counts little, and no rig turns far, s.
@@ -60,7 +60,7 @@ pub struct Spectrum {
 }
 
 /// Where the errors of (nominal, extended) arise, the condition that explains most of each axis first; `commands` are the axes' (roll, pitch, yaw) per row.
-pub(super) fn conditions(
+pub(in crate::diagnosis) fn conditions(
     shooting: &Shooting<'_>,
     models: &[Driven; 2],
     commands: &[[f64; 4]],

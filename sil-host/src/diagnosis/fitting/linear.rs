@@ -2,14 +2,14 @@
 
 /// Lower triangle of a symmetric matrix and its Cholesky factor.
 #[derive(Clone, Debug)]
-pub(super) struct Cholesky {
+pub(in crate::diagnosis) struct Cholesky {
     size: usize,
     factor: Vec<f64>,
 }
 
 impl Cholesky {
     /// Factors a symmetric matrix (rows one behind the other); `None` if it is not positive definite.
-    pub(super) fn new(matrix: &[f64], size: usize) -> Option<Cholesky> {
+    pub(in crate::diagnosis) fn new(matrix: &[f64], size: usize) -> Option<Cholesky> {
         let mut factor = matrix.to_vec();
         for i in 0..size {
             for j in 0..=i {
@@ -30,7 +30,7 @@ impl Cholesky {
     }
 
     /// `L^-1 b`.
-    pub(super) fn forward(&self, b: &[f64]) -> Vec<f64> {
+    pub(in crate::diagnosis) fn forward(&self, b: &[f64]) -> Vec<f64> {
         let mut y = b.to_vec();
         for i in 0..self.size {
             for k in 0..i {
@@ -42,7 +42,7 @@ impl Cholesky {
     }
 
     /// `L^-T y`.
-    pub(super) fn backward(&self, y: &[f64]) -> Vec<f64> {
+    pub(in crate::diagnosis) fn backward(&self, y: &[f64]) -> Vec<f64> {
         let mut x = y.to_vec();
         for i in (0..self.size).rev() {
             for k in i + 1..self.size {
@@ -54,12 +54,12 @@ impl Cholesky {
     }
 
     /// Solution of `A x = b`.
-    pub(super) fn solve(&self, b: &[f64]) -> Vec<f64> {
+    pub(in crate::diagnosis) fn solve(&self, b: &[f64]) -> Vec<f64> {
         self.backward(&self.forward(b))
     }
 
     /// The inverse, rows one behind the other.
-    pub(super) fn inverse(&self) -> Vec<f64> {
+    pub(in crate::diagnosis) fn inverse(&self) -> Vec<f64> {
         let mut inverse = vec![0.0; self.size * self.size];
         for j in 0..self.size {
             let mut unit = vec![0.0; self.size];
@@ -73,6 +73,6 @@ impl Cholesky {
 }
 
 /// Inner product.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(in crate::diagnosis) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -4,7 +4,7 @@
 const SWEEPS: usize = 30;
 
 /// Eigenvalues in ascending order, each with its vector of length one; rows of the matrix one behind the other.
-pub(super) fn symmetric(matrix: &[f64], size: usize) -> Vec<(f64, Vec<f64>)> {
+pub(in crate::diagnosis) fn symmetric(matrix: &[f64], size: usize) -> Vec<(f64, Vec<f64>)> {
     let mut a = matrix.to_vec();
     let mut vectors: Vec<Vec<f64>> =
         (0..size).map(|i| (0..size).map(|j| f64::from(u8::from(i == j))).collect()).collect();

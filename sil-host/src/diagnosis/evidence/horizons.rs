@@ -4,9 +4,9 @@
 
 use serde::Serialize;
 
-use super::accuracy::{predict, root_mean_square, tallies};
-use super::residuals::{NAMES, UNITS};
-use super::shooting::{Driven, Shooting};
+use crate::diagnosis::accuracy::{predict, root_mean_square, tallies};
+use crate::diagnosis::evidence::residuals::{NAMES, UNITS};
+use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::fidelity::{WINDOW_S, Window};
 
 /// Lengths of the windows, s.
@@ -41,7 +41,7 @@ pub struct HorizonError {
 }
 
 /// For (nominal, extended); lengths that the log has no rows for are left out.
-pub(super) fn horizons(shooting: &Shooting<'_>, models: &[Driven; 2]) -> Vec<Horizon> {
+pub(in crate::diagnosis) fn horizons(shooting: &Shooting<'_>, models: &[Driven; 2]) -> Vec<Horizon> {
     HORIZONS_S.into_iter().filter_map(|horizon_s| horizon(shooting, models, horizon_s)).collect()
 }
 

@@ -9,42 +9,42 @@
 use crate::model::{Mounting, VehicleModel};
 
 /// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal and on separate axes, of the body when free.
-pub(super) type State = [f64; 6];
+pub(in crate::diagnosis) type State = [f64; 6];
 
 /// What a moment may depend on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion {
+pub(in crate::diagnosis) struct Motion {
     /// Time, s.
-    pub(super) time_s: f64,
+    pub(in crate::diagnosis) time_s: f64,
     /// Roll, pitch, yaw, rad.
-    pub(super) angle_rad: [f64; 3],
+    pub(in crate::diagnosis) angle_rad: [f64; 3],
     /// Rates that plant effects act against (EFFECTS.md): of the angles, or of the body when free.
-    pub(super) rate_rad_s: [f64; 3],
+    pub(in crate::diagnosis) rate_rad_s: [f64; 3],
     /// Sine and cosine of roll.
-    pub(super) roll: (f64, f64),
+    pub(in crate::diagnosis) roll: (f64, f64),
     /// The four forces: the motors' lifts, N; on separate axes the axis commands.
-    pub(super) force: [f64; 4],
+    pub(in crate::diagnosis) force: [f64; 4],
 }
 
 /// A moment beside the motors', about the rig's axes or, free, the body's.
-pub(super) trait Moment: Sync + Send {
+pub(in crate::diagnosis) trait Moment: Sync + Send {
     /// Adds it, N m (rad/s^2 on separate axes).
     fn add(&self, motion: &Motion, moment: &mut [f64; 3]);
 }
 
 /// Rig and inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Body {
-    pub(super) rig: BodyRig,
+pub(in crate::diagnosis) struct Body {
+    pub(in crate::diagnosis) rig: BodyRig,
     /// True over nominal inertia per axis.
-    pub(super) inertia_scale: [f64; 3],
+    pub(in crate::diagnosis) inertia_scale: [f64; 3],
     /// Off-diagonal inertia P between roll and pitch, kg m^2.
-    pub(super) product_kg_m2: f64,
+    pub(in crate::diagnosis) product_kg_m2: f64,
 }
 
 /// The numbers of each rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum BodyRig {
+pub(in crate::diagnosis) enum BodyRig {
     Gimbal { airframe: Airframe, inertia_kg_m2: [f64; 3], ring_inertia_kg_m2: f64 },
     Free { airframe: Airframe, inertia_kg_m2: [f64; 3], weight_n: f64 },
     Axes { gain_rad_s2: [f64; 3] },
@@ -52,7 +52,7 @@ pub(super) enum BodyRig {
 
 /// From lifts to torques, quad-X (RIG.md, "Frames and motors").
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Airframe {
+pub(in crate::diagnosis) struct Airframe {
     lever_m: f64,
     reaction_torque_per_lift_m: f64,
 }
@@ -69,7 +69,7 @@ impl Airframe {
 
 impl Body {
     /// The nominal body of a model.
-    pub(super) fn of(model: &VehicleModel) -> Body {
+    pub(in crate::diagnosis) fn of(model: &VehicleModel) -> Body {
         let airframe = Airframe {
             lever_m: model.arm_m * core::f64::consts::FRAC_1_SQRT_2,
             reaction_torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m(),
@@ -85,12 +85,18 @@ impl Body {
     }
 
     /// Separate axes.
-    pub(super) fn axes(gain_rad_s2: [f64; 3]) -> Body {
+    pub(in crate::diagnosis) fn axes(gain_rad_s2: [f64; 3]) -> Body {
         Body { rig: BodyRig::Axes { gain_rad_s2 }, inertia_scale: [1.0; 3], product_kg_m2: 0.0 }
     }
 
     /// Change of the state under forces and moments.
-    pub(super) fn derivative(&self, time_s: f64, x: &State, force: &[f64; 4], moments: &[Box<dyn Moment>]) -> State {
+    pub(in crate::diagnosis) fn derivative(
+        &self,
+        time_s: f64,
+        x: &State,
+        force: &[f64; 4],
+        moments: &[Box<dyn Moment>],
+    ) -> State {
         let level = (0.0, 1.0);
         let roll = match self.rig {
             BodyRig::Axes { .. } => level,
@@ -159,7 +165,7 @@ impl Body {
     }
 
     /// Body rates p, q, r of a state.
-    pub(super) fn rate_body_rad_s(&self, x: &State) -> [f64; 3] {
+    pub(in crate::diagnosis) fn rate_body_rad_s(&self, x: &State) -> [f64; 3] {
         match self.rig {
             BodyRig::Gimbal { .. } => {
                 let (sin, cos) = libm::sincos(x[0]);
@@ -170,7 +176,7 @@ impl Body {
     }
 
     /// The state of measured angles and body rates; 0 for what is not measured.
-    pub(super) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> State {
+    pub(in crate::diagnosis) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> State {
         let [roll, pitch, yaw] = angle_rad;
         let [p, q, r] = rate_body_rad_s;
         match self.rig {

@@ -13,20 +13,20 @@
 
 use rayon::prelude::*;
 
-use super::linear::dot;
+use crate::diagnosis::fitting::linear::dot;
 
 /// White noise of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct AxisNoise {
+pub(in crate::diagnosis) struct AxisNoise {
     /// Root of the power density of the angular acceleration, rad/s^2 per root of Hz.
-    pub(super) acceleration: f64,
+    pub(in crate::diagnosis) acceleration: f64,
     /// Sensors' noise over what the log's smoothness says: an estimator's error goes on from row to row and cannot be seen there.
-    pub(super) sensors: f64,
+    pub(in crate::diagnosis) sensors: f64,
 }
 
 impl AxisNoise {
     /// What is left of the sensors alone.
-    pub(super) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0 };
+    pub(in crate::diagnosis) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0 };
 }
 
 /// Strengths that are tried: a factor of two apart.
@@ -35,14 +35,14 @@ const SENSORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 
 /// The two channels of an axis: standard deviations of its angle (rad) and of its rate (rad/s), where they are measured.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AxisSensors {
-    pub(super) angle_rad: Option<f64>,
-    pub(super) rate_rad_s: Option<f64>,
+pub(in crate::diagnosis) struct AxisSensors {
+    pub(in crate::diagnosis) angle_rad: Option<f64>,
+    pub(in crate::diagnosis) rate_rad_s: Option<f64>,
 }
 
 /// A motion's departure from its prediction, as far as the rows so far have told it, and its covariance.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Departure {
+pub(in crate::diagnosis) struct Departure {
     angle_rad: f64,
     rate_rad_s: f64,
     /// Of (angle, rate): the angle's variance, both, the rate's.
@@ -52,7 +52,7 @@ pub(super) struct Departure {
 impl Departure {
     /// Takes one residual, its slopes along (angle, rate) and its sensor's standard deviation, all in one unit; its innovation and that one's
     /// variance.
-    pub(super) fn correct(&mut self, residual: f64, [angle, rate]: [f64; 2], sensor: f64) -> (f64, f64) {
+    pub(in crate::diagnosis) fn correct(&mut self, residual: f64, [angle, rate]: [f64; 2], sensor: f64) -> (f64, f64) {
         let [aa, ar, rr] = self.covariance;
         let (with_angle, with_rate) = (aa * angle + ar * rate, ar * angle + rr * rate);
         let variance = sensor * sensor + angle * with_angle + rate * with_rate;
@@ -68,7 +68,7 @@ impl Departure {
     }
 
     /// Lets time pass under a white acceleration.
-    pub(super) fn pass(&mut self, h: f64, acceleration: f64) {
+    pub(in crate::diagnosis) fn pass(&mut self, h: f64, acceleration: f64) {
         self.angle_rad += h * self.rate_rad_s;
         let density = acceleration * acceleration;
         let [aa, ar, rr] = self.covariance;
@@ -101,14 +101,14 @@ fn innovate(time_s: &[f64], sensors: AxisSensors, noise: &AxisNoise, residual: &
 }
 
 /// One window of an axis: its rows' times, residuals and slopes along the start state, each as (angle, rate).
-pub(super) struct AxisWindow<'a> {
-    pub(super) time_s: &'a [f64],
-    pub(super) residual: [Vec<f64>; 2],
-    pub(super) slopes: Vec<[Vec<f64>; 2]>,
+pub(in crate::diagnosis) struct AxisWindow<'a> {
+    pub(in crate::diagnosis) time_s: &'a [f64],
+    pub(in crate::diagnosis) residual: [Vec<f64>; 2],
+    pub(in crate::diagnosis) slopes: Vec<[Vec<f64>; 2]>,
 }
 
 /// The noise under which what a model leaves of an axis is most likely.
-pub(super) fn most_likely(windows: &[AxisWindow<'_>], sensors: AxisSensors) -> AxisNoise {
+pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>], sensors: AxisSensors) -> AxisNoise {
     let candidates = SENSORS.into_iter().flat_map(|sensors| {
         let white =
             ACCELERATIONS.map(move |exponent| AxisNoise { acceleration: libm::exp2(f64::from(exponent)), sensors });

@@ -1,9 +1,9 @@
 //! Where fits begin that have many local optima: the frequency of a swing and the time of an onset, from what each row's motion misses
 //! of the next row's.
 
-use super::effects::Hints;
-use super::prediction::Scene;
-use super::shooting::{Driven, Shooting};
+use crate::diagnosis::effects::Hints;
+use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::diagnosis::vehicle::prediction::Scene;
 
 /// Lowest and highest frequency looked at, Hz; below, less than a period of half a minute shows.
 const FREQUENCY_RANGE_HZ: [f64; 2] = [0.05, 25.0];
@@ -17,7 +17,7 @@ const NOISE_SHARE_MIN: f64 = 1e-4;
 const ONSETS: usize = 300;
 
 /// What a log says about its swings and onsets beyond a model.
-pub(super) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
+pub(in crate::diagnosis) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
     let rows = shooting.rows();
     let missing = missing_acceleration(shooting, driven, STRETCH_S);
     let mut hints = Hints {
@@ -35,14 +35,14 @@ pub(super) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
 }
 
 /// A stretch of rows: time of its middle, length, and the mean acceleration that the model lacked in it.
-pub(super) struct Interval {
-    pub(super) time_s: f64,
+pub(in crate::diagnosis) struct Interval {
+    pub(in crate::diagnosis) time_s: f64,
     duration_s: f64,
-    pub(super) acceleration_rad_s2: f64,
+    pub(in crate::diagnosis) acceleration_rad_s2: f64,
 }
 
 /// Rates are measured and predicted from a row's measured state to the row a stretch later; `None` for axes without a rate.
-pub(super) fn missing_acceleration(
+pub(in crate::diagnosis) fn missing_acceleration(
     shooting: &Shooting<'_>,
     driven: &Driven,
     stretch_s: f64,

@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::search::{Found, Search};
+use crate::diagnosis::search::{Candidate, Found, Search};
 use crate::sensors::random::RandomStream;
 
 /// Draws.
@@ -33,8 +33,8 @@ pub struct Gain {
 }
 
 /// Gains of what a search found.
-pub(super) fn gain(search: &Search<'_>, found: &Found<'_>) -> Gain {
-    let losses = |candidate: &super::search::Candidate<'_>| search.losses(&candidate.fit.terms, &candidate.fit.starts);
+pub(in crate::diagnosis) fn gain(search: &Search<'_>, found: &Found<'_>) -> Gain {
+    let losses = |candidate: &Candidate<'_>| search.losses(&candidate.fit.terms, &candidate.fit.starts);
     let (nominal, extended) = (losses(&found.nominal), losses(&found.chosen));
     let share = |of: &[usize], loss: &[f64], base: &[f64]| {
         let sum = |values: &[f64]| of.iter().map(|i| values[*i]).sum::<f64>();

@@ -1,6 +1,7 @@
 //! What a diagnosis shows beside the names: figures, conditions, intervals, excitation, the flight that separates.
 
-use super::*;
+use crate::diagnosis::*;
+use crate::log::Log;
 use crate::model::{Rig, VehicleModel};
 use crate::plant::effects::Effect;
 use crate::scenario::Scenario;

@@ -8,11 +8,11 @@
 
 use serde::Serialize;
 
-use super::effects::{Effect, per_unit_inertia};
-use super::eigen;
-use super::fit::{Term, model_of, regular, shifted_models};
-use super::linear::Cholesky;
-use super::search::{Found, Search, is_the_same};
+use crate::diagnosis::effects::{Effect, per_unit_inertia};
+use crate::diagnosis::fitting::eigen;
+use crate::diagnosis::fitting::fit::{Term, model_of, regular, shifted_models};
+use crate::diagnosis::fitting::linear::Cholesky;
+use crate::diagnosis::search::{Found, Search, is_the_same};
 
 /// Effects whose parameters make up the motion of any axis: moment and stiffness, damping, inertia; and the way from command to force.
 const BASIC: [&str; 4] = ["spring", "viscous_friction", "inertia_error", "actuation_delay"];
@@ -55,7 +55,7 @@ pub struct Excited {
 }
 
 /// Looks at all windows of a log, at the fit.
-pub(super) fn excitation(search: &Search<'_>, found: &Found<'_>) -> Excitation {
+pub(in crate::diagnosis) fn excitation(search: &Search<'_>, found: &Found<'_>) -> Excitation {
     let chosen = &found.chosen.fit;
     let findings = chosen.terms[search.always.len()..].to_vec();
     let is_found = |effect: &dyn Effect| findings.iter().any(|term| is_the_same(term.effect, effect));

@@ -4,10 +4,10 @@
 //! give after each window's start state has been fitted to it: with n the noise and r = (I - H) n the mean of r_i r_(i+k) is -H_(i, i+k). The noise's
 //! size cancels, so that nothing depends on how well it is known.
 
-use super::body::State;
-use super::linear::dot;
-use super::linearisation::Column;
-use super::shooting::{Driven, Shooting};
+use crate::diagnosis::fitting::linear::dot;
+use crate::diagnosis::fitting::linearisation::Column;
+use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::diagnosis::vehicle::body::State;
 use crate::fidelity::Window;
 
 /// Rows apart.
@@ -17,20 +17,25 @@ const STRUCTURED: f64 = 4.5;
 
 /// How far the residuals of one place of a report are from white.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Whiteness {
-    pub(super) place: usize,
+pub(in crate::diagnosis) struct Whiteness {
+    pub(in crate::diagnosis) place: usize,
     /// Sum of the correlations over all lags, in standard deviations of white noise.
-    pub(super) deviation: f64,
+    pub(in crate::diagnosis) deviation: f64,
 }
 
 impl Whiteness {
-    pub(super) fn is_white(&self) -> bool {
+    pub(in crate::diagnosis) fn is_white(&self) -> bool {
         self.deviation < STRUCTURED
     }
 }
 
 /// Looks at some windows under a model, their start states settled.
-pub(super) fn whiteness(shooting: &Shooting<'_>, driven: &Driven, which: &[usize], starts: &[State]) -> Vec<Whiteness> {
+pub(in crate::diagnosis) fn whiteness(
+    shooting: &Shooting<'_>,
+    driven: &Driven,
+    which: &[usize],
+    starts: &[State],
+) -> Vec<Whiteness> {
     let places: Vec<usize> = shooting.compared().map(|(place, _)| place).collect();
     let mut sums = vec![Sum::default(); places.len()];
     for index in which {
@@ -44,7 +49,7 @@ pub(super) fn whiteness(shooting: &Shooting<'_>, driven: &Driven, which: &[usize
 }
 
 /// A window whose start state is at its best.
-pub(super) struct Settled {
+pub(in crate::diagnosis) struct Settled {
     rows: usize,
     /// In units of the noise, channel by channel.
     residual: Column,
@@ -54,7 +59,12 @@ pub(super) struct Settled {
 
 impl Settled {
     /// Takes a start state's last small step; `None` if the window does not determine it.
-    pub(super) fn of(shooting: &Shooting<'_>, driven: &Driven, window: &Window, start: &State) -> Option<Settled> {
+    pub(in crate::diagnosis) fn of(
+        shooting: &Shooting<'_>,
+        driven: &Driven,
+        window: &Window,
+        start: &State,
+    ) -> Option<Settled> {
         // a disturbance that was only found in the log is no part of an explanation, lost commands are
         let (mut residual, slopes) = match shooting.lost {
             Some(_) => shooting.innovation_slopes(driven, window, start),
@@ -72,7 +82,7 @@ impl Settled {
     }
 
     /// Residuals of a channel, by its number among the compared ones, and their rows of L^-1 J.
-    pub(super) fn channel(&self, channel: usize) -> (&[f64], &[Vec<f64>]) {
+    pub(in crate::diagnosis) fn channel(&self, channel: usize) -> (&[f64], &[Vec<f64>]) {
         let at = channel * self.rows..(channel + 1) * self.rows;
         (&self.residual[at.clone()], &self.forward[at])
     }
