@@ -64,8 +64,8 @@ pub struct Parameter {
 pub struct Hints {
     /// Per axis, the frequency of the strongest periodic moment, Hz.
     pub frequency_hz: [Option<f64>; 3],
-    /// Per axis, when a moment most probably set in, s.
-    pub step_start_s: [Option<f64>; 3],
+    /// Per axis, when a moment most probably set in, s: where there was none before, and where there was.
+    pub step_start_s: [Vec<f64>; 3],
     /// Low and high quantiles of all commands (2 %, 98 %).
     pub command_range: [f64; 2],
     /// Last time of the log, s.

@@ -33,7 +33,7 @@ impl Effect for StepDisturbance {
         &PARAMETERS
     }
     fn starts(&self, hints: &Hints) -> Vec<Vec<f64>> {
-        hints.step_start_s[self.0.index()].into_iter().map(|start_s| vec![0.0, start_s]).collect()
+        hints.step_start_s[self.0.index()].iter().map(|start_s| vec![0.0, *start_s]).collect()
     }
     fn apply(&self, values: &[f64], model: &mut Model) {
         model.moments.push(Box::new(Onset { axis: self.0.index(), torque_nm: values[0], start_s: values[1] }));

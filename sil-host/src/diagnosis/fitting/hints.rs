@@ -15,6 +15,15 @@ const STRETCH_S: f64 = 10e-3;
 const NOISE_SHARE_MIN: f64 = 1e-4;
 /// Onsets are looked for on so many places of the log, and then more finely about the best.
 const ONSETS: usize = 300;
+/// Onsets that a fit from either finds, s.
+const SAME_ONSET_S: f64 = 0.05;
+
+/// What there was before an onset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Before {
+    Nothing,
+    Constant,
+}
 
 /// What a log says about its swings and onsets beyond a model.
 pub(in crate::diagnosis) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
@@ -28,7 +37,10 @@ pub(in crate::diagnosis) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> H
     for (axis, series) in missing.iter().enumerate() {
         if let Some(series) = series {
             hints.frequency_hz[axis] = strongest_frequency_hz(series);
-            hints.step_start_s[axis] = onset_s(series);
+            let mut starts_s: Vec<f64> =
+                [Before::Nothing, Before::Constant].into_iter().filter_map(|before| onset_s(series, before)).collect();
+            starts_s.dedup_by(|a, b| (*a - *b).abs() < SAME_ONSET_S);
+            hints.step_start_s[axis] = starts_s;
         }
     }
     hints
@@ -118,7 +130,7 @@ fn power(series: &[Interval], frequency_hz: f64) -> f64 {
 }
 
 /// The time from which a constant acceleration best explains the sum of what was missing: least squares of a kinked line over the places.
-fn onset_s(series: &[Interval]) -> Option<f64> {
+fn onset_s(series: &[Interval], before: Before) -> Option<f64> {
     let (first, last) = (series.first()?, series.last()?);
     let mut sum = 0.0;
     let summed: Vec<(f64, f64)> = series
@@ -132,33 +144,39 @@ fn onset_s(series: &[Interval]) -> Option<f64> {
     let thinned: Vec<(f64, f64)> = summed.iter().step_by(stride).copied().collect();
     let length_s = last.time_s - first.time_s;
     let spacing_s = length_s / ONSETS as f64;
-    let coarse_s = best_onset_s(&thinned, first.time_s, spacing_s, ONSETS)?;
+    let coarse_s = best_onset_s(&thinned, before, first.time_s, spacing_s, ONSETS)?;
     // once more about the best, to the length of a stretch
     let finer = (spacing_s / STRETCH_S).ceil().max(1.0);
     let begin_s = (coarse_s - spacing_s).max(first.time_s);
-    best_onset_s(&thinned, begin_s, spacing_s / finer, 2 * finer as usize + 1)
+    best_onset_s(&thinned, before, begin_s, spacing_s / finer, 2 * finer as usize + 1)
 }
 
-fn best_onset_s(points: &[(f64, f64)], first_s: f64, spacing_s: f64, places: usize) -> Option<f64> {
+fn best_onset_s(points: &[(f64, f64)], before: Before, first_s: f64, spacing_s: f64, places: usize) -> Option<f64> {
     let onsets = (0..places).map(|k| first_s + k as f64 * spacing_s);
-    let left = onsets.map(|start_s| (start_s, squares_left(points, start_s)));
+    let left = onsets.map(|start_s| (start_s, squares_left(points, before, start_s)));
     left.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(start_s, _)| start_s)
 }
 
-/// Sum of squares about a constant up to `start_s` that goes on as a straight line.
-fn squares_left(points: &[(f64, f64)], start_s: f64) -> f64 {
-    let (mut n, mut x, mut xx, mut y, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+/// Sum of squares about a line that is kinked at `start_s`, level or straight before it.
+fn squares_left(points: &[(f64, f64)], before: Before, start_s: f64) -> f64 {
+    let origin_s = points.first().map_or(0.0, |(time_s, _)| *time_s);
+    // of time, time after the onset and value: sums, then sums of products about the means
+    let (mut sum, mut products) = ([0.0; 3], [[0.0; 3]; 3]);
     for (time_s, value) in points {
-        let after = (time_s - start_s).max(0.0);
-        n += 1.0;
-        x += after;
-        xx += after * after;
-        y += value;
-        xy += after * value;
-        yy += value * value;
+        let row = [time_s - origin_s, (time_s - start_s).max(0.0), *value];
+        for i in 0..3 {
+            sum[i] += row[i];
+            (0..=i).for_each(|j| products[i][j] += row[i] * row[j]);
+        }
     }
-    let (sxx, sxy, syy) = (xx - x * x / n, xy - x * y / n, yy - y * y / n);
-    if sxx > 0.0 { syy - sxy * sxy / sxx } else { syy }
+    let about = |i: usize, j: usize| products[i][j] - sum[i] * sum[j] / points.len() as f64;
+    let (tt, at, aa) = (about(0, 0), about(1, 0), about(1, 1));
+    let (yt, ya, yy) = (about(2, 0), about(2, 1), about(2, 2));
+    let (aa, ya, yy) = match before {
+        Before::Constant if tt > 0.0 => (aa - at * at / tt, ya - at * yt / tt, yy - yt * yt / tt),
+        Before::Constant | Before::Nothing => (aa, ya, yy),
+    };
+    if aa > 0.0 { yy - ya * ya / aa } else { yy }
 }
 
 impl Shooting<'_> {
