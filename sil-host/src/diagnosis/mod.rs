@@ -110,6 +110,17 @@ pub struct LogSummary {
     pub rate_hz: f64,
 }
 
+impl LogSummary {
+    fn of(log: &Log) -> LogSummary {
+        LogSummary {
+            path: log.path.clone(),
+            rows: log.rows(),
+            duration_s: log.duration_s(),
+            rate_hz: log.rate_hz(),
+        }
+    }
+}
+
 /// Root mean square errors of the open-loop replay over the held-out windows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PredictionErrors {
@@ -147,6 +158,9 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
 /// # Errors
 /// As [`diagnose`].
 pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_>) -> Result<Diagnosis, FidelityError> {
+    // a log of many rows is compared at some of them, under all of its commands
+    let thinned = log.thinned();
+    let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject)?;
     let nominal = || subject.model();
     let catalogue = effects::catalogue(&subject.scope(log));
@@ -220,12 +234,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
         Judged { driven: &driven[1], predicted: &predicted[1], starts: &found.chosen.fit.starts },
     ];
     Diagnosis {
-        log: LogSummary {
-            path: log.path.clone(),
-            rows: log.rows(),
-            duration_s: log.duration_s(),
-            rate_hz: log.rate_hz(),
-        },
+        log: LogSummary::of(log.commanding()),
         verdict,
         findings,
         rejected,

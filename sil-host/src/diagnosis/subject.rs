@@ -42,9 +42,16 @@ impl Subject<'_> {
         }
     }
 
+    /// True where nothing holds the vehicle.
+    fn is_free(&self) -> bool {
+        matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Free)
+    }
+
     fn channels(&self, log: &Log) -> RigChannels {
         let turns = self.turns(log);
-        let start_components = (0..6).filter(|component| turns[component % 3]).collect();
+        // free, an angle that nobody measures acts on nothing that is
+        let acts = |component: usize| !self.is_free() || component >= 3 || log.angle_rad[component].is_some();
+        let start_components = (0..6).filter(|component| turns[component % 3] && acts(*component)).collect();
         let gimbal = matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal);
         // on the gimbal r is no motion of its own, but the gyro shows it
         let compared = (0..6).filter(|place| turns[place % 3] || gimbal && *place == 5).collect();
@@ -83,6 +90,7 @@ impl Subject<'_> {
             motors: vehicle,
             battery: log.battery_v.is_some(),
             coupled: vehicle,
+            is_free: self.is_free(),
         }
     }
 
@@ -96,6 +104,7 @@ impl Subject<'_> {
     }
 
     fn commands(&self, log: &Log) -> Result<Commands, FidelityError> {
+        let log = log.commanding();
         let missing = |quantity: Quantity, why| FidelityError::MissingColumn { column: quantity.name(), why };
         let value = match self {
             Subject::Vehicle(_) => {

@@ -6,6 +6,7 @@
 
 mod error;
 mod map;
+mod part;
 mod quantity;
 mod read;
 mod source;
@@ -60,6 +61,9 @@ pub struct Log {
     pub rotor_speed_rpm: [Column; 4],
     /// Specific force in the body frame, m/s^2.
     pub accel_body_m_s2: [Column; 3],
+
+    /// The log of more rows whose commands act between the rows of this one ([`Log::thinned`]); `None` where its own do.
+    pub commanded_by: Option<Box<Log>>,
 }
 
 impl Log {

@@ -41,7 +41,7 @@ impl<'l> Sampled<'l> {
     pub(in crate::diagnosis) fn new(log: &'l Log, subject: &Subject<'_>) -> Result<Sampled<'l>, FidelityError> {
         let noise = SensorNoise::of(log);
         let shooting = || subject.shooting(log, &noise);
-        let steps_per_row = USUAL_CONTROL_RATE_HZ * log.mean_regular_step_s();
+        let steps_per_row = USUAL_CONTROL_RATE_HZ * log.commanding().mean_regular_step_s();
         let held = shooting()?;
         if steps_per_row < STEPS_MIN {
             return Ok(Sampled { held, faster: None });
