@@ -23,6 +23,7 @@ mod flown_by;
 mod left_over;
 mod progress;
 mod search;
+mod sizes;
 mod subject;
 mod vehicle;
 mod verdict;
@@ -50,6 +51,7 @@ use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 pub use progress::{Observer, Progress};
 use search::{Found, Search};
+pub use sizes::{Asked, Size, sizes};
 pub use subject::Subject;
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
@@ -112,12 +114,7 @@ pub struct LogSummary {
 
 impl LogSummary {
     fn of(log: &Log) -> LogSummary {
-        LogSummary {
-            path: log.path.clone(),
-            rows: log.rows(),
-            duration_s: log.duration_s(),
-            rate_hz: log.rate_hz(),
-        }
+        LogSummary { path: log.path.clone(), rows: log.rows(), duration_s: log.duration_s(), rate_hz: log.rate_hz() }
     }
 }
 

@@ -42,19 +42,18 @@ impl Subject<'_> {
         }
     }
 
-    /// True where nothing holds the vehicle.
-    fn is_free(&self) -> bool {
-        matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Free)
+    /// True on the testbed, whose ring and rod hold the vehicle.
+    fn is_held(&self) -> bool {
+        matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal)
     }
 
     fn channels(&self, log: &Log) -> RigChannels {
         let turns = self.turns(log);
-        // free, an angle that nobody measures acts on nothing that is
-        let acts = |component: usize| !self.is_free() || component >= 3 || log.angle_rad[component].is_some();
+        // where no rig holds the vehicle, an angle that nobody measures acts on nothing that is
+        let acts = |component: usize| self.is_held() || component >= 3 || log.angle_rad[component].is_some();
         let start_components = (0..6).filter(|component| turns[component % 3] && acts(*component)).collect();
-        let gimbal = matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal);
         // on the gimbal r is no motion of its own, but the gyro shows it
-        let compared = (0..6).filter(|place| turns[place % 3] || gimbal && *place == 5).collect();
+        let compared = (0..6).filter(|place| turns[place % 3] || self.is_held() && *place == 5).collect();
         RigChannels { start_components, compared, is_vehicle: matches!(self, Subject::Vehicle(_)) }
     }
 
@@ -90,7 +89,7 @@ impl Subject<'_> {
             motors: vehicle,
             battery: log.battery_v.is_some(),
             coupled: vehicle,
-            is_free: self.is_free(),
+            is_held: self.is_held(),
         }
     }
 

@@ -5,6 +5,8 @@ use crate::fidelity::wrapped;
 
 /// Fewest rows per second to which a log is thinned: 5 ms from row to row tell all that a vehicle's motion does.
 const THINNED_RATE_MIN_HZ: f64 = 200.0;
+/// A log of 1 kHz but for a few rows gives five rows in one.
+const ROUNDING: f64 = 0.1;
 
 impl Log {
     /// The rows of a span of time, its ends included.
@@ -28,12 +30,13 @@ impl Log {
     /// A row becomes the mean of an odd number of rows, time and measurements alike, which is exact for a motion that changes evenly and
     /// takes noise away; whatever is held from row to row is that of the middle one.
     pub fn thinned(&self) -> Option<Log> {
-        let side = (0.5 * (self.rate_hz() / THINNED_RATE_MIN_HZ - 1.0)).floor();
-        if side.is_nan() || side < 1.0 {
+        let step_s = self.mean_regular_step_s();
+        let together = if step_s > 0.0 { 1.0 / (step_s * THINNED_RATE_MIN_HZ) } else { 0.0 };
+        let side = (0.5 * (together + ROUNDING - 1.0)).floor() as usize;
+        if side == 0 {
             return None;
         }
-        let side = side as usize;
-        let middles: Vec<usize> = (side..self.rows() - side).step_by(2 * side + 1).collect();
+        let middles: Vec<usize> = (side..self.rows().saturating_sub(side)).step_by(2 * side + 1).collect();
         let longest_regular_s = self.longest_regular_step_s();
         let is_whole = |row: usize| {
             let times = &self.time_s[row - side..=row + side];
@@ -47,10 +50,8 @@ impl Log {
             column[row] + departures.sum::<f64>() / (2 * side + 1) as f64
         };
         let mut thinned = self.with_columns(|quantity, column| {
-            let is_averaged = match quantity {
-                Quantity::Time | Quantity::Angle(_) | Quantity::Rate(_) | Quantity::Accel(_) => true,
-                _ => false,
-            };
+            let is_averaged =
+                matches!(quantity, Quantity::Time | Quantity::Angle(_) | Quantity::Rate(_) | Quantity::Accel(_));
             let value = |row: &usize| {
                 if is_averaged && is_whole(*row) { mean(quantity, column, *row) } else { column[*row] }
             };
@@ -85,7 +86,8 @@ mod tests {
     /// A second and a half at 1 kHz with jitter: pitch turns evenly, through half a turn, and gyro noise lies on a rate that grows evenly.
     fn fast() -> Log {
         let mut random = RandomStream::new(7, "fast log");
-        let time_s: Vec<f64> = (0..1500).map(|row| 1e-3 * f64::from(row) + 2e-4 * (random.normal() / 4.0).clamp(-1.0, 1.0)).collect();
+        let time_s: Vec<f64> =
+            (0..1500).map(|row| 1e-3 * f64::from(row) + 2e-4 * (random.normal() / 4.0).clamp(-1.0, 1.0)).collect();
         let rate = time_s.iter().map(|time_s| 3.0 * time_s + 0.01 * random.normal()).collect();
         let motor = (0..1500).map(|row| 1e-3 * f64::from(row % 100)).collect::<Vec<f64>>();
         Log {
@@ -118,7 +120,8 @@ mod tests {
 
     #[test]
     fn a_log_of_usual_rate_is_not_thinned() {
-        let usual = |rate_hz: f64| Log { time_s: (0..600).map(|row| f64::from(row) / rate_hz).collect(), ..Log::default() };
+        let usual =
+            |rate_hz: f64| Log { time_s: (0..600).map(|row| f64::from(row) / rate_hz).collect(), ..Log::default() };
         assert_eq!(usual(500.0).thinned(), None);
         assert!(usual(650.0).thinned().is_some());
         assert_eq!(Log::default().thinned(), None);
@@ -141,7 +144,7 @@ mod tests {
         assert_eq!(part.rate_rad_s[1].as_ref().unwrap().len(), part.rows());
         for (from_s, to_s) in [(1.0, 0.5), (9.0, 10.0), (0.0, 0.05), (f64::NAN, 1.0)] {
             let message = log.between(from_s, to_s).unwrap_err().to_string();
-            assert!(message.contains("1.499"), "{message}");
+            assert!(message.contains("the log goes from 0.0000") && message.contains("s to 1.4989"), "{message}");
         }
     }
 }

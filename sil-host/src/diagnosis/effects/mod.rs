@@ -142,8 +142,8 @@ pub(super) struct Scope {
     pub(super) battery: bool,
     /// True where roll and pitch belong to one body.
     pub(super) coupled: bool,
-    /// True where nothing holds the vehicle: its angles act only on what is measured of them.
-    pub(super) is_free: bool,
+    /// True where a rig holds the vehicle, so that its angles show in the other axes though nobody measures them.
+    pub(super) is_held: bool,
 }
 
 impl Scope {
@@ -156,7 +156,7 @@ impl Scope {
         motors: true,
         battery: true,
         coupled: true,
-        is_free: false,
+        is_held: true,
     };
 }
 
@@ -186,7 +186,7 @@ pub(super) fn catalogue(scope: &Scope) -> Vec<Box<dyn Effect>> {
             table.push(Box::new(torque_bias::TorqueBias(axis)));
             table.push(Box::new(viscous_friction::ViscousFriction(axis)));
             table.push(Box::new(coulomb_friction::CoulombFriction(axis)));
-            if axis != Axis::Yaw && (scope.angles[i] || !scope.is_free) {
+            if axis != Axis::Yaw && (scope.angles[i] || scope.is_held) {
                 table.push(Box::new(spring::Spring(axis)));
             }
             if scope.motors {
@@ -195,8 +195,8 @@ pub(super) fn catalogue(scope: &Scope) -> Vec<Box<dyn Effect>> {
             table.push(Box::new(periodic_disturbance::PeriodicDisturbance(axis)));
             table.push(Box::new(step_disturbance::StepDisturbance(axis)));
         }
-        // free and without an angle to hold it against, a gyro is right: a bias changes nothing, a scale is an inertia's
-        if scope.rates[i] && (scope.angles[i] || !scope.is_free) {
+        // with nothing to hold it against a gyro is right: a bias changes nothing, a scale is an inertia's
+        if scope.rates[i] && (scope.angles[i] || scope.is_held) {
             table.push(Box::new(gyro::GyroBias(axis)));
             table.push(Box::new(gyro::GyroScale(axis)));
         }
