@@ -29,11 +29,13 @@ mod vehicle;
 mod verdict;
 
 #[cfg(test)]
+mod free_flight_tests;
+#[cfg(test)]
 mod tests;
 
 use serde::Serialize;
 
-use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, axis_commands};
+use crate::fidelity::{ChannelErrors, FidelityError, WINDOW_S, axis_commands};
 use crate::log::Log;
 pub use effects::Place;
 pub use evidence::bootstrap::Gain;
@@ -170,7 +172,7 @@ pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_
         observer(Progress::Judging);
         return Ok(answer(log, subject, &search, &found));
     };
-    let shooting = subject.shooting(log, &SensorNoise::of(log))?.commanded_as(search.shooting).with_noise(disturbed);
+    let shooting = subject.shooting(log, &subject.noise(log))?.commanded_as(search.shooting).with_noise(disturbed);
     let search = Search::new(&shooting, &nominal, &catalogue, always, observer);
     let found = search.run();
     observer(Progress::Judging);
@@ -191,7 +193,7 @@ fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisN
 /// # Errors
 /// As [`diagnose`].
 pub fn prediction_error(log: &Log, subject: &Subject<'_>) -> Result<[ChannelErrors; 2], FidelityError> {
-    let shooting = subject.shooting(log, &SensorNoise::of(log))?;
+    let shooting = subject.shooting(log, &subject.noise(log))?;
     let driven = shooting.drive(subject.model());
     let held_out: Vec<_> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
     Ok(verdict::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out))))
@@ -212,6 +214,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let unexplained = left_over::unexplained(search, found);
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
     let mut rejected = verdict::rejected(search, found);
+    rejected.extend(subject.not_asked(log));
     rejected.push(Rejected {
         effect: "controller_mismatch",
         axis: String::new(),

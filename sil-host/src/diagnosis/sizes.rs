@@ -9,7 +9,7 @@ use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::fidelity::{FidelityError, SensorNoise};
+use crate::fidelity::FidelityError;
 use crate::log::Log;
 
 /// An effect of the catalogue: its name, and its axis if it has one.
@@ -39,7 +39,7 @@ pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Op
             Some(Term { effect: effect.as_ref(), values: effect.starts(&Hints::default()).into_iter().next()? })
         }));
     }
-    let shooting = subject.shooting(log, &SensorNoise::of(log))?;
+    let shooting = subject.shooting(log, &subject.noise(log))?;
     let under_sensors = fitted_to_all(&shooting, &nominal, terms);
     let all: Vec<usize> = (0..shooting.windows.len()).collect();
     let driven = shooting.drive(model_of(&nominal, &under_sensors.terms));

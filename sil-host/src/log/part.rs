@@ -50,8 +50,8 @@ impl Log {
             column[row] + departures.sum::<f64>() / (2 * side + 1) as f64
         };
         let mut thinned = self.with_columns(|quantity, column| {
-            let is_averaged =
-                matches!(quantity, Quantity::Time | Quantity::Angle(_) | Quantity::Rate(_) | Quantity::Accel(_));
+            use Quantity::{Accel, Angle, Height, Rate, Time, Velocity};
+            let is_averaged = matches!(quantity, Time | Angle(_) | Rate(_) | Accel(_) | Velocity(_) | Height);
             let value = |row: &usize| {
                 if is_averaged && is_whole(*row) { mean(quantity, column, *row) } else { column[*row] }
             };

@@ -222,7 +222,9 @@ pub fn roll_and_pitch(log: &Log, vehicle: &VehicleModel) -> Sizes {
         ("torque_bias", Some(Axis::Pitch)),
         ("torque_bias", Some(Axis::Yaw)),
     ];
-    let sizes = sizes(log, &Subject::Vehicle(vehicle), &asked).expect("a log with windows");
+    // what the accelerometer says of the lifts is the thrust curve's matter
+    let gyro_alone = Log { accel_body_m_s2: [None, None, None], ..log.clone() };
+    let sizes = sizes(&gyro_alone, &Subject::Vehicle(vehicle), &asked).expect("a log with windows");
     let value = |place: usize, name: &str| sizes[place].as_ref().expect("an effect of the catalogue")[name].value;
     Sizes {
         inertia_scale: [value(0, "scale"), value(1, "scale")],

@@ -34,8 +34,8 @@ impl Effect for CgOffset {
     fn apply(&self, values: &[f64], model: &mut Model) {
         let (cos_nm, sin_nm) = (values[0], values[1]);
         let moment: Box<dyn Moment> = match (model.body.rig, self.0) {
-            (BodyRig::Free { weight_n, .. }, axis) => {
-                Box::new(LiftOffCentre { axis: axis.index(), lever_m: cos_nm / weight_n })
+            (BodyRig::Free { mass_kg, gravity_m_s2, .. }, axis) => {
+                Box::new(LiftOffCentre { axis: axis.index(), lever_m: cos_nm / (mass_kg * gravity_m_s2) })
             }
             (_, Axis::Roll) => Box::new(Body { cos_nm, sin_nm }),
             (_, Axis::Pitch | Axis::Yaw) => Box::new(Ring { cos_nm, sin_nm }),

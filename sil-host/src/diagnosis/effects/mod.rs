@@ -12,19 +12,23 @@ mod battery_sag;
 mod cg_offset;
 mod command_clipping;
 mod coulomb_friction;
+mod ground_effect;
 mod gyro;
 mod imu_misalignment;
 mod inertia_coupling;
 mod inertia_error;
 pub(super) mod input_gain;
+mod mass_error;
 mod motor_lag;
 mod periodic_disturbance;
+mod rotor_drag;
 mod spring;
 mod step_disturbance;
 mod thrust_scale;
 mod torque_bias;
 mod viscous_friction;
 mod weak_motor;
+mod wind;
 
 pub(super) use coulomb_friction::SOFTENING_RAD_S;
 
@@ -144,6 +148,12 @@ pub(super) struct Scope {
     pub(super) coupled: bool,
     /// True where a rig holds the vehicle, so that its angles show in the other axes though nobody measures them.
     pub(super) is_held: bool,
+    /// True where the log shows what pushes a free vehicle.
+    pub(super) pushed: bool,
+    /// True where it has a free vehicle's velocity.
+    pub(super) velocity: bool,
+    /// A free vehicle's height above ground in the first row, m.
+    pub(super) height: Option<f64>,
 }
 
 impl Scope {
@@ -157,6 +167,9 @@ impl Scope {
         battery: true,
         coupled: true,
         is_held: true,
+        pushed: true,
+        velocity: true,
+        height: Some(0.0),
     };
 }
 
@@ -215,6 +228,16 @@ pub(super) fn catalogue(scope: &Scope) -> Vec<Box<dyn Effect>> {
         if scope.battery {
             table.push(Box::new(battery_sag::PerVolt));
         }
+    }
+    if scope.pushed {
+        table.push(Box::new(mass_error::MassError));
+    }
+    if scope.velocity {
+        table.push(Box::new(rotor_drag::RotorDrag));
+        table.push(Box::new(wind::Wind));
+    }
+    if let Some(start_height_m) = scope.height {
+        table.push(Box::new(ground_effect::GroundEffect { start_height_m }));
     }
     if (0..3).any(|i| scope.angles[i] && scope.rates[i]) {
         table.push(Box::new(attitude_delay::AttitudeDelay));

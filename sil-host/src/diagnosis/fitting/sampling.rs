@@ -17,7 +17,7 @@ use crate::diagnosis::search::{Found, Search};
 use crate::diagnosis::subject::Subject;
 use crate::diagnosis::vehicle::actuation::Commands;
 use crate::diagnosis::vehicle::prediction::Model;
-use crate::fidelity::{FidelityError, SensorNoise, USUAL_CONTROL_RATE_HZ, white_noise_std};
+use crate::fidelity::{FidelityError, USUAL_CONTROL_RATE_HZ, white_noise_std};
 use crate::log::Log;
 
 /// Steps per row up to which none is lost: a rate that is the log's but for rounding.
@@ -39,7 +39,7 @@ impl<'l> Sampled<'l> {
     /// # Errors
     /// As [`Subject::shooting`].
     pub(in crate::diagnosis) fn new(log: &'l Log, subject: &Subject<'_>) -> Result<Sampled<'l>, FidelityError> {
-        let noise = SensorNoise::of(log);
+        let noise = subject.noise(log);
         let shooting = || subject.shooting(log, &noise);
         let steps_per_row = USUAL_CONTROL_RATE_HZ * log.commanding().mean_regular_step_s();
         let held = shooting()?;

@@ -94,15 +94,22 @@ pub(in crate::diagnosis) struct ForceTrack {
     steps: Vec<Step>,
     /// Per row, which step begins there.
     first_step: Vec<usize>,
+    /// Per row, the forces before its own command acts.
+    at_row: Vec<[f64; 4]>,
 }
 
 impl ForceTrack {
     /// Follows the commands through chain and drive, everything settled at the first command; steps end at the rows of a log.
     pub(in crate::diagnosis) fn new(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
-        let mut track = ForceTrack { steps: Vec::new(), first_step: Vec::with_capacity(rows_s.len()) };
+        let mut track = ForceTrack {
+            steps: Vec::new(),
+            first_step: Vec::with_capacity(rows_s.len()),
+            at_row: Vec::with_capacity(rows_s.len()),
+        };
         let mut motors = Motors::settled(commands, chain, drive);
         for interval in rows_s.windows(2) {
             track.first_step.push(track.steps.len());
+            track.at_row.push(motors.forces());
             let count = ((interval[1] - interval[0]) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
             let duration_s = (interval[1] - interval[0]) / count;
             for k in 0..count as usize {
@@ -111,12 +118,18 @@ impl ForceTrack {
             }
         }
         track.first_step.push(track.steps.len());
+        track.at_row.push(motors.forces());
         track
     }
 
     /// The steps from one row to a later one.
     pub(in crate::diagnosis) fn between(&self, first_row: usize, end_row: usize) -> &[Step] {
         &self.steps[self.first_step[first_row]..self.first_step[end_row]]
+    }
+
+    /// The forces at a row, before its own command acts.
+    pub(in crate::diagnosis) fn at_row(&self, row: usize) -> [f64; 4] {
+        self.at_row[row]
     }
 
     /// The steps from one row to the next.
@@ -150,6 +163,14 @@ impl<'a> Motors<'a> {
             }
         }
         Motors { chain, drive, row: 0, arrived, lagged: arrived, driving: drive.of_commands(&arrived), rotors }
+    }
+
+    /// The forces now.
+    fn forces(&self) -> [f64; 4] {
+        match self.drive {
+            Drive::Direct => self.driving,
+            Drive::Motors(propulsion) => propulsion.lifts_n(&self.driving, &self.rotors),
+        }
     }
 
     /// One step of the body, in motor steps that end where a command arrives.

@@ -3,13 +3,26 @@
 //! | rig | state | equations |
 //! |---|---|---|
 //! | gimbal | roll, pitch, -, roll', pitch', - | RIG.md, rig A, with an off-diagonal inertia P: kinetic energy + P p q |
-//! | free | roll, pitch, yaw, p, q, r | Euler's, angles Z-Y-X |
+//! | free | roll, pitch, yaw, p, q, r; then velocity north, east, down and height | Euler's, angles Z-Y-X; Newton's (`air`) |
 //! | axes | angles and their derivatives | unit inertia, one input gain each |
 
+use crate::diagnosis::vehicle::air::{Air, Attitude};
 use crate::model::{Mounting, VehicleModel};
 
 /// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal and on separate axes, of the body when free.
-pub(in crate::diagnosis) type State = [f64; 6];
+pub(in crate::diagnosis) type Turning = [f64; TURNING];
+/// The same, then velocity (north, east, down; m/s) and height above ground (m), which only a free vehicle has.
+pub(in crate::diagnosis) type State = [f64; FLYING];
+/// Numbers of a vehicle that only turns.
+pub(in crate::diagnosis) const TURNING: usize = 6;
+/// Numbers of one that flies free.
+pub(in crate::diagnosis) const FLYING: usize = 10;
+
+/// The part of a state that turns.
+pub(in crate::diagnosis) fn turning(x: &State) -> Turning {
+    let [a, b, c, d, e, f, ..] = *x;
+    [a, b, c, d, e, f]
+}
 
 /// What a moment may depend on.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +59,7 @@ pub(in crate::diagnosis) struct Body {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::diagnosis) enum BodyRig {
     Gimbal { airframe: Airframe, inertia_kg_m2: [f64; 3], ring_inertia_kg_m2: f64 },
-    Free { airframe: Airframe, inertia_kg_m2: [f64; 3], weight_n: f64 },
+    Free { airframe: Airframe, inertia_kg_m2: [f64; 3], mass_kg: f64, gravity_m_s2: f64 },
     Axes { gain_rad_s2: [f64; 3] },
 }
 
@@ -78,7 +91,7 @@ impl Body {
         let rig = match model.mounting {
             Mounting::Gimbal { ring_inertia_kg_m2 } => BodyRig::Gimbal { airframe, inertia_kg_m2, ring_inertia_kg_m2 },
             Mounting::Free { mass_kg } => {
-                BodyRig::Free { airframe, inertia_kg_m2, weight_n: mass_kg * model.gravity_m_s2 }
+                BodyRig::Free { airframe, inertia_kg_m2, mass_kg, gravity_m_s2: model.gravity_m_s2 }
             }
         };
         Body { rig, inertia_scale: [1.0; 3], product_kg_m2: 0.0 }
@@ -93,10 +106,10 @@ impl Body {
     pub(in crate::diagnosis) fn derivative(
         &self,
         time_s: f64,
-        x: &State,
+        x: &Turning,
         force: &[f64; 4],
         moments: &[Box<dyn Moment>],
-    ) -> State {
+    ) -> Turning {
         let level = (0.0, 1.0);
         let roll = match self.rig {
             BodyRig::Axes { .. } => level,
@@ -122,7 +135,7 @@ impl Body {
         }
     }
 
-    fn gimbal(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3], ring: f64) -> State {
+    fn gimbal(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3], ring: f64) -> Turning {
         let [roll_rate, pitch_rate, _] = m.rate_rad_s;
         let ((sin, cos), [ixx, iyy, izz]) = (m.roll, *inertia);
         let j = self.inertia_scale[1] * (ring + iyy * cos * cos + izz * sin * sin);
@@ -139,7 +152,7 @@ impl Body {
         [roll_rate, pitch_rate, 0.0, roll_acceleration, pitch_acceleration, 0.0]
     }
 
-    fn free(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3]) -> State {
+    fn free(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3]) -> Turning {
         let [p, q, r] = m.rate_rad_s;
         let [ix, iy, iz] = [0, 1, 2].map(|axis: usize| inertia[axis] * self.inertia_scale[axis]);
         let product = self.product_kg_m2;
@@ -164,8 +177,47 @@ impl Body {
         ]
     }
 
+    /// Change of a free vehicle's state under lifts as they are far from the ground.
+    pub(in crate::diagnosis) fn flying_derivative(
+        &self,
+        time_s: f64,
+        x: &State,
+        force: &[f64; 4],
+        moments: &[Box<dyn Moment>],
+        air: &Air,
+    ) -> State {
+        let factor = air.lift_factor(x[9]);
+        let lifts_n = force.map(|lift_n| factor * lift_n);
+        let [d_roll, d_pitch, d_yaw, d_p, d_q, d_r] = self.derivative(time_s, &turning(x), &lifts_n, moments);
+        let velocity_m_s = [x[6], x[7], x[8]];
+        let attitude = Attitude::of(x[0], x[1], x[2]);
+        let (mass_kg, gravity_m_s2) = self.weight();
+        let specific = air.specific_force_m_s2(mass_kg, lifts_n.iter().sum(), &attitude, velocity_m_s);
+        let [north, east, down] = attitude.in_world(specific);
+        [d_roll, d_pitch, d_yaw, d_p, d_q, d_r, north, east, down + gravity_m_s2, -x[8]]
+    }
+
+    /// What an accelerometer at the centre of gravity feels, body axes, m/s^2.
+    pub(in crate::diagnosis) fn felt_m_s2(&self, x: &State, force: &[f64; 4], air: &Air) -> [f64; 3] {
+        let lift_n = air.lift_factor(x[9]) * force.iter().sum::<f64>();
+        air.specific_force_m_s2(self.weight().0, lift_n, &Attitude::of(x[0], x[1], x[2]), [x[6], x[7], x[8]])
+    }
+
+    /// Nominal mass, kg, and gravity, m/s^2; what hangs in a rig moves from no place.
+    fn weight(&self) -> (f64, f64) {
+        match self.rig {
+            BodyRig::Free { mass_kg, gravity_m_s2, .. } => (mass_kg, gravity_m_s2),
+            BodyRig::Gimbal { .. } | BodyRig::Axes { .. } => (f64::INFINITY, 0.0),
+        }
+    }
+
+    /// True where nothing holds it.
+    pub(in crate::diagnosis) fn flies_free(&self) -> bool {
+        matches!(self.rig, BodyRig::Free { .. })
+    }
+
     /// Body rates p, q, r of a state.
-    pub(in crate::diagnosis) fn rate_body_rad_s(&self, x: &State) -> [f64; 3] {
+    pub(in crate::diagnosis) fn rate_body_rad_s(&self, x: &Turning) -> [f64; 3] {
         match self.rig {
             BodyRig::Gimbal { .. } => {
                 let (sin, cos) = libm::sincos(x[0]);
@@ -176,7 +228,7 @@ impl Body {
     }
 
     /// The state of measured angles and body rates; 0 for what is not measured.
-    pub(in crate::diagnosis) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> State {
+    pub(in crate::diagnosis) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> Turning {
         let [roll, pitch, yaw] = angle_rad;
         let [p, q, r] = rate_body_rad_s;
         match self.rig {
