@@ -47,6 +47,7 @@ pub use evidence::residuals::ChannelResiduals;
 use evidence::statistics::Judged;
 pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
+use fitting::carried_noise::CarriedNoise;
 use fitting::fit::{Term, model_of};
 use fitting::process_noise::AxisNoise;
 use fitting::sampling::Sampled;
@@ -168,24 +169,28 @@ pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_
         fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
     let (search, found) =
         sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, always.clone(), observer));
-    let Some(disturbed) = noise_beyond_sensors(&search, &found) else {
+    let Some((moments, forces)) = noise_beyond_sensors(&search, &found) else {
         observer(Progress::Judging);
         return Ok(answer(log, subject, &search, &found));
     };
-    let shooting = subject.shooting(log, &subject.noise(log))?.commanded_as(search.shooting).with_noise(disturbed);
+    let shooting =
+        subject.shooting(log, &subject.noise(log))?.commanded_as(search.shooting).with_noise(moments, forces);
     let search = Search::new(&shooting, &nominal, &catalogue, always, observer);
     let found = search.run();
     observer(Progress::Judging);
     Ok(answer(log, subject, &search, &found))
 }
 
-/// The noise to be looked with once more, where what was found is far from explaining the log.
-fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisNoise; 3]> {
+/// The noise to be looked with once more, of moments and of forces, where what was found is far from explaining the log.
+fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<([AxisNoise; 3], Vec<CarriedNoise>)> {
     let shooting = search.shooting;
     let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms));
     let errors = accuracy::tallies(&accuracy::predict(shooting, &driven, &search.held_out_windows()));
     let is_far = accuracy::worst_ratio(&errors) > UNEXPLAINED_FACTOR;
-    is_far.then(|| shooting.most_likely_noise(&driven, &search.training, &found.chosen.fit.starts))
+    let (windows, starts) = (&search.training, &found.chosen.fit.starts);
+    is_far.then(|| {
+        (shooting.most_likely_noise(&driven, windows, starts), shooting.carried_noise(&driven, windows, starts))
+    })
 }
 
 /// Errors of a model as it stands over the held-out windows, and those of an exact one.

@@ -44,7 +44,8 @@ pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Op
     let all: Vec<usize> = (0..shooting.windows.len()).collect();
     let driven = shooting.drive(model_of(&nominal, &under_sensors.terms));
     let noise = shooting.most_likely_noise(&driven, &all, &under_sensors.starts);
-    let shooting = shooting.with_noise(noise);
+    let carried = shooting.carried_noise(&driven, &all, &under_sensors.starts);
+    let shooting = shooting.with_noise(noise, carried);
     let fit = fitted_to_all(&shooting, &nominal, under_sensors.terms);
     let spread = (fit.training / shooting.degrees_of_freedom(&all)).max(1.0);
     Ok(places.into_iter().map(|place| Some(estimates(&fit, place?, spread, MODEL_ERROR))).collect())

@@ -165,7 +165,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     let (misled, found_noise) = fitted(&shooting);
     println!("sensors only: {misled:?}");
     assert!(misled.iter().any(|(error, std)| error.abs() > 20.0 * std), "{misled:?}");
-    let (errors, _) = fitted(&shooting.with_noise(found_noise));
+    let (errors, _) = fitted(&shooting.with_noise(found_noise, Vec::new()));
     println!("with {found_noise:?}: {errors:?}");
     for (error, std) in errors {
         assert!(error.abs() < 3.5 * std, "{errors:?}");

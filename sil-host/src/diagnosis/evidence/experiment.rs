@@ -193,7 +193,7 @@ impl Judge<'_> {
         let flight = self.fly(scenario, truth)?;
         // what disturbed this log would disturb the flight too
         let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
-        let shooting = shooting.with_noise(self.search.shooting.noise);
+        let shooting = shooting.with_noise(self.search.shooting.noise, Vec::new());
         let all: Vec<usize> = (0..shooting.windows.len()).collect();
         let flown = shooting.drive(model_of(self.search.nominal, truth));
         let mut starts = shooting.measured_starts(&flown.model);

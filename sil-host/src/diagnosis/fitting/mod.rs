@@ -1,6 +1,7 @@
 //! From a log in windows to the values of some effects: residuals and slopes by multiple `shooting`, turned into innovations where more than the
 //! sensors is uncertain (`process_noise`, commands lost between rows: `sampling`), and least squares (`fit`).
 
+pub(in crate::diagnosis) mod carried_noise;
 pub(in crate::diagnosis) mod eigen;
 pub(in crate::diagnosis) mod fit;
 pub(in crate::diagnosis) mod hints;

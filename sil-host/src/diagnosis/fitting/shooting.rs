@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 
 use crate::axis::Axis;
+use crate::diagnosis::fitting::carried_noise::CarriedNoise;
 use crate::diagnosis::fitting::linear::Cholesky;
 use crate::diagnosis::fitting::linearisation::{
     Column, Linearisation, Normal, WindowLinear, slope, slopes, start_factor, turned,
@@ -66,6 +67,8 @@ pub(in crate::diagnosis) struct Shooting<'a> {
     is_vehicle: bool,
     /// Noise of each axis as innovations count it.
     pub(in crate::diagnosis) noise: [AxisNoise; 3],
+    /// Noise of the channels that show forces, beyond their sensors'; none where those are all.
+    pub(in crate::diagnosis) carried: Vec<CarriedNoise>,
     /// Forces by what lies between command and motor, all of one drive.
     tracks: Mutex<Vec<(Chain, Arc<ForceTrack>)>>,
 }
@@ -102,6 +105,7 @@ impl<'a> Shooting<'a> {
             start_components,
             is_vehicle: rig.is_vehicle,
             noise: [AxisNoise::SENSORS; 3],
+            carried: Vec::new(),
             tracks: Mutex::default(),
         }
     }
@@ -122,9 +126,9 @@ impl<'a> Shooting<'a> {
         Shooting { lost: Some(lost), noise: lost, ..self }
     }
 
-    /// The same, with more noise than the sensors'.
-    pub(in crate::diagnosis) fn with_noise(self, noise: [AxisNoise; 3]) -> Shooting<'a> {
-        Shooting { noise, ..self }
+    /// The same, with more noise than the sensors': of moments, and of forces.
+    pub(in crate::diagnosis) fn with_noise(self, noise: [AxisNoise; 3], carried: Vec<CarriedNoise>) -> Shooting<'a> {
+        Shooting { noise, carried, ..self }
     }
 
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
@@ -213,6 +217,7 @@ impl<'a> Shooting<'a> {
     fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Column {
         let mut residual = self.residual(driven, window, start);
         self.innovate(window, &mut residual);
+        self.whiten(window, &mut residual);
         residual
     }
 
