@@ -3,10 +3,10 @@
 use super::{Log, LogError, LogErrorKind, Quantity, ROWS_MIN};
 use crate::fidelity::wrapped;
 
-/// Fewest rows per second to which a log is thinned: 5 ms from row to row tell all that a vehicle's motion does.
-const THINNED_RATE_MIN_HZ: f64 = 200.0;
-/// A log of 1 kHz but for a few rows gives five rows in one.
-const ROUNDING: f64 = 0.1;
+/// A log of more rows per second is thinned.
+const FAST_HZ: f64 = 600.0;
+/// Fewest rows per second to which it is: 7 ms from row to row tell what a vehicle's motion does.
+const THINNED_MIN_HZ: f64 = 140.0;
 
 impl Log {
     /// The rows of a span of time, its ends included.
@@ -24,18 +24,17 @@ impl Log {
         Ok(self.with_columns(|_, column| rows.iter().map(|row| column[*row]).collect()))
     }
 
-    /// The same log in fewer rows, at least 200 per second, under all of its commands ([`Log::commanded_by`]); none for a log that
-    /// has less than three times as many.
+    /// A log of more than 600 rows per second in fewer of them, at least 140, under all of its commands ([`Log::commanded_by`]); none for
+    /// one that has fewer.
     ///
     /// A row becomes the mean of an odd number of rows, time and measurements alike, which is exact for a motion that changes evenly and
     /// takes noise away; whatever is held from row to row is that of the middle one.
     pub fn thinned(&self) -> Option<Log> {
         let step_s = self.mean_regular_step_s();
-        let together = if step_s > 0.0 { 1.0 / (step_s * THINNED_RATE_MIN_HZ) } else { 0.0 };
-        let side = (0.5 * (together + ROUNDING - 1.0)).floor() as usize;
-        if side == 0 {
+        if step_s <= 0.0 || step_s * FAST_HZ > 1.0 {
             return None;
         }
+        let side = (0.5 * (1.0 / (step_s * THINNED_MIN_HZ) - 1.0)).floor() as usize;
         let middles: Vec<usize> = (side..self.rows().saturating_sub(side)).step_by(2 * side + 1).collect();
         let longest_regular_s = self.longest_regular_step_s();
         let is_whole = |row: usize| {
@@ -104,18 +103,18 @@ mod tests {
     fn a_thinned_log_says_the_same_with_less_noise() {
         let log = fast();
         let thinned = log.thinned().unwrap();
-        assert_eq!(thinned.rows(), 300);
+        assert_eq!(thinned.rows(), 214);
         assert_eq!(thinned.commanded_by.as_deref(), Some(&log));
         let (pitch, q) = (thinned.angle_rad[1].as_ref().unwrap(), thinned.rate_rad_s[1].as_ref().unwrap());
         let mut squares = 0.0;
         for (row, time_s) in thinned.time_s.iter().enumerate() {
             assert!(wrapped(pitch[row] - 4.0 * time_s).abs() < 1e-9);
             squares += (q[row] - 3.0 * time_s) * (q[row] - 3.0 * time_s);
-            assert_eq!(thinned.motors().unwrap()[0][row], log.motors().unwrap()[0][2 + 5 * row]);
+            assert_eq!(thinned.motors().unwrap()[0][row], log.motors().unwrap()[0][3 + 7 * row]);
         }
-        // five samples of 0.01 in one; four standard deviations of 300 squares
-        let std = (squares / 300.0).sqrt();
-        assert!((std / (0.01 / 5f64.sqrt()) - 1.0).abs() < 4.0 / 600f64.sqrt(), "{std}");
+        // seven samples of 0.01 in one; four standard deviations of 214 squares
+        let std = (squares / 214.0).sqrt();
+        assert!((std / (0.01 / 7f64.sqrt()) - 1.0).abs() < 4.0 / 428f64.sqrt(), "{std}");
     }
 
     #[test]
@@ -130,9 +129,9 @@ mod tests {
     #[test]
     fn rows_beside_a_gap_stay_as_they_are() {
         let mut log = fast();
-        log.time_s[702..].iter_mut().for_each(|time_s| *time_s += 1.0);
+        log.time_s[705..].iter_mut().for_each(|time_s| *time_s += 1.0);
         let thinned = log.thinned().unwrap();
-        assert_eq!(thinned.time_s[140], log.time_s[702]);
+        assert_eq!(thinned.time_s[100], log.time_s[703]);
         assert!(thinned.time_s.windows(2).all(|time_s| time_s[1] > time_s[0]));
     }
 
