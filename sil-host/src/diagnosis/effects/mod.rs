@@ -146,6 +146,8 @@ pub(super) struct Scope {
     pub(super) battery: bool,
     /// True where roll and pitch belong to one body.
     pub(super) coupled: bool,
+    /// True where nothing holds the vehicle.
+    pub(super) flies_free: bool,
     /// True where the log shows what pushes a free vehicle.
     pub(super) pushed: bool,
     /// True where it has a free vehicle's velocity.
@@ -164,6 +166,7 @@ impl Scope {
         motors: true,
         battery: true,
         coupled: true,
+        flies_free: false,
         pushed: true,
         velocity: true,
         height: Some(0.0),
@@ -191,7 +194,7 @@ pub(super) fn catalogue(scope: &Scope) -> Vec<Box<dyn Effect>> {
         let i = axis.index();
         if scope.turns[i] && scope.axes[i] {
             if axis != Axis::Yaw {
-                table.push(Box::new(cg_offset::CgOffset(axis)));
+                table.push(Box::new(cg_offset::CgOffset { axis, flies_free: scope.flies_free }));
             }
             table.push(Box::new(torque_bias::TorqueBias(axis)));
             table.push(Box::new(viscous_friction::ViscousFriction(axis)));
