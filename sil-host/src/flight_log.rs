@@ -40,7 +40,7 @@ pub(crate) fn log_of_rows(record: &FlightRecord, rows: &[usize]) -> Log {
         motor_command: core::array::from_fn(|motor| column(&|i| record.commands[i][motor])),
         reference_rad: [column(&|i| record.reference_rad[i][0]), column(&|i| record.reference_rad[i][1]), None],
         accel_body_m_s2: core::array::from_fn(|axis| column(&|i| record.logged_force_m_s2[i][axis])),
-        velocity_ned_m_s: core::array::from_fn(|axis| navigation(axis)),
+        velocity_ned_m_s: core::array::from_fn(navigation),
         height_m: navigation(3),
         ..Log::default()
     }

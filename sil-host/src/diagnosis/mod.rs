@@ -198,10 +198,30 @@ fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<([Axis
 /// # Errors
 /// As [`diagnose`].
 pub fn prediction_error(log: &Log, subject: &Subject<'_>) -> Result<[ChannelErrors; 2], FidelityError> {
+    Ok(verdict::channel_errors(&held_out_tallies(log, subject)?))
+}
+
+/// The same of every channel that is compared, with their names, in SI units: error, and that of an exact model.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn channel_prediction_errors(
+    log: &Log,
+    subject: &Subject<'_>,
+) -> Result<Vec<(&'static str, [f64; 2])>, FidelityError> {
+    let tallies = held_out_tallies(log, subject)?;
+    let of = |place: usize| {
+        let (error, floor) = accuracy::root_mean_square(&tallies, place)?;
+        Some((evidence::residuals::NAMES[place], [error, floor]))
+    };
+    Ok((0..vehicle::prediction::PLACES).filter_map(of).collect())
+}
+
+fn held_out_tallies(log: &Log, subject: &Subject<'_>) -> Result<Vec<accuracy::WindowTally>, FidelityError> {
     let shooting = subject.shooting(log, &subject.noise(log))?;
     let driven = shooting.drive(subject.model());
     let held_out: Vec<_> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
-    Ok(verdict::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out))))
+    Ok(accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out)))
 }
 
 fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {

@@ -110,6 +110,7 @@ impl Subject<'_> {
             battery: log.battery_v.is_some(),
             coupled: vehicle,
             is_held: self.is_held(),
+            flies_free: self.flies_free(),
             pushed: self.flies_free() && (log.accel_body_m_s2[2].is_some() || has_velocity),
             velocity: self.flies_free() && has_velocity,
             height: self.flies_free().then(|| log.height_m.as_ref()?.first().copied()).flatten(),

@@ -148,6 +148,8 @@ pub(super) struct Scope {
     pub(super) coupled: bool,
     /// True where a rig holds the vehicle, so that its angles show in the other axes though nobody measures them.
     pub(super) is_held: bool,
+    /// True in free flight.
+    pub(super) flies_free: bool,
     /// True where the log shows what pushes a free vehicle.
     pub(super) pushed: bool,
     /// True where it has a free vehicle's velocity.
@@ -167,6 +169,7 @@ impl Scope {
         battery: true,
         coupled: true,
         is_held: true,
+        flies_free: false,
         pushed: true,
         velocity: true,
         height: Some(0.0),
@@ -194,7 +197,7 @@ pub(super) fn catalogue(scope: &Scope) -> Vec<Box<dyn Effect>> {
         let i = axis.index();
         if scope.turns[i] && scope.axes[i] {
             if axis != Axis::Yaw {
-                table.push(Box::new(cg_offset::CgOffset(axis)));
+                table.push(Box::new(cg_offset::CgOffset { axis, flies_free: scope.flies_free }));
             }
             table.push(Box::new(torque_bias::TorqueBias(axis)));
             table.push(Box::new(viscous_friction::ViscousFriction(axis)));
