@@ -5,8 +5,10 @@ use crate::fidelity::wrapped;
 
 /// A log of more rows per second is thinned.
 const FAST_HZ: f64 = 600.0;
-/// Fewest rows per second to which it is: 7 ms from row to row tell what a vehicle's motion does.
-const THINNED_MIN_HZ: f64 = 140.0;
+/// Fewest rows per second to which it is: 5 ms from row to row, a step of the diagnosis' model of the body.
+const THINNED_MIN_HZ: f64 = 200.0;
+/// A log of 1 kHz but for a few rows gives five rows in one.
+const ROUNDING: f64 = 0.1;
 
 impl Log {
     /// The rows of a span of time, its ends included.
@@ -24,7 +26,7 @@ impl Log {
         Ok(self.with_columns(|_, column| rows.iter().map(|row| column[*row]).collect()))
     }
 
-    /// A log of more than 600 rows per second in fewer of them, at least 140, under all of its commands ([`Log::commanded_by`]); none for
+    /// A log of more than 600 rows per second in fewer of them, at least 200, under all of its commands ([`Log::commanded_by`]); none for
     /// one that has fewer.
     ///
     /// A row becomes the mean of an odd number of rows, time and measurements alike, which is exact for a motion that changes evenly and
@@ -34,7 +36,7 @@ impl Log {
         if step_s <= 0.0 || step_s * FAST_HZ > 1.0 {
             return None;
         }
-        let side = (0.5 * (1.0 / (step_s * THINNED_MIN_HZ) - 1.0)).floor() as usize;
+        let side = (0.5 * (1.0 / (step_s * THINNED_MIN_HZ) + ROUNDING - 1.0)).floor() as usize;
         let middles: Vec<usize> = (side..self.rows().saturating_sub(side)).step_by(2 * side + 1).collect();
         let longest_regular_s = self.longest_regular_step_s();
         let is_whole = |row: usize| {
@@ -103,18 +105,18 @@ mod tests {
     fn a_thinned_log_says_the_same_with_less_noise() {
         let log = fast();
         let thinned = log.thinned().unwrap();
-        assert_eq!(thinned.rows(), 214);
+        assert_eq!(thinned.rows(), 300);
         assert_eq!(thinned.commanded_by.as_deref(), Some(&log));
         let (pitch, q) = (thinned.angle_rad[1].as_ref().unwrap(), thinned.rate_rad_s[1].as_ref().unwrap());
         let mut squares = 0.0;
         for (row, time_s) in thinned.time_s.iter().enumerate() {
             assert!(wrapped(pitch[row] - 4.0 * time_s).abs() < 1e-9);
             squares += (q[row] - 3.0 * time_s) * (q[row] - 3.0 * time_s);
-            assert_eq!(thinned.motors().unwrap()[0][row], log.motors().unwrap()[0][3 + 7 * row]);
+            assert_eq!(thinned.motors().unwrap()[0][row], log.motors().unwrap()[0][2 + 5 * row]);
         }
-        // seven samples of 0.01 in one; four standard deviations of 214 squares
-        let std = (squares / 214.0).sqrt();
-        assert!((std / (0.01 / 7f64.sqrt()) - 1.0).abs() < 4.0 / 428f64.sqrt(), "{std}");
+        // five samples of 0.01 in one; four standard deviations of 300 squares
+        let std = (squares / 300.0).sqrt();
+        assert!((std / (0.01 / 5f64.sqrt()) - 1.0).abs() < 4.0 / 600f64.sqrt(), "{std}");
     }
 
     #[test]
@@ -129,9 +131,9 @@ mod tests {
     #[test]
     fn rows_beside_a_gap_stay_as_they_are() {
         let mut log = fast();
-        log.time_s[705..].iter_mut().for_each(|time_s| *time_s += 1.0);
+        log.time_s[703..].iter_mut().for_each(|time_s| *time_s += 1.0);
         let thinned = log.thinned().unwrap();
-        assert_eq!(thinned.time_s[100], log.time_s[703]);
+        assert_eq!(thinned.time_s[140], log.time_s[702]);
         assert!(thinned.time_s.windows(2).all(|time_s| time_s[1] > time_s[0]));
     }
 
