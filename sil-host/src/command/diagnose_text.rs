@@ -1,6 +1,6 @@
 //! A diagnosis on the terminal.
 
-use sil_host::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics};
+use sil_host::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected};
 use sil_host::log::Log;
 
 use super::diagnose_report::{error_rows, headline, interval_text};
@@ -35,7 +35,9 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
     if !answer.unexplained.signature.is_empty() {
         text.push_str(&format!("  left over: {}\n", answer.unexplained.signature));
     }
-    for rejected in answer.rejected.iter().filter(|rejected| rejected.effect == "controller_mismatch") {
+    let of_controller =
+        |rejected: &&Rejected| rejected.effect == "controller_mismatch" && rejected.reason != NO_CONTROLLER;
+    for rejected in answer.rejected.iter().filter(of_controller) {
         text.push_str(&format!("  controller: {}\n", rejected.reason));
     }
     let errors = &answer.prediction_error;

@@ -58,6 +58,8 @@ pub use sizes::{Asked, Size, sizes};
 pub use subject::Subject;
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
+/// Why nothing is said of the controller where none is given.
+pub const NO_CONTROLLER: &str = "no controller given";
 /// Above this multiple of the noise floor an error is not explained.
 const FLOOR_FACTOR_MAX: f64 = 1.3;
 /// Above this multiple the disturbances are taken for part of the noise ([`fitting::process_noise`]).
@@ -240,11 +242,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
     let mut rejected = verdict::rejected(search, found);
     rejected.extend(subject.not_asked(log));
-    rejected.push(Rejected {
-        effect: "controller_mismatch",
-        axis: String::new(),
-        reason: "no controller given".to_owned(),
-    });
+    rejected.push(Rejected { effect: "controller_mismatch", axis: String::new(), reason: NO_CONTROLLER.to_owned() });
     let verdict = match (findings.is_empty(), unexplained.signature.is_empty() && at_the_floor) {
         (true, true) => Verdict::NoDiscrepancy,
         (true, false) => Verdict::UnknownEffect,

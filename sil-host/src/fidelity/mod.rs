@@ -34,6 +34,7 @@ pub use condition::{Bin, ConditionalError};
 pub use deviation::mean_absolute_deviation;
 pub(crate) use deviation::wrapped;
 pub use error::FidelityError;
+pub(crate) use noise::deviations;
 pub use noise::{SensorNoise, white_noise_std};
 pub use replay::{Replay, ReplayOptions, replay_axes, replay_plant};
 pub use residual::{Channel, ChannelErrors, Part, PredictionError, Residual};

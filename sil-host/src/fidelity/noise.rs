@@ -118,17 +118,24 @@ fn white_residual_std(residuals: &[Residual], channel: Channel) -> Option<f64> {
 /// Standard deviation of the white part of a column, in its unit; stretches are (first row, one past the last) between
 /// gaps. `None` if no stretch has seven rows.
 pub fn white_noise_std(time_s: &[f64], column: &[f64], stretches: &[(usize, usize)]) -> Option<f64> {
-    let mut magnitudes = Vec::new();
-    for (first, end) in stretches {
-        let (times, values) = (&time_s[*first..*end], &column[*first..*end]);
-        let groups = times.windows(2 * SIDE + 1).zip(values.windows(2 * SIDE + 1));
-        magnitudes.extend(groups.map(|(times, values)| deviation(times, values).abs()));
-    }
+    let deviations = deviations(time_s, column, stretches);
+    let mut magnitudes: Vec<f64> = deviations.into_iter().map(|(_, deviation)| deviation.abs()).collect();
     if magnitudes.is_empty() {
         return None;
     }
     magnitudes.sort_by(f64::total_cmp);
     Some(magnitudes[magnitudes.len() / 2] / MEDIAN_OF_MAGNITUDE)
+}
+
+/// Row by row, for those with three neighbours on each side: how far it is from what these say, in units of the noise of one value.
+pub(crate) fn deviations(time_s: &[f64], column: &[f64], stretches: &[(usize, usize)]) -> Vec<(usize, f64)> {
+    let mut rows = Vec::new();
+    for (first, end) in stretches {
+        let (times, values) = (&time_s[*first..*end], &column[*first..*end]);
+        let groups = times.windows(2 * SIDE + 1).zip(values.windows(2 * SIDE + 1));
+        rows.extend(groups.enumerate().map(|(at, (times, values))| (first + at + SIDE, deviation(times, values))));
+    }
+    rows
 }
 
 /// How far the middle value is from the polynomial through the others, in units of the noise of one value.

@@ -14,6 +14,7 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::fitting::linear::dot;
+use crate::diagnosis::fitting::linearisation::Column;
 
 /// White noise of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,23 +23,22 @@ pub(in crate::diagnosis) struct AxisNoise {
     pub(in crate::diagnosis) acceleration: f64,
     /// Sensors' noise over what the log's smoothness says: an estimator's error goes on from row to row and cannot be seen there.
     pub(in crate::diagnosis) sensors: f64,
+    /// Share that counts of what lost commands leave unknown.
+    pub(in crate::diagnosis) lost: f64,
 }
 
 impl AxisNoise {
     /// What is left of the sensors alone.
-    pub(in crate::diagnosis) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0 };
+    pub(in crate::diagnosis) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0, lost: 1.0 };
 }
+
+/// What lost commands leave unknown, per axis and row until the next, as white angular acceleration: root of its power density, rad/s^2 per root
+/// of Hz.
+pub(in crate::diagnosis) type Lost = [Vec<f64>; 3];
 
 /// Strengths that are tried: a factor of two apart.
 const ACCELERATIONS: std::ops::Range<i32> = -10..7;
 const SENSORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-
-/// The two channels of an axis: standard deviations of its angle (rad) and of its rate (rad/s), where they are measured.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::diagnosis) struct AxisSensors {
-    pub(in crate::diagnosis) angle_rad: Option<f64>,
-    pub(in crate::diagnosis) rate_rad_s: Option<f64>,
-}
 
 /// A motion's departure from its prediction, as far as the rows so far have told it, and its covariance.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,7 +52,7 @@ pub(in crate::diagnosis) struct Departure {
 impl Departure {
     /// Takes one residual, its slopes along (angle, rate) and its sensor's standard deviation, all in one unit; its innovation and that one's
     /// variance.
-    pub(in crate::diagnosis) fn correct(&mut self, residual: f64, [angle, rate]: [f64; 2], sensor: f64) -> (f64, f64) {
+    fn correct(&mut self, residual: f64, [angle, rate]: [f64; 2], sensor: f64) -> (f64, f64) {
         let [aa, ar, rr] = self.covariance;
         let (with_angle, with_rate) = (aa * angle + ar * rate, ar * angle + rr * rate);
         let variance = sensor * sensor + angle * with_angle + rate * with_rate;
@@ -67,10 +67,9 @@ impl Departure {
         (innovation, variance)
     }
 
-    /// Lets time pass under a white acceleration.
-    pub(in crate::diagnosis) fn pass(&mut self, h: f64, acceleration: f64) {
+    /// Lets time pass under a white acceleration of a power density.
+    fn pass(&mut self, h: f64, density: f64) {
         self.angle_rad += h * self.rate_rad_s;
-        let density = acceleration * acceleration;
         let [aa, ar, rr] = self.covariance;
         self.covariance = [
             aa + h * (2.0 * ar + h * rr) + density * h * h * h / 3.0,
@@ -80,61 +79,73 @@ impl Departure {
     }
 }
 
-/// Turns residuals of an axis, (angle, rate), in units of each channel's noise, into innovations of unit variance; the logarithm of the
-/// variances that they had, summed. A channel that is not there is empty.
-fn innovate(time_s: &[f64], sensors: AxisSensors, noise: &AxisNoise, residual: &mut [Vec<f64>; 2]) -> f64 {
-    let slopes = [sensors.angle_rad.map(|std| [1.0 / std, 0.0]), sensors.rate_rad_s.map(|std| [0.0, 1.0 / std])];
-    let mut departure = Departure::default();
-    let mut log_determinant = 0.0;
-    let mut before_s = time_s.first().copied().unwrap_or_default();
-    for (row, at_s) in time_s.iter().enumerate() {
-        departure.pass(at_s - before_s, noise.acceleration);
-        before_s = *at_s;
-        for (channel, slope) in residual.iter_mut().zip(slopes) {
-            let (Some(value), Some(slope)) = (channel.get_mut(row), slope) else { continue };
-            let (innovation, variance) = departure.correct(*value, slope, noise.sensors);
-            *value = innovation / variance.sqrt();
-            log_determinant += libm::log(variance);
-        }
-    }
-    log_determinant
+/// The rows of a window as one axis shows in them.
+pub(in crate::diagnosis) struct Passage<'a> {
+    /// When they are, s.
+    pub(in crate::diagnosis) time_s: &'a [f64],
+    /// Root of the power density of what lost commands leave unknown of the acceleration from each row to the next, rad/s^2 per root of Hz; empty
+    /// where none are lost.
+    pub(in crate::diagnosis) lost: &'a [f64],
+    /// Per row, the channels that show the axis: number, slopes along (angle, rate) in units of the channel's noise.
+    pub(in crate::diagnosis) seen: Vec<Vec<(usize, [f64; 2])>>,
 }
 
-/// One window of an axis: its rows' times, residuals and slopes along the start state, each as (angle, rate).
+impl Passage<'_> {
+    /// Turns residuals, channel by channel in units of each one's noise, into innovations of unit variance; the logarithm of the
+    /// variances that they had, summed.
+    pub(in crate::diagnosis) fn innovate(&self, noise: &AxisNoise, residual: &mut [f64]) -> f64 {
+        let rows = self.time_s.len();
+        let mut departure = Departure::default();
+        let mut log_determinant = 0.0;
+        for (row, seen) in self.seen.iter().enumerate() {
+            for (channel, slope) in seen {
+                let Some(at) = residual.get_mut(channel * rows + row) else { continue };
+                let (innovation, variance) = departure.correct(*at, *slope, noise.sensors);
+                *at = innovation / variance.sqrt();
+                log_determinant += libm::log(variance);
+            }
+            if let Some(next_s) = self.time_s.get(row + 1) {
+                let lost = noise.lost * self.lost.get(row).copied().unwrap_or_default();
+                departure.pass(next_s - self.time_s[row], noise.acceleration * noise.acceleration + lost * lost);
+            }
+        }
+        log_determinant
+    }
+}
+
+/// One window of an axis, with the channels that show it: residuals, and slopes along the start state.
 pub(in crate::diagnosis) struct AxisWindow<'a> {
-    pub(in crate::diagnosis) time_s: &'a [f64],
-    pub(in crate::diagnosis) residual: [Vec<f64>; 2],
-    pub(in crate::diagnosis) slopes: Vec<[Vec<f64>; 2]>,
+    pub(in crate::diagnosis) passage: Passage<'a>,
+    pub(in crate::diagnosis) residual: Column,
+    pub(in crate::diagnosis) slopes: Vec<Column>,
 }
 
 /// The noise under which what a model leaves of an axis is most likely.
-pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>], sensors: AxisSensors) -> AxisNoise {
+pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>]) -> AxisNoise {
     let candidates = SENSORS.into_iter().flat_map(|sensors| {
-        let white =
-            ACCELERATIONS.map(move |exponent| AxisNoise { acceleration: libm::exp2(f64::from(exponent)), sensors });
-        std::iter::once(AxisNoise { acceleration: 0.0, sensors }).chain(white)
+        let white = ACCELERATIONS.map(move |exponent| AxisNoise {
+            acceleration: libm::exp2(f64::from(exponent)),
+            sensors,
+            ..AxisNoise::SENSORS
+        });
+        std::iter::once(AxisNoise { sensors, ..AxisNoise::SENSORS }).chain(white)
     });
     let candidates: Vec<AxisNoise> = candidates.collect();
-    let unlikeliness: Vec<f64> = candidates
-        .par_iter()
-        .map(|noise| windows.iter().map(|window| unlikeliness(window, sensors, noise)).sum())
-        .collect();
+    let unlikeliness: Vec<f64> =
+        candidates.par_iter().map(|noise| windows.iter().map(|window| unlikeliness(window, noise)).sum()).collect();
     let best = unlikeliness.iter().zip(&candidates).min_by(|a, b| a.0.total_cmp(b.0));
     best.map_or(AxisNoise::SENSORS, |(_, noise)| *noise)
 }
 
 /// Twice the negative logarithm of a window's likelihood, its start state quite free, up to a constant.
-fn unlikeliness(window: &AxisWindow<'_>, sensors: AxisSensors, noise: &AxisNoise) -> f64 {
-    let white = |channels: &[Vec<f64>; 2]| -> (Vec<f64>, f64) {
-        let mut channels = channels.clone();
-        let log_determinant = innovate(window.time_s, sensors, noise, &mut channels);
-        (channels.concat(), log_determinant)
-    };
-    let (mut left, log_determinant) = white(&window.residual);
+pub(in crate::diagnosis) fn unlikeliness(window: &AxisWindow<'_>, noise: &AxisNoise) -> f64 {
+    let mut left = window.residual.clone();
+    let log_determinant = window.passage.innovate(noise, &mut left);
     let mut basis: Vec<Vec<f64>> = Vec::new();
     // Gram and Schmidt: what the start state can explain is taken out
     for slope in &window.slopes {
-        let (mut column, _) = white(slope);
+        let mut column = slope.clone();
+        window.passage.innovate(noise, &mut column);
         for other in &basis {
             let along = dot(other, &column);
             column.iter_mut().zip(other).for_each(|(value, other)| *value -= along * other);
@@ -155,11 +166,13 @@ mod tests {
     use super::*;
     use crate::sensors::random::RandomStream;
 
-    const SENSORS: AxisSensors = AxisSensors { angle_rad: Some(1e-3), rate_rad_s: Some(5e-3) };
+    /// Slopes of an angle known to 1e-3 rad and of a rate known to 5e-3 rad/s.
+    const ANGLE: [f64; 2] = [1.0 / 1e-3, 0.0];
+    const RATE: [f64; 2] = [0.0, 1.0 / 5e-3];
     const STEP_S: f64 = 0.004;
 
     /// What is seen of a double integrator under white acceleration, in units of the sensors' noise.
-    fn seen(acceleration: f64, sensors: f64, rows: usize, seed: u64) -> (Vec<f64>, [Vec<f64>; 2]) {
+    fn seen(acceleration: f64, sensors: f64, rows: usize, seed: u64) -> (Vec<f64>, Column) {
         let mut random = RandomStream::new(seed, "disturbed");
         let (mut x, mut v) = (0.0, 0.0);
         let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
@@ -174,36 +187,48 @@ mod tests {
                 v += kick;
             }
         }
-        (times, [angles, rates])
+        (times, [angles, rates].concat())
+    }
+
+    fn passage<'a>(time_s: &'a [f64], seen: &[(usize, [f64; 2])]) -> Passage<'a> {
+        Passage { time_s, lost: &[], seen: vec![seen.to_vec(); time_s.len()] }
     }
 
     #[test]
     fn innovations_are_white_and_of_unit_variance() {
-        let noise = AxisNoise { acceleration: 0.5, sensors: 2.0 };
+        let noise = AxisNoise { acceleration: 0.5, sensors: 2.0, lost: 1.0 };
         let (times, mut channels) = seen(0.5, 2.0, 4000, 1);
-        innovate(&times, SENSORS, &noise, &mut channels);
-        let [angle, rate] = channels;
-        for channel in [&angle, &rate] {
+        passage(&times, &[(0, ANGLE), (1, RATE)]).innovate(&noise, &mut channels);
+        let (angle, rate) = channels.split_at(4000);
+        for channel in [angle, rate] {
             let variance = dot(channel, channel) / 4000.0;
             let next = dot(&channel[1..], &channel[..3999]) / 4000.0;
             // four standard deviations of 4000 samples
             assert!((variance - 1.0).abs() < 4.0 * (2.0 / 4000f64).sqrt(), "{variance}");
             assert!(next.abs() < 4.0 / 4000f64.sqrt(), "{next}");
         }
-        assert!(dot(&angle, &rate).abs() / 4000.0 < 4.0 / 4000f64.sqrt());
+        assert!(dot(angle, rate).abs() / 4000.0 < 4.0 / 4000f64.sqrt());
     }
 
     #[test]
     fn without_a_disturbance_residuals_stay_as_they_are() {
         let (times, before) = seen(0.5, 1.0, 50, 2);
         let mut channels = before.clone();
-        innovate(&times, SENSORS, &AxisNoise::SENSORS, &mut channels);
+        passage(&times, &[(0, ANGLE), (1, RATE)]).innovate(&AxisNoise::SENSORS, &mut channels);
         assert_eq!(channels, before);
-        let gyro = AxisSensors { angle_rad: None, ..SENSORS };
-        let mut channels = [Vec::new(), before[1].clone()];
-        innovate(&times, gyro, &AxisNoise { acceleration: 0.0, sensors: 2.0 }, &mut channels);
-        let [_, rate] = channels;
-        assert!(rate.iter().zip(&before[1]).all(|(white, rate)| (2.0 * white - rate).abs() < 1e-12));
+        let mut rate = before[50..].to_vec();
+        passage(&times, &[(0, RATE)]).innovate(&AxisNoise { sensors: 2.0, ..AxisNoise::SENSORS }, &mut rate);
+        assert!(rate.iter().zip(&before[50..]).all(|(white, rate)| (2.0 * white - rate).abs() < 1e-12));
+    }
+
+    #[test]
+    fn what_lost_commands_leave_unknown_counts_as_a_disturbance_does() {
+        let (times, residual) = seen(0.5, 1.0, 50, 3);
+        let disturbed = passage(&times, &[(0, ANGLE), (1, RATE)]);
+        let (mut by_noise, mut by_lost) = (residual.clone(), residual);
+        disturbed.innovate(&AxisNoise { acceleration: 0.5, ..AxisNoise::SENSORS }, &mut by_noise);
+        Passage { lost: &[0.5; 50], ..disturbed }.innovate(&AxisNoise::SENSORS, &mut by_lost);
+        assert_eq!(by_noise, by_lost);
     }
 
     #[test]
@@ -213,12 +238,13 @@ mod tests {
             let windows: Vec<AxisWindow<'_>> = made
                 .iter()
                 .map(|(times, residual)| {
-                    let ones = [vec![1.0 / 1e-3; 125], vec![0.0; 125]];
-                    let ramp = [times.iter().map(|time_s| time_s / 1e-3).collect(), vec![1.0 / 5e-3; 125]];
-                    AxisWindow { time_s: times, residual: residual.clone(), slopes: vec![ones, ramp] }
+                    let ones = [vec![1.0 / 1e-3; 125], vec![0.0; 125]].concat();
+                    let ramp = [times.iter().map(|time_s| time_s / 1e-3).collect(), vec![1.0 / 5e-3; 125]].concat();
+                    let passage = passage(times, &[(0, ANGLE), (1, RATE)]);
+                    AxisWindow { passage, residual: residual.clone(), slopes: vec![ones, ramp] }
                 })
                 .collect();
-            assert_eq!(most_likely(&windows, SENSORS), AxisNoise { acceleration, sensors });
+            assert_eq!(most_likely(&windows), AxisNoise { acceleration, sensors, lost: 1.0 });
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::diagnosis::fitting::linear::Cholesky;
 use crate::diagnosis::fitting::linearisation::{
     Column, Linearisation, Normal, WindowLinear, slope, slopes, start_factor, turned,
 };
-use crate::diagnosis::fitting::process_noise::AxisNoise;
+use crate::diagnosis::fitting::process_noise::{AxisNoise, Lost};
 use crate::diagnosis::vehicle::actuation::{Chain, Commands, ForceTrack};
 use crate::diagnosis::vehicle::body::State;
 use crate::diagnosis::vehicle::prediction::{Model, PLACES, Scene, track};
@@ -60,8 +60,8 @@ pub(in crate::diagnosis) struct Shooting<'a> {
     volts_lost: Vec<f64>,
     channels: Vec<Channel<'a>>,
     pub(in crate::diagnosis) windows: Vec<Window>,
-    /// Accelerations that commands lost between rows leave unknown, per axis; none where none are.
-    pub(in crate::diagnosis) lost: Option<[AxisNoise; 3]>,
+    /// Accelerations that commands lost between rows leave unknown; none where none are.
+    pub(in crate::diagnosis) lost: Option<Lost>,
     /// Components of the state that a window may choose.
     start_components: Vec<usize>,
     is_vehicle: bool,
@@ -118,12 +118,12 @@ impl<'a> Shooting<'a> {
     /// The same with the commands of another, and with what those leave unknown.
     pub(in crate::diagnosis) fn commanded_as(self, other: &Shooting<'_>) -> Shooting<'a> {
         let shooting = self.commanded(other.commands.clone());
-        Shooting { lost: other.lost, ..shooting }
+        Shooting { lost: other.lost.clone(), ..shooting }
     }
 
     /// The same, its commands leaving accelerations unknown.
-    pub(in crate::diagnosis) fn with_lost(self, lost: [AxisNoise; 3]) -> Shooting<'a> {
-        Shooting { lost: Some(lost), noise: lost, ..self }
+    pub(in crate::diagnosis) fn with_lost(self, lost: Lost) -> Shooting<'a> {
+        Shooting { lost: Some(lost), ..self }
     }
 
     /// The same, with more noise than the sensors': of moments, and of forces.

@@ -28,6 +28,8 @@ type PerUnit = Arc<dyn Fn(&Motion) -> [f64; 3] + Sync + Send>;
 /// A shape, and how it is told.
 struct Shape {
     words: &'static str,
+    /// What its coefficient is per, behind the unit of a moment.
+    per: &'static str,
     moment: PerUnit,
 }
 
@@ -75,7 +77,9 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
         let fall = (fall - explained_by_own) / search.spread(chosen) - dependence.shapes.len() as f64;
         if fall > SIGNIFICANT && best.as_ref().is_none_or(|(most, _)| fall > *most) {
             let first = coefficients.len() - dependence.shapes.len();
-            best = Some((fall, dependence.in_words(&normal, &coefficients, first)));
+            // separate axes are bodies of unit inertia
+            let moment_unit = if shooting.has_motors() { "N m" } else { "rad/s^2" };
+            best = Some((fall, dependence.in_words(&normal, &coefficients, first, moment_unit)));
         }
     }
     best.map(|(_, words)| words)
@@ -98,16 +102,27 @@ fn explained(normal: &Normal) -> Option<(f64, Vec<f64>)> {
 
 impl Dependence {
     /// The shape that contributes most, and its sign.
-    fn in_words(&self, normal: &Normal, coefficients: &[f64], first: usize) -> String {
+    fn in_words(&self, normal: &Normal, coefficients: &[f64], first: usize, moment_unit: &str) -> String {
         let size = coefficients.len();
         let weight = |i: usize| coefficients[i] * coefficients[i] * normal.matrix[i * size + i];
         let most = (first..size).max_by(|a, b| weight(*a).total_cmp(&weight(*b))).unwrap_or(first);
-        let shape = self.shapes.get(most - first).map_or("", |shape| shape.words);
+        let (shape, per) = self.shapes.get(most - first).map_or(("", ""), |shape| (shape.words, shape.per));
         let sign = if coefficients[most] < 0.0 { "minus " } else { "" };
+        let size = three_digits(coefficients[most].abs());
         format!(
-            "{}: what is left depends on the {}: a moment that goes with {sign}{shape} ({:+.2e} N m per unit)",
-            self.place, self.quantity, coefficients[most]
+            "{}: what is left depends on the {}: a moment that goes with {sign}{shape} ({size} {moment_unit}{per})",
+            self.place, self.quantity
         )
+    }
+}
+
+/// A positive number as people write it.
+fn three_digits(value: f64) -> String {
+    if (1e-3..1e4).contains(&value) {
+        let decimals = (2.0 - libm::floor(libm::log10(value))).max(0.0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.2e}")
     }
 }
 
@@ -120,19 +135,23 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
     for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(axis.index())) {
         let i = axis.index();
         let on_axis = move |value: f64| -> [f64; 3] { core::array::from_fn(|k| if k == i { value } else { 0.0 }) };
-        let shape =
-            |words, of: fn(&Motion, usize) -> f64| Shape { words, moment: Arc::new(move |m| on_axis(of(m, i))) };
+        let shape = |words, per, of: fn(&Motion, usize) -> f64| Shape {
+            words,
+            per,
+            moment: Arc::new(move |m| on_axis(of(m, i))),
+        };
         let dependence = |quantity, shapes| Dependence { place: axis.name().to_owned(), quantity, shapes };
         let angle = vec![
-            shape("its square", |m, i| m.angle_rad[i] * m.angle_rad[i]),
-            shape("its cube", |m, i| m.angle_rad[i] * m.angle_rad[i] * m.angle_rad[i]),
+            shape("its square", " per rad^2", |m, i| m.angle_rad[i] * m.angle_rad[i]),
+            shape("its cube", " per rad^3", |m, i| m.angle_rad[i] * m.angle_rad[i] * m.angle_rad[i]),
         ];
         let rate = vec![
-            shape("its square, signed", |m, i| m.rate_rad_s[i] * m.rate_rad_s[i].abs()),
-            shape("its cube", |m, i| m.rate_rad_s[i] * m.rate_rad_s[i] * m.rate_rad_s[i]),
+            shape("its square, signed", " per (rad/s)^2", |m, i| m.rate_rad_s[i] * m.rate_rad_s[i].abs()),
+            shape("its cube", " per (rad/s)^3", |m, i| m.rate_rad_s[i] * m.rate_rad_s[i] * m.rate_rad_s[i]),
         ];
         let time = HALF_WAVES.map(|waves| Shape {
             words: "a slow wave over the log",
+            per: "",
             moment: Arc::new(move |m: &Motion| on_axis(libm::cos(waves * phase(m.time_s)))),
         });
         all.push(dependence("angle", angle));
@@ -142,11 +161,16 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
     if shooting.has_motors() {
         for motor in 0..4 {
             let squared = move |m: &Motion| tilted(motor, m.force[motor] * m.force[motor]);
-            let shapes = vec![Shape { words: "the square of its lift", moment: Arc::new(squared) }];
+            let shapes = vec![Shape {
+                words: "the square of its lift",
+                per: " per N^2 and m of lever",
+                moment: Arc::new(squared),
+            }];
             all.push(Dependence { place: format!("motor {}", motor + 1), quantity: "command", shapes });
         }
         let fading = HALF_WAVES.map(|waves| Shape {
             words: "all lifts, in a slow wave over the log",
+            per: " per N and m of lever",
             moment: Arc::new(move |m: &Motion| {
                 let [roll, pitch] =
                     [0, 1].map(|k| (0..4).map(|motor| TILT_SIGNS[motor][k] * m.force[motor]).sum::<f64>());

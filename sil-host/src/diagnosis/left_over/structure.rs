@@ -66,7 +66,7 @@ impl Settled {
         start: &State,
     ) -> Option<Settled> {
         // a disturbance that was only found in the log is no part of an explanation, lost commands are
-        let (mut residual, slopes) = match shooting.lost {
+        let (mut residual, slopes) = match &shooting.lost {
             Some(_) => shooting.innovation_slopes(driven, window, start),
             None => shooting.start_slopes(driven, window, start),
         };
