@@ -104,7 +104,7 @@ fn causes(answer: &Diagnosis) -> Section {
         .list(answer.findings.iter().map(|finding| capitalised(&finding.statement)))
         .table(table)
         .paragraph(format!(
-            "Each effect was fitted to every second window of the log and judged on the windows in between, which no fit has seen. There \
+            "Each effect was fitted to half of the windows of the log and judged on the others, which no fit has seen. There \
              the findings together take away {:.1} %{} of the squared error. The gain of one effect is how much of that is lost when it \
              alone is taken out again; gains overlap where effects stand in for each other.",
             gain.total_pct,
