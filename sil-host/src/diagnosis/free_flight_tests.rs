@@ -112,3 +112,37 @@ fn a_gimbals_accelerometer_is_not_compared() {
     assert_eq!(answers[0].statistics, answers[1].statistics);
     assert!(answers[0].horizons[0].errors.iter().all(|error| error.quantity != "az"));
 }
+
+#[test]
+fn a_turned_sensor_reports_the_attitude_of_its_own_axes() {
+    let sensors = super::vehicle::sensor::Sensors { yaw_rad: 0.4, ..super::vehicle::sensor::Sensors::NOMINAL };
+    for [roll, pitch, yaw] in [[0.3, -0.2, 1.1], [-0.7, 0.5, -1.9]] {
+        let turned = nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw)
+            * nalgebra::Rotation3::from_euler_angles(0.0, 0.0, 0.4);
+        let (roll_told, pitch_told, yaw_told) = turned.euler_angles();
+        let told = sensors.angle_rad(&[roll, pitch, yaw, 0.0, 0.0, 0.0]);
+        for (own, expected) in told.into_iter().zip([roll_told, pitch_told, yaw_told]) {
+            assert!((own - expected).abs() < 1e-13, "{own} {expected}");
+        }
+    }
+}
+
+/// What is known of velocities and heights that act on nothing is what difference quotients find; a drag of nothing to speak of asks for those.
+#[test]
+fn slopes_along_a_start_that_acts_on_nothing_are_those_of_difference_quotients() {
+    let (log, vehicle) = (log(&[], 7), VehicleModel::nominal(Rig::Free));
+    let subject = Subject::Vehicle(&vehicle);
+    let shooting = subject.shooting(&log, &subject.noise(&log)).unwrap();
+    let slopes = |rotor_drag_ns_m: f64| {
+        let mut model = subject.model();
+        model.air.rotor_drag_ns_m = rotor_drag_ns_m;
+        let driven = shooting.drive(model);
+        let start = shooting.measured_state(&driven.model, shooting.windows[3].start);
+        shooting.start_slopes(&driven, &shooting.windows[3], &start).1
+    };
+    for (known, found) in slopes(0.0).iter().zip(slopes(1e-12)) {
+        let largest = found.iter().fold(0.0, |largest: f64, slope| largest.max(slope.abs()));
+        // rounding of 1e-13 in units of the noise, over a step of 1e-5
+        assert!(known.iter().zip(&found).all(|(known, found)| (known - found).abs() < 1e-6 * largest));
+    }
+}

@@ -16,7 +16,10 @@ fn every_model_file_reads_and_writes_back() {
         names.push(format!("{} {}", model.level().name(), model.rig().name()));
     }
     names.sort();
-    assert_eq!(names, ["box free", "box gimbal", "device free", "device gimbal", "generic free", "generic free", "generic gimbal"]);
+    assert_eq!(
+        names,
+        ["box free", "box gimbal", "device free", "device gimbal", "generic free", "generic free", "generic gimbal"]
+    );
     assert_eq!(VehicleModel::nominal(Rig::Gimbal).rig(), Rig::Gimbal);
     assert_eq!(VehicleModel::nominal(Rig::Free).rig(), Rig::Free);
 }

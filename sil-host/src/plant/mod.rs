@@ -210,6 +210,13 @@ impl Plant {
         }
     }
 
+    /// Puts a free vehicle so high above the ground, m.
+    pub fn set_height_m(&mut self, height_m: f64) {
+        if let Body::Free(_, state) = &mut self.body {
+            state[2] = self.start_height_m - height_m;
+        }
+    }
+
     /// Time since the start, s.
     pub fn time_s(&self) -> f64 {
         self.time_s

@@ -172,10 +172,10 @@ fn throttle(draws: &mut RandomStream) -> f64 {
     0.35 + 0.25 * draws.uniform()
 }
 
-/// Steps of roll, pitch and both, each to one side, to the other and back, so that the vehicle comes to rest again; turning now
+/// From level, steps of roll, pitch and both, each to one side, to the other and back, so that the vehicle comes to rest again; turning now
 /// and then. It begins well above the ground, where the pilot learns what the vehicle weighs, and goes on low.
 fn in_free_flight() -> Scenario {
-    let sides: [f64; 5] = [1.0, -1.0, -1.0, 1.0, 0.0];
+    let sides: [f64; 5] = [0.0, 1.0, -1.0, -1.0, 1.0];
     let angles: [[f64; 2]; 4] = [[15.0, 0.0], [0.0, 15.0], [12.0, 12.0], [12.0, -12.0]];
     let (yaw_rates_deg_s, climbs_m): ([f64; 3], [f64; 4]) = ([0.0, 30.0, -30.0], [-1.6, -1.75, -1.5, -1.7]);
     let waypoint = |k: usize| {

@@ -1,4 +1,5 @@
-//! What can be hidden: every effect of EFFECTS.md that a gimbal can have, but `controller_mismatch`, with its free choices drawn.
+//! What can be hidden: every effect of EFFECTS.md that a gimbal or a free vehicle can have, but `controller_mismatch`, with its free choices
+//! drawn.
 
 use sil_host::model::Rig;
 use sil_host::sensors::random::RandomStream;
@@ -109,6 +110,8 @@ impl Hidden {
             "thrust_scale" => (None, None, "scale", 0.05, scaled),
             "weak_motor" => (None, motor, "scale", 0.03, |s, _| plain("scale", 1.0 - s.min(0.8))),
             "battery_sag" => (None, None, "per_s", 0.001, |s, _| plain("per_s", s)),
+            "command_clipping" if rig == Rig::Free && upper => (None, None, "max", 0.03, clipped_above_hover),
+            "command_clipping" if rig == Rig::Free => (None, None, "min", 0.03, clipped_below_hover),
             "command_clipping" if upper => (None, None, "max", 0.05, clipped_above),
             "command_clipping" => (None, None, "min", 0.05, clipped_below),
             "gyro_bias" => (any, None, "bias_rad_s", 0.03, |s, e| signed("bias_rad_s", s, e)),
@@ -189,6 +192,17 @@ fn clipped_above(size: f64, extra: &Extra) -> (f64, String) {
 /// From 0.25 upwards: the least.
 fn clipped_below(size: f64, extra: &Extra) -> (f64, String) {
     let min = 0.25 + size.min(0.3) - 0.02 * extra.share;
+    (min, format!("min={min},max=1"))
+}
+
+/// From 0.65 downwards, and from 0.43 upwards: what a flight about hover, at 0.54, asks for at times.
+fn clipped_above_hover(size: f64, extra: &Extra) -> (f64, String) {
+    let max = 0.65 - size.min(0.1) + 0.01 * extra.share;
+    (max, format!("min=0,max={max}"))
+}
+
+fn clipped_below_hover(size: f64, extra: &Extra) -> (f64, String) {
+    let min = 0.43 + size.min(0.09) - 0.01 * extra.share;
     (min, format!("min={min},max=1"))
 }
 

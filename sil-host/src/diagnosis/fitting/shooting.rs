@@ -10,10 +10,7 @@ use rayon::prelude::*;
 
 use crate::axis::Axis;
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
-use crate::diagnosis::fitting::linear::Cholesky;
-use crate::diagnosis::fitting::linearisation::{
-    Column, Linearisation, Normal, WindowLinear, slope, slopes, start_factor, turned,
-};
+use crate::diagnosis::fitting::linearisation::{Column, Linearisation, Normal, WindowLinear, slopes, turned};
 use crate::diagnosis::fitting::process_noise::{AxisNoise, Lost};
 use crate::diagnosis::vehicle::actuation::{Chain, Commands, ForceTrack};
 use crate::diagnosis::vehicle::body::State;
@@ -22,7 +19,7 @@ use crate::fidelity::{SensorNoise, Window, wrapped};
 use crate::log::{Log, Quantity};
 
 /// Change of a start state for a difference quotient, rad or rad/s.
-const START_STEP: f64 = 1e-5;
+pub(super) const START_STEP: f64 = 1e-5;
 /// The least noise that a channel is taken to have: the rounding of logs and the accuracy of the integration, SI, by its place.
 const NOISE_MIN: [f64; PLACES] = {
     let (angle, rate, force, velocity, height) = (2e-5, 2e-4, 2e-3, 1e-4, 1e-4);
@@ -63,7 +60,7 @@ pub(in crate::diagnosis) struct Shooting<'a> {
     /// Accelerations that commands lost between rows leave unknown; none where none are.
     pub(in crate::diagnosis) lost: Option<Lost>,
     /// Components of the state that a window may choose.
-    start_components: Vec<usize>,
+    pub(super) start_components: Vec<usize>,
     is_vehicle: bool,
     /// Noise of each axis as innovations count it.
     pub(in crate::diagnosis) noise: [AxisNoise; 3],
@@ -214,7 +211,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// Innovations of one window: residuals as least squares take them.
-    fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Column {
+    pub(super) fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Column {
         let mut residual = self.residual(driven, window, start);
         self.innovate(window, &mut residual);
         self.whiten(window, &mut residual);
@@ -265,8 +262,9 @@ impl<'a> Shooting<'a> {
         let start: Vec<Vec<Column>> = match nearby {
             Some(nearby) => nearby.windows.iter().map(|window| window.start.clone()).collect(),
             None => {
-                let along = |component: &usize| {
-                    slopes(&residual, self.residuals(base, which, starts, Some(*component)), START_STEP)
+                let along = |component: &usize| match self.moves_alone(base, *component) {
+                    true => which.iter().map(|index| self.moved_alone(&self.windows[*index], *component)).collect(),
+                    false => slopes(&residual, self.residuals(base, which, starts, Some(*component)), START_STEP),
                 };
                 turned(self.start_components.iter().map(along).collect(), which.len())
             }
@@ -365,49 +363,6 @@ impl<'a> Shooting<'a> {
     /// Places of a report that are compared, and the noise of each.
     pub(in crate::diagnosis) fn compared(&self) -> impl Iterator<Item = (usize, f64)> {
         self.channels.iter().map(|channel| (channel.place, channel.sigma))
-    }
-
-    /// Plain residuals of one window and their slopes along its start state.
-    pub(in crate::diagnosis) fn start_slopes(
-        &self,
-        driven: &Driven,
-        window: &Window,
-        start: &State,
-    ) -> (Column, Vec<Column>) {
-        self.slopes_along_start(start, |start| self.residual(driven, window, start))
-    }
-
-    /// The same of the innovations.
-    pub(in crate::diagnosis) fn innovation_slopes(
-        &self,
-        driven: &Driven,
-        window: &Window,
-        start: &State,
-    ) -> (Column, Vec<Column>) {
-        self.slopes_along_start(start, |start| self.innovations(driven, window, start))
-    }
-
-    fn slopes_along_start(&self, start: &State, of: impl Fn(&State) -> Column) -> (Column, Vec<Column>) {
-        let residual = of(start);
-        let along = |component: &usize| {
-            let mut shifted = *start;
-            shifted[*component] += START_STEP;
-            slope(&residual, of(&shifted), START_STEP)
-        };
-        let slopes = self.start_components.iter().map(along).collect();
-        (residual, slopes)
-    }
-
-    /// Normal equations of a start state, factored.
-    pub(in crate::diagnosis) fn start_factor(&self, slopes: &[Column]) -> Option<Cholesky> {
-        start_factor(slopes, &self.start_components)
-    }
-
-    /// Moves a start state by a step of its free components.
-    pub(in crate::diagnosis) fn move_start(&self, start: &mut State, step: &[f64]) {
-        for (component, by) in self.start_components.iter().zip(step) {
-            start[*component] += by;
-        }
     }
 
     /// Samples of some windows, less what their start states take.

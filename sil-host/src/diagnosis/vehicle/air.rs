@@ -34,6 +34,11 @@ impl Air {
         ground_radius_squared_m2: 0.0,
     };
 
+    /// True if nothing that is felt hangs on place or velocity: they go their way, and act on nothing.
+    pub(in crate::diagnosis) fn is_void(&self) -> bool {
+        self.rotor_drag_ns_m == 0.0 && self.drag_area_m2 == 0.0 && self.ground_radius_squared_m2 == 0.0
+    }
+
     /// Lift at a height over lift far from the ground.
     pub(in crate::diagnosis) fn lift_factor(&self, height_m: f64) -> f64 {
         let squared = self.ground_radius_squared_m2;
@@ -61,8 +66,8 @@ impl Air {
 
 /// Roll, pitch and yaw as sines and cosines.
 pub(in crate::diagnosis) struct Attitude {
-    roll: (f64, f64),
-    pitch: (f64, f64),
+    pub(in crate::diagnosis) roll: (f64, f64),
+    pub(in crate::diagnosis) pitch: (f64, f64),
     yaw: (f64, f64),
 }
 

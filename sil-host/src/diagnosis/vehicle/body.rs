@@ -117,16 +117,14 @@ impl Body {
         };
         let motion =
             Motion { time_s, angle_rad: [x[0], x[1], x[2]], rate_rad_s: [x[3], x[4], x[5]], roll, force: *force };
-        let mut moment = [0.0; 3];
-        for effect in moments {
-            effect.add(&motion, &mut moment);
-        }
+        let moment = sum(moments, &motion);
         match &self.rig {
             BodyRig::Gimbal { airframe, inertia_kg_m2, ring_inertia_kg_m2 } => {
                 self.gimbal(&motion, &airframe.torque_body_nm(force), &moment, inertia_kg_m2, *ring_inertia_kg_m2)
             }
             BodyRig::Free { airframe, inertia_kg_m2, .. } => {
-                self.free(&motion, &airframe.torque_body_nm(force), &moment, inertia_kg_m2)
+                let pitch = libm::sincos(x[1]);
+                self.free(&motion, pitch, &airframe.torque_body_nm(force), &moment, inertia_kg_m2)
             }
             BodyRig::Axes { gain_rad_s2 } => {
                 let acceleration = |i: usize| (gain_rad_s2[i] * force[i] + moment[i]) / self.inertia_scale[i];
@@ -152,7 +150,14 @@ impl Body {
         [roll_rate, pitch_rate, 0.0, roll_acceleration, pitch_acceleration, 0.0]
     }
 
-    fn free(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3]) -> Turning {
+    fn free(
+        &self,
+        m: &Motion,
+        (sin_pitch, cos_pitch): (f64, f64),
+        tau: &[f64; 3],
+        moment: &[f64; 3],
+        inertia: &[f64; 3],
+    ) -> Turning {
         let [p, q, r] = m.rate_rad_s;
         let [ix, iy, iz] = [0, 1, 2].map(|axis: usize| inertia[axis] * self.inertia_scale[axis]);
         let product = self.product_kg_m2;
@@ -164,7 +169,7 @@ impl Body {
             tau[2] + moment[2] - (p * h[1] - q * h[0]),
         ];
         let determinant = ix * iy - product * product;
-        let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (m.roll, libm::sincos(m.angle_rad[1]));
+        let (sin_roll, cos_roll) = m.roll;
         // near the vertical the angles lose their meaning, the formulas stay finite
         let heading = (q * sin_roll + r * cos_roll) / cos_pitch.abs().max(1e-3).copysign(cos_pitch);
         [
@@ -177,7 +182,7 @@ impl Body {
         ]
     }
 
-    /// Change of a free vehicle's state under lifts as they are far from the ground.
+    /// Change of a free vehicle's state under lifts as they are far from the ground; what hangs in a rig only turns.
     pub(in crate::diagnosis) fn flying_derivative(
         &self,
         time_s: f64,
@@ -188,27 +193,31 @@ impl Body {
     ) -> State {
         let factor = air.lift_factor(x[9]);
         let lifts_n = force.map(|lift_n| factor * lift_n);
-        let [d_roll, d_pitch, d_yaw, d_p, d_q, d_r] = self.derivative(time_s, &turning(x), &lifts_n, moments);
-        let velocity_m_s = [x[6], x[7], x[8]];
-        let attitude = Attitude::of(x[0], x[1], x[2]);
-        let (mass_kg, gravity_m_s2) = self.weight();
-        let specific = air.specific_force_m_s2(mass_kg, lifts_n.iter().sum(), &attitude, velocity_m_s);
-        let [north, east, down] = attitude.in_world(specific);
-        [d_roll, d_pitch, d_yaw, d_p, d_q, d_r, north, east, down + gravity_m_s2, -x[8]]
+        let BodyRig::Free { airframe, inertia_kg_m2, mass_kg, gravity_m_s2 } = &self.rig else {
+            let [a, b, c, d, e, f] = self.derivative(time_s, &turning(x), &lifts_n, moments);
+            return [a, b, c, d, e, f, 0.0, 0.0, 0.0, 0.0];
+        };
+        let [roll, pitch, yaw, p, q, r, north, east, down, _] = *x;
+        let attitude = Attitude::of(roll, pitch, yaw);
+        let motion = Motion {
+            time_s,
+            angle_rad: [roll, pitch, yaw],
+            rate_rad_s: [p, q, r],
+            roll: attitude.roll,
+            force: lifts_n,
+        };
+        let tau = airframe.torque_body_nm(&lifts_n);
+        let [a, b, c, d, e, f] = self.free(&motion, attitude.pitch, &tau, &sum(moments, &motion), inertia_kg_m2);
+        let specific = air.specific_force_m_s2(*mass_kg, lifts_n.iter().sum(), &attitude, [north, east, down]);
+        let [to_north, to_east, to_down] = attitude.in_world(specific);
+        [a, b, c, d, e, f, to_north, to_east, to_down + gravity_m_s2, -down]
     }
 
-    /// What an accelerometer at the centre of gravity feels, body axes, m/s^2.
+    /// What an accelerometer at the centre of gravity of a free vehicle feels, body axes, m/s^2; nothing in a rig.
     pub(in crate::diagnosis) fn felt_m_s2(&self, x: &State, force: &[f64; 4], air: &Air) -> [f64; 3] {
+        let BodyRig::Free { mass_kg, .. } = self.rig else { return [0.0; 3] };
         let lift_n = air.lift_factor(x[9]) * force.iter().sum::<f64>();
-        air.specific_force_m_s2(self.weight().0, lift_n, &Attitude::of(x[0], x[1], x[2]), [x[6], x[7], x[8]])
-    }
-
-    /// Nominal mass, kg, and gravity, m/s^2; what hangs in a rig moves from no place.
-    fn weight(&self) -> (f64, f64) {
-        match self.rig {
-            BodyRig::Free { mass_kg, gravity_m_s2, .. } => (mass_kg, gravity_m_s2),
-            BodyRig::Gimbal { .. } | BodyRig::Axes { .. } => (f64::INFINITY, 0.0),
-        }
+        air.specific_force_m_s2(mass_kg, lift_n, &Attitude::of(x[0], x[1], x[2]), [x[6], x[7], x[8]])
     }
 
     /// True where nothing holds it.
@@ -241,4 +250,14 @@ impl Body {
             BodyRig::Free { .. } | BodyRig::Axes { .. } => [roll, pitch, yaw, p, q, r],
         }
     }
+}
+
+/// What the moments of all effects are together.
+#[inline]
+fn sum(moments: &[Box<dyn Moment>], motion: &Motion) -> [f64; 3] {
+    let mut moment = [0.0; 3];
+    for effect in moments {
+        effect.add(motion, &mut moment);
+    }
+    moment
 }

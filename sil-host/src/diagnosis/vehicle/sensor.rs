@@ -60,6 +60,8 @@ impl Sensors {
         let down = [-sin_pitch, cos_pitch * sin_roll, cos_pitch * cos_roll];
         let turned = [cos * down[0] + sin * down[1], cos * down[1] - sin * down[0], down[2]];
         let reported_pitch = -libm::asin(turned[0].clamp(-1.0, 1.0));
-        [libm::atan2(turned[1], turned[2]), reported_pitch, yaw + self.yaw_rad]
+        // the sensor's x axis on the ground, seen from the body's heading
+        let heading = libm::atan2(sin * cos_roll, cos * cos_pitch + sin * sin_roll * sin_pitch);
+        [libm::atan2(turned[1], turned[2]), reported_pitch, yaw + heading]
     }
 }
