@@ -109,9 +109,10 @@ fn bench_with_free_pitch_is_replayed_and_missed() {
         println!("    gain {gain:.1} rad/s^2, {} windows", replay.windows.len());
         println!("    {:?}", replay.prediction_error());
         // the authors identified 405 rad/s^2 with a delay and a restoring moment; without them less fits better, and
-        // where the bench mostly swings freely (Lab02) the sign is lost
+        // where the bench mostly swings freely (Lab02) next to nothing is left of it, and its sign hangs on which windows are fitted
         assert!(gain.abs() < 405.0, "{gain}");
-        assert_eq!(gain > 0.0, !path.to_string_lossy().contains("Lab02"), "{gain}");
+        let swings = path.to_string_lossy().contains("Lab02");
+        assert!(if swings { gain.abs() < 40.0 } else { gain > 0.0 }, "{gain}");
         for channel in [angle, rate] {
             let floor = replay.noise_floor(channel, Part::All).unwrap();
             assert!(replay.rmse(channel, Part::All).unwrap() > 10.0 * floor);
