@@ -197,11 +197,9 @@ fn reference_scenario(log: &Log) -> Option<Scenario> {
     let waypoints = (0..log.rows())
         .filter(changed)
         .map(|row| Waypoint {
-            start_s: log.time_s[row] - start_s,
             roll_rad: roll[row],
             pitch_rad: pitch[row],
-            yaw_rate_rad_s: 0.0,
-            throttle: None,
+            ..Waypoint::level(log.time_s[row] - start_s)
         })
         .collect();
     // one step more, so that the last row lies inside

@@ -30,6 +30,8 @@ pub(crate) fn rows_at_rate(record: &FlightRecord, log_rate_hz: u32) -> Vec<usize
 /// Some rows of a record as a log.
 pub(crate) fn log_of_rows(record: &FlightRecord, rows: &[usize]) -> Log {
     let column = |value: &dyn Fn(usize) -> f64| -> Column { Some(rows.iter().map(|&i| rounded(value(i))).collect()) };
+    let flies_free = !record.logged_navigation.is_empty();
+    let navigation = |place: usize| flies_free.then(|| column(&|i| record.logged_navigation[i][place])).flatten();
     Log {
         axes: [true, true, false],
         time_s: rows.iter().map(|&i| rounded(record.time_s[i])).collect(),
@@ -38,6 +40,8 @@ pub(crate) fn log_of_rows(record: &FlightRecord, rows: &[usize]) -> Log {
         motor_command: core::array::from_fn(|motor| column(&|i| record.commands[i][motor])),
         reference_rad: [column(&|i| record.reference_rad[i][0]), column(&|i| record.reference_rad[i][1]), None],
         accel_body_m_s2: core::array::from_fn(|axis| column(&|i| record.logged_force_m_s2[i][axis])),
+        velocity_ned_m_s: core::array::from_fn(navigation),
+        height_m: navigation(3),
         ..Log::default()
     }
 }

@@ -109,7 +109,7 @@ fn at_frequency(
         }
         [injected_nm[0], injected_nm[1], 0.0]
     };
-    let hover = Waypoint { start_s: 0.0, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None };
+    let hover = Waypoint::level(0.0);
     let scenario = Scenario { name: "margins".into(), duration_s: end_s, waypoints: vec![hover] };
     let mut plant = Plant::new(model);
     let mut sensors = Sensors::ideal().with_effects(&model.effects);

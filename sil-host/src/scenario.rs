@@ -28,6 +28,15 @@ pub struct Waypoint {
     pub yaw_rate_rad_s: f64,
     /// Collective command; the model's base command where none is given.
     pub throttle: Option<f64>,
+    /// Height above the start that a pilot holds by the throttle, m; none flies the collective command as it is. Free flight.
+    pub climb_m: Option<f64>,
+}
+
+impl Waypoint {
+    /// Level from a time on, nothing else asked for.
+    pub fn level(start_s: f64) -> Waypoint {
+        Waypoint { start_s, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None, climb_m: None }
+    }
 }
 
 /// A flight: waypoints in order of time, the first at zero.
@@ -102,6 +111,8 @@ struct ScriptStep {
     yaw_rate_deg_s: f64,
     #[serde(default)]
     throttle: Option<f64>,
+    #[serde(default)]
+    climb_m: Option<f64>,
 }
 
 impl Scenario {
@@ -112,11 +123,9 @@ impl Scenario {
         let waypoints: Vec<_> = positions
             .enumerate()
             .map(|(index, (roll_deg, pitch_deg))| Waypoint {
-                start_s: index as f64 * TEST_SEGMENT_S,
                 roll_rad: roll_deg.to_radians(),
                 pitch_rad: pitch_deg.to_radians(),
-                yaw_rate_rad_s: 0.0,
-                throttle: None,
+                ..Waypoint::level(index as f64 * TEST_SEGMENT_S)
             })
             .collect();
         Self {
@@ -145,8 +154,7 @@ impl Scenario {
     pub fn parse(text: &str, file: &str) -> Result<Self, ScriptError> {
         let script: ScriptFile = toml::from_str(text)
             .map_err(|error| ScriptError::Malformed { file: file.into(), message: error.to_string() })?;
-        let mut waypoints =
-            vec![Waypoint { start_s: 0.0, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None }];
+        let mut waypoints = vec![Waypoint::level(0.0)];
         for (index, step) in script.steps.iter().enumerate() {
             let line = 1 + text[..step.span().start].matches('\n').count();
             let problem = |problem| ScriptError::Step { file: file.into(), line, step: index + 1, problem };
@@ -163,12 +171,16 @@ impl Scenario {
             if step.throttle.is_some_and(|throttle| !(0.0..=1.0).contains(&throttle)) {
                 return Err(problem("throttle must be within 0 and 1"));
             }
+            if step.climb_m.is_some_and(|climb_m| !(-100.0..=100.0).contains(&climb_m)) {
+                return Err(problem("climb_m must be within +-100"));
+            }
             waypoints.push(Waypoint {
                 start_s: step.at_s,
                 roll_rad: step.roll_deg.to_radians(),
                 pitch_rad: step.pitch_deg.to_radians(),
                 yaw_rate_rad_s: step.yaw_rate_deg_s.to_radians(),
                 throttle: step.throttle,
+                climb_m: step.climb_m,
             });
         }
         let last_s = waypoints[waypoints.len() - 1].start_s;
@@ -198,6 +210,9 @@ impl Scenario {
             }
             if let Some(throttle) = waypoint.throttle {
                 script.push_str(&format!("throttle = {throttle}\n"));
+            }
+            if let Some(climb_m) = waypoint.climb_m {
+                script.push_str(&format!("climb_m = {climb_m}\n"));
             }
         }
         script

@@ -45,6 +45,8 @@ pub struct Synthesis {
     pub drop_out_share: f64,
     /// Logs the battery's voltage even where no effect depends on it.
     pub battery: bool,
+    /// Height of the rotors above ground at the start, m, in free flight; far from the ground where none is given.
+    pub start_height_m: Option<f64>,
     /// Leaves all out of the log's comments but that it is synthetic.
     pub blind: bool,
     /// Seed of noise, jitter and drop-outs.
@@ -66,6 +68,7 @@ impl Synthesis {
             jitter_s: 0.0,
             drop_out_share: 0.0,
             battery: false,
+            start_height_m: None,
             blind: false,
             seed: 0,
         }
@@ -83,6 +86,9 @@ impl Synthesis {
         let flight = FlightSetup { model, controller_model: None, choice: self.choice, scenario, seed: self.seed };
         let mut plant = Plant::new(&flight.model);
         plant.integrate_adaptively(TOLERANCE);
+        if let Some(height_m) = self.start_height_m {
+            plant.set_start_height_m(height_m);
+        }
         let (record, rows) = if self.jitter_s > 0.0 {
             let record = self.fly_with_late_rows(&flight, &mut plant)?;
             let rows = (0..record.len()).collect();
@@ -134,6 +140,9 @@ impl Synthesis {
             rows.logged_angle_rad.push(logger.attitude([before.roll_rad, before.pitch_rad, before.yaw_rad]));
             rows.logged_rate_body_rad_s.push([gyro.x, gyro.y, gyro.z].map(f64::from));
             rows.logged_force_m_s2.push([force.x, force.y, force.z].map(f64::from));
+            if plant.flies_free() {
+                rows.logged_navigation.push(logger.navigation(now));
+            }
             rows.commands.push(steps.commands[step]);
         }
         Ok(rows)

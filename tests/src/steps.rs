@@ -16,11 +16,10 @@ const SEGMENT_S: f64 = 1.75;
 pub fn route(positions_deg: &[(f64, f64)], throttle: Option<f64>) -> Scenario {
     let all: Vec<_> = [(0.0, 0.0)].iter().chain(positions_deg).copied().collect();
     let waypoints = all.iter().enumerate().map(|(index, (roll_deg, pitch_deg))| Waypoint {
-        start_s: index as f64 * SEGMENT_S,
         roll_rad: roll_deg.to_radians(),
         pitch_rad: pitch_deg.to_radians(),
-        yaw_rate_rad_s: 0.0,
         throttle,
+        ..Waypoint::level(index as f64 * SEGMENT_S)
     });
     Scenario { name: "steps".into(), duration_s: all.len() as f64 * SEGMENT_S, waypoints: waypoints.collect() }
 }

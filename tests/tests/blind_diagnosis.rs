@@ -43,6 +43,15 @@ fn an_effect_is_named_where_commands_are_lost_between_rows() {
 }
 
 #[test]
+fn what_pushes_a_free_vehicle_is_named_and_measured() {
+    // rotor drag, ground, wind
+    let (score, report) = score(Campaign::Free, &[5, 10, 36]);
+    assert!(score.first_is_right() == 1.0 && score.false_findings() == 0.0, "{report}");
+    assert!(score.sized() == 1.0, "{report}");
+    assert_eq!(score.gained(), [1.0; 3], "{report}");
+}
+
+#[test]
 fn what_no_catalogue_has_is_not_explained_by_a_wrong_name() {
     // a cubic spring
     let (score, report) = score(Campaign::Outside, &[7]);

@@ -3,46 +3,14 @@
 //! The logs are not part of the project. They are looked for in `$SIL_DATA`, else in `../shared/data` beside the
 //! workspace; where they are absent these tests say that they are skipped.
 
-use std::io::Write;
-use std::path::PathBuf;
-
+use integration_tests::real_logs::crazyflie::{self, authors, lift_n};
+use integration_tests::real_logs::crazyflie_table::{RollPitch, yaw_of};
+use integration_tests::real_logs::crazypad::{Change, steady};
+use integration_tests::real_logs::{TORQUE_SIGNS, files, load};
 use sil_host::axis::Axis;
 use sil_host::diagnosis::{Diagnosis, Subject, Verdict, diagnose};
 use sil_host::fidelity::{Channel, Part, ReplayOptions, replay_axes};
-use sil_host::log::{Log, Map, Quantity, read};
-
-/// The folder of real logs, or a loud line and nothing.
-fn real_logs() -> Option<PathBuf> {
-    let beside_workspace = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
-    let folder = std::env::var_os("SIL_DATA").map_or_else(beside_workspace, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    // past the capture of the test harness: a skipped test must be seen
-    let _ = writeln!(std::io::stderr(), "SKIPPED: no real logs in {}; set SIL_DATA to their folder", folder.display());
-    None
-}
-
-/// All CSV files of a folder whose name starts so, in the order of their names.
-fn files(folder: &str, start: &str) -> Vec<PathBuf> {
-    let Some(data) = real_logs() else {
-        return Vec::new();
-    };
-    let entries = std::fs::read_dir(data.join(folder)).unwrap();
-    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    paths.retain(|path| {
-        let name = path.file_name().unwrap().to_string_lossy();
-        name.starts_with(start) && name.ends_with(".csv.gz")
-    });
-    paths.sort();
-    assert!(!paths.is_empty(), "{folder}/{start}* is gone");
-    paths
-}
-
-fn load(path: &std::path::Path, map: &str) -> Log {
-    let map = Map::load(map).unwrap();
-    read(path, Some(&map)).unwrap_or_else(|e| panic!("{e}"))
-}
+use sil_host::log::{Log, Quantity};
 
 /// Correlation of an input with the angular acceleration of an axis some rows later, in active rows.
 fn correlation(log: &Log, axis: Axis, input: &[f64], delay_rows: usize, span_rows: usize) -> f64 {
@@ -65,9 +33,8 @@ fn correlation(log: &Log, axis: Axis, input: &[f64], delay_rows: usize, span_row
 
 /// The torque about an axis that RIG.md's mixer signs give, in commands.
 fn torque_command(log: &Log, axis: Axis) -> Vec<f64> {
-    let signs = [[-1.0, 1.0, 1.0, -1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];
     let motors = log.motors().unwrap();
-    let torque = |row: usize| (0..4).map(|m| signs[axis.index()][m] * motors[m][row]).sum();
+    let torque = |row: usize| (0..4).map(|m| TORQUE_SIGNS[axis.index()][m] * motors[m][row]).sum();
     (0..log.rows()).map(torque).collect()
 }
 
@@ -142,9 +109,10 @@ fn bench_with_free_pitch_is_replayed_and_missed() {
         println!("    gain {gain:.1} rad/s^2, {} windows", replay.windows.len());
         println!("    {:?}", replay.prediction_error());
         // the authors identified 405 rad/s^2 with a delay and a restoring moment; without them less fits better, and
-        // where the bench mostly swings freely (Lab02) the sign is lost
+        // where the bench mostly swings freely (Lab02) next to nothing is left of it, and its sign hangs on which windows are fitted
         assert!(gain.abs() < 405.0, "{gain}");
-        assert_eq!(gain > 0.0, !path.to_string_lossy().contains("Lab02"), "{gain}");
+        let swings = path.to_string_lossy().contains("Lab02");
+        assert!(if swings { gain.abs() < 40.0 } else { gain > 0.0 }, "{gain}");
         for channel in [angle, rate] {
             let floor = replay.noise_floor(channel, Part::All).unwrap();
             assert!(replay.rmse(channel, Part::All).unwrap() > 10.0 * floor);
@@ -200,4 +168,76 @@ fn crazyflie_without_attitude_is_replayed() {
         // the half sum, less what a lag of 40 ms hides
         assert!((50.0..700.0).contains(&gains[0]) && (50.0..700.0).contains(&gains[1]), "{gains:?}");
     }
+}
+
+/// The Crazyflie's inertia, thrust curve and lag beside the authors', from a model of other literature (docs/real-logs.md has the table).
+#[test]
+fn crazyflie_is_identified_beside_its_authors() {
+    let vehicle = crazyflie::vehicle();
+    for path in files("flight_crazyflie_arplab", "log15") {
+        let found = RollPitch::of(&load(&path, "crazyflie_arplab"), &vehicle);
+        println!("{found}");
+        // the literature's lag is 64.7 ms; the authors' grid has steps of 5 ms
+        assert!((found.sizes.lag_s - authors::TIME_CONSTANT_S).abs() < 2.5e-3, "{:?}", found.sizes);
+        for axis in 0..2 {
+            let [theirs, other_way] = found.regressed_kg_m2[axis];
+            // the same data and the same formula: what differs is how the gyro is differentiated
+            assert!((theirs / authors::INERTIA_KG_M2[axis] - 1.0).abs() < 0.05, "{theirs:e}");
+            let own = found.inertia_kg_m2(axis);
+            assert!(theirs < own.value && own.value < other_way, "{theirs:e} {own:?} {other_way:e}");
+            assert!(own.value < 0.8 * vehicle.inertia_kg_m2[axis], "{own:?}");
+        }
+        // where these flights keep their commands; the authors' curve is of a third flight
+        for command in [0.65, 0.8] {
+            let ratio = lift_n(found.curve.lift_n, command) / lift_n(authors::LIFT_N, command);
+            assert!((ratio - 1.0).abs() < 0.06, "{command}: {ratio}");
+            assert!(lift_n(found.curve.lift_n, command) < 0.85 * vehicle.propulsion.lift_n(command));
+        }
+    }
+    for path in files("flight_crazyflie_arplab", "log16") {
+        let yaw = yaw_of(&load(&path, "crazyflie_arplab"));
+        println!("{yaw}");
+        let ratio = yaw.torque_per_lift_over_inertia * authors::INERTIA_KG_M2[2] / authors::TORQUE_PER_LIFT_M;
+        assert!((0.8..1.3).contains(&ratio), "{ratio}");
+        // reaction torque alone explains a fraction of what it does with the rotors' own acceleration
+        assert!(yaw.left_rad_s[0] < 0.4 * yaw.left_rad_s[1], "{yaw:?}");
+    }
+}
+
+/// What the gyro and the accelerometer tell together is a ratio of lift and mass, and the search says it of one of them.
+#[test]
+fn crazyflie_is_diagnosed_by_gyro_and_accelerometer() {
+    let vehicle = crazyflie::vehicle();
+    for path in files("flight_crazyflie_arplab", "log15") {
+        // eight seconds of it: the test has to be quick
+        let log = load(&path, "crazyflie_arplab").between(16.0, 24.0).unwrap();
+        let diagnosis = diagnose(&log, &Subject::Vehicle(&vehicle)).unwrap();
+        println!("{:#?}", diagnosis.findings);
+        assert_eq!(diagnosis.log.rows, log.rows());
+        let heavier = value(&diagnosis, "mass_error", "scale");
+        let weaker = value(&diagnosis, "thrust_scale", "scale");
+        assert!((1.1..1.35).contains(&heavier) || (0.74..0.9).contains(&weaker), "{:?}", diagnosis.findings);
+        assert_eq!(diagnosis.verdict, Verdict::PartlyExplained);
+    }
+}
+
+/// The weight near motor 3 changes roll and pitch and not yaw; a weak motor 3 would change all three alike.
+#[test]
+fn crazyflie_with_a_weight_has_no_weak_motor() {
+    let vehicle = crazyflie::vehicle();
+    let flights: Vec<_> = files("flight_crazypad", "").iter().flat_map(|path| steady(path, &vehicle)).collect();
+    if flights.is_empty() {
+        return;
+    }
+    let change = Change::of(&flights);
+    println!("{change}");
+    let [roll, pitch, yaw] = change.share;
+    // rear left has to lift more
+    assert!(roll > change.spread[0] && pitch < -change.spread[1], "{change:?}");
+    // a weak motor 3 would ask for as much about yaw, to the other side
+    assert!(yaw < 0.01, "{change:?}");
+    assert!(change.left_by_weak_motor > 3.0 * change.left_by_weight, "{change:?}");
+    // and why it is not said to be the weight: the other airframe's own trim is larger than all of this
+    let normal = flights.iter().find(|flight| !flight.is_weighted).unwrap();
+    assert!(normal.share[2] > roll.abs().max(yaw.abs()), "{normal:?}");
 }

@@ -7,7 +7,6 @@ use sil_host::report::{Cell, Chart, Page, Section, Table};
 
 use super::compare_report::error_cells;
 use super::diagnose_evidence;
-use super::flight_report::degrees;
 
 /// More effects than these with the same reason are told in one breath.
 const DENIED_ALIKE: usize = 3;
@@ -145,14 +144,11 @@ fn before_and_after(answer: &Diagnosis) -> Section {
         errors.window_s
     ));
     let is_alone = answer.findings.is_empty();
-    let charts = |is_rate: bool| -> Vec<Chart> {
-        let of_kind = answer.residuals.iter().filter(|channel| channel.is_rate == is_rate);
-        of_kind.map(|channel| residual_chart(channel, is_alone)).collect()
-    };
-    let section = [("Angles", charts(false)), ("Body rates", charts(true))]
-        .into_iter()
-        .filter(|(_, charts)| !charts.is_empty())
-        .fold(section.table(table), |section, (kind, charts)| section.small_multiples(kind, charts));
+    let of_a_kind = answer.residuals.chunk_by(|a, b| a.kind == b.kind);
+    let section = of_a_kind.fold(section.table(table), |section, channels| {
+        let charts: Vec<Chart> = channels.iter().map(|channel| residual_chart(channel, is_alone)).collect();
+        section.small_multiples(channels[0].kind, charts)
+    });
     section.table(horizons(answer))
 }
 
@@ -169,13 +165,12 @@ fn closed_loop(closed_loop: &ClosedLoops) -> Section {
 }
 
 fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {
-    let unit = if channel.is_rate { "deg/s" } else { "deg" };
-    let chart = Chart::time_series(format!("{}, measured less predicted", channel.name), unit).series(
+    let chart = Chart::time_series(format!("{}, measured less predicted", channel.name), channel.unit).series(
         "nominal model",
         &channel.time_s,
-        &degrees(&channel.nominal),
+        &channel.nominal,
     );
-    if is_alone { chart } else { chart.series("with the findings", &channel.time_s, &degrees(&channel.extended)) }
+    if is_alone { chart } else { chart.series("with the findings", &channel.time_s, &channel.extended) }
 }
 
 /// RMSE of angles, rates and accelerations after several times.

@@ -22,7 +22,7 @@ use super::{
 /// Fly the thesis' test sequence, or a script, in co-simulation
 #[derive(Args)]
 #[command(after_help = "Example: sil fly --controller both --rig gimbal --report out/flight.html\n\n\
-A script is TOML: duration_s, then [[step]] with at_s, roll_deg, pitch_deg, yaw_rate_deg_s, throttle.\n\
+A script is TOML: duration_s, then [[step]] with at_s, roll_deg, pitch_deg, yaw_rate_deg_s, throttle or (free) climb_m.\n\
 A controller file is TOML: controller, rate_hz, control_horizon, and [tuning] with what differs from the vehicle's own.")]
 pub struct FlyArguments {
     /// Which controller flies: the PID cascade of APM:Copter, model predictive control with the cascade as fallback, one

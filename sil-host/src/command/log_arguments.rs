@@ -19,6 +19,12 @@ pub struct LogArguments {
     /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller, crazypad_motor)
     #[arg(long, value_name = "MAP")]
     map: Option<String>,
+    /// Only the rows from this time on, s
+    #[arg(long, value_name = "S")]
+    from: Option<f64>,
+    /// Only the rows up to this time, s
+    #[arg(long, value_name = "S")]
+    to: Option<f64>,
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
@@ -42,10 +48,14 @@ enum LogRig {
 }
 
 impl LogArguments {
-    /// Reads the log.
+    /// Reads the log, or the part of it that was asked for.
     pub fn read(&self) -> Result<Log, Failure> {
         let map = self.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
-        log::read(&self.log, map.as_ref()).map_err(bad_input)
+        let log = log::read(&self.log, map.as_ref()).map_err(bad_input)?;
+        if self.from.is_none() && self.to.is_none() {
+            return Ok(log);
+        }
+        log.between(self.from.unwrap_or(f64::NEG_INFINITY), self.to.unwrap_or(f64::INFINITY)).map_err(bad_input)
     }
 
     /// What flew, where that was said.
@@ -90,8 +100,11 @@ impl LogArguments {
         let mut command = format!("sil {name} {}", quoted(&self.log.display().to_string()));
         let rig = self.rig.and_then(|rig| rig.to_possible_value()).map(|value| value.get_name().to_owned());
         let model = self.model.as_ref().map(|model| model.display().to_string());
+        let number = |value: Option<f64>| value.map(|value| value.to_string());
         let said = [
             ("--map", self.map.clone()),
+            ("--from", number(self.from)),
+            ("--to", number(self.to)),
             ("--model", model),
             ("--rig", rig),
             ("--controller", self.controller.clone()),

@@ -10,6 +10,7 @@
 pub mod clock;
 pub mod contract;
 pub mod control_side;
+mod pilot;
 pub mod record;
 
 use shared_control::flight_core::TorqueSource;
@@ -17,6 +18,7 @@ use shared_control::signals::{Plan, PlanStatus, RawImuSample};
 
 use crate::cosim::contract::{Controlled, DesignParameters, Events, HELD_US, Monitored, events_at, flight_time_s};
 use crate::cosim::control_side::ControlSide;
+use crate::cosim::pilot::Pilot;
 use crate::cosim::record::FlightRecord;
 use crate::plant::Plant;
 use crate::scenario::Scenario;
@@ -72,6 +74,7 @@ fn run(
     let mut record = FlightRecord::default();
     let mut monitored = Monitored::default();
     let mut last_sample = RawImuSample::default();
+    let mut pilot = Pilot::default();
     let mut now_us = 0;
     loop {
         // CT: up to the next tick of either clock
@@ -94,7 +97,10 @@ fn run(
         }
         // DE: one step of the controller
         if control_clock.tick(now_us) {
-            let events = events_at(scenario, parameters, now_us);
+            let mut events = events_at(scenario, parameters, now_us);
+            if let (Some(climb_m), false) = (events.waypoint.climb_m, events.held) {
+                events.setpoint.throttle = pilot.throttle(parameters, &plant.truth(), climb_m) as f32;
+            }
             let (output, plan) = control.step(now_us, &mut monitored, &events);
             let controlled = Controlled { motors: output.mix.commands.0.map(f64::from) };
             if !events.held {
@@ -140,6 +146,9 @@ impl Row<'_> {
         record.logged_angle_rad.push(if delayed { angles } else { self.sensors.attitude(angles) });
         record.logged_rate_body_rad_s.push([gyro.x, gyro.y, gyro.z].map(f64::from));
         record.logged_force_m_s2.push([force.x, force.y, force.z].map(f64::from));
+        if self.plant.flies_free() {
+            record.logged_navigation.push(self.sensors.navigation(&truth));
+        }
         record.commands.push(self.controlled.motors);
         record.compare_counts.push(output.compare_counts);
         record.torque_body_nm.push(output.wrench.torque_body_nm.map(f64::from));

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::diagnosis::fitting::linear::dot;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::diagnosis::vehicle::body::State;
+use crate::diagnosis::vehicle::prediction::PLACES;
 use crate::fidelity::Window;
 
 /// Per place of a report: sum of squares of the residuals and of an exact model's standard deviations, SI, and the number of both.
@@ -22,10 +23,10 @@ pub(super) struct Tally {
 }
 
 /// Errors of one window, per place of a report and, behind those, angular acceleration about the three axes.
-pub(super) type WindowTally = [Tally; 9];
+pub(super) type WindowTally = [Tally; TALLIED];
 
-/// Places of a report.
-const PLACES: usize = 6;
+/// Quantities with errors of their own.
+pub(super) const TALLIED: usize = PLACES + 3;
 
 /// What a difference quotient of rates is taken over, s: long enough for the gyro's noise not to hide all else.
 const ACCELERATION_OVER_S: f64 = 0.02;
@@ -110,8 +111,8 @@ fn predict_window(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> 
         predicted
             .series
             .push(Series::of(place, sigma, &samples, |row| shooting.unknown_variance(place, window.start, row)));
-        if place >= 3 {
-            predicted.series.push(Series::quotients(place + 3, sigma, &samples, shooting));
+        if (3..6).contains(&place) {
+            predicted.series.push(Series::quotients(place, sigma, &samples, shooting));
         }
     }
     predicted
@@ -139,8 +140,10 @@ impl Series {
         }
     }
 
-    fn quotients(place: usize, sigma: f64, samples: &[Sample], shooting: &Shooting<'_>) -> Series {
+    /// The angular acceleration of a rate.
+    fn quotients(rate: usize, sigma: f64, samples: &[Sample], shooting: &Shooting<'_>) -> Series {
         let time_s = shooting.rows();
+        let place = PLACES + rate - 3;
         let mut series = Series { place, rows: Vec::new(), error: Vec::new(), floor: Vec::new() };
         for (i, first) in samples.iter().enumerate() {
             let is_later = |later: &&Sample| time_s[later.row] - time_s[first.row] > ACCELERATION_OVER_S - 1e-6;
@@ -148,7 +151,7 @@ impl Series {
             let per_s = 1.0 / (time_s[later.row] - time_s[first.row]);
             series.rows.push(first.row);
             series.error.push(per_s * (later.error - first.error));
-            let unknown = per_s * per_s * shooting.unknown_variance(place - 3, first.row, later.row);
+            let unknown = per_s * per_s * shooting.unknown_variance(rate, first.row, later.row);
             let known = sigma * sigma * variance(&[(-per_s, first), (per_s, later)]);
             series.floor.push((known + unknown).sqrt());
         }

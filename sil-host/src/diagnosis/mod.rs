@@ -23,16 +23,19 @@ mod flown_by;
 mod left_over;
 mod progress;
 mod search;
+mod sizes;
 mod subject;
 mod vehicle;
 mod verdict;
 
 #[cfg(test)]
+mod free_flight_tests;
+#[cfg(test)]
 mod tests;
 
 use serde::Serialize;
 
-use crate::fidelity::{ChannelErrors, FidelityError, SensorNoise, WINDOW_S, axis_commands};
+use crate::fidelity::{ChannelErrors, FidelityError, WINDOW_S, axis_commands};
 use crate::log::Log;
 pub use effects::Place;
 pub use evidence::bootstrap::Gain;
@@ -44,12 +47,14 @@ pub use evidence::residuals::ChannelResiduals;
 use evidence::statistics::Judged;
 pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
+use fitting::carried_noise::CarriedNoise;
 use fitting::fit::{Term, model_of};
 use fitting::process_noise::AxisNoise;
 use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 pub use progress::{Observer, Progress};
 use search::{Found, Search};
+pub use sizes::{Asked, Size, sizes};
 pub use subject::Subject;
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
@@ -112,6 +117,12 @@ pub struct LogSummary {
     pub rate_hz: f64,
 }
 
+impl LogSummary {
+    fn of(log: &Log) -> LogSummary {
+        LogSummary { path: log.path.clone(), rows: log.rows(), duration_s: log.duration_s(), rate_hz: log.rate_hz() }
+    }
+}
+
 /// Root mean square errors of the open-loop replay over the held-out windows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PredictionErrors {
@@ -149,6 +160,9 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
 /// # Errors
 /// As [`diagnose`].
 pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_>) -> Result<Diagnosis, FidelityError> {
+    // a log of many rows is compared at some of them, under all of its commands
+    let thinned = log.thinned();
+    let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject)?;
     let nominal = || subject.model();
     let catalogue = effects::catalogue(&subject.scope(log));
@@ -157,24 +171,28 @@ pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_
         fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
     let (search, found) =
         sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, always.clone(), observer));
-    let Some(disturbed) = noise_beyond_sensors(&search, &found) else {
+    let Some((moments, forces)) = noise_beyond_sensors(&search, &found) else {
         observer(Progress::Judging);
         return Ok(answer(log, subject, &search, &found));
     };
-    let shooting = subject.shooting(log, &SensorNoise::of(log))?.commanded_as(search.shooting).with_noise(disturbed);
+    let shooting =
+        subject.shooting(log, &subject.noise(log))?.commanded_as(search.shooting).with_noise(moments, forces);
     let search = Search::new(&shooting, &nominal, &catalogue, always, observer);
     let found = search.run();
     observer(Progress::Judging);
     Ok(answer(log, subject, &search, &found))
 }
 
-/// The noise to be looked with once more, where what was found is far from explaining the log.
-fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisNoise; 3]> {
+/// The noise to be looked with once more, of moments and of forces, where what was found is far from explaining the log.
+fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<([AxisNoise; 3], Vec<CarriedNoise>)> {
     let shooting = search.shooting;
     let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms));
     let errors = accuracy::tallies(&accuracy::predict(shooting, &driven, &search.held_out_windows()));
     let is_far = accuracy::worst_ratio(&errors) > UNEXPLAINED_FACTOR;
-    is_far.then(|| shooting.most_likely_noise(&driven, &search.training, &found.chosen.fit.starts))
+    let (windows, starts) = (&search.training, &found.chosen.fit.starts);
+    is_far.then(|| {
+        (shooting.most_likely_noise(&driven, windows, starts), shooting.carried_noise(&driven, windows, starts))
+    })
 }
 
 /// Errors of a model as it stands over the held-out windows, and those of an exact one.
@@ -182,10 +200,30 @@ fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<[AxisN
 /// # Errors
 /// As [`diagnose`].
 pub fn prediction_error(log: &Log, subject: &Subject<'_>) -> Result<[ChannelErrors; 2], FidelityError> {
-    let shooting = subject.shooting(log, &SensorNoise::of(log))?;
+    Ok(verdict::channel_errors(&held_out_tallies(log, subject)?))
+}
+
+/// The same of every channel that is compared, with their names, in SI units: error, and that of an exact model.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn channel_prediction_errors(
+    log: &Log,
+    subject: &Subject<'_>,
+) -> Result<Vec<(&'static str, [f64; 2])>, FidelityError> {
+    let tallies = held_out_tallies(log, subject)?;
+    let of = |place: usize| {
+        let (error, floor) = accuracy::root_mean_square(&tallies, place)?;
+        Some((evidence::residuals::NAMES[place], [error, floor]))
+    };
+    Ok((0..vehicle::prediction::PLACES).filter_map(of).collect())
+}
+
+fn held_out_tallies(log: &Log, subject: &Subject<'_>) -> Result<Vec<accuracy::WindowTally>, FidelityError> {
+    let shooting = subject.shooting(log, &subject.noise(log))?;
     let driven = shooting.drive(subject.model());
     let held_out: Vec<_> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
-    Ok(verdict::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out))))
+    Ok(accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out)))
 }
 
 fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
@@ -203,6 +241,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let unexplained = left_over::unexplained(search, found);
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
     let mut rejected = verdict::rejected(search, found);
+    rejected.extend(subject.not_asked(log));
     rejected.push(Rejected { effect: "controller_mismatch", axis: String::new(), reason: NO_CONTROLLER.to_owned() });
     let verdict = match (findings.is_empty(), unexplained.signature.is_empty() && at_the_floor) {
         (true, true) => Verdict::NoDiscrepancy,
@@ -218,12 +257,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
         Judged { driven: &driven[1], predicted: &predicted[1], starts: &found.chosen.fit.starts },
     ];
     Diagnosis {
-        log: LogSummary {
-            path: log.path.clone(),
-            rows: log.rows(),
-            duration_s: log.duration_s(),
-            rate_hz: log.rate_hz(),
-        },
+        log: LogSummary::of(log.commanding()),
         verdict,
         findings,
         rejected,

@@ -2,11 +2,12 @@
 
 use super::effects::input_gain::InputGain;
 use super::effects::{Scope, apply_known};
+use super::verdict::Rejected;
 use crate::axis::Axis;
-use crate::diagnosis::fitting::shooting::{RigChannels, Shooting};
+use crate::diagnosis::fitting::shooting::{RigChannels, Shooting, quantity_at};
 use crate::diagnosis::vehicle::actuation::{Commands, Drive};
-use crate::diagnosis::vehicle::body::Body;
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::diagnosis::vehicle::body::{Body, FLYING, TURNING};
+use crate::diagnosis::vehicle::prediction::{FIRST_FLYING_PLACE, Model, PLACES};
 use crate::fidelity::{FidelityError, ReplayOptions, SensorNoise, axis_commands, cut_windows, replay_axes};
 use crate::log::{Log, Quantity};
 use crate::model::{Rig, VehicleModel};
@@ -42,12 +43,36 @@ impl Subject<'_> {
         }
     }
 
+    /// True on the testbed, whose ring and rod hold the vehicle.
+    fn is_held(&self) -> bool {
+        matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal)
+    }
+
+    /// True where nothing holds the vehicle: its way through the air is compared too.
+    fn flies_free(&self) -> bool {
+        matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Free)
+    }
+
+    /// Noise of what is compared.
+    pub(super) fn noise(&self, log: &Log) -> SensorNoise {
+        if self.flies_free() { SensorNoise::of_free_flight(log) } else { SensorNoise::of(log) }
+    }
+
     fn channels(&self, log: &Log) -> RigChannels {
         let turns = self.turns(log);
-        let start_components = (0..6).filter(|component| turns[component % 3]).collect();
-        let gimbal = matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal);
+        // where no rig holds the vehicle, an angle that nobody measures acts on nothing but the velocity
+        let has_velocity = log.velocity_ned_m_s.iter().any(Option::is_some);
+        let acts = |place: usize| self.is_held() || place >= 3 || has_velocity || log.angle_rad[place].is_some();
+        let mut start_components: Vec<usize> = (0..6).filter(|place| turns[place % 3] && acts(*place)).collect();
         // on the gimbal r is no motion of its own, but the gyro shows it
-        let compared = (0..6).filter(|place| turns[place % 3] || gimbal && *place == 5).collect();
+        let mut compared: Vec<usize> =
+            (0..6).filter(|place| turns[place % 3] || self.is_held() && *place == 5).collect();
+        if self.flies_free() {
+            compared.extend(FIRST_FLYING_PLACE..PLACES);
+            // velocity and height of a start are known where they are measured, and act on nothing where not
+            let is_measured = |component: &usize| log.column(quantity_at(component + 3)).is_some();
+            start_components.extend((TURNING..FLYING).filter(is_measured));
+        }
         RigChannels { start_components, compared, is_vehicle: matches!(self, Subject::Vehicle(_)) }
     }
 
@@ -75,6 +100,7 @@ impl Subject<'_> {
         let compared = self.channels(log).compared;
         let rates = [0, 1, 2].map(|axis: usize| log.rate_rad_s[axis].is_some() && compared.contains(&(3 + axis)));
         let angles = [0, 1, 2].map(|axis: usize| log.angle_rad[axis].is_some() && compared.contains(&axis));
+        let has_velocity = log.velocity_ned_m_s.iter().all(Option::is_some);
         Scope {
             axes: [0, 1, 2].map(|axis: usize| rates[axis] || angles[axis]),
             rates,
@@ -83,7 +109,31 @@ impl Subject<'_> {
             motors: vehicle,
             battery: log.battery_v.is_some(),
             coupled: vehicle,
+            is_held: self.is_held(),
+            flies_free: self.flies_free(),
+            pushed: self.flies_free() && (log.accel_body_m_s2[2].is_some() || has_velocity),
+            velocity: self.flies_free() && has_velocity,
+            height: self.flies_free().then(|| log.height_m.as_ref()?.first().copied()).flatten(),
         }
+    }
+
+    /// What a log of free flight can't be asked, for want of columns.
+    pub(super) fn not_asked(&self, log: &Log) -> Vec<Rejected> {
+        let scope = self.scope(log);
+        let wanting = |is_asked: bool, effects: &[&'static str], reason: &str| -> Vec<Rejected> {
+            let effects = effects.iter().filter(|_| !is_asked && self.flies_free());
+            effects.map(|effect| Rejected { effect, axis: String::new(), reason: reason.to_owned() }).collect()
+        };
+        [
+            wanting(
+                scope.pushed,
+                &["mass_error"],
+                "not asked: the log has neither az_m_s2 nor vn_m_s, ve_m_s and vd_m_s",
+            ),
+            wanting(scope.velocity, &["rotor_drag", "wind"], "not asked: the log lacks vn_m_s, ve_m_s and vd_m_s"),
+            wanting(scope.height.is_some(), &["ground_effect"], "not asked: the log lacks height_m"),
+        ]
+        .concat()
     }
 
     /// The log in windows.
@@ -96,6 +146,7 @@ impl Subject<'_> {
     }
 
     fn commands(&self, log: &Log) -> Result<Commands, FidelityError> {
+        let log = log.commanding();
         let missing = |quantity: Quantity, why| FidelityError::MissingColumn { column: quantity.name(), why };
         let value = match self {
             Subject::Vehicle(_) => {

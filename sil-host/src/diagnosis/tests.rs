@@ -4,7 +4,7 @@ use crate::model::{Rig, SensorNoise, VehicleModel};
 use crate::plant::effects::Effect;
 use crate::synthesis::Synthesis;
 
-const QUIET: SensorNoise = SensorNoise { gyro_rad_s: 1e-4, accel_m_s2: 0.1, attitude_rad: 1e-5 };
+const QUIET: SensorNoise = SensorNoise { gyro_rad_s: 1e-4, accel_m_s2: 0.1, attitude_rad: 1e-5, ..SensorNoise::NONE };
 
 /// A log of the thesis' rig with these effects hidden in it: 200 rows a second, as often as the controller runs.
 fn log(effects: &[&str], noise: Option<SensorNoise>, seed: u64) -> Log {
@@ -165,7 +165,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     let (misled, found_noise) = fitted(&shooting);
     println!("sensors only: {misled:?}");
     assert!(misled.iter().any(|(error, std)| error.abs() > 20.0 * std), "{misled:?}");
-    let (errors, _) = fitted(&shooting.with_noise(found_noise));
+    let (errors, _) = fitted(&shooting.with_noise(found_noise, Vec::new()));
     println!("with {found_noise:?}: {errors:?}");
     for (error, std) in errors {
         assert!(error.abs() < 3.5 * std, "{errors:?}");

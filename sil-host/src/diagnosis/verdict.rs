@@ -6,14 +6,14 @@ use serde::Serialize;
 
 use super::accuracy::{WindowTally, root_mean_square};
 use super::effects::{Effect, Place, per_unit_inertia};
-use super::search::{Candidate, Found, Search, TOLD_APART, is_the_same};
+use super::search::{Found, Search, TOLD_APART, is_the_same};
 use crate::diagnosis::evidence::bootstrap::Gain;
-use crate::diagnosis::fitting::fit::Term;
+use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::diagnosis::fitting::linear::dot;
 use crate::fidelity::ChannelErrors;
 
 /// The accuracy of the integration, as a share of an effect.
-const MODEL_ERROR: f64 = 5e-4;
+pub(super) const MODEL_ERROR: f64 = 5e-4;
 /// The same where commands are lost between rows: what they were is an assumption (`sampling`), and what it does to a size is no noise that averages out.
 const MODEL_ERROR_WITH_LOST_COMMANDS: f64 = 1e-2;
 /// Names beside a finding that it may be confounded with.
@@ -93,7 +93,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
     let effect = term.effect;
     let spread = search.spread(&found.chosen);
     let model_error = if search.shooting.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
-    let mut parameters = estimates(&found.chosen, index, spread, model_error);
+    let mut parameters = estimates(&found.chosen.fit, index, spread, model_error);
     let mut names = effect.told_names();
     // separate axes have a gain each that is fitted along, and no inertia
     if !search.always.is_empty() {
@@ -124,15 +124,15 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
 }
 
 /// Values by name with standard deviations: the fit's, carried over to what is told, and the model's own accuracy.
-fn estimates(
-    candidate: &Candidate<'_>,
+pub(super) fn estimates(
+    fit: &Fit<'_>,
     index: usize,
     spread: f64,
     model_error: f64,
 ) -> BTreeMap<&'static str, Estimate> {
-    let Term { effect, values } = &candidate.fit.terms[index];
+    let Term { effect, values } = &fit.terms[index];
     let size = values.len();
-    let covariance = candidate.fit.covariance_of(index);
+    let covariance = fit.covariance_of(index);
     let told = effect.told(values);
     let slopes: Vec<Vec<f64>> = (0..size)
         .map(|i| {

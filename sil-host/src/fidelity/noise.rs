@@ -30,18 +30,55 @@ pub struct SensorNoise {
     pub angle_rad: [Option<f64>; 3],
     /// Of the body rates, rad/s.
     pub rate_rad_s: [Option<f64>; 3],
+    /// Of the accelerometer, m/s^2; like what follows only where a flight's translation is looked at.
+    pub accel_m_s2: [Option<f64>; 3],
+    /// Of the velocities, m/s.
+    pub velocity_m_s: [Option<f64>; 3],
+    /// Of the height, m.
+    pub height_m: Option<f64>,
 }
 
 impl SensorNoise {
     /// Estimates both from the rows in which the motors run.
     pub(crate) fn of(log: &Log) -> SensorNoise {
-        let of = |quantity: Quantity| {
-            let column = log.column(quantity)?;
-            Some(white_noise_std(&log.time_s, column, &stretches(log)).unwrap_or_default())
-        };
         SensorNoise {
-            angle_rad: Axis::ALL.map(|axis| of(Quantity::Angle(axis))),
-            rate_rad_s: Axis::ALL.map(|axis| of(Quantity::Rate(axis))),
+            angle_rad: Axis::ALL.map(|axis| column_noise(log, Quantity::Angle(axis))),
+            rate_rad_s: Axis::ALL.map(|axis| column_noise(log, Quantity::Rate(axis))),
+            ..SensorNoise::default()
+        }
+    }
+
+    /// The same, and of what a log of free flight tells of the vehicle's way through the air.
+    pub(crate) fn of_free_flight(log: &Log) -> SensorNoise {
+        SensorNoise {
+            accel_m_s2: Axis::ALL.map(|axis| column_noise(log, Quantity::Accel(axis))),
+            velocity_m_s: Axis::ALL.map(|axis| column_noise(log, Quantity::Velocity(axis))),
+            height_m: column_noise(log, Quantity::Height),
+            ..SensorNoise::of(log)
+        }
+    }
+
+    /// That of a measured quantity.
+    pub(crate) fn of_quantity(&self, quantity: Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::Angle(axis) => self.angle_rad[axis.index()],
+            Quantity::Rate(axis) => self.rate_rad_s[axis.index()],
+            Quantity::Accel(axis) => self.accel_m_s2[axis.index()],
+            Quantity::Velocity(axis) => self.velocity_m_s[axis.index()],
+            Quantity::Height => self.height_m,
+            _ => None,
+        }
+    }
+
+    /// Each times a factor.
+    pub(crate) fn scaled(&self, factor: f64) -> SensorNoise {
+        let times = |sigma: Option<f64>| sigma.map(|sigma| factor * sigma);
+        SensorNoise {
+            angle_rad: self.angle_rad.map(times),
+            rate_rad_s: self.rate_rad_s.map(times),
+            accel_m_s2: self.accel_m_s2.map(times),
+            velocity_m_s: self.velocity_m_s.map(times),
+            height_m: times(self.height_m),
         }
     }
 
@@ -57,6 +94,12 @@ impl SensorNoise {
             }
         }
     }
+}
+
+/// Noise of a column; 0 where its rows are too few.
+fn column_noise(log: &Log, quantity: Quantity) -> Option<f64> {
+    let column = log.column(quantity)?;
+    Some(white_noise_std(&log.time_s, column, &stretches(log)).unwrap_or_default())
 }
 
 /// The white part of a channel's residuals, which are ordered by window and time.

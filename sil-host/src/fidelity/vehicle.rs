@@ -98,6 +98,9 @@ impl Vehicle {
             if let (Vehicle::Plant(plant, _), Some(drop_v)) = (&mut *self, &drive.battery_drop_v) {
                 plant.set_battery_drop_v(drop_v[row]);
             }
+            if let (Vehicle::Plant(plant, _), Some(height_m)) = (&mut *self, drive.height_m) {
+                plant.set_height_m(height_m[row]);
+            }
             if let Some(next_s) = drive.time_s.get(row + 1) {
                 self.hold(drive.at(row), next_s - drive.time_s[row]);
             }
@@ -112,6 +115,8 @@ pub(super) struct Drive<'a> {
     columns: [Option<Cow<'a, [f64]>>; 4],
     /// How far the battery is below its mean of the first second, V.
     battery_drop_v: Option<Cow<'a, [f64]>>,
+    /// Height above ground, m: what the ground lifts hangs on it.
+    height_m: Option<&'a [f64]>,
 }
 
 /// Which way each motor turns the vehicle about (x, y, z): RIG.md, "Frames and motors".
@@ -121,7 +126,12 @@ impl<'a> Drive<'a> {
     /// The motors; `None` if the log has none.
     pub(super) fn motors(log: &'a Log) -> Option<Drive<'a>> {
         let columns = log.motors()?.map(|column| Some(column.into()));
-        Some(Drive { time_s: &log.time_s, columns, battery_drop_v: battery_drop_v(log) })
+        Some(Drive {
+            time_s: &log.time_s,
+            columns,
+            battery_drop_v: battery_drop_v(log),
+            height_m: log.height_m.as_deref(),
+        })
     }
 
     /// The axis commands, where the log has them; else made of the motors, half the signed sum, so that they lie in -1..1.
@@ -138,7 +148,7 @@ impl<'a> Drive<'a> {
                 (None, None) => None,
             };
         }
-        Drive { time_s: &log.time_s, columns, battery_drop_v: None }
+        Drive { time_s: &log.time_s, columns, battery_drop_v: None, height_m: None }
     }
 
     /// What a controller that makes so many steps per row commands on the mean from each row to the next, if its command
@@ -150,7 +160,7 @@ impl<'a> Drive<'a> {
             column.iter().zip(nexts).map(|(now, next)| now + share_of_next * (next - now)).collect()
         };
         let columns = self.columns.each_ref().map(|column| column.as_ref().map(mean));
-        Drive { time_s: self.time_s, columns, battery_drop_v: self.battery_drop_v.clone() }
+        Drive { time_s: self.time_s, columns, battery_drop_v: self.battery_drop_v.clone(), height_m: self.height_m }
     }
 
     /// One command's column, by its place in [`Commands`].

@@ -65,6 +65,12 @@ pub enum LogErrorKind {
     TimeNotIncreasing { before: f64, now: f64 },
     #[error("expected at least {ROWS_MIN} rows, found {0}")]
     TooFewRows(usize),
+    #[error(
+        "expected at least {ROWS_MIN} rows from {from_s} s to {to_s} s, found {rows}; the log goes from {} s to {} s",
+        has_s[0],
+        has_s[1]
+    )]
+    SpanTooShort { from_s: f64, to_s: f64, rows: usize, has_s: [f64; 2] },
     #[error("expected columns of {expected} values, found {found}")]
     UnequalColumns { expected: usize, found: usize },
     #[error("{0}")]

@@ -6,6 +6,7 @@
 
 mod error;
 mod map;
+mod part;
 mod quantity;
 mod read;
 mod source;
@@ -60,6 +61,13 @@ pub struct Log {
     pub rotor_speed_rpm: [Column; 4],
     /// Specific force in the body frame, m/s^2.
     pub accel_body_m_s2: [Column; 3],
+
+    /// The log of more rows whose commands act between the rows of this one ([`Log::thinned`]); `None` where its own do.
+    pub commanded_by: Option<Box<Log>>,
+    /// Velocity north, east, down, m/s.
+    pub velocity_ned_m_s: [Column; 3],
+    /// Height of the rotors above ground, m.
+    pub height_m: Column,
 }
 
 impl Log {
@@ -146,6 +154,8 @@ impl Log {
             Quantity::Battery => &self.battery_v,
             Quantity::Rpm(rotor) => &self.rotor_speed_rpm[rotor],
             Quantity::Accel(axis) => &self.accel_body_m_s2[axis.index()],
+            Quantity::Velocity(axis) => &self.velocity_ned_m_s[axis.index()],
+            Quantity::Height => &self.height_m,
         };
         column.as_deref()
     }
@@ -166,6 +176,8 @@ impl Log {
             Quantity::Battery => &mut self.battery_v,
             Quantity::Rpm(rotor) => &mut self.rotor_speed_rpm[rotor],
             Quantity::Accel(axis) => &mut self.accel_body_m_s2[axis.index()],
+            Quantity::Velocity(axis) => &mut self.velocity_ned_m_s[axis.index()],
+            Quantity::Height => &mut self.height_m,
         };
         *column = Some(values);
     }

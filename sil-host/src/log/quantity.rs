@@ -29,6 +29,10 @@ pub enum Quantity {
     Rpm(usize),
     /// Accelerometer (specific force) along the body's x, y or z, m/s^2.
     Accel(Axis),
+    /// Velocity to the north, to the east or down, as a flight controller estimates it, m/s.
+    Velocity(Axis),
+    /// Height of the rotors above ground, m.
+    Height,
 }
 
 /// A unit as it ends a column's name, and its size in the unit that a log holds.
@@ -40,13 +44,15 @@ const RATE: &[Unit] = &[("_rad_s", 1.0), ("_deg_s", PI / 180.0)];
 const COMMAND: &[Unit] = &[("", 1.0), ("_pct", 0.01)];
 const VOLTAGE: &[Unit] = &[("_v", 1.0), ("_mv", 1e-3)];
 const SPEED: &[Unit] = &[("", 1.0)];
+const VELOCITY: &[Unit] = &[("_m_s", 1.0), ("_cm_s", 0.01)];
+const LENGTH: &[Unit] = &[("_m", 1.0), ("_cm", 0.01)];
 const ACCELERATION: &[Unit] = &[("_m_s2", 1.0), ("_g", 9.80665)];
 
 impl Quantity {
     /// Every quantity, in the order in which a file is written.
-    pub const ALL: [Quantity; 26] = {
+    pub const ALL: [Quantity; 30] = {
         use Axis::{Pitch, Roll, Yaw};
-        use Quantity::{Accel, Angle, Battery, Command, Motor, Rate, Reference, Rpm, Thrust, Time};
+        use Quantity::{Accel, Angle, Battery, Command, Height, Motor, Rate, Reference, Rpm, Thrust, Time, Velocity};
         [
             Time,
             Angle(Roll),
@@ -74,6 +80,10 @@ impl Quantity {
             Accel(Roll),
             Accel(Pitch),
             Accel(Yaw),
+            Velocity(Roll),
+            Velocity(Pitch),
+            Velocity(Yaw),
+            Height,
         ]
     };
 
@@ -89,6 +99,8 @@ impl Quantity {
             Quantity::Battery => "battery",
             Quantity::Rpm(rotor) => ["rpm1", "rpm2", "rpm3", "rpm4"][rotor],
             Quantity::Accel(axis) => ["ax", "ay", "az"][axis.index()],
+            Quantity::Velocity(axis) => ["vn", "ve", "vd"][axis.index()],
+            Quantity::Height => "height",
         }
     }
 
@@ -101,6 +113,8 @@ impl Quantity {
             Quantity::Battery => VOLTAGE,
             Quantity::Rpm(_) => SPEED,
             Quantity::Accel(_) => ACCELERATION,
+            Quantity::Velocity(_) => VELOCITY,
+            Quantity::Height => LENGTH,
         }
     }
 

@@ -73,6 +73,20 @@ pub struct SensorNoise {
     pub accel_m_s2: f64,
     /// Attitude as logs report it, rad.
     pub attitude_rad: f64,
+    /// Velocity as logs of free flight report it, m/s.
+    pub velocity_m_s: f64,
+    /// Height above ground as they report it, m.
+    pub height_m: f64,
+}
+
+impl SensorNoise {
+    /// Exact sensors.
+    pub const NONE: SensorNoise =
+        SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0, velocity_m_s: 0.0, height_m: 0.0 };
+    /// Velocity of a model file that says nothing of it, m/s: satellite navigation's, smoothed by an inertial filter.
+    pub const USUAL_VELOCITY_M_S: f64 = 0.05;
+    /// Height, m: a range finder's over flat ground.
+    pub const USUAL_HEIGHT_M: f64 = 0.02;
 }
 
 impl VehicleModel {

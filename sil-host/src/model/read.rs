@@ -84,10 +84,14 @@ fn read_noise(noise: &Section<'_>) -> Result<SensorNoise, ModelError> {
     let gyro = admissible(0.0, 1.0, "the gyro's standard deviation in rad/s");
     let accel = admissible(0.0, 20.0, "the accelerometer's standard deviation in m/s^2");
     let attitude = admissible(0.0, 0.5, "the logged attitude's standard deviation in rad");
+    let velocity = admissible(0.0, 20.0, "the logged velocity's standard deviation in m/s");
+    let height = admissible(0.0, 20.0, "the logged height's standard deviation in m");
     let read = SensorNoise {
         gyro_rad_s: noise.number("gyro_rad_s", gyro)?,
         accel_m_s2: noise.number("accel_m_s2", accel)?,
         attitude_rad: noise.number("attitude_rad", attitude)?,
+        velocity_m_s: noise.optional_number("velocity_m_s", velocity)?.unwrap_or(SensorNoise::USUAL_VELOCITY_M_S),
+        height_m: noise.optional_number("height_m", height)?.unwrap_or(SensorNoise::USUAL_HEIGHT_M),
     };
     noise.finish()?;
     Ok(read)

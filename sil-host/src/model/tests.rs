@@ -16,7 +16,10 @@ fn every_model_file_reads_and_writes_back() {
         names.push(format!("{} {}", model.level().name(), model.rig().name()));
     }
     names.sort();
-    assert_eq!(names, ["box free", "box gimbal", "device free", "device gimbal", "generic free", "generic gimbal"]);
+    assert_eq!(
+        names,
+        ["box free", "box gimbal", "device free", "device gimbal", "generic free", "generic free", "generic gimbal"]
+    );
     assert_eq!(VehicleModel::nominal(Rig::Gimbal).rig(), Rig::Gimbal);
     assert_eq!(VehicleModel::nominal(Rig::Free).rig(), Rig::Free);
 }
@@ -48,7 +51,10 @@ fn the_gimbal_model_holds_the_numbers_of_the_thesis() {
     assert_eq!(model.inertia_kg_m2, [0.0115118, 0.0115118, 0.020]);
     assert_eq!(model.mounting, Mounting::Gimbal { ring_inertia_kg_m2: 0.0250533 });
     assert_eq!((model.arm_m, model.base_command, model.gravity_m_s2), (0.226, 0.5, 9.81));
-    assert_eq!(model.noise, SensorNoise { gyro_rad_s: 0.01, accel_m_s2: 0.1, attitude_rad: 0.002 });
+    assert_eq!(
+        model.noise,
+        SensorNoise { gyro_rad_s: 0.01, accel_m_s2: 0.1, attitude_rad: 0.002, velocity_m_s: 0.05, height_m: 0.02 }
+    );
     assert!(model.effects.is_empty());
     let Propulsion::Device(device) = model.propulsion else { panic!("{:?}", model.propulsion) };
     assert_eq!((device.resistance_ohm, device.inductance_h), (0.127, 1.6968e-4));

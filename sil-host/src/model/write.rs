@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::document::{Section, Source};
-use super::{ModelError, Mounting, Problem, VehicleModel};
+use super::{ModelError, Mounting, Problem, SensorNoise, VehicleModel};
 
 impl VehicleModel {
     /// The model as text that [`VehicleModel::parse`] reads back unchanged.
@@ -32,6 +32,14 @@ impl VehicleModel {
         text.number("gyro_rad_s", self.noise.gyro_rad_s);
         text.number("accel_m_s2", self.noise.accel_m_s2);
         text.number("attitude_rad", self.noise.attitude_rad);
+        for (key, value, usual) in [
+            ("velocity_m_s", self.noise.velocity_m_s, SensorNoise::USUAL_VELOCITY_M_S),
+            ("height_m", self.noise.height_m, SensorNoise::USUAL_HEIGHT_M),
+        ] {
+            if value != usual {
+                text.number(key, value);
+            }
+        }
         for effect in &self.effects {
             effect.write(&mut text);
         }

@@ -36,6 +36,9 @@ pub use truth::Truth;
 /// Longest integration step unless the propulsion or an effect needs a shorter one, s.
 pub const STEP_MAX_S: f64 = 0.5e-3;
 
+/// Height of the rotors above ground at the start where nothing says otherwise, m: far from the ground.
+const START_HEIGHT_M: f64 = 10.0;
+
 /// What is asked to happen this close after the end of a stretch of time happens at its end, s: times are sums of
 /// durations, and round.
 const SAME_TIME_S: f64 = 1e-9;
@@ -57,6 +60,7 @@ pub struct Plant {
     drive: [f64; 4],
     disturbance_torque_body_nm: [f64; 3],
     wind_ned_m_s: [f64; 3],
+    start_height_m: f64,
     time_s: f64,
     /// Times at which an effect sets in, s, ascending.
     onsets_s: Vec<f64>,
@@ -120,6 +124,10 @@ impl Plant {
             drive: [0.0; 4],
             disturbance_torque_body_nm: [0.0; 3],
             wind_ned_m_s: [wind(0), wind(1), wind(2)],
+            start_height_m: effects
+                .iter()
+                .find_map(|effect| effect.extension().start_height_m())
+                .unwrap_or(START_HEIGHT_M),
             effects,
             time_s: 0.0,
             onsets_s,
@@ -188,6 +196,25 @@ impl Plant {
     /// component of the state or to one (rad, rad/s, A).
     pub fn integrate_adaptively(&mut self, tolerance: f64) {
         self.method = self.method.adaptive(tolerance);
+    }
+
+    /// True where nothing holds the vehicle.
+    pub fn flies_free(&self) -> bool {
+        matches!(self.body, Body::Free(..))
+    }
+
+    /// Puts the ground so far below the rotors at the start, m, unless an effect says where it is.
+    pub fn set_start_height_m(&mut self, height_m: f64) {
+        if !self.effects.iter().any(|effect| effect.extension().start_height_m().is_some()) {
+            self.start_height_m = height_m;
+        }
+    }
+
+    /// Puts a free vehicle so high above the ground, m.
+    pub fn set_height_m(&mut self, height_m: f64) {
+        if let Body::Free(_, state) = &mut self.body {
+            state[2] = self.start_height_m - height_m;
+        }
     }
 
     /// Time since the start, s.

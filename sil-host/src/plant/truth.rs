@@ -26,6 +26,8 @@ pub struct Truth {
     pub position_ned_m: [f64; 3],
     /// Velocity north, east, down, m/s; 0 on the gimbal.
     pub velocity_ned_m_s: [f64; 3],
+    /// Height of the rotors above ground, m.
+    pub height_m: f64,
     /// Speed of motors 1 to 4, rad/s; 0 where the propulsion model has no rotors.
     pub motor_speed_rad_s: [f64; 4],
     /// Lift of motors 1 to 4, N.
@@ -60,6 +62,7 @@ impl Plant {
             specific_force_body_m_s2: self.specific_force_body_m_s2(),
             position_ned_m: position,
             velocity_ned_m_s: velocity,
+            height_m: self.start_height_m - position[2],
             motor_speed_rad_s: self.motor_speed_rad_s(),
             lift_n: self.lifts_n(),
         }

@@ -24,6 +24,7 @@ pub struct Sensors {
     gyro_stream: RandomStream,
     accel_stream: RandomStream,
     attitude_stream: RandomStream,
+    navigation_stream: RandomStream,
 }
 
 impl Sensors {
@@ -37,12 +38,13 @@ impl Sensors {
             gyro_stream: RandomStream::new(seed, "gyro"),
             accel_stream: RandomStream::new(seed, "accelerometer"),
             attitude_stream: RandomStream::new(seed, "attitude"),
+            navigation_stream: RandomStream::new(seed, "navigation"),
         }
     }
 
     /// Sensors that only round to whole counts.
     pub fn ideal() -> Self {
-        Self::new(&SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0 }, 0)
+        Self::new(&SensorNoise::NONE, 0)
     }
 
     /// Adds a constant to every reading, body axes: gyro in rad/s, accelerometer in m/s².
@@ -91,6 +93,17 @@ impl Sensors {
     pub fn attitude(&mut self, roll_pitch_yaw_rad: [f64; 3]) -> [f64; 3] {
         let reported = self.chain.as_ref().map_or(roll_pitch_yaw_rad, |chain| chain.attitude_rad(roll_pitch_yaw_rad));
         disturbed(reported, &[0.0; 3], self.noise.attitude_rad, &mut self.attitude_stream)
+    }
+
+    /// Velocity (north, east, down, m/s) and height above ground (m) as a log of free flight reports them.
+    pub fn navigation(&mut self, truth: &Truth) -> [f64; 4] {
+        let [north, east, down] =
+            disturbed(truth.velocity_ned_m_s, &[0.0; 3], self.noise.velocity_m_s, &mut self.navigation_stream);
+        let mut height_m = truth.height_m;
+        if self.noise.height_m > 0.0 {
+            height_m += self.noise.height_m * self.navigation_stream.normal();
+        }
+        [north, east, down, height_m]
     }
 }
 

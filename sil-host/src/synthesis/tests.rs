@@ -42,7 +42,7 @@ fn a_long_log_repeats_the_sequence() {
 fn quiet(effects: &[&str]) -> Synthesis {
     let mut model = VehicleModel::nominal(Rig::Gimbal);
     model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
-    let noise = SensorNoise { gyro_rad_s: 0.0, attitude_rad: 0.0, accel_m_s2: 0.0 };
+    let noise = SensorNoise::NONE;
     Synthesis { noise: Some(noise), ..Synthesis { model, ..setup(400, 400) } }
 }
 

@@ -58,7 +58,7 @@ mod tests {
     use super::*;
     use sil_host::model::{Rig, VehicleModel};
 
-    const NO_NOISE: SensorNoise = SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0 };
+    const NO_NOISE: SensorNoise = SensorNoise::NONE;
 
     #[test]
     fn counts_are_those_of_the_data_sheets_in_the_sensors_axes() {
@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn its_noise_is_its_own() {
         let plant = Plant::new(&VehicleModel::nominal(Rig::Gimbal));
-        let noise = SensorNoise { gyro_rad_s: 0.1, accel_m_s2: 0.5, attitude_rad: 0.0 };
+        let noise = SensorNoise { gyro_rad_s: 0.1, accel_m_s2: 0.5, ..SensorNoise::NONE };
         let mut first = sil_host::sensors::Sensors::new(&noise, 3);
         let mut second = SecondImu::new(SecondGyro::L3gd20, &noise, 3);
         let rates = |gyro: [i16; 3], scale: f64| gyro.map(|count| f64::from(count) / scale);

@@ -1,5 +1,5 @@
 //! The blind campaigns: `cargo run --release -p integration-tests --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST [FOLDER]]]]`, CAMPAIGN
-//! one of singles, nominal, lost-commands, pairs, triples, outside; all of them without one. Tables go to the terminal, every case before
+//! one of singles, nominal, lost-commands, pairs, triples, outside, free; all of them without one. Tables go to the terminal, every case before
 //! them as it is done; logs go to the folder, where one is given.
 
 use integration_tests::blind::{Campaign, Case, Outcome};

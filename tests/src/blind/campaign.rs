@@ -21,17 +21,20 @@ pub enum Campaign {
     Triples,
     /// Something that no catalogue has.
     Outside,
+    /// One effect in free flight, control at the log's rate.
+    Free,
 }
 
 impl Campaign {
     /// All, in the order of the issue.
-    pub const ALL: [Campaign; 6] = [
+    pub const ALL: [Campaign; 7] = [
         Campaign::Singles,
         Campaign::Nominal,
         Campaign::LostCommands,
         Campaign::Pairs,
         Campaign::Triples,
         Campaign::Outside,
+        Campaign::Free,
     ];
 
     /// Its name on the command line.
@@ -43,6 +46,7 @@ impl Campaign {
             Campaign::Pairs => "pairs",
             Campaign::Triples => "triples",
             Campaign::Outside => "outside",
+            Campaign::Free => "free",
         }
     }
 
@@ -53,6 +57,7 @@ impl Campaign {
             Campaign::Nominal | Campaign::LostCommands => 100,
             Campaign::Pairs | Campaign::Triples => 60,
             Campaign::Outside => 70,
+            Campaign::Free => 40,
         }
     }
 
@@ -65,6 +70,7 @@ impl Campaign {
             Campaign::Pairs => Case::combined(seed, 2),
             Campaign::Triples => Case::combined(seed, 3),
             Campaign::Outside => Case::outside(seed),
+            Campaign::Free => Case::free(seed),
         }
     }
 
@@ -82,10 +88,10 @@ impl Campaign {
     /// The tables.
     pub fn report(self, score: &Score) -> String {
         let rows: Vec<(&str, &str, f64)> = match self {
-            Campaign::Singles | Campaign::LostCommands => vec![
+            Campaign::Singles | Campaign::LostCommands | Campaign::Free => vec![
                 (
                     "first finding right",
-                    if self == Campaign::Singles { "98 %" } else { "90 %" },
+                    if self == Campaign::LostCommands { "90 %" } else { "98 %" },
                     score.first_is_right(),
                 ),
                 ("with a further finding that is not there", "at most 5 %", score.false_findings()),
@@ -111,7 +117,7 @@ impl Campaign {
             text += &format!("| {what} | {asked} | {} |\n", percent(share));
         }
         text += &format!("\nVerdicts: {}.\n", score.verdicts());
-        if let Campaign::Singles | Campaign::LostCommands = self {
+        if let Campaign::Singles | Campaign::LostCommands | Campaign::Free = self {
             for table in [score.by_size(), score.confusion()] {
                 text += &format!("\n{table}");
             }

@@ -5,7 +5,7 @@ use sil_host::model::VehicleModel;
 use sil_host::sensors::random::RandomStream;
 
 use super::conditions::{Conditions, DURATION_S, wanted_ratio};
-use super::hidden::{EFFECTS, Hidden};
+use super::hidden::{EFFECTS, EFFECTS_IN_FREE_FLIGHT, Hidden};
 use super::outside::Outside;
 
 /// A case.
@@ -33,6 +33,14 @@ impl Case {
         let mut draws = RandomStream::new(seed, "blind");
         let conditions = Conditions::draw(seed, &mut draws);
         Case::with_effects(seed, &[EFFECTS[(seed % EFFECTS.len() as u64) as usize]], conditions, &mut draws)
+    }
+
+    /// One effect in free flight.
+    pub fn free(seed: u64) -> Case {
+        let mut draws = RandomStream::new(seed, "blind, free flight");
+        let conditions = Conditions::draw_free(seed, &mut draws);
+        let name = EFFECTS_IN_FREE_FLIGHT[(seed % EFFECTS_IN_FREE_FLIGHT.len() as u64) as usize];
+        Case::with_effects(seed, &[name], conditions, &mut draws)
     }
 
     /// One effect, and a controller that runs faster than the log.
@@ -77,7 +85,7 @@ impl Case {
     fn with_effects(seed: u64, names: &[&'static str], conditions: Conditions, draws: &mut RandomStream) -> Case {
         let mut hidden = Vec::new();
         for name in names {
-            let effect = Hidden::draw(name, DURATION_S, draws);
+            let effect = Hidden::draw(name, DURATION_S, conditions.rig, draws);
             let log_of = |size: f64| conditions.flown(&[effect.short(size)], None);
             let size = conditions.size(effect.first_size, wanted_ratio(draws), log_of);
             hidden.push((effect, size));

@@ -1,6 +1,7 @@
 //! Under what a log is made, and how large an effect must be there to show as much as is wanted.
 
 use sil_host::cosim::{self, Probe};
+use sil_host::diagnosis::{Subject, channel_prediction_errors};
 use sil_host::fidelity::{Channel, Part, ReplayOptions, replay_plant};
 use sil_host::flight::FlightSetup;
 use sil_host::flight_log::flight_log;
@@ -23,6 +24,11 @@ const RATIO_RANGE: [f64; 2] = [1.5, 10.0];
 /// A size is good when its ratio is this near to the one wanted.
 const RATIO_TOLERANCE: f64 = 0.05;
 const CALIBRATIONS_MAX: usize = 8;
+/// Height of the rotors above ground at the start of a free flight, m.
+pub(super) const LOW_START_M: f64 = 2.0;
+/// Time between set-points of a free flight, and how long it stays high, s.
+const FREE_SEGMENT_S: f64 = 0.9;
+const HIGH_S: f64 = 8.0;
 
 /// Rates, throttle and seed of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,19 +41,27 @@ pub struct Conditions {
     pub throttle: f64,
     /// Seed of the sensors' noise.
     pub seed: u64,
+    /// What holds the vehicle.
+    pub rig: Rig,
 }
 
 impl Conditions {
     /// Control at the log's rate.
     pub fn draw(seed: u64, draws: &mut RandomStream) -> Conditions {
         let rate_hz = RATES_HZ[(draws.uniform() * RATES_HZ.len() as f64) as usize];
-        Conditions { control_rate_hz: rate_hz, log_rate_hz: rate_hz, throttle: throttle(draws), seed }
+        Conditions { control_rate_hz: rate_hz, log_rate_hz: rate_hz, throttle: throttle(draws), seed, rig: Rig::Gimbal }
+    }
+
+    /// Free flight, control at the log's rate.
+    pub fn draw_free(seed: u64, draws: &mut RandomStream) -> Conditions {
+        let hover = VehicleModel::nominal(Rig::Free).base_command;
+        Conditions { throttle: hover, rig: Rig::Free, ..Conditions::draw(seed, draws) }
     }
 
     /// Control faster than the log: commands are lost between rows.
     pub fn draw_with_lost_commands(seed: u64, draws: &mut RandomStream) -> Conditions {
         let log_rate_hz = SLOW_RATES_HZ[(draws.uniform() * SLOW_RATES_HZ.len() as f64) as usize];
-        Conditions { control_rate_hz: FAST_CONTROL_HZ, log_rate_hz, throttle: throttle(draws), seed }
+        Conditions { control_rate_hz: FAST_CONTROL_HZ, log_rate_hz, throttle: throttle(draws), seed, rig: Rig::Gimbal }
     }
 
     /// The nominal vehicle with effects.
@@ -55,10 +69,9 @@ impl Conditions {
     /// # Panics
     /// If an effect can't be read.
     pub fn vehicle(&self, effects: &[String]) -> VehicleModel {
-        let mut model = VehicleModel::nominal(Rig::Gimbal);
+        let mut model = VehicleModel::nominal(self.rig);
         model.base_command = self.throttle;
-        let parsed =
-            |short: &String| Effect::parse(short, Rig::Gimbal).unwrap_or_else(|error| panic!("{short}: {error}"));
+        let parsed = |short: &String| Effect::parse(short, self.rig).unwrap_or_else(|error| panic!("{short}: {error}"));
         model.effects = effects.iter().map(parsed).collect();
         model
     }
@@ -70,6 +83,8 @@ impl Conditions {
     pub fn synthesised(&self, effects: &[String]) -> Log {
         let mut synthesis = Synthesis {
             duration_s: DURATION_S,
+            scenario: self.scenario(),
+            start_height_m: Some(LOW_START_M),
             log_rate_hz: self.log_rate_hz,
             blind: true,
             seed: self.seed,
@@ -88,7 +103,8 @@ impl Conditions {
         let mut choice = Synthesis::of(model.clone()).choice;
         choice.rate_hz = self.control_rate_hz;
         let mut plant = Plant::new(&model);
-        let flight = FlightSetup { model, controller_model: None, choice, scenario: scenario(), seed: self.seed };
+        plant.set_start_height_m(LOW_START_M);
+        let flight = FlightSetup { model, controller_model: None, choice, scenario: self.scenario(), seed: self.seed };
         let mut control = flight.control_side().expect("a usual rate");
         let mut sensors = flight.sensors();
         let parameters = flight.design_parameters();
@@ -96,11 +112,26 @@ impl Conditions {
         flight_log(&record, self.log_rate_hz)
     }
 
-    /// Held-out error of the nominal model over its noise floor: root mean square over the channels.
+    /// What is flown.
+    fn scenario(&self) -> Scenario {
+        match self.rig {
+            Rig::Gimbal => on_the_gimbal(),
+            Rig::Free => in_free_flight(),
+        }
+    }
+
+    /// Held-out error of the nominal model over its noise floor: root mean square over the channels, in free flight over those of the
+    /// diagnosis, as the replay knows no translation.
     ///
     /// # Panics
     /// If the log can't be replayed.
     pub fn ratio(&self, log: &Log) -> f64 {
+        if self.rig == Rig::Free {
+            let nominal = self.vehicle(&[]);
+            let errors = channel_prediction_errors(log, &Subject::Vehicle(&nominal)).expect("a whole log");
+            let squares = errors.iter().map(|(_, [error, floor])| (error / floor) * (error / floor)).sum::<f64>();
+            return (squares / errors.len() as f64).sqrt();
+        }
         let options = ReplayOptions { control_rate_hz: Some(f64::from(self.control_rate_hz)) };
         let replay = replay_plant(log, &self.vehicle(&[]), &options).expect("a whole log");
         let squares = Channel::ALL.into_iter().filter_map(|channel| {
@@ -141,8 +172,29 @@ fn throttle(draws: &mut RandomStream) -> f64 {
     0.35 + 0.25 * draws.uniform()
 }
 
+/// From level, steps of roll, pitch and both, each to one side, to the other and back, so that the vehicle comes to rest again; turning now
+/// and then. It begins well above the ground, where the pilot learns what the vehicle weighs, and goes on low.
+fn in_free_flight() -> Scenario {
+    let sides: [f64; 5] = [0.0, 1.0, -1.0, -1.0, 1.0];
+    let angles: [[f64; 2]; 4] = [[15.0, 0.0], [0.0, 15.0], [12.0, 12.0], [12.0, -12.0]];
+    let (yaw_rates_deg_s, climbs_m): ([f64; 3], [f64; 4]) = ([0.0, 30.0, -30.0], [-1.6, -1.75, -1.5, -1.7]);
+    let waypoint = |k: usize| {
+        let [roll_deg, pitch_deg] = angles[k / sides.len() % angles.len()].map(|angle| sides[k % sides.len()] * angle);
+        let start_s = k as f64 * FREE_SEGMENT_S;
+        Waypoint {
+            roll_rad: roll_deg.to_radians(),
+            pitch_rad: pitch_deg.to_radians(),
+            yaw_rate_rad_s: yaw_rates_deg_s[k / 3 % yaw_rates_deg_s.len()].to_radians(),
+            climb_m: Some(if start_s < HIGH_S { 0.0 } else { climbs_m[k / 4 % climbs_m.len()] }),
+            ..Waypoint::level(start_s)
+        }
+    };
+    let count = (DURATION_S / FREE_SEGMENT_S).ceil() as usize;
+    Scenario { name: "low flight".into(), duration_s: DURATION_S, waypoints: (0..count).map(waypoint).collect() }
+}
+
 /// The test sequence over and over.
-fn scenario() -> Scenario {
+fn on_the_gimbal() -> Scenario {
     let once = Scenario::test_sequence();
     let repeats = (DURATION_S / once.duration_s).ceil() as u32;
     let waypoints = (0..repeats).flat_map(|k| {

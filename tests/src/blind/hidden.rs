@@ -1,6 +1,10 @@
-//! What can be hidden: every effect of EFFECTS.md that a gimbal can have, but `controller_mismatch`, with its free choices drawn.
+//! What can be hidden: every effect of EFFECTS.md that a gimbal or a free vehicle can have, but `controller_mismatch`, with its free choices
+//! drawn.
 
+use sil_host::model::Rig;
 use sil_host::sensors::random::RandomStream;
+
+use super::conditions::LOW_START_M;
 
 /// Effects, equally often.
 pub const EFFECTS: [&str; 19] = [
@@ -18,6 +22,31 @@ pub const EFFECTS: [&str; 19] = [
     "battery_sag",
     "command_clipping",
     "gyro_bias",
+    "gyro_scale",
+    "attitude_delay",
+    "imu_misalignment",
+    "periodic_disturbance",
+    "step_disturbance",
+];
+
+/// Effects of free flight, equally often: those that mean something without bearings, and those of the way through the air.
+pub const EFFECTS_IN_FREE_FLIGHT: [&str; 21] = [
+    "mass_error",
+    "cg_offset",
+    "torque_bias",
+    "viscous_friction",
+    "inertia_error",
+    "rotor_drag",
+    "inertia_coupling",
+    "motor_lag",
+    "actuation_delay",
+    "thrust_scale",
+    "ground_effect",
+    "weak_motor",
+    "battery_sag",
+    "command_clipping",
+    "gyro_bias",
+    "wind",
     "gyro_scale",
     "attitude_delay",
     "imu_misalignment",
@@ -55,38 +84,45 @@ struct Extra {
 }
 
 impl Hidden {
-    /// Draws axis, motor, sign and whatever else an effect leaves open, for logs of a length.
+    /// Draws axis, motor, sign and whatever else an effect leaves open, for logs of a length; free, all but gravity acts on yaw too.
     ///
     /// # Panics
     /// If the name is none of the effects that can be hidden.
-    pub fn draw(name: &'static str, duration_s: f64, draws: &mut RandomStream) -> Hidden {
+    pub fn draw(name: &'static str, duration_s: f64, rig: Rig, draws: &mut RandomStream) -> Hidden {
         let mut uniform = || draws.uniform();
         let tilt = Some(if uniform() < 0.5 { "roll" } else { "pitch" });
         let any = Some(["roll", "pitch", "yaw"][(uniform() * 3.0) as usize]);
+        let turned = if rig == Rig::Free { any } else { tilt };
         let motor = Some(1 + (uniform() * 4.0) as u8);
         let sign = if uniform() < 0.5 { -1.0 } else { 1.0 };
         let extra = Extra { sign, share: uniform(), other: uniform(), duration_s };
         let upper = uniform() < 0.5;
         let (axis, motor, parameter, first_size, text): Row = match name {
             "cg_offset" => (tilt, None, "cos_moment_nm", 0.01, cg_offset),
-            "torque_bias" => (tilt, None, "torque_nm", 0.01, |s, e| signed("torque_nm", s, e)),
-            "viscous_friction" => (tilt, None, "coefficient_nms", 0.01, |s, _| plain("coefficient_nms", s)),
+            "torque_bias" => (turned, None, "torque_nm", 0.01, |s, e| signed("torque_nm", s, e)),
+            "viscous_friction" => (turned, None, "coefficient_nms", 0.01, |s, _| plain("coefficient_nms", s)),
             "coulomb_friction" => (tilt, None, "torque_nm", 0.005, |s, _| plain("torque_nm", s)),
             "spring" => (tilt, None, "stiffness_nm_rad", 0.03, spring),
-            "inertia_error" => (tilt, None, "scale", 0.05, scaled),
+            "inertia_error" => (turned, None, "scale", 0.05, scaled),
             "inertia_coupling" => (None, None, "product_kg_m2", 0.001, |s, e| signed("product_kg_m2", s.min(0.008), e)),
             "motor_lag" => (None, None, "time_constant_s", 0.005, |s, _| plain("time_constant_s", s)),
             "actuation_delay" | "attitude_delay" => (None, None, "delay_s", 0.005, |s, _| plain("delay_s", s)),
             "thrust_scale" => (None, None, "scale", 0.05, scaled),
             "weak_motor" => (None, motor, "scale", 0.03, |s, _| plain("scale", 1.0 - s.min(0.8))),
             "battery_sag" => (None, None, "per_s", 0.001, |s, _| plain("per_s", s)),
+            "command_clipping" if rig == Rig::Free && upper => (None, None, "max", 0.03, clipped_above_hover),
+            "command_clipping" if rig == Rig::Free => (None, None, "min", 0.03, clipped_below_hover),
             "command_clipping" if upper => (None, None, "max", 0.05, clipped_above),
             "command_clipping" => (None, None, "min", 0.05, clipped_below),
             "gyro_bias" => (any, None, "bias_rad_s", 0.03, |s, e| signed("bias_rad_s", s, e)),
             "gyro_scale" => (any, None, "scale", 0.05, scaled),
             "imu_misalignment" => (None, None, "yaw_rad", 0.03, |s, e| signed("yaw_rad", s.min(1.0), e)),
-            "periodic_disturbance" => (tilt, None, "amplitude_nm", 0.01, periodic),
-            "step_disturbance" => (tilt, None, "torque_nm", 0.01, step),
+            "periodic_disturbance" => (turned, None, "amplitude_nm", 0.01, periodic),
+            "step_disturbance" => (turned, None, "torque_nm", 0.01, step),
+            "mass_error" => (None, None, "scale", 0.05, scaled),
+            "rotor_drag" => (None, None, "coefficient_ns_m", 0.1, |s, _| plain("coefficient_ns_m", s)),
+            "wind" => (None, None, "north_m_s", 4.0, wind),
+            "ground_effect" => (None, None, "rotor_radius_m", 0.2, ground_effect),
             other => panic!("{other} can't be hidden"),
         };
         let nominal = match (name, parameter) {
@@ -159,10 +195,34 @@ fn clipped_below(size: f64, extra: &Extra) -> (f64, String) {
     (min, format!("min={min},max=1"))
 }
 
+/// From 0.65 downwards, and from 0.43 upwards: what a flight about hover, at 0.54, asks for at times.
+fn clipped_above_hover(size: f64, extra: &Extra) -> (f64, String) {
+    let max = 0.65 - size.min(0.1) + 0.01 * extra.share;
+    (max, format!("min=0,max={max}"))
+}
+
+fn clipped_below_hover(size: f64, extra: &Extra) -> (f64, String) {
+    let min = 0.43 + size.min(0.09) - 0.01 * extra.share;
+    (min, format!("min={min},max=1"))
+}
+
 /// 0.3 to 7.5 Hz.
 fn periodic(size: f64, extra: &Extra) -> (f64, String) {
     let (frequency_hz, phase_rad) = (0.3 * 25f64.powf(extra.share), core::f64::consts::TAU * (extra.other - 0.5));
     (size, format!("amplitude_nm={size},frequency_hz={frequency_hz},phase_rad={phase_rad}"))
+}
+
+/// From within 45 degrees of north or south, so that the first parameter is no remainder; a drag area of a vehicle of that size.
+fn wind(size: f64, extra: &Extra) -> (f64, String) {
+    let north_m_s = extra.sign * size.min(30.0);
+    let east_m_s = 2.0 * (extra.share - 0.5) * north_m_s;
+    (north_m_s, format!("north_m_s={north_m_s},east_m_s={east_m_s},drag_area_m2={}", 0.015 + 0.02 * extra.other))
+}
+
+/// The height is in the log; what is hidden is the radius with which the rotors feel the ground.
+fn ground_effect(size: f64, _: &Extra) -> (f64, String) {
+    let radius_m = size.min(0.9);
+    (radius_m, format!("rotor_radius_m={radius_m},height_m={LOW_START_M}"))
 }
 
 fn step(size: f64, extra: &Extra) -> (f64, String) {

@@ -1,7 +1,10 @@
 //! One case and what the diagnosis made of it.
 
-use sil_host::diagnosis::{Diagnosis, Finding, Subject, Verdict, diagnose, prediction_error};
+use sil_host::diagnosis::{
+    Diagnosis, Finding, Subject, Verdict, channel_prediction_errors, diagnose, extended_model, prediction_error,
+};
 use sil_host::fidelity::ChannelErrors;
+use sil_host::log::Log;
 use sil_host::model::{Rig, VehicleModel};
 
 use super::case::Case;
@@ -66,10 +69,13 @@ impl Outcome {
     /// # Panics
     /// If the log can't be diagnosed.
     pub fn of(case: &Case) -> Outcome {
-        let nominal = VehicleModel::nominal(Rig::Gimbal);
+        let nominal = VehicleModel::nominal(case.conditions.rig);
         let log = case.log();
         let answer = diagnose(&log, &Subject::Vehicle(&nominal)).expect("a whole log");
         let gain = case.outside.is_none().then(|| {
+            if case.conditions.rig == Rig::Free {
+                return Gain::in_free_flight(case, &log, &answer);
+            }
             let [truth, _] = prediction_error(&log, &Subject::Vehicle(&case.vehicle)).expect("a whole log");
             Gain::of(&answer, &truth)
         });
@@ -137,6 +143,21 @@ fn size(finding: &Finding, effect: &Hidden, truth: f64) -> Option<Size> {
 }
 
 impl Gain {
+    /// Over all channels that the diagnosis compares.
+    fn in_free_flight(case: &Case, log: &Log, answer: &Diagnosis) -> Gain {
+        let errors =
+            |model: &VehicleModel| channel_prediction_errors(log, &Subject::Vehicle(model)).expect("a whole log");
+        let nominal = VehicleModel::nominal(Rig::Free);
+        let extended = extended_model(&nominal, &answer.findings).map_or_else(|_| errors(&nominal), |it| errors(&it));
+        let mut gain = Gain { extended_to_true: 0.0, extended_to_floor: 0.0, floor_to_true: 0.0 };
+        for ((_, [extended, floor]), (_, [truth, _])) in extended.iter().zip(&errors(&case.vehicle)) {
+            gain.extended_to_true = gain.extended_to_true.max(extended / truth);
+            gain.extended_to_floor = gain.extended_to_floor.max(extended / floor);
+            gain.floor_to_true = gain.floor_to_true.max(floor / truth).max(truth / floor);
+        }
+        gain
+    }
+
     fn of(answer: &Diagnosis, truth: &ChannelErrors) -> Gain {
         let channels = |errors: &ChannelErrors| [errors.roll_deg, errors.pitch_deg, errors.p_deg_s, errors.q_deg_s];
         let truth = channels(truth);

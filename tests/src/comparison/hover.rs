@@ -57,7 +57,7 @@ impl Hover {
 }
 
 fn hover(duration_s: f64) -> Scenario {
-    let level = Waypoint { start_s: 0.0, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None };
+    let level = Waypoint::level(0.0);
     Scenario { name: "hover".into(), duration_s, waypoints: vec![level] }
 }
 
@@ -68,7 +68,7 @@ fn fly(contender: &Contender, model: VehicleModel, duration_s: f64) -> FlightRec
 fn torque_step(contender: &Contender, axis: Axis) -> TorqueStep {
     let mut model = Draw::nominal(0).model();
     model.effects.push(Effect::StepDisturbance(StepDisturbance { axis, torque_nm: TORQUE_NM, start_s: SETS_IN_S }));
-    model.noise = SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0 };
+    model.noise = SensorNoise::NONE;
     let record = fly(contender, model, TORQUE_FLIGHT_S);
     let angles_rad = record.angle_of(axis.index());
     let last_outside = angles_rad.iter().rposition(|angle| angle.abs() > RECOVERED_RAD);

@@ -250,7 +250,7 @@ fn tick_us(tick: usize, rate_hz: u32) -> u64 {
 /// At rest, armed, then hovering in the rig's hands, as [`crate::cosim`] begins a flight.
 fn held_steps(rows: &Rows<'_>, at_rest: &AtRest, parameters: &DesignParameters) -> Vec<Step> {
     let [roll_rad, pitch_rad] = rows.reference_rad.map(|reference| reference[0]);
-    let waypoint = Waypoint { start_s: 0.0, roll_rad, pitch_rad, yaw_rate_rad_s: 0.0, throttle: None };
+    let waypoint = Waypoint { roll_rad, pitch_rad, ..Waypoint::level(0.0) };
     let scenario = Scenario { name: String::new(), duration_s: 0.0, waypoints: vec![waypoint] };
     let (gyro, force) = (at_rest.gyro_rad_s(), rows.gravity_in_body_m_s2(at_rest.angle_rad));
     let per_step = samples_per_step(parameters);
@@ -299,7 +299,7 @@ mod tests {
         let mut model = VehicleModel::nominal(Rig::Gimbal);
         model.effects.extend(effect.map(|text| Effect::parse(text, Rig::Gimbal).unwrap()));
         if !is_noisy {
-            model.noise = SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0 };
+            model.noise = SensorNoise::NONE;
         }
         let choice = ControllerChoice::nominal(controller);
         let scenario = Scenario { duration_s: 5.0, ..Scenario::test_sequence() };

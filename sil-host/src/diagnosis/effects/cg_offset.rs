@@ -1,6 +1,7 @@
 //! Gravity on a mass off the centre. Pitch: the ring's, `-(C cos theta + S sin theta)` on the pitch axis. Roll: the body's,
 //! `cos theta (C cos phi - S sin phi)` on the roll axis and `-sin theta (C sin phi + S cos phi)` on the pitch axis. In free flight gravity
-//! turns nothing about the centre of mass; there the lift acts off it: `C F / (m g)` on the axis.
+//! turns nothing about the centre of mass; there the lift acts off it: `C F / (m g)` on
+//! roll, its negative on pitch, as level on the gimbal.
 
 use super::{Effect, Parameter, Place};
 use crate::axis::Axis;
@@ -8,7 +9,10 @@ use crate::diagnosis::vehicle::body::{BodyRig, Moment, Motion};
 use crate::diagnosis::vehicle::prediction::Model;
 
 /// Of the ring (pitch) or the body (roll).
-pub(super) struct CgOffset(pub(super) Axis);
+pub(super) struct CgOffset {
+    pub(super) axis: Axis,
+    pub(super) flies_free: bool,
+}
 
 const PARAMETERS: [Parameter; 2] = [
     Parameter { name: "cos_moment_nm", nominal: 0.0, step: 1e-4, min: -50.0, max: 50.0 },
@@ -26,16 +30,18 @@ impl Effect for CgOffset {
         Place::Plant
     }
     fn axis(&self) -> Option<Axis> {
-        Some(self.0)
+        Some(self.axis)
     }
     fn parameters(&self) -> &'static [Parameter] {
-        &PARAMETERS
+        // free, gravity turns nothing, and lift knows no height of the centre
+        if self.flies_free { &PARAMETERS[..1] } else { &PARAMETERS }
     }
     fn apply(&self, values: &[f64], model: &mut Model) {
-        let (cos_nm, sin_nm) = (values[0], values[1]);
-        let moment: Box<dyn Moment> = match (model.body.rig, self.0) {
-            (BodyRig::Free { weight_n, .. }, axis) => {
-                Box::new(LiftOffCentre { axis: axis.index(), lever_m: cos_nm / weight_n })
+        let (cos_nm, sin_nm) = (values[0], values.get(1).copied().unwrap_or_default());
+        let moment: Box<dyn Moment> = match (model.body.rig, self.axis) {
+            (BodyRig::Free { mass_kg, gravity_m_s2, .. }, axis) => {
+                let sign = if axis == Axis::Roll { 1.0 } else { -1.0 };
+                Box::new(LiftOffCentre { axis: axis.index(), lever_m: sign * cos_nm / (mass_kg * gravity_m_s2) })
             }
             (_, Axis::Roll) => Box::new(Body { cos_nm, sin_nm }),
             (_, Axis::Pitch | Axis::Yaw) => Box::new(Ring { cos_nm, sin_nm }),

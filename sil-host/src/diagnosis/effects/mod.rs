@@ -12,19 +12,23 @@ mod battery_sag;
 mod cg_offset;
 mod command_clipping;
 mod coulomb_friction;
+mod ground_effect;
 mod gyro;
 mod imu_misalignment;
 mod inertia_coupling;
 mod inertia_error;
 pub(super) mod input_gain;
+mod mass_error;
 mod motor_lag;
 mod periodic_disturbance;
+mod rotor_drag;
 mod spring;
 mod step_disturbance;
 mod thrust_scale;
 mod torque_bias;
 mod viscous_friction;
 mod weak_motor;
+mod wind;
 
 pub(super) use coulomb_friction::SOFTENING_RAD_S;
 
@@ -142,6 +146,16 @@ pub(super) struct Scope {
     pub(super) battery: bool,
     /// True where roll and pitch belong to one body.
     pub(super) coupled: bool,
+    /// True where a rig holds the vehicle, so that its angles show in the other axes though nobody measures them.
+    pub(super) is_held: bool,
+    /// True in free flight.
+    pub(super) flies_free: bool,
+    /// True where the log shows what pushes a free vehicle.
+    pub(super) pushed: bool,
+    /// True where it has a free vehicle's velocity.
+    pub(super) velocity: bool,
+    /// A free vehicle's height above ground in the first row, m.
+    pub(super) height: Option<f64>,
 }
 
 impl Scope {
@@ -154,6 +168,11 @@ impl Scope {
         motors: true,
         battery: true,
         coupled: true,
+        is_held: true,
+        flies_free: false,
+        pushed: true,
+        velocity: true,
+        height: Some(0.0),
     };
 }
 
@@ -178,12 +197,12 @@ pub(super) fn catalogue(scope: &Scope) -> Vec<Box<dyn Effect>> {
         let i = axis.index();
         if scope.turns[i] && scope.axes[i] {
             if axis != Axis::Yaw {
-                table.push(Box::new(cg_offset::CgOffset(axis)));
+                table.push(Box::new(cg_offset::CgOffset { axis, flies_free: scope.flies_free }));
             }
             table.push(Box::new(torque_bias::TorqueBias(axis)));
             table.push(Box::new(viscous_friction::ViscousFriction(axis)));
             table.push(Box::new(coulomb_friction::CoulombFriction(axis)));
-            if axis != Axis::Yaw {
+            if axis != Axis::Yaw && (scope.angles[i] || scope.is_held) {
                 table.push(Box::new(spring::Spring(axis)));
             }
             if scope.motors {
@@ -192,7 +211,8 @@ pub(super) fn catalogue(scope: &Scope) -> Vec<Box<dyn Effect>> {
             table.push(Box::new(periodic_disturbance::PeriodicDisturbance(axis)));
             table.push(Box::new(step_disturbance::StepDisturbance(axis)));
         }
-        if scope.rates[i] {
+        // with nothing to hold it against a gyro is right: a bias changes nothing, a scale is an inertia's
+        if scope.rates[i] && (scope.angles[i] || scope.is_held) {
             table.push(Box::new(gyro::GyroBias(axis)));
             table.push(Box::new(gyro::GyroScale(axis)));
         }
@@ -211,6 +231,16 @@ pub(super) fn catalogue(scope: &Scope) -> Vec<Box<dyn Effect>> {
         if scope.battery {
             table.push(Box::new(battery_sag::PerVolt));
         }
+    }
+    if scope.pushed {
+        table.push(Box::new(mass_error::MassError));
+    }
+    if scope.velocity {
+        table.push(Box::new(rotor_drag::RotorDrag));
+        table.push(Box::new(wind::Wind));
+    }
+    if let Some(start_height_m) = scope.height {
+        table.push(Box::new(ground_effect::GroundEffect { start_height_m }));
     }
     if (0..3).any(|i| scope.angles[i] && scope.rates[i]) {
         table.push(Box::new(attitude_delay::AttitudeDelay));

@@ -21,7 +21,7 @@ use crate::diagnosis::verdict::Finding;
 use crate::fidelity::SensorNoise;
 use crate::flight::FlightSetup;
 use crate::flight_log::flight_log;
-use crate::log::Log;
+use crate::log::{Column, Log};
 use crate::model::{self, VehicleModel};
 use crate::scenario::Scenario;
 
@@ -79,7 +79,7 @@ pub(in crate::diagnosis) fn separating(
             format!("What would tell {names} can't be simulated: nothing is known of what flies these axes.");
         return Some(Experiment { sentence, scenario: None });
     };
-    let judge = Judge { log, model, search, noise: noise_per_row(log) };
+    let judge = Judge { log, model, search, noise: noise_per_row(log, subject) };
     let mut best: Option<Tried> = None;
     let candidates = manoeuvres();
     let total = candidates.len();
@@ -166,11 +166,8 @@ impl<'e> Side<'e> {
 }
 
 /// A sensor's noise per row, were there as many rows as in the simulated flight.
-fn noise_per_row(log: &Log) -> SensorNoise {
-    let scale = (f64::from(RATE_HZ) / log.rate_hz()).sqrt();
-    let scaled = |sigma: Option<f64>| sigma.map(|sigma| sigma * scale);
-    let noise = SensorNoise::of(log);
-    SensorNoise { angle_rad: noise.angle_rad.map(scaled), rate_rad_s: noise.rate_rad_s.map(scaled) }
+fn noise_per_row(log: &Log, subject: &Subject<'_>) -> SensorNoise {
+    subject.noise(log).scaled((f64::from(RATE_HZ) / log.rate_hz()).sqrt())
 }
 
 /// What a log's manoeuvres are judged with.
@@ -196,7 +193,7 @@ impl Judge<'_> {
         let flight = self.fly(scenario, truth)?;
         // what disturbed this log would disturb the flight too
         let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
-        let shooting = shooting.with_noise(self.search.shooting.noise);
+        let shooting = shooting.with_noise(self.search.shooting.noise, Vec::new());
         let all: Vec<usize> = (0..shooting.windows.len()).collect();
         let flown = shooting.drive(model_of(self.search.nominal, truth));
         let mut starts = shooting.measured_starts(&flown.model);
@@ -211,19 +208,19 @@ impl Judge<'_> {
     fn fly(&self, scenario: &Scenario, terms: &[Term<'_>]) -> Option<Log> {
         // fitted values that no vehicle can have fly nothing
         let mut model = model_with_terms(self.model, terms).ok()?;
-        model.noise = model::SensorNoise { gyro_rad_s: 0.0, accel_m_s2: 0.0, attitude_rad: 0.0 };
+        model.noise = model::SensorNoise::NONE;
         let choice = ControllerChoice { rate_hz: RATE_HZ, ..ControllerChoice::nominal(Controller::Cascade) };
         let setup = FlightSetup { model, controller_model: None, choice, scenario: scenario.clone(), seed: 0 };
         let flight = setup.fly().ok().filter(|flight| !flight.record.ended_early)?;
         let mut log = flight_log(&flight.record, RATE_HZ);
+        let or_none = |own: &mut Column, of_log: &Column| *own = own.take().filter(|_| of_log.is_some());
         for axis in 0..3 {
-            if self.log.angle_rad[axis].is_none() {
-                log.angle_rad[axis] = None;
-            }
-            if self.log.rate_rad_s[axis].is_none() {
-                log.rate_rad_s[axis] = None;
-            }
+            or_none(&mut log.angle_rad[axis], &self.log.angle_rad[axis]);
+            or_none(&mut log.rate_rad_s[axis], &self.log.rate_rad_s[axis]);
+            or_none(&mut log.accel_body_m_s2[axis], &self.log.accel_body_m_s2[axis]);
+            or_none(&mut log.velocity_ned_m_s[axis], &self.log.velocity_ned_m_s[axis]);
         }
+        or_none(&mut log.height_m, &self.log.height_m);
         Some(log)
     }
 }

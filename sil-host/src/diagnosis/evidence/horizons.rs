@@ -5,7 +5,7 @@
 use serde::Serialize;
 
 use crate::diagnosis::accuracy::{predict, root_mean_square, tallies};
-use crate::diagnosis::evidence::residuals::{NAMES, UNITS};
+use crate::diagnosis::evidence::residuals::{NAMES, UNITS, in_unit};
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::fidelity::{WINDOW_S, Window};
 
@@ -28,9 +28,9 @@ pub struct Horizon {
 /// Root mean square errors of one quantity at all samples of the windows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HorizonError {
-    /// roll, pitch, yaw; p, q, r; p_dot, q_dot, r_dot.
+    /// roll, pitch, yaw; p, q, r; of a free vehicle ax, ay, az, vn, ve, vd, height; p_dot, q_dot, r_dot.
     pub quantity: &'static str,
-    /// deg, deg/s or deg/s2.
+    /// deg, deg/s, deg/s2; m/s2, m/s, m.
     pub unit: &'static str,
     /// Without any effect.
     pub nominal: f64,
@@ -63,9 +63,9 @@ fn horizon(shooting: &Shooting<'_>, models: &[Driven; 2], horizon_s: f64) -> Opt
         Some(HorizonError {
             quantity: NAMES[place],
             unit: UNITS[place],
-            nominal: nominal.to_degrees(),
-            extended: extended.to_degrees(),
-            noise_floor: noise_floor.to_degrees(),
+            nominal: in_unit(place, nominal),
+            extended: in_unit(place, extended),
+            noise_floor: in_unit(place, noise_floor),
         })
     });
     Some(Horizon { horizon_s, windows: windows.len(), held_out, errors: errors.collect() })

@@ -71,11 +71,10 @@ fn scenario(name: &str, legs: &[Leg]) -> Scenario {
     let (mut waypoints, mut start_s) = (Vec::new(), 0.0);
     for (duration_s, roll_deg, pitch_deg, throttle) in legs {
         waypoints.push(Waypoint {
-            start_s,
             roll_rad: roll_deg.to_radians(),
             pitch_rad: pitch_deg.to_radians(),
-            yaw_rate_rad_s: 0.0,
             throttle: *throttle,
+            ..Waypoint::level(start_s)
         });
         start_s += duration_s;
     }

@@ -6,11 +6,12 @@
 use serde::Serialize;
 
 use crate::diagnosis::accuracy::Predicted;
-use crate::diagnosis::evidence::residuals::{NAMES, UNITS};
+use crate::diagnosis::evidence::residuals::{NAMES, UNITS, in_unit};
 use crate::diagnosis::fitting::linear::dot;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::diagnosis::left_over::structure::Settled;
 use crate::diagnosis::vehicle::body::State;
+use crate::diagnosis::vehicle::prediction::FIRST_FLYING_PLACE;
 use crate::fidelity::{Agreement, Correlogram, InputCorrelation, LjungBox, input_correlation};
 
 /// Rows apart up to which residuals are correlated with each other and with the input.
@@ -19,9 +20,9 @@ const LAGS: usize = 20;
 /// How one channel is predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChannelStatistics {
-    /// roll, pitch, yaw, p, q or r.
+    /// roll, pitch, yaw, p, q or r; of a free vehicle ax, ay, az, vn, ve, vd and height too.
     pub quantity: &'static str,
-    /// deg or deg/s.
+    /// deg, deg/s, m/s2, m/s or m.
     pub unit: &'static str,
     /// By the model without any effect.
     pub nominal: ModelStatistics,
@@ -37,7 +38,7 @@ pub struct ModelStatistics {
     pub agreement: Agreement,
     /// Whiteness of what is left.
     pub ljung_box: Option<LjungBox>,
-    /// Its correlation with the axis' command.
+    /// Its correlation with the axis' command; none for what belongs to no axis.
     pub input_correlation: Option<InputCorrelation>,
 }
 
@@ -82,7 +83,8 @@ fn agreement(shooting: &Shooting<'_>, predicted: &[Predicted], place: usize) -> 
     for series in predicted.iter().filter_map(|predicted| predicted.at(place)) {
         // an error the short way round, whatever turn the measurement is in
         let pairs = series.rows.iter().zip(&series.error);
-        samples.extend(pairs.map(|(row, error)| (measured[*row].to_degrees(), (measured[*row] - error).to_degrees())));
+        let sample = |row: usize, error: f64| (in_unit(place, measured[row]), in_unit(place, measured[row] - error));
+        samples.extend(pairs.map(|(row, error)| sample(*row, *error)));
     }
     Agreement::of(&samples)
 }
@@ -101,5 +103,6 @@ fn left_over(
         let input = commands[*start..start + residual.len()].iter().map(|command| command[place % 3]).collect();
         stretches.push((residual.to_vec(), input));
     }
-    (correlogram.ljung_box(), input_correlation(&stretches, LAGS))
+    let is_of_an_axis = place < FIRST_FLYING_PLACE;
+    (correlogram.ljung_box(), is_of_an_axis.then(|| input_correlation(&stretches, LAGS)).flatten())
 }

@@ -184,6 +184,6 @@ impl Shooting<'_> {
     fn later_rate(&self, driven: &Driven, row: usize, later: usize, axis: usize) -> f64 {
         let start = self.measured_state(&driven.model, row);
         let scene = Scene { time_s: self.rows(), track: &driven.track, volts_lost: self.volts_lost() };
-        driven.model.predict(&scene, &start, row, later + 1)[later - row][3 + axis]
+        driven.model.predict(&scene, &start, row, later + 1).at(later - row, 3 + axis)
     }
 }

@@ -5,6 +5,8 @@ use crate::diagnosis::fitting::linear::{Cholesky, dot};
 /// Start states are free in so far as these are far beyond any error of a measured one.
 const START_PRIOR_ANGLE_RAD: f64 = 0.5;
 const START_PRIOR_RATE_RAD_S: f64 = 10.0;
+const START_PRIOR_VELOCITY_M_S: f64 = 10.0;
+const START_PRIOR_HEIGHT_M: f64 = 10.0;
 
 /// Residuals of one window, or their change with a parameter.
 pub(in crate::diagnosis) type Column = Vec<f64>;
@@ -79,7 +81,12 @@ pub(in crate::diagnosis) fn start_factor(slopes: &[Column], components: &[usize]
         for j in 0..size {
             matrix[i * size + j] = dot(&slopes[i], &slopes[j]);
         }
-        let prior = if components[i] < 3 { START_PRIOR_ANGLE_RAD } else { START_PRIOR_RATE_RAD_S };
+        let prior = match components[i] {
+            0..3 => START_PRIOR_ANGLE_RAD,
+            3..6 => START_PRIOR_RATE_RAD_S,
+            6..9 => START_PRIOR_VELOCITY_M_S,
+            _ => START_PRIOR_HEIGHT_M,
+        };
         matrix[i * size + i] += 1.0 / (prior * prior);
     }
     Cholesky::new(&matrix, size)

@@ -1,6 +1,8 @@
-//! From a log in windows to the values of some effects: residuals and slopes by multiple `shooting`, turned into innovations where more than the
+//! From a log in windows to the values of some effects: residuals and slopes by multiple `shooting` from a
+//! `start_state` per window, turned into innovations where more than the
 //! sensors is uncertain (`process_noise`, commands lost between rows: `sampling`), and least squares (`fit`).
 
+pub(in crate::diagnosis) mod carried_noise;
 pub(in crate::diagnosis) mod eigen;
 pub(in crate::diagnosis) mod fit;
 pub(in crate::diagnosis) mod hints;
@@ -10,3 +12,4 @@ pub(in crate::diagnosis) mod linearisation;
 pub(in crate::diagnosis) mod process_noise;
 pub(in crate::diagnosis) mod sampling;
 pub(in crate::diagnosis) mod shooting;
+mod start_state;

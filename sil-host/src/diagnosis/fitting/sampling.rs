@@ -17,7 +17,7 @@ use crate::diagnosis::search::{Found, Search};
 use crate::diagnosis::subject::Subject;
 use crate::diagnosis::vehicle::actuation::Commands;
 use crate::diagnosis::vehicle::prediction::Model;
-use crate::fidelity::{FidelityError, SensorNoise, USUAL_CONTROL_RATE_HZ, deviations, white_noise_std};
+use crate::fidelity::{FidelityError, USUAL_CONTROL_RATE_HZ, deviations, white_noise_std};
 use crate::log::Log;
 
 /// Steps per row up to which none is lost: a rate that is the log's but for rounding.
@@ -53,10 +53,10 @@ impl<'l> Sampled<'l> {
     /// # Errors
     /// As [`Subject::shooting`].
     pub(in crate::diagnosis) fn new(log: &'l Log, subject: &Subject<'_>) -> Result<Sampled<'l>, FidelityError> {
-        let noise = SensorNoise::of(log);
+        let noise = subject.noise(log);
         let shooting = || subject.shooting(log, &noise);
         let held = shooting()?;
-        if USUAL_CONTROL_RATE_HZ * log.mean_regular_step_s() < STEPS_MIN {
+        if USUAL_CONTROL_RATE_HZ * log.commanding().mean_regular_step_s() < STEPS_MIN {
             return Ok(Sampled { held, alternatives: None });
         }
         let unknown = unknown_acceleration(&held, &subject.model(), USUAL_CONTROL_RATE_HZ);

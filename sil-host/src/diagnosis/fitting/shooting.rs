@@ -8,21 +8,25 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::diagnosis::fitting::linear::Cholesky;
-use crate::diagnosis::fitting::linearisation::{
-    Column, Linearisation, Normal, WindowLinear, slope, slopes, start_factor, turned,
-};
+use crate::axis::Axis;
+use crate::diagnosis::fitting::carried_noise::CarriedNoise;
+use crate::diagnosis::fitting::linearisation::{Column, Linearisation, Normal, WindowLinear, slopes, turned};
 use crate::diagnosis::fitting::process_noise::{AxisNoise, Lost};
 use crate::diagnosis::vehicle::actuation::{Chain, Commands, ForceTrack};
 use crate::diagnosis::vehicle::body::State;
-use crate::diagnosis::vehicle::prediction::{Model, Scene, track};
+use crate::diagnosis::vehicle::prediction::{Model, PLACES, Scene, track};
 use crate::fidelity::{SensorNoise, Window, wrapped};
-use crate::log::Log;
+use crate::log::{Log, Quantity};
 
 /// Change of a start state for a difference quotient, rad or rad/s.
-const START_STEP: f64 = 1e-5;
-/// The least noise that a channel is taken to have: the rounding of logs and the accuracy of the integration, rad and rad/s.
-const NOISE_MIN: [f64; 2] = [2e-5, 2e-4];
+pub(super) const START_STEP: f64 = 1e-5;
+/// The least noise that a channel is taken to have: the rounding of logs and the accuracy of the integration, SI, by its place.
+const NOISE_MIN: [f64; PLACES] = {
+    let (angle, rate, force, velocity, height) = (2e-5, 2e-4, 2e-3, 1e-4, 1e-4);
+    [angle, angle, angle, rate, rate, rate, force, force, force, velocity, velocity, velocity, height]
+};
+/// Height above ground of a vehicle whose log has none, m: beyond all effect.
+const HEIGHT_UNKNOWN_M: f64 = 1e3;
 
 /// Force tracks that are kept: those of one fit with a lag, a delay and clipping, and the nominal one.
 const TRACKS_KEPT: usize = 8;
@@ -32,7 +36,7 @@ const TRACKS_KEPT: usize = 8;
 pub(in crate::diagnosis) struct RigChannels {
     /// Components of the state that a window's start may choose.
     pub(in crate::diagnosis) start_components: Vec<usize>,
-    /// Places of a report that are compared where the log has them.
+    /// Places of a report that are compared where the log has them, ascending.
     pub(in crate::diagnosis) compared: Vec<usize>,
     /// True for a vehicle with motors, whose angles are known up to full turns.
     pub(in crate::diagnosis) is_vehicle: bool,
@@ -56,10 +60,12 @@ pub(in crate::diagnosis) struct Shooting<'a> {
     /// Accelerations that commands lost between rows leave unknown; none where none are.
     pub(in crate::diagnosis) lost: Option<Lost>,
     /// Components of the state that a window may choose.
-    start_components: Vec<usize>,
+    pub(super) start_components: Vec<usize>,
     is_vehicle: bool,
     /// Noise of each axis as innovations count it.
     pub(in crate::diagnosis) noise: [AxisNoise; 3],
+    /// Noise of the channels that show forces, beyond their sensors'; none where those are all.
+    pub(in crate::diagnosis) carried: Vec<CarriedNoise>,
     /// Forces by what lies between command and motor, all of one drive.
     tracks: Mutex<Vec<(Chain, Arc<ForceTrack>)>>,
 }
@@ -79,17 +85,12 @@ impl<'a> Shooting<'a> {
         noise: &SensorNoise,
         rig: &RigChannels,
     ) -> Shooting<'a> {
-        let mut channels = Vec::new();
-        for axis in 0..3 {
-            if let (Some(column), Some(sigma)) = (&log.angle_rad[axis], noise.angle_rad[axis]) {
-                channels.push(Channel { place: axis, column, sigma: sigma.max(NOISE_MIN[0]) });
-            }
-            if let (Some(column), Some(sigma)) = (&log.rate_rad_s[axis], noise.rate_rad_s[axis]) {
-                channels.push(Channel { place: 3 + axis, column, sigma: sigma.max(NOISE_MIN[1]) });
-            }
-        }
-        channels.retain(|channel| rig.compared.contains(&channel.place));
-        channels.sort_by_key(|channel| channel.place);
+        let channel = |place: &usize| {
+            let quantity = quantity_at(*place);
+            let (column, sigma) = (log.column(quantity)?, noise.of_quantity(quantity)?);
+            Some(Channel { place: *place, column, sigma: sigma.max(NOISE_MIN[*place]) })
+        };
+        let channels = rig.compared.iter().filter_map(channel).collect();
         let start_components = rig.start_components.clone();
         Shooting {
             log,
@@ -101,6 +102,7 @@ impl<'a> Shooting<'a> {
             start_components,
             is_vehicle: rig.is_vehicle,
             noise: [AxisNoise::SENSORS; 3],
+            carried: Vec::new(),
             tracks: Mutex::default(),
         }
     }
@@ -121,9 +123,9 @@ impl<'a> Shooting<'a> {
         Shooting { lost: Some(lost), ..self }
     }
 
-    /// The same, with more noise than the sensors'.
-    pub(in crate::diagnosis) fn with_noise(self, noise: [AxisNoise; 3]) -> Shooting<'a> {
-        Shooting { noise, ..self }
+    /// The same, with more noise than the sensors': of moments, and of forces.
+    pub(in crate::diagnosis) fn with_noise(self, noise: [AxisNoise; 3], carried: Vec<CarriedNoise>) -> Shooting<'a> {
+        Shooting { noise, carried, ..self }
     }
 
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
@@ -151,7 +153,10 @@ impl<'a> Shooting<'a> {
             // no measurement is no rate, whatever the bias
             *rate = if column.is_some() { *rate } else { 0.0 };
         }
-        model.body.state_of(angle_rad, rate_rad_s)
+        let [roll, pitch, yaw, p, q, r] = model.body.state_of(angle_rad, rate_rad_s);
+        let [north, east, down] = self.log.velocity_ned_m_s.each_ref().map(at);
+        let height_m = self.log.height_m.as_ref().map_or(HEIGHT_UNKNOWN_M, |column| column[row]);
+        [roll, pitch, yaw, p, q, r, north, east, down, height_m]
     }
 
     /// The measured states at the windows' starts.
@@ -206,9 +211,10 @@ impl<'a> Shooting<'a> {
     }
 
     /// Innovations of one window: residuals as least squares take them.
-    fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Column {
+    pub(super) fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Column {
         let mut residual = self.residual(driven, window, start);
         self.innovate(window, &mut residual);
+        self.whiten(window, &mut residual);
         residual
     }
 
@@ -216,10 +222,10 @@ impl<'a> Shooting<'a> {
     pub(in crate::diagnosis) fn residual(&self, driven: &Driven, window: &Window, start: &State) -> Column {
         let scene = Scene { time_s: &self.log.time_s, track: &driven.track, volts_lost: &self.volts_lost };
         let reports = driven.model.predict(&scene, start, window.start, window.end);
-        let mut residual = Vec::with_capacity(reports.len() * self.channels.len());
+        let mut residual = Vec::with_capacity((window.end - window.start) * self.channels.len());
         for channel in &self.channels {
-            for (row, report) in (window.start..window.end).zip(&reports) {
-                let mut error = channel.column[row] - report[channel.place];
+            for row in window.start..window.end {
+                let mut error = channel.column[row] - reports.at(row - window.start, channel.place);
                 if self.is_vehicle && channel.place < 3 {
                     error = wrapped(error);
                 }
@@ -256,8 +262,9 @@ impl<'a> Shooting<'a> {
         let start: Vec<Vec<Column>> = match nearby {
             Some(nearby) => nearby.windows.iter().map(|window| window.start.clone()).collect(),
             None => {
-                let along = |component: &usize| {
-                    slopes(&residual, self.residuals(base, which, starts, Some(*component)), START_STEP)
+                let along = |component: &usize| match self.moves_alone(base, *component) {
+                    true => which.iter().map(|index| self.moved_alone(&self.windows[*index], *component)).collect(),
+                    false => slopes(&residual, self.residuals(base, which, starts, Some(*component)), START_STEP),
                 };
                 turned(self.start_components.iter().map(along).collect(), which.len())
             }
@@ -358,49 +365,6 @@ impl<'a> Shooting<'a> {
         self.channels.iter().map(|channel| (channel.place, channel.sigma))
     }
 
-    /// Plain residuals of one window and their slopes along its start state.
-    pub(in crate::diagnosis) fn start_slopes(
-        &self,
-        driven: &Driven,
-        window: &Window,
-        start: &State,
-    ) -> (Column, Vec<Column>) {
-        self.slopes_along_start(start, |start| self.residual(driven, window, start))
-    }
-
-    /// The same of the innovations.
-    pub(in crate::diagnosis) fn innovation_slopes(
-        &self,
-        driven: &Driven,
-        window: &Window,
-        start: &State,
-    ) -> (Column, Vec<Column>) {
-        self.slopes_along_start(start, |start| self.innovations(driven, window, start))
-    }
-
-    fn slopes_along_start(&self, start: &State, of: impl Fn(&State) -> Column) -> (Column, Vec<Column>) {
-        let residual = of(start);
-        let along = |component: &usize| {
-            let mut shifted = *start;
-            shifted[*component] += START_STEP;
-            slope(&residual, of(&shifted), START_STEP)
-        };
-        let slopes = self.start_components.iter().map(along).collect();
-        (residual, slopes)
-    }
-
-    /// Normal equations of a start state, factored.
-    pub(in crate::diagnosis) fn start_factor(&self, slopes: &[Column]) -> Option<Cholesky> {
-        start_factor(slopes, &self.start_components)
-    }
-
-    /// Moves a start state by a step of its free components.
-    pub(in crate::diagnosis) fn move_start(&self, start: &mut State, step: &[f64]) {
-        for (component, by) in self.start_components.iter().zip(step) {
-            start[*component] += by;
-        }
-    }
-
     /// Samples of some windows, less what their start states take.
     pub(in crate::diagnosis) fn degrees_of_freedom(&self, which: &[usize]) -> f64 {
         let rows: usize = which.iter().map(|index| self.windows[*index].end - self.windows[*index].start).sum();
@@ -410,6 +374,18 @@ impl<'a> Shooting<'a> {
     /// Index of the windows that are, or are not, held out.
     pub(in crate::diagnosis) fn part(&self, held_out: bool) -> Vec<usize> {
         self.windows.iter().filter(|window| window.held_out == held_out).map(|window| window.index).collect()
+    }
+}
+
+/// What a log calls the value at a place of a report.
+pub(in crate::diagnosis) fn quantity_at(place: usize) -> Quantity {
+    let axis = Axis::ALL[place % 3];
+    match place {
+        0..3 => Quantity::Angle(axis),
+        3..6 => Quantity::Rate(axis),
+        6..9 => Quantity::Accel(axis),
+        9..12 => Quantity::Velocity(axis),
+        _ => Quantity::Height,
     }
 }
 

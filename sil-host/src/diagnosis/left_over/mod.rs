@@ -9,6 +9,7 @@ use super::Unexplained;
 use super::evidence::residuals;
 use super::fitting::fit::model_of;
 use super::search::{Candidate, Found, Search};
+use super::vehicle::prediction::FIRST_FLYING_PLACE;
 
 /// What the findings of a search leave.
 pub(super) fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
@@ -26,11 +27,18 @@ pub(super) fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained
     let variance_pct = if nominal > 0.0 { 100.0 * (beyond(&found.chosen) / nominal).min(1.0) } else { 0.0 };
     let worst = whiteness.iter().max_by(|a, b| a.deviation.total_cmp(&b.deviation));
     let goes_on = worst.filter(|_| !even).map(|worst| {
+        let name = residuals::NAMES[worst.place];
+        if worst.place >= FIRST_FLYING_PLACE {
+            let sigmas = worst.deviation;
+            return format!(
+                "{name} misses its prediction by something that goes on from row to row ({sigmas:.0} sigma)"
+            );
+        }
         let frequency = signature::frequency(search, &whole.fit, worst.place % 3).unwrap_or_default();
         format!(
             "{}: {} misses its prediction by something that goes on from row to row ({:.0} sigma), {frequency}",
             residuals::NAMES[worst.place % 3],
-            residuals::NAMES[worst.place],
+            name,
             worst.deviation
         )
     });

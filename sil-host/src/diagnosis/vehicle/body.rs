@@ -3,13 +3,26 @@
 //! | rig | state | equations |
 //! |---|---|---|
 //! | gimbal | roll, pitch, -, roll', pitch', - | RIG.md, rig A, with an off-diagonal inertia P: kinetic energy + P p q |
-//! | free | roll, pitch, yaw, p, q, r | Euler's, angles Z-Y-X |
+//! | free | roll, pitch, yaw, p, q, r; then velocity north, east, down and height | Euler's, angles Z-Y-X; Newton's (`air`) |
 //! | axes | angles and their derivatives | unit inertia, one input gain each |
 
+use crate::diagnosis::vehicle::air::{Air, Attitude};
 use crate::model::{Mounting, VehicleModel};
 
 /// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal and on separate axes, of the body when free.
-pub(in crate::diagnosis) type State = [f64; 6];
+pub(in crate::diagnosis) type Turning = [f64; TURNING];
+/// The same, then velocity (north, east, down; m/s) and height above ground (m), which only a free vehicle has.
+pub(in crate::diagnosis) type State = [f64; FLYING];
+/// Numbers of a vehicle that only turns.
+pub(in crate::diagnosis) const TURNING: usize = 6;
+/// Numbers of one that flies free.
+pub(in crate::diagnosis) const FLYING: usize = 10;
+
+/// The part of a state that turns.
+pub(in crate::diagnosis) fn turning(x: &State) -> Turning {
+    let [a, b, c, d, e, f, ..] = *x;
+    [a, b, c, d, e, f]
+}
 
 /// What a moment may depend on.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +59,7 @@ pub(in crate::diagnosis) struct Body {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::diagnosis) enum BodyRig {
     Gimbal { airframe: Airframe, inertia_kg_m2: [f64; 3], ring_inertia_kg_m2: f64 },
-    Free { airframe: Airframe, inertia_kg_m2: [f64; 3], weight_n: f64 },
+    Free { airframe: Airframe, inertia_kg_m2: [f64; 3], mass_kg: f64, gravity_m_s2: f64 },
     Axes { gain_rad_s2: [f64; 3] },
 }
 
@@ -78,7 +91,7 @@ impl Body {
         let rig = match model.mounting {
             Mounting::Gimbal { ring_inertia_kg_m2 } => BodyRig::Gimbal { airframe, inertia_kg_m2, ring_inertia_kg_m2 },
             Mounting::Free { mass_kg } => {
-                BodyRig::Free { airframe, inertia_kg_m2, weight_n: mass_kg * model.gravity_m_s2 }
+                BodyRig::Free { airframe, inertia_kg_m2, mass_kg, gravity_m_s2: model.gravity_m_s2 }
             }
         };
         Body { rig, inertia_scale: [1.0; 3], product_kg_m2: 0.0 }
@@ -93,10 +106,10 @@ impl Body {
     pub(in crate::diagnosis) fn derivative(
         &self,
         time_s: f64,
-        x: &State,
+        x: &Turning,
         force: &[f64; 4],
         moments: &[Box<dyn Moment>],
-    ) -> State {
+    ) -> Turning {
         let level = (0.0, 1.0);
         let roll = match self.rig {
             BodyRig::Axes { .. } => level,
@@ -104,16 +117,14 @@ impl Body {
         };
         let motion =
             Motion { time_s, angle_rad: [x[0], x[1], x[2]], rate_rad_s: [x[3], x[4], x[5]], roll, force: *force };
-        let mut moment = [0.0; 3];
-        for effect in moments {
-            effect.add(&motion, &mut moment);
-        }
+        let moment = sum(moments, &motion);
         match &self.rig {
             BodyRig::Gimbal { airframe, inertia_kg_m2, ring_inertia_kg_m2 } => {
                 self.gimbal(&motion, &airframe.torque_body_nm(force), &moment, inertia_kg_m2, *ring_inertia_kg_m2)
             }
             BodyRig::Free { airframe, inertia_kg_m2, .. } => {
-                self.free(&motion, &airframe.torque_body_nm(force), &moment, inertia_kg_m2)
+                let pitch = libm::sincos(x[1]);
+                self.free(&motion, pitch, &airframe.torque_body_nm(force), &moment, inertia_kg_m2)
             }
             BodyRig::Axes { gain_rad_s2 } => {
                 let acceleration = |i: usize| (gain_rad_s2[i] * force[i] + moment[i]) / self.inertia_scale[i];
@@ -122,7 +133,7 @@ impl Body {
         }
     }
 
-    fn gimbal(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3], ring: f64) -> State {
+    fn gimbal(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3], ring: f64) -> Turning {
         let [roll_rate, pitch_rate, _] = m.rate_rad_s;
         let ((sin, cos), [ixx, iyy, izz]) = (m.roll, *inertia);
         let j = self.inertia_scale[1] * (ring + iyy * cos * cos + izz * sin * sin);
@@ -139,7 +150,14 @@ impl Body {
         [roll_rate, pitch_rate, 0.0, roll_acceleration, pitch_acceleration, 0.0]
     }
 
-    fn free(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3]) -> State {
+    fn free(
+        &self,
+        m: &Motion,
+        (sin_pitch, cos_pitch): (f64, f64),
+        tau: &[f64; 3],
+        moment: &[f64; 3],
+        inertia: &[f64; 3],
+    ) -> Turning {
         let [p, q, r] = m.rate_rad_s;
         let [ix, iy, iz] = [0, 1, 2].map(|axis: usize| inertia[axis] * self.inertia_scale[axis]);
         let product = self.product_kg_m2;
@@ -151,7 +169,7 @@ impl Body {
             tau[2] + moment[2] - (p * h[1] - q * h[0]),
         ];
         let determinant = ix * iy - product * product;
-        let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (m.roll, libm::sincos(m.angle_rad[1]));
+        let (sin_roll, cos_roll) = m.roll;
         // near the vertical the angles lose their meaning, the formulas stay finite
         let heading = (q * sin_roll + r * cos_roll) / cos_pitch.abs().max(1e-3).copysign(cos_pitch);
         [
@@ -164,8 +182,51 @@ impl Body {
         ]
     }
 
+    /// Change of a free vehicle's state under lifts as they are far from the ground; what hangs in a rig only turns.
+    pub(in crate::diagnosis) fn flying_derivative(
+        &self,
+        time_s: f64,
+        x: &State,
+        force: &[f64; 4],
+        moments: &[Box<dyn Moment>],
+        air: &Air,
+    ) -> State {
+        let factor = air.lift_factor(x[9]);
+        let lifts_n = force.map(|lift_n| factor * lift_n);
+        let BodyRig::Free { airframe, inertia_kg_m2, mass_kg, gravity_m_s2 } = &self.rig else {
+            let [a, b, c, d, e, f] = self.derivative(time_s, &turning(x), &lifts_n, moments);
+            return [a, b, c, d, e, f, 0.0, 0.0, 0.0, 0.0];
+        };
+        let [roll, pitch, yaw, p, q, r, north, east, down, _] = *x;
+        let attitude = Attitude::of(roll, pitch, yaw);
+        let motion = Motion {
+            time_s,
+            angle_rad: [roll, pitch, yaw],
+            rate_rad_s: [p, q, r],
+            roll: attitude.roll,
+            force: lifts_n,
+        };
+        let tau = airframe.torque_body_nm(&lifts_n);
+        let [a, b, c, d, e, f] = self.free(&motion, attitude.pitch, &tau, &sum(moments, &motion), inertia_kg_m2);
+        let specific = air.specific_force_m_s2(*mass_kg, lifts_n.iter().sum(), &attitude, [north, east, down]);
+        let [to_north, to_east, to_down] = attitude.in_world(specific);
+        [a, b, c, d, e, f, to_north, to_east, to_down + gravity_m_s2, -down]
+    }
+
+    /// What an accelerometer at the centre of gravity of a free vehicle feels, body axes, m/s^2; nothing in a rig.
+    pub(in crate::diagnosis) fn felt_m_s2(&self, x: &State, force: &[f64; 4], air: &Air) -> [f64; 3] {
+        let BodyRig::Free { mass_kg, .. } = self.rig else { return [0.0; 3] };
+        let lift_n = air.lift_factor(x[9]) * force.iter().sum::<f64>();
+        air.specific_force_m_s2(mass_kg, lift_n, &Attitude::of(x[0], x[1], x[2]), [x[6], x[7], x[8]])
+    }
+
+    /// True where nothing holds it.
+    pub(in crate::diagnosis) fn flies_free(&self) -> bool {
+        matches!(self.rig, BodyRig::Free { .. })
+    }
+
     /// Body rates p, q, r of a state.
-    pub(in crate::diagnosis) fn rate_body_rad_s(&self, x: &State) -> [f64; 3] {
+    pub(in crate::diagnosis) fn rate_body_rad_s(&self, x: &Turning) -> [f64; 3] {
         match self.rig {
             BodyRig::Gimbal { .. } => {
                 let (sin, cos) = libm::sincos(x[0]);
@@ -176,7 +237,7 @@ impl Body {
     }
 
     /// The state of measured angles and body rates; 0 for what is not measured.
-    pub(in crate::diagnosis) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> State {
+    pub(in crate::diagnosis) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> Turning {
         let [roll, pitch, yaw] = angle_rad;
         let [p, q, r] = rate_body_rad_s;
         match self.rig {
@@ -189,4 +250,14 @@ impl Body {
             BodyRig::Free { .. } | BodyRig::Axes { .. } => [roll, pitch, yaw, p, q, r],
         }
     }
+}
+
+/// What the moments of all effects are together.
+#[inline]
+fn sum(moments: &[Box<dyn Moment>], motion: &Motion) -> [f64; 3] {
+    let mut moment = [0.0; 3];
+    for effect in moments {
+        effect.add(motion, &mut moment);
+    }
+    moment
 }

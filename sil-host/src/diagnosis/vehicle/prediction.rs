@@ -1,8 +1,11 @@
 //! The extended model, and what it predicts for the rows of a window from a start state on.
 
+use core::ops::Range;
+
 use crate::diagnosis::effects::SOFTENING_RAD_S;
 use crate::diagnosis::vehicle::actuation::{Chain, Commands, Drive, ForceTrack, Step};
-use crate::diagnosis::vehicle::body::{Body, Moment, State};
+use crate::diagnosis::vehicle::air::Air;
+use crate::diagnosis::vehicle::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
 use crate::diagnosis::vehicle::sensor::Sensors;
 
 /// Parts of a step of the body in which dry friction turns round, a millisecond or two.
@@ -21,12 +24,36 @@ pub(in crate::diagnosis) struct Model {
     pub(in crate::diagnosis) body: Body,
     pub(in crate::diagnosis) moments: Vec<Box<dyn Moment>>,
     pub(in crate::diagnosis) sensors: Sensors,
+    /// What a free vehicle flies through.
+    pub(in crate::diagnosis) air: Air,
     /// Axes with dry friction, whose moment turns round while the rate goes through 0.
     pub(in crate::diagnosis) dry: [bool; 3],
 }
 
-/// Angles (roll, pitch, yaw) and body rates (p, q, r) as a log would report them.
-pub(in crate::diagnosis) type Report = [f64; 6];
+/// Places of a report: angles (roll, pitch, yaw) and body rates (p, q, r), then, of a free vehicle, specific force (x, y, z), velocity
+/// (north, east, down) and height.
+pub(in crate::diagnosis) const PLACES: usize = 13;
+/// The first that only a free vehicle has.
+pub(in crate::diagnosis) const FIRST_FLYING_PLACE: usize = 6;
+
+/// What a log would report in the rows of a window.
+pub(in crate::diagnosis) struct Reports {
+    turning: Vec<[f64; FIRST_FLYING_PLACE]>,
+    /// Empty where the vehicle does not fly free.
+    flying: Vec<[f64; PLACES - FIRST_FLYING_PLACE]>,
+}
+
+impl Reports {
+    /// What a row, counted from the first that was asked for, holds at a place.
+    #[inline]
+    pub(in crate::diagnosis) fn at(&self, row: usize, place: usize) -> f64 {
+        if place < FIRST_FLYING_PLACE { self.turning[row][place] } else { self.flying[row][place - FIRST_FLYING_PLACE] }
+    }
+}
+
+/// How the numbers of a motion change: at a time, from a state, under forces.
+trait Change<const N: usize>: Fn(f64, &[f64; N], &[f64; 4]) -> [f64; N] {}
+impl<const N: usize, F: Fn(f64, &[f64; N], &[f64; 4]) -> [f64; N]> Change<N> for F {}
 
 impl Model {
     /// Nothing but the nominal vehicle.
@@ -40,45 +67,81 @@ impl Model {
             body,
             moments: Vec::new(),
             sensors: Sensors::NOMINAL,
+            air: Air::NOMINAL,
             dry: [false; 3],
         }
     }
 
     /// The reports at the rows `first..end` from a state at the first of them.
-    pub(in crate::diagnosis) fn predict(
+    pub(in crate::diagnosis) fn predict(&self, scene: &Scene<'_>, start: &State, first: usize, end: usize) -> Reports {
+        let mut flying = Vec::new();
+        let turning = if self.body.flies_free() {
+            let change = |at_s: f64, x: &State, force: &[f64; 4]| {
+                self.body.flying_derivative(at_s, x, force, &self.moments, &self.air)
+            };
+            flying.reserve_exact(end - first);
+            self.follow::<FLYING>(scene, start, first..end, change, |row, x| flying.push(self.flying(scene, row, x)))
+        } else {
+            let change = |at_s: f64, x: &Turning, force: &[f64; 4]| self.body.derivative(at_s, x, force, &self.moments);
+            self.follow::<TURNING>(scene, &turning(start), first..end, change, |_, _| ())
+        };
+        Reports { turning, flying }
+    }
+
+    /// Reports of the turning at some rows; `at_row` sees every row's state.
+    fn follow<const N: usize>(
         &self,
         scene: &Scene<'_>,
-        start: &State,
-        first: usize,
-        end: usize,
-    ) -> Vec<Report> {
-        let mut reports = Vec::with_capacity(end - first);
-        let mut past = Past::before(self, scene, start, first);
+        start: &[f64; N],
+        rows: Range<usize>,
+        change: impl Change<N>,
+        mut at_row: impl FnMut(usize, &[f64; N]),
+    ) -> Vec<[f64; FIRST_FLYING_PLACE]> {
+        let mut reports = Vec::with_capacity(rows.len());
+        let mut past = self.past(scene, start, rows.start, &change);
         let mut state = *start;
-        for row in first..end {
-            let rate = self.sensors.rate_rad_s(&self.body, &state);
-            let angle = self.sensors.angle_rad(&past.seen(&state, scene.time_s[row], self.sensors.attitude_delay_s));
+        for row in rows.clone() {
+            let now = turned(&state);
+            let rate = self.sensors.rate_rad_s(&self.body, &now);
+            let angle = self.sensors.angle_rad(&past.seen(&now, scene.time_s[row], self.sensors.attitude_delay_s));
             reports.push([angle[0], angle[1], angle[2], rate[0], rate[1], rate[2]]);
-            if row + 1 < end {
+            at_row(row, &state);
+            if row + 1 < rows.end {
                 for step in scene.track.of_row(row) {
-                    state = self.step(scene, step, &state, step.duration_s);
-                    past.remember(step.start_s + step.duration_s, &state);
+                    state = self.step(scene, step, &state, step.duration_s, &change);
+                    past.remember(step.start_s + step.duration_s, &turned(&state));
                 }
             }
         }
         reports
     }
 
+    /// What a free vehicle's log reports beside its turning.
+    fn flying(&self, scene: &Scene<'_>, row: usize, x: &State) -> [f64; PLACES - FIRST_FLYING_PLACE] {
+        let factor = self.factors(scene, scene.time_s[row], scene.time_s[row]);
+        let at_row = scene.track.at_row(row);
+        let lifts_n = core::array::from_fn(|motor| factor[motor] * at_row[motor]);
+        let [ax, ay, az] = self.sensors.force_m_s2(self.body.felt_m_s2(x, &lifts_n, &self.air));
+        [ax, ay, az, x[6], x[7], x[8], x[9]]
+    }
+
     /// One step of the body; backwards from its end where `duration_s` is negative.
-    fn step(&self, scene: &Scene<'_>, step: &Step, x: &State, duration_s: f64) -> State {
-        let factor = self.factors(scene, step);
+    fn step<const N: usize>(
+        &self,
+        scene: &Scene<'_>,
+        step: &Step,
+        x: &[f64; N],
+        duration_s: f64,
+        change: &impl Change<N>,
+    ) -> [f64; N] {
+        let factor = self.factors(scene, step.start_s, step.start_s + 0.5 * step.duration_s);
         // the forces along the step, from -1 at its beginning to 1 at its end
         let force = |place: f64| -> [f64; 4] {
             core::array::from_fn(|i| factor[i] * (step.mean[i] + place * step.half_change[i]))
         };
         let (begin, from_s) =
             if duration_s < 0.0 { (1.0, step.start_s + step.duration_s) } else { (-1.0, step.start_s) };
-        let count = self.parts(from_s, x, &force(begin), duration_s);
+        let count = self.parts(from_s, x, &force(begin), duration_s, change);
         let parts = f64::from(count);
         let part_s = duration_s / parts;
         let mut state = *x;
@@ -86,17 +149,24 @@ impl Model {
             let passed = f64::from(part) / parts;
             let place = |share: f64| begin * (1.0 - 2.0 * (passed + share / parts));
             let forces = [force(place(0.0)), force(place(0.5)), force(place(1.0))];
-            state = self.part(from_s + passed * duration_s, &state, &forces, part_s);
+            state = runge_kutta_4(from_s + passed * duration_s, &state, &forces, part_s, change);
         }
         state
     }
 
     /// Into how many parts a step is cut: more than one where a rate goes through 0 against dry friction.
-    fn parts(&self, from_s: f64, x: &State, force: &[f64; 4], duration_s: f64) -> u8 {
+    fn parts<const N: usize>(
+        &self,
+        from_s: f64,
+        x: &[f64; N],
+        force: &[f64; 4],
+        duration_s: f64,
+        change: &impl Change<N>,
+    ) -> u8 {
         if self.dry == [false; 3] {
             return 1;
         }
-        let change = self.body.derivative(from_s, x, force, &self.moments);
+        let change = change(from_s, x, force);
         let turns_round = (0..3).any(|axis| {
             let passed_rad_s = (change[3 + axis] * duration_s).abs();
             self.dry[axis]
@@ -106,23 +176,30 @@ impl Model {
         if turns_round { DRY_PARTS } else { 1 }
     }
 
-    /// Runge-Kutta 4.
-    fn part(&self, from_s: f64, x: &State, [first, middle, last]: &[[f64; 4]; 3], duration_s: f64) -> State {
-        let along = |k: &State, scale: f64| -> State { core::array::from_fn(|i| x[i] + scale * k[i]) };
-        let derivative = |at_s, x: &State, force| self.body.derivative(at_s, x, force, &self.moments);
-        let half_s = 0.5 * duration_s;
-        let k1 = derivative(from_s, x, first);
-        let k2 = derivative(from_s + half_s, &along(&k1, half_s), middle);
-        let k3 = derivative(from_s + half_s, &along(&k2, half_s), middle);
-        let k4 = derivative(from_s + duration_s, &along(&k3, duration_s), last);
-        core::array::from_fn(|i| x[i] + duration_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+    /// The motion before a row, gone back from its state; nothing where no report is late.
+    fn past<const N: usize>(&self, scene: &Scene<'_>, start: &[f64; N], first: usize, change: &impl Change<N>) -> Past {
+        let mut states = Vec::new();
+        let delay_s = self.sensors.attitude_delay_s;
+        if delay_s > 0.0 {
+            let (mut state, mut row) = (*start, first);
+            states.push((scene.time_s[first], turned(&state)));
+            while row > 0 && scene.time_s[row] > scene.time_s[first] - delay_s {
+                row -= 1;
+                for step in scene.track.of_row(row).iter().rev() {
+                    state = self.step(scene, step, &state, -step.duration_s, change);
+                    states.push((step.start_s, turned(&state)));
+                }
+            }
+            states.reverse();
+        }
+        Past { states }
     }
 
     /// What one unit of each command adds to the angular accelerations, rad/s^2, level and settled.
     pub(in crate::diagnosis) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
         const STEP: f64 = 0.01;
         let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
-            let change = self.body.derivative(0.0, &[0.0; 6], &self.drive.settled(commands), &[]);
+            let change = self.body.derivative(0.0, &[0.0; TURNING], &self.drive.settled(commands), &[]);
             [change[3], change[4], change[5]]
         };
         core::array::from_fn(|i| {
@@ -133,13 +210,39 @@ impl Model {
         })
     }
 
-    fn factors(&self, scene: &Scene<'_>, step: &Step) -> [f64; 4] {
-        let mut common = 1.0 - self.sag_per_s * (step.start_s + 0.5 * step.duration_s - scene.time_s[0]);
+    /// Factors on the lifts at a time, the battery's voltage read at another.
+    fn factors(&self, scene: &Scene<'_>, volts_at_s: f64, at_s: f64) -> [f64; 4] {
+        let mut common = 1.0 - self.sag_per_s * (at_s - scene.time_s[0]);
         if self.sag_per_volt != 0.0 {
-            common -= self.sag_per_volt * scene.volts_lost(step.start_s);
+            common -= self.sag_per_volt * scene.volts_lost(volts_at_s);
         }
         self.lift_factor.map(|factor| factor * common)
     }
+}
+
+/// The part of a motion's numbers that turns.
+#[inline]
+fn turned<const N: usize>(x: &[f64; N]) -> Turning {
+    const { assert!(N >= TURNING) };
+    core::array::from_fn(|i| x[i])
+}
+
+/// Runge-Kutta 4, under forces at the beginning, in the middle and at the end.
+#[inline]
+fn runge_kutta_4<const N: usize>(
+    from_s: f64,
+    x: &[f64; N],
+    [first, middle, last]: &[[f64; 4]; 3],
+    duration_s: f64,
+    change: &impl Change<N>,
+) -> [f64; N] {
+    let along = |k: &[f64; N], scale: f64| -> [f64; N] { core::array::from_fn(|i| x[i] + scale * k[i]) };
+    let half_s = 0.5 * duration_s;
+    let k1 = change(from_s, x, first);
+    let k2 = change(from_s + half_s, &along(&k1, half_s), middle);
+    let k3 = change(from_s + half_s, &along(&k2, half_s), middle);
+    let k4 = change(from_s + duration_s, &along(&k3, duration_s), last);
+    core::array::from_fn(|i| x[i] + duration_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
 }
 
 /// What a log gives to a model: its times, the forces that its commands make, its battery.
@@ -159,47 +262,31 @@ impl Scene<'_> {
 
 /// The forces of a model under commands, from row to row.
 pub(in crate::diagnosis) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
-    ForceTrack::new(rows_s, commands, &model.chain, &model.drive)
+    ForceTrack::new(rows_s, commands, &model.chain, &model.drive, model.body.flies_free())
 }
 
 /// States a little back in time, for an attitude that is reported late.
 struct Past {
-    states: Vec<(f64, State)>,
+    states: Vec<(f64, Turning)>,
 }
 
 impl Past {
-    /// The motion before the first row, gone back from its state; nothing where no report is late.
-    fn before(model: &Model, scene: &Scene<'_>, start: &State, first: usize) -> Past {
-        let mut states = Vec::new();
-        let delay_s = model.sensors.attitude_delay_s;
-        if delay_s > 0.0 {
-            let (mut state, mut row) = (*start, first);
-            states.push((scene.time_s[first], state));
-            while row > 0 && scene.time_s[row] > scene.time_s[first] - delay_s {
-                row -= 1;
-                for step in scene.track.of_row(row).iter().rev() {
-                    state = model.step(scene, step, &state, -step.duration_s);
-                    states.push((step.start_s, state));
-                }
-            }
-            states.reverse();
-        }
-        Past { states }
-    }
-
-    fn remember(&mut self, time_s: f64, state: &State) {
+    #[inline]
+    fn remember(&mut self, time_s: f64, state: &Turning) {
         if !self.states.is_empty() {
             self.states.push((time_s, *state));
         }
     }
 
-    /// The state whose attitude is reported now: a straight line between neighbours corrected by their rates (angles of the
+    /// The state whose attitude is reported now, where reports are late.
+    #[inline]
+    fn seen(&self, now: &Turning, now_s: f64, delay_s: f64) -> Turning {
+        if self.states.is_empty() { *now } else { self.earlier(now, now_s - delay_s) }
+    }
+
+    /// The state at a time in the past: a straight line between neighbours corrected by their rates (angles of the
     /// gimbal and of separate axes; when free the body's rates stand in, to the accuracy of half a step).
-    fn seen(&self, now: &State, now_s: f64, delay_s: f64) -> State {
-        if self.states.is_empty() {
-            return *now;
-        }
-        let at_s = now_s - delay_s;
+    fn earlier(&self, now: &Turning, at_s: f64) -> Turning {
         let after = self.states.partition_point(|(time_s, _)| *time_s < at_s);
         let (Some((t1, x1)), Some((t0, x0))) = (self.states.get(after), self.states.get(after.wrapping_sub(1))) else {
             return self.states.first().map_or(*now, |(time_s, state)| drifted(state, at_s - time_s));
@@ -218,7 +305,7 @@ impl Past {
     }
 }
 
-fn drifted(state: &State, by_s: f64) -> State {
+fn drifted(state: &Turning, by_s: f64) -> Turning {
     let mut drifted = *state;
     for i in 0..3 {
         drifted[i] += by_s * state[3 + i];

@@ -1,6 +1,6 @@
 //! What the log shows of a state: EFFECTS.md, "Exactly how they enter".
 
-use crate::diagnosis::vehicle::body::{Body, State};
+use crate::diagnosis::vehicle::body::{Body, Turning};
 
 /// What the sensors make of the truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ impl Sensors {
         Sensors { gyro_bias_rad_s: [0.0; 3], gyro_scale: [1.0; 3], attitude_delay_s: 0.0, yaw_rad: 0.0 };
 
     /// Reported body rates.
-    pub(in crate::diagnosis) fn rate_rad_s(&self, body: &Body, state: &State) -> [f64; 3] {
+    pub(in crate::diagnosis) fn rate_rad_s(&self, body: &Body, state: &Turning) -> [f64; 3] {
         let [p, q, r] = body.rate_body_rad_s(state);
         let turned = if self.yaw_rad == 0.0 {
             [p, q, r]
@@ -30,6 +30,12 @@ impl Sensors {
             [cos * p + sin * q, cos * q - sin * p, r]
         };
         core::array::from_fn(|axis| self.gyro_scale[axis] * turned[axis] + self.gyro_bias_rad_s[axis])
+    }
+
+    /// Reported specific force of a felt one, m/s^2.
+    pub(in crate::diagnosis) fn force_m_s2(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let (sin, cos) = libm::sincos(self.yaw_rad);
+        [cos * x + sin * y, cos * y - sin * x, z]
     }
 
     /// The way back from reported angles and rates to those of the body, but for the delay.
@@ -43,7 +49,7 @@ impl Sensors {
     }
 
     /// Reported angles of the attitude that a state has: Euler angles of `R_world_body R_z(yaw)`.
-    pub(in crate::diagnosis) fn angle_rad(&self, state: &State) -> [f64; 3] {
+    pub(in crate::diagnosis) fn angle_rad(&self, state: &Turning) -> [f64; 3] {
         let [roll, pitch, yaw, ..] = *state;
         if self.yaw_rad == 0.0 {
             return [roll, pitch, yaw];
@@ -54,6 +60,8 @@ impl Sensors {
         let down = [-sin_pitch, cos_pitch * sin_roll, cos_pitch * cos_roll];
         let turned = [cos * down[0] + sin * down[1], cos * down[1] - sin * down[0], down[2]];
         let reported_pitch = -libm::asin(turned[0].clamp(-1.0, 1.0));
-        [libm::atan2(turned[1], turned[2]), reported_pitch, yaw + self.yaw_rad]
+        // the sensor's x axis on the ground, seen from the body's heading
+        let heading = libm::atan2(sin * cos_roll, cos * cos_pitch + sin * sin_roll * sin_pitch);
+        [libm::atan2(turned[1], turned[2]), reported_pitch, yaw + heading]
     }
 }

@@ -38,6 +38,10 @@ impl Extension for GroundEffect {
         vec![("height_m", self.height_m), ("rotor_radius_m", self.rotor_radius_m)]
     }
 
+    fn start_height_m(&self) -> Option<f64> {
+        Some(self.height_m)
+    }
+
     fn lift_factor(&self, down_m: f64) -> f64 {
         let height_m = (self.height_m - down_m).max(0.5 * self.rotor_radius_m);
         let ratio = 0.25 * self.rotor_radius_m / height_m;

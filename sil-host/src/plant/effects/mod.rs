@@ -172,6 +172,11 @@ pub(crate) trait Extension {
         [0.0; 3]
     }
 
+    /// Height of the rotors above ground at the start, m, where it says so.
+    fn start_height_m(&self) -> Option<f64> {
+        None
+    }
+
     /// When it sets in, if it does so at once, s.
     fn sets_in_s(&self) -> Option<f64> {
         None

@@ -1,0 +1,148 @@
+use super::vehicle::air::Attitude;
+use super::*;
+use crate::log::Column;
+use crate::model::{Rig, VehicleModel};
+use crate::plant::effects::Effect;
+use crate::synthesis::Synthesis;
+
+/// A log of 20 s of free flight with these effects hidden in it: 100 rows a second, as often as the controller runs.
+fn log(effects: &[&str], seed: u64) -> Log {
+    let mut model = VehicleModel::nominal(Rig::Free);
+    model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Free).unwrap()).collect();
+    let mut synthesis = Synthesis { seed, blind: true, duration_s: 20.0, log_rate_hz: 100, ..Synthesis::of(model) };
+    synthesis.choice.rate_hz = 100;
+    synthesis.log().unwrap()
+}
+
+fn answer_to(log: &Log) -> Diagnosis {
+    diagnose(log, &Subject::Vehicle(&VehicleModel::nominal(Rig::Free))).unwrap()
+}
+
+/// The only finding and one of its parameters, which has to be within four standard deviations of the truth, and those within a tenth of it.
+fn assert_found(answer: &Diagnosis, effect: &str, parameter: &str, truth: f64) {
+    let [finding] = &answer.findings[..] else { panic!("{:?}", answer.findings) };
+    let estimate = finding.parameters[parameter];
+    assert_eq!(finding.effect, effect);
+    assert!((estimate.value - truth).abs() < 4.0 * estimate.std, "{estimate:?}");
+    assert!(estimate.std < 0.1 * truth.abs(), "{estimate:?}");
+    assert_eq!(answer.verdict, Verdict::Explained, "{:?}", answer.unexplained);
+}
+
+#[test]
+fn a_wrong_mass_is_told_from_weak_motors() {
+    let answer = answer_to(&log(&["mass_error:scale=1.04"], 1));
+    assert_found(&answer, "mass_error", "scale", 1.04);
+    assert!(answer.findings[0].confounded_with.is_empty());
+    assert_found(&answer_to(&log(&["thrust_scale:scale=0.96"], 2)), "thrust_scale", "scale", 0.96);
+}
+
+#[test]
+fn drag_of_the_rotors_is_told_from_wind() {
+    let answer = answer_to(&log(&["rotor_drag:coefficient_ns_m=0.1"], 3));
+    assert_found(&answer, "rotor_drag", "coefficient_ns_m", 0.1);
+    let answer = answer_to(&log(&["wind:north_m_s=3,east_m_s=-2,drag_area_m2=0.02"], 4));
+    for (parameter, truth) in [("north_m_s", 3.0), ("east_m_s", -2.0), ("drag_area_m2", 0.02)] {
+        assert_found(&answer, "wind", parameter, truth);
+    }
+}
+
+#[test]
+fn the_ground_is_told_by_what_it_lifts() {
+    let answer = answer_to(&log(&["ground_effect:height_m=1,rotor_radius_m=0.127"], 5));
+    assert_found(&answer, "ground_effect", "rotor_radius_m", 0.127);
+}
+
+#[test]
+fn a_log_without_velocity_and_height_still_tells_the_mass() {
+    let mut log = log(&["mass_error:scale=0.97"], 6);
+    (log.velocity_ned_m_s, log.height_m) = Default::default();
+    let answer = answer_to(&log);
+    assert_found(&answer, "mass_error", "scale", 0.97);
+    let not_asked = |effect: &str| {
+        answer.rejected.iter().any(|rejected| rejected.effect == effect && rejected.reason.starts_with("not asked"))
+    };
+    assert!(["rotor_drag", "wind", "ground_effect"].into_iter().all(not_asked), "{:?}", answer.rejected);
+}
+
+/// An accelerometer's z axis alone, where nothing turns but what the lifts and the mass do: a heavier vehicle with as much more inertia is one with weaker
+/// motors.
+#[test]
+fn in_hover_without_velocity_weight_and_lift_are_confounded() {
+    let level = crate::scenario::Scenario {
+        name: "hover".into(),
+        duration_s: 20.0,
+        waypoints: vec![crate::scenario::Waypoint::level(0.0)],
+    };
+    let mut model = VehicleModel::nominal(Rig::Free);
+    model.effects = vec![Effect::parse("thrust_scale:scale=0.99", Rig::Free).unwrap()];
+    let mut synthesis = Synthesis { scenario: level, duration_s: 20.0, blind: true, ..Synthesis::of(model) };
+    synthesis.choice.rate_hz = 200;
+    let mut log = synthesis.log().unwrap();
+    (log.velocity_ned_m_s, log.height_m) = Default::default();
+    let answer = answer_to(&log);
+    let [finding] = &answer.findings[..] else { panic!("{:?}", answer.findings) };
+    let both = ["mass_error", "thrust_scale"];
+    assert!(both.contains(&finding.effect), "{finding:?}");
+    assert!(finding.confounded_with.iter().any(|name| both.contains(name)), "{finding:?}");
+}
+
+#[test]
+fn an_attitude_turns_vectors_as_rotation_matrices_do() {
+    for [roll, pitch, yaw] in [[0.3, -0.2, 1.1], [-2.0, 1.2, -3.0], [0.0, 0.0, 0.5]] {
+        let (own, matrix) = (Attitude::of(roll, pitch, yaw), nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw));
+        let vector = [0.4, -1.3, 2.2];
+        let expected = matrix * nalgebra::Vector3::from(vector);
+        let turned = own.in_world(vector);
+        let back = own.in_body(turned);
+        for axis in 0..3 {
+            assert!((turned[axis] - expected[axis]).abs() < 1e-14 && (back[axis] - vector[axis]).abs() < 1e-14);
+        }
+    }
+}
+
+/// What follows of a log is the same with a column more that says nothing.
+#[test]
+fn a_gimbals_accelerometer_is_not_compared() {
+    let mut synthesis = Synthesis { duration_s: 10.0, ..Synthesis::of(VehicleModel::nominal(Rig::Gimbal)) };
+    synthesis.choice.rate_hz = 200;
+    let whole = synthesis.log().unwrap();
+    let without = Log { accel_body_m_s2: [const { None as Column }; 3], ..whole.clone() };
+    let subject = VehicleModel::nominal(Rig::Gimbal);
+    let answers = [whole, without].map(|log| diagnose(&log, &Subject::Vehicle(&subject)).unwrap());
+    assert_eq!(answers[0].statistics, answers[1].statistics);
+    assert!(answers[0].horizons[0].errors.iter().all(|error| error.quantity != "az"));
+}
+
+#[test]
+fn a_turned_sensor_reports_the_attitude_of_its_own_axes() {
+    let sensors = super::vehicle::sensor::Sensors { yaw_rad: 0.4, ..super::vehicle::sensor::Sensors::NOMINAL };
+    for [roll, pitch, yaw] in [[0.3, -0.2, 1.1], [-0.7, 0.5, -1.9]] {
+        let turned = nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw)
+            * nalgebra::Rotation3::from_euler_angles(0.0, 0.0, 0.4);
+        let (roll_told, pitch_told, yaw_told) = turned.euler_angles();
+        let told = sensors.angle_rad(&[roll, pitch, yaw, 0.0, 0.0, 0.0]);
+        for (own, expected) in told.into_iter().zip([roll_told, pitch_told, yaw_told]) {
+            assert!((own - expected).abs() < 1e-13, "{own} {expected}");
+        }
+    }
+}
+
+/// What is known of velocities and heights that act on nothing is what difference quotients find; a drag of nothing to speak of asks for those.
+#[test]
+fn slopes_along_a_start_that_acts_on_nothing_are_those_of_difference_quotients() {
+    let (log, vehicle) = (log(&[], 7), VehicleModel::nominal(Rig::Free));
+    let subject = Subject::Vehicle(&vehicle);
+    let shooting = subject.shooting(&log, &subject.noise(&log)).unwrap();
+    let slopes = |rotor_drag_ns_m: f64| {
+        let mut model = subject.model();
+        model.air.rotor_drag_ns_m = rotor_drag_ns_m;
+        let driven = shooting.drive(model);
+        let start = shooting.measured_state(&driven.model, shooting.windows[3].start);
+        shooting.start_slopes(&driven, &shooting.windows[3], &start).1
+    };
+    for (known, found) in slopes(0.0).iter().zip(slopes(1e-12)) {
+        let largest = found.iter().fold(0.0, |largest: f64, slope| largest.max(slope.abs()));
+        // rounding of 1e-13 in units of the noise, over a step of 1e-5
+        assert!(known.iter().zip(&found).all(|(known, found)| (known - found).abs() < 1e-6 * largest));
+    }
+}
