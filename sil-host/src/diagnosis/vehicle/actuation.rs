@@ -94,36 +94,22 @@ pub(in crate::diagnosis) struct ForceTrack {
     steps: Vec<Step>,
     /// Per row, which step begins there.
     first_step: Vec<usize>,
-    /// Per row, the forces before its own command acts; empty where nobody asks for them.
+    /// Per row, the forces before its own command acts.
     at_row: Vec<[f64; 4]>,
 }
 
 impl ForceTrack {
-    /// Follows the commands through chain and drive, everything settled at the first command; steps end at the rows of a log. Forces
-    /// at the rows themselves are kept where they are wanted.
-    pub(in crate::diagnosis) fn new(
-        rows_s: &[f64],
-        commands: &Commands,
-        chain: &Chain,
-        drive: &Drive,
-        at_rows: bool,
-    ) -> ForceTrack {
-        // compiled twice, so that the steps of the motors, where the time goes, don't wait for what nobody wants
-        match at_rows {
-            true => ForceTrack::follow::<true>(rows_s, commands, chain, drive),
-            false => ForceTrack::follow::<false>(rows_s, commands, chain, drive),
-        }
-    }
-
-    fn follow<const AT_ROWS: bool>(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
-        let mut track =
-            ForceTrack { steps: Vec::new(), first_step: Vec::with_capacity(rows_s.len()), at_row: Vec::new() };
+    /// Follows the commands through chain and drive, everything settled at the first command; steps end at the rows of a log.
+    pub(in crate::diagnosis) fn new(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
+        let mut track = ForceTrack {
+            steps: Vec::new(),
+            first_step: Vec::with_capacity(rows_s.len()),
+            at_row: Vec::with_capacity(rows_s.len()),
+        };
         let mut motors = Motors::settled(commands, chain, drive);
         for interval in rows_s.windows(2) {
             track.first_step.push(track.steps.len());
-            if AT_ROWS {
-                track.at_row.push(motors.forces());
-            }
+            track.at_row.push(motors.forces());
             let count = ((interval[1] - interval[0]) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
             let duration_s = (interval[1] - interval[0]) / count;
             for k in 0..count as usize {
@@ -132,20 +118,18 @@ impl ForceTrack {
             }
         }
         track.first_step.push(track.steps.len());
-        if AT_ROWS {
-            track.at_row.push(motors.forces());
-        }
+        track.at_row.push(motors.forces());
         track
-    }
-
-    /// The forces at a row, before its own command acts.
-    pub(in crate::diagnosis) fn at_row(&self, row: usize) -> [f64; 4] {
-        self.at_row[row]
     }
 
     /// The steps from one row to a later one.
     pub(in crate::diagnosis) fn between(&self, first_row: usize, end_row: usize) -> &[Step] {
         &self.steps[self.first_step[first_row]..self.first_step[end_row]]
+    }
+
+    /// The forces at a row, before its own command acts.
+    pub(in crate::diagnosis) fn at_row(&self, row: usize) -> [f64; 4] {
+        self.at_row[row]
     }
 
     /// The steps from one row to the next.

@@ -117,7 +117,10 @@ impl Body {
         };
         let motion =
             Motion { time_s, angle_rad: [x[0], x[1], x[2]], rate_rad_s: [x[3], x[4], x[5]], roll, force: *force };
-        let moment = sum(moments, &motion);
+        let mut moment = [0.0; 3];
+        for effect in moments {
+            effect.add(&motion, &mut moment);
+        }
         match &self.rig {
             BodyRig::Gimbal { airframe, inertia_kg_m2, ring_inertia_kg_m2 } => {
                 self.gimbal(&motion, &airframe.torque_body_nm(force), &moment, inertia_kg_m2, *ring_inertia_kg_m2)
@@ -150,6 +153,7 @@ impl Body {
         [roll_rate, pitch_rate, 0.0, roll_acceleration, pitch_acceleration, 0.0]
     }
 
+    #[inline(never)]
     fn free(
         &self,
         m: &Motion,
@@ -206,8 +210,12 @@ impl Body {
             roll: attitude.roll,
             force: lifts_n,
         };
+        let mut moment = [0.0; 3];
+        for effect in moments {
+            effect.add(&motion, &mut moment);
+        }
         let tau = airframe.torque_body_nm(&lifts_n);
-        let [a, b, c, d, e, f] = self.free(&motion, attitude.pitch, &tau, &sum(moments, &motion), inertia_kg_m2);
+        let [a, b, c, d, e, f] = self.free(&motion, attitude.pitch, &tau, &moment, inertia_kg_m2);
         let specific = air.specific_force_m_s2(*mass_kg, lifts_n.iter().sum(), &attitude, [north, east, down]);
         let [to_north, to_east, to_down] = attitude.in_world(specific);
         [a, b, c, d, e, f, to_north, to_east, to_down + gravity_m_s2, -down]
@@ -250,14 +258,4 @@ impl Body {
             BodyRig::Free { .. } | BodyRig::Axes { .. } => [roll, pitch, yaw, p, q, r],
         }
     }
-}
-
-/// What the moments of all effects are together.
-#[inline]
-fn sum(moments: &[Box<dyn Moment>], motion: &Motion) -> [f64; 3] {
-    let mut moment = [0.0; 3];
-    for effect in moments {
-        effect.add(motion, &mut moment);
-    }
-    moment
 }

@@ -262,7 +262,7 @@ impl Scene<'_> {
 
 /// The forces of a model under commands, from row to row.
 pub(in crate::diagnosis) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
-    ForceTrack::new(rows_s, commands, &model.chain, &model.drive, model.body.flies_free())
+    ForceTrack::new(rows_s, commands, &model.chain, &model.drive)
 }
 
 /// States a little back in time, for an attitude that is reported late.
