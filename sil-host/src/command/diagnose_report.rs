@@ -1,6 +1,8 @@
 //! The page about a diagnosis: the sentence, the sizes, the picture before and after, what was denied.
 
-use sil_host::diagnosis::{ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Finding, PredictionErrors, Verdict};
+use sil_host::diagnosis::{
+    ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Finding, HorizonError, PredictionErrors, Verdict,
+};
 use sil_host::fidelity::ChannelErrors;
 use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Page, Section, Table};
@@ -45,20 +47,24 @@ pub fn lead(answer: &Diagnosis) -> String {
     format!("{}{causes}{}", headline(answer.verdict), improvement(answer).unwrap_or_default())
 }
 
-/// What that is worth, of the angle that was missed most.
+/// What that is worth, of the quantity that was missed most against what an exact model would miss.
 fn improvement(answer: &Diagnosis) -> Option<String> {
-    let errors = &answer.prediction_error;
-    let of = |axis, pick: fn(&ChannelErrors) -> Option<f64>| {
-        Some((axis, pick(&errors.nominal)?, pick(&errors.extended)?, pick(&errors.noise_floor)?))
-    };
-    let angles = [of("roll", |errors| errors.roll_deg), of("pitch", |errors| errors.pitch_deg)];
-    let (axis, nominal, extended, floor) = angles.into_iter().flatten().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let with = if answer.findings.is_empty() { String::new() } else { format!(", with the findings by {extended:.2}") };
+    let window_s = answer.prediction_error.window_s;
+    let horizon = answer.horizons.iter().find(|horizon| horizon.horizon_s == window_s)?;
+    let states = horizon.errors.iter().filter(|error| !error.quantity.ends_with("_dot"));
+    let ratio = |error: &HorizonError| error.nominal / error.noise_floor;
+    let most = states.max_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
+    let with =
+        if answer.findings.is_empty() { String::new() } else { format!(", with the findings by {:.2}", most.extended) };
     Some(format!(
-        " Over {} s without a look at the log the model misses {axis} by {nominal:.2} degrees{with}; an exact model would \
-         miss it by {floor:.2}.",
-        errors.window_s
+        " Over {window_s} s without a look at the log the model misses {} by {:.2} {}{with}; an exact model would miss it by {:.2}.",
+        most.quantity, most.nominal, most.unit, most.noise_floor
     ))
+}
+
+/// True for the log of a free vehicle in which more is compared than what turns: the table of horizons tells of all of it.
+pub fn compares_more_than_turning(answer: &Diagnosis) -> bool {
+    answer.horizons.iter().flat_map(|horizon| &horizon.errors).any(|error| error.unit.starts_with('m'))
 }
 
 /// The models whose errors are told, by name.
@@ -133,19 +139,20 @@ fn parameter_row(
 
 fn before_and_after(answer: &Diagnosis) -> Section {
     let errors = &answer.prediction_error;
-    let mut table =
-        Table::new("RMSE over the held-out windows", &["", "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"]);
-    for (name, of) in error_rows(errors) {
-        table = table.row(error_cells(name, &of));
-    }
-    let section = Section::new("Before and after").paragraph(format!(
+    let mut section = Section::new("Before and after").paragraph(format!(
         "In windows of {} s the model starts where the log was, gets the logged commands and never looks at the log again. What is \
          drawn is measured less predicted, in the windows that no fit has seen: the model as it was, and with the findings in it.",
         errors.window_s
     ));
+    if !compares_more_than_turning(answer) {
+        let heads = ["", "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"];
+        let table = Table::new("RMSE over the held-out windows", &heads);
+        section =
+            section.table(error_rows(errors).iter().fold(table, |table, (name, of)| table.row(error_cells(name, of))));
+    }
     let is_alone = answer.findings.is_empty();
     let of_a_kind = answer.residuals.chunk_by(|a, b| a.kind == b.kind);
-    let section = of_a_kind.fold(section.table(table), |section, channels| {
+    let section = of_a_kind.fold(section, |section, channels| {
         let charts: Vec<Chart> = channels.iter().map(|channel| residual_chart(channel, is_alone)).collect();
         section.small_multiples(channels[0].kind, charts)
     });

@@ -3,7 +3,7 @@
 use sil_host::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected};
 use sil_host::log::Log;
 
-use super::diagnose_report::{error_rows, headline, interval_text};
+use super::diagnose_report::{compares_more_than_turning, error_rows, headline, interval_text};
 use super::text_table::{TextTable, error_table, number};
 
 /// Everything that `sil diagnose` prints of the answer.
@@ -42,8 +42,10 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
     }
     let errors = &answer.prediction_error;
     let title = format!("open loop over {} s, held-out windows, RMSE", errors.window_s);
-    let table = error_table(&title, error_rows(errors));
-    text.push_str(&format!("\n{table}\n"));
+    text.push('\n');
+    if !compares_more_than_turning(answer) {
+        text.push_str(&format!("{}\n", error_table(&title, error_rows(errors))));
+    }
     text.extend(answer.closed_loop.as_ref().map(|closed_loop| format!("{}\n", closed_loop_table(closed_loop))));
     text
 }
