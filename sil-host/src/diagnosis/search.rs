@@ -70,8 +70,6 @@ pub(super) struct Found<'e> {
     pub(super) chosen: Candidate<'e>,
     /// Per chosen effect: what else was fitted in its place, best first.
     pub(super) alternatives: Vec<Vec<Candidate<'e>>>,
-    /// By how much all commands may have come at other times than is taken, s: the log does not tell whether they were held.
-    pub(super) timing_unknown_s: f64,
 }
 
 impl<'e> Search<'e> {
@@ -306,7 +304,7 @@ impl<'e> Search<'e> {
             .map(|(index, _)| alternatives.get_mut(index - first).and_then(Option::take).unwrap_or_default())
             .collect();
         let starts = chosen.fit.starts.clone();
-        Found { nominal, chosen: self.fitted(terms, &starts, f64::INFINITY), alternatives, timing_unknown_s: 0.0 }
+        Found { nominal, chosen: self.fitted(terms, &starts, f64::INFINITY), alternatives }
     }
 
     /// Sums of squares of the held-out windows with one effect simply left out. Start states are sought from those of the chosen model and

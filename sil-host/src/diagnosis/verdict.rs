@@ -10,7 +10,6 @@ use super::search::{Found, Search, TOLD_APART, is_the_same};
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::diagnosis::fitting::linear::dot;
-use crate::diagnosis::fitting::sampling::LATE;
 use crate::fidelity::ChannelErrors;
 
 /// The accuracy of the integration, as a share of an effect.
@@ -95,11 +94,6 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
     let spread = search.spread(&found.chosen);
     let model_error = if search.shooting.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
     let mut parameters = estimates(&found.chosen.fit, index, spread, model_error);
-    if LATE.contains(&effect.name()) {
-        for estimate in parameters.values_mut() {
-            estimate.std = (estimate.std * estimate.std + found.timing_unknown_s * found.timing_unknown_s).sqrt();
-        }
-    }
     let mut names = effect.told_names();
     // separate axes have a gain each that is fitted along, and no inertia
     if !search.always.is_empty() {

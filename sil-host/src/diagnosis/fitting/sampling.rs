@@ -8,13 +8,12 @@
 //! Assumption: the command's noise is white from step to step of the controller.
 //!
 //! Which of both is true shows in time: held commands are late by half a row. The likelihood decides, with what was found under held commands,
-//! and with as much unknown acceleration under either as suits it; a delay that only undoes the faster controller speaks for held ones. Beside a true
-//! delay or lag it may be told by nothing: then commands are taken as held, and the half row counts in the uncertainty of that delay.
+//! and with as much unknown acceleration under either as suits it; a delay that only undoes the faster controller speaks for held ones.
 
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
 use crate::diagnosis::fitting::process_noise::Lost;
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::diagnosis::search::{Found, Search, TOLD_APART};
+use crate::diagnosis::search::{Found, Search};
 use crate::diagnosis::subject::Subject;
 use crate::diagnosis::vehicle::actuation::Commands;
 use crate::diagnosis::vehicle::prediction::Model;
@@ -27,7 +26,7 @@ const STEPS_MIN: f64 = 1.01;
 /// Fall of twice the logarithm of the likelihood that speaks for a faster controller.
 const MARGIN: f64 = 6.0;
 /// Effects by which commands that were held look like a faster controller's: they have to be better than none under held ones.
-pub(in crate::diagnosis) const LATE: [&str; 2] = ["actuation_delay", "motor_lag"];
+const LATE: [&str; 2] = ["actuation_delay", "motor_lag"];
 
 /// Shares of the unknown acceleration under which the two hypotheses are held against each other. The search takes the whole: the likeliest share, about
 /// a half, is too small, for the noise in a row's command is that of the gyro in the same row, and what they have in common
@@ -48,8 +47,6 @@ pub(in crate::diagnosis) struct Sampled<'l> {
 struct Alternatives<'l> {
     held: Shooting<'l>,
     faster: Shooting<'l>,
-    /// By how much commands come later on average if they were held, s.
-    held_is_later_s: f64,
 }
 
 impl<'l> Sampled<'l> {
@@ -67,7 +64,6 @@ impl<'l> Sampled<'l> {
         let alternatives = Alternatives {
             held: shooting()?.with_lost(unknown.clone()),
             faster: shooting()?.commanded(smooth).with_lost(unknown),
-            held_is_later_s: 0.5 * (log.commanding().mean_regular_step_s() - 1.0 / USUAL_CONTROL_RATE_HZ),
         };
         Ok(Sampled { held, alternatives: Some(alternatives) })
     }
@@ -79,20 +75,18 @@ impl<'l> Sampled<'l> {
     ) -> (Search<'e>, Found<'e>) {
         // under held commands nothing is taken for noise: what is there is seen sharply
         let search = of(&self.held);
-        let mut found = search.run();
-        let Some(Alternatives { held, faster, held_is_later_s }) = &self.alternatives else { return (search, found) };
-        let terms = &found.chosen.fit.terms;
-        let not_late: Vec<Term<'e>> =
-            terms.iter().filter(|term| !LATE.contains(&term.effect.name())).cloned().collect();
-        let (held, faster) = (of(held), of(faster));
-        let [as_found, without] = [terms, &not_late].map(|terms| unlikeliness(&held, terms));
-        let under_faster = unlikeliness(&faster, terms);
-        let timing_unknown_s = if (as_found - under_faster).abs() < 2.0 * TOLD_APART { *held_is_later_s } else { 0.0 };
-        if under_faster + MARGIN < as_found.min(without) {
-            let found = faster.run();
-            return (faster, found);
-        }
-        found.timing_unknown_s = timing_unknown_s;
+        let found = search.run();
+        let faster = self.alternatives.as_ref().and_then(|Alternatives { held, faster }| {
+            let terms = &found.chosen.fit.terms;
+            let not_late: Vec<Term<'e>> =
+                terms.iter().filter(|term| !LATE.contains(&term.effect.name())).cloned().collect();
+            let faster = of(faster);
+            let least = unlikeliness(&faster, terms) + MARGIN;
+            let held = of(held);
+            (least < unlikeliness(&held, terms) && least < unlikeliness(&held, &not_late)).then_some(faster)
+        });
+        let Some(search) = faster else { return (search, found) };
+        let found = search.run();
         (search, found)
     }
 }
