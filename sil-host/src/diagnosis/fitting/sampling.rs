@@ -8,11 +8,13 @@
 //! Assumption: the command's noise is white from step to step of the controller.
 //!
 //! Which of both is true shows in time: held commands are late by half a row. The likelihood decides, with what was found under held commands,
-//! and with as much unknown acceleration under either as suits it; a delay that only undoes the faster controller speaks for held ones.
+//! and with as much unknown acceleration under either as suits it; a delay that only undoes the faster controller speaks for held ones. Beside a true
+//! delay or lag the likelihood may not tell: then commands that were held leave white residuals, and lost ones do not.
 
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
 use crate::diagnosis::fitting::process_noise::Lost;
 use crate::diagnosis::fitting::shooting::Shooting;
+use crate::diagnosis::left_over::structure::{Whiteness, whiteness};
 use crate::diagnosis::search::{Found, Search};
 use crate::diagnosis::subject::Subject;
 use crate::diagnosis::vehicle::actuation::Commands;
@@ -76,19 +78,27 @@ impl<'l> Sampled<'l> {
         // under held commands nothing is taken for noise: what is there is seen sharply
         let search = of(&self.held);
         let found = search.run();
-        let faster = self.alternatives.as_ref().and_then(|Alternatives { held, faster }| {
-            let terms = &found.chosen.fit.terms;
-            let not_late: Vec<Term<'e>> =
-                terms.iter().filter(|term| !LATE.contains(&term.effect.name())).cloned().collect();
-            let faster = of(faster);
-            let least = unlikeliness(&faster, terms) + MARGIN;
-            let held = of(held);
-            (least < unlikeliness(&held, terms) && least < unlikeliness(&held, &not_late)).then_some(faster)
-        });
-        let Some(search) = faster else { return (search, found) };
-        let found = search.run();
+        let Some(Alternatives { held, faster }) = &self.alternatives else { return (search, found) };
+        let terms = &found.chosen.fit.terms;
+        let not_late: Vec<Term<'e>> =
+            terms.iter().filter(|term| !LATE.contains(&term.effect.name())).cloned().collect();
+        let (held, faster) = (of(held), of(faster));
+        let [as_found, without] = [terms, &not_late].map(|terms| unlikeliness(&held, terms));
+        let under_faster = unlikeliness(&faster, terms);
+        let is_not_told = (as_found - under_faster).abs() < MARGIN;
+        if under_faster + MARGIN < as_found.min(without) || is_not_told && !is_white(&search, &found) {
+            let found = faster.run();
+            return (faster, found);
+        }
         (search, found)
     }
+}
+
+/// Is what the chosen effects leave of the training windows white?
+fn is_white(search: &Search<'_>, found: &Found<'_>) -> bool {
+    let fit = &found.chosen.fit;
+    let driven = search.shooting.drive(model_of(search.nominal, &fit.terms));
+    whiteness(search.shooting, &driven, &search.training, &fit.starts).iter().all(Whiteness::is_white)
 }
 
 /// Twice the negative logarithm of the likelihood of what some effects leave of the training windows once they are fitted.
