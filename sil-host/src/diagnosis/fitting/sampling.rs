@@ -83,7 +83,8 @@ impl<'l> Sampled<'l> {
         let not_late: Vec<Term<'e>> =
             terms.iter().filter(|term| !LATE.contains(&term.effect.name())).cloned().collect();
         let (held, faster) = (of(held), of(faster));
-        let [as_found, without] = [terms, &not_late].map(|terms| unlikeliness(&held, terms));
+        let as_found = unlikeliness(&held, terms);
+        let without = if not_late.len() < terms.len() { unlikeliness(&held, &not_late) } else { as_found };
         let under_faster = unlikeliness(&faster, terms);
         let is_not_told = (as_found - under_faster).abs() < MARGIN;
         if under_faster + MARGIN < as_found.min(without) || is_not_told && !is_white(&search, &found) {
