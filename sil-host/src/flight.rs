@@ -53,7 +53,7 @@ pub struct Flight {
     pub summary: RunSummary,
 }
 
-/// The figures of one flight, as `sil fly --json` writes them (spec CLI.md).
+/// The figures of one flight, as `sil fly --json` writes them (docs/commands.md).
 #[derive(Clone, Debug, Serialize)]
 pub struct RunSummary {
     /// `pid` or `mpc`.

@@ -1,4 +1,4 @@
-//! How well a flight followed its reference: the figures that `sil fly` prints, defined in spec CLI.md.
+//! How well a flight followed its reference: the figures that `sil fly` prints, defined in docs/commands.md.
 //!
 //! A step is a change of an axis' reference, returns included. Errors are the true angle against the raw reference.
 

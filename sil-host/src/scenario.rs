@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
-/// Duration of each hover and each position of the test sequence, s (the thesis gives no times; spec RIG.md does).
+/// Duration of each hover and each position of the test sequence, s (the thesis gives no times; docs/rig.md does).
 const TEST_SEGMENT_S: f64 = 1.75;
 
 /// Positions of the test sequence as (roll, pitch), degrees; a hover goes before each and after the last.

@@ -315,7 +315,11 @@ fn malformed_maps_are_named_by_line_and_key() {
         ),
         ("time_s =", "battery_v =", "bench.toml:5: `quantities`: time_s is missing"),
         ("pitch_cmd =", "roll_cmd =", "bench.toml:5: `quantities`: pitch_cmd is missing (or motor1 to motor4)"),
-        ("pitch_deg", "pitch", "bench.toml:7: `pitch`: no quantity of that name and unit; LOG_FORMAT.md lists them"),
+        (
+            "pitch_deg",
+            "pitch",
+            "bench.toml:7: `pitch`: no quantity of that name and unit; docs/log-format.md lists them",
+        ),
         ("thrust_cmd = {", "pitch_rad = {", "bench.toml:9: `pitch_rad`: pitch_rad is given twice"),
         ("sign = -1", "sign = 2", "bench.toml:7: `pitch_deg`: sign must be 1 or -1"),
         ("scale = 2", "scale = 0", "bench.toml:7: `pitch_deg`: scale must be finite and not 0, offset finite"),

@@ -31,7 +31,7 @@ fn correlation(log: &Log, axis: Axis, input: &[f64], delay_rows: usize, span_row
     sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
 }
 
-/// The torque about an axis that RIG.md's mixer signs give, in commands.
+/// The torque about an axis that docs/rig.md's mixer signs give, in commands.
 fn torque_command(log: &Log, axis: Axis) -> Vec<f64> {
     let motors = log.motors().unwrap();
     let torque = |row: usize| (0..4).map(|m| TORQUE_SIGNS[axis.index()][m] * motors[m][row]).sum();

@@ -1,4 +1,4 @@
-//! How well a model predicts the held-out windows, as CLI.md defines it: a start state from the rows around the start, at most 50 ms
+//! How well a model predicts the held-out windows, as docs/commands.md defines it: a start state from the rows around the start, at most 50 ms
 //! before it, then open loop to the end of the window; and how well an exact model would.
 //!
 //! The state is estimated at the first of those rows by least squares over all of them (the residuals linear in it), with the model

@@ -1,4 +1,4 @@
-//! A finding as JSON (CLI.md): the name of a controller's number stands among its parameters.
+//! A finding as JSON (docs/commands.md): the name of a controller's number stands among its parameters.
 
 use std::collections::BTreeMap;
 

@@ -65,7 +65,7 @@ const FLOOR_FACTOR_MAX: f64 = 1.3;
 /// Above this multiple the disturbances are taken for part of the noise ([`fitting::process_noise`]).
 const UNEXPLAINED_FACTOR: f64 = 3.0;
 
-/// The answer to a log (CLI.md, "JSON of `sil diagnose`").
+/// The answer to a log (docs/commands.md, "JSON of `sil diagnose`").
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Diagnosis {
     /// What was looked at.

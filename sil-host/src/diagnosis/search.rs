@@ -29,9 +29,9 @@ const ROUNDS_MAX: usize = 8;
 const SIGNIFICANT: f64 = 30.0;
 /// The same on the held-out windows, where nothing was fitted.
 const PAYS: f64 = 6.0;
-/// Natural logarithm of the likelihood within which two models are not told apart (CLI.md).
+/// Natural logarithm of the likelihood within which two models are not told apart (docs/commands.md).
 pub(super) const TOLD_APART: f64 = 3.0;
-/// Share of the held-out error that a finding must take away (CLI.md).
+/// Share of the held-out error that a finding must take away (docs/commands.md).
 const SHARE_MIN: f64 = 0.02;
 
 /// A log and the questions that it is asked.

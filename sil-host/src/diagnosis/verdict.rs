@@ -1,4 +1,4 @@
-//! What the search found, in the words and numbers that people and machines read (CLI.md, "JSON of `sil diagnose`").
+//! What the search found, in the words and numbers that people and machines read (docs/commands.md, "JSON of `sil diagnose`").
 
 use std::collections::BTreeMap;
 
@@ -38,7 +38,7 @@ impl Estimate {
 /// One effect that the log shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Its name in EFFECTS.md.
+    /// Its name in docs/effects.md.
     pub effect: &'static str,
     /// Its axis, of effects that have one.
     pub axis: Option<&'static str>,

@@ -29,7 +29,7 @@ pub enum FidelityError {
     /// A replay needs a column that the log lacks.
     #[error("the log has no column `{column}`, which {why}")]
     MissingColumn {
-        /// Name in LOG_FORMAT.md.
+        /// Name in docs/log-format.md.
         column: String,
         /// What it is needed for.
         why: &'static str,

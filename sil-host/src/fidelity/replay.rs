@@ -175,7 +175,7 @@ impl Replay {
         root_mean_square(self.channel(channel, part).map(|residual| residual.sigma))
     }
 
-    /// The figures of CLI.md, over the held-out windows; of a log of one window, over that.
+    /// The figures of docs/commands.md, over the held-out windows; of a log of one window, over that.
     pub fn prediction_error(&self) -> PredictionError {
         let part = if self.windows.len() > 1 { Part::HeldOut } else { Part::All };
         PredictionError {

@@ -70,7 +70,7 @@ pub struct ChannelErrors {
     pub q_deg_s: Option<f64>,
 }
 
-/// `prediction_error` of CLI.md: the RMSE of the replay over the held-out windows, and that of an exact model.
+/// `prediction_error` of docs/commands.md: the RMSE of the replay over the held-out windows, and that of an exact model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PredictionError {
     /// Length of a window, s.

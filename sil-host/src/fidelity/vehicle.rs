@@ -119,7 +119,7 @@ pub(super) struct Drive<'a> {
     height_m: Option<&'a [f64]>,
 }
 
-/// Which way each motor turns the vehicle about (x, y, z): RIG.md, "Frames and motors".
+/// Which way each motor turns the vehicle about (x, y, z): docs/rig.md, "Frames and motors".
 const TORQUE_SIGNS: [[f64; 4]; 3] = [[-1.0, 1.0, 1.0, -1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];
 
 impl<'a> Drive<'a> {

@@ -6,7 +6,7 @@ use crate::log::Log;
 /// Length of a window, s.
 pub const WINDOW_S: f64 = 0.5;
 
-/// Rows this long before and after a start serve to find the state at the start, s (CLI.md: at most 50 ms before).
+/// Rows this long before and after a start serve to find the state at the start, s (docs/commands.md: at most 50 ms before).
 pub(super) const START_REACH_S: f64 = 0.05;
 
 /// Commands this long before the lead row decide what the motors do at the start, s. They are inputs, not measurements of

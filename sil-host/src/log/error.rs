@@ -41,7 +41,7 @@ pub enum LogErrorKind {
     Gzip { reason: String, bytes: usize },
     #[error("holds more than {0} bytes of text; cut the log into parts")]
     TooLarge(u64),
-    #[error("this is a {0} log, which isn't read yet; convert it to CSV with the columns of LOG_FORMAT.md")]
+    #[error("this is a {0} log, which isn't read yet; convert it to CSV with the columns of docs/log-format.md")]
     NotReadYet(&'static str),
     #[error("not UTF-8 text; expected a CSV file")]
     NotText,
@@ -79,5 +79,5 @@ pub enum LogErrorKind {
     NoSuchMap(String),
 }
 
-/// Fewer rows than this are not a log (LOG_FORMAT.md).
+/// Fewer rows than this are not a log (docs/log-format.md).
 pub const ROWS_MIN: usize = 100;

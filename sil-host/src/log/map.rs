@@ -1,11 +1,11 @@
-//! Maps: what the columns of somebody else's CSV mean (LOG_FORMAT.md, "Other people's columns").
+//! Maps: what the columns of somebody else's CSV mean (docs/log-format.md, "Other people's columns").
 //!
 //! ```toml
 //! description = "whose logs these are"
 //! frame = "FRD"                          # or "FLU": then what is about or along y and z changes its sign
 //! axes = ["pitch"]                       # the axes the log has; roll and pitch if left out
 //! active_when = "thrust_cmd > 0"         # rows in which the motors run; all of them if left out
-//! [quantities]                           # names and units of LOG_FORMAT.md, motors in the order of RIG.md
+//! [quantities]                           # names and units of docs/log-format.md, motors in the order of docs/rig.md
 //! time_s    = { column = "t" }
 //! pitch_deg = { column = "theta", sign = -1, scale = 1.0, offset = 0.0 }
 //! ```
@@ -174,7 +174,7 @@ impl Place<'_> {
     ) -> Result<MappedColumn, LogError> {
         let fail = |message: &str| Err(self.error(Some(key.span().start), Some(key.get_ref()), message));
         let Some((quantity, factor)) = Quantity::from_name(key.get_ref()) else {
-            return fail("no quantity of that name and unit; LOG_FORMAT.md lists them");
+            return fail("no quantity of that name and unit; docs/log-format.md lists them");
         };
         if entry.sign != 1.0 && entry.sign != -1.0 {
             return fail("sign must be 1 or -1");

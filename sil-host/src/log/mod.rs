@@ -1,8 +1,8 @@
 //! Logs of flights and rigs as columns, read from CSV and written to it.
 //!
-//! The format, its names and its errors are LOG_FORMAT.md's. [`read`] takes a file in that format, or any other CSV
+//! The format, its names and its errors are docs/log-format.md's. [`read`] takes a file in that format, or any other CSV
 //! with a [`Map`] that says what its columns mean; [`write_file`] writes one. In memory everything is in SI units and
-//! in the frames of RIG.md (body forward-right-down, Euler angles Z-Y-X), whatever the file had.
+//! in the frames of docs/rig.md (body forward-right-down, Euler angles Z-Y-X), whatever the file had.
 
 mod error;
 mod map;
@@ -25,7 +25,7 @@ const GAP_STEPS: f64 = 5.0;
 pub type Column = Option<Vec<f64>>;
 
 /// A log: columns of equal length, one value per row. Arrays of three are (roll, pitch, yaw) or (x, y, z) of the
-/// body, arrays of four the motors in the order of RIG.md.
+/// body, arrays of four the motors in the order of docs/rig.md.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Log {
     /// The file it came from, as the caller named it; empty for a log made in memory.

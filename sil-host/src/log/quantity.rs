@@ -1,4 +1,4 @@
-//! What a log can hold: each quantity with its names, units and plausible range (LOG_FORMAT.md, table "CSV").
+//! What a log can hold: each quantity with its names, units and plausible range (docs/log-format.md, table "CSV").
 //!
 //! A column's name is a stem and a unit (`roll` + `_rad`). The first unit of each quantity is the one a [`super::Log`]
 //! holds and a written file uses; the others are converted while reading.
@@ -138,7 +138,7 @@ impl Quantity {
         })
     }
 
-    /// The values that LOG_FORMAT.md accepts; wider ones are a wrong unit or a broken file.
+    /// The values that docs/log-format.md accepts; wider ones are a wrong unit or a broken file.
     pub(super) fn range(self) -> std::ops::RangeInclusive<f64> {
         match self {
             Quantity::Angle(_) | Quantity::Reference(_) => -10.0..=10.0,

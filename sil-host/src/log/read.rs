@@ -11,10 +11,10 @@ use super::quantity::Quantity;
 use super::{Log, source};
 use crate::axis::Axis;
 
-/// Reads a log: CSV or gzip-compressed CSV, in the columns of LOG_FORMAT.md or, with a map, in its own.
+/// Reads a log: CSV or gzip-compressed CSV, in the columns of docs/log-format.md or, with a map, in its own.
 ///
 /// # Errors
-/// Whatever LOG_FORMAT.md calls an error, with file, line and column.
+/// Whatever docs/log-format.md calls an error, with file, line and column.
 pub fn read(path: &Path, map: Option<&Map>) -> Result<Log, LogError> {
     let text = source::load_text(path)?;
     parse(&path.display().to_string(), &text, map)

@@ -32,7 +32,7 @@ pub fn write_file(log: &Log, path: &Path) -> Result<(), LogError> {
     create().map_err(|e| fail(LogErrorKind::Unwritable(e)))
 }
 
-/// Writes a log as CSV in the columns of LOG_FORMAT.md, SI units, comments first. Numbers have the fewest digits that
+/// Writes a log as CSV in the columns of docs/log-format.md, SI units, comments first. Numbers have the fewest digits that
 /// read back to the same bits. Columns must be as long as `time_s`; rows beyond a shorter one are not written.
 ///
 /// # Errors
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
     use crate::log::{ROWS_MIN, parse, read};
 
-    /// Any log that LOG_FORMAT.md allows: motors, all optional columns or none, awkward numbers.
+    /// Any log that docs/log-format.md allows: motors, all optional columns or none, awkward numbers.
     fn any_log() -> impl Strategy<Value = Log> {
         let rows = ROWS_MIN..ROWS_MIN + 20;
         (rows, any::<bool>(), any::<u64>()).prop_flat_map(|(rows, optional, seed)| {
@@ -94,7 +94,7 @@ mod tests {
                     let column = match quantity {
                         Quantity::Time => running_sum(&steps),
                         Quantity::Motor(_) | Quantity::Thrust => values.iter().map(|v| v.abs()).collect(),
-                        // the limits of LOG_FORMAT.md are far wider than 1
+                        // the limits of docs/log-format.md are far wider than 1
                         _ => values.iter().map(|v| v * v * v * 9.99).collect(),
                     };
                     let column = match quantity {

@@ -20,7 +20,7 @@ fn agreement() -> Value {
     })
 }
 
-/// The fields of CLI.md, and behind them what the log shows in detail.
+/// The fields of docs/commands.md, and behind them what the log shows in detail.
 fn answer() -> Value {
     let errors = json!({ "roll_deg": "number", "pitch_deg": "number", "p_deg_s": "number", "q_deg_s": "number" });
     let error = json!({ "quantity": "string", "unit": "string", "nominal": "number", "extended": "number", "noise_floor": "number" });

@@ -1,4 +1,4 @@
-//! The JSON that commands write has exactly the fields of CLI.md, each of its type.
+//! The JSON that commands write has exactly the fields of docs/commands.md, each of its type.
 
 use serde_json::{Value, json};
 

@@ -1,5 +1,5 @@
 //! The commands as a person runs them: the binary `sil` in an empty folder, judged by exit status, stdout, stderr and
-//! the files it leaves (spec CLI.md). Beside them the library on damaged logs and models, in large numbers.
+//! the files it leaves (docs/commands.md). Beside them the library on damaged logs and models, in large numbers.
 
 mod bad_files;
 mod damage;

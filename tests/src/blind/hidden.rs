@@ -1,4 +1,4 @@
-//! What can be hidden: every effect of EFFECTS.md that a gimbal or a free vehicle can have, but `controller_mismatch`, with its free choices
+//! What can be hidden: every effect of docs/effects.md that a gimbal or a free vehicle can have, but `controller_mismatch`, with its free choices
 //! drawn.
 
 use sil_host::model::Rig;

@@ -4,7 +4,7 @@
 use sil_host::plant::Plant;
 use sil_host::sensors::random::RandomStream;
 
-/// Where the motors of RIG.md sit and turn: signs of the torque of their lifts about (x, y).
+/// Where the motors of docs/rig.md sit and turn: signs of the torque of their lifts about (x, y).
 const TILT_SIGNS: [[f64; 2]; 4] = [[-1.0, 1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, -1.0]];
 /// Lever of each motor about x and y, m: 0.226 m / sqrt 2.
 const LEVER_M: f64 = 0.226 * core::f64::consts::FRAC_1_SQRT_2;

@@ -14,7 +14,7 @@ use super::{TORQUE_SIGNS, load, name_of};
 
 /// The vehicle flies at half a metre, 2 m forth and 2 m back along x, s after the log's begin.
 const SPANS_S: [(&str, f64, f64); 2] = [("forth", 4.5, 9.5), ("back", 18.0, 23.0)];
-/// Motor 3 of a Crazyflie, rear left, in RIG.md's order from 0.
+/// Motor 3 of a Crazyflie, rear left, in docs/rig.md's order from 0.
 const MOTOR_3: usize = 1;
 
 /// One steady flight.

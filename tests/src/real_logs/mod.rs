@@ -60,5 +60,5 @@ fn name_of(path: &Path) -> String {
     name.trim_end_matches(".csv.gz").to_owned()
 }
 
-/// Which way each motor's lift turns the vehicle about roll, pitch and yaw, RIG.md's mixer.
+/// Which way each motor's lift turns the vehicle about roll, pitch and yaw, docs/rig.md's mixer.
 pub const TORQUE_SIGNS: [[f64; 4]; 3] = [[-1.0, 1.0, 1.0, -1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];

@@ -21,7 +21,7 @@ const CLEAN: f64 = 3.0;
 /// Starts of a second try: this many on either side of the modelled value, each this factor from the next (from half to twice).
 const FINE_STEPS: i32 = 7;
 const FINE_FACTOR: f64 = 1.1;
-/// Two numbers whose sums differ by less are not told apart: 3 in log-likelihood (CLI.md).
+/// Two numbers whose sums differ by less are not told apart: 3 in log-likelihood (docs/commands.md).
 pub(super) const TOLD_APART: f64 = 6.0;
 /// Numbers that are fitted, of those that look best.
 const CANDIDATES: usize = 3;

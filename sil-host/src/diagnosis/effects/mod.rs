@@ -1,4 +1,4 @@
-//! The hypotheses: every effect of EFFECTS.md as a small extension of the model, one file each, and the table of all.
+//! The hypotheses: every effect of docs/effects.md as a small extension of the model, one file each, and the table of all.
 //!
 //! These are the diagnosis' own equations, apart from those of the simulated plant (`crate::plant::effects`), so that a mistake
 //! in one of them shows.
@@ -32,7 +32,7 @@ mod wind;
 
 pub(super) use coulomb_friction::SOFTENING_RAD_S;
 
-/// Where an effect is at home (CLI.md).
+/// Where an effect is at home (docs/commands.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Place {
@@ -51,7 +51,7 @@ pub enum Place {
 /// One parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Name in EFFECTS.md.
+    /// Name in docs/effects.md.
     pub name: &'static str,
     /// Value that changes nothing.
     pub nominal: f64,
@@ -78,7 +78,7 @@ pub struct Hints {
 
 /// A hypothesis.
 pub(super) trait Effect: Sync + Send {
-    /// Name in EFFECTS.md.
+    /// Name in docs/effects.md.
     fn name(&self) -> &'static str;
     /// Where it is at home.
     fn place(&self) -> Place;
@@ -99,7 +99,7 @@ pub(super) trait Effect: Sync + Send {
     }
     /// Puts it into a model.
     fn apply(&self, values: &[f64], model: &mut Model);
-    /// The values by their names in EFFECTS.md, where the fit takes others than those.
+    /// The values by their names in docs/effects.md, where the fit takes others than those.
     fn told(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
         self.parameters().iter().zip(values).map(|(parameter, value)| (parameter.name, *value)).collect()
     }
@@ -116,7 +116,7 @@ pub(super) trait Effect: Sync + Send {
     fn in_words(&self) -> &'static str;
 }
 
-/// The name of a parameter where all is per unit of inertia, on separate axes (LOG_FORMAT.md).
+/// The name of a parameter where all is per unit of inertia, on separate axes (docs/log-format.md).
 pub(super) fn per_unit_inertia(name: &'static str) -> &'static str {
     match name {
         "torque_nm" => "torque_rad_s2",

@@ -39,7 +39,7 @@ pub struct Excitation {
 /// One basic parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Excited {
-    /// Its effect's name in EFFECTS.md.
+    /// Its effect's name in docs/effects.md.
     pub effect: &'static str,
     /// Its axis.
     pub axis: Option<&'static str>,

@@ -19,7 +19,7 @@ const SIGNIFICANT: f64 = 30.0;
 const STEP: f64 = 1e-3;
 /// Half waves over the log's length.
 const HALF_WAVES: [f64; 3] = [1.0, 2.0, 3.0];
-/// Signs of the motors' torques about roll and pitch (RIG.md).
+/// Signs of the motors' torques about roll and pitch (docs/rig.md).
 const TILT_SIGNS: [[f64; 2]; 4] = [[-1.0, 1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, -1.0]];
 
 /// A moment per unit of a coefficient, about the three axes.

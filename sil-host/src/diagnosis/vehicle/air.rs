@@ -1,7 +1,7 @@
 //! What moves a free vehicle from its place: lift, weight, and the air about it; written for the diagnosis and apart from the plant's.
 //!
 //! `v' = g + R f`, f the specific force in body axes, which is what an accelerometer at the centre of gravity reads: lifts along -z over the
-//! mass, rotor drag against the air in the body's xy plane, the airframe's drag against the air's whole velocity (EFFECTS.md, free flight;
+//! mass, rotor drag against the air in the body's xy plane, the airframe's drag against the air's whole velocity (docs/effects.md, free flight;
 //! sources in the catalogue of `plant::effects`). The lift itself grows near the ground (Cheeseman and Bennett, ARC R&M 3021, 1955).
 
 /// Of dry air at sea level, kg/m^3 (ISO 2533).

@@ -2,7 +2,7 @@
 //!
 //! | rig | state | equations |
 //! |---|---|---|
-//! | gimbal | roll, pitch, -, roll', pitch', - | RIG.md, rig A, with an off-diagonal inertia P: kinetic energy + P p q |
+//! | gimbal | roll, pitch, -, roll', pitch', - | docs/rig.md, rig A, with an off-diagonal inertia P: kinetic energy + P p q |
 //! | free | roll, pitch, yaw, p, q, r; then velocity north, east, down and height | Euler's, angles Z-Y-X; Newton's (`air`) |
 //! | axes | angles and their derivatives | unit inertia, one input gain each |
 
@@ -31,7 +31,7 @@ pub(in crate::diagnosis) struct Motion {
     pub(in crate::diagnosis) time_s: f64,
     /// Roll, pitch, yaw, rad.
     pub(in crate::diagnosis) angle_rad: [f64; 3],
-    /// Rates that plant effects act against (EFFECTS.md): of the angles, or of the body when free.
+    /// Rates that plant effects act against (docs/effects.md): of the angles, or of the body when free.
     pub(in crate::diagnosis) rate_rad_s: [f64; 3],
     /// Sine and cosine of roll.
     pub(in crate::diagnosis) roll: (f64, f64),
@@ -63,7 +63,7 @@ pub(in crate::diagnosis) enum BodyRig {
     Axes { gain_rad_s2: [f64; 3] },
 }
 
-/// From lifts to torques, quad-X (RIG.md, "Frames and motors").
+/// From lifts to torques, quad-X (docs/rig.md, "Frames and motors").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::diagnosis) struct Airframe {
     lever_m: f64,

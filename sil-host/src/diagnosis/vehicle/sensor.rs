@@ -1,4 +1,4 @@
-//! What the log shows of a state: EFFECTS.md, "Exactly how they enter".
+//! What the log shows of a state: docs/effects.md, "Exactly how they enter".
 
 use crate::diagnosis::vehicle::body::{Body, Turning};
 

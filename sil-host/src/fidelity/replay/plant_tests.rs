@@ -4,7 +4,7 @@ use super::*;
 use crate::fidelity::noise_source::NoiseSource;
 use crate::plant::effects::Effect;
 
-/// Which way each motor turns the vehicle about (x, y, z), as RIG.md has it; the replay's own table is not used.
+/// Which way each motor turns the vehicle about (x, y, z), as docs/rig.md has it; the replay's own table is not used.
 const SIGNS: [[f64; 3]; 4] = [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, -1.0, -1.0]];
 
 /// 40 s at 250 Hz, see [`flown_at`].

@@ -46,7 +46,7 @@ fn nothing_changes_in_equilibrium() {
     }
 }
 
-/// The figures that RIG.md states of the thesis' propulsion.
+/// The figures that docs/rig.md states of the thesis' propulsion.
 #[test]
 fn the_thesis_propulsion_has_the_lift_slopes_it_is_known_for() {
     let propulsion = VehicleModel::nominal(Rig::Gimbal).propulsion;

@@ -9,7 +9,7 @@ use crate::plant::Plant;
 use crate::plant::effects::{BodyChange, CgOffset, Effect};
 use crate::plant::gimbal::Gimbal;
 
-/// J(phi) and its derivative on the gimbal, as RIG.md writes them.
+/// J(phi) and its derivative on the gimbal, as docs/rig.md writes them.
 fn ring_and_body(model: &VehicleModel, roll_rad: f64) -> (f64, f64) {
     let [_, iyy, izz] = model.inertia_kg_m2;
     let Mounting::Gimbal { ring_inertia_kg_m2 } = model.mounting else { panic!("not the gimbal") };
