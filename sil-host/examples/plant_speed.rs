@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
+use sil_host::effects::Effect;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::plant::Plant;
-use sil_host::plant::effects::Effect;
 use sil_host::sensors::Sensors;
 
 const PERIODS: usize = 400_000;

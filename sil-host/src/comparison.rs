@@ -5,15 +5,14 @@ use serde::Serialize;
 use crate::control_setup::command_for_lift;
 use crate::controller_file::ControllerChoice;
 use crate::cosim::{self, record::FlightRecord};
-use crate::fidelity::{
-    FidelityError, PredictionError, Replay, ReplayOptions, mean_absolute_deviation, replay_axes, replay_plant,
-};
+use crate::fidelity::{FidelityError, PredictionError, Replay, ReplayOptions, replay_axes, replay_plant};
 use crate::flight::{FlightSetup, SetupError};
 use crate::log::Log;
 use crate::model::VehicleModel;
 use crate::plant::Plant;
 use crate::scenario::{DURATION_MAX_S, Scenario, Waypoint};
 use crate::sensors::Sensors;
+use crate::statistics::mean_absolute_deviation;
 
 /// What the log is held against.
 #[derive(Clone, Debug)]
@@ -239,8 +238,8 @@ fn at_times(wanted_s: &[f64], time_s: &[f64], values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::{BatterySag, BatterySagLaw, Effect};
     use crate::model::Rig;
-    use crate::plant::effects::{BatterySag, BatterySagLaw, Effect};
     use crate::synthesis::Synthesis;
     use shared_control::config::Controller;
 

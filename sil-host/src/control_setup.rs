@@ -11,8 +11,8 @@ use shared_control::mpc::MpcSettings;
 use shared_control::vehicle::{Actuation, VehicleParameters};
 
 use crate::axis::Axis;
+use crate::effects::{CgOffset, Effect};
 use crate::model::{Mounting, Rig, VehicleModel};
-use crate::plant::effects::{CgOffset, Effect};
 use crate::plant::{self, Plant};
 
 /// What the controllers know of a vehicle model, its effects included.

@@ -5,11 +5,11 @@
 
 use crate::controller_file::ControllerChoice;
 use crate::cosim::{self, record::FlightRecord};
+use crate::effects::{BatterySag, BatterySagLaw, Effect};
 use crate::flight::{FlightSetup, SetupError};
 use crate::flight_log::{log_of_rows, rounded, rows_at_rate};
 use crate::log::Log;
 use crate::model::{SensorNoise, VehicleModel};
-use crate::plant::effects::{BatterySag, BatterySagLaw, Effect};
 use crate::plant::{Plant, Truth};
 use crate::scenario::{Scenario, Waypoint};
 use crate::sensors::{Sensors, random::RandomStream};

@@ -7,11 +7,11 @@ use std::fmt::Write;
 use shared_control::config::Controller;
 use sil_host::controller_file::{ControllerChoice, TuningChange};
 use sil_host::diagnosis::controller::{Examination, examine};
+use sil_host::effects::Effect;
 use sil_host::flight::FlightSetup;
 use sil_host::flight_log::flight_log;
 use sil_host::log::{self, Log};
 use sil_host::model::{Rig, VehicleModel};
-use sil_host::plant::effects::Effect;
 use sil_host::scenario::Scenario;
 use sil_host::sensors::random::RandomStream;
 

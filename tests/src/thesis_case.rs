@@ -12,10 +12,10 @@ use std::fmt;
 use shared_control::config::Controller;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::diagnosis::{ClosedLoops, Diagnosis, diagnose_flown_by, extended_model};
+use sil_host::effects::Effect;
 use sil_host::flight::{FlightSetup, RunSummary};
 use sil_host::log::Log;
 use sil_host::model::{Rig, VehicleModel};
-use sil_host::plant::effects::Effect;
 use sil_host::scenario::Scenario;
 use sil_host::synthesis::Synthesis;
 

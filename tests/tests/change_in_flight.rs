@@ -4,10 +4,10 @@ use shared_control::config::Controller;
 use shared_control::flight_core::TorqueSource;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::cosim::{self, contract::HELD_US, record::FlightRecord};
+use sil_host::effects::Effect;
 use sil_host::flight::FlightSetup;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::plant::Plant;
-use sil_host::plant::effects::Effect;
 use sil_host::scenario::Scenario;
 use sil_host::sensors::Sensors;
 

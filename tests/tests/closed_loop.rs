@@ -3,10 +3,10 @@
 use shared_control::config::Controller;
 use shared_control::flight_core::TorqueSource;
 use sil_host::controller_file::ControllerChoice;
+use sil_host::effects::Effect;
 use sil_host::flight::{Flight, FlightSetup};
 use sil_host::margins;
 use sil_host::model::{Rig, VehicleModel};
-use sil_host::plant::effects::Effect;
 use sil_host::scenario::Scenario;
 
 /// Every controller and rate that must fly it, with the control horizons of the benchmark's cases.

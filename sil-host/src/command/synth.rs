@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 use sil_host::controller_file::ControllerChoice;
+use sil_host::effects::Effect;
 use sil_host::model::SensorNoise;
-use sil_host::plant::effects::Effect;
 use sil_host::synthesis::Synthesis;
 
 use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle_model, write_json};

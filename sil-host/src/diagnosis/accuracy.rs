@@ -10,9 +10,9 @@ use rayon::prelude::*;
 
 use crate::diagnosis::fitting::linear::dot;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::diagnosis::vehicle::body::State;
-use crate::diagnosis::vehicle::prediction::PLACES;
 use crate::fidelity::Window;
+use crate::prediction::body::State;
+use crate::prediction::model::PLACES;
 
 /// Per place of a report: sum of squares of the residuals and of an exact model's standard deviations, SI, and the number of both.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,8 +3,8 @@
 use super::effects::{Effect as Hypothesis, Place};
 use super::verdict::Finding;
 use crate::diagnosis::fitting::fit::Term;
+use crate::effects::Effect;
 use crate::model::VehicleModel;
-use crate::plant::effects::Effect;
 
 /// A finding that the simulated plant can't take over.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

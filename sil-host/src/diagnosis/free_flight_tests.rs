@@ -1,8 +1,8 @@
-use super::vehicle::air::Attitude;
 use super::*;
+use crate::effects::Effect;
 use crate::log::Column;
 use crate::model::{Rig, VehicleModel};
-use crate::plant::effects::Effect;
+use crate::prediction::air::Attitude;
 use crate::synthesis::Synthesis;
 
 /// A log of 20 s of free flight with these effects hidden in it: 100 rows a second, as often as the controller runs.
@@ -115,7 +115,7 @@ fn a_gimbals_accelerometer_is_not_compared() {
 
 #[test]
 fn a_turned_sensor_reports_the_attitude_of_its_own_axes() {
-    let sensors = super::vehicle::sensor::Sensors { yaw_rad: 0.4, ..super::vehicle::sensor::Sensors::NOMINAL };
+    let sensors = crate::prediction::sensor::Sensors { yaw_rad: 0.4, ..crate::prediction::sensor::Sensors::NOMINAL };
     for [roll, pitch, yaw] in [[0.3, -0.2, 1.1], [-0.7, 0.5, -1.9]] {
         let turned = nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw)
             * nalgebra::Rotation3::from_euler_angles(0.0, 0.0, 0.4);

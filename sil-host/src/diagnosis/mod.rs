@@ -25,7 +25,6 @@ mod progress;
 mod search;
 mod sizes;
 mod subject;
-mod vehicle;
 mod verdict;
 
 #[cfg(test)]
@@ -216,7 +215,7 @@ pub fn channel_prediction_errors(
         let (error, floor) = accuracy::root_mean_square(&tallies, place)?;
         Some((evidence::residuals::NAMES[place], [error, floor]))
     };
-    Ok((0..vehicle::prediction::PLACES).filter_map(of).collect())
+    Ok((0..crate::prediction::model::PLACES).filter_map(of).collect())
 }
 
 fn held_out_tallies(log: &Log, subject: &Subject<'_>) -> Result<Vec<accuracy::WindowTally>, FidelityError> {

@@ -15,8 +15,8 @@ use crate::diagnosis::fitting::hints::hints;
 use crate::diagnosis::fitting::linear::{Cholesky, dot};
 use crate::diagnosis::fitting::linearisation::Linearisation;
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::diagnosis::vehicle::body::State;
 use crate::fidelity::Window;
+use crate::prediction::body::State;
 
 /// Hypotheses that are fitted in full after scoring.
 const FITTED_MAX: usize = 7;

@@ -5,12 +5,12 @@ use super::effects::{Scope, apply_known};
 use super::verdict::Rejected;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::shooting::{RigChannels, Shooting, quantity_at};
-use crate::diagnosis::vehicle::actuation::{Commands, Drive};
-use crate::diagnosis::vehicle::body::{Body, FLYING, TURNING};
-use crate::diagnosis::vehicle::prediction::{FIRST_FLYING_PLACE, Model, PLACES};
 use crate::fidelity::{FidelityError, ReplayOptions, SensorNoise, axis_commands, cut_windows, replay_axes};
 use crate::log::{Log, Quantity};
 use crate::model::{Rig, VehicleModel};
+use crate::prediction::body::{Body, FLYING, TURNING};
+use crate::prediction::force_track::{Commands, Drive};
+use crate::prediction::model::{FIRST_FLYING_PLACE, Model, PLACES};
 
 /// Where the log comes from.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 use super::fitting::{fit, linear, shooting};
 use super::*;
+use crate::effects::Effect;
 use crate::model::{Rig, SensorNoise, VehicleModel};
-use crate::plant::effects::Effect;
 use crate::synthesis::Synthesis;
 
 const QUIET: SensorNoise = SensorNoise { gyro_rad_s: 1e-4, accel_m_s2: 0.1, attitude_rad: 1e-5, ..SensorNoise::NONE };

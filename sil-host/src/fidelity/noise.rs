@@ -160,7 +160,7 @@ fn deviation(time_s: &[f64], values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fidelity::noise_source::NoiseSource;
+    use crate::statistics::noise_source::NoiseSource;
 
     #[test]
     fn white_noise_on_a_motion_with_kinks_and_jitter_is_measured() {

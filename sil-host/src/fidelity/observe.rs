@@ -3,10 +3,10 @@
 //! Kinematics of the Euler angles Z-Y-X: phi' = p + tan(theta) (q sin phi + r cos phi), theta' = q cos phi - r sin phi,
 //! psi' = (q sin phi + r cos phi) / cos(theta). On the gimbal psi' = 0, so phi' = p, and theta' can be had from q alone.
 
-use super::deviation::wrapped;
 use super::window::Window;
 use crate::axis::Axis;
 use crate::log::{Log, Quantity};
+use crate::statistics::wrapped;
 
 /// Angles (roll, pitch, yaw) and their derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -140,7 +140,7 @@ fn weights(noise: AxisNoise) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fidelity::noise_source::NoiseSource;
+    use crate::statistics::noise_source::NoiseSource;
 
     const BOTH: AxisNoise = AxisNoise { angle_rad: Some(0.002), rate_rad_s: Some(0.01) };
 

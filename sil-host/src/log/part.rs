@@ -1,7 +1,7 @@
 //! Parts of a log: a stretch of time, or fewer rows of it.
 
 use super::{Log, LogError, LogErrorKind, Quantity, ROWS_MIN};
-use crate::fidelity::wrapped;
+use crate::statistics::wrapped;
 
 /// A log of more rows per second is thinned.
 const FAST_HZ: f64 = 600.0;

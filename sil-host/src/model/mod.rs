@@ -10,8 +10,8 @@ mod error;
 mod read;
 mod write;
 
-use crate::plant::effects::Effect;
-use crate::plant::propulsion::{Level, Propulsion};
+use crate::effects::Effect;
+use crate::vehicle::propulsion::{Level, Propulsion};
 
 pub(crate) use document::{Admissible, Section, admissible};
 pub use error::{ModelError, Place, Problem};

@@ -5,8 +5,8 @@
 
 use super::document::{Section, Source, admissible};
 use super::{ModelError, Mounting, Rig, SensorNoise, VehicleModel};
-use crate::plant::effects::Effect;
-use crate::plant::propulsion::Propulsion;
+use crate::effects::Effect;
+use crate::vehicle::propulsion::Propulsion;
 
 impl VehicleModel {
     /// Reads a model from its text; `name` stands for the file in messages.

@@ -1,10 +1,10 @@
 //! The right-hand side of the equations of motion: propulsion, airframe, body, and what effects add to them.
 
 use super::actuation::Actuation;
-use super::effects::{Effect, Instant};
 use super::free_flight::{FreeBody, FreeState, Loads};
 use super::gimbal::{Gimbal, GimbalState};
-use super::propulsion::{Propulsion, RotorState};
+use crate::effects::{Effect, Instant};
+use crate::vehicle::propulsion::{Propulsion, RotorState};
 
 /// How lifts become torques, quad-X: motors front right, rear left (both counter-clockwise), front left, rear right.
 #[derive(Clone, Copy, Debug)]

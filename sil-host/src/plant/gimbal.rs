@@ -6,7 +6,7 @@
 //! - `J(phi) theta'' = tau_y cos phi - tau_z sin phi - J'(phi) phi' theta' + Q_theta`
 //! - gyro: `p = phi'`, `q = theta' cos phi`, `r = -theta' sin phi`
 
-use super::effects::{BodyChange, Effect, GimbalMotion, Instant};
+use crate::effects::{BodyChange, Effect, GimbalMotion, Instant};
 
 /// The gimbal's inertias, ready for the equations.
 #[derive(Clone, Copy, Debug)]

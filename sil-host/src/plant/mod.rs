@@ -11,26 +11,25 @@
 
 mod actuation;
 mod dormand_prince;
-pub mod effects;
 mod forces;
 mod free_flight;
 mod gimbal;
-mod integrate;
-pub mod propulsion;
+pub(crate) mod integrate;
 mod truth;
 
 use std::collections::VecDeque;
 
+use crate::effects::{BodyChange, Effect, Origin};
 use crate::model::{Mounting, VehicleModel};
-use actuation::{Actuation, ActuatorChain};
-use effects::{BodyChange, Effect, Origin};
+use crate::vehicle::ActuatorChain;
+use crate::vehicle::propulsion::{Propulsion, RotorState};
+use actuation::Actuation;
 use forces::{Airframe, Extended, Forces, join, split};
 use free_flight::{FreeBody, FreeState};
 use gimbal::{Gimbal, GimbalState};
 use integrate::{Method, in_fixed_steps, runge_kutta_4};
-use propulsion::{Propulsion, RotorState};
 
-pub(crate) use free_flight::{euler_rad, quaternion_world_from_body};
+pub(crate) use crate::vehicle::quaternion_world_from_body;
 pub use truth::Truth;
 
 /// Longest integration step unless the propulsion or an effect needs a shorter one, s.

@@ -6,7 +6,7 @@ use crate::model::Rig;
 /// A vehicle without lift below command 0.5, for pure rigid-body motion.
 pub(super) fn unpowered(rig: Rig) -> VehicleModel {
     let mut model = VehicleModel::nominal(rig);
-    model.propulsion = Propulsion::Box(propulsion::FlyingBox {
+    model.propulsion = Propulsion::Box(crate::vehicle::propulsion::FlyingBox {
         lift_offset_n: -1.0,
         lift_slope_n: 2.0,
         reaction_torque_per_lift_m: 0.05,
@@ -17,7 +17,7 @@ pub(super) fn unpowered(rig: Rig) -> VehicleModel {
 
 /// A vehicle with effects in their short form, integrated much more finely than the tests ask.
 pub(super) fn with_effects(mut model: VehicleModel, effects: &[&str]) -> Plant {
-    let parse = |short: &&str| effects::Effect::parse(short, model.rig()).unwrap();
+    let parse = |short: &&str| crate::effects::Effect::parse(short, model.rig()).unwrap();
     model.effects = effects.iter().map(parse).collect();
     let mut plant = Plant::new(&model);
     plant.integrate_adaptively(1e-12);
@@ -103,7 +103,7 @@ fn commands_are_clamped_and_nonsense_stops_the_motor() {
 fn a_rotor_that_is_cut_off_stops_and_stays() {
     let mut model = VehicleModel::nominal(Rig::Gimbal);
     let Propulsion::Device(device) = &mut model.propulsion else { panic!("not the device") };
-    device.esc = propulsion::Esc::Duty { battery_v: 11.1 };
+    device.esc = crate::vehicle::propulsion::Esc::Duty { battery_v: 11.1 };
     device.speed_offset_rad_s = 0.0;
     let mut plant = Plant::new(&model);
     plant.set_motor_equilibrium([1.0; 4]);

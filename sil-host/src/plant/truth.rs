@@ -1,7 +1,7 @@
 //! What an observer who sees everything would say of the plant.
 
 use super::free_flight::Loads;
-use super::{Body, Plant, free_flight, gimbal};
+use super::{Body, Plant, gimbal};
 
 /// The vehicle's true motion at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,13 +40,13 @@ impl Plant {
         let ([roll_rad, pitch_rad, yaw_rad], q_world_from_body, position, velocity) = match &self.body {
             Body::Gimbal(_, [roll, pitch, _, _]) => {
                 let angles = [*roll, *pitch, 0.0];
-                let quaternion = free_flight::quaternion_world_from_body(angles);
+                let quaternion = crate::vehicle::quaternion_world_from_body(angles);
                 (angles, quaternion, [0.0; 3], [0.0; 3])
             }
             Body::Free(_, state) => {
                 let [x, y, z, vx, vy, vz, qw, qx, qy, qz, ..] = *state;
                 let quaternion = [qw, qx, qy, qz];
-                let angles = free_flight::euler_rad(quaternion);
+                let angles = crate::vehicle::euler_rad(quaternion);
                 (angles, quaternion, [x, y, z], [vx, vy, vz])
             }
         };

@@ -1,17 +1,16 @@
 //! What the vehicle's sensors make of its motion: bias, white noise, counts.
 
-mod chain;
 pub mod imu;
 pub mod random;
 
 use shared_control::signals::RawImuSample;
 
+use crate::effects::Effect;
 use crate::model::SensorNoise;
-use crate::plant::effects::Effect;
 use crate::plant::{Plant, Truth};
 use random::RandomStream;
 
-pub(crate) use chain::SensorChain;
+use crate::vehicle::SensorChain;
 
 /// The sensors of one vehicle. Each has a random stream of its own, so that none disturbs another.
 #[derive(Clone, Debug)]

@@ -3,8 +3,8 @@
 
 use integration_tests::steps::{Flown, route};
 use sil_host::controller_file::{ReferenceName, TuningChange};
+use sil_host::effects::Effect;
 use sil_host::model::{Rig, VehicleModel};
-use sil_host::plant::effects::Effect;
 
 /// Flights with different noise that each row is the mean of.
 const SEEDS: u64 = 3;

@@ -2,13 +2,13 @@
 
 use sil_host::cosim::{self, Probe};
 use sil_host::diagnosis::{Subject, channel_prediction_errors};
+use sil_host::effects::Effect;
 use sil_host::fidelity::{Channel, Part, ReplayOptions, replay_plant};
 use sil_host::flight::FlightSetup;
 use sil_host::flight_log::flight_log;
 use sil_host::log::Log;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::plant::Plant;
-use sil_host::plant::effects::Effect;
 use sil_host::scenario::{Scenario, Waypoint};
 use sil_host::sensors::random::RandomStream;
 use sil_host::synthesis::Synthesis;

@@ -1,8 +1,8 @@
 //! One vehicle of the campaign: the nominal one with errors that no controller knows of.
 
 use sil_host::axis::Axis;
+use sil_host::effects::{CgOffset, Effect, InertiaError, MotorLag, ThrustScale};
 use sil_host::model::{Rig, VehicleModel};
-use sil_host::plant::effects::{CgOffset, Effect, InertiaError, MotorLag, ThrustScale};
 use sil_host::sensors::random::RandomStream;
 
 /// Lag of the nominal vehicle's motors beyond that of the thesis' model, s.

@@ -2,11 +2,11 @@
 
 use sil_host::axis::Axis;
 use sil_host::cosim::record::FlightRecord;
+use sil_host::effects::{Effect, StepDisturbance};
 use sil_host::flight::FlightSetup;
 use sil_host::margins::{self, Margins};
 use sil_host::metrics::mean;
 use sil_host::model::{SensorNoise, VehicleModel};
-use sil_host::plant::effects::{Effect, StepDisturbance};
 use sil_host::scenario::{Scenario, Waypoint};
 
 use super::contender::Contender;

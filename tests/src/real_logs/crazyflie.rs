@@ -9,7 +9,7 @@ use sil_host::axis::Axis;
 use sil_host::diagnosis::{Estimate, Subject, sizes};
 use sil_host::log::Log;
 use sil_host::model::{Mounting, VehicleModel};
-use sil_host::plant::propulsion::Propulsion;
+use sil_host::vehicle::propulsion::Propulsion;
 
 use super::TORQUE_SIGNS;
 use super::least_squares::least_squares;

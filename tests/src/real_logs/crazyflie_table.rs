@@ -125,7 +125,7 @@ impl fmt::Display for RollPitch<'_> {
 
 fn nominal_lag_s(vehicle: &VehicleModel) -> f64 {
     match vehicle.propulsion {
-        sil_host::plant::propulsion::Propulsion::Generic(rotor) => rotor.time_constant_s,
+        sil_host::vehicle::propulsion::Propulsion::Generic(rotor) => rotor.time_constant_s,
         _ => 0.0,
     }
 }

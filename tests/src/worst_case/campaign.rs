@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use shared_control::config::Tuning;
 use shared_control::mpc::MpcSettings;
 use sil_host::control_setup::{mpc_settings, vehicle_parameters};
+use sil_host::effects::Effect;
 use sil_host::model::{Rig, VehicleModel};
-use sil_host::plant::effects::Effect;
 
 use super::passes::{Found, Start, enumerate};
 use super::polytope::Polytope;

@@ -288,10 +288,10 @@ mod tests {
     use crate::controller_file::ControllerChoice;
     use crate::diagnosis::controller::parameters::Numbers;
     use crate::diagnosis::controller::replay::Design;
+    use crate::effects::Effect;
     use crate::flight::FlightSetup;
     use crate::flight_log::flight_log;
     use crate::model::{Rig, SensorNoise, VehicleModel};
-    use crate::plant::effects::Effect;
     use shared_control::config::Controller;
 
     /// A log of five seconds, and the controller that flew it.

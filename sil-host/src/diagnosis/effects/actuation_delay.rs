@@ -1,7 +1,7 @@
 //! A pure delay from command to motor.
 
 use super::{Effect, Hints, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Of all motors alike.
 pub(super) struct ActuationDelay;

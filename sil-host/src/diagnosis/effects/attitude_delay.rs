@@ -1,7 +1,7 @@
 //! The reported attitude is older than the row; the gyro is not.
 
 use super::{Effect, Hints, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Of all angles alike.
 pub(super) struct AttitudeDelay;

@@ -1,7 +1,7 @@
 //! Thrust falls with time, or with the battery's voltage.
 
 use super::{Effect, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// `1 - per_s t`, t from the first row.
 pub(super) struct PerSecond;

@@ -5,8 +5,8 @@
 
 use super::{Effect, Parameter, Place};
 use crate::axis::Axis;
-use crate::diagnosis::vehicle::body::{BodyRig, Moment, Motion};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::body::{BodyRig, Moment, Motion};
+use crate::prediction::model::Model;
 
 /// Of the ring (pitch) or the body (roll).
 pub(super) struct CgOffset {

@@ -1,7 +1,7 @@
 //! The ESC does less than it is asked at an end of its range.
 
 use super::{Effect, Hints, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Of all motors alike.
 pub(super) struct CommandClipping;

@@ -2,8 +2,8 @@
 
 use super::{Effect, Parameter, Place};
 use crate::axis::Axis;
-use crate::diagnosis::vehicle::body::{Moment, Motion};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::body::{Moment, Motion};
+use crate::prediction::model::Model;
 
 /// On one axis.
 pub(super) struct CoulombFriction(pub(super) Axis);
@@ -11,7 +11,7 @@ pub(super) struct CoulombFriction(pub(super) Axis);
 const PARAMETERS: [Parameter; 1] = [Parameter { name: "torque_nm", nominal: 0.0, step: 1e-4, min: -5.0, max: 50.0 }];
 
 /// Rate at which it is three quarters there, rad/s.
-pub(in crate::diagnosis) const SOFTENING_RAD_S: f64 = 0.02;
+pub(crate) const SOFTENING_RAD_S: f64 = 0.02;
 
 impl Effect for CoulombFriction {
     fn in_words(&self) -> &'static str {

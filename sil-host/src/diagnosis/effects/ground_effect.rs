@@ -2,7 +2,7 @@
 //! rotors feel the ground, in which the lift is linear, and told as that radius and the height at the log's start.
 
 use super::{Effect, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Of all rotors alike.
 pub(super) struct GroundEffect {

@@ -2,7 +2,7 @@
 
 use super::{Effect, Parameter, Place};
 use crate::axis::Axis;
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// On one axis.
 pub(super) struct GyroBias(pub(super) Axis);

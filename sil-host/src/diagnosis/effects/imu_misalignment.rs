@@ -1,7 +1,7 @@
 //! The sensor is turned about the body's z axis.
 
 use super::{Effect, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Attitude and gyro alike.
 pub(super) struct ImuMisalignment;

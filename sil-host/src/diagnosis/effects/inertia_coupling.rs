@@ -1,7 +1,7 @@
 //! Off-diagonal inertia between roll and pitch: kinetic energy `+ P p q`.
 
 use super::{Effect, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Between roll and pitch.
 pub(super) struct InertiaCoupling;

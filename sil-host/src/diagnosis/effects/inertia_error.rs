@@ -2,7 +2,7 @@
 
 use super::{Effect, Parameter, Place};
 use crate::axis::Axis;
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// About one axis.
 pub(super) struct InertiaError(pub(super) Axis);

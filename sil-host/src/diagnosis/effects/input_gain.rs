@@ -3,8 +3,8 @@
 
 use super::{Effect, Parameter, Place};
 use crate::axis::Axis;
-use crate::diagnosis::vehicle::body::BodyRig;
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::body::BodyRig;
+use crate::prediction::model::Model;
 
 /// Of one axis.
 pub(in crate::diagnosis) struct InputGain(pub(in crate::diagnosis) Axis);

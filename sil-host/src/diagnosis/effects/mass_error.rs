@@ -1,7 +1,7 @@
 //! The vehicle weighs more or less than the model says: free flight.
 
 use super::{Effect, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Of the whole vehicle.
 pub(super) struct MassError;

@@ -1,10 +1,10 @@
 //! The hypotheses: every effect of docs/effects.md as a small extension of the model, one file each, and the table of all.
 //!
-//! These are the diagnosis' own equations, apart from those of the simulated plant (`crate::plant::effects`), so that a mistake
+//! These are the diagnosis' own equations, apart from those of the simulated plant (`crate::effects`), so that a mistake
 //! in one of them shows.
 
 use crate::axis::Axis;
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 mod actuation_delay;
 mod attitude_delay;
@@ -30,7 +30,7 @@ mod viscous_friction;
 mod weak_motor;
 mod wind;
 
-pub(super) use coulomb_friction::SOFTENING_RAD_S;
+pub(crate) use coulomb_friction::SOFTENING_RAD_S;
 
 /// Where an effect is at home (docs/commands.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -177,7 +177,7 @@ impl Scope {
 }
 
 /// Puts an effect that a vehicle model already has into a model of it. Those that turn nothing leave it as it is.
-pub(super) fn apply_known(known: &crate::plant::effects::Effect, model: &mut Model) {
+pub(super) fn apply_known(known: &crate::effects::Effect, model: &mut Model) {
     let parameters = known.parameters();
     let told = |name: &str| parameters.iter().find(|(own, _)| *own == name).map(|(_, value)| *value);
     let motor = told("motor").map(|motor| motor as u8);

@@ -1,7 +1,7 @@
 //! A first-order lag of the command beyond the motor's own.
 
 use super::{Effect, Hints, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Of all motors alike.
 pub(super) struct MotorLag;

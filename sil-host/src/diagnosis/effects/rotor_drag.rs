@@ -1,7 +1,7 @@
 //! The rotors brake the vehicle in proportion to its speed against the air, in their own plane: free flight.
 
 use super::{Effect, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Of all rotors together.
 pub(super) struct RotorDrag;

@@ -3,8 +3,8 @@
 
 use super::{Effect, Parameter, Place};
 use crate::axis::Axis;
-use crate::diagnosis::vehicle::body::{Moment, Motion};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::body::{Moment, Motion};
+use crate::prediction::model::Model;
 
 /// On one axis.
 pub(super) struct Spring(pub(super) Axis);

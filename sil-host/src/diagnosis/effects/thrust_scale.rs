@@ -1,7 +1,7 @@
 //! All four motors lift more or less than the model says.
 
 use super::{Effect, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Of all motors alike.
 pub(super) struct ThrustScale;

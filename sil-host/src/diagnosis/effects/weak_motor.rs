@@ -1,7 +1,7 @@
 //! One motor, or its propeller, lifts less than the others.
 
 use super::{Effect, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Motor 1 to 4.
 pub(super) struct WeakMotor(pub(super) u8);

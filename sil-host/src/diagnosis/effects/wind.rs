@@ -1,7 +1,7 @@
 //! A steady wind, which drags the airframe along with the square of the speed against it: free flight.
 
 use super::{Effect, Hints, Parameter, Place};
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::model::Model;
 
 /// Over the whole log.
 pub(super) struct Wind;

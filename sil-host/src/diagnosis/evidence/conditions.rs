@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::hints::missing_acceleration;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::fidelity::{Bin, ConditionalError, amplitude_spectrum};
+use crate::statistics::{Bin, ConditionalError, amplitude_spectrum};
 
 /// Over so long the rate's noise counts little, and no rig turns far, s.
 const STRETCH_S: f64 = 0.04;

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::accuracy::{Predicted, Series, TALLIED};
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::diagnosis::vehicle::prediction::{FIRST_FLYING_PLACE, PLACES};
+use crate::prediction::model::{FIRST_FLYING_PLACE, PLACES};
 
 /// One channel: measured less predicted.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,9 +10,9 @@ use crate::diagnosis::evidence::residuals::{NAMES, UNITS, in_unit};
 use crate::diagnosis::fitting::linear::dot;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::diagnosis::left_over::structure::Settled;
-use crate::diagnosis::vehicle::body::State;
-use crate::diagnosis::vehicle::prediction::FIRST_FLYING_PLACE;
-use crate::fidelity::{Agreement, Correlogram, InputCorrelation, LjungBox, input_correlation};
+use crate::prediction::body::State;
+use crate::prediction::model::FIRST_FLYING_PLACE;
+use crate::statistics::{Agreement, Correlogram, InputCorrelation, LjungBox, input_correlation};
 
 /// Rows apart up to which residuals are correlated with each other and with the input.
 const LAGS: usize = 20;

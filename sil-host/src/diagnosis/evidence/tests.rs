@@ -1,9 +1,9 @@
 //! What a diagnosis shows beside the names: figures, conditions, intervals, excitation, the flight that separates.
 
 use crate::diagnosis::*;
+use crate::effects::Effect;
 use crate::log::Log;
 use crate::model::{Rig, VehicleModel};
-use crate::plant::effects::Effect;
 use crate::scenario::Scenario;
 use crate::synthesis::Synthesis;
 

@@ -6,9 +6,9 @@
 //! treated apart (`process_noise`), for they are seen by their sums.
 
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::diagnosis::vehicle::body::State;
-use crate::diagnosis::vehicle::prediction::FIRST_FLYING_PLACE;
 use crate::fidelity::Window;
+use crate::prediction::body::State;
+use crate::prediction::model::FIRST_FLYING_PLACE;
 
 /// Most that is carried over: what lasts longer than a window can't be told from what is constant.
 const CARRY_OVER_MAX: f64 = 0.99;

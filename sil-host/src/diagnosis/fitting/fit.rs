@@ -4,8 +4,8 @@ use crate::diagnosis::effects::{Effect, Parameter};
 use crate::diagnosis::fitting::linear::{Cholesky, dot};
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal};
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::diagnosis::vehicle::body::State;
-use crate::diagnosis::vehicle::prediction::Model;
+use crate::prediction::body::State;
+use crate::prediction::model::Model;
 
 /// Rounds of linearisation.
 const ROUNDS_MAX: usize = 12;

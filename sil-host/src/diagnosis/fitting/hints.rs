@@ -3,7 +3,7 @@
 
 use crate::diagnosis::effects::Hints;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::diagnosis::vehicle::prediction::Scene;
+use crate::prediction::model::Scene;
 
 /// Lowest and highest frequency looked at, Hz; below, less than a period of half a minute shows.
 const FREQUENCY_RANGE_HZ: [f64; 2] = [0.05, 25.0];

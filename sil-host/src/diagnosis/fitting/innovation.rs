@@ -6,8 +6,8 @@
 use crate::diagnosis::fitting::linearisation::Column;
 use crate::diagnosis::fitting::process_noise::{AxisNoise, AxisWindow, Passage, most_likely, unlikeliness};
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::diagnosis::vehicle::body::State;
 use crate::fidelity::Window;
+use crate::prediction::body::State;
 
 impl Shooting<'_> {
     /// Turns the plain residuals of a window, or their slopes, in units of the sensors' noise into innovations in units of their own.

@@ -17,10 +17,10 @@ use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::left_over::structure::{Whiteness, whiteness};
 use crate::diagnosis::search::{Found, Search};
 use crate::diagnosis::subject::Subject;
-use crate::diagnosis::vehicle::actuation::Commands;
-use crate::diagnosis::vehicle::prediction::Model;
 use crate::fidelity::{FidelityError, USUAL_CONTROL_RATE_HZ, deviations, white_noise_std};
 use crate::log::Log;
+use crate::prediction::force_track::Commands;
+use crate::prediction::model::Model;
 
 /// Steps per row up to which none is lost: a rate that is the log's but for rounding.
 const STEPS_MIN: f64 = 1.01;

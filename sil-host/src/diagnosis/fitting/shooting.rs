@@ -12,11 +12,12 @@ use crate::axis::Axis;
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
 use crate::diagnosis::fitting::linearisation::{Column, Linearisation, Normal, WindowLinear, slopes, turned};
 use crate::diagnosis::fitting::process_noise::{AxisNoise, Lost};
-use crate::diagnosis::vehicle::actuation::{Chain, Commands, ForceTrack};
-use crate::diagnosis::vehicle::body::State;
-use crate::diagnosis::vehicle::prediction::{Model, PLACES, Scene, track};
-use crate::fidelity::{SensorNoise, Window, wrapped};
+use crate::fidelity::{SensorNoise, Window};
 use crate::log::{Log, Quantity};
+use crate::prediction::body::State;
+use crate::prediction::force_track::{Chain, Commands, ForceTrack};
+use crate::prediction::model::{Model, PLACES, Scene, track};
+use crate::statistics::wrapped;
 
 /// Change of a start state for a difference quotient, rad or rad/s.
 pub(super) const START_STEP: f64 = 1e-5;
@@ -44,7 +45,7 @@ pub(in crate::diagnosis) struct RigChannels {
 
 /// One measured column.
 struct Channel<'a> {
-    /// Place in a [`crate::diagnosis::vehicle::prediction::Report`].
+    /// Place in a [`crate::prediction::model::Report`].
     place: usize,
     column: &'a [f64],
     sigma: f64,

@@ -3,8 +3,8 @@
 use crate::diagnosis::fitting::linear::Cholesky;
 use crate::diagnosis::fitting::linearisation::{Column, slope, start_factor};
 use crate::diagnosis::fitting::shooting::{Driven, START_STEP, Shooting};
-use crate::diagnosis::vehicle::body::{State, TURNING};
 use crate::fidelity::Window;
+use crate::prediction::body::{State, TURNING};
 
 impl Shooting<'_> {
     /// Plain residuals of one window and their slopes along its start state.

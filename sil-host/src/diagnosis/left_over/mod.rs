@@ -9,7 +9,7 @@ use super::Unexplained;
 use super::evidence::residuals;
 use super::fitting::fit::model_of;
 use super::search::{Candidate, Found, Search};
-use super::vehicle::prediction::FIRST_FLYING_PLACE;
+use crate::prediction::model::FIRST_FLYING_PLACE;
 
 /// What the findings of a search leave.
 pub(super) fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {

@@ -11,7 +11,7 @@ use crate::diagnosis::fitting::linear::{Cholesky, dot};
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::fitting::shooting::Driven;
 use crate::diagnosis::search::{Candidate, Search};
-use crate::diagnosis::vehicle::body::{Moment, Motion};
+use crate::prediction::body::{Moment, Motion};
 
 /// Fall of the sum of squares, in units of what is left per degree of freedom, that a shape must bring: a chance of 1e-5 over all of them.
 const SIGNIFICANT: f64 = 30.0;

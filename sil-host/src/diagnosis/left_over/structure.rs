@@ -7,8 +7,8 @@
 use crate::diagnosis::fitting::linear::dot;
 use crate::diagnosis::fitting::linearisation::Column;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::diagnosis::vehicle::body::State;
 use crate::fidelity::Window;
+use crate::prediction::body::State;
 
 /// Rows apart.
 const LAGS: usize = 8;

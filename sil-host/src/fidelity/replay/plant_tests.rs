@@ -1,8 +1,8 @@
 //! Replay on the plant: logs flown by the plant itself under a small stabilising law, with sensor noise added.
 
 use super::*;
-use crate::fidelity::noise_source::NoiseSource;
-use crate::plant::effects::Effect;
+use crate::effects::Effect;
+use crate::statistics::noise_source::NoiseSource;
 
 /// Which way each motor turns the vehicle about (x, y, z), as docs/rig.md has it; the replay's own table is not used.
 const SIGNS: [[f64; 3]; 4] = [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, -1.0, -1.0]];

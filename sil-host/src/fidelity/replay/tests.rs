@@ -1,6 +1,6 @@
 use super::*;
-use crate::fidelity::noise_source::NoiseSource;
 use crate::log::Threshold;
+use crate::statistics::noise_source::NoiseSource;
 
 /// A bench: one axis, angle'' = gain u, rows with jitter, u a sum of sines; exact motion, then sensor noise.
 struct Bench {

@@ -3,7 +3,7 @@
 use super::{close, with_effects};
 use crate::model::{Rig, VehicleModel};
 use crate::plant::Plant;
-use crate::plant::propulsion::{FlyingBox, Propulsion};
+use crate::vehicle::propulsion::{FlyingBox, Propulsion};
 
 const LEVER_M: f64 = 0.226 * core::f64::consts::FRAC_1_SQRT_2;
 
@@ -68,7 +68,7 @@ fn a_delay_shifts_the_response_by_exactly_the_delay() {
             [0.5 - turn, 0.5 + turn, 0.5 + turn, 0.5 - 0.9 * turn]
         };
         let mut prompt = started(&model);
-        model.effects = vec![super::effects::Effect::parse("actuation_delay:delay_s=0.01137", Rig::Gimbal).unwrap()];
+        model.effects = vec![crate::effects::Effect::parse("actuation_delay:delay_s=0.01137", Rig::Gimbal).unwrap()];
         let mut late = started(&model);
         for step in 0..40 {
             prompt.set_commands(commands(step));

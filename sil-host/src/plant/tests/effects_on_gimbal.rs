@@ -89,7 +89,7 @@ fn a_step_of_torque_sets_in_at_its_very_time() {
     for adaptive in [false, true] {
         let mut model = unpowered(Rig::Gimbal);
         let effect = "step_disturbance:axis=pitch,torque_nm=0.05,start_s=0.10137";
-        model.effects = vec![super::effects::Effect::parse(effect, Rig::Gimbal).unwrap()];
+        model.effects = vec![crate::effects::Effect::parse(effect, Rig::Gimbal).unwrap()];
         let mut plant = Plant::new(&model);
         if adaptive {
             plant.integrate_adaptively(1e-12);

@@ -1,7 +1,7 @@
 //! The two integrators against each other and against finer ones, looks between steps, the nominal path's bits.
 
-use super::effects::Effect;
 use super::{Plant, close};
+use crate::effects::Effect;
 use crate::model::{Rig, VehicleModel};
 
 /// Everything in motion, a new command every 2.5 ms, for a second; all components of the state that are not angles of

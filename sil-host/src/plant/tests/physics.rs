@@ -4,9 +4,9 @@ use proptest::prelude::*;
 
 use super::{unpowered, world_from_body};
 use crate::axis::Axis;
+use crate::effects::{BodyChange, CgOffset, Effect};
 use crate::model::{Mounting, Rig, VehicleModel};
 use crate::plant::Plant;
-use crate::plant::effects::{BodyChange, CgOffset, Effect};
 use crate::plant::gimbal::Gimbal;
 
 /// J(phi) and its derivative on the gimbal, as docs/rig.md writes them.

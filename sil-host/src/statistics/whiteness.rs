@@ -154,7 +154,7 @@ fn two_sided_99(variables: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fidelity::noise_source::NoiseSource;
+    use crate::statistics::noise_source::NoiseSource;
 
     fn test_of(residual: &[f64]) -> LjungBox {
         let mut correlogram = Correlogram::new(20);

@@ -11,22 +11,22 @@ const NEAREST_RADII: f64 = 0.5;
 
 /// The air, and what the vehicle is to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::diagnosis) struct Air {
+pub(crate) struct Air {
     /// True over nominal mass.
-    pub(in crate::diagnosis) mass_scale: f64,
+    pub(crate) mass_scale: f64,
     /// Rotor drag over airspeed, N s/m.
-    pub(in crate::diagnosis) rotor_drag_ns_m: f64,
+    pub(crate) rotor_drag_ns_m: f64,
     /// Velocity of the air, north and east, m/s.
-    pub(in crate::diagnosis) wind_m_s: [f64; 2],
+    pub(crate) wind_m_s: [f64; 2],
     /// Drag coefficient times area of the airframe, m^2.
-    pub(in crate::diagnosis) drag_area_m2: f64,
+    pub(crate) drag_area_m2: f64,
     /// Square of the radius with which the rotors feel the ground, m^2; 0 where they feel none.
-    pub(in crate::diagnosis) ground_radius_squared_m2: f64,
+    pub(crate) ground_radius_squared_m2: f64,
 }
 
 impl Air {
     /// Still, thin and far from the ground.
-    pub(in crate::diagnosis) const NOMINAL: Air = Air {
+    pub(crate) const NOMINAL: Air = Air {
         mass_scale: 1.0,
         rotor_drag_ns_m: 0.0,
         wind_m_s: [0.0; 2],
@@ -35,12 +35,12 @@ impl Air {
     };
 
     /// True if nothing that is felt hangs on place or velocity: they go their way, and act on nothing.
-    pub(in crate::diagnosis) fn is_void(&self) -> bool {
+    pub(crate) fn is_void(&self) -> bool {
         self.rotor_drag_ns_m == 0.0 && self.drag_area_m2 == 0.0 && self.ground_radius_squared_m2 == 0.0
     }
 
     /// Lift at a height over lift far from the ground.
-    pub(in crate::diagnosis) fn lift_factor(&self, height_m: f64) -> f64 {
+    pub(crate) fn lift_factor(&self, height_m: f64) -> f64 {
         let squared = self.ground_radius_squared_m2;
         let nearest_squared = NEAREST_RADII * NEAREST_RADII * squared;
         let height_squared = if height_m > 0.0 { height_m * height_m } else { 0.0 };
@@ -49,7 +49,7 @@ impl Air {
     }
 
     /// Specific force in body axes, m/s^2, of a vehicle of a nominal mass whose rotors lift so much in all.
-    pub(in crate::diagnosis) fn specific_force_m_s2(
+    pub(crate) fn specific_force_m_s2(
         &self,
         mass_kg: f64,
         lift_n: f64,
@@ -65,20 +65,20 @@ impl Air {
 }
 
 /// Roll, pitch and yaw as sines and cosines.
-pub(in crate::diagnosis) struct Attitude {
-    pub(in crate::diagnosis) roll: (f64, f64),
-    pub(in crate::diagnosis) pitch: (f64, f64),
+pub(crate) struct Attitude {
+    pub(crate) roll: (f64, f64),
+    pub(crate) pitch: (f64, f64),
     yaw: (f64, f64),
 }
 
 impl Attitude {
     /// Of Euler angles Z-Y-X, rad.
-    pub(in crate::diagnosis) fn of(roll_rad: f64, pitch_rad: f64, yaw_rad: f64) -> Attitude {
+    pub(crate) fn of(roll_rad: f64, pitch_rad: f64, yaw_rad: f64) -> Attitude {
         Attitude { roll: libm::sincos(roll_rad), pitch: libm::sincos(pitch_rad), yaw: libm::sincos(yaw_rad) }
     }
 
     /// A vector north, east, down in the axes of the body: turned back about z, then y, then x.
-    pub(in crate::diagnosis) fn in_body(&self, [north, east, down]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn in_body(&self, [north, east, down]: [f64; 3]) -> [f64; 3] {
         let ((sin_roll, cos_roll), (sin_pitch, cos_pitch), (sin_yaw, cos_yaw)) = (self.roll, self.pitch, self.yaw);
         let (ahead, aside) = (cos_yaw * north + sin_yaw * east, cos_yaw * east - sin_yaw * north);
         let (x, below) = (cos_pitch * ahead - sin_pitch * down, sin_pitch * ahead + cos_pitch * down);
@@ -86,7 +86,7 @@ impl Attitude {
     }
 
     /// The way back.
-    pub(in crate::diagnosis) fn in_world(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn in_world(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let ((sin_roll, cos_roll), (sin_pitch, cos_pitch), (sin_yaw, cos_yaw)) = (self.roll, self.pitch, self.yaw);
         let (aside, below) = (cos_roll * y - sin_roll * z, sin_roll * y + cos_roll * z);
         let (ahead, down) = (cos_pitch * x + sin_pitch * below, cos_pitch * below - sin_pitch * x);

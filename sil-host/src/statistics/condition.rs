@@ -96,7 +96,7 @@ impl Bin {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fidelity::noise_source::NoiseSource;
+    use crate::statistics::noise_source::NoiseSource;
 
     #[test]
     fn an_error_that_is_a_spring_goes_with_the_angle_and_with_nothing_else() {

@@ -6,7 +6,7 @@
 //! and in displacement whatever the force does within it.
 
 use crate::model::VehicleModel;
-use crate::plant::propulsion::{Propulsion, RotorState};
+use crate::vehicle::propulsion::{Propulsion, RotorState};
 
 /// Longest step of the body, s.
 const BODY_STEP_MAX_S: f64 = 5e-3;
@@ -17,26 +17,25 @@ const TIME_ROUNDING_S: f64 = 1e-9;
 
 /// What happens to a command before the ESC, in this order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::diagnosis) struct Chain {
+pub(crate) struct Chain {
     /// Pure delay, s.
-    pub(in crate::diagnosis) delay_s: f64,
+    pub(crate) delay_s: f64,
     /// Least command that the ESC obeys.
-    pub(in crate::diagnosis) command_min: f64,
+    pub(crate) command_min: f64,
     /// Greatest.
-    pub(in crate::diagnosis) command_max: f64,
+    pub(crate) command_max: f64,
     /// First-order lag, s.
-    pub(in crate::diagnosis) lag_s: f64,
+    pub(crate) lag_s: f64,
 }
 
 impl Chain {
     /// Every command arrives at once and whole.
-    pub(in crate::diagnosis) const NOMINAL: Chain =
-        Chain { delay_s: 0.0, command_min: 0.0, command_max: 1.0, lag_s: 0.0 };
+    pub(crate) const NOMINAL: Chain = Chain { delay_s: 0.0, command_min: 0.0, command_max: 1.0, lag_s: 0.0 };
 }
 
 /// What turns commands into forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::diagnosis) enum Drive {
+pub(crate) enum Drive {
     /// Motors with propellers: the forces are their lifts, N.
     Motors(Propulsion),
     /// Nothing: the forces are the axis commands themselves.
@@ -45,12 +44,12 @@ pub(in crate::diagnosis) enum Drive {
 
 impl Drive {
     /// The motors of a model.
-    pub(in crate::diagnosis) fn of(model: &VehicleModel) -> Drive {
+    pub(crate) fn of(model: &VehicleModel) -> Drive {
         Drive::Motors(model.propulsion)
     }
 
     /// Forces once the motors have settled.
-    pub(in crate::diagnosis) fn settled(&self, commands: &[f64; 4]) -> [f64; 4] {
+    pub(crate) fn settled(&self, commands: &[f64; 4]) -> [f64; 4] {
         match self {
             Drive::Motors(propulsion) => commands.map(|command| propulsion.lift_n(command)),
             Drive::Direct => *commands,
@@ -68,29 +67,29 @@ impl Drive {
 
 /// Commands, each in force until the next.
 #[derive(Clone, Debug)]
-pub(in crate::diagnosis) struct Commands {
+pub(crate) struct Commands {
     /// When they are given, s.
-    pub(in crate::diagnosis) time_s: Vec<f64>,
+    pub(crate) time_s: Vec<f64>,
     /// Motors 1 to 4, or (roll, pitch, yaw, 0).
-    pub(in crate::diagnosis) value: Vec<[f64; 4]>,
+    pub(crate) value: Vec<[f64; 4]>,
 }
 
 /// One step of the body.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::diagnosis) struct Step {
+pub(crate) struct Step {
     /// Where it begins, s.
-    pub(in crate::diagnosis) start_s: f64,
+    pub(crate) start_s: f64,
     /// How long it is, s.
-    pub(in crate::diagnosis) duration_s: f64,
+    pub(crate) duration_s: f64,
     /// Mean of the forces.
-    pub(in crate::diagnosis) mean: [f64; 4],
+    pub(crate) mean: [f64; 4],
     /// Half the change of the straight line with the forces' mean and first moment.
-    pub(in crate::diagnosis) half_change: [f64; 4],
+    pub(crate) half_change: [f64; 4],
 }
 
 /// The forces over a whole log.
 #[derive(Clone, Debug)]
-pub(in crate::diagnosis) struct ForceTrack {
+pub(crate) struct ForceTrack {
     steps: Vec<Step>,
     /// Per row, which step begins there.
     first_step: Vec<usize>,
@@ -100,7 +99,7 @@ pub(in crate::diagnosis) struct ForceTrack {
 
 impl ForceTrack {
     /// Follows the commands through chain and drive, everything settled at the first command; steps end at the rows of a log.
-    pub(in crate::diagnosis) fn new(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
+    pub(crate) fn new(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
         let mut track = ForceTrack {
             steps: Vec::new(),
             first_step: Vec::with_capacity(rows_s.len()),
@@ -123,17 +122,17 @@ impl ForceTrack {
     }
 
     /// The steps from one row to a later one.
-    pub(in crate::diagnosis) fn between(&self, first_row: usize, end_row: usize) -> &[Step] {
+    pub(crate) fn between(&self, first_row: usize, end_row: usize) -> &[Step] {
         &self.steps[self.first_step[first_row]..self.first_step[end_row]]
     }
 
     /// The forces at a row, before its own command acts.
-    pub(in crate::diagnosis) fn at_row(&self, row: usize) -> [f64; 4] {
+    pub(crate) fn at_row(&self, row: usize) -> [f64; 4] {
         self.at_row[row]
     }
 
     /// The steps from one row to the next.
-    pub(in crate::diagnosis) fn of_row(&self, row: usize) -> &[Step] {
+    pub(crate) fn of_row(&self, row: usize) -> &[Step] {
         self.between(row, row + 1)
     }
 }

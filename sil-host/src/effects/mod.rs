@@ -30,10 +30,10 @@ mod viscous_friction;
 mod weak_motor;
 mod wind;
 
-use super::actuation::ActuatorChain;
 use crate::axis::Axis;
 use crate::model::{ModelError, Rig, Section};
-use crate::sensors::SensorChain;
+use crate::vehicle::ActuatorChain;
+use crate::vehicle::SensorChain;
 
 pub use actuation_delay::ActuationDelay;
 pub use attitude_delay::AttitudeDelay;

@@ -1,27 +1,27 @@
 //! What the log shows of a state: docs/effects.md, "Exactly how they enter".
 
-use crate::diagnosis::vehicle::body::{Body, Turning};
+use crate::prediction::body::{Body, Turning};
 
 /// What the sensors make of the truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::diagnosis) struct Sensors {
+pub(crate) struct Sensors {
     /// Added to the gyro, (x, y, z), rad/s.
-    pub(in crate::diagnosis) gyro_bias_rad_s: [f64; 3],
+    pub(crate) gyro_bias_rad_s: [f64; 3],
     /// Reported over true rate.
-    pub(in crate::diagnosis) gyro_scale: [f64; 3],
+    pub(crate) gyro_scale: [f64; 3],
     /// How old the reported attitude is, s.
-    pub(in crate::diagnosis) attitude_delay_s: f64,
+    pub(crate) attitude_delay_s: f64,
     /// How far the sensor is turned about the body's z axis, rad.
-    pub(in crate::diagnosis) yaw_rad: f64,
+    pub(crate) yaw_rad: f64,
 }
 
 impl Sensors {
     /// The truth.
-    pub(in crate::diagnosis) const NOMINAL: Sensors =
+    pub(crate) const NOMINAL: Sensors =
         Sensors { gyro_bias_rad_s: [0.0; 3], gyro_scale: [1.0; 3], attitude_delay_s: 0.0, yaw_rad: 0.0 };
 
     /// Reported body rates.
-    pub(in crate::diagnosis) fn rate_rad_s(&self, body: &Body, state: &Turning) -> [f64; 3] {
+    pub(crate) fn rate_rad_s(&self, body: &Body, state: &Turning) -> [f64; 3] {
         let [p, q, r] = body.rate_body_rad_s(state);
         let turned = if self.yaw_rad == 0.0 {
             [p, q, r]
@@ -33,13 +33,13 @@ impl Sensors {
     }
 
     /// Reported specific force of a felt one, m/s^2.
-    pub(in crate::diagnosis) fn force_m_s2(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn force_m_s2(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let (sin, cos) = libm::sincos(self.yaw_rad);
         [cos * x + sin * y, cos * y - sin * x, z]
     }
 
     /// The way back from reported angles and rates to those of the body, but for the delay.
-    pub(in crate::diagnosis) fn undone(&self, angle_rad: [f64; 3], rate_rad_s: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+    pub(crate) fn undone(&self, angle_rad: [f64; 3], rate_rad_s: [f64; 3]) -> ([f64; 3], [f64; 3]) {
         let [p, q, r] =
             core::array::from_fn(|axis| (rate_rad_s[axis] - self.gyro_bias_rad_s[axis]) / self.gyro_scale[axis]);
         let back = Sensors { yaw_rad: -self.yaw_rad, ..Sensors::NOMINAL };
@@ -49,7 +49,7 @@ impl Sensors {
     }
 
     /// Reported angles of the attitude that a state has: Euler angles of `R_world_body R_z(yaw)`.
-    pub(in crate::diagnosis) fn angle_rad(&self, state: &Turning) -> [f64; 3] {
+    pub(crate) fn angle_rad(&self, state: &Turning) -> [f64; 3] {
         let [roll, pitch, yaw, ..] = *state;
         if self.yaw_rad == 0.0 {
             return [roll, pitch, yaw];

@@ -6,58 +6,58 @@
 //! | free | roll, pitch, yaw, p, q, r; then velocity north, east, down and height | Euler's, angles Z-Y-X; Newton's (`air`) |
 //! | axes | angles and their derivatives | unit inertia, one input gain each |
 
-use crate::diagnosis::vehicle::air::{Air, Attitude};
 use crate::model::{Mounting, VehicleModel};
+use crate::prediction::air::{Air, Attitude};
 
 /// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal and on separate axes, of the body when free.
-pub(in crate::diagnosis) type Turning = [f64; TURNING];
+pub(crate) type Turning = [f64; TURNING];
 /// The same, then velocity (north, east, down; m/s) and height above ground (m), which only a free vehicle has.
-pub(in crate::diagnosis) type State = [f64; FLYING];
+pub(crate) type State = [f64; FLYING];
 /// Numbers of a vehicle that only turns.
-pub(in crate::diagnosis) const TURNING: usize = 6;
+pub(crate) const TURNING: usize = 6;
 /// Numbers of one that flies free.
-pub(in crate::diagnosis) const FLYING: usize = 10;
+pub(crate) const FLYING: usize = 10;
 
 /// The part of a state that turns.
-pub(in crate::diagnosis) fn turning(x: &State) -> Turning {
+pub(crate) fn turning(x: &State) -> Turning {
     let [a, b, c, d, e, f, ..] = *x;
     [a, b, c, d, e, f]
 }
 
 /// What a moment may depend on.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::diagnosis) struct Motion {
+pub(crate) struct Motion {
     /// Time, s.
-    pub(in crate::diagnosis) time_s: f64,
+    pub(crate) time_s: f64,
     /// Roll, pitch, yaw, rad.
-    pub(in crate::diagnosis) angle_rad: [f64; 3],
+    pub(crate) angle_rad: [f64; 3],
     /// Rates that plant effects act against (docs/effects.md): of the angles, or of the body when free.
-    pub(in crate::diagnosis) rate_rad_s: [f64; 3],
+    pub(crate) rate_rad_s: [f64; 3],
     /// Sine and cosine of roll.
-    pub(in crate::diagnosis) roll: (f64, f64),
+    pub(crate) roll: (f64, f64),
     /// The four forces: the motors' lifts, N; on separate axes the axis commands.
-    pub(in crate::diagnosis) force: [f64; 4],
+    pub(crate) force: [f64; 4],
 }
 
 /// A moment beside the motors', about the rig's axes or, free, the body's.
-pub(in crate::diagnosis) trait Moment: Sync + Send {
+pub(crate) trait Moment: Sync + Send {
     /// Adds it, N m (rad/s^2 on separate axes).
     fn add(&self, motion: &Motion, moment: &mut [f64; 3]);
 }
 
 /// Rig and inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::diagnosis) struct Body {
-    pub(in crate::diagnosis) rig: BodyRig,
+pub(crate) struct Body {
+    pub(crate) rig: BodyRig,
     /// True over nominal inertia per axis.
-    pub(in crate::diagnosis) inertia_scale: [f64; 3],
+    pub(crate) inertia_scale: [f64; 3],
     /// Off-diagonal inertia P between roll and pitch, kg m^2.
-    pub(in crate::diagnosis) product_kg_m2: f64,
+    pub(crate) product_kg_m2: f64,
 }
 
 /// The numbers of each rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::diagnosis) enum BodyRig {
+pub(crate) enum BodyRig {
     Gimbal { airframe: Airframe, inertia_kg_m2: [f64; 3], ring_inertia_kg_m2: f64 },
     Free { airframe: Airframe, inertia_kg_m2: [f64; 3], mass_kg: f64, gravity_m_s2: f64 },
     Axes { gain_rad_s2: [f64; 3] },
@@ -65,7 +65,7 @@ pub(in crate::diagnosis) enum BodyRig {
 
 /// From lifts to torques, quad-X (docs/rig.md, "Frames and motors").
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::diagnosis) struct Airframe {
+pub(crate) struct Airframe {
     lever_m: f64,
     reaction_torque_per_lift_m: f64,
 }
@@ -82,7 +82,7 @@ impl Airframe {
 
 impl Body {
     /// The nominal body of a model.
-    pub(in crate::diagnosis) fn of(model: &VehicleModel) -> Body {
+    pub(crate) fn of(model: &VehicleModel) -> Body {
         let airframe = Airframe {
             lever_m: model.arm_m * core::f64::consts::FRAC_1_SQRT_2,
             reaction_torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m(),
@@ -98,12 +98,12 @@ impl Body {
     }
 
     /// Separate axes.
-    pub(in crate::diagnosis) fn axes(gain_rad_s2: [f64; 3]) -> Body {
+    pub(crate) fn axes(gain_rad_s2: [f64; 3]) -> Body {
         Body { rig: BodyRig::Axes { gain_rad_s2 }, inertia_scale: [1.0; 3], product_kg_m2: 0.0 }
     }
 
     /// Change of the state under forces and moments.
-    pub(in crate::diagnosis) fn derivative(
+    pub(crate) fn derivative(
         &self,
         time_s: f64,
         x: &Turning,
@@ -187,7 +187,7 @@ impl Body {
     }
 
     /// Change of a free vehicle's state under lifts as they are far from the ground; what hangs in a rig only turns.
-    pub(in crate::diagnosis) fn flying_derivative(
+    pub(crate) fn flying_derivative(
         &self,
         time_s: f64,
         x: &State,
@@ -222,19 +222,19 @@ impl Body {
     }
 
     /// What an accelerometer at the centre of gravity of a free vehicle feels, body axes, m/s^2; nothing in a rig.
-    pub(in crate::diagnosis) fn felt_m_s2(&self, x: &State, force: &[f64; 4], air: &Air) -> [f64; 3] {
+    pub(crate) fn felt_m_s2(&self, x: &State, force: &[f64; 4], air: &Air) -> [f64; 3] {
         let BodyRig::Free { mass_kg, .. } = self.rig else { return [0.0; 3] };
         let lift_n = air.lift_factor(x[9]) * force.iter().sum::<f64>();
         air.specific_force_m_s2(mass_kg, lift_n, &Attitude::of(x[0], x[1], x[2]), [x[6], x[7], x[8]])
     }
 
     /// True where nothing holds it.
-    pub(in crate::diagnosis) fn flies_free(&self) -> bool {
+    pub(crate) fn flies_free(&self) -> bool {
         matches!(self.rig, BodyRig::Free { .. })
     }
 
     /// Body rates p, q, r of a state.
-    pub(in crate::diagnosis) fn rate_body_rad_s(&self, x: &Turning) -> [f64; 3] {
+    pub(crate) fn rate_body_rad_s(&self, x: &Turning) -> [f64; 3] {
         match self.rig {
             BodyRig::Gimbal { .. } => {
                 let (sin, cos) = libm::sincos(x[0]);
@@ -245,7 +245,7 @@ impl Body {
     }
 
     /// The state of measured angles and body rates; 0 for what is not measured.
-    pub(in crate::diagnosis) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> Turning {
+    pub(crate) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> Turning {
         let [roll, pitch, yaw] = angle_rad;
         let [p, q, r] = rate_body_rad_s;
         match self.rig {

@@ -3,41 +3,41 @@
 use core::ops::Range;
 
 use crate::diagnosis::effects::SOFTENING_RAD_S;
-use crate::diagnosis::vehicle::actuation::{Chain, Commands, Drive, ForceTrack, Step};
-use crate::diagnosis::vehicle::air::Air;
-use crate::diagnosis::vehicle::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
-use crate::diagnosis::vehicle::sensor::Sensors;
+use crate::prediction::air::Air;
+use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
+use crate::prediction::force_track::{Chain, Commands, Drive, ForceTrack, Step};
+use crate::prediction::sensor::Sensors;
 
 /// Parts of a step of the body in which dry friction turns round, a millisecond or two.
 const DRY_PARTS: u8 = 8;
 
 /// A model with whatever effects it is given; [`crate::diagnosis::effects::Effect::apply`] changes it.
-pub(in crate::diagnosis) struct Model {
-    pub(in crate::diagnosis) drive: Drive,
-    pub(in crate::diagnosis) chain: Chain,
+pub(crate) struct Model {
+    pub(crate) drive: Drive,
+    pub(crate) chain: Chain,
     /// Factors on the four lifts.
-    pub(in crate::diagnosis) lift_factor: [f64; 4],
+    pub(crate) lift_factor: [f64; 4],
     /// Loss of lift per second.
-    pub(in crate::diagnosis) sag_per_s: f64,
+    pub(crate) sag_per_s: f64,
     /// Loss of lift per volt that the battery has lost.
-    pub(in crate::diagnosis) sag_per_volt: f64,
-    pub(in crate::diagnosis) body: Body,
-    pub(in crate::diagnosis) moments: Vec<Box<dyn Moment>>,
-    pub(in crate::diagnosis) sensors: Sensors,
+    pub(crate) sag_per_volt: f64,
+    pub(crate) body: Body,
+    pub(crate) moments: Vec<Box<dyn Moment>>,
+    pub(crate) sensors: Sensors,
     /// What a free vehicle flies through.
-    pub(in crate::diagnosis) air: Air,
+    pub(crate) air: Air,
     /// Axes with dry friction, whose moment turns round while the rate goes through 0.
-    pub(in crate::diagnosis) dry: [bool; 3],
+    pub(crate) dry: [bool; 3],
 }
 
 /// Places of a report: angles (roll, pitch, yaw) and body rates (p, q, r), then, of a free vehicle, specific force (x, y, z), velocity
 /// (north, east, down) and height.
-pub(in crate::diagnosis) const PLACES: usize = 13;
+pub(crate) const PLACES: usize = 13;
 /// The first that only a free vehicle has.
-pub(in crate::diagnosis) const FIRST_FLYING_PLACE: usize = 6;
+pub(crate) const FIRST_FLYING_PLACE: usize = 6;
 
 /// What a log would report in the rows of a window.
-pub(in crate::diagnosis) struct Reports {
+pub(crate) struct Reports {
     turning: Vec<[f64; FIRST_FLYING_PLACE]>,
     /// Empty where the vehicle does not fly free.
     flying: Vec<[f64; PLACES - FIRST_FLYING_PLACE]>,
@@ -46,7 +46,7 @@ pub(in crate::diagnosis) struct Reports {
 impl Reports {
     /// What a row, counted from the first that was asked for, holds at a place.
     #[inline]
-    pub(in crate::diagnosis) fn at(&self, row: usize, place: usize) -> f64 {
+    pub(crate) fn at(&self, row: usize, place: usize) -> f64 {
         if place < FIRST_FLYING_PLACE { self.turning[row][place] } else { self.flying[row][place - FIRST_FLYING_PLACE] }
     }
 }
@@ -57,7 +57,7 @@ impl<const N: usize, F: Fn(f64, &[f64; N], &[f64; 4]) -> [f64; N]> Change<N> for
 
 impl Model {
     /// Nothing but the nominal vehicle.
-    pub(in crate::diagnosis) fn nominal(drive: Drive, body: Body) -> Model {
+    pub(crate) fn nominal(drive: Drive, body: Body) -> Model {
         Model {
             drive,
             chain: Chain::NOMINAL,
@@ -73,7 +73,7 @@ impl Model {
     }
 
     /// The reports at the rows `first..end` from a state at the first of them.
-    pub(in crate::diagnosis) fn predict(&self, scene: &Scene<'_>, start: &State, first: usize, end: usize) -> Reports {
+    pub(crate) fn predict(&self, scene: &Scene<'_>, start: &State, first: usize, end: usize) -> Reports {
         let mut flying = Vec::new();
         let turning = if self.body.flies_free() {
             let change = |at_s: f64, x: &State, force: &[f64; 4]| {
@@ -196,7 +196,7 @@ impl Model {
     }
 
     /// What one unit of each command adds to the angular accelerations, rad/s^2, level and settled.
-    pub(in crate::diagnosis) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
+    pub(crate) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
         const STEP: f64 = 0.01;
         let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
             let change = self.body.derivative(0.0, &[0.0; TURNING], &self.drive.settled(commands), &[]);
@@ -246,11 +246,11 @@ fn runge_kutta_4<const N: usize>(
 }
 
 /// What a log gives to a model: its times, the forces that its commands make, its battery.
-pub(in crate::diagnosis) struct Scene<'a> {
-    pub(in crate::diagnosis) time_s: &'a [f64],
-    pub(in crate::diagnosis) track: &'a ForceTrack,
+pub(crate) struct Scene<'a> {
+    pub(crate) time_s: &'a [f64],
+    pub(crate) track: &'a ForceTrack,
     /// Per row, what the battery has lost against the first second, V; empty where the log has no voltage.
-    pub(in crate::diagnosis) volts_lost: &'a [f64],
+    pub(crate) volts_lost: &'a [f64],
 }
 
 impl Scene<'_> {
@@ -261,7 +261,7 @@ impl Scene<'_> {
 }
 
 /// The forces of a model under commands, from row to row.
-pub(in crate::diagnosis) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
+pub(crate) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
     ForceTrack::new(rows_s, commands, &model.chain, &model.drive)
 }
 

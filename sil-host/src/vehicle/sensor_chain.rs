@@ -1,6 +1,6 @@
 //! What effects make of a motion before bias, noise and counts.
 
-use crate::plant::{euler_rad, quaternion_world_from_body};
+use super::euler::{euler_rad, quaternion_world_from_body};
 
 /// The links from motion to reading that effects can change: misalignment, then the gyro's scale, then its bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
