@@ -8,7 +8,8 @@
 //!       /   \             tau_z = k (F1 + F2 - F3 - F4)      k = reaction torque per lift
 //!   2 (CCW)  4 (CW)
 //! ```
-//! The order of the motors is PX4's and ArduPilot's. All entries are 1 or -1, so that they are exact in every type of number.
+//! The order of the motors is PX4's and ArduPilot's. All entries are 1 or -1, so that they are exact in every type of
+//! number.
 
 /// One motor of the quad-X.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +18,8 @@ pub struct Motor {
     pub forward: i8,
     /// 1 to the right of the roll axis, -1 to the left: the sign of its y.
     pub right: i8,
-    /// Sense of its rotation about the body's z axis, which points down: 1 clockwise seen from above, -1 counter-clockwise.
+    /// Sense of its rotation about the body's z axis, which points down: 1 clockwise seen from above, -1
+    /// counter-clockwise.
     pub spin: i8,
 }
 
@@ -32,8 +34,8 @@ pub const MOTORS: [Motor; 4] = [
 /// Sign of the torque about x, y and z (roll, pitch, yaw; rows) that the lift of each motor (columns) makes.
 pub const TORQUE_SIGNS: [[f32; 4]; 3] = torque_signs();
 
-/// Lift acts upward, along -z, so that its torque is (-y F, x F); air holds a propeller back, which turns the body against
-/// its spin.
+/// Lift acts upward, along -z, so that its torque is (-y F, x F); air holds a propeller back, which turns the body
+/// against its spin.
 const fn torque_signs() -> [[f32; 4]; 3] {
     let mut signs = [[0.0; 4]; 3];
     let mut motor = 0;
@@ -63,8 +65,8 @@ mod tests {
         }
     }
 
-    /// Each torque is made without lift and without the other two: the mixer and the motors' limits invert the table by its
-    /// transpose.
+    /// Each torque is made without lift and without the other two: the mixer and the motors' limits invert the table by
+    /// its transpose.
     #[test]
     fn torques_are_independent_of_each_other_and_of_lift() {
         let dot = |a: [f32; 4], b: [f32; 4]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();

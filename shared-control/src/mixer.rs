@@ -1,5 +1,5 @@
-//! Quad-X mixer ([`crate::airframe`]): collective and torque to four motor commands, with a fixed priority when they don't
-//! all fit.
+//! Quad-X mixer ([`crate::airframe`]): collective and torque to four motor commands, with a fixed priority when they
+//! don't all fit.
 //!
 //! Roll and pitch come before yaw, yaw before collective: the collective gives way first (all motors shift together),
 //! then yaw is cut to what is left, and only then are roll and pitch scaled down, both by the same factor, so that the
@@ -8,8 +8,8 @@
 use crate::airframe::TORQUE_SIGNS;
 use crate::elementary::{larger, limit, smaller};
 use crate::lift_curve::LiftCurve;
+use crate::record::state_words::StateWords;
 use crate::signals::{MotorCommands, Wrench};
-use crate::state_words::StateWords;
 
 const ROLL: [f32; 4] = TORQUE_SIGNS[0];
 const PITCH: [f32; 4] = TORQUE_SIGNS[1];
