@@ -20,10 +20,20 @@ fn main() {
     for path in files("flight_crazyflie_arplab", "log16") {
         print!("{}", yaw_of(&load(&path, "crazyflie_arplab")));
     }
-    println!("\n# Crazyflie with a weight near motor 3 (CrazyPAD)\n");
-    println!("| flight | mean command | V | roll, % of the lift | pitch | yaw |\n|---|---|---|---|---|---|");
-    let flights: Vec<crazypad::Steady> =
-        files("flight_crazypad", "").iter().flat_map(|path| crazypad::steady(path, &vehicle())).collect();
+    println!("\n# Crazyflies with weights and cut propellers (CrazyPAD)\n");
+    println!("| flight | thrust, % | V | roll, % | pitch, % | yaw, % |\n|---|---|---|---|---|---|");
+    let flights = crazypad::flights();
     flights.iter().for_each(|flight| print!("{flight}"));
-    print!("{}", crazypad::Change::of(&flights));
+    println!("\n| changed | roll, % | pitch, % | yaw, % | pull to the motor, % | share of a weak motor |");
+    println!("|---|---|---|---|---|---|");
+    for (airframe, label) in crazypad::changed_labels(&flights) {
+        let motor = if label.ends_with("M4") { crazypad::MOTOR_4 } else { crazypad::MOTOR_3 };
+        let change = crazypad::Change::of(&flights, airframe, label, None);
+        let pull_pct = change.pull_pct(motor);
+        // a pull that normal flights have too has no share
+        let is_pulled = pull_pct > change.normal_pct.iter().map(|normal| normal[1]).fold(0.0, f64::max);
+        let share =
+            if is_pulled { format!("{:.2}", change.weak_motor_shares(motor).last().unwrap()) } else { "-".into() };
+        println!("| {airframe}, {label} |{change} {pull_pct:+.1} | {share} |");
+    }
 }

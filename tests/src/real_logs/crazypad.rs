@@ -1,141 +1,190 @@
-//! Flights of a Crazyflie with and without a weight near its motor 3 (CrazyPAD): what the steady commands say of weight and weak motor.
+//! Flights of two Crazyflies with a weight, with a cut propeller and as they are (CrazyPAD): what the steady commands show of a weight and
+//! of a weak motor.
 //!
-//! In steady flight the lifts balance all moments, so that the commands tell what else acts: a weight of the share w of the vehicle's at the
-//! place (x, y) asks for a moment about roll and pitch and none about yaw; a motor that has lost the share d of all lift asks for its
-//! own command to rise, whose part about yaw is as large as those about roll and pitch.
+//! In steady flight the lifts balance all moments, and these commands are lifts: the firmware divides by the battery's voltage after them.
+//! A weak motor is balanced by its own command, which rises by d: the axis commands change by d/2 about roll and pitch and by d/4 about
+//! yaw (motor 3, rear left: 2 : -2 : 1). A weight changes roll and pitch, as its place is, and yaw not at all.
 
 use std::fmt;
 use std::path::Path;
 
 use sil_host::log::Log;
-use sil_host::model::VehicleModel;
 
-use super::{TORQUE_SIGNS, load, name_of};
+use super::{TORQUE_SIGNS, files, load, name_of};
 
 /// The vehicle flies at half a metre, 2 m forth and 2 m back along x, s after the log's begin.
 const SPANS_S: [(&str, f64, f64); 2] = [("forth", 4.5, 9.5), ("back", 18.0, 23.0)];
+/// What a flight's log holds: axis commands and gyro, or motors' commands and voltage.
+const KINDS: [&str; 2] = ["controller", "motor"];
+/// Half a Crazyflie's axis command of roll and pitch, a quarter of yaw: what four motor commands sum up to.
+const SUM_TO_AXIS: [f64; 3] = [0.5, 0.5, 0.25];
 /// Motor 3 of a Crazyflie, rear left, in docs/rig.md's order from 0.
-const MOTOR_3: usize = 1;
+pub const MOTOR_3: usize = 1;
+/// Motor 4, front left.
+pub const MOTOR_4: usize = 2;
+/// The label of flights in which nothing was changed.
+pub const NORMAL: &str = "normal_flight";
 
-/// One steady flight.
+/// One way of a flight.
 #[derive(Clone, Debug)]
-pub struct Steady {
-    /// Log and way.
-    pub name: String,
-    /// True for the vehicle with the weight.
-    pub is_weighted: bool,
-    /// Mean command of the four motors.
-    pub collective: f64,
+pub struct Flight {
+    /// One of [`KINDS`].
+    pub kind: String,
+    /// What was done to the vehicle, by its authors.
+    pub label: String,
+    /// `E8` or `E9`.
+    pub airframe: String,
+    /// Number of the log.
+    pub log: String,
+    /// `forth` or `back`.
+    pub way: &'static str,
+    /// Mean of the four motors' commands, % of the full one.
+    pub thrust_pct: f64,
     /// Mean voltage, V, where it was logged.
     pub battery_v: Option<f64>,
-    /// What the lifts do about roll, pitch and yaw, as shares of the whole lift (over the lever, for roll and pitch): a nominal
-    /// vehicle's lifts at these commands.
-    pub share: [f64; 3],
+    /// Mean axis commands (right side down, nose up, nose right), % of the full one.
+    pub trim_pct: [f64; 3],
 }
 
-/// Both ways of a flight.
+/// Both ways of all flights; none where the logs are absent.
 ///
 /// # Panics
-/// The log is not one of CrazyPAD's.
-pub fn steady(path: &Path, vehicle: &VehicleModel) -> Vec<Steady> {
+/// The logs are there and not CrazyPAD's.
+pub fn flights() -> Vec<Flight> {
+    files("flight_crazypad", "").iter().flat_map(|path| both_ways(path)).collect()
+}
+
+fn both_ways(path: &Path) -> Vec<Flight> {
     let name = name_of(path);
-    let map = if name.starts_with("motor_data") { "crazypad_motor" } else { "crazypad_controller" };
-    let log = load(path, map);
-    SPANS_S
-        .iter()
-        .map(|(way, from_s, to_s)| {
-            let part = log.between(*from_s, *to_s).expect("a log of 25 s");
-            let motors = motor_commands(&part);
-            let rows = motors.len() as f64;
-            let mean = |of: &dyn Fn(&[f64; 4]) -> f64| motors.iter().map(of).sum::<f64>() / rows;
-            let lifts: [f64; 4] = core::array::from_fn(|i| mean(&|row| vehicle.propulsion.lift_n(row[i])));
-            let whole: f64 = lifts.iter().sum();
-            Steady {
-                name: format!("{name}, {way}"),
-                is_weighted: name.contains("weight"),
-                collective: mean(&|row| 0.25 * row.iter().sum::<f64>()),
-                battery_v: part.battery_v.as_ref().map(|volts| volts.iter().sum::<f64>() / rows),
-                share: TORQUE_SIGNS.map(|signs| signs.iter().zip(lifts).map(|(sign, lift)| sign * lift / whole).sum()),
-            }
-        })
-        .collect()
-}
-
-/// The logged motors, or those that the Crazyflie's firmware makes of its axis commands: thrust, half of roll and pitch, all of yaw, in one unit.
-fn motor_commands(log: &Log) -> Vec<[f64; 4]> {
-    if let Some(motors) = log.motors() {
-        return (0..log.rows()).map(|row| motors.map(|motor| motor[row])).collect();
-    }
-    let [roll, pitch, yaw] = log.axis_command.each_ref().map(|column| column.as_ref().expect("axis commands"));
-    let thrust = log.thrust_command.as_ref().expect("a thrust command");
-    // the map takes axis commands as shares of 32767, thrust as one of 65535
-    let motor = |row: usize, i: usize| {
-        let [on_roll, on_pitch, on_yaw] = TORQUE_SIGNS.map(|signs| signs[i]);
-        thrust[row] + 0.5 * (0.5 * on_roll * roll[row] + 0.5 * on_pitch * pitch[row] + on_yaw * yaw[row])
+    let parts = || {
+        let (kind, rest) = name.split_once("_data_")?;
+        let (label, vehicle) = rest.split_once("__")?;
+        let (airframe, log) = vehicle.split_once('_')?;
+        Some([kind, label, airframe, log].map(str::to_owned))
     };
-    (0..log.rows()).map(|row| core::array::from_fn(|i| motor(row, i))).collect()
+    let [kind, label, airframe, log] = parts().expect("KIND_data_LABEL__AIRFRAME_LOG");
+    let whole = load(path, if kind == "motor" { "crazypad_motor" } else { "crazypad_controller" });
+    let fly = |(way, from_s, to_s): (&'static str, f64, f64)| {
+        let part = whole.between(from_s, to_s).expect("a log of 25 s");
+        let (thrust, trim) = thrust_and_trim(&part);
+        Flight {
+            kind: kind.clone(),
+            label: label.clone(),
+            airframe: airframe.clone(),
+            log: log.clone(),
+            way,
+            thrust_pct: 100.0 * thrust,
+            battery_v: part.battery_v.as_deref().map(mean),
+            trim_pct: trim.map(|command| 100.0 * command),
+        }
+    };
+    SPANS_S.map(fly).to_vec()
 }
 
-/// What the weighted flights have more than the normal ones of the same kind and way, and how well each cause explains it.
+/// Means of thrust and axis commands as shares of the full one: of the motors' commands, or of those that the firmware makes them from.
+fn thrust_and_trim(log: &Log) -> (f64, [f64; 3]) {
+    if let Some(motors) = log.motors() {
+        let means = motors.map(mean);
+        let axis = |axis: usize| {
+            SUM_TO_AXIS[axis] * TORQUE_SIGNS[axis].iter().zip(means).map(|(sign, command)| sign * command).sum::<f64>()
+        };
+        return (0.25 * means.iter().sum::<f64>(), [axis(0), axis(1), axis(2)]);
+    }
+    let axes = log.axis_command.each_ref().map(|column| column.as_ref().expect("axis commands"));
+    // the map takes axis commands as shares of 32767, thrust as one of 65535
+    (mean(log.thrust_command.as_ref().expect("a thrust command")), axes.map(|command| 0.5 * mean(command)))
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// What flights of a label have more than normal ones of the same airframe, kind and way.
 #[derive(Clone, Debug)]
 pub struct Change {
-    /// Mean change of the shares about roll, pitch and yaw.
-    pub share: [f64; 3],
-    /// Half the range of the changes, over kinds of log and ways.
-    pub spread: [f64; 3],
-    /// Root mean square over the three axes of what a weak motor 3 leaves of it, best fitted.
-    pub left_by_weak_motor: f64,
-    /// The same of a weight anywhere: its yaw part alone.
-    pub left_by_weight: f64,
+    /// For each kind and way: the change of the mean trim, %.
+    pub each_pct: Vec<[f64; 3]>,
+    /// For each kind and way: half the range of the normal flights' trims, %.
+    pub normal_pct: Vec<[f64; 3]>,
+    /// Mean over kinds and ways, %.
+    pub mean_pct: [f64; 3],
 }
 
 impl Change {
-    /// Compares flights that [`steady`] made, the normal ones with the weighted ones of the same way and kind.
-    pub fn of(flights: &[Steady]) -> Change {
-        let kind = |flight: &Steady| (flight.battery_v.is_some(), flight.name.ends_with("forth"));
-        let mut changes: Vec<[f64; 3]> = Vec::new();
-        for weighted in flights.iter().filter(|flight| flight.is_weighted) {
-            for normal in flights.iter().filter(|flight| !flight.is_weighted && kind(flight) == kind(weighted)) {
-                changes.push(core::array::from_fn(|axis| weighted.share[axis] - normal.share[axis]));
-            }
+    /// Of an airframe's flights with a label; of all kinds of log, or of one.
+    ///
+    /// # Panics
+    /// There is no such flight, or no normal one to compare it with.
+    pub fn of(flights: &[Flight], airframe: &str, label: &str, kind: Option<&str>) -> Change {
+        let (mut each_pct, mut normal_pct): (Vec<[f64; 3]>, Vec<[f64; 3]>) = Default::default();
+        let ways = KINDS.iter().flat_map(|kind| SPANS_S.iter().map(move |(way, ..)| (*kind, *way)));
+        for (kind, way) in ways.filter(|(of, _)| kind.is_none_or(|kind| kind == *of)) {
+            let trims = |label: &str, axis: usize| -> Vec<f64> {
+                let alike = flights.iter().filter(|flight| {
+                    (flight.airframe.as_str(), flight.label.as_str()) == (airframe, label)
+                        && (flight.kind.as_str(), flight.way) == (kind, way)
+                });
+                alike.map(|flight| flight.trim_pct[axis]).collect()
+            };
+            let [changed, normal] = [label, NORMAL].map(|label| [0, 1, 2].map(|axis| trims(label, axis)));
+            assert!(!changed[0].is_empty() && !normal[0].is_empty(), "no flights {way} of {airframe}, {kind}, {label}");
+            each_pct.push([0, 1, 2].map(|axis| mean(&changed[axis]) - mean(&normal[axis])));
+            normal_pct.push(normal.map(|trims| {
+                let (least, most) =
+                    trims.iter().fold((f64::MAX, f64::MIN), |(least, most), trim| (trim.min(least), trim.max(most)));
+                0.5 * (most - least)
+            }));
         }
-        let count = changes.len().max(1) as f64;
-        let share: [f64; 3] =
-            core::array::from_fn(|axis| changes.iter().map(|change| change[axis]).sum::<f64>() / count);
-        let spread = core::array::from_fn(|axis| {
-            let values = changes.iter().map(|change| change[axis]);
-            0.5 * (values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min))
-        });
-        let signs = TORQUE_SIGNS.map(|signs| signs[MOTOR_3]);
-        let lost: f64 = (0..3).map(|axis| signs[axis] * share[axis]).sum::<f64>() / 3.0;
-        let squares: f64 =
-            (0..3).map(|axis| (share[axis] - lost * signs[axis]) * (share[axis] - lost * signs[axis])).sum();
-        Change {
-            share,
-            spread,
-            left_by_weak_motor: (squares / 3.0).sqrt(),
-            left_by_weight: share[2].abs() / 3f64.sqrt(),
-        }
+        let of_axis = |axis: usize| mean(&each_pct.iter().map(|change| change[axis]).collect::<Vec<_>>());
+        Change { mean_pct: [of_axis(0), of_axis(1), of_axis(2)], each_pct, normal_pct }
+    }
+
+    /// Mean change of the moment that pulls toward a motor (0 to 3, docs/rig.md's order), as the change of roll and pitch command, %.
+    pub fn pull_pct(&self, motor: usize) -> f64 {
+        pull(&self.mean_pct, motor)
+    }
+
+    /// For each kind and way, and last for their mean: the change about yaw over what that pull would bring if the motor were weak.
+    /// 1 of a weak motor, 0 of a weight.
+    pub fn weak_motor_shares(&self, motor: usize) -> Vec<f64> {
+        let share = |change: &[f64; 3]| change[2] / (0.5 * TORQUE_SIGNS[2][motor] * pull(change, motor));
+        self.each_pct.iter().chain([&self.mean_pct]).map(share).collect()
     }
 }
 
-impl fmt::Display for Steady {
+fn pull(change: &[f64; 3], motor: usize) -> f64 {
+    0.5 * (TORQUE_SIGNS[0][motor] * change[0] + TORQUE_SIGNS[1][motor] * change[1])
+}
+
+/// A row of the table of flights.
+impl fmt::Display for Flight {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Flight { kind, label, airframe, log, way, thrust_pct, .. } = self;
         let volts = self.battery_v.map_or_else(|| "-".to_owned(), |volts| format!("{volts:.2}"));
-        let [roll, pitch, yaw] = self.share.map(|share| 100.0 * share);
-        writeln!(out, "| {} | {:.3} | {volts} | {roll:+.1} | {pitch:+.1} | {yaw:+.1} |", self.name, self.collective)
-    }
-}
-
-impl fmt::Display for Change {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let told = |axis: usize| format!("{:+.1} +- {:.1}", 100.0 * self.share[axis], 100.0 * self.spread[axis]);
-        writeln!(out, "| **weighted less normal** | | | {} | {} | {} |", told(0), told(1), told(2))?;
+        let [roll, pitch, yaw] = self.trim_pct;
         writeln!(
             out,
-            "\nOf this a weak motor 3 leaves {:.1} %, a weight somewhere {:.1} % (root mean square over the axes).",
-            100.0 * self.left_by_weak_motor,
-            100.0 * self.left_by_weight
+            "| {label}, {airframe}, {kind} {log}, {way} | {thrust_pct:.1} | {volts} | {roll:+.1} | {pitch:+.1} | {yaw:+.1} |"
         )
     }
+}
+
+/// Cells of the table of changes: the mean change about each axis, and half the range of normal flights.
+impl fmt::Display for Change {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for axis in 0..3 {
+            let normal = mean(&self.normal_pct.iter().map(|normal| normal[axis]).collect::<Vec<_>>());
+            write!(out, " {:+.1} ({normal:.1}) |", self.mean_pct[axis])?;
+        }
+        Ok(())
+    }
+}
+
+/// Airframes and labels in which something was changed, in their order.
+pub fn changed_labels(flights: &[Flight]) -> Vec<(&str, &str)> {
+    let changed = flights.iter().filter(|flight| flight.label != NORMAL);
+    let mut labels: Vec<_> = changed.map(|flight| (flight.airframe.as_str(), flight.label.as_str())).collect();
+    labels.sort_unstable();
+    labels.dedup();
+    labels
 }
