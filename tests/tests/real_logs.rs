@@ -3,10 +3,10 @@
 //! The logs are not part of the project. They are looked for in `$SIL_DATA`, else in `../shared/data` beside the
 //! workspace; where they are absent these tests say that they are skipped.
 
-use integration_tests::real_logs::crazyflie::{self, authors, lift_n};
-use integration_tests::real_logs::crazyflie_table::{RollPitch, yaw_of};
-use integration_tests::real_logs::crazypad::{self, Change, MOTOR_3, MOTOR_4};
-use integration_tests::real_logs::{TORQUE_SIGNS, files, load};
+use campaigns::real_logs::crazyflie::{self, authors, lift_n};
+use campaigns::real_logs::crazyflie_table::{RollPitch, yaw_of};
+use campaigns::real_logs::crazypad::{self, Change, MOTOR_3, MOTOR_4};
+use campaigns::real_logs::{TORQUE_SIGNS, files, load};
 use sil_host::axis::Axis;
 use sil_host::diagnosis::{Diagnosis, Subject, Verdict, diagnose};
 use sil_host::fidelity::{Channel, Part, ReplayOptions, replay_axes};

@@ -1,8 +1,8 @@
-//! The tables of docs/real-logs.md: `cargo run --release -p integration-tests --bin real_logs`. The logs are looked for in `$SIL_DATA`.
+//! The tables of docs/real-logs.md: `cargo run --release -p campaigns --bin real_logs`. The logs are looked for in `$SIL_DATA`.
 
-use integration_tests::real_logs::crazyflie::vehicle;
-use integration_tests::real_logs::crazyflie_table::{RollPitch, yaw_of};
-use integration_tests::real_logs::{bench, crazypad, files, folder, load};
+use campaigns::real_logs::crazyflie::vehicle;
+use campaigns::real_logs::crazyflie_table::{RollPitch, yaw_of};
+use campaigns::real_logs::{bench, crazypad, files, folder, load};
 
 fn main() {
     if folder().is_none() {
