@@ -13,7 +13,6 @@ pub mod flight;
 pub mod flight_log;
 pub mod hitl;
 pub mod log;
-pub mod lqi;
 pub mod margins;
 pub mod metrics;
 pub mod model;
