@@ -2,6 +2,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod airframe;
 pub mod attitude;
 pub mod battery;
 pub mod config;
