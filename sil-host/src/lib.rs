@@ -7,6 +7,7 @@ pub mod control_setup;
 pub mod controller_file;
 pub mod cosim;
 pub mod diagnosis;
+mod document;
 pub mod effects;
 pub mod fidelity;
 pub mod flight;

@@ -1,16 +1,20 @@
 //! What is diagnosed: a log, the rig that it comes from, and what of it can be compared.
 
-use super::effects::input_gain::InputGain;
-use super::effects::{Scope, apply_known};
+use super::fitted::Fitted;
 use super::verdict::Rejected;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::shooting::{RigChannels, Shooting, quantity_at};
+use crate::effects::{CatalogueEntry, Effect, Needs, Scope};
 use crate::fidelity::{FidelityError, ReplayOptions, SensorNoise, axis_commands, cut_windows, replay_axes};
 use crate::log::{Log, Quantity};
 use crate::model::{Rig, VehicleModel};
-use crate::prediction::body::{Body, FLYING, TURNING};
-use crate::prediction::force_track::{Commands, Drive};
+use crate::prediction::body::{FLYING, TURNING};
+use crate::prediction::force_track::Commands;
 use crate::prediction::model::{FIRST_FLYING_PLACE, Model, PLACES};
+use crate::vehicle::Scale;
+
+/// Why a log without some column is refused.
+const KNOWN_EFFECT: &str = "is what an effect of the vehicle model acts by";
 
 /// Where the log comes from.
 #[derive(Clone, Copy, Debug)]
@@ -25,12 +29,8 @@ impl Subject<'_> {
     /// The nominal model, with the effects that it is known to have.
     pub(super) fn model(&self) -> Model {
         match self {
-            Subject::Vehicle(vehicle) => {
-                let mut model = Model::nominal(Drive::of(vehicle), Body::of(vehicle));
-                vehicle.effects.iter().for_each(|known| apply_known(known, &mut model));
-                model
-            }
-            Subject::Axes => Model::nominal(Drive::Direct, Body::axes([0.0; 3])),
+            Subject::Vehicle(vehicle) => Model::of(vehicle),
+            Subject::Axes => Model::of_axes([0.0; 3]),
         }
     }
 
@@ -80,14 +80,14 @@ impl Subject<'_> {
     ///
     /// # Errors
     /// As [`replay_axes`].
-    pub(super) fn fitted_along(&self, log: &Log) -> Result<Vec<(InputGain, f64)>, FidelityError> {
+    pub(super) fn fitted_along(&self, log: &Log) -> Result<Vec<(Fitted, f64)>, FidelityError> {
         match self {
             Subject::Vehicle(_) => Ok(Vec::new()),
             Subject::Axes => {
                 let gain_rad_s2 = replay_axes(log, &ReplayOptions::default())?.input_gain_rad_s2;
                 Ok(Axis::ALL
                     .into_iter()
-                    .filter_map(|axis| Some((InputGain(axis), gain_rad_s2[axis.index()]?)))
+                    .filter_map(|axis| Some((Fitted::InputGain(axis), gain_rad_s2[axis.index()]?)))
                     .collect())
             }
         }
@@ -96,44 +96,59 @@ impl Subject<'_> {
     /// What hypotheses make sense.
     pub(super) fn scope(&self, log: &Log) -> Scope {
         let turns = self.turns(log);
-        let vehicle = matches!(self, Subject::Vehicle(_));
         let compared = self.channels(log).compared;
         let rates = [0, 1, 2].map(|axis: usize| log.rate_rad_s[axis].is_some() && compared.contains(&(3 + axis)));
         let angles = [0, 1, 2].map(|axis: usize| log.angle_rad[axis].is_some() && compared.contains(&axis));
         let has_velocity = log.velocity_ned_m_s.iter().all(Option::is_some);
         Scope {
-            axes: [0, 1, 2].map(|axis: usize| rates[axis] || angles[axis]),
-            rates,
-            angles,
-            turns,
-            motors: vehicle,
-            battery: log.battery_v.is_some(),
-            coupled: vehicle,
+            scale: self.scale(),
+            is_vehicle: matches!(self, Subject::Vehicle(_)),
             is_held: self.is_held(),
             flies_free: self.flies_free(),
+            turns,
+            rates,
+            angles,
+            battery: log.battery_v.is_some(),
             pushed: self.flies_free() && (log.accel_body_m_s2[2].is_some() || has_velocity),
             velocity: self.flies_free() && has_velocity,
-            height: self.flies_free().then(|| log.height_m.as_ref()?.first().copied()).flatten(),
+            height_m: self.flies_free().then(|| log.height_m.as_ref()?.first().copied()).flatten(),
         }
     }
 
-    /// What a log of free flight can't be asked, for want of columns.
-    pub(super) fn not_asked(&self, log: &Log) -> Vec<Rejected> {
+    fn scale(&self) -> Scale {
+        match self {
+            Subject::Vehicle(model) => model.scale(),
+            Subject::Axes => Scale::SEPARATE_AXES,
+        }
+    }
+
+    /// What a log of free flight can't be tested for, for want of columns.
+    pub(super) fn not_tested(&self, log: &Log) -> Vec<Rejected> {
         let scope = self.scope(log);
-        let wanting = |is_asked: bool, effects: &[&'static str], reason: &str| -> Vec<Rejected> {
-            let effects = effects.iter().filter(|_| !is_asked && self.flies_free());
-            effects.map(|effect| Rejected { effect, axis: String::new(), reason: reason.to_owned() }).collect()
+        let wanting = |entry: &CatalogueEntry| {
+            let needs = entry.needs.filter(|needs| self.flies_free() && !scope.has(*needs))?;
+            let reason = format!("not tested: {}", needs.missing());
+            Some(Rejected { effect: entry.name, axis: String::new(), reason })
         };
-        [
-            wanting(
-                scope.pushed,
-                &["mass_error"],
-                "not asked: the log has neither az_m_s2 nor vn_m_s, ve_m_s and vd_m_s",
-            ),
-            wanting(scope.velocity, &["rotor_drag", "wind"], "not asked: the log lacks vn_m_s, ve_m_s and vd_m_s"),
-            wanting(scope.height.is_some(), &["ground_effect"], "not asked: the log lacks height_m"),
-        ]
-        .concat()
+        Effect::CATALOGUE.iter().filter_map(wanting).collect()
+    }
+
+    /// Refuses a log without which the model's own effects can't be predicted.
+    ///
+    /// # Errors
+    /// A column that one of them acts by is missing.
+    fn check_known_effects(&self, log: &Log) -> Result<(), FidelityError> {
+        let Subject::Vehicle(model) = self else { return Ok(()) };
+        let scope = self.scope(log);
+        for entry in model.effects.iter().map(Effect::entry) {
+            let column = match entry.needs {
+                Some(Needs::Velocity) if scope.pushed && !scope.velocity => Quantity::Velocity(Axis::Roll),
+                Some(Needs::Height) if scope.height_m.is_none() => Quantity::Height,
+                _ => continue,
+            };
+            return Err(FidelityError::MissingColumn { column: column.name(), why: KNOWN_EFFECT });
+        }
+        Ok(())
     }
 
     /// The log in windows.
@@ -141,6 +156,7 @@ impl Subject<'_> {
     /// # Errors
     /// It has no commands for this rig, or no window.
     pub(super) fn shooting<'l>(&self, log: &'l Log, noise: &SensorNoise) -> Result<Shooting<'l>, FidelityError> {
+        self.check_known_effects(log)?;
         let windows = cut_windows(log)?;
         Ok(Shooting::new(log, self.commands(log)?, windows, noise, &self.channels(log)))
     }

@@ -7,6 +7,7 @@ use crate::axis::Axis;
 use crate::log::Log;
 use crate::model::{Rig, VehicleModel};
 use crate::plant::Plant;
+use crate::vehicle::signed_sums;
 
 /// The commands of a row: motors 1 to 4, or (roll, pitch, yaw, unused).
 pub(super) type Commands = [f64; 4];
@@ -119,9 +120,6 @@ pub(super) struct Drive<'a> {
     height_m: Option<&'a [f64]>,
 }
 
-/// Which way each motor turns the vehicle about (x, y, z): docs/rig.md, "Frames and motors".
-const TORQUE_SIGNS: [[f64; 4]; 3] = [[-1.0, 1.0, 1.0, -1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];
-
 impl<'a> Drive<'a> {
     /// The motors; `None` if the log has none.
     pub(super) fn motors(log: &'a Log) -> Option<Drive<'a>> {
@@ -142,7 +140,7 @@ impl<'a> Drive<'a> {
             columns[i] = match (&log.axis_command[i], log.motors()) {
                 (Some(column), _) => Some(column.as_slice().into()),
                 (None, Some(motors)) => {
-                    let signed_sum = |row| (0..4).map(|m| TORQUE_SIGNS[i][m] * motors[m][row]).sum::<f64>();
+                    let signed_sum = |row: usize| signed_sums(motors.map(|motor| motor[row]))[i];
                     Some((0..log.rows()).map(|row| 0.5 * signed_sum(row)).collect::<Vec<f64>>().into())
                 }
                 (None, None) => None,

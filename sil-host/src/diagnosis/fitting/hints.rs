@@ -1,8 +1,8 @@
 //! Where fits begin that have many local optima: the frequency of a swing and the time of an onset, from what each row's motion misses
 //! of the next row's.
 
-use crate::diagnosis::effects::Hints;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::effects::Hints;
 use crate::prediction::model::Scene;
 
 /// Lowest and highest frequency looked at, Hz; below, less than a period of half a minute shows.
@@ -27,13 +27,8 @@ enum Before {
 
 /// What a log says about its swings and onsets beyond a model.
 pub(in crate::diagnosis) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
-    let rows = shooting.rows();
     let missing = missing_acceleration(shooting, driven, STRETCH_S);
-    let mut hints = Hints {
-        command_range: shooting.command_range(),
-        end_s: rows.last().copied().unwrap_or_default(),
-        ..Hints::default()
-    };
+    let mut hints = Hints { command_range: shooting.command_range(), ..Hints::default() };
     for (axis, series) in missing.iter().enumerate() {
         if let Some(series) = series {
             hints.frequency_hz[axis] = strongest_frequency_hz(series);

@@ -15,9 +15,10 @@ use crate::diagnosis::fitting::process_noise::{AxisNoise, Lost};
 use crate::fidelity::{SensorNoise, Window};
 use crate::log::{Log, Quantity};
 use crate::prediction::body::State;
-use crate::prediction::force_track::{Chain, Commands, ForceTrack};
+use crate::prediction::force_track::{Commands, ForceTrack};
 use crate::prediction::model::{Model, PLACES, Scene, track};
 use crate::statistics::wrapped;
+use crate::vehicle::CommandPath;
 
 /// Change of a start state for a difference quotient, rad or rad/s.
 pub(super) const START_STEP: f64 = 1e-5;
@@ -68,7 +69,7 @@ pub(in crate::diagnosis) struct Shooting<'a> {
     /// Noise of the channels that show forces, beyond their sensors'; none where those are all.
     pub(in crate::diagnosis) carried: Vec<CarriedNoise>,
     /// Forces by what lies between command and motor, all of one drive.
-    tracks: Mutex<Vec<(Chain, Arc<ForceTrack>)>>,
+    tracks: Mutex<Vec<(CommandPath, Arc<ForceTrack>)>>,
 }
 
 /// A model with the forces that the log's commands make in it.
@@ -133,13 +134,13 @@ impl<'a> Shooting<'a> {
     pub(in crate::diagnosis) fn drive(&self, model: Model) -> Driven {
         // whoever died with the lock held has left whole tracks behind
         let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
-        let place = kept.iter().position(|(chain, _)| *chain == model.chain);
-        let (chain, track) = match place {
+        let place = kept.iter().position(|(path, _)| *path == model.changes.chain.path);
+        let (path, track) = match place {
             Some(place) => kept.remove(place),
-            None => (model.chain, Arc::new(track(&model, self.rows(), &self.commands))),
+            None => (model.changes.chain.path, Arc::new(track(&model, self.rows(), &self.commands))),
         };
         // the one used last is forgotten last
-        kept.push((chain, Arc::clone(&track)));
+        kept.push((path, Arc::clone(&track)));
         let surplus = kept.len().saturating_sub(TRACKS_KEPT);
         kept.drain(..surplus);
         Driven { model, track }
@@ -149,7 +150,7 @@ impl<'a> Shooting<'a> {
     pub(in crate::diagnosis) fn measured_state(&self, model: &Model, row: usize) -> State {
         let at = |column: &crate::log::Column| column.as_ref().map_or(0.0, |column| column[row]);
         let reported = (self.log.angle_rad.each_ref().map(at), self.log.rate_rad_s.each_ref().map(at));
-        let (angle_rad, mut rate_rad_s) = model.sensors.undone(reported.0, reported.1);
+        let (angle_rad, mut rate_rad_s) = model.changes.sensors.undone(reported.0, reported.1);
         for (rate, column) in rate_rad_s.iter_mut().zip(&self.log.rate_rad_s) {
             // no measurement is no rate, whatever the bias
             *rate = if column.is_some() { *rate } else { 0.0 };

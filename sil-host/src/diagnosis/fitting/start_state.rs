@@ -49,7 +49,7 @@ impl Shooting<'_> {
 
     /// True for a velocity or the height at a start where these act on nothing.
     pub(super) fn moves_alone(&self, driven: &Driven, component: usize) -> bool {
-        component >= TURNING && driven.model.air.is_void()
+        component >= TURNING && driven.model.changes.air.is_void()
     }
 
     /// Slopes along such a one: a velocity stays as much larger, and the height follows the one that goes down.

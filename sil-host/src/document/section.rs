@@ -9,7 +9,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::{ModelError, Place, Problem};
+use super::error::{ModelError, Position, Problem};
 
 /// The numbers that a key admits, and how to say so.
 #[derive(Clone, Copy, Debug)]
@@ -18,18 +18,26 @@ pub(crate) struct Admissible {
     pub(crate) min: f64,
     /// Largest value.
     pub(crate) max: f64,
-    /// What it is, with its unit: "the arm in metres, motor to centre".
+    /// What it is, with its unit unless that is given apart: "the arm in metres, motor to centre".
     pub(crate) what: &'static str,
+    /// Its unit, given apart; empty for a number without one.
+    pub(crate) unit: Option<&'static str>,
 }
 
 /// Short for [`Admissible`].
 pub(crate) const fn admissible(min: f64, max: f64, what: &'static str) -> Admissible {
-    Admissible { min, max, what }
+    Admissible { min, max, what, unit: None }
 }
 
 impl Admissible {
-    fn describe(&self) -> String {
-        format!("{} ({:?} to {:?})", self.what, self.min, self.max)
+    /// The range in words, with its unit.
+    pub(crate) fn describe(&self) -> String {
+        let what = match self.unit {
+            None => self.what.to_owned(),
+            Some("") => format!("the {}", self.what),
+            Some(unit) => format!("the {} in {unit}", self.what),
+        };
+        format!("{what} ({:?} to {:?})", self.min, self.max)
     }
 }
 
@@ -52,7 +60,11 @@ impl<'a> Source<'a> {
     }
 
     fn error(&self, span: Range<usize>, problem: Problem) -> ModelError {
-        ModelError::Invalid { file: self.name.to_owned(), place: Place::of_offset(self.text, span.start), problem }
+        ModelError::Invalid {
+            file: self.name.to_owned(),
+            position: Position::of_offset(self.text, span.start),
+            problem,
+        }
     }
 }
 

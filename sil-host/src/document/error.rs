@@ -14,50 +14,50 @@ pub enum ModelError {
         source: std::io::Error,
     },
     /// The text was read, and something in it is wrong.
-    #[error("{file}:{place}: {problem}")]
+    #[error("{file}:{position}: {problem}")]
     Invalid {
         /// Name of the file or of the source of the text.
         file: String,
         /// Where in it.
-        place: Place,
+        position: Position,
         /// What is wrong, and what was expected.
         problem: Problem,
     },
 }
 
-/// A place in a text; both numbers start at 1, columns count characters.
+/// A position in a text; both numbers start at 1, columns count characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct Position {
     /// Line.
     pub line: usize,
     /// Column.
     pub column: usize,
 }
 
-impl Place {
-    /// The place of byte `offset` of `text`; its end if the offset lies beyond.
+impl Position {
+    /// The position of byte `offset` of `text`; its end if the offset lies beyond.
     pub(crate) fn of_offset(text: &str, offset: usize) -> Self {
         let before = text.char_indices().take_while(|(index, _)| *index < offset).map(|(_, character)| character);
-        let mut place = Self { line: 1, column: 1 };
+        let mut position = Self { line: 1, column: 1 };
         for character in before {
             if character == '\n' {
-                place.line += 1;
-                place.column = 1;
+                position.line += 1;
+                position.column = 1;
             } else {
-                place.column += 1;
+                position.column += 1;
             }
         }
-        place
+        position
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Position {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{}:{}", self.line, self.column)
     }
 }
 
-/// What is wrong at a place.
+/// What is wrong at a position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// Not TOML.
