@@ -242,8 +242,8 @@ fn hint(value: f64, quantity: Quantity) -> String {
         return " (a pulse width in us? give scale and offset in a --map)".to_owned();
     }
     let plausible_in_other_unit = !is_command || value.abs() <= 105.0;
-    match quantity.name_in_other_unit() {
-        Some(name) if plausible_in_other_unit => {
+    match quantity.names().nth(1) {
+        Some((name, _)) if plausible_in_other_unit => {
             format!(" (another unit? a column named {name} is converted)")
         }
         _ => String::new(),
