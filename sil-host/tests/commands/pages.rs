@@ -11,7 +11,7 @@ use sil_host::effects::Effect;
 use sil_host::log::Quantity;
 use sil_host::model::Rig;
 
-use crate::sil::{Folder, RIG_LOG, instance_files};
+use crate::sil::{instance_files, Folder, RIG_LOG};
 
 const UPDATE: &str = "UPDATE_PAGES=1 cargo test -p sil-host --test commands pages";
 const THESIS_MPC: &str = include_str!("../../demonstration/thesis-mpc.toml");
@@ -93,7 +93,8 @@ fn pages_list_every_column_of_a_log() {
         let (_, unit) = kind[0].names().next().unwrap();
         let others: Vec<_> = kind[0].names().skip(1).map(|(name, unit)| format!("{unit} (`{name}`)")).collect();
         let range = kind[0].range();
-        let range = if *range.end() < f64::MAX { format!("{} to {}", range.start(), range.end()) } else { "any".into() };
+        let range =
+            if *range.end() < f64::MAX { format!("{} to {}", range.start(), range.end()) } else { "any".into() };
         vec![names.join(", "), unit.to_owned(), others.join(", "), range, kind[0].meaning().to_owned()]
     });
     let head = ["columns", "unit", "other units that are read", "range", "meaning"];
@@ -158,7 +159,10 @@ fn assert_described(command: &str, json: &Value) {
         let described = rows.iter().find(|(row, _)| row == field || is_under(field, row));
         let (row, types) = described.unwrap_or_else(|| panic!("docs/commands.md, {command}: `{field}` is not there"));
         let fits = row.ends_with(".*") || types.split(" or ").any(|one| one == *kind || types.is_empty());
-        assert!(fits || (*kind == "integer" && types.contains("number")), "{command}: `{field}` is {kind}, not {types}");
+        assert!(
+            fits || (*kind == "integer" && types.contains("number")),
+            "{command}: `{field}` is {kind}, not {types}"
+        );
     }
     for (row, _) in &rows {
         let exists = fields.iter().any(|(field, _)| field == row || is_under(field, row));
