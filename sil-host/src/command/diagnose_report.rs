@@ -62,7 +62,8 @@ fn improvement(answer: &Diagnosis) -> Option<String> {
     ))
 }
 
-/// True for the log of a free vehicle in which more is compared than what turns: the table of horizons tells of all of it.
+/// True for the log of a free vehicle in which more is compared than what turns: the table of horizons tells of all of
+/// it.
 pub fn compares_more_than_turning(answer: &Diagnosis) -> bool {
     answer.horizons.iter().flat_map(|horizon| &horizon.errors).any(|error| error.unit.starts_with('m'))
 }

@@ -25,8 +25,8 @@ use super::{
 A script is TOML: duration_s, then [[step]] with at_s, roll_deg, pitch_deg, yaw_rate_deg_s, throttle or (free) climb_m.\n\
 A controller file is TOML: controller, rate_hz, control_horizon, and [tuning] with what differs from the vehicle's own.")]
 pub struct FlyArguments {
-    /// Which controller flies: the PID cascade of APM:Copter, model predictive control with the cascade as fallback, one
-    /// after the other, or what a file says
+    /// Which controller flies: the PID cascade of APM:Copter, model predictive control with the cascade as fallback,
+    /// one after the other, or what a file says
     #[arg(long, value_name = "pid|mpc|both|C.toml", default_value = BOTH)]
     controller: String,
     /// Which rig holds the vehicle [default: that of the model, else gimbal]

@@ -16,7 +16,8 @@ pub struct LogArguments {
     /// The log: CSV or CSV.gz
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller, crazypad_motor)
+    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller,
+    /// crazypad_motor)
     #[arg(long, value_name = "MAP")]
     map: Option<String>,
     /// Only the rows from this time on, s
@@ -71,9 +72,9 @@ impl LogArguments {
         }
     }
 
-    /// The vehicle that the log is of; none for separate axes, with which an option that `wants_vehicle` can't be given. The rig is
-    /// the one that was said; else the model's; else `axis` for a log in other people's columns, which is of other people's
-    /// vehicle, or without motors.
+    /// The vehicle that the log is of; none for separate axes, with which an option that `wants_vehicle` can't be
+    /// given. The rig is the one that was said; else the model's; else `axis` for a log in other people's columns,
+    /// which is of other people's vehicle, or without motors.
     pub fn vehicle(&self, log: &Log, wants_vehicle: Option<&str>) -> Result<Option<VehicleModel>, Failure> {
         let foreign = self.map.is_some() || log.driven_by_axis_commands();
         let rig = match self.rig {

@@ -24,7 +24,8 @@ pub struct SynthArguments {
     /// Rows per second
     #[arg(long, value_name = "HZ", default_value_t = 200, value_parser = clap::value_parser!(u32).range(10..=1000))]
     rate: u32,
-    /// Steps of the controller per second [default: that of the controller file, else the larger of 400 and the log's rate]
+    /// Steps of the controller per second
+    /// [default: that of the controller file, else the larger of 400 and the log's rate]
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(50..=1000))]
     control_rate: Option<u32>,
     /// Collective command at hover, 0..1 [default: the model's]

@@ -9,7 +9,8 @@
 //! time_s    = { column = "t" }
 //! pitch_deg = { column = "theta", sign = -1, scale = 1.0, offset = 0.0 }
 //! ```
-//! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; then the frame is turned.
+//! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; then the frame is
+//! turned.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -95,7 +96,8 @@ impl Map {
     /// Neither exists, or the file is no map; the message says where and what was expected.
     pub fn load(path_or_name: &str) -> Result<Map, LogError> {
         if Path::new(path_or_name).exists() {
-            let text = super::source::load_text(Path::new(path_or_name))?;
+            let bytes = super::source::load(Path::new(path_or_name))?;
+            let text = super::source::text(path_or_name, bytes)?;
             return Map::parse(path_or_name, &text);
         }
         let built_in = BUILT_IN_MAPS.iter().find(|(name, _)| *name == path_or_name);

@@ -11,7 +11,7 @@ use sil_host::effects::Effect;
 use sil_host::log::Quantity;
 use sil_host::model::Rig;
 
-use crate::sil::{instance_files, Folder, RIG_LOG};
+use crate::sil::{Folder, RIG_LOG, instance_files};
 
 const UPDATE: &str = "UPDATE_PAGES=1 cargo test -p sil-host --test commands pages";
 const THESIS_MPC: &str = include_str!("../../demonstration/thesis-mpc.toml");
