@@ -29,10 +29,10 @@ pub struct LogArguments {
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
-    /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
+    /// Which rig held the vehicle [default: axis for a log read by a map or without motors, else the model's]
     #[arg(long, value_enum)]
     rig: Option<LogRig>,
-    /// What flew: pid, mpc, or a controller file; without it nothing is said of the controller
+    /// Controller that flew: pid, mpc, or a controller file; without it the controller is not examined
     #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
     controller: Option<String>,
 }
@@ -64,7 +64,7 @@ impl LogArguments {
         self.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)
     }
 
-    /// A log that can't be held against what was said of it.
+    /// The failure for a log that does not fit the options given for it.
     pub fn refused(&self, log: &Log, error: &ComparisonError) -> Failure {
         match (error, &self.controller) {
             (ComparisonError::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),

@@ -24,7 +24,7 @@ use std::path::Path;
 use clap::{Parser, Subcommand, ValueEnum};
 use sil_host::model::{Rig, VehicleModel};
 
-/// Quadrotor attitude control in simulation: fly the thesis' testbed, hold the simulation against measured logs.
+/// Quadrotor attitude control in simulation: fly the thesis' testbed, compare the simulation with measured logs.
 ///
 /// Without a subcommand: the demonstration. It flies the test sequence under the PID cascade and under MPC, compares a
 /// rig log with the simulation, names what the simulation gets wrong, and writes a report.

@@ -34,16 +34,16 @@ pub struct SynthArguments {
     /// Standard deviations of attitude and gyro [default: the model's]
     #[arg(long, value_name = "ANGLE_RAD,RATE_RAD_S")]
     noise: Option<String>,
-    /// Rows are late by |N(0, S)|
+    /// Delay each row by |N(0, S)|, s
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     jitter: f64,
-    /// Share of the rows that are missing, each by chance
+    /// Leave out this share of the rows, at random
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true)]
     drop_out: f64,
     /// Log the battery's voltage even where no effect depends on it
     #[arg(long)]
     battery: bool,
-    /// Leave all out of the log's comments but that it is synthetic
+    /// Write nothing into the log's comments but that it is synthetic
     #[arg(long)]
     blind: bool,
     /// Seed of noise, jitter and drop-outs
@@ -58,7 +58,7 @@ pub struct SynthArguments {
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
-    /// Write what the log is like as JSON
+    /// Write rows, length and rate as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
     /// The log to write
