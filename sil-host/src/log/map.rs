@@ -271,8 +271,9 @@ mod tests {
         let text = |frame: &str| {
             format!(
                 "description = \"\"\nframe = \"{frame}\"\naxes = [\"roll\", \"pitch\", \"yaw\"]\n[quantities]\n\
-                 time_ms = {{ column = \"t\" }}\np_rad_s = {{ column = \"gx\" }}\nq_deg_s = {{ column = \"gy\", scale = 2, offset = 3 }}\n\
-                 r_rad_s = {{ column = \"gz\", sign = -1 }}\nroll_cmd = {{ column = \"a\" }}\npitch_cmd = {{ column = \"b\" }}\nyaw_cmd = {{ column = \"c\" }}\n"
+                 time_ms = {{ column = \"t\" }}\np_rad_s = {{ column = \"gx\" }}\n\
+                 q_deg_s = {{ column = \"gy\", scale = 2, offset = 3 }}\nr_rad_s = {{ column = \"gz\", sign = -1 }}\n\
+                 roll_cmd = {{ column = \"a\" }}\npitch_cmd = {{ column = \"b\" }}\nyaw_cmd = {{ column = \"c\" }}\n"
             )
         };
         let [frd, flu] = ["FRD", "FLU"].map(|frame| Map::parse("m", &text(frame)).unwrap());

@@ -63,7 +63,7 @@ fn named_paths(line: &str) -> impl Iterator<Item = &str> {
     let words = line.split_whitespace().filter(|word| !word.contains("://") && !word.contains("]("));
     words.flat_map(move |word| {
         // a pattern, or a path that goes on with what is computed, names no one file
-        let is_pattern = word.contains(['*', '{', '<', '$', '~', '…']);
+        let is_pattern = word.contains(['*', '{', '<', '$', '~', '…']) || word.contains("NAME");
         word.split(move |c| !is_part(c))
             .filter(move |_| !is_pattern)
             .map(|part| part.trim_matches('.'))
@@ -130,7 +130,10 @@ mod tests {
         for (path, text) in [
             ("sil-host/src/lib.rs", "// docs/here.md, `sil-host/src/lib.rs`, src/lib.rs; NOTES.md and (tests/board/)."),
             ("docs/own.md", "[a](here.md), [b](here.md#part), [c](../README.md), [d](https://a.org/b.md), [e](#own)"),
-            ("docs/own.md", "| `sil-host/src/` | docs/*.md, out/report.html and https://a.org/docs/gone.md |"),
+            (
+                "docs/own.md",
+                "| `sil-host/src/` | docs/*.md, docs/NAME.md, out/report.html and https://a.org/docs/gone.md |",
+            ),
         ] {
             assert_eq!(messages(path, text), [""; 0], "{text}");
         }
