@@ -66,7 +66,6 @@ pub mod flight;
 pub mod flight_log;
 pub mod hitl;
 pub mod log;
-pub mod lqi;
 pub mod margins;
 pub mod metrics;
 pub mod model;

@@ -1,8 +1,8 @@
-//! MPC against the cascade: `cargo run --release -p integration-tests --bin controller_comparison -- [scan | tune |
-//! DRAWS]`. `scan` tunes both at several shapings, `tune` writes the controller files under tests/comparison, and otherwise
+//! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune |
+//! DRAWS]`. `scan` tunes both at several shapings, `tune` writes the controller files under tests/campaigns/comparison, otherwise
 //! the tables over so many draws (200) come out.
 
-use integration_tests::comparison::campaign;
+use campaigns::comparison::campaign;
 
 fn main() {
     // flights are many and short; more threads than this are somebody else's

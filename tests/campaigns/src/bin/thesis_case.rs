@@ -1,8 +1,6 @@
-//! The tables of docs/thesis-case.md: `cargo run --release -p integration-tests --bin thesis_case`.
+//! The tables of docs/thesis-case.md: `cargo run --release -p campaigns --bin thesis_case`.
 
-use integration_tests::thesis_case::{
-    Diagnosed, RING_MOMENT_NM, Tracking, controllers, log_of, off_balance, thesis_mpc,
-};
+use campaigns::thesis_case::{Diagnosed, RING_MOMENT_NM, Tracking, controllers, log_of, off_balance, thesis_mpc};
 use shared_control::config::Controller;
 use sil_host::comparison::{Subject, Vehicle, compare};
 use sil_host::controller_file::ControllerChoice;

@@ -26,7 +26,7 @@ const SEED: u64 = 1;
 
 /// The thesis' MPC.
 pub fn thesis_mpc() -> ControllerChoice {
-    let text = include_str!("../../sil-host/demonstration/thesis-mpc.toml");
+    let text = include_str!("../../../sil-host/demonstration/thesis-mpc.toml");
     ControllerChoice::parse(text, "thesis-mpc.toml").expect("a controller file")
 }
 

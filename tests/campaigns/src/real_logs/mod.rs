@@ -16,7 +16,7 @@ use sil_host::log::{Log, Map, read};
 
 /// The folder of real logs, or a loud line and nothing.
 pub fn folder() -> Option<PathBuf> {
-    let beside_workspace = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
+    let beside_workspace = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
     let folder = std::env::var_os("SIL_DATA").map_or_else(beside_workspace, PathBuf::from);
     if folder.is_dir() {
         return Some(folder);

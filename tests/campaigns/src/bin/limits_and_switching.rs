@@ -1,7 +1,7 @@
 //! What the motors' limits and several linearisations do in flight, as the tables of docs/motor-limits.md and
-//! docs/switching-mpc.md: `cargo run --release -p integration-tests --bin limits_and_switching`.
+//! docs/switching-mpc.md: `cargo run --release -p campaigns --bin limits_and_switching`.
 
-use integration_tests::steps::{Flown, route};
+use campaigns::limits_and_switching::{Flown, route};
 use sil_host::controller_file::{ReferenceName, TuningChange};
 use sil_host::effects::Effect;
 use sil_host::model::{Rig, VehicleModel};

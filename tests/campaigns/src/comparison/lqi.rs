@@ -15,6 +15,7 @@
 use nalgebra::{Matrix4, RowVector4, Vector4};
 use shared_control::mpc::{HORIZON, MpcSettings, Preview};
 use shared_control::signals::{Plan, PlanRequest, PlanStatus};
+use sil_host::planner::Law;
 
 /// Most steps of the iteration to the Riccati equation's solution; it ends when nothing changes any more.
 const RICCATI_STEPS_MAX: usize = 100_000;
@@ -48,8 +49,14 @@ impl Lqi {
         }
     }
 
-    /// Answers one request.
-    pub fn plan(&self, request: &PlanRequest) -> Plan {
+    /// Per axis the weights of (angle in rad, rate in rad/s, motors' torque in N m, previous torque in N m) in the torque.
+    pub fn feedback(&self) -> [[f64; 4]; 3] {
+        self.axes.map(|axis| [0, 1, 2, 3].map(|state| axis.feedback[state]))
+    }
+}
+
+impl Law for Lqi {
+    fn plan(&self, request: &PlanRequest) -> Plan {
         let references_rad = self.preview.references_rad(request);
         let torque_nm = [0, 1, 2].map(|axis| {
             let known_rad = &references_rad[axis][..self.known_steps];
@@ -58,9 +65,8 @@ impl Lqi {
         Plan { step: request.step, torque_nm, status: PlanStatus::Solved, iterations: 0, duration_us: 0 }
     }
 
-    /// Per axis the weights of (angle in rad, rate in rad/s, motors' torque in N m, previous torque in N m) in the torque.
-    pub fn feedback(&self) -> [[f64; 4]; 3] {
-        self.axes.map(|axis| [0, 1, 2, 3].map(|state| axis.feedback[state]))
+    fn unconstrained_gain(&self) -> [[f32; 4]; 3] {
+        self.feedback().map(|axis| axis.map(|gain| gain as f32))
     }
 }
 
@@ -150,12 +156,12 @@ fn riccati(a: &Matrix4<f64>, b: &Vector4<f64>, q: &Matrix4<f64>, rho: f64) -> Ma
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control_setup::{mpc_settings, vehicle_parameters};
-    use crate::model::{Rig, VehicleModel};
-    use crate::planner::Planner;
     use shared_control::attitude::angle::AngleState;
     use shared_control::config::Tuning;
     use shared_control::signals::Setpoint;
+    use sil_host::control_setup::{mpc_settings, vehicle_parameters};
+    use sil_host::model::{Rig, VehicleModel};
+    use sil_host::planner::Planner;
 
     fn settings(lag_s: f32) -> MpcSettings {
         let model = VehicleModel::nominal(Rig::Gimbal);

@@ -1,17 +1,19 @@
 //! A controller that takes part: what `sil fly --controller FILE` flies, on vehicles that are not what it believes.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use sil_host::control_setup::mpc_settings;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::cosim::{self, control_side::ControlSide, record::FlightRecord};
 use sil_host::flight::FlightSetup;
-use sil_host::lqi::Lqi;
 use sil_host::metrics::{self, AxisMetrics};
 use sil_host::planner::Planner;
 use sil_host::plant::Plant;
 use sil_host::scenario::Scenario;
 
 use super::draw::Draw;
+use super::lqi::Lqi;
 
 /// Weight of overshoot in the cost, degrees per %.
 const OVERSHOOT_WEIGHT_DEG: f64 = 0.1;
@@ -113,7 +115,7 @@ impl Contender {
             return control;
         }
         let problem = mpc_settings(&setup.known_model(), &setup.tuning(), self.choice.rate_hz);
-        ControlSide::new(*control.config(), Some(Planner::Lqi(Box::new(Lqi::new(&problem)))))
+        ControlSide::new(*control.config(), Some(Planner::Law(Arc::new(Lqi::new(&problem)))))
     }
 
     /// The MPC's law where no bound is active; none for the cascade.

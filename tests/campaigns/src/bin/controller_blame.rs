@@ -1,7 +1,7 @@
-//! The controller's share of the blame: `cargo run --release -p integration-tests --bin controller_blame -- [FIRST [COUNT]]`
+//! The controller's share of the blame: `cargo run --release -p campaigns --bin controller_blame -- [FIRST [COUNT]]`
 //! flies COUNT logs with one changed number and as many with none.
 
-use integration_tests::controller_blame::{Case, Score};
+use campaigns::controller_blame::{Case, Score};
 
 fn main() {
     let mut arguments = std::env::args().skip(1).map(|argument| argument.parse::<u64>().expect("a number"));

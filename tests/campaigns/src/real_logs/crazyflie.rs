@@ -50,7 +50,7 @@ pub fn lift_slope_n([_, linear, square]: [f64; 3], command: f64) -> f64 {
 /// # Panics
 /// The file is gone.
 pub fn vehicle() -> VehicleModel {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/crazyflie-free.toml");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/crazyflie-free.toml");
     VehicleModel::load(path.as_ref()).expect("a model that ships")
 }
 

@@ -1,8 +1,8 @@
-//! The blind campaigns: `cargo run --release -p integration-tests --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST [FOLDER]]]]`, CAMPAIGN
+//! The blind campaigns: `cargo run --release -p campaigns --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST [FOLDER]]]]`, CAMPAIGN
 //! one of singles, nominal, lost-commands, pairs, triples, outside, free; all of them without one. Tables go to the terminal, every case before
 //! them as it is done; logs go to the folder, where one is given.
 
-use integration_tests::blind::{Campaign, Case, Outcome};
+use campaigns::blind::{Campaign, Case, Outcome};
 
 fn main() {
     // cases are many; more threads than this are somebody else's

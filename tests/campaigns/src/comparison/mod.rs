@@ -11,6 +11,7 @@ pub mod contenders;
 pub mod draw;
 pub mod hover;
 pub mod linear_loop;
+pub mod lqi;
 pub mod search;
 pub mod stability;
 pub mod statistics;

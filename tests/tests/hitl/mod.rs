@@ -4,7 +4,7 @@ mod board_twin;
 
 use std::io::{Read, Write};
 
-use board_twin::BoardTwin;
+use self::board_twin::BoardTwin;
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, HilSensorUpdatedFlags, MavCmd, MavType,
 };
