@@ -9,8 +9,8 @@ use mavlink::dialects::common::{
     COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, HilSensorUpdatedFlags, MavCmd, MavType,
 };
 use shared_control::config::Controller;
-use shared_control::imu_health::ImuFault;
 use shared_control::params::Params;
+use shared_control::sensing::imu_health::ImuFault;
 use shared_control::signals::ArmingBlocks;
 use shared_control::supervisor::{Arming, DisarmedBecause};
 use sil_host::controller_file::ControllerChoice;

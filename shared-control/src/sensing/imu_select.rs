@@ -1,23 +1,22 @@
 //! Two IMUs: which of them is flown with, and the attitude from it.
 //!
-//! Both are conditioned, judged and calibrated at rest all the time, each for itself. On the ground the first is used if it
-//! is good, else the second if that is. While motors turn there is one way only: from the first, when it is bad, to the
-//! second, if that is good and calibrated; never back, since a sensor that failed once has nothing to say for itself.
+//! Both are conditioned, judged and calibrated at rest all the time, each for itself. On the ground the first is used
+//! if it is good, else the second if that is. While motors turn there is one way only: from the first, when it is bad,
+//! to the second, if that is good and calibrated; never back, since a sensor that failed once has nothing to say for
+//! itself.
 //!
-//! A fault takes a few samples to be found, and the attitude has followed the bad ones meanwhile. So from the first sign
-//! of it on a second attitude is kept beside, which goes on from the last good one by the standby's gyro; at the switch it
-//! becomes the attitude.
+//! A fault takes a few samples to be found, and the attitude has followed the bad ones meanwhile. So from the first
+//! sign of it on a second attitude is kept beside, which goes on from the last good one by the standby's gyro; at the
+//! switch it becomes the attitude.
 
 use nalgebra::UnitQuaternion;
 
-use crate::config::Config;
-use crate::estimator::{self, EstimatorConfig, EstimatorState, measured_down};
-use crate::gyro_bias::GyroBias;
-use crate::imu::{self, ImuConfig, ImuState, ImuStep};
-use crate::imu_health::{ImuHealth, ImuHealthState};
+use crate::record::state_words::StateWords;
+use crate::sensing::estimator::{self, EstimatorConfig, EstimatorState, measured_down};
+use crate::sensing::gyro_bias::GyroBias;
+use crate::sensing::imu::{self, ImuConfig, ImuState, ImuStep};
+use crate::sensing::imu_health::{ImuHealth, ImuHealthState};
 use crate::signals::{AttitudeEstimate, RawImuSample, StepInput};
-use crate::state_words::StateWords;
-use crate::trace::number_of_unit;
 
 /// One of the IMUs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,25 +28,33 @@ pub enum ImuUnit {
     Second,
 }
 
+impl ImuUnit {
+    /// Its number in a trace and in the words of a state.
+    pub fn number(&self) -> u32 {
+        match self {
+            ImuUnit::First => 0,
+            ImuUnit::Second => 1,
+        }
+    }
+}
+
+/// Conditioning of both, and the attitude from them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensingConfig {
+    /// The first IMU.
+    pub imu: ImuConfig,
+    /// The second.
+    pub imu_second: ImuConfig,
+    /// Attitude from the one in use.
+    pub estimator: EstimatorConfig,
+}
+
 /// What is remembered of one IMU.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct UnitState {
     conditioning: ImuState,
     health: ImuHealthState,
     gyro: GyroBias,
-}
-
-impl ImuPairState {
-    pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { first, second, in_use, q_by_standby } = self;
-        for UnitState { conditioning, health, gyro } in [first, second] {
-            conditioning.record(words);
-            health.record(words);
-            gyro.record(words);
-        }
-        words.word(number_of_unit(*in_use));
-        words.rotation(q_by_standby);
-    }
 }
 
 /// One IMU's news of a step.
@@ -68,6 +75,19 @@ pub struct ImuPairState {
     q_by_standby: UnitQuaternion<f32>,
 }
 
+impl ImuPairState {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { first, second, in_use, q_by_standby } = self;
+        for UnitState { conditioning, health, gyro } in [first, second] {
+            conditioning.record(words);
+            health.record(words);
+            gyro.record(words);
+        }
+        words.word(in_use.number());
+        words.rotation(q_by_standby);
+    }
+}
+
 /// What a step found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImuFindings {
@@ -85,7 +105,7 @@ pub struct ImuFindings {
 
 /// Takes the samples of a step, chooses the unit, and brings the attitude up to date. `motors_turned` until now.
 pub fn update(
-    config: &Config,
+    config: &SensingConfig,
     pair: &mut ImuPairState,
     attitude: &mut EstimatorState,
     input: &StepInput,
@@ -149,7 +169,7 @@ fn calibrate_standby(config: &EstimatorConfig, gyro: &mut GyroBias, news: &News,
         gyro.distrust();
     } else if news.step.is_usable() {
         let down_body = measured_down(config, &news.step.specific_force_m_s2).map(|(down_body, _)| down_body);
-        gyro.average_at_rest(config, &news.step, down_body);
+        gyro.average_at_rest(&config.gyro_bias, &news.step, down_body);
     }
 }
 

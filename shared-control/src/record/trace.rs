@@ -1,17 +1,15 @@
 //! One step as plain words: what a running image shows of itself, so that a host can repeat the step and compare bits.
 
-use crate::flight_core::{State, StepOutput, TorqueSource};
-use crate::imu_health::{ImuFault, ImuHealth};
-use crate::imu_select::ImuUnit;
-use crate::signals::{
-    ArmingBlocks, ArmingRequest, IMU_SAMPLES_MAX, ImuBatch, MotorTest, Plan, PlanStatus, RawImuSample, Setpoint,
-    StepInput,
+use super::input_words::{
+    batch_of_words, halves, link_of_words, plan_of_words, record_batch, request_of_words, whole, words_of_plan,
+    words_of_request,
 };
-use crate::state_words::STATE_WORDS;
-use crate::supervisor::Arming;
+use super::state_words::STATE_WORDS;
+use crate::flight_core::{State, StepOutput};
+use crate::signals::{ArmingBlocks, IMU_SAMPLES_MAX, Setpoint, StepInput};
 
 /// Input and output of a step. All words are `u32`, so that every target lays it out alike; `f32` as bits, 64-bit times
-/// low word first, enums as the numbers of the functions below.
+/// low word first, enums as their `number()`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepTrace {
@@ -41,15 +39,15 @@ pub struct StepTrace {
     pub plan: [u32; 8],
     /// Compare values of motors 1 to 4.
     pub compare_counts: [u32; 4],
-    /// 0 armed, 1 disarmed, 2 motor test, 3 link lost.
+    /// [`Arming::number`](crate::supervisor::Arming::number).
     pub arming: u32,
-    /// IMU in use: 0 the first, 1 the second.
+    /// IMU in use: [`ImuUnit::number`](crate::sensing::imu_select::ImuUnit::number).
     pub imu_unit: u32,
-    /// Of the IMU in use: 0 good, 1 stale, 2 bus dead, 3 stuck, 4 out of range.
+    /// Of the IMU in use: [`ImuHealth::number`](crate::sensing::imu_health::ImuHealth::number).
     pub imu_health: u32,
     /// The same of the other.
     pub standby_health: u32,
-    /// Who made the torque.
+    /// Who made the torque: [`TorqueSource::number`](crate::flight_core::TorqueSource::number).
     pub source: u32,
     /// Commands of motors 1 to 4.
     pub commands: [u32; 4],
@@ -127,11 +125,11 @@ impl StepTrace {
         let [torque_x, torque_y, torque_z] = output.wrench.torque_body_nm;
         let q = &estimate.q_world_from_body;
         self.compare_counts = output.compare_counts.map(u32::from);
-        self.arming = number_of_arming(output.arming);
-        self.imu_unit = number_of_unit(output.imu_unit);
-        self.imu_health = number_of_health(output.imu_health);
-        self.standby_health = number_of_health(output.standby_health);
-        self.source = number_of_source(output.source);
+        self.arming = output.arming.number();
+        self.imu_unit = output.imu_unit.number();
+        self.imu_health = output.imu_health.number();
+        self.standby_health = output.standby_health.number();
+        self.source = output.source.number();
         self.commands = output.mix.commands.0.map(f32::to_bits);
         self.unmet_torque_nm = output.mix.unmet_torque_nm.map(f32::to_bits);
         self.wrench = [output.wrench.lift_per_motor_n, torque_x, torque_y, torque_z].map(f32::to_bits);
@@ -162,148 +160,12 @@ impl StepTrace {
     }
 }
 
-fn halves(value: u64) -> [u32; 2] {
-    [value as u32, (value >> 32) as u32]
-}
-
-fn whole([low, high]: [u32; 2]) -> u64 {
-    u64::from(high) << 32 | u64::from(low)
-}
-
-/// Returns their number.
-fn record_batch(words: &mut [[u32; 8]; IMU_SAMPLES_MAX], batch: &ImuBatch) -> u32 {
-    for (words, sample) in words.iter_mut().zip(batch) {
-        *words = words_of_sample(sample);
-    }
-    batch.len() as u32
-}
-
-fn batch_of_words(words: &[[u32; 8]; IMU_SAMPLES_MAX], samples: u32) -> ImuBatch {
-    words.iter().take(samples as usize).map(sample_of_words).collect()
-}
-
-fn words_of_sample(sample: &RawImuSample) -> [u32; 8] {
-    let [low, high] = halves(sample.time_us);
-    let [gx, gy, gz] = sample.gyro_counts.map(|count| i32::from(count) as u32);
-    let [ax, ay, az] = sample.accel_counts.map(|count| i32::from(count) as u32);
-    [low, high, gx, gy, gz, ax, ay, az]
-}
-
-fn sample_of_words(words: &[u32; 8]) -> RawImuSample {
-    let [low, high, gyro @ .., ax, ay, az] = *words;
-    let gyro: [u32; 3] = gyro;
-    RawImuSample {
-        time_us: whole([low, high]),
-        gyro_counts: gyro.map(|word| word as i16),
-        accel_counts: [ax, ay, az].map(|word| word as i16),
-    }
-}
-
-fn words_of_request(request: &ArmingRequest) -> [u32; 4] {
-    match *request {
-        ArmingRequest::None => [0; 4],
-        ArmingRequest::Arm => [1, 0, 0, 0],
-        ArmingRequest::Disarm => [2, 0, 0, 0],
-        ArmingRequest::MotorTest(MotorTest { motor, throttle_percent, duration_ms }) => {
-            [3, u32::from(motor), u32::from(throttle_percent), u32::from(duration_ms)]
-        }
-    }
-}
-
-fn request_of_words(words: &[u32; 4]) -> ArmingRequest {
-    match *words {
-        [0, ..] => ArmingRequest::None,
-        [1, ..] => ArmingRequest::Arm,
-        [2, ..] => ArmingRequest::Disarm,
-        [_, motor, percent, ms] => ArmingRequest::MotorTest(MotorTest {
-            motor: motor as u8,
-            throttle_percent: percent as u8,
-            duration_ms: ms as u16,
-        }),
-    }
-}
-
-fn link_of_words([known, low, high]: [u32; 3]) -> Option<u64> {
-    (known == 1).then_some(whole([low, high]))
-}
-
-fn words_of_plan(plan: &Plan) -> [u32; 8] {
-    let [roll, pitch, yaw] = plan.torque_nm.map(f32::to_bits);
-    let (status, iterations) = (number_of_status(plan.status), u32::from(plan.iterations));
-    [1, plan.step, status, iterations, plan.duration_us, roll, pitch, yaw]
-}
-
-fn plan_of_words(words: &[u32; 8]) -> Option<Plan> {
-    let [known, step, status, iterations, duration_us, torque @ ..] = *words;
-    let status = match status {
-        0 => PlanStatus::Solved,
-        1 => PlanStatus::IterationLimit,
-        2 => PlanStatus::Infeasible,
-        _ => PlanStatus::NumericalError,
-    };
-    (known == 1).then_some(Plan {
-        step,
-        torque_nm: torque.map(f32::from_bits),
-        status,
-        iterations: iterations as u16,
-        duration_us,
-    })
-}
-
-fn number_of_status(status: PlanStatus) -> u32 {
-    match status {
-        PlanStatus::Solved => 0,
-        PlanStatus::IterationLimit => 1,
-        PlanStatus::Infeasible => 2,
-        PlanStatus::NumericalError => 3,
-    }
-}
-
-/// Who made a torque, as a number.
-pub(crate) fn number_of_source(source: TorqueSource) -> u32 {
-    match source {
-        TorqueSource::Disarmed => 0,
-        TorqueSource::Cascade => 1,
-        TorqueSource::Mpc => 2,
-        TorqueSource::CascadeNoPlan => 3,
-        TorqueSource::MotorTest => 4,
-        TorqueSource::CascadeUnsolved(status) => 5 + number_of_status(status),
-        TorqueSource::Idle => 9,
-    }
-}
-
-fn number_of_arming(arming: Arming) -> u32 {
-    match arming {
-        Arming::Armed => 0,
-        Arming::Disarmed(_) => 1,
-        Arming::MotorTest { .. } => 2,
-        Arming::LinkLost { .. } => 3,
-    }
-}
-
-/// An IMU as a number.
-pub(crate) fn number_of_unit(unit: ImuUnit) -> u32 {
-    match unit {
-        ImuUnit::First => 0,
-        ImuUnit::Second => 1,
-    }
-}
-
-fn number_of_health(health: ImuHealth) -> u32 {
-    match health {
-        ImuHealth::Good => 0,
-        ImuHealth::Bad(ImuFault::Stale) => 1,
-        ImuHealth::Bad(ImuFault::BusDead) => 2,
-        ImuHealth::Bad(ImuFault::Stuck) => 3,
-        ImuHealth::Bad(ImuFault::OutOfRange) => 4,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::config::{Config, Controller, Tuning};
     use crate::flight_core::FlightCore;
+    use crate::signals::{ArmingRequest, MotorTest, Plan, PlanStatus, RawImuSample};
     use crate::vehicle::VehicleParameters;
     use proptest::prelude::*;
 
@@ -323,7 +185,7 @@ mod tests {
         (any::<u32>(), -9f32..9.0, 0u32..4, any::<u16>()).prop_map(|(step, torque_nm, status, iterations)| Plan {
             step,
             torque_nm: [torque_nm, -torque_nm, 0.5 * torque_nm],
-            status: plan_of_words(&[1, 0, status, 0, 0, 0, 0, 0]).unwrap().status,
+            status: PlanStatus::of_number(status),
             iterations,
             duration_us: u32::from(iterations) << 9,
         })
@@ -361,8 +223,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 9, battery 2, plan 8; outputs 33; state;
-        // no padding
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 9, battery 2, plan 8; outputs 33;
+        // state; no padding
         assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 23 + 33 + STATE_WORDS));
     }
 }

@@ -3,9 +3,35 @@
 use nalgebra::Vector3;
 
 use crate::elementary::{limit, sqrt};
-use crate::estimator::EstimatorConfig;
-use crate::imu::ImuStep;
-use crate::state_words::StateWords;
+use crate::record::state_words::StateWords;
+use crate::sensing::imu::ImuStep;
+
+/// What counts as rest, and how far the mean is believed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GyroBiasConfig {
+    /// How far the rate may stray from its mean while the vehicle counts as at rest, rad/s.
+    pub rest_spread_max_rad_s: f32,
+    /// How far the direction of the specific force may stray from where it was, rad.
+    pub rest_tilt_max_rad: f32,
+    /// Time at rest after which the mean rate is believed to be the bias, s.
+    pub rest_settle_s: f32,
+    /// Longest time over which the bias is averaged at rest, s.
+    pub rest_average_max_s: f32,
+    /// Largest bias that is believed, rad/s.
+    pub bias_max_rad_s: f32,
+}
+
+impl GyroBiasConfig {
+    /// The bias to 1e-4 rad/s within 10 s.
+    pub const NOMINAL: GyroBiasConfig = GyroBiasConfig {
+        rest_spread_max_rad_s: 0.1,
+        rest_tilt_max_rad: 0.05,
+        rest_settle_s: 1.0,
+        rest_average_max_s: 10.0,
+        // MPU-6000 product specification 3.4, section 6.1: zero-rate output +-20 deg/s, as much again over temperature
+        bias_max_rad_s: 0.7,
+    };
+}
 
 /// What is known of a gyro's bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,14 +87,14 @@ impl GyroBias {
     }
 
     /// Adds what the estimator finds in flight, rad/s.
-    pub fn correct(&mut self, config: &EstimatorConfig, change_rad_s: Vector3<f32>) {
+    pub fn correct(&mut self, config: &GyroBiasConfig, change_rad_s: Vector3<f32>) {
         self.set(config, &(self.bias_rad_s + change_rad_s));
     }
 
-    /// At rest the mean of the gyro is its bias: after a while of it, for a window that begins anew with every motion. What
-    /// was learnt before stays until then, so a slow turn or a bump costs nothing. `down_body` is down as the accelerometer
-    /// has it.
-    pub fn average_at_rest(&mut self, config: &EstimatorConfig, imu: &ImuStep, down_body: Option<Vector3<f32>>) {
+    /// At rest the mean of the gyro is its bias: after a while of it, for a window that begins anew with every motion.
+    /// What was learnt before stays until then, so a slow turn or a bump costs nothing. `down_body` is down as the
+    /// accelerometer has it.
+    pub fn average_at_rest(&mut self, config: &GyroBiasConfig, imu: &ImuStep, down_body: Option<Vector3<f32>>) {
         let rest = &mut self.rest;
         let mean =
             if rest.duration_s > 0.0 { rest.rotation_rad * (1.0 / rest.duration_s) } else { imu.rate_body_rad_s };
@@ -98,7 +124,7 @@ impl GyroBias {
         }
     }
 
-    fn set(&mut self, config: &EstimatorConfig, bias_rad_s: &Vector3<f32>) {
+    fn set(&mut self, config: &GyroBiasConfig, bias_rad_s: &Vector3<f32>) {
         self.bias_rad_s = bias_rad_s.map(|b| limit(b, -config.bias_max_rad_s, config.bias_max_rad_s));
     }
 }

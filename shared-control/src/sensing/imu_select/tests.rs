@@ -2,10 +2,10 @@
 
 extern crate std;
 use super::*;
-use crate::config::{Controller, Tuning};
+use crate::config::{Config, Controller, Tuning};
 use crate::flight_core::{FlightCore, State, StepOutput};
 use crate::frames::{down_in_body, q_from_rotation_vector};
-use crate::imu_health::ImuFault;
+use crate::sensing::imu_health::ImuFault;
 use crate::signals::{ArmingRequest, ImuBatch, Setpoint};
 use crate::supervisor::{Arming, DisarmedBecause, Refusal};
 use crate::vehicle::VehicleParameters;
@@ -13,13 +13,14 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 
 const STEP_US: u64 = 2500;
-/// Steps at rest before take-off: the second that calibration takes, and two more in which what the uncalibrated gyro has turned
-/// the attitude by goes away.
+/// Steps at rest before take-off: the second that calibration takes, and two more in which what the uncalibrated gyro
+/// has turned the attitude by goes away.
 const REST_STEPS: u64 = 1200;
 /// Sample times in us: 1 kHz and 760 Hz.
 const PERIOD_US: [u64; 2] = [1000, 1316];
-/// What the estimator may be off by after a second of rolling through 0.33 rad, all of it felt as level: followed at 0.1 1/s
-/// and back again in the other half, that makes 0.02 rad at most; the rest is noise and the time from sample to step.
+/// What the estimator may be off by after a second of rolling through 0.33 rad, all of it felt as level: followed at
+/// 0.1 1/s and back again in the other half, that makes 0.02 rad at most; the rest is noise and the time from sample to
+/// step.
 const TILT_ERROR_MAX_RAD: f32 = 0.03;
 const BIAS_RAD_S: [[f32; 3]; 2] = [[0.02, -0.03, 0.01], [-0.1, 0.05, -0.04]];
 
@@ -117,7 +118,7 @@ impl Bench {
         Self {
             config,
             state: State::default(),
-            sensors: [sensor(0, config.imu), sensor(1, config.imu_second)],
+            sensors: [sensor(0, config.sensing.imu), sensor(1, config.sensing.imu_second)],
             step: 0,
             truth: UnitQuaternion::identity(),
             request: ArmingRequest::None,
@@ -323,8 +324,8 @@ fn with_a_good_first_the_second_makes_no_difference_of_a_bit() {
 #[test]
 fn the_later_gyro_has_other_axes() {
     let mut bench = Bench::new();
-    let axes = crate::imu::AxisMap::PIXHAWK1_L3GD20H;
-    bench.config.imu_second.gyro_axes = axes;
+    let axes = crate::sensing::imu::AxisMap::PIXHAWK1_L3GD20H;
+    bench.config.sensing.imu_second.gyro_axes = axes;
     bench.sensors[1].config.gyro_axes = axes;
     bench.take_off();
     bench.sensors[0].failure = Some(Failure::Silent);

@@ -8,19 +8,19 @@
 //!   R' = R [gyro - b + k_P w e]x          b' = -k_I w e
 //! ```
 //! Departures: w falls to zero as |f| leaves g (a vehicle that accelerates says nothing about down), the bias is
-//! bounded, and the first usable sample sets roll and pitch outright. In flight the accelerometer feels the thrust, which
-//! points along the body's own z axis whatever the tilt, so it is followed only as fast as drift needs. At rest, motors
-//! off and the gyro quiet, the gyro reads its bias and nothing else: the bias is its mean, and level is followed
+//! bounded, and the first usable sample sets roll and pitch outright. In flight the accelerometer feels the thrust,
+//! which points along the body's own z axis whatever the tilt, so it is followed only as fast as drift needs. At rest,
+//! motors off and the gyro quiet, the gyro reads its bias and nothing else: the bias is its mean, and level is followed
 //! quickly. Heading has no reference here and drifts with the bias about the vertical.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::elementary::{asin, atan2, larger, magnitude, sqrt};
 use crate::frames::{EulerAngles, down_in_body, normalized, q_from_rotation_vector, q_world_from_euler};
-use crate::gyro_bias::GyroBias;
-use crate::imu::{ImuStep, all_finite, seconds_between};
+use crate::record::state_words::StateWords;
+use crate::sensing::gyro_bias::{GyroBias, GyroBiasConfig};
+use crate::sensing::imu::{ImuStep, all_finite, seconds_between};
 use crate::signals::AttitudeEstimate;
-use crate::state_words::StateWords;
 
 /// Gains and limits of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,16 +33,8 @@ pub struct EstimatorConfig {
     pub flight_bias_1_s2: f32,
     /// k_P at rest, 1/s.
     pub rest_attitude_1_s: f32,
-    /// How far the rate may stray from its mean while the vehicle counts as at rest, rad/s.
-    pub rest_spread_max_rad_s: f32,
-    /// How far the direction of the specific force may stray from where it was, rad.
-    pub rest_tilt_max_rad: f32,
-    /// Time at rest after which the mean rate is believed to be the bias, s.
-    pub rest_settle_s: f32,
-    /// Longest time over which the bias is averaged at rest, s.
-    pub rest_average_max_s: f32,
-    /// Largest bias that is believed, rad/s.
-    pub bias_max_rad_s: f32,
+    /// The gyro's bias.
+    pub gyro_bias: GyroBiasConfig,
     /// Relative deviation of |f| from g at which the accelerometer is ignored.
     pub accel_gate: f32,
     /// The estimate is invalid when no sample came for this long, s.
@@ -52,18 +44,13 @@ pub struct EstimatorConfig {
 impl EstimatorConfig {
     /// In flight critically damped with 20 s (k_P = 2 / T, k_I = 1 / T^2): a tilt of 30 degrees held for 2 s, all of it
     /// seen as level by the accelerometer, costs 5 degrees at worst; integrated gyro noise of 0.01 rad/s at 1 kHz stays
-    /// below 1 mrad. At rest half a second, and the bias to 1e-4 rad/s within 10 s.
+    /// below 1 mrad. At rest half a second.
     pub const NOMINAL: EstimatorConfig = EstimatorConfig {
         gravity_m_s2: 9.806_65,
         flight_attitude_1_s: 0.1,
         flight_bias_1_s2: 0.0025,
         rest_attitude_1_s: 2.0,
-        rest_spread_max_rad_s: 0.1,
-        rest_tilt_max_rad: 0.05,
-        rest_settle_s: 1.0,
-        rest_average_max_s: 10.0,
-        // MPU-6000 product specification 3.4, section 6.1: zero-rate output +-20 deg/s, as much again over temperature
-        bias_max_rad_s: 0.7,
+        gyro_bias: GyroBiasConfig::NOMINAL,
         accel_gate: 0.15,
         stale_after_s: 0.05,
     };
@@ -100,8 +87,8 @@ impl EstimatorState {
     }
 }
 
-/// One step of the filter with an IMU and that IMU's gyro bias. `time_us` is the step's time; it only tells whether samples
-/// stay away.
+/// One step of the filter with an IMU and that IMU's gyro bias. `time_us` is the step's time; it only tells whether
+/// samples stay away.
 pub fn update(
     config: &EstimatorConfig,
     state: &mut EstimatorState,
@@ -128,7 +115,7 @@ pub fn update(
                 if in_flight {
                     gyro.moved();
                 } else {
-                    gyro.average_at_rest(config, imu, down.map(|(down_body, _)| down_body));
+                    gyro.average_at_rest(&config.gyro_bias, imu, down.map(|(down_body, _)| down_body));
                 }
                 predict_and_correct(config, state, gyro, imu, down, in_flight);
                 state.last_sample_us = Some(time_us);
@@ -164,7 +151,7 @@ fn predict_and_correct(
         let gain_1_s = if in_flight { config.flight_attitude_1_s } else { config.rest_attitude_1_s };
         rotation += error * (gain_1_s * weight * dt_s);
         if in_flight {
-            gyro.correct(config, error * (-config.flight_bias_1_s2 * weight * dt_s));
+            gyro.correct(&config.gyro_bias, error * (-config.flight_bias_1_s2 * weight * dt_s));
         }
     }
     state.q_world_from_body = turned(&state.q_world_from_body, &rotation);
@@ -255,7 +242,8 @@ mod tests {
             prop_assume!(down_in_body(&truth).z > -0.97);
             let mut estimate = None;
             for k in 1..16_000u64 {
-                estimate = Some(update(&CONFIG, &mut state, &imu(Vector3::zeros(), force_at(&truth), 0.0025), k * 2500));
+                let at_rest = imu(Vector3::zeros(), force_at(&truth), 0.0025);
+                estimate = Some(update(&CONFIG, &mut state, &at_rest, k * 2500));
             }
             let error = angle_between_downs(&estimate.unwrap().q_world_from_body, &truth);
             prop_assert!(error < 0.02, "{error}");

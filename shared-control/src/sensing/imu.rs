@@ -1,14 +1,14 @@
 //! From raw IMU counts to what the estimator and the rate loop use: scale, axis map, low-pass before decimation.
 //!
 //! The sensor samples faster than the loop runs. Attitude gets the whole rotation since the last step (the sum over
-//! all samples, so that nothing is lost between steps); the rate loop gets the low-passed rate, so that noise above half
-//! the loop's rate does not fold down.
+//! all samples, so that nothing is lost between steps); the rate loop gets the low-passed rate, so that noise above
+//! half the loop's rate does not fold down.
 
 use nalgebra::Vector3;
 
 use crate::filter::{LowPass2, LowPass2State};
+use crate::record::state_words::StateWords;
 use crate::signals::RawImuSample;
-use crate::state_words::StateWords;
 
 /// What data sheets call "g", m/s^2.
 const STANDARD_GRAVITY_M_S2: f32 = 9.806_65;
@@ -44,8 +44,8 @@ impl AxisMap {
     /// L3GD20H, soldered to later boards in the L3GD20's place with its axes a quarter turn further: body FRD =
     /// (-sensor x, -sensor y, sensor z).
     ///
-    /// PX4 turns it by 180 degrees of yaw, (-x, -y, z); ArduPilot turns (x, -y, -z) by PITCH_180, (x, y, z) -> (-x, y, -z):
-    /// the same.
+    /// PX4 turns it by 180 degrees of yaw, (-x, -y, z); ArduPilot turns (x, -y, -z) by PITCH_180, (x, y, z) -> (-x, y,
+    /// -z): the same.
     pub const PIXHAWK1_L3GD20H: AxisMap = AxisMap { source: [0, 1, 2], sign: [-1.0, -1.0, 1.0] };
 
     /// LSM303D's accelerometer: body FRD = its own axes; upside down it reads about -1 g on z at rest.
@@ -118,9 +118,9 @@ impl ImuConfig {
         }
     }
 
-    /// The second IMU of a Pixhawk 1: L3GD20 at +-2000 deg/s, 70 mdeg/s a digit (data sheet rev. 2, table 4; the L3GD20H's
-    /// has the same), and LSM303D at +-8 g, 0.244 mg a digit (data sheet rev. 2, table 3). Where the gyro says that it is an
-    /// L3GD20H, its axes must be set to [`AxisMap::PIXHAWK1_L3GD20H`].
+    /// The second IMU of a Pixhawk 1: L3GD20 at +-2000 deg/s, 70 mdeg/s a digit (data sheet rev. 2, table 4; the
+    /// L3GD20H's has the same), and LSM303D at +-8 g, 0.244 mg a digit (data sheet rev. 2, table 3). Where the gyro
+    /// says that it is an L3GD20H, its axes must be set to [`AxisMap::PIXHAWK1_L3GD20H`].
     pub fn pixhawk1_l3gd20_lsm303d(gyro_cutoff_hz: f32) -> Self {
         Self {
             chips: Chips::Two,
@@ -191,8 +191,8 @@ pub fn all_finite(v: &Vector3<f32>) -> bool {
     v.x.is_finite() && v.y.is_finite() && v.z.is_finite()
 }
 
-/// Conditions the samples of one step at `now_us`. Samples whose time does not increase, or lies in the future, are left
-/// out; so is a stored time that lies in the future, else one bad stamp would make the vehicle blind until then.
+/// Conditions the samples of one step at `now_us`. Samples whose time does not increase, or lies in the future, are
+/// left out; so is a stored time that lies in the future, else one bad stamp would make the vehicle blind until then.
 pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSample], now_us: u64) -> ImuStep {
     let latest_us = now_us.saturating_add(STAMP_AHEAD_MAX_US);
     state.last_time_us = state.last_time_us.filter(|last| *last <= latest_us);

@@ -5,22 +5,24 @@
 //!   rest one axis feels 1 g, so this happens by chance in free fall at most; [`RUN_SAMPLES`] in a row count.
 //! - Stuck: all six words as they were, [`RUN_SAMPLES`] samples in a row. A real MPU6000 has noise of about one count
 //!   (gyro) and several counts (accelerometer): two equal samples are a matter of 1 in 1000, five of 1 in 10^12. A
-//!   simulation without noise, however, gives equal words for seconds, at rest as in steady hover. The two are told apart
-//!   by what the sensor did at rest before: one whose words went on changing for [`NOISE_SAMPLES`] samples at rest has
-//!   noise, and from then on a run of equal words means that it is stuck. A sensor that never showed noise can't be judged
-//!   so; a real one that is frozen from the start shows by its missing data-ready, which makes it stale.
+//!   simulation without noise, however, gives equal words for seconds, at rest as in steady hover. The two are told
+//!   apart by what the sensor did at rest before: one whose words went on changing for [`NOISE_SAMPLES`] samples at
+//!   rest has noise, and from then on a run of equal words means that it is stuck. A sensor that never showed noise
+//!   can't be judged so; a real one that is frozen from the start shows by its missing data-ready, which makes it
+//!   stale.
 //! - Out of range: a word at full scale in [`RUN_SAMPLES`] samples in a row; one knock does not count.
 //!
-//! Where gyro and accelerometer are two chips, one can stand still while the other goes on, so that each is judged by its own
-//! three words. Three words repeat more often than six: a quiet L3GD20H at rest (0.011 deg/s per root Hz over 100 Hz, 1.6
-//! digits) repeats itself about once in 70 samples. [`CHIP_RUN_SAMPLES`] in a row are then a matter of 1 in 10^13.
+//! Where gyro and accelerometer are two chips, one can stand still while the other goes on, so that each is judged by
+//! its own three words. Three words repeat more often than six: a quiet L3GD20H at rest (0.011 deg/s per root Hz over
+//! 100 Hz, 1.6 digits) repeats itself about once in 70 samples. [`CHIP_RUN_SAMPLES`] in a row are then a matter of 1 in
+//! 10^13.
 //!
-//! Every run is complete within five steps: of the MPU6000 each step brings at least one sample, of the L3GD20 at 760 Hz five
-//! steps at 400 Hz bring nine.
+//! Every run is complete within five steps: of the MPU6000 each step brings at least one sample, of the L3GD20 at 760
+//! Hz five steps at 400 Hz bring nine.
 
-use crate::imu::Chips;
+use crate::record::state_words::StateWords;
+use crate::sensing::imu::Chips;
 use crate::signals::RawImuSample;
-use crate::state_words::StateWords;
 
 /// Steps without a new sample after which the IMU is stale.
 pub const STALE_STEPS: u8 = 4;
@@ -44,6 +46,18 @@ pub enum ImuFault {
     OutOfRange,
 }
 
+impl ImuFault {
+    /// Its number in the words of a state.
+    pub fn number(&self) -> u32 {
+        match self {
+            ImuFault::Stale => 0,
+            ImuFault::BusDead => 1,
+            ImuFault::Stuck => 2,
+            ImuFault::OutOfRange => 3,
+        }
+    }
+}
+
 /// The IMU's health.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImuHealth {
@@ -51,6 +65,16 @@ pub enum ImuHealth {
     Good,
     /// Not to be believed.
     Bad(ImuFault),
+}
+
+impl ImuHealth {
+    /// Its number in a trace.
+    pub fn number(&self) -> u32 {
+        match self {
+            ImuHealth::Good => 0,
+            ImuHealth::Bad(fault) => 1 + fault.number(),
+        }
+    }
 }
 
 /// What the judgement rests on.

@@ -1,7 +1,7 @@
 //! From the counts of the battery's converter to volts.
 
-/// Volts per count on a Pixhawk 1: 12 bits of 3.3 V behind the power module's divider of 10.1 (ArduPilot's value for the
-/// 3DR power module; PX4 takes 10.18, so that a single board may be off by a percent).
+/// Volts per count on a Pixhawk 1: 12 bits of 3.3 V behind the power module's divider of 10.1 (ArduPilot's value for
+/// the 3DR power module; PX4 takes 10.18, so that a single board may be off by a percent).
 pub const PIXHAWK1_V_PER_COUNT: f32 = 3.3 / 4096.0 * 10.1;
 
 /// Below this nothing that could turn a motor is connected, V: a board fed over USB alone reads its divider's leakage.

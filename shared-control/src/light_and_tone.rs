@@ -5,9 +5,9 @@
 
 use core::fmt;
 
-use crate::battery::ABSENT_BELOW_V;
-use crate::imu_health::ImuHealth;
 use crate::link::VehicleStatus;
+use crate::sensing::battery::ABSENT_BELOW_V;
+use crate::sensing::imu_health::ImuHealth;
 use crate::supervisor::{Arming, DisarmedBecause};
 
 /// Tenths of a second in a pattern.
@@ -214,7 +214,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::config::Controller;
-    use crate::imu_health::ImuFault;
+    use crate::sensing::imu_health::ImuFault;
     use crate::signals::ArmingBlocks;
     use crate::supervisor::Refusal;
     use std::{format, string::String, vec::Vec};
