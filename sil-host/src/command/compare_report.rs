@@ -1,4 +1,4 @@
-//! The page about a log held against the simulation: figures 5.3 and 5.4 of the thesis for any log.
+//! The page about a log compared with the simulation: figures 5.3 and 5.4 of the thesis for any log.
 
 use sil_host::axis::Axis;
 use sil_host::comparison::{Comparison, Subject};
@@ -29,8 +29,8 @@ pub fn lead(comparison: &Comparison, subject: &Subject) -> String {
     .max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)));
     match worst {
         Some((axis, nominal, floor)) => format!(
-            "{model} misses {axis} by {} degrees (RMSE over replays of {} s); an exact model would miss it by {}, for what \
-             the log cannot tell: its noise, the exact start, commands between its rows.",
+            "{model} is off in {axis} by {} degrees (RMSE over replays of {} s). An exact model would be off by {}: \
+             sensor noise, the uncertain start of each replay, and commands between rows that the log does not hold.",
             significant(nominal),
             error.window_s,
             significant(floor)
@@ -58,8 +58,9 @@ pub fn sections(log: &Log, comparison: &Comparison, subject: &Subject) -> Vec<Se
 fn closed_loop(log: &Log, comparison: &Comparison) -> Option<Section> {
     let closed_loop = comparison.closed_loop.as_ref()?;
     let mut section = Section::new("The closed loop, measured and simulated").paragraph(
-        "The same references, the same controller: once as the log has it, once in simulation from the log's first attitude. \
-         This is what the thesis' figures 5.3 and 5.4 show. The controller hides part of what the plant model gets wrong.",
+        "The same references and the same controller: as measured in the log, and simulated from the log's first \
+         attitude. The thesis' figures 5.3 and 5.4 show the same. A closed loop hides part of the plant model's error, \
+         which the controller corrects.",
     );
     for (axis, name) in &AXES[..2] {
         let index = axis.index();
@@ -94,8 +95,8 @@ fn replay(log: &Log, comparison: &Comparison, subject: &Subject) -> Section {
     let replay = &comparison.replay;
     let error = replay.prediction_error();
     let mut section = Section::new("The plant alone: replay of the logged commands").paragraph(format!(
-        "In windows of {} s the model starts where the log was and gets the logged commands. What it misses is the plant's, \
-         the actuators' and the sensors' affair, not the controller's.",
+        "In windows of {} s the model starts from the log's state and is driven by the logged commands alone. Its \
+         error comes from plant, actuators and sensors, not from the controller.",
         error.window_s
     ));
     for (axis, name) in AXES {
