@@ -17,7 +17,7 @@ fn of_motion() -> Vec<Case> {
     vec![
         case(
             Gimbal,
-            "name = \"cg_offset\"\naxis = \"pitch\"\ncos_moment_nm = 0.04\nsin_moment_nm = 0.05",
+            "cg_offset:axis=pitch,cos_moment_nm=0.04,sin_moment_nm=0.05",
             page(|m| {
                 let (sin, cos) = m.angle[1].sin_cos();
                 [0.0, -(0.04 * cos + 0.05 * sin), 0.0]
@@ -25,7 +25,7 @@ fn of_motion() -> Vec<Case> {
         ),
         case(
             Gimbal,
-            "name = \"cg_offset\"\naxis = \"roll\"\ncos_moment_nm = 0.02\nsin_moment_nm = 0.06",
+            "cg_offset:axis=roll,cos_moment_nm=0.02,sin_moment_nm=0.06",
             page(|m| {
                 let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (m.angle[0].sin_cos(), m.angle[1].sin_cos());
                 let (c, s) = (0.02, 0.06);
@@ -34,98 +34,74 @@ fn of_motion() -> Vec<Case> {
         ),
         case(
             Free,
-            "name = \"cg_offset\"\naxis = \"roll\"\ncos_moment_nm = 0.02",
+            "cg_offset:axis=roll,cos_moment_nm=0.02",
             page(|m| [0.02 * m.lift_n / (MASS_KG * GRAVITY_M_S2), 0.0, 0.0]),
         ),
         case(
             Free,
-            "name = \"cg_offset\"\naxis = \"pitch\"\ncos_moment_nm = 0.02",
+            "cg_offset:axis=pitch,cos_moment_nm=0.02",
             page(|m| [0.0, -0.02 * m.lift_n / (MASS_KG * GRAVITY_M_S2), 0.0]),
         ),
-        case(Gimbal, "name = \"torque_bias\"\naxis = \"roll\"\ntorque_nm = 0.02", page(|_| [0.02, 0.0, 0.0])),
-        case(Free, "name = \"torque_bias\"\naxis = \"yaw\"\ntorque_nm = -0.01", page(|_| [0.0, 0.0, -0.01])),
+        case(Gimbal, "torque_bias:axis=roll,torque_nm=0.02", page(|_| [0.02, 0.0, 0.0])),
+        case(Free, "torque_bias:axis=yaw,torque_nm=-0.01", page(|_| [0.0, 0.0, -0.01])),
+        case(Gimbal, "viscous_friction:axis=pitch,coefficient_nms=0.05", page(|m| [0.0, -0.05 * m.rate[1], 0.0])),
+        case(Free, "viscous_friction:axis=yaw,coefficient_nms=0.03", page(|m| [0.0, 0.0, -0.03 * m.rate[2]])),
         case(
             Gimbal,
-            "name = \"viscous_friction\"\naxis = \"pitch\"\ncoefficient_nms = 0.05",
-            page(|m| [0.0, -0.05 * m.rate[1], 0.0]),
-        ),
-        case(
-            Free,
-            "name = \"viscous_friction\"\naxis = \"yaw\"\ncoefficient_nms = 0.03",
-            page(|m| [0.0, 0.0, -0.03 * m.rate[2]]),
-        ),
-        case(
-            Gimbal,
-            "name = \"coulomb_friction\"\naxis = \"pitch\"\ntorque_nm = 0.01",
+            "coulomb_friction:axis=pitch,torque_nm=0.01",
             page(|m| [0.0, -0.01 * (m.rate[1] / 0.02).tanh(), 0.0]),
         ),
         case(
             Free,
-            "name = \"coulomb_friction\"\naxis = \"roll\"\ntorque_nm = 0.003",
+            "coulomb_friction:axis=roll,torque_nm=0.003",
             page(|m| [-0.003 * (m.rate[0] / 0.02).tanh(), 0.0, 0.0]),
         ),
         case(
             Gimbal,
-            "name = \"spring\"\naxis = \"pitch\"\nstiffness_nm_rad = 0.2\nrest_rad = 0.1",
+            "spring:axis=pitch,stiffness_nm_rad=0.2,rest_rad=0.1",
             page(|m| [0.0, -0.2 * (m.angle[1] - 0.1), 0.0]),
         ),
         case(
             Free,
-            "name = \"spring\"\naxis = \"yaw\"\nstiffness_nm_rad = 0.05\nrest_rad = -0.2",
+            "spring:axis=yaw,stiffness_nm_rad=0.05,rest_rad=-0.2",
             page(|m| [0.0, 0.0, -0.05 * (m.angle[2] + 0.2)]),
         ),
-        case(
-            Gimbal,
-            "name = \"inertia_error\"\naxis = \"roll\"\nscale = 1.3",
-            Page { inertia: [1.3, 1.0, 1.0], ..NOMINAL },
-        ),
-        case(
-            Gimbal,
-            "name = \"inertia_error\"\naxis = \"pitch\"\nscale = 0.8",
-            Page { inertia: [1.0, 0.8, 1.0], ..NOMINAL },
-        ),
-        case(
-            Free,
-            "name = \"inertia_error\"\naxis = \"yaw\"\nscale = 1.4",
-            Page { inertia: [1.0, 1.0, 1.4], ..NOMINAL },
-        ),
-        case(Gimbal, "name = \"inertia_coupling\"\nproduct_kg_m2 = 0.004", Page { product: 0.004, ..NOMINAL }),
-        case(Free, "name = \"inertia_coupling\"\nproduct_kg_m2 = -0.004", Page { product: -0.004, ..NOMINAL }),
-        case(Gimbal, "name = \"motor_lag\"\ntime_constant_s = 0.03", Page { lag_s: 0.03, ..NOMINAL }),
-        case(Gimbal, "name = \"actuation_delay\"\ndelay_s = 0.0123", Page { delay_s: 0.0123, ..NOMINAL }),
-        case(Free, "name = \"thrust_scale\"\nscale = 0.93", lift(|_, _, _| [0.93; 4])),
-        case(Gimbal, "name = \"weak_motor\"\nmotor = 3\nscale = 0.95", lift(|_, _, _| [1.0, 1.0, 0.95, 1.0])),
-        case(Free, "name = \"weak_motor\"\nmotor = 4\nscale = 1.04", lift(|_, _, _| [1.0, 1.0, 1.0, 1.04])),
-        case(Free, "name = \"battery_sag\"\nper_s = 0.01", lift(|t, _, _| [1.0 - 0.01 * t; 4])),
+        case(Gimbal, "inertia_error:axis=roll,scale=1.3", Page { inertia: [1.3, 1.0, 1.0], ..NOMINAL }),
+        case(Gimbal, "inertia_error:axis=pitch,scale=0.8", Page { inertia: [1.0, 0.8, 1.0], ..NOMINAL }),
+        case(Free, "inertia_error:axis=yaw,scale=1.4", Page { inertia: [1.0, 1.0, 1.4], ..NOMINAL }),
+        case(Gimbal, "inertia_coupling:product_kg_m2=0.004", Page { product: 0.004, ..NOMINAL }),
+        case(Free, "inertia_coupling:product_kg_m2=-0.004", Page { product: -0.004, ..NOMINAL }),
+        case(Gimbal, "motor_lag:time_constant_s=0.03", Page { lag_s: 0.03, ..NOMINAL }),
+        case(Gimbal, "actuation_delay:delay_s=0.0123", Page { delay_s: 0.0123, ..NOMINAL }),
+        case(Free, "thrust_scale:scale=0.93", lift(|_, _, _| [0.93; 4])),
+        case(Gimbal, "weak_motor:motor=3,scale=0.95", lift(|_, _, _| [1.0, 1.0, 0.95, 1.0])),
+        case(Free, "weak_motor:motor=4,scale=1.04", lift(|_, _, _| [1.0, 1.0, 1.0, 1.04])),
+        case(Free, "battery_sag:per_s=0.01", lift(|t, _, _| [1.0 - 0.01 * t; 4])),
         Case {
             fall_v_s: 0.05,
             // V0: the mean of the first second, half a second of fall
             ..case(
                 Free,
-                "name = \"battery_sag\"\nper_volt = 0.2\nfall_v_s = 0.05",
+                "battery_sag:per_volt=0.2,fall_v_s=0.05",
                 lift(|_, v, _| [1.0 - 0.2 * (12.0 - 0.05 * 0.5 - v); 4]),
             )
         },
-        case(Gimbal, "name = \"command_clipping\"\nmin = 0.48\nmax = 0.5", Page { range: [0.48, 0.5], ..NOMINAL }),
+        case(Gimbal, "command_clipping:min=0.48,max=0.5", Page { range: [0.48, 0.5], ..NOMINAL }),
         case(
             Gimbal,
-            "name = \"periodic_disturbance\"\naxis = \"roll\"\namplitude_nm = 0.01\nfrequency_hz = 1.7\nphase_rad = 0.5",
+            "periodic_disturbance:axis=roll,amplitude_nm=0.01,frequency_hz=1.7,phase_rad=0.5",
             page(|m| [0.01 * (std::f64::consts::TAU * 1.7 * m.time_s + 0.5).sin(), 0.0, 0.0]),
         ),
         // on a step of the reference, off the rows
         case(
             Gimbal,
-            "name = \"step_disturbance\"\naxis = \"pitch\"\ntorque_nm = 0.05\nstart_s = 4.0021",
+            "step_disturbance:axis=pitch,torque_nm=0.05,start_s=4.0021",
             page(|m| [0.0, if m.time_s >= 4.0021 - 1e-9 { 0.05 } else { 0.0 }, 0.0]),
         ),
+        case(Free, "rotor_drag:coefficient_ns_m=0.4", Page { force: |v| [-0.4 * v[0], -0.4 * v[1], 0.0], ..NOMINAL }),
         case(
             Free,
-            "name = \"rotor_drag\"\ncoefficient_ns_m = 0.4",
-            Page { force: |v| [-0.4 * v[0], -0.4 * v[1], 0.0], ..NOMINAL },
-        ),
-        case(
-            Free,
-            "name = \"wind\"\nnorth_m_s = 3\neast_m_s = -2\ndrag_area_m2 = 0.05",
+            "wind:north_m_s=3,east_m_s=-2,drag_area_m2=0.05",
             Page {
                 wind: [3.0, -2.0, 0.0],
                 force: |v| {
@@ -135,12 +111,12 @@ fn of_motion() -> Vec<Case> {
                 ..NOMINAL
             },
         ),
-        case(Free, "name = \"mass_error\"\nscale = 1.05", Page { mass: 1.05, ..NOMINAL }),
+        case(Free, "mass_error:scale=1.05", Page { mass: 1.05, ..NOMINAL }),
         Case {
             start_height: 0.5,
             ..case(
                 Free,
-                "name = \"ground_effect\"\nheight_m = 0.5\nrotor_radius_m = 0.2",
+                "ground_effect:height_m=0.5,rotor_radius_m=0.2",
                 lift(|_, _, height| {
                     let ratio = 0.2 / (4.0 * height.max(0.1));
                     [1.0 / (1.0 - ratio * ratio); 4]
@@ -156,18 +132,14 @@ fn of_sensors() -> Vec<Case> {
     vec![
         case(
             Gimbal,
-            "name = \"gyro_bias\"\naxis = \"pitch\"\nbias_rad_s = 0.03",
+            "gyro_bias:axis=pitch,bias_rad_s=0.03",
             Page { reported_rate: |[p, q, r]| [p, q + 0.03, r], ..NOMINAL },
         ),
+        case(Free, "gyro_scale:axis=roll,scale=1.08", Page { reported_rate: |[p, q, r]| [1.08 * p, q, r], ..NOMINAL }),
+        case(Gimbal, "attitude_delay:delay_s=0.02", Page { angle_delay_s: 0.02, ..NOMINAL }),
         case(
             Free,
-            "name = \"gyro_scale\"\naxis = \"roll\"\nscale = 1.08",
-            Page { reported_rate: |[p, q, r]| [1.08 * p, q, r], ..NOMINAL },
-        ),
-        case(Gimbal, "name = \"attitude_delay\"\ndelay_s = 0.02", Page { angle_delay_s: 0.02, ..NOMINAL }),
-        case(
-            Free,
-            "name = \"imu_misalignment\"\nyaw_rad = 0.1",
+            "imu_misalignment:yaw_rad=0.1",
             Page {
                 reported_rate: turned,
                 reported_force: turned,
@@ -230,12 +202,12 @@ fn the_sensors_report_as_their_pages_say() {
         ];
         for (counts, page, per_unit) in page {
             for (counts, page) in counts.into_iter().zip(imu::sensor_from_body(page)) {
-                assert!((f64::from(counts) - page * per_unit).abs() < 0.5001, "{}: {counts} {page}", case.table);
+                assert!((f64::from(counts) - page * per_unit).abs() < 0.5001, "{}: {counts} {page}", case.short);
             }
         }
         let reported = sensors.attitude([truth.roll_rad, truth.pitch_rad, truth.yaw_rad]);
         for (ours, page) in reported.into_iter().zip((case.page.reported_angle)(truth_angles(&truth))) {
-            assert!((ours - page).abs() < 1e-12, "{}: {ours} {page}", case.table);
+            assert!((ours - page).abs() < 1e-12, "{}: {ours} {page}", case.short);
         }
         assert_eq!(sensors.attitude_delay_s(), case.page.angle_delay_s);
     }

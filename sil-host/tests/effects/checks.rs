@@ -1,11 +1,12 @@
 //! A flight of the reference vehicle, the same flight of the plant, and the log of it before the prediction.
 
 use sil_host::diagnosis::{Subject, channel_prediction_errors};
+use sil_host::effects::Effect;
 use sil_host::log::Log;
 use sil_host::model::VehicleModel;
 use sil_host::plant::Plant;
 
-use crate::reference::{Page, ROW_S, Reference, Rig, Row, hover, model_file};
+use crate::reference::{INERTIA_KG_M2, Page, ROW_S, Reference, Rig, Row, hover, model_file};
 
 /// Rows of a flight: 10 s.
 const ROWS: usize = 2000;
@@ -13,8 +14,8 @@ const ROWS: usize = 2000;
 /// An effect as a model file has it, and as its page has it.
 pub struct Case {
     pub rig: Rig,
-    /// Keys of its table.
-    pub table: &'static str,
+    /// The effect in its short form.
+    pub short: &'static str,
     pub page: Page,
     /// Height of the rotors above ground at the start, m.
     pub start_height: f64,
@@ -23,16 +24,18 @@ pub struct Case {
 }
 
 impl Case {
-    pub fn of(rig: Rig, table: &'static str, page: Page) -> Case {
-        Case { rig, table, page, start_height: 10.0, fall_v_s: 0.0 }
+    pub fn of(rig: Rig, short: &'static str, page: Page) -> Case {
+        Case { rig, short, page, start_height: 10.0, fall_v_s: 0.0 }
     }
 
     pub fn model(&self) -> VehicleModel {
-        VehicleModel::parse(&model_file(self.rig, &format!("[[effect]]\n{}", self.table)), "test").unwrap()
+        let mut model = self.nominal();
+        model.effects.push(Effect::parse_for(self.short, model.rig(), INERTIA_KG_M2).unwrap());
+        model
     }
 
     fn nominal(&self) -> VehicleModel {
-        VehicleModel::parse(&model_file(self.rig, ""), "test").unwrap()
+        VehicleModel::parse(&model_file(self.rig), "test").unwrap()
     }
 
     fn flown(&self) -> Vec<Row> {
@@ -61,7 +64,8 @@ fn commands(row: &Row, start_height: f64) -> [f64; 4] {
 
 /// (a) The plant under the same controller goes the same way.
 ///
-/// Both integrate to far less than 1e-9 of the motion; dry friction has a corner of 0.02 rad/s on which either spends some of that.
+/// Both integrate to far less than 1e-9 of the motion; dry friction has a corner of 0.02 rad/s on which either spends
+/// some of that.
 pub fn the_plant_moves_as_the_page_says(case: &Case) {
     let mut plant = Plant::new(&case.model());
     plant.integrate_adaptively(1e-11);
@@ -78,13 +82,13 @@ pub fn the_plant_moves_as_the_page_says(case: &Case) {
         let pairs = [(ours.angle, row.angle), (ours.rate, row.rate), (ours.velocity, row.velocity)];
         for (ours, page) in pairs.iter().flat_map(|(ours, page)| ours.iter().zip(page)) {
             let tolerance = 1e-6 * (1.0 + page.abs());
-            assert!((ours - page).abs() < tolerance, "{}: row {index}: {ours} {page}", case.table);
+            assert!((ours - page).abs() < tolerance, "{}: row {index}: {ours} {page}", case.short);
         }
         if case.rig == Rig::Free {
-            assert!((ours.height - row.height).abs() < 1e-6, "{}: row {index}", case.table);
+            assert!((ours.height - row.height).abs() < 1e-6, "{}: row {index}", case.short);
             // before the first command the reference's lag is settled as the plant's is
             for (felt, page) in truth.specific_force_body_m_s2.iter().zip(row.specific_force) {
-                assert!((felt - page).abs() < 1e-5, "{}: row {index}: {felt} {page}", case.table);
+                assert!((felt - page).abs() < 1e-5, "{}: row {index}: {felt} {page}", case.short);
             }
         }
         plant.set_commands(commands(&ours, case.start_height));
@@ -94,8 +98,8 @@ pub fn the_plant_moves_as_the_page_says(case: &Case) {
 
 /// (b) A model that has the effect predicts the log of the reference's flight; one without it does not.
 ///
-/// The prediction walks in steps of 5 ms. What it misses is at most a hundredth of what the effect does, or a tenth of the least noise
-/// that the diagnosis takes a channel to have.
+/// The prediction walks in steps of 5 ms. What it misses is at most a hundredth of what the effect does, or a tenth of
+/// the least noise that the diagnosis takes a channel to have.
 pub fn the_prediction_expects_what_the_page_says(case: &Case) {
     let log = case.log();
     let errors = |model: &VehicleModel| channel_prediction_errors(&log, &Subject::Vehicle(model)).unwrap();
@@ -108,10 +112,10 @@ pub fn the_prediction_expects_what_the_page_says(case: &Case) {
             "ax" | "ay" | "az" => 2e-4,
             _ => 1e-5,
         };
-        assert!(*with < 0.01 * without + least, "{}: {channel}: {with} with, {without} without", case.table);
+        assert!(*with < 0.01 * without + least, "{}: {channel}: {with} with, {without} without", case.short);
         shows |= *without > 20.0 * (with + least);
     }
-    assert!(shows, "{}: the flight does not show it: {with:?} {without:?}", case.table);
+    assert!(shows, "{}: the flight does not show it: {with:?} {without:?}", case.short);
 }
 
 impl Case {
@@ -126,7 +130,7 @@ impl Case {
         };
         let flies = self.rig == Rig::Free;
         Log {
-            path: self.table.to_owned(),
+            path: self.short.to_owned(),
             axes: [true, true, flies],
             time_s: rows.iter().map(|row| row.time_s).collect(),
             angle_rad: [0, 1, 2].map(|axis| late_angle(axis).filter(|_| flies || axis < 2)),

@@ -1,5 +1,6 @@
-//! A vehicle written from docs/rig.md and docs/effects.md alone, for tests: rigs, motors and effects by their printed equations, in f64,
-//! integrated in steps of 0.1 ms by the classical Runge-Kutta method. It shares no code with the crate.
+//! A vehicle written from docs/rig.md and docs/effects.md alone, for tests: rigs, motors and effects by their printed
+//! equations, in f64, integrated in steps of 0.1 ms by the classical Runge-Kutta method. It shares no code with the
+//! crate.
 
 /// Rows of a log per second, and steps of the integration in each row.
 pub const ROW_S: f64 = 5e-3;
@@ -17,17 +18,19 @@ const LIFT_AT_0_N: f64 = -1.0;
 const LIFT_SLOPE_N: f64 = 8.0;
 
 /// The same vehicle as a model file.
-pub fn model_file(rig: Rig, effect: &str) -> String {
+pub fn model_file(rig: Rig) -> String {
     let [ixx, iyy, izz] = INERTIA_KG_M2;
     let (name, body, ring) = match rig {
         Rig::Gimbal => ("gimbal", String::new(), format!("[ring]\ninertia_kg_m2 = {RING_KG_M2}\n")),
         Rig::Free => ("free", format!("mass_kg = {MASS_KG}\n"), String::new()),
     };
     format!(
-        "name = \"test\"\nrig = \"{name}\"\nlevel = \"box\"\ngravity_m_s2 = {GRAVITY_M_S2}\narm_m = {ARM_M}\nbase_command = {}\n\
+        "name = \"test\"\nrig = \"{name}\"\nlevel = \"box\"\n\
+         gravity_m_s2 = {GRAVITY_M_S2}\narm_m = {ARM_M}\nbase_command = {}\n\
          [body]\nixx_kg_m2 = {ixx}\niyy_kg_m2 = {iyy}\nizz_kg_m2 = {izz}\n{body}{ring}\
-         [propulsion]\nlift_offset_n = {LIFT_AT_0_N:?}\nlift_slope_n = {LIFT_SLOPE_N:?}\nreaction_torque_per_lift_m = {REACTION_M}\n\
-         [noise]\ngyro_rad_s = 0\naccel_m_s2 = 0\nattitude_rad = 0\nvelocity_m_s = 0\nheight_m = 0\n{effect}",
+         [propulsion]\nlift_offset_n = {LIFT_AT_0_N:?}\nlift_slope_n = {LIFT_SLOPE_N:?}\n\
+         reaction_torque_per_lift_m = {REACTION_M}\n\
+         [noise]\ngyro_rad_s = 0\naccel_m_s2 = 0\nattitude_rad = 0\nvelocity_m_s = 0\nheight_m = 0\n",
         hover()
     )
 }
