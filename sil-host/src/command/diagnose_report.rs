@@ -32,10 +32,8 @@ pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
 pub fn headline(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NoDiscrepancy => "The simulation agrees with this log: nothing but noise remains.",
-        Verdict::Explained => "What the simulation gets wrong in this log; nothing else remains but noise:",
-        Verdict::PartlyExplained => {
-            "What the simulation gets wrong in this log, in part; something else remains unexplained:"
-        }
+        Verdict::Explained => "What the simulation gets wrong in this log (nothing but noise remains):",
+        Verdict::PartlyExplained => "What the simulation gets wrong in this log (something else remains unexplained):",
         Verdict::UnknownEffect => {
             "The simulation gets something wrong in this log that no effect of the catalogue explains."
         }

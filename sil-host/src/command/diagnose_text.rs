@@ -119,8 +119,9 @@ fn strongest_conditions(answer: &Diagnosis) -> impl Iterator<Item = &Condition> 
 }
 
 fn condition_text(condition: &Condition) -> String {
+    let of = if condition.condition == "constant" { "mean square" } else { "variance" };
     let shares = format!(
-        "{:.0} % of its variance, {:.0} % with the findings in the model; chance reaches {:.0} %",
+        "{:.0} % of its {of}, {:.0} % with the findings in the model; chance reaches {:.0} %",
         condition.nominal_pct, condition.extended_pct, condition.chance_pct
     );
     match condition.condition {

@@ -85,7 +85,7 @@ impl LogArguments {
             Some(LogRig::Axis) => {
                 let controller = self.controller.as_ref().map(|_| "--controller");
                 return match self.model.as_ref().map(|_| "--model").or(wants_vehicle).or(controller) {
-                    Some(option) => Err(bad_input(format!("--rig axis knows no vehicle: leave out {option}"))),
+                    Some(option) => Err(bad_input(format!("--rig axis has no vehicle model: leave out {option}"))),
                     None => Ok(None),
                 };
             }
