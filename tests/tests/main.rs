@@ -3,6 +3,7 @@
 mod blind_diagnosis;
 mod change_in_flight;
 mod closed_loop;
+mod closed_loop_table;
 mod configuration_page;
 mod controller_blame;
 mod controller_comparison;

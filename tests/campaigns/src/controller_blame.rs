@@ -101,11 +101,11 @@ pub struct Case {
 }
 
 impl Case {
-    /// Flies a case by its number; `is_changed` false for the nominal controller.
+    /// Flies a case by its number, as long as this or to the end of the test sequence; `is_changed` false for the nominal controller.
     ///
     /// # Panics
     /// If it can't be flown.
-    pub fn new(seed: u64, is_changed: bool) -> Case {
+    pub fn new(seed: u64, duration_s: f64, is_changed: bool) -> Case {
         let mut draws = RandomStream::new(seed, "controller blame");
         let controller = if seed.is_multiple_of(2) { Controller::Cascade } else { Controller::Mpc };
         let modelled = ControllerChoice::nominal(controller);
@@ -117,7 +117,7 @@ impl Case {
             model: model.clone(),
             controller_model: None,
             choice,
-            scenario: Scenario::test_sequence(),
+            scenario: beginning(Scenario::test_sequence(), duration_s),
             seed,
         };
         let changed = is_changed.then(|| {
@@ -139,6 +139,12 @@ impl Case {
     pub fn examine(&self) -> Examination {
         examine(&self.log, &VehicleModel::nominal(Rig::Gimbal), self.modelled).expect("a controller that can fly")
     }
+}
+
+fn beginning(mut scenario: Scenario, duration_s: f64) -> Scenario {
+    scenario.duration_s = scenario.duration_s.min(duration_s);
+    scenario.waypoints.retain(|waypoint| waypoint.start_s < duration_s);
+    scenario
 }
 
 fn change(

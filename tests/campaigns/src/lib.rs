@@ -3,6 +3,7 @@
 //! | binary | question | page |
 //! |---|---|---|
 //! | `blind_diagnosis` | does the diagnosis name and measure what is hidden in a log? | `docs/diagnosis.md` |
+//! | `closed_loop_table` | both controllers under each effect | `docs/closed-loop.md` |
 //! | `controller_blame` | does it name a changed number of the controller? | `docs/thesis-case.md` |
 //! | `controller_comparison` | MPC against cascade on vehicles that neither expects | `docs/mpc-against-cascade.md` |
 //! | `limits_and_switching` | what motors' limits and several linearisations are for | `docs/motor-limits.md`, `docs/switching-mpc.md` |
@@ -11,6 +12,7 @@
 //! | `worst_case` | the most passes that the MPC's solver can take | `docs/solver.md` |
 
 pub mod blind;
+pub mod closed_loop_table;
 pub mod comparison;
 pub mod controller_blame;
 pub mod limits_and_switching;

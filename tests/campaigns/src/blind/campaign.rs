@@ -61,23 +61,37 @@ impl Campaign {
         }
     }
 
-    /// A case of it.
-    pub fn case(self, seed: u64) -> Case {
+    /// Seeds of about a tenth of it, and how many of them are answered right: fewer is a step back. All effects occur among the singles, every
+    /// second where commands are lost, all kinds of things outside the catalogue, and mass, drag, ground and wind in free flight.
+    pub fn tenth(self) -> (Vec<u64>, usize) {
         match self {
-            Campaign::Singles => Case::single(seed),
-            Campaign::Nominal => Case::nominal(seed),
-            Campaign::LostCommands => Case::with_lost_commands(seed),
-            Campaign::Pairs => Case::combined(seed, 2),
-            Campaign::Triples => Case::combined(seed, 3),
-            Campaign::Outside => Case::outside(seed),
-            Campaign::Free => Case::free(seed),
+            Campaign::Singles => ((0..20).collect(), 20),
+            Campaign::Nominal => ((0..10).collect(), 10),
+            Campaign::LostCommands => ((0..10).map(|k| 2 * k).collect(), 10),
+            Campaign::Pairs => ((0..6).collect(), 6),
+            Campaign::Triples => ((0..6).collect(), 5),
+            Campaign::Outside => ((0..7).collect(), 7),
+            Campaign::Free => (vec![0, 5, 10, 36], 4),
+        }
+    }
+
+    /// A case of it with a log of this length.
+    pub fn case(self, seed: u64, duration_s: f64) -> Case {
+        match self {
+            Campaign::Singles => Case::single(seed, duration_s),
+            Campaign::Nominal => Case::nominal(seed, duration_s),
+            Campaign::LostCommands => Case::with_lost_commands(seed, duration_s),
+            Campaign::Pairs => Case::combined(seed, duration_s, 2),
+            Campaign::Triples => Case::combined(seed, duration_s, 3),
+            Campaign::Outside => Case::outside(seed, duration_s),
+            Campaign::Free => Case::free(seed, duration_s),
         }
     }
 
     /// Makes cases and has them diagnosed; `told` hears of each as it is done.
-    pub fn run(self, seeds: &[u64], told: impl Fn(&Case, &Outcome) + Sync) -> Score {
+    pub fn run(self, seeds: &[u64], duration_s: f64, told: impl Fn(&Case, &Outcome) + Sync) -> Score {
         let one = |seed: &u64| {
-            let case = self.case(*seed);
+            let case = self.case(*seed, duration_s);
             let outcome = Outcome::of(&case);
             told(&case, &outcome);
             outcome

@@ -1,10 +1,10 @@
-//! A log with something hidden in it, made by a number alone.
+//! A log with something hidden in it, made by a number and its length.
 
 use sil_host::log::{self, Log};
 use sil_host::model::VehicleModel;
 use sil_host::sensors::random::RandomStream;
 
-use super::conditions::{Conditions, DURATION_S, wanted_ratio};
+use super::conditions::{Conditions, wanted_ratio};
 use super::hidden::{EFFECTS, EFFECTS_IN_FREE_FLIGHT, Hidden};
 use super::outside::Outside;
 
@@ -29,31 +29,31 @@ pub struct Case {
 
 impl Case {
     /// One effect.
-    pub fn single(seed: u64) -> Case {
+    pub fn single(seed: u64, duration_s: f64) -> Case {
         let mut draws = RandomStream::new(seed, "blind");
-        let conditions = Conditions::draw(seed, &mut draws);
+        let conditions = Conditions::draw(seed, duration_s, &mut draws);
         Case::with_effects(seed, &[EFFECTS[(seed % EFFECTS.len() as u64) as usize]], conditions, &mut draws)
     }
 
     /// One effect in free flight.
-    pub fn free(seed: u64) -> Case {
+    pub fn free(seed: u64, duration_s: f64) -> Case {
         let mut draws = RandomStream::new(seed, "blind, free flight");
-        let conditions = Conditions::draw_free(seed, &mut draws);
+        let conditions = Conditions::draw_free(seed, duration_s, &mut draws);
         let name = EFFECTS_IN_FREE_FLIGHT[(seed % EFFECTS_IN_FREE_FLIGHT.len() as u64) as usize];
         Case::with_effects(seed, &[name], conditions, &mut draws)
     }
 
     /// One effect, and a controller that runs faster than the log.
-    pub fn with_lost_commands(seed: u64) -> Case {
+    pub fn with_lost_commands(seed: u64, duration_s: f64) -> Case {
         let mut draws = RandomStream::new(seed, "blind, lost commands");
-        let conditions = Conditions::draw_with_lost_commands(seed, &mut draws);
+        let conditions = Conditions::draw_with_lost_commands(seed, duration_s, &mut draws);
         Case::with_effects(seed, &[EFFECTS[(seed % EFFECTS.len() as u64) as usize]], conditions, &mut draws)
     }
 
     /// So many different effects, each as large as it would be alone.
-    pub fn combined(seed: u64, count: usize) -> Case {
+    pub fn combined(seed: u64, duration_s: f64, count: usize) -> Case {
         let mut draws = RandomStream::new(seed, "blind, combined");
-        let conditions = Conditions::draw(seed, &mut draws);
+        let conditions = Conditions::draw(seed, duration_s, &mut draws);
         let mut names: Vec<&'static str> = Vec::new();
         while names.len() < count {
             let name = EFFECTS[(draws.uniform() * EFFECTS.len() as f64) as usize];
@@ -65,16 +65,16 @@ impl Case {
     }
 
     /// The nominal vehicle.
-    pub fn nominal(seed: u64) -> Case {
+    pub fn nominal(seed: u64, duration_s: f64) -> Case {
         let mut draws = RandomStream::new(seed, "blind, nominal");
-        let conditions = Conditions::draw(seed, &mut draws);
+        let conditions = Conditions::draw(seed, duration_s, &mut draws);
         Case::with_effects(seed, &[], conditions, &mut draws)
     }
 
     /// Something that no catalogue has.
-    pub fn outside(seed: u64) -> Case {
+    pub fn outside(seed: u64, duration_s: f64) -> Case {
         let mut draws = RandomStream::new(seed, "blind, outside");
-        let conditions = Conditions::draw(seed, &mut draws);
+        let conditions = Conditions::draw(seed, duration_s, &mut draws);
         let outside = Outside::draw(seed, &mut draws);
         let log_of = |size: f64| conditions.flown(&[], Some(&mut outside.at_work(size, seed)));
         let size = conditions.size(outside.first_size(), wanted_ratio(&mut draws), log_of);
@@ -85,7 +85,7 @@ impl Case {
     fn with_effects(seed: u64, names: &[&'static str], conditions: Conditions, draws: &mut RandomStream) -> Case {
         let mut hidden = Vec::new();
         for name in names {
-            let effect = Hidden::draw(name, DURATION_S, conditions.rig, draws);
+            let effect = Hidden::draw(name, conditions.duration_s, conditions.rig, draws);
             let log_of = |size: f64| conditions.flown(&[effect.short(size)], None);
             let size = conditions.size(effect.first_size, wanted_ratio(draws), log_of);
             hidden.push((effect, size));

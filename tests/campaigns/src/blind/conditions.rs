@@ -13,7 +13,7 @@ use sil_host::scenario::{Scenario, Waypoint};
 use sil_host::sensors::random::RandomStream;
 use sil_host::synthesis::Synthesis;
 
-/// Length of a log, s.
+/// Length of a campaign's logs, s.
 pub const DURATION_S: f64 = 60.0;
 const RATES_HZ: [u32; 5] = [100, 150, 200, 300, 400];
 /// Rates of logs that a controller at 400 Hz outruns.
@@ -33,6 +33,8 @@ const HIGH_S: f64 = 8.0;
 /// Rates, throttle and seed of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditions {
+    /// Length of the log, s.
+    pub duration_s: f64,
     /// Steps of the controller per second.
     pub control_rate_hz: u32,
     /// Rows per second.
@@ -47,21 +49,23 @@ pub struct Conditions {
 
 impl Conditions {
     /// Control at the log's rate.
-    pub fn draw(seed: u64, draws: &mut RandomStream) -> Conditions {
+    pub fn draw(seed: u64, duration_s: f64, draws: &mut RandomStream) -> Conditions {
         let rate_hz = RATES_HZ[(draws.uniform() * RATES_HZ.len() as f64) as usize];
-        Conditions { control_rate_hz: rate_hz, log_rate_hz: rate_hz, throttle: throttle(draws), seed, rig: Rig::Gimbal }
+        let throttle = throttle(draws);
+        Conditions { duration_s, control_rate_hz: rate_hz, log_rate_hz: rate_hz, throttle, seed, rig: Rig::Gimbal }
     }
 
     /// Free flight, control at the log's rate.
-    pub fn draw_free(seed: u64, draws: &mut RandomStream) -> Conditions {
+    pub fn draw_free(seed: u64, duration_s: f64, draws: &mut RandomStream) -> Conditions {
         let hover = VehicleModel::nominal(Rig::Free).base_command;
-        Conditions { throttle: hover, rig: Rig::Free, ..Conditions::draw(seed, draws) }
+        Conditions { throttle: hover, rig: Rig::Free, ..Conditions::draw(seed, duration_s, draws) }
     }
 
     /// Control faster than the log: commands are lost between rows.
-    pub fn draw_with_lost_commands(seed: u64, draws: &mut RandomStream) -> Conditions {
+    pub fn draw_with_lost_commands(seed: u64, duration_s: f64, draws: &mut RandomStream) -> Conditions {
         let log_rate_hz = SLOW_RATES_HZ[(draws.uniform() * SLOW_RATES_HZ.len() as f64) as usize];
-        Conditions { control_rate_hz: FAST_CONTROL_HZ, log_rate_hz, throttle: throttle(draws), seed, rig: Rig::Gimbal }
+        let throttle = throttle(draws);
+        Conditions { duration_s, control_rate_hz: FAST_CONTROL_HZ, log_rate_hz, throttle, seed, rig: Rig::Gimbal }
     }
 
     /// The nominal vehicle with effects.
@@ -82,7 +86,7 @@ impl Conditions {
     /// If it can't be flown.
     pub fn synthesised(&self, effects: &[String]) -> Log {
         let mut synthesis = Synthesis {
-            duration_s: DURATION_S,
+            duration_s: self.duration_s,
             scenario: self.scenario(),
             start_height_m: Some(LOW_START_M),
             log_rate_hz: self.log_rate_hz,
@@ -115,8 +119,8 @@ impl Conditions {
     /// What is flown.
     fn scenario(&self) -> Scenario {
         match self.rig {
-            Rig::Gimbal => on_the_gimbal(),
-            Rig::Free => in_free_flight(),
+            Rig::Gimbal => on_the_gimbal(self.duration_s),
+            Rig::Free => in_free_flight(self.duration_s),
         }
     }
 
@@ -174,7 +178,7 @@ fn throttle(draws: &mut RandomStream) -> f64 {
 
 /// From level, steps of roll, pitch and both, each to one side, to the other and back, so that the vehicle comes to rest again; turning now
 /// and then. It begins well above the ground, where the pilot learns what the vehicle weighs, and goes on low.
-fn in_free_flight() -> Scenario {
+fn in_free_flight(duration_s: f64) -> Scenario {
     let sides: [f64; 5] = [0.0, 1.0, -1.0, -1.0, 1.0];
     let angles: [[f64; 2]; 4] = [[15.0, 0.0], [0.0, 15.0], [12.0, 12.0], [12.0, -12.0]];
     let (yaw_rates_deg_s, climbs_m): ([f64; 3], [f64; 4]) = ([0.0, 30.0, -30.0], [-1.6, -1.75, -1.5, -1.7]);
@@ -189,18 +193,18 @@ fn in_free_flight() -> Scenario {
             ..Waypoint::level(start_s)
         }
     };
-    let count = (DURATION_S / FREE_SEGMENT_S).ceil() as usize;
-    Scenario { name: "low flight".into(), duration_s: DURATION_S, waypoints: (0..count).map(waypoint).collect() }
+    let count = (duration_s / FREE_SEGMENT_S).ceil() as usize;
+    Scenario { name: "low flight".into(), duration_s, waypoints: (0..count).map(waypoint).collect() }
 }
 
 /// The test sequence over and over.
-fn on_the_gimbal() -> Scenario {
+fn on_the_gimbal(duration_s: f64) -> Scenario {
     let once = Scenario::test_sequence();
-    let repeats = (DURATION_S / once.duration_s).ceil() as u32;
+    let repeats = (duration_s / once.duration_s).ceil() as u32;
     let waypoints = (0..repeats).flat_map(|k| {
         let shift_s = f64::from(k) * once.duration_s;
         once.waypoints.iter().map(move |at| Waypoint { start_s: at.start_s + shift_s, ..*at })
     });
-    let waypoints = waypoints.filter(|at| at.start_s < DURATION_S).collect();
-    Scenario { duration_s: DURATION_S, waypoints, ..once }
+    let waypoints = waypoints.filter(|at| at.start_s < duration_s).collect();
+    Scenario { duration_s, waypoints, ..once }
 }

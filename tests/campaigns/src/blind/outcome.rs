@@ -15,6 +15,8 @@ use super::hidden::{Hidden, label};
 pub struct Outcome {
     /// The case's number.
     pub seed: u64,
+    /// True if something is in the log that no catalogue has.
+    pub is_outside: bool,
     /// What was hidden.
     pub hidden: Vec<String>,
     /// What was found, most important first.
@@ -110,6 +112,7 @@ impl Outcome {
         let right = |finding: &Finding| case.hidden.iter().any(|(e, _)| own(finding, e) || admitted(finding, e));
         Outcome {
             seed: case.seed,
+            is_outside: case.outside.is_some(),
             hidden: case.hidden.iter().map(|(effect, _)| effect.label()).collect(),
             found: answer.findings.iter().map(|f| label(f.effect, f.axis, motor_of(f))).collect(),
             confounded: first.map_or_else(Vec::new, |first| first.confounded_with.clone()),
@@ -124,6 +127,14 @@ impl Outcome {
             signature_is_right: case.outside.is_some_and(|it| it.is_told_by(&answer.unexplained.signature)),
             gain,
         }
+    }
+
+    /// True if all that is hidden is named and nothing else, and if something from outside the catalogue is not taken for explained.
+    pub fn is_right(&self) -> bool {
+        if self.is_outside {
+            return matches!(self.verdict, Verdict::UnknownEffect | Verdict::PartlyExplained);
+        }
+        self.all_named() && self.false_findings == 0 && self.first_is_right != self.hidden.is_empty()
     }
 
     /// True if every hidden effect is named.

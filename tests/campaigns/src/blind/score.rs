@@ -27,6 +27,11 @@ impl Score {
         share(self.outcomes.iter().map(of))
     }
 
+    /// Number of right answers.
+    pub fn right(&self) -> usize {
+        self.outcomes.iter().filter(|outcome| outcome.is_right()).count()
+    }
+
     /// Share of cases whose first finding is right.
     pub fn first_is_right(&self) -> f64 {
         self.share(|outcome| outcome.first_is_right)
