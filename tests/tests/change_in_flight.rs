@@ -1,4 +1,5 @@
-//! Other weights, another model, another controller in the middle of a flight: prepared aside, taken over between two steps.
+//! Other weights, another model, another controller in the middle of a flight: prepared aside, taken over between two
+//! steps.
 
 use shared_control::config::Controller;
 use shared_control::flight_core::TorqueSource;

@@ -72,8 +72,8 @@ fn without_noise_every_position_comes_to_rest() {
                     .collect();
                 let high = last_half_second.iter().copied().fold(f64::MIN, f64::max);
                 let low = last_half_second.iter().copied().fold(f64::MAX, f64::min);
-                // what is left is a gyro count (0.06 deg/s) held for half a second, and the tail of the step, which one free
-                // input over the whole horizon makes long
+                // what is left is a gyro count (0.06 deg/s) held for half a second, and the tail of the step, which one
+                // free input over the whole horizon makes long
                 let most_deg = if controller.2 == 1 { 1.0 } else { 0.5 };
                 assert!(high - low < most_deg, "{controller:?} axis {axis} before {end_s} s: {low} to {high} deg");
             }
@@ -81,8 +81,9 @@ fn without_noise_every_position_comes_to_rest() {
     }
 }
 
-/// The thesis' figure 5.3: a ring whose centre of gravity is off pulls pitch away and leaves roll alone. The thesis' MPC is left
-/// with the moment over its stiffness, degrees; the cascade's integral and the MPC's disturbance estimate leave tenths.
+/// The thesis' figure 5.3: a ring whose centre of gravity is off pulls pitch away and leaves roll alone. The thesis'
+/// MPC is left with the moment over its stiffness, degrees; the cascade's integral and the MPC's disturbance estimate
+/// leave tenths.
 #[test]
 fn a_ring_off_balance_shows_in_pitch_and_not_in_roll() {
     let thesis = include_str!("../../sil-host/demonstration/thesis-mpc.toml");
@@ -101,7 +102,8 @@ fn a_ring_off_balance_shows_in_pitch_and_not_in_roll() {
         let pitch_deg = mean_abs_difference_deg(&nominal, &off_balance, 1);
         let steady_deg = off_balance.summary.axes.pitch.steady_error_deg.unwrap();
         println!(
-            "{} at {} Hz, M = {}: deviation {roll_deg:.3} deg in roll, {pitch_deg:.3} deg in pitch, steady error {steady_deg:.3} deg",
+            "{} at {} Hz, M = {}: deviation {roll_deg:.3} deg in roll, {pitch_deg:.3} deg in pitch, \
+             steady error {steady_deg:.3} deg",
             choice.name(),
             choice.rate_hz,
             choice.control_horizon
@@ -114,8 +116,8 @@ fn a_ring_off_balance_shows_in_pitch_and_not_in_roll() {
     }
 }
 
-/// A model that a diagnosis has extended makes a better controller by itself: the same vehicle, with motors that are slower and later
-/// than the nominal ones, is flown by a controller that takes it for nominal, and by one that knows.
+/// A model that a diagnosis has extended makes a better controller by itself: the same vehicle, with motors that are
+/// slower and later than the nominal ones, is flown by a controller that takes it for nominal, and by one that knows.
 #[test]
 fn a_diagnosed_model_makes_a_better_controller() {
     let slow = "motor_lag:time_constant_s=0.03";
@@ -214,9 +216,9 @@ fn every_level_and_the_free_vehicle_fly() {
     }
 }
 
-/// The measured gain margin is where the loop really breaks: with the inertia divided by 0.65 of it the vehicle is held (a
-/// little less damping and its transients outlast the measurement), with 1.3 of it (2 dB beyond) the loop oscillates by
-/// itself. The controller knows nothing of it.
+/// The measured gain margin is where the loop really breaks: with the inertia divided by 0.65 of it the vehicle is held
+/// (a little less damping and its transients outlast the measurement), with 1.3 of it (2 dB beyond) the loop oscillates
+/// by itself. The controller knows nothing of it.
 #[test]
 fn the_gain_margin_is_where_the_loop_breaks() {
     for controller in [(Controller::Cascade, 400, 1), (Controller::Cascade, 100, 1), (Controller::Mpc, 100, 5)] {

@@ -1,5 +1,5 @@
-//! What the motors' limits and several linearisations are for, in whole flights; docs/motor-limits.md and docs/switching-mpc.md
-//! have more of them.
+//! What the motors' limits and several linearisations are for, in whole flights; docs/motor-limits.md and
+//! docs/switching-mpc.md have more of them.
 
 use campaigns::limits_and_switching::{Flown, route};
 use sil_host::controller_file::{ReferenceName, TuningChange};

@@ -247,7 +247,8 @@ fn assert_close(column: &[f64], expected: f64) {
 
 #[test]
 fn units_are_converted_by_suffix_and_order_is_free() {
-    let header = "motor4_pct,motor3,motor2,motor1_pct,q_deg_s,p_rad_s,pitch_deg,roll_rad,temperature,time_ms,battery_mv,az_g,yaw_ref_deg";
+    let header = "motor4_pct,motor3,motor2,motor1_pct,q_deg_s,p_rad_s,pitch_deg,roll_rad,\
+        temperature,time_ms,battery_mv,az_g,yaw_ref_deg";
     let row = |row: usize| format!("25,0.3,0.4,105,-90,1,180,0.5,x,{row},11100,-1,-45\n");
     let rows: String = (0..100).map(row).collect();
     let log =
@@ -288,7 +289,8 @@ fn a_map_reads_a_foreign_log() {
     assert_eq!(log.notes, ["read by the map bench.toml"]);
     assert_eq!(
         parse("run.csv", &foreign("t,theta,v,T"), Some(&map)).unwrap_err().to_string(),
-        "run.csv:1: `u`: column is missing, which the map bench.toml takes for pitch_cmd; the header has: t, theta, v, T"
+        "run.csv:1: `u`: column is missing, which the map bench.toml takes for pitch_cmd; \
+         the header has: t, theta, v, T"
     );
     assert_eq!(
         parse("run.csv", &foreign("t,theta,u,T").replace(",0.2,", ",1.2,"), Some(&map)).unwrap_err().to_string(),
@@ -306,12 +308,14 @@ fn malformed_maps_are_named_by_line_and_key() {
         (
             "thrust_cmd > 0.1",
             "thrust_cmd < 0.1",
-            "bench.toml:4: `active_when`: expected \"QUANTITY > NUMBER\" with a quantity of this map, found \"thrust_cmd < 0.1\"",
+            "bench.toml:4: `active_when`: expected \"QUANTITY > NUMBER\" with a quantity of this map, \
+             found \"thrust_cmd < 0.1\"",
         ),
         (
             "thrust_cmd > 0.1",
             "motor1 > 0.1",
-            "bench.toml:4: `active_when`: expected \"QUANTITY > NUMBER\" with a quantity of this map, found \"motor1 > 0.1\"",
+            "bench.toml:4: `active_when`: expected \"QUANTITY > NUMBER\" with a quantity of this map, \
+             found \"motor1 > 0.1\"",
         ),
         ("time_s =", "battery_v =", "bench.toml:5: `quantities`: time_s is missing"),
         ("pitch_cmd =", "roll_cmd =", "bench.toml:5: `quantities`: pitch_cmd is missing (or motor1 to motor4)"),

@@ -95,8 +95,8 @@ fn crazyflie_with_motors_and_no_gyro() {
     }
 }
 
-/// The replay of the bench misses by far more than noise, as it must: the model knows neither the delay of 20 ms nor the
-/// restoring moment nor the trim of the bench (the authors' model has the first two). What it is, is the diagnosis'
+/// The replay of the bench misses by far more than noise, as it must: the model knows neither the delay of 20 ms nor
+/// the restoring moment nor the trim of the bench (the authors' model has the first two). What it is, is the diagnosis'
 /// matter; that it shows, and that the one gain does what one gain can, is tested here.
 #[test]
 fn bench_with_free_pitch_is_replayed_and_missed() {
@@ -109,7 +109,8 @@ fn bench_with_free_pitch_is_replayed_and_missed() {
         println!("    gain {gain:.1} rad/s^2, {} windows", replay.windows.len());
         println!("    {:?}", replay.prediction_error());
         // the authors identified 405 rad/s^2 with a delay and a restoring moment; without them less fits better, and
-        // where the bench mostly swings freely (Lab02) next to nothing is left of it, and its sign hangs on which windows are fitted
+        // where the bench mostly swings freely (Lab02) next to nothing is left of it, and its sign hangs on which
+        // windows are fitted
         assert!(gain.abs() < 405.0, "{gain}");
         let swings = path.to_string_lossy().contains("Lab02");
         assert!(if swings { gain.abs() < 40.0 } else { gain > 0.0 }, "{gain}");
@@ -136,8 +137,9 @@ fn value(diagnosis: &Diagnosis, effect: &str, parameter: &str) -> f64 {
     finding.map_or(0.0, |finding| finding.parameters[parameter].value)
 }
 
-/// What the bench's model lacks is found in one of the two shortest runs (docs/real-logs.md has all five): motors that come late by what the authors call a
-/// delay of 20 ms. The bench is in moving air and on a rail, so that not all is explained, and the answer says so.
+/// What the bench's model lacks is found in one of the two shortest runs (docs/real-logs.md has all five): motors that
+/// come late by what the authors call a delay of 20 ms. The bench is in moving air and on a rail, so that not all is
+/// explained, and the answer says so.
 #[test]
 fn bench_with_free_pitch_is_diagnosed() {
     for path in files("rig_antx_2dof", "Lab01").iter().take(1) {
@@ -170,7 +172,8 @@ fn crazyflie_without_attitude_is_replayed() {
     }
 }
 
-/// The Crazyflie's inertia, thrust curve and lag beside the authors', from a model of other literature (docs/real-logs.md has the table).
+/// The Crazyflie's inertia, thrust curve and lag beside the authors', from a model of other literature
+/// (docs/real-logs.md has the table).
 #[test]
 fn crazyflie_is_identified_beside_its_authors() {
     let vehicle = crazyflie::vehicle();
@@ -204,7 +207,8 @@ fn crazyflie_is_identified_beside_its_authors() {
     }
 }
 
-/// What the gyro and the accelerometer tell together is a ratio of lift and mass, and the search says it of one of them.
+/// What the gyro and the accelerometer tell together is a ratio of lift and mass, and the search says it of one of
+/// them.
 #[test]
 fn crazyflie_is_diagnosed_by_gyro_and_accelerometer() {
     let vehicle = crazyflie::vehicle();
@@ -241,7 +245,8 @@ fn crazyflie_with_a_cut_propeller_has_a_weak_motor() {
         // the first has one blade cut to 46 mm and is not to be told from a normal flight
         for (cut, change) in cuts.iter().zip(&changes).skip(1) {
             println!("{airframe} {cut}: {change} {:.2?}", change.weak_motor_shares(MOTOR_3));
-            // in every kind of log and on every way: the signs of a weak motor 3, in yaw more than normal flights differ
+            // in every kind of log and on every way: the signs of a weak motor 3, in yaw more than normal flights
+            // differ
             for (each, normal) in change.each_pct.iter().zip(&change.normal_pct) {
                 assert!(each[0] > 0.0 && each[1] < 0.0 && each[2] > normal[2], "{change:?}");
             }
@@ -256,8 +261,8 @@ fn crazyflie_with_a_cut_propeller_has_a_weak_motor() {
     assert!((1.5..2.5).contains(&(roll / yaw)) && (-2.5..-1.5).contains(&(pitch / yaw)), "{roll} {pitch} {yaw}");
 }
 
-/// The weight under motor 3 hangs in its wash and costs lift: yaw changes with roll and pitch as it does of a weak motor. The same weight under motor 4 of the
-/// other airframe pulls harder and changes no yaw.
+/// The weight under motor 3 hangs in its wash and costs lift: yaw changes with roll and pitch as it does of a weak
+/// motor. The same weight under motor 4 of the other airframe pulls harder and changes no yaw.
 #[test]
 fn crazyflie_with_a_weight_near_motor_3_lifts_less_there() {
     let flights = crazypad::flights();
@@ -273,7 +278,8 @@ fn crazyflie_with_a_weight_near_motor_3_lifts_less_there() {
     let of_cut = |cut: &str| Change::of(&flights, "E9", cut, None).pull_pct(MOTOR_3);
     assert!((of_cut(CUTS[0])..of_cut(CUTS[1])).contains(&near_3.pull_pct(MOTOR_3)));
 
-    // controller logs alone: motor logs of this label fly as normal ones do, so that they may have been without the weight
+    // controller logs alone: motor logs of this label fly as normal ones do, so that they may have been without the
+    // weight
     let near_4 = Change::of(&flights, "E8", "add_weight_W1_near_M4", Some("controller"));
     println!("near motor 4: {near_4} {:.2?}", near_4.weak_motor_shares(MOTOR_4));
     for (each, normal) in near_4.each_pct.iter().zip(&near_4.normal_pct) {

@@ -1,5 +1,5 @@
-//! The most passes that the MPC's solver can take: known for the shipped problems, not sampled (docs/solver.md; the long form is the
-//! binary `worst_case`).
+//! The most passes that the MPC's solver can take: known for the shipped problems, not sampled (docs/solver.md; the
+//! long form is the binary `worst_case`).
 
 use campaigns::worst_case::campaign::{self, ANGLE_MAX_RAD, Known, RATE_MAX_RAD_S, flying_settings};
 use campaigns::worst_case::polytope::{Affine, Polytope};

@@ -145,7 +145,8 @@ fn of_another_controller_name_its_gain_beside_the_plants_effect() {
     let folder = Folder::new();
     folder.write("flown.toml", "controller = \"pid\"\n[tuning]\nrate_proportional_1_s = [29.47, 40.0, 11.8]\n");
     let effect = "cg_offset:axis=pitch,cos_moment_nm=0.1";
-    let synthesis = ["synth", "--controller", "flown.toml", "--rate", "400", "--effect", effect, "log.csv"];
+    let synthesis =
+        ["synth", "--controller", "flown.toml", "--rate", "400", "--duration", "15", "--effect", effect, "log.csv"];
     folder.sil(&synthesis).assert_done();
     let diagnosis = ["diagnose", "log.csv", "--controller", "pid", "--extended", "m.toml", "--json", "out.json"];
     folder.sil(&diagnosis).assert_done();

@@ -1,4 +1,5 @@
-//! The page docs/closed-loop.md: the figures of the closed loop under each effect of the catalogue, every one in the size of its example.
+//! The page docs/closed-loop.md: the figures of the closed loop under each effect of the catalogue, every one in the
+//! size of its example.
 
 use std::fmt::Write;
 
@@ -22,12 +23,13 @@ const LATE: [&str; 2] = ["actuation_delay", "motor_lag"];
 
 const HEAD: &str = "# The closed loop under each effect
 
-Written by `cargo run --release -p campaigns --bin closed_loop_table -- --write` and checked by `cargo test`: do not edit.
+Written by `cargo run --release -p campaigns --bin closed_loop_table -- --write`, checked by `cargo test`: do not edit.
 
-The thesis' test sequence, 30 s, with default tuning and the same noise, once without an effect and once with each effect of the catalogue in the size of its
-example. The controllers take the vehicle for nominal. Roll / pitch, means over the steps of an axis, errors of the true angle against the raw
-reference; *settling* is the time until the error stays within 3 degrees, and - where a step never does; *effort* is the mean |command - base|;
-*fallbacks* are steps that the cascade flew in the MPC's place. At 100 Hz too where an effect comes late, as that rate does.
+The thesis' test sequence, 30 s, with default tuning and the same noise, once without an effect and once with each
+effect of the catalogue in the size of its example; at 100 Hz too where an effect comes late, as that rate does. The
+controllers take the vehicle for nominal. Roll / pitch, means over the steps of an axis, errors of the true angle against the raw
+reference; *settling* is the time until the error stays within 3 degrees, and - where a step never does; *effort* is the
+mean |command - base|; *fallbacks* are steps that the cascade flew in the MPC's place.
 ";
 
 const TABLE_HEAD: &str =

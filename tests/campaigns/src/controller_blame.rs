@@ -1,6 +1,6 @@
-//! Blind search for a changed number of a controller: `sil fly`'s log of a controller with one number changed, or none, is
-//! held against the nominal controller. A case is made by its number alone: cascade and MPC by turns, every number in turn,
-//! its axis, the size and sign of the change, the noise; every second flight has an effect in the plant too.
+//! Blind search for a changed number of a controller: `sil fly`'s log of a controller with one number changed, or none,
+//! is held against the nominal controller. A case is made by its number alone: cascade and MPC by turns, every number
+//! in turn, its axis, the size and sign of the change, the noise; every second flight has an effect in the plant too.
 
 use std::fmt::Write;
 
@@ -101,7 +101,8 @@ pub struct Case {
 }
 
 impl Case {
-    /// Flies a case by its number, as long as this or to the end of the test sequence; `is_changed` false for the nominal controller.
+    /// Flies a case by its number, as long as this or to the end of the test sequence; `is_changed` false for the
+    /// nominal controller.
     ///
     /// # Panics
     /// If it can't be flown.

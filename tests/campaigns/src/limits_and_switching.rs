@@ -24,8 +24,8 @@ pub fn route(positions_deg: &[(f64, f64)], throttle: Option<f64>) -> Scenario {
     Scenario { name: "steps".into(), duration_s: all.len() as f64 * SEGMENT_S, waypoints: waypoints.collect() }
 }
 
-/// Means over flights that differ in the sensors' noise; arrays are roll, pitch. Not a number where a figure does not exist in
-/// each of them.
+/// Means over flights that differ in the sensors' noise; arrays are roll, pitch. Not a number where a figure does not
+/// exist in each of them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Flown {
     /// Root mean square of the error against the raw reference.
@@ -83,7 +83,8 @@ impl Flown {
     }
 
     /// Head of a table whose rows are flights.
-    pub const TABLE_HEAD: &str = "| | RMS, deg | overshoot, % | settling, s | steady error, deg | aside, deg | effort | at a limit, % | lift changed, % | fallbacks |\n\
+    pub const TABLE_HEAD: &str = "| | RMS, deg | overshoot, % | settling, s | steady error, deg | aside, deg | effort \
+        | at a limit, % | lift changed, % | fallbacks |\n\
         |---|---|---|---|---|---|---|---|---|---|";
 }
 

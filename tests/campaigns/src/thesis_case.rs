@@ -1,9 +1,10 @@
-//! The thesis' case (sections 5.3.1 and 5.3.3) from the log to the better controller: the ring's centre of gravity is off, the
-//! nominal simulation of the closed loop misses the measured pitch by eight degrees, and nobody knows why.
+//! The thesis' case (sections 5.3.1 and 5.3.3) from the log to the better controller: the ring's centre of gravity is
+//! off, the nominal simulation of the closed loop misses the measured pitch by eight degrees, and nobody knows why.
 //!
 //! ```text
 //!   ring off balance --> logs of the thesis' MPC and of the cascade --> diagnosis --> extended model
-//!                                                                         '--> closed loop: simulated against the log, before and after
+//!                                                                         '--> closed loop, simulated against the log:
+//!                                                                              before and after
 //!   extended model --> what the controllers know --> flights of the same vehicle: tracking, before and after
 //! ```
 

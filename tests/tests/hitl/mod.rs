@@ -53,9 +53,9 @@ fn a_board_in_the_loop_flies_as_the_simulation_does() {
     assert_eq!((hitl.controller, hitl.rate_hz, hitl.rig), ("pid", 400, "gimbal"));
     assert_eq!(hitl.duration_s, simulated.duration_s);
     println!("HITL       {:?}\nsimulation {:?}", figures(hitl), figures(&simulated));
-    // what differs: one IMU sample a step instead of three, hence random numbers of its own, more noise through the gyro's
-    // filter, and a bias at rest from a third of the samples: 0.01 rad/s / sqrt(600) = 4e-4 rad/s, which the accelerometer
-    // leaves as a few tenths of a degree. The response to steps of 30 degrees barely sees that
+    // what differs: one IMU sample a step instead of three, hence random numbers of its own, more noise through the
+    // gyro's filter, and a bias at rest from a third of the samples: 0.01 rad/s / sqrt(600) = 4e-4 rad/s, which the
+    // accelerometer leaves as a few tenths of a degree. The response to steps of 30 degrees barely sees that
     for (ours, theirs) in [(hitl.axes.roll, simulated.axes.roll), (hitl.axes.pitch, simulated.axes.pitch)] {
         let near = |a: f64, b: f64| assert!((a - b).abs() <= 0.03 * b, "{a} {b}");
         near(ours.rise_time_s.unwrap(), theirs.rise_time_s.unwrap());

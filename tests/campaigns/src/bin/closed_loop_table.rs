@@ -1,5 +1,5 @@
-//! Overshoot, settling and effort of both controllers under each effect: `cargo run --release -p campaigns --bin closed_loop_table`
-//! prints docs/closed-loop.md, with `-- --write` it writes it.
+//! Overshoot, settling and effort of both controllers under each effect: `cargo run --release -p campaigns --bin
+//! closed_loop_table` prints docs/closed-loop.md, with `-- --write` it writes it.
 
 use campaigns::closed_loop_table::{PAGE, page};
 

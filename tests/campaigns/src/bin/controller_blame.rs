@@ -1,5 +1,6 @@
 //! The controller's share of the blame: `cargo run --release -p campaigns --bin controller_blame -- [FIRST [COUNT]]`
-//! flies COUNT logs (20) with one changed number and as many with none. `tenth` in their place flies a tenth of them, and fails where one is not named.
+//! flies COUNT logs (20) with one changed number and as many with none. `tenth` in their place flies a tenth of them,
+//! and fails where one is not named.
 
 use std::process::ExitCode;
 
@@ -7,7 +8,8 @@ use campaigns::controller_blame::{Case, Score};
 
 fn main() -> ExitCode {
     let is_tenth = std::env::args().nth(1).is_some_and(|argument| argument == "tenth");
-    let mut arguments = std::env::args().skip(1 + usize::from(is_tenth)).map(|argument| argument.parse::<u64>().expect("a number"));
+    let mut arguments =
+        std::env::args().skip(1 + usize::from(is_tenth)).map(|argument| argument.parse::<u64>().expect("a number"));
     let (first, count) = (arguments.next().unwrap_or(0), arguments.next().unwrap_or(if is_tenth { 2 } else { 20 }));
     let mut score = Score::default();
     for seed in first..first + count {

@@ -1,6 +1,6 @@
-//! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune |
-//! DRAWS]`. `scan` tunes both at several shapings, `tune` writes the controller files under tests/campaigns/comparison, otherwise
-//! the tables over so many draws (200) come out.
+//! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune | DRAWS]`.
+//! `scan` tunes both at several shapings, `tune` writes the controller files under tests/campaigns/comparison,
+//! otherwise the tables over so many draws (200) come out.
 
 use campaigns::comparison::campaign;
 

@@ -1,4 +1,5 @@
-//! The tables of docs/real-logs.md: `cargo run --release -p campaigns --bin real_logs`. The logs are looked for in `$SIL_DATA`.
+//! The tables of docs/real-logs.md: `cargo run --release -p campaigns --bin real_logs`. The logs are looked for in
+//! `$SIL_DATA`.
 
 use campaigns::real_logs::crazyflie::vehicle;
 use campaigns::real_logs::crazyflie_table::{RollPitch, yaw_of};

@@ -32,7 +32,8 @@ fn main() {
         }
     }
     println!(
-        "\n| controller | nominal: roll RMS | pitch RMS | pitch steady | extended: roll RMS | pitch RMS | pitch steady |"
+        "\n| controller | nominal: roll RMS | pitch RMS | pitch steady \
+         | extended: roll RMS | pitch RMS | pitch steady |"
     );
     println!("|---|---|---|---|---|---|---|");
     for (name, choice) in controllers() {

@@ -1,6 +1,6 @@
-//! The most passes that the MPC's solver can take, found by following every way that they can go:
-//! `cargo run --release -p campaigns --bin worst_case -- regulation | flight | held [DOUBT [M...]]`. DOUBT is how far a
-//! wish may be off (0); M are the numbers of inputs (regulation: 1 to 30; flight, over all requests: 1 to 5; held, under references that
+//! The most passes that the MPC's solver can take, found by following every way that they can go: `cargo run --release
+//! -p campaigns --bin worst_case -- regulation | flight | held [DOUBT [M...]]`. DOUBT is how far a wish may be off (0);
+//! M are the numbers of inputs (regulation: 1 to 30; flight, over all requests: 1 to 5; held, under references that
 //! stand still: 1 to 10).
 
 use campaigns::worst_case::campaign;

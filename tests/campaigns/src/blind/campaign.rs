@@ -61,8 +61,9 @@ impl Campaign {
         }
     }
 
-    /// Seeds of about a tenth of it, and how many of them are answered right: fewer is a step back. All effects occur among the singles, every
-    /// second where commands are lost, all kinds of things outside the catalogue, and mass, drag, ground and wind in free flight.
+    /// Seeds of about a tenth of it, and how many of them are answered right: fewer is a step back. All effects occur
+    /// among the singles, every second where commands are lost, all kinds of things outside the catalogue, and mass,
+    /// drag, ground and wind in free flight.
     pub fn tenth(self) -> (Vec<u64>, usize) {
         match self {
             Campaign::Singles => ((0..20).collect(), 20),

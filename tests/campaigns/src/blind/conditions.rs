@@ -124,8 +124,8 @@ impl Conditions {
         }
     }
 
-    /// Held-out error of the nominal model over its noise floor: root mean square over the channels, in free flight over those of the
-    /// diagnosis, as the replay knows no translation.
+    /// Held-out error of the nominal model over its noise floor: root mean square over the channels, in free flight
+    /// over those of the diagnosis, as the replay knows no translation.
     ///
     /// # Panics
     /// If the log can't be replayed.
@@ -176,8 +176,9 @@ fn throttle(draws: &mut RandomStream) -> f64 {
     0.35 + 0.25 * draws.uniform()
 }
 
-/// From level, steps of roll, pitch and both, each to one side, to the other and back, so that the vehicle comes to rest again; turning now
-/// and then. It begins well above the ground, where the pilot learns what the vehicle weighs, and goes on low.
+/// From level, steps of roll, pitch and both, each to one side, to the other and back, so that the vehicle comes to
+/// rest again; turning now and then. It begins well above the ground, where the pilot learns what the vehicle weighs,
+/// and goes on low.
 fn in_free_flight(duration_s: f64) -> Scenario {
     let sides: [f64; 5] = [0.0, 1.0, -1.0, -1.0, 1.0];
     let angles: [[f64; 2]; 4] = [[15.0, 0.0], [0.0, 15.0], [12.0, 12.0], [12.0, -12.0]];

@@ -1,5 +1,5 @@
-//! What can be hidden: every effect of docs/effects.md that a gimbal or a free vehicle can have, but `controller_mismatch`, with its free choices
-//! drawn.
+//! What can be hidden: every effect of docs/effects.md that a gimbal or a free vehicle can have, but
+//! `controller_mismatch`, with its free choices drawn.
 
 use sil_host::model::Rig;
 use sil_host::sensors::random::RandomStream;
@@ -29,7 +29,8 @@ pub const EFFECTS: [&str; 19] = [
     "step_disturbance",
 ];
 
-/// Effects of free flight, equally often: those that mean something without bearings, and those of the way through the air.
+/// Effects of free flight, equally often: those that mean something without bearings, and those of the way through the
+/// air.
 pub const EFFECTS_IN_FREE_FLIGHT: [&str; 21] = [
     "mass_error",
     "cg_offset",
@@ -84,7 +85,8 @@ struct Extra {
 }
 
 impl Hidden {
-    /// Draws axis, motor, sign and whatever else an effect leaves open, for logs of a length; free, all but gravity acts on yaw too.
+    /// Draws axis, motor, sign and whatever else an effect leaves open, for logs of a length; free, all but gravity
+    /// acts on yaw too.
     ///
     /// # Panics
     /// If the name is none of the effects that can be hidden.
@@ -212,7 +214,8 @@ fn periodic(size: f64, extra: &Extra) -> (f64, String) {
     (size, format!("amplitude_nm={size},frequency_hz={frequency_hz},phase_rad={phase_rad}"))
 }
 
-/// From within 45 degrees of north or south, so that the first parameter is no remainder; a drag area of a vehicle of that size.
+/// From within 45 degrees of north or south, so that the first parameter is no remainder; a drag area of a vehicle of
+/// that size.
 fn wind(size: f64, extra: &Extra) -> (f64, String) {
     let north_m_s = extra.sign * size.min(30.0);
     let east_m_s = 2.0 * (extra.share - 0.5) * north_m_s;

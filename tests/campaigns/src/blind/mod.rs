@@ -1,9 +1,9 @@
-//! Blind diagnosis: something is hidden in a synthetic log, and the diagnosis, given nothing but the CSV, has to name and measure it, or
-//! to say that it is nothing that it knows.
+//! Blind diagnosis: something is hidden in a synthetic log, and the diagnosis, given nothing but the CSV, has to name
+//! and measure it, or to say that it is nothing that it knows.
 //!
-//! A case is made by its number and the length of its log: which effects, their axes or motors and signs, the log's rate, throttle, noise seed and sizes. A
-//! size is log-uniform between those at which the nominal model's held-out error is 1.5 and 10 times the noise floor, found by a few
-//! flights, with the replay of `sil compare` as the measure.
+//! A case is made by its number and the length of its log: which effects, their axes or motors and signs, the log's
+//! rate, throttle, noise seed and sizes. A size is log-uniform between those at which the nominal model's held-out
+//! error is 1.5 and 10 times the noise floor, found by a few flights, with the replay of `sil compare` as the measure.
 
 pub mod campaign;
 mod case;

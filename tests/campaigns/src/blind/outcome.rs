@@ -129,7 +129,8 @@ impl Outcome {
         }
     }
 
-    /// True if all that is hidden is named and nothing else, and if something from outside the catalogue is not taken for explained.
+    /// True if all that is hidden is named and nothing else, and if something from outside the catalogue is not taken
+    /// for explained.
     pub fn is_right(&self) -> bool {
         if self.is_outside {
             return matches!(self.verdict, Verdict::UnknownEffect | Verdict::PartlyExplained);

@@ -1,5 +1,5 @@
-//! What no catalogue has: moments that the test itself computes from the true motion and puts on the simulated body, tick by tick of
-//! the IMU's clock (1 kHz and more), beside the plant and its effects.
+//! What no catalogue has: moments that the test itself computes from the true motion and puts on the simulated body,
+//! tick by tick of the IMU's clock (1 kHz and more), beside the plant and its effects.
 
 use sil_host::plant::Plant;
 use sil_host::sensors::random::RandomStream;
@@ -137,7 +137,8 @@ impl State {
         self.moment_nm
     }
 
-    /// Each motor loses a share of its lift in proportion to its heat, which follows the lift's square over that of 1.3 N.
+    /// Each motor loses a share of its lift in proportion to its heat, which follows the lift's square over that of 1.3
+    /// N.
     fn hot(&mut self, size: f64, lift_n: &[f64; 4], passed_s: f64) -> [f64; 3] {
         const WARM_UP_S: f64 = 10.0;
         let mut torque_nm = [0.0; 3];

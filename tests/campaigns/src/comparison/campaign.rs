@@ -44,8 +44,8 @@ pub fn tune() -> [String; 2] {
     let cascade_found = cascade.tune(&draws, EVALUATIONS, SEARCH_SEED);
     let commented = |file: String, cost: f64, first: f64| {
         format!(
-            "# Tuned by `controller_comparison tune`: {EVALUATIONS} evaluations on {TUNING_DRAWS} draws took the cost from \
-             {first:.3} to {cost:.3} degrees.\n{file}"
+            "# Tuned by `controller_comparison tune`: {EVALUATIONS} evaluations on {TUNING_DRAWS} draws took the cost \
+             from {first:.3} to {cost:.3} degrees.\n{file}"
         )
     };
     [

@@ -15,8 +15,8 @@ pub const MPC_FILE: &str = include_str!("../../comparison/mpc.toml");
 /// acceleration that it gives, as about roll. (0.0115118 / 0.0365651)^2
 const PITCH_WEIGHT: f64 = 0.0991;
 
-/// The shaping of both controllers' reference: how fast it closes in, 1/s, and which share it uses of the acceleration that roll
-/// and pitch can both have at the same time.
+/// The shaping of both controllers' reference: how fast it closes in, 1/s, and which share it uses of the acceleration
+/// that roll and pitch can both have at the same time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shaping {
     /// Gain, 1/s.

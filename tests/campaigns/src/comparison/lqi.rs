@@ -1,5 +1,5 @@
-//! The MPC's cost, model, observer and preview without its bounds and its end: an LQ tracker over an infinite horizon that
-//! is merely cut to the motors' torque. What the MPC does better than this, its bounds do.
+//! The MPC's cost, model, observer and preview without its bounds and its end: an LQ tracker over an infinite horizon
+//! that is merely cut to the motors' torque. What the MPC does better than this, its bounds do.
 //!
 //! Per axis the state is z = (angle, rate, motors' torque, previous torque), torques with the disturbance added, and
 //! the control is the increment D of the torque:
@@ -9,8 +9,9 @@
 //!   P = Q + A'P(A - B K)      K = (rho + B'PB)^-1 B'PA      (discrete algebraic Riccati equation)
 //!   D = -K z + (rho + B'PB)^-1 B' sum over i of (A - B K)'^i Q r_(i+1)
 //! ```
-//! The sum over the reference is the classical preview action (Tomizuka, *Optimal continuous finite preview problem*, IEEE
-//! Transactions on Automatic Control 20, 1975); beyond what is known of it the reference stays, and P stands for the rest.
+//! The sum over the reference is the classical preview action (Tomizuka, *Optimal continuous finite preview problem*,
+//! IEEE Transactions on Automatic Control 20, 1975); beyond what is known of it the reference stays, and P stands for
+//! the rest.
 
 use nalgebra::{Matrix4, RowVector4, Vector4};
 use shared_control::mpc::{HORIZON, MpcSettings, Preview};
@@ -49,7 +50,8 @@ impl Lqi {
         }
     }
 
-    /// Per axis the weights of (angle in rad, rate in rad/s, motors' torque in N m, previous torque in N m) in the torque.
+    /// Per axis the weights of (angle in rad, rate in rad/s, motors' torque in N m, previous torque in N m) in the
+    /// torque.
     pub fn feedback(&self) -> [[f64; 4]; 3] {
         self.axes.map(|axis| [0, 1, 2, 3].map(|state| axis.feedback[state]))
     }
@@ -180,8 +182,8 @@ mod tests {
         assert!(nalgebra::Cholesky::new(p).is_some(), "positive definite");
     }
 
-    /// Thirty free inputs over 0.3 s are all but an infinite horizon: two programs, one in f32 and one in f64, that share
-    /// no line give the same law.
+    /// Thirty free inputs over 0.3 s are all but an infinite horizon: two programs, one in f32 and one in f64, that
+    /// share no line give the same law.
     #[test]
     fn a_long_horizon_has_the_law_of_an_infinite_one() {
         let mut settings = settings(0.03);

@@ -92,8 +92,8 @@ mod tests {
     use super::super::contenders;
     use super::*;
 
-    /// The host's own eigenvalues know neither observer nor gyro filter. By separation the loop with an observer has them
-    /// too, and a filter of 0.1 ms hardly moves them: two derivations that share no line.
+    /// The host's own eigenvalues know neither observer nor gyro filter. By separation the loop with an observer has
+    /// them too, and a filter of 0.1 ms hardly moves them: two derivations that share no line.
     #[test]
     fn a_loop_with_observer_keeps_the_eigenvalues_of_the_law() {
         let [mpc, _] = contenders::tuned();

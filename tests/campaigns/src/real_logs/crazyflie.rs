@@ -1,9 +1,10 @@
-//! A Crazyflie flown for identification (ARP lab, arXiv 2404.07837): inertia, thrust curve and lag, by the diagnosis and by the authors' way, beside what
-//! the authors found.
+//! A Crazyflie flown for identification (ARP lab, arXiv 2404.07837): inertia, thrust curve and lag, by the diagnosis
+//! and by the authors' way, beside what the authors found.
 //!
-//! The authors' way (their notebook): commands u behind a first-order lag; mass times the accelerometer along the lifts as a polynomial of
-//! u, and the lag that leaves least of it; inertia from torque and angular acceleration row by row. They took the thrust curve from
-//! a third flight, and did not measure Izz: it is 1.832 times the mean of the other two.
+//! The authors' way (their notebook): commands u behind a first-order lag; mass times the accelerometer along the lifts
+//! as a polynomial of u, and the lag that leaves least of it; inertia from torque and angular acceleration row by row.
+//! They took the thrust curve from a third flight, and did not measure Izz: it is 1.832 times the mean of the other
+//! two.
 
 use sil_host::axis::Axis;
 use sil_host::diagnosis::{Estimate, Subject, sizes};
@@ -115,9 +116,10 @@ pub fn by_fifths<const N: usize>(log: &Log, of: impl Fn(&Log) -> [f64; N]) -> [E
     })
 }
 
-/// Inertia about an axis, kg m^2, from the torque of a thrust curve and the angular acceleration row by row: the authors' way, torque on acceleration, which takes
-/// all that is not inertia for an error of the torque; and acceleration on torque, which takes it for one of the acceleration.
-/// The former is too small by their squared correlation, if the latter is right.
+/// Inertia about an axis, kg m^2, from the torque of a thrust curve and the angular acceleration row by row: the
+/// authors' way, torque on acceleration, which takes all that is not inertia for an error of the torque; and
+/// acceleration on torque, which takes it for one of the acceleration. The former is too small by their squared
+/// correlation, if the latter is right.
 ///
 /// # Panics
 /// The log has no gyro.
@@ -147,7 +149,8 @@ fn difference(commands: &[f64; 4], axis: Axis, of: impl Fn(f64) -> f64) -> f64 {
 pub struct Yaw {
     /// Reaction torque over lift over Izz, 1/(kg m).
     pub torque_per_lift_over_inertia: f64,
-    /// How far the rotors' own turning turns the vehicle: rate about yaw per unit of command that two motors have more than the others, rad/s.
+    /// How far the rotors' own turning turns the vehicle: rate about yaw per unit of command that two motors have more
+    /// than the others, rad/s.
     pub rate_per_command_rad_s: f64,
     /// Braking, 1/s.
     pub damping_1_s: f64,
@@ -202,7 +205,8 @@ pub fn yaw(parts: &[Log], curve: [f64; 3], time_constant_s: f64) -> Yaw {
 /// What the diagnosis says of roll and pitch.
 #[derive(Clone, Copy, Debug)]
 pub struct Sizes {
-    /// Inertia over the model's about roll and pitch, if the motors lift what the model says: torque over inertia is what shows.
+    /// Inertia over the model's about roll and pitch, if the motors lift what the model says: torque over inertia is
+    /// what shows.
     pub inertia_scale: [f64; 2],
     /// Lag of the motors, the model's and what comes to it, s.
     pub lag_s: f64,

@@ -52,8 +52,8 @@ impl<'a> RollPitch<'a> {
         RollPitch { vehicle, curve, curve_by_fifths, sizes, sizes_by_fifths, regressed_kg_m2 }
     }
 
-    /// Inertia about an axis, kg m^2: the diagnosis' scale, and with it the slope that the accelerometer gives to the thrust curve in the place of
-    /// the model's.
+    /// Inertia about an axis, kg m^2: the diagnosis' scale, and with it the slope that the accelerometer gives to the
+    /// thrust curve in the place of the model's.
     pub fn inertia_kg_m2(&self, axis: usize) -> Estimate {
         let (scale, slope) = (self.sizes_by_fifths[axis], self.curve_by_fifths[4]);
         let per_slope = self.vehicle.inertia_kg_m2[axis] / self.nominal_slope_n();
@@ -78,7 +78,8 @@ impl fmt::Display for RollPitch<'_> {
             let [forward, backward] = self.regressed_kg_m2[axis].map(|inertia| 1e5 * inertia);
             writeln!(
                 out,
-                "| {name}, 1e-5 kg m^2 | {:.3} | {:.2} +- {:.2} | {forward:.2} (other way round {backward:.2}) | {:.3} |",
+                "| {name}, 1e-5 kg m^2 | {:.3} | {:.2} +- {:.2} | {forward:.2} (other way round {backward:.2}) \
+                 | {:.3} |",
                 1e5 * self.vehicle.inertia_kg_m2[axis],
                 1e5 * own.value,
                 1e5 * own.std,

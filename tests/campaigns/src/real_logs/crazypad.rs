@@ -1,9 +1,10 @@
-//! Flights of two Crazyflies with a weight, with a cut propeller and as they are (CrazyPAD): what the steady commands show of a weight and
-//! of a weak motor.
+//! Flights of two Crazyflies with a weight, with a cut propeller and as they are (CrazyPAD): what the steady commands
+//! show of a weight and of a weak motor.
 //!
-//! In steady flight the lifts balance all moments, and these commands are lifts: the firmware divides by the battery's voltage after them.
-//! A weak motor is balanced by its own command, which rises by d: the axis commands change by d/2 about roll and pitch and by d/4 about
-//! yaw (motor 3, rear left: 2 : -2 : 1). A weight changes roll and pitch, as its place is, and yaw not at all.
+//! In steady flight the lifts balance all moments, and these commands are lifts: the firmware divides by the battery's
+//! voltage after them. A weak motor is balanced by its own command, which rises by d: the axis commands change by d/2
+//! about roll and pitch and by d/4 about yaw (motor 3, rear left: 2 : -2 : 1). A weight changes roll and pitch, as its
+//! place is, and yaw not at all.
 
 use std::fmt;
 use std::path::Path;
@@ -81,7 +82,8 @@ fn both_ways(path: &Path) -> Vec<Flight> {
     SPANS_S.map(fly).to_vec()
 }
 
-/// Means of thrust and axis commands as shares of the full one: of the motors' commands, or of those that the firmware makes them from.
+/// Means of thrust and axis commands as shares of the full one: of the motors' commands, or of those that the firmware
+/// makes them from.
 fn thrust_and_trim(log: &Log) -> (f64, [f64; 3]) {
     if let Some(motors) = log.motors() {
         let means = motors.map(mean);
@@ -139,13 +141,14 @@ impl Change {
         Change { mean_pct: [of_axis(0), of_axis(1), of_axis(2)], each_pct, normal_pct }
     }
 
-    /// Mean change of the moment that pulls toward a motor (0 to 3, docs/rig.md's order), as the change of roll and pitch command, %.
+    /// Mean change of the moment that pulls toward a motor (0 to 3, docs/rig.md's order), as the change of roll and
+    /// pitch command, %.
     pub fn pull_pct(&self, motor: usize) -> f64 {
         pull(&self.mean_pct, motor)
     }
 
-    /// For each kind and way, and last for their mean: the change about yaw over what that pull would bring if the motor were weak.
-    /// 1 of a weak motor, 0 of a weight.
+    /// For each kind and way, and last for their mean: the change about yaw over what that pull would bring if the
+    /// motor were weak. 1 of a weak motor, 0 of a weight.
     pub fn weak_motor_shares(&self, motor: usize) -> Vec<f64> {
         let share = |change: &[f64; 3]| change[2] / (0.5 * TORQUE_SIGNS[2][motor] * pull(change, motor));
         self.each_pct.iter().chain([&self.mean_pct]).map(share).collect()
@@ -164,7 +167,8 @@ impl fmt::Display for Flight {
         let [roll, pitch, yaw] = self.trim_pct;
         writeln!(
             out,
-            "| {label}, {airframe}, {kind} {log}, {way} | {thrust_pct:.1} | {volts} | {roll:+.1} | {pitch:+.1} | {yaw:+.1} |"
+            "| {label}, {airframe}, {kind} {log}, {way} | {thrust_pct:.1} | {volts} \
+             | {roll:+.1} | {pitch:+.1} | {yaw:+.1} |"
         )
     }
 }

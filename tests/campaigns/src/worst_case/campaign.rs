@@ -242,8 +242,9 @@ pub fn details(known: &[Known]) -> String {
     for Known { problem, inputs, most, uncovered, slivers, share_of_most, example, solver, .. } in known {
         let _ = writeln!(
             text,
-            "{problem}, M {inputs}: {most} passes on {share_of_most:.1e} of all, as at {example:?}; uncovered {uncovered:.1e}, \
-             slivers {slivers}; solver {} at most, other numbers at {} of {} points, all within {:.1e} of a threshold, unsolved {}",
+            "{problem}, M {inputs}: {most} passes on {share_of_most:.1e} of all, as at {example:?}; \
+             uncovered {uncovered:.1e}, slivers {slivers}; solver {} at most, other numbers at {} of {} points, \
+             all within {:.1e} of a threshold, unsolved {}",
             solver.most, solver.differing, solver.points, solver.margin, solver.unsolved
         );
     }

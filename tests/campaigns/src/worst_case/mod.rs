@@ -2,8 +2,8 @@
 //!
 //! ```text
 //!  problems: the shipped settings -> program: a dense program with parameters, its laws for a guess
-//!      -> passes: all parameters at once, split at every threshold (polytope) -> campaign: tables, and the solver itself at points of
-//!         every part (solver)
+//!      -> passes: all parameters at once, split at every threshold (polytope) -> campaign: tables, and the solver
+//!         itself at points of every part (solver)
 //! ```
 //! Tables and what they mean: docs/solver.md.
 

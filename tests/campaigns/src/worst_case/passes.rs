@@ -74,9 +74,9 @@ impl Start {
     }
 }
 
-/// Follows every way from a start, for all parameters in `piece`, and calls `see` with each part that was solved and its number of
-/// passes. With a `doubt` above 0, a wish so near a threshold may come out on either side: parts then overlap, and what is found
-/// holds for any arithmetic whose wishes are off by no more.
+/// Follows every way from a start, for all parameters in `piece`, and calls `see` with each part that was solved and
+/// its number of passes. With a `doubt` above 0, a wish so near a threshold may come out on either side: parts then
+/// overlap, and what is found holds for any arithmetic whose wishes are off by no more.
 pub fn enumerate<const D: usize>(
     program: &Program<D>,
     piece: Polytope<D>,

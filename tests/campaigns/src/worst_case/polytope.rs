@@ -1,8 +1,9 @@
 //! Convex polytopes of few dimensions, split by half-spaces.
 //!
 //! A polytope is its vertices, each with the set of facets that it lies on. Two vertices are the ends of an edge if the
-//! facets that they share lie together at no third vertex; a plane meets the edges whose ends lie on different sides of it. (The
-//! double description method: Motzkin et al. 1953; Fukuda and Prodon, *Double description method revisited*, 1996.)
+//! facets that they share lie together at no third vertex; a plane meets the edges whose ends lie on different sides of
+//! it. (The double description method: Motzkin et al. 1953; Fukuda and Prodon, *Double description method revisited*,
+//! 1996.)
 
 /// gradient' x + constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -165,8 +166,8 @@ impl<const D: usize> Polytope<D> {
         point.map(|value| value / sum)
     }
 
-    /// Its volume: the sum over simplices that share a vertex (Cohen and Hickey, *Two algorithms for determining volumes of
-    /// convex polyhedra*, J. ACM 26, 1979).
+    /// Its volume: the sum over simplices that share a vertex (Cohen and Hickey, *Two algorithms for determining
+    /// volumes of convex polyhedra*, J. ACM 26, 1979).
     pub fn volume(&self) -> f64 {
         let all: Vec<usize> = (0..self.vertices.len()).collect();
         let factorial: f64 = (1..=D).map(|factor| factor as f64).product();

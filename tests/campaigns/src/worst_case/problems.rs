@@ -18,8 +18,8 @@ pub fn benchmark(prediction_step_s: f32) -> ProblemSettings {
     }
 }
 
-/// One axis: a rigid body behind motors with a lag, over a horizon whose last input is held to the end. In units in which the
-/// prediction step, the weight of the angle, the greatest input and the rate that it gives in one step are 1.
+/// One axis: a rigid body behind motors with a lag, over a horizon whose last input is held to the end. In units in
+/// which the prediction step, the weight of the angle, the greatest input and the rate that it gives in one step are 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis {
     /// rho.
@@ -120,8 +120,8 @@ impl Axis {
         (0..count).map(|row| (0..count).map(|column| entry(row, column)).collect()).collect()
     }
 
-    /// The problem of a constant reference over (angle from it, rate, previous input), each as a share of its limit: of `angle_max_rad` and
-    /// `rate_max_rad_s`, and of the input's bound.
+    /// The problem of a constant reference over (angle from it, rate, previous input), each as a share of its limit: of
+    /// `angle_max_rad` and `rate_max_rad_s`, and of the input's bound.
     pub fn regulation(&self, inputs: usize, angle_max_rad: f64, rate_max_rad_s: f64) -> Program<3> {
         let effects = self.effects(inputs);
         let angle = self.outputs([angle_max_rad * self.per_rad, 0.0, 0.0], |_| 0.0);
@@ -151,8 +151,9 @@ impl Axis {
         Program { linear: effects.iter().enumerate().map(linear).collect(), hessian: self.hessian(&effects) }
     }
 
-    /// The problem that flies under a reference that stands still, over (angle from it in rad, rate in rad/s, torque of the motors,
-    /// present input, disturbance), each as a share of its limit; the last three limits are shares of the greatest input.
+    /// The problem that flies under a reference that stands still, over (angle from it in rad, rate in rad/s, torque of
+    /// the motors, present input, disturbance), each as a share of its limit; the last three limits are shares of the
+    /// greatest input.
     pub fn held_reference(&self, inputs: usize, limits: [f64; 5]) -> Program<5> {
         let effects = self.effects(inputs);
         let [angle_rad, rate_rad_s, motor, previous, disturbance] = limits;
@@ -173,9 +174,9 @@ impl Axis {
         Program { linear: effects.iter().enumerate().map(linear).collect(), hessian: self.hessian(&effects) }
     }
 
-    /// The problem that flies, with M inputs, over every request at once: state, reference, disturbance and present input enter the
-    /// program through its linear term alone, which has M entries. The parameters are the inputs of the optimum without bounds,
-    /// as shares of the greatest that `widest` says.
+    /// The problem that flies, with M inputs, over every request at once: state, reference, disturbance and present
+    /// input enter the program through its linear term alone, which has M entries. The parameters are the inputs of the
+    /// optimum without bounds, as shares of the greatest that `widest` says.
     pub fn tracking<const M: usize>(&self, widest: &[f64; M]) -> Program<M> {
         let hessian = self.hessian(&self.effects(M));
         let linear = hessian
@@ -184,8 +185,9 @@ impl Axis {
         Program { linear: linear.collect(), hessian }
     }
 
-    /// The greatest inputs of the optimum without bounds over all requests within these limits, in the axis' units: of the difference
-    /// between output and reference after each step if no torque were asked for, every step's on its own, and of the present input.
+    /// The greatest inputs of the optimum without bounds over all requests within these limits, in the axis' units: of
+    /// the difference between output and reference after each step if no torque were asked for, every step's on its
+    /// own, and of the present input.
     pub fn widest<const M: usize>(&self, error_max: f64, previous_max: f64) -> [f64; M] {
         let effects = self.effects(M);
         let hessian = self.hessian(&effects);

@@ -4,9 +4,9 @@
 //! minimise  1/2 u'Hu + q(theta)'u,   |u_k| <= 1
 //! ```
 //!
-//! An account of `shared-control/src/mpc/riccati` (its page: docs/solver.md) that shares nothing with it: no states, no Riccati recursion, in f64.
-//! For a guess of which inputs are held, elimination from the last input to the first gives each one as an affine function of those
-//! before it and of the parameters theta.
+//! An account of `shared-control/src/mpc/riccati` (its page: docs/solver.md) that shares nothing with it: no states, no
+//! Riccati recursion, in f64. For a guess of which inputs are held, elimination from the last input to the first gives
+//! each one as an affine function of those before it and of the parameters theta.
 
 use super::polytope::Affine;
 
@@ -119,8 +119,8 @@ impl<const D: usize> Program<D> {
         laws
     }
 
-    /// The passes from a start with everything free at one point, as the solver counts them, and how near any wish came to one
-    /// of its thresholds; none after `most`.
+    /// The passes from a start with everything free at one point, as the solver counts them, and how near any wish came
+    /// to one of its thresholds; none after `most`.
     pub fn passes_at(&self, point: &[f64; D], most: usize) -> Option<(usize, f64)> {
         let mut guess = vec![Held::Free; self.linear.len()];
         let mut margin = f64::INFINITY;

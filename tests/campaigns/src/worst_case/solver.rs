@@ -53,8 +53,8 @@ impl Regulator {
     }
 }
 
-/// Passes of the MPC that flies from a start with everything free, and the request of this axis in its own units. The other axes
-/// must be at rest in `request`. None if it was not solved.
+/// Passes of the MPC that flies from a start with everything free, and the request of this axis in its own units. The
+/// other axes must be at rest in `request`. None if it was not solved.
 pub fn flying_passes(
     mpc: &Mpc<HORIZON>,
     settings: &MpcSettings,
