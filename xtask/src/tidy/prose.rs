@@ -14,11 +14,20 @@ pub(super) fn long_lines(path: &str, text: &str) -> Vec<Breach> {
     if !(path.ends_with(".rs") || path.ends_with(".md") || path.ends_with(".toml")) {
         return Vec::new();
     }
-    let is_table_row = |line: &str| path.ends_with(".md") && line.starts_with('|');
+    let is_table_row = |line: &str| {
+        let markdown = if path.ends_with(".md") { Some(line) } else { doc_comment(line) };
+        markdown.is_some_and(|text| text.starts_with('|'))
+    };
     let lines = (1..).zip(text.lines()).filter(|(_, line)| !is_table_row(line) && !line.contains("://"));
     let widths = lines.map(|(number, line)| (number, line.chars().count()));
     let long = widths.filter(|(_, width)| *width > WIDTH_MAX);
     long.map(|(number, width)| (number, format!("{width} columns; at most {WIDTH_MAX}"))).collect()
+}
+
+/// What a line of a doc comment says.
+fn doc_comment(line: &str) -> Option<&str> {
+    let comment = line.trim_start().strip_prefix("//")?;
+    Some(comment.strip_prefix(['/', '!'])?.trim_start())
 }
 
 /// Phrases on pages that do not say what they mean.
@@ -53,6 +62,7 @@ mod tests {
     fn what_cannot_be_wrapped_may_be_longer() {
         let row = format!("| {} |", "a ".repeat(WIDTH_MAX));
         assert_eq!(long_lines("a.md", &row), []);
+        assert_eq!(long_lines("a.rs", &format!("//! {row}")), []);
         assert_eq!(long_lines("a.rs", &row).len(), 1);
         assert_eq!(long_lines("a.rs", &format!("// https://a.org/{}", "a".repeat(WIDTH_MAX))), []);
     }
