@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 
 use crate::board;
 use crate::firmware::Target;
+use crate::mutants;
 use crate::process;
 use crate::px4;
 use crate::tidy;
@@ -14,7 +15,7 @@ use crate::workspace::Workspace;
 type Step = (&'static str, fn(&Workspace) -> Result<()>);
 
 /// Quick ones first.
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     ("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
     ("tidy", tidy::run),
     ("clippy", clippy),
@@ -25,6 +26,7 @@ const STEPS: [Step; 10] = [
     ("clippy for the target", |workspace| Target::find(workspace)?.clippy()),
     ("emulated board", board::run),
     ("clippy for the emulated board", board::clippy),
+    ("mutants of the change", mutants::in_ci),
 ];
 
 /// Runs all steps in order.
