@@ -124,8 +124,12 @@ mod tests {
     use proptest::prelude::*;
 
     fn config() -> MixerConfig {
-        MixerConfig { lever_m: 0.16, torque_per_lift_m: 0.04, lift_curve: LiftCurve::straight(2.0) }
+        // idling propellers lift a little
+        let lift_curve = LiftCurve { lift_min_n: 0.25, ..LiftCurve::straight(2.25) };
+        MixerConfig { lever_m: 0.16, torque_per_lift_m: 0.04, lift_curve }
     }
+
+    const MIDDLE_N: f32 = 1.25;
 
     /// Torque that the commands really make, by the spec's equations.
     fn delivered(config: &MixerConfig, commands: &MotorCommands) -> ([f32; 3], f32) {
@@ -158,8 +162,8 @@ mod tests {
         #[test]
         fn priority_is_tilt_then_yaw_then_collective(roll in -2f32..2.0, pitch in -2f32..2.0, yaw in -0.5f32..0.5) {
             let config = config();
-            let result = mix(&config, &Wrench { lift_per_motor_n: 1.0, torque_body_nm: [roll, pitch, yaw] });
-            let without_yaw = mix(&config, &Wrench { lift_per_motor_n: 1.0, torque_body_nm: [roll, pitch, 0.0] });
+            let result = mix(&config, &Wrench { lift_per_motor_n: MIDDLE_N, torque_body_nm: [roll, pitch, yaw] });
+            let without_yaw = mix(&config, &Wrench { lift_per_motor_n: MIDDLE_N, torque_body_nm: [roll, pitch, 0.0] });
             // yaw never costs roll or pitch
             for axis in 0..2 {
                 prop_assert!((result.unmet_torque_nm[axis] - without_yaw.unmet_torque_nm[axis]).abs() < 1e-6);
@@ -181,10 +185,53 @@ mod tests {
         }
     }
 
+    /// Spread of the motors' lifts, N, under a torque, N m: each motor's share by the equations of [`crate::airframe`].
+    fn spread_n(config: &MixerConfig, [x, y, z]: [f64; 3]) -> f64 {
+        let (h, k) = (f64::from(config.lever_m), f64::from(config.torque_per_lift_m));
+        let [roll, pitch, yaw] = [x / (4.0 * h), y / (4.0 * h), z / (4.0 * k)];
+        let lifts = [-roll + pitch + yaw, roll - pitch + yaw, roll + pitch - yaw, -roll - pitch - yaw];
+        let highest = lifts.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = lifts.into_iter().fold(f64::INFINITY, f64::min);
+        highest - lowest
+    }
+
+    proptest! {
+        /// The delivered torque fits the motors' span, and where yaw was cut a little more of it would not.
+        #[test]
+        fn yaw_gets_all_that_roll_and_pitch_leave(roll in -2f32..2.0, pitch in -2f32..2.0, yaw in -0.5f32..0.5) {
+            let config = config();
+            let wanted = [roll, pitch, yaw];
+            let result = mix(&config, &Wrench { lift_per_motor_n: MIDDLE_N, torque_body_nm: wanted });
+            let unmet = result.unmet_torque_nm.map(f64::from);
+            let [x, y, z] = core::array::from_fn(|axis| f64::from(wanted[axis]) - unmet[axis]);
+            let span_n = f64::from(config.lift_curve.lift_max_n - config.lift_curve.lift_min_n);
+            prop_assert!(spread_n(&config, [x, y, z]) < span_n + 1e-5);
+            let cut_nm = unmet[2];
+            if cut_nm.abs() > 1e-4 {
+                // 1e-4 N m of yaw take 6e-4 N of each motor, a hundred times what rounding does
+                prop_assert!(spread_n(&config, [x, y, z + 1e-4 * cut_nm.signum()]) > span_n + 1e-5);
+            }
+        }
+    }
+
+    /// At either end of the range, for one motor as for all; not between.
+    #[test]
+    fn saturation_is_told_at_either_end_and_only_there() {
+        let saturated = |lift_per_motor_n, roll_nm| {
+            mix(&config(), &Wrench { lift_per_motor_n, torque_body_nm: [roll_nm, 0.0, 0.0] }).saturated
+        };
+        assert!(
+            !saturated(MIDDLE_N, 0.0) && !saturated(MIDDLE_N, 0.6) && !saturated(0.26, 0.0) && !saturated(2.24, 0.0)
+        );
+        assert!(saturated(0.25, 0.0) && saturated(2.25, 0.0));
+        // the collective gives way to roll: two motors reach one end, two stay off the other
+        assert!(saturated(0.4, 0.1) && saturated(2.2, 0.1) && saturated(MIDDLE_N, 2.0));
+    }
+
     #[test]
     fn each_torque_turns_the_way_the_spec_says() {
         let config = config();
-        let level = Wrench { lift_per_motor_n: 1.0, torque_body_nm: [0.0; 3] };
+        let level = Wrench { lift_per_motor_n: MIDDLE_N, torque_body_nm: [0.0; 3] };
         assert_eq!(mix(&config, &level).commands, MotorCommands([0.5; 4]));
         let roll = mix(&config, &Wrench { torque_body_nm: [0.1, 0.0, 0.0], ..level }).commands.0;
         assert!(roll[1] > 0.5 && roll[2] > 0.5 && roll[0] < 0.5 && roll[3] < 0.5);

@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 
 use crate::board;
 use crate::firmware::Target;
+use crate::mutants;
 use crate::process;
 use crate::px4;
 use crate::tidy;
@@ -31,6 +32,7 @@ const STEPS: [Step; 11] = [
     ("clippy for the target", |workspace| Target::find(workspace)?.clippy()),
     ("emulated board", board::run),
     ("clippy for the emulated board", board::clippy),
+    ("mutants of the change", mutants::in_ci),
 ];
 
 /// Runs all steps in order.

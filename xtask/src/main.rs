@@ -6,6 +6,7 @@ mod call_graph;
 mod ci;
 mod firmware;
 mod image;
+mod mutants;
 mod panic_freedom;
 mod process;
 mod px4;
@@ -45,6 +46,8 @@ enum Task {
     /// Count the MPC's instructions on an emulated Cortex-M4F, on the instances of the benchmark (needs what board-test
     /// needs)
     BenchMcu(bench_mcu::Arguments),
+    /// Change the control core bit by bit and see whether its unit tests notice (cargo-mutants; hours for all of it)
+    Mutants(mutants::Arguments),
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
     /// Run all that CI runs, in its order
@@ -70,6 +73,7 @@ fn run(task: &Task) -> Result<()> {
         Task::ClippyTarget => Target::find(&workspace)?.clippy(),
         Task::BoardTest => board::run(&workspace),
         Task::BenchMcu(arguments) => bench_mcu::run(&workspace, arguments),
+        Task::Mutants(arguments) => mutants::run(&workspace, arguments),
         Task::Tidy => tidy::run(&workspace),
         Task::Ci => ci::run(&workspace),
     }

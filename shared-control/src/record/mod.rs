@@ -4,3 +4,6 @@
 mod input_words;
 pub mod state_words;
 pub mod trace;
+
+#[cfg(test)]
+mod tests;

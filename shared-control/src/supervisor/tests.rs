@@ -96,7 +96,7 @@ fn every_disarmed_state_arms_if_all_is_well() {
 
 #[test]
 fn each_reason_against_arming_suffices() {
-    let cases: [(Refusal, Change); 16] = [
+    let cases: [(Refusal, Change); 17] = [
         (Refusal::ThrottleNotZero, |input, _| input.setpoint.throttle = 0.03),
         (Refusal::SetpointNotFinite, |input, _| input.setpoint.throttle = f32::NAN),
         (Refusal::SetpointNotFinite, |input, _| input.setpoint.pitch_rad = f32::INFINITY),
@@ -107,6 +107,7 @@ fn each_reason_against_arming_suffices() {
         (Refusal::GyroNotCalibrated, |_, findings| findings.gyro_rest_s = f32::NAN),
         (Refusal::BatteryLow, |input, _| input.battery_v = Some(10.4)),
         (Refusal::BatteryLow, |input, _| input.battery_v = Some(f32::NAN)),
+        (Refusal::BatteryLow, |input, _| input.battery_v = Some(ABSENT_BELOW_V)),
         (Refusal::BatteryAbsent, |input, _| input.battery_v = Some(0.2)),
         (Refusal::LinkLost, |input, _| input.link_age_us = Some(LINK_LOST_AFTER_US)),
         (Refusal::LinkLost, |input, _| input.link_age_us = Some(u64::MAX)),

@@ -42,15 +42,18 @@ struct Sensor {
     unit: usize,
     config: ImuConfig,
     next_us: u64,
-    noise: u32,
+    bias_rad_s: [f32; 3],
+    /// State of the generator; none for a simulation without noise.
+    noise: Option<u32>,
     failure: Option<Failure>,
     last: RawImuSample,
 }
 
 impl Sensor {
     fn digits_of_noise(&mut self) -> i16 {
-        self.noise = self.noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.noise >> 16) as i16 % 3
+        let Some(noise) = &mut self.noise else { return 0 };
+        *noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*noise >> 16) as i16 % 3
     }
 
     fn counts(&mut self, sensor: [f32; 3], unit_per_count: f32) -> [i16; 3] {
@@ -59,7 +62,7 @@ impl Sensor {
 
     fn sample(&mut self, rate_rad_s: [f32; 3]) -> Option<RawImuSample> {
         let config = self.config;
-        let felt: [f32; 3] = core::array::from_fn(|axis| rate_rad_s[axis] + BIAS_RAD_S[self.unit][axis]);
+        let felt: [f32; 3] = core::array::from_fn(|axis| rate_rad_s[axis] + self.bias_rad_s[axis]);
         let gyro_counts = self.counts(config.gyro_axes.from_body(felt), config.gyro_rad_s_per_count);
         // a multicopter's accelerometer feels its thrust
         let accel_counts = self.counts(config.accel_axes.from_body([0.0, 0.0, -9.8]), config.accel_m_s2_per_count);
@@ -101,6 +104,8 @@ struct Bench {
     request: ArmingRequest,
     /// Largest rate of its rolling, rad/s; zero on the ground.
     rolling_rad_s: f32,
+    /// Rate about its z axis, rad/s.
+    turning_rad_s: f32,
 }
 
 impl Bench {
@@ -111,7 +116,8 @@ impl Bench {
             unit,
             config,
             next_us: 0,
-            noise: 7 + unit as u32,
+            bias_rad_s: BIAS_RAD_S[unit],
+            noise: Some(7 + unit as u32),
             failure: None,
             last: RawImuSample::default(),
         };
@@ -123,6 +129,7 @@ impl Bench {
             truth: UnitQuaternion::identity(),
             request: ArmingRequest::None,
             rolling_rad_s: 0.0,
+            turning_rad_s: 0.0,
         }
     }
 
@@ -155,7 +162,7 @@ impl Bench {
         } else {
             8.0 * (phase - 0.75) * (phase - 0.75) - 1.0
         };
-        let rate_rad_s = [self.rolling_rad_s * shape, -0.3 * self.rolling_rad_s * shape, 0.0];
+        let rate_rad_s = [self.rolling_rad_s * shape, -0.3 * self.rolling_rad_s * shape, self.turning_rad_s];
         if self.step > 0 {
             let turned = q_from_rotation_vector(&(Vector3::from(rate_rad_s) * (STEP_US as f32 * 1e-6)));
             self.truth *= turned;
@@ -216,6 +223,50 @@ fn each_fault_of_the_first_in_flight_gives_the_second_in_the_same_step() {
             let output = bench.advance();
             assert_eq!((output.imu_unit, output.arming), (ImuUnit::Second, Arming::Armed));
             assert!(bench.tilt_error(&output) < TILT_ERROR_MAX_RAD, "{failure:?}: {}", bench.tilt_error(&output));
+        }
+    }
+}
+
+/// While the first is suspect the attitude goes on by the second's gyro, less the second's own bias, however large.
+#[test]
+fn the_attitude_at_the_switch_holds_nothing_of_the_seconds_bias() {
+    let mut bench = Bench::new();
+    bench.sensors[1].bias_rad_s = [0.5, -0.4, 0.2];
+    bench.take_off();
+    // all but still, so that the time from sample to step turns nothing
+    bench.rolling_rad_s = 1e-3;
+    let before = bench.advance();
+    bench.sensors[0].failure = Some(Failure::Silent);
+    let (_, after) = bench.until(5, |output| output.imu_unit == ImuUnit::Second);
+    let turned = before.estimate.q_world_from_body.inverse() * after.estimate.q_world_from_body;
+    // four steps of two digits of noise make 1e-5 rad; the bias would have made 7e-3
+    assert!(turned.imag().norm() < 5e-4, "{turned}");
+}
+
+/// A slow turn looks like rest, and its rate like a bias; with motors turning neither is believed, of the standby either.
+#[test]
+fn a_slow_turn_in_flight_is_not_taken_for_the_standbys_bias() {
+    let mut bench = Bench::flying();
+    (bench.rolling_rad_s, bench.turning_rad_s) = (1e-3, 0.06);
+    // longer than the second that would settle it
+    for _ in 0..1200 {
+        bench.advance();
+    }
+    bench.sensors[0].failure = Some(Failure::Silent);
+    let (_, switched) = bench.until(5, |output| output.imu_unit == ImuUnit::Second);
+    let bias_error = switched.estimate.gyro_bias_rad_s - Vector3::from(BIAS_RAD_S[1]);
+    assert!(bias_error.norm() < 2e-3, "{bias_error}");
+}
+
+/// Words that change while the vehicle is carried about are no noise: without it a sensor at rest repeats itself.
+#[test]
+fn a_sensor_without_noise_is_not_stuck_after_it_was_carried_about() {
+    let mut bench = Bench::new();
+    bench.sensors.iter_mut().for_each(|sensor| sensor.noise = None);
+    for rolling_rad_s in [0.0, 2.0, 0.0] {
+        bench.rolling_rad_s = rolling_rad_s;
+        for _ in 0..400 {
+            assert_eq!(bench.advance().imu_health, ImuHealth::Good);
         }
     }
 }
