@@ -8,13 +8,14 @@
 
 use rayon::prelude::*;
 
+use crate::axis::Axis;
 use crate::diagnosis::fitting::linear::dot;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::fidelity::Window;
+use crate::prediction::Channel;
 use crate::prediction::body::State;
-use crate::prediction::model::PLACES;
 
-/// Per place of a report: sum of squares of the residuals and of an exact model's standard deviations, SI, and the number of both.
+/// Of one quantity: sum of squares of the residuals and of an exact model's standard deviations, SI, and the number of both.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tally {
     pub(super) squares: f64,
@@ -22,11 +23,48 @@ pub(super) struct Tally {
     pub(super) count: f64,
 }
 
-/// Errors of one window, per place of a report and, behind those, angular acceleration about the three axes.
-pub(super) type WindowTally = [Tally; TALLIED];
+/// What an error is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ErrorOf {
+    /// A channel.
+    Channel(Channel),
+    /// The angular acceleration about a body axis: difference quotients of its rate.
+    Acceleration(Axis),
+}
 
-/// Quantities with errors of their own.
-pub(super) const TALLIED: usize = PLACES + 3;
+impl ErrorOf {
+    /// All of them, the channels first.
+    pub(super) fn all() -> impl Iterator<Item = ErrorOf> {
+        Channel::ALL.into_iter().map(ErrorOf::Channel).chain(Axis::ALL.into_iter().map(ErrorOf::Acceleration))
+    }
+
+    /// Name in reports and JSON.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            ErrorOf::Channel(channel) => channel.name(),
+            ErrorOf::Acceleration(axis) => ["p_dot", "q_dot", "r_dot"][axis.index()],
+        }
+    }
+
+    /// Unit for people.
+    pub(super) fn unit(self) -> &'static str {
+        match self {
+            ErrorOf::Channel(channel) => channel.unit(),
+            ErrorOf::Acceleration(_) => "deg/s2",
+        }
+    }
+
+    /// A value in that unit.
+    pub(super) fn in_unit(self, value_si: f64) -> f64 {
+        match self {
+            ErrorOf::Channel(channel) => channel.in_unit(value_si),
+            ErrorOf::Acceleration(_) => value_si.to_degrees(),
+        }
+    }
+}
+
+/// Errors of one window.
+pub(super) struct WindowTally(Vec<(ErrorOf, Tally)>);
 
 /// What a difference quotient of rates is taken over, s: long enough for the gyro's noise not to hide all else.
 const ACCELERATION_OVER_S: f64 = 0.02;
@@ -39,8 +77,7 @@ pub(super) struct Predicted {
 
 /// One quantity of it: measured less predicted, and the standard deviation that an exact model would leave, SI.
 pub(super) struct Series {
-    /// As in a [`WindowTally`].
-    pub(super) place: usize,
+    pub(super) of: ErrorOf,
     /// First row that each error belongs to.
     pub(super) rows: Vec<usize>,
     pub(super) error: Vec<f64>,
@@ -55,23 +92,21 @@ pub(super) fn predict(shooting: &Shooting<'_>, driven: &Driven, windows: &[Windo
 /// Sums of the errors, window by window.
 pub(super) fn tallies(predicted: &[Predicted]) -> Vec<WindowTally> {
     let of = |predicted: &Predicted| {
-        let mut tallies = WindowTally::default();
-        for series in &predicted.series {
-            let square = |values: &[f64]| values.iter().map(|value| value * value).sum();
-            tallies[series.place] = Tally {
-                squares: square(&series.error),
-                floor_squares: square(&series.floor),
-                count: series.error.len() as f64,
-            };
-        }
-        tallies
+        let square = |values: &[f64]| values.iter().map(|value| value * value).sum();
+        let tally = |series: &Series| Tally {
+            squares: square(&series.error),
+            floor_squares: square(&series.floor),
+            count: series.error.len() as f64,
+        };
+        WindowTally(predicted.series.iter().map(|series| (series.of, tally(series))).collect())
     };
     predicted.iter().map(of).collect()
 }
 
 /// Root mean square over windows, of the errors and of an exact model's.
-pub(super) fn root_mean_square(windows: &[WindowTally], place: usize) -> Option<(f64, f64)> {
-    let sum = |of: fn(&Tally) -> f64| windows.iter().map(|window| of(&window[place])).sum::<f64>();
+pub(super) fn root_mean_square(windows: &[WindowTally], of: ErrorOf) -> Option<(f64, f64)> {
+    let tallies = || windows.iter().flat_map(|window| &window.0).filter(|(what, _)| *what == of);
+    let sum = |part: fn(&Tally) -> f64| tallies().map(|(_, tally)| part(tally)).sum::<f64>();
     let count = sum(|tally| tally.count);
     (count > 0.0).then(|| ((sum(|t| t.squares) / count).sqrt(), (sum(|t| t.floor_squares) / count).sqrt()))
 }
@@ -101,7 +136,7 @@ fn predict_window(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> 
     };
     let rows = window.end - window.lead;
     let mut predicted = Predicted { window: *window, series: Vec::new() };
-    for (index, (place, sigma)) in shooting.compared().enumerate() {
+    for (index, (channel, sigma)) in shooting.compared().enumerate() {
         let samples: Vec<Sample> = (window.start..window.end)
             .map(|row| {
                 let at = index * rows + row - window.lead;
@@ -110,9 +145,9 @@ fn predict_window(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> 
             .collect();
         predicted
             .series
-            .push(Series::of(place, sigma, &samples, |row| shooting.unknown_variance(place, window.start, row)));
-        if (3..6).contains(&place) {
-            predicted.series.push(Series::quotients(place, sigma, &samples, shooting));
+            .push(Series::of(channel, sigma, &samples, |row| shooting.unknown_variance(channel, window.start, row)));
+        if let Channel::Rate(axis) = channel {
+            predicted.series.push(Series::quotients(axis, sigma, &samples, shooting));
         }
     }
     predicted
@@ -130,10 +165,10 @@ struct Sample {
 }
 
 impl Series {
-    fn of(place: usize, sigma: f64, samples: &[Sample], unknown_variance: impl Fn(usize) -> f64) -> Series {
+    fn of(channel: Channel, sigma: f64, samples: &[Sample], unknown_variance: impl Fn(usize) -> f64) -> Series {
         let floor = |sample: &Sample| sigma * sigma * variance(&[(1.0, sample)]) + unknown_variance(sample.row);
         Series {
-            place,
+            of: ErrorOf::Channel(channel),
             rows: samples.iter().map(|sample| sample.row).collect(),
             error: samples.iter().map(|sample| sample.error).collect(),
             floor: samples.iter().map(|sample| floor(sample).sqrt()).collect(),
@@ -141,17 +176,17 @@ impl Series {
     }
 
     /// The angular acceleration of a rate.
-    fn quotients(rate: usize, sigma: f64, samples: &[Sample], shooting: &Shooting<'_>) -> Series {
+    fn quotients(axis: Axis, sigma: f64, samples: &[Sample], shooting: &Shooting<'_>) -> Series {
         let time_s = shooting.rows();
-        let place = PLACES + rate - 3;
-        let mut series = Series { place, rows: Vec::new(), error: Vec::new(), floor: Vec::new() };
+        let mut series =
+            Series { of: ErrorOf::Acceleration(axis), rows: Vec::new(), error: Vec::new(), floor: Vec::new() };
         for (i, first) in samples.iter().enumerate() {
             let is_later = |later: &&Sample| time_s[later.row] - time_s[first.row] > ACCELERATION_OVER_S - 1e-6;
             let Some(later) = samples[i..].iter().find(is_later) else { break };
             let per_s = 1.0 / (time_s[later.row] - time_s[first.row]);
             series.rows.push(first.row);
             series.error.push(per_s * (later.error - first.error));
-            let unknown = per_s * per_s * shooting.unknown_variance(rate, first.row, later.row);
+            let unknown = per_s * per_s * shooting.unknown_variance(Channel::Rate(axis), first.row, later.row);
             let known = sigma * sigma * variance(&[(-per_s, first), (per_s, later)]);
             series.floor.push((known + unknown).sqrt());
         }
@@ -176,6 +211,7 @@ fn variance(sum: &[(f64, &Sample)]) -> f64 {
 
 /// The largest of the channels' errors over an exact model's.
 pub(super) fn worst_ratio(windows: &[WindowTally]) -> f64 {
-    let ratio = |place| root_mean_square(windows, place).map_or(0.0, |(error, floor)| error / floor);
-    (0..PLACES).map(ratio).fold(0.0, f64::max)
+    let ratio =
+        |channel| root_mean_square(windows, ErrorOf::Channel(channel)).map_or(0.0, |(error, floor)| error / floor);
+    Channel::ALL.into_iter().map(ratio).fold(0.0, f64::max)
 }

@@ -36,6 +36,7 @@ use serde::Serialize;
 
 use crate::fidelity::{ChannelErrors, FidelityError, WINDOW_S, axis_commands};
 use crate::log::Log;
+use crate::prediction::Channel;
 pub use effects::Place;
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
@@ -211,11 +212,11 @@ pub fn channel_prediction_errors(
     subject: &Subject<'_>,
 ) -> Result<Vec<(&'static str, [f64; 2])>, FidelityError> {
     let tallies = held_out_tallies(log, subject)?;
-    let of = |place: usize| {
-        let (error, floor) = accuracy::root_mean_square(&tallies, place)?;
-        Some((evidence::residuals::NAMES[place], [error, floor]))
+    let of = |channel: Channel| {
+        let (error, floor) = accuracy::root_mean_square(&tallies, accuracy::ErrorOf::Channel(channel))?;
+        Some((channel.name(), [error, floor]))
     };
-    Ok((0..crate::prediction::model::PLACES).filter_map(of).collect())
+    Ok(Channel::ALL.into_iter().filter_map(of).collect())
 }
 
 fn held_out_tallies(log: &Log, subject: &Subject<'_>) -> Result<Vec<accuracy::WindowTally>, FidelityError> {

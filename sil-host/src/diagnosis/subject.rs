@@ -4,13 +4,14 @@ use super::effects::input_gain::InputGain;
 use super::effects::{Scope, apply_known};
 use super::verdict::Rejected;
 use crate::axis::Axis;
-use crate::diagnosis::fitting::shooting::{RigChannels, Shooting, quantity_at};
+use crate::diagnosis::fitting::shooting::{RigChannels, Shooting};
 use crate::fidelity::{FidelityError, ReplayOptions, SensorNoise, axis_commands, cut_windows, replay_axes};
 use crate::log::{Log, Quantity};
 use crate::model::{Rig, VehicleModel};
-use crate::prediction::body::{Body, FLYING, TURNING};
+use crate::prediction::Channel;
+use crate::prediction::body::Body;
 use crate::prediction::force_track::{Commands, Drive};
-use crate::prediction::model::{FIRST_FLYING_PLACE, Model, PLACES};
+use crate::prediction::model::Model;
 
 /// Where the log comes from.
 #[derive(Clone, Copy, Debug)]
@@ -62,18 +63,25 @@ impl Subject<'_> {
         let turns = self.turns(log);
         // where no rig holds the vehicle, an angle that nobody measures acts on nothing but the velocity
         let has_velocity = log.velocity_ned_m_s.iter().any(Option::is_some);
-        let acts = |place: usize| self.is_held() || place >= 3 || has_velocity || log.angle_rad[place].is_some();
-        let mut start_components: Vec<usize> = (0..6).filter(|place| turns[place % 3] && acts(*place)).collect();
-        // on the gimbal r is no motion of its own, but the gyro shows it
-        let mut compared: Vec<usize> =
-            (0..6).filter(|place| turns[place % 3] || self.is_held() && *place == 5).collect();
-        if self.flies_free() {
-            compared.extend(FIRST_FLYING_PLACE..PLACES);
-            // velocity and height of a start are known where they are measured, and act on nothing where not
-            let is_measured = |component: &usize| log.column(quantity_at(component + 3)).is_some();
-            start_components.extend((TURNING..FLYING).filter(is_measured));
+        let is_measured = |channel: Channel| log.column(channel.quantity()).is_some();
+        let is_free = |channel: &Channel| match *channel {
+            Channel::Angle(axis) => turns[axis.index()] && (self.is_held() || has_velocity || is_measured(*channel)),
+            Channel::Rate(axis) => turns[axis.index()],
+            Channel::Force(_) => false,
+            // known where they are measured, and acting on nothing where not
+            Channel::Velocity(_) | Channel::Height => self.flies_free() && is_measured(*channel),
+        };
+        let is_compared = |channel: &Channel| match *channel {
+            // on the gimbal r is no motion of its own, but the gyro shows it
+            Channel::Rate(Axis::Yaw) if self.is_held() => true,
+            Channel::Angle(axis) | Channel::Rate(axis) => turns[axis.index()],
+            Channel::Force(_) | Channel::Velocity(_) | Channel::Height => self.flies_free(),
+        };
+        RigChannels {
+            free_at_start: Channel::ALL.into_iter().filter(is_free).collect(),
+            compared: Channel::ALL.into_iter().filter(is_compared).collect(),
+            is_vehicle: matches!(self, Subject::Vehicle(_)),
         }
-        RigChannels { start_components, compared, is_vehicle: matches!(self, Subject::Vehicle(_)) }
     }
 
     /// What the nominal model leaves to each log: the input gains of separate axes, and where their fit begins.
@@ -98,8 +106,9 @@ impl Subject<'_> {
         let turns = self.turns(log);
         let vehicle = matches!(self, Subject::Vehicle(_));
         let compared = self.channels(log).compared;
-        let rates = [0, 1, 2].map(|axis: usize| log.rate_rad_s[axis].is_some() && compared.contains(&(3 + axis)));
-        let angles = [0, 1, 2].map(|axis: usize| log.angle_rad[axis].is_some() && compared.contains(&axis));
+        let is_seen = |channel: Channel| log.column(channel.quantity()).is_some() && compared.contains(&channel);
+        let rates = Axis::ALL.map(|axis| is_seen(Channel::Rate(axis)));
+        let angles = Axis::ALL.map(|axis| is_seen(Channel::Angle(axis)));
         let has_velocity = log.velocity_ned_m_s.iter().all(Option::is_some);
         Scope {
             axes: [0, 1, 2].map(|axis: usize| rates[axis] || angles[axis]),

@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::accuracy::{WindowTally, root_mean_square};
+use super::accuracy::{ErrorOf, WindowTally, root_mean_square};
 use super::effects::{Effect, Place, per_unit_inertia};
 use super::search::{Found, Search, TOLD_APART, is_the_same};
+use crate::axis::Axis;
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::diagnosis::fitting::linear::dot;
 use crate::fidelity::ChannelErrors;
+use crate::prediction::Channel;
 
 /// The accuracy of the integration, as a share of an effect.
 pub(super) const MODEL_ERROR: f64 = 5e-4;
@@ -223,8 +225,15 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
 /// Root mean square errors of a model's windows, and an exact model's.
 pub(super) fn channel_errors(windows: &[WindowTally]) -> [ChannelErrors; 2] {
     let of = |which: fn((f64, f64)) -> f64| {
-        let degrees = |place| root_mean_square(windows, place).map(|both| which(both).to_degrees());
-        ChannelErrors { roll_deg: degrees(0), pitch_deg: degrees(1), p_deg_s: degrees(3), q_deg_s: degrees(4) }
+        let degrees = |channel: Channel| {
+            root_mean_square(windows, ErrorOf::Channel(channel)).map(|both| channel.in_unit(which(both)))
+        };
+        ChannelErrors {
+            roll_deg: degrees(Channel::Angle(Axis::Roll)),
+            pitch_deg: degrees(Channel::Angle(Axis::Pitch)),
+            p_deg_s: degrees(Channel::Rate(Axis::Roll)),
+            q_deg_s: degrees(Channel::Rate(Axis::Pitch)),
+        }
     };
     [of(|(error, _)| error), of(|(_, floor)| floor)]
 }

@@ -58,15 +58,15 @@ impl SensorNoise {
         }
     }
 
-    /// That of a measured quantity.
-    pub(crate) fn of_quantity(&self, quantity: Quantity) -> Option<f64> {
-        match quantity {
-            Quantity::Angle(axis) => self.angle_rad[axis.index()],
-            Quantity::Rate(axis) => self.rate_rad_s[axis.index()],
-            Quantity::Accel(axis) => self.accel_m_s2[axis.index()],
-            Quantity::Velocity(axis) => self.velocity_m_s[axis.index()],
-            Quantity::Height => self.height_m,
-            _ => None,
+    /// That of a channel of the prediction.
+    pub(crate) fn of_channel(&self, channel: crate::prediction::Channel) -> Option<f64> {
+        use crate::prediction::Channel;
+        match channel {
+            Channel::Angle(axis) => self.angle_rad[axis.index()],
+            Channel::Rate(axis) => self.rate_rad_s[axis.index()],
+            Channel::Force(axis) => self.accel_m_s2[axis.index()],
+            Channel::Velocity(axis) => self.velocity_m_s[axis.index()],
+            Channel::Height => self.height_m,
         }
     }
 

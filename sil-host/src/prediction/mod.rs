@@ -3,6 +3,9 @@
 
 pub(crate) mod air;
 pub(crate) mod body;
+mod channel;
 pub(crate) mod force_track;
 pub(crate) mod model;
 pub(crate) mod sensor;
+
+pub use channel::Channel;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::hints::missing_acceleration;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::prediction::Channel;
 use crate::statistics::{Bin, ConditionalError, amplitude_spectrum};
 
 /// Over so long the rate's noise counts little, and no rig turns far, s.
@@ -68,14 +69,14 @@ pub(in crate::diagnosis) fn conditions(
 ) -> (Vec<Condition>, Vec<Spectrum>) {
     let missing = models.each_ref().map(|driven| missing_acceleration(shooting, driven, STRETCH_S));
     let (mut conditions, mut spectra) = (Vec::new(), Vec::new());
-    for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(axis.index())) {
+    for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(*axis)) {
         let series = missing.each_ref().map(|missing| {
             let intervals = missing[axis.index()].as_ref()?;
             Some(intervals.iter().map(|at| (at.time_s, at.acceleration_rad_s2.to_degrees())).collect::<Vec<_>>())
         });
         let [Some(nominal), Some(extended)] = series else { continue };
         let series = [nominal.as_slice(), extended.as_slice()];
-        let mut of_axis: Vec<Condition> = candidates(shooting, axis.index(), series[0], commands, throttle)
+        let mut of_axis: Vec<Condition> = candidates(shooting, axis, series[0], commands, throttle)
             .into_iter()
             .filter_map(|(name, unit, values)| {
                 condition(axis, name, unit, series.map(|series| against(series, &values)))
@@ -94,7 +95,7 @@ pub(in crate::diagnosis) fn conditions(
 /// What an axis' error is held against, at the times of a series: name, unit, values.
 fn candidates(
     shooting: &Shooting<'_>,
-    axis: usize,
+    axis: Axis,
     series: &[(f64, f64)],
     commands: &[[f64; 4]],
     throttle: Option<&[f64]>,
@@ -102,11 +103,11 @@ fn candidates(
     let row_at = |time_s: f64| shooting.rows().partition_point(|row_s| *row_s <= time_s).saturating_sub(1);
     let rows: Vec<usize> = series.iter().map(|(time_s, _)| row_at(*time_s)).collect();
     let of_rows = |value: &dyn Fn(usize) -> f64| rows.iter().map(|row| value(*row)).collect::<Vec<f64>>();
-    let measured = |place| shooting.measured(place).map(|column| of_rows(&|row| column[row].to_degrees()));
+    let measured = |channel| shooting.measured(channel).map(|column| of_rows(&|row| column[row].to_degrees()));
     let candidates = [
-        ("angle", "deg", measured(axis)),
-        ("rate", "deg/s", measured(3 + axis)),
-        ("command", "", Some(of_rows(&|row| commands[row][axis]))),
+        ("angle", "deg", measured(Channel::Angle(axis))),
+        ("rate", "deg/s", measured(Channel::Rate(axis))),
+        ("command", "", Some(of_rows(&|row| commands[row][axis.index()]))),
         ("throttle", "", throttle.map(|throttle| of_rows(&|row| throttle[row]))),
         ("time", "s", Some(series.iter().map(|(time_s, _)| *time_s).collect())),
     ];

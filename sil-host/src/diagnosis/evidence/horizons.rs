@@ -4,8 +4,7 @@
 
 use serde::Serialize;
 
-use crate::diagnosis::accuracy::{predict, root_mean_square, tallies};
-use crate::diagnosis::evidence::residuals::{NAMES, UNITS, in_unit};
+use crate::diagnosis::accuracy::{ErrorOf, predict, root_mean_square, tallies};
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::fidelity::{WINDOW_S, Window};
 
@@ -57,15 +56,15 @@ fn horizon(shooting: &Shooting<'_>, models: &[Driven; 2], horizon_s: f64) -> Opt
         return None;
     }
     let [nominal, extended] = models.each_ref().map(|driven| tallies(&predict(shooting, driven, &windows)));
-    let errors = (0..NAMES.len()).filter_map(|place| {
-        let (nominal, _) = root_mean_square(&nominal, place)?;
-        let (extended, noise_floor) = root_mean_square(&extended, place)?;
+    let errors = ErrorOf::all().filter_map(|of| {
+        let (nominal, _) = root_mean_square(&nominal, of)?;
+        let (extended, noise_floor) = root_mean_square(&extended, of)?;
         Some(HorizonError {
-            quantity: NAMES[place],
-            unit: UNITS[place],
-            nominal: in_unit(place, nominal),
-            extended: in_unit(place, extended),
-            noise_floor: in_unit(place, noise_floor),
+            quantity: of.name(),
+            unit: of.unit(),
+            nominal: of.in_unit(nominal),
+            extended: of.in_unit(extended),
+            noise_floor: of.in_unit(noise_floor),
         })
     });
     Some(Horizon { horizon_s, windows: windows.len(), held_out, errors: errors.collect() })

@@ -8,7 +8,6 @@
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::fidelity::Window;
 use crate::prediction::body::State;
-use crate::prediction::model::FIRST_FLYING_PLACE;
 
 /// Most that is carried over: what lasts longer than a window can't be told from what is constant.
 const CARRY_OVER_MAX: f64 = 0.99;
@@ -66,7 +65,7 @@ impl Shooting<'_> {
     ) -> Vec<CarriedNoise> {
         let left = |index: &usize| self.residual(driven, &self.windows[*index], &starts[*index]);
         let residuals: Vec<Vec<f64>> = which.iter().map(left).collect();
-        let channels = self.compared().enumerate().filter(|(_, (place, _))| *place >= FIRST_FLYING_PLACE);
+        let channels = self.compared().enumerate().filter(|(_, (channel, _))| channel.turning_axis().is_none());
         let of = |(channel, _): (usize, _)| {
             let mut windows: Vec<&[f64]> = Vec::new();
             for (residual, index) in residuals.iter().zip(which) {

@@ -1,8 +1,10 @@
 //! Where fits begin that have many local optima: the frequency of a swing and the time of an onset, from what each row's motion misses
 //! of the next row's.
 
+use crate::axis::Axis;
 use crate::diagnosis::effects::Hints;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::prediction::Channel;
 use crate::prediction::model::Scene;
 
 /// Lowest and highest frequency looked at, Hz; below, less than a period of half a minute shows.
@@ -60,7 +62,7 @@ pub(in crate::diagnosis) fn missing_acceleration(
     stretch_s: f64,
 ) -> [Option<Vec<Interval>>; 3] {
     let mut series = [None, None, None];
-    for (axis, series) in series.iter_mut().enumerate() {
+    for (axis, series) in Axis::ALL.into_iter().zip(&mut series) {
         let Some(measured) = shooting.measured_rate(axis) else { continue };
         let mut intervals = Vec::new();
         for (first, end) in shooting.stretches() {
@@ -181,9 +183,9 @@ fn squares_left(points: &[(f64, f64)], before: Before, start_s: f64) -> f64 {
 
 impl Shooting<'_> {
     /// Rate of an axis (of the body) that the model predicts for a later row from the state measured in `row`.
-    fn later_rate(&self, driven: &Driven, row: usize, later: usize, axis: usize) -> f64 {
+    fn later_rate(&self, driven: &Driven, row: usize, later: usize, axis: Axis) -> f64 {
         let start = self.measured_state(&driven.model, row);
         let scene = Scene { time_s: self.rows(), track: &driven.track, volts_lost: self.volts_lost() };
-        driven.model.predict(&scene, &start, row, later + 1).at(later - row, 3 + axis)
+        driven.model.predict(&scene, &start, row, later + 1).at(later - row, Channel::Rate(axis))
     }
 }

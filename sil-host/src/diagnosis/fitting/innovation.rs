@@ -3,16 +3,18 @@
 //! and of unit variance under the model's own noise, as plain residuals are where the forces are known; and being linear in the
 //! residuals innovations serve the same least squares (Ljung, System Identification, 2nd ed., 7.2).
 
+use crate::axis::Axis;
 use crate::diagnosis::fitting::linearisation::Column;
 use crate::diagnosis::fitting::process_noise::{AxisNoise, AxisWindow, Passage, most_likely, unlikeliness};
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::fidelity::Window;
+use crate::prediction::Channel;
 use crate::prediction::body::State;
 
 impl Shooting<'_> {
     /// Turns the plain residuals of a window, or their slopes, in units of the sensors' noise into innovations in units of their own.
     pub(in crate::diagnosis) fn innovate(&self, window: &Window, residual: &mut [f64]) {
-        for (axis, noise) in self.noise.iter().enumerate() {
+        for (axis, noise) in Axis::ALL.into_iter().zip(&self.noise) {
             if self.lost.is_some() || *noise != AxisNoise::SENSORS {
                 self.passage(axis, window).innovate(noise, residual);
             }
@@ -20,24 +22,24 @@ impl Shooting<'_> {
     }
 
     /// A window as an axis shows in it.
-    fn passage(&self, axis: usize, window: &Window) -> Passage<'_> {
+    fn passage(&self, axis: Axis, window: &Window) -> Passage<'_> {
         Passage {
             time_s: &self.rows()[window.start..window.end],
-            lost: self.lost.as_ref().map_or(&[], |lost| &lost[axis][window.start..window.end]),
+            lost: self.lost.as_ref().map_or(&[], |lost| &lost[axis.index()][window.start..window.end]),
             seen: (window.start..window.end).map(|row| self.seen(axis, row)).collect(),
         }
     }
 
-    /// Variance, SI, that commands lost since an earlier row give to a plain residual, by its place in a report.
-    pub(in crate::diagnosis) fn unknown_variance(&self, place: usize, since: usize, row: usize) -> f64 {
+    /// Variance, SI, that commands lost since an earlier row give to a channel's plain residual.
+    pub(in crate::diagnosis) fn unknown_variance(&self, of: Channel, since: usize, row: usize) -> f64 {
         let Some(lost) = &self.lost else { return 0.0 };
         let Some((channel, sigma)) =
-            self.compared().enumerate().find(|(_, (compared, _))| *compared == place).map(|(k, (_, sigma))| (k, sigma))
+            self.compared().enumerate().find(|(_, (compared, _))| *compared == of).map(|(k, (_, sigma))| (k, sigma))
         else {
             return 0.0;
         };
         let mut variance = 0.0;
-        for (axis, lost) in lost.iter().enumerate() {
+        for (axis, lost) in Axis::ALL.into_iter().zip(lost) {
             let seen = self.seen(axis, row).into_iter().find(|(seen, _)| *seen == channel);
             let Some((_, [angle, rate])) = seen else { continue };
             for (passed, density) in self.rows()[since..=row].windows(2).zip(&lost[since..row]) {
@@ -49,18 +51,20 @@ impl Shooting<'_> {
     }
 
     /// How the departure of an axis shows in the compared channels at a row.
-    fn seen(&self, axis: usize, row: usize) -> Vec<(usize, [f64; 2])> {
-        let (sin_roll, cos_roll) = self.measured(0).map_or((0.0, 1.0), |roll| libm::sincos(roll[row]));
-        let slope = |place: usize| match place {
-            _ if place == axis => Some([1.0, 0.0]),
+    fn seen(&self, axis: Axis, row: usize) -> Vec<(usize, [f64; 2])> {
+        let (sin_roll, cos_roll) =
+            self.measured(Channel::Angle(Axis::Roll)).map_or((0.0, 1.0), |roll| libm::sincos(roll[row]));
+        let is_across = axis == Axis::Pitch && self.is_gimbal();
+        let slope = |channel: Channel| match channel {
+            Channel::Angle(of) if of == axis => Some([1.0, 0.0]),
             // the gimbal's pitch axis lies across the body
-            4 if axis == 1 && self.is_gimbal() => Some([0.0, cos_roll]),
-            5 if axis == 1 && self.is_gimbal() => Some([0.0, -sin_roll]),
-            _ if place == axis + 3 && self.turns(axis) => Some([0.0, 1.0]),
+            Channel::Rate(Axis::Pitch) if is_across => Some([0.0, cos_roll]),
+            Channel::Rate(Axis::Yaw) if is_across => Some([0.0, -sin_roll]),
+            Channel::Rate(of) if of == axis && self.turns(axis) => Some([0.0, 1.0]),
             _ => None,
         };
-        let scaled = |(channel, (place, sigma)): (usize, (usize, f64))| {
-            Some((channel, slope(place)?.map(|slope| slope / sigma)))
+        let scaled = |(number, (channel, sigma)): (usize, (Channel, f64))| {
+            Some((number, slope(channel)?.map(|slope| slope / sigma)))
         };
         self.compared().enumerate().filter_map(scaled).collect()
     }
@@ -99,7 +103,7 @@ impl Shooting<'_> {
     fn axis_windows(&self, driven: &Driven, which: &[usize], starts: &[State]) -> [Vec<AxisWindow<'_>>; 3] {
         let left: Vec<(Column, Vec<Column>)> =
             which.iter().map(|index| self.start_slopes(driven, &self.windows[*index], &starts[*index])).collect();
-        [0, 1, 2].map(|axis| {
+        Axis::ALL.map(|axis| {
             let window = |(index, (residual, slopes)): (&usize, &(Column, Vec<Column>))| {
                 let window = &self.windows[*index];
                 let mut passage = self.passage(axis, window);

@@ -1,12 +1,7 @@
 //! Residuals of windows and their slopes: the best start states, and the normal equations of the parameters with these eliminated.
 
 use crate::diagnosis::fitting::linear::{Cholesky, dot};
-
-/// Start states are free in so far as these are far beyond any error of a measured one.
-const START_PRIOR_ANGLE_RAD: f64 = 0.5;
-const START_PRIOR_RATE_RAD_S: f64 = 10.0;
-const START_PRIOR_VELOCITY_M_S: f64 = 10.0;
-const START_PRIOR_HEIGHT_M: f64 = 10.0;
+use crate::prediction::Channel;
 
 /// Residuals of one window, or their change with a parameter.
 pub(in crate::diagnosis) type Column = Vec<f64>;
@@ -35,25 +30,25 @@ pub(in crate::diagnosis) struct Normal {
 
 impl WindowLinear {
     /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that is left.
-    pub(in crate::diagnosis) fn best_start(&self, step: &[f64], components: &[usize]) -> (Vec<f64>, f64) {
+    pub(in crate::diagnosis) fn best_start(&self, step: &[f64], free: &[Channel]) -> (Vec<f64>, f64) {
         let mut residual = self.residual.clone();
         for (column, by) in self.parameters.iter().zip(step) {
             residual.iter_mut().zip(column).for_each(|(residual, slope)| *residual -= slope * by);
         }
         let right: Vec<f64> = self.start.iter().map(|column| dot(column, &residual)).collect();
-        let Some(factor) = start_factor(&self.start, components) else {
-            return (vec![0.0; components.len()], dot(&residual, &residual));
+        let Some(factor) = start_factor(&self.start, free) else {
+            return (vec![0.0; free.len()], dot(&residual, &residual));
         };
         let best = factor.solve(&right);
         let chi2 = dot(&residual, &residual) - dot(&right, &best);
         (best, chi2)
     }
 
-    pub(in crate::diagnosis) fn reduced(&self, extra: &[Column], components: &[usize]) -> Normal {
+    pub(in crate::diagnosis) fn reduced(&self, extra: &[Column], free: &[Channel]) -> Normal {
         let columns: Vec<&Column> = self.parameters.iter().chain(extra).collect();
         let size = columns.len();
         let against = |column: &Column| -> Vec<f64> { self.start.iter().map(|start| dot(start, column)).collect() };
-        let Some(factor) = start_factor(&self.start, components) else {
+        let Some(factor) = start_factor(&self.start, free) else {
             return Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 };
         };
         let residual = factor.forward(&against(&self.residual));
@@ -74,19 +69,16 @@ impl WindowLinear {
     }
 }
 
-pub(in crate::diagnosis) fn start_factor(slopes: &[Column], components: &[usize]) -> Option<Cholesky> {
+/// Normal equations of a start state with these free components, factored; `slopes` are theirs.
+pub(in crate::diagnosis) fn start_factor(slopes: &[Column], free: &[Channel]) -> Option<Cholesky> {
     let size = slopes.len();
     let mut matrix = vec![0.0; size * size];
     for i in 0..size {
         for j in 0..size {
             matrix[i * size + j] = dot(&slopes[i], &slopes[j]);
         }
-        let prior = match components[i] {
-            0..3 => START_PRIOR_ANGLE_RAD,
-            3..6 => START_PRIOR_RATE_RAD_S,
-            6..9 => START_PRIOR_VELOCITY_M_S,
-            _ => START_PRIOR_HEIGHT_M,
-        };
+        // free in so far as this is far beyond any error of a measured start
+        let prior = free[i].start_range();
         matrix[i * size + i] += 1.0 / (prior * prior);
     }
     Cholesky::new(&matrix, size)

@@ -13,19 +13,15 @@ use crate::diagnosis::fitting::carried_noise::CarriedNoise;
 use crate::diagnosis::fitting::linearisation::{Column, Linearisation, Normal, WindowLinear, slopes, turned};
 use crate::diagnosis::fitting::process_noise::{AxisNoise, Lost};
 use crate::fidelity::{SensorNoise, Window};
-use crate::log::{Log, Quantity};
+use crate::log::Log;
+use crate::prediction::Channel;
 use crate::prediction::body::State;
 use crate::prediction::force_track::{Chain, Commands, ForceTrack};
-use crate::prediction::model::{Model, PLACES, Scene, track};
+use crate::prediction::model::{Model, Scene, track};
 use crate::statistics::wrapped;
 
 /// Change of a start state for a difference quotient, rad or rad/s.
 pub(super) const START_STEP: f64 = 1e-5;
-/// The least noise that a channel is taken to have: the rounding of logs and the accuracy of the integration, SI, by its place.
-const NOISE_MIN: [f64; PLACES] = {
-    let (angle, rate, force, velocity, height) = (2e-5, 2e-4, 2e-3, 1e-4, 1e-4);
-    [angle, angle, angle, rate, rate, rate, force, force, force, velocity, velocity, velocity, height]
-};
 /// Height above ground of a vehicle whose log has none, m: beyond all effect.
 const HEIGHT_UNKNOWN_M: f64 = 1e3;
 
@@ -35,18 +31,17 @@ const TRACKS_KEPT: usize = 8;
 /// What a rig lets turn and what of it is compared.
 #[derive(Clone, Debug)]
 pub(in crate::diagnosis) struct RigChannels {
-    /// Components of the state that a window's start may choose.
-    pub(in crate::diagnosis) start_components: Vec<usize>,
-    /// Places of a report that are compared where the log has them, ascending.
-    pub(in crate::diagnosis) compared: Vec<usize>,
+    /// Channels whose number of the state a window's start may choose.
+    pub(in crate::diagnosis) free_at_start: Vec<Channel>,
+    /// Channels that are compared where the log has them, ascending.
+    pub(in crate::diagnosis) compared: Vec<Channel>,
     /// True for a vehicle with motors, whose angles are known up to full turns.
     pub(in crate::diagnosis) is_vehicle: bool,
 }
 
 /// One measured column.
-struct Channel<'a> {
-    /// Place in a [`crate::prediction::model::Report`].
-    place: usize,
+struct Measured<'a> {
+    channel: Channel,
     column: &'a [f64],
     sigma: f64,
 }
@@ -56,12 +51,12 @@ pub(in crate::diagnosis) struct Shooting<'a> {
     log: &'a Log,
     pub(in crate::diagnosis) commands: Commands,
     volts_lost: Vec<f64>,
-    channels: Vec<Channel<'a>>,
+    channels: Vec<Measured<'a>>,
     pub(in crate::diagnosis) windows: Vec<Window>,
     /// Accelerations that commands lost between rows leave unknown; none where none are.
     pub(in crate::diagnosis) lost: Option<Lost>,
-    /// Components of the state that a window may choose.
-    pub(super) start_components: Vec<usize>,
+    /// Channels whose number of the state a window's start may choose.
+    pub(super) free_at_start: Vec<Channel>,
     is_vehicle: bool,
     /// Noise of each axis as innovations count it.
     pub(in crate::diagnosis) noise: [AxisNoise; 3],
@@ -86,13 +81,12 @@ impl<'a> Shooting<'a> {
         noise: &SensorNoise,
         rig: &RigChannels,
     ) -> Shooting<'a> {
-        let channel = |place: &usize| {
-            let quantity = quantity_at(*place);
-            let (column, sigma) = (log.column(quantity)?, noise.of_quantity(quantity)?);
-            Some(Channel { place: *place, column, sigma: sigma.max(NOISE_MIN[*place]) })
+        let measured = |channel: &Channel| {
+            let (column, sigma) = (log.column(channel.quantity())?, noise.of_channel(*channel)?);
+            Some(Measured { channel: *channel, column, sigma: sigma.max(channel.least_noise()) })
         };
-        let channels = rig.compared.iter().filter_map(channel).collect();
-        let start_components = rig.start_components.clone();
+        let channels = rig.compared.iter().filter_map(measured).collect();
+        let free_at_start = rig.free_at_start.clone();
         Shooting {
             log,
             commands,
@@ -100,7 +94,7 @@ impl<'a> Shooting<'a> {
             channels,
             windows,
             lost: None,
-            start_components,
+            free_at_start,
             is_vehicle: rig.is_vehicle,
             noise: [AxisNoise::SENSORS; 3],
             carried: Vec::new(),
@@ -188,18 +182,18 @@ impl<'a> Shooting<'a> {
     }
 
     /// The measured body rate of an axis that is compared.
-    pub(in crate::diagnosis) fn measured_rate(&self, axis: usize) -> Option<&[f64]> {
-        self.measured(3 + axis)
+    pub(in crate::diagnosis) fn measured_rate(&self, axis: Axis) -> Option<&[f64]> {
+        self.measured(Channel::Rate(axis))
     }
 
     /// True for an axis about which the rig lets the vehicle turn by itself.
-    pub(in crate::diagnosis) fn turns(&self, axis: usize) -> bool {
-        self.start_components.contains(&(3 + axis))
+    pub(in crate::diagnosis) fn turns(&self, axis: Axis) -> bool {
+        self.free_at_start.contains(&Channel::Rate(axis))
     }
 
-    /// The measured column at a place of a report, where it is compared.
-    pub(in crate::diagnosis) fn measured(&self, place: usize) -> Option<&[f64]> {
-        self.channels.iter().find(|channel| channel.place == place).map(|channel| channel.column)
+    /// The measured column of a channel, where it is compared.
+    pub(in crate::diagnosis) fn measured(&self, channel: Channel) -> Option<&[f64]> {
+        self.channels.iter().find(|measured| measured.channel == channel).map(|measured| measured.column)
     }
 
     /// Commands between which 96 % of all lie.
@@ -224,24 +218,26 @@ impl<'a> Shooting<'a> {
         let scene = Scene { time_s: &self.log.time_s, track: &driven.track, volts_lost: &self.volts_lost };
         let reports = driven.model.predict(&scene, start, window.start, window.end);
         let mut residual = Vec::with_capacity((window.end - window.start) * self.channels.len());
-        for channel in &self.channels {
+        for measured in &self.channels {
+            // a vehicle's angles are known up to full turns
+            let is_wrapped = self.is_vehicle && matches!(measured.channel, Channel::Angle(_));
             for row in window.start..window.end {
-                let mut error = channel.column[row] - reports.at(row - window.start, channel.place);
-                if self.is_vehicle && channel.place < 3 {
+                let mut error = measured.column[row] - reports.at(row - window.start, measured.channel);
+                if is_wrapped {
                     error = wrapped(error);
                 }
-                residual.push(error / channel.sigma);
+                residual.push(error / measured.sigma);
             }
         }
         residual
     }
 
     /// Innovations of some windows.
-    fn residuals(&self, driven: &Driven, which: &[usize], starts: &[State], shift: Option<usize>) -> Vec<Column> {
+    fn residuals(&self, driven: &Driven, which: &[usize], starts: &[State], shift: Option<Channel>) -> Vec<Column> {
         let one = |index: &usize| {
             let mut start = starts[*index];
-            if let Some(component) = shift {
-                start[component] += START_STEP;
+            if let Some(value) = shift.and_then(|channel| channel.of_state(&mut start)) {
+                *value += START_STEP;
             }
             self.innovations(driven, &self.windows[*index], &start)
         };
@@ -263,11 +259,11 @@ impl<'a> Shooting<'a> {
         let start: Vec<Vec<Column>> = match nearby {
             Some(nearby) => nearby.windows.iter().map(|window| window.start.clone()).collect(),
             None => {
-                let along = |component: &usize| match self.moves_alone(base, *component) {
-                    true => which.iter().map(|index| self.moved_alone(&self.windows[*index], *component)).collect(),
-                    false => slopes(&residual, self.residuals(base, which, starts, Some(*component)), START_STEP),
+                let along = |free: &Channel| match self.moves_alone(base, *free) {
+                    true => which.iter().map(|index| self.moved_alone(&self.windows[*index], *free)).collect(),
+                    false => slopes(&residual, self.residuals(base, which, starts, Some(*free)), START_STEP),
                 };
-                turned(self.start_components.iter().map(along).collect(), which.len())
+                turned(self.free_at_start.iter().map(along).collect(), which.len())
             }
         };
         let parameters: Vec<Vec<Column>> = shifted
@@ -311,7 +307,7 @@ impl<'a> Shooting<'a> {
             let linear = self.linearise(driven, &[], which, starts, nearby.as_ref());
             left.clear();
             for (index, window) in which.iter().zip(&linear.windows) {
-                let (step, chi2) = window.best_start(&[], &self.start_components);
+                let (step, chi2) = window.best_start(&[], &self.free_at_start);
                 self.move_start(&mut starts[*index], &step);
                 left.push(chi2);
             }
@@ -329,7 +325,7 @@ impl<'a> Shooting<'a> {
         starts: &mut [State],
     ) {
         for (index, window) in which.iter().zip(&linear.windows) {
-            let (start_step, _) = window.best_start(step, &self.start_components);
+            let (start_step, _) = window.best_start(step, &self.free_at_start);
             self.move_start(&mut starts[*index], &start_step);
         }
     }
@@ -338,7 +334,7 @@ impl<'a> Shooting<'a> {
     pub(in crate::diagnosis) fn normal(&self, linear: &Linearisation, extra: Option<&[Vec<Column>]>) -> Normal {
         let of = |(i, window): (usize, &WindowLinear)| {
             let more = extra.map_or(&[][..], |extra| &extra[i]);
-            window.reduced(more, &self.start_components)
+            window.reduced(more, &self.free_at_start)
         };
         let reduced: Vec<Normal> = linear.windows.par_iter().enumerate().map(|(i, window)| of((i, window))).collect();
         let size = reduced.first().map_or(0, |normal| normal.right.len());
@@ -353,7 +349,7 @@ impl<'a> Shooting<'a> {
 
     /// True on the gimbal, whose vehicle can't turn in yaw of its own.
     pub(in crate::diagnosis) fn is_gimbal(&self) -> bool {
-        self.is_vehicle && !self.turns(2)
+        self.is_vehicle && !self.turns(Axis::Yaw)
     }
 
     /// True if the forces are motors' lifts.
@@ -361,32 +357,20 @@ impl<'a> Shooting<'a> {
         self.is_vehicle
     }
 
-    /// Places of a report that are compared, and the noise of each.
-    pub(in crate::diagnosis) fn compared(&self) -> impl Iterator<Item = (usize, f64)> {
-        self.channels.iter().map(|channel| (channel.place, channel.sigma))
+    /// Channels that are compared, and the noise of each, SI.
+    pub(in crate::diagnosis) fn compared(&self) -> impl Iterator<Item = (Channel, f64)> {
+        self.channels.iter().map(|measured| (measured.channel, measured.sigma))
     }
 
     /// Samples of some windows, less what their start states take.
     pub(in crate::diagnosis) fn degrees_of_freedom(&self, which: &[usize]) -> f64 {
         let rows: usize = which.iter().map(|index| self.windows[*index].end - self.windows[*index].start).sum();
-        (rows * self.channels.len()) as f64 - (which.len() * self.start_components.len()) as f64
+        (rows * self.channels.len()) as f64 - (which.len() * self.free_at_start.len()) as f64
     }
 
     /// Index of the windows that are, or are not, held out.
     pub(in crate::diagnosis) fn part(&self, held_out: bool) -> Vec<usize> {
         self.windows.iter().filter(|window| window.held_out == held_out).map(|window| window.index).collect()
-    }
-}
-
-/// What a log calls the value at a place of a report.
-pub(in crate::diagnosis) fn quantity_at(place: usize) -> Quantity {
-    let axis = Axis::ALL[place % 3];
-    match place {
-        0..3 => Quantity::Angle(axis),
-        3..6 => Quantity::Rate(axis),
-        6..9 => Quantity::Accel(axis),
-        9..12 => Quantity::Velocity(axis),
-        _ => Quantity::Height,
     }
 }
 

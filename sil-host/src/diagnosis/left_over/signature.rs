@@ -86,9 +86,9 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
 }
 
 /// The strongest frequency of what is missing on an axis, in words.
-pub(in crate::diagnosis) fn frequency(search: &Search<'_>, whole: &Fit<'_>, axis: usize) -> Option<String> {
+pub(in crate::diagnosis) fn frequency(search: &Search<'_>, whole: &Fit<'_>, axis: Axis) -> Option<String> {
     let driven = search.shooting.drive(model_of(search.nominal, &whole.terms));
-    let frequency_hz = hints(search.shooting, &driven).frequency_hz[axis]?;
+    let frequency_hz = hints(search.shooting, &driven).frequency_hz[axis.index()]?;
     Some(format!("strongest in frequency near {frequency_hz:.2} Hz"))
 }
 
@@ -132,7 +132,7 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
     let (begin_s, end_s) = (rows.first().copied().unwrap_or_default(), rows.last().copied().unwrap_or_default());
     let phase = move |time_s: f64| core::f64::consts::PI * (time_s - begin_s) / (end_s - begin_s);
     let mut all = Vec::new();
-    for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(axis.index())) {
+    for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(*axis)) {
         let i = axis.index();
         let on_axis = move |value: f64| -> [f64; 3] { core::array::from_fn(|k| if k == i { value } else { 0.0 }) };
         let shape = |words, per, of: fn(&Motion, usize) -> f64| Shape {

@@ -8,6 +8,7 @@ use crate::diagnosis::fitting::linear::dot;
 use crate::diagnosis::fitting::linearisation::Column;
 use crate::diagnosis::fitting::shooting::{Driven, Shooting};
 use crate::fidelity::Window;
+use crate::prediction::Channel;
 use crate::prediction::body::State;
 
 /// Rows apart.
@@ -15,10 +16,10 @@ const LAGS: usize = 8;
 /// Standard deviations beyond which residuals of four channels are not white: a chance of 1e-5.
 const STRUCTURED: f64 = 4.5;
 
-/// How far the residuals of one place of a report are from white.
+/// How far the residuals of one channel are from white.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnosis) struct Whiteness {
-    pub(in crate::diagnosis) place: usize,
+    pub(in crate::diagnosis) channel: Channel,
     /// Sum of the correlations over all lags, in standard deviations of white noise.
     pub(in crate::diagnosis) deviation: f64,
 }
@@ -36,16 +37,16 @@ pub(in crate::diagnosis) fn whiteness(
     which: &[usize],
     starts: &[State],
 ) -> Vec<Whiteness> {
-    let places: Vec<usize> = shooting.compared().map(|(place, _)| place).collect();
-    let mut sums = vec![Sum::default(); places.len()];
+    let mut sums = vec![Sum::default(); shooting.compared().count()];
     for index in which {
         let Some(settled) = Settled::of(shooting, driven, &shooting.windows[*index], &starts[*index]) else { continue };
-        for (channel, sum) in sums.iter_mut().enumerate() {
-            let (residual, forward) = settled.channel(channel);
+        for (number, sum) in sums.iter_mut().enumerate() {
+            let (residual, forward) = settled.channel(number);
             sum.take(residual, forward);
         }
     }
-    places.iter().zip(sums).map(|(place, sum)| Whiteness { place: *place, deviation: sum.deviation() }).collect()
+    let channels = shooting.compared().map(|(channel, _)| channel);
+    channels.zip(sums).map(|(channel, sum)| Whiteness { channel, deviation: sum.deviation() }).collect()
 }
 
 /// A window whose start state is at its best.
