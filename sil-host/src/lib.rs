@@ -2,13 +2,13 @@
 
 pub mod axis;
 pub mod bench_mpc;
+pub mod closed_loop;
 pub mod comparison;
 pub mod control_setup;
 pub mod controller_file;
 pub mod cosim;
 pub mod diagnosis;
 pub mod effects;
-pub mod fidelity;
 pub mod flight;
 pub mod flight_log;
 pub mod hitl;

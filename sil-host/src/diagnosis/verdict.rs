@@ -4,15 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::accuracy::{ErrorOf, WindowTally, root_mean_square};
 use super::effects::{Effect, Place, per_unit_inertia};
 use super::search::{Found, Search, TOLD_APART, is_the_same};
-use crate::axis::Axis;
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
-use crate::diagnosis::fitting::linear::dot;
-use crate::fidelity::ChannelErrors;
-use crate::prediction::Channel;
+use crate::statistics::dot;
 
 /// The accuracy of the integration, as a share of an effect.
 pub(super) const MODEL_ERROR: f64 = 5e-4;
@@ -94,7 +90,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
     let term = &found.chosen.fit.terms[index];
     let effect = term.effect;
     let spread = search.spread(&found.chosen);
-    let model_error = if search.shooting.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
+    let model_error = if search.shooting.log.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
     let mut parameters = estimates(&found.chosen.fit, index, spread, model_error);
     let mut names = effect.told_names();
     // separate axes have a gain each that is fitted along, and no inertia
@@ -220,20 +216,4 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
         rejected.push(Rejected { effect: effect.name(), axis, reason });
     }
     rejected
-}
-
-/// Root mean square errors of a model's windows, and an exact model's.
-pub(super) fn channel_errors(windows: &[WindowTally]) -> [ChannelErrors; 2] {
-    let of = |which: fn((f64, f64)) -> f64| {
-        let degrees = |channel: Channel| {
-            root_mean_square(windows, ErrorOf::Channel(channel)).map(|both| channel.in_unit(which(both)))
-        };
-        ChannelErrors {
-            roll_deg: degrees(Channel::Angle(Axis::Roll)),
-            pitch_deg: degrees(Channel::Angle(Axis::Pitch)),
-            p_deg_s: degrees(Channel::Rate(Axis::Roll)),
-            q_deg_s: degrees(Channel::Rate(Axis::Pitch)),
-        }
-    };
-    [of(|(error, _)| error), of(|(_, floor)| floor)]
 }

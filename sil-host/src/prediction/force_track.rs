@@ -12,6 +12,8 @@ use crate::vehicle::propulsion::{Propulsion, RotorState};
 const BODY_STEP_MAX_S: f64 = 5e-3;
 /// Longest step of the motors, s; the thesis' motors ring with 98 Hz.
 const MOTOR_STEP_MAX_S: f64 = 0.4e-3;
+/// Of a longer interval between two rows only the end is followed, s: no motor remembers more, and no window holds such a gap.
+const INTERVAL_MAX_S: f64 = 10.0;
 /// A step shorter than this is rounding of a time.
 const TIME_ROUNDING_S: f64 = 1e-9;
 
@@ -109,10 +111,11 @@ impl ForceTrack {
         for interval in rows_s.windows(2) {
             track.first_step.push(track.steps.len());
             track.at_row.push(motors.forces());
-            let count = ((interval[1] - interval[0]) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
-            let duration_s = (interval[1] - interval[0]) / count;
+            let from_s = interval[0].max(interval[1] - INTERVAL_MAX_S);
+            let count = ((interval[1] - from_s) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
+            let duration_s = (interval[1] - from_s) / count;
             for k in 0..count as usize {
-                let start_s = interval[0] + k as f64 * duration_s;
+                let start_s = from_s + k as f64 * duration_s;
                 track.steps.push(motors.body_step(commands, start_s, duration_s));
             }
         }

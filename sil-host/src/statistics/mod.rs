@@ -4,6 +4,7 @@
 mod agreement;
 mod condition;
 mod deviation;
+mod linear;
 #[cfg(test)]
 pub(crate) mod noise_source;
 mod spectrum;
@@ -13,5 +14,6 @@ pub use agreement::{Agreement, TheilSplit};
 pub use condition::{Bin, ConditionalError};
 pub use deviation::mean_absolute_deviation;
 pub(crate) use deviation::wrapped;
+pub(crate) use linear::{Cholesky, dot};
 pub use spectrum::amplitude_spectrum;
 pub use whiteness::{Correlogram, InputCorrelation, LjungBox, chi_square_99, input_correlation};

@@ -10,7 +10,7 @@ use super::instruments::{Basis, Tunable, difference};
 use super::parameters::Numbers;
 use super::replay::{Design, Residual};
 use super::whitening::Whitening;
-use crate::diagnosis::fitting::linear::{Cholesky, dot};
+use crate::statistics::{Cholesky, dot};
 
 /// Fall of the sum of squared scores that chance does not reach: five standard deviations, for some thirty numbers.
 const SIGNIFICANT: f64 = 25.0;

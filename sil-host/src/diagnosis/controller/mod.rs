@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 
 use super::effects::Place;
 use super::{Estimate, Finding, Rejected};
-use crate::comparison::{ComparisonError, simulated_flight};
+use crate::closed_loop::{LogRefused, simulated_flight};
 use crate::control_setup::vehicle_parameters;
 use crate::controller_file::ControllerChoice;
 use crate::flight_log::flight_log;
@@ -62,9 +62,9 @@ pub struct Examination {
 ///
 /// # Errors
 /// The controller can't fly that vehicle, or the log is too long to be simulated.
-pub fn examine(log: &Log, model: &VehicleModel, choice: ControllerChoice) -> Result<Examination, ComparisonError> {
+pub fn examine(log: &Log, model: &VehicleModel, choice: ControllerChoice) -> Result<Examination, LogRefused> {
     let Some((setup, flight)) = simulated_flight(log, model, choice)? else {
-        let missing = NotReplayable::Missing(crate::comparison::missing_for_closed_loop(log));
+        let missing = NotReplayable::Missing(crate::closed_loop::missing_for_closed_loop(log));
         return Ok(not_examined(&missing, choice));
     };
     let design = Design {

@@ -6,7 +6,7 @@
 //! Identification*, section 7.5 and appendix II).
 
 use super::replay::Residual;
-use crate::diagnosis::fitting::linear::Cholesky;
+use crate::statistics::Cholesky;
 
 /// Rows of the past in the model.
 const ORDER: usize = 16;

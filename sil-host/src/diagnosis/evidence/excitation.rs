@@ -11,8 +11,8 @@ use serde::Serialize;
 use crate::diagnosis::effects::{Effect, per_unit_inertia};
 use crate::diagnosis::fitting::eigen;
 use crate::diagnosis::fitting::fit::{Term, model_of, regular, shifted_models};
-use crate::diagnosis::fitting::linear::Cholesky;
 use crate::diagnosis::search::{Found, Search, is_the_same};
+use crate::statistics::Cholesky;
 
 /// Effects whose parameters make up the motion of any axis: moment and stiffness, damping, inertia; and the way from command to force.
 const BASIC: [&str; 4] = ["spring", "viscous_friction", "inertia_error", "actuation_delay"];
@@ -84,9 +84,9 @@ pub(in crate::diagnosis) fn excitation(search: &Search<'_>, found: &Found<'_>) -
 fn information(search: &Search<'_>, found: &Found<'_>, known: &[Term<'_>], asked: &[Term<'_>]) -> Vec<f64> {
     let shooting = search.shooting;
     let terms: Vec<Term<'_>> = known.iter().chain(asked).cloned().collect();
-    let driven = shooting.drive(model_of(search.nominal, &terms));
+    let driven = shooting.log.drive(model_of(search.nominal, &terms));
     let shifted = shifted_models(shooting, search.nominal, &terms, known.len());
-    let all: Vec<usize> = (0..shooting.windows.len()).collect();
+    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let linear = shooting.linearise(&driven, &shifted, &all, &found.chosen.fit.starts, None);
     shooting.normal(&linear, None).matrix
 }

@@ -16,13 +16,12 @@ use crate::diagnosis::extension::model_with_terms;
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
 use crate::diagnosis::progress::Progress;
 use crate::diagnosis::search::{Found, Search, TOLD_APART};
-use crate::diagnosis::subject::Subject;
 use crate::diagnosis::verdict::Finding;
-use crate::fidelity::SensorNoise;
 use crate::flight::FlightSetup;
 use crate::flight_log::flight_log;
 use crate::log::{Column, Log};
 use crate::model::{self, VehicleModel};
+use crate::prediction::{MeasuredNoise, Subject};
 use crate::scenario::Scenario;
 
 /// Steps of the controller and rows of a flight per second: each command has its row.
@@ -166,7 +165,7 @@ impl<'e> Side<'e> {
 }
 
 /// A sensor's noise per row, were there as many rows as in the simulated flight.
-fn noise_per_row(log: &Log, subject: &Subject<'_>) -> SensorNoise {
+fn noise_per_row(log: &Log, subject: &Subject<'_>) -> MeasuredNoise {
     subject.noise(log).scaled((f64::from(RATE_HZ) / log.rate_hz()).sqrt())
 }
 
@@ -175,7 +174,7 @@ struct Judge<'a> {
     log: &'a Log,
     model: &'a VehicleModel,
     search: &'a Search<'a>,
-    noise: SensorNoise,
+    noise: MeasuredNoise,
 }
 
 impl Judge<'_> {
@@ -194,9 +193,9 @@ impl Judge<'_> {
         // what disturbed this log would disturb the flight too
         let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
         let shooting = shooting.with_noise(self.search.shooting.noise, Vec::new());
-        let all: Vec<usize> = (0..shooting.windows.len()).collect();
-        let flown = shooting.drive(model_of(self.search.nominal, truth));
-        let mut starts = shooting.measured_starts(&flown.model);
+        let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+        let flown = shooting.log.drive(model_of(self.search.nominal, truth));
+        let mut starts = shooting.log.measured_starts(&flown.model);
         // what the two integrators and the rounding of the log differ by
         let own: f64 = shooting.settle(&flown, &all, &mut starts).iter().sum();
         let left = |terms: &Vec<Term<'_>>| fit(&shooting, self.search.nominal, terms.clone(), &starts, &all).training;

@@ -1,8 +1,8 @@
 //! What the nominal and the extended model miss, row by row: the held-out windows, predicted open loop from the rows around their starts.
 
-use crate::diagnosis::accuracy::{ErrorOf, Predicted, Series};
-use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::Channel;
+use crate::prediction::accuracy::PredictedWindow;
+use crate::prediction::windowed_log::WindowedLog;
 
 /// One channel: measured less predicted.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,9 +23,9 @@ pub struct ChannelResiduals {
 
 /// All channels that are compared, of the same windows for both models.
 pub(in crate::diagnosis) fn of_models(
-    shooting: &Shooting<'_>,
-    nominal: &[Predicted],
-    extended: &[Predicted],
+    log: &WindowedLog<'_>,
+    nominal: &[PredictedWindow],
+    extended: &[PredictedWindow],
 ) -> Vec<ChannelResiduals> {
     let of_channel = |channel: Channel| {
         let mut residuals = ChannelResiduals {
@@ -38,7 +38,7 @@ pub(in crate::diagnosis) fn of_models(
         };
         for (nominal, extended) in nominal.iter().zip(extended) {
             let (Some(nominal), Some(extended)) = (nominal.of(channel), extended.of(channel)) else { continue };
-            residuals.time_s.extend(nominal.rows.iter().map(|row| shooting.rows()[*row]));
+            residuals.time_s.extend(nominal.rows.iter().map(|row| log.rows()[*row]));
             residuals.nominal.extend(nominal.error.iter().map(|error| channel.in_unit(*error)));
             residuals.extended.extend(extended.error.iter().map(|error| channel.in_unit(*error)));
             for values in [&mut residuals.time_s, &mut residuals.nominal, &mut residuals.extended] {
@@ -47,12 +47,5 @@ pub(in crate::diagnosis) fn of_models(
         }
         residuals
     };
-    shooting.compared().map(|(channel, _)| of_channel(channel)).collect()
-}
-
-impl Predicted {
-    /// The series of a channel.
-    pub(in crate::diagnosis) fn of(&self, channel: Channel) -> Option<&Series> {
-        self.series.iter().find(|series| series.of == ErrorOf::Channel(channel))
-    }
+    log.compared().map(|(channel, _)| of_channel(channel)).collect()
 }

@@ -5,12 +5,13 @@
 
 use serde::Serialize;
 
-use crate::diagnosis::accuracy::Predicted;
-use crate::diagnosis::fitting::linear::dot;
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::left_over::structure::Settled;
 use crate::prediction::Channel;
+use crate::prediction::accuracy::PredictedWindow;
 use crate::prediction::body::State;
+use crate::prediction::windowed_log::{Driven, WindowedLog};
+use crate::statistics::dot;
 use crate::statistics::{Agreement, Correlogram, InputCorrelation, LjungBox, input_correlation};
 
 /// Rows apart up to which residuals are correlated with each other and with the input.
@@ -44,7 +45,7 @@ pub struct ModelStatistics {
 /// A model, what it predicts for the held-out windows, and the start states at their best.
 pub(in crate::diagnosis) struct Judged<'a> {
     pub(in crate::diagnosis) driven: &'a Driven,
-    pub(in crate::diagnosis) predicted: &'a [Predicted],
+    pub(in crate::diagnosis) predicted: &'a [PredictedWindow],
     pub(in crate::diagnosis) starts: &'a [State],
 }
 
@@ -57,26 +58,26 @@ pub(in crate::diagnosis) fn statistics(
     let settled = models.each_ref().map(|model| settle(shooting, model));
     let of_channel = |(number, (channel, _)): (usize, (Channel, f64))| {
         let of = |model: usize| {
-            let agreement = agreement(shooting, models[model].predicted, channel)?;
+            let agreement = agreement(&shooting.log, models[model].predicted, channel)?;
             let (ljung_box, input_correlation) = left_over(&settled[model], number, channel, commands);
             Some(ModelStatistics { agreement, ljung_box, input_correlation })
         };
         Some(ChannelStatistics { quantity: channel.name(), unit: channel.unit(), nominal: of(0)?, extended: of(1)? })
     };
-    shooting.compared().enumerate().filter_map(of_channel).collect()
+    shooting.log.compared().enumerate().filter_map(of_channel).collect()
 }
 
 /// Held-out windows by their first row.
 fn settle(shooting: &Shooting<'_>, model: &Judged<'_>) -> Vec<(usize, Settled)> {
-    let of = |predicted: &Predicted| {
+    let of = |predicted: &PredictedWindow| {
         let window = &predicted.window;
         Some((window.start, Settled::of(shooting, model.driven, window, &model.starts[window.index])?))
     };
     model.predicted.iter().filter_map(of).collect()
 }
 
-fn agreement(shooting: &Shooting<'_>, predicted: &[Predicted], channel: Channel) -> Option<Agreement> {
-    let measured = shooting.measured(channel)?;
+fn agreement(log: &WindowedLog<'_>, predicted: &[PredictedWindow], channel: Channel) -> Option<Agreement> {
+    let measured = log.measured(channel)?;
     let mut samples = Vec::new();
     for series in predicted.iter().filter_map(|predicted| predicted.of(channel)) {
         // an error the short way round, whatever turn the measurement is in

@@ -5,9 +5,10 @@
 //! numbers come from the residuals that a model leaves. What is new is white, so that it serves the same least squares; moments are
 //! treated apart (`process_noise`), for they are seen by their sums.
 
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::fidelity::Window;
+use crate::diagnosis::fitting::shooting::Shooting;
+use crate::prediction::Window;
 use crate::prediction::body::State;
+use crate::prediction::windowed_log::Driven;
 
 /// Most that is carried over: what lasts longer than a window can't be told from what is constant.
 const CARRY_OVER_MAX: f64 = 0.99;
@@ -63,13 +64,13 @@ impl Shooting<'_> {
         which: &[usize],
         starts: &[State],
     ) -> Vec<CarriedNoise> {
-        let left = |index: &usize| self.residual(driven, &self.windows[*index], &starts[*index]);
+        let left = |index: &usize| self.log.residual(driven, &self.log.windows[*index], &starts[*index]);
         let residuals: Vec<Vec<f64>> = which.iter().map(left).collect();
-        let channels = self.compared().enumerate().filter(|(_, (channel, _))| channel.turning_axis().is_none());
+        let channels = self.log.compared().enumerate().filter(|(_, (channel, _))| channel.turning_axis().is_none());
         let of = |(channel, _): (usize, _)| {
             let mut windows: Vec<&[f64]> = Vec::new();
             for (residual, index) in residuals.iter().zip(which) {
-                let rows = self.windows[*index].end - self.windows[*index].start;
+                let rows = self.log.windows[*index].end - self.log.windows[*index].start;
                 windows.push(&residual[channel * rows..(channel + 1) * rows]);
             }
             CarriedNoise::of(channel, &windows)

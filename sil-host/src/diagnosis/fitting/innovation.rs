@@ -4,18 +4,27 @@
 //! residuals innovations serve the same least squares (Ljung, System Identification, 2nd ed., 7.2).
 
 use crate::axis::Axis;
-use crate::diagnosis::fitting::linearisation::Column;
 use crate::diagnosis::fitting::process_noise::{AxisNoise, AxisWindow, Passage, most_likely, unlikeliness};
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::fidelity::Window;
-use crate::prediction::Channel;
+use crate::diagnosis::fitting::shooting::Shooting;
+use crate::prediction::Window;
 use crate::prediction::body::State;
+use crate::prediction::windowed_log::{Driven, Residuals};
 
 impl Shooting<'_> {
+    /// Innovations of one window and their slopes along its start state.
+    pub(in crate::diagnosis) fn innovation_slopes(
+        &self,
+        driven: &Driven,
+        window: &Window,
+        start: &State,
+    ) -> (Residuals, Vec<Residuals>) {
+        self.log.slopes_along_start(driven, window, start, |start| self.innovations(driven, window, start))
+    }
+
     /// Turns the plain residuals of a window, or their slopes, in units of the sensors' noise into innovations in units of their own.
     pub(in crate::diagnosis) fn innovate(&self, window: &Window, residual: &mut [f64]) {
         for (axis, noise) in Axis::ALL.into_iter().zip(&self.noise) {
-            if self.lost.is_some() || *noise != AxisNoise::SENSORS {
+            if self.log.lost.is_some() || *noise != AxisNoise::SENSORS {
                 self.passage(axis, window).innovate(noise, residual);
             }
         }
@@ -24,49 +33,10 @@ impl Shooting<'_> {
     /// A window as an axis shows in it.
     fn passage(&self, axis: Axis, window: &Window) -> Passage<'_> {
         Passage {
-            time_s: &self.rows()[window.start..window.end],
-            lost: self.lost.as_ref().map_or(&[], |lost| &lost[axis.index()][window.start..window.end]),
-            seen: (window.start..window.end).map(|row| self.seen(axis, row)).collect(),
+            time_s: &self.log.rows()[window.start..window.end],
+            lost: self.log.lost.as_ref().map_or(&[], |lost| &lost[axis.index()][window.start..window.end]),
+            seen: (window.start..window.end).map(|row| self.log.seen(axis, row)).collect(),
         }
-    }
-
-    /// Variance, SI, that commands lost since an earlier row give to a channel's plain residual.
-    pub(in crate::diagnosis) fn unknown_variance(&self, of: Channel, since: usize, row: usize) -> f64 {
-        let Some(lost) = &self.lost else { return 0.0 };
-        let Some((channel, sigma)) =
-            self.compared().enumerate().find(|(_, (compared, _))| *compared == of).map(|(k, (_, sigma))| (k, sigma))
-        else {
-            return 0.0;
-        };
-        let mut variance = 0.0;
-        for (axis, lost) in Axis::ALL.into_iter().zip(lost) {
-            let seen = self.seen(axis, row).into_iter().find(|(seen, _)| *seen == channel);
-            let Some((_, [angle, rate])) = seen else { continue };
-            for (passed, density) in self.rows()[since..=row].windows(2).zip(&lost[since..row]) {
-                let moved = sigma * (angle * (self.rows()[row] - 0.5 * (passed[0] + passed[1])) + rate);
-                variance += density * density * (passed[1] - passed[0]) * moved * moved;
-            }
-        }
-        variance
-    }
-
-    /// How the departure of an axis shows in the compared channels at a row.
-    fn seen(&self, axis: Axis, row: usize) -> Vec<(usize, [f64; 2])> {
-        let (sin_roll, cos_roll) =
-            self.measured(Channel::Angle(Axis::Roll)).map_or((0.0, 1.0), |roll| libm::sincos(roll[row]));
-        let is_across = axis == Axis::Pitch && self.is_gimbal();
-        let slope = |channel: Channel| match channel {
-            Channel::Angle(of) if of == axis => Some([1.0, 0.0]),
-            // the gimbal's pitch axis lies across the body
-            Channel::Rate(Axis::Pitch) if is_across => Some([0.0, cos_roll]),
-            Channel::Rate(Axis::Yaw) if is_across => Some([0.0, -sin_roll]),
-            Channel::Rate(of) if of == axis && self.turns(axis) => Some([0.0, 1.0]),
-            _ => None,
-        };
-        let scaled = |(number, (channel, sigma)): (usize, (Channel, f64))| {
-            Some((number, slope(channel)?.map(|slope| slope / sigma)))
-        };
-        self.compared().enumerate().filter_map(scaled).collect()
     }
 
     /// Under which noise what a model leaves is most likely, per axis.
@@ -99,13 +69,24 @@ impl Shooting<'_> {
         shares.iter().map(under).fold(f64::INFINITY, f64::min)
     }
 
+    /// The same under the noise that makes it likeliest.
+    pub(in crate::diagnosis) fn least_unlikeliness(&self, driven: &Driven, which: &[usize], starts: &[State]) -> f64 {
+        let of_axis = |windows: &Vec<AxisWindow<'_>>| -> f64 {
+            let noise = most_likely(windows);
+            windows.iter().map(|window| unlikeliness(window, &noise)).sum()
+        };
+        self.axis_windows(driven, which, starts).iter().map(of_axis).sum()
+    }
+
     /// What a model leaves of some windows, axis by axis.
     fn axis_windows(&self, driven: &Driven, which: &[usize], starts: &[State]) -> [Vec<AxisWindow<'_>>; 3] {
-        let left: Vec<(Column, Vec<Column>)> =
-            which.iter().map(|index| self.start_slopes(driven, &self.windows[*index], &starts[*index])).collect();
+        let left: Vec<(Residuals, Vec<Residuals>)> = which
+            .iter()
+            .map(|index| self.log.start_slopes(driven, &self.log.windows[*index], &starts[*index]))
+            .collect();
         Axis::ALL.map(|axis| {
-            let window = |(index, (residual, slopes)): (&usize, &(Column, Vec<Column>))| {
-                let window = &self.windows[*index];
+            let window = |(index, (residual, slopes)): (&usize, &(Residuals, Vec<Residuals>))| {
+                let window = &self.log.windows[*index];
                 let mut passage = self.passage(axis, window);
                 let rows = passage.time_s.len();
                 let mut shown: Vec<usize> = passage.seen.iter().flatten().map(|(channel, _)| *channel).collect();
@@ -114,7 +95,7 @@ impl Shooting<'_> {
                 for (channel, _) in passage.seen.iter_mut().flatten() {
                     *channel = shown.partition_point(|shown| shown < channel);
                 }
-                let own = |column: &Column| -> Column {
+                let own = |column: &Residuals| -> Residuals {
                     shown.iter().flat_map(|channel| &column[channel * rows..(channel + 1) * rows]).copied().collect()
                 };
                 AxisWindow { passage, residual: own(residual), slopes: slopes.iter().map(own).collect() }

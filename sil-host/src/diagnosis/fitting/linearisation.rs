@@ -1,10 +1,9 @@
 //! Residuals of windows and their slopes: the best start states, and the normal equations of the parameters with these eliminated.
 
-use crate::diagnosis::fitting::linear::{Cholesky, dot};
 use crate::prediction::Channel;
-
-/// Residuals of one window, or their change with a parameter.
-pub(in crate::diagnosis) type Column = Vec<f64>;
+use crate::prediction::start_state::{slope, start_factor};
+use crate::prediction::windowed_log::Residuals;
+use crate::statistics::dot;
 
 /// Per window: residuals, and their slopes along the start state and the parameters.
 pub(in crate::diagnosis) struct Linearisation {
@@ -13,9 +12,9 @@ pub(in crate::diagnosis) struct Linearisation {
 
 /// One window of it.
 pub(in crate::diagnosis) struct WindowLinear {
-    pub(in crate::diagnosis) residual: Column,
-    pub(in crate::diagnosis) start: Vec<Column>,
-    pub(in crate::diagnosis) parameters: Vec<Column>,
+    pub(in crate::diagnosis) residual: Residuals,
+    pub(in crate::diagnosis) start: Vec<Residuals>,
+    pub(in crate::diagnosis) parameters: Vec<Residuals>,
 }
 
 /// Normal equations of the parameters, the start states eliminated.
@@ -44,10 +43,10 @@ impl WindowLinear {
         (best, chi2)
     }
 
-    pub(in crate::diagnosis) fn reduced(&self, extra: &[Column], free: &[Channel]) -> Normal {
-        let columns: Vec<&Column> = self.parameters.iter().chain(extra).collect();
+    pub(in crate::diagnosis) fn reduced(&self, extra: &[Residuals], free: &[Channel]) -> Normal {
+        let columns: Vec<&Residuals> = self.parameters.iter().chain(extra).collect();
         let size = columns.len();
-        let against = |column: &Column| -> Vec<f64> { self.start.iter().map(|start| dot(start, column)).collect() };
+        let against = |column: &Residuals| -> Vec<f64> { self.start.iter().map(|start| dot(start, column)).collect() };
         let Some(factor) = start_factor(&self.start, free) else {
             return Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 };
         };
@@ -69,34 +68,14 @@ impl WindowLinear {
     }
 }
 
-/// Normal equations of a start state with these free components, factored; `slopes` are theirs.
-pub(in crate::diagnosis) fn start_factor(slopes: &[Column], free: &[Channel]) -> Option<Cholesky> {
-    let size = slopes.len();
-    let mut matrix = vec![0.0; size * size];
-    for i in 0..size {
-        for j in 0..size {
-            matrix[i * size + j] = dot(&slopes[i], &slopes[j]);
-        }
-        // free in so far as this is far beyond any error of a measured start
-        let prior = free[i].start_range();
-        matrix[i * size + i] += 1.0 / (prior * prior);
-    }
-    Cholesky::new(&matrix, size)
-}
-
 /// How a prediction changes with a parameter: minus the change of the residual.
-pub(in crate::diagnosis) fn slopes(residual: &[Column], shifted: Vec<Column>, step: f64) -> Vec<Column> {
+pub(in crate::diagnosis) fn slopes(residual: &[Residuals], shifted: Vec<Residuals>, step: f64) -> Vec<Residuals> {
     residual.iter().zip(shifted).map(|(base, shifted)| slope(base, shifted, step)).collect()
 }
 
-pub(in crate::diagnosis) fn slope(base: &Column, mut shifted: Column, step: f64) -> Column {
-    shifted.iter_mut().zip(base).for_each(|(shifted, base)| *shifted = (base - *shifted) / step);
-    shifted
-}
-
 /// From column by column to window by window.
-pub(in crate::diagnosis) fn turned(columns: Vec<Vec<Column>>, windows: usize) -> Vec<Vec<Column>> {
-    let mut turned: Vec<Vec<Column>> = (0..windows).map(|_| Vec::with_capacity(columns.len())).collect();
+pub(in crate::diagnosis) fn turned(columns: Vec<Vec<Residuals>>, windows: usize) -> Vec<Vec<Residuals>> {
+    let mut turned: Vec<Vec<Residuals>> = (0..windows).map(|_| Vec::with_capacity(columns.len())).collect();
     for column in columns {
         for (window, part) in turned.iter_mut().zip(column) {
             window.push(part);

@@ -13,8 +13,8 @@
 
 use rayon::prelude::*;
 
-use crate::diagnosis::fitting::linear::dot;
-use crate::diagnosis::fitting::linearisation::Column;
+use crate::prediction::windowed_log::Residuals;
+use crate::statistics::dot;
 
 /// White noise of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,10 +31,6 @@ impl AxisNoise {
     /// What is left of the sensors alone.
     pub(in crate::diagnosis) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0, lost: 1.0 };
 }
-
-/// What lost commands leave unknown, per axis and row until the next, as white angular acceleration: root of its power density, rad/s^2 per root
-/// of Hz.
-pub(in crate::diagnosis) type Lost = [Vec<f64>; 3];
 
 /// Strengths that are tried: a factor of two apart.
 const ACCELERATIONS: std::ops::Range<i32> = -10..7;
@@ -116,8 +112,8 @@ impl Passage<'_> {
 /// One window of an axis, with the channels that show it: residuals, and slopes along the start state.
 pub(in crate::diagnosis) struct AxisWindow<'a> {
     pub(in crate::diagnosis) passage: Passage<'a>,
-    pub(in crate::diagnosis) residual: Column,
-    pub(in crate::diagnosis) slopes: Vec<Column>,
+    pub(in crate::diagnosis) residual: Residuals,
+    pub(in crate::diagnosis) slopes: Vec<Residuals>,
 }
 
 /// The noise under which what a model leaves of an axis is most likely.
@@ -172,7 +168,7 @@ mod tests {
     const STEP_S: f64 = 0.004;
 
     /// What is seen of a double integrator under white acceleration, in units of the sensors' noise.
-    fn seen(acceleration: f64, sensors: f64, rows: usize, seed: u64) -> (Vec<f64>, Column) {
+    fn seen(acceleration: f64, sensors: f64, rows: usize, seed: u64) -> (Vec<f64>, Residuals) {
         let mut random = RandomStream::new(seed, "disturbed");
         let (mut x, mut v) = (0.0, 0.0);
         let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());

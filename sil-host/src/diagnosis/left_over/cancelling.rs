@@ -2,7 +2,7 @@
 //! spring against a heavy ring. What needs that is more likely something else, and no two names.
 
 use crate::diagnosis::fitting::fit::Fit;
-use crate::diagnosis::fitting::linear::{Cholesky, dot};
+use crate::statistics::{Cholesky, dot};
 
 /// Two effects cancel where each alone would do so many times what both do together (root mean square of what they change).
 const TIMES: f64 = 2.0;

@@ -13,8 +13,8 @@ use super::search::{Candidate, Found, Search};
 pub(super) fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
     let shooting = search.shooting;
     let whole = search.fitted_to_all(&found.chosen);
-    let driven = shooting.drive(model_of(search.nominal, &whole.fit.terms));
-    let all: Vec<usize> = (0..shooting.windows.len()).collect();
+    let driven = shooting.log.drive(model_of(search.nominal, &whole.fit.terms));
+    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let whiteness = structure::whiteness(shooting, &driven, &all, &whole.fit.starts);
     let even = whiteness.iter().all(structure::Whiteness::is_white);
     let dependence = signature::strongest(search, &found.chosen, &whole.fit);

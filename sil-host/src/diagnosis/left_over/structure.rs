@@ -4,12 +4,12 @@
 //! give after each window's start state has been fitted to it: with n the noise and r = (I - H) n the mean of r_i r_(i+k) is -H_(i, i+k). The noise's
 //! size cancels, so that nothing depends on how well it is known.
 
-use crate::diagnosis::fitting::linear::dot;
-use crate::diagnosis::fitting::linearisation::Column;
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::fidelity::Window;
+use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::Channel;
+use crate::prediction::Window;
 use crate::prediction::body::State;
+use crate::prediction::windowed_log::{Driven, Residuals};
+use crate::statistics::dot;
 
 /// Rows apart.
 const LAGS: usize = 8;
@@ -37,15 +37,17 @@ pub(in crate::diagnosis) fn whiteness(
     which: &[usize],
     starts: &[State],
 ) -> Vec<Whiteness> {
-    let mut sums = vec![Sum::default(); shooting.compared().count()];
+    let mut sums = vec![Sum::default(); shooting.log.compared().count()];
     for index in which {
-        let Some(settled) = Settled::of(shooting, driven, &shooting.windows[*index], &starts[*index]) else { continue };
+        let Some(settled) = Settled::of(shooting, driven, &shooting.log.windows[*index], &starts[*index]) else {
+            continue;
+        };
         for (number, sum) in sums.iter_mut().enumerate() {
             let (residual, forward) = settled.channel(number);
             sum.take(residual, forward);
         }
     }
-    let channels = shooting.compared().map(|(channel, _)| channel);
+    let channels = shooting.log.compared().map(|(channel, _)| channel);
     channels.zip(sums).map(|(channel, sum)| Whiteness { channel, deviation: sum.deviation() }).collect()
 }
 
@@ -53,7 +55,7 @@ pub(in crate::diagnosis) fn whiteness(
 pub(in crate::diagnosis) struct Settled {
     rows: usize,
     /// In units of the noise, channel by channel.
-    residual: Column,
+    residual: Residuals,
     /// Per residual, the row of L^-1 J: inner products of two are entries of H.
     forward: Vec<Vec<f64>>,
 }
@@ -67,11 +69,11 @@ impl Settled {
         start: &State,
     ) -> Option<Settled> {
         // a disturbance that was only found in the log is no part of an explanation, lost commands are
-        let (mut residual, slopes) = match &shooting.lost {
+        let (mut residual, slopes) = match &shooting.log.lost {
             Some(_) => shooting.innovation_slopes(driven, window, start),
-            None => shooting.start_slopes(driven, window, start),
+            None => shooting.log.start_slopes(driven, window, start),
         };
-        let factor = shooting.start_factor(&slopes)?;
+        let factor = shooting.log.start_factor(&slopes)?;
         let right: Vec<f64> = slopes.iter().map(|slope| dot(slope, &residual)).collect();
         for (slope, by) in slopes.iter().zip(factor.solve(&right)) {
             residual.iter_mut().zip(slope).for_each(|(residual, slope)| *residual -= slope * by);

@@ -1,31 +1,31 @@
-//! How well a model predicts the held-out windows, as docs/commands.md defines it: a start state from the rows around the start, at most 50 ms
-//! before it, then open loop to the end of the window; and how well an exact model would.
+//! How well a model predicts windows, as docs/commands.md defines it: a start state from the rows around the start (`start_state`), then
+//! open loop to the end of the window; and how well an exact model would.
 //!
-//! The state is estimated at the first of those rows by least squares over all of them (the residuals linear in it), with the model
-//! under test. Of an exact model the residuals, in units of the noise, are n - J (J_m' J_m)^-1 J_m' n_m, J the slopes along the start state
-//! and m the rows that it comes from; their variance is 1 - h in those rows and 1 + h in the others, h = J (J_m' J_m)^-1 J'. Angular
-//! accelerations are difference quotients of the rates, of the measured ones as of the predicted.
+//! Of an exact model the residuals, in units of the noise, are n - J (J_m' J_m)^-1 J_m' n_m, J the slopes along the start state and m the
+//! rows that it comes from; their variance is 1 - h in those rows and 1 + h in the others, h = J (J_m' J_m)^-1 J'. To it comes what commands
+//! lost between the rows leave unknown (`lost_commands`). Angular accelerations are difference quotients of the rates, of the measured ones as
+//! of the predicted.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
+use super::Channel;
+use super::window::Window;
+use super::windowed_log::{Driven, WindowedLog};
 use crate::axis::Axis;
-use crate::diagnosis::fitting::linear::dot;
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::fidelity::Window;
-use crate::prediction::Channel;
-use crate::prediction::body::State;
+use crate::statistics::dot;
 
 /// Of one quantity: sum of squares of the residuals and of an exact model's standard deviations, SI, and the number of both.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tally {
-    pub(super) squares: f64,
-    pub(super) floor_squares: f64,
-    pub(super) count: f64,
+pub(crate) struct Tally {
+    pub(crate) squares: f64,
+    pub(crate) floor_squares: f64,
+    pub(crate) count: f64,
 }
 
 /// What an error is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ErrorOf {
+pub(crate) enum ErrorOf {
     /// A channel.
     Channel(Channel),
     /// The angular acceleration about a body axis: difference quotients of its rate.
@@ -34,12 +34,12 @@ pub(super) enum ErrorOf {
 
 impl ErrorOf {
     /// All of them, the channels first.
-    pub(super) fn all() -> impl Iterator<Item = ErrorOf> {
+    pub(crate) fn all() -> impl Iterator<Item = ErrorOf> {
         Channel::ALL.into_iter().map(ErrorOf::Channel).chain(Axis::ALL.into_iter().map(ErrorOf::Acceleration))
     }
 
     /// Name in reports and JSON.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             ErrorOf::Channel(channel) => channel.name(),
             ErrorOf::Acceleration(axis) => ["p_dot", "q_dot", "r_dot"][axis.index()],
@@ -47,7 +47,7 @@ impl ErrorOf {
     }
 
     /// Unit for people.
-    pub(super) fn unit(self) -> &'static str {
+    pub(crate) fn unit(self) -> &'static str {
         match self {
             ErrorOf::Channel(channel) => channel.unit(),
             ErrorOf::Acceleration(_) => "deg/s2",
@@ -55,7 +55,7 @@ impl ErrorOf {
     }
 
     /// A value in that unit.
-    pub(super) fn in_unit(self, value_si: f64) -> f64 {
+    pub(crate) fn in_unit(self, value_si: f64) -> f64 {
         match self {
             ErrorOf::Channel(channel) => channel.in_unit(value_si),
             ErrorOf::Acceleration(_) => value_si.to_degrees(),
@@ -64,34 +64,43 @@ impl ErrorOf {
 }
 
 /// Errors of one window.
-pub(super) struct WindowTally(Vec<(ErrorOf, Tally)>);
+pub(crate) struct WindowTally(Vec<(ErrorOf, Tally)>);
 
 /// What a difference quotient of rates is taken over, s: long enough for the gyro's noise not to hide all else.
 const ACCELERATION_OVER_S: f64 = 0.02;
 
 /// One window predicted open loop.
-pub(super) struct Predicted {
-    pub(super) window: Window,
-    pub(super) series: Vec<Series>,
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PredictedWindow {
+    pub(crate) window: Window,
+    pub(crate) series: Vec<Series>,
 }
 
 /// One quantity of it: measured less predicted, and the standard deviation that an exact model would leave, SI.
-pub(super) struct Series {
-    pub(super) of: ErrorOf,
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Series {
+    pub(crate) of: ErrorOf,
     /// First row that each error belongs to.
-    pub(super) rows: Vec<usize>,
-    pub(super) error: Vec<f64>,
-    pub(super) floor: Vec<f64>,
+    pub(crate) rows: Vec<usize>,
+    pub(crate) error: Vec<f64>,
+    pub(crate) floor: Vec<f64>,
+}
+
+impl PredictedWindow {
+    /// The series of a channel.
+    pub(crate) fn of(&self, channel: Channel) -> Option<&Series> {
+        self.series.iter().find(|series| series.of == ErrorOf::Channel(channel))
+    }
 }
 
 /// Predicts windows from the rows around their starts.
-pub(super) fn predict(shooting: &Shooting<'_>, driven: &Driven, windows: &[Window]) -> Vec<Predicted> {
-    windows.par_iter().map(|window| predict_window(shooting, driven, window)).collect()
+pub(crate) fn predict(log: &WindowedLog<'_>, driven: &Driven, windows: &[Window]) -> Vec<PredictedWindow> {
+    windows.par_iter().map(|window| predict_window(log, driven, window)).collect()
 }
 
 /// Sums of the errors, window by window.
-pub(super) fn tallies(predicted: &[Predicted]) -> Vec<WindowTally> {
-    let of = |predicted: &Predicted| {
+pub(crate) fn tallies<'p>(predicted: impl IntoIterator<Item = &'p PredictedWindow>) -> Vec<WindowTally> {
+    let of = |predicted: &PredictedWindow| {
         let square = |values: &[f64]| values.iter().map(|value| value * value).sum();
         let tally = |series: &Series| Tally {
             squares: square(&series.error),
@@ -100,43 +109,30 @@ pub(super) fn tallies(predicted: &[Predicted]) -> Vec<WindowTally> {
         };
         WindowTally(predicted.series.iter().map(|series| (series.of, tally(series))).collect())
     };
-    predicted.iter().map(of).collect()
+    predicted.into_iter().map(of).collect()
 }
 
 /// Root mean square over windows, of the errors and of an exact model's.
-pub(super) fn root_mean_square(windows: &[WindowTally], of: ErrorOf) -> Option<(f64, f64)> {
+pub(crate) fn root_mean_square(windows: &[WindowTally], of: ErrorOf) -> Option<(f64, f64)> {
     let tallies = || windows.iter().flat_map(|window| &window.0).filter(|(what, _)| *what == of);
     let sum = |part: fn(&Tally) -> f64| tallies().map(|(_, tally)| part(tally)).sum::<f64>();
     let count = sum(|tally| tally.count);
     (count > 0.0).then(|| ((sum(|t| t.squares) / count).sqrt(), (sum(|t| t.floor_squares) / count).sqrt()))
 }
 
-/// The window, begun where the rows for its start begin, and its state there, estimated from the rows around the start.
-pub(super) fn window_with_start(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> (Window, State) {
-    let around = Window { start: window.lead, end: window.tail, ..*window };
-    let mut start = shooting.measured_state(&driven.model, window.lead);
-    for _ in 0..2 {
-        let (residual, slopes) = shooting.start_slopes(driven, &around, &start);
-        let Some(factor) = shooting.start_factor(&slopes) else { break };
-        let right: Vec<f64> = slopes.iter().map(|slope| dot(slope, &residual)).collect();
-        shooting.move_start(&mut start, &factor.solve(&right));
-    }
-    (Window { start: window.lead, ..*window }, start)
-}
-
-fn predict_window(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> Predicted {
-    let (whole, start) = window_with_start(shooting, driven, window);
+fn predict_window(log: &WindowedLog<'_>, driven: &Driven, window: &Window) -> PredictedWindow {
+    let (whole, start) = log.window_with_start(driven, window);
     let around = Window { end: window.tail, ..whole };
-    let (_, near) = shooting.start_slopes(driven, &around, &start);
-    let (residual, slopes) = shooting.start_slopes(driven, &whole, &start);
-    let factor = shooting.start_factor(&near);
+    let (_, near) = log.start_slopes(driven, &around, &start);
+    let (residual, slopes) = log.start_slopes(driven, &whole, &start);
+    let factor = log.start_factor(&near);
     let forward = |at: usize| -> Vec<f64> {
         let slope: Vec<f64> = slopes.iter().map(|slope| slope[at]).collect();
         factor.as_ref().map_or_else(Vec::new, |factor| factor.forward(&slope))
     };
     let rows = window.end - window.lead;
-    let mut predicted = Predicted { window: *window, series: Vec::new() };
-    for (index, (channel, sigma)) in shooting.compared().enumerate() {
+    let mut predicted = PredictedWindow { window: *window, series: Vec::new() };
+    for (index, (channel, sigma)) in log.compared().enumerate() {
         let samples: Vec<Sample> = (window.start..window.end)
             .map(|row| {
                 let at = index * rows + row - window.lead;
@@ -145,9 +141,9 @@ fn predict_window(shooting: &Shooting<'_>, driven: &Driven, window: &Window) -> 
             .collect();
         predicted
             .series
-            .push(Series::of(channel, sigma, &samples, |row| shooting.unknown_variance(channel, window.start, row)));
+            .push(Series::of(channel, sigma, &samples, |row| log.unknown_variance(channel, window.start, row)));
         if let Channel::Rate(axis) = channel {
-            predicted.series.push(Series::quotients(axis, sigma, &samples, shooting));
+            predicted.series.push(Series::quotients(axis, sigma, &samples, log));
         }
     }
     predicted
@@ -176,8 +172,8 @@ impl Series {
     }
 
     /// The angular acceleration of a rate.
-    fn quotients(axis: Axis, sigma: f64, samples: &[Sample], shooting: &Shooting<'_>) -> Series {
-        let time_s = shooting.rows();
+    fn quotients(axis: Axis, sigma: f64, samples: &[Sample], log: &WindowedLog<'_>) -> Series {
+        let time_s = log.rows();
         let mut series =
             Series { of: ErrorOf::Acceleration(axis), rows: Vec::new(), error: Vec::new(), floor: Vec::new() };
         for (i, first) in samples.iter().enumerate() {
@@ -186,7 +182,7 @@ impl Series {
             let per_s = 1.0 / (time_s[later.row] - time_s[first.row]);
             series.rows.push(first.row);
             series.error.push(per_s * (later.error - first.error));
-            let unknown = per_s * per_s * shooting.unknown_variance(Channel::Rate(axis), first.row, later.row);
+            let unknown = per_s * per_s * log.unknown_variance(Channel::Rate(axis), first.row, later.row);
             let known = sigma * sigma * variance(&[(-per_s, first), (per_s, later)]);
             series.floor.push((known + unknown).sqrt());
         }
@@ -210,8 +206,37 @@ fn variance(sum: &[(f64, &Sample)]) -> f64 {
 }
 
 /// The largest of the channels' errors over an exact model's.
-pub(super) fn worst_ratio(windows: &[WindowTally]) -> f64 {
+pub(crate) fn worst_ratio(windows: &[WindowTally]) -> f64 {
     let ratio =
         |channel| root_mean_square(windows, ErrorOf::Channel(channel)).map_or(0.0, |(error, floor)| error / floor);
     Channel::ALL.into_iter().map(ratio).fold(0.0, f64::max)
+}
+
+/// Root mean square per channel of what turns, in degrees and degrees per second; `None` (null in JSON) where the log has no such channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ChannelErrors {
+    /// Roll, degrees.
+    pub roll_deg: Option<f64>,
+    /// Pitch, degrees.
+    pub pitch_deg: Option<f64>,
+    /// Body rate p, degrees per second.
+    pub p_deg_s: Option<f64>,
+    /// Body rate q, degrees per second.
+    pub q_deg_s: Option<f64>,
+}
+
+/// Root mean square errors of a model's windows, and an exact model's.
+pub(crate) fn channel_errors(windows: &[WindowTally]) -> [ChannelErrors; 2] {
+    let of = |which: fn((f64, f64)) -> f64| {
+        let degrees = |channel: Channel| {
+            root_mean_square(windows, ErrorOf::Channel(channel)).map(|both| channel.in_unit(which(both)))
+        };
+        ChannelErrors {
+            roll_deg: degrees(Channel::Angle(Axis::Roll)),
+            pitch_deg: degrees(Channel::Angle(Axis::Pitch)),
+            p_deg_s: degrees(Channel::Rate(Axis::Roll)),
+            q_deg_s: degrees(Channel::Rate(Axis::Pitch)),
+        }
+    };
+    [of(|(error, _)| error), of(|(_, floor)| floor)]
 }
