@@ -1,8 +1,9 @@
 //! Every elementary function the core uses, in one place, so that x86-64 and Cortex-M4F agree to the bit.
 //!
 //! Addition, multiplication, division, square root, comparison and `as` casts agree on both by IEEE 754. `atan2f` and
-//! `expf` come from `libm` (pinned), which computes them in `f32`. Its `sinf`, `cosf` and `asinf` compute in `f64`, which
-//! is software on this processor, so those are here: Cody-Waite reduction and the polynomials of Cephes' `sinf.c`.
+//! `expf` come from `libm` (pinned), which computes them in `f32`. Its `sinf`, `cosf` and `asinf` compute in `f64`,
+//! which is software on this processor, so those are here: Cody-Waite reduction and the polynomials of Cephes'
+//! `sinf.c`.
 
 use core::f32::consts::{FRAC_2_PI, PI};
 

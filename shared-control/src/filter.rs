@@ -1,7 +1,7 @@
 //! Digital filters of the control path: coefficients once, at configuration; in the loop only multiply and add.
 
 use crate::elementary::{limit, sin_cos};
-use crate::state_words::StateWords;
+use crate::record::state_words::StateWords;
 
 /// First-order low-pass y += a (x - y), the bilinear-free form used for derivative and target filters.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,195 +8,27 @@
 //! The order is the thesis' listing 4.1: what takes a varying time comes after the outputs, so that they don't jitter,
 //! at the price of one sample of delay.
 
+mod output;
 mod planning;
+mod state;
 
-use planning::PlanningState;
-
-use nalgebra::Vector3;
+pub use output::{StepOutput, TorqueSource};
+pub use state::State;
 
 use crate::attitude::angle::{self, AngleState, RateTarget};
 use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
 use crate::elementary::{limit, magnitude};
-use crate::estimator::EstimatorState;
 use crate::frames::euler_from_q;
-use crate::imu_health::ImuHealth;
-use crate::imu_select::{self, ImuPairState, ImuUnit};
 use crate::mixer::{self, MixResult};
 use crate::mpc::{Mpc, MpcState};
-use crate::signals::{
-    AttitudeEstimate, MotorCommands, Plan, PlanReport, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench,
-};
-use crate::state_words::{STATE_WORDS, StateWords};
+use crate::sensing::imu_select;
+use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
 use crate::supervisor::{self, Arming, Findings};
 use crate::torque_observer::ObserverState;
-use crate::trace::number_of_source;
 
 /// Throttle up to which an armed vehicle that has not flown yet counts as standing on the ground.
 const IDLE_THROTTLE_MAX: f32 = 0.02;
-
-/// Who made the torque of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TorqueSource {
-    /// Nobody: the motors stand still.
-    #[default]
-    Disarmed,
-    /// Nobody: one motor turns at the command of a test.
-    MotorTest,
-    /// Nobody: armed on the ground, the throttle has not been raised yet; the motors turn at it and no torque is asked.
-    Idle,
-    /// The cascade, as configured.
-    Cascade,
-    /// The MPC's plan.
-    Mpc,
-    /// The cascade, because no plan came in time.
-    CascadeNoPlan,
-    /// The cascade, because the plan was not solved.
-    CascadeUnsolved(PlanStatus),
-}
-
-/// The set-point that is flown, and what came instead of one.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct SetpointState {
-    /// What the controllers follow.
-    flown: Setpoint,
-    /// The last one made of finite numbers, and when.
-    good: Setpoint,
-    good_us: u64,
-    /// Steps whose set-point was not.
-    rejected: u32,
-}
-
-impl SetpointState {
-    fn record(&self, words: &mut StateWords) {
-        let Self { flown, good, good_us, rejected } = self;
-        flown.record(words);
-        good.record(words);
-        words.time_us(*good_us);
-        words.word(*rejected);
-    }
-
-    /// Keeps the last good one while what comes is no number. Returns the good one's age, µs.
-    fn take(&mut self, input: &StepInput) -> u64 {
-        if input.setpoint.is_finite() {
-            (self.good, self.good_us) = (input.setpoint, input.time_us);
-        } else {
-            self.rejected = self.rejected.saturating_add(1);
-        }
-        input.time_us.saturating_sub(self.good_us)
-    }
-}
-
-/// All that the core remembers between steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State {
-    /// Steps made.
-    pub step: u32,
-    imus: ImuPairState,
-    estimator: EstimatorState,
-    arming: Arming,
-    setpoint: SetpointState,
-    angle: AngleState,
-    rate: RateState,
-    rate_target: RateTarget,
-    observer: ObserverState,
-    planning: PlanningState,
-    /// The throttle has been raised since arming: there is something to control.
-    airborne: bool,
-    last_wrench: Wrench,
-    last_mix: MixResult,
-    last_source: TorqueSource,
-}
-
-impl State {
-    /// All of it as words, of which every target makes the same.
-    pub fn words(&self) -> [u32; STATE_WORDS] {
-        let mut words = StateWords::EMPTY;
-        self.record(&mut words);
-        words.words
-    }
-
-    fn record(&self, words: &mut StateWords) {
-        let Self {
-            step,
-            imus,
-            estimator,
-            arming,
-            setpoint,
-            angle,
-            rate,
-            rate_target,
-            observer,
-            planning,
-            airborne,
-            last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
-            last_mix,
-            last_source,
-        } = self;
-        words.word(*step);
-        imus.record(words);
-        estimator.record(words);
-        words.arming(arming);
-        setpoint.record(words);
-        angle.record(words);
-        rate.record(words);
-        rate_target.record(words);
-        observer.record(words);
-        planning.record(words);
-        words.word(u32::from(*airborne));
-        words.number(*lift_per_motor_n);
-        words.numbers(torque_body_nm);
-        last_mix.record(words);
-        words.word(number_of_source(*last_source));
-    }
-
-    /// The shaped reference, rad (roll, pitch, yaw).
-    pub fn shaped_reference_rad(&self) -> [f32; 3] {
-        self.angle.reference.map(|axis| axis.angle_rad)
-    }
-
-    /// Moves the rate loop's integrals (body axes, rad/s^2). For a replay of another controller's log: an integral collects
-    /// what noise the log does not hold, and nothing else brings it back.
-    pub fn shift_rate_integral(&mut self, by_rad_s2: [f32; 3]) {
-        self.rate.shift_integral(by_rad_s2);
-    }
-
-    /// Estimated disturbance torque, N m (roll, pitch, heading).
-    pub fn disturbance_nm(&self) -> [f32; 3] {
-        self.observer.disturbance_nm()
-    }
-}
-
-/// What a step tells the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepOutput {
-    /// Number of the step.
-    pub step: u32,
-    /// Compare values for motors 1 to 4.
-    pub compare_counts: [u16; 4],
-    /// Commands and what they could not deliver.
-    pub mix: MixResult,
-    /// Demand to the mixer.
-    pub wrench: Wrench,
-    /// Who made the torque.
-    pub source: TorqueSource,
-    /// May the motors turn?
-    pub arming: Arming,
-    /// The IMU in use.
-    pub imu_unit: ImuUnit,
-    /// Is it to be believed?
-    pub imu_health: ImuHealth,
-    /// And the other one?
-    pub standby_health: ImuHealth,
-    /// Steps so far whose set-point held something that is not a finite number; the last good one was kept.
-    pub setpoints_rejected: u32,
-    /// Where the vehicle is.
-    pub estimate: AttitudeEstimate,
-    /// How the MPC's plans fare.
-    pub planning: PlanReport,
-    /// Rate that the cascade asked for, body frame, rad/s.
-    pub rate_target_rad_s: Vector3<f32>,
-}
 
 /// The control core. It has no data of its own: configuration, state and input come in, the output goes out.
 pub struct FlightCore;
@@ -206,7 +38,7 @@ impl FlightCore {
     pub fn fast(config: &Config, state: &mut State, input: &StepInput) -> StepOutput {
         state.step = state.step.wrapping_add(1);
         let motors_turned = state.arming.motors_turn();
-        let imu = imu_select::update(config, &mut state.imus, &mut state.estimator, input, motors_turned);
+        let imu = imu_select::update(&config.sensing, &mut state.imus, &mut state.estimator, input, motors_turned);
         let estimate = imu.estimate;
         let setpoint_age_us = state.setpoint.take(input);
         let findings = Findings::new(&estimate, imu.gyro_rest_s, imu.health, setpoint_age_us);
@@ -242,13 +74,13 @@ impl FlightCore {
         }
     }
 
-    /// Right after the outputs are written: the attitude loop and the observer, whoever flies, and in MPC mode the question to
-    /// the planner.
+    /// Right after the outputs are written: the attitude loop and the observer, whoever flies, and in MPC mode the
+    /// question to the planner.
     pub fn follow(config: &Config, state: &mut State, output: &StepOutput) -> Option<PlanRequest> {
         let motion = planning::EulerMotion::of(config, &output.estimate);
         match output.source {
             TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => {
-                state.angle = AngleState::at(&output.estimate, [0.0; 3]);
+                state.angle = AngleState::at(&euler_from_q(&output.estimate.q_world_from_body));
                 state.rate = RateState::default();
                 state.rate_target = RateTarget::default();
                 state.observer = ObserverState::at(motion.rate_rad_s);

@@ -7,8 +7,8 @@
 //!   ring:  Q_pitch = -(C cos pitch + S sin pitch)
 //!   body:  Q_roll  = cos pitch (C cos roll - S sin roll)     Q_pitch = -sin pitch (C sin roll + S cos roll)
 //! ```
-//! A torque about the body's y axis turns pitch by its share cos roll only, so that a moment about the pitch axis counts
-//! 1 / cos roll as much in the body.
+//! A torque about the body's y axis turns pitch by its share cos roll only, so that a moment about the pitch axis
+//! counts 1 / cos roll as much in the body.
 
 use crate::elementary::{larger, sin_cos};
 
@@ -62,8 +62,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Gravity has a potential, -cos pitch (C sin roll + S cos roll) for the body and C sin pitch - S cos pitch for the ring,
-        /// and the moments are its slopes.
+        /// Gravity has a potential, -cos pitch (C sin roll + S cos roll) for the body and C sin pitch - S cos pitch for
+        /// the ring, and the moments are its slopes.
         #[test]
         fn moments_are_the_slopes_of_a_potential(
             roll in -1.3f32..1.3, pitch in -1.3f32..1.3, c in -0.5f32..0.5, s in -0.5f32..0.5,

@@ -118,8 +118,8 @@ mod tests {
                 rate += h * acceleration;
                 motor = after;
             }
-            // torques up to 2 N m: rates up to 10 rad/s, angles up to 0.5 rad; the trapezoidal rule with 1000 steps of at
-            // most a twentieth of the lag errs by 1e-6 of that
+            // torques up to 2 N m: rates up to 10 rad/s, angles up to 0.5 rad; the trapezoidal rule with 1000 steps of
+            // at most a twentieth of the lag errs by 1e-6 of that
             prop_assert!((f64::from(to.motor_nm) - motor).abs() < 2e-6);
             prop_assert!((f64::from(to.rate_rad_s) - rate).abs() < 2e-5, "{} {}", to.rate_rad_s, rate);
             prop_assert!((f64::from(to.angle_rad) - angle).abs() < 2e-6, "{} {}", to.angle_rad, angle);
@@ -129,7 +129,8 @@ mod tests {
         #[test]
         fn steps_add_up(first_s in 0.0f32..0.02, second_s in 0.0f32..0.02, lag_s in 0.001f32..0.2) {
             let from = AxisMotion { angle_rad: 0.0, rate_rad_s: 1.0, motor_nm: -0.3 };
-            let step = |duration_s: f32, from: &AxisMotion| LagStep::new(duration_s, lag_s).advance(from, 0.4, 0.1, 0.01);
+            let step =
+                |duration_s: f32, from: &AxisMotion| LagStep::new(duration_s, lag_s).advance(from, 0.4, 0.1, 0.01);
             let (at_once, in_two) = (step(first_s + second_s, &from), step(second_s, &step(first_s, &from)));
             prop_assert!((at_once.motor_nm - in_two.motor_nm).abs() < 1e-6);
             prop_assert!((at_once.rate_rad_s - in_two.rate_rad_s).abs() < 3e-6);

@@ -1,24 +1,19 @@
-//! Quad-X mixer: collective and torque to four motor commands, with a fixed priority when they don't all fit.
+//! Quad-X mixer ([`crate::airframe`]): collective and torque to four motor commands, with a fixed priority when they
+//! don't all fit.
 //!
-//! ```text
-//!   3 (CW)   1 (CCW)      tau_x = h (F2 + F3 - F1 - F4)      h = d / sqrt 2
-//!       \   /             tau_y = h (F1 + F3 - F2 - F4)
-//!       /   \             tau_z = k (F1 + F2 - F3 - F4)      k = R_t / R_l
-//!   2 (CCW)  4 (CW)
-//! ```
 //! Roll and pitch come before yaw, yaw before collective: the collective gives way first (all motors shift together),
 //! then yaw is cut to what is left, and only then are roll and pitch scaled down, both by the same factor, so that the
 //! direction of the demanded torque is kept. What could not be delivered is reported for anti-windup.
 
+use crate::airframe::TORQUE_SIGNS;
 use crate::elementary::{larger, limit, smaller};
 use crate::lift_curve::LiftCurve;
+use crate::record::state_words::StateWords;
 use crate::signals::{MotorCommands, Wrench};
-use crate::state_words::StateWords;
 
-/// Signs of roll, pitch and yaw torque for motors 1 to 4.
-const ROLL: [f32; 4] = [-1.0, 1.0, 1.0, -1.0];
-const PITCH: [f32; 4] = [1.0, -1.0, 1.0, -1.0];
-const YAW: [f32; 4] = [1.0, 1.0, -1.0, -1.0];
+const ROLL: [f32; 4] = TORQUE_SIGNS[0];
+const PITCH: [f32; 4] = TORQUE_SIGNS[1];
+const YAW: [f32; 4] = TORQUE_SIGNS[2];
 
 /// Geometry and curve of the vehicle, as the mixer needs them.
 #[derive(Clone, Copy, Debug, PartialEq)]

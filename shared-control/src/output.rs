@@ -1,7 +1,8 @@
 //! From motor commands to timer counts: the last arithmetic before the pin, here so that the firmware has none.
 //!
-//! Two timers of a Pixhawk 1 count for this: TIM3 beats the loop, TIM1 makes the pulses (RM0090 sections 17 and 18). Both
-//! hang on the same oscillator, so periods that are whole multiples of each other, in cycles, keep their phase for ever.
+//! Two timers of a Pixhawk 1 count for this: TIM3 beats the loop, TIM1 makes the pulses (RM0090 sections 17 and 18).
+//! Both hang on the same oscillator, so periods that are whole multiples of each other, in cycles, keep their phase for
+//! ever.
 
 use crate::elementary::limit;
 use crate::signals::MotorCommands;
@@ -173,8 +174,8 @@ mod tests {
         }
     }
 
-    /// Every rate that a person can choose: the period fits, no smaller division would do, both ends of a pulse fit into
-    /// the period, and its steps are fine enough.
+    /// Every rate that a person can choose: the period fits, no smaller division would do, both ends of a pulse fit
+    /// into the period, and its steps are fine enough.
     #[test]
     fn every_pwm_rate_has_room_for_its_pulses() {
         for rate_hz in 50..=490 {

@@ -50,7 +50,8 @@ pub struct Params {
     pub hover_throttle_permille: u16,
     /// Free inputs per axis of the MPC, 1 to 30.
     pub control_horizon: u8,
-    /// The motors' limits in the MPC, which couple the axes: with at most [`COUPLED_INPUTS_MAX`](crate::mpc::motor_limits::COUPLED_INPUTS_MAX) free inputs.
+    /// The motors' limits in the MPC, which couple the axes: with at most
+    /// [`COUPLED_INPUTS_MAX`](crate::mpc::motor_limits::COUPLED_INPUTS_MAX) free inputs.
     pub motor_limits: bool,
     /// Linearisations of the MPC's pitch axis, 1 to 4.
     pub linearisations: u8,

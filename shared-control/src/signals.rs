@@ -9,8 +9,8 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::attitude::angle::AngleState;
-use crate::state_words::StateWords;
+use crate::attitude::shaping::AngleState;
+use crate::record::state_words::StateWords;
 
 /// Most IMU samples that one step takes; at 1 kHz and 100 Hz ten arrive.
 pub const IMU_SAMPLES_MAX: usize = 16;
@@ -139,8 +139,8 @@ pub struct MotorCommands(pub [f32; 4]);
 
 /// What the MPC is asked to plan: made by `follow`, answered by `plan`, applied by the next `fast`.
 ///
-/// All of it is per axis (roll, pitch, heading), and for the time at which the plan begins to act. Headings count from the present
-/// one.
+/// All of it is per axis (roll, pitch, heading), and for the time at which the plan begins to act. Headings count from
+/// the present one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanRequest {
     /// Number of the step that asks.
@@ -174,8 +174,8 @@ pub struct Plan {
     pub status: PlanStatus,
     /// Solver iterations, summed over the axes.
     pub iterations: u16,
-    /// Time that the plan took, µs, as whoever asked for it measured; 0 where nobody measures. The core has no clock, and
-    /// nothing that it does depends on this.
+    /// Time that the plan took, µs, as whoever asked for it measured; 0 where nobody measures. The core has no clock,
+    /// and nothing that it does depends on this.
     pub duration_us: u32,
 }
 
@@ -206,4 +206,26 @@ pub enum PlanStatus {
     /// The data were not finite, or the factorisation broke down.
     #[default]
     NumericalError,
+}
+
+impl PlanStatus {
+    /// Its number in a trace and in the words of a state.
+    pub fn number(&self) -> u32 {
+        match self {
+            PlanStatus::Solved => 0,
+            PlanStatus::IterationLimit => 1,
+            PlanStatus::Infeasible => 2,
+            PlanStatus::NumericalError => 3,
+        }
+    }
+
+    /// The status with this number; [`PlanStatus::NumericalError`] where there is none.
+    pub fn of_number(number: u32) -> PlanStatus {
+        match number {
+            0 => PlanStatus::Solved,
+            1 => PlanStatus::IterationLimit,
+            2 => PlanStatus::Infeasible,
+            _ => PlanStatus::NumericalError,
+        }
+    }
 }

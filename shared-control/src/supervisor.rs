@@ -9,9 +9,13 @@
 //!     '------ time is up, Disarm, Arm, link lost --'------------------------'
 //! ```
 
-use crate::battery::ABSENT_BELOW_V;
-use crate::imu_health::{ImuFault, ImuHealth};
-use crate::signals::{ArmingRequest, AttitudeEstimate, MotorTest, Setpoint, StepInput};
+mod arming;
+
+pub use arming::{Arming, DisarmedBecause, Refusal};
+
+use crate::sensing::battery::ABSENT_BELOW_V;
+use crate::sensing::imu_health::ImuHealth;
+use crate::signals::{ArmingRequest, AttitudeEstimate, MotorTest, StepInput};
 
 /// Largest throttle at which arming is allowed.
 const ARMING_THROTTLE_MAX: f32 = 0.02;
@@ -40,130 +44,6 @@ impl SupervisorConfig {
     /// Is the battery good enough to arm? One that is not measured is; one whose voltage is no number is not.
     pub fn battery_is_good(&self, battery_v: Option<f32>) -> bool {
         battery_v.is_none_or(|volts| volts >= self.battery_arming_min_v)
-    }
-}
-
-/// May the motors turn?
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arming {
-    /// No; and why not, if somebody asked or it was taken away.
-    Disarmed(DisarmedBecause),
-    /// One of them, at a fixed command.
-    MotorTest {
-        /// Motor, 1 to 4.
-        motor: u8,
-        /// Its command in percent.
-        throttle_percent: u8,
-        /// When it ends, on the clock of [`StepInput::time_us`].
-        until_us: u64,
-    },
-    /// Yes.
-    Armed,
-    /// Yes, level at idle, because nobody has been heard for [`LINK_LOST_AFTER_US`]; soon disarmed.
-    LinkLost {
-        /// When the link was given up.
-        since_us: u64,
-    },
-}
-
-/// Why the motors stand still.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DisarmedBecause {
-    /// Nobody armed since start.
-    Start,
-    /// Asked for.
-    Requested,
-    /// Arming or a motor test was refused.
-    Refused(Refusal),
-    /// The attitude is not known any more.
-    AttitudeUnknown,
-    /// The IMU failed.
-    ImuFailed(ImuFault),
-    /// Nobody was heard for too long.
-    LinkLost,
-    /// The motor test is over.
-    MotorTestOver,
-}
-
-/// Why a request was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
-    /// The set-point is not made of finite numbers.
-    SetpointNotFinite,
-    /// Throttle is not at zero.
-    ThrottleNotZero,
-    /// The IMU is not to be believed.
-    ImuUnhealthy(ImuFault),
-    /// The attitude is not known.
-    AttitudeUnknown,
-    /// The gyro was not calibrated at rest.
-    GyroNotCalibrated,
-    /// The battery's voltage is too low.
-    BatteryLow,
-    /// There is no battery: the board is fed over USB alone.
-    BatteryAbsent,
-    /// Nobody has been heard on the link.
-    LinkLost,
-    /// The configuration was bad and its replacement is not confirmed.
-    ConfigurationUnconfirmed,
-    /// The record of a fault waits to be read.
-    FaultRecordUnread,
-    /// Not while armed.
-    Armed,
-    /// Only while armed.
-    NotArmed,
-    /// Not while a motor is tested.
-    MotorTestRunning,
-    /// There is no such motor.
-    NoSuchMotor,
-}
-
-impl Refusal {
-    /// In words, for a person; at most 50 bytes, which is what a STATUSTEXT holds.
-    pub fn words(&self) -> &'static str {
-        match self {
-            Refusal::SetpointNotFinite => "refused: set-point is not a number",
-            Refusal::ThrottleNotZero => "refused: throttle is not at zero",
-            Refusal::ImuUnhealthy(ImuFault::Stale) => "refused: IMU sends nothing",
-            Refusal::ImuUnhealthy(ImuFault::BusDead) => "refused: IMU bus is dead",
-            Refusal::ImuUnhealthy(ImuFault::Stuck) => "refused: IMU is stuck",
-            Refusal::ImuUnhealthy(ImuFault::OutOfRange) => "refused: IMU is at full scale",
-            Refusal::AttitudeUnknown => "refused: attitude is not known",
-            Refusal::GyroNotCalibrated => "refused: keep still until the gyro is calibrated",
-            Refusal::BatteryLow => "refused: battery voltage is too low",
-            Refusal::BatteryAbsent => "refused: no battery, USB power alone",
-            Refusal::LinkLost => "refused: no set-point or heartbeat for 1 s",
-            Refusal::ConfigurationUnconfirmed => "refused: configuration was bad, confirm defaults",
-            Refusal::FaultRecordUnread => "refused: fault record is unread",
-            Refusal::Armed => "refused: only when disarmed",
-            Refusal::NotArmed => "refused: only when armed",
-            Refusal::MotorTestRunning => "refused: motor test was running, stopped it",
-            Refusal::NoSuchMotor => "refused: motors are 1 to 4",
-        }
-    }
-}
-
-impl Default for Arming {
-    fn default() -> Self {
-        Arming::Disarmed(DisarmedBecause::Start)
-    }
-}
-
-impl Arming {
-    /// Does any motor turn?
-    pub fn motors_turn(&self) -> bool {
-        match self {
-            Arming::Disarmed(_) => false,
-            Arming::MotorTest { .. } | Arming::Armed | Arming::LinkLost { .. } => true,
-        }
-    }
-
-    /// What is asked of the controllers: the given set-point, or level at idle once the link is lost.
-    pub fn setpoint(&self, setpoint: &Setpoint) -> Setpoint {
-        match self {
-            Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::Armed => *setpoint,
-            Arming::LinkLost { .. } => Setpoint::default(),
-        }
     }
 }
 

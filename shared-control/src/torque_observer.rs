@@ -2,7 +2,8 @@
 //! heading), and with them the state at the time at which the next plan will act.
 //!
 //! A Luenberger observer on rate and disturbance torque. Its input is what the mixer delivered, not what was asked, on
-//! its way through the actuation's delay and the motors' lag ([`crate::lagged_axis`]); so it cannot wind up. From step to step
+//! its way through the actuation's delay and the motors' lag ([`crate::lagged_axis`]); so it cannot wind up. From step
+//! to step
 //!
 //! ```text
 //!   rate        <- rate predicted + l1 (measured - predicted)            l1 = 1 - p^2
@@ -14,7 +15,7 @@
 
 use crate::elementary::{exp, limit};
 use crate::lagged_axis::{AxisMotion, LagStep};
-use crate::state_words::StateWords;
+use crate::record::state_words::StateWords;
 use crate::vehicle::Actuation;
 
 /// Most control steps that a delay of the actuation may last.
@@ -117,9 +118,9 @@ impl ObserverState {
         self.axes.map(|axis| axis.disturbance_nm)
     }
 
-    /// One control step on, with the rates measured now (roll, pitch, heading, rad/s) and the torques that are delivered from
-    /// now to the next step, N m; `known_nm` is the torque from outside that needs no estimate, such as gravity's on a mass off
-    /// the axes. A rate that is no number says nothing: then only the model goes on.
+    /// One control step on, with the rates measured now (roll, pitch, heading, rad/s) and the torques that are
+    /// delivered from now to the next step, N m; `known_nm` is the torque from outside that needs no estimate, such as
+    /// gravity's on a mass off the axes. A rate that is no number says nothing: then only the model goes on.
     pub fn update(
         &mut self,
         config: &ObserverConfig,
@@ -136,8 +137,8 @@ impl ObserverState {
         }
     }
 
-    /// Where the axes are when a plan that is asked for now begins to act: one step and the delay from now, by the torques
-    /// that are under way, the disturbance and the known torque. `angle_rad` and `rate_rad_s` are those of now.
+    /// Where the axes are when a plan that is asked for now begins to act: one step and the delay from now, by the
+    /// torques that are under way, the disturbance and the known torque. `angle_rad` and `rate_rad_s` are those of now.
     pub fn at_next_plan(
         &self,
         config: &ObserverConfig,
@@ -255,11 +256,12 @@ mod tests {
                 body.demands_nm.push(demand_nm);
                 let mut later = body.clone();
                 later.run(SLICES_PER_STEP + delay_slices, 0.0);
+                let later = later.motion;
                 for said in state.at_next_plan(&config, [angle_rad; 3], [rate_rad_s; 3], [0.0; 3]) {
                     // thousands of slices, each rounded
-                    prop_assert!((said.rate_rad_s - later.motion.rate_rad_s).abs() < 2e-4, "{said:?} {:?}", later.motion);
-                    prop_assert!((said.angle_rad - later.motion.angle_rad).abs() < 2e-5, "{said:?} {:?}", later.motion);
-                    prop_assert!((said.motor_nm - later.motion.motor_nm).abs() < 2e-5, "{said:?} {:?}", later.motion);
+                    prop_assert!((said.rate_rad_s - later.rate_rad_s).abs() < 2e-4, "{said:?} {later:?}");
+                    prop_assert!((said.angle_rad - later.angle_rad).abs() < 2e-5, "{said:?} {later:?}");
+                    prop_assert!((said.motor_nm - later.motor_nm).abs() < 2e-5, "{said:?} {later:?}");
                 }
                 body.run(SLICES_PER_STEP, 0.0);
             }
@@ -277,8 +279,8 @@ mod tests {
         }
     }
 
-    /// A torque that sets in is found, on all axes alike, in the bandwidth's own time and without overshoot; lag and delay in between
-    /// mislead nobody who knows them.
+    /// A torque that sets in is found, on all axes alike, in the bandwidth's own time and without overshoot; lag and
+    /// delay in between mislead nobody who knows them.
     #[test]
     fn a_disturbance_is_found_as_fast_as_the_bandwidth_says() {
         let config = observer(0.006, 0.03, 20.0);

@@ -37,8 +37,8 @@ pub struct Actuation {
 }
 
 impl VehicleParameters {
-    /// The F450 on the gimbal of the thesis, as `models/f450-gimbal.toml` describes it; a test of the workspace compares
-    /// every number. Pitch turns the ring along.
+    /// The F450 on the gimbal of the thesis, as `models/f450-gimbal.toml` describes it; a test of the workspace
+    /// compares every number. Pitch turns the ring along.
     pub const F450_GIMBAL: VehicleParameters = VehicleParameters {
         gravity_m_s2: 9.81,
         arm_m: 0.226,

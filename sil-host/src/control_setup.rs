@@ -11,13 +11,14 @@ use shared_control::mpc::MpcSettings;
 use shared_control::vehicle::{Actuation, VehicleParameters};
 
 use crate::axis::Axis;
-use crate::effects::{CgOffset, Effect};
+use crate::effects::{self, CgOffset, Effect};
 use crate::model::{Mounting, Rig, VehicleModel};
-use crate::plant::{self, Plant};
+use crate::plant::Plant;
+use crate::vehicle::Changes;
 
 /// What the controllers know of a vehicle model, its effects included.
 pub fn vehicle_parameters(model: &VehicleModel) -> VehicleParameters {
-    let (chain, change) = plant::changes(&model.effects);
+    let Changes { chain, body, .. } = effects::changes(&model.effects);
     let [ixx, iyy, izz] = model.inertia_kg_m2;
     let ring_kg_m2 = match model.mounting {
         Mounting::Gimbal { ring_inertia_kg_m2 } => ring_inertia_kg_m2,
@@ -26,17 +27,20 @@ pub fn vehicle_parameters(model: &VehicleModel) -> VehicleParameters {
     // pitch turns the ring along
     let inertia_kg_m2 = [ixx, iyy + ring_kg_m2, izz];
     let mut curve = lift_curve(model);
-    let lift_scale = (chain.lift_scale.iter().sum::<f64>() / 4.0) as f32;
+    let lift_scale = (chain.lift.scale.iter().sum::<f64>() / 4.0) as f32;
     curve.lift_min_n *= lift_scale;
     curve.lift_max_n *= lift_scale;
     VehicleParameters {
         gravity_m_s2: model.gravity_m_s2 as f32,
         arm_m: model.arm_m as f32,
-        inertia_kg_m2: core::array::from_fn(|axis| (change.inertia_scale[axis] * inertia_kg_m2[axis]) as f32),
-        ring_inertia_kg_m2: (change.inertia_scale[1] * ring_kg_m2) as f32,
+        inertia_kg_m2: core::array::from_fn(|axis| (body.inertia_scale[axis] * inertia_kg_m2[axis]) as f32),
+        ring_inertia_kg_m2: (body.inertia_scale[1] * ring_kg_m2) as f32,
         torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m() as f32,
         lift_curve: curve,
-        actuation: Actuation { delay_s: chain.delay_s as f32, lag_s: (motor_lag_s(model) + chain.lag_s) as f32 },
+        actuation: Actuation {
+            delay_s: chain.path.delay_s as f32,
+            lag_s: (motor_lag_s(model) + chain.path.lag_s) as f32,
+        },
         gravity_moment: gravity_moment(model),
         yaw_locked: model.rig() == Rig::Gimbal,
     }

@@ -89,7 +89,7 @@ fn at_frequency(
     let inertia = control.config().inertia_kg_m2;
     let amplitude_rad_s2 = INJECTED_RAD_S2 * (frequency_hz / CONSTANT_RATE_ABOVE_HZ).max(1.0);
     let amplitude_nm = [0, 1].map(|axis| amplitude_rad_s2 * f64::from(inertia[axis]));
-    let lever_m = model.arm_m * std::f64::consts::FRAC_1_SQRT_2;
+    let airframe = model.airframe();
     // Fourier sums of U and of the torque as it was held between the samples
     let (mut motors, mut injected) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
     let (mut motors_squared, mut samples) = ([0.0; 2], 0.0);
@@ -98,8 +98,7 @@ fn at_frequency(
         let (sin, cos) = libm::sincos(omega * time_s);
         let injected_nm = amplitude_nm.map(|a| a * sin);
         if time_s >= SETTLE_S && time_s < end_s {
-            let [f1, f2, f3, f4] = plant.lifts_n();
-            let motors_nm = [lever_m * (f2 + f3 - f1 - f4), lever_m * (f1 + f3 - f2 - f4)];
+            let motors_nm = airframe.torque_body_nm(plant.lifts_n());
             samples += 1.0;
             for axis in 0..2 {
                 motors_squared[axis] += motors_nm[axis] * motors_nm[axis];

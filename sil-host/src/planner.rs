@@ -4,10 +4,20 @@
 //! In the control core the control horizon M is a const parameter, so that every array has its exact size. The host
 //! reads M from a command line or a file, and takes the type with room for the longest.
 
+use std::fmt::Debug;
+use std::sync::Arc;
+
 use shared_control::mpc::{HORIZON, Mpc, MpcError, MpcSettings, MpcState};
 use shared_control::signals::{Plan, PlanRequest};
 
-use crate::lqi::Lqi;
+/// A feedback law that an MPC is compared with: it remembers nothing between requests.
+pub trait Law: Debug + Send + Sync {
+    /// Answers one request.
+    fn plan(&self, request: &PlanRequest) -> Plan;
+
+    /// As [`Mpc::unconstrained_gain`].
+    fn unconstrained_gain(&self) -> [[f32; 4]; 3];
+}
 
 /// A planner.
 #[derive(Debug, Clone)]
@@ -19,8 +29,8 @@ pub enum Planner {
         /// Its warm start.
         state: Box<MpcState<HORIZON>>,
     },
-    /// The same problem without bounds, over an infinite horizon.
-    Lqi(Box<Lqi>),
+    /// A law in the MPC's place.
+    Law(Arc<dyn Law>),
 }
 
 impl Planner {
@@ -38,11 +48,11 @@ impl Planner {
         }
     }
 
-    /// Answers one request; see [`Mpc::plan`] and [`Lqi::plan`].
+    /// Answers one request; see [`Mpc::plan`] and [`Law::plan`].
     pub fn plan(&mut self, request: &PlanRequest) -> Plan {
         match self {
             Self::Mpc { mpc, state } => mpc.plan(state, request),
-            Self::Lqi(lqi) => lqi.plan(request),
+            Self::Law(law) => law.plan(request),
         }
     }
 
@@ -50,7 +60,7 @@ impl Planner {
     pub fn unconstrained_gain(&self) -> [[f32; 4]; 3] {
         match self {
             Self::Mpc { mpc, .. } => mpc.unconstrained_gain(),
-            Self::Lqi(lqi) => lqi.feedback().map(|axis| axis.map(|gain| gain as f32)),
+            Self::Law(law) => law.unconstrained_gain(),
         }
     }
 }

@@ -124,7 +124,7 @@ impl Synthesis {
         plant.look_at(times_s.iter().flat_map(|time_s| [*time_s, (time_s - delay_s).max(0.0)]));
         let steps = fly(flight, plant, &mut sensors)?;
         let seen = plant.take_seen();
-        let imu = flight.control_side()?.config().imu;
+        let imu = flight.control_side()?.config().sensing.imu;
         let mut rows = FlightRecord::default();
         for time_s in times_s {
             let step = steps.time_s.partition_point(|step_s| *step_s <= time_s).saturating_sub(1);

@@ -1,7 +1,7 @@
-//! A part of the blind campaigns (`cargo run --release -p integration-tests --bin blind_diagnosis`, scores in docs/diagnosis.md): fixed
+//! A part of the blind campaigns (`cargo run --release -p campaigns --bin blind_diagnosis`, scores in docs/diagnosis.md): fixed
 //! seeds, so few that no error is allowed where the whole campaigns allow one in ten or less.
 
-use integration_tests::blind::{Campaign, Score};
+use campaigns::blind::{Campaign, Score};
 
 fn score(campaign: Campaign, seeds: &[u64]) -> (Score, String) {
     let score = campaign.run(seeds, |_, _| ());

@@ -1,7 +1,7 @@
-//! A part of `cargo run --release -p integration-tests --bin controller_blame`: a changed number of a controller is named and
+//! A part of `cargo run --release -p campaigns --bin controller_blame`: a changed number of a controller is named and
 //! measured, whatever the plant does; where nothing changed nothing is named.
 
-use integration_tests::controller_blame::{Case, Score};
+use campaigns::controller_blame::{Case, Score};
 
 /// Both controllers, with and without an effect in the plant.
 #[test]

@@ -1,10 +1,10 @@
-//! A tenth of the draws of the comparison of MPC and cascade (`cargo run --release -p integration-tests --bin
+//! A tenth of the draws of the comparison of MPC and cascade (`cargo run --release -p campaigns --bin
 //! controller_comparison`), with the controllers as they were tuned.
 
-use integration_tests::comparison::campaign;
-use integration_tests::comparison::contender::Figures;
-use integration_tests::comparison::contenders;
-use integration_tests::comparison::statistics::{median, quantile};
+use campaigns::comparison::campaign;
+use campaigns::comparison::contender::Figures;
+use campaigns::comparison::contenders;
+use campaigns::comparison::statistics::{median, quantile};
 
 /// What all 200 draws show with intervals that exclude zero, twenty show in the figures themselves.
 #[test]

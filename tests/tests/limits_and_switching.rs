@@ -1,7 +1,7 @@
 //! What the motors' limits and several linearisations are for, in whole flights; docs/motor-limits.md and docs/switching-mpc.md
 //! have more of them.
 
-use integration_tests::steps::{Flown, route};
+use campaigns::limits_and_switching::{Flown, route};
 use sil_host::controller_file::{ReferenceName, TuningChange};
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::scenario::Scenario;

@@ -3,10 +3,10 @@
 //! The logs are not part of the project. They are looked for in `$SIL_DATA`, else in `../shared/data` beside the
 //! workspace; where they are absent these tests say that they are skipped.
 
-use integration_tests::real_logs::crazyflie::{self, authors, lift_n};
-use integration_tests::real_logs::crazyflie_table::{RollPitch, yaw_of};
-use integration_tests::real_logs::crazypad::{Change, steady};
-use integration_tests::real_logs::{TORQUE_SIGNS, files, load};
+use campaigns::real_logs::crazyflie::{self, authors, lift_n};
+use campaigns::real_logs::crazyflie_table::{RollPitch, yaw_of};
+use campaigns::real_logs::crazypad::{self, Change, MOTOR_3, MOTOR_4};
+use campaigns::real_logs::{TORQUE_SIGNS, files, load};
 use sil_host::axis::Axis;
 use sil_host::diagnosis::{Diagnosis, Subject, Verdict, diagnose, nominal_prediction};
 use sil_host::log::{Log, Quantity};
@@ -221,23 +221,64 @@ fn crazyflie_is_diagnosed_by_gyro_and_accelerometer() {
     }
 }
 
-/// The weight near motor 3 changes roll and pitch and not yaw; a weak motor 3 would change all three alike.
+/// Cut propellers of motor 3, from most to least lift.
+const CUTS: [&str; 4] = [
+    "cut_propeller_M3_1mm_46mm",
+    "cut_propeller_M3_2mm_2mm_43mm",
+    "cut_propeller_M3_2.5mm_2.5mm_42mm",
+    "cut_propeller_M3_3.5mm_3.5mm_40mm",
+];
+
+/// A weak motor 3 shows as 2 : -2 : 1 about roll, pitch and yaw, and the more of its propeller is cut, the more.
 #[test]
-fn crazyflie_with_a_weight_has_no_weak_motor() {
-    let vehicle = crazyflie::vehicle();
-    let flights: Vec<_> = files("flight_crazypad", "").iter().flat_map(|path| steady(path, &vehicle)).collect();
+fn crazyflie_with_a_cut_propeller_has_a_weak_motor() {
+    let flights = crazypad::flights();
     if flights.is_empty() {
         return;
     }
-    let change = Change::of(&flights);
-    println!("{change}");
-    let [roll, pitch, yaw] = change.share;
-    // rear left has to lift more
-    assert!(roll > change.spread[0] && pitch < -change.spread[1], "{change:?}");
-    // a weak motor 3 would ask for as much about yaw, to the other side
-    assert!(yaw < 0.01, "{change:?}");
-    assert!(change.left_by_weak_motor > 3.0 * change.left_by_weight, "{change:?}");
-    // and why it is not said to be the weight: the other airframe's own trim is larger than all of this
-    let normal = flights.iter().find(|flight| !flight.is_weighted).unwrap();
-    assert!(normal.share[2] > roll.abs().max(yaw.abs()), "{normal:?}");
+    for (airframe, cuts) in [("E8", &CUTS[..]), ("E9", &CUTS[..2])] {
+        let changes: Vec<Change> = cuts.iter().map(|cut| Change::of(&flights, airframe, cut, None)).collect();
+        // the first has one blade cut to 46 mm and is not to be told from a normal flight
+        for (cut, change) in cuts.iter().zip(&changes).skip(1) {
+            println!("{airframe} {cut}: {change} {:.2?}", change.weak_motor_shares(MOTOR_3));
+            // in every kind of log and on every way: the signs of a weak motor 3, in yaw more than normal flights differ
+            for (each, normal) in change.each_pct.iter().zip(&change.normal_pct) {
+                assert!(each[0] > 0.0 && each[1] < 0.0 && each[2] > normal[2], "{change:?}");
+            }
+            // nearer to a weak motor (1) than to a weight (0)
+            assert!(change.weak_motor_shares(MOTOR_3).iter().all(|share| *share > 0.5), "{change:?}");
+        }
+        let pulls_pct: Vec<f64> = changes.iter().map(|change| change.pull_pct(MOTOR_3)).collect();
+        assert!(pulls_pct.is_sorted_by(|less, more| less < more), "{pulls_pct:?}");
+    }
+    // the deepest cut, whose pull is three times what another seat of the propellers does: the ratio itself
+    let [roll, pitch, yaw] = Change::of(&flights, "E8", CUTS[3], None).mean_pct;
+    assert!((1.5..2.5).contains(&(roll / yaw)) && (-2.5..-1.5).contains(&(pitch / yaw)), "{roll} {pitch} {yaw}");
+}
+
+/// The weight under motor 3 hangs in its wash and costs lift: yaw changes with roll and pitch as it does of a weak motor. The same weight under motor 4 of the
+/// other airframe pulls harder and changes no yaw.
+#[test]
+fn crazyflie_with_a_weight_near_motor_3_lifts_less_there() {
+    let flights = crazypad::flights();
+    if flights.is_empty() {
+        return;
+    }
+    let near_3 = Change::of(&flights, "E9", "add_weight_W1_near_M3", None);
+    println!("near motor 3: {near_3} {:.2?}", near_3.weak_motor_shares(MOTOR_3));
+    for (each, normal) in near_3.each_pct.iter().zip(&near_3.normal_pct) {
+        assert!(each.iter().zip(normal).all(|(each, normal)| each.abs() > *normal), "{near_3:?}");
+    }
+    assert!(near_3.weak_motor_shares(MOTOR_3).iter().all(|share| *share > 0.5), "{near_3:?}");
+    let of_cut = |cut: &str| Change::of(&flights, "E9", cut, None).pull_pct(MOTOR_3);
+    assert!((of_cut(CUTS[0])..of_cut(CUTS[1])).contains(&near_3.pull_pct(MOTOR_3)));
+
+    // controller logs alone: motor logs of this label fly as normal ones do, so that they may have been without the weight
+    let near_4 = Change::of(&flights, "E8", "add_weight_W1_near_M4", Some("controller"));
+    println!("near motor 4: {near_4} {:.2?}", near_4.weak_motor_shares(MOTOR_4));
+    for (each, normal) in near_4.each_pct.iter().zip(&near_4.normal_pct) {
+        assert!(each[0] > normal[0] && each[1] > normal[1] && each[2].abs() < normal[2], "{near_4:?}");
+    }
+    assert!(near_4.weak_motor_shares(MOTOR_4).iter().all(|share| share.abs() < 0.5), "{near_4:?}");
+    assert!(near_4.pull_pct(MOTOR_4) > near_3.pull_pct(MOTOR_3));
 }

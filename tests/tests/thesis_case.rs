@@ -1,6 +1,6 @@
-//! The thesis' case from the log to the better controller (`cargo run --release -p integration-tests --bin thesis_case`).
+//! The thesis' case from the log to the better controller (`cargo run --release -p campaigns --bin thesis_case`).
 
-use integration_tests::thesis_case::{Diagnosed, Tracking, controllers, thesis_mpc};
+use campaigns::thesis_case::{Diagnosed, Tracking, controllers, thesis_mpc};
 use shared_control::config::Controller;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::diagnosis::Verdict;

@@ -1,10 +1,10 @@
 //! The most passes that the MPC's solver can take: known for the shipped problems, not sampled (docs/solver.md; the long form is the
 //! binary `worst_case`).
 
-use integration_tests::worst_case::campaign::{self, ANGLE_MAX_RAD, Known, RATE_MAX_RAD_S, flying_settings};
-use integration_tests::worst_case::polytope::{Affine, Polytope};
-use integration_tests::worst_case::problems::{Axis, benchmark};
-use integration_tests::worst_case::solver::{Regulator, flying_passes};
+use campaigns::worst_case::campaign::{self, ANGLE_MAX_RAD, Known, RATE_MAX_RAD_S, flying_settings};
+use campaigns::worst_case::polytope::{Affine, Polytope};
+use campaigns::worst_case::problems::{Axis, benchmark};
+use campaigns::worst_case::solver::{Regulator, flying_passes};
 use shared_control::attitude::angle::AngleState;
 use shared_control::mpc::Mpc;
 use shared_control::signals::{PlanRequest, Setpoint};

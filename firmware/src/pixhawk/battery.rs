@@ -3,7 +3,7 @@
 
 use core::ptr;
 
-use shared_control::battery::{self, PIXHAWK1_V_PER_COUNT};
+use shared_control::sensing::battery::{self, PIXHAWK1_V_PER_COUNT};
 use stm32f4xx_hal::gpio::{Analog, PA2};
 use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, DMA2};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};

@@ -7,7 +7,7 @@
 use core::arch::naked_asm;
 
 use cortex_m::peripheral::SCB;
-use shared_control::signs::Sign;
+use shared_control::light_and_tone::Sign;
 use stm32f4xx_hal::pac::{EXTI, FLASH, PWR, RCC, SYSCFG};
 use stm32f4xx_hal::rcc::Rcc;
 

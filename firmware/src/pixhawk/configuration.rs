@@ -3,10 +3,10 @@
 use core::mem::MaybeUninit;
 
 use shared_control::config::Controller;
-use shared_control::imu::AxisMap;
 use shared_control::link::LinkSettings;
 use shared_control::mpc::{HORIZON, Mpc};
 use shared_control::params::{self, Params, RecordError};
+use shared_control::sensing::imu::AxisMap;
 use shared_control::setup::Setup;
 use shared_control::signals::MotorCommands;
 
@@ -70,7 +70,7 @@ impl Configuration {
     /// The second IMU's gyro was found to sit like this.
     pub fn fit_second_gyro(&mut self, axes: Option<AxisMap>) {
         if let Some(axes) = axes {
-            self.setup.config.imu_second.gyro_axes = axes;
+            self.setup.config.sensing.imu_second.gyro_axes = axes;
         }
     }
 

@@ -144,7 +144,7 @@ impl Control {
                     return false;
                 };
                 self.waited = 0;
-                tick.fill(&self.config.imu, &mut self.input);
+                tick.fill(&self.config.sensing.imu, &mut self.input);
             }
         }
         self.obey();

@@ -10,7 +10,7 @@ use core::ptr;
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
-use shared_control::link::telemetry::Text;
+use shared_control::link::Text;
 use shared_control::params;
 use stm32f4xx_hal::pac::{PWR, RCC};
 

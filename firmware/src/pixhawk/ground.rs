@@ -4,8 +4,8 @@ use core::fmt::{Display, Write};
 
 use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
-use shared_control::link::telemetry::{Figures, Text};
-use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, VehicleStatus};
+use shared_control::link::telemetry::Figures;
+use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, Text, VehicleStatus};
 use shared_control::params::Params;
 
 use super::boot::Start;

@@ -12,7 +12,7 @@
 use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
-use shared_control::imu::AxisMap;
+use shared_control::sensing::imu::AxisMap;
 use shared_control::signals::RawImuSample;
 use stm32f4xx_hal::gpio::{ExtiPin, Input, PB0, PD15};
 use stm32f4xx_hal::pac::{DMA2, EXTI};

@@ -2,7 +2,7 @@
 //!
 //! Its data-ready pin is a level: high from a new sample until it has been read.
 
-use shared_control::imu::AxisMap;
+use shared_control::sensing::imu::AxisMap;
 
 use super::sensor_bus::{Chip, Flaw, INCREMENT, READ, SensorBus, SensorFault};
 

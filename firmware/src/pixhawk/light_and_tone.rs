@@ -1,6 +1,6 @@
-//! The amber LED and the buzzer play what `shared_control::signs` says of the state: TIM2 channel 1 makes the tone.
+//! The amber LED and the buzzer play what `shared_control::light_and_tone` says of the state: TIM2 channel 1 makes the tone.
 
-use shared_control::signs::{SLOTS, Sign};
+use shared_control::light_and_tone::{SLOTS, Sign};
 use stm32f4xx_hal::gpio::{Alternate, OpenDrain, Output, PA15, PE12};
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};

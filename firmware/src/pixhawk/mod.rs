@@ -47,10 +47,10 @@ use defmt_rtt as _;
 mod app {
     use heapless::Vec;
     use shared_control::flight_core::FlightCore;
+    use shared_control::light_and_tone::Sign;
     use shared_control::link::{Commander, VehicleStatus};
     use shared_control::mpc::{HORIZON, MpcState};
     use shared_control::signals::{ArmingBlocks, Plan, PlanRequest};
-    use shared_control::signs::Sign;
     use stm32f4xx_hal::pac::Interrupt;
 
     use super::battery::{self, Battery};

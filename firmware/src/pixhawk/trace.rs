@@ -6,8 +6,8 @@ use core::ptr;
 use core::sync::atomic::{Ordering, fence};
 
 use shared_control::flight_core::{State, StepOutput};
+use shared_control::record::trace::StepTrace;
 use shared_control::signals::StepInput;
-use shared_control::trace::StepTrace;
 
 /// Memory that is read from outside the program.
 #[repr(transparent)]

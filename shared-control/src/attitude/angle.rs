@@ -1,16 +1,18 @@
 //! The attitude loop: shaped reference, attitude error as a rotation, square-root P to a rate target.
 //!
 //! The error is split as AC_AttitudeControl's `thrust_heading_rotation_angles` does: first the shortest rotation that
-//! brings the thrust axis where it belongs (what keeps the vehicle in the air), then the rest about that axis (heading).
+//! brings the thrust axis where it belongs (what keeps the vehicle in the air), then the rest about that axis
+//! (heading).
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::attitude::shaping::{ShapedReference, ShapingConfig, follow_angle, follow_rate};
+pub use crate::attitude::shaping::AngleState;
+use crate::attitude::shaping::{ShapingConfig, follow_angle, follow_rate};
 use crate::attitude::square_root::square_root_controller;
 use crate::elementary::{atan2, limit, sqrt, wrap_pi};
-use crate::frames::{EulerAngles, euler_from_q, q_world_from_euler, rate_body_from_euler_rates};
+use crate::frames::{q_world_from_euler, rate_body_from_euler_rates};
+use crate::record::state_words::StateWords;
 use crate::signals::{AttitudeEstimate, Setpoint};
-use crate::state_words::StateWords;
 
 /// Largest heading error that the reference may be ahead, rad.
 const HEADING_ERROR_MAX_RAD: f32 = 0.5;
@@ -58,41 +60,6 @@ impl RateTarget {
     }
 }
 
-/// Shaped references of roll, pitch and heading, rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AngleState {
-    /// Roll, pitch, yaw.
-    pub reference: [ShapedReference; 3],
-}
-
-impl AngleState {
-    /// Reference as Euler angles.
-    pub fn angles(&self) -> EulerAngles {
-        let [roll, pitch, yaw] = self.reference.map(|axis| axis.angle_rad);
-        EulerAngles { roll_rad: roll, pitch_rad: pitch, yaw_rad: yaw }
-    }
-
-    pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { reference } = self;
-        for ShapedReference { angle_rad, rate_rad_s } in reference {
-            words.numbers(&[*angle_rad, *rate_rad_s]);
-        }
-    }
-
-    /// The reference that is where the vehicle is and moves as it does: where control starts without a jump. The rates
-    /// are those of the Euler angles, rad/s.
-    pub fn at(estimate: &AttitudeEstimate, euler_rate_rad_s: [f32; 3]) -> Self {
-        let angles = euler_from_q(&estimate.q_world_from_body);
-        let angle_rad = [angles.roll_rad, angles.pitch_rad, angles.yaw_rad];
-        Self {
-            reference: core::array::from_fn(|axis| ShapedReference {
-                angle_rad: angle_rad[axis],
-                rate_rad_s: euler_rate_rad_s[axis],
-            }),
-        }
-    }
-}
-
 /// Advances the reference by one step and gives what the rate loop is to do until the next.
 pub fn update(
     config: &AngleConfig,
@@ -131,8 +98,8 @@ pub fn update(
     }
 }
 
-/// A heading that the vehicle cannot follow (yaw has the least authority and gives way first) waits for it: without this
-/// the reference would run on, pass behind the vehicle and turn it the wrong way round. ArduPilot does the same.
+/// A heading that the vehicle cannot follow (yaw has the least authority and gives way first) waits for it: without
+/// this the reference would run on, pass behind the vehicle and turn it the wrong way round. ArduPilot does the same.
 fn hold_back_heading(state: &mut AngleState, error_rad: &mut f32) {
     let kept_rad = limit(*error_rad, -HEADING_ERROR_MAX_RAD, HEADING_ERROR_MAX_RAD);
     let heading = &mut state.reference[2].angle_rad;
@@ -173,7 +140,7 @@ pub fn attitude_error(target: &UnitQuaternion<f32>, actual: &UnitQuaternion<f32>
 mod tests {
     use super::*;
     use crate::elementary::sin_cos;
-    use crate::frames::q_from_rotation_vector;
+    use crate::frames::{EulerAngles, euler_from_q, q_from_rotation_vector};
     use proptest::prelude::*;
 
     fn any_attitude() -> impl Strategy<Value = UnitQuaternion<f32>> {
@@ -181,7 +148,8 @@ mod tests {
     }
 
     proptest! {
-        /// Swing then twist by the error leads from the actual attitude to the target, whichever sign the quaternions have.
+        /// Swing then twist by the error leads from the actual attitude to the target, whichever sign the quaternions
+        /// have.
         #[test]
         fn error_is_the_rotation_that_is_missing(target in any_attitude(), actual in any_attitude()) {
             let error = attitude_error(&target, &actual);
@@ -240,7 +208,7 @@ mod tests {
         for heading in [0.0, 1.5, -3.0] {
             let mut q = q_world_from_euler(euler(0.0, 0.0, heading));
             let mut estimate = AttitudeEstimate { q_world_from_body: q, ..at(EulerAngles::default()) };
-            let mut state = AngleState::at(&estimate, [0.0; 3]);
+            let mut state = AngleState::at(&euler_from_q(&estimate.q_world_from_body));
             let setpoint = Setpoint { roll_rad: 0.5, pitch_rad: -0.4, yaw_rate_rad_s: 0.8, throttle: 0.5 };
             for _ in 0..1200 {
                 let rate = update(&config(false), &mut state, &setpoint, &estimate, 0.0025).rate_rad_s;
@@ -258,7 +226,7 @@ mod tests {
 
     #[test]
     fn each_axis_has_its_gain_its_limit_and_its_sign() {
-        let mut state = AngleState::at(&at(EulerAngles::default()), [0.0; 3]);
+        let mut state = AngleState::default();
         let level = Setpoint::default();
         let rate = update(&config(false), &mut state, &level, &at(euler(-0.01, 0.02, -0.03)), 0.0025).rate_rad_s;
         // small errors: gain times error, per axis
@@ -283,7 +251,7 @@ mod tests {
             (euler(0.0, 0.0, 1.5), euler(0.0, -0.5, 1.5), Vector3::new(0.0, -10.0, 0.0)),
             (euler(0.5, 0.0, 0.0), euler(0.5, 0.5, 0.0), Vector3::new(0.0, 10.0 * cos, -10.0 * sin)),
         ] {
-            let mut state = AngleState::at(&at(start), [0.0; 3]);
+            let mut state = AngleState::at(&start);
             let setpoint =
                 Setpoint { roll_rad: setpoint.roll_rad, pitch_rad: setpoint.pitch_rad, ..Setpoint::default() };
             let ahead = update(&config, &mut state, &setpoint, &at(start), 0.0025).acceleration_rad_s2;

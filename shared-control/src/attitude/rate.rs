@@ -1,15 +1,15 @@
 //! The rate loop: one PID per body axis, from rate error to angular acceleration (ArduPilot's AC_PID).
 //!
-//! a = k_P e + integral(k_I e) + k_D d/dt LP(e), all in 1/s, 1/s^2 and 1: the gains don't know the vehicle, whose inertia
-//! turns the result into a torque. While the mixer could not deliver what was asked in a direction the integral does not
-//! grow that way. While another controller flies, the integral follows what that one asks for, so that the fallback
-//! begins where it ended.
+//! a = k_P e + integral(k_I e) + k_D d/dt LP(e), all in 1/s, 1/s^2 and 1: the gains don't know the vehicle, whose
+//! inertia turns the result into a torque. While the mixer could not deliver what was asked in a direction the integral
+//! does not grow that way. While another controller flies, the integral follows what that one asks for, so that the
+//! fallback begins where it ended.
 
 use nalgebra::Vector3;
 
 use crate::elementary::limit;
 use crate::filter::LowPass1;
-use crate::state_words::StateWords;
+use crate::record::state_words::StateWords;
 
 /// Time in which the integral follows another controller: its steady part, not its manoeuvres, s.
 const FOLLOWING_TIME_S: f32 = 0.1;

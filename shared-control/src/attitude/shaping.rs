@@ -5,6 +5,8 @@
 
 use crate::attitude::square_root::square_root_controller;
 use crate::elementary::{limit, wrap_pi};
+use crate::frames::EulerAngles;
+use crate::record::state_words::StateWords;
 
 /// Limits of the shaped reference of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +26,34 @@ pub struct ShapedReference {
     pub angle_rad: f32,
     /// Its rate, rad/s.
     pub rate_rad_s: f32,
+}
+
+/// Shaped references of roll, pitch and heading, rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AngleState {
+    /// Roll, pitch, yaw.
+    pub reference: [ShapedReference; 3],
+}
+
+impl AngleState {
+    /// Reference as Euler angles.
+    pub fn angles(&self) -> EulerAngles {
+        let [roll, pitch, yaw] = self.reference.map(|axis| axis.angle_rad);
+        EulerAngles { roll_rad: roll, pitch_rad: pitch, yaw_rad: yaw }
+    }
+
+    /// The reference that rests at these angles: where the vehicle is, control starts without a jump.
+    pub fn at(angles: &EulerAngles) -> Self {
+        let at = |angle_rad| ShapedReference { angle_rad, rate_rad_s: 0.0 };
+        Self { reference: [angles.roll_rad, angles.pitch_rad, angles.yaw_rad].map(at) }
+    }
+
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { reference } = self;
+        for ShapedReference { angle_rad, rate_rad_s } in reference {
+            words.numbers(&[*angle_rad, *rate_rad_s]);
+        }
+    }
 }
 
 /// Moves the target of an axis towards an angle. A set-point that is not finite leaves the angle where it is. Gives the

@@ -1,49 +1,17 @@
-//! The question to the planner, the observer that knows what it asks about, and the count of what came of it.
+//! The question to the planner, and the observer that knows what it asks about.
 
-use super::{State, StepOutput, TorqueSource};
+use super::output::StepOutput;
+use super::state::State;
 use crate::config::Config;
 use crate::elementary::{magnitude, wrap_pi};
 use crate::frames::{euler_from_q, euler_rates};
-use crate::signals::{AttitudeEstimate, Plan, PlanReport, PlanRequest};
-use crate::state_words::StateWords;
+use crate::signals::{AttitudeEstimate, PlanRequest};
 use crate::torque_observer::ObserverState;
 
 /// Pitch beyond which Euler angles say too little for the MPC's model, rad; the cascade knows the whole sphere.
 const PITCH_MAX_RAD: f32 = 1.3;
 /// The same for roll: beyond, the pitch axis' motors turn it the other way round.
 const ROLL_MAX_RAD: f32 = core::f32::consts::FRAC_PI_2;
-
-/// What is remembered of the plans.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct PlanningState {
-    /// The last step asked for a plan.
-    pub(super) asked: bool,
-    fallbacks: u32,
-    deadline_misses: u32,
-}
-
-impl PlanningState {
-    pub(super) fn record(&self, words: &mut StateWords) {
-        let Self { asked, fallbacks, deadline_misses } = self;
-        words.word(u32::from(*asked));
-        words.word(*fallbacks);
-        words.word(*deadline_misses);
-    }
-
-    /// Counts a step: the plan that came in time for it, if any, and who made its torque.
-    pub(super) fn report(&mut self, plan: Option<&Plan>, source: TorqueSource) -> PlanReport {
-        let is_fallback = matches!(source, TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_));
-        self.fallbacks = self.fallbacks.saturating_add(u32::from(is_fallback));
-        self.deadline_misses = self.deadline_misses.saturating_add(u32::from(self.asked && plan.is_none()));
-        PlanReport {
-            status: plan.map(|plan| plan.status),
-            iterations: plan.map_or(0, |plan| plan.iterations),
-            duration_us: plan.map_or(0, |plan| plan.duration_us),
-            fallbacks: self.fallbacks,
-            deadline_misses: self.deadline_misses,
-        }
-    }
-}
 
 /// Euler angles and their rates (roll, pitch, heading). A heading that can't move stands still.
 pub(super) struct EulerMotion {
@@ -59,8 +27,9 @@ impl EulerMotion {
         Self { angle_rad: [angles.roll_rad, angles.pitch_rad, angles.yaw_rad], rate_rad_s: [roll, pitch, heading] }
     }
 
-    /// What a torque about the body's y axis is about the pitch axis: share of the acceleration that it gives when level. The
-    /// observer counts torques about the axes; plans are torques about the body, to which its findings are turned back.
+    /// What a torque about the body's y axis is about the pitch axis: share of the acceleration that it gives when
+    /// level. The observer counts torques about the axes; plans are torques about the body, to which its findings are
+    /// turned back.
     fn pitch_gain_share(&self, config: &Config) -> f32 {
         let [roll_rad, ..] = self.angle_rad;
         config.pitch_inertia.map_or(1.0, |inertia| inertia.gain_share(roll_rad))
@@ -98,7 +67,8 @@ fn delivered_nm(output: &StepOutput) -> [f32; 3] {
     core::array::from_fn(|axis| output.wrench.torque_body_nm[axis] - output.mix.unmet_torque_nm[axis])
 }
 
-/// What the planner needs to know, at the time when the plan will act. None where the vehicle is too steep or upside down.
+/// What the planner needs to know, at the time when the plan will act. None where the vehicle is too steep or upside
+/// down.
 pub(super) fn request(
     config: &Config,
     state: &State,

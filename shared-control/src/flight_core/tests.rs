@@ -6,9 +6,10 @@ mod gravity;
 
 use super::*;
 use crate::config::{Tuning, mpc_settings};
-use crate::imu_health::ImuFault;
 use crate::lift_curve::LiftCurve;
-use crate::signals::{ArmingRequest, MotorTest, RawImuSample, Setpoint};
+use crate::record::state_words::{STATE_WORDS, StateWords};
+use crate::sensing::imu_health::ImuFault;
+use crate::signals::{ArmingRequest, MotorTest, PlanReport, RawImuSample};
 use crate::supervisor::{DisarmedBecause, Refusal};
 use crate::vehicle::{Actuation, VehicleParameters};
 

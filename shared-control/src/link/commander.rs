@@ -2,14 +2,13 @@
 //!
 //! Set-points come from the sticks, or from the test sequence once it is started; until either comes the set-point is
 //! level at zero throttle. While the sequence flies, the sticks are ignored and only show that somebody is there; when
-//! it is over the vehicle is disarmed. The link's age counts from the last `MANUAL_CONTROL` where the sticks fly, else from
-//! the last `MANUAL_CONTROL` or `HEARTBEAT`: as the link is lost after 1 s, heartbeats must come faster than the usual 1 Hz.
+//! it is over the vehicle is disarmed. The link's age counts from the last `MANUAL_CONTROL` where the sticks fly, else
+//! from the last `MANUAL_CONTROL` or `HEARTBEAT`: as the link is lost after 1 s, heartbeats must come faster than the
+//! usual 1 Hz.
 
 use mavlink::dialects::common::MavCmd;
 
-use super::parameters::ParameterRequest;
-use super::receiver::Order;
-use crate::params::table::Field;
+use super::orders_and_answers::{Answer, Chore, Order, ParameterRequest};
 use crate::signals::{ArmingBlocks, ArmingRequest, Setpoint, StepInput};
 use crate::supervisor::{Arming, DisarmedBecause, Refusal};
 use crate::test_sequence;
@@ -38,36 +37,6 @@ impl Commands {
         input.link_age_us = Some(self.link_age_us);
         input.blocks = self.blocks;
     }
-}
-
-/// The answer to a command.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Answer {
-    /// Done.
-    Accepted(MavCmd),
-    /// Not done, for a reason that has words.
-    Refused(MavCmd, Refusal),
-    /// Not done, because its parameters make no sense.
-    Senseless(MavCmd),
-    /// Not done, because this vehicle has no such command.
-    Unknown(MavCmd),
-    /// Not done, because others wait before it, or because the board is about to start anew.
-    Busy(MavCmd),
-    /// A parameter was not set, for a reason that has words.
-    ParameterRefused(Field, Refusal),
-}
-
-/// What the board has to do outside the loop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Chore {
-    /// Store the configuration in use.
-    StoreConfiguration,
-    /// Clear the fault record.
-    ClearFaultRecord,
-    /// Start anew, once the answer has left.
-    Restart,
-    /// Tell or change parameters.
-    Parameters(ParameterRequest),
 }
 
 /// Where the set-point comes from.
@@ -218,7 +187,8 @@ impl Commander {
         (Some(Answer::Accepted(COMMAND)), Some(Chore::Restart))
     }
 
-    /// Telling is always allowed. Setting is not while defaults stand in for a bad record: one field would vouch for all.
+    /// Telling is always allowed. Setting is not while defaults stand in for a bad record: one field would vouch for
+    /// all.
     fn parameters(&self, request: ParameterRequest, disarmed: bool) -> (Option<Answer>, Option<Chore>) {
         match request {
             ParameterRequest::Set { field, .. } if !disarmed => {

@@ -1,8 +1,8 @@
 //! MAVLink 2 frames: found in a stream of bytes that may hold anything, and written.
 //!
-//! Layout (<https://mavlink.io/en/guide/serialization.html>): 0xFD, payload length, incompatibility flags, compatibility
-//! flags, sequence, system, component, message id (3 bytes), payload without its trailing zeros, CRC (2 bytes), and
-//! 13 bytes of signature if the first incompatibility flag says so. The signature is skipped, not checked.
+//! Layout (<https://mavlink.io/en/guide/serialization.html>): 0xFD, payload length, incompatibility flags,
+//! compatibility flags, sequence, system, component, message id (3 bytes), payload without its trailing zeros, CRC (2
+//! bytes), and 13 bytes of signature if the first incompatibility flag says so. The signature is skipped, not checked.
 
 use mavlink::{MAV_STX_V2, MavlinkVersion, MessageData, calculate_crc};
 

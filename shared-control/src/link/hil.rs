@@ -2,15 +2,15 @@
 //! `HIL_ACTUATOR_CONTROLS`, in lock-step; the arrival of the one is the tick of the loop.
 //!
 //! `HIL_SENSOR` is in SI units and body axes, a step's input in raw counts: the sample is turned back into what the
-//! IMU would have sent, rounded to whole counts, so that everything behind works as in flight. A message without a whole
-//! sample, or with numbers that are none, is a tick all the same: the step has no sample, and after a few of them the
-//! supervisor does what it does about an IMU that fell silent. Values beyond the IMU's range arrive at full scale.
+//! IMU would have sent, rounded to whole counts, so that everything behind works as in flight. A message without a
+//! whole sample, or with numbers that are none, is a tick all the same: the step has no sample, and after a few of them
+//! the supervisor does what it does about an IMU that fell silent. Values beyond the IMU's range arrive at full scale.
 
 use mavlink::dialects::common::{
     HIL_ACTUATOR_CONTROLS_DATA, HIL_SENSOR_DATA, HilActuatorControlsFlags, HilSensorUpdatedFlags, MavModeFlag,
 };
 
-use crate::imu::{AxisMap, ImuConfig};
+use crate::sensing::imu::{AxisMap, ImuConfig};
 use crate::signals::{MotorCommands, RawImuSample, StepInput};
 use crate::supervisor::Arming;
 

@@ -1,58 +1,17 @@
 //! The parameter service: [`Params`] listed, read and set over the link, field by field.
 //!
-//! The protocol is MAVLink's (<https://mavlink.io/en/services/parameter.html>), all values of type REAL32. What is set is
-//! stored at once, and used from the next start on: nothing that flies changes under way. A request without an effect is
-//! answered with the value that stands, and words that say why.
+//! The protocol is MAVLink's (<https://mavlink.io/en/services/parameter.html>), all values of type REAL32. What is set
+//! is stored at once, and used from the next start on: nothing that flies changes under way. A request without an
+//! effect is answered with the value that stands, and words that say why.
 
 use core::fmt::Write;
 
-use mavlink::dialects::common::{MavParamType, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, PARAM_VALUE_DATA};
+use mavlink::dialects::common::{MavParamType, PARAM_VALUE_DATA};
 
 use super::frame::FrameWriter;
-use super::telemetry::Text;
+use super::orders_and_answers::{ParameterRequest, Text};
 use crate::params::table::Field;
 use crate::params::{Params, RECORD_LEN, encode};
-
-/// What the ground asks of the parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ParameterRequest {
-    /// Tell all.
-    List,
-    /// Tell one.
-    Read(Field),
-    /// Change one.
-    Set {
-        /// Which.
-        field: Field,
-        /// To what; not a number where it came as another type than REAL32.
-        value: f32,
-    },
-    /// Something of one that does not exist.
-    Unknown,
-}
-
-impl ParameterRequest {
-    /// What a `PARAM_REQUEST_READ` asks: by index, or by name if the index is negative.
-    pub fn read(data: &PARAM_REQUEST_READ_DATA) -> Self {
-        let field = match usize::try_from(data.param_index) {
-            Ok(index) => Field::by_index(index),
-            Err(_) => named(&*data.param_id),
-        };
-        field.map_or(Self::Unknown, Self::Read)
-    }
-
-    /// What a `PARAM_SET` asks.
-    pub fn set(data: &PARAM_SET_DATA) -> Self {
-        let is_real = data.param_type == MavParamType::MAV_PARAM_TYPE_REAL32;
-        let value = if is_real { data.param_value } else { f32::NAN };
-        named(&*data.param_id).map_or(Self::Unknown, |field| Self::Set { field, value })
-    }
-}
-
-/// The field whose name stands before the first zero.
-fn named(id: &[u8]) -> Option<Field> {
-    Field::by_name(id.split(|byte| *byte == 0).next().unwrap_or_default())
-}
 
 /// The choices as the next start will find them, and which of them the ground is to be told.
 #[derive(Clone, Copy, Debug)]

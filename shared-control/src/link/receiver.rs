@@ -2,50 +2,17 @@
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, MANUAL_CONTROL_DATA, MavCmd, MavType, PARAM_REQUEST_LIST_DATA,
-    PARAM_REQUEST_READ_DATA, PARAM_SET_DATA,
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, HIL_SENSOR_DATA, MANUAL_CONTROL_DATA, MavCmd, MavParamType, MavType,
+    PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA,
 };
 
 use super::frame::{Frame, FrameFinder, message};
 use super::hil::HilTick;
-use super::parameters::ParameterRequest;
-use super::{COMPONENT_ID, LinkSettings};
+use super::orders_and_answers::{Order, ParameterRequest};
+use super::settings::{COMPONENT_ID, LinkSettings};
 use crate::elementary::limit;
+use crate::params::table::Field;
 use crate::signals::{MotorTest, Setpoint};
-
-/// What the ground wants.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Order {
-    /// Nothing; but it is there.
-    Heartbeat,
-    /// Fly this.
-    Fly(Setpoint),
-    /// Arm.
-    Arm,
-    /// Disarm.
-    Disarm,
-    /// Start the test sequence.
-    StartTestSequence,
-    /// Turn one motor.
-    TestMotor(MotorTest),
-    /// The configuration in use is right: store it.
-    ConfirmConfiguration,
-    /// The fault record has been read.
-    FaultRecordRead,
-    /// Start anew.
-    Restart,
-    /// Tell or change parameters.
-    Parameters(ParameterRequest),
-    /// A command that this vehicle does not know, or with parameters that make no sense.
-    NotUnderstood {
-        /// The command.
-        command: MavCmd,
-        /// True if the command is known and its parameters are wrong.
-        known: bool,
-    },
-    /// Hardware in the loop: make a step, with the IMU's sample in it.
-    HilTick(HilTick),
-}
 
 /// Turns the bytes that arrive into orders.
 #[derive(Clone, Debug)]
@@ -123,11 +90,11 @@ impl Receiver {
             }
             PARAM_REQUEST_READ_DATA::ID => {
                 let data = self.counted(message::<PARAM_REQUEST_READ_DATA>(frame))?;
-                (data.target_system, data.target_component, ParameterRequest::read(&data))
+                (data.target_system, data.target_component, read_request(&data))
             }
             PARAM_SET_DATA::ID => {
                 let data = self.counted(message::<PARAM_SET_DATA>(frame))?;
-                (data.target_system, data.target_component, ParameterRequest::set(&data))
+                (data.target_system, data.target_component, set_request(&data))
             }
             _ => return None,
         };
@@ -178,6 +145,27 @@ fn motor_test(data: &COMMAND_LONG_DATA) -> Option<MotorTest> {
         // `as` saturates
         duration_ms: (data.param4 * 1000.0) as u16,
     })
+}
+
+/// What a `PARAM_REQUEST_READ` asks: by index, or by name if the index is negative.
+fn read_request(data: &PARAM_REQUEST_READ_DATA) -> ParameterRequest {
+    let field = match usize::try_from(data.param_index) {
+        Ok(index) => Field::by_index(index),
+        Err(_) => named(&*data.param_id),
+    };
+    field.map_or(ParameterRequest::Unknown, ParameterRequest::Read)
+}
+
+/// What a `PARAM_SET` asks.
+fn set_request(data: &PARAM_SET_DATA) -> ParameterRequest {
+    let is_real = data.param_type == MavParamType::MAV_PARAM_TYPE_REAL32;
+    let value = if is_real { data.param_value } else { f32::NAN };
+    named(&*data.param_id).map_or(ParameterRequest::Unknown, |field| ParameterRequest::Set { field, value })
+}
+
+/// The field whose name stands before the first zero.
+fn named(id: &[u8]) -> Option<Field> {
+    Field::by_name(id.split(|byte| *byte == 0).next().unwrap_or_default())
 }
 
 /// Last byte of the CRC of the messages that are understood.

@@ -1,27 +1,16 @@
 //! What the vehicle says of itself, at rates that leave most of 115,200 baud free.
 
-use mavlink::dialects::common::{
-    ATTITUDE_DATA, COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState,
-    MavSysStatusSensor, MavType, NAMED_VALUE_INT_DATA, SERVO_OUTPUT_RAW_DATA, STATUSTEXT_DATA, SYS_STATUS_DATA,
-};
+use mavlink::dialects::common::{MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
 
-use nalgebra::{UnitQuaternion, Vector3};
-
-use super::commander::Answer;
 use super::frame::FrameWriter;
-use super::parameters::{ParameterRequest, Parameters};
-use super::{COMPONENT_ID, LinkSettings};
-use crate::config::{Config, Controller};
-use crate::flight_core::StepOutput;
-use crate::frames::euler_from_q;
-use crate::imu_health::{ImuFault, ImuHealth};
-use crate::imu_select::ImuUnit;
+use super::messages::{arming_words, attitude, command_ack, heartbeat, servo_output, sys_status, wrapped_ms};
+use super::orders_and_answers::{Answer, ParameterRequest, Text};
+use super::parameters::Parameters;
+use super::settings::{COMPONENT_ID, LinkSettings};
+use super::vehicle_status::VehicleStatus;
 use crate::params::{Params, RECORD_LEN};
-use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, StepInput};
-use crate::supervisor::{Arming, DisarmedBecause};
-
-/// Text of a `STATUSTEXT`.
-pub type Text = heapless::String<50>;
+use crate::sensing::imu_select::ImuUnit;
+use crate::supervisor::Arming;
 
 /// Period of `HEARTBEAT`, µs.
 pub const HEARTBEAT_PERIOD_US: u64 = 1_000_000;
@@ -46,87 +35,6 @@ pub type Figures = [(&'static str, u32); FIGURES];
 /// Texts that may wait; what comes beyond is dropped and counted.
 const TEXTS_MAX: usize = 16;
 const ANSWERS_MAX: usize = 8;
-
-/// All that telemetry tells.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VehicleStatus {
-    /// May the motors turn?
-    pub arming: Arming,
-    /// Where the vehicle is.
-    pub estimate: AttitudeEstimate,
-    /// Pulses to motors 1 to 4, us.
-    pub pulses_us: [u16; 4],
-    /// The IMU in use.
-    pub imu_unit: ImuUnit,
-    /// Its health.
-    pub imu_health: ImuHealth,
-    /// The other one's.
-    pub standby_health: ImuHealth,
-    /// Who flies.
-    pub controller: Controller,
-    /// True with hardware in the loop.
-    pub hil: bool,
-    /// Battery voltage, V, where measured.
-    pub battery_v: Option<f32>,
-    /// True if it is measured and too low for arming.
-    pub battery_low: bool,
-    /// What stands against arming from outside the loop.
-    pub blocks: ArmingBlocks,
-    /// Load of the processor, 1/1000.
-    pub load_permille: u16,
-    /// Steps whose set-point was no number.
-    pub setpoints_rejected: u32,
-    /// Steps that were late.
-    pub overruns: u32,
-    /// How the MPC's plans fare.
-    pub planning: PlanReport,
-}
-
-impl VehicleStatus {
-    /// Status before the first step: no sample yet, hence no IMU and no attitude; no pulses either.
-    pub fn at_start(controller: Controller) -> Self {
-        Self {
-            arming: Arming::default(),
-            estimate: AttitudeEstimate {
-                q_world_from_body: UnitQuaternion::identity(),
-                rate_body_rad_s: Vector3::zeros(),
-                gyro_bias_rad_s: Vector3::zeros(),
-                valid: false,
-            },
-            pulses_us: [0; 4],
-            imu_unit: ImuUnit::First,
-            imu_health: ImuHealth::Bad(ImuFault::Stale),
-            standby_health: ImuHealth::Bad(ImuFault::Stale),
-            controller,
-            hil: false,
-            battery_v: None,
-            battery_low: false,
-            blocks: ArmingBlocks::default(),
-            load_permille: 0,
-            setpoints_rejected: 0,
-            overruns: 0,
-            planning: PlanReport::default(),
-        }
-    }
-
-    /// Status after a step; what the core does not know is zero, and the board's to add.
-    pub fn new(config: &Config, input: &StepInput, output: &StepOutput) -> Self {
-        Self {
-            arming: output.arming,
-            estimate: output.estimate,
-            pulses_us: output.compare_counts.map(|counts| config.output.pulse_us(counts)),
-            imu_unit: output.imu_unit,
-            imu_health: output.imu_health,
-            standby_health: output.standby_health,
-            setpoints_rejected: output.setpoints_rejected,
-            battery_v: input.battery_v,
-            battery_low: !config.supervisor.battery_is_good(input.battery_v),
-            blocks: input.blocks,
-            planning: output.planning,
-            ..Self::at_start(config.controller)
-        }
-    }
-}
 
 /// Writes messages when they are due.
 #[derive(Clone, Debug)]
@@ -310,137 +218,5 @@ impl Due {
     fn done(&mut self, time_us: u64) {
         let on_time = self.next_us.saturating_add(self.period_us);
         self.next_us = if on_time > time_us { on_time } else { time_us.saturating_add(self.period_us) };
-    }
-}
-
-fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str)> {
-    use MavSeverity::{MAV_SEVERITY_CRITICAL as CRITICAL, MAV_SEVERITY_NOTICE as NOTICE};
-    Some(match arming {
-        Arming::Armed => (NOTICE, "armed"),
-        Arming::MotorTest { .. } => (NOTICE, "motor test"),
-        Arming::LinkLost { .. } => (CRITICAL, "link lost: level and idle"),
-        Arming::Disarmed(because) => match because {
-            DisarmedBecause::Start | DisarmedBecause::Refused(_) => return None,
-            DisarmedBecause::Requested => (NOTICE, "disarmed"),
-            DisarmedBecause::MotorTestOver => (NOTICE, "motor test over"),
-            DisarmedBecause::LinkLost => (CRITICAL, "disarmed: link lost"),
-            DisarmedBecause::AttitudeUnknown => (CRITICAL, "disarmed: attitude unknown"),
-            DisarmedBecause::ImuFailed(ImuFault::Stale) => (CRITICAL, "disarmed: IMU sends nothing"),
-            DisarmedBecause::ImuFailed(ImuFault::BusDead) => (CRITICAL, "disarmed: IMU bus is dead"),
-            DisarmedBecause::ImuFailed(ImuFault::Stuck) => (CRITICAL, "disarmed: IMU is stuck"),
-            DisarmedBecause::ImuFailed(ImuFault::OutOfRange) => (CRITICAL, "disarmed: IMU is at full scale"),
-        },
-    })
-}
-
-/// None for what was no command.
-fn command_ack(answer: &Answer) -> Option<COMMAND_ACK_DATA> {
-    let (command, result) = match answer {
-        Answer::Accepted(command) => (*command, MavResult::MAV_RESULT_ACCEPTED),
-        // what stood against it may pass
-        Answer::Refused(command, _) | Answer::Busy(command) => (*command, MavResult::MAV_RESULT_TEMPORARILY_REJECTED),
-        Answer::Senseless(command) => (*command, MavResult::MAV_RESULT_DENIED),
-        Answer::Unknown(command) => (*command, MavResult::MAV_RESULT_UNSUPPORTED),
-        Answer::ParameterRefused(..) => return None,
-    };
-    Some(COMMAND_ACK_DATA { command, result })
-}
-
-fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
-    let armed = match status.arming {
-        Arming::Armed | Arming::LinkLost { .. } => MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED,
-        Arming::Disarmed(_) | Arming::MotorTest { .. } => MavModeFlag::empty(),
-    };
-    let hil = if status.hil { MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED } else { MavModeFlag::empty() };
-    let system_status = match status.arming {
-        Arming::Armed | Arming::MotorTest { .. } => MavState::MAV_STATE_ACTIVE,
-        Arming::LinkLost { .. } => MavState::MAV_STATE_CRITICAL,
-        Arming::Disarmed(DisarmedBecause::ImuFailed(_) | DisarmedBecause::AttitudeUnknown) => {
-            MavState::MAV_STATE_EMERGENCY
-        }
-        Arming::Disarmed(_) => MavState::MAV_STATE_STANDBY,
-    };
-    HEARTBEAT_DATA {
-        custom_mode: match status.controller {
-            Controller::Cascade => 0,
-            Controller::Mpc => 1,
-        },
-        mavtype: MavType::MAV_TYPE_QUADROTOR,
-        autopilot: MavAutopilot::MAV_AUTOPILOT_GENERIC,
-        base_mode: armed
-            | hil
-            | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
-            | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED,
-        system_status,
-        mavlink_version: 3,
-    }
-}
-
-/// Milliseconds of `time_boot_ms`, which wrap after 49 days.
-fn wrapped_ms(time_us: u64) -> u32 {
-    (time_us / 1000) as u32
-}
-
-fn attitude(time_us: u64, estimate: &AttitudeEstimate) -> ATTITUDE_DATA {
-    let angles = euler_from_q(&estimate.q_world_from_body);
-    let rate = estimate.rate_body_rad_s;
-    ATTITUDE_DATA {
-        time_boot_ms: wrapped_ms(time_us),
-        roll: angles.roll_rad,
-        pitch: angles.pitch_rad,
-        yaw: angles.yaw_rad,
-        rollspeed: rate.x,
-        pitchspeed: rate.y,
-        yawspeed: rate.z,
-    }
-}
-
-fn servo_output(time_us: u64, status: &VehicleStatus) -> SERVO_OUTPUT_RAW_DATA {
-    let [servo1_raw, servo2_raw, servo3_raw, servo4_raw] = status.pulses_us;
-    SERVO_OUTPUT_RAW_DATA {
-        time_usec: time_us as u32,
-        servo1_raw,
-        servo2_raw,
-        servo3_raw,
-        servo4_raw,
-        ..SERVO_OUTPUT_RAW_DATA::DEFAULT
-    }
-}
-
-/// The counters that only this project has go into `errors_count`: set-points rejected, overruns, late plans.
-fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
-    let control = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ANGULAR_RATE_CONTROL
-        | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ATTITUDE_STABILIZATION
-        | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
-    let attitude = MavSysStatusSensor::MAV_SYS_STATUS_AHRS;
-    let imu = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
-    let imu_second =
-        MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO2 | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL2;
-    let (first, second) = match status.imu_unit {
-        ImuUnit::First => (status.imu_health, status.standby_health),
-        ImuUnit::Second => (status.standby_health, status.imu_health),
-    };
-    let healthy_first = if first == ImuHealth::Good { imu } else { MavSysStatusSensor::empty() };
-    // whether there is a second shows by its being healthy
-    let second_imu = if second == ImuHealth::Good { imu_second } else { MavSysStatusSensor::empty() };
-    let battery = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY;
-    let measured_battery = if status.battery_v.is_some() { battery } else { MavSysStatusSensor::empty() };
-    let healthy_battery = if status.battery_low { MavSysStatusSensor::empty() } else { measured_battery };
-    let present = imu | second_imu | control | attitude | measured_battery;
-    let healthy_attitude = if status.estimate.valid { attitude } else { MavSysStatusSensor::empty() };
-    let count = |number: u32| number.min(u32::from(u16::MAX)) as u16;
-    SYS_STATUS_DATA {
-        onboard_control_sensors_present: present,
-        onboard_control_sensors_enabled: present,
-        onboard_control_sensors_health: healthy_first | second_imu | healthy_attitude | control | healthy_battery,
-        load: status.load_permille,
-        // `as` saturates, and makes 0 of NaN; the largest value says that nobody measures
-        voltage_battery: status.battery_v.map_or(u16::MAX, |volts| (volts * 1000.0) as u16),
-        current_battery: -1,
-        battery_remaining: -1,
-        errors_count1: count(status.setpoints_rejected),
-        errors_count2: count(status.overruns),
-        errors_count3: count(status.planning.deadline_misses),
-        ..SYS_STATUS_DATA::DEFAULT
     }
 }

@@ -3,12 +3,12 @@
 extern crate std;
 use super::frame::{Frame, FrameFinder, FrameWriter, message};
 use super::*;
-use crate::imu::ImuConfig;
-use crate::imu_health::{ImuFault, ImuHealth};
-use crate::imu_select::ImuUnit;
 use crate::link::telemetry::FIGURES;
 use crate::params::Params;
 use crate::params::table::Field;
+use crate::sensing::imu::ImuConfig;
+use crate::sensing::imu_health::{ImuFault, ImuHealth};
+use crate::sensing::imu_select::ImuUnit;
 use crate::signals::PlanReport;
 use crate::signals::{ArmingBlocks, ArmingRequest, AttitudeEstimate, MotorCommands, MotorTest, Setpoint, StepInput};
 use crate::supervisor::{Arming, DisarmedBecause, LINK_LOST_AFTER_US, Refusal};

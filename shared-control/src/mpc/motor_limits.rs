@@ -1,6 +1,6 @@
 //! The limits of the motors, which couple the axes: one program for all three where their own plans ask for too much.
 //!
-//! Each motor's lift is the collective plus its share of the torques (quad-X, signs as in [`crate::mixer`]):
+//! Each motor's lift is the collective plus its share of the torques (signs of [`TORQUE_SIGNS`]):
 //! `F_i = T + t_i`, `t_1 = -r + p + y`, `t_2 = r - p + y`, `t_3 = r + p - y`, `t_4 = -r - p - y`, with r, p, y the lift per
 //! motor, N, that roll, pitch and yaw torque take. It must stay within the motor's range in every free input block,
 //! `-down <= t_i <= up`: thesis section 2.4.2, "the model should have the same limits as the physical propulsion system".
@@ -14,6 +14,7 @@
 //! constraints; so this program is solved at few steps.
 
 use super::HORIZON;
+use crate::airframe::TORQUE_SIGNS;
 use crate::elementary::{larger, limit, smaller};
 use crate::lift_curve::LiftCurve;
 use crate::qp::{Bounds, Qp, QpError, Settings, Status, Workspace};
@@ -27,10 +28,20 @@ const ITERATION_LIMIT: u16 = 150;
 /// How far beyond its limit a motor of the axes' plans may be, as a share of the room: rounding.
 const ROUNDING: f32 = 1e-4;
 
-/// (r, p, y), by rows, from (t_1, t_2, t_3).
-const WITH_YAW: [[f32; 3]; 3] = [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]];
-/// (r, p, y), by rows, from (t_1, t_3), without yaw torque.
-const WITHOUT_YAW: [[f32; 2]; 3] = [[-0.5, 0.5], [0.5, 0.5], [0.0, 0.0]];
+/// (r, p, y), by rows, from (t_1, t_2, t_3): a quarter of the signed sum of all four, with t_4 = -t_1 - t_2 - t_3.
+const WITH_YAW: [[f32; 3]; 3] = [with_yaw(0), with_yaw(1), with_yaw(2)];
+/// (r, p, y), by rows, from (t_1, t_3), without yaw torque: with t_2 = -t_1 and t_4 = -t_3.
+const WITHOUT_YAW: [[f32; 2]; 3] = [without_yaw(0), without_yaw(1), without_yaw(2)];
+
+const fn with_yaw(axis: usize) -> [f32; 3] {
+    let [s1, s2, s3, s4] = TORQUE_SIGNS[axis];
+    [0.25 * (s1 - s4), 0.25 * (s2 - s4), 0.25 * (s3 - s4)]
+}
+
+const fn without_yaw(axis: usize) -> [f32; 2] {
+    let [s1, s2, s3, s4] = TORQUE_SIGNS[axis];
+    [0.25 * (s1 - s2), 0.25 * (s3 - s4)]
+}
 
 /// How far torque may move each motor's lift from the collective, N; both at least 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,8 +75,8 @@ impl Room {
     /// Whether all four motors stay within the room under the axes' shares, N; false for what is no number.
     pub fn holds(&self, [roll_n, pitch_n, yaw_n]: [f32; 3]) -> bool {
         let rounding_n = ROUNDING * (self.down_n + self.up_n);
-        let motors_n =
-            [-roll_n + pitch_n + yaw_n, roll_n - pitch_n + yaw_n, roll_n + pitch_n - yaw_n, -roll_n - pitch_n - yaw_n];
+        let [roll, pitch, yaw] = TORQUE_SIGNS;
+        let motors_n = [0, 1, 2, 3].map(|motor| roll[motor] * roll_n + pitch[motor] * pitch_n + yaw[motor] * yaw_n);
         motors_n.iter().all(|motor_n| -self.down_n - rounding_n <= *motor_n && *motor_n <= self.up_n + rounding_n)
     }
 }

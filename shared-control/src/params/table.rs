@@ -101,7 +101,8 @@ impl Field {
             Field::MotorLimits => (
                 "MOTOR_LIMITS",
                 Allowed::Either(0, 1),
-                "1: the MPC keeps the motors' limits, all axes together, where CONTROL_HORIZON is at most 10; 0: bounds of each axis' own",
+                "1: the MPC keeps the motors' limits, all axes together, where CONTROL_HORIZON is at most 10; \
+                 0: bounds of each axis' own",
             ),
             Field::Linearisations => (
                 "LINEARISATIONS",
@@ -113,7 +114,8 @@ impl Field {
             Field::PwmRate => (
                 "PWM_RATE_HZ",
                 Allowed::Range(50, 490),
-                "pulses per second with PWM; their delay is constant if this is a multiple or a divisor of LOOP_RATE_HZ",
+                "pulses per second with PWM; \
+                 their delay is constant if this is a multiple or a divisor of LOOP_RATE_HZ",
             ),
             Field::Rig => {
                 ("RIG", Allowed::Either(0, 1), "vehicle: 0 F450 on the gimbal (yaw locked), 1 F450 in free flight")

@@ -2,7 +2,9 @@
 
 extern crate std;
 use super::*;
+use crate::sensing::imu_health::ImuFault;
 use crate::signals::ArmingBlocks;
+use crate::signals::Setpoint;
 use std::vec::Vec;
 
 const CONFIG: SupervisorConfig = SupervisorConfig::NOMINAL;

@@ -132,7 +132,7 @@ impl Row<'_> {
     fn append(self, record: &mut FlightRecord, output: &shared_control::flight_core::StepOutput) -> bool {
         let truth = self.plant.truth();
         let angles = [truth.roll_rad, truth.pitch_rad, truth.yaw_rad];
-        let imu = &self.control.config().imu;
+        let imu = &self.control.config().sensing.imu;
         let gyro = imu.gyro_rad_s(&self.last_sample);
         let force = imu.specific_force_m_s2(&self.last_sample);
         let shaped = self.control.shaped_reference_rad();

@@ -2,8 +2,8 @@ use super::*;
 use crate::effects::Effect;
 use crate::log::Column;
 use crate::model::{Rig, VehicleModel};
-use crate::prediction::air::Attitude;
 use crate::synthesis::Synthesis;
+use crate::vehicle::{Attitude, SensorChain};
 
 /// A log of 20 s of free flight with these effects hidden in it: 100 rows a second, as often as the controller runs.
 fn log(effects: &[&str], seed: u64) -> Log {
@@ -58,10 +58,10 @@ fn a_log_without_velocity_and_height_still_tells_the_mass() {
     (log.velocity_ned_m_s, log.height_m) = Default::default();
     let answer = answer_to(&log);
     assert_found(&answer, "mass_error", "scale", 0.97);
-    let not_asked = |effect: &str| {
-        answer.rejected.iter().any(|rejected| rejected.effect == effect && rejected.reason.starts_with("not asked"))
+    let not_tested = |effect: &str| {
+        answer.rejected.iter().any(|rejected| rejected.effect == effect && rejected.reason.starts_with("not tested"))
     };
-    assert!(["rotor_drag", "wind", "ground_effect"].into_iter().all(not_asked), "{:?}", answer.rejected);
+    assert!(["rotor_drag", "wind", "ground_effect"].into_iter().all(not_tested), "{:?}", answer.rejected);
 }
 
 /// An accelerometer's z axis alone, where nothing turns but what the lifts and the mass do: a heavier vehicle with as much more inertia is one with weaker
@@ -89,7 +89,8 @@ fn in_hover_without_velocity_weight_and_lift_are_confounded() {
 #[test]
 fn an_attitude_turns_vectors_as_rotation_matrices_do() {
     for [roll, pitch, yaw] in [[0.3, -0.2, 1.1], [-2.0, 1.2, -3.0], [0.0, 0.0, 0.5]] {
-        let (own, matrix) = (Attitude::of(roll, pitch, yaw), nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw));
+        let (own, matrix) =
+            (Attitude::of([roll, pitch, yaw]), nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw));
         let vector = [0.4, -1.3, 2.2];
         let expected = matrix * nalgebra::Vector3::from(vector);
         let turned = own.in_world(vector);
@@ -115,12 +116,12 @@ fn a_gimbals_accelerometer_is_not_compared() {
 
 #[test]
 fn a_turned_sensor_reports_the_attitude_of_its_own_axes() {
-    let sensors = crate::prediction::sensor::Sensors { yaw_rad: 0.4, ..crate::prediction::sensor::Sensors::NOMINAL };
+    let sensors = SensorChain { yaw_rad: 0.4, ..SensorChain::default() };
     for [roll, pitch, yaw] in [[0.3, -0.2, 1.1], [-0.7, 0.5, -1.9]] {
         let turned = nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw)
             * nalgebra::Rotation3::from_euler_angles(0.0, 0.0, 0.4);
         let (roll_told, pitch_told, yaw_told) = turned.euler_angles();
-        let told = sensors.angle_rad(&[roll, pitch, yaw, 0.0, 0.0, 0.0]);
+        let told = sensors.attitude_rad([roll, pitch, yaw]);
         for (own, expected) in told.into_iter().zip([roll_told, pitch_told, yaw_told]) {
             assert!((own - expected).abs() < 1e-13, "{own} {expected}");
         }
@@ -135,7 +136,7 @@ fn slopes_along_a_start_that_acts_on_nothing_are_those_of_difference_quotients()
     let shooting = subject.shooting(&log, &subject.noise(&log)).unwrap();
     let slopes = |rotor_drag_ns_m: f64| {
         let mut model = subject.model();
-        model.air.rotor_drag_ns_m = rotor_drag_ns_m;
+        model.changes.air.rotor_drag_ns_m = rotor_drag_ns_m;
         let driven = shooting.log.drive(model);
         let start = shooting.log.measured_state(&driven.model, shooting.log.windows[3].start);
         shooting.log.start_slopes(&driven, &shooting.log.windows[3], &start).1

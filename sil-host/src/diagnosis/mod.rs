@@ -9,14 +9,14 @@
 //!        findings, rejected <- verdict <- structure: is anything left? <- accuracy: against an exact model
 //! ```
 //!
-//! The model of the vehicle is the diagnosis' own (`prediction`, with another integrator than the plant's and the effects written
-//! a second time), so that a mistake in either shows as a disagreement.
+//! The model of the vehicle is the `prediction` of a log: the plant's equations and the catalogue's effects, integrated in another way.
+//! What checks them independently are the tests, which have each effect's equation from docs/effects.md.
 
 pub mod controller;
-pub mod effects;
 mod evidence;
 mod extension;
 mod finding_json;
+mod fitted;
 mod fitting;
 mod flown_by;
 mod left_over;
@@ -34,12 +34,12 @@ mod tests;
 
 use serde::Serialize;
 
+use crate::effects;
 use crate::log::Log;
 pub use crate::prediction::Subject;
 use crate::prediction::accuracy;
 use crate::prediction::commands::axis_commands;
 use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
-pub use effects::Place;
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
 pub use evidence::excitation::{Excitation, Excited};
@@ -49,6 +49,7 @@ pub use evidence::residuals::ChannelResiduals;
 use evidence::statistics::Judged;
 pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
+use fitted::Fitted;
 use fitting::carried_noise::CarriedNoise;
 use fitting::fit::{Term, model_of};
 use fitting::process_noise::AxisNoise;
@@ -172,7 +173,7 @@ pub fn diagnose_observed(
     let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject, None)?;
     let nominal = || subject.model();
-    let catalogue = effects::catalogue(&subject.scope(log));
+    let catalogue: Vec<Fitted> = effects::hypotheses(&subject.scope(log)).into_iter().map(Fitted::Effect).collect();
     let fitted_along = subject.fitted_along(sampled.log())?;
     let always: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
@@ -216,7 +217,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let unexplained = left_over::unexplained(search, found);
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
     let mut rejected = verdict::rejected(search, found);
-    rejected.extend(subject.not_asked(log));
+    rejected.extend(subject.not_tested(log));
     rejected.push(Rejected { effect: "controller_mismatch", axis: String::new(), reason: NO_CONTROLLER.to_owned() });
     let verdict = match (findings.is_empty(), unexplained.signature.is_empty() && at_the_floor) {
         (true, true) => Verdict::NoDiscrepancy,

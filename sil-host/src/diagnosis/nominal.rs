@@ -38,8 +38,10 @@ pub fn nominal_prediction(
     let windowed = &search.shooting.log;
     let driven = windowed.drive(model_of(&nominal, &fitted.fit.terms));
     let mut input_gain_rad_s2 = [None; 3];
-    for (gain, term) in fitted_along.iter().zip(&fitted.fit.terms) {
-        input_gain_rad_s2[gain.0.index()] = term.values.first().copied();
+    for term in &fitted.fit.terms {
+        if let Some(axis) = term.effect.axis() {
+            input_gain_rad_s2[axis.index()] = term.values.first().copied();
+        }
     }
     Ok(NominalPrediction { predicted: PredictedLog::new(windowed, &driven, subject.noise(log)), input_gain_rad_s2 })
 }

@@ -6,7 +6,7 @@
 //! '---- take out what no longer pays, exchange what another explains better <----'
 //! ```
 
-use super::effects::Effect;
+use super::fitted::Fitted;
 use super::progress::{Observer, Progress};
 use crate::diagnosis::fitting::fit::{
     Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models,
@@ -38,7 +38,7 @@ const SHARE_MIN: f64 = 0.02;
 pub(super) struct Search<'e> {
     pub(super) shooting: &'e Shooting<'e>,
     pub(super) nominal: Nominal<'e>,
-    pub(super) catalogue: &'e [Box<dyn Effect>],
+    pub(super) catalogue: &'e [Fitted],
     /// What the nominal model itself leaves to be fitted, and with which values to begin.
     pub(super) always: Vec<Term<'e>>,
     pub(super) training: Vec<usize>,
@@ -57,7 +57,7 @@ pub(super) struct Candidate<'e> {
 
 impl<'e> Candidate<'e> {
     /// The effect that was added last.
-    pub(super) fn last_effect(&self) -> &'e dyn Effect {
+    pub(super) fn last_effect(&self) -> &'e Fitted {
         self.fit.terms[self.fit.terms.len() - 1].effect
     }
 }
@@ -77,7 +77,7 @@ impl<'e> Search<'e> {
     pub(super) fn new(
         shooting: &'e Shooting<'e>,
         nominal: Nominal<'e>,
-        catalogue: &'e [Box<dyn Effect>],
+        catalogue: &'e [Fitted],
         always: Vec<Term<'e>>,
         observer: Observer<'e>,
     ) -> Search<'e> {
@@ -168,7 +168,7 @@ impl<'e> Search<'e> {
         // of two starts of the same effect the better one counts
         let mut seen: Vec<Candidate<'e>> = Vec::new();
         for fit in fits {
-            if !seen.iter().any(|other| is_the_same(other.last_effect(), fit.last_effect())) {
+            if !seen.iter().any(|other| other.last_effect().is_the_same(fit.last_effect())) {
                 seen.push(fit);
             }
         }
@@ -187,12 +187,12 @@ impl<'e> Search<'e> {
         let total = self.catalogue.len() + FITTED_MAX;
         for (done, effect) in self.catalogue.iter().enumerate() {
             (self.observer)(Progress::Searching { effects, done, total });
-            if to.fit.terms.iter().any(|term| is_the_same(term.effect, effect.as_ref())) {
+            if to.fit.terms.iter().any(|term| term.effect.is_the_same(effect)) {
                 continue;
             }
             for values in effect.starts(&hints) {
                 let mut terms = to.fit.terms.clone();
-                terms.push(Term { effect: effect.as_ref(), values });
+                terms.push(Term { effect: effect, values });
                 scored.push((self.score(to, &linear, &terms), terms));
             }
         }
@@ -217,10 +217,7 @@ impl<'e> Search<'e> {
         let last = terms.len() - 1;
         let base = self.shooting.log.drive(model_of(self.nominal, terms));
         let shifted = shifted_models(self.shooting, self.nominal, terms, last);
-        let changes_nothing =
-            terms[last].values.iter().zip(terms[last].effect.parameters()).all(|(value, of)| *value == of.nominal)
-                || terms[last].values[0] == 0.0 && terms[last].effect.parameters()[0].name.ends_with("_nm");
-        let normal = if changes_nothing {
+        let normal = if terms[last].effect.is_void(&terms[last].values) {
             let extra = self.shooting.slopes_of(linear, &shifted, &self.training, &to.fit.starts);
             self.shooting.normal(linear, Some(&extra))
         } else {
@@ -264,14 +261,14 @@ impl<'e> Search<'e> {
                 }
                 let others = self.extensions(&without, without.fit.training - chosen.fit.training);
                 let exchanged = others.iter().find(|other| {
-                    !is_the_same(other.last_effect(), removed.effect) && self.is_preferred(other, &chosen)
+                    !other.last_effect().is_the_same(removed.effect) && self.is_preferred(other, &chosen)
                 });
                 if let Some(exchanged) = exchanged {
                     better = Some(exchanged.clone());
                     break;
                 }
                 alternatives.push(
-                    others.into_iter().filter(|other| !is_the_same(other.last_effect(), removed.effect)).collect(),
+                    others.into_iter().filter(|other| !other.last_effect().is_the_same(removed.effect)).collect(),
                 );
             }
             match better {
@@ -331,12 +328,4 @@ impl<'e> Search<'e> {
 /// Held-out sum of squares with a penalty for each parameter.
 fn criterion(candidate: &Candidate<'_>) -> f64 {
     candidate.held_out + 2.0 * candidate.fit.size() as f64
-}
-
-/// Same name, axis and motor.
-pub(super) fn is_the_same(a: &dyn Effect, b: &dyn Effect) -> bool {
-    a.name() == b.name()
-        && a.axis() == b.axis()
-        && a.motor() == b.motor()
-        && a.parameters()[0].name == b.parameters()[0].name
 }

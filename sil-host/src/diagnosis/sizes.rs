@@ -3,11 +3,12 @@
 
 use std::collections::BTreeMap;
 
-use super::effects::{Hints, catalogue};
+use super::fitted::Fitted;
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
+use crate::effects::{self, Hints};
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
 
@@ -26,7 +27,7 @@ pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Op
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
     let nominal = || subject.model();
-    let table = catalogue(&subject.scope(log));
+    let table: Vec<Fitted> = effects::hypotheses(&subject.scope(log)).into_iter().map(Fitted::Effect).collect();
     let shooting = subject.shooting(log, &subject.noise(log))?;
     let fitted_along = subject.fitted_along(&shooting.log)?;
     let mut terms: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
@@ -34,9 +35,10 @@ pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Op
     for (name, axis) in asked {
         let effect = table.iter().find(|effect| effect.name() == *name && effect.axis() == *axis);
         places.push(effect.map(|_| terms.len()));
-        terms.extend(effect.and_then(|effect| {
-            Some(Term { effect: effect.as_ref(), values: effect.starts(&Hints::default()).into_iter().next()? })
-        }));
+        terms
+            .extend(effect.and_then(|effect| {
+                Some(Term { effect, values: effect.starts(&Hints::default()).into_iter().next()? })
+            }));
     }
     let under_sensors = fitted_to_all(&shooting, &nominal, terms);
     let all: Vec<usize> = (0..shooting.log.windows.len()).collect();

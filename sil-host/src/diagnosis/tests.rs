@@ -126,9 +126,9 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     let log = bench_in_gusts();
     let subject = Subject::Axes;
     let noise = subject.noise(&log);
-    let catalogue = effects::catalogue(&subject.scope(&log));
-    let gain = effects::input_gain::InputGain(crate::axis::Axis::Pitch);
-    let of = |name: &str| catalogue.iter().find(|effect| effect.name() == name).unwrap().as_ref();
+    let catalogue: Vec<Fitted> = effects::hypotheses(&subject.scope(&log)).into_iter().map(Fitted::Effect).collect();
+    let gain = Fitted::InputGain(crate::axis::Axis::Pitch);
+    let of = |name: &str| catalogue.iter().find(|effect| effect.name() == name).unwrap();
     let truth = vec![
         Term { effect: &gain, values: vec![200.0] },
         Term { effect: of("motor_lag"), values: vec![0.02] },

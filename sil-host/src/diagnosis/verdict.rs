@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::effects::{Effect, Place, per_unit_inertia};
-use super::search::{Found, Search, TOLD_APART, is_the_same};
+use super::fitted::{Fitted, per_unit_inertia};
+use super::search::{Found, Search, TOLD_APART};
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
+use crate::effects::{Effect, Origin};
 use crate::statistics::dot;
 
 /// The accuracy of the integration, as a share of an effect.
@@ -40,8 +41,8 @@ pub struct Finding {
     pub effect: &'static str,
     /// Its axis, of effects that have one.
     pub axis: Option<&'static str>,
-    /// Where it is at home.
-    pub place: Place,
+    /// Where it belongs.
+    pub origin: Origin,
     /// Of a controller's finding, the number that differs, by its name in the controller file.
     pub controller_parameter: Option<&'static str>,
     /// Its parameters by name.
@@ -52,6 +53,8 @@ pub struct Finding {
     pub confounded_with: Vec<&'static str>,
     /// For a person.
     pub statement: String,
+    /// The effect itself, which a model of the vehicle may take over; none of the controller's, and none on separate axes.
+    pub extension: Option<Effect>,
 }
 
 /// A hypothesis that was not taken.
@@ -92,7 +95,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
     let spread = search.spread(&found.chosen);
     let model_error = if search.shooting.log.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
     let mut parameters = estimates(&found.chosen.fit, index, spread, model_error);
-    let mut names = effect.told_names();
+    let mut names = effect.reported_names();
     // separate axes have a gain each that is fitted along, and no inertia
     if !search.always.is_empty() {
         parameters = parameters.into_iter().map(|(name, estimate)| (per_unit_inertia(name), estimate)).collect();
@@ -112,12 +115,13 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
     Finding {
         effect: effect.name(),
         axis,
-        place: effect.place(),
+        origin: effect.origin(),
         controller_parameter: None,
         parameters,
         gain_pct,
         confounded_with,
         statement,
+        extension: term.effect.effect(&term.values).filter(|_| search.always.is_empty()),
     }
 }
 
@@ -131,21 +135,20 @@ pub(super) fn estimates(
     let Term { effect, values } = &fit.terms[index];
     let size = values.len();
     let covariance = fit.covariance_of(index);
-    let told = effect.told(values);
+    let told = effect.reported(values);
     let slopes: Vec<Vec<f64>> = (0..size)
         .map(|i| {
-            let step = effect.parameters()[i].step;
+            let step = effect.unknowns()[i].step;
             let mut moved = values.clone();
             moved[i] += step;
-            effect.told(&moved).iter().zip(&told).map(|((_, moved), (_, value))| (moved - value) / step).collect()
+            effect.reported(&moved).iter().zip(&told).map(|((_, moved), (_, value))| (moved - value) / step).collect()
         })
         .collect();
     let mut estimates = BTreeMap::new();
     for (place, (name, value)) in told.iter().enumerate() {
         let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[place]).collect();
         let carried: Vec<f64> = (0..size).map(|i| dot(&covariance[i * size..(i + 1) * size], &slope)).collect();
-        let nominal = effect.parameters().get(place).map_or(0.0, |parameter| parameter.nominal);
-        let own = model_error * (value - nominal);
+        let own = model_error * (value - effect.nominal(name));
         let std = (spread * dot(&slope, &carried).max(0.0) + own * own).sqrt();
         estimates.insert(*name, Estimate { value: *value, std });
     }
@@ -157,7 +160,7 @@ pub(super) fn estimates(
 
 /// One plain sentence.
 fn statement(
-    effect: &dyn Effect,
+    effect: &Fitted,
     names: &[&'static str],
     parameters: &BTreeMap<&'static str, Estimate>,
     confounded: &[&str],
@@ -190,14 +193,11 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
     let first = search.always.len();
     let chosen = &found.chosen.fit.terms[first..];
     let spread = search.spread(&found.chosen);
-    let is_chosen = |effect: &dyn Effect| chosen.iter().any(|term| is_the_same(term.effect, effect));
+    let is_chosen = |effect: &Fitted| chosen.iter().any(|term| term.effect.is_the_same(effect));
     let mut rejected = Vec::new();
-    for effect in search.catalogue.iter().filter(|effect| !is_chosen(effect.as_ref())) {
+    for effect in search.catalogue.iter().filter(|effect| !is_chosen(effect)) {
         let fitted = found.alternatives.iter().enumerate().flat_map(|(place, others)| {
-            others
-                .iter()
-                .filter(|other| is_the_same(other.last_effect(), effect.as_ref()))
-                .map(move |other| (place, other))
+            others.iter().filter(|other| other.last_effect().is_the_same(effect)).map(move |other| (place, other))
         });
         let best = fitted.min_by(|a, b| a.1.held_out.total_cmp(&b.1.held_out));
         let reason = match best {

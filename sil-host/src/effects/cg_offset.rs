@@ -12,9 +12,12 @@
 //! about pitch, F being the sum of the lifts. At hover that is the same moment as on the gimbal. An offset along z
 //! has no effect there.
 
-use super::{ANY_RIG, CatalogueEntry, Catalogued, Extension, FreeMotion, GimbalMotion, Origin};
+use super::{
+    ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope, Unknown,
+};
 use crate::axis::Axis;
-use crate::model::{ModelError, Rig, Section, admissible};
+use crate::document::ModelError;
+use crate::vehicle::{Moment, Motion};
 
 /// A centre of gravity off the pivot.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,22 +30,55 @@ pub struct CgOffset {
     pub sin_moment_nm: f64,
 }
 
+const COS_MOMENT: Parameter = Parameter::new("cos_moment_nm", "N m", "moment when level", [-20.0, 20.0]);
+const SIN_MOMENT: Parameter =
+    Parameter::new("sin_moment_nm", "N m", "moment when turned by 90 degrees, stable where positive", [-20.0, 20.0])
+        .usual(0.0);
+
 impl Catalogued for CgOffset {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "cg_offset",
         origin: Origin::Plant,
+        acts_on: ActsOn::RollOrPitch,
+        parameters: &[COS_MOMENT, SIN_MOMENT],
         summary: "gravity on an off-centre mass",
+        statement: "the centre of gravity lies off the axis",
+        equation: "gimbal, pitch (the ring): Q_theta = -(C cos theta + S sin theta); roll (the body): Q_phi = cos theta (C cos phi - S sin \
+                   phi), Q_theta = -sin theta (C sin phi + S cos phi); free flight, F the sum of the lifts: roll C F / (m g), pitch -C F \
+                   / (m g)",
         example: "cg_offset:axis=pitch,cos_moment_nm=0.1,sin_moment_nm=0.02",
         rigs: ANY_RIG,
+        needs: None,
     };
 
-    fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
-        let moment = admissible(-20.0, 20.0, "a moment in N m");
+    fn read(given: &Given<'_, '_>) -> Result<Self, ModelError> {
         Ok(Self {
-            axis: section.choice("axis", &[("roll", Axis::Roll), ("pitch", Axis::Pitch)])?,
-            cos_moment_nm: section.number("cos_moment_nm", moment)?,
-            sin_moment_nm: section.optional_number("sin_moment_nm", moment)?.unwrap_or(0.0),
+            axis: given.axis()?,
+            cos_moment_nm: given.number(&COS_MOMENT)?,
+            sin_moment_nm: given.number(&SIN_MOMENT)?,
         })
+    }
+
+    fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
+        let [cos, sin] = [COS_MOMENT.name, SIN_MOMENT.name].map(|name| Unknown::moment(name, &scope.scale));
+        let of_axis = |axis| {
+            if scope.flies_free {
+                // the lifts know no height of the centre
+                Hypothesis::new(Self::ENTRY, [cos], move |[cos_moment_nm]| Self {
+                    axis,
+                    cos_moment_nm,
+                    sin_moment_nm: 0.0,
+                })
+                .reporting(&[COS_MOMENT.name])
+            } else {
+                Hypothesis::new(Self::ENTRY, [cos, sin], move |[cos_moment_nm, sin_moment_nm]| Self {
+                    axis,
+                    cos_moment_nm,
+                    sin_moment_nm,
+                })
+            }
+        };
+        scope.tilting_axes().map(of_axis).collect()
     }
 }
 
@@ -55,23 +91,29 @@ impl Extension for CgOffset {
         vec![("cos_moment_nm", self.cos_moment_nm), ("sin_moment_nm", self.sin_moment_nm)]
     }
 
-    fn gimbal_moment_nm(&self, motion: &GimbalMotion) -> [f64; 2] {
+    fn moment(&self) -> Option<&dyn Moment> {
+        Some(self)
+    }
+}
+
+impl Moment for CgOffset {
+    fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
         let (c, s) = (self.cos_moment_nm, self.sin_moment_nm);
-        let (sin_theta, cos_theta) = (motion.sin_pitch, motion.cos_pitch);
+        if let Some(lift_over_weight) = motion.lift_over_weight() {
+            match self.axis {
+                Axis::Roll => moment[0] += c * lift_over_weight,
+                Axis::Pitch | Axis::Yaw => moment[1] -= c * lift_over_weight,
+            }
+            return;
+        }
+        let (sin_theta, cos_theta) = libm::sincos(motion.angle_rad[1]);
         match self.axis {
             Axis::Roll => {
-                let (sin_phi, cos_phi) = (motion.sin_roll, motion.cos_roll);
-                [cos_theta * (c * cos_phi - s * sin_phi), -sin_theta * (c * sin_phi + s * cos_phi)]
+                let (sin_phi, cos_phi) = motion.roll;
+                moment[0] += cos_theta * (c * cos_phi - s * sin_phi);
+                moment[1] -= sin_theta * (c * sin_phi + s * cos_phi);
             }
-            Axis::Pitch | Axis::Yaw => [0.0, -(c * cos_theta + s * sin_theta)],
-        }
-    }
-
-    fn body_torque_nm(&self, motion: &FreeMotion) -> [f64; 3] {
-        let torque_nm = self.cos_moment_nm * motion.lift_over_weight;
-        match self.axis {
-            Axis::Roll => [torque_nm, 0.0, 0.0],
-            Axis::Pitch | Axis::Yaw => [0.0, -torque_nm, 0.0],
+            Axis::Pitch | Axis::Yaw => moment[1] -= c * cos_theta + s * sin_theta,
         }
     }
 }

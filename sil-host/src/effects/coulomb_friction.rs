@@ -1,9 +1,11 @@
 //! Dry friction, `-c tanh(rate / 0.02 rad/s)`: a bearing without grease. The hyperbolic tangent stands for the sign.
 
-use super::text::read_axis;
-use super::{ANY_RIG, AxisMotion, CatalogueEntry, Catalogued, Extension, Origin};
+use super::{
+    ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Scope, TORQUE, Unknown,
+};
 use crate::axis::Axis;
-use crate::model::{ModelError, Rig, Section, admissible};
+use crate::document::ModelError;
+use crate::vehicle::{Moment, Motion};
 
 /// Rate at which friction has three quarters of its full size, rad/s.
 const RATE_SCALE_RAD_S: f64 = 0.02;
@@ -21,16 +23,25 @@ impl Catalogued for CoulombFriction {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "coulomb_friction",
         origin: Origin::Plant,
+        acts_on: ActsOn::TurningAxis,
+        parameters: &[TORQUE],
         summary: "dry friction",
+        statement: "dry friction brakes the vehicle",
+        equation: "Q = -torque_nm tanh(rate / 0.02 rad/s)",
         example: "coulomb_friction:axis=pitch,torque_nm=0.02",
         rigs: ANY_RIG,
+        needs: None,
     };
 
-    fn read(section: &Section<'_>, rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            axis: read_axis(section, rig)?,
-            torque_nm: section.number("torque_nm", admissible(-20.0, 20.0, "a moment in N m"))?,
-        })
+    fn read(given: &Given<'_, '_>) -> Result<Self, ModelError> {
+        Ok(Self { axis: given.axis()?, torque_nm: given.number(&TORQUE)? })
+    }
+
+    fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
+        let moment_nm = scope.scale.moment_nm;
+        let torque = Unknown::moment(TORQUE.name, &scope.scale).within(-5.0 * moment_nm, 50.0 * moment_nm);
+        let of_axis = |axis| Hypothesis::new(Self::ENTRY, [torque], move |[torque_nm]| Self { axis, torque_nm });
+        scope.turning_axes().map(of_axis).collect()
     }
 }
 
@@ -43,11 +54,22 @@ impl Extension for CoulombFriction {
         vec![("torque_nm", self.torque_nm)]
     }
 
-    fn axis_torque_nm(&self, motion: AxisMotion) -> f64 {
-        -self.torque_nm * libm::tanh(motion.rate_rad_s / RATE_SCALE_RAD_S)
+    fn moment(&self) -> Option<&dyn Moment> {
+        Some(self)
+    }
+
+    fn turns_round_rad_s(&self) -> Option<f64> {
+        Some(RATE_SCALE_RAD_S)
     }
 
     fn step_max_s(&self, inertia_kg_m2: [f64; 3]) -> f64 {
         0.5 * inertia_kg_m2[self.axis.index()] * RATE_SCALE_RAD_S / self.torque_nm.abs()
+    }
+}
+
+impl Moment for CoulombFriction {
+    fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
+        let axis = self.axis.index();
+        moment[axis] -= self.torque_nm * libm::tanh(motion.rate_rad_s[axis] / RATE_SCALE_RAD_S);
     }
 }

@@ -3,10 +3,12 @@
 //! On the gimbal roll scales I_xx and pitch scales J(phi), ring included, and with it J'(phi): the kinetic energy is
 //! `1/2 s_roll I_xx phi'^2 + 1/2 s_pitch J(phi) theta'^2`.
 
-use super::text::read_axis;
-use super::{ANY_RIG, BodyChange, CatalogueEntry, Catalogued, Extension, Origin};
+use super::{
+    ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope, Unknown,
+};
 use crate::axis::Axis;
-use crate::model::{ModelError, Rig, Section, admissible};
+use crate::document::ModelError;
+use crate::vehicle::Changes;
 
 /// A wrong moment of inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,20 +19,31 @@ pub struct InertiaError {
     pub scale: f64,
 }
 
+const SCALE: Parameter = Parameter::new("scale", "", "true inertia over nominal", [0.05, 20.0]).nominal(1.0);
+
 impl Catalogued for InertiaError {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "inertia_error",
         origin: Origin::Plant,
+        acts_on: ActsOn::TurningAxis,
+        parameters: &[SCALE],
         summary: "true inertia = scale * nominal",
+        statement: "the inertia is not the nominal one",
+        equation: "true inertia = scale * nominal; on the gimbal pitch scales J(phi) and J'(phi) wherever they stand",
         example: "inertia_error:axis=pitch,scale=1.2",
         rigs: ANY_RIG,
+        needs: None,
     };
 
-    fn read(section: &Section<'_>, rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            axis: read_axis(section, rig)?,
-            scale: section.number("scale", admissible(0.05, 20.0, "true inertia over nominal"))?,
-        })
+    fn read(given: &Given<'_, '_>) -> Result<Self, ModelError> {
+        Ok(Self { axis: given.axis()?, scale: given.number(&SCALE)? })
+    }
+
+    /// Of a vehicle: on separate axes the input gain stands for the inertia.
+    fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
+        let scale = Unknown::of(&SCALE, 1e-4).within(0.2, 5.0);
+        let of_axis = |axis| Hypothesis::new(Self::ENTRY, [scale], move |[scale]| Self { axis, scale });
+        scope.turning_axes().filter(|_| scope.is_vehicle).map(of_axis).collect()
     }
 }
 
@@ -43,7 +56,7 @@ impl Extension for InertiaError {
         vec![("scale", self.scale)]
     }
 
-    fn change_body(&self, change: &mut BodyChange) {
-        change.inertia_scale[self.axis.index()] *= self.scale;
+    fn change(&self, vehicle: &mut Changes) {
+        vehicle.body.inertia_scale[self.axis.index()] *= self.scale;
     }
 }

@@ -1,10 +1,13 @@
 //! Motors slower than the model's: a first-order lag on the command, `T dc/dt = command - c`, before the motor's own.
 //!
-//! Between two commands the lag's motion is an exponential, which the plant takes as such. Several add their time
+//! Between two commands the lag's motion is an exponential, which plant and prediction take as such. Several add their time
 //! constants.
 
-use super::{ANY_RIG, ActuatorChain, CatalogueEntry, Catalogued, Extension, Origin};
-use crate::model::{ModelError, Rig, Section, admissible};
+use super::{
+    ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope, Unknown,
+};
+use crate::document::ModelError;
+use crate::vehicle::Changes;
 
 /// A first-order lag beyond the nominal motor's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,17 +16,30 @@ pub struct MotorLag {
     pub time_constant_s: f64,
 }
 
+const TIME_CONSTANT: Parameter = Parameter::new("time_constant_s", "s", "time constant", [0.0, 2.0]);
+
 impl Catalogued for MotorLag {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "motor_lag",
         origin: Origin::Actuator,
+        acts_on: ActsOn::Vehicle,
+        parameters: &[TIME_CONSTANT],
         summary: "first-order lag beyond the motor's own",
+        statement: "the motors follow their commands later than the model says",
+        equation: "time_constant_s dc/dt = command - c, c the command that the speed controller gets",
         example: "motor_lag:time_constant_s=0.03",
         rigs: ANY_RIG,
+        needs: None,
     };
 
-    fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self { time_constant_s: section.number("time_constant_s", admissible(0.0, 2.0, "a time constant in s"))? })
+    fn read(given: &Given<'_, '_>) -> Result<Self, ModelError> {
+        Ok(Self { time_constant_s: given.number(&TIME_CONSTANT)? })
+    }
+
+    fn hypotheses(_scope: &Scope) -> Vec<Hypothesis> {
+        let time_constant = Unknown::of(&TIME_CONSTANT, 1e-5).within(0.0, 0.5);
+        let of_log = Hypothesis::new(Self::ENTRY, [time_constant], |[time_constant_s]| Self { time_constant_s });
+        vec![of_log.starting(|_| vec![vec![0.01]])]
     }
 }
 
@@ -32,8 +48,8 @@ impl Extension for MotorLag {
         vec![("time_constant_s", self.time_constant_s)]
     }
 
-    fn change_actuators(&self, chain: &mut ActuatorChain) {
-        chain.lag_s += self.time_constant_s;
+    fn change(&self, vehicle: &mut Changes) {
+        vehicle.chain.path.lag_s += self.time_constant_s;
     }
 
     fn step_max_s(&self, _inertia_kg_m2: [f64; 3]) -> f64 {

@@ -1,9 +1,12 @@
 //! A torque that sets in at a time and stays: a load that shifts, a gust that does not end.
 
-use super::text::read_axis;
-use super::{ANY_RIG, AxisMotion, CatalogueEntry, Catalogued, Extension, Origin};
+use super::{
+    ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope, TORQUE,
+    Unknown,
+};
 use crate::axis::Axis;
-use crate::model::{ModelError, Rig, Section, admissible};
+use crate::document::ModelError;
+use crate::vehicle::{Moment, Motion};
 
 /// A torque from a time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,21 +19,38 @@ pub struct StepDisturbance {
     pub start_s: f64,
 }
 
+const START: Parameter = Parameter::new("start_s", "s", "time at which it sets in", [0.0, 3600.0]);
+
 impl Catalogued for StepDisturbance {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "step_disturbance",
         origin: Origin::Environment,
+        acts_on: ActsOn::TurningAxis,
+        parameters: &[TORQUE, START],
         summary: "a torque from a time on",
+        statement: "a moment from outside sets in during the log",
+        equation: "Q = torque_nm for t >= start_s",
         example: "step_disturbance:axis=pitch,torque_nm=0.05,start_s=10",
         rigs: ANY_RIG,
+        needs: None,
     };
 
-    fn read(section: &Section<'_>, rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            axis: read_axis(section, rig)?,
-            torque_nm: section.number("torque_nm", admissible(-20.0, 20.0, "a moment in N m"))?,
-            start_s: section.number("start_s", admissible(0.0, 3600.0, "a time in s"))?,
-        })
+    fn read(given: &Given<'_, '_>) -> Result<Self, ModelError> {
+        Ok(Self { axis: given.axis()?, torque_nm: given.number(&TORQUE)?, start_s: given.number(&START)? })
+    }
+
+    /// Fitted from the most probable onsets on.
+    fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
+        let torque = Unknown::moment(TORQUE.name, &scope.scale);
+        // a log may begin late
+        let start = Unknown::of(&START, 2e-3).within(0.0, 1e6);
+        let of_axis = |axis: Axis| {
+            Hypothesis::new(Self::ENTRY, [torque, start], move |[torque_nm, start_s]| Self { axis, torque_nm, start_s })
+                .starting(move |hints| {
+                    hints.step_start_s[axis.index()].iter().map(|start_s| vec![0.0, *start_s]).collect()
+                })
+        };
+        scope.turning_axes().map(of_axis).collect()
     }
 }
 
@@ -43,11 +63,17 @@ impl Extension for StepDisturbance {
         vec![("torque_nm", self.torque_nm), ("start_s", self.start_s)]
     }
 
-    fn axis_torque_nm(&self, motion: AxisMotion) -> f64 {
-        if motion.instant.stretch_start_s >= self.start_s { self.torque_nm } else { 0.0 }
+    fn moment(&self) -> Option<&dyn Moment> {
+        Some(self)
     }
 
     fn sets_in_s(&self) -> Option<f64> {
         Some(self.start_s)
+    }
+}
+
+impl Moment for StepDisturbance {
+    fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
+        moment[self.axis.index()] += self.torque_nm * motion.share_since(self.start_s);
     }
 }

@@ -1,13 +1,27 @@
 use super::*;
+use crate::vehicle::{Onset, Rig, Scale};
 
 fn cg_offset(axis: Axis) -> CgOffset {
     CgOffset { axis, cos_moment_nm: 0.1, sin_moment_nm: -0.04 }
 }
 
-fn motion(roll: f64, pitch: f64) -> GimbalMotion {
-    let ((sin_roll, cos_roll), (sin_pitch, cos_pitch)) = (libm::sincos(roll), libm::sincos(pitch));
-    let (angle_rad, rate_rad_s, instant) = ([roll, pitch], [0.0; 2], Instant::default());
-    GimbalMotion { sin_roll, cos_roll, sin_pitch, cos_pitch, angle_rad, rate_rad_s, instant }
+/// At rest at an attitude; hanging in a rig, or free with lifts in a proportion to the weight.
+fn at(roll: f64, pitch: f64, lift_over_weight: Option<f64>) -> Motion {
+    Motion {
+        time_s: 0.0,
+        onset: Onset::Ramp,
+        angle_rad: [roll, pitch, 0.0],
+        rate_rad_s: [0.0; 3],
+        roll: libm::sincos(roll),
+        force: [lift_over_weight.unwrap_or_default(), 0.0, 0.0, 0.0],
+        per_weight_1_n: lift_over_weight.map(|_| 1.0),
+    }
+}
+
+fn moment_of(effect: CgOffset, motion: &Motion) -> [f64; 3] {
+    let mut moment = [0.0; 3];
+    Effect::from(effect).add(motion, &mut moment);
+    moment
 }
 
 #[test]
@@ -53,7 +67,7 @@ fn an_offset_centre_pulls_down_the_slope_of_its_height() {
                 (potential(roll + h, pitch) - potential(roll - h, pitch)) / (2.0 * h),
                 (potential(roll, pitch + h) - potential(roll, pitch - h)) / (2.0 * h),
             ];
-            let ours = CgOffset { axis, ..offset }.gimbal_moment_nm(&motion(roll, pitch));
+            let ours = moment_of(CgOffset { axis, ..offset }, &at(roll, pitch, None));
             for (moment, slope) in ours.into_iter().zip(slope) {
                 // h² / 6 of the third derivative, 1e-12, and rounding, 1e-12
                 assert!((moment + slope).abs() < 1e-11, "{axis:?} at ({roll}, {pitch}): {ours:?}");
@@ -65,19 +79,11 @@ fn an_offset_centre_pulls_down_the_slope_of_its_height() {
 #[test]
 fn in_free_flight_the_lifts_pull_as_gravity_does_on_the_gimbal() {
     for axis in [Axis::Roll, Axis::Pitch] {
-        let effect = Effect::CgOffset(CgOffset { axis, cos_moment_nm: 0.1, sin_moment_nm: 0.0 });
-        let flying = |lift_over_weight| FreeMotion {
-            lift_over_weight,
-            angle_rad: [0.0; 3],
-            rate_body_rad_s: [0.0; 3],
-            air_velocity_body_m_s: [0.0; 3],
-            instant: Instant::default(),
-        };
-        let hover = effect.extension().body_torque_nm(&flying(1.0));
-        let level = effect.extension().gimbal_moment_nm(&motion(0.0, 0.0));
-        assert_eq!(hover, [level[0], level[1], 0.0]);
+        let offset = CgOffset { axis, cos_moment_nm: 0.1, sin_moment_nm: 0.0 };
+        let hover = moment_of(offset, &at(0.0, 0.0, Some(1.0)));
+        assert_eq!(hover, moment_of(offset, &at(0.0, 0.0, None)));
         // no lift, no torque: a thrown body does not feel where its centre is
-        assert_eq!(effect.extension().body_torque_nm(&flying(0.0)).map(f64::abs), [0.0; 3]);
+        assert_eq!(moment_of(offset, &at(0.0, 0.0, Some(0.0))).map(f64::abs), [0.0; 3]);
     }
 }
 
@@ -96,10 +102,15 @@ fn every_effect_of_the_catalogue_reads_from_its_example_and_back() {
             let effect = parsed.unwrap();
             assert_eq!((effect.name(), effect.entry()), (entry.name, *entry));
             assert_eq!(Effect::parse(&effect.to_short(), rig), Ok(effect));
-            // the example shows all parameters
-            for (name, _) in effect.parameters() {
+            // the example shows all parameters, each known to the catalogue and in its range
+            for (name, value) in effect.parameters() {
                 assert!(entry.example.contains(&format!("{name}=")), "{name} is not in {}", entry.example);
+                let known = entry.parameters.iter().find(|parameter| parameter.name == name).unwrap();
+                assert!((known.min..=known.max).contains(&value) && known.nominal != value, "{}: {name}", entry.name);
             }
+            assert!(effect.has_moment() || changes(&[effect]) != Changes::default(), "{} does nothing", entry.name);
+            assert_eq!(effect.axis().is_some(), entry.example.contains("axis="));
+            assert_eq!(effect.motor().is_some(), entry.acts_on == ActsOn::Motor);
         }
     }
     // docs/effects.md, but for controller_mismatch, which is no effect of the vehicle
@@ -124,10 +135,10 @@ fn parameters_that_cannot_be_meant_are_refused() {
         ("command_clipping:", "lacks a range"),
         ("command_clipping:min=0.7,max=0.3", "min below max"),
         ("inertia_coupling:product_kg_m2=0.012", "no body has the product of inertia 0.012"),
-        ("inertia_error:axis=roll,scale=0", "`scale` is 0: expected true inertia over nominal"),
+        ("inertia_error:axis=roll,scale=0", "`scale` is 0: expected the true inertia over nominal"),
         ("spring:axis=roll,stiffness=3", "lacks `stiffness_nm_rad`"),
         ("torque_bias:axis=yaw,torque_nm=0.1", "\"yaw\": expected \"roll\" or \"pitch\""),
-        ("actuation_delay:delay_s=-0.1", "`delay_s` is -0.1: expected a delay in s"),
+        ("actuation_delay:delay_s=-0.1", "`delay_s` is -0.1: expected the delay from command to motor in s"),
     ] {
         let problem = Effect::parse(short, Rig::Gimbal).unwrap_err().to_string();
         assert!(problem.contains(expected), "{short}: {problem}");
@@ -142,4 +153,81 @@ fn a_battery_that_follows_time_reads_back_too() {
         let effect = Effect::parse(short, Rig::Gimbal).unwrap();
         assert_eq!(Effect::parse(&effect.to_short(), Rig::Gimbal), Ok(effect));
     }
+}
+
+/// A log that shows everything.
+fn whole_log(flies_free: bool) -> Scope {
+    Scope {
+        scale: Scale { moment_nm: 1.2, inertia_kg_m2: [0.011, 0.036, 0.02], mass_kg: 1.2, arm_m: 0.226 },
+        is_vehicle: true,
+        is_held: !flies_free,
+        flies_free,
+        turns: [true, true, flies_free],
+        rates: [true; 3],
+        angles: [true; 3],
+        battery: true,
+        pushed: flies_free,
+        velocity: flies_free,
+        height_m: flies_free.then_some(1.0),
+    }
+}
+
+#[test]
+fn every_effect_has_a_hypothesis_whose_values_are_its_own() {
+    let mut found = std::collections::BTreeSet::new();
+    for scope in [whole_log(false), whole_log(true)] {
+        for hypothesis in hypotheses(&scope) {
+            let entry = *hypothesis.entry();
+            found.insert(entry.name);
+            let nominal: Vec<f64> = hypothesis.unknowns().iter().map(|unknown| unknown.nominal).collect();
+            assert!(hypothesis.is_void(&nominal), "{}", entry.name);
+            for unknown in hypothesis.unknowns() {
+                let inside = unknown.min <= unknown.nominal && unknown.nominal <= unknown.max;
+                assert!(
+                    inside && unknown.step > 0.0 && unknown.step < 0.01 * (unknown.max - unknown.min),
+                    "{unknown:?}"
+                );
+            }
+            let values: Vec<f64> = hypothesis.unknowns().iter().map(|unknown| unknown.nominal + unknown.step).collect();
+            let effect = hypothesis.effect(&values);
+            assert_eq!((effect.entry(), effect.axis(), effect.motor()), (entry, hypothesis.axis(), hypothesis.motor()));
+            let reported: Vec<&str> = hypothesis.reported(&values).into_iter().map(|(name, _)| name).collect();
+            assert_eq!(reported, hypothesis.reported_names());
+            assert!(reported.iter().all(|name| entry.parameters.iter().any(|parameter| parameter.name == *name)));
+        }
+    }
+    let names: std::collections::BTreeSet<&str> = Effect::CATALOGUE.iter().map(|entry| entry.name).collect();
+    assert_eq!(found, names);
+}
+
+/// Without stiffness the fit's spring is a constant moment, and with both it is the spring of its rest angle.
+#[test]
+fn a_spring_is_linear_in_what_is_fitted() {
+    let all = hypotheses(&whole_log(false));
+    let spring = all.iter().find(|h| h.entry().name == "spring" && h.axis() == Some(Axis::Pitch)).unwrap();
+    let moment_at = |values: [f64; 2], pitch: f64| {
+        let mut moment = [0.0; 3];
+        spring.effect(&values).add(&at(0.3, pitch, None), &mut moment);
+        moment
+    };
+    for (values, pitch) in [([0.0, 1e-4], 0.4), ([0.0, -0.3], -1.5), ([0.1, 0.005], 0.2), ([-0.2, 0.0], 0.7)] {
+        let [roll, moment, yaw] = moment_at(values, pitch);
+        let expected = values[1] - values[0] * pitch;
+        // the stiffness that stands for none, 1e-9 of a step of 4e-5 N m/rad, and rounding
+        assert!((moment - expected).abs() < 1e-13, "{values:?}: {moment} {expected}");
+        assert_eq!([roll, yaw], [0.0; 2]);
+    }
+}
+
+#[test]
+fn a_fitted_value_that_no_model_may_have_is_refused() {
+    let inertia_kg_m2 = [0.011, 0.011, 0.02];
+    let impossible = |effect: Effect| effect.impossible(Rig::Gimbal, inertia_kg_m2).map(|problem| problem.to_string());
+    let torque = |torque_nm| TorqueBias { axis: Axis::Roll, torque_nm }.into();
+    assert_eq!(impossible(torque(19.0)), None);
+    assert!(impossible(torque(21.0)).unwrap().contains("`torque_nm` is 21: expected the moment in N m"));
+    assert!(impossible(torque(f64::NAN)).unwrap().contains("`torque_nm` is NaN"));
+    assert!(impossible(InertiaCoupling { product_kg_m2: 0.012 }.into()).unwrap().contains("no body has the product"));
+    assert!(impossible(CommandClipping { min: 0.7, max: 0.3 }.into()).unwrap().contains("min below max"));
+    assert!(impossible(MassError { scale: 1.1 }.into()).unwrap().contains("only on: free"));
 }

@@ -1,7 +1,10 @@
 //! All four motors stronger or weaker than the model's: lift and reaction torque are scaled, speed is not.
 
-use super::{ANY_RIG, ActuatorChain, CatalogueEntry, Catalogued, Extension, Origin};
-use crate::model::{ModelError, Rig, Section, admissible};
+use super::{
+    ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope, Unknown,
+};
+use crate::document::ModelError;
+use crate::vehicle::Changes;
 
 /// All motors stronger or weaker.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,17 +13,30 @@ pub struct ThrustScale {
     pub scale: f64,
 }
 
+const SCALE: Parameter = Parameter::new("scale", "", "true lift over nominal", [0.0, 5.0]).nominal(1.0);
+
 impl Catalogued for ThrustScale {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "thrust_scale",
         origin: Origin::Actuator,
+        acts_on: ActsOn::Vehicle,
+        parameters: &[SCALE],
         summary: "lift of all four motors",
+        statement: "all motors lift more or less than the model says",
+        equation: "lift and reaction torque of all four motors times scale, their speeds unchanged",
         example: "thrust_scale:scale=0.9",
         rigs: ANY_RIG,
+        needs: None,
     };
 
-    fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self { scale: section.number("scale", admissible(0.0, 5.0, "true lift over nominal"))? })
+    fn read(given: &Given<'_, '_>) -> Result<Self, ModelError> {
+        Ok(Self { scale: given.number(&SCALE)? })
+    }
+
+    fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
+        let scale = Unknown::of(&SCALE, 1e-4).within(0.1, 5.0);
+        let of_vehicle = || Hypothesis::new(Self::ENTRY, [scale], |[scale]| Self { scale });
+        scope.is_vehicle.then(of_vehicle).into_iter().collect()
     }
 }
 
@@ -29,8 +45,8 @@ impl Extension for ThrustScale {
         vec![("scale", self.scale)]
     }
 
-    fn change_actuators(&self, chain: &mut ActuatorChain) {
-        for factor in &mut chain.lift_scale {
+    fn change(&self, vehicle: &mut Changes) {
+        for factor in &mut vehicle.chain.lift.scale {
             *factor *= self.scale;
         }
     }

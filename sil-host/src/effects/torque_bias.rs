@@ -1,9 +1,11 @@
 //! A constant moment: a motor mounted askew, a slack cable.
 
-use super::text::read_axis;
-use super::{ANY_RIG, AxisMotion, CatalogueEntry, Catalogued, Extension, Origin};
+use super::{
+    ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Scope, TORQUE, Unknown,
+};
 use crate::axis::Axis;
-use crate::model::{ModelError, Rig, Section, admissible};
+use crate::document::ModelError;
+use crate::vehicle::{Moment, Motion};
 
 /// A constant moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,16 +20,24 @@ impl Catalogued for TorqueBias {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "torque_bias",
         origin: Origin::Plant,
+        acts_on: ActsOn::TurningAxis,
+        parameters: &[TORQUE],
         summary: "a constant moment",
+        statement: "a constant moment acts on the vehicle",
+        equation: "Q = torque_nm",
         example: "torque_bias:axis=roll,torque_nm=0.02",
         rigs: ANY_RIG,
+        needs: None,
     };
 
-    fn read(section: &Section<'_>, rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            axis: read_axis(section, rig)?,
-            torque_nm: section.number("torque_nm", admissible(-20.0, 20.0, "a moment in N m"))?,
-        })
+    fn read(given: &Given<'_, '_>) -> Result<Self, ModelError> {
+        Ok(Self { axis: given.axis()?, torque_nm: given.number(&TORQUE)? })
+    }
+
+    fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
+        let torque = Unknown::moment(TORQUE.name, &scope.scale);
+        let of_axis = |axis| Hypothesis::new(Self::ENTRY, [torque], move |[torque_nm]| Self { axis, torque_nm });
+        scope.turning_axes().map(of_axis).collect()
     }
 }
 
@@ -40,7 +50,13 @@ impl Extension for TorqueBias {
         vec![("torque_nm", self.torque_nm)]
     }
 
-    fn axis_torque_nm(&self, _motion: AxisMotion) -> f64 {
-        self.torque_nm
+    fn moment(&self) -> Option<&dyn Moment> {
+        Some(self)
+    }
+}
+
+impl Moment for TorqueBias {
+    fn add(&self, _motion: &Motion, moment: &mut [f64; 3]) {
+        moment[self.axis.index()] += self.torque_nm;
     }
 }

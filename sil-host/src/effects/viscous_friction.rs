@@ -1,9 +1,11 @@
 //! Friction in proportion to the rate, `-b rate`: a greased bearing, or the rotors' aerodynamic damping.
 
-use super::text::read_axis;
-use super::{ANY_RIG, AxisMotion, CatalogueEntry, Catalogued, Extension, Origin};
+use super::{
+    ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope, Unknown,
+};
 use crate::axis::Axis;
-use crate::model::{ModelError, Rig, Section, admissible};
+use crate::document::ModelError;
+use crate::vehicle::{Moment, Motion};
 
 /// Friction in proportion to the rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,21 +16,35 @@ pub struct ViscousFriction {
     pub coefficient_nms: f64,
 }
 
+const COEFFICIENT: Parameter =
+    Parameter::new("coefficient_nms", "N m s", "moment over rate, braking where positive", [-20.0, 20.0]);
+
 impl Catalogued for ViscousFriction {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "viscous_friction",
         origin: Origin::Plant,
+        acts_on: ActsOn::TurningAxis,
+        parameters: &[COEFFICIENT],
         summary: "friction in proportion to the rate",
+        statement: "a moment proportional to the rate brakes the vehicle",
+        equation: "Q = -coefficient_nms rate",
         example: "viscous_friction:axis=pitch,coefficient_nms=0.02",
         rigs: ANY_RIG,
+        needs: None,
     };
 
-    fn read(section: &Section<'_>, rig: Rig) -> Result<Self, ModelError> {
-        Ok(Self {
-            axis: read_axis(section, rig)?,
-            coefficient_nms: section
-                .number("coefficient_nms", admissible(-20.0, 20.0, "a moment over a rate in N m s"))?,
-        })
+    fn read(given: &Given<'_, '_>) -> Result<Self, ModelError> {
+        Ok(Self { axis: given.axis()?, coefficient_nms: given.number(&COEFFICIENT)? })
+    }
+
+    fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
+        let of_axis = |axis: Axis| {
+            // per second of the axis' inertia: from speeding up within 0.1 s to stopping within milliseconds
+            let per_s = scope.scale.inertia_kg_m2[axis.index()];
+            let coefficient = Unknown::amplitude(COEFFICIENT.name, 1e-3 * per_s, [-10.0 * per_s, 1e3 * per_s]);
+            Hypothesis::new(Self::ENTRY, [coefficient], move |[coefficient_nms]| Self { axis, coefficient_nms })
+        };
+        scope.turning_axes().map(of_axis).collect()
     }
 }
 
@@ -41,11 +57,18 @@ impl Extension for ViscousFriction {
         vec![("coefficient_nms", self.coefficient_nms)]
     }
 
-    fn axis_torque_nm(&self, motion: AxisMotion) -> f64 {
-        -self.coefficient_nms * motion.rate_rad_s
+    fn moment(&self) -> Option<&dyn Moment> {
+        Some(self)
     }
 
     fn step_max_s(&self, inertia_kg_m2: [f64; 3]) -> f64 {
         0.5 * inertia_kg_m2[self.axis.index()] / self.coefficient_nms.abs()
+    }
+}
+
+impl Moment for ViscousFriction {
+    fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
+        let axis = self.axis.index();
+        moment[axis] -= self.coefficient_nms * motion.rate_rad_s[axis];
     }
 }

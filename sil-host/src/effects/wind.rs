@@ -2,10 +2,11 @@
 //! the air and A its drag area (drag coefficient times area); rotor drag, where there is some, feels the same air.
 //! Density: the standard atmosphere at sea level (ISO 2533).
 
-use super::{CatalogueEntry, Catalogued, Extension, FreeMotion, Origin};
-use crate::model::{ModelError, Rig, Section, admissible};
-
-const AIR_DENSITY_KG_M3: f64 = 1.225;
+use super::{
+    ActsOn, CatalogueEntry, Catalogued, Extension, FREE, Given, Hypothesis, Needs, Origin, Parameter, Scope, Unknown,
+};
+use crate::document::ModelError;
+use crate::vehicle::Changes;
 
 /// Moving air.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,23 +19,47 @@ pub struct Wind {
     pub drag_area_m2: f64,
 }
 
+const NORTH: Parameter =
+    Parameter::new("north_m_s", "m/s", "velocity of the air to the north", [-50.0, 50.0]).usual(0.0);
+const EAST: Parameter = Parameter::new("east_m_s", "m/s", "velocity of the air to the east", [-50.0, 50.0]).usual(0.0);
+const DRAG_AREA: Parameter =
+    Parameter::new("drag_area_m2", "m^2", "drag coefficient times area of the airframe", [0.0, 2.0]).usual(0.02);
+
 impl Catalogued for Wind {
     const ENTRY: CatalogueEntry = CatalogueEntry {
         name: "wind",
         origin: Origin::Environment,
+        acts_on: ActsOn::Vehicle,
+        parameters: &[NORTH, EAST, DRAG_AREA],
         summary: "steady wind on the airframe",
+        statement: "a steady wind drags the vehicle along",
+        equation: "F = -1/2 rho drag_area_m2 |v| v, v the velocity against the air, rho = 1.225 kg/m^3; rotor drag feels the same air",
         example: "wind:north_m_s=3,east_m_s=-1,drag_area_m2=0.02",
-        rigs: &[Rig::Free],
+        rigs: FREE,
+        needs: Some(Needs::Velocity),
     };
 
-    fn read(section: &Section<'_>, _rig: Rig) -> Result<Self, ModelError> {
+    fn read(given: &Given<'_, '_>) -> Result<Self, ModelError> {
         Ok(Self {
-            north_m_s: section.optional_number("north_m_s", admissible(-50.0, 50.0, "a speed in m/s"))?.unwrap_or(0.0),
-            east_m_s: section.optional_number("east_m_s", admissible(-50.0, 50.0, "a speed in m/s"))?.unwrap_or(0.0),
-            drag_area_m2: section
-                .optional_number("drag_area_m2", admissible(0.0, 2.0, "a drag area in m^2"))?
-                .unwrap_or(0.02),
+            north_m_s: given.number(&NORTH)?,
+            east_m_s: given.number(&EAST)?,
+            drag_area_m2: given.number(&DRAG_AREA)?,
         })
+    }
+
+    /// Fitted from air that stands still or comes from one side, and a drag area like that of a disc between the motors: in still air, or
+    /// without an area, one of them would show no trace.
+    fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
+        let arm_m2 = scope.scale.arm_m * scope.scale.arm_m;
+        let drag_area = Unknown::of(&DRAG_AREA, 2e-4 * arm_m2).within(0.0, 40.0 * arm_m2);
+        let unknowns = [Unknown::of(&NORTH, 1e-3), Unknown::of(&EAST, 1e-3), drag_area];
+        let of_log = Hypothesis::new(Self::ENTRY, unknowns, |[north_m_s, east_m_s, drag_area_m2]| Self {
+            north_m_s,
+            east_m_s,
+            drag_area_m2,
+        });
+        const AIR_M_S: [[f64; 2]; 5] = [[0.5, 0.5], [4.0, 0.0], [-4.0, 0.0], [0.0, 4.0], [0.0, -4.0]];
+        vec![of_log.starting(move |_| AIR_M_S.map(|[north, east]| vec![north, east, 0.4 * arm_m2]).into())]
     }
 }
 
@@ -43,13 +68,9 @@ impl Extension for Wind {
         vec![("north_m_s", self.north_m_s), ("east_m_s", self.east_m_s), ("drag_area_m2", self.drag_area_m2)]
     }
 
-    fn body_force_n(&self, motion: &FreeMotion) -> [f64; 3] {
-        let velocity = motion.air_velocity_body_m_s;
-        let speed_m_s = velocity.iter().map(|component| component * component).sum::<f64>().sqrt();
-        velocity.map(|component| -0.5 * AIR_DENSITY_KG_M3 * self.drag_area_m2 * speed_m_s * component)
-    }
-
-    fn wind_ned_m_s(&self) -> [f64; 3] {
-        [self.north_m_s, self.east_m_s, 0.0]
+    fn change(&self, vehicle: &mut Changes) {
+        let [north_m_s, east_m_s] = &mut vehicle.air.wind_m_s;
+        (*north_m_s, *east_m_s) = (*north_m_s + self.north_m_s, *east_m_s + self.east_m_s);
+        vehicle.air.drag_area_m2 += self.drag_area_m2;
     }
 }

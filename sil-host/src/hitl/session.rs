@@ -8,7 +8,7 @@ use mavlink::dialects::common::{
     MavModeFlag, MavType,
 };
 use shared_control::config::Controller;
-use shared_control::imu::ImuConfig;
+use shared_control::sensing::imu::ImuConfig;
 use shared_control::signals::RawImuSample;
 
 use crate::hitl::{BoardPort, FromBoard, HitlError, Timing};
@@ -42,7 +42,7 @@ impl<'a, S: Read + Write> Session<'a, S> {
                     if !heartbeat.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED) {
                         return Err(HitlError::NotInHil);
                     }
-                    // as `shared_control::link::telemetry` numbers them
+                    // as the board numbers them in its heartbeat (`shared_control::link`)
                     let controller = if heartbeat.custom_mode == 1 { Controller::Mpc } else { Controller::Cascade };
                     // scales and axes are the board's; its filter is of no concern here
                     let imu = ImuConfig::pixhawk1_mpu6000(100.0, 1000.0);

@@ -5,17 +5,15 @@
 //! how the diagnosis writes down a model that it has extended: [`VehicleModel::to_toml`] gives back what
 //! [`VehicleModel::parse`] reads.
 
-mod document;
-mod error;
+mod effects;
+mod parts;
 mod read;
 mod write;
 
+pub use crate::document::{ModelError, Position, Problem};
 use crate::effects::Effect;
 use crate::vehicle::propulsion::{Level, Propulsion};
-
-pub(crate) use document::{Admissible, Section, admissible};
-pub use error::{ModelError, Place, Problem};
-pub(crate) use write::Table;
+pub use crate::vehicle::{Mounting, Rig};
 
 /// All that is known of a vehicle and of the rig it hangs in.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,30 +36,6 @@ pub struct VehicleModel {
     pub noise: SensorNoise,
     /// What the vehicle does beyond its nominal model.
     pub effects: Vec<Effect>,
-}
-
-/// The two rigs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rig {
-    /// Roll rod in a pitch ring, no yaw, no translation.
-    Gimbal,
-    /// Free flight.
-    Free,
-}
-
-/// What holds the body, with the numbers that only this rig has.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Mounting {
-    /// The body turns about x in a ring that turns about y.
-    Gimbal {
-        /// Inertia of the ring about the pitch axis, kg m².
-        ring_inertia_kg_m2: f64,
-    },
-    /// Nothing does.
-    Free {
-        /// Mass, kg.
-        mass_kg: f64,
-    },
 }
 
 /// Standard deviations per sample, white.
@@ -122,19 +96,6 @@ impl VehicleModel {
     /// How much detail its propulsion has.
     pub fn level(&self) -> Level {
         self.propulsion.level()
-    }
-}
-
-impl Rig {
-    /// Names in model files and on the command line.
-    pub const NAMES: [(&'static str, Rig); 2] = [("gimbal", Rig::Gimbal), ("free", Rig::Free)];
-
-    /// Its name in model files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Rig::Gimbal => "gimbal",
-            Rig::Free => "free",
-        }
     }
 }
 

@@ -3,10 +3,11 @@
 //! The admissible ranges span everything from a palm-sized quadrotor to one of 10 kg. They are there to catch
 //! slips of the unit (millimetres, degrees, gram square centimetres), not to judge a design.
 
-use super::document::{Section, Source, admissible};
-use super::{ModelError, Mounting, Rig, SensorNoise, VehicleModel};
+use super::{SensorNoise, VehicleModel};
+use crate::document::{ModelError, Section, Source, admissible};
 use crate::effects::Effect;
 use crate::vehicle::propulsion::Propulsion;
+use crate::vehicle::{Mounting, Rig};
 
 impl VehicleModel {
     /// Reads a model from its text; `name` stands for the file in messages.

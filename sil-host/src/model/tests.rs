@@ -88,9 +88,9 @@ fn broken(line: &str, replacement: &str) -> String {
 /// Where a text is wrong, and how.
 fn complaint(text: &str) -> (usize, usize, Problem) {
     match VehicleModel::parse(text, "x.toml") {
-        Err(ModelError::Invalid { file, place, problem }) => {
+        Err(ModelError::Invalid { file, position, problem }) => {
             assert_eq!(file, "x.toml");
-            (place.line, place.column, problem)
+            (position.line, position.column, problem)
         }
         other => panic!("expected a complaint, got {other:?}"),
     }
@@ -173,7 +173,7 @@ fn a_wrong_effect_is_named_with_its_place() {
         ("[[effect]]\nname = \"gravity\"", 2, "expected \"cg_offset\""),
         ("[[effect]]\nname = \"cg_offset\"", 1, "[[effect]] lacks `axis`"),
         ("[[effect]]\nname = \"cg_offset\"\naxis = \"yaw\"", 3, "expected \"roll\" or \"pitch\""),
-        ("[[effect]]\nname = \"cg_offset\"\naxis = \"roll\"\ncos_moment_nm = 100", 4, "moment in N m"),
+        ("[[effect]]\nname = \"cg_offset\"\naxis = \"roll\"\ncos_moment_nm = 100", 4, "moment when level in N m"),
         (
             "[[effect]]\nname = \"cg_offset\"\naxis = \"roll\"\ncos_moment_nm = 1\nmass_kg = 1",
             5,

@@ -1,9 +1,8 @@
 //! From [`VehicleModel`] back to TOML text, to the last bit: every number is written so that reading gives it back.
 
-use std::fmt::Write;
-
-use super::document::{Section, Source};
-use super::{ModelError, Mounting, Problem, SensorNoise, VehicleModel};
+use super::{SensorNoise, VehicleModel};
+use crate::document::Table;
+use crate::vehicle::Mounting;
 
 impl VehicleModel {
     /// The model as text that [`VehicleModel::parse`] reads back unchanged.
@@ -43,44 +42,6 @@ impl VehicleModel {
         for effect in &self.effects {
             effect.write(&mut text);
         }
-        text.0
-    }
-}
-
-/// TOML text in the making.
-#[derive(Debug, Default)]
-pub(crate) struct Table(String);
-
-impl Table {
-    pub(crate) fn header(&mut self, header: &str) {
-        let _ = writeln!(self.0, "\n{header}");
-    }
-
-    /// Rust's shortest form that reads back to the same number is valid TOML as long as the number is finite.
-    pub(crate) fn number(&mut self, key: &str, value: f64) {
-        let _ = writeln!(self.0, "{key} = {value:?}");
-    }
-
-    pub(crate) fn string(&mut self, key: &str, value: &str) {
-        let _ = writeln!(self.0, "{key} = {}", toml::Value::from(value));
-    }
-
-    /// A number where `value` is one that is finite, else text.
-    pub(crate) fn number_or_string(&mut self, key: &str, value: &str) {
-        match value.parse() {
-            Ok(number) if f64::is_finite(number) => self.number(key, number),
-            _ => self.string(key, value),
-        }
-    }
-
-    /// Reads the text as one table; an error has no place, since nobody wrote this text.
-    pub(crate) fn read_back<T>(&self, read: impl FnOnce(&Section<'_>) -> Result<T, ModelError>) -> Result<T, Problem> {
-        let source = Source { name: "", text: &self.0 };
-        let document = source.parse();
-        let result = document.and_then(|document| read(&Section::root(source, &document)));
-        result.map_err(|error| match error {
-            ModelError::Invalid { problem, .. } => problem,
-            ModelError::Unreadable { source, .. } => Problem::Syntax(source.to_string()),
-        })
+        text.into_text()
     }
 }

@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use crate::vehicle::ActuatorChain;
+use crate::vehicle::{ActuatorChain, on_the_way};
 
 /// The chain with what is under way in it.
 #[derive(Clone, Debug)]
@@ -41,8 +41,8 @@ impl Actuation {
 
     /// Gives commands at a time. True if they take effect at once.
     pub(crate) fn command(&mut self, time_s: f64, commands: [f64; 4]) -> bool {
-        if self.chain.delay_s > 0.0 {
-            self.under_way.push_back((time_s + self.chain.delay_s, commands));
+        if self.chain.path.delay_s > 0.0 {
+            self.under_way.push_back((time_s + self.chain.path.delay_s, commands));
             return false;
         }
         self.target = self.clipped(commands);
@@ -79,24 +79,22 @@ impl Actuation {
     /// is an exponential.
     #[inline]
     pub(crate) fn driving(&self, after_s: f64) -> [f64; 4] {
-        if self.chain.lag_s <= 0.0 {
+        if self.chain.path.lag_s <= 0.0 {
             return self.target;
         }
-        let left = libm::exp(-after_s / self.chain.lag_s);
-        core::array::from_fn(|motor| self.target[motor] + (self.lagged[motor] - self.target[motor]) * left)
+        on_the_way(self.lagged, self.target, self.chain.path.left_after(after_s))
     }
 
     /// True if the commands at the speed controllers change by themselves.
     pub(crate) fn lags(&self) -> bool {
-        self.chain.lag_s > 0.0
+        self.chain.path.lag_s > 0.0
     }
 
     /// What the lifts are multiplied with at a time.
     #[inline]
     pub(crate) fn lift_factors(&self, time_s: f64) -> [f64; 4] {
-        let drop_v = self.measured_drop_v.unwrap_or_else(|| self.chain.battery.drop_v(time_s));
-        let left = (1.0 - self.chain.loss_per_s * time_s) * (1.0 - self.chain.loss_per_volt * drop_v);
-        self.chain.lift_scale.map(|scale| scale * left.max(0.0))
+        let lift = &self.chain.lift;
+        lift.at(time_s, self.measured_drop_v.unwrap_or_else(|| lift.battery.drop_v(time_s)))
     }
 
     /// Takes a measured battery's drop below its mean of the first second in place of the simulated one, V.
@@ -105,7 +103,6 @@ impl Actuation {
     }
 
     fn clipped(&self, commands: [f64; 4]) -> [f64; 4] {
-        // the limits of several effects may have crossed
-        commands.map(|command| command.max(self.chain.command_min).min(self.chain.command_max))
+        commands.map(|command| self.chain.path.clipped(command))
     }
 }

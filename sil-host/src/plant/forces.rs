@@ -1,19 +1,13 @@
 //! The right-hand side of the equations of motion: propulsion, airframe, body, and what effects add to them.
 
 use super::actuation::Actuation;
-use super::free_flight::{FreeBody, FreeState, Loads};
-use super::gimbal::{Gimbal, GimbalState};
-use crate::effects::{Effect, Instant};
+use super::free_flight::{self, FreeState, Loads};
+use crate::effects::Effect;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
+use crate::vehicle::{Air, Airframe, FreeBody, Gimbal, Moment, Motion, Onset, euler_rad};
 
-/// How lifts become torques, quad-X: motors front right, rear left (both counter-clockwise), front left, rear right.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Airframe {
-    /// Lever of each motor about x and y: arm / sqrt 2, m.
-    pub(super) lever_m: f64,
-    /// Reaction torque over lift, m.
-    pub(super) reaction_torque_per_lift_m: f64,
-}
+/// Roll, pitch (rad) and their rates (rad/s).
+pub(super) type GimbalState = [f64; 4];
 
 /// All that turns and pushes the vehicle, constant over a stretch of time but for what follows time by itself.
 #[derive(Clone, Copy, Debug)]
@@ -23,29 +17,21 @@ pub(super) struct Forces<'a> {
     pub(super) disturbance_torque_body_nm: [f64; 3],
     /// What the commands in force make the motors do.
     pub(super) drive: [f64; 4],
-    /// None for a nominal vehicle.
+    /// None for a vehicle whose body alone differs from the nominal one, if anything does.
     pub(super) extension: Option<Extended<'a>>,
 }
 
 /// What effects add.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extended<'a> {
+    /// Those with a moment.
     pub(super) effects: &'a [Effect],
     pub(super) actuation: &'a Actuation,
-    pub(super) wind_ned_m_s: [f64; 3],
+    pub(super) air: &'a Air,
+    /// Height of the rotors above ground at the place of the start, m.
+    pub(super) start_height_m: f64,
     /// Start of the stretch, s.
     pub(super) start_s: f64,
-}
-
-impl Airframe {
-    #[inline]
-    pub(super) fn torque_body_nm(&self, [f1, f2, f3, f4]: [f64; 4]) -> [f64; 3] {
-        [
-            self.lever_m * (f2 + f3 - f1 - f4),
-            self.lever_m * (f1 + f3 - f2 - f4),
-            self.reaction_torque_per_lift_m * (f1 + f2 - f3 - f4),
-        ]
-    }
 }
 
 impl Forces<'_> {
@@ -54,7 +40,14 @@ impl Forces<'_> {
     pub(super) fn on_gimbal(&self, gimbal: &Gimbal, whole: &[f64; 12]) -> [f64; 12] {
         let (state, rotors): (GimbalState, _) = split(whole);
         let torque = self.torque_body_nm(self.propulsion.lifts_n(&self.drive, &rotors));
-        join(&gimbal.derivative(&state, torque), &self.propulsion.derivative(&self.drive, &rotors))
+        let roll = libm::sincos(state[0]);
+        let [roll_rate, pitch_rate] = [state[2], state[3]];
+        let [roll_acceleration, pitch_acceleration] =
+            gimbal.acceleration_rad_s2(roll, [roll_rate, pitch_rate], Gimbal::moment_nm(roll, torque));
+        join(
+            &[roll_rate, pitch_rate, roll_acceleration, pitch_acceleration],
+            &self.propulsion.derivative(&self.drive, &rotors),
+        )
     }
 
     /// A nominal vehicle in free flight.
@@ -64,7 +57,7 @@ impl Forces<'_> {
         let lifts = self.propulsion.lifts_n(&self.drive, &rotors);
         let lift_sum_n = lifts.iter().sum();
         join(
-            &body.derivative(&state, lift_sum_n, self.torque_body_nm(lifts)),
+            &free_flight::derivative(body, &state, lift_sum_n, self.torque_body_nm(lifts)),
             &self.propulsion.derivative(&self.drive, &rotors),
         )
     }
@@ -79,10 +72,23 @@ impl Forces<'_> {
     ) -> [f64; 12] {
         let (state, rotors): (GimbalState, _) = split(whole);
         let drive = self.drive(extended, after_s);
-        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s, 0.0);
-        let torque = self.torque_body_nm(lifts);
+        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s);
+        let [roll_rad, pitch_rad, roll_rate, pitch_rate] = state;
+        let roll = libm::sincos(roll_rad);
+        let [roll_nm, pitch_nm, _] = extended.moment_nm(&Motion {
+            angle_rad: [roll_rad, pitch_rad, 0.0],
+            rate_rad_s: [roll_rate, pitch_rate, 0.0],
+            roll,
+            force: lifts,
+            per_weight_1_n: None,
+            ..extended.instant(after_s)
+        });
+        let [motors_roll_nm, motors_pitch_nm] = Gimbal::moment_nm(roll, self.torque_body_nm(lifts));
+        let moment_nm = [motors_roll_nm + roll_nm, motors_pitch_nm + pitch_nm];
+        let [roll_acceleration, pitch_acceleration] =
+            gimbal.acceleration_rad_s2(roll, [roll_rate, pitch_rate], moment_nm);
         join(
-            &gimbal.extended_derivative(&state, torque, extended.effects, extended.instant(after_s)),
+            &[roll_rate, pitch_rate, roll_acceleration, pitch_acceleration],
             &self.propulsion.derivative(&drive, &rotors),
         )
     }
@@ -97,22 +103,24 @@ impl Forces<'_> {
     ) -> [f64; 21] {
         let (state, rotors): (FreeState, _) = split(whole);
         let drive = self.drive(extended, after_s);
-        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s, state[2]);
+        let factor = extended.ground_factor(&state);
+        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s).map(|lift_n| lift_n * factor);
         let lift_sum_n = lifts.iter().sum();
-        let loads = extended.loads(body, after_s, &state, lift_sum_n);
+        let loads = extended.loads(body, after_s, &state, lifts);
         join(
-            &body.extended_derivative(&state, lift_sum_n, self.torque_body_nm(lifts), &loads),
+            &free_flight::extended_derivative(body, &state, lift_sum_n, self.torque_body_nm(lifts), &loads),
             &self.propulsion.derivative(&drive, &rotors),
         )
     }
 
-    /// Lifts of motors 1 to 4 at the stretch's start, N; `down_m` below the start.
-    pub(super) fn lifts_n(&self, rotors: &RotorState, down_m: f64) -> [f64; 4] {
+    /// Lifts of motors 1 to 4 at the stretch's start, N, of a free vehicle in a state, or on the gimbal.
+    pub(super) fn lifts_n(&self, rotors: &RotorState, free: Option<&FreeState>) -> [f64; 4] {
         match &self.extension {
             None => self.propulsion.lifts_n(&self.drive, rotors),
             Some(extended) => {
+                let factor = free.map_or(1.0, |state| extended.ground_factor(state));
                 let lifts_n = self.propulsion.lifts_n(&self.drive(extended, 0.0), rotors);
-                extended.lifts_n(lifts_n, 0.0, down_m)
+                extended.lifts_n(lifts_n, 0.0).map(|lift_n| lift_n * factor)
             }
         }
     }
@@ -134,19 +142,54 @@ impl Forces<'_> {
 }
 
 impl Extended<'_> {
-    fn instant(&self, after_s: f64) -> Instant {
-        Instant { time_s: self.start_s + after_s, stretch_start_s: self.start_s }
+    /// A motion of nothing, so long after the stretch's start.
+    fn instant(&self, after_s: f64) -> Motion {
+        Motion {
+            time_s: self.start_s + after_s,
+            onset: Onset::Exact { stretch_start_s: self.start_s },
+            angle_rad: [0.0; 3],
+            rate_rad_s: [0.0; 3],
+            roll: (0.0, 1.0),
+            force: [0.0; 4],
+            per_weight_1_n: None,
+        }
     }
 
-    fn lifts_n(&self, lifts_n: [f64; 4], after_s: f64, down_m: f64) -> [f64; 4] {
+    fn lifts_n(&self, lifts_n: [f64; 4], after_s: f64) -> [f64; 4] {
         let factors = self.actuation.lift_factors(self.start_s + after_s);
-        let at_place: f64 = self.effects.iter().map(|effect| effect.extension().lift_factor(down_m)).product();
-        core::array::from_fn(|motor| lifts_n[motor] * factors[motor] * at_place)
+        core::array::from_fn(|motor| lifts_n[motor] * factors[motor])
+    }
+
+    /// What the ground below makes of the lifts.
+    fn ground_factor(&self, state: &FreeState) -> f64 {
+        self.air.lift_factor(self.start_height_m - state[2])
+    }
+
+    fn moment_nm(&self, motion: &Motion) -> [f64; 3] {
+        let mut moment_nm = [0.0; 3];
+        for effect in self.effects {
+            effect.add(motion, &mut moment_nm);
+        }
+        moment_nm
     }
 
     /// Torque and force of the effects in free flight.
-    pub(super) fn loads(&self, body: &FreeBody, after_s: f64, state: &FreeState, lift_sum_n: f64) -> Loads {
-        body.loads(state, lift_sum_n, self.effects, self.wind_ned_m_s, self.instant(after_s))
+    pub(super) fn loads(&self, body: &FreeBody, after_s: f64, state: &FreeState, lifts_n: [f64; 4]) -> Loads {
+        let [_, _, _, _, _, _, w, x, y, z, rate_rad_s @ ..] = *state;
+        let push_body_n = free_flight::push_body_n(self.air, state);
+        if self.effects.is_empty() {
+            return Loads { torque_body_nm: [0.0; 3], push_body_n };
+        }
+        let angle_rad = euler_rad([w, x, y, z]);
+        let motion = Motion {
+            angle_rad,
+            rate_rad_s,
+            roll: libm::sincos(angle_rad[0]),
+            force: lifts_n,
+            per_weight_1_n: Some(body.per_weight_1_n()),
+            ..self.instant(after_s)
+        };
+        Loads { torque_body_nm: self.moment_nm(&motion), push_body_n }
     }
 }
 

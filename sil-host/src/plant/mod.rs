@@ -13,20 +13,18 @@ mod actuation;
 mod dormand_prince;
 mod forces;
 mod free_flight;
-mod gimbal;
 pub(crate) mod integrate;
 mod truth;
 
 use std::collections::VecDeque;
 
-use crate::effects::{BodyChange, Effect, Origin};
-use crate::model::{Mounting, VehicleModel};
-use crate::vehicle::ActuatorChain;
+use crate::effects::{self, Effect};
+use crate::model::VehicleModel;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
+use crate::vehicle::{Airframe, Changes, FreeBody, Gimbal, RigidBody};
 use actuation::Actuation;
-use forces::{Airframe, Extended, Forces, join, split};
-use free_flight::{FreeBody, FreeState};
-use gimbal::{Gimbal, GimbalState};
+use forces::{Extended, Forces, GimbalState, join, split};
+use free_flight::FreeState;
 use integrate::{Method, in_fixed_steps, runge_kutta_4};
 
 pub(crate) use crate::vehicle::quaternion_world_from_body;
@@ -47,9 +45,11 @@ const SAME_TIME_S: f64 = 1e-9;
 pub struct Plant {
     airframe: Airframe,
     propulsion: Propulsion,
-    /// Those that act on the motion; the rest is in body, actuation and sensors.
+    /// Those with a moment.
     effects: Vec<Effect>,
-    /// True if any effect changes body, actuation or motion.
+    /// What effects change of the vehicle's numbers.
+    changes: Changes,
+    /// True if any effect changes more than the body's numbers.
     extended: bool,
     actuation: Actuation,
     gravity_m_s2: f64,
@@ -58,7 +58,6 @@ pub struct Plant {
     /// What the commands in force make the motors do, see [`Propulsion::drive`].
     drive: [f64; 4],
     disturbance_torque_body_nm: [f64; 3],
-    wind_ned_m_s: [f64; 3],
     start_height_m: f64,
     time_s: f64,
     /// Times at which an effect sets in, s, ascending.
@@ -67,16 +66,6 @@ pub struct Plant {
     looks_s: VecDeque<f64>,
     seen: Vec<Truth>,
     method: Method,
-}
-
-/// What effects change from command to lift, and of the body.
-pub(crate) fn changes(effects: &[Effect]) -> (ActuatorChain, BodyChange) {
-    let (mut chain, mut change) = (ActuatorChain::default(), BodyChange::default());
-    for effect in effects {
-        effect.extension().change_actuators(&mut chain);
-        effect.extension().change_body(&mut change);
-    }
-    (chain, change)
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -88,45 +77,34 @@ enum Body {
 impl Plant {
     /// At rest and level, at time 0, the motors in equilibrium at the base command.
     pub fn new(model: &VehicleModel) -> Self {
-        let inertia = model.inertia_kg_m2;
-        let (chain, change) = changes(&model.effects);
-        let body = match model.mounting {
-            Mounting::Gimbal { ring_inertia_kg_m2 } => {
-                Body::Gimbal(Gimbal::new(inertia, ring_inertia_kg_m2, &change), [0.0; 4])
-            }
-            Mounting::Free { mass_kg } => {
+        let changes = effects::changes(&model.effects);
+        let body = match model.nominal_body().changed(&changes.body) {
+            RigidBody::Gimbal(gimbal) => Body::Gimbal(gimbal, [0.0; 4]),
+            RigidBody::Free(body) => {
                 let mut state = [0.0; 13];
                 state[6] = 1.0;
-                Body::Free(FreeBody::new(inertia, mass_kg, model.gravity_m_s2, &change), state)
+                Body::Free(body, state)
             }
         };
-        let airframe = Airframe {
-            lever_m: model.arm_m * core::f64::consts::FRAC_1_SQRT_2,
-            reaction_torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m(),
-        };
-        let moves = |effect: &&Effect| matches!(effect.entry().origin, Origin::Plant | Origin::Environment);
-        let effects: Vec<Effect> = model.effects.iter().filter(moves).copied().collect();
-        let mut onsets_s: Vec<f64> = effects.iter().filter_map(|effect| effect.extension().sets_in_s()).collect();
+        let effects: Vec<Effect> = model.effects.iter().filter(|effect| effect.has_moment()).copied().collect();
+        let mut onsets_s: Vec<f64> = effects.iter().filter_map(|effect| effect.sets_in_s()).collect();
         onsets_s.sort_by(f64::total_cmp);
-        let true_inertia = core::array::from_fn(|axis| change.inertia_scale[axis] * inertia[axis]);
+        let inertia_kg_m2 = core::array::from_fn(|axis| changes.body.inertia_scale[axis] * model.inertia_kg_m2[axis]);
         let effects_step_max_s =
-            model.effects.iter().map(|effect| effect.extension().step_max_s(true_inertia)).fold(STEP_MAX_S, f64::min);
-        let wind = |axis: usize| effects.iter().map(|effect| effect.extension().wind_ned_m_s()[axis]).sum();
+            model.effects.iter().map(|effect| effect.step_max_s(inertia_kg_m2)).fold(STEP_MAX_S, f64::min);
+        let acts_beyond_the_body = Changes { body: Default::default(), sensors: Default::default(), ..changes };
         let mut plant = Self {
-            airframe,
+            airframe: model.airframe(),
             propulsion: model.propulsion,
-            extended: !effects.is_empty() || chain != ActuatorChain::default(),
-            actuation: Actuation::new(chain, [model.base_command; 4]),
+            extended: !effects.is_empty() || acts_beyond_the_body != Changes::default(),
+            actuation: Actuation::new(changes.chain, [model.base_command; 4]),
             gravity_m_s2: model.gravity_m_s2,
             body,
             rotors: [0.0; 8],
             drive: [0.0; 4],
             disturbance_torque_body_nm: [0.0; 3],
-            wind_ned_m_s: [wind(0), wind(1), wind(2)],
-            start_height_m: effects
-                .iter()
-                .find_map(|effect| effect.extension().start_height_m())
-                .unwrap_or(START_HEIGHT_M),
+            start_height_m: changes.air.start_height_m.unwrap_or(START_HEIGHT_M),
+            changes,
             effects,
             time_s: 0.0,
             onsets_s,
@@ -141,7 +119,7 @@ impl Plant {
     /// Commands given now, motors 1 to 4, 0..1; beyond that they are clamped, and not a number counts as 0. They are in
     /// force at once, unless an effect delays them.
     pub fn set_commands(&mut self, commands: [f64; 4]) {
-        if self.actuation.command(self.time_s, commands.map(admissible_command)) {
+        if self.actuation.command(self.time_s, commands) {
             self.take_commands_in_force();
         }
     }
@@ -161,11 +139,10 @@ impl Plant {
     /// `theta' = q cos phi - r sin phi`.
     pub fn set_attitude(&mut self, roll_pitch_yaw_rad: [f64; 3], rate_body_rad_s: [f64; 3]) {
         let [roll, pitch, _] = roll_pitch_yaw_rad;
-        let [p, q, r] = rate_body_rad_s;
         match &mut self.body {
             Body::Gimbal(_, state) => {
-                let (sin_roll, cos_roll) = libm::sincos(roll);
-                *state = [roll, pitch, p, q * cos_roll - r * sin_roll];
+                let [roll_rate, pitch_rate] = Gimbal::rate_rad_s(libm::sincos(roll), rate_body_rad_s);
+                *state = [roll, pitch, roll_rate, pitch_rate];
             }
             Body::Free(_, state) => {
                 let quaternion = quaternion_world_from_body(roll_pitch_yaw_rad);
@@ -177,7 +154,7 @@ impl Plant {
 
     /// Puts the motors where they settle at these commands, which are in force; none is under way any more.
     pub fn set_motor_equilibrium(&mut self, commands: [f64; 4]) {
-        self.actuation.settle(commands.map(admissible_command));
+        self.actuation.settle(commands);
         self.take_commands_in_force();
         for (motor, command) in self.actuation.target().into_iter().enumerate() {
             let settled = self.propulsion.equilibrium(command);
@@ -204,7 +181,7 @@ impl Plant {
 
     /// Puts the ground so far below the rotors at the start, m, unless an effect says where it is.
     pub fn set_start_height_m(&mut self, height_m: f64) {
-        if !self.effects.iter().any(|effect| effect.extension().start_height_m().is_some()) {
+        if self.changes.air.start_height_m.is_none() {
             self.start_height_m = height_m;
         }
     }
@@ -228,7 +205,7 @@ impl Plant {
 
     /// The battery's voltage, V.
     pub fn battery_v(&self) -> f64 {
-        self.actuation.chain.battery.voltage_v(self.time_s)
+        self.actuation.chain.lift.battery.voltage_v(self.time_s)
     }
 
     /// Takes a measured battery in place of the simulated one: how far its voltage is below its mean over the first
@@ -358,7 +335,8 @@ impl Plant {
         let extension = self.extended.then_some(Extended {
             effects: &self.effects,
             actuation: &self.actuation,
-            wind_ned_m_s: self.wind_ned_m_s,
+            air: &self.changes.air,
+            start_height_m: self.start_height_m,
             start_s: self.time_s,
         });
         Forces {
@@ -369,10 +347,6 @@ impl Plant {
             extension,
         }
     }
-}
-
-fn admissible_command(command: f64) -> f64 {
-    if command.is_nan() { 0.0 } else { command.clamp(0.0, 1.0) }
 }
 
 /// The derivative holds a stopped rotor, a step may still overshoot zero.

@@ -1,7 +1,8 @@
 //! What an observer who sees everything would say of the plant.
 
-use super::free_flight::Loads;
-use super::{Body, Plant, gimbal};
+use super::free_flight::push_body_n;
+use super::{Body, Plant};
+use crate::vehicle::{Gimbal, euler_rad, euler_rates_rad_s, quaternion_world_from_body};
 
 /// The vehicle's true motion at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,13 +41,13 @@ impl Plant {
         let ([roll_rad, pitch_rad, yaw_rad], q_world_from_body, position, velocity) = match &self.body {
             Body::Gimbal(_, [roll, pitch, _, _]) => {
                 let angles = [*roll, *pitch, 0.0];
-                let quaternion = crate::vehicle::quaternion_world_from_body(angles);
+                let quaternion = quaternion_world_from_body(angles);
                 (angles, quaternion, [0.0; 3], [0.0; 3])
             }
             Body::Free(_, state) => {
                 let [x, y, z, vx, vy, vz, qw, qx, qy, qz, ..] = *state;
                 let quaternion = [qw, qx, qy, qz];
-                let angles = crate::vehicle::euler_rad(quaternion);
+                let angles = euler_rad(quaternion);
                 (angles, quaternion, [x, y, z], [vx, vy, vz])
             }
         };
@@ -56,7 +57,7 @@ impl Plant {
             roll_rad,
             pitch_rad,
             yaw_rad,
-            euler_rate_rad_s: euler_rate_rad_s(roll_rad, pitch_rad, rate_body_rad_s),
+            euler_rate_rad_s: euler_rates_rad_s(libm::sincos(roll_rad), libm::sincos(pitch_rad), rate_body_rad_s),
             q_world_from_body,
             rate_body_rad_s,
             specific_force_body_m_s2: self.specific_force_body_m_s2(),
@@ -71,7 +72,9 @@ impl Plant {
     /// Body rate (p, q, r), rad/s: what an ideal gyro reads.
     pub fn rate_body_rad_s(&self) -> [f64; 3] {
         match &self.body {
-            Body::Gimbal(_, state) => gimbal::rate_body_rad_s(state),
+            Body::Gimbal(_, [roll, _, roll_rate, pitch_rate]) => {
+                Gimbal::rate_body_rad_s(libm::sincos(*roll), [*roll_rate, *pitch_rate])
+            }
             Body::Free(_, [.., p, q, r]) => [*p, *q, *r],
         }
     }
@@ -80,14 +83,10 @@ impl Plant {
     /// accelerometer there reads. Level and at rest it is (0, 0, -g).
     pub fn specific_force_body_m_s2(&self) -> [f64; 3] {
         match &self.body {
-            Body::Gimbal(_, state) => gimbal::specific_force_body_m_s2(state, self.gravity_m_s2),
+            Body::Gimbal(_, [roll, pitch, ..]) => Gimbal::specific_force_body_m_s2([*roll, *pitch], self.gravity_m_s2),
             Body::Free(body, state) => {
-                let lift_sum_n = self.lifts_n().iter().sum();
-                let loads = match &self.forces().extension {
-                    None => Loads::default(),
-                    Some(extended) => extended.loads(body, 0.0, state, lift_sum_n),
-                };
-                body.specific_force_body_m_s2(lift_sum_n, &loads)
+                let push_body_n = push_body_n(&self.changes.air, state);
+                body.specific_force_m_s2(self.lifts_n().iter().sum(), push_body_n)
             }
         }
     }
@@ -100,19 +99,10 @@ impl Plant {
 
     /// Lift of motors 1 to 4, N.
     pub fn lifts_n(&self) -> [f64; 4] {
-        let down_m = match &self.body {
-            Body::Gimbal(..) => 0.0,
-            Body::Free(_, state) => state[2],
+        let free = match &self.body {
+            Body::Gimbal(..) => None,
+            Body::Free(_, state) => Some(state),
         };
-        self.forces().lifts_n(&self.rotors, down_m)
+        self.forces().lifts_n(&self.rotors, free)
     }
-}
-
-/// Derivatives of roll, pitch and yaw from the body rate. Where the nose points straight up or down, roll and yaw
-/// are not defined; just beside it their rates are as large as they get.
-fn euler_rate_rad_s(roll_rad: f64, pitch_rad: f64, [p, q, r]: [f64; 3]) -> [f64; 3] {
-    let (sin_roll, cos_roll) = libm::sincos(roll_rad);
-    let (sin_pitch, cos_pitch) = libm::sincos(pitch_rad);
-    let yaw_rate = (q * sin_roll + r * cos_roll) / cos_pitch.abs().max(1e-9).copysign(cos_pitch);
-    [p + yaw_rate * sin_pitch, q * cos_roll - r * sin_roll, yaw_rate]
 }

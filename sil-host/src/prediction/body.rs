@@ -1,13 +1,13 @@
-//! How forces turn the vehicle: the rigs' equations of motion, written for the diagnosis and apart from the plant's.
+//! How forces turn the vehicle, in the form that a log's windows take: a state in Euler angles, for each rig.
 //!
 //! | rig | state | equations |
 //! |---|---|---|
-//! | gimbal | roll, pitch, -, roll', pitch', - | docs/rig.md, rig A, with an off-diagonal inertia P: kinetic energy + P p q |
-//! | free | roll, pitch, yaw, p, q, r; then velocity north, east, down and height | Euler's, angles Z-Y-X; Newton's (`air`) |
+//! | gimbal | roll, pitch, -, roll', pitch', - | [`Gimbal`] |
+//! | free | roll, pitch, yaw, p, q, r; then velocity north, east, down and height | [`FreeBody`], [`Air`] |
 //! | axes | angles and their derivatives | unit inertia, one input gain each |
 
-use crate::model::{Mounting, VehicleModel};
-use crate::prediction::air::{Air, Attitude};
+use crate::vehicle::{Air, Airframe, Attitude, FreeBody, Gimbal, Onset, RigidBody, euler_rates_rad_s};
+pub(crate) use crate::vehicle::{Moment, Motion};
 
 /// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal and on separate axes, of the body when free.
 pub(crate) type Turning = [f64; TURNING];
@@ -24,82 +24,31 @@ pub(crate) fn turning(x: &State) -> Turning {
     [a, b, c, d, e, f]
 }
 
-/// What a moment may depend on.
+/// What turns, its numbers ready for the equations.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
-    /// Time, s.
-    pub(crate) time_s: f64,
-    /// Roll, pitch, yaw, rad.
-    pub(crate) angle_rad: [f64; 3],
-    /// Rates that plant effects act against (docs/effects.md): of the angles, or of the body when free.
-    pub(crate) rate_rad_s: [f64; 3],
-    /// Sine and cosine of roll.
-    pub(crate) roll: (f64, f64),
-    /// The four forces: the motors' lifts, N; on separate axes the axis commands.
-    pub(crate) force: [f64; 4],
-}
-
-/// A moment beside the motors', about the rig's axes or, free, the body's.
-pub(crate) trait Moment: Sync + Send {
-    /// Adds it, N m (rad/s^2 on separate axes).
-    fn add(&self, motion: &Motion, moment: &mut [f64; 3]);
-}
-
-/// Rig and inertia.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Body {
-    pub(crate) rig: BodyRig,
-    /// True over nominal inertia per axis.
-    pub(crate) inertia_scale: [f64; 3],
-    /// Off-diagonal inertia P between roll and pitch, kg m^2.
-    pub(crate) product_kg_m2: f64,
-}
-
-/// The numbers of each rig.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum BodyRig {
-    Gimbal { airframe: Airframe, inertia_kg_m2: [f64; 3], ring_inertia_kg_m2: f64 },
-    Free { airframe: Airframe, inertia_kg_m2: [f64; 3], mass_kg: f64, gravity_m_s2: f64 },
+pub(crate) enum Body {
+    Gimbal { airframe: Airframe, gimbal: Gimbal },
+    Free { airframe: Airframe, body: FreeBody },
     Axes { gain_rad_s2: [f64; 3] },
 }
 
-/// From lifts to torques, quad-X (docs/rig.md, "Frames and motors").
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Airframe {
-    lever_m: f64,
-    reaction_torque_per_lift_m: f64,
-}
-
-impl Airframe {
-    fn torque_body_nm(&self, f: &[f64; 4]) -> [f64; 3] {
-        [
-            self.lever_m * (f[1] + f[2] - f[0] - f[3]),
-            self.lever_m * (f[0] + f[2] - f[1] - f[3]),
-            self.reaction_torque_per_lift_m * (f[0] + f[1] - f[2] - f[3]),
-        ]
-    }
-}
-
 impl Body {
-    /// The nominal body of a model.
-    pub(crate) fn of(model: &VehicleModel) -> Body {
-        let airframe = Airframe {
-            lever_m: model.arm_m * core::f64::consts::FRAC_1_SQRT_2,
-            reaction_torque_per_lift_m: model.propulsion.reaction_torque_per_lift_m(),
-        };
-        let inertia_kg_m2 = model.inertia_kg_m2;
-        let rig = match model.mounting {
-            Mounting::Gimbal { ring_inertia_kg_m2 } => BodyRig::Gimbal { airframe, inertia_kg_m2, ring_inertia_kg_m2 },
-            Mounting::Free { mass_kg } => {
-                BodyRig::Free { airframe, inertia_kg_m2, mass_kg, gravity_m_s2: model.gravity_m_s2 }
-            }
-        };
-        Body { rig, inertia_scale: [1.0; 3], product_kg_m2: 0.0 }
+    /// A vehicle's body, its lifts turned into torque by its airframe.
+    pub(crate) fn of(airframe: Airframe, body: RigidBody) -> Body {
+        match body {
+            RigidBody::Gimbal(gimbal) => Body::Gimbal { airframe, gimbal },
+            RigidBody::Free(body) => Body::Free { airframe, body },
+        }
     }
 
-    /// Separate axes.
-    pub(crate) fn axes(gain_rad_s2: [f64; 3]) -> Body {
-        Body { rig: BodyRig::Axes { gain_rad_s2 }, inertia_scale: [1.0; 3], product_kg_m2: 0.0 }
+    /// The motion of a state, as moments see it.
+    fn motion(&self, time_s: f64, x: &Turning, roll: (f64, f64), force: [f64; 4]) -> Motion {
+        let per_weight_1_n = match self {
+            Body::Free { body, .. } => Some(body.per_weight_1_n()),
+            Body::Gimbal { .. } | Body::Axes { .. } => None,
+        };
+        let (angle_rad, rate_rad_s) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
+        Motion { time_s, onset: Onset::Ramp, angle_rad, rate_rad_s, roll, force, per_weight_1_n }
     }
 
     /// Change of the state under forces and moments.
@@ -110,80 +59,28 @@ impl Body {
         force: &[f64; 4],
         moments: &[Box<dyn Moment>],
     ) -> Turning {
-        let level = (0.0, 1.0);
-        let roll = match self.rig {
-            BodyRig::Axes { .. } => level,
-            BodyRig::Gimbal { .. } | BodyRig::Free { .. } => libm::sincos(x[0]),
+        let roll = match self {
+            Body::Axes { .. } => (0.0, 1.0),
+            Body::Gimbal { .. } | Body::Free { .. } => libm::sincos(x[0]),
         };
-        let motion =
-            Motion { time_s, angle_rad: [x[0], x[1], x[2]], rate_rad_s: [x[3], x[4], x[5]], roll, force: *force };
-        let mut moment = [0.0; 3];
-        for effect in moments {
-            effect.add(&motion, &mut moment);
+        let moment = sum(moments, || self.motion(time_s, x, roll, *force));
+        let rate = [x[3], x[4], x[5]];
+        match self {
+            Body::Gimbal { airframe, gimbal } => {
+                let [on_roll, on_pitch] = Gimbal::moment_nm(roll, airframe.torque_body_nm(*force));
+                let moment_nm = [on_roll + moment[0], on_pitch + moment[1]];
+                let [roll_acceleration, pitch_acceleration] =
+                    gimbal.acceleration_rad_s2(roll, [rate[0], rate[1]], moment_nm);
+                [rate[0], rate[1], 0.0, roll_acceleration, pitch_acceleration, 0.0]
+            }
+            Body::Free { airframe, body } => {
+                free(body, roll, libm::sincos(x[1]), rate, airframe.torque_body_nm(*force), moment)
+            }
+            Body::Axes { gain_rad_s2 } => {
+                let acceleration = |i: usize| gain_rad_s2[i] * force[i] + moment[i];
+                [rate[0], rate[1], rate[2], acceleration(0), acceleration(1), acceleration(2)]
+            }
         }
-        match &self.rig {
-            BodyRig::Gimbal { airframe, inertia_kg_m2, ring_inertia_kg_m2 } => {
-                self.gimbal(&motion, &airframe.torque_body_nm(force), &moment, inertia_kg_m2, *ring_inertia_kg_m2)
-            }
-            BodyRig::Free { airframe, inertia_kg_m2, .. } => {
-                let pitch = libm::sincos(x[1]);
-                self.free(&motion, pitch, &airframe.torque_body_nm(force), &moment, inertia_kg_m2)
-            }
-            BodyRig::Axes { gain_rad_s2 } => {
-                let acceleration = |i: usize| (gain_rad_s2[i] * force[i] + moment[i]) / self.inertia_scale[i];
-                [x[3], x[4], x[5], acceleration(0), acceleration(1), acceleration(2)]
-            }
-        }
-    }
-
-    fn gimbal(&self, m: &Motion, tau: &[f64; 3], moment: &[f64; 3], inertia: &[f64; 3], ring: f64) -> Turning {
-        let [roll_rate, pitch_rate, _] = m.rate_rad_s;
-        let ((sin, cos), [ixx, iyy, izz]) = (m.roll, *inertia);
-        let j = self.inertia_scale[1] * (ring + iyy * cos * cos + izz * sin * sin);
-        let j_slope = self.inertia_scale[1] * 2.0 * (izz - iyy) * sin * cos;
-        let i = self.inertia_scale[0] * ixx;
-        let on_roll = tau[0] + moment[0] + 0.5 * j_slope * pitch_rate * pitch_rate;
-        let on_pitch = tau[1] * cos - tau[2] * sin + moment[1] - j_slope * roll_rate * pitch_rate
-            + self.product_kg_m2 * sin * roll_rate * roll_rate;
-        // mass matrix [i, c; c, j]
-        let c = self.product_kg_m2 * cos;
-        let determinant = i * j - c * c;
-        let roll_acceleration = (j * on_roll - c * on_pitch) / determinant;
-        let pitch_acceleration = (i * on_pitch - c * on_roll) / determinant;
-        [roll_rate, pitch_rate, 0.0, roll_acceleration, pitch_acceleration, 0.0]
-    }
-
-    #[inline(never)]
-    fn free(
-        &self,
-        m: &Motion,
-        (sin_pitch, cos_pitch): (f64, f64),
-        tau: &[f64; 3],
-        moment: &[f64; 3],
-        inertia: &[f64; 3],
-    ) -> Turning {
-        let [p, q, r] = m.rate_rad_s;
-        let [ix, iy, iz] = [0, 1, 2].map(|axis: usize| inertia[axis] * self.inertia_scale[axis]);
-        let product = self.product_kg_m2;
-        // angular momentum with the off-diagonal entry, and its turn with the body
-        let h = [ix * p + product * q, product * p + iy * q, iz * r];
-        let on = [
-            tau[0] + moment[0] - (q * h[2] - r * h[1]),
-            tau[1] + moment[1] - (r * h[0] - p * h[2]),
-            tau[2] + moment[2] - (p * h[1] - q * h[0]),
-        ];
-        let determinant = ix * iy - product * product;
-        let (sin_roll, cos_roll) = m.roll;
-        // near the vertical the angles lose their meaning, the formulas stay finite
-        let heading = (q * sin_roll + r * cos_roll) / cos_pitch.abs().max(1e-3).copysign(cos_pitch);
-        [
-            p + sin_pitch * heading,
-            q * cos_roll - r * sin_roll,
-            heading,
-            (iy * on[0] - product * on[1]) / determinant,
-            (ix * on[1] - product * on[0]) / determinant,
-            on[2] / iz,
-        ]
     }
 
     /// Change of a free vehicle's state under lifts as they are far from the ground; what hangs in a rig only turns.
@@ -197,50 +94,39 @@ impl Body {
     ) -> State {
         let factor = air.lift_factor(x[9]);
         let lifts_n = force.map(|lift_n| factor * lift_n);
-        let BodyRig::Free { airframe, inertia_kg_m2, mass_kg, gravity_m_s2 } = &self.rig else {
+        let Body::Free { airframe, body } = self else {
             let [a, b, c, d, e, f] = self.derivative(time_s, &turning(x), &lifts_n, moments);
             return [a, b, c, d, e, f, 0.0, 0.0, 0.0, 0.0];
         };
         let [roll, pitch, yaw, p, q, r, north, east, down, _] = *x;
-        let attitude = Attitude::of(roll, pitch, yaw);
-        let motion = Motion {
-            time_s,
-            angle_rad: [roll, pitch, yaw],
-            rate_rad_s: [p, q, r],
-            roll: attitude.roll,
-            force: lifts_n,
-        };
-        let mut moment = [0.0; 3];
-        for effect in moments {
-            effect.add(&motion, &mut moment);
-        }
-        let tau = airframe.torque_body_nm(&lifts_n);
-        let [a, b, c, d, e, f] = self.free(&motion, attitude.pitch, &tau, &moment, inertia_kg_m2);
-        let specific = air.specific_force_m_s2(*mass_kg, lifts_n.iter().sum(), &attitude, [north, east, down]);
-        let [to_north, to_east, to_down] = attitude.in_world(specific);
-        [a, b, c, d, e, f, to_north, to_east, to_down + gravity_m_s2, -down]
+        let attitude = Attitude::of([roll, pitch, yaw]);
+        let moment = sum(moments, || self.motion(time_s, &turning(x), attitude.roll, lifts_n));
+        let torque = airframe.torque_body_nm(lifts_n);
+        let [a, b, c, d, e, f] = free(body, attitude.roll, attitude.pitch, [p, q, r], torque, moment);
+        let push = air.push_n(attitude.in_body(air.against_m_s([north, east, down])));
+        let felt = body.specific_force_m_s2(lifts_n.iter().sum(), push);
+        let [to_north, to_east, to_down] = attitude.in_world(felt);
+        [a, b, c, d, e, f, to_north, to_east, to_down + body.gravity_m_s2, -down]
     }
 
     /// What an accelerometer at the centre of gravity of a free vehicle feels, body axes, m/s^2; nothing in a rig.
     pub(crate) fn felt_m_s2(&self, x: &State, force: &[f64; 4], air: &Air) -> [f64; 3] {
-        let BodyRig::Free { mass_kg, .. } = self.rig else { return [0.0; 3] };
+        let Body::Free { body, .. } = self else { return [0.0; 3] };
         let lift_n = air.lift_factor(x[9]) * force.iter().sum::<f64>();
-        air.specific_force_m_s2(mass_kg, lift_n, &Attitude::of(x[0], x[1], x[2]), [x[6], x[7], x[8]])
+        let velocity = air.against_m_s([x[6], x[7], x[8]]);
+        body.specific_force_m_s2(lift_n, air.push_n(Attitude::of([x[0], x[1], x[2]]).in_body(velocity)))
     }
 
     /// True where nothing holds it.
     pub(crate) fn flies_free(&self) -> bool {
-        matches!(self.rig, BodyRig::Free { .. })
+        matches!(self, Body::Free { .. })
     }
 
     /// Body rates p, q, r of a state.
     pub(crate) fn rate_body_rad_s(&self, x: &Turning) -> [f64; 3] {
-        match self.rig {
-            BodyRig::Gimbal { .. } => {
-                let (sin, cos) = libm::sincos(x[0]);
-                [x[3], x[4] * cos, -x[4] * sin]
-            }
-            BodyRig::Free { .. } | BodyRig::Axes { .. } => [x[3], x[4], x[5]],
+        match self {
+            Body::Gimbal { .. } => Gimbal::rate_body_rad_s(libm::sincos(x[0]), [x[3], x[4]]),
+            Body::Free { .. } | Body::Axes { .. } => [x[3], x[4], x[5]],
         }
     }
 
@@ -248,14 +134,41 @@ impl Body {
     pub(crate) fn state_of(&self, angle_rad: [f64; 3], rate_body_rad_s: [f64; 3]) -> Turning {
         let [roll, pitch, yaw] = angle_rad;
         let [p, q, r] = rate_body_rad_s;
-        match self.rig {
-            BodyRig::Gimbal { .. } => {
+        match self {
+            Body::Gimbal { .. } => {
                 let (sin, cos) = libm::sincos(roll);
+                let [_, pitch_rate] = Gimbal::rate_rad_s((sin, cos), rate_body_rad_s);
                 // without r, and away from 90 degrees, q alone tells
-                let pitch_rate = if r == 0.0 { q / cos.abs().max(0.1).copysign(cos) } else { q * cos - r * sin };
+                let pitch_rate = if r == 0.0 { q / cos.abs().max(0.1).copysign(cos) } else { pitch_rate };
                 [roll, pitch, 0.0, p, pitch_rate, 0.0]
             }
-            BodyRig::Free { .. } | BodyRig::Axes { .. } => [roll, pitch, yaw, p, q, r],
+            Body::Free { .. } | Body::Axes { .. } => [roll, pitch, yaw, p, q, r],
         }
     }
+}
+
+/// Sum of the moments of a motion.
+#[inline]
+fn sum(moments: &[Box<dyn Moment>], motion: impl FnOnce() -> Motion) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    if !moments.is_empty() {
+        let motion = motion();
+        moments.iter().for_each(|moment| moment.add(&motion, &mut sum));
+    }
+    sum
+}
+
+#[inline(never)]
+fn free(
+    body: &FreeBody,
+    roll: (f64, f64),
+    pitch: (f64, f64),
+    rate: [f64; 3],
+    torque: [f64; 3],
+    moment: [f64; 3],
+) -> Turning {
+    let [a, b, c] = euler_rates_rad_s(roll, pitch, rate);
+    let on = core::array::from_fn(|axis| torque[axis] + moment[axis]);
+    let [d, e, f] = body.angular_acceleration_rad_s2(rate, on);
+    [a, b, c, d, e, f]
 }

@@ -4,9 +4,7 @@ use super::error::NotPredictable;
 use super::force_track::Commands;
 use crate::axis::Axis;
 use crate::log::{Log, Quantity};
-
-/// Which way each motor turns the vehicle about (x, y, z): docs/rig.md, "Frames and motors".
-const TORQUE_SIGNS: [[f64; 4]; 3] = [[-1.0, 1.0, 1.0, -1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];
+use crate::vehicle::signed_sums;
 
 /// The commands of the four motors, each in force until the next row.
 ///
@@ -41,10 +39,7 @@ pub(crate) fn commands_of_axes(log: &Log) -> Result<Commands, NotPredictable> {
 pub(crate) fn axis_commands(log: &Log) -> Vec<[f64; 4]> {
     let of_axis = |axis: Axis, row: usize| match (&log.axis_command[axis.index()], log.motors()) {
         (Some(column), _) => column[row],
-        (None, Some(motors)) => {
-            let signs = TORQUE_SIGNS[axis.index()];
-            0.5 * motors.iter().zip(signs).map(|(motor, sign)| sign * motor[row]).sum::<f64>()
-        }
+        (None, Some(motors)) => 0.5 * signed_sums(motors.map(|motor| motor[row]))[axis.index()],
         (None, None) => 0.0,
     };
     let of_row = |row: usize| [of_axis(Axis::Roll, row), of_axis(Axis::Pitch, row), of_axis(Axis::Yaw, row), 0.0];

@@ -5,8 +5,8 @@
 //! per coarse step the force's mean and first moment are kept, with which a rigid body's step is exact in impulse
 //! and in displacement whatever the force does within it.
 
-use crate::model::VehicleModel;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
+use crate::vehicle::{CommandPath, on_the_way};
 
 /// Longest step of the body, s.
 const BODY_STEP_MAX_S: f64 = 5e-3;
@@ -16,24 +16,6 @@ const MOTOR_STEP_MAX_S: f64 = 0.4e-3;
 const INTERVAL_MAX_S: f64 = 10.0;
 /// A step shorter than this is rounding of a time.
 const TIME_ROUNDING_S: f64 = 1e-9;
-
-/// What happens to a command before the ESC, in this order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Chain {
-    /// Pure delay, s.
-    pub(crate) delay_s: f64,
-    /// Least command that the ESC obeys.
-    pub(crate) command_min: f64,
-    /// Greatest.
-    pub(crate) command_max: f64,
-    /// First-order lag, s.
-    pub(crate) lag_s: f64,
-}
-
-impl Chain {
-    /// Every command arrives at once and whole.
-    pub(crate) const NOMINAL: Chain = Chain { delay_s: 0.0, command_min: 0.0, command_max: 1.0, lag_s: 0.0 };
-}
 
 /// What turns commands into forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,11 +27,6 @@ pub(crate) enum Drive {
 }
 
 impl Drive {
-    /// The motors of a model.
-    pub(crate) fn of(model: &VehicleModel) -> Drive {
-        Drive::Motors(model.propulsion)
-    }
-
     /// Forces once the motors have settled.
     pub(crate) fn settled(&self, commands: &[f64; 4]) -> [f64; 4] {
         match self {
@@ -100,14 +77,14 @@ pub(crate) struct ForceTrack {
 }
 
 impl ForceTrack {
-    /// Follows the commands through chain and drive, everything settled at the first command; steps end at the rows of a log.
-    pub(crate) fn new(rows_s: &[f64], commands: &Commands, chain: &Chain, drive: &Drive) -> ForceTrack {
+    /// Follows the commands through path and drive, everything settled at the first command; steps end at the rows of a log.
+    pub(crate) fn new(rows_s: &[f64], commands: &Commands, path: &CommandPath, drive: &Drive) -> ForceTrack {
         let mut track = ForceTrack {
             steps: Vec::new(),
             first_step: Vec::with_capacity(rows_s.len()),
             at_row: Vec::with_capacity(rows_s.len()),
         };
-        let mut motors = Motors::settled(commands, chain, drive);
+        let mut motors = Motors::settled(commands, path, drive);
         for interval in rows_s.windows(2) {
             track.first_step.push(track.steps.len());
             track.at_row.push(motors.forces());
@@ -142,7 +119,7 @@ impl ForceTrack {
 
 /// Commands on their way and motors in motion.
 struct Motors<'a> {
-    chain: &'a Chain,
+    path: &'a CommandPath,
     drive: &'a Drive,
     /// Row whose command has arrived, and the one that arrives next.
     row: usize,
@@ -155,8 +132,8 @@ struct Motors<'a> {
 }
 
 impl<'a> Motors<'a> {
-    fn settled(commands: &Commands, chain: &'a Chain, drive: &'a Drive) -> Motors<'a> {
-        let arrived = clipped(commands.value.first().copied().unwrap_or_default(), chain, drive);
+    fn settled(commands: &Commands, path: &'a CommandPath, drive: &'a Drive) -> Motors<'a> {
+        let arrived = clipped(commands.value.first().copied().unwrap_or_default(), path, drive);
         let mut rotors = [0.0; 8];
         if let Drive::Motors(propulsion) = drive {
             for motor in 0..4 {
@@ -164,7 +141,7 @@ impl<'a> Motors<'a> {
                 (rotors[motor], rotors[4 + motor]) = (settled.speed_rad_s, settled.current_a);
             }
         }
-        Motors { chain, drive, row: 0, arrived, lagged: arrived, driving: drive.of_commands(&arrived), rotors }
+        Motors { path, drive, row: 0, arrived, lagged: arrived, driving: drive.of_commands(&arrived), rotors }
     }
 
     /// The forces now.
@@ -210,13 +187,13 @@ impl<'a> Motors<'a> {
     fn receive(&mut self, commands: &Commands, now_s: f64) -> f64 {
         loop {
             let Some(next_s) = commands.time_s.get(self.row + 1) else { return f64::INFINITY };
-            let arrival_s = next_s + self.chain.delay_s;
+            let arrival_s = next_s + self.path.delay_s;
             if arrival_s > now_s + TIME_ROUNDING_S {
                 return arrival_s;
             }
             self.row += 1;
-            self.arrived = clipped(commands.value[self.row], self.chain, self.drive);
-            if self.chain.lag_s <= 0.0 {
+            self.arrived = clipped(commands.value[self.row], self.path, self.drive);
+            if self.path.lag_s <= 0.0 {
                 self.lagged = self.arrived;
                 self.driving = self.drive.of_commands(&self.arrived);
             }
@@ -226,11 +203,9 @@ impl<'a> Motors<'a> {
     /// Forces at the begin, in the middle and at the end of a step under one command.
     fn motor_step(&mut self, step_s: f64) -> [[f64; 4]; 3] {
         let begin = self.driving;
-        let (middle, end) = if self.chain.lag_s > 0.0 {
-            let half_left = libm::exp(-0.5 * step_s / self.chain.lag_s);
-            let behind = |left: f64| -> [f64; 4] {
-                core::array::from_fn(|i| self.arrived[i] + left * (self.lagged[i] - self.arrived[i]))
-            };
+        let (middle, end) = if self.path.lag_s > 0.0 {
+            let half_left = self.path.left_after(0.5 * step_s);
+            let behind = |left: f64| on_the_way(self.lagged, self.arrived, left);
             let (middle, end) = (behind(half_left), behind(half_left * half_left));
             self.lagged = end;
             (self.drive.of_commands(&middle), self.drive.of_commands(&end))
@@ -245,10 +220,10 @@ impl<'a> Motors<'a> {
     }
 }
 
-fn clipped(command: [f64; 4], chain: &Chain, drive: &Drive) -> [f64; 4] {
+fn clipped(command: [f64; 4], path: &CommandPath, drive: &Drive) -> [f64; 4] {
     command.map(|command| match drive {
-        Drive::Motors(_) => command.max(chain.command_min).min(chain.command_max).clamp(0.0, 1.0),
-        Drive::Direct => command.max(-chain.command_max).min(chain.command_max),
+        Drive::Motors(_) => path.clipped(command),
+        Drive::Direct => path.clipped_about_zero(command),
     })
 }
 

@@ -3,23 +3,22 @@
 //! ```text
 //! log -> windows of 0.5 s, half of them held out (window)
 //!     -> channels (channel, subject), noise of each (noise), commands (commands, lost_commands)   = a log that any model can be held against
-//! model: commands -> forces (force_track) -> rotation (body) and flight (air) -> what the sensors report (sensor), row by row (model)
+//! model: commands -> forces (force_track) -> rotation and flight (body) -> what the sensors report, row by row (model)
 //! start state of a window from the rows around its start (start_state) -> open loop to the end of the window
 //!     -> measured less predicted; the error of an exact model: the noise floor (accuracy) -> a whole log (predicted_log)
 //! ```
 //!
-//! Shared with the plant: the vehicle's numbers and the propulsion (`vehicle::propulsion`: lift, torque, the motors' differential equations).
-//! Its own: equations of motion, actuator chain, sensors, the effects' action on these, and the integration (Runge-Kutta 4 in steps of up to 5
-//! ms under forces that are known by mean and first moment; motors in steps of 0.4 ms).
+//! Shared with the plant: the vehicle's numbers and propulsion, its equations of motion, its actuator and sensor chains (`vehicle`), and the
+//! effects (`effects`). Its own: the integration (the motors once for a whole log, in steps of 0.4 ms; the body by Runge-Kutta 4 in steps of up
+//! to 5 ms, under forces that are known by their mean and first moment), and all that makes a log of many rows out of it.
 //!
 //! What checks it: synthetic logs are made by the plant under Dormand and Prince's method to 1e-6 of the state, and every effect's log, held
-//! against the model that has it, must miss by the noise floor (`comparison::tests`); axes whose motion is known in closed form
-//! (`start_state`, `diagnosis::nominal`); the plant itself is tested against the equations of the docs pages; and logs of real vehicles
-//! (`tests/tests/real_logs.rs`). What is shared is not checked by synthetic logs: a mistake in the propulsion shows in its own tests and in real
-//! logs only.
+//! against the model that has it, must miss by the noise floor (`comparison::tests`): another integrator and other bookkeeping of time, the
+//! same equations. Axes whose motion is known in closed form (`start_state`, `diagnosis::nominal`) share nothing. Equations and effects are
+//! tested against those of the docs pages, calling neither; beyond that speak the logs of real vehicles (`tests/tests/real_logs.rs`). A
+//! mistake in what is shared that its own tests let pass shows in real logs only.
 
 pub(crate) mod accuracy;
-pub(crate) mod air;
 pub(crate) mod body;
 mod channel;
 pub(crate) mod commands;
@@ -29,7 +28,6 @@ pub(crate) mod lost_commands;
 pub(crate) mod model;
 pub(crate) mod noise;
 pub(crate) mod predicted_log;
-pub(crate) mod sensor;
 pub(crate) mod start_state;
 mod subject;
 pub(crate) mod window;

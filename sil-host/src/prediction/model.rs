@@ -2,33 +2,29 @@
 
 use core::ops::Range;
 
-use crate::diagnosis::effects::SOFTENING_RAD_S;
+use crate::axis::Axis;
+use crate::effects::Effect;
+use crate::model::VehicleModel;
 use crate::prediction::Channel;
-use crate::prediction::air::Air;
 use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
-use crate::prediction::force_track::{Chain, Commands, Drive, ForceTrack, Step};
-use crate::prediction::sensor::Sensors;
+use crate::prediction::force_track::{Commands, Drive, ForceTrack, Step};
+use crate::vehicle::{Airframe, Changes, NominalBody};
 
 /// Parts of a step of the body in which dry friction turns round, a millisecond or two.
 const DRY_PARTS: u8 = 8;
 
-/// A model with whatever effects it is given; [`crate::diagnosis::effects::Effect::apply`] changes it.
+/// A model with whatever effects it is given.
 pub(crate) struct Model {
+    /// None for separate axes.
+    vehicle: Option<(Airframe, NominalBody)>,
     pub(crate) drive: Drive,
-    pub(crate) chain: Chain,
-    /// Factors on the four lifts.
-    pub(crate) lift_factor: [f64; 4],
-    /// Loss of lift per second.
-    pub(crate) sag_per_s: f64,
-    /// Loss of lift per volt that the battery has lost.
-    pub(crate) sag_per_volt: f64,
+    /// What effects change of the vehicle's numbers.
+    pub(crate) changes: Changes,
     pub(crate) body: Body,
+    /// Moments beside the motors'.
     pub(crate) moments: Vec<Box<dyn Moment>>,
-    pub(crate) sensors: Sensors,
-    /// What a free vehicle flies through.
-    pub(crate) air: Air,
-    /// Axes with dry friction, whose moment turns round while the rate goes through 0.
-    pub(crate) dry: [bool; 3],
+    /// Per axis, the rate within which a moment turns round while the rate goes through 0, rad/s.
+    turns_round_rad_s: [Option<f64>; 3],
 }
 
 /// What a log would report in the rows of a window.
@@ -70,19 +66,53 @@ trait Change<const N: usize>: Fn(f64, &[f64; N], &[f64; 4]) -> [f64; N] {}
 impl<const N: usize, F: Fn(f64, &[f64; N], &[f64; 4]) -> [f64; N]> Change<N> for F {}
 
 impl Model {
-    /// Nothing but the nominal vehicle.
-    pub(crate) fn nominal(drive: Drive, body: Body) -> Model {
-        Model {
-            drive,
-            chain: Chain::NOMINAL,
-            lift_factor: [1.0; 4],
-            sag_per_s: 0.0,
-            sag_per_volt: 0.0,
+    /// A vehicle with the effects that its model has.
+    pub(crate) fn of(vehicle: &VehicleModel) -> Model {
+        let (airframe, nominal) = (vehicle.airframe(), vehicle.nominal_body());
+        let changes = Changes::default();
+        let body = Body::of(airframe, nominal.changed(&changes.body));
+        let mut model = Model {
+            vehicle: Some((airframe, nominal)),
+            drive: Drive::Motors(vehicle.propulsion),
+            changes,
             body,
             moments: Vec::new(),
-            sensors: Sensors::NOMINAL,
-            air: Air::NOMINAL,
-            dry: [false; 3],
+            turns_round_rad_s: [None; 3],
+        };
+        vehicle.effects.iter().for_each(|effect| model.add(effect));
+        model
+    }
+
+    /// Separate axes, with the input gain of each.
+    pub(crate) fn of_axes(gain_rad_s2: [f64; 3]) -> Model {
+        Model {
+            vehicle: None,
+            drive: Drive::Direct,
+            changes: Changes::default(),
+            body: Body::Axes { gain_rad_s2 },
+            moments: Vec::new(),
+            turns_round_rad_s: [None; 3],
+        }
+    }
+
+    /// Adds an effect.
+    pub(crate) fn add(&mut self, effect: &Effect) {
+        effect.change(&mut self.changes);
+        if let Some((airframe, nominal)) = self.vehicle {
+            self.body = Body::of(airframe, nominal.changed(&self.changes.body));
+        }
+        if effect.has_moment() {
+            self.moments.push(Box::new(*effect));
+        }
+        if let (Some(axis), Some(rate_rad_s)) = (effect.axis(), effect.turns_round_rad_s()) {
+            self.turns_round_rad_s[axis.index()] = Some(rate_rad_s);
+        }
+    }
+
+    /// Sets the input gain of a separate axis; a vehicle has none.
+    pub(crate) fn set_input_gain(&mut self, axis: Axis, own_rad_s2: f64) {
+        if let Body::Axes { gain_rad_s2 } = &mut self.body {
+            gain_rad_s2[axis.index()] = own_rad_s2;
         }
     }
 
@@ -91,7 +121,7 @@ impl Model {
         let mut flying = Vec::new();
         let turning = if self.body.flies_free() {
             let change = |at_s: f64, x: &State, force: &[f64; 4]| {
-                self.body.flying_derivative(at_s, x, force, &self.moments, &self.air)
+                self.body.flying_derivative(at_s, x, force, &self.moments, &self.changes.air)
             };
             flying.reserve_exact(end - first);
             self.follow::<FLYING>(scene, start, first..end, change, |row, x| flying.push(self.flying(scene, row, x)))
@@ -111,13 +141,15 @@ impl Model {
         change: impl Change<N>,
         mut at_row: impl FnMut(usize, &[f64; N]),
     ) -> Vec<TurningReport> {
+        let sensors = &self.changes.sensors;
         let mut reports = Vec::with_capacity(rows.len());
         let mut past = self.past(scene, start, rows.start, &change);
         let mut state = *start;
         for row in rows.clone() {
             let now = turned(&state);
-            let rate_rad_s = self.sensors.rate_rad_s(&self.body, &now);
-            let angle_rad = self.sensors.angle_rad(&past.seen(&now, scene.time_s[row], self.sensors.attitude_delay_s));
+            let rate_rad_s = sensors.gyro_rad_s(self.body.rate_body_rad_s(&now));
+            let seen = past.seen(&now, scene.time_s[row], sensors.attitude_delay_s);
+            let angle_rad = sensors.attitude_rad([seen[0], seen[1], seen[2]]);
             reports.push(TurningReport { angle_rad, rate_rad_s });
             at_row(row, &state);
             if row + 1 < rows.end {
@@ -135,7 +167,7 @@ impl Model {
         let factor = self.factors(scene, scene.time_s[row], scene.time_s[row]);
         let at_row = scene.track.at_row(row);
         let lifts_n = core::array::from_fn(|motor| factor[motor] * at_row[motor]);
-        let force_m_s2 = self.sensors.force_m_s2(self.body.felt_m_s2(x, &lifts_n, &self.air));
+        let force_m_s2 = self.changes.sensors.turned(self.body.felt_m_s2(x, &lifts_n, &self.changes.air));
         FlyingReport { force_m_s2, velocity_ned_m_s: [x[6], x[7], x[8]], height_m: x[9] }
     }
 
@@ -177,15 +209,14 @@ impl Model {
         duration_s: f64,
         change: &impl Change<N>,
     ) -> u8 {
-        if self.dry == [false; 3] {
+        if self.turns_round_rad_s == [None; 3] {
             return 1;
         }
         let change = change(from_s, x, force);
         let turns_round = (0..3).any(|axis| {
             let passed_rad_s = (change[3 + axis] * duration_s).abs();
-            self.dry[axis]
-                && passed_rad_s > 0.25 * SOFTENING_RAD_S
-                && x[3 + axis].abs() < passed_rad_s + 4.0 * SOFTENING_RAD_S
+            self.turns_round_rad_s[axis]
+                .is_some_and(|within| passed_rad_s > 0.25 * within && x[3 + axis].abs() < passed_rad_s + 4.0 * within)
         });
         if turns_round { DRY_PARTS } else { 1 }
     }
@@ -193,7 +224,7 @@ impl Model {
     /// The motion before a row, gone back from its state; nothing where no report is late.
     fn past<const N: usize>(&self, scene: &Scene<'_>, start: &[f64; N], first: usize, change: &impl Change<N>) -> Past {
         let mut states = Vec::new();
-        let delay_s = self.sensors.attitude_delay_s;
+        let delay_s = self.changes.sensors.attitude_delay_s;
         if delay_s > 0.0 {
             let (mut state, mut row) = (*start, first);
             states.push((scene.time_s[first], turned(&state)));
@@ -226,11 +257,10 @@ impl Model {
 
     /// Factors on the lifts at a time, the battery's voltage read at another.
     fn factors(&self, scene: &Scene<'_>, volts_at_s: f64, at_s: f64) -> [f64; 4] {
-        let mut common = 1.0 - self.sag_per_s * (at_s - scene.time_s[0]);
-        if self.sag_per_volt != 0.0 {
-            common -= self.sag_per_volt * scene.volts_lost(volts_at_s);
-        }
-        self.lift_factor.map(|factor| factor * common)
+        let lift = &self.changes.chain.lift;
+        let passed_s = at_s - scene.time_s[0];
+        let drop_v = if lift.loss_per_volt == 0.0 { Some(0.0) } else { scene.volts_lost(volts_at_s) };
+        lift.at(passed_s, drop_v.unwrap_or_else(|| lift.battery.drop_v(passed_s)))
     }
 }
 
@@ -268,15 +298,15 @@ pub(crate) struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    fn volts_lost(&self, time_s: f64) -> f64 {
+    fn volts_lost(&self, time_s: f64) -> Option<f64> {
         let row = self.time_s.partition_point(|at| *at <= time_s).saturating_sub(1);
-        self.volts_lost.get(row).copied().unwrap_or_default()
+        self.volts_lost.get(row).copied()
     }
 }
 
 /// The forces of a model under commands, from row to row.
 pub(crate) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
-    ForceTrack::new(rows_s, commands, &model.chain, &model.drive)
+    ForceTrack::new(rows_s, commands, &model.changes.chain.path, &model.drive)
 }
 
 /// States a little back in time, for an attitude that is reported late.

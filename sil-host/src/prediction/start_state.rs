@@ -44,7 +44,7 @@ impl WindowedLog<'_> {
 
     /// True for a velocity or the height at a start where these act on nothing.
     pub(crate) fn moves_alone(&self, driven: &Driven, free: Channel) -> bool {
-        free.turning_axis().is_none() && driven.model.air.is_void()
+        free.turning_axis().is_none() && driven.model.changes.air.is_void()
     }
 
     /// Slopes along such a one: a velocity stays as much larger, and the height follows the one that goes down.
@@ -115,8 +115,6 @@ pub(crate) fn slope(base: &Residuals, mut shifted: Residuals, step: f64) -> Resi
 mod tests {
     use super::*;
     use crate::log::Log;
-    use crate::prediction::body::Body;
-    use crate::prediction::force_track::Drive;
     use crate::prediction::model::Model;
     use crate::prediction::{MeasuredNoise, Subject};
     use crate::statistics::noise_source::NoiseSource;
@@ -148,7 +146,7 @@ mod tests {
     /// Estimated less true state (angle, rate) where the second window's rows begin.
     fn start_error(log: &Log, noise: &MeasuredNoise, states: &[[f64; 2]]) -> [f64; 2] {
         let windowed = Subject::Axes.windowed(log, noise).unwrap();
-        let driven = windowed.drive(Model::nominal(Drive::Direct, Body::axes([0.0, GAIN_RAD_S2, 0.0])));
+        let driven = windowed.drive(Model::of_axes([0.0, GAIN_RAD_S2, 0.0]));
         let (from, start) = windowed.window_with_start(&driven, &windowed.windows[1]);
         [start[1] - states[from.start][0], start[4] - states[from.start][1]]
     }

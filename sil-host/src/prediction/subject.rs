@@ -3,12 +3,18 @@
 use super::Channel;
 use super::commands::{commands_of_axes, motor_commands};
 use super::error::NotPredictable;
+use super::model::Model;
 use super::noise::MeasuredNoise;
 use super::window::windows;
 use super::windowed_log::{Compared, WindowedLog};
 use crate::axis::Axis;
-use crate::log::Log;
+use crate::effects::{Effect, Needs, Scope};
+use crate::log::{Log, Quantity};
 use crate::model::{Rig, VehicleModel};
+use crate::vehicle::Scale;
+
+/// Why a log without some column is refused.
+const KNOWN_EFFECT: &str = "is what an effect of the vehicle model acts by";
 
 /// What made a log.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +26,14 @@ pub enum Subject<'a> {
 }
 
 impl Subject<'_> {
+    /// The model as it stands, with the effects that it is known to have; axes without any gain.
+    pub(crate) fn model(&self) -> Model {
+        match self {
+            Subject::Vehicle(vehicle) => Model::of(vehicle),
+            Subject::Axes => Model::of_axes([0.0; 3]),
+        }
+    }
+
     /// Axes about which the rig lets the vehicle turn.
     pub(crate) fn turns(&self, log: &Log) -> [bool; 3] {
         match self {
@@ -70,11 +84,60 @@ impl Subject<'_> {
         MeasuredNoise::of(log, &self.compared(log).channels)
     }
 
+    /// What of the catalogue of effects the log can speak about.
+    pub(crate) fn scope(&self, log: &Log) -> Scope {
+        let turns = self.turns(log);
+        let compared = self.compared(log).channels;
+        let is_seen = |channel: Channel| log.column(channel.quantity()).is_some() && compared.contains(&channel);
+        let rates = Axis::ALL.map(|axis| is_seen(Channel::Rate(axis)));
+        let angles = Axis::ALL.map(|axis| is_seen(Channel::Angle(axis)));
+        let has_velocity = log.velocity_ned_m_s.iter().all(Option::is_some);
+        Scope {
+            scale: self.scale(),
+            is_vehicle: matches!(self, Subject::Vehicle(_)),
+            is_held: self.is_held(),
+            flies_free: self.flies_free(),
+            turns,
+            rates,
+            angles,
+            battery: log.battery_v.is_some(),
+            pushed: self.flies_free() && (log.accel_body_m_s2[2].is_some() || has_velocity),
+            velocity: self.flies_free() && has_velocity,
+            height_m: self.flies_free().then(|| log.height_m.as_ref()?.first().copied()).flatten(),
+        }
+    }
+
+    fn scale(&self) -> Scale {
+        match self {
+            Subject::Vehicle(model) => model.scale(),
+            Subject::Axes => Scale::SEPARATE_AXES,
+        }
+    }
+
+    /// Refuses a log without which the model's own effects can't be predicted.
+    ///
+    /// # Errors
+    /// A column that one of them acts by is missing.
+    fn check_known_effects(&self, log: &Log) -> Result<(), NotPredictable> {
+        let Subject::Vehicle(model) = self else { return Ok(()) };
+        let scope = self.scope(log);
+        for entry in model.effects.iter().map(Effect::entry) {
+            let column = match entry.needs {
+                Some(Needs::Velocity) if scope.pushed && !scope.velocity => Quantity::Velocity(Axis::Roll),
+                Some(Needs::Height) if scope.height_m.is_none() => Quantity::Height,
+                _ => continue,
+            };
+            return Err(NotPredictable::MissingColumn { column: column.name(), why: KNOWN_EFFECT });
+        }
+        Ok(())
+    }
+
     /// The log in windows, its commands held from row to row.
     ///
     /// # Errors
-    /// It has no commands for this rig, or no window.
+    /// It has no commands for this rig, or no window, or lacks a column that an effect of the model acts by.
     pub(crate) fn windowed<'l>(&self, log: &'l Log, noise: &MeasuredNoise) -> Result<WindowedLog<'l>, NotPredictable> {
+        self.check_known_effects(log)?;
         let windows = windows(log)?;
         let commands = match self {
             Subject::Vehicle(_) => motor_commands(log.commanding())?,

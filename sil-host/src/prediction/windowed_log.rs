@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Channel;
 use super::body::State;
-use super::force_track::{Chain, Commands, ForceTrack};
+use super::force_track::{Commands, ForceTrack};
 use super::lost_commands::Lost;
 use super::model::{Model, Scene, track};
 use super::noise::MeasuredNoise;
@@ -13,6 +13,7 @@ use super::window::Window;
 use crate::axis::Axis;
 use crate::log::{Column, Log};
 use crate::statistics::wrapped;
+use crate::vehicle::CommandPath;
 
 /// Height above ground of a vehicle whose log has none, m: beyond all effect.
 const HEIGHT_UNKNOWN_M: f64 = 1e3;
@@ -55,7 +56,7 @@ pub(crate) struct WindowedLog<'a> {
     pub(crate) free_at_start: Vec<Channel>,
     is_vehicle: bool,
     /// Forces by what lies between command and motor, all of one drive.
-    tracks: Mutex<Vec<(Chain, Arc<ForceTrack>)>>,
+    tracks: Mutex<Vec<(CommandPath, Arc<ForceTrack>)>>,
 }
 
 /// A model with the forces that the log's commands make in it.
@@ -114,13 +115,13 @@ impl<'a> WindowedLog<'a> {
     pub(crate) fn drive(&self, model: Model) -> Driven {
         // whoever died with the lock held has left whole tracks behind
         let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
-        let place = kept.iter().position(|(chain, _)| *chain == model.chain);
-        let (chain, track) = match place {
+        let place = kept.iter().position(|(path, _)| *path == model.changes.chain.path);
+        let (path, track) = match place {
             Some(place) => kept.remove(place),
-            None => (model.chain, Arc::new(track(&model, self.rows(), &self.commands))),
+            None => (model.changes.chain.path, Arc::new(track(&model, self.rows(), &self.commands))),
         };
         // the one used last is forgotten last
-        kept.push((chain, Arc::clone(&track)));
+        kept.push((path, Arc::clone(&track)));
         let surplus = kept.len().saturating_sub(TRACKS_KEPT);
         kept.drain(..surplus);
         Driven { model, track }
@@ -135,7 +136,7 @@ impl<'a> WindowedLog<'a> {
     pub(crate) fn measured_state(&self, model: &Model, row: usize) -> State {
         let at = |column: &Column| column.as_ref().map_or(0.0, |column| column[row]);
         let reported = (self.log.angle_rad.each_ref().map(at), self.log.rate_rad_s.each_ref().map(at));
-        let (angle_rad, mut rate_rad_s) = model.sensors.undone(reported.0, reported.1);
+        let (angle_rad, mut rate_rad_s) = model.changes.sensors.undone(reported.0, reported.1);
         for (rate, column) in rate_rad_s.iter_mut().zip(&self.log.rate_rad_s) {
             // no measurement is no rate, whatever the bias
             *rate = if column.is_some() { *rate } else { 0.0 };

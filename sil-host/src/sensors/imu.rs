@@ -81,7 +81,7 @@ mod tests {
         fn the_control_core_reads_back_what_was_felt(
             rate in proptest::array::uniform3(-34.0..34.0_f64), force in proptest::array::uniform3(-78.0..78.0_f64),
         ) {
-            let core = shared_control::imu::ImuConfig::pixhawk1_mpu6000(100.0, 1000.0);
+            let core = shared_control::sensing::imu::ImuConfig::pixhawk1_mpu6000(100.0, 1000.0);
             let sample = quantise(0, rate, force);
             let (rate_read, force_read) = (core.gyro_rad_s(&sample), core.specific_force_m_s2(&sample));
             for axis in 0..3 {

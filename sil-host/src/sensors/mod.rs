@@ -5,12 +5,11 @@ pub mod random;
 
 use shared_control::signals::RawImuSample;
 
-use crate::effects::Effect;
+use crate::effects::{self, Effect};
 use crate::model::SensorNoise;
 use crate::plant::{Plant, Truth};
-use random::RandomStream;
-
 use crate::vehicle::SensorChain;
+use random::RandomStream;
 
 /// The sensors of one vehicle. Each has a random stream of its own, so that none disturbs another.
 #[derive(Clone, Debug)]
@@ -55,10 +54,7 @@ impl Sensors {
 
     /// Adds what the sensors' effects among these do; the others are the plant's.
     pub fn with_effects(mut self, effects: &[Effect]) -> Self {
-        let mut chain = SensorChain::default();
-        for effect in effects {
-            effect.extension().change_sensors(&mut chain);
-        }
+        let chain = effects::changes(effects).sensors;
         self.chain = (chain != SensorChain::default()).then_some(chain);
         self
     }

@@ -2,11 +2,21 @@
 //!
 //! ```text
 //! command -> delay -> clipping -> lag -> ESC map -> motor -> factors on lift
+//! '------------- CommandPath --------'   '-- propulsion -'   '- LiftFactors -'
 //! ```
 
 /// The links of the chain that effects can change.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ActuatorChain {
+    /// Before the ESC.
+    pub(crate) path: CommandPath,
+    /// Behind the motor.
+    pub(crate) lift: LiftFactors,
+}
+
+/// What happens to a command before the ESC, in this order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CommandPath {
     /// Delay, s.
     pub(crate) delay_s: f64,
     /// Commands below are done as this.
@@ -15,36 +25,73 @@ pub(crate) struct ActuatorChain {
     pub(crate) command_max: f64,
     /// Time constant of the lag on the command, s; 0 for none.
     pub(crate) lag_s: f64,
-    /// Factors on the lifts of motors 1 to 4.
-    pub(crate) lift_scale: [f64; 4],
-    /// Share of the lift that is lost a second, 1/s.
+}
+
+/// What the lifts, and with them the reaction torques, are multiplied with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LiftFactors {
+    /// Of motors 1 to 4.
+    pub(crate) scale: [f64; 4],
+    /// Share that is lost a second, 1/s.
     pub(crate) loss_per_s: f64,
-    /// Share of the lift that is lost a volt, 1/V.
+    /// Share that is lost a volt, 1/V.
     pub(crate) loss_per_volt: f64,
     /// The battery.
     pub(crate) battery: Battery,
 }
 
-impl Default for ActuatorChain {
-    fn default() -> Self {
-        Self {
-            delay_s: 0.0,
-            command_min: 0.0,
-            command_max: 1.0,
-            lag_s: 0.0,
-            lift_scale: [1.0; 4],
-            loss_per_s: 0.0,
-            loss_per_volt: 0.0,
-            battery: Battery { fall_v_s: 0.0 },
-        }
-    }
-}
-
 /// A battery as simple as can be: its voltage falls steadily.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Battery {
     /// How fast, V/s.
     pub(crate) fall_v_s: f64,
+}
+
+impl Default for CommandPath {
+    fn default() -> Self {
+        Self { delay_s: 0.0, command_min: 0.0, command_max: 1.0, lag_s: 0.0 }
+    }
+}
+
+impl CommandPath {
+    /// The command that the ESC obeys, 0..1, where this one has arrived; not a number counts as 0.
+    pub(crate) fn clipped(&self, command: f64) -> f64 {
+        let command = if command.is_nan() { 0.0 } else { command.clamp(0.0, 1.0) };
+        // the limits of several effects may have crossed
+        command.max(self.command_min).min(self.command_max)
+    }
+
+    /// The same of an axis command, -1..1 in the unit of the log: the upper limit holds on either side.
+    pub(crate) fn clipped_about_zero(&self, command: f64) -> f64 {
+        command.max(-self.command_max).min(self.command_max)
+    }
+
+    /// The share of its way that the lag has left after a time, s, under one command.
+    #[inline]
+    pub(crate) fn left_after(&self, duration_s: f64) -> f64 {
+        libm::exp(-duration_s / self.lag_s)
+    }
+}
+
+/// Commands behind the lag with a share of their way to `target` left.
+#[inline]
+pub(crate) fn on_the_way(from: [f64; 4], target: [f64; 4], left: f64) -> [f64; 4] {
+    core::array::from_fn(|motor| target[motor] + (from[motor] - target[motor]) * left)
+}
+
+impl Default for LiftFactors {
+    fn default() -> Self {
+        Self { scale: [1.0; 4], loss_per_s: 0.0, loss_per_volt: 0.0, battery: Battery::default() }
+    }
+}
+
+impl LiftFactors {
+    /// The factors of motors 1 to 4, so long after the start, s, the battery so far below its mean of the first second, V.
+    #[inline]
+    pub(crate) fn at(&self, time_s: f64, drop_v: f64) -> [f64; 4] {
+        let left = (1.0 - self.loss_per_s * time_s) * (1.0 - self.loss_per_volt * drop_v);
+        self.scale.map(|scale| scale * left.max(0.0))
+    }
 }
 
 /// Voltage of three lithium cells under load at the start, V.

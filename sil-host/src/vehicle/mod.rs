@@ -1,10 +1,34 @@
 //! The vehicle's parts, each physical fact once: read by the plant, the prediction of logs and the controllers' set-up.
+//!
+//! ```text
+//! command -> actuator_chain -> propulsion -> lifts -> airframe: torque -> gimbal | free_body -> motion -> sensor_chain
+//!                                              ^-- air: ground              ^-- air: drag
+//! ```
+//! Nothing here holds a state or integrates: whoever calls does, the plant in steps of its own, the prediction row by row of a log.
+//! What effects may change of it stands in [`Changes`].
 
 mod actuator_chain;
-mod euler;
+mod air;
+mod airframe;
+mod attitude;
+mod changes;
+mod free_body;
+mod gimbal;
+mod motion;
 pub mod propulsion;
+mod rig;
+mod scale;
 mod sensor_chain;
 
-pub(crate) use actuator_chain::ActuatorChain;
-pub(crate) use euler::{euler_rad, quaternion_world_from_body};
+pub(crate) use actuator_chain::{ActuatorChain, CommandPath, on_the_way};
+pub(crate) use air::Air;
+pub(crate) use airframe::{Airframe, signed_sums};
+pub(crate) use attitude::{Attitude, euler_rad, euler_rates_rad_s, quaternion_world_from_body};
+pub(crate) use changes::{BodyChange, Changes};
+pub(crate) use free_body::FreeBody;
+pub(crate) use gimbal::Gimbal;
+pub(crate) use motion::{Moment, Motion, Onset};
+pub use rig::{Mounting, Rig};
+pub(crate) use rig::{NominalBody, RigidBody};
+pub(crate) use scale::Scale;
 pub(crate) use sensor_chain::SensorChain;

@@ -1,6 +1,6 @@
 //! What effects make of a motion before bias, noise and counts.
 
-use super::euler::{euler_rad, quaternion_world_from_body};
+use super::attitude::{euler_rad, quaternion_world_from_body};
 
 /// The links from motion to reading that effects can change: misalignment, then the gyro's scale, then its bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,5 +46,12 @@ impl SensorChain {
         let (sin, cos) = libm::sincos(0.5 * self.yaw_rad);
         // the product with (cos, 0, 0, sin) from the right
         euler_rad([w * cos - z * sin, x * cos + y * sin, y * cos - x * sin, w * sin + z * cos])
+    }
+
+    /// The way back from reported angles and rates to those of the body, but for the delay.
+    pub(crate) fn undone(&self, angle_rad: [f64; 3], rate_rad_s: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        let felt = core::array::from_fn(|axis| (rate_rad_s[axis] - self.gyro_bias_rad_s[axis]) / self.gyro_scale[axis]);
+        let back = Self { yaw_rad: -self.yaw_rad, ..Self::default() };
+        (back.attitude_rad(angle_rad), back.turned(felt))
     }
 }

@@ -6,7 +6,8 @@ use std::rc::Rc;
 
 use mavlink::dialects::common::MavCmd;
 use shared_control::params::Params;
-use shared_control::trace::StepTrace;
+use shared_control::record::trace::StepTrace;
+use shared_control::supervisor::Arming;
 use sil_host::model::{Rig, VehicleModel};
 
 use crate::devices::SecondGyro;
@@ -26,8 +27,6 @@ pub const LOOK: Ticks = MILLISECOND / 2;
 const HEARTBEAT_PERIOD: Ticks = 200 * MILLISECOND;
 /// cortex-m-rt's `STACK_PAINT_VALUE`.
 const PAINT: [u8; 4] = [0xcc; 4];
-/// [`StepTrace::arming`] of an armed vehicle.
-const ARMED: u32 = 0;
 
 /// All that takes part. Every step of the board is repeated by the host as it happens.
 pub struct Flight {
@@ -199,7 +198,7 @@ impl Flight {
 
     /// Did the last step leave the motors to the controllers?
     pub fn is_armed(&self) -> bool {
-        self.last.arming == ARMED
+        self.last.arming == Arming::Armed.number()
     }
 
     /// Mean difference between set-point and true angle since the vehicle was let go, roll and pitch, degrees.

@@ -1,7 +1,7 @@
 //! The firmware's record of its last step, read out of the image's memory.
 
+use shared_control::record::trace::StepTrace;
 use shared_control::signals::IMU_SAMPLES_MAX;
-use shared_control::trace::StepTrace;
 
 use crate::machine::Machine;
 

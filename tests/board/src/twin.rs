@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 
 use shared_control::config::{Config, Controller};
 use shared_control::flight_core::{FlightCore, State, TorqueSource};
-use shared_control::imu::AxisMap;
 use shared_control::mpc::{HORIZON, Mpc, MpcState};
 use shared_control::params::Params;
+use shared_control::record::trace::StepTrace;
+use shared_control::sensing::imu::AxisMap;
 use shared_control::setup::Setup;
 use shared_control::signals::{Plan, PlanRequest, StepInput};
-use shared_control::trace::StepTrace;
 
 use crate::devices::SecondGyro;
 
@@ -51,7 +51,7 @@ impl Twin {
     pub fn new(params: &Params, gyro: SecondGyro) -> Self {
         let Setup { mut config, mpc, .. } = Setup::new(params).unwrap();
         if gyro == SecondGyro::L3gd20h {
-            config.imu_second.gyro_axes = AxisMap::PIXHAWK1_L3GD20H;
+            config.sensing.imu_second.gyro_axes = AxisMap::PIXHAWK1_L3GD20H;
         }
         let mpc = Mpc::prepare_shorter(params.control_horizon.into(), &mpc).unwrap();
         let (state, mpc_state) = (State::default(), MpcState::new());

@@ -15,12 +15,12 @@ use shared_control::link::frame::FrameWriter;
 use shared_control::output::PulseKind;
 use shared_control::params::table::Field;
 use shared_control::params::{Params, RECORD_LEN, encode};
+use shared_control::supervisor::Arming;
 use sil_host::model::{Rig, VehicleModel};
 
 const MILLISECOND: Ticks = 1000 * TICKS_PER_US;
 /// From power-on to a gyro that is calibrated.
 const START: Ticks = 3000 * MILLISECOND;
-const ARMED: u32 = 0;
 
 /// The vehicle, and a record of the pulses.
 struct Recorder {
@@ -127,7 +127,7 @@ impl Bench {
     }
 
     fn is_armed(&mut self) -> bool {
-        step_trace(&mut self.machine, self.trace_address).unwrap().arming == ARMED
+        step_trace(&mut self.machine, self.trace_address).unwrap().arming == Arming::Armed.number()
     }
 
     fn fram_holds(&self, params: &Params) -> bool {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use emulated_board::time::{TICKS_PER_S, TICKS_PER_US, Ticks};
 use emulated_board::{EntryState, Image, Machine, Surroundings, Vehicle, step_trace};
-use shared_control::trace::StepTrace;
+use shared_control::record::trace::StepTrace;
 use sil_host::model::{Rig, VehicleModel};
 
 /// The image's memory is looked at more often than a step comes, every 2.5 ms.

@@ -1,9 +1,9 @@
-//! The buzzer tells what the table of `shared_control::signs` says, and the battery reaches arming.
+//! The buzzer tells what the table of `shared_control::light_and_tone` says, and the battery reaches arming.
 
 use emulated_board::{Flight, MILLISECOND};
 use mavlink::dialects::common::MavCmd;
+use shared_control::light_and_tone::Sign;
 use shared_control::params::Params;
-use shared_control::signs::Sign;
 
 /// All pitches that sound in a while, to 10 Hz: the timer's period is whole microseconds. Silence is 0.
 fn heard(flight: &mut Flight, duration_ms: u64) -> Vec<u32> {

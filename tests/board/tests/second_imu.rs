@@ -3,6 +3,8 @@
 use emulated_board::time::Ticks;
 use emulated_board::{Flight, LOOK, MILLISECOND, SecondGyro, Sensor, SensorFault};
 use shared_control::params::Params;
+use shared_control::sensing::imu_health::ImuHealth;
+use shared_control::sensing::imu_select::ImuUnit;
 
 /// How long the loop may take to notice a fault: five steps, and the look at it.
 const NOTICED_WITHIN: Ticks = 5 * (5 * MILLISECOND / 2) + LOOK;
@@ -14,13 +16,14 @@ fn the_second_imu_takes_over_in_flight_and_without_it_the_motors_stop() {
     for (seed, (fault, second)) in (3..).zip(faults.into_iter().zip(second)) {
         let mut flight = Flight::in_the_air(&Params::DEFAULT, seed);
         flight.run_for(1500 * MILLISECOND);
-        assert_eq!((flight.last().imu_unit, flight.last().standby_health), (0, 0));
+        assert_eq!(flight.last().imu_unit, ImuUnit::First.number());
+        assert_eq!(flight.last().standby_health, ImuHealth::Good.number());
         flight.machine.break_sensor(Sensor::Mpu6000, fault);
         flight.run_for(NOTICED_WITHIN);
-        assert!(flight.last().imu_unit == 1 && flight.is_armed(), "{fault:?}");
+        assert!(flight.last().imu_unit == ImuUnit::Second.number() && flight.is_armed(), "{fault:?}");
         flight.measure_anew();
         flight.run_for(3000 * MILLISECOND);
-        assert!(flight.last().imu_unit == 1 && flight.is_armed(), "{fault:?}");
+        assert!(flight.last().imu_unit == ImuUnit::Second.number() && flight.is_armed(), "{fault:?}");
         let deviation_deg = flight.deviation_deg();
         println!("second IMU after {fault:?}: mean |set-point - angle| {deviation_deg:.2?} deg");
         assert!(deviation_deg.iter().all(|mean| *mean < 5.0), "{fault:?}: {deviation_deg:?}");
@@ -41,7 +44,7 @@ fn either_second_gyro_flies_alone_when_the_first_imu_is_dead_at_boot() {
         flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff));
         flight.take_off();
         flight.run_for(4000 * MILLISECOND);
-        assert!(flight.last().imu_unit == 1 && flight.is_armed(), "{gyro:?}");
+        assert!(flight.last().imu_unit == ImuUnit::Second.number() && flight.is_armed(), "{gyro:?}");
         let deviation_deg = flight.deviation_deg();
         println!("{gyro:?} alone: mean |set-point - angle| {deviation_deg:.2?} deg");
         assert!(deviation_deg.iter().all(|mean| *mean < 5.0), "{gyro:?}: {deviation_deg:?}");

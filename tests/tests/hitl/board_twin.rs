@@ -66,7 +66,7 @@ impl BoardTwin {
     }
 
     fn step(&mut self, tick: &HilTick) {
-        tick.fill(&self.config.imu, &mut self.input);
+        tick.fill(&self.config.sensing.imu, &mut self.input);
         for order in self.orders.drain(..) {
             let (answer, _) = self.commander.order(&order, tick.time_us);
             if let Some(answer) = answer {

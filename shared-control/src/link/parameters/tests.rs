@@ -8,7 +8,7 @@ use crate::params::tests::any_params;
 use crate::signals::ArmingBlocks;
 use crate::supervisor::{Arming, Refusal};
 use mavlink::MessageData;
-use mavlink::dialects::common::{MavMessage, PARAM_REQUEST_LIST_DATA};
+use mavlink::dialects::common::{MavMessage, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA};
 use mavlink::{MAVLinkV2MessageRaw, MavlinkVersion, Message};
 use proptest::prelude::*;
 use std::string::ToString;

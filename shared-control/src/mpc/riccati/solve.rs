@@ -11,7 +11,7 @@ const WARM_LIMIT: u16 = 6;
 const BLOCK_LIMIT: u16 = WARM_LIMIT + 12;
 
 /// Most roll-outs from a start with everything free that any state of the shipped problems takes: found by following every way
-/// that they can go (tests/src/worst_case).
+/// that they can go (tests/campaigns/src/worst_case).
 #[cfg(test)]
 pub(super) const COLD_MOST: u16 = 8;
 

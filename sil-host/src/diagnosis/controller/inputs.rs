@@ -15,6 +15,7 @@ use crate::cosim::contract::{DesignParameters, HELD_US, events_at};
 use crate::log::{Log, Quantity};
 use crate::scenario::{Scenario, Waypoint};
 use crate::sensors::imu;
+use crate::vehicle::signed_sums;
 
 /// Rows whose time from the row before is off by more than this share of a control step are late, or rows are missing.
 const UNEVEN_MAX: f64 = 0.25;
@@ -271,14 +272,11 @@ fn held_steps(rows: &Rows<'_>, at_rest: &AtRest, parameters: &DesignParameters) 
 
 /// Torque and mean lift (N) of four commands, by the controllers' lift curve.
 fn flown(mixer: &MixerConfig, commands: [f64; 4]) -> (Flown, f32) {
-    let [f1, f2, f3, f4] = commands.map(|command| mixer.lift_curve.lift(command as f32));
-    let torque_body_nm = [
-        mixer.lever_m * (f2 + f3 - f1 - f4),
-        mixer.lever_m * (f1 + f3 - f2 - f4),
-        mixer.torque_per_lift_m * (f1 + f2 - f3 - f4),
-    ];
+    let lifts_n = commands.map(|command| mixer.lift_curve.lift(command as f32));
+    let [roll_n, pitch_n, yaw_n] = signed_sums(lifts_n);
+    let torque_body_nm = [mixer.lever_m * roll_n, mixer.lever_m * pitch_n, mixer.torque_per_lift_m * yaw_n];
     let saturated = commands.iter().any(|command| *command <= 0.0 || *command >= 1.0);
-    (Flown { torque_body_nm, saturated }, 0.25 * (f1 + f2 + f3 + f4))
+    (Flown { torque_body_nm, saturated }, 0.25 * lifts_n.into_iter().sum::<f32>())
 }
 
 #[cfg(test)]

@@ -21,11 +21,11 @@ mod whitening;
 
 use std::collections::BTreeMap;
 
-use super::effects::Place;
 use super::{Estimate, Finding, Rejected};
 use crate::closed_loop::{LogRefused, simulated_flight};
 use crate::control_setup::vehicle_parameters;
 use crate::controller_file::ControllerChoice;
+use crate::effects::Origin;
 use crate::flight_log::flight_log;
 use crate::log::Log;
 use crate::model::VehicleModel;
@@ -195,12 +195,13 @@ fn finding(found: &Found, comparison: &Comparison<'_>, at: usize, spread: f64, g
     Finding {
         effect: "controller_mismatch",
         axis,
-        place: Place::Controller,
+        origin: Origin::Controller,
         controller_parameter: Some(parameter.name),
         parameters: BTreeMap::from([("logged", logged), ("modelled", modelled)]),
         gain_pct,
         confounded_with: Vec::new(),
         statement: statement + ".",
+        extension: None,
     }
 }
 

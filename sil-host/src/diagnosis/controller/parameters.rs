@@ -31,11 +31,11 @@ pub(super) struct Parameter {
     pub(super) name: &'static str,
     /// Roll or pitch, of numbers that each axis has its own of.
     pub(super) axis: Option<Axis>,
-    place: Place,
+    slot: Slot,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Place {
+enum Slot {
     Axes(InTuning<[f32; 3]>, Axis),
     /// With the size that makes a difference where the number is zero.
     One(InTuning<f32>, f64),
@@ -91,11 +91,11 @@ pub(super) fn all() -> Vec<Parameter> {
         (field!(mpc_prediction_step_s), 0.01),
     ];
     let of_axes = axes.into_iter().flat_map(|(name, field)| {
-        [Axis::Roll, Axis::Pitch].map(|axis| Parameter { name, axis: Some(axis), place: Place::Axes(field, axis) })
+        [Axis::Roll, Axis::Pitch].map(|axis| Parameter { name, axis: Some(axis), slot: Slot::Axes(field, axis) })
     });
     let single =
-        ones.into_iter().map(|((name, field), size)| Parameter { name, axis: None, place: Place::One(field, size) });
-    let counts = counts().into_iter().map(|(name, count)| Parameter { name, axis: None, place: Place::Count(count) });
+        ones.into_iter().map(|((name, field), size)| Parameter { name, axis: None, slot: Slot::One(field, size) });
+    let counts = counts().into_iter().map(|(name, count)| Parameter { name, axis: None, slot: Slot::Count(count) });
     of_axes.chain(single).chain(counts).collect()
 }
 
@@ -132,20 +132,20 @@ impl Parameter {
     /// Its value among a controller's numbers.
     pub(super) fn of(&self, numbers: &Numbers) -> f64 {
         let mut numbers = *numbers;
-        match self.place {
-            Place::Axes(field, axis) => f64::from((field.of)(&mut numbers.tuning)[axis.index()]),
-            Place::One(field, _) => f64::from(*(field.of)(&mut numbers.tuning)),
-            Place::Count(count) => *(count.of)(&mut numbers) as f64,
+        match self.slot {
+            Slot::Axes(field, axis) => f64::from((field.of)(&mut numbers.tuning)[axis.index()]),
+            Slot::One(field, _) => f64::from(*(field.of)(&mut numbers.tuning)),
+            Slot::Count(count) => *(count.of)(&mut numbers) as f64,
         }
     }
 
     /// The numbers with this one changed.
     pub(super) fn with(&self, numbers: &Numbers, value: f64) -> Numbers {
         let mut changed = *numbers;
-        match self.place {
-            Place::Axes(field, axis) => (field.of)(&mut changed.tuning)[axis.index()] = value as f32,
-            Place::One(field, _) => *(field.of)(&mut changed.tuning) = value as f32,
-            Place::Count(count) => *(count.of)(&mut changed) = (value.round().max(0.0) as usize).clamp(1, count.most),
+        match self.slot {
+            Slot::Axes(field, axis) => (field.of)(&mut changed.tuning)[axis.index()] = value as f32,
+            Slot::One(field, _) => *(field.of)(&mut changed.tuning) = value as f32,
+            Slot::Count(count) => *(count.of)(&mut changed) = (value.round().max(0.0) as usize).clamp(1, count.most),
         }
         changed
     }
@@ -153,19 +153,19 @@ impl Parameter {
     /// Writes its value into a controller file's choices.
     pub(super) fn put(&self, numbers: &Numbers, choice: &mut ControllerChoice) {
         let mut tuning = numbers.tuning;
-        match self.place {
-            Place::Axes(field, _) => *(field.in_file)(&mut choice.tuning) = Some(*(field.of)(&mut tuning)),
-            Place::One(field, _) => *(field.in_file)(&mut choice.tuning) = Some(*(field.of)(&mut tuning)),
-            Place::Count(count) => (count.in_file)(choice, self.of(numbers) as usize),
+        match self.slot {
+            Slot::Axes(field, _) => *(field.in_file)(&mut choice.tuning) = Some(*(field.of)(&mut tuning)),
+            Slot::One(field, _) => *(field.in_file)(&mut choice.tuning) = Some(*(field.of)(&mut tuning)),
+            Slot::Count(count) => (count.in_file)(choice, self.of(numbers) as usize),
         }
     }
 
     /// A difference that shows its effect.
     pub(super) fn step(&self, value: f64) -> f64 {
-        match self.place {
-            Place::Axes(..) => STEP_SHARE * value.abs(),
-            Place::One(_, size) => STEP_SHARE * if value == 0.0 { size } else { value.abs() },
-            Place::Count(count) => {
+        match self.slot {
+            Slot::Axes(..) => STEP_SHARE * value.abs(),
+            Slot::One(_, size) => STEP_SHARE * if value == 0.0 { size } else { value.abs() },
+            Slot::Count(count) => {
                 if value < count.most as f64 {
                     1.0
                 } else {
@@ -190,7 +190,7 @@ impl Parameter {
 
     /// Is it a whole number?
     pub(super) fn is_count(&self) -> bool {
-        matches!(self.place, Place::Count(_))
+        matches!(self.slot, Slot::Count(_))
     }
 }
 

@@ -8,10 +8,10 @@
 
 use serde::Serialize;
 
-use crate::diagnosis::effects::{Effect, per_unit_inertia};
+use crate::diagnosis::fitted::{Fitted, per_unit_inertia};
 use crate::diagnosis::fitting::eigen;
 use crate::diagnosis::fitting::fit::{Term, model_of, regular, shifted_models};
-use crate::diagnosis::search::{Found, Search, is_the_same};
+use crate::diagnosis::search::{Found, Search};
 use crate::statistics::Cholesky;
 
 /// Effects whose parameters make up the motion of any axis: moment and stiffness, damping, inertia; and the way from command to force.
@@ -58,13 +58,13 @@ pub struct Excited {
 pub(in crate::diagnosis) fn excitation(search: &Search<'_>, found: &Found<'_>) -> Excitation {
     let chosen = &found.chosen.fit;
     let findings = chosen.terms[search.always.len()..].to_vec();
-    let is_found = |effect: &dyn Effect| findings.iter().any(|term| is_the_same(term.effect, effect));
+    let is_found = |effect: &Fitted| findings.iter().any(|term| term.effect.is_the_same(effect));
     let mut basic: Vec<Term<'_>> = search.always.clone();
-    for effect in search.catalogue.iter().map(AsRef::as_ref).filter(|effect| BASIC.contains(&effect.name())) {
+    for effect in search.catalogue.iter().filter(|effect| BASIC.contains(&effect.name())) {
         if is_found(effect) {
-            basic.extend(findings.iter().find(|term| is_the_same(term.effect, effect)).cloned());
+            basic.extend(findings.iter().find(|term| term.effect.is_the_same(effect)).cloned());
         } else {
-            let values = effect.parameters().iter().map(|parameter| parameter.nominal).collect();
+            let values = effect.unknowns().iter().map(|parameter| parameter.nominal).collect();
             basic.push(Term { effect, values });
         }
     }
@@ -100,7 +100,7 @@ fn excited(terms: &[Term<'_>], information: &[f64], is_vehicle: bool) -> Vec<Exc
     let factor = Cholesky::new(&regular(information, size, 0.0), size);
     let covariance = factor.map(|factor| factor.inverse());
     let parameters =
-        terms.iter().flat_map(|term| term.effect.parameters().iter().zip(&term.values).map(move |p| (term, p)));
+        terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values).map(move |p| (term, p)));
     parameters
         .enumerate()
         .map(|(i, (term, (parameter, value)))| {

@@ -10,9 +10,9 @@
 use shared_control::config::Controller;
 
 use crate::controller_file::ControllerChoice;
-use crate::diagnosis::effects::Effect;
 use crate::diagnosis::evidence::manoeuvres::{Manoeuvre, manoeuvres};
 use crate::diagnosis::extension::model_with_terms;
+use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
 use crate::diagnosis::progress::Progress;
 use crate::diagnosis::search::{Found, Search, TOLD_APART};
@@ -152,7 +152,7 @@ impl<'e> Side<'e> {
     /// The effect is that of one of the terms.
     fn of(search: &Search<'e>, terms: &[Term<'e>], index: usize) -> Side<'e> {
         let effect = terms[index].effect;
-        let others = search.catalogue.iter().map(AsRef::as_ref).filter(|other: &&dyn Effect| {
+        let others = search.catalogue.iter().filter(|other: &&Fitted| {
             other.name() == effect.name() && (other.axis(), other.motor()) != (effect.axis(), effect.motor())
         });
         let moved = others.map(|other| {

@@ -1,8 +1,9 @@
 //! Output error over windows: the parameters of some effects, by Gauss and Newton with Levenberg's damping.
 
-use crate::diagnosis::effects::{Effect, Parameter};
+use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal};
 use crate::diagnosis::fitting::shooting::Shooting;
+use crate::effects::Unknown;
 use crate::prediction::body::State;
 use crate::prediction::model::Model;
 use crate::prediction::windowed_log::Driven;
@@ -23,7 +24,7 @@ pub(in crate::diagnosis) type Nominal<'a> = &'a (dyn Fn() -> Model + Sync);
 /// An effect with values for its parameters.
 #[derive(Clone)]
 pub(in crate::diagnosis) struct Term<'e> {
-    pub(in crate::diagnosis) effect: &'e dyn Effect,
+    pub(in crate::diagnosis) effect: &'e Fitted,
     pub(in crate::diagnosis) values: Vec<f64>,
 }
 
@@ -72,7 +73,7 @@ pub(in crate::diagnosis) fn shifted_models(
 ) -> Vec<(Driven, f64)> {
     let mut shifted = Vec::new();
     for (index, term) in terms.iter().enumerate().skip(first) {
-        for (place, parameter) in term.effect.parameters().iter().enumerate() {
+        for (place, parameter) in term.effect.unknowns().iter().enumerate() {
             let step = admissible_step(parameter, term.values[place]);
             let mut moved = terms.to_vec();
             moved[index].values[place] += step;
@@ -82,7 +83,7 @@ pub(in crate::diagnosis) fn shifted_models(
     shifted
 }
 
-fn admissible_step(parameter: &Parameter, value: f64) -> f64 {
+fn admissible_step(parameter: &Unknown, value: f64) -> f64 {
     if value + parameter.step <= parameter.max { parameter.step } else { -parameter.step }
 }
 
@@ -196,7 +197,7 @@ fn moved<'e>(terms: &[Term<'e>], step: &[f64]) -> Vec<Term<'e>> {
     let mut moved = terms.to_vec();
     let mut step = step.iter();
     for term in &mut moved {
-        for (value, parameter) in term.values.iter_mut().zip(term.effect.parameters()) {
+        for (value, parameter) in term.values.iter_mut().zip(term.effect.unknowns()) {
             let by = step.next().copied().unwrap_or_default();
             *value = (*value + by).clamp(parameter.min, parameter.max);
         }

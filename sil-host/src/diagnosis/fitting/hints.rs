@@ -2,7 +2,7 @@
 //! of the next row's.
 
 use crate::axis::Axis;
-use crate::diagnosis::effects::Hints;
+use crate::effects::Hints;
 use crate::prediction::Channel;
 use crate::prediction::windowed_log::{Driven, WindowedLog};
 
@@ -28,13 +28,8 @@ enum Before {
 
 /// What a log says about its swings and onsets beyond a model.
 pub(in crate::diagnosis) fn hints(log: &WindowedLog<'_>, driven: &Driven) -> Hints {
-    let rows = log.rows();
     let missing = missing_acceleration(log, driven, STRETCH_S);
-    let mut hints = Hints {
-        command_range: command_range(log),
-        end_s: rows.last().copied().unwrap_or_default(),
-        ..Hints::default()
-    };
+    let mut hints = Hints { command_range: command_range(log), ..Hints::default() };
     for (axis, series) in missing.iter().enumerate() {
         if let Some(series) = series {
             hints.frequency_hz[axis] = strongest_frequency_hz(series);

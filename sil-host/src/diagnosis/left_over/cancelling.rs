@@ -38,7 +38,7 @@ pub(in crate::diagnosis) fn cancelling(fit: &Fit<'_>, first: usize) -> Option<St
 fn change(fit: &Fit<'_>, index: usize) -> Vec<f64> {
     let of =
         |(place, term): (usize, &crate::diagnosis::fitting::fit::Term<'_>)| -> Vec<f64> {
-            let values = term.values.iter().zip(term.effect.parameters());
+            let values = term.values.iter().zip(term.effect.unknowns());
             values
                 .map(|(value, parameter)| {
                     if place == index && !NOT_SIZES.contains(&parameter.name) { value - parameter.nominal } else { 0.0 }

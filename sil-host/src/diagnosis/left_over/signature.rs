@@ -12,6 +12,7 @@ use crate::diagnosis::search::{Candidate, Search};
 use crate::prediction::body::{Moment, Motion};
 use crate::prediction::windowed_log::Driven;
 use crate::statistics::{Cholesky, dot};
+use crate::vehicle::signed_sums;
 
 /// Fall of the sum of squares, in units of what is left per degree of freedom, that a shape must bring: a chance of 1e-5 over all of them.
 const SIGNIFICANT: f64 = 30.0;
@@ -19,8 +20,6 @@ const SIGNIFICANT: f64 = 30.0;
 const STEP: f64 = 1e-3;
 /// Half waves over the log's length.
 const HALF_WAVES: [f64; 3] = [1.0, 2.0, 3.0];
-/// Signs of the motors' torques about roll and pitch (docs/rig.md).
-const TILT_SIGNS: [[f64; 2]; 4] = [[-1.0, 1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, -1.0]];
 
 /// A moment per unit of a coefficient, about the three axes.
 type PerUnit = Arc<dyn Fn(&Motion) -> [f64; 3] + Sync + Send>;
@@ -160,7 +159,10 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
     }
     if shooting.log.has_motors() {
         for motor in 0..4 {
-            let squared = move |m: &Motion| tilted(motor, m.force[motor] * m.force[motor]);
+            let squared = move |m: &Motion| {
+                let of_motor = |i: usize| if i == motor { m.force[motor] * m.force[motor] } else { 0.0 };
+                tilt(core::array::from_fn(of_motor))
+            };
             let shapes = vec![Shape {
                 words: "the square of its lift",
                 per: " per N^2 and m of lever",
@@ -172,10 +174,8 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
             words: "all lifts, in a slow wave over the log",
             per: " per N and m of lever",
             moment: Arc::new(move |m: &Motion| {
-                let [roll, pitch] =
-                    [0, 1].map(|k| (0..4).map(|motor| TILT_SIGNS[motor][k] * m.force[motor]).sum::<f64>());
                 let wave = libm::cos(waves * phase(m.time_s));
-                [wave * roll, wave * pitch, 0.0]
+                tilt(m.force).map(|moment| wave * moment)
             }),
         });
         all.push(Dependence {
@@ -187,7 +187,8 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
     all
 }
 
-/// A moment of one motor about roll and pitch, per meter of its lever.
-fn tilted(motor: usize, value: f64) -> [f64; 3] {
-    [TILT_SIGNS[motor][0] * value, TILT_SIGNS[motor][1] * value, 0.0]
+/// The moment of the motors' forces about roll and pitch, per meter of their lever.
+fn tilt(forces: [f64; 4]) -> [f64; 3] {
+    let [roll, pitch, _] = signed_sums(forces);
+    [roll, pitch, 0.0]
 }

@@ -8,7 +8,7 @@
 //! Departure from the thesis: (C.4) takes the speed constant A_m as torque constant; in SI units it is 1/A_m.
 
 use super::RotorState;
-use crate::model::{ModelError, Section, Table, admissible};
+use crate::document::{ModelError, Section, Table, admissible};
 
 /// All constants of the electro-mechanical propulsion of one arm.
 #[derive(Clone, Copy, Debug, PartialEq)]

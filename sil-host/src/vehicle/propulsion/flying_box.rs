@@ -1,6 +1,6 @@
 //! The conceptual flying box (thesis 3.3.2): a lift force at each corner, straight from the command.
 
-use crate::model::{ModelError, Section, Table, admissible};
+use crate::document::{ModelError, Section, Table, admissible};
 
 /// Lift along a straight line, `lift_offset_n + lift_slope_n * command`, never below zero.
 #[derive(Clone, Copy, Debug, PartialEq)]

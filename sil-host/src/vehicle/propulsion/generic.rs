@@ -3,7 +3,7 @@
 //! `R_l w^2` and reaction torque `R_t w^2` (thesis C.5, C.6).
 
 use super::RotorState;
-use crate::model::{ModelError, Section, Table, admissible};
+use crate::document::{ModelError, Section, Table, admissible};
 
 /// Speed by a first-order lag; lift and reaction torque by its square.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,7 +13,7 @@ mod device;
 mod flying_box;
 mod generic;
 
-use crate::model::{Admissible, ModelError, Section, Table, admissible};
+use crate::document::{Admissible, ModelError, Section, Table, admissible};
 
 pub use device::{DevicePropulsion, Esc};
 pub use flying_box::FlyingBox;

@@ -118,7 +118,7 @@ fn many_random_tracking_problems_are_solved_to_optimality() {
 }
 
 /// A reference that jumps to and fro by 60 rad of the nominal roll axis: found by following every way that the passes can go
-/// (tests/src/worst_case).
+/// (tests/campaigns/src/worst_case).
 const CIRCLING: ([f32; 4], f32) = ([31_493.121, -68_649.92, 37_964.475, -51.298_424], 389.0);
 
 /// For the weight above and M = 4, without lag: the sum of the inputs' effects on the angles with these factors.

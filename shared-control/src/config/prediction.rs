@@ -1,0 +1,69 @@
+//! The MPC's part of the configuration: its problem, and the observer that finds where it starts from.
+
+use super::cascade::angle_config;
+use super::error::ConfigError;
+use super::tuning::{Tuning, mpc_input_gain, mpc_torque_per_input_nm};
+use crate::mpc::schedule::Schedule;
+use crate::mpc::{MotorSettings, MpcSettings, Preview, ProblemSettings};
+use crate::torque_observer::ObserverConfig;
+use crate::vehicle::{Actuation, VehicleParameters};
+
+/// The MPC's problem for a vehicle: inputs are the lift difference at the arm (N) for roll and pitch and the torque
+/// (N m) for yaw, as in the thesis (2.6), each bounded by one motor's span. The motors stand arm / sqrt 2 from either
+/// axis: roll or pitch alone can have sqrt 2 times as much, both together 1 / sqrt 2 of it; beyond that the mixer
+/// scales both down. [`Tuning::mpc_motor_limits`] puts what the motors really can do in place of these bounds.
+pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: f32) -> MpcSettings {
+    let actuation = known_actuation(vehicle, tuning);
+    MpcSettings {
+        problem: ProblemSettings {
+            horizon: tuning.mpc_horizon,
+            prediction_step_s: tuning.mpc_prediction_step_s,
+            input_gain: mpc_input_gain(vehicle),
+            tracking_weight: tuning.mpc_tracking_weight,
+            increment_weight: tuning.mpc_increment_weight,
+            input_max: [1.0, 1.0, vehicle.torque_per_lift_m].map(|per_lift| per_lift * vehicle.lift_span_n()),
+            output_max_rad: [tuning.mpc_tilt_max_rad, tuning.mpc_tilt_max_rad, None],
+        },
+        torque_per_input_nm: mpc_torque_per_input_nm(vehicle),
+        motor_lag_s: actuation.lag_s,
+        schedule: Schedule::new(&vehicle.pitch_inertia(), tuning.tilt_max_rad, tuning.mpc_linearisations),
+        motors: tuning.mpc_motor_limits.then(|| MotorSettings {
+            lift_curve: vehicle.lift_curve,
+            torque_reserve: tuning.mpc_torque_reserve,
+            lift_per_torque_1_m: [vehicle.lever_m(), vehicle.lever_m(), vehicle.torque_per_lift_m]
+                .map(|arm_m| 0.25 / arm_m),
+            yaw_locked: vehicle.yaw_locked,
+        }),
+        preview: Preview {
+            ahead: tuning.mpc_reference,
+            shaping: angle_config(vehicle, tuning),
+            prediction_step_s: tuning.mpc_prediction_step_s,
+            control_step_s: 1.0 / loop_rate_hz,
+            lead_s: tuning.mpc_lead_s,
+            delay_s: actuation.delay_s,
+        },
+    }
+}
+
+/// The disturbance may be as large as what the rate loop's integral may hold.
+pub(super) fn observer_config(
+    vehicle: &VehicleParameters,
+    tuning: &Tuning,
+    loop_rate_hz: f32,
+) -> Result<ObserverConfig, ConfigError> {
+    let authority = vehicle.acceleration_authority_rad_s2();
+    let disturbance_max_nm =
+        core::array::from_fn(|axis| tuning.integral_share * authority[axis] * vehicle.inertia_kg_m2[axis]);
+    ObserverConfig::new(
+        vehicle.inertia_kg_m2,
+        disturbance_max_nm,
+        &known_actuation(vehicle, tuning),
+        tuning.mpc_disturbance_bandwidth_rad_s,
+        1.0 / loop_rate_hz,
+    )
+    .ok_or(ConfigError::OutOfRange("actuation.delay_s (at most 16 control steps)"))
+}
+
+fn known_actuation(vehicle: &VehicleParameters, tuning: &Tuning) -> Actuation {
+    if tuning.mpc_knows_actuation { vehicle.actuation } else { Actuation::default() }
+}

@@ -1,0 +1,156 @@
+//! The gains: what does not depend on the vehicle's size, and the project's choice for a vehicle.
+
+use super::error::{ConfigError, not_negative, positive};
+use crate::elementary::limit;
+use crate::mpc::schedule::LINEARISATIONS_MAX;
+use crate::mpc::{HORIZON, ReferenceAhead};
+use crate::vehicle::VehicleParameters;
+
+/// Steepest tilt that a set-point in Euler angles can mean, rad.
+const TILT_MAX_RAD: f32 = 1.5;
+
+/// Weight of a squared change of the angular acceleration in the MPC's cost, 1/(rad/s^2)^2, beside 100/rad^2 on the
+/// angle.
+const MPC_ACCELERATION_WEIGHT: f32 = 2.5e-3;
+
+/// Gains that don't depend on the vehicle's size; arrays are roll, pitch, yaw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tuning {
+    /// How fast the shaped reference closes in, 1/s.
+    pub shaping_gain_1_s: [f32; 3],
+    /// Share of the acceleration authority that the shaped reference and the square root use.
+    pub acceleration_share: f32,
+    /// Largest rate asked for, rad/s.
+    pub rate_max_rad_s: [f32; 3],
+    /// Largest tilt asked for, rad.
+    pub tilt_max_rad: f32,
+    /// Share of the shaped reference's acceleration that the cascade feeds forward.
+    pub acceleration_feed_forward: f32,
+    /// Angle error to rate, 1/s.
+    pub angle_gain_1_s: [f32; 3],
+    /// Rate error to angular acceleration, 1/s.
+    pub rate_proportional_1_s: [f32; 3],
+    /// Integrated rate error to angular acceleration, 1/s^2.
+    pub rate_integral_1_s2: [f32; 3],
+    /// Derivative of the rate error to angular acceleration.
+    pub rate_derivative: [f32; 3],
+    /// Cut-off of the derivative's low-pass, Hz.
+    pub rate_derivative_cutoff_hz: f32,
+    /// Share of the acceleration authority that the integral may hold.
+    pub integral_share: f32,
+    /// Cut-off of the gyro's low-pass, Hz.
+    pub gyro_cutoff_hz: f32,
+    /// Weight on the angle error in the MPC's cost.
+    pub mpc_tracking_weight: [f32; 3],
+    /// Weight on the change of the input in the MPC's cost.
+    pub mpc_increment_weight: [f32; 3],
+    /// Steps of the MPC's prediction.
+    pub mpc_horizon: usize,
+    /// Step of the MPC's prediction, s, whatever the loop's rate.
+    pub mpc_prediction_step_s: f32,
+    /// Bound on predicted roll and pitch, rad; none leaves them free. Not for flight yet: the MPC refuses it.
+    pub mpc_tilt_max_rad: Option<f32>,
+    /// Time constant with which the MPC's cost asks an error to vanish, s; 0 weighs the angle alone.
+    pub mpc_lead_s: [f32; 3],
+    /// What the MPC takes for the reference over its horizon.
+    pub mpc_reference: ReferenceAhead,
+    /// Whether the MPC's prediction holds the motors' lag and the actuation's delay.
+    pub mpc_knows_actuation: bool,
+    /// How fast the disturbance torque is estimated, rad/s; 0 for no estimate.
+    pub mpc_disturbance_bandwidth_rad_s: f32,
+    /// Whether the MPC's limits are the motors', which couple the axes (at most 10 free inputs); otherwise each axis
+    /// has its own.
+    pub mpc_motor_limits: bool,
+    /// With these: share of the motors' span that is kept for torque on either side of the collective, 0 (the
+    /// collective is kept, whatever torque that costs) to 1/2 (it gives way as far as the mixer lets it).
+    pub mpc_torque_reserve: f32,
+    /// Linearisations of the pitch axis along roll, 1 to [`LINEARISATIONS_MAX`].
+    pub mpc_linearisations: usize,
+}
+
+impl Tuning {
+    /// The project's tuning for motors whose thrust follows a command with a lag (first-order time constant, s);
+    /// `docs/tuning.md` has the reasoning and the margins it gives.
+    pub fn for_motor_lag(lag_s: f32) -> Tuning {
+        let lag_s = limit(lag_s, 0.0, 0.2);
+        let rate = 1.0 / (1.0 / 30.0 + 0.3 * lag_s);
+        let angle = 1.0 / (1.0 / 8.0 + 0.8 * lag_s);
+        // the derivative makes good most of the lag, and a little of the filters and the sampling
+        let lead_s = 0.005 + 0.85 * lag_s;
+        Tuning {
+            shaping_gain_1_s: [0.87 * angle, 0.87 * angle, 0.5 * angle],
+            acceleration_share: 0.6 / (1.0 + 9.0 * lag_s),
+            rate_max_rad_s: [5.0, 5.0, 2.0],
+            tilt_max_rad: 1.2,
+            acceleration_feed_forward: 0.0,
+            angle_gain_1_s: [angle, angle, 0.5 * angle],
+            rate_proportional_1_s: [rate, rate, 0.4 * rate],
+            rate_integral_1_s2: [2.0 * rate, 2.0 * rate, 0.4 * rate],
+            rate_derivative: [rate * lead_s, rate * lead_s, 0.0],
+            rate_derivative_cutoff_hz: 40.0,
+            integral_share: 0.8,
+            gyro_cutoff_hz: 100.0,
+            mpc_tracking_weight: [100.0, 100.0, 100.0],
+            mpc_increment_weight: [1.0, 1.0, 100.0],
+            mpc_horizon: HORIZON,
+            mpc_prediction_step_s: 0.01,
+            mpc_tilt_max_rad: None,
+            mpc_lead_s: [0.1 + lag_s; 3],
+            mpc_reference: ReferenceAhead::Shaped,
+            mpc_knows_actuation: true,
+            mpc_disturbance_bandwidth_rad_s: 10.0 / (1.0 + 20.0 * lag_s),
+            mpc_motor_limits: false,
+            mpc_torque_reserve: 0.5,
+            mpc_linearisations: 1,
+        }
+    }
+
+    /// The project's tuning for a vehicle: that for its motors' lag, with the MPC's increments weighed as changes of
+    /// the angular acceleration, whatever the inertia.
+    pub fn for_vehicle(vehicle: &VehicleParameters) -> Tuning {
+        let mut tuning = Tuning::for_motor_lag(vehicle.actuation.lag_s);
+        let of_acceleration = [MPC_ACCELERATION_WEIGHT, MPC_ACCELERATION_WEIGHT, 10.0 * MPC_ACCELERATION_WEIGHT];
+        let gains = mpc_input_gain(vehicle);
+        tuning.mpc_increment_weight = core::array::from_fn(|axis| of_acceleration[axis] * gains[axis] * gains[axis]);
+        tuning
+    }
+
+    /// Refuses what the core is not made for, by the name of the first such value.
+    pub(super) fn validate(&self) -> Result<(), ConfigError> {
+        for axis in 0..3 {
+            positive("shaping_gain_1_s", self.shaping_gain_1_s[axis])?;
+            positive("rate_max_rad_s", self.rate_max_rad_s[axis])?;
+            positive("angle_gain_1_s", self.angle_gain_1_s[axis])?;
+            not_negative("rate_proportional_1_s", self.rate_proportional_1_s[axis])?;
+            not_negative("rate_integral_1_s2", self.rate_integral_1_s2[axis])?;
+            not_negative("rate_derivative", self.rate_derivative[axis])?;
+        }
+        positive("acceleration_share", self.acceleration_share)?;
+        not_negative("acceleration_feed_forward", self.acceleration_feed_forward)?;
+        positive("tilt_max_rad", self.tilt_max_rad)?;
+        if self.tilt_max_rad > TILT_MAX_RAD {
+            return Err(ConfigError::OutOfRange("tilt_max_rad (Euler angles: at most 1.5)"));
+        }
+        not_negative("integral_share", self.integral_share)?;
+        not_negative("mpc_disturbance_bandwidth_rad_s", self.mpc_disturbance_bandwidth_rad_s)?;
+        if !(0.0..=0.5).contains(&self.mpc_torque_reserve) {
+            return Err(ConfigError::OutOfRange("mpc_torque_reserve (0 to 0.5)"));
+        }
+        if !(1..=LINEARISATIONS_MAX).contains(&self.mpc_linearisations) {
+            return Err(ConfigError::OutOfRange("mpc_linearisations (1 to 4)"));
+        }
+        positive("gyro_cutoff_hz", self.gyro_cutoff_hz)
+    }
+}
+
+/// Torque of one unit of each input of the MPC (roll, pitch, yaw), N m: for roll and pitch that is a lift difference at
+/// the arm.
+pub(super) fn mpc_torque_per_input_nm(vehicle: &VehicleParameters) -> [f32; 3] {
+    [vehicle.arm_m, vehicle.arm_m, 1.0]
+}
+
+/// Angular acceleration per input unit, rad/s^2.
+pub(super) fn mpc_input_gain(vehicle: &VehicleParameters) -> [f32; 3] {
+    let torque_nm = mpc_torque_per_input_nm(vehicle);
+    core::array::from_fn(|axis| torque_nm[axis] / vehicle.inertia_kg_m2[axis])
+}

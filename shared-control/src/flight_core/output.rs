@@ -1,0 +1,75 @@
+//! What comes out of a step.
+
+use nalgebra::Vector3;
+
+use crate::mixer::MixResult;
+use crate::sensing::imu_health::ImuHealth;
+use crate::sensing::imu_select::ImuUnit;
+use crate::signals::{AttitudeEstimate, PlanReport, PlanStatus, Wrench};
+use crate::supervisor::Arming;
+
+/// Who made the torque of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TorqueSource {
+    /// Nobody: the motors stand still.
+    #[default]
+    Disarmed,
+    /// Nobody: one motor turns at the command of a test.
+    MotorTest,
+    /// Nobody: armed on the ground, the throttle has not been raised yet; the motors turn at it and no torque is asked.
+    Idle,
+    /// The cascade, as configured.
+    Cascade,
+    /// The MPC's plan.
+    Mpc,
+    /// The cascade, because no plan came in time.
+    CascadeNoPlan,
+    /// The cascade, because the plan was not solved.
+    CascadeUnsolved(PlanStatus),
+}
+
+impl TorqueSource {
+    /// Its number in a trace and in the words of a state.
+    pub fn number(&self) -> u32 {
+        match self {
+            TorqueSource::Disarmed => 0,
+            TorqueSource::Cascade => 1,
+            TorqueSource::Mpc => 2,
+            TorqueSource::CascadeNoPlan => 3,
+            TorqueSource::MotorTest => 4,
+            TorqueSource::CascadeUnsolved(status) => 5 + status.number(),
+            TorqueSource::Idle => 9,
+        }
+    }
+}
+
+/// What a step tells the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepOutput {
+    /// Number of the step.
+    pub step: u32,
+    /// Compare values for motors 1 to 4.
+    pub compare_counts: [u16; 4],
+    /// Commands and what they could not deliver.
+    pub mix: MixResult,
+    /// Demand to the mixer.
+    pub wrench: Wrench,
+    /// Who made the torque.
+    pub source: TorqueSource,
+    /// May the motors turn?
+    pub arming: Arming,
+    /// The IMU in use.
+    pub imu_unit: ImuUnit,
+    /// Is it to be believed?
+    pub imu_health: ImuHealth,
+    /// And the other one?
+    pub standby_health: ImuHealth,
+    /// Steps so far whose set-point held something that is not a finite number; the last good one was kept.
+    pub setpoints_rejected: u32,
+    /// Where the vehicle is.
+    pub estimate: AttitudeEstimate,
+    /// How the MPC's plans fare.
+    pub planning: PlanReport,
+    /// Rate that the cascade asked for, body frame, rad/s.
+    pub rate_target_rad_s: Vector3<f32>,
+}

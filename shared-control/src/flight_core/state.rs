@@ -1,0 +1,156 @@
+//! What the core remembers between steps.
+
+use super::output::TorqueSource;
+use crate::attitude::angle::{AngleState, RateTarget};
+use crate::attitude::rate::RateState;
+use crate::mixer::MixResult;
+use crate::record::state_words::{STATE_WORDS, StateWords};
+use crate::sensing::estimator::EstimatorState;
+use crate::sensing::imu_select::ImuPairState;
+use crate::signals::{Plan, PlanReport, Setpoint, StepInput, Wrench};
+use crate::supervisor::Arming;
+use crate::torque_observer::ObserverState;
+
+/// All that the core remembers between steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Steps made.
+    pub step: u32,
+    pub(super) imus: ImuPairState,
+    pub(super) estimator: EstimatorState,
+    pub(super) arming: Arming,
+    pub(super) setpoint: SetpointState,
+    pub(super) angle: AngleState,
+    pub(super) rate: RateState,
+    pub(super) rate_target: RateTarget,
+    pub(super) observer: ObserverState,
+    pub(super) planning: PlanningState,
+    /// The throttle has been raised since arming: there is something to control.
+    pub(super) airborne: bool,
+    pub(super) last_wrench: Wrench,
+    pub(super) last_mix: MixResult,
+    pub(super) last_source: TorqueSource,
+}
+
+impl State {
+    /// All of it as words, of which every target makes the same.
+    pub fn words(&self) -> [u32; STATE_WORDS] {
+        let mut words = StateWords::EMPTY;
+        self.record(&mut words);
+        words.words
+    }
+
+    pub(super) fn record(&self, words: &mut StateWords) {
+        let Self {
+            step,
+            imus,
+            estimator,
+            arming,
+            setpoint,
+            angle,
+            rate,
+            rate_target,
+            observer,
+            planning,
+            airborne,
+            last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
+            last_mix,
+            last_source,
+        } = self;
+        words.word(*step);
+        imus.record(words);
+        estimator.record(words);
+        arming.record(words);
+        setpoint.record(words);
+        angle.record(words);
+        rate.record(words);
+        rate_target.record(words);
+        observer.record(words);
+        planning.record(words);
+        words.word(u32::from(*airborne));
+        words.number(*lift_per_motor_n);
+        words.numbers(torque_body_nm);
+        last_mix.record(words);
+        words.word(last_source.number());
+    }
+
+    /// The shaped reference, rad (roll, pitch, yaw).
+    pub fn shaped_reference_rad(&self) -> [f32; 3] {
+        self.angle.reference.map(|axis| axis.angle_rad)
+    }
+
+    /// Moves the rate loop's integrals (body axes, rad/s^2). For a replay of another controller's log: an integral
+    /// collects what noise the log does not hold, and nothing else brings it back.
+    pub fn shift_rate_integral(&mut self, by_rad_s2: [f32; 3]) {
+        self.rate.shift_integral(by_rad_s2);
+    }
+
+    /// Estimated disturbance torque, N m (roll, pitch, heading).
+    pub fn disturbance_nm(&self) -> [f32; 3] {
+        self.observer.disturbance_nm()
+    }
+}
+
+/// The set-point that is flown, and what came instead of one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct SetpointState {
+    /// What the controllers follow.
+    pub(super) flown: Setpoint,
+    /// The last one made of finite numbers, and when.
+    pub(super) good: Setpoint,
+    good_us: u64,
+    /// Steps whose set-point was not.
+    pub(super) rejected: u32,
+}
+
+impl SetpointState {
+    fn record(&self, words: &mut StateWords) {
+        let Self { flown, good, good_us, rejected } = self;
+        flown.record(words);
+        good.record(words);
+        words.time_us(*good_us);
+        words.word(*rejected);
+    }
+
+    /// Keeps the last good one while what comes is no number. Returns the good one's age, µs.
+    pub(super) fn take(&mut self, input: &StepInput) -> u64 {
+        if input.setpoint.is_finite() {
+            (self.good, self.good_us) = (input.setpoint, input.time_us);
+        } else {
+            self.rejected = self.rejected.saturating_add(1);
+        }
+        input.time_us.saturating_sub(self.good_us)
+    }
+}
+
+/// What is remembered of the plans.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct PlanningState {
+    /// The last step asked for a plan.
+    pub(super) asked: bool,
+    fallbacks: u32,
+    deadline_misses: u32,
+}
+
+impl PlanningState {
+    pub(super) fn record(&self, words: &mut StateWords) {
+        let Self { asked, fallbacks, deadline_misses } = self;
+        words.word(u32::from(*asked));
+        words.word(*fallbacks);
+        words.word(*deadline_misses);
+    }
+
+    /// Counts a step: the plan that came in time for it, if any, and who made its torque.
+    pub(super) fn report(&mut self, plan: Option<&Plan>, source: TorqueSource) -> PlanReport {
+        let is_fallback = matches!(source, TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_));
+        self.fallbacks = self.fallbacks.saturating_add(u32::from(is_fallback));
+        self.deadline_misses = self.deadline_misses.saturating_add(u32::from(self.asked && plan.is_none()));
+        PlanReport {
+            status: plan.map(|plan| plan.status),
+            iterations: plan.map_or(0, |plan| plan.iterations),
+            duration_us: plan.map_or(0, |plan| plan.duration_us),
+            fallbacks: self.fallbacks,
+            deadline_misses: self.deadline_misses,
+        }
+    }
+}

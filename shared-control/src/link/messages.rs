@@ -1,0 +1,147 @@
+//! A status and an answer as MAVLink messages.
+
+use mavlink::dialects::common::{
+    ATTITUDE_DATA, COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState,
+    MavSysStatusSensor, MavType, SERVO_OUTPUT_RAW_DATA, SYS_STATUS_DATA,
+};
+
+use super::orders_and_answers::Answer;
+use super::vehicle_status::VehicleStatus;
+use crate::config::Controller;
+use crate::frames::euler_from_q;
+use crate::sensing::imu_health::{ImuFault, ImuHealth};
+use crate::sensing::imu_select::ImuUnit;
+use crate::signals::AttitudeEstimate;
+use crate::supervisor::{Arming, DisarmedBecause};
+
+pub(super) fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str)> {
+    use MavSeverity::{MAV_SEVERITY_CRITICAL as CRITICAL, MAV_SEVERITY_NOTICE as NOTICE};
+    Some(match arming {
+        Arming::Armed => (NOTICE, "armed"),
+        Arming::MotorTest { .. } => (NOTICE, "motor test"),
+        Arming::LinkLost { .. } => (CRITICAL, "link lost: level and idle"),
+        Arming::Disarmed(because) => match because {
+            DisarmedBecause::Start | DisarmedBecause::Refused(_) => return None,
+            DisarmedBecause::Requested => (NOTICE, "disarmed"),
+            DisarmedBecause::MotorTestOver => (NOTICE, "motor test over"),
+            DisarmedBecause::LinkLost => (CRITICAL, "disarmed: link lost"),
+            DisarmedBecause::AttitudeUnknown => (CRITICAL, "disarmed: attitude unknown"),
+            DisarmedBecause::ImuFailed(ImuFault::Stale) => (CRITICAL, "disarmed: IMU sends nothing"),
+            DisarmedBecause::ImuFailed(ImuFault::BusDead) => (CRITICAL, "disarmed: IMU bus is dead"),
+            DisarmedBecause::ImuFailed(ImuFault::Stuck) => (CRITICAL, "disarmed: IMU is stuck"),
+            DisarmedBecause::ImuFailed(ImuFault::OutOfRange) => (CRITICAL, "disarmed: IMU is at full scale"),
+        },
+    })
+}
+
+/// None for what was no command.
+pub(super) fn command_ack(answer: &Answer) -> Option<COMMAND_ACK_DATA> {
+    let (command, result) = match answer {
+        Answer::Accepted(command) => (*command, MavResult::MAV_RESULT_ACCEPTED),
+        // what stood against it may pass
+        Answer::Refused(command, _) | Answer::Busy(command) => (*command, MavResult::MAV_RESULT_TEMPORARILY_REJECTED),
+        Answer::Senseless(command) => (*command, MavResult::MAV_RESULT_DENIED),
+        Answer::Unknown(command) => (*command, MavResult::MAV_RESULT_UNSUPPORTED),
+        Answer::ParameterRefused(..) => return None,
+    };
+    Some(COMMAND_ACK_DATA { command, result })
+}
+
+pub(super) fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
+    let armed = match status.arming {
+        Arming::Armed | Arming::LinkLost { .. } => MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED,
+        Arming::Disarmed(_) | Arming::MotorTest { .. } => MavModeFlag::empty(),
+    };
+    let hil = if status.hil { MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED } else { MavModeFlag::empty() };
+    let system_status = match status.arming {
+        Arming::Armed | Arming::MotorTest { .. } => MavState::MAV_STATE_ACTIVE,
+        Arming::LinkLost { .. } => MavState::MAV_STATE_CRITICAL,
+        Arming::Disarmed(DisarmedBecause::ImuFailed(_) | DisarmedBecause::AttitudeUnknown) => {
+            MavState::MAV_STATE_EMERGENCY
+        }
+        Arming::Disarmed(_) => MavState::MAV_STATE_STANDBY,
+    };
+    HEARTBEAT_DATA {
+        custom_mode: match status.controller {
+            Controller::Cascade => 0,
+            Controller::Mpc => 1,
+        },
+        mavtype: MavType::MAV_TYPE_QUADROTOR,
+        autopilot: MavAutopilot::MAV_AUTOPILOT_GENERIC,
+        base_mode: armed
+            | hil
+            | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+            | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED,
+        system_status,
+        mavlink_version: 3,
+    }
+}
+
+/// Milliseconds of `time_boot_ms`, which wrap after 49 days.
+pub(super) fn wrapped_ms(time_us: u64) -> u32 {
+    (time_us / 1000) as u32
+}
+
+pub(super) fn attitude(time_us: u64, estimate: &AttitudeEstimate) -> ATTITUDE_DATA {
+    let angles = euler_from_q(&estimate.q_world_from_body);
+    let rate = estimate.rate_body_rad_s;
+    ATTITUDE_DATA {
+        time_boot_ms: wrapped_ms(time_us),
+        roll: angles.roll_rad,
+        pitch: angles.pitch_rad,
+        yaw: angles.yaw_rad,
+        rollspeed: rate.x,
+        pitchspeed: rate.y,
+        yawspeed: rate.z,
+    }
+}
+
+pub(super) fn servo_output(time_us: u64, status: &VehicleStatus) -> SERVO_OUTPUT_RAW_DATA {
+    let [servo1_raw, servo2_raw, servo3_raw, servo4_raw] = status.pulses_us;
+    SERVO_OUTPUT_RAW_DATA {
+        time_usec: time_us as u32,
+        servo1_raw,
+        servo2_raw,
+        servo3_raw,
+        servo4_raw,
+        ..SERVO_OUTPUT_RAW_DATA::DEFAULT
+    }
+}
+
+/// The counters that only this project has go into `errors_count`: set-points rejected, overruns, late plans.
+pub(super) fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
+    let control = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ANGULAR_RATE_CONTROL
+        | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ATTITUDE_STABILIZATION
+        | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
+    let attitude = MavSysStatusSensor::MAV_SYS_STATUS_AHRS;
+    let imu = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
+    let imu_second =
+        MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO2 | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL2;
+    let (first, second) = match status.imu_unit {
+        ImuUnit::First => (status.imu_health, status.standby_health),
+        ImuUnit::Second => (status.standby_health, status.imu_health),
+    };
+    let healthy_first = if first == ImuHealth::Good { imu } else { MavSysStatusSensor::empty() };
+    // whether there is a second shows by its being healthy
+    let second_imu = if second == ImuHealth::Good { imu_second } else { MavSysStatusSensor::empty() };
+    let battery = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY;
+    let measured_battery = if status.battery_v.is_some() { battery } else { MavSysStatusSensor::empty() };
+    let healthy_battery = if status.battery_low { MavSysStatusSensor::empty() } else { measured_battery };
+    let present = imu | second_imu | control | attitude | measured_battery;
+    let healthy_attitude = if status.estimate.valid { attitude } else { MavSysStatusSensor::empty() };
+    let count = |number: u32| number.min(u32::from(u16::MAX)) as u16;
+    SYS_STATUS_DATA {
+        onboard_control_sensors_present: present,
+        onboard_control_sensors_enabled: present,
+        onboard_control_sensors_health: healthy_first | second_imu | healthy_attitude | control | healthy_battery,
+        load: status.load_permille,
+        // `as` saturates, and makes 0 of NaN; the largest value says that nobody measures
+        voltage_battery: status.battery_v.map_or(u16::MAX, |volts| (volts * 1000.0) as u16),
+        current_battery: -1,
+        battery_remaining: -1,
+        errors_count1: count(status.setpoints_rejected),
+        errors_count2: count(status.overruns),
+        errors_count3: count(status.planning.deadline_misses),
+        ..SYS_STATUS_DATA::DEFAULT
+    }
+}

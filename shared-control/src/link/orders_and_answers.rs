@@ -1,0 +1,93 @@
+//! What passes between the link's parts: orders inwards, answers and texts outwards.
+
+use mavlink::dialects::common::MavCmd;
+
+use super::hil::HilTick;
+use crate::params::table::Field;
+use crate::signals::{MotorTest, Setpoint};
+use crate::supervisor::Refusal;
+
+/// What the ground wants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Order {
+    /// Nothing; but it is there.
+    Heartbeat,
+    /// Fly this.
+    Fly(Setpoint),
+    /// Arm.
+    Arm,
+    /// Disarm.
+    Disarm,
+    /// Start the test sequence.
+    StartTestSequence,
+    /// Turn one motor.
+    TestMotor(MotorTest),
+    /// The configuration in use is right: store it.
+    ConfirmConfiguration,
+    /// The fault record has been read.
+    FaultRecordRead,
+    /// Start anew.
+    Restart,
+    /// Tell or change parameters.
+    Parameters(ParameterRequest),
+    /// A command that this vehicle does not know, or with parameters that make no sense.
+    NotUnderstood {
+        /// The command.
+        command: MavCmd,
+        /// True if the command is known and its parameters are wrong.
+        known: bool,
+    },
+    /// Hardware in the loop: make a step, with the IMU's sample in it.
+    HilTick(HilTick),
+}
+
+/// What the ground asks of the parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParameterRequest {
+    /// Tell all.
+    List,
+    /// Tell one.
+    Read(Field),
+    /// Change one.
+    Set {
+        /// Which.
+        field: Field,
+        /// To what; not a number where it came as another type than REAL32.
+        value: f32,
+    },
+    /// Something of one that does not exist.
+    Unknown,
+}
+
+/// The answer to a command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// Done.
+    Accepted(MavCmd),
+    /// Not done, for a reason that has words.
+    Refused(MavCmd, Refusal),
+    /// Not done, because its parameters make no sense.
+    Senseless(MavCmd),
+    /// Not done, because this vehicle has no such command.
+    Unknown(MavCmd),
+    /// Not done, because others wait before it, or because the board is about to start anew.
+    Busy(MavCmd),
+    /// A parameter was not set, for a reason that has words.
+    ParameterRefused(Field, Refusal),
+}
+
+/// What the board has to do outside the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Chore {
+    /// Store the configuration in use.
+    StoreConfiguration,
+    /// Clear the fault record.
+    ClearFaultRecord,
+    /// Start anew, once the answer has left.
+    Restart,
+    /// Tell or change parameters.
+    Parameters(ParameterRequest),
+}
+
+/// Text of a `STATUSTEXT`.
+pub type Text = heapless::String<50>;

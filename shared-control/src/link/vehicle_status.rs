@@ -1,0 +1,91 @@
+//! All that telemetry, light and tone say of the vehicle, as plain values for the queue between the loop and them.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::config::{Config, Controller};
+use crate::flight_core::StepOutput;
+use crate::sensing::imu_health::{ImuFault, ImuHealth};
+use crate::sensing::imu_select::ImuUnit;
+use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, StepInput};
+use crate::supervisor::Arming;
+
+/// All that telemetry tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VehicleStatus {
+    /// May the motors turn?
+    pub arming: Arming,
+    /// Where the vehicle is.
+    pub estimate: AttitudeEstimate,
+    /// Pulses to motors 1 to 4, us.
+    pub pulses_us: [u16; 4],
+    /// The IMU in use.
+    pub imu_unit: ImuUnit,
+    /// Its health.
+    pub imu_health: ImuHealth,
+    /// The other one's.
+    pub standby_health: ImuHealth,
+    /// Who flies.
+    pub controller: Controller,
+    /// True with hardware in the loop.
+    pub hil: bool,
+    /// Battery voltage, V, where measured.
+    pub battery_v: Option<f32>,
+    /// True if it is measured and too low for arming.
+    pub battery_low: bool,
+    /// What stands against arming from outside the loop.
+    pub blocks: ArmingBlocks,
+    /// Load of the processor, 1/1000.
+    pub load_permille: u16,
+    /// Steps whose set-point was no number.
+    pub setpoints_rejected: u32,
+    /// Steps that were late.
+    pub overruns: u32,
+    /// How the MPC's plans fare.
+    pub planning: PlanReport,
+}
+
+impl VehicleStatus {
+    /// Status before the first step: no sample yet, hence no IMU and no attitude; no pulses either.
+    pub fn at_start(controller: Controller) -> Self {
+        Self {
+            arming: Arming::default(),
+            estimate: AttitudeEstimate {
+                q_world_from_body: UnitQuaternion::identity(),
+                rate_body_rad_s: Vector3::zeros(),
+                gyro_bias_rad_s: Vector3::zeros(),
+                valid: false,
+            },
+            pulses_us: [0; 4],
+            imu_unit: ImuUnit::First,
+            imu_health: ImuHealth::Bad(ImuFault::Stale),
+            standby_health: ImuHealth::Bad(ImuFault::Stale),
+            controller,
+            hil: false,
+            battery_v: None,
+            battery_low: false,
+            blocks: ArmingBlocks::default(),
+            load_permille: 0,
+            setpoints_rejected: 0,
+            overruns: 0,
+            planning: PlanReport::default(),
+        }
+    }
+
+    /// Status after a step; what the core does not know is zero, and the board's to add.
+    pub fn new(config: &Config, input: &StepInput, output: &StepOutput) -> Self {
+        Self {
+            arming: output.arming,
+            estimate: output.estimate,
+            pulses_us: output.compare_counts.map(|counts| config.output.pulse_us(counts)),
+            imu_unit: output.imu_unit,
+            imu_health: output.imu_health,
+            standby_health: output.standby_health,
+            setpoints_rejected: output.setpoints_rejected,
+            battery_v: input.battery_v,
+            battery_low: !config.supervisor.battery_is_good(input.battery_v),
+            blocks: input.blocks,
+            planning: output.planning,
+            ..Self::at_start(config.controller)
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! A gyro's bias: its mean at rest, and whatever the estimator finds to be left of it in flight. Each IMU has its own.
+
+use nalgebra::Vector3;
+
+use crate::elementary::{limit, sqrt};
+use crate::record::state_words::StateWords;
+use crate::sensing::imu::ImuStep;
+
+/// What counts as rest, and how far the mean is believed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GyroBiasConfig {
+    /// How far the rate may stray from its mean while the vehicle counts as at rest, rad/s.
+    pub rest_spread_max_rad_s: f32,
+    /// How far the direction of the specific force may stray from where it was, rad.
+    pub rest_tilt_max_rad: f32,
+    /// Time at rest after which the mean rate is believed to be the bias, s.
+    pub rest_settle_s: f32,
+    /// Longest time over which the bias is averaged at rest, s.
+    pub rest_average_max_s: f32,
+    /// Largest bias that is believed, rad/s.
+    pub bias_max_rad_s: f32,
+}
+
+impl GyroBiasConfig {
+    /// The bias to 1e-4 rad/s within 10 s.
+    pub const NOMINAL: GyroBiasConfig = GyroBiasConfig {
+        rest_spread_max_rad_s: 0.1,
+        rest_tilt_max_rad: 0.05,
+        rest_settle_s: 1.0,
+        rest_average_max_s: 10.0,
+        // MPU-6000 product specification 3.4, section 6.1: zero-rate output +-20 deg/s, as much again over temperature
+        bias_max_rad_s: 0.7,
+    };
+}
+
+/// What is known of a gyro's bias.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GyroBias {
+    bias_rad_s: Vector3<f32>,
+    /// It has been averaged at rest for long enough, and its sensor was never bad on the ground since.
+    calibrated: bool,
+    rest: RestWindow,
+}
+
+/// The gyro since the vehicle last came to rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct RestWindow {
+    rotation_rad: Vector3<f32>,
+    duration_s: f32,
+    down_body: Option<Vector3<f32>>,
+}
+
+impl GyroBias {
+    /// The bias, body frame, rad/s.
+    pub fn bias_rad_s(&self) -> Vector3<f32> {
+        self.bias_rad_s
+    }
+
+    /// Time at rest over which it has been averaged, s; zero in flight and once moved.
+    pub fn rest_s(&self) -> f32 {
+        self.rest.duration_s
+    }
+
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { bias_rad_s, calibrated, rest: RestWindow { rotation_rad, duration_s, down_body } } = self;
+        words.vector(bias_rad_s);
+        words.word(u32::from(*calibrated));
+        words.vector(rotation_rad);
+        words.number(*duration_s);
+        words.word(u32::from(down_body.is_some()));
+        words.vector(&down_body.unwrap_or_default());
+    }
+
+    /// Can the gyro be flown with? Stays true in flight.
+    pub fn is_calibrated(&self) -> bool {
+        self.calibrated
+    }
+
+    /// The vehicle is not at rest: averaging begins anew.
+    pub fn moved(&mut self) {
+        self.rest = RestWindow::default();
+    }
+
+    /// The sensor is not to be believed: it must be calibrated anew before it is flown with.
+    pub fn distrust(&mut self) {
+        *self = Self { bias_rad_s: self.bias_rad_s, ..Self::default() };
+    }
+
+    /// Adds what the estimator finds in flight, rad/s.
+    pub fn correct(&mut self, config: &GyroBiasConfig, change_rad_s: Vector3<f32>) {
+        self.set(config, &(self.bias_rad_s + change_rad_s));
+    }
+
+    /// At rest the mean of the gyro is its bias: after a while of it, for a window that begins anew with every motion.
+    /// What was learnt before stays until then, so a slow turn or a bump costs nothing. `down_body` is down as the
+    /// accelerometer has it.
+    pub fn average_at_rest(&mut self, config: &GyroBiasConfig, imu: &ImuStep, down_body: Option<Vector3<f32>>) {
+        let rest = &mut self.rest;
+        let mean =
+            if rest.duration_s > 0.0 { rest.rotation_rad * (1.0 / rest.duration_s) } else { imu.rate_body_rad_s };
+        let strayed = imu.rate_body_rad_s - mean;
+        let turned = match (rest.down_body, down_body) {
+            (Some(before), Some(now)) => sqrt(before.cross(&now).dot(&before.cross(&now))) > config.rest_tilt_max_rad,
+            (None, Some(_)) => false,
+            (_, None) => true,
+        };
+        if turned || strayed.dot(&strayed) > config.rest_spread_max_rad_s * config.rest_spread_max_rad_s {
+            *rest = RestWindow { down_body, ..RestWindow::default() };
+            return;
+        }
+        rest.down_body = rest.down_body.or(down_body);
+        rest.rotation_rad += imu.rotation_rad;
+        rest.duration_s += imu.duration_s;
+        if rest.duration_s > config.rest_average_max_s {
+            // forget as much as came, so that a drift is followed
+            let kept = config.rest_average_max_s / rest.duration_s;
+            rest.rotation_rad *= kept;
+            rest.duration_s = config.rest_average_max_s;
+        }
+        if rest.duration_s >= config.rest_settle_s {
+            let bias = rest.rotation_rad * (1.0 / rest.duration_s);
+            self.set(config, &bias);
+            self.calibrated = true;
+        }
+    }
+
+    fn set(&mut self, config: &GyroBiasConfig, bias_rad_s: &Vector3<f32>) {
+        self.bias_rad_s = bias_rad_s.map(|b| limit(b, -config.bias_max_rad_s, config.bias_max_rad_s));
+    }
+}

@@ -1,0 +1,359 @@
+//! From raw IMU counts to what the estimator and the rate loop use: scale, axis map, low-pass before decimation.
+//!
+//! The sensor samples faster than the loop runs. Attitude gets the whole rotation since the last step (the sum over
+//! all samples, so that nothing is lost between steps); the rate loop gets the low-passed rate, so that noise above
+//! half the loop's rate does not fold down.
+
+use nalgebra::Vector3;
+
+use crate::filter::{LowPass2, LowPass2State};
+use crate::record::state_words::StateWords;
+use crate::signals::RawImuSample;
+
+/// What data sheets call "g", m/s^2.
+const STANDARD_GRAVITY_M_S2: f32 = 9.806_65;
+/// Samples per second of an L3GD20 or L3GD20H at its fastest (data sheets: 760 Hz and 757.6 Hz).
+pub const L3GD20_RATE_HZ: f32 = 760.0;
+/// Longest time between two samples that still counts as continuous, s.
+const SAMPLE_GAP_MAX_S: f32 = 0.05;
+/// Longest gap that is bridged, at the mean of the rates on both sides, s.
+const BRIDGED_GAP_MAX_S: f32 = 0.5;
+/// How far ahead of the step a sample may be stamped, us; a stamp beyond is no time.
+const STAMP_AHEAD_MAX_US: u64 = 5_000;
+
+/// How the sensor sits on the board: body axis `i` is `sign[i]` times sensor axis `source[i]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisMap {
+    /// Sensor axis (0, 1, 2) that each body axis comes from.
+    pub source: [u8; 3],
+    /// +1 or -1 for each body axis.
+    pub sign: [f32; 3],
+}
+
+impl AxisMap {
+    /// MPU6000 on a level Pixhawk 1: body FRD = (sensor y, -sensor x, sensor z); the chip is mounted upside down, so
+    /// that its z axis reads about -1 g at rest.
+    pub const PIXHAWK1_MPU6000: AxisMap = AxisMap { source: [1, 0, 2], sign: [1.0, -1.0, 1.0] };
+
+    /// L3GD20 on a level Pixhawk 1: body FRD = (sensor y, -sensor x, sensor z), upside down like all three chips.
+    ///
+    /// Two drivers agree. PX4's `l3gd20` turns an L3GD20 by 270 degrees of yaw: (y, -x, z). ArduPilot's `LSM9DS0` takes
+    /// (x, -y, -z) from the chip and turns that by ROLL_180_YAW_270, (x, y, z) -> (-y, -x, -z): again (y, -x, z).
+    pub const PIXHAWK1_L3GD20: AxisMap = AxisMap { source: [1, 0, 2], sign: [1.0, -1.0, 1.0] };
+
+    /// L3GD20H, soldered to later boards in the L3GD20's place with its axes a quarter turn further: body FRD =
+    /// (-sensor x, -sensor y, sensor z).
+    ///
+    /// PX4 turns it by 180 degrees of yaw, (-x, -y, z); ArduPilot turns (x, -y, -z) by PITCH_180, (x, y, z) -> (-x, y,
+    /// -z): the same.
+    pub const PIXHAWK1_L3GD20H: AxisMap = AxisMap { source: [0, 1, 2], sign: [-1.0, -1.0, 1.0] };
+
+    /// LSM303D's accelerometer: body FRD = its own axes; upside down it reads about -1 g on z at rest.
+    ///
+    /// PX4 starts it unrotated; ArduPilot turns (x, -y, -z) by ROLL_180, which gives (x, y, z).
+    pub const PIXHAWK1_LSM303D: AxisMap = AxisMap { source: [0, 1, 2], sign: [1.0; 3] };
+
+    /// A sensor reading turned into the body frame.
+    pub fn to_body(&self, sensor: [f32; 3]) -> Vector3<f32> {
+        let pick = |axis: usize| {
+            let value = match self.source[axis] {
+                0 => sensor[0],
+                1 => sensor[1],
+                _ => sensor[2],
+            };
+            self.sign[axis] * value
+        };
+        Vector3::new(pick(0), pick(1), pick(2))
+    }
+
+    /// A vector of the body frame as the sensor would read it: the reverse of [`Self::to_body`].
+    pub fn from_body(&self, body: [f32; 3]) -> [f32; 3] {
+        let mut sensor = [0.0; 3];
+        for ((source, sign), value) in self.source.iter().zip(self.sign).zip(body) {
+            if let Some(axis) = sensor.get_mut(usize::from(*source)) {
+                *axis = sign * value;
+            }
+        }
+        sensor
+    }
+}
+
+/// Are gyro and accelerometer on one chip? Two can fail one by one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chips {
+    /// One chip.
+    One,
+    /// A gyro and an accelerometer that know nothing of each other.
+    Two,
+}
+
+/// Scales, axes and filter of one IMU.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImuConfig {
+    /// What it is made of.
+    pub chips: Chips,
+    /// rad/s per gyro count.
+    pub gyro_rad_s_per_count: f32,
+    /// m/s^2 per accelerometer count.
+    pub accel_m_s2_per_count: f32,
+    /// Gyro axes to body axes.
+    pub gyro_axes: AxisMap,
+    /// Accelerometer axes to body axes.
+    pub accel_axes: AxisMap,
+    /// Low-pass on each gyro axis at the sensor's sample rate.
+    pub gyro_lowpass: LowPass2,
+}
+
+impl ImuConfig {
+    /// MPU6000 on a Pixhawk 1, +-2000 deg/s (16.4 counts per deg/s) and +-8 g (4096 counts per g), as its register map
+    /// (sections 4.4, 4.5) gives them.
+    pub fn pixhawk1_mpu6000(gyro_cutoff_hz: f32, sample_rate_hz: f32) -> Self {
+        Self {
+            chips: Chips::One,
+            gyro_rad_s_per_count: core::f32::consts::PI / 180.0 / 16.4,
+            accel_m_s2_per_count: STANDARD_GRAVITY_M_S2 / 4096.0,
+            gyro_axes: AxisMap::PIXHAWK1_MPU6000,
+            accel_axes: AxisMap::PIXHAWK1_MPU6000,
+            gyro_lowpass: LowPass2::new(gyro_cutoff_hz, sample_rate_hz),
+        }
+    }
+
+    /// The second IMU of a Pixhawk 1: L3GD20 at +-2000 deg/s, 70 mdeg/s a digit (data sheet rev. 2, table 4; the
+    /// L3GD20H's has the same), and LSM303D at +-8 g, 0.244 mg a digit (data sheet rev. 2, table 3). Where the gyro
+    /// says that it is an L3GD20H, its axes must be set to [`AxisMap::PIXHAWK1_L3GD20H`].
+    pub fn pixhawk1_l3gd20_lsm303d(gyro_cutoff_hz: f32) -> Self {
+        Self {
+            chips: Chips::Two,
+            gyro_rad_s_per_count: core::f32::consts::PI / 180.0 * 0.070,
+            accel_m_s2_per_count: STANDARD_GRAVITY_M_S2 * 0.000_244,
+            gyro_axes: AxisMap::PIXHAWK1_L3GD20,
+            accel_axes: AxisMap::PIXHAWK1_LSM303D,
+            gyro_lowpass: LowPass2::new(gyro_cutoff_hz, L3GD20_RATE_HZ),
+        }
+    }
+
+    /// Rotation rate of a sample, body frame, rad/s.
+    pub fn gyro_rad_s(&self, sample: &RawImuSample) -> Vector3<f32> {
+        self.gyro_axes.to_body(sample.gyro_counts.map(f32::from)) * self.gyro_rad_s_per_count
+    }
+
+    /// Specific force of a sample, body frame, m/s^2.
+    pub fn specific_force_m_s2(&self, sample: &RawImuSample) -> Vector3<f32> {
+        self.accel_axes.to_body(sample.accel_counts.map(f32::from)) * self.accel_m_s2_per_count
+    }
+}
+
+/// What the conditioning remembers between steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ImuState {
+    last_time_us: Option<u64>,
+    lowpass: [LowPass2State; 3],
+    rate_body_rad_s: Vector3<f32>,
+}
+
+impl ImuState {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self { last_time_us, lowpass, rate_body_rad_s } = self;
+        words.optional_time_us(*last_time_us);
+        for axis in lowpass {
+            axis.record(words);
+        }
+        words.vector(rate_body_rad_s);
+    }
+}
+
+/// The IMU's news since the last step, body frame, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImuStep {
+    /// Number of samples in it.
+    pub samples: u8,
+    /// Time it covers, s; zero for the very first sample or after a gap too long to bridge.
+    pub duration_s: f32,
+    /// True for the very first samples, and where they stayed away too long to be bridged.
+    pub after_gap: bool,
+    /// Rotation since the last step, rad (integrated gyro, bias still in it).
+    pub rotation_rad: Vector3<f32>,
+    /// Low-passed rotation rate at the last sample, rad/s, bias still in it; the last known without new samples.
+    pub rate_body_rad_s: Vector3<f32>,
+    /// Mean specific force, m/s^2; zero without samples.
+    pub specific_force_m_s2: Vector3<f32>,
+}
+
+impl ImuStep {
+    /// Is there something in it, made of finite numbers?
+    pub fn is_usable(&self) -> bool {
+        self.samples > 0 && all_finite(&self.specific_force_m_s2) && all_finite(&self.rotation_rad)
+    }
+}
+
+/// Is every part of it a finite number?
+pub fn all_finite(v: &Vector3<f32>) -> bool {
+    v.x.is_finite() && v.y.is_finite() && v.z.is_finite()
+}
+
+/// Conditions the samples of one step at `now_us`. Samples whose time does not increase, or lies in the future, are
+/// left out; so is a stored time that lies in the future, else one bad stamp would make the vehicle blind until then.
+pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSample], now_us: u64) -> ImuStep {
+    let latest_us = now_us.saturating_add(STAMP_AHEAD_MAX_US);
+    state.last_time_us = state.last_time_us.filter(|last| *last <= latest_us);
+    let mut step = ImuStep {
+        samples: 0,
+        duration_s: 0.0,
+        after_gap: false,
+        rotation_rad: Vector3::zeros(),
+        rate_body_rad_s: state.rate_body_rad_s,
+        specific_force_m_s2: Vector3::zeros(),
+    };
+    for sample in samples {
+        if sample.time_us > latest_us {
+            continue;
+        }
+        let interval_s = match state.last_time_us {
+            Some(last) if sample.time_us <= last => continue,
+            Some(last) => seconds_between(last, sample.time_us),
+            None => 0.0,
+        };
+        let first = state.last_time_us.is_none();
+        state.last_time_us = Some(sample.time_us);
+        let gyro = config.gyro_rad_s(sample);
+        let force = config.specific_force_m_s2(sample);
+        if first || interval_s > BRIDGED_GAP_MAX_S {
+            step.after_gap = true;
+        } else if interval_s > SAMPLE_GAP_MAX_S {
+            step.rotation_rad += (state.rate_body_rad_s + gyro) * (0.5 * interval_s);
+            step.duration_s += interval_s;
+        } else {
+            step.rotation_rad += gyro * interval_s;
+            step.duration_s += interval_s;
+        }
+        if first || interval_s > SAMPLE_GAP_MAX_S {
+            state.lowpass = core::array::from_fn(|i| config.gyro_lowpass.settled(gyro[i]));
+        }
+        for i in 0..3 {
+            step.rate_body_rad_s[i] = config.gyro_lowpass.update(&mut state.lowpass[i], gyro[i]);
+        }
+        step.specific_force_m_s2 += force;
+        step.samples = step.samples.saturating_add(1);
+    }
+    if step.samples > 0 {
+        step.specific_force_m_s2 *= 1.0 / f32::from(step.samples);
+        state.rate_body_rad_s = step.rate_body_rad_s;
+    }
+    step
+}
+
+/// Time between two stamps in s; exact to the microsecond up to 16 s, more than any gap that matters.
+pub fn seconds_between(earlier_us: u64, later_us: u64) -> f32 {
+    let span_us = later_us.saturating_sub(earlier_us);
+    let span_us = if span_us > u64::from(u32::MAX) { u32::MAX } else { span_us as u32 };
+    span_us as f32 * 1e-6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config() -> ImuConfig {
+        ImuConfig::pixhawk1_mpu6000(100.0, 1000.0)
+    }
+
+    fn sample(time_us: u64, gyro_counts: [i16; 3]) -> RawImuSample {
+        // level and at rest: the body's z axis feels -1 g, and the sensor's z axis is the body's
+        RawImuSample { time_us, gyro_counts, accel_counts: [0, 0, -4096] }
+    }
+
+    #[test]
+    fn scale_and_axes_are_the_data_sheets() {
+        let mut state = ImuState::default();
+        // 164 counts on the sensor's x axis = 10 deg/s, which is -y of the body
+        let step = condition(&config(), &mut state, &[sample(0, [164, 0, 0])], 0);
+        assert!((step.rate_body_rad_s - Vector3::new(0.0, -10f32.to_radians(), 0.0)).norm() < 1e-5);
+        assert!((step.specific_force_m_s2 - Vector3::new(0.0, 0.0, -9.806_65)).norm() < 1e-4);
+    }
+
+    #[test]
+    fn rotation_is_the_integral_whatever_the_batches() {
+        let mut state = ImuState::default();
+        let mut angle = Vector3::zeros();
+        let mut time_us = 0;
+        for batch in [1usize, 2, 3, 16, 1, 5] {
+            let samples: heapless::Vec<_, 16> = (0..batch)
+                .map(|_| {
+                    time_us += 1000;
+                    sample(time_us, [0, 164, 0])
+                })
+                .collect();
+            angle += condition(&config(), &mut state, &samples, time_us).rotation_rad;
+        }
+        // 28 samples span 27 ms at 10 deg/s
+        assert!((angle.x - 10f32.to_radians() * 0.027).abs() < 1e-6, "{angle}");
+    }
+
+    #[test]
+    fn short_gaps_are_bridged_long_ones_are_not_and_stale_samples_are_left_out() {
+        let mut state = ImuState::default();
+        condition(&config(), &mut state, &[sample(1000, [0, 164, 0])], 1000);
+        // 100 ms without samples at 10 deg/s on both sides: one degree
+        let bridged = condition(&config(), &mut state, &[sample(101_000, [0, 164, 0])], 101_000);
+        assert!(!bridged.after_gap && (bridged.rotation_rad.x - 1f32.to_radians()).abs() < 1e-6);
+        let late = condition(&config(), &mut state, &[sample(900_000, [16400, 0, 0])], 900_000);
+        assert!(late.after_gap && late.duration_s == 0.0 && late.rotation_rad == Vector3::zeros());
+        let stale = [sample(900_000, [16400, 0, 0]), sample(800_000, [0; 3])];
+        let again = condition(&config(), &mut state, &stale, 900_000);
+        assert_eq!(again.samples, 0);
+        assert_eq!(again.rate_body_rad_s, late.rate_body_rad_s);
+    }
+
+    #[test]
+    fn a_stamp_from_the_future_blinds_nobody() {
+        let mut state = ImuState::default();
+        condition(&config(), &mut state, &[sample(1000, [0; 3])], 1000);
+        assert_eq!(condition(&config(), &mut state, &[sample(40_000_000, [0; 3])], 2000).samples, 0);
+        assert_eq!(condition(&config(), &mut state, &[sample(3000, [0; 3])], 3000).samples, 1);
+        // the clock itself was set back
+        assert_eq!(condition(&config(), &mut state, &[sample(900_000, [0; 3])], 900_000).samples, 1);
+        assert_eq!(condition(&config(), &mut state, &[sample(10_000, [0; 3])], 10_000).samples, 1);
+    }
+
+    #[test]
+    fn a_batch_has_the_mean_force_and_the_low_passed_rate() {
+        let mut state = ImuState::default();
+        let batch: heapless::Vec<_, 16> =
+            (1..=10).map(|k| sample(k * 1000, [0, if k > 5 { 164 } else { 0 }, 0])).collect();
+        let step = condition(&config(), &mut state, &batch, 10_000);
+        assert!((step.specific_force_m_s2.z + 9.806_65).abs() < 1e-4);
+        // a 100 Hz low-pass has not settled 5 ms after a step
+        assert!(step.rate_body_rad_s.x > 0.1 * 10f32.to_radians() && step.rate_body_rad_s.x != 10f32.to_radians());
+    }
+
+    /// What ArduPilot's `LSM9DS0` driver makes of a reading: (x, -y, -z), then the board's rotation.
+    fn ardupilot([x, y, z]: [f32; 3], rotation: impl Fn([f32; 3]) -> [f32; 3]) -> Vector3<f32> {
+        Vector3::from(rotation([x, -y, -z]))
+    }
+
+    #[test]
+    fn the_second_imus_axes_are_those_of_two_other_drivers() {
+        let sensor = [1.0, 2.0, 3.0];
+        let [x, y, z] = sensor;
+        let roll_180 = |[x, y, z]: [f32; 3]| [x, -y, -z];
+        let roll_180_yaw_270 = |[x, y, z]: [f32; 3]| [-y, -x, -z];
+        let pitch_180 = |[x, y, z]: [f32; 3]| [-x, y, -z];
+        let l3gd20 = AxisMap::PIXHAWK1_L3GD20.to_body(sensor);
+        assert_eq!(l3gd20, ardupilot(sensor, roll_180_yaw_270));
+        // PX4: 270 and 180 degrees of yaw
+        assert_eq!(l3gd20, Vector3::new(y, -x, z));
+        let l3gd20h = AxisMap::PIXHAWK1_L3GD20H.to_body(sensor);
+        assert_eq!(l3gd20h, ardupilot(sensor, pitch_180));
+        assert_eq!(l3gd20h, Vector3::new(-x, -y, z));
+        assert_eq!(AxisMap::PIXHAWK1_LSM303D.to_body(sensor), ardupilot(sensor, roll_180));
+    }
+
+    #[test]
+    fn the_second_imu_reads_in_its_data_sheets_units() {
+        let config = ImuConfig::pixhawk1_l3gd20_lsm303d(100.0);
+        // 1000 digits on the gyro's x axis = 70 deg/s, -y of the body; 1 g is 1000 / 0.244 digits
+        let sample = RawImuSample { time_us: 0, gyro_counts: [1000, 0, 0], accel_counts: [0, 0, -4098] };
+        assert!((config.gyro_rad_s(&sample) - Vector3::new(0.0, -70f32.to_radians(), 0.0)).norm() < 1e-5);
+        assert!((config.specific_force_m_s2(&sample) - Vector3::new(0.0, 0.0, -9.806_65)).norm() < 1.2e-3);
+    }
+}

@@ -1,0 +1,16 @@
+//! From raw counts to the attitude, for two IMUs, and the battery's voltage.
+//!
+//! ```text
+//!   RawImuSample[] of each IMU
+//!     --imu: SI units, body axes, low-pass before decimation--> ImuStep ---.
+//!     --imu_health: are the raw words to be believed?--> ImuHealth --------+--> imu_select: one of the two
+//!     --gyro_bias: what its gyro reads at rest--> bias --------------------'         |
+//!                                                  AttitudeEstimate <--estimator-----'
+//! ```
+
+pub mod battery;
+pub mod estimator;
+pub mod gyro_bias;
+pub mod imu;
+pub mod imu_health;
+pub mod imu_select;

@@ -1,0 +1,189 @@
+//! The arming states, with the reasons why motors stand still.
+
+use crate::record::state_words::StateWords;
+use crate::sensing::imu_health::ImuFault;
+use crate::signals::Setpoint;
+
+/// May the motors turn?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arming {
+    /// No; and why not, if somebody asked or it was taken away.
+    Disarmed(DisarmedBecause),
+    /// One of them, at a fixed command.
+    MotorTest {
+        /// Motor, 1 to 4.
+        motor: u8,
+        /// Its command in percent.
+        throttle_percent: u8,
+        /// When it ends, on the clock of [`StepInput::time_us`](crate::signals::StepInput::time_us).
+        until_us: u64,
+    },
+    /// Yes.
+    Armed,
+    /// Yes, level at idle, because nobody has been heard for [`LINK_LOST_AFTER_US`](super::LINK_LOST_AFTER_US); soon
+    /// disarmed.
+    LinkLost {
+        /// When the link was given up.
+        since_us: u64,
+    },
+}
+
+impl Default for Arming {
+    fn default() -> Self {
+        Arming::Disarmed(DisarmedBecause::Start)
+    }
+}
+
+impl Arming {
+    /// Its number in a trace and in the words of a state.
+    pub fn number(&self) -> u32 {
+        match self {
+            Arming::Armed => 0,
+            Arming::Disarmed(_) => 1,
+            Arming::MotorTest { .. } => 2,
+            Arming::LinkLost { .. } => 3,
+        }
+    }
+
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let (detail, time_us) = match *self {
+            Arming::Armed => (0, 0),
+            Arming::Disarmed(because) => (because.number(), 0),
+            Arming::MotorTest { motor, throttle_percent, until_us } => {
+                (u32::from(motor) << 8 | u32::from(throttle_percent), until_us)
+            }
+            Arming::LinkLost { since_us } => (0, since_us),
+        };
+        words.word(self.number());
+        words.word(detail);
+        words.time_us(time_us);
+    }
+
+    /// Does any motor turn?
+    pub fn motors_turn(&self) -> bool {
+        match self {
+            Arming::Disarmed(_) => false,
+            Arming::MotorTest { .. } | Arming::Armed | Arming::LinkLost { .. } => true,
+        }
+    }
+
+    /// What is asked of the controllers: the given set-point, or level at idle once the link is lost.
+    pub fn setpoint(&self, setpoint: &Setpoint) -> Setpoint {
+        match self {
+            Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::Armed => *setpoint,
+            Arming::LinkLost { .. } => Setpoint::default(),
+        }
+    }
+}
+
+/// Why the motors stand still.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DisarmedBecause {
+    /// Nobody armed since start.
+    Start,
+    /// Asked for.
+    Requested,
+    /// Arming or a motor test was refused.
+    Refused(Refusal),
+    /// The attitude is not known any more.
+    AttitudeUnknown,
+    /// The IMU failed.
+    ImuFailed(ImuFault),
+    /// Nobody was heard for too long.
+    LinkLost,
+    /// The motor test is over.
+    MotorTestOver,
+}
+
+impl DisarmedBecause {
+    /// Its number in the words of a state.
+    pub fn number(&self) -> u32 {
+        match self {
+            DisarmedBecause::Start => 0,
+            DisarmedBecause::Requested => 1,
+            DisarmedBecause::AttitudeUnknown => 2,
+            DisarmedBecause::LinkLost => 3,
+            DisarmedBecause::MotorTestOver => 4,
+            DisarmedBecause::ImuFailed(fault) => 0x10 + fault.number(),
+            DisarmedBecause::Refused(refusal) => 0x100 + refusal.number(),
+        }
+    }
+}
+
+/// Why a request was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// The set-point is not made of finite numbers.
+    SetpointNotFinite,
+    /// Throttle is not at zero.
+    ThrottleNotZero,
+    /// The IMU is not to be believed.
+    ImuUnhealthy(ImuFault),
+    /// The attitude is not known.
+    AttitudeUnknown,
+    /// The gyro was not calibrated at rest.
+    GyroNotCalibrated,
+    /// The battery's voltage is too low.
+    BatteryLow,
+    /// There is no battery: the board is fed over USB alone.
+    BatteryAbsent,
+    /// Nobody has been heard on the link.
+    LinkLost,
+    /// The configuration was bad and its replacement is not confirmed.
+    ConfigurationUnconfirmed,
+    /// The record of a fault waits to be read.
+    FaultRecordUnread,
+    /// Not while armed.
+    Armed,
+    /// Only while armed.
+    NotArmed,
+    /// Not while a motor is tested.
+    MotorTestRunning,
+    /// There is no such motor.
+    NoSuchMotor,
+}
+
+impl Refusal {
+    /// Its number in the words of a state.
+    pub fn number(&self) -> u32 {
+        match self {
+            Refusal::SetpointNotFinite => 0,
+            Refusal::ThrottleNotZero => 1,
+            Refusal::AttitudeUnknown => 2,
+            Refusal::GyroNotCalibrated => 3,
+            Refusal::BatteryLow => 4,
+            Refusal::LinkLost => 5,
+            Refusal::ConfigurationUnconfirmed => 6,
+            Refusal::FaultRecordUnread => 7,
+            Refusal::Armed => 8,
+            Refusal::NotArmed => 9,
+            Refusal::MotorTestRunning => 10,
+            Refusal::NoSuchMotor => 11,
+            Refusal::BatteryAbsent => 12,
+            Refusal::ImuUnhealthy(fault) => 0x20 + fault.number(),
+        }
+    }
+
+    /// In words, for a person; at most 50 bytes, which is what a STATUSTEXT holds.
+    pub fn words(&self) -> &'static str {
+        match self {
+            Refusal::SetpointNotFinite => "refused: set-point is not a number",
+            Refusal::ThrottleNotZero => "refused: throttle is not at zero",
+            Refusal::ImuUnhealthy(ImuFault::Stale) => "refused: IMU sends nothing",
+            Refusal::ImuUnhealthy(ImuFault::BusDead) => "refused: IMU bus is dead",
+            Refusal::ImuUnhealthy(ImuFault::Stuck) => "refused: IMU is stuck",
+            Refusal::ImuUnhealthy(ImuFault::OutOfRange) => "refused: IMU is at full scale",
+            Refusal::AttitudeUnknown => "refused: attitude is not known",
+            Refusal::GyroNotCalibrated => "refused: keep still until the gyro is calibrated",
+            Refusal::BatteryLow => "refused: battery voltage is too low",
+            Refusal::BatteryAbsent => "refused: no battery, USB power alone",
+            Refusal::LinkLost => "refused: no set-point or heartbeat for 1 s",
+            Refusal::ConfigurationUnconfirmed => "refused: configuration was bad, confirm defaults",
+            Refusal::FaultRecordUnread => "refused: fault record is unread",
+            Refusal::Armed => "refused: only when disarmed",
+            Refusal::NotArmed => "refused: only when armed",
+            Refusal::MotorTestRunning => "refused: motor test was running, stopped it",
+            Refusal::NoSuchMotor => "refused: motors are 1 to 4",
+        }
+    }
+}

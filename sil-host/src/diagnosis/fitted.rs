@@ -1,0 +1,148 @@
+//! What is fitted to a log: effects of the catalogue whose size is not known, and what the nominal model of a foreign bench leaves open.
+
+use crate::axis::Axis;
+use crate::effects::{Effect, Hints, Hypothesis, Origin, Unknown};
+use crate::prediction::model::Model;
+
+/// Something with numbers that a fit varies.
+pub(super) enum Fitted {
+    /// An effect of the catalogue.
+    Effect(Hypothesis),
+    /// How much a separate axis accelerates per unit of its command: no effect, for its nominal value is fitted to each log, along with
+    /// whatever else is in the model.
+    InputGain(Axis),
+}
+
+/// Acceleration of a separate axis per unit of its command.
+const INPUT_GAIN: [Unknown; 1] = [Unknown::free("gain_rad_s2", 1.0, 1e-3, [-1e4, 1e4])];
+
+impl Fitted {
+    /// Its name in docs/effects.md.
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.entry().name,
+            Fitted::InputGain(_) => "input_gain",
+        }
+    }
+
+    /// Where it belongs.
+    pub(super) fn origin(&self) -> Origin {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.entry().origin,
+            Fitted::InputGain(_) => Origin::Actuator,
+        }
+    }
+
+    /// The axis, of what has one.
+    pub(super) fn axis(&self) -> Option<Axis> {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.axis(),
+            Fitted::InputGain(axis) => Some(*axis),
+        }
+    }
+
+    /// The motor, 1 to 4, of what has one.
+    pub(super) fn motor(&self) -> Option<u8> {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.motor(),
+            Fitted::InputGain(_) => None,
+        }
+    }
+
+    /// The numbers.
+    pub(super) fn unknowns(&self) -> &[Unknown] {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.unknowns(),
+            Fitted::InputGain(_) => &INPUT_GAIN,
+        }
+    }
+
+    /// Values at which fits begin.
+    pub(super) fn starts(&self, hints: &Hints) -> Vec<Vec<f64>> {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.starts(hints),
+            Fitted::InputGain(_) => vec![vec![INPUT_GAIN[0].nominal]],
+        }
+    }
+
+    /// Puts it into a model.
+    pub(super) fn apply(&self, values: &[f64], model: &mut Model) {
+        match self {
+            Fitted::Effect(hypothesis) => model.add(&hypothesis.effect(values)),
+            Fitted::InputGain(axis) => model.set_input_gain(*axis, values.first().copied().unwrap_or_default()),
+        }
+    }
+
+    /// The effect of these values; none for what is no effect.
+    pub(super) fn effect(&self, values: &[f64]) -> Option<Effect> {
+        match self {
+            Fitted::Effect(hypothesis) => Some(hypothesis.effect(values)),
+            Fitted::InputGain(_) => None,
+        }
+    }
+
+    /// True if it changes nothing with these values.
+    pub(super) fn is_void(&self, values: &[f64]) -> bool {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.is_void(values),
+            Fitted::InputGain(_) => false,
+        }
+    }
+
+    /// The names of what is reported, in order.
+    pub(super) fn reported_names(&self) -> Vec<&'static str> {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.reported_names().into(),
+            Fitted::InputGain(_) => vec![INPUT_GAIN[0].name],
+        }
+    }
+
+    /// What is reported of these values, by the names of docs/effects.md.
+    pub(super) fn reported(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.reported(values),
+            Fitted::InputGain(_) => values.iter().map(|value| (INPUT_GAIN[0].name, *value)).collect(),
+        }
+    }
+
+    /// The value of a reported number that changes nothing.
+    pub(super) fn nominal(&self, name: &str) -> f64 {
+        match self {
+            Fitted::Effect(hypothesis) => {
+                let parameter = hypothesis.entry().parameters.iter().find(|parameter| parameter.name == name);
+                parameter.map_or(0.0, |parameter| parameter.nominal)
+            }
+            Fitted::InputGain(_) => INPUT_GAIN[0].nominal,
+        }
+    }
+
+    /// What it is, for a person.
+    pub(super) fn in_words(&self) -> &'static str {
+        match self {
+            Fitted::Effect(hypothesis) => hypothesis.statement(),
+            Fitted::InputGain(_) => "acceleration per command",
+        }
+    }
+
+    /// True for the same effect on the same axis or motor, in the same unknowns.
+    pub(super) fn is_the_same(&self, other: &Fitted) -> bool {
+        let first = |fitted: &Fitted| fitted.unknowns().first().map(|unknown| unknown.name);
+        self.name() == other.name()
+            && self.axis() == other.axis()
+            && self.motor() == other.motor()
+            && first(self) == first(other)
+    }
+}
+
+/// The name of a parameter where all is per unit of inertia, on separate axes (docs/log-format.md).
+pub(super) fn per_unit_inertia(name: &'static str) -> &'static str {
+    match name {
+        "torque_nm" => "torque_rad_s2",
+        "cos_moment_nm" => "cos_moment_rad_s2",
+        "sin_moment_nm" => "sin_moment_rad_s2",
+        "amplitude_nm" => "amplitude_rad_s2",
+        "stiffness_nm_rad" => "stiffness_1_s2",
+        "coefficient_nms" => "coefficient_1_s",
+        other => other,
+    }
+}

@@ -1,0 +1,9 @@
+//! Tables of TOML as model files have them: read key by key, every mistake named by line and column, and written back.
+
+mod error;
+mod section;
+mod table;
+
+pub use error::{ModelError, Position, Problem};
+pub(crate) use section::{Admissible, Section, Source, admissible};
+pub(crate) use table::Table;

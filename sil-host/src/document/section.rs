@@ -1,0 +1,213 @@
+//! Reading TOML tables key by key, so that every complaint names its line and says what was expected.
+//!
+//! `serde` would be shorter, but loses the place of a value as soon as a table's meaning depends on another key
+//! (`level`, `rig`, an effect's `name`).
+
+use std::cell::RefCell;
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::{ModelError, Position, Problem};
+
+/// The numbers that a key admits, and how to say so.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Admissible {
+    /// Smallest value.
+    pub(crate) min: f64,
+    /// Largest value.
+    pub(crate) max: f64,
+    /// What it is, with its unit unless that is given apart: "the arm in metres, motor to centre".
+    pub(crate) what: &'static str,
+    /// Its unit, given apart; empty for a number without one.
+    pub(crate) unit: Option<&'static str>,
+}
+
+/// Short for [`Admissible`].
+pub(crate) const fn admissible(min: f64, max: f64, what: &'static str) -> Admissible {
+    Admissible { min, max, what, unit: None }
+}
+
+impl Admissible {
+    /// The range in words, with its unit.
+    pub(crate) fn describe(&self) -> String {
+        let what = match self.unit {
+            None => self.what.to_owned(),
+            Some("") => format!("the {}", self.what),
+            Some(unit) => format!("the {} in {unit}", self.what),
+        };
+        format!("{what} ({:?} to {:?})", self.min, self.max)
+    }
+}
+
+/// The text of a model and its name, for messages.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source<'a> {
+    /// File name, or what stands for it.
+    pub(crate) name: &'a str,
+    /// The whole text.
+    pub(crate) text: &'a str,
+}
+
+impl<'a> Source<'a> {
+    /// Parses the text as TOML.
+    pub(crate) fn parse(&self) -> Result<Spanned<DeTable<'a>>, ModelError> {
+        DeTable::parse(self.text).map_err(|error| {
+            let span = error.span().unwrap_or(0..0);
+            self.error(span, Problem::Syntax(error.message().to_owned()))
+        })
+    }
+
+    fn error(&self, span: Range<usize>, problem: Problem) -> ModelError {
+        ModelError::Invalid {
+            file: self.name.to_owned(),
+            position: Position::of_offset(self.text, span.start),
+            problem,
+        }
+    }
+}
+
+/// One table of a document. Keys are taken one by one; [`Section::finish`] complains about those left over.
+#[derive(Debug)]
+pub(crate) struct Section<'a> {
+    source: Source<'a>,
+    /// Its header without the outer brackets; empty for the document.
+    path: String,
+    span: Range<usize>,
+    table: &'a DeTable<'a>,
+    known: RefCell<Vec<&'static str>>,
+}
+
+impl<'a> Section<'a> {
+    /// The whole document.
+    pub(crate) fn root(source: Source<'a>, document: &'a Spanned<DeTable<'a>>) -> Self {
+        Self::new(source, String::new(), 0..0, document.get_ref())
+    }
+
+    fn new(source: Source<'a>, path: String, span: Range<usize>, table: &'a DeTable<'a>) -> Self {
+        Self { source, path, span, table, known: RefCell::new(Vec::new()) }
+    }
+
+    /// The number at `key`.
+    pub(crate) fn number(&self, key: &'static str, range: Admissible) -> Result<f64, ModelError> {
+        self.optional_number(key, range)?.ok_or_else(|| self.missing(key, range.describe()))
+    }
+
+    /// The number at `key`, or none if there is no such key.
+    pub(crate) fn optional_number(&self, key: &'static str, range: Admissible) -> Result<Option<f64>, ModelError> {
+        let Some(value) = self.get(key) else {
+            return Ok(None);
+        };
+        let number = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+            DeValue::Integer(integer) => {
+                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
+            }
+            _ => None,
+        };
+        let Some(number) = number else {
+            return Err(self.wrong_type(key, value, range.describe()));
+        };
+        if !(range.min..=range.max).contains(&number) {
+            let problem = Problem::OutOfRange { key: key.to_owned(), value: number, expected: range.describe() };
+            return Err(self.source.error(value.span(), problem));
+        }
+        Ok(Some(number))
+    }
+
+    /// The number at `key`, which must be whole.
+    pub(crate) fn whole_number(&self, key: &'static str, range: Admissible) -> Result<f64, ModelError> {
+        let number = self.number(key, range)?;
+        match self.table.get(key) {
+            Some(value) if number.fract() != 0.0 => {
+                let problem = Problem::OutOfRange { key: key.to_owned(), value: number, expected: range.describe() };
+                Err(self.source.error(value.span(), problem))
+            }
+            _ => Ok(number),
+        }
+    }
+
+    /// The text at `key`.
+    pub(crate) fn text(&self, key: &'static str, what: &'static str) -> Result<&'a str, ModelError> {
+        let value = self.get(key).ok_or_else(|| self.missing(key, what.to_owned()))?;
+        value.get_ref().as_str().ok_or_else(|| self.wrong_type(key, value, what.to_owned()))
+    }
+
+    /// The thing that the text at `key` names.
+    pub(crate) fn choice<T: Copy>(&self, key: &'static str, choices: &[(&'static str, T)]) -> Result<T, ModelError> {
+        let names: Vec<_> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+        let expected = names.join(" or ");
+        let Some(value) = self.get(key) else {
+            return Err(self.missing(key, expected));
+        };
+        let Some(found) = value.get_ref().as_str() else {
+            return Err(self.wrong_type(key, value, expected));
+        };
+        let chosen = choices.iter().find(|(name, _)| *name == found);
+        chosen.map(|(_, thing)| *thing).ok_or_else(|| {
+            let problem = Problem::UnknownName { key: key.to_owned(), found: found.to_owned(), expected };
+            self.source.error(value.span(), problem)
+        })
+    }
+
+    /// The table at `key`.
+    pub(crate) fn section(&self, key: &'static str) -> Result<Section<'a>, ModelError> {
+        let value = self.get(key).ok_or_else(|| self.missing(key, format!("a table [{key}]")))?;
+        let table =
+            value.get_ref().as_table().ok_or_else(|| self.wrong_type(key, value, format!("a table [{key}]")))?;
+        let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
+        Ok(Section::new(self.source, path, value.span(), table))
+    }
+
+    /// The tables at `key`, written `[[key]]`; none if there is no such key.
+    pub(crate) fn sections(&self, key: &'static str) -> Result<Vec<Section<'a>>, ModelError> {
+        let Some(value) = self.get(key) else {
+            return Ok(Vec::new());
+        };
+        let expected = format!("tables headed [[{key}]]");
+        let array = value.get_ref().as_array().ok_or_else(|| self.wrong_type(key, value, expected.clone()))?;
+        let mut sections = Vec::new();
+        for element in array.iter() {
+            let table = element.get_ref().as_table().ok_or_else(|| self.wrong_type(key, element, expected.clone()))?;
+            let path = format!("[{key}]");
+            sections.push(Section::new(self.source, path, element.span(), table));
+        }
+        Ok(sections)
+    }
+
+    /// Complains about the first key that nobody asked for.
+    pub(crate) fn finish(&self) -> Result<(), ModelError> {
+        let known = self.known.borrow();
+        let stranger =
+            self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).min_by_key(|key| key.span().start);
+        let Some(key) = stranger else { return Ok(()) };
+        let problem =
+            Problem::UnknownKey { section: self.title(), key: key.get_ref().to_string(), expected: known.join(", ") };
+        Err(self.source.error(key.span(), problem))
+    }
+
+    /// A complaint about the table as a whole.
+    pub(crate) fn impossible(&self, why: String) -> ModelError {
+        self.source.error(self.span.clone(), Problem::Impossible(why))
+    }
+
+    fn title(&self) -> String {
+        if self.path.is_empty() { "the model".to_owned() } else { format!("[{}]", self.path) }
+    }
+
+    fn get(&self, key: &'static str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.known.borrow_mut().push(key);
+        self.table.get(key)
+    }
+
+    fn missing(&self, key: &'static str, expected: String) -> ModelError {
+        let problem = Problem::MissingKey { section: self.title(), key: key.to_owned(), expected };
+        self.source.error(self.span.clone(), problem)
+    }
+
+    fn wrong_type(&self, key: &'static str, value: &Spanned<DeValue<'a>>, expected: String) -> ModelError {
+        let problem = Problem::WrongType { key: key.to_owned(), found: value.get_ref().type_str(), expected };
+        self.source.error(value.span(), problem)
+    }
+}

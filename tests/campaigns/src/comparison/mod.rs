@@ -1,0 +1,19 @@
+//! MPC against the cascade on the gimbal, over vehicles that differ from what both believe.
+//!
+//! ```text
+//!  search over 50 draws -> controller files -> 200 other draws -> figures -> tables
+//!                                          `-> torque step, noise, margins, eigenvalues
+//! ```
+
+pub mod campaign;
+pub mod contender;
+pub mod contenders;
+pub mod draw;
+pub mod hover;
+pub mod linear_loop;
+pub mod lqi;
+pub mod search;
+pub mod stability;
+pub mod statistics;
+pub mod table;
+pub mod tuning;

@@ -1,0 +1,19 @@
+//! Campaigns of many flights or many logs, whose tables are in `docs/`: a binary each, and a part of each that the tests run.
+//!
+//! | binary | question | page |
+//! |---|---|---|
+//! | `blind_diagnosis` | does the diagnosis name and measure what is hidden in a log? | `docs/diagnosis.md` |
+//! | `controller_blame` | does it name a changed number of the controller? | `docs/thesis-case.md` |
+//! | `controller_comparison` | MPC against cascade on vehicles that neither expects | `docs/mpc-against-cascade.md` |
+//! | `limits_and_switching` | what motors' limits and several linearisations are for | `docs/motor-limits.md`, `docs/switching-mpc.md` |
+//! | `real_logs` | what other people's logs show, beside what their authors say | `docs/real-logs.md` |
+//! | `thesis_case` | the thesis' case from the log to the better controller | `docs/thesis-case.md` |
+//! | `worst_case` | the most passes that the MPC's solver can take | `docs/solver.md` |
+
+pub mod blind;
+pub mod comparison;
+pub mod controller_blame;
+pub mod limits_and_switching;
+pub mod real_logs;
+pub mod thesis_case;
+pub mod worst_case;

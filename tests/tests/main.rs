@@ -1,0 +1,17 @@
+//! Tests of the crates together: `cargo test -p integration-tests [MODULE::]`.
+
+mod blind_diagnosis;
+mod change_in_flight;
+mod closed_loop;
+mod configuration_page;
+mod controller_blame;
+mod controller_comparison;
+mod firmware_vehicle;
+mod hitl;
+mod limits_and_switching;
+mod log_errors;
+mod qp_reference;
+mod real_logs;
+mod test_sequence;
+mod thesis_case;
+mod worst_case;
