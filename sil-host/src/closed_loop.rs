@@ -1,4 +1,5 @@
-//! The closed loop of a logged flight, simulated on the log's references beside the measured one (the thesis' table 5.1).
+//! The closed loop of a logged flight, simulated on the log's references beside the measured one (the thesis' table
+//! 5.1).
 
 use serde::Serialize;
 
@@ -25,7 +26,8 @@ pub enum LogRefused {
     Setup(#[from] SetupError),
     /// Its closed loop would be simulated for ages, gaps in time included.
     #[error(
-        "time_s spans {duration_s} s; the closed loop is simulated for up to {DURATION_MAX_S} s (leave out --controller)"
+        "time_s spans {duration_s} s; the closed loop is simulated for up to {DURATION_MAX_S} s \
+         (leave out --controller)"
     )]
     TooLong {
         /// From the log's first row to its last, s.
@@ -63,8 +65,8 @@ pub(crate) fn missing_for_closed_loop(log: &Log) -> String {
     missing.join(", ")
 }
 
-/// Simulates the closed loop on the log's references from the log's first attitude, without sensor noise; gives the flight's
-/// set-up too. None where the log lacks attitude or references.
+/// Simulates the closed loop on the log's references from the log's first attitude, without sensor noise; gives the
+/// flight's set-up too. None where the log lacks attitude or references.
 ///
 /// # Errors
 /// [`LogRefused`]: the log is too long, the controller can't fly.

@@ -1,4 +1,5 @@
-//! A measured log against the simulation: in closed loop (the thesis' table 5.1) and by the open-loop prediction of its windows.
+//! A measured log against the simulation: in closed loop (the thesis' table 5.1) and by the open-loop prediction of its
+//! windows.
 
 use serde::Serialize;
 
@@ -81,8 +82,8 @@ impl Comparison {
     }
 }
 
-/// Holds a log against the simulation: a vehicle on its rig or in free flight, with the controller that flew it where that is known, or
-/// separate axes.
+/// Holds a log against the simulation: a vehicle on its rig or in free flight, with the controller that flew it where
+/// that is known, or separate axes.
 ///
 /// # Errors
 /// [`LogRefused`]: a column that the subject needs is missing, no window is long enough, the controller can't fly.
@@ -117,13 +118,15 @@ fn notes_on(log: &Log, prediction: &NominalPrediction) -> Vec<String> {
         }
         if gain < 0.0 {
             notes.push(format!(
-                "{}: the fitted input gain is negative; something that a rigid axis lacks moves it more than the command",
+                "{}: the fitted input gain is negative; something that a rigid axis lacks moves it more than the \
+                 command",
                 axis.name()
             ));
         }
     }
     if prediction.predicted.commands_are_lost {
-        let lost = "the controller ran faster than the log: the commands between rows are unknown and count in the noise floor";
+        let lost = "the controller ran faster than the log: the commands between rows are unknown and count in the \
+                    noise floor";
         notes.push(lost.to_owned());
     }
     notes

@@ -21,8 +21,8 @@ pub fn lead(comparison: &Comparison, subject: &Subject<'_>) -> String {
     let ratio = |channel: &&ChannelError| channel.nominal / channel.noise_floor;
     match error.channels.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b))) {
         Some(worst) => format!(
-            "{model} misses {} by {} {} (RMSE over windows of {} s without a look at the log); an exact model would miss it by {}, \
-             for what the log cannot show: its noise, the exact start, commands between its rows.",
+            "{model} misses {} by {} {} (RMSE over windows of {} s without a look at the log); an exact model would \
+             miss it by {}, for what the log cannot show: its noise, the exact start, commands between its rows.",
             worst.quantity,
             significant(worst.nominal),
             worst.unit,
@@ -52,8 +52,9 @@ pub fn sections(log: &Log, comparison: &Comparison) -> Vec<Section> {
 fn closed_loop(log: &Log, comparison: &Comparison) -> Option<Section> {
     let closed_loop = comparison.closed_loop.as_ref()?;
     let mut section = Section::new("The closed loop, measured and simulated").paragraph(
-        "The same references, the same controller: once as the log has it, once in simulation from the log's first attitude. \
-         This is what the thesis' figures 5.3 and 5.4 show. The controller hides part of what the plant model gets wrong.",
+        "The same references, the same controller: once as the log has it, once in simulation from the log's first \
+         attitude. This is what the thesis' figures 5.3 and 5.4 show. The controller hides part of what the plant \
+         model gets wrong.",
     );
     for (axis, name) in [(Axis::Roll, "Roll"), (Axis::Pitch, "Pitch")] {
         let index = axis.index();
@@ -88,8 +89,8 @@ fn prediction(comparison: &Comparison) -> Section {
     let error = comparison.prediction_error();
     let predicted = &comparison.prediction.predicted;
     let mut section = Section::new("The vehicle alone: the logged commands, open loop").paragraph(format!(
-        "In windows of {} s the model starts where the log was, gets the logged commands and never looks at the log again. What it \
-         misses is the affair of the plant, the actuators and the sensors, not of the controller.",
+        "In windows of {} s the model starts where the log was, gets the logged commands and never looks at the log \
+         again. What it misses is due to the plant, the actuators and the sensors, not to the controller.",
         error.window_s
     ));
     let channels: Vec<Channel> = predicted.channels().collect();

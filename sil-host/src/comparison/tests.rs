@@ -60,7 +60,8 @@ fn worst_ratio(log: &Log, model: &VehicleModel) -> (f64, &'static str) {
     ratios.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
 }
 
-/// A log with an effect held against the model that has it: what is missed is the noise floor, where the nominal model misses by much more.
+/// A log with an effect held against the model that has it: what is missed is the noise floor, where the nominal model
+/// misses by much more.
 fn assert_explained(rig: Rig, effects: &[&str]) {
     let (log, mut model) = log_with(rig, effects, 400, 5);
     // a measured battery takes the place of the simulated one
@@ -167,7 +168,8 @@ fn assert_same_figures(compared: &PredictionError, answer: &Diagnosis) {
         let (own, other) = (own.unwrap_or(1.0), other.unwrap_or(1.0));
         assert!((own / other - 1.0).abs() < 1e-9, "{own} {other}");
     }
-    // the floor of an exact model is taken along the model that is nearest to it: with the findings, where there are any
+    // the floor of an exact model is taken along the model that is nearest to it: with the findings, where there are
+    // any
     let tolerance = if answer.findings.is_empty() { 1e-9 } else { 0.1 };
     for (own, other) in figures(&compared.noise_floor).into_iter().zip(figures(&diagnosed.noise_floor)) {
         let (own, other) = (own.unwrap_or(1.0), other.unwrap_or(1.0));

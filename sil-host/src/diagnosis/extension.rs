@@ -15,7 +15,8 @@ pub struct NotExtended {
     problem: String,
 }
 
-/// The model with the findings in it, behind the effects that it has already; what the controller has of its own is no part of the vehicle.
+/// The model with the findings in it, behind the effects that it has already; what the controller has of its own is no
+/// part of the vehicle.
 ///
 /// # Errors
 /// A value that no model may have: an effect was fitted to what is another's doing.

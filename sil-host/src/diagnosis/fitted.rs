@@ -1,4 +1,5 @@
-//! What is fitted to a log: effects of the catalogue whose size is not known, and what the nominal model of a foreign bench leaves open.
+//! What is fitted to a log: effects of the catalogue whose size is not known, and what the nominal model of a foreign
+//! bench leaves open.
 
 use crate::axis::Axis;
 use crate::effects::{Effect, Hints, Hypothesis, Origin, Unknown};
@@ -8,8 +9,8 @@ use crate::prediction::model::Model;
 pub(super) enum Fitted {
     /// An effect of the catalogue.
     Effect(Hypothesis),
-    /// How much a separate axis accelerates per unit of its command: no effect, for its nominal value is fitted to each log, along with
-    /// whatever else is in the model.
+    /// How much a separate axis accelerates per unit of its command: no effect, for its nominal value is fitted to each
+    /// log, along with whatever else is in the model.
     InputGain(Axis),
 }
 

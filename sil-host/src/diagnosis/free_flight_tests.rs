@@ -18,7 +18,8 @@ fn answer_to(log: &Log) -> Diagnosis {
     diagnose(log, &Subject::Vehicle(&VehicleModel::nominal(Rig::Free))).unwrap()
 }
 
-/// The only finding and one of its parameters, which has to be within four standard deviations of the truth, and those within a tenth of it.
+/// The only finding and one of its parameters, which has to be within four standard deviations of the truth, and those
+/// within a tenth of it.
 fn assert_found(answer: &Diagnosis, effect: &str, parameter: &str, truth: f64) {
     let [finding] = &answer.findings[..] else { panic!("{:?}", answer.findings) };
     let estimate = finding.parameters[parameter];
@@ -64,8 +65,8 @@ fn a_log_without_velocity_and_height_still_tells_the_mass() {
     assert!(["rotor_drag", "wind", "ground_effect"].into_iter().all(not_tested), "{:?}", answer.rejected);
 }
 
-/// An accelerometer's z axis alone, where nothing turns but what the lifts and the mass do: a heavier vehicle with as much more inertia is one with weaker
-/// motors.
+/// An accelerometer's z axis alone, where nothing turns but what the lifts and the mass do: a heavier vehicle with as
+/// much more inertia is one with weaker motors.
 #[test]
 fn in_hover_without_velocity_weight_and_lift_are_confounded() {
     let level = crate::scenario::Scenario {
@@ -128,7 +129,8 @@ fn a_turned_sensor_reports_the_attitude_of_its_own_axes() {
     }
 }
 
-/// What is known of velocities and heights that act on nothing is what difference quotients find; a drag of nothing to speak of asks for those.
+/// What is known of velocities and heights that act on nothing is what difference quotients find; a drag of nothing to
+/// speak of asks for those.
 #[test]
 fn slopes_along_a_start_that_acts_on_nothing_are_those_of_difference_quotients() {
     let (log, vehicle) = (log(&[], 7), VehicleModel::nominal(Rig::Free));

@@ -1,4 +1,5 @@
-//! What a simulation gets wrong, and why: given a measured log, show the error, name its cause, extend the model, measure the gain.
+//! What a simulation gets wrong, and why: given a measured log, show the error, name its cause, extend the model,
+//! measure the gain.
 //!
 //! ```text
 //! log -> subject: commands, channels, windows -> noise
@@ -9,8 +10,9 @@
 //!        findings, rejected <- verdict <- structure: is anything left? <- accuracy: against an exact model
 //! ```
 //!
-//! The model of the vehicle is the `prediction` of a log: the plant's equations and the catalogue's effects, integrated in another way.
-//! What checks them independently are the tests, which have each effect's equation from docs/effects.md.
+//! The model of the vehicle is the `prediction` of a log: the plant's equations and the catalogue's effects, integrated
+//! in another way. What checks them independently are the tests, which have each effect's equation from
+//! docs/effects.md.
 
 pub mod controller;
 mod evidence;
@@ -190,7 +192,8 @@ pub fn diagnose_observed(
     Ok(answer(log, subject, &search, &found))
 }
 
-/// The noise to be looked with once more, of moments and of forces, where what was found is far from explaining the log.
+/// The noise to be looked with once more, of moments and of forces, where what was found is far from explaining the
+/// log.
 fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<([AxisNoise; 3], Vec<CarriedNoise>)> {
     let shooting = search.shooting;
     let driven = shooting.log.drive(model_of(search.nominal, &found.chosen.fit.terms));

@@ -1,4 +1,5 @@
-//! A model as it stands, held against a log: what `sil compare` shows, by the same prediction as the diagnosis' nominal model.
+//! A model as it stands, held against a log: what `sil compare` shows, by the same prediction as the diagnosis' nominal
+//! model.
 
 use super::Subject;
 use super::fitting::fit::{Term, model_of};
@@ -13,13 +14,13 @@ use crate::prediction::{Channel, ErrorAndFloor, NotPredictable};
 pub struct NominalPrediction {
     /// Window by window.
     pub predicted: PredictedLog,
-    /// Input gains of separate axes (roll, pitch, yaw), rad/s^2 per unit of command, fitted to the windows that are not held out; none of a
-    /// vehicle.
+    /// Input gains of separate axes (roll, pitch, yaw), rad/s^2 per unit of command, fitted to the windows that are not
+    /// held out; none of a vehicle.
     pub input_gain_rad_s2: [Option<f64>; 3],
 }
 
-/// Predicts a log by a model as it stands. The controller's rate, Hz, is used where it is known; else the log decides between its own and
-/// the usual one.
+/// Predicts a log by a model as it stands. The controller's rate, Hz, is used where it is known; else the log decides
+/// between its own and the usual one.
 ///
 /// # Errors
 /// The log has no window, or no commands for its rig, or an axis whose command is zero.
@@ -46,7 +47,8 @@ pub fn nominal_prediction(
     Ok(NominalPrediction { predicted: PredictedLog::new(windowed, &driven, subject.noise(log)), input_gain_rad_s2 })
 }
 
-/// Errors of a model as it stands over the held-out windows, of every channel that is compared, and those of an exact one.
+/// Errors of a model as it stands over the held-out windows, of every channel that is compared, and those of an exact
+/// one.
 ///
 /// # Errors
 /// As [`nominal_prediction`].

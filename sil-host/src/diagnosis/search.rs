@@ -1,9 +1,9 @@
-//! Which effects: added one by one while each pays on windows that no fit has seen, exchanged where another explains more, taken out
-//! where they no longer pay.
+//! Which effects: added one by one while each pays on windows that no fit has seen, exchanged where another explains
+//! more, taken out where they no longer pay.
 //!
 //! ```text
-//! .-> hypotheses: score (one linearisation each) -> the best few: full fit -> held-out likelihood -> add the best that pays
-//! '---- take out what no longer pays, exchange what another explains better <----'
+//! .-> hypotheses: score (one linearisation each) -> the best few: full fit -> held-out likelihood -> add the best that
+//! pays '---- take out what no longer pays, exchange what another explains better <----'
 //! ```
 
 use super::fitted::Fitted;
@@ -24,8 +24,8 @@ const FITTED_MAX: usize = 7;
 const EFFECTS_MAX: usize = 5;
 /// Effects added, taken out again ones included.
 const ROUNDS_MAX: usize = 8;
-/// Fall of the sum of squares, in units of what is left per degree of freedom, that a new effect must bring on all windows,
-/// half of it on the training windows: a chance of 1e-4 over sixty hypotheses of up to three parameters.
+/// Fall of the sum of squares, in units of what is left per degree of freedom, that a new effect must bring on all
+/// windows, half of it on the training windows: a chance of 1e-4 over sixty hypotheses of up to three parameters.
 const SIGNIFICANT: f64 = 30.0;
 /// The same on the held-out windows, where nothing was fitted.
 const PAYS: f64 = 6.0;
@@ -149,8 +149,8 @@ impl<'e> Search<'e> {
         Candidate { fit, held_out }
     }
 
-    /// All ways to add one effect that are worth a full fit, best first. Those that explain far less than `known` does, a fall of the
-    /// training windows' sum of squares, are not.
+    /// All ways to add one effect that are worth a full fit, best first. Those that explain far less than `known` does,
+    /// a fall of the training windows' sum of squares, are not.
     pub(super) fn extensions(&self, to: &Candidate<'e>, known: f64) -> Vec<Candidate<'e>> {
         let mut fits: Vec<Candidate<'e>> = Vec::new();
         let mut most = known;
@@ -240,8 +240,8 @@ impl<'e> Search<'e> {
         is_significant && held_out > PAYS && held_out * spread > SHARE_MIN * SHARE_MIN * excess.max(0.0)
     }
 
-    /// Mean square that a model leaves on the training windows, in units of the noise: where no model of the catalogue explains a log, its
-    /// sums of squares mean that much less.
+    /// Mean square that a model leaves on the training windows, in units of the noise: where no model of the catalogue
+    /// explains a log, its sums of squares mean that much less.
     pub(super) fn spread(&self, candidate: &Candidate<'e>) -> f64 {
         (candidate.fit.training / self.shooting.degrees_of_freedom(&self.training)).max(1.0)
     }
@@ -309,8 +309,8 @@ impl<'e> Search<'e> {
         Found { nominal, chosen: self.fitted(terms, &starts, f64::INFINITY), alternatives }
     }
 
-    /// Sums of squares of the held-out windows with one effect simply left out. Start states are sought from those of the chosen model and
-    /// from those of the nominal one: what is left may be near to either.
+    /// Sums of squares of the held-out windows with one effect simply left out. Start states are sought from those of
+    /// the chosen model and from those of the nominal one: what is left may be near to either.
     pub(super) fn losses_without(&self, nominal: &Candidate<'e>, chosen: &Candidate<'e>, index: usize) -> Vec<f64> {
         let mut terms = chosen.fit.terms.clone();
         terms.remove(index);

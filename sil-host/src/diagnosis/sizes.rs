@@ -1,5 +1,5 @@
-//! How large effects are that are asked for by name, whether a search would add them or not: where a model is right already, that its number is
-//! the measured one, and how surely, is an answer too.
+//! How large effects are that are asked for by name, whether a search would add them or not: where a model is right
+//! already, that its number is the measured one, and how surely, is an answer too.
 
 use std::collections::BTreeMap;
 
@@ -18,8 +18,8 @@ pub type Asked = (&'static str, Option<Axis>);
 /// Its parameters by name.
 pub type Size = BTreeMap<&'static str, Estimate>;
 
-/// Fits some effects together to all windows of a log, under the noise that is most likely with them: one size for each that the log can be
-/// asked about, none for the others.
+/// Fits some effects together to all windows of a log, under the noise that is most likely with them: one size for each
+/// that the log can be asked about, none for the others.
 ///
 /// # Errors
 /// As [`super::diagnose`].

@@ -1,4 +1,5 @@
-//! What is tested on a log beyond its prediction: what the nominal model leaves to each log, and what it lacks columns for.
+//! What is tested on a log beyond its prediction: what the nominal model leaves to each log, and what it lacks columns
+//! for.
 
 use super::fitted::Fitted;
 use super::verdict::Rejected;

@@ -120,7 +120,8 @@ fn bench_in_gusts() -> Log {
     made
 }
 
-/// What the method assumes, and what follows where that does not hold: the fit of output errors alone is wrong by far more than it says.
+/// What the method assumes, and what follows where that does not hold: the fit of output errors alone is wrong by far
+/// more than it says.
 #[test]
 fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     let log = bench_in_gusts();

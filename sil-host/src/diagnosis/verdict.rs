@@ -1,4 +1,5 @@
-//! What the search found, in the words and numbers that people and machines read (docs/commands.md, "JSON of `sil diagnose`").
+//! What the search found, in the words and numbers that people and machines read (docs/commands.md, "JSON of `sil
+//! diagnose`").
 
 use std::collections::BTreeMap;
 
@@ -13,7 +14,8 @@ use crate::statistics::dot;
 
 /// The accuracy of the integration, as a share of an effect.
 pub(super) const MODEL_ERROR: f64 = 5e-4;
-/// The same where commands are lost between rows: what they were is an assumption (`sampling`), and what it does to a size is no noise that averages out.
+/// The same where commands are lost between rows: what they were is an assumption (`sampling`), and what it does to a
+/// size is no noise that averages out.
 const MODEL_ERROR_WITH_LOST_COMMANDS: f64 = 1e-2;
 /// Names beside a finding that it may be confounded with.
 const CONFOUNDED_MAX: usize = 2;
@@ -47,13 +49,15 @@ pub struct Finding {
     pub controller_parameter: Option<&'static str>,
     /// Its parameters by name.
     pub parameters: BTreeMap<&'static str, Estimate>,
-    /// Rise of the held-out squared error when it alone is taken out of the extended model, in % of nominal minus extended.
+    /// Rise of the held-out squared error when it alone is taken out of the extended model, in % of nominal minus
+    /// extended.
     pub gain_pct: f64,
     /// Effects that this log does not tell from it.
     pub confounded_with: Vec<&'static str>,
     /// For a person.
     pub statement: String,
-    /// The effect itself, which a model of the vehicle may take over; none of the controller's, and none on separate axes.
+    /// The effect itself, which a model of the vehicle may take over; none of the controller's, and none on separate
+    /// axes.
     pub extension: Option<Effect>,
 }
 

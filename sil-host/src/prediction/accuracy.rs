@@ -1,10 +1,10 @@
-//! How well a model predicts windows, as docs/commands.md defines it: a start state from the rows around the start (`start_state`), then
-//! open loop to the end of the window; and how well an exact model would.
+//! How well a model predicts windows, as docs/commands.md defines it: a start state from the rows around the start
+//! (`start_state`), then open loop to the end of the window; and how well an exact model would.
 //!
-//! Of an exact model the residuals, in units of the noise, are n - J (J_m' J_m)^-1 J_m' n_m, J the slopes along the start state and m the
-//! rows that it comes from; their variance is 1 - h in those rows and 1 + h in the others, h = J (J_m' J_m)^-1 J'. To it comes what commands
-//! lost between the rows leave unknown (`lost_commands`). Angular accelerations are difference quotients of the rates, of the measured ones as
-//! of the predicted.
+//! Of an exact model the residuals, in units of the noise, are n - J (J_m' J_m)^-1 J_m' n_m, J the slopes along the
+//! start state and m the rows that it comes from; their variance is 1 - h in those rows and 1 + h in the others, h = J
+//! (J_m' J_m)^-1 J'. To it comes what commands lost between the rows leave unknown (`lost_commands`). Angular
+//! accelerations are difference quotients of the rates, of the measured ones as of the predicted.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -15,7 +15,8 @@ use super::windowed_log::{Driven, WindowedLog};
 use crate::axis::Axis;
 use crate::statistics::dot;
 
-/// Of one quantity: sum of squares of the residuals and of an exact model's standard deviations, SI, and the number of both.
+/// Of one quantity: sum of squares of the residuals and of an exact model's standard deviations, SI, and the number of
+/// both.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) squares: f64,
@@ -190,8 +191,8 @@ impl Series {
     }
 }
 
-/// Variance of a sum of an exact model's residuals, in units of the noise: with c the factors, d = c' J and s the part of d from the rows that the start
-/// comes from, c' c + d P d' - 2 d P s', P = (J_m' J_m)^-1.
+/// Variance of a sum of an exact model's residuals, in units of the noise: with c the factors, d = c' J and s the part
+/// of d from the rows that the start comes from, c' c + d P d' - 2 d P s', P = (J_m' J_m)^-1.
 fn variance(sum: &[(f64, &Sample)]) -> f64 {
     let components = sum.first().map_or(0, |(_, sample)| sample.forward.len());
     let (mut all, mut serving, mut own) = (vec![0.0; components], vec![0.0; components], 0.0);
@@ -212,7 +213,8 @@ pub(crate) fn worst_ratio(windows: &[WindowTally]) -> f64 {
     Channel::ALL.into_iter().map(ratio).fold(0.0, f64::max)
 }
 
-/// Root mean square per channel of what turns, in degrees and degrees per second; `None` (null in JSON) where the log has no such channel.
+/// Root mean square per channel of what turns, in degrees and degrees per second; `None` (null in JSON) where the log
+/// has no such channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ChannelErrors {
     /// Roll, degrees.

@@ -9,7 +9,8 @@
 use crate::vehicle::{Air, Airframe, Attitude, FreeBody, Gimbal, Onset, RigidBody, euler_rates_rad_s};
 pub(crate) use crate::vehicle::{Moment, Motion};
 
-/// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal and on separate axes, of the body when free.
+/// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal and on separate axes, of the body
+/// when free.
 pub(crate) type Turning = [f64; TURNING];
 /// The same, then velocity (north, east, down; m/s) and height above ground (m), which only a free vehicle has.
 pub(crate) type State = [f64; FLYING];

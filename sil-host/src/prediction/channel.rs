@@ -115,8 +115,8 @@ impl Channel {
         }
     }
 
-    /// The number of a state that it measures, which a window's start may choose; none for a force, which follows from the others.
-    /// Rates of a state are those of the angles on the gimbal.
+    /// The number of a state that it measures, which a window's start may choose; none for a force, which follows from
+    /// the others. Rates of a state are those of the angles on the gimbal.
     pub(crate) fn of_state(self, state: &mut State) -> Option<&mut f64> {
         match self {
             Channel::Angle(axis) => state.get_mut(axis.index()),

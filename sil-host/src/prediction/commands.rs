@@ -34,8 +34,8 @@ pub(crate) fn commands_of_axes(log: &Log) -> Result<Commands, NotPredictable> {
     Ok(Commands { time_s: log.time_s.clone(), value: axis_commands(log) })
 }
 
-/// Row by row (roll, pitch, yaw, 0): the axis commands, where the log has them; else made of the motors, half the signed sum, so that they
-/// lie in -1..1; 0 where it has neither.
+/// Row by row (roll, pitch, yaw, 0): the axis commands, where the log has them; else made of the motors, half the
+/// signed sum, so that they lie in -1..1; 0 where it has neither.
 pub(crate) fn axis_commands(log: &Log) -> Vec<[f64; 4]> {
     let of_axis = |axis: Axis, row: usize| match (&log.axis_command[axis.index()], log.motors()) {
         (Some(column), _) => column[row],

@@ -1,16 +1,17 @@
-//! What the motors were told between two rows. A log holds one command per row; a controller that runs faster gives more, and those are
-//! lost.
+//! What the motors were told between two rows. A log holds one command per row; a controller that runs faster gives
+//! more, and those are lost.
 //!
-//! If so, the command is taken to go smoothly from row to row, in n steps; of its white part, which the sensors' noise puts on it
-//! through the controller, one step in n is known. How far an interval's mean is off follows from n and from the commands' roughness
-//! in the log, and more where they change fast. That error is a white angular acceleration that nobody knows: part of the floor of an exact
-//! model, and of a fit's noise. Assumption: the command's noise is white from step to step of the controller.
+//! If so, the command is taken to go smoothly from row to row, in n steps; of its white part, which the sensors' noise
+//! puts on it through the controller, one step in n is known. How far an interval's mean is off follows from n and from
+//! the commands' roughness in the log, and more where they change fast. That error is a white angular acceleration that
+//! nobody knows: part of the floor of an exact model, and of a fit's noise. Assumption: the command's noise is white
+//! from step to step of the controller.
 
 use super::Channel;
 use super::force_track::Commands;
 use super::model::Model;
 use super::noise::{deviations, white_noise_std};
-use super::windowed_log::WindowedLog;
+use super::windowed_log::{Lost, WindowedLog};
 use crate::axis::Axis;
 use crate::log::Log;
 
@@ -20,23 +21,20 @@ pub(crate) const USUAL_CONTROL_RATE_HZ: f64 = 400.0;
 /// Steps per row up to which none is lost: a rate that is the log's but for rounding.
 const STEPS_MIN: f64 = 1.01;
 
-/// Beyond three standard deviations a command's roughness is no noise. What goes through it smoothly is then off by a share of the roughness.
+/// Beyond three standard deviations a command's roughness is no noise. What goes through it smoothly is then off by a
+/// share of the roughness.
 const NOISE_WITHIN: f64 = 3.0;
 
 /// No window holds an interval between two rows that is as long, s.
 const GAP_S: f64 = 10.0;
-
-/// What lost commands leave unknown, per axis and row until the next, as white angular acceleration: root of its power density, rad/s^2 per
-/// root of Hz.
-pub(crate) type Lost = [Vec<f64>; 3];
 
 /// True if a controller at this rate gives commands that the log's rows do not hold.
 pub(crate) fn are_lost(log: &Log, control_rate_hz: f64) -> bool {
     control_rate_hz * log.commanding().mean_regular_step_s() >= STEPS_MIN
 }
 
-/// The commands of a controller at a rate that go from one logged value to the next on Hermite's cubic, its slopes the difference
-/// quotients across each row.
+/// The commands of a controller at a rate that go from one logged value to the next on Hermite's cubic, its slopes the
+/// difference quotients across each row.
 pub(crate) fn smooth(commands: &Commands, rate_hz: f64) -> Commands {
     let Commands { time_s, value } = commands;
     let rows = time_s.len();
@@ -90,8 +88,8 @@ pub(crate) fn unknown_acceleration(held: &WindowedLog<'_>, model: &Model, rate_h
     })
 }
 
-/// How far the mean of n steps of white unit noise is from that of Hermite's cubic through the first and the one after the last: with L the mean
-/// weight of the latter, the root of (1 - L - 1/n)^2 + (n - 1) / n^2 + L^2.
+/// How far the mean of n steps of white unit noise is from that of Hermite's cubic through the first and the one after
+/// the last: with L the mean weight of the latter, the root of (1 - L - 1/n)^2 + (n - 1) / n^2 + L^2.
 fn mean_is_off(steps: usize) -> f64 {
     let n = steps as f64;
     let late = (0..steps).map(|step| step as f64 / n).map(|s| s * s * (3.0 - 2.0 * s)).sum::<f64>() / n;
@@ -125,8 +123,8 @@ impl WindowedLog<'_> {
         variance
     }
 
-    /// How the departure of an axis shows in the compared channels at a row: number of the channel among those, slopes along
-    /// (angle, rate) in units of its noise.
+    /// How the departure of an axis shows in the compared channels at a row: number of the channel among those, slopes
+    /// along (angle, rate) in units of its noise.
     pub(crate) fn seen(&self, axis: Axis, row: usize) -> Vec<(usize, [f64; 2])> {
         let (sin_roll, cos_roll) =
             self.measured(Channel::Angle(Axis::Roll)).map_or((0.0, 1.0), |roll| libm::sincos(roll[row]));

@@ -26,7 +26,8 @@ const MEDIAN_OF_MAGNITUDE: f64 = 0.674_489_750_196_081_7;
 pub struct MeasuredNoise(Vec<(Channel, f64)>);
 
 impl MeasuredNoise {
-    /// Estimates those of some channels, where the log has them, from the rows in which the motors run; 0 where these are too few.
+    /// Estimates those of some channels, where the log has them, from the rows in which the motors run; 0 where these
+    /// are too few.
     pub(crate) fn of(log: &Log, channels: &[Channel]) -> MeasuredNoise {
         let stretches = stretches(log);
         let noise = |channel: &Channel| {
@@ -59,8 +60,8 @@ pub fn white_noise_std(time_s: &[f64], column: &[f64], stretches: &[(usize, usiz
     Some(magnitudes[magnitudes.len() / 2] / MEDIAN_OF_MAGNITUDE)
 }
 
-/// Row by row, for those with three neighbours on each side: how far it is from what these say, in units of the noise of
-/// one value.
+/// Row by row, for those with three neighbours on each side: how far it is from what these say, in units of the noise
+/// of one value.
 pub(crate) fn deviations(time_s: &[f64], column: &[f64], stretches: &[(usize, usize)]) -> Vec<(usize, f64)> {
     let mut rows = Vec::new();
     for (first, end) in stretches {

@@ -1,4 +1,5 @@
-//! A log as one model predicts it, window by window: what `sil compare` shows, and the errors in one number per channel.
+//! A log as one model predicts it, window by window: what `sil compare` shows, and the errors in one number per
+//! channel.
 
 use super::accuracy::{ChannelErrors, ErrorOf, PredictedWindow, channel_errors, predict, root_mean_square, tallies};
 use super::noise::MeasuredNoise;
@@ -13,7 +14,8 @@ pub struct PredictedLog {
     measured: Vec<(Channel, Vec<f64>)>,
     /// Standard deviations of the channels, estimated from the log.
     pub noise: MeasuredNoise,
-    /// True if the controller ran faster than the log: what it commanded between the rows is not known, and counts in the noise floor.
+    /// True if the controller ran faster than the log: what it commanded between the rows is not known, and counts in
+    /// the noise floor.
     pub commands_are_lost: bool,
 }
 

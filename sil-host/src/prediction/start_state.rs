@@ -1,7 +1,9 @@
-//! The state that begins a window: how residuals change with it, how it moves, and its estimate from the rows around the start.
+//! The state that begins a window: how residuals change with it, how it moves, and its estimate from the rows around
+//! the start.
 //!
-//! The rows at most 50 ms before the start and after it serve. The state is estimated at the first of them by least squares over all of them
-//! (the residuals linear in it), with the model that is to be judged; from there the model goes on open loop.
+//! The rows at most 50 ms before the start and after it serve. The state is estimated at the first of them by least
+//! squares over all of them (the residuals linear in it), with the model that is to be judged; from there the model
+//! goes on open loop.
 
 use super::Channel;
 use super::body::State;
@@ -67,7 +69,8 @@ impl WindowedLog<'_> {
         start_factor(slopes, &self.free_at_start)
     }
 
-    /// The window, begun where the rows for its start begin, and its state there, estimated from the rows around the start.
+    /// The window, begun where the rows for its start begin, and its state there, estimated from the rows around the
+    /// start.
     pub(crate) fn window_with_start(&self, driven: &Driven, window: &Window) -> (Window, State) {
         let around = Window { start: window.lead, end: window.tail, ..*window };
         let mut start = self.measured_state(&driven.model, window.lead);
@@ -122,7 +125,8 @@ mod tests {
     const GAIN_RAD_S2: f64 = 150.0;
     const PITCH: [Channel; 2] = [Channel::Angle(Axis::Pitch), Channel::Rate(Axis::Pitch)];
 
-    /// One axis, angle'' = gain u, u held from row to row: a motion that is known exactly, with noise on it; and its states.
+    /// One axis, angle'' = gain u, u held from row to row: a motion that is known exactly, with noise on it; and its
+    /// states.
     fn moved(noise: [f64; 2], seed: u64) -> (Log, Vec<[f64; 2]>) {
         let mut random = NoiseSource::new(seed);
         let (mut angle, mut rate, mut states) = (0.1, -0.4, Vec::new());
@@ -158,7 +162,8 @@ mod tests {
             log.angle_rad[1] = log.angle_rad[1].take().filter(|_| measured[0]);
             log.rate_rad_s[1] = log.rate_rad_s[1].take().filter(|_| measured[1]);
             let [angle, rate] = start_error(&log, &MeasuredNoise::of(&log, &PITCH), &states);
-            // an angle that nobody measures begins at 0; what is left of the prior is (least noise / range)^2 of what was measured wrong
+            // an angle that nobody measures begins at 0; what is left of the prior is (least noise / range)^2 of what
+            // was measured wrong
             assert!(!measured[0] || angle.abs() < 1e-7, "{angle}");
             assert!(rate.abs() < 1e-6, "{measured:?}: {rate}");
         }

@@ -6,7 +6,8 @@ use crate::log::Log;
 /// Length of a window, s.
 pub const WINDOW_S: f64 = 0.5;
 
-/// Rows this long before and after a start serve to find the state at the start, s (docs/commands.md: at most 50 ms before).
+/// Rows this long before and after a start serve to find the state at the start, s (docs/commands.md: at most 50 ms
+/// before).
 const START_REACH_S: f64 = 0.05;
 
 /// Fewer rows say nothing about a window.
@@ -92,8 +93,9 @@ fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut
     }
 }
 
-/// Which half of the windows is held out, as the sequence of Thue and Morse has it: as many of these as of the others in each four, and no period.
-/// With every second window a disturbance of 1 Hz would push all fitted windows one way, and all held-out ones the other.
+/// Which half of the windows is held out, as the sequence of Thue and Morse has it: as many of these as of the others
+/// in each four, and no period. With every second window a disturbance of 1 Hz would push all fitted windows one way,
+/// and all held-out ones the other.
 fn is_held_out(index: usize) -> bool {
     index.count_ones() % 2 == 1
 }
@@ -107,8 +109,8 @@ impl Window {
         Window { index: 0, lead, start, tail, end, held_out: false }
     }
 
-    /// Windows of another length over the same rows, end to end from the first one's start to the last one's end; `run` are windows that follow
-    /// each other without a gap. Empty where the rows are too few.
+    /// Windows of another length over the same rows, end to end from the first one's start to the last one's end; `run`
+    /// are windows that follow each other without a gap. Empty where the rows are too few.
     pub(crate) fn of_length(time_s: &[f64], run: &[Window], length_s: f64) -> Vec<Window> {
         let (Some(first), Some(last)) = (run.first(), run.last()) else { return Vec::new() };
         let tolerance_s = 0.5 * (time_s[last.end] - time_s[first.start]) / (last.end - first.start) as f64;

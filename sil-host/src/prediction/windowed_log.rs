@@ -1,12 +1,11 @@
-//! A log cut into windows, with all that does not depend on the model: what was measured, how noisy it is, what was commanded. Any model can
-//! then be held against it.
+//! A log cut into windows, with all that does not depend on the model: what was measured, how noisy it is, what was
+//! commanded. Any model can then be held against it.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Channel;
 use super::body::State;
 use super::force_track::{Commands, ForceTrack};
-use super::lost_commands::Lost;
 use super::model::{Model, Scene, track};
 use super::noise::MeasuredNoise;
 use super::window::Window;
@@ -23,6 +22,10 @@ const TRACKS_KEPT: usize = 8;
 
 /// Residuals of one window, channel by channel, in units of each one's noise; or their change with a parameter.
 pub(crate) type Residuals = Vec<f64>;
+
+/// What lost commands leave unknown, per axis and row until the next, as white angular acceleration: root of its power
+/// density, rad/s^2 per root of Hz.
+pub(crate) type Lost = [Vec<f64>; 3];
 
 /// What of a log is compared.
 #[derive(Clone, Debug)]

@@ -1,5 +1,6 @@
-//! The statistics that people use to see how far and where a prediction is off: [`mean_absolute_deviation`] is the thesis' measure for a
-//! closed loop (table 5.1); [`Agreement`], [`Correlogram`], [`ConditionalError`] and [`amplitude_spectrum`] are of one quantity.
+//! The statistics that people use to see how far and where a prediction is off: [`mean_absolute_deviation`] is the
+//! thesis' measure for a closed loop (table 5.1); [`Agreement`], [`Correlogram`], [`ConditionalError`] and
+//! [`amplitude_spectrum`] are of one quantity.
 
 mod agreement;
 mod condition;

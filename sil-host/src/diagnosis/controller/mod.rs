@@ -5,12 +5,12 @@
 //!   log's references --comparison: simulated flight--> replay --instruments: what each number would do, without noise
 //!   residual --whitening--> scores along the instruments --fit--> the numbers that differ, or none
 //! ```
-//! The thesis could not say whether its modelled controller was the version that flew (section 5.3.2). Here the model is the
-//! control core itself. Nothing of the vehicle's model enters but the numbers that the controllers know, so that what is
-//! wrong with the plant is not blamed on the controller; the simulated flight need only be like the real one.
+//! The thesis could not say whether its modelled controller was the version that flew (section 5.3.2). Here the model
+//! is the control core itself. Nothing of the vehicle's model enters but the numbers that the controllers know, so that
+//! what is wrong with the plant is not blamed on the controller; the simulated flight need only be like the real one.
 //!
-//! What a log of a flight does not show: gains of yaw (it holds no rate of the heading's set-point), the throttle that was
-//! asked for, numbers that have no effect in what was flown, and a common factor of an MPC's weights.
+//! What a log of a flight does not show: gains of yaw (it holds no rate of the heading's set-point), the throttle that
+//! was asked for, numbers that have no effect in what was flown, and a common factor of an MPC's weights.
 
 mod fit;
 mod inputs;

@@ -1,7 +1,9 @@
-//! Where an error arises: the angular acceleration that a model lacks, against what the vehicle does and is told, and its spectrum.
+//! Where an error arises: the angular acceleration that a model lacks, against what the vehicle does and is told, and
+//! its spectrum.
 //!
-//! The rate is predicted from a row's measured state to the row 40 ms later; what the measured rate misses of it is the mean acceleration that the model lacks there.
-//! Unlike an error at the end of a window it belongs to one place and one time.
+//! The rate is predicted from a row's measured state to the row 40 ms later; what the measured rate misses of it is the
+//! mean acceleration that the model lacks there. Unlike an error at the end of a window it belongs to one place and one
+//! time.
 
 use serde::Serialize;
 
@@ -26,7 +28,8 @@ pub struct Condition {
     pub condition: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// Share of the variance of the missing acceleration that goes with it (of the mean square, of a constant), without any effect, %.
+    /// Share of the variance of the missing acceleration that goes with it (of the mean square, of a constant), without
+    /// any effect, %.
     pub nominal_pct: f64,
     /// The same with the findings.
     pub extended_pct: f64,
@@ -60,7 +63,8 @@ pub struct Spectrum {
     pub extended_deg_s2: Vec<f64>,
 }
 
-/// Where the errors of (nominal, extended) arise, the condition that explains most of each axis first; `commands` are the axes' (roll, pitch, yaw) per row.
+/// Where the errors of (nominal, extended) arise, the condition that explains most of each axis first; `commands` are
+/// the axes' (roll, pitch, yaw) per row.
 pub(in crate::diagnosis) fn conditions(
     log: &WindowedLog<'_>,
     models: &[Driven; 2],

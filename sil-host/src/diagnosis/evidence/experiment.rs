@@ -1,11 +1,12 @@
 //! Which manoeuvre would tell apart what this log does not.
 //!
-//! For a finding and its rival, an effect that this log does not tell from it, each of the two models flies each candidate in closed loop, without noise, under
-//! the cascade; the other one is fitted anew to that flight, so that it gets every chance. Half of the sum of squares that it leaves, in units of this log's noise,
-//! is the difference of log-likelihoods to be expected from such a flight if the first is true (Kullback and Leibler). The other may be on another axis or motor
-//! than in this log: a flight is to settle the matter by itself. What counts is the mean of both ways
-//! (Box and Hill, Technometrics 9, 1967): a rival of which the finding is a special case can never be less likely, but it can turn out not to be needed. The
-//! plainest manoeuvre that is decisive is proposed, else the best one.
+//! For a finding and its rival, an effect that this log does not tell from it, each of the two models flies each
+//! candidate in closed loop, without noise, under the cascade; the other one is fitted anew to that flight, so that it
+//! gets every chance. Half of the sum of squares that it leaves, in units of this log's noise, is the difference of
+//! log-likelihoods to be expected from such a flight if the first is true (Kullback and Leibler). The other may be on
+//! another axis or motor than in this log: a flight is to settle the matter by itself. What counts is the mean of both
+//! ways (Box and Hill, Technometrics 9, 1967): a rival of which the finding is a special case can never be less likely,
+//! but it can turn out not to be needed. The plainest manoeuvre that is decisive is proposed, else the best one.
 
 use shared_control::config::Controller;
 
@@ -178,7 +179,8 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// Mean of the expected differences of log-likelihoods if either of two models is true; 0 where neither can be flown.
+    /// Mean of the expected differences of log-likelihoods if either of two models is true; 0 where neither can be
+    /// flown.
     fn told_apart(&self, scenario: &Scenario, pair: &Pair<'_>) -> f64 {
         let (finding, rival) = (&pair.finding, &pair.rival);
         let both =

@@ -1,4 +1,5 @@
-//! What the nominal and the extended model miss, row by row: the held-out windows, predicted open loop from the rows around their starts.
+//! What the nominal and the extended model miss, row by row: the held-out windows, predicted open loop from the rows
+//! around their starts.
 
 use crate::prediction::Channel;
 use crate::prediction::accuracy::PredictedWindow;
@@ -7,7 +8,8 @@ use crate::prediction::windowed_log::WindowedLog;
 /// One channel: measured less predicted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelResiduals {
-    /// roll, pitch or yaw for an angle, p, q or r for a body rate; of a free vehicle ax, ay, az, vn, ve, vd and height too.
+    /// roll, pitch or yaw for an angle, p, q or r for a body rate; of a free vehicle ax, ay, az, vn, ve, vd and height
+    /// too.
     pub name: &'static str,
     /// What kind of quantity: "Angles", "Body rates", ...
     pub kind: &'static str,

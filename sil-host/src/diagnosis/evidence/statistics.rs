@@ -1,7 +1,8 @@
 //! The figures that people know of a prediction, channel by channel, over the held-out windows.
 //!
-//! Size of the error ([`Agreement`]): open loop from the rows around a window's start. Whiteness and correlation with the input: the same windows with the start
-//! state at its best in each, where an exact model leaves white noise; what the fit of the start takes out of the noise is allowed for.
+//! Size of the error ([`Agreement`]): open loop from the rows around a window's start. Whiteness and correlation with
+//! the input: the same windows with the start state at its best in each, where an exact model leaves white noise; what
+//! the fit of the start takes out of the noise is allowed for.
 
 use serde::Serialize;
 

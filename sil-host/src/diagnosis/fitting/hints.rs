@@ -1,5 +1,5 @@
-//! Where fits begin that have many local optima: the frequency of a swing and the time of an onset, from what each row's motion misses
-//! of the next row's.
+//! Where fits begin that have many local optima: the frequency of a swing and the time of an onset, from what each
+//! row's motion misses of the next row's.
 
 use crate::axis::Axis;
 use crate::effects::Hints;
@@ -49,7 +49,8 @@ pub(in crate::diagnosis) struct Interval {
     pub(in crate::diagnosis) acceleration_rad_s2: f64,
 }
 
-/// Rates are measured and predicted from a row's measured state to the row a stretch later; `None` for axes without a rate.
+/// Rates are measured and predicted from a row's measured state to the row a stretch later; `None` for axes without a
+/// rate.
 pub(in crate::diagnosis) fn missing_acceleration(
     log: &WindowedLog<'_>,
     driven: &Driven,
@@ -124,7 +125,8 @@ fn power(series: &[Interval], frequency_hz: f64) -> f64 {
     real * real + imaginary * imaginary
 }
 
-/// The time from which a constant acceleration best explains the sum of what was missing: least squares of a kinked line over the places.
+/// The time from which a constant acceleration best explains the sum of what was missing: least squares of a kinked
+/// line over the places.
 fn onset_s(series: &[Interval], before: Before) -> Option<f64> {
     let (first, last) = (series.first()?, series.last()?);
     let mut sum = 0.0;

@@ -1,9 +1,11 @@
-//! A log's residuals as innovations, where there is noise beyond the sensors': that of commands lost between rows (`sampling`), or of
-//! disturbances (`process_noise`). What each row adds to what the rows before it have told of the motion's departure from the prediction is white
-//! and of unit variance under the model's own noise, as plain residuals are where the forces are known; and being linear in the
-//! residuals innovations serve the same least squares (Ljung, System Identification, 2nd ed., 7.2).
+//! A log's residuals as innovations, where there is noise beyond the sensors': that of commands lost between rows
+//! (`sampling`), or of disturbances (`process_noise`). What each row adds to what the rows before it have told of the
+//! motion's departure from the prediction is white and of unit variance under the model's own noise, as plain residuals
+//! are where the forces are known; and being linear in the residuals innovations serve the same least squares (Ljung,
+//! System Identification, 2nd ed., 7.2).
 
 use crate::axis::Axis;
+use crate::diagnosis::fitting::carried_noise::CarriedNoise;
 use crate::diagnosis::fitting::process_noise::{AxisNoise, AxisWindow, Passage, most_likely, unlikeliness};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::Window;
@@ -21,7 +23,8 @@ impl Shooting<'_> {
         self.log.slopes_along_start(driven, window, start, |start| self.innovations(driven, window, start))
     }
 
-    /// Turns the plain residuals of a window, or their slopes, in units of the sensors' noise into innovations in units of their own.
+    /// Turns the plain residuals of a window, or their slopes, in units of the sensors' noise into innovations in units
+    /// of their own.
     pub(in crate::diagnosis) fn innovate(&self, window: &Window, residual: &mut [f64]) {
         for (axis, noise) in Axis::ALL.into_iter().zip(&self.noise) {
             if self.log.lost.is_some() || *noise != AxisNoise::SENSORS {
@@ -39,6 +42,35 @@ impl Shooting<'_> {
         }
     }
 
+    /// The noise of the forces under which what a model leaves is most likely.
+    pub(in crate::diagnosis) fn carried_noise(
+        &self,
+        driven: &Driven,
+        which: &[usize],
+        starts: &[State],
+    ) -> Vec<CarriedNoise> {
+        let left = |index: &usize| self.log.residual(driven, &self.log.windows[*index], &starts[*index]);
+        let residuals: Vec<Vec<f64>> = which.iter().map(left).collect();
+        let channels = self.log.compared().enumerate().filter(|(_, (channel, _))| channel.turning_axis().is_none());
+        let of = |(channel, _): (usize, _)| {
+            let mut windows: Vec<&[f64]> = Vec::new();
+            for (residual, index) in residuals.iter().zip(which) {
+                let rows = self.log.windows[*index].end - self.log.windows[*index].start;
+                windows.push(&residual[channel * rows..(channel + 1) * rows]);
+            }
+            CarriedNoise::of(channel, &windows)
+        };
+        channels.map(of).collect()
+    }
+
+    /// Whitens the channels of a window that have such noise.
+    pub(in crate::diagnosis) fn whiten(&self, window: &Window, residual: &mut [f64]) {
+        let rows = window.end - window.start;
+        for noise in &self.carried {
+            noise.whiten(&mut residual[noise.channel * rows..(noise.channel + 1) * rows]);
+        }
+    }
+
     /// Under which noise what a model leaves is most likely, per axis.
     pub(in crate::diagnosis) fn most_likely_noise(
         &self,
@@ -46,11 +78,12 @@ impl Shooting<'_> {
         which: &[usize],
         starts: &[State],
     ) -> [AxisNoise; 3] {
-        self.axis_windows(driven, which, starts).map(|windows| most_likely(&windows))
+        self.axis_windows(driven, which, starts).map(|windows| most_likely(&windows, AxisNoise::SENSORS.lost))
     }
 
-    /// Twice the negative logarithm of the likelihood of what a model leaves of some windows, start states quite free, up to a constant of the log;
-    /// with that share of what lost commands leave unknown, of some, that makes it likeliest.
+    /// Twice the negative logarithm of the likelihood of what a model leaves of some windows, start states quite free,
+    /// up to a constant of the log; with that share of what lost commands leave unknown, of some, that makes it
+    /// likeliest.
     pub(in crate::diagnosis) fn unlikeliness(
         &self,
         driven: &Driven,
@@ -69,11 +102,22 @@ impl Shooting<'_> {
         shares.iter().map(under).fold(f64::INFINITY, f64::min)
     }
 
-    /// The same under the noise that makes it likeliest.
-    pub(in crate::diagnosis) fn least_unlikeliness(&self, driven: &Driven, which: &[usize], starts: &[State]) -> f64 {
+    /// The same under the disturbance that makes it likeliest.
+    pub(in crate::diagnosis) fn least_unlikeliness(
+        &self,
+        driven: &Driven,
+        which: &[usize],
+        starts: &[State],
+        shares: &[f64],
+    ) -> f64 {
         let of_axis = |windows: &Vec<AxisWindow<'_>>| -> f64 {
-            let noise = most_likely(windows);
-            windows.iter().map(|window| unlikeliness(window, &noise)).sum()
+            // a disturbance can stand in for lost commands, but not the other way round
+            let disturbed = most_likely(windows, 0.0);
+            let under = |share: &f64| -> f64 {
+                let noise = AxisNoise { lost: *share, ..disturbed };
+                windows.iter().map(|window| unlikeliness(window, &noise)).sum()
+            };
+            shares.iter().map(under).fold(f64::INFINITY, f64::min)
         };
         self.axis_windows(driven, which, starts).iter().map(of_axis).sum()
     }

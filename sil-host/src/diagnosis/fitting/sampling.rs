@@ -1,9 +1,10 @@
-//! Were commands lost between the rows of a log (`prediction::lost_commands`)? Two hypotheses, and the log decides: its commands were held from
-//! row to row, or they are every n-th of a controller at the usual 400 Hz.
+//! Were commands lost between the rows of a log (`prediction::lost_commands`)? Two hypotheses, and the log decides: its
+//! commands were held from row to row, or they are every n-th of a controller at the usual 400 Hz.
 //!
-//! Which of both is true shows in time: held commands are late by half a row. The likelihood decides, with what was found under held commands,
-//! and with as much unknown acceleration under either as suits it; a delay that only undoes the faster controller speaks for held ones. Beside a true
-//! delay or lag the likelihood may not tell: then commands that were held leave white residuals, and lost ones do not.
+//! Which of both is true shows in time: held commands are late by half a row. The likelihood decides, with what was
+//! found under held commands, and with as much unknown acceleration under either as suits it; a delay that only undoes
+//! the faster controller speaks for held ones. Beside a true delay or lag the likelihood may not tell: then commands
+//! that were held leave white residuals, and lost ones do not.
 
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
@@ -18,12 +19,13 @@ use crate::prediction::{NotPredictable, Subject};
 
 /// Fall of twice the logarithm of the likelihood that speaks for a faster controller.
 const MARGIN: f64 = 6.0;
-/// Effects by which commands that were held look like a faster controller's: they have to be better than none under held ones.
+/// Effects by which commands that were held look like a faster controller's: they have to be better than none under
+/// held ones.
 const LATE: [&str; 2] = ["actuation_delay", "motor_lag"];
 
-/// Shares of the unknown acceleration under which the two hypotheses are held against each other. The search takes the whole: the likeliest
-/// share, about a half, is too small, for the noise in a row's command is that of the gyro in the same row, and what they have in common
-/// hides from the likelihood but not from what goes on from row to row.
+/// Shares of the unknown acceleration under which the two hypotheses are held against each other. The search takes the
+/// whole: the likeliest share, about a half, is too small, for the noise in a row's command is that of the gyro in the
+/// same row, and what they have in common hides from the likelihood but not from what goes on from row to row.
 const SHARES: [f64; 7] = [0.0, 0.25, 0.35, 0.5, 0.7, 1.0, 1.4];
 
 /// A log under both hypotheses.
@@ -83,7 +85,7 @@ impl<'l> Sampled<'l> {
         // under held commands nothing is taken for noise: what is there is seen sharply
         let search = of(&self.held);
         let found = search.run();
-        match self.under_faster(&of, &search, &found.chosen, unlikeliness) {
+        match self.under_faster(&of, &search, &found.chosen) {
             Some(faster) => {
                 let found = faster.run();
                 (faster, found)
@@ -99,23 +101,24 @@ impl<'l> Sampled<'l> {
     ) -> (Search<'e>, Candidate<'e>) {
         let search = of(&self.held);
         let nominal = search.nominal();
-        match self.under_faster(&of, &search, &nominal, unlikeliness_in_disturbances) {
-            Some(faster) => {
-                let nominal = faster.nominal();
-                (faster, nominal)
-            }
-            None => (search, nominal),
+        let Some(Alternatives { held, faster }) = &self.alternatives else { return (search, nominal) };
+        let (held, faster) = (of(held), of(faster));
+        let terms = &nominal.fit.terms;
+        let unlikeliness = |of: &Search<'e>| unlikeliness_in_disturbances(of, terms);
+        if self.is_known || unlikeliness(&faster) + MARGIN < unlikeliness(&held) {
+            let nominal = faster.nominal();
+            return (faster, nominal);
         }
+        (search, nominal)
     }
 
-    /// The search under the faster controller's commands, where these explain the log better than held ones, under which some effects were
-    /// chosen.
+    /// The search under the faster controller's commands, where these explain the log better than held ones, under
+    /// which some effects were chosen.
     fn under_faster<'e>(
         &'e self,
         of: &impl Fn(&'e Shooting<'e>) -> Search<'e>,
         search: &Search<'e>,
         chosen: &Candidate<'e>,
-        unlikeliness: impl Fn(&Search<'e>, &[Term<'e>]) -> f64,
     ) -> Option<Search<'e>> {
         let Alternatives { held, faster } = self.alternatives.as_ref()?;
         let (held, faster) = (of(held), of(faster));
@@ -151,17 +154,18 @@ fn is_white<'e>(search: &Search<'e>, chosen: &Candidate<'e>) -> bool {
     whiteness(search.shooting, &driven, &search.training, &fit.starts).iter().all(Whiteness::is_white)
 }
 
-/// Twice the negative logarithm of the likelihood of what some effects leave of the training windows once they are fitted.
+/// Twice the negative logarithm of the likelihood of what some effects leave of the training windows once they are
+/// fitted.
 fn unlikeliness<'e>(search: &Search<'e>, terms: &[Term<'e>]) -> f64 {
     let (driven, starts) = fitted(search, terms);
     search.shooting.unlikeliness(&driven, &search.training, &starts, &SHARES)
 }
 
-/// The same of a model that may lack much: what it lacks is taken for a disturbance, as strong as suits it, so that only what is quick counts, as the
-/// time at which commands act.
+/// The same of a model that may lack much: what it lacks is taken for a disturbance, as strong as suits it, so that
+/// only what is quick counts, as the time at which commands act.
 fn unlikeliness_in_disturbances<'e>(search: &Search<'e>, terms: &[Term<'e>]) -> f64 {
     let (driven, starts) = fitted(search, terms);
-    search.shooting.least_unlikeliness(&driven, &search.training, &starts)
+    search.shooting.least_unlikeliness(&driven, &search.training, &starts, &SHARES)
 }
 
 fn fitted<'e>(search: &Search<'e>, terms: &[Term<'e>]) -> (Driven, Vec<State>) {

@@ -1,8 +1,10 @@
-//! Residuals of a log's windows as least squares take them, each window with a start state of its own, and their normal equations.
+//! Residuals of a log's windows as least squares take them, each window with a start state of its own, and their normal
+//! equations.
 //!
-//! A window's start state is unknown and is estimated along with the parameters, from the window itself (multiple shooting). Under the
-//! method's assumption, white sensor noise and commands that are known, the residuals of a true model are white, in a closed loop too:
-//! given its start the motion is a function of known commands, and a sample's noise reaches later commands only.
+//! A window's start state is unknown and is estimated along with the parameters, from the window itself (multiple
+//! shooting). Under the method's assumption, white sensor noise and commands that are known, the residuals of a true
+//! model are white, in a closed loop too: given its start the motion is a function of known commands, and a sample's
+//! noise reaches later commands only.
 
 use rayon::prelude::*;
 
@@ -54,9 +56,9 @@ impl<'a> Shooting<'a> {
         which.par_iter().map(one).collect()
     }
 
-    /// Residuals and slopes of some windows. `shifted` are models that differ from `base` in one parameter each, by a step.
-    /// The slopes along the start states may come from a linearisation nearby: over half a second they hardly change with the
-    /// parameters, and whatever they are, the fit ends where the residuals do not fall any more.
+    /// Residuals and slopes of some windows. `shifted` are models that differ from `base` in one parameter each, by a
+    /// step. The slopes along the start states may come from a linearisation nearby: over half a second they hardly
+    /// change with the parameters, and whatever they are, the fit ends where the residuals do not fall any more.
     pub(in crate::diagnosis) fn linearise(
         &self,
         base: &Driven,
@@ -109,7 +111,8 @@ impl<'a> Shooting<'a> {
         turned(parameters, which.len())
     }
 
-    /// The best start states of some windows under a model, from given ones on, and the sum of squares that is left per window.
+    /// The best start states of some windows under a model, from given ones on, and the sum of squares that is left per
+    /// window.
     pub(in crate::diagnosis) fn settle(&self, driven: &Driven, which: &[usize], starts: &mut [State]) -> Vec<f64> {
         let mut left = Vec::new();
         let mut nearby = None;

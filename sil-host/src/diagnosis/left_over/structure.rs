@@ -1,8 +1,8 @@
 //! Is anything left? White residuals mean that a model explains a log; what is smooth in them is somebody's doing.
 //!
-//! Per channel the products of residuals k rows apart are summed over all windows, k = 1 to 8, and compared with what white noise would
-//! give after each window's start state has been fitted to it: with n the noise and r = (I - H) n the mean of r_i r_(i+k) is -H_(i, i+k). The noise's
-//! size cancels, so that nothing depends on how well it is known.
+//! Per channel the products of residuals k rows apart are summed over all windows, k = 1 to 8, and compared with what
+//! white noise would give after each window's start state has been fitted to it: with n the noise and r = (I - H) n the
+//! mean of r_i r_(i+k) is -H_(i, i+k). The noise's size cancels, so that nothing depends on how well it is known.
 
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::Channel;

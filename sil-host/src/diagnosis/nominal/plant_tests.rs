@@ -1,4 +1,5 @@
-//! The prediction against the plant: logs flown by the plant itself under a small stabilising law, with sensor noise added.
+//! The prediction against the plant: logs flown by the plant itself under a small stabilising law, with sensor noise
+//! added.
 
 use super::*;
 use crate::axis::Axis;
@@ -7,7 +8,8 @@ use crate::model::{Rig, VehicleModel};
 use crate::plant::Plant;
 use crate::statistics::noise_source::NoiseSource;
 
-/// Which way each motor turns the vehicle about (x, y, z), as docs/rig.md has it; the prediction's own table is not used.
+/// Which way each motor turns the vehicle about (x, y, z), as docs/rig.md has it; the prediction's own table is not
+/// used.
 const SIGNS: [[f64; 3]; 4] = [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, -1.0, -1.0]];
 
 /// 40 s at 250 Hz, see [`flown_at`].
