@@ -2,7 +2,8 @@
 //!
 //! The controllers get parameters only: the lift curve is the model's equilibrium curve turned around into a table, the
 //! inertia is the model's. No plant code runs in the core. Of a model's effects the controllers know what they have a
-//! parameter for: lag, delay, inertia, lift of the motors, gravity's moment on the rig; so a model that a diagnosis has extended makes a better controller.
+//! parameter for: lag, delay, inertia, lift of the motors, gravity's moment on the rig; so a model that a diagnosis has
+//! extended makes a better controller.
 
 use shared_control::config::{self, Config, Controller, Tuning};
 use shared_control::gravity_moment::{GravityMoment, OffCentre};
@@ -84,8 +85,8 @@ pub fn command_for_lift(model: &VehicleModel, lift_n: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Time constant of a motor's lift at the model's base command, s, without effects: the area above the response to a small step
-/// of the command, as an engineer would read it off a test stand.
+/// Time constant of a motor's lift at the model's base command, s, without effects: the area above the response to a
+/// small step of the command, as an engineer would read it off a test stand.
 fn motor_lag_s(model: &VehicleModel) -> f64 {
     const STEP: f64 = 0.01;
     const SAMPLE_S: f64 = 2e-4;

@@ -1,7 +1,8 @@
 //! Robustness of a loop, measured on the running code: a small sinusoidal torque on the body of the co-simulated
 //! vehicle, and what the motors answer to it.
 //!
-//! The loop is cut where the motors' torque meets the body. With D the injected and U the motors' torque at a frequency,
+//! The loop is cut where the motors' torque meets the body. With D the injected and U the motors' torque at a
+//! frequency,
 //!
 //! ```text
 //!   L(jw) = -U / (U + D)         S(jw) = 1 / (1 + L) = (U + D) / D
@@ -206,10 +207,10 @@ fn divide(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 
 /// Eigenvalues of one axis under the unconstrained MPC with a perfect model, the one-sample delay included.
 ///
-/// `gain` is the feedback row over (angle, rate, motors' torque, previous torque), `step` a control step of the model with
-/// its lag. The state is (angle, rate, motors' torque, torque in force): x+ = A x + B u, and the plan that acts next was made for
-/// x+, so u+ = g_x x+ + g_u u. A delay that is known adds eigenvalues at 0, and the observer its own. Magnitude and angle
-/// (rad per step) of each eigenvalue, largest first.
+/// `gain` is the feedback row over (angle, rate, motors' torque, previous torque), `step` a control step of the model
+/// with its lag. The state is (angle, rate, motors' torque, torque in force): x+ = A x + B u, and the plan that acts
+/// next was made for x+, so u+ = g_x x+ + g_u u. A delay that is known adds eigenvalues at 0, and the observer its own.
+/// Magnitude and angle (rad per step) of each eigenvalue, largest first.
 pub fn mpc_eigenvalues(gain: [f32; 4], step: &LagStep, inertia_kg_m2: f32) -> [[f64; 2]; 4] {
     let [g_angle, g_rate, g_motor, g_previous] = gain.map(f64::from);
     let t = f64::from(step.duration_s);
@@ -255,7 +256,8 @@ mod tests {
         assert!((m.gain_db.unwrap() - gain).abs() < 0.05);
     }
 
-    /// A phase that dips below -180 degrees while the gain is high limits how far the gain may fall, not how far it may rise.
+    /// A phase that dips below -180 degrees while the gain is high limits how far the gain may fall, not how far it may
+    /// rise.
     #[test]
     fn a_conditionally_stable_loop_has_the_margin_upward() {
         let points =

@@ -49,7 +49,8 @@ impl<'a> Target<'a> {
         Ok(self.workspace.target_dir.join(TRIPLE).join("release/bench-image"))
     }
 
-    /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its dependencies.
+    /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its
+    /// dependencies.
     pub(crate) fn build_core(&self) -> Result<()> {
         self.build("shared-control")
     }

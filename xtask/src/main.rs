@@ -42,7 +42,8 @@ enum Task {
     ClippyTarget,
     /// Fly the firmware image on the emulated board (needs cmake, libclang and a C compiler)
     BoardTest,
-    /// Count the MPC's instructions on an emulated Cortex-M4F, for the benchmark's instances (needs what board-test needs)
+    /// Count the MPC's instructions on an emulated Cortex-M4F, on the instances of the benchmark (needs what board-test
+    /// needs)
     BenchMcu(bench_mcu::Arguments),
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,

@@ -1,6 +1,7 @@
 //! No panic can be reached from what runs after start-up: every interrupt handler, so every task, and the idle loop.
 //!
-//! Start-up may panic: nothing flies yet. That it can, shows at every run that this check finds a panic where there is one.
+//! Start-up may panic: nothing flies yet. That it can shows at every run that this check finds a panic where there is
+//! one.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -28,9 +29,10 @@ struct Exception {
 const EXCEPTIONS: &[Exception] = &[Exception {
     caller: "_defmt_acquire",
     callee: "core::panicking::panic_fmt",
-    proof: "defmt-rtt panics if a context that owns the logger takes it again before it gives it back. A context owns it \
-            for the length of one message. Within that length runs only defmt's own code, since all that this image \
-            puts into messages are integers; a type of ours in a message would have to bring no message of its own.",
+    proof: "defmt-rtt panics if a context that owns the logger takes it again before it gives it back. A context owns \
+            it for the length of one message. Within that length runs only defmt's own code, since all that this \
+            image puts into messages are integers; a type of ours in a message would have to bring no message of its \
+            own.",
 }];
 
 /// Where control enters the image, by address.

@@ -1,5 +1,8 @@
-//! Rules of the project that neither the compiler nor clippy knows: sizes, names, leftovers.
+//! Rules of the project that neither the compiler nor clippy knows: sizes, names, leftovers, references, long lines.
 
+mod exempt;
+mod prose;
+mod references;
 mod rust_source;
 
 use std::fmt;
@@ -10,6 +13,8 @@ use anyhow::{Context, Result, bail};
 
 use crate::process;
 use crate::workspace::Workspace;
+use exempt::Exempt;
+use references::Tree;
 
 const FILE_SIZE_MAX: usize = 1_000_000;
 /// Names that say nothing about what is inside.
@@ -32,6 +37,30 @@ impl fmt::Display for Finding {
     }
 }
 
+/// The project's files, and those of them that a rule leaves alone.
+struct Rules {
+    tree: Tree,
+    long_lines: Exempt,
+    long_files: Exempt,
+}
+
+impl Rules {
+    fn new(tree: Tree) -> Self {
+        Self {
+            tree,
+            long_lines: Exempt::parse("xtask/src/tidy/long_lines.txt", include_str!("tidy/long_lines.txt")),
+            long_files: Exempt::parse("xtask/src/tidy/long_files.txt", include_str!("tidy/long_files.txt")),
+        }
+    }
+
+    /// Entries of the lists whose file is gone.
+    fn stale(&self) -> Vec<Finding> {
+        let stale =
+            [&self.long_lines, &self.long_files].into_iter().flat_map(|list| list.stale(|path| self.tree.has(path)));
+        stale.map(|(path, message)| Finding { path: path.to_owned(), line: None, message }).collect()
+    }
+}
+
 /// Checks every file that git tracks or would add.
 pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     let paths = process::output(
@@ -39,16 +68,14 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
             .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
             .current_dir(&workspace.root),
     )?;
-    let (mut files, mut findings) = (0, Vec::new());
-    for path in paths.split_terminator('\0') {
-        let file = workspace.root.join(path);
-        // deleted, but not yet from git's index
-        if !file.is_file() {
-            continue;
-        }
-        let bytes = fs::read(&file).with_context(|| format!("cannot read {path}"))?;
-        findings.extend(check(path, &bytes));
-        files += 1;
+    // what is deleted, but not yet from git's index, is not there
+    let is_there = |path: &&str| workspace.root.join(path).is_file();
+    let paths: Vec<&str> = paths.split_terminator('\0').filter(is_there).collect();
+    let rules = Rules::new(Tree::new(paths.iter().copied()));
+    let mut findings = rules.stale();
+    for path in &paths {
+        let bytes = fs::read(workspace.root.join(path)).with_context(|| format!("cannot read {path}"))?;
+        findings.extend(check(path, &bytes, &rules));
     }
     for finding in &findings {
         println!("{finding}");
@@ -56,11 +83,11 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     if !findings.is_empty() {
         bail!("{} breaches of the project's rules", findings.len());
     }
-    println!("{files} files are tidy");
+    println!("{} files are tidy", paths.len());
     Ok(())
 }
 
-fn check(path: &str, bytes: &[u8]) -> Vec<Finding> {
+fn check(path: &str, bytes: &[u8], rules: &Rules) -> Vec<Finding> {
     let mut breaches = Vec::new();
     if bytes.len() > FILE_SIZE_MAX {
         breaches.push((None, format!("{} bytes; at most {FILE_SIZE_MAX}", bytes.len())));
@@ -69,16 +96,26 @@ fn check(path: &str, bytes: &[u8]) -> Vec<Finding> {
         breaches.push((None, format!("the name '{name}' does not say what is inside")));
     }
     if let Ok(text) = str::from_utf8(bytes) {
-        for (number, line) in (1..).zip(text.lines()) {
-            breaches.extend(leftover(line).map(|message| (Some(number), message)));
-        }
-        if path.ends_with(".rs") {
-            let found = rust_source::check(path, text);
-            breaches.extend(found.into_iter().map(|(line, message)| (Some(line), message)));
-        }
+        breaches.extend(check_text(path, text, rules).into_iter().map(|(line, message)| (Some(line), message)));
     }
     let finding = |(line, message)| Finding { path: path.to_owned(), line, message };
     breaches.into_iter().map(finding).collect()
+}
+
+/// Line, from 1, and what is wrong there.
+fn check_text(path: &str, text: &str, rules: &Rules) -> Vec<(usize, String)> {
+    let leave = |message| (1, message);
+    let leftovers = (1..).zip(text.lines()).filter_map(|(number, line)| Some((number, leftover(line)?)));
+    let mut breaches: Vec<_> = leftovers.collect();
+    breaches.extend(references::check(path, text, &rules.tree));
+    breaches.extend(prose::riddles(path, text));
+    breaches.extend(rules.long_lines.judge(path, prose::long_lines(path, text), leave));
+    if path.ends_with(".rs") {
+        let found = rust_source::check(path, text);
+        breaches.extend(found.breaches);
+        breaches.extend(rules.long_files.judge(path, found.too_long.into_iter().collect(), leave));
+    }
+    breaches
 }
 
 /// The folder or file, extension aside, with a name of no content.
@@ -153,7 +190,8 @@ mod tests {
     #[test]
     fn large_files_are_found_even_if_binary() {
         let bytes = vec![0xff; FILE_SIZE_MAX + 1];
-        assert_eq!(check("data.bin", &bytes).len(), 1);
-        assert_eq!(check("data.bin", &bytes[1..]).len(), 0);
+        let rules = Rules::new(Tree::new([]));
+        assert_eq!(check("data.bin", &bytes, &rules).len(), 1);
+        assert_eq!(check("data.bin", &bytes[1..], &rules).len(), 0);
     }
 }

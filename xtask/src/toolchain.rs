@@ -89,7 +89,8 @@ impl Toolchain {
     }
 }
 
-/// Whether the usual compiler brings the target's library. It prints the folder's name even where there is no such folder.
+/// Whether the usual compiler brings the target's library. It prints the folder's name even where there is no such
+/// folder.
 fn has_target() -> Result<bool> {
     // the one that cargo takes
     let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());

@@ -13,13 +13,13 @@ use super::log_arguments::LogArguments;
 use super::text_table::{TextTable, number};
 use super::{Failure, compare_report, print, write_file, write_json};
 
-/// Hold a measured log against the simulation: closed loop and open-loop prediction
+/// Compare a measured log with the simulation: closed loop and open-loop prediction
 #[derive(Args)]
 #[command(
-    after_help = "Example: sil compare out/rig.csv --rig gimbal --controller pid   (sil synth out/rig.csv makes that log)\n\
-         sil compare bench.csv.gz --map antx --rig axis\n\n\
-The prediction is open loop: in windows of 0.5 s the model starts where the log was and gets the logged commands.\n\
-With --controller the closed loop is simulated too, on the log's references."
+    after_help = "Example: sil compare out/rig.csv --rig gimbal --controller pid  (made by: sil synth out/rig.csv)\n\
+         Example: sil compare bench.csv.gz --map antx --rig axis\n\n\
+The prediction is open loop: in windows of 0.5 s the model starts from the log's state and is driven by the logged\n\
+commands. With --controller the closed loop is simulated too, on the log's references."
 )]
 pub struct CompareArguments {
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! The page about a log held against the simulation: figures 5.3 and 5.4 of the thesis for any log.
+//! The page about a log compared with the simulation: figures 5.3 and 5.4 of the thesis for any log.
 
 use sil_host::axis::Axis;
 use sil_host::comparison::{ChannelError, Comparison};
@@ -21,15 +21,15 @@ pub fn lead(comparison: &Comparison, subject: &Subject<'_>) -> String {
     let ratio = |channel: &&ChannelError| channel.nominal / channel.noise_floor;
     match error.channels.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b))) {
         Some(worst) => format!(
-            "{model} misses {} by {} {} (RMSE over windows of {} s without a look at the log); an exact model would \
-             miss it by {}, for what the log cannot show: its noise, the exact start, commands between its rows.",
+            "{model} is off in {} by {} {} (RMSE over open-loop predictions of {} s). An exact model would be off by {}: \
+             sensor noise, the uncertain start of each window, and commands between rows that the log does not hold.",
             worst.quantity,
             significant(worst.nominal),
             worst.unit,
             error.window_s,
             significant(worst.noise_floor)
         ),
-        None => format!("{model} was held against the log, which measures nothing that it predicts."),
+        None => format!("{model} predicts nothing that the log holds."),
     }
 }
 
@@ -52,9 +52,9 @@ pub fn sections(log: &Log, comparison: &Comparison) -> Vec<Section> {
 fn closed_loop(log: &Log, comparison: &Comparison) -> Option<Section> {
     let closed_loop = comparison.closed_loop.as_ref()?;
     let mut section = Section::new("The closed loop, measured and simulated").paragraph(
-        "The same references, the same controller: once as the log has it, once in simulation from the log's first \
-         attitude. This is what the thesis' figures 5.3 and 5.4 show. The controller hides part of what the plant \
-         model gets wrong.",
+        "The same references and the same controller: as measured in the log, and simulated from the log's first \
+         attitude. The thesis' figures 5.3 and 5.4 show the same. A closed loop hides part of the plant model's error, \
+         which the controller corrects.",
     );
     for (axis, name) in [(Axis::Roll, "Roll"), (Axis::Pitch, "Pitch")] {
         let index = axis.index();
@@ -88,11 +88,12 @@ fn closed_loop(log: &Log, comparison: &Comparison) -> Option<Section> {
 fn prediction(comparison: &Comparison) -> Section {
     let error = comparison.prediction_error();
     let predicted = &comparison.prediction.predicted;
-    let mut section = Section::new("The vehicle alone: the logged commands, open loop").paragraph(format!(
-        "In windows of {} s the model starts where the log was, gets the logged commands and never looks at the log \
-         again. What it misses is due to the plant, the actuators and the sensors, not to the controller.",
-        error.window_s
-    ));
+    let mut section =
+        Section::new("The vehicle alone: open-loop prediction from the logged commands").paragraph(format!(
+            "In windows of {} s the model starts from the log's state and is driven by the logged commands alone. Its \
+         error comes from plant, actuators and sensors, not from the controller.",
+            error.window_s
+        ));
     let channels: Vec<Channel> = predicted.channels().collect();
     for channel in channels.iter().filter(|channel| matches!(channel, Channel::Angle(_))) {
         section = section.chart(angle(*channel, &predicted.samples(*channel)));

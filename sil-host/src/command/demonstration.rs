@@ -48,7 +48,7 @@ pub fn run() -> Result<(), Failure> {
         .collect::<Result<Vec<_>, _>>()?;
     print(fly::summary_text(&flown))?;
 
-    print("2. A rig log against the simulation\n\n")?;
+    print("2. A rig log compared with the simulation\n\n")?;
     let log = log::parse(RIG_LOG_NAME, RIG_LOG, None).map_err(failed)?;
     let controller = ControllerChoice::parse(RIG_LOG_CONTROLLER, "thesis-mpc.toml").map_err(failed)?;
     let subject = Subject::Vehicle(&model);
@@ -62,12 +62,12 @@ pub fn run() -> Result<(), Failure> {
     };
     print(diagnose_text::verdict_text(&answer))?;
 
-    let mut page = Page::new("A quadrotor on its testbed: flown, and held against a log")
+    let mut page = Page::new("A quadrotor on its testbed: flown, and compared with a log")
         .lead(
-            "First the thesis' experiment in simulation: a DJI F450 on a gimbal flies nine positions under the PID cascade of \
-             APM:Copter and under model predictive control. Then a rig log is held against the simulation, and the cause \
-             of the disagreement is looked for; the log is synthetic, made with a ring that is off balance, as the thesis \
-             suspected of its own.",
+            "First the thesis' experiment in simulation: a DJI F450 on a gimbal flies nine positions under the PID \
+             cascade of APM:Copter and under model predictive control. Then a rig log is compared with the simulation, \
+             and the cause of the disagreement is found. The log is synthetic: it was made with a ring that is off \
+             balance, as the thesis suspected of its own.",
         )
         .lead(diagnose_report::lead(&answer));
     let flights = flight_report::sections(&flown);

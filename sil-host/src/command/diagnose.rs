@@ -16,7 +16,7 @@ use super::{Failure, bad_input, diagnose_report, diagnose_text, print, write_fil
     after_help = "Example: sil diagnose out/rig.csv --report out/diagnosis.html   (sil synth out/rig.csv makes a log)\n\
 Example: sil diagnose bench.csv.gz --map antx\n\n\
 Each effect of the catalogue is fitted to half of the log, in windows of 0.5 s, and judged on the other half. Then\n\
-`sil compare LOG --model out/extended.toml` shows what is left. docs/reading-a-diagnosis.md explains the figures."
+`sil compare LOG --model out/extended.toml` shows what remains. docs/reading-a-diagnosis.md explains the figures."
 )]
 pub struct DiagnoseArguments {
     #[command(flatten)]
@@ -24,7 +24,7 @@ pub struct DiagnoseArguments {
     /// Write the model with the findings in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
-    /// Write the flight that would tell apart what this log does not, for `sil fly --script`
+    /// Write the flight that would separate effects which this log cannot, for `sil fly --script`
     #[arg(long, value_name = "OUT.toml")]
     experiment: Option<PathBuf>,
     /// Write a report for the browser
@@ -71,7 +71,7 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
                 write_file(path, scenario.to_script().as_bytes())?;
                 print(format!("experiment      {}\n", path.display()))?;
             }
-            None => print("experiment      none to fly\n")?,
+            None => print("experiment      none: no effects to separate, or no flight that would\n")?,
         }
     }
     if let Some(path) = &arguments.report {

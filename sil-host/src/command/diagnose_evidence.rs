@@ -1,4 +1,4 @@
-//! The page's evidence: where the error arises, what is left of it, and what the log can't tell.
+//! The page's evidence: where the error arises, what remains of it, and what the log cannot show.
 
 use sil_host::diagnosis::{Condition, Diagnosis, ModelStatistics};
 use sil_host::log::Log;
@@ -12,16 +12,16 @@ const DRAWN_PER_AXIS: usize = 2;
 /// Under which conditions the errors arise.
 pub fn where_it_arises(answer: &Diagnosis) -> Section {
     let mut section = Section::new("Where it arises").paragraph(
-        "From each row's measured state the rate is predicted 40 ms ahead; what the measured rate misses of it is an angular \
-         acceleration that the model lacks. Below it stands against what the vehicle does and is told: a flat line about zero is \
-         what a right model leaves, a slope over the angle is a spring's, a slope over the rate a friction's, a level off zero a \
-         constant moment's.",
+        "From the measured state in each row the rate is predicted 40 ms ahead. The difference between measured and \
+         predicted rate is an angular acceleration that the model lacks. It is drawn here over the vehicle's angle, \
+         rate, command and so on. A right model gives a flat line at zero; a spring gives a slope over the angle, \
+         friction a slope over the rate, a constant moment an offset.",
     );
     for of_axis in answer.conditions.chunk_by(|a, b| a.axis == b.axis) {
         let axis = capitalised(of_axis[0].axis);
         let significant: Vec<&Condition> = of_axis.iter().filter(|condition| condition.is_significant()).collect();
         if significant.is_empty() {
-            section = section.paragraph(format!("{axis}: nothing is missing that chance would not explain."));
+            section = section.paragraph(format!("{axis}: no missing acceleration beyond what chance explains."));
             continue;
         }
         let shapes = significant.iter().filter(|condition| condition.nominal_bins.len() > 1);
@@ -34,8 +34,9 @@ pub fn where_it_arises(answer: &Diagnosis) -> Section {
         section = section.side_by_side(axis, drawn.into_iter().map(|condition| condition_chart(condition, answer)));
     }
     let mut table = Table::new(
-        "Share of the missing acceleration's variance that goes with a condition (of its mean square, with being constant)",
-        &["axis", "condition", "nominal model, %", "with the findings, %", "chance stays below, %"],
+        "Share of the missing acceleration's variance that a condition explains (for constant: share of its mean \
+         square)",
+        &["axis", "condition", "nominal model, %", "with the findings, %", "reached by chance, %"],
     );
     for condition in &answer.conditions {
         table = table.row([
@@ -64,11 +65,12 @@ fn condition_chart(condition: &Condition, answer: &Diagnosis) -> Chart {
     })
 }
 
-/// What the findings leave.
-pub fn left_over(log: &Log, answer: &Diagnosis) -> Section {
+/// What remains with the findings in the model.
+pub fn unexplained(log: &Log, answer: &Diagnosis) -> Section {
     let left = &answer.unexplained;
-    let mut section = Section::new("What is left").paragraph(format!(
-        "{:.1} % of the nominal model's held-out error beyond the noise remains; the residuals are {}.",
+    let mut section = Section::new("What remains unexplained").paragraph(format!(
+        "{:.1} % of the nominal model's squared error on the held-out windows, noise aside, remains; the residuals are \
+         {}.",
         left.variance_pct,
         if left.white { "white, as noise is" } else { "not white: something is still missing" }
     ));
@@ -91,21 +93,23 @@ pub fn left_over(log: &Log, answer: &Diagnosis) -> Section {
         .collect();
     if !spectra.is_empty() {
         section = section.small_multiples(
-            "How fast what is missing swings: amplitude over frequency. The gyro's noise gives a smooth ground that rises a little; a peak is \
-             a vibration or a disturbance, a rise at the left end something slow.",
+            "Spectrum of the missing acceleration: amplitude over frequency. The gyro's noise alone gives a smooth \
+             curve that rises slowly; a peak is a vibration or a periodic disturbance, a rise at the left end a slow \
+             change.",
             spectra,
         );
     }
     section = section
         .table(sizes(answer))
         .paragraph(
-            "Fit: 100 % is perfect, 0 % no better than the mean of the measurement. Theil's U: 0 is perfect, 1 unrelated; its split says \
-             whether the error is an offset (bias), a wrong size of the motion (variance) or neither (covariance).",
+            "Fit: 100 % is perfect, 0 % no better than the mean of the measurement. Theil's U: 0 is perfect, 1 \
+             unrelated; its shares say whether the error is an offset (bias), a wrong size of the motion (variance) or \
+             neither (covariance).",
         )
         .table(structures(answer))
         .paragraph(
-            "What a right model leaves is noise without memory that has nothing to do with the command. Above the bounds, which chance \
-             exceeds once in a hundred, the residual has a structure.",
+            "A right model leaves white noise that is uncorrelated with the command. Chance exceeds the bounds in one \
+             case of a hundred; a residual well above them has a structure that the model lacks.",
         );
     if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
         section = section.warning("This log is synthetic: it was simulated, not measured.");
@@ -154,27 +158,33 @@ fn sizes(answer: &Diagnosis) -> Table {
 
 fn structures(answer: &Diagnosis) -> Table {
     let header = ["Ljung and Box's Q", "bound", "correlation with the command", "bound"];
-    statistics(answer, "Structure of what is left in the held-out windows, their starts at their best", header, |of| {
-        [
-            number(of.ljung_box.map(|test| test.statistic), 0),
-            number(of.ljung_box.map(|test| test.bound), 0),
-            number(of.input_correlation.map(|with| with.correlation), 2),
-            number(of.input_correlation.map(|with| with.bound), 2),
-        ]
-    })
+    statistics(
+        answer,
+        "Structure of the residuals in the held-out windows, each started from its best-fitting state",
+        header,
+        |of| {
+            [
+                number(of.ljung_box.map(|test| test.statistic), 0),
+                number(of.ljung_box.map(|test| test.bound), 0),
+                number(of.input_correlation.map(|with| with.correlation), 2),
+                number(of.input_correlation.map(|with| with.bound), 2),
+            ]
+        },
+    )
 }
 
-/// What the log does not tell apart, what it does not excite, and which flight would.
-pub fn what_cannot_be_told(answer: &Diagnosis) -> Section {
-    let mut section = Section::new("What this log can't tell");
+/// Effects that the log cannot separate, what it does not excite, and the flight that would help.
+pub fn what_cannot_be_shown(answer: &Diagnosis) -> Section {
+    let mut section = Section::new("What this log cannot show");
     let doubts = answer.findings.iter().filter(|finding| !finding.confounded_with.is_empty());
     let doubts: Vec<String> = doubts
-        .map(|finding| format!("{} is not told from {}.", finding.effect, finding.confounded_with.join(" or ")))
+        .map(|finding| {
+            format!("{} cannot be separated from {} by this log.", finding.effect, finding.confounded_with.join(" or "))
+        })
         .chain(answer.excitation.weaknesses.iter().cloned())
         .collect();
     section = if doubts.is_empty() {
-        section
-            .paragraph("Nothing that was asked for: no other effect fits as well, and the log moves every axis enough.")
+        section.paragraph("Nothing is in doubt: no other effect fits as well, and the log excites every axis enough.")
     } else {
         section.list(doubts)
     };
@@ -187,8 +197,9 @@ pub fn what_cannot_be_told(answer: &Diagnosis) -> Section {
     let number = answer.excitation.condition_number.map_or("none".to_owned(), |number| format!("{number:.1}"));
     section
         .paragraph(format!(
-            "How closely the log could tell the basic parameters of each axis. The condition number of their information is {number}: at 1 \
-             each leaves a trace of its own, above 1000 some look alike."
+            "How accurately this log could determine the basic parameters of each axis. The condition number of their \
+             information matrix is {number}: at 1 each parameter has an effect of its own, above 1000 some can hardly \
+             be separated."
         ))
         .table(excitation(answer))
 }
@@ -196,7 +207,7 @@ pub fn what_cannot_be_told(answer: &Diagnosis) -> Section {
 fn excitation(answer: &Diagnosis) -> Table {
     let mut table = Table::new(
         "Standard deviations that the log's noise allows",
-        &["effect", "parameter", "the others known", "all fitted together"],
+        &["effect", "parameter", "if the others are known", "if all are fitted together"],
     );
     for of in &answer.excitation.parameters {
         let effect = of.axis.map_or_else(|| of.effect.to_owned(), |axis| format!("{}, {axis}", of.effect));

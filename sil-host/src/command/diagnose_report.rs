@@ -1,4 +1,4 @@
-//! The page about a diagnosis: the sentence, the sizes, the picture before and after, what was denied.
+//! The page about a diagnosis: the sentence, the sizes, the picture before and after, what was rejected.
 
 use sil_host::diagnosis::{
     ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Finding, HorizonError, PredictionErrors, Verdict,
@@ -10,8 +10,8 @@ use sil_host::report::{Cell, Chart, Page, Section, Table};
 use super::compare_report::error_cells;
 use super::diagnose_evidence;
 
-/// More effects than these with the same reason are told in one breath.
-const DENIED_ALIKE: usize = 3;
+/// More effects than these with the same reason share one line.
+const REJECTED_ALIKE: usize = 3;
 
 /// A page of its own.
 pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
@@ -31,11 +31,11 @@ pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
 /// The verdict in a sentence, on the terminal and on the page; where effects are named, they follow.
 pub fn headline(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::NoDiscrepancy => "The simulation agrees with this log: what is left is noise.",
-        Verdict::Explained => "What the simulation gets wrong here, and all of it:",
-        Verdict::PartlyExplained => "What the simulation gets wrong here, but not all of it:",
+        Verdict::NoDiscrepancy => "The simulation agrees with this log: nothing but noise remains.",
+        Verdict::Explained => "What the simulation gets wrong in this log (nothing but noise remains):",
+        Verdict::PartlyExplained => "What the simulation gets wrong in this log (something else remains unexplained):",
         Verdict::UnknownEffect => {
-            "The simulation misses something in this log that no effect of the catalogue explains."
+            "The simulation gets something wrong in this log that no effect of the catalogue explains."
         }
     }
 }
@@ -47,7 +47,7 @@ pub fn lead(answer: &Diagnosis) -> String {
     format!("{}{causes}{}", headline(answer.verdict), improvement(answer).unwrap_or_default())
 }
 
-/// What that is worth, of the quantity that was missed most against what an exact model would miss.
+/// How much that improves the prediction, for the channel with the largest error relative to the noise floor.
 fn improvement(answer: &Diagnosis) -> Option<String> {
     let window_s = answer.prediction_error.window_s;
     let horizon = answer.horizons.iter().find(|horizon| horizon.horizon_s == window_s)?;
@@ -57,17 +57,18 @@ fn improvement(answer: &Diagnosis) -> Option<String> {
     let with =
         if answer.findings.is_empty() { String::new() } else { format!(", with the findings by {:.2}", most.extended) };
     Some(format!(
-        " Over {window_s} s without a look at the log the model misses {} by {:.2} {}{with}; an exact model would miss it by {:.2}.",
+        " Predicting {window_s} s from the logged commands alone, the model is off in {} by {:.2} {}{with}; an exact \
+         model would be off by {:.2}.",
         most.quantity, most.nominal, most.unit, most.noise_floor
     ))
 }
 
-/// True for the log of a free vehicle in which more is compared than what turns: the table of horizons tells of all of it.
+/// True for the log of a free vehicle in which more is compared than the rotation: the table of horizons has all of it.
 pub fn compares_more_than_turning(answer: &Diagnosis) -> bool {
     answer.horizons.iter().flat_map(|horizon| &horizon.errors).any(|error| error.unit.starts_with('m'))
 }
 
-/// The models whose errors are told, by name.
+/// The models whose errors are shown, by name.
 pub fn error_rows(errors: &PredictionErrors) -> [(&'static str, ChannelErrors); 3] {
     [("nominal model", errors.nominal), ("with the findings", errors.extended), ("an exact model", errors.noise_floor)]
 }
@@ -82,10 +83,10 @@ pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
     let mut sections = vec![causes(answer), before_and_after(answer)];
     sections.extend(answer.closed_loop.as_ref().map(closed_loop));
     sections.extend([
-        denied(answer),
+        rejected(answer),
         diagnose_evidence::where_it_arises(answer),
-        diagnose_evidence::left_over(log, answer),
-        diagnose_evidence::what_cannot_be_told(answer),
+        diagnose_evidence::unexplained(log, answer),
+        diagnose_evidence::what_cannot_be_shown(answer),
     ]);
     sections
 }
@@ -96,8 +97,8 @@ fn causes(answer: &Diagnosis) -> Section {
         return section.paragraph("No effect of the catalogue lowers the error by more than chance would.");
     }
     let mut table = Table::new(
-        "Sizes, with one standard deviation; gains, with an interval of 95 %",
-        &["effect", "parameter", "value", "±", "gain, %", "between, %"],
+        "Sizes with one standard deviation; gains with a 95 % interval",
+        &["effect", "parameter", "value", "±", "gain, %", "95 % interval"],
     );
     for (finding, interval) in answer.findings.iter().zip(&answer.gain.findings_interval_pct) {
         for (index, (name, estimate)) in finding.parameters.iter().enumerate() {
@@ -106,16 +107,14 @@ fn causes(answer: &Diagnosis) -> Section {
     }
     let gain = &answer.gain;
     let between = gain.total_interval_pct.map(|interval| format!(" ({} %)", interval_text(interval)));
-    section
-        .list(answer.findings.iter().map(|finding| capitalised(&finding.statement)))
-        .table(table)
-        .paragraph(format!(
-            "Each effect was fitted to half of the windows of the log and judged on the others, which no fit has seen. There \
-             the findings together take away {:.1} %{} of the squared error. The gain of one effect is how much of that is lost when it \
-             alone is taken out again; gains overlap where effects stand in for each other.",
-            gain.total_pct,
-            between.unwrap_or_default()
-        ))
+    section.list(answer.findings.iter().map(|finding| capitalised(&finding.statement))).table(table).paragraph(format!(
+        "Each effect was fitted to half of the log's windows and judged on the other half, the held-out windows. \
+             There the findings together remove {:.1} %{} of the squared error. The gain of an effect is how much of \
+             that improvement is lost when this effect alone is taken out; where effects can replace each other, gains \
+             do not add up to 100 %.",
+        gain.total_pct,
+        between.unwrap_or_default()
+    ))
 }
 
 fn parameter_row(
@@ -140,8 +139,9 @@ fn parameter_row(
 fn before_and_after(answer: &Diagnosis) -> Section {
     let errors = &answer.prediction_error;
     let mut section = Section::new("Before and after").paragraph(format!(
-        "In windows of {} s the model starts where the log was, gets the logged commands and never looks at the log again. What is \
-         drawn is measured less predicted, in the windows that no fit has seen: the model as it was, and with the findings in it.",
+        "In windows of {} s the model starts from the log's state and is driven by the logged commands alone (open \
+         loop). The plots show measured minus predicted in the held-out windows, for the model as it was and for the \
+         model with the findings.",
         errors.window_s
     ));
     if !compares_more_than_turning(answer) {
@@ -172,7 +172,7 @@ fn closed_loop(closed_loop: &ClosedLoops) -> Section {
 }
 
 fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {
-    let chart = Chart::time_series(format!("{}, measured less predicted", channel.name), channel.unit).series(
+    let chart = Chart::time_series(format!("{}, measured minus predicted", channel.name), channel.unit).series(
         "nominal model",
         &channel.time_s,
         &channel.nominal,
@@ -184,8 +184,8 @@ fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {
 fn horizons(answer: &Diagnosis) -> Table {
     let header: Vec<String> = answer.horizons.iter().map(|horizon| format!("{} s", horizon.horizon_s)).collect();
     let names: Vec<&str> = std::iter::once("").chain(header.iter().map(String::as_str)).collect();
-    let caption = "RMSE of predictions over several times: nominal → with the findings (an exact model); above 0.5 s half of the rows \
-                   were seen by the fit";
+    let caption = "RMSE of predictions over several horizons: nominal → with the findings (an exact model). Beyond \
+                   0.5 s windows contain rows that the fit has used";
     let mut table = Table::new(caption, &names);
     let Some(first) = answer.horizons.first() else { return table };
     for error in &first.errors {
@@ -201,8 +201,8 @@ fn horizons(answer: &Diagnosis) -> Table {
     table
 }
 
-/// What came near, one by one; what was denied for one and the same reason, together.
-fn denied(answer: &Diagnosis) -> Section {
+/// The effects that were rejected: with reasons of their own one by one, with the same reason together.
+fn rejected(answer: &Diagnosis) -> Section {
     let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for rejected in &answer.rejected {
         let place = if rejected.axis.is_empty() { String::new() } else { format!(" ({})", rejected.axis) };
@@ -212,10 +212,10 @@ fn denied(answer: &Diagnosis) -> Section {
             None => reasons.push((&rejected.reason, vec![name])),
         }
     }
-    let (alike, single): (Vec<_>, Vec<_>) = reasons.into_iter().partition(|(_, names)| names.len() > DENIED_ALIKE);
+    let (alike, single): (Vec<_>, Vec<_>) = reasons.into_iter().partition(|(_, names)| names.len() > REJECTED_ALIKE);
     let mut section = Section::new("What it is not");
     if !single.is_empty() {
-        let table = Table::new("What was asked and denied", &["effect", "why not"]);
+        let table = Table::new("Tested and rejected", &["effect", "reason"]);
         section = section.table(
             single.iter().fold(table, |table, (why, names)| table.row([names.join(", ").into(), Cell::from(*why)])),
         );

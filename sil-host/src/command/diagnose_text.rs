@@ -33,7 +33,7 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
         text.push_str(&format!("  {:5.1} %{interval}  {}\n", finding.gain_pct, finding.statement));
     }
     if !answer.unexplained.signature.is_empty() {
-        text.push_str(&format!("  left over: {}\n", answer.unexplained.signature));
+        text.push_str(&format!("  unexplained: {}\n", answer.unexplained.signature));
     }
     let of_controller =
         |rejected: &&Rejected| rejected.effect == "controller_mismatch" && rejected.reason != NO_CONTROLLER;
@@ -41,7 +41,7 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
         text.push_str(&format!("  controller: {}\n", rejected.reason));
     }
     let errors = &answer.prediction_error;
-    let title = format!("open loop over {} s, held-out windows, RMSE", errors.window_s);
+    let title = format!("open-loop prediction over {} s, held-out windows, RMSE", errors.window_s);
     text.push('\n');
     if !compares_more_than_turning(answer) {
         text.push_str(&format!("{}\n", error_table(&title, error_rows(errors))));
@@ -59,7 +59,7 @@ fn closed_loop_table(closed_loop: &ClosedLoops) -> TextTable {
 }
 
 fn horizons_table(horizons: &[Horizon]) -> TextTable {
-    let title = "RMSE after: nominal > with the findings (exact)".to_owned();
+    let title = "RMSE over: nominal > with the findings (exact)".to_owned();
     let mut table =
         TextTable::new(std::iter::once(title).chain(horizons.iter().map(|horizon| format!("{} s", horizon.horizon_s))));
     let Some(first) = horizons.first() else { return table };
@@ -82,7 +82,7 @@ fn statistics_table(answer: &Diagnosis) -> TextTable {
         "Theil's U",
         "bias/var/cov, %",
         "Ljung-Box (bound)",
-        "with command (bound)",
+        "correlation with command (bound)",
     ]);
     for channel in &answer.statistics {
         table.row(statistics_row(format!("{}, {}: nominal", channel.quantity, channel.unit), &channel.nominal));
@@ -112,20 +112,26 @@ fn statistics_row(name: String, model: &ModelStatistics) -> [String; 7] {
     ]
 }
 
-/// Of each axis the condition that goes with most of what is missing, where chance does not explain it.
+/// For each axis the condition that explains most of the missing acceleration, where chance does not explain it.
 fn strongest_conditions(answer: &Diagnosis) -> impl Iterator<Item = &Condition> {
     let by_axis = answer.conditions.chunk_by(|a, b| a.axis == b.axis);
     by_axis.filter_map(|of_axis| of_axis.first()).filter(|condition| condition.is_significant())
 }
 
 fn condition_text(condition: &Condition) -> String {
+    let of = if condition.condition == "constant" { "mean square" } else { "variance" };
     let shares = format!(
-        "{:.0} %, with the findings {:.0} %; by chance up to {:.0} %",
+        "{:.0} % of its {of}, {:.0} % with the findings in the model; chance reaches {:.0} %",
         condition.nominal_pct, condition.extended_pct, condition.chance_pct
     );
     match condition.condition {
-        "constant" => format!("{}: what the nominal model lacks is mostly constant ({shares})", condition.axis),
-        with => format!("{}: what the nominal model lacks goes with the {with} ({shares})", condition.axis),
+        "constant" => {
+            format!("{}: the acceleration that the nominal model lacks is mostly constant ({shares})", condition.axis)
+        }
+        with => format!(
+            "{}: the acceleration that the nominal model lacks depends most on the {with} ({shares})",
+            condition.axis
+        ),
     }
 }
 
@@ -133,9 +139,9 @@ fn excitation_text(answer: &Diagnosis) -> String {
     let excitation = &answer.excitation;
     let mut text = String::new();
     if let Some(number) = excitation.condition_number {
-        text.push_str(&format!("excitation: condition number {number:.1}"));
+        text.push_str(&format!("excitation: condition number {number:.1} (1 to 1000 is usable)"));
         if let Some(number) = excitation.findings_condition_number {
-            text.push_str(&format!(", of the findings {number:.1}"));
+            text.push_str(&format!("; of the findings' parameters {number:.1}"));
         }
         text.push('\n');
     }

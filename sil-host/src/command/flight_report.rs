@@ -31,8 +31,8 @@ fn label(flown: &FlownController) -> String {
 
 fn angles(flown: &[FlownController]) -> Section {
     let mut section = Section::new("Attitude").paragraph(
-        "Roll and pitch against the reference that the controller was asked for. The reference jumps; how \
-         softly it is followed is the controller's affair. Mean and RMS errors below are against this raw reference.",
+        "Roll and pitch against the reference that the controller is given. The reference is a step, which each \
+         controller smooths in its own way. Mean and RMS errors below are against this raw reference.",
     );
     for (axis, name) in [(0, "Roll"), (1, "Pitch")] {
         let mut chart = Chart::time_series(format!("{name} angle"), "deg");
@@ -49,8 +49,10 @@ fn angles(flown: &[FlownController]) -> Section {
 }
 
 fn motors(flown: &[FlownController]) -> Section {
-    let mut section = Section::new("Motor commands")
-        .paragraph("Commands to the four ESCs, 0 to 1. The mixer gives roll and pitch priority over yaw, and yaw over the collective.");
+    let mut section = Section::new("Motor commands").paragraph(
+        "Commands to the four ESCs, 0 to 1. The mixer gives roll and pitch priority over yaw, and yaw over the \
+             collective.",
+    );
     for one in flown {
         let record = &one.flight.record;
         let charts =

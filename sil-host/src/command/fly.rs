@@ -22,11 +22,12 @@ use super::{
 /// Fly the thesis' test sequence, or a script, in co-simulation
 #[derive(Args)]
 #[command(after_help = "Example: sil fly --controller both --rig gimbal --report out/flight.html\n\n\
-A script is TOML: duration_s, then [[step]] with at_s, roll_deg, pitch_deg, yaw_rate_deg_s, throttle or (free) climb_m.\n\
-A controller file is TOML: controller, rate_hz, control_horizon, and [tuning] with what differs from the vehicle's own.")]
+A script is TOML: duration_s, then [[step]] with at_s, roll_deg, pitch_deg, yaw_rate_deg_s, throttle or (in free\n\
+flight) climb_m. A controller file is TOML: controller, rate_hz, control_horizon, and [tuning] with what differs from\n\
+the tuning that follows from the vehicle. docs/commands.md has both.")]
 pub struct FlyArguments {
-    /// Which controller flies: the PID cascade of APM:Copter, model predictive control with the cascade as fallback, one
-    /// after the other, or what a file says
+    /// Which controller flies: the PID cascade of APM:Copter, model predictive control with the cascade as fallback,
+    /// one after the other, or what a file says
     #[arg(long, value_name = "pid|mpc|both|C.toml", default_value = BOTH)]
     controller: String,
     /// Which rig holds the vehicle [default: that of the model, else gimbal]
@@ -277,8 +278,9 @@ pub fn remarks(flown: &FlownController) -> Vec<String> {
     let axes = [summary.axes.roll, summary.axes.pitch];
     if flown.setup.model.rig() == Rig::Free && axes.iter().any(|axis| axis.settling_time_s.is_none()) {
         remarks.push(format!(
-            "{name}: in still air the accelerometer of a tilted vehicle feels its thrust as gravity; the estimate, and with \
-             it the vehicle, is pulled a few degrees towards level while a tilt is held."
+            "{name}: in still air the accelerometer of a tilted vehicle measures its thrust, which the estimator takes \
+             for gravity; the estimate, and with it the vehicle, drifts a few degrees towards level while a tilt is \
+             held."
         ));
     }
     remarks

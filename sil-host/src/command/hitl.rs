@@ -13,10 +13,10 @@ use super::figures::{FOLLOWING, WHOLE_FLIGHT};
 use super::text_table::{TextTable, number};
 use super::{Failure, RigArgument, bad_input, failed, print, vehicle_model, write_json};
 
-/// Be the plant for a board in the loop: it flies the test sequence on its own core
+/// Simulate the vehicle for a board in the loop, which flies the test sequence
 ///
-/// The board must be in HITL mode (parameter HIL, then restart); its motor outputs stay disarmed. The simulated vehicle must
-/// be the one that the board is configured for.
+/// The board must be in HITL mode (parameter HIL, then restart); its motor outputs stay disarmed. The simulated vehicle
+/// must be the one that the board is configured for.
 #[derive(Args)]
 #[command(after_help = "Example: sil hitl --serial /dev/ttyUSB0")]
 pub struct HitlArguments {

@@ -16,7 +16,8 @@ pub struct LogArguments {
     /// The log: CSV or CSV.gz
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller, crazypad_motor)
+    /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller,
+    /// crazypad_motor)
     #[arg(long, value_name = "MAP")]
     map: Option<String>,
     /// Only the rows from this time on, s
@@ -28,10 +29,10 @@ pub struct LogArguments {
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
-    /// What held the vehicle [default: axis for a log read by a map or without motors, else the model's]
+    /// Which rig held the vehicle [default: axis for a log read by a map or without motors, else the model's]
     #[arg(long, value_enum)]
     rig: Option<LogRig>,
-    /// What flew: pid, mpc, or a controller file; without it nothing is said of the controller
+    /// Controller that flew: pid, mpc, or a controller file; without it the controller is not examined
     #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
     controller: Option<String>,
 }
@@ -63,7 +64,7 @@ impl LogArguments {
         self.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)
     }
 
-    /// A log that can't be held against what was said of it.
+    /// The failure for a log that does not fit the options given for it.
     pub fn refused(&self, log: &Log, error: &LogRefused) -> Failure {
         match (error, &self.controller) {
             (LogRefused::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
@@ -71,9 +72,9 @@ impl LogArguments {
         }
     }
 
-    /// The vehicle that the log is of; none for separate axes, with which an option that `wants_vehicle` can't be given. The rig is
-    /// the one that was said; else the model's; else `axis` for a log in other people's columns, which is of other people's
-    /// vehicle, or without motors.
+    /// The vehicle that the log is of; none for separate axes, with which an option that `wants_vehicle` can't be
+    /// given. The rig is the one that was said; else the model's; else `axis` for a log in other people's columns,
+    /// which is of other people's vehicle, or without motors.
     pub fn vehicle(&self, log: &Log, wants_vehicle: Option<&str>) -> Result<Option<VehicleModel>, Failure> {
         let foreign = self.map.is_some() || log.driven_by_axis_commands();
         let rig = match self.rig {
@@ -84,7 +85,7 @@ impl LogArguments {
             Some(LogRig::Axis) => {
                 let controller = self.controller.as_ref().map(|_| "--controller");
                 return match self.model.as_ref().map(|_| "--model").or(wants_vehicle).or(controller) {
-                    Some(option) => Err(bad_input(format!("--rig axis knows no vehicle: leave out {option}"))),
+                    Some(option) => Err(bad_input(format!("--rig axis has no vehicle model: leave out {option}"))),
                     None => Ok(None),
                 };
             }

@@ -24,7 +24,7 @@ use std::path::Path;
 use clap::{Parser, Subcommand, ValueEnum};
 use sil_host::model::{Rig, VehicleModel};
 
-/// Quadrotor attitude control in simulation: fly the thesis' testbed, hold the simulation against measured logs.
+/// Quadrotor attitude control in simulation: fly the thesis' testbed, compare the simulation with measured logs.
 ///
 /// Without a subcommand: the demonstration. It flies the test sequence under the PID cascade and under MPC, compares a
 /// rig log with the simulation, names what the simulation gets wrong, and writes a report.
@@ -35,35 +35,37 @@ pub struct Arguments {
     command: Option<Command>,
 }
 
-#[derive(Subcommand)]
-enum Command {
-    Fly(fly::FlyArguments),
-    Hitl(hitl::HitlArguments),
-    Compare(compare::CompareArguments),
-    Diagnose(diagnose::DiagnoseArguments),
-    Synth(synth::SynthArguments),
-    BenchMpc(bench_mpc::BenchArguments),
-}
-
 /// Why a command stopped: exit status 2 for bad usage or bad input, 1 for a failure of its own.
 pub struct Failure {
     /// Exit status.
     pub status: u8,
-    /// What is told on stderr.
+    /// What stands on stderr.
     pub message: String,
 }
 
-/// Runs what was asked for.
-pub fn run(arguments: Arguments) -> Result<(), Failure> {
-    match arguments.command {
-        None => demonstration::run(),
-        Some(Command::Fly(arguments)) => fly::run(&arguments),
-        Some(Command::Hitl(arguments)) => hitl::run(&arguments),
-        Some(Command::Compare(arguments)) => compare::run(&arguments),
-        Some(Command::Diagnose(arguments)) => diagnose::run(&arguments),
-        Some(Command::Synth(arguments)) => synth::run(&arguments),
-        Some(Command::BenchMpc(arguments)) => bench_mpc::run(&arguments),
-    }
+/// Makes the enum of all subcommands, and runs them.
+macro_rules! commands {
+    ($($name:ident($arguments:ty): $run:path,)*) => {
+        #[derive(Subcommand)]
+        enum Command { $($name($arguments),)* }
+
+        /// Runs a command line.
+        pub fn run(arguments: Arguments) -> Result<(), Failure> {
+            match arguments.command {
+                None => demonstration::run(),
+                $(Some(Command::$name(arguments)) => $run(&arguments),)*
+            }
+        }
+    };
+}
+
+commands! {
+    Fly(fly::FlyArguments): fly::run,
+    Hitl(hitl::HitlArguments): hitl::run,
+    Compare(compare::CompareArguments): compare::run,
+    Diagnose(diagnose::DiagnoseArguments): diagnose::run,
+    Synth(synth::SynthArguments): synth::run,
+    BenchMpc(bench_mpc::BenchArguments): bench_mpc::run,
 }
 
 /// Bad usage or bad input.

@@ -17,12 +17,12 @@ impl ProgressLine {
 
     pub fn show(&self, progress: Progress) {
         let (done, total, message) = match progress {
-            Progress::Searching { effects: 0, done, total } => (done, total, "looking for an effect".to_owned()),
+            Progress::Searching { effects: 0, done, total } => (done, total, "testing effects".to_owned()),
             Progress::Searching { effects, done, total } => {
-                (done, total, format!("{effects} found, looking for another"))
+                (done, total, format!("{effects} found, testing for another"))
             }
-            Progress::Judging => (1, 1, "weighing what was found".to_owned()),
-            Progress::Separating { done, total } => (done, total, "looking for a flight that tells more".to_owned()),
+            Progress::Judging => (1, 1, "judging the findings".to_owned()),
+            Progress::Separating { done, total } => (done, total, "looking for a separating flight".to_owned()),
         };
         self.0.set_length(total as u64);
         self.0.set_position(done as u64);

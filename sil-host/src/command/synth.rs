@@ -24,7 +24,8 @@ pub struct SynthArguments {
     /// Rows per second
     #[arg(long, value_name = "HZ", default_value_t = 200, value_parser = clap::value_parser!(u32).range(10..=1000))]
     rate: u32,
-    /// Steps of the controller per second [default: that of the controller file, else the larger of 400 and the log's rate]
+    /// Steps of the controller per second
+    /// [default: that of the controller file, else the larger of 400 and the log's rate]
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(50..=1000))]
     control_rate: Option<u32>,
     /// Collective command at hover, 0..1 [default: the model's]
@@ -33,16 +34,16 @@ pub struct SynthArguments {
     /// Standard deviations of attitude and gyro [default: the model's]
     #[arg(long, value_name = "ANGLE_RAD,RATE_RAD_S")]
     noise: Option<String>,
-    /// Rows are late by |N(0, S)|
+    /// Delay each row by |N(0, S)|, s
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     jitter: f64,
-    /// Share of the rows that are missing, each by chance
+    /// Leave out this share of the rows, at random
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true)]
     drop_out: f64,
     /// Log the battery's voltage even where no effect depends on it
     #[arg(long)]
     battery: bool,
-    /// Leave all out of the log's comments but that it is synthetic
+    /// Write nothing into the log's comments but that it is synthetic
     #[arg(long)]
     blind: bool,
     /// Seed of noise, jitter and drop-outs
@@ -57,7 +58,7 @@ pub struct SynthArguments {
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
-    /// Write what the log is like as JSON
+    /// Write rows, length and rate as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
     /// The log to write

@@ -55,8 +55,9 @@ pub fn nominal_prediction(
 pub fn channel_prediction_errors(
     log: &Log,
     subject: &Subject<'_>,
+    control_rate_hz: Option<f64>,
 ) -> Result<Vec<(Channel, ErrorAndFloor)>, NotPredictable> {
-    let predicted = nominal_prediction(log, subject, None)?.predicted;
+    let predicted = nominal_prediction(log, subject, control_rate_hz)?.predicted;
     Ok(predicted.channels().filter_map(|channel| Some((channel, predicted.error(channel)?))).collect())
 }
 

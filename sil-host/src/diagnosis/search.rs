@@ -2,8 +2,8 @@
 //! more, taken out where they no longer pay.
 //!
 //! ```text
-//! .-> hypotheses: score (one linearisation each) -> the best few: full fit -> held-out likelihood -> add the best that
-//! pays '---- take out what no longer pays, exchange what another explains better <----'
+//! .-> hypotheses: score (one linearisation each) -> the best few: full fit -> held-out likelihood -> add the best
+//! '---- take out what no longer pays, exchange what another explains better <----'
 //! ```
 
 use super::fitted::Fitted;

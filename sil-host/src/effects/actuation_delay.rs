@@ -1,5 +1,5 @@
-//! A pure delay from command to motor. The plant lets each command take effect at its own time, between the integrator's
-//! steps. Several delays add up.
+//! A pure delay from command to motor. The plant lets each command take effect at its own time, between the
+//! integrator's steps. Several delays add up.
 
 use super::{
     ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope, Unknown,

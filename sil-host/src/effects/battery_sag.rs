@@ -1,5 +1,5 @@
-//! Thrust that falls as the battery empties: lift and reaction torque times `1 - per_s t`, or `1 - per_volt (V0 - V)` with V0
-//! the battery's mean voltage over the first second.
+//! Thrust that falls as the battery empties: lift and reaction torque times `1 - per_s t`, or `1 - per_volt (V0 - V)`
+//! with V0 the battery's mean voltage over the first second.
 //!
 //! The simulated battery is as simple as can be: its voltage falls by `fall_v_s` a second.
 
@@ -49,8 +49,8 @@ impl Catalogued for BatterySag {
         parameters: &[PER_S, PER_VOLT, FALL],
         summary: "thrust falls with time (per_s), or with battery_v (per_volt)",
         statement: "thrust falls as the battery empties",
-        equation: "lift and reaction torque times 1 - per_s t, t from the first row; or times 1 - per_volt (V0 - V), V0 the mean of the \
-                   first second",
+        equation: "lift and reaction torque times 1 - per_s t, t from the first row; or times 1 - per_volt (V0 - \
+                   V), V0 the mean of the first second",
         example: "battery_sag:per_volt=0.1,fall_v_s=0.02",
         rigs: ANY_RIG,
         needs: None,

@@ -43,9 +43,9 @@ impl Catalogued for CgOffset {
         parameters: &[COS_MOMENT, SIN_MOMENT],
         summary: "gravity on an off-centre mass",
         statement: "the centre of gravity lies off the axis",
-        equation: "gimbal, pitch (the ring): Q_theta = -(C cos theta + S sin theta); roll (the body): Q_phi = cos theta (C cos phi - S sin \
-                   phi), Q_theta = -sin theta (C sin phi + S cos phi); free flight, F the sum of the lifts: roll C F / (m g), pitch -C F \
-                   / (m g)",
+        equation: "gimbal, pitch (the ring): Q_theta = -(C cos theta + S sin theta); roll (the body): Q_phi = cos \
+                   theta (C cos phi - S sin phi), Q_theta = -sin theta (C sin phi + S cos phi); free flight, F the \
+                   sum of the lifts: roll C F / (m g), pitch -C F / (m g)",
         example: "cg_offset:axis=pitch,cos_moment_nm=0.1,sin_moment_nm=0.02",
         rigs: ANY_RIG,
         needs: None,

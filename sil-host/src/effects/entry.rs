@@ -1,4 +1,5 @@
-//! What the catalogue says of an effect: data for reading model files, for the help texts and for the pages under `docs/`.
+//! What the catalogue says of an effect: data for reading model files, for the help texts and for the pages under
+//! `docs/`.
 
 use crate::document::Admissible;
 use crate::vehicle::Rig;

@@ -1,6 +1,6 @@
-//! More lift close to the ground, by the image of each rotor below it: `T / T_inf = 1 / (1 - (R / 4z)^2)` (Cheeseman and
-//! Bennett, The effect of the ground on a helicopter rotor in forward flight, ARC R&M 3021, 1955). The formula ends where
-//! the rotor would touch; below half a radius the factor stays at its value there, 4/3.
+//! More lift close to the ground, by the image of each rotor below it: `T / T_inf = 1 / (1 - (R / 4z)^2)` (Cheeseman
+//! and Bennett, The effect of the ground on a helicopter rotor in forward flight, ARC R&M 3021, 1955). The formula ends
+//! where the rotor would touch; below half a radius the factor stays at its value there, 4/3.
 
 use super::{
     ActsOn, CatalogueEntry, Catalogued, Extension, FREE, Given, Hypothesis, Needs, Origin, Parameter, Scope, Unknown,
@@ -29,7 +29,8 @@ impl Catalogued for GroundEffect {
         parameters: &[HEIGHT, RADIUS],
         summary: "more lift close to the ground",
         statement: "the ground below lifts the vehicle",
-        equation: "all lifts times 1 / (1 - (rotor_radius_m / 4z)^2), z the height of the rotors above ground, at least half a radius",
+        equation: "all lifts times 1 / (1 - (rotor_radius_m / 4z)^2), z the height of the rotors above ground, at \
+                   least half a radius",
         example: "ground_effect:height_m=0.2,rotor_radius_m=0.127",
         rigs: FREE,
         needs: Some(Needs::Height),

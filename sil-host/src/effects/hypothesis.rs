@@ -43,6 +43,11 @@ impl Unknown {
         Self { name, nominal: 0.0, step, min, max, is_amplitude: true }
     }
 
+    /// The same with another value that changes nothing.
+    pub(super) fn nominal(self, nominal: f64) -> Self {
+        Self { nominal, ..self }
+    }
+
     /// The same within a range of its own.
     pub(super) fn within(self, min: f64, max: f64) -> Self {
         Self { min, max, ..self }

@@ -29,7 +29,8 @@ impl Catalogued for ImuMisalignment {
         parameters: &[YAW],
         summary: "IMU turned about the body's z axis",
         statement: "the sensor is turned about the vertical axis of the body",
-        equation: "p_rep = c p + s q, q_rep = -s p + c q, specific force likewise; the angles are those of R_wb Rz(yaw_rad)",
+        equation: "p_rep = c p + s q, q_rep = -s p + c q, specific force likewise; the angles are those of R_wb \
+                   Rz(yaw_rad)",
         example: "imu_misalignment:yaw_rad=0.05",
         rigs: ANY_RIG,
         needs: None,

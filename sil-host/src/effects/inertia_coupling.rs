@@ -30,8 +30,9 @@ impl Catalogued for InertiaCoupling {
         parameters: &[PRODUCT],
         summary: "off-diagonal inertia between roll and pitch",
         statement: "roll and pitch are coupled by an off-diagonal inertia",
-        equation: "kinetic energy + P p q, P = I_xy = -integral(x y dm): on the gimbal the mass matrix has P cos phi off its diagonal, and \
-                   Q_theta = P sin phi phi'^2; in free flight Euler's equations hold with the whole tensor",
+        equation: "kinetic energy + P p q, P = I_xy = -integral(x y dm): on the gimbal the mass matrix has P cos \
+                   phi off its diagonal, and Q_theta = P sin phi phi'^2; in free flight Euler's equations hold \
+                   with the whole tensor",
         example: "inertia_coupling:product_kg_m2=0.002",
         rigs: ANY_RIG,
         needs: None,

@@ -1,7 +1,7 @@
 //! Motors slower than the model's: a first-order lag on the command, `T dc/dt = command - c`, before the motor's own.
 //!
-//! Between two commands the lag's motion is an exponential, which plant and prediction take as such. Several add their time
-//! constants.
+//! Between two commands the lag's motion is an exponential, which plant and prediction take as such. Several add their
+//! time constants.
 
 use super::{
     ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope, Unknown,

@@ -50,7 +50,8 @@ impl Catalogued for PeriodicDisturbance {
     /// Fitted as the amplitudes of sine and cosine, in which the prediction is linear, from the strongest frequency on.
     fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
         let [sine, cosine] = ["sine_nm", "cosine_nm"].map(|name| Unknown::moment(name, &scope.scale));
-        let frequency = Unknown::of(&FREQUENCY, 1e-5).within(0.01, 100.0);
+        // without amplitude any frequency is as good
+        let frequency = Unknown::of(&FREQUENCY, 1e-5).within(0.01, 100.0).nominal(1.0);
         let of_axis = |axis: Axis| {
             Hypothesis::new(Self::ENTRY, [sine, cosine, frequency], move |[sine_nm, cosine_nm, frequency_hz]| Self {
                 axis,

@@ -1,7 +1,7 @@
-//! Drag of the spinning rotors against air that passes through their plane: induced drag and blade flapping, in proportion
-//! to the airspeed and in the body's xy plane, `F = -k (v_x, v_y, 0)` (Martin and Salaun, The true role of
-//! accelerometer feedback in quadrotor control, ICRA 2010; Faessler, Franchi and Scaramuzza, RA-L 3(2), 2018, identify 0.4
-//! to 0.5 N s/m per kilogram of vehicle).
+//! Drag of the spinning rotors against air that passes through their plane: induced drag and blade flapping, in
+//! proportion to the airspeed and in the body's xy plane, `F = -k (v_x, v_y, 0)` (Martin and Salaun, The true role of
+//! accelerometer feedback in quadrotor control, ICRA 2010; Faessler, Franchi and Scaramuzza, RA-L 3(2), 2018, identify
+//! 0.4 to 0.5 N s/m per kilogram of vehicle).
 
 use super::{
     ActsOn, CatalogueEntry, Catalogued, Extension, FREE, Given, Hypothesis, Needs, Origin, Parameter, Scope, Unknown,

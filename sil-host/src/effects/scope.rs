@@ -43,8 +43,8 @@ impl Scope {
         self.turning_axes().filter(|axis| *axis != Axis::Yaw)
     }
 
-    /// Axes whose gyro can be checked: with nothing to compare it with a gyro is right, for a bias then changes nothing, and a scale is
-    /// an inertia's.
+    /// Axes whose gyro can be checked: with nothing to compare it with a gyro is right, for a bias then changes
+    /// nothing, and a scale is an inertia's.
     pub(super) fn gyro_axes(&self) -> impl Iterator<Item = Axis> + use<> {
         let seen: [bool; 3] = core::array::from_fn(|i| self.rates[i] && (self.angles[i] || self.is_held));
         Axis::ALL.into_iter().filter(move |axis| seen[axis.index()])

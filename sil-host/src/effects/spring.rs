@@ -22,8 +22,8 @@ const STIFFNESS: Parameter =
     Parameter::new("stiffness_nm_rad", "N m/rad", "moment over angle, pulling back where positive", [-50.0, 50.0]);
 const REST: Parameter = Parameter::new("rest_rad", "rad", "angle without moment", [-7.0, 7.0]).usual(0.0);
 
-/// Stiffness that stands for none where a fit has a moment without one, as a share of the step of a difference quotient: its angle of
-/// rest is far away, and it pulls with that moment wherever the vehicle is.
+/// Stiffness that stands for none where a fit has a moment without one, as a share of the step of a difference
+/// quotient: its angle of rest is far away, and it pulls with that moment wherever the vehicle is.
 const NO_STIFFNESS: f64 = 1e-9;
 
 impl Catalogued for Spring {

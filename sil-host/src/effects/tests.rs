@@ -114,9 +114,10 @@ fn every_effect_of_the_catalogue_reads_from_its_example_and_back() {
         }
     }
     // docs/effects.md, but for controller_mismatch, which is no effect of the vehicle
-    let specified = "cg_offset torque_bias viscous_friction coulomb_friction spring inertia_error inertia_coupling motor_lag \
-                     actuation_delay thrust_scale weak_motor battery_sag command_clipping gyro_bias gyro_scale attitude_delay \
-                     imu_misalignment periodic_disturbance step_disturbance rotor_drag ground_effect wind mass_error";
+    let specified = "cg_offset torque_bias viscous_friction coulomb_friction spring inertia_error inertia_coupling \
+                     motor_lag actuation_delay thrust_scale weak_motor battery_sag command_clipping gyro_bias \
+                     gyro_scale attitude_delay imu_misalignment periodic_disturbance step_disturbance rotor_drag \
+                     ground_effect wind mass_error";
     let mut specified: Vec<&str> = specified.split_whitespace().collect();
     specified.sort_unstable();
     names.sort_unstable();

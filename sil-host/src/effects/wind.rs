@@ -1,6 +1,6 @@
-//! Steady wind. The airframe's drag goes with the square of the airspeed, `F = -1/2 rho A |v| v` with v the velocity against
-//! the air and A its drag area (drag coefficient times area); rotor drag, where there is some, feels the same air.
-//! Density: the standard atmosphere at sea level (ISO 2533).
+//! Steady wind. The airframe's drag goes with the square of the airspeed, `F = -1/2 rho A |v| v` with v the velocity
+//! against the air and A its drag area (drag coefficient times area); rotor drag, where there is some, feels the same
+//! air. Density: the standard atmosphere at sea level (ISO 2533).
 
 use super::{
     ActsOn, CatalogueEntry, Catalogued, Extension, FREE, Given, Hypothesis, Needs, Origin, Parameter, Scope, Unknown,
@@ -33,7 +33,8 @@ impl Catalogued for Wind {
         parameters: &[NORTH, EAST, DRAG_AREA],
         summary: "steady wind on the airframe",
         statement: "a steady wind drags the vehicle along",
-        equation: "F = -1/2 rho drag_area_m2 |v| v, v the velocity against the air, rho = 1.225 kg/m^3; rotor drag feels the same air",
+        equation: "F = -1/2 rho drag_area_m2 |v| v, v the velocity against the air, rho = 1.225 kg/m^3; rotor drag \
+                   feels the same air",
         example: "wind:north_m_s=3,east_m_s=-1,drag_area_m2=0.02",
         rigs: FREE,
         needs: Some(Needs::Velocity),
@@ -47,8 +48,8 @@ impl Catalogued for Wind {
         })
     }
 
-    /// Fitted from air that stands still or comes from one side, and a drag area like that of a disc between the motors: in still air, or
-    /// without an area, one of them would show no trace.
+    /// Fitted from air that stands still or comes from one side, and a drag area like that of a disc between the
+    /// motors: in still air, or without an area, one of them would show no trace.
     fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
         let arm_m2 = scope.scale.arm_m * scope.scale.arm_m;
         let drag_area = Unknown::of(&DRAG_AREA, 2e-4 * arm_m2).within(0.0, 40.0 * arm_m2);

@@ -9,7 +9,8 @@
 //! time_s    = { column = "t" }
 //! pitch_deg = { column = "theta", sign = -1, scale = 1.0, offset = 0.0 }
 //! ```
-//! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; then the frame is turned.
+//! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; then the frame is
+//! turned.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -95,7 +96,8 @@ impl Map {
     /// Neither exists, or the file is no map; the message says where and what was expected.
     pub fn load(path_or_name: &str) -> Result<Map, LogError> {
         if Path::new(path_or_name).exists() {
-            let text = super::source::load_text(Path::new(path_or_name))?;
+            let bytes = super::source::load(Path::new(path_or_name))?;
+            let text = super::source::text(path_or_name, bytes)?;
             return Map::parse(path_or_name, &text);
         }
         let built_in = BUILT_IN_MAPS.iter().find(|(name, _)| *name == path_or_name);
@@ -269,8 +271,9 @@ mod tests {
         let text = |frame: &str| {
             format!(
                 "description = \"\"\nframe = \"{frame}\"\naxes = [\"roll\", \"pitch\", \"yaw\"]\n[quantities]\n\
-                 time_ms = {{ column = \"t\" }}\np_rad_s = {{ column = \"gx\" }}\nq_deg_s = {{ column = \"gy\", scale = 2, offset = 3 }}\n\
-                 r_rad_s = {{ column = \"gz\", sign = -1 }}\nroll_cmd = {{ column = \"a\" }}\npitch_cmd = {{ column = \"b\" }}\nyaw_cmd = {{ column = \"c\" }}\n"
+                 time_ms = {{ column = \"t\" }}\np_rad_s = {{ column = \"gx\" }}\n\
+                 q_deg_s = {{ column = \"gy\", scale = 2, offset = 3 }}\nr_rad_s = {{ column = \"gz\", sign = -1 }}\n\
+                 roll_cmd = {{ column = \"a\" }}\npitch_cmd = {{ column = \"b\" }}\nyaw_cmd = {{ column = \"c\" }}\n"
             )
         };
         let [frd, flu] = ["FRD", "FLU"].map(|frame| Map::parse("m", &text(frame)).unwrap());

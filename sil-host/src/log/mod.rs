@@ -1,22 +1,50 @@
 //! Logs of flights and rigs as columns, read from CSV and written to it.
 //!
-//! The format, its names and its errors are docs/log-format.md's. [`read`] takes a file in that format, or any other CSV
-//! with a [`Map`] that says what its columns mean; [`write_file`] writes one. In memory everything is in SI units and
-//! in the frames of docs/rig.md (body forward-right-down, Euler angles Z-Y-X), whatever the file had.
+//! The format, its names and its errors are docs/log-format.md's. [`read`] takes a file in that format, or any other
+//! CSV with a [`Map`] that says what its columns mean; [`write_file`] writes one. In memory everything is in SI units
+//! and in the frames of docs/rig.md (body forward-right-down, Euler angles Z-Y-X), whatever the file had.
 
+mod csv;
 mod error;
 mod map;
 mod part;
 mod quantity;
-mod read;
 mod source;
+mod unread;
 mod write;
 
+use std::path::Path;
+
+pub use csv::parse;
 pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};
 pub use quantity::Quantity;
-pub use read::{parse, read};
 pub use write::{write, write_file};
+
+/// A format that a file may have.
+struct Format {
+    /// Whether a file of this path with these bytes (decompressed) has it.
+    recognises: fn(&Path, &[u8]) -> bool,
+    /// Reads them.
+    read: Reader,
+}
+
+/// Reads the bytes of a file, whose name is for messages.
+type Reader = fn(&str, Vec<u8>, Option<&Map>) -> Result<Log, LogError>;
+
+/// All formats, in the order in which they are tried.
+const FORMATS: [Format; 3] = [unread::ULOG, unread::DATAFLASH, csv::FORMAT];
+
+/// Reads a log in any of the formats, compressed by gzip or not; a map says what the columns of a CSV mean whose names
+/// are not those of docs/log-format.md.
+///
+/// # Errors
+/// Whatever docs/log-format.md calls an error, with file, line and column.
+pub fn read(path: &Path, map: Option<&Map>) -> Result<Log, LogError> {
+    let bytes = source::load(path)?;
+    let format = FORMATS.iter().find(|format| (format.recognises)(path, &bytes)).unwrap_or(&csv::FORMAT);
+    (format.read)(&path.display().to_string(), bytes, map)
+}
 
 /// Single rows are dropped by many loggers and cost little; five in a row are an interruption.
 const GAP_STEPS: f64 = 5.0;
@@ -32,9 +60,9 @@ pub struct Log {
     pub path: String,
     /// Comment lines at the head of the file, without the `#`: where it comes from, whether it is synthetic.
     pub comments: Vec<String>,
-    /// What the reader has to say: ignored columns, gaps.
+    /// Remarks of the reader: ignored columns, gaps.
     pub notes: Vec<String>,
-    /// Which of roll, pitch and yaw the log can speak about.
+    /// Which of roll, pitch and yaw the log has: by angle or rate, or as its map declares.
     pub axes: [bool; 3],
     /// Rows in which the motors run; `None` means all of them.
     pub active_when: Option<Threshold>,
@@ -62,7 +90,8 @@ pub struct Log {
     /// Specific force in the body frame, m/s^2.
     pub accel_body_m_s2: [Column; 3],
 
-    /// The log of more rows whose commands act between the rows of this one ([`Log::thinned`]); `None` where its own do.
+    /// The log of more rows whose commands act between the rows of this one ([`Log::thinned`]); `None` where its own
+    /// do.
     pub commanded_by: Option<Box<Log>>,
     /// Velocity north, east, down, m/s.
     pub velocity_ned_m_s: [Column; 3],

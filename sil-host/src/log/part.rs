@@ -26,11 +26,11 @@ impl Log {
         Ok(self.with_columns(|_, column| rows.iter().map(|row| column[*row]).collect()))
     }
 
-    /// A log of more than 600 rows per second in fewer of them, at least 200, under all of its commands ([`Log::commanded_by`]); none for
-    /// one that has fewer.
+    /// A log of more than 600 rows per second in fewer of them, at least 200, under all of its commands
+    /// ([`Log::commanded_by`]); none for one that has fewer.
     ///
-    /// A row becomes the mean of an odd number of rows, time and measurements alike, which is exact for a motion that changes evenly and
-    /// takes noise away; whatever is held from row to row is that of the middle one.
+    /// A row becomes the mean of an odd number of rows, time and measurements alike, which is exact for a motion that
+    /// changes evenly and takes noise away; whatever is held from row to row is that of the middle one.
     pub fn thinned(&self) -> Option<Log> {
         let step_s = self.mean_regular_step_s();
         if step_s <= 0.0 || step_s * FAST_HZ > 1.0 {
@@ -84,7 +84,8 @@ mod tests {
     use super::*;
     use crate::sensors::random::RandomStream;
 
-    /// A second and a half at 1 kHz with jitter: pitch turns evenly, through half a turn, and gyro noise lies on a rate that grows evenly.
+    /// A second and a half at 1 kHz with jitter: pitch turns evenly, through half a turn, and gyro noise lies on a rate
+    /// that grows evenly.
     fn fast() -> Log {
         let mut random = RandomStream::new(7, "fast log");
         let time_s: Vec<f64> =

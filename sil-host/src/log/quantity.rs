@@ -35,18 +35,18 @@ pub enum Quantity {
     Height,
 }
 
-/// A unit as it ends a column's name, and its size in the unit that a log holds.
-type Unit = (&'static str, f64);
+/// A unit: how it ends a column's name, its symbol, and its size in the unit that a log holds.
+type Unit = (&'static str, &'static str, f64);
 
-const TIME: &[Unit] = &[("_s", 1.0), ("_ms", 1e-3), ("_us", 1e-6)];
-const ANGLE: &[Unit] = &[("_rad", 1.0), ("_deg", PI / 180.0)];
-const RATE: &[Unit] = &[("_rad_s", 1.0), ("_deg_s", PI / 180.0)];
-const COMMAND: &[Unit] = &[("", 1.0), ("_pct", 0.01)];
-const VOLTAGE: &[Unit] = &[("_v", 1.0), ("_mv", 1e-3)];
-const SPEED: &[Unit] = &[("", 1.0)];
-const VELOCITY: &[Unit] = &[("_m_s", 1.0), ("_cm_s", 0.01)];
-const LENGTH: &[Unit] = &[("_m", 1.0), ("_cm", 0.01)];
-const ACCELERATION: &[Unit] = &[("_m_s2", 1.0), ("_g", 9.80665)];
+const TIME: &[Unit] = &[("_s", "s", 1.0), ("_ms", "ms", 1e-3), ("_us", "us", 1e-6)];
+const ANGLE: &[Unit] = &[("_rad", "rad", 1.0), ("_deg", "deg", PI / 180.0)];
+const RATE: &[Unit] = &[("_rad_s", "rad/s", 1.0), ("_deg_s", "deg/s", PI / 180.0)];
+const COMMAND: &[Unit] = &[("", "1", 1.0), ("_pct", "%", 0.01)];
+const VOLTAGE: &[Unit] = &[("_v", "V", 1.0), ("_mv", "mV", 1e-3)];
+const SPEED: &[Unit] = &[("", "1/min", 1.0)];
+const VELOCITY: &[Unit] = &[("_m_s", "m/s", 1.0), ("_cm_s", "cm/s", 0.01)];
+const LENGTH: &[Unit] = &[("_m", "m", 1.0), ("_cm", "cm", 0.01)];
+const ACCELERATION: &[Unit] = &[("_m_s2", "m/s^2", 1.0), ("_g", "g", 9.80665)];
 
 impl Quantity {
     /// Every quantity, in the order in which a file is written.
@@ -119,28 +119,45 @@ impl Quantity {
         }
     }
 
+    /// What it is, in a few words; the same for all axes, motors and rotors.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Quantity::Time => "time, strictly increasing",
+            Quantity::Angle(_) => "Euler angles Z-Y-X",
+            Quantity::Rate(_) => "body rates",
+            Quantity::Motor(_) => "motor commands, in force from this row to the next",
+            Quantity::Reference(_) => "reference angles: what the controller was given",
+            Quantity::Command(_) => "axis commands, in force from this row to the next, where there are no motors",
+            Quantity::Thrust => "collective command, beside the axis commands",
+            Quantity::Battery => "battery voltage",
+            Quantity::Rpm(_) => "measured rotor speeds; no command uses them yet",
+            Quantity::Accel(_) => "accelerometer (specific force) along the body's x, y, z",
+            Quantity::Velocity(_) => "velocity north, east, down, as a flight controller estimates it",
+            Quantity::Height => "height of the rotors above ground",
+        }
+    }
+
     /// The column's name in the unit that a log holds: `roll_rad`, `motor1`.
     pub fn name(self) -> String {
         format!("{}{}", self.stem(), self.units()[0].0)
     }
 
-    /// The same quantity's name in another unit, for the hint after a value out of range.
-    pub(super) fn name_in_other_unit(self) -> Option<String> {
-        let (suffix, _) = self.units().get(1)?;
-        Some(format!("{}{suffix}", self.stem()))
+    /// Its names in all units that are read, the one that a log holds first, each with the unit's symbol.
+    pub fn names(self) -> impl Iterator<Item = (String, &'static str)> {
+        self.units().iter().map(move |(suffix, symbol, _)| (format!("{}{suffix}", self.stem()), *symbol))
     }
 
     /// Which quantity a column name means, and the factor to the unit that a log holds; `None` for an unknown name.
     pub fn from_name(name: &str) -> Option<(Quantity, f64)> {
         Quantity::ALL.into_iter().find_map(|quantity| {
             let suffix = name.strip_prefix(quantity.stem())?;
-            let (_, factor) = quantity.units().iter().find(|(unit, _)| *unit == suffix)?;
+            let (.., factor) = quantity.units().iter().find(|(unit, ..)| *unit == suffix)?;
             Some((quantity, *factor))
         })
     }
 
-    /// The values that docs/log-format.md accepts; wider ones are a wrong unit or a broken file.
-    pub(super) fn range(self) -> std::ops::RangeInclusive<f64> {
+    /// The values that are accepted; wider ones are a wrong unit or a broken file.
+    pub fn range(self) -> std::ops::RangeInclusive<f64> {
         match self {
             Quantity::Angle(_) | Quantity::Reference(_) => -10.0..=10.0,
             Quantity::Rate(_) => -100.0..=100.0,
@@ -174,7 +191,7 @@ mod tests {
     #[test]
     fn every_name_in_every_unit_leads_back_to_its_quantity() {
         for quantity in Quantity::ALL {
-            for (suffix, factor) in quantity.units() {
+            for (suffix, _, factor) in quantity.units() {
                 let name = format!("{}{suffix}", quantity.stem());
                 assert_eq!(Quantity::from_name(&name), Some((quantity, *factor)), "{name}");
             }

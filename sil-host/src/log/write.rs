@@ -32,8 +32,8 @@ pub fn write_file(log: &Log, path: &Path) -> Result<(), LogError> {
     create().map_err(|e| fail(LogErrorKind::Unwritable(e)))
 }
 
-/// Writes a log as CSV in the columns of docs/log-format.md, SI units, comments first. Numbers have the fewest digits that
-/// read back to the same bits. Columns must be as long as `time_s`; rows beyond a shorter one are not written.
+/// Writes a log as CSV in the columns of docs/log-format.md, SI units, comments first. Numbers have the fewest digits
+/// that read back to the same bits. Columns must be as long as `time_s`; rows beyond a shorter one are not written.
 ///
 /// # Errors
 /// Those of `out`.

@@ -77,7 +77,8 @@ fn check_triangle(body: &Section<'_>, [x, y, z]: [f64; 3]) -> Result<(), ModelEr
         return Ok(());
     }
     Err(body.impossible(format!(
-        "no body has the moments of inertia {x:?}, {y:?}, {z:?} kg m^2: expected each to be at most the sum of the other two"
+        "no body has the moments of inertia {x:?}, {y:?}, {z:?} kg m^2: expected each to be at most the sum of the \
+         other two"
     )))
 }
 

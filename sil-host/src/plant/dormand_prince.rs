@@ -1,6 +1,6 @@
-//! The embedded Runge-Kutta method of Dormand and Prince, orders 5 and 4, with a step that follows the error (A family of
-//! embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6, 1980, table 2; step control after Hairer, Norsett and Wanner,
-//! Solving Ordinary Differential Equations I, II.4).
+//! The embedded Runge-Kutta method of Dormand and Prince, orders 5 and 4, with a step that follows the error (A family
+//! of embedded Runge-Kutta formulae, J. Comp. Appl. Math. 6, 1980, table 2; step control after Hairer, Norsett and
+//! Wanner, Solving Ordinary Differential Equations I, II.4).
 //!
 //! A second method beside the plant's usual one, so that a mistake of the one does not hide in both.
 
@@ -36,8 +36,8 @@ pub(crate) struct StepControl {
     pub(crate) step_max_s: f64,
 }
 
-/// Integrates `derivative` (of the time since the start and the state) over `duration_s`. After each step `tidy` may put
-/// the state back to where it belongs.
+/// Integrates `derivative` (of the time since the start and the state) over `duration_s`. After each step `tidy` may
+/// put the state back to where it belongs.
 pub(crate) fn dormand_prince<const N: usize>(
     state: &mut [f64; N],
     duration_s: f64,

@@ -1,4 +1,5 @@
-//! The state of a vehicle in free flight: place, velocity, attitude as a unit quaternion, body rate. Equations: [`FreeBody`].
+//! The state of a vehicle in free flight: place, velocity, attitude as a unit quaternion, body rate. Equations:
+//! [`FreeBody`].
 
 use crate::vehicle::{Air, FreeBody};
 

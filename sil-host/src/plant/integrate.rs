@@ -32,8 +32,8 @@ impl Method {
         }
     }
 
-    /// Integrates `derivative` (of the time since the start and the state) over a duration. After each step `tidy` may put
-    /// the state back to where it belongs.
+    /// Integrates `derivative` (of the time since the start and the state) over a duration. After each step `tidy` may
+    /// put the state back to where it belongs.
     pub(crate) fn run<const N: usize>(
         &mut self,
         state: &mut [f64; N],

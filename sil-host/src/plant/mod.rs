@@ -5,9 +5,9 @@
 //!      ^-- effects --^              disturbance, effects --^
 //! ```
 //!
-//! The derivative functions are pure; [`Plant`] holds the state and integrates, with a fixed step or an adaptive one. It
-//! knows no controller and no sensor. Rotor gyroscopic torque and the reaction to rotor acceleration are left out, as in
-//! the thesis.
+//! The derivative functions are pure; [`Plant`] holds the state and integrates, with a fixed step or an adaptive one.
+//! It knows no controller and no sensor. Rotor gyroscopic torque and the reaction to rotor acceleration are left out,
+//! as in the thesis.
 
 mod actuation;
 mod dormand_prince;
@@ -272,8 +272,8 @@ impl Plant {
         }
     }
 
-    /// A nominal vehicle with a fixed step. It is apart from the others because half of a flight's computing time goes by
-    /// here, and the compiler keeps the state in registers only where it sees one derivative and no call.
+    /// A nominal vehicle with a fixed step. It is apart from the others because half of a flight's computing time goes
+    /// by here, and the compiler keeps the state in registers only where it sees one derivative and no call.
     fn integrate_nominal(&mut self, duration_s: f64, step_max_s: f64) {
         let forces = self.forces();
         match self.body {

@@ -64,7 +64,8 @@ fn hover_is_an_equilibrium_on_every_level_and_rig() {
     }
 }
 
-/// Force times lever and the reaction to the rotor's spin, motor by motor, from docs/rig.md's table of places and spins.
+/// Force times lever and the reaction to the rotor's spin, motor by motor, from docs/rig.md's table of places and
+/// spins.
 #[test]
 fn each_motor_turns_the_body_as_its_place_and_spin_demand() {
     let d = 0.226 / std::f64::consts::SQRT_2;

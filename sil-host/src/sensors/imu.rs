@@ -1,8 +1,8 @@
 //! The MPU6000 of a Pixhawk 1, from motion to the counts that the board reads.
 //!
-//! Scales: register map of the MPU-6000, sections 4.4 and 4.5: 16.4 counts per deg/s at +-2000 deg/s, 4096 counts per g at
-//! +-8 g. At both, full scale is the range of 16 bits, where the reading stays. Axes: body FRD = (sensor y, -sensor x,
-//! sensor z), the chip being mounted upside down (PX4's and ArduPilot's drivers agree).
+//! Scales: register map of the MPU-6000, sections 4.4 and 4.5: 16.4 counts per deg/s at +-2000 deg/s, 4096 counts per g
+//! at +-8 g. At both, full scale is the range of 16 bits, where the reading stays. Axes: body FRD = (sensor y, -sensor
+//! x, sensor z), the chip being mounted upside down (PX4's and ArduPilot's drivers agree).
 
 use shared_control::signals::RawImuSample;
 

@@ -1,8 +1,8 @@
 //! Random numbers that are the same bytes for the same seed on every machine.
 //!
 //! One seed is split into streams by name, so that a new consumer, or one that draws more, changes no other. The
-//! generator is PCG64 (O'Neill, PCG, HMC-CS-2014-0905); normal numbers come from Marsaglia's polar method (Marsaglia and
-//! Bray, SIAM Review 6, 1964) with `libm`'s logarithm.
+//! generator is PCG64 (O'Neill, PCG, HMC-CS-2014-0905); normal numbers come from Marsaglia's polar method (Marsaglia
+//! and Bray, SIAM Review 6, 1964) with `libm`'s logarithm.
 
 use rand_core::Rng;
 use rand_pcg::Pcg64;

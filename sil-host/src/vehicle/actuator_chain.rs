@@ -86,7 +86,8 @@ impl Default for LiftFactors {
 }
 
 impl LiftFactors {
-    /// The factors of motors 1 to 4, so long after the start, s, the battery so far below its mean of the first second, V.
+    /// The factors of motors 1 to 4, so long after the start, s, the battery so far below its mean of the first second,
+    /// V.
     #[inline]
     pub(crate) fn at(&self, time_s: f64, drop_v: f64) -> [f64; 4] {
         let left = (1.0 - self.loss_per_s * time_s) * (1.0 - self.loss_per_volt * drop_v);

@@ -1,12 +1,14 @@
-//! The air about a free vehicle, and the ground below it: rotor drag in the body's xy plane, in proportion to the velocity against
-//! the air; the airframe's drag with its square; lift that grows near the ground. The effects say where the equations come from.
+//! The air about a free vehicle, and the ground below it: rotor drag in the body's xy plane, in proportion to the
+//! velocity against the air; the airframe's drag with its square; lift that grows near the ground. The effects say
+//! where the equations come from.
 
 /// Of dry air at sea level, kg/m³ (ISO 2533).
 const DENSITY_KG_M3: f64 = 1.225;
 /// Nearer to the ground than half a radius the image formula ends: lift stays what it is there.
 const NEAREST_RADII: f64 = 0.5;
 
-/// Air and ground, and what the vehicle is to them; the default is still air, which nothing drags on, far from the ground.
+/// Air and ground, and what the vehicle is to them; the default is still air, which nothing drags on, far from the
+/// ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Air {
     /// Rotor drag over airspeed, N s/m.

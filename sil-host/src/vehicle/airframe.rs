@@ -1,4 +1,5 @@
-//! From the lifts of the four motors to torque about the body's axes, by the project's one table of the motors' places and spins.
+//! From the lifts of the four motors to torque about the body's axes, by the project's one table of the motors' places
+//! and spins.
 
 use core::ops::{Add, Sub};
 

@@ -1,6 +1,8 @@
-//! Attitude in its forms: Euler angles Z-Y-X (roll, pitch, yaw), their rates, and unit quaternions (w, x, y, z), world from body.
+//! Attitude in its forms: Euler angles Z-Y-X (roll, pitch, yaw), their rates, and unit quaternions (w, x, y, z), world
+//! from body.
 
-/// Nearer to the vertical than this cosine of pitch the rates of roll and yaw lose their meaning; the formulas stay finite.
+/// Nearer to the vertical than this cosine of pitch the rates of roll and yaw lose their meaning; the formulas stay
+/// finite.
 const COSINE_MIN: f64 = 1e-3;
 
 /// Roll, pitch, yaw (Z-Y-X), rad, of a unit quaternion world from body.

@@ -1,4 +1,5 @@
-//! What effects may change of a vehicle's numbers. Moments that depend on the motion are not here: see [`super::Moment`].
+//! What effects may change of a vehicle's numbers. Moments that depend on the motion are not here: see
+//! [`super::Moment`].
 
 use super::{ActuatorChain, Air, SensorChain};
 

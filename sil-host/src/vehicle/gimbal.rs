@@ -1,9 +1,11 @@
 //! Rig A, the thesis' testbed: the body turns about a roll rod inside a pitch ring; yaw is locked and the pivot fixed.
 //!
-//! Generalised coordinates phi (roll), theta (pitch); kinetic energy `T = 1/2 I_xx phi'^2 + 1/2 J(phi) theta'^2 + P p q`:
+//! Generalised coordinates phi (roll), theta (pitch); kinetic energy `T = 1/2 I_xx phi'^2 + 1/2 J(phi) theta'^2 + P p
+//! q`:
 //! - `J(phi) = I_ring + I_yy cos^2 phi + I_zz sin^2 phi`
 //! - `I_xx phi'' + P cos phi theta'' = tau_x + 1/2 J'(phi) theta'^2 + Q_phi`
-//! - `P cos phi phi'' + J(phi) theta'' = tau_y cos phi - tau_z sin phi - J'(phi) phi' theta' + P sin phi phi'^2 + Q_theta`
+//! - `P cos phi phi'' + J(phi) theta'' = tau_y cos phi - tau_z sin phi - J'(phi) phi' theta' + P sin phi phi'^2 +
+//!   Q_theta`
 //! - gyro: `p = phi'`, `q = theta' cos phi`, `r = -theta' sin phi`
 //!
 //! P = I_xy is 0 in the nominal body. Roll is handed in as (sine, cosine), angles' rates as [phi', theta'].

@@ -4,8 +4,8 @@
 //! command -> actuator_chain -> propulsion -> lifts -> airframe: torque -> gimbal | free_body -> motion -> sensor_chain
 //!                                              ^-- air: ground              ^-- air: drag
 //! ```
-//! Nothing here holds a state or integrates: whoever calls does, the plant in steps of its own, the prediction row by row of a log.
-//! What effects may change of it stands in [`Changes`].
+//! Nothing here holds a state or integrates: whoever calls does, the plant in steps of its own, the prediction row by
+//! row of a log. What effects may change of it stands in [`Changes`].
 
 mod actuator_chain;
 mod air;

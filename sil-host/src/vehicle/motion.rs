@@ -22,8 +22,8 @@ pub(crate) struct Motion {
 /// How an integration treats what sets in at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Onset {
-    /// It ends a step there: nothing sets in between the start of the stretch, s, and the present time, so that what sets in at the
-    /// stretch's very end is not yet there at its last stage.
+    /// It ends a step there: nothing sets in between the start of the stretch, s, and the present time, so that what
+    /// sets in at the stretch's very end is not yet there at its last stage.
     Exact {
         /// Start of the stretch.
         stretch_start_s: f64,
@@ -55,7 +55,7 @@ impl Motion {
 
 /// A moment beside the motors'.
 pub(crate) trait Moment: Sync + Send {
-    /// Adds it about roll, pitch and yaw, N m (rad/s² on separate axes): on the gimbal the generalised moments of the angles, in free
-    /// flight about the body's axes.
+    /// Adds it about roll, pitch and yaw, N m (rad/s² on separate axes): on the gimbal the generalised moments of the
+    /// angles, in free flight about the body's axes.
     fn add(&self, motion: &Motion, moment: &mut [f64; 3]);
 }

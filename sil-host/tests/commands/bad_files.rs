@@ -58,9 +58,8 @@ fn a_bad_log_is_refused_with_its_line() {
         (
             "percent",
             log_with_field(9, 8, |_| "48.5".into()).into_bytes(),
-            &[
-                "log.csv:9: `motor2`: 48.5 is outside -0.05..1.05 (another unit? a column named motor2_pct is converted)",
-            ],
+            &["log.csv:9: `motor2`: 48.5 is outside -0.05..1.05 (another unit? a column named motor2_pct is \
+                 converted)"],
         ),
         (
             "time back",

@@ -138,8 +138,8 @@ fn the_bundled_log_is_what_synth_writes_now() {
     }
 }
 
-/// A controller that is not the modelled one is blamed by the name and the value of what differs, on a rig that has an effect of
-/// its own, and both are told; the closed loop is simulated before and after.
+/// A controller that is not the modelled one is blamed by the name and the value of what differs, on a rig that has an
+/// effect of its own, and both are told; the closed loop is simulated before and after.
 #[test]
 fn of_another_controller_name_its_gain_beside_the_plants_effect() {
     let folder = Folder::new();

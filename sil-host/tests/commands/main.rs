@@ -8,5 +8,6 @@ mod diagnosis;
 mod flights;
 mod json;
 mod logs;
+mod pages;
 mod sil;
 mod usage;

@@ -113,12 +113,12 @@ fn arguments_that_contradict_each_other_are_refused() {
     for extra in [["--model", "gimbal.toml"], ["--controller", "pid"]] {
         folder
             .sil(&[&["compare", "log.csv", "--rig", "axis"][..], &extra].concat())
-            .assert_refused(&["--rig axis knows no vehicle", extra[0]]);
+            .assert_refused(&["--rig axis has no vehicle model", extra[0]]);
     }
     for extra in ["--extended", "--experiment"] {
         folder
             .sil(&["diagnose", "log.csv", "--rig", "axis", extra, "out.toml"])
-            .assert_refused(&["--rig axis knows no vehicle", extra]);
+            .assert_refused(&["--rig axis has no vehicle model", extra]);
     }
     for arguments in [&["compare"][..], &["synth"], &["bench-mpc"], &["hover"], &["fly", "--fast"]] {
         folder.sil(arguments).assert_refused(&["--help"]);

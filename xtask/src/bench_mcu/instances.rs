@@ -78,7 +78,8 @@ impl Instances {
         let mut source = format!(
             "pub(super) const CASE: &str = {:?};\n\
              pub(super) const CONTROL_HORIZON: usize = {};\n\
-             pub(super) const SETTINGS: ProblemSettings = ProblemSettings {{\n    horizon: {},\n    prediction_step_s: {:?},\n    \
+             pub(super) const SETTINGS: ProblemSettings = ProblemSettings {{\n    horizon: {},\n    \
+             prediction_step_s: {:?},\n    \
              input_gain: {:?},\n    tracking_weight: {:?},\n    increment_weight: {:?},\n    input_max: {:?},\n    \
              output_max_rad: [{bound}, {bound}, None],\n}};\n\
              pub(super) static INSTANCES: [super::Theta; {}] = [\n",

@@ -4,19 +4,29 @@ use std::ops::RangeInclusive;
 
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 
-const FILE_LINES_MAX: usize = 500;
+const FILE_LINES_MAX: usize = 400;
 const FUNCTION_LINES_MAX: usize = 70;
 
 /// Line, from 1, and what is wrong there.
 type Breach = (usize, String);
 
+/// What is wrong with a file.
+pub(super) struct Found {
+    pub(super) breaches: Vec<Breach>,
+    /// Apart from the others, for there are files that may be.
+    pub(super) too_long: Option<Breach>,
+}
+
 /// Checks one file; `path` decides which rules hold for it.
-pub(super) fn check(path: &str, text: &str) -> Vec<Breach> {
+pub(super) fn check(path: &str, text: &str) -> Found {
     let tokens = match text.parse::<TokenStream>() {
         Ok(tokens) => tokens,
-        Err(error) => return vec![(error.span().start().line, format!("not Rust: {error}"))],
+        Err(error) => {
+            let breaches = vec![(error.span().start().line, format!("not Rust: {error}"))];
+            return Found { breaches, too_long: None };
+        }
     };
-    let is_test = path.split('/').any(|part| ["tests", "tests.rs"].contains(&part));
+    let is_test = path.split('/').any(|part| part == "tests") || path.ends_with("tests.rs");
     let in_core = path.starts_with("shared-control/src/");
     let mut scan = Scan {
         no_f64: in_core,
@@ -25,12 +35,13 @@ pub(super) fn check(path: &str, text: &str) -> Vec<Breach> {
         breaches: Vec::new(),
     };
     scan.stream(tokens, is_test);
-    let lines = text.lines().count() - scan.test_lines;
-    if !is_test && lines > FILE_LINES_MAX {
-        let message = format!("{lines} lines without tests; at most {FILE_LINES_MAX}");
-        scan.breaches.push((FILE_LINES_MAX, message));
+    if !is_test && !text.starts_with("//!") {
+        scan.breaches.push((1, "expected a first line that says what the file is for (//!)".into()));
     }
-    scan.breaches
+    let lines = text.lines().count() - scan.test_lines;
+    let too_long = (!is_test && lines > FILE_LINES_MAX)
+        .then(|| (FILE_LINES_MAX, format!("{lines} lines without tests; at most {FILE_LINES_MAX}")));
+    Found { breaches: scan.breaches, too_long }
 }
 
 struct Scan {
@@ -133,14 +144,20 @@ fn lines(tokens: &[TokenTree]) -> RangeInclusive<usize> {
 mod tests {
     use super::*;
 
+    /// Breaches of a file that says what it is for, lines counted from the one after that.
+    fn breaches(path: &str, text: &str) -> Vec<Breach> {
+        let found = check(path, &format!("//! For tests.\n{text}"));
+        found.breaches.into_iter().map(|(line, message)| (line - 1, message)).collect()
+    }
+
     fn function_of(lines: usize) -> String {
         format!("fn long() {{\n{}}}\n", "    step();\n".repeat(lines - 2))
     }
 
     #[test]
     fn a_function_may_fill_a_screen_and_no_more() {
-        assert_eq!(check("a.rs", &function_of(FUNCTION_LINES_MAX)), []);
-        let breaches = check("a.rs", &format!("\n{}", function_of(FUNCTION_LINES_MAX + 1)));
+        assert_eq!(breaches("a.rs", &function_of(FUNCTION_LINES_MAX)), []);
+        let breaches = breaches("a.rs", &format!("\n{}", function_of(FUNCTION_LINES_MAX + 1)));
         assert_eq!(breaches.len(), 1);
         assert_eq!(breaches[0].0, 2);
         assert!(breaches[0].1.contains("fn long has 71 lines"), "{breaches:?}");
@@ -149,38 +166,46 @@ mod tests {
     #[test]
     fn functions_inside_modules_and_tests_are_measured_too() {
         let text = format!("#[cfg(test)]\nmod tests {{\n{}}}\n", function_of(FUNCTION_LINES_MAX + 1));
-        assert_eq!(check("a.rs", &text).len(), 1);
+        assert_eq!(breaches("a.rs", &text).len(), 1);
     }
 
     #[test]
     fn tests_do_not_count_towards_the_length_of_a_file() {
         let code = "const A: f32 = 1.0;\n".repeat(FILE_LINES_MAX);
         let tests = "#[cfg(test)]\nmod tests {\n    const B: f32 = 1.0;\n}\n";
-        assert_eq!(check("a.rs", &format!("{code}{tests}")), []);
-        assert_eq!(check("a.rs", &format!("{code}\n{tests}")).len(), 1);
+        assert_eq!(check("a.rs", &format!("{code}{tests}")).too_long, None);
+        assert!(check("a.rs", &format!("{code}\n{tests}")).too_long.is_some());
+        assert_eq!(check("a/tests.rs", &format!("{code}\n{tests}")).too_long, None);
     }
 
     #[test]
     fn the_core_holds_no_f64_outside_comments_strings_and_tests() {
         let text = "// f64\nconst TEXT: &str = \"f64\";\n#[cfg(test)]\nmod tests {\n    type A = f64;\n}\n";
-        assert_eq!(check("shared-control/src/a.rs", text), []);
+        assert_eq!(breaches("shared-control/src/a.rs", text), []);
         for text in ["type A = f64;", "const A: f32 = 1.0_f64 as f32;", "m!(x as f64);", "fn a() { f64::from(1) }"] {
-            assert_eq!(check("shared-control/src/a.rs", text).len(), 1, "{text}");
-            assert_eq!(check("sil-host/src/a.rs", text), [], "{text}");
+            assert_eq!(breaches("shared-control/src/a.rs", text).len(), 1, "{text}");
+            assert_eq!(breaches("sil-host/src/a.rs", text), [], "{text}");
         }
     }
 
     #[test]
     fn what_flies_does_not_unwrap() {
         for path in ["shared-control/src/a.rs", "firmware/src/a.rs"] {
-            assert_eq!(check(path, "fn a() {\n    b().unwrap()\n}").len(), 1);
-            assert_eq!(check(path, "fn a() {\n    b().unwrap_or(1)\n}"), []);
-            assert_eq!(check(path, "#[test]\nfn a() {\n    b().unwrap()\n}"), []);
+            assert_eq!(breaches(path, "fn a() {\n    b().unwrap()\n}").len(), 1);
+            assert_eq!(breaches(path, "fn a() {\n    b().unwrap_or(1)\n}"), []);
+            assert_eq!(breaches(path, "#[test]\nfn a() {\n    b().unwrap()\n}"), []);
         }
     }
 
     #[test]
+    fn a_file_says_what_it_is_for() {
+        assert_eq!(check("a.rs", "//! Waits.\nfn wait() {}\n").breaches, []);
+        assert_eq!(check("a.rs", "fn wait() {}\n").breaches.len(), 1);
+        assert_eq!(check("a/tests.rs", "fn wait() {}\n").breaches, []);
+    }
+
+    #[test]
     fn what_cannot_be_read_is_a_breach() {
-        assert_eq!(check("a.rs", "fn a() {\n}}\n").len(), 1);
+        assert_eq!(breaches("a.rs", "fn a() {\n}}\n").len(), 1);
     }
 }

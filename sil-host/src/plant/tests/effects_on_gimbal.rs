@@ -62,7 +62,8 @@ fn a_spring_swings_at_its_frequency_about_its_rest() {
     }
 }
 
-/// `J theta'' + b theta' + k theta = A sin(w t)` has in steady state the amplitude A over the modulus of `k - J w^2 + j b w`.
+/// `J theta'' + b theta' + k theta = A sin(w t)` has in steady state the amplitude A over the modulus of `k - J w^2 + j
+/// b w`.
 #[test]
 fn a_periodic_torque_swings_a_damped_spring_with_the_amplitude_of_the_steady_state() {
     let (k, b, amplitude_nm, frequency_hz) = (0.5, 0.1, 0.02, 1.3);
@@ -115,8 +116,8 @@ fn a_larger_inertia_accelerates_less() {
     }
 }
 
-/// Kinetic energy with scaled inertias and with `P p q`, and the momentum about pitch, which no torque changes: J(phi) and
-/// its slope must be scaled alike, and the coupling have the term that the rotating axes bring.
+/// Kinetic energy with scaled inertias and with `P p q`, and the momentum about pitch, which no torque changes: J(phi)
+/// and its slope must be scaled alike, and the coupling have the term that the rotating axes bring.
 #[test]
 fn changed_inertias_conserve_energy_and_the_momentum_about_pitch() {
     for (effects, scales, product) in [

@@ -144,7 +144,8 @@ impl DevicePropulsion {
         // the integration step follows the winding; real ones have 1e-4 to 1e-3 s
         if device.inductance_h / device.resistance_ohm < WINDING_TIME_MIN_S {
             return Err(motor.impossible(format!(
-                "the winding's time constant inductance_h / resistance_ohm is {:.1e} s: expected at least {WINDING_TIME_MIN_S} s",
+                "the winding's time constant inductance_h / resistance_ohm is {:.1e} s: expected at least \
+                 {WINDING_TIME_MIN_S} s",
                 device.inductance_h / device.resistance_ohm
             )));
         }

@@ -147,7 +147,7 @@ impl Gain {
     /// Over all channels that the diagnosis compares.
     fn in_free_flight(case: &Case, log: &Log, answer: &Diagnosis) -> Gain {
         let errors =
-            |model: &VehicleModel| channel_prediction_errors(log, &Subject::Vehicle(model)).expect("a whole log");
+            |model: &VehicleModel| channel_prediction_errors(log, &Subject::Vehicle(model), None).expect("a whole log");
         let nominal = VehicleModel::nominal(Rig::Free);
         let extended = extended_model(&nominal, &answer.findings).map_or_else(|_| errors(&nominal), |it| errors(&it));
         let mut gain = Gain { extended_to_true: 0.0, extended_to_floor: 0.0, floor_to_true: 0.0 };

@@ -3,27 +3,20 @@
 //! Lines are split by hand, not by a CSV library: the format has no field with a comma or a line end in it, and each
 //! message must name the very line that an editor shows.
 
-use std::path::Path;
-
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
 use super::map::{Map, MappedColumn};
 use super::quantity::Quantity;
-use super::{Log, source};
+use super::{Format, Log, source};
 use crate::axis::Axis;
 
-/// Reads a log: CSV or gzip-compressed CSV, in the columns of docs/log-format.md or, with a map, in its own.
-///
-/// # Errors
-/// Whatever docs/log-format.md calls an error, with file, line and column.
-pub fn read(path: &Path, map: Option<&Map>) -> Result<Log, LogError> {
-    let text = source::load_text(path)?;
-    parse(&path.display().to_string(), &text, map)
-}
+/// Whatever is no other format is taken for CSV, so that its messages say what was expected.
+pub(super) const FORMAT: Format =
+    Format { recognises: |_, _| true, read: |file, bytes, map| parse(file, &source::text(file, bytes)?, map) };
 
 /// Reads a log from text; `file` is for messages.
 ///
 /// # Errors
-/// As [`read`].
+/// Whatever docs/log-format.md calls an error, with file, line and column.
 pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let place = Place { file };
@@ -242,8 +235,8 @@ fn hint(value: f64, quantity: Quantity) -> String {
         return " (a pulse width in us? give scale and offset in a --map)".to_owned();
     }
     let plausible_in_other_unit = !is_command || value.abs() <= 105.0;
-    match quantity.name_in_other_unit() {
-        Some(name) if plausible_in_other_unit => {
+    match quantity.names().nth(1) {
+        Some((name, _)) if plausible_in_other_unit => {
             format!(" (another unit? a column named {name} is converted)")
         }
         _ => String::new(),

@@ -1,0 +1,222 @@
+//! The pages under `docs/` that list names of the code: what is between their markers is generated from it, and the
+//! fields of JSON that they describe are those that commands write.
+//!
+//! `UPDATE_PAGES=1 cargo test -p sil-host --test commands pages` writes the generated parts.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use serde_json::Value;
+use sil_host::effects::Effect;
+use sil_host::log::Quantity;
+use sil_host::model::Rig;
+
+use crate::sil::{Folder, RIG_LOG, instance_files};
+
+const UPDATE: &str = "UPDATE_PAGES=1 cargo test -p sil-host --test commands pages";
+const THESIS_MPC: &str = include_str!("../../demonstration/thesis-mpc.toml");
+
+fn page(name: &str) -> (PathBuf, String) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name);
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    (path, text)
+}
+
+/// Holds the part `part` of a page against what the code says, or writes it there.
+fn assert_generated(name: &str, part: &str, text: &str) {
+    let (path, page) = page(name);
+    let start = format!("<!-- generated: {part} ({UPDATE}) -->\n");
+    let (before, rest) = page.split_once(&start).unwrap_or_else(|| panic!("docs/{name} lacks {start}"));
+    let (now, after) = rest.split_once("<!-- end -->\n").unwrap_or_else(|| panic!("docs/{name}: {part} has no end"));
+    if std::env::var_os("UPDATE_PAGES").is_some() {
+        std::fs::write(&path, format!("{before}{start}{text}<!-- end -->\n{after}")).unwrap();
+        return;
+    }
+    assert_eq!(now, text, "\ndocs/{name} is not what the code says. To write it: {UPDATE}");
+}
+
+/// Rows as a table of Markdown.
+fn table(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let rule = format!("|{}\n", "---|".repeat(head.len()));
+    let rows = rows.into_iter().map(|cells| line(cells.into_iter().map(|cell| cell.replace('|', "\\|")).collect()));
+    line(head.iter().map(ToString::to_string).collect()) + &rule + &rows.collect::<String>()
+}
+
+#[test]
+fn pages_list_every_effect() {
+    let rows = Effect::CATALOGUE.iter().map(|entry| {
+        let rigs: Vec<_> = entry.rigs.iter().map(|rig| rig.name()).collect();
+        vec![
+            format!("`{}`", entry.name),
+            entry.origin.name().to_owned(),
+            rigs.join(", "),
+            entry.summary.to_owned(),
+            format!("`{}`", entry.example),
+        ]
+    });
+    assert_generated("effects.md", "effects", &table(&["effect", "origin", "rigs", "what it is", "example"], rows));
+}
+
+#[test]
+fn pages_list_every_parameter_of_every_effect() {
+    let examples = Effect::CATALOGUE.iter().map(|entry| (entry.example, entry.rigs[0]));
+    // the one effect with two laws, of which an example can show only one
+    let examples = examples.chain([("battery_sag:per_s=0.01", Rig::Gimbal)]);
+    let known: BTreeSet<(String, String)> = examples
+        .flat_map(|(example, rig)| {
+            let effect = Effect::parse(example, rig).unwrap();
+            effect.parameters().into_iter().map(move |(name, _)| (effect.name().to_owned(), name.to_owned()))
+        })
+        .collect();
+    let (_, page) = page("effects.md");
+    let section = page.split("## Parameters").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap();
+    let (mut effect, mut listed) = (String::new(), BTreeSet::new());
+    for cells in rows_of(section) {
+        effect = code_in(&cells[0]).next().unwrap_or(effect);
+        listed.extend(code_in(&cells[1]).map(|parameter| (effect.clone(), parameter)));
+    }
+    assert_eq!(listed, known);
+}
+
+#[test]
+fn pages_list_every_column_of_a_log() {
+    let mut kinds: Vec<Vec<Quantity>> = Vec::new();
+    for quantity in Quantity::ALL {
+        match kinds.last_mut() {
+            Some(kind) if kind[0].meaning() == quantity.meaning() => kind.push(quantity),
+            _ => kinds.push(vec![quantity]),
+        }
+    }
+    let rows = kinds.iter().map(|kind| {
+        let names: Vec<_> = kind.iter().map(|quantity| format!("`{}`", quantity.name())).collect();
+        let (_, unit) = kind[0].names().next().unwrap();
+        let others: Vec<_> = kind[0].names().skip(1).map(|(name, unit)| format!("{unit} (`{name}`)")).collect();
+        let range = kind[0].range();
+        let range =
+            if *range.end() < f64::MAX { format!("{} to {}", range.start(), range.end()) } else { "any".into() };
+        vec![names.join(", "), unit.to_owned(), others.join(", "), range, kind[0].meaning().to_owned()]
+    });
+    let head = ["columns", "unit", "other units that are read", "range", "meaning"];
+    assert_generated("log-format.md", "columns", &table(&head, rows));
+}
+
+#[test]
+fn pages_hold_the_help_of_every_command() {
+    let folder = Folder::new();
+    let help = |command: &str| {
+        let arguments: Vec<&str> = command.split_whitespace().skip(1).chain(["--help"]).collect();
+        let mut command = folder.command(&arguments);
+        // the width of somebody's terminal must not show
+        command.env_remove("COLUMNS");
+        let text = crate::sil::Outcome::of(&arguments, command).assert_done().stdout;
+        text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
+    };
+    let all = help("sil");
+    let list = all.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let is_command = |line: &&str| line.starts_with("  ") && !line.starts_with("   ");
+    let names = list.lines().filter(is_command).map(|line| line.split_whitespace().next().unwrap());
+    let names: Vec<String> = names.filter(|name| *name != "help").map(|name| format!("sil {name}")).collect();
+    let section = |name: &String| format!("### `{name}`\n```text\n{}\n```\n", help(name));
+    let text: Vec<String> = [&"sil".to_owned()].into_iter().chain(&names).map(section).collect();
+    assert_generated("commands.md", "commands", &format!("\n{}\n", text.join("\n")));
+}
+
+#[test]
+fn pages_describe_the_json_of_flights_and_logs() {
+    let folder = Folder::new();
+    folder.write("log.csv", RIG_LOG);
+    folder.write("script.toml", "duration_s = 1\n[[step]]\nat_s = 0.2\nroll_deg = 5\n");
+    for (command, arguments) in [
+        ("fly", vec!["--controller", "mpc", "--script", "script.toml"]),
+        ("synth", vec!["--duration", "2", "made.csv"]),
+        ("compare", vec!["log.csv", "--controller", "mpc"]),
+        ("bench-mpc", vec![&*instance_files()[0]]),
+    ] {
+        let arguments = [&[command, "--json", "out.json"], &arguments[..]].concat();
+        folder.sil(&arguments).assert_done();
+        assert_described(command, &folder.json("out.json"));
+    }
+}
+
+#[test]
+fn pages_describe_the_json_of_a_diagnosis() {
+    let folder = Folder::new();
+    folder.write("log.csv", RIG_LOG);
+    folder.write("mpc.toml", THESIS_MPC);
+    folder.sil(&["diagnose", "log.csv", "--controller", "mpc.toml", "--json", "out.json"]).assert_done();
+    assert_described("diagnose", &folder.json("out.json"));
+}
+
+/// Every field of the JSON stands in the page's table, with its type, and the table has no other.
+fn assert_described(command: &str, json: &Value) {
+    let (_, page) = page("commands.md");
+    let table = page.split(&format!("<!-- json: {command} -->")).nth(1).unwrap().split("\n\n").next().unwrap();
+    let rows: Vec<_> = rows_of(table).map(|cells| (code_in(&cells[0]).next().unwrap(), cells[1].clone())).collect();
+    let mut fields = BTreeSet::new();
+    collect_fields(json, "", &mut fields);
+    for (field, kind) in &fields {
+        let described = rows.iter().find(|(row, _)| row == field || is_under(field, row));
+        let (row, types) = described.unwrap_or_else(|| panic!("docs/commands.md, {command}: `{field}` is not there"));
+        let fits = row.ends_with(".*") || types.split(" or ").any(|one| one == *kind || types.is_empty());
+        assert!(
+            fits || (*kind == "integer" && types.contains("number")),
+            "{command}: `{field}` is {kind}, not {types}"
+        );
+    }
+    for (row, _) in &rows {
+        let exists = fields.iter().any(|(field, _)| field == row || is_under(field, row));
+        assert!(exists, "docs/commands.md, {command}: no field `{row}`");
+    }
+}
+
+/// Whether a row such as `axes.pitch.*` stands for a field.
+fn is_under(field: &str, row: &str) -> bool {
+    row.strip_suffix('*').is_some_and(|stem| field.starts_with(stem))
+}
+
+/// All fields below a value with their types, elements of arrays as `[]`, parameters of a finding as `NAME`; objects
+/// and arrays themselves only where they hold no fields.
+fn collect_fields(value: &Value, place: &str, fields: &mut BTreeSet<(String, &'static str)>) {
+    let kind = match value {
+        Value::Object(object) => {
+            for (key, value) in object {
+                let key = if place.ends_with(".parameters") && place.starts_with("findings") { "NAME" } else { key };
+                let dot = if place.is_empty() { "" } else { "." };
+                collect_fields(value, &format!("{place}{dot}{key}"), fields);
+            }
+            "object"
+        }
+        Value::Array(elements) => {
+            for element in elements.iter().filter(|element| element.is_object()) {
+                collect_fields(element, &format!("{place}[]"), fields);
+            }
+            if elements.iter().any(Value::is_object) {
+                return;
+            }
+            "array"
+        }
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(number) if number.is_f64() => "number",
+        Value::Number(_) => "integer",
+        Value::String(_) => "string",
+    };
+    if kind != "object" || NULLABLE.iter().any(|field| place.ends_with(field)) {
+        fields.insert((place.to_owned(), kind));
+    }
+}
+
+/// Objects that may be null have a row of their own.
+const NULLABLE: [&str; 5] = [".mpc", "closed_loop", ".theil_split", ".ljung_box", ".input_correlation"];
+
+/// The cells of a Markdown table's rows, head and rule left out.
+fn rows_of(text: &str) -> impl Iterator<Item = Vec<String>> {
+    let rows = text.lines().filter(|line| line.starts_with('|')).skip(2);
+    rows.map(|line| line.trim_matches('|').replace("\\|", "/").split('|').map(|cell| cell.trim().to_owned()).collect())
+}
+
+/// What stands between backticks.
+fn code_in(cell: &str) -> impl Iterator<Item = String> {
+    cell.split('`').skip(1).step_by(2).map(ToOwned::to_owned)
+}
