@@ -55,6 +55,7 @@
 
 pub mod axis;
 pub mod bench_mpc;
+pub mod closed_loop;
 pub mod comparison;
 pub mod control_setup;
 pub mod controller_file;
@@ -62,7 +63,6 @@ pub mod cosim;
 pub mod diagnosis;
 mod document;
 pub mod effects;
-pub mod fidelity;
 pub mod flight;
 pub mod flight_log;
 pub mod hitl;

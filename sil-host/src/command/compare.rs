@@ -1,23 +1,24 @@
-//! `sil compare`: the thesis' table 5.1 for any log, and the open-loop replay's prediction error.
+//! `sil compare`: the thesis' table 5.1 for any log, and the errors of the open-loop prediction.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use sil_host::axis::Axis;
-use sil_host::comparison::{Comparison, Subject, Vehicle, compare};
+use sil_host::comparison::{Comparison, compare};
 use sil_host::log::Log;
+use sil_host::prediction::Subject;
 use sil_host::report::Page;
 
 use super::log_arguments::LogArguments;
-use super::text_table::{TextTable, error_table, number};
+use super::text_table::{TextTable, number};
 use super::{Failure, compare_report, print, write_file, write_json};
 
-/// Compare a measured log with the simulation: closed loop and open-loop replay
+/// Compare a measured log with the simulation: closed loop and open-loop prediction
 #[derive(Args)]
 #[command(
     after_help = "Example: sil compare out/rig.csv --rig gimbal --controller pid  (made by: sil synth out/rig.csv)\n\
          Example: sil compare bench.csv.gz --map antx --rig axis\n\n\
-The replay is open loop: in windows of 0.5 s the model starts from the log's state and is driven by the logged\n\
+The prediction is open loop: in windows of 0.5 s the model starts from the log's state and is driven by the logged\n\
 commands. With --controller the closed loop is simulated too, on the log's references."
 )]
 pub struct CompareArguments {
@@ -33,12 +34,14 @@ pub struct CompareArguments {
 
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
-    let subject = subject(arguments, &log)?;
-    let comparison = compare(&log, &subject).map_err(|error| arguments.log.refused(&log, &error))?;
+    let controller = arguments.log.controller()?;
+    let vehicle = arguments.log.vehicle(&log, None)?;
+    let subject = vehicle.as_ref().map_or(Subject::Axes, Subject::Vehicle);
+    let comparison = compare(&log, &subject, controller).map_err(|error| arguments.log.refused(&log, &error))?;
     print(summary_text(&log, &comparison, &subject))?;
     let mut page = Page::new(format!("Measured against simulated: {}", file_name(&log)))
         .lead(compare_report::lead(&comparison, &subject));
-    for section in compare_report::sections(&log, &comparison, &subject) {
+    for section in compare_report::sections(&log, &comparison) {
         page = page.section(section);
     }
     page =
@@ -54,17 +57,11 @@ fn file_name(log: &Log) -> String {
         .map_or_else(|| log.path.clone(), |name| name.to_string_lossy().into_owned())
 }
 
-fn subject(arguments: &CompareArguments, log: &Log) -> Result<Subject, Failure> {
-    let controller = arguments.log.controller()?;
-    let vehicle = arguments.log.vehicle(log, None)?;
-    Ok(vehicle.map_or(Subject::Axes, |model| Subject::Vehicle(Box::new(Vehicle { model, controller }))))
-}
-
 /// What the terminal shows.
-pub fn summary_text(log: &Log, comparison: &Comparison, subject: &Subject) -> String {
+pub fn summary_text(log: &Log, comparison: &Comparison, subject: &Subject<'_>) -> String {
     let mut text =
         format!("{}: {} rows, {:.2} s, {:.1} Hz\n", file_name(log), log.rows(), log.duration_s(), log.rate_hz());
-    for line in log.comments.iter().chain(&log.notes).chain(&comparison.replay.notes).chain(&comparison.notes) {
+    for line in log.comments.iter().chain(&log.notes).chain(&comparison.notes) {
         text.push_str(&format!("  {line}\n"));
     }
     text.push_str(&format!("\n{}\n", compare_report::lead(comparison, subject)));
@@ -77,13 +74,16 @@ pub fn summary_text(log: &Log, comparison: &Comparison, subject: &Subject) -> St
         }
         text.push_str(&format!("\n{table}"));
     }
-    let error = comparison.replay.prediction_error();
-    let title = format!("open-loop replay, windows of {} s, RMSE", error.window_s);
-    let rows = [("this model", error.nominal), ("noise floor (an exact model)", error.noise_floor)];
-    let table = error_table(&title, rows);
+    let error = comparison.prediction_error();
+    let title = format!("open-loop prediction, windows of {} s, RMSE", error.window_s);
+    let mut table = TextTable::new([&title, "this model", "noise floor (an exact model)"]);
+    for channel in &error.channels {
+        let name = format!("{}, {}", channel.quantity, channel.unit);
+        table.row([name, number(channel.nominal, 3), number(channel.noise_floor, 3)]);
+    }
     text.push_str(&format!("\n{table}\n"));
-    for axis in [Axis::Roll, Axis::Pitch, Axis::Yaw] {
-        if let Some(gain) = comparison.replay.input_gain_rad_s2[axis.index()] {
+    for axis in Axis::ALL {
+        if let Some(gain) = comparison.prediction.input_gain_rad_s2[axis.index()] {
             text.push_str(&format!("input gain of {}, fitted: {gain:.2} rad/s^2 per unit of command\n", axis.name()));
         }
     }

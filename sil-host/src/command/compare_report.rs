@@ -1,9 +1,9 @@
 //! The page about a log compared with the simulation: figures 5.3 and 5.4 of the thesis for any log.
 
 use sil_host::axis::Axis;
-use sil_host::comparison::{Comparison, Subject};
-use sil_host::fidelity::{Channel, ChannelErrors, Part};
+use sil_host::comparison::{ChannelError, Comparison};
 use sil_host::log::Log;
+use sil_host::prediction::{Channel, ChannelErrors, Sample, Subject};
 use sil_host::report::{Cell, Chart, Section, Table};
 
 use super::flight_report::degrees;
@@ -11,31 +11,25 @@ use super::flight_report::degrees;
 /// Mean absolute deviations of the thesis' table 5.1: controller, roll, pitch, degrees.
 pub const THESIS_TABLE_5_1: [(&str, f64, f64); 2] = [("MPC", 1.84, 8.08), ("PID", 2.26, 5.80)];
 
-const AXES: [(Axis, &str); 3] = [(Axis::Roll, "Roll"), (Axis::Pitch, "Pitch"), (Axis::Yaw, "Yaw")];
-
 /// What came out, in a sentence or two.
-pub fn lead(comparison: &Comparison, subject: &Subject) -> String {
-    let error = comparison.replay.prediction_error();
+pub fn lead(comparison: &Comparison, subject: &Subject<'_>) -> String {
+    let error = comparison.prediction_error();
     let model = match subject {
         Subject::Axes => "A rigid body per axis with one fitted input gain".to_owned(),
-        Subject::Vehicle(vehicle) => format!("The model \"{}\"", vehicle.model.name),
+        Subject::Vehicle(model) => format!("The model \"{}\"", model.name),
     };
-    let worst = [
-        ("roll", error.nominal.roll_deg, error.noise_floor.roll_deg),
-        ("pitch", error.nominal.pitch_deg, error.noise_floor.pitch_deg),
-    ]
-    .into_iter()
-    .filter_map(|(axis, nominal, floor)| Some((axis, nominal?, floor?)))
-    .max_by(|a, b| (a.1 / a.2).total_cmp(&(b.1 / b.2)));
-    match worst {
-        Some((axis, nominal, floor)) => format!(
-            "{model} is off in {axis} by {} degrees (RMSE over replays of {} s). An exact model would be off by {}: \
-             sensor noise, the uncertain start of each replay, and commands between rows that the log does not hold.",
-            significant(nominal),
+    let ratio = |channel: &&ChannelError| channel.nominal / channel.noise_floor;
+    match error.channels.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b))) {
+        Some(worst) => format!(
+            "{model} is off in {} by {} {} (RMSE over open-loop predictions of {} s). An exact model would be off by {}: \
+             sensor noise, the uncertain start of each window, and commands between rows that the log does not hold.",
+            worst.quantity,
+            significant(worst.nominal),
+            worst.unit,
             error.window_s,
-            significant(floor)
+            significant(worst.noise_floor)
         ),
-        None => format!("{model} was replayed; the log holds neither roll nor pitch."),
+        None => format!("{model} predicts nothing that the log holds."),
     }
 }
 
@@ -50,9 +44,9 @@ fn significant(value: f64) -> String {
 }
 
 /// The sections, for a page of its own and for the demonstration's.
-pub fn sections(log: &Log, comparison: &Comparison, subject: &Subject) -> Vec<Section> {
+pub fn sections(log: &Log, comparison: &Comparison) -> Vec<Section> {
     let closed_loop = closed_loop(log, comparison);
-    closed_loop.into_iter().chain([replay(log, comparison, subject), about_the_log(log, comparison)]).collect()
+    closed_loop.into_iter().chain([prediction(comparison), about_the_log(log, comparison)]).collect()
 }
 
 fn closed_loop(log: &Log, comparison: &Comparison) -> Option<Section> {
@@ -62,7 +56,7 @@ fn closed_loop(log: &Log, comparison: &Comparison) -> Option<Section> {
          attitude. The thesis' figures 5.3 and 5.4 show the same. A closed loop hides part of the plant model's error, \
          which the controller corrects.",
     );
-    for (axis, name) in &AXES[..2] {
+    for (axis, name) in [(Axis::Roll, "Roll"), (Axis::Pitch, "Pitch")] {
         let index = axis.index();
         let mut chart = Chart::time_series(format!("{name} angle"), "deg");
         if let Some(measured) = &log.angle_rad[index] {
@@ -91,37 +85,39 @@ fn closed_loop(log: &Log, comparison: &Comparison) -> Option<Section> {
     Some(section.table(table))
 }
 
-fn replay(log: &Log, comparison: &Comparison, subject: &Subject) -> Section {
-    let replay = &comparison.replay;
-    let error = replay.prediction_error();
-    let mut section = Section::new("The plant alone: replay of the logged commands").paragraph(format!(
-        "In windows of {} s the model starts from the log's state and is driven by the logged commands alone. Its \
+fn prediction(comparison: &Comparison) -> Section {
+    let error = comparison.prediction_error();
+    let predicted = &comparison.prediction.predicted;
+    let mut section =
+        Section::new("The vehicle alone: open-loop prediction from the logged commands").paragraph(format!(
+            "In windows of {} s the model starts from the log's state and is driven by the logged commands alone. Its \
          error comes from plant, actuators and sensors, not from the controller.",
-        error.window_s
-    ));
-    for (axis, name) in AXES {
-        let Some(chart) = replayed_angle(log, comparison, axis, name) else { continue };
-        section = section.chart(chart);
-        if let Some(chart) = residual(comparison, axis, name) {
-            section = section.chart(chart);
-        }
+            error.window_s
+        ));
+    let channels: Vec<Channel> = predicted.channels().collect();
+    for channel in channels.iter().filter(|channel| matches!(channel, Channel::Angle(_))) {
+        section = section.chart(angle(*channel, &predicted.samples(*channel)));
     }
-    let mut table = Table::new(
-        "RMSE at all samples of the held-out windows",
-        &["", "roll, degrees", "pitch, degrees", "p, degrees/s", "q, degrees/s"],
+    for of_a_kind in channels.chunk_by(|a, b| a.kind() == b.kind()) {
+        let charts = of_a_kind.iter().map(|channel| error_chart(*channel, &predicted.samples(*channel)));
+        section = section.small_multiples(of_a_kind[0].kind(), charts);
+    }
+    let heads = ["", "unit", "this model", "noise floor: an exact model"];
+    let table = error.channels.iter().fold(
+        Table::new("RMSE at all samples of the held-out windows", &heads),
+        |table, channel| {
+            let cell = |value: f64| Cell::number(value, 3);
+            table.row([channel.quantity.into(), channel.unit.into(), cell(channel.nominal), cell(channel.noise_floor)])
+        },
     );
-    for (name, errors) in [("this model", error.nominal), ("noise floor: an exact model", error.noise_floor)] {
-        table = table.row(error_cells(name, &errors));
-    }
-    section = section.table(table);
-    if matches!(subject, Subject::Axes) {
-        let gains = AXES.iter().filter_map(|(axis, name)| {
-            let gain = replay.input_gain_rad_s2[axis.index()]?;
-            Some(format!("{name}: {gain:.2} rad/s² per unit of command, fitted to the windows that are not held out"))
-        });
-        section = section.list(gains);
-    }
-    section
+    let gains = Axis::ALL.into_iter().filter_map(|axis| {
+        let gain = comparison.prediction.input_gain_rad_s2[axis.index()]?;
+        let name = axis.name();
+        Some(format!("{name}: {gain:.2} rad/s² per unit of command, fitted to the windows that are not held out"))
+    });
+    let gains: Vec<String> = gains.collect();
+    let section = section.table(table);
+    if gains.is_empty() { section } else { section.list(gains) }
 }
 
 /// A row of prediction errors.
@@ -130,66 +126,40 @@ pub fn error_cells(name: &str, errors: &ChannelErrors) -> [Cell; 5] {
     [Cell::from(name), cell(errors.roll_deg), cell(errors.pitch_deg), cell(errors.p_deg_s), cell(errors.q_deg_s)]
 }
 
-fn replayed_angle(log: &Log, comparison: &Comparison, axis: Axis, name: &str) -> Option<Chart> {
-    let (time_s, predicted) = by_window(comparison, Channel::Angle(axis), |residual| residual.predicted)?;
-    let measured = match &log.angle_rad[axis.index()] {
-        Some(measured) => (log.time_s.clone(), measured.clone()),
-        // no attitude in the log: the integral of its gyro, window by window
-        None => by_window(comparison, Channel::Angle(axis), |residual| residual.observed)?,
-    };
-    Some(
-        Chart::time_series(format!("{name} angle, replayed window by window"), "deg")
-            .series("measured", &measured.0, &degrees(&measured.1))
-            .series("simulated", &time_s, &degrees(&predicted)),
-    )
+fn angle(channel: Channel, samples: &[Sample]) -> Chart {
+    let (time_s, measured) = by_window(samples, |sample| channel.in_unit(sample.measured));
+    let (_, predicted) = by_window(samples, |sample| channel.in_unit(sample.predicted()));
+    Chart::time_series(format!("{}, predicted window by window", channel.name()), channel.unit())
+        .series("measured", &time_s, &measured)
+        .series("simulated", &time_s, &predicted)
 }
 
-fn residual(comparison: &Comparison, axis: Axis, name: &str) -> Option<Chart> {
-    let (time_s, errors) = by_window(comparison, Channel::Rate(axis), |residual| residual.error)?;
-    Some(Chart::time_series(format!("{name} rate, measured minus simulated"), "deg/s").series(
-        "residual",
-        &time_s,
-        &degrees(&errors),
-    ))
+fn error_chart(channel: Channel, samples: &[Sample]) -> Chart {
+    let (time_s, errors) = by_window(samples, |sample| channel.in_unit(sample.error));
+    let title = format!("{}, measured less simulated", channel.name());
+    Chart::time_series(title, channel.unit()).series("error", &time_s, &errors)
 }
 
 /// A series over all windows, with a gap between any two.
-fn by_window(
-    comparison: &Comparison,
-    channel: Channel,
-    value: impl Fn(&sil_host::fidelity::Residual) -> f64,
-) -> Option<(Vec<f64>, Vec<f64>)> {
-    let (mut times, mut values, mut last_window) = (Vec::new(), Vec::new(), None);
-    for residual in comparison.replay.channel(channel, Part::All) {
-        if last_window.is_some_and(|window| window != residual.window) {
-            times.push(residual.time_s);
-            values.push(f64::NAN);
-        }
-        last_window = Some(residual.window);
-        times.push(residual.time_s);
-        values.push(value(residual));
+fn by_window(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> (Vec<f64>, Vec<f64>) {
+    let (mut times, mut values) = (Vec::new(), Vec::new());
+    for window in samples.chunk_by(|a, b| a.window == b.window) {
+        times.extend(window.iter().map(|sample| sample.time_s).chain(window.last().map(|last| last.time_s)));
+        values.extend(window.iter().map(&value).chain([f64::NAN]));
     }
-    (!times.is_empty()).then_some((times, values))
+    (times, values)
 }
 
 fn about_the_log(log: &Log, comparison: &Comparison) -> Section {
     let mut section = Section::new("About the log").paragraph(format!(
-        "{} rows over {:.2} s, {:.1} Hz; {} windows replayed.",
+        "{} rows over {:.2} s, {:.1} Hz; {} windows predicted.",
         log.rows(),
         log.duration_s(),
         log.rate_hz(),
-        comparison.replay.windows.len()
+        comparison.prediction.predicted.windows().count()
     ));
     if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
         section = section.warning("This log is synthetic: it was simulated, not measured.");
     }
-    section.list(
-        log.comments
-            .iter()
-            .chain(&log.notes)
-            .chain(&comparison.replay.notes)
-            .chain(&comparison.notes)
-            .cloned()
-            .collect::<Vec<_>>(),
-    )
+    section.list(log.comments.iter().chain(&log.notes).chain(&comparison.notes).cloned().collect::<Vec<_>>())
 }

@@ -4,12 +4,13 @@ use std::io::IsTerminal;
 use std::path::Path;
 
 use shared_control::config::Controller;
-use sil_host::comparison::{Subject, Vehicle, compare};
+use sil_host::comparison::compare;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::diagnosis;
 use sil_host::flight::FlightSetup;
 use sil_host::log;
 use sil_host::model::{Rig, VehicleModel};
+use sil_host::prediction::Subject;
 use sil_host::report::Page;
 use sil_host::scenario::Scenario;
 
@@ -50,15 +51,13 @@ pub fn run() -> Result<(), Failure> {
     print("2. A rig log compared with the simulation\n\n")?;
     let log = log::parse(RIG_LOG_NAME, RIG_LOG, None).map_err(failed)?;
     let controller = ControllerChoice::parse(RIG_LOG_CONTROLLER, "thesis-mpc.toml").map_err(failed)?;
-    let subject = Subject::Vehicle(Box::new(Vehicle { model, controller: Some(controller) }));
-    let comparison = compare(&log, &subject).map_err(bad_input)?;
+    let subject = Subject::Vehicle(&model);
+    let comparison = compare(&log, &subject, Some(controller)).map_err(bad_input)?;
     print(compare_command::summary_text(&log, &comparison, &subject))?;
 
     print("\n3. What the simulation gets wrong\n")?;
-    let nominal = VehicleModel::nominal(Rig::Gimbal);
     let answer = {
         let line = ProgressLine::new();
-        let subject = diagnosis::Subject::Vehicle(&nominal);
         diagnosis::diagnose_observed(&log, &subject, &|progress| line.show(progress)).map_err(bad_input)?
     };
     print(diagnose_text::verdict_text(&answer))?;
@@ -72,7 +71,7 @@ pub fn run() -> Result<(), Failure> {
         )
         .lead(diagnose_report::lead(&answer));
     let flights = flight_report::sections(&flown);
-    let log_sections = compare_report::sections(&log, &comparison, &subject);
+    let log_sections = compare_report::sections(&log, &comparison);
     for section in flights.into_iter().chain(log_sections).chain(diagnose_report::sections(&log, &answer)) {
         page = page.section(section);
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use sil_host::comparison::ComparisonError;
+use sil_host::closed_loop::LogRefused;
 use sil_host::diagnosis::{Subject, diagnose_flown_by, diagnose_observed, extended_model};
 
 use super::log_arguments::LogArguments;
@@ -53,9 +53,9 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         match (&model, controller) {
             (Some(model), Some(choice)) => diagnose_flown_by(&log, model, choice, &observer),
             (Some(model), None) => {
-                diagnose_observed(&log, &Subject::Vehicle(model), &observer).map_err(ComparisonError::from)
+                diagnose_observed(&log, &Subject::Vehicle(model), &observer).map_err(LogRefused::from)
             }
-            (None, _) => diagnose_observed(&log, &Subject::Axes, &observer).map_err(ComparisonError::from),
+            (None, _) => diagnose_observed(&log, &Subject::Axes, &observer).map_err(LogRefused::from),
         }
     };
     let answer = answer.map_err(|error| arguments.log.refused(&log, &error))?;

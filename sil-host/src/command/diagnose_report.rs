@@ -3,8 +3,8 @@
 use sil_host::diagnosis::{
     ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Finding, HorizonError, PredictionErrors, Verdict,
 };
-use sil_host::fidelity::ChannelErrors;
 use sil_host::log::Log;
+use sil_host::prediction::ChannelErrors;
 use sil_host::report::{Cell, Chart, Page, Section, Table};
 
 use super::compare_report::error_cells;

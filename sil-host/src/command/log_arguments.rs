@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use sil_host::comparison::ComparisonError;
+use sil_host::closed_loop::LogRefused;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::log::{self, Log, Map};
 use sil_host::model::{Rig, VehicleModel};
@@ -65,9 +65,9 @@ impl LogArguments {
     }
 
     /// The failure for a log that does not fit the options given for it.
-    pub fn refused(&self, log: &Log, error: &ComparisonError) -> Failure {
+    pub fn refused(&self, log: &Log, error: &LogRefused) -> Failure {
         match (error, &self.controller) {
-            (ComparisonError::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
+            (LogRefused::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
             _ => bad_input(format!("{}: {error}", log.path)),
         }
     }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::controller::{self, Examination};
 use super::progress::Observer;
 use super::{Diagnosis, Subject, Verdict, diagnose_observed, extended_model};
-use crate::comparison::{ClosedLoopDeviation, ComparisonError, closed_loop};
+use crate::closed_loop::{ClosedLoopDeviation, LogRefused, closed_loop};
 use crate::controller_file::ControllerChoice;
 use crate::log::Log;
 use crate::model::VehicleModel;
@@ -28,7 +28,7 @@ pub fn diagnose_flown_by(
     model: &VehicleModel,
     choice: ControllerChoice,
     observer: Observer<'_>,
-) -> Result<Diagnosis, ComparisonError> {
+) -> Result<Diagnosis, LogRefused> {
     let mut answer = diagnose_observed(log, &Subject::Vehicle(model), observer)?;
     let examination = controller::examine(log, model, choice)?;
     answer.closed_loop = closed_loops(log, model, &answer, choice, examination.corrected)?;
@@ -42,9 +42,9 @@ fn closed_loops(
     answer: &Diagnosis,
     choice: ControllerChoice,
     corrected: ControllerChoice,
-) -> Result<Option<ClosedLoops>, ComparisonError> {
+) -> Result<Option<ClosedLoops>, LogRefused> {
     let deviation = |model: &VehicleModel, choice| {
-        Ok::<_, ComparisonError>(closed_loop(log, model, choice)?.map(|closed_loop| closed_loop.deviation))
+        Ok::<_, LogRefused>(closed_loop(log, model, choice)?.map(|closed_loop| closed_loop.deviation))
     };
     let Ok(extended) = extended_model(model, &answer.findings) else { return Ok(None) };
     let both = (deviation(model, choice)?, deviation(&extended, corrected)?);

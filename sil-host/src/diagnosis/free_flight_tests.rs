@@ -139,9 +139,9 @@ fn slopes_along_a_start_that_acts_on_nothing_are_those_of_difference_quotients()
     let slopes = |rotor_drag_ns_m: f64| {
         let mut model = subject.model();
         model.changes.air.rotor_drag_ns_m = rotor_drag_ns_m;
-        let driven = shooting.drive(model);
-        let start = shooting.measured_state(&driven.model, shooting.windows[3].start);
-        shooting.start_slopes(&driven, &shooting.windows[3], &start).1
+        let driven = shooting.log.drive(model);
+        let start = shooting.log.measured_state(&driven.model, shooting.log.windows[3].start);
+        shooting.log.start_slopes(&driven, &shooting.log.windows[3], &start).1
     };
     for (known, found) in slopes(0.0).iter().zip(slopes(1e-12)) {
         let largest = found.iter().fold(0.0, |largest: f64, slope| largest.max(slope.abs()));

@@ -14,7 +14,6 @@
 //! in another way. What checks them independently are the tests, which have each effect's equation from
 //! docs/effects.md.
 
-mod accuracy;
 pub mod controller;
 mod evidence;
 mod extension;
@@ -23,6 +22,7 @@ mod fitted;
 mod fitting;
 mod flown_by;
 mod left_over;
+mod nominal;
 mod progress;
 mod search;
 mod sizes;
@@ -37,8 +37,11 @@ mod tests;
 use serde::Serialize;
 
 use crate::effects;
-use crate::fidelity::{ChannelErrors, FidelityError, WINDOW_S, axis_commands};
 use crate::log::Log;
+pub use crate::prediction::Subject;
+use crate::prediction::accuracy;
+use crate::prediction::commands::axis_commands;
+use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
 pub use evidence::excitation::{Excitation, Excited};
@@ -53,11 +56,12 @@ use fitting::carried_noise::CarriedNoise;
 use fitting::fit::{Term, model_of};
 use fitting::process_noise::AxisNoise;
 use fitting::sampling::Sampled;
+use fitting::shooting::Shooting;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
+pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};
 use search::{Found, Search};
 pub use sizes::{Asked, Size, sizes};
-pub use subject::Subject;
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
 /// Why nothing is said of the controller where none is given.
@@ -153,7 +157,7 @@ pub struct Unexplained {
 ///
 /// # Errors
 /// The log has no window, or no commands for its rig.
-pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityError> {
+pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, NotPredictable> {
     diagnose_observed(log, subject, &|_| ())
 }
 
@@ -161,24 +165,27 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, FidelityE
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_>) -> Result<Diagnosis, FidelityError> {
+pub fn diagnose_observed(
+    log: &Log,
+    subject: &Subject<'_>,
+    observer: Observer<'_>,
+) -> Result<Diagnosis, NotPredictable> {
     // a log of many rows is compared at some of them, under all of its commands
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
-    let sampled = Sampled::new(log, subject)?;
+    let sampled = Sampled::new(log, subject, None)?;
     let nominal = || subject.model();
     let catalogue: Vec<Fitted> = effects::hypotheses(&subject.scope(log)).into_iter().map(Fitted::Effect).collect();
-    let fitted_along = subject.fitted_along(log)?;
-    let always: Vec<Term<'_>> =
-        fitted_along.iter().map(|(gain, start)| Term { effect: gain, values: vec![*start] }).collect();
+    let fitted_along = subject.fitted_along(sampled.log())?;
+    let always: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
         sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, always.clone(), observer));
     let Some((moments, forces)) = noise_beyond_sensors(&search, &found) else {
         observer(Progress::Judging);
         return Ok(answer(log, subject, &search, &found));
     };
-    let shooting =
-        subject.shooting(log, &subject.noise(log))?.commanded_as(search.shooting).with_noise(moments, forces);
+    let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
+    let shooting = Shooting::new(windowed).with_noise(moments, forces);
     let search = Search::new(&shooting, &nominal, &catalogue, always, observer);
     let found = search.run();
     observer(Progress::Judging);
@@ -189,8 +196,8 @@ pub fn diagnose_observed(log: &Log, subject: &Subject<'_>, observer: Observer<'_
 /// log.
 fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<([AxisNoise; 3], Vec<CarriedNoise>)> {
     let shooting = search.shooting;
-    let driven = shooting.drive(model_of(search.nominal, &found.chosen.fit.terms));
-    let errors = accuracy::tallies(&accuracy::predict(shooting, &driven, &search.held_out_windows()));
+    let driven = shooting.log.drive(model_of(search.nominal, &found.chosen.fit.terms));
+    let errors = accuracy::tallies(&accuracy::predict(&shooting.log, &driven, &search.held_out_windows()));
     let is_far = accuracy::worst_ratio(&errors) > UNEXPLAINED_FACTOR;
     let (windows, starts) = (&search.training, &found.chosen.fit.starts);
     is_far.then(|| {
@@ -198,46 +205,15 @@ fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<([Axis
     })
 }
 
-/// Errors of a model as it stands over the held-out windows, and those of an exact one.
-///
-/// # Errors
-/// As [`diagnose`].
-pub fn prediction_error(log: &Log, subject: &Subject<'_>) -> Result<[ChannelErrors; 2], FidelityError> {
-    Ok(verdict::channel_errors(&held_out_tallies(log, subject)?))
-}
-
-/// The same of every channel that is compared, with their names, in SI units: error, and that of an exact model.
-///
-/// # Errors
-/// As [`diagnose`].
-pub fn channel_prediction_errors(
-    log: &Log,
-    subject: &Subject<'_>,
-) -> Result<Vec<(&'static str, [f64; 2])>, FidelityError> {
-    let tallies = held_out_tallies(log, subject)?;
-    let of = |place: usize| {
-        let (error, floor) = accuracy::root_mean_square(&tallies, place)?;
-        Some((evidence::residuals::NAMES[place], [error, floor]))
-    };
-    Ok((0..crate::prediction::model::PLACES).filter_map(of).collect())
-}
-
-fn held_out_tallies(log: &Log, subject: &Subject<'_>) -> Result<Vec<accuracy::WindowTally>, FidelityError> {
-    let shooting = subject.shooting(log, &subject.noise(log))?;
-    let driven = shooting.drive(subject.model());
-    let held_out: Vec<_> = shooting.windows.iter().filter(|window| window.held_out).copied().collect();
-    Ok(accuracy::tallies(&accuracy::predict(&shooting, &driven, &held_out)))
-}
-
 fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
     let shooting = search.shooting;
-    let driven =
-        [&found.nominal, &found.chosen].map(|candidate| shooting.drive(model_of(search.nominal, &candidate.fit.terms)));
+    let driven = [&found.nominal, &found.chosen]
+        .map(|candidate| shooting.log.drive(model_of(search.nominal, &candidate.fit.terms)));
     let windows = search.held_out_windows();
-    let predicted = driven.each_ref().map(|driven| accuracy::predict(shooting, driven, &windows));
+    let predicted = driven.each_ref().map(|driven| accuracy::predict(&shooting.log, driven, &windows));
     let [nominal, extended] = predicted.each_ref().map(|predicted| accuracy::tallies(predicted));
-    let [nominal_errors, _] = verdict::channel_errors(&nominal);
-    let [extended_errors, noise_floor] = verdict::channel_errors(&extended);
+    let [nominal_errors, _] = accuracy::channel_errors(&nominal);
+    let [extended_errors, noise_floor] = accuracy::channel_errors(&extended);
     let gain = evidence::bootstrap::gain(search, found);
     let findings = verdict::findings(search, found, &gain);
     let experiment = evidence::experiment::separating(log, subject, search, found, &findings);
@@ -254,7 +230,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     };
     let commands = axis_commands(log);
     let (conditions, spectra) =
-        evidence::conditions::conditions(shooting, &driven, &commands, throttle(log).as_deref());
+        evidence::conditions::conditions(&shooting.log, &driven, &commands, throttle(log).as_deref());
     let judged = [
         Judged { driven: &driven[0], predicted: &predicted[0], starts: &found.nominal.fit.starts },
         Judged { driven: &driven[1], predicted: &predicted[1], starts: &found.chosen.fit.starts },
@@ -275,12 +251,12 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
         separating_experiment: experiment.as_ref().map_or_else(String::new, |experiment| experiment.sentence.clone()),
         experiment,
         gain,
-        horizons: evidence::horizons::horizons(shooting, &driven),
+        horizons: evidence::horizons::horizons(&shooting.log, &driven),
         statistics: evidence::statistics::statistics(shooting, judged, &commands),
         conditions,
         spectra,
         excitation: evidence::excitation::excitation(search, found),
-        residuals: evidence::residuals::of_models(shooting, &predicted[0], &predicted[1]),
+        residuals: evidence::residuals::of_models(&shooting.log, &predicted[0], &predicted[1]),
     }
 }
 

@@ -12,11 +12,11 @@ use crate::diagnosis::fitting::fit::{
     Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models,
 };
 use crate::diagnosis::fitting::hints::hints;
-use crate::diagnosis::fitting::linear::{Cholesky, dot};
 use crate::diagnosis::fitting::linearisation::Linearisation;
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::fidelity::Window;
+use crate::prediction::Window;
 use crate::prediction::body::State;
+use crate::statistics::{Cholesky, dot};
 
 /// Hypotheses that are fitted in full after scoring.
 const FITTED_MAX: usize = 7;
@@ -81,18 +81,18 @@ impl<'e> Search<'e> {
         always: Vec<Term<'e>>,
         observer: Observer<'e>,
     ) -> Search<'e> {
-        let (training, held_out) = (shooting.part(false), shooting.part(true));
+        let (training, held_out) = (shooting.log.part(false), shooting.log.part(true));
         Search { shooting, nominal, catalogue, always, training, held_out, observer }
     }
 
     /// The windows that no fit looks at.
     pub(super) fn held_out_windows(&self) -> Vec<Window> {
-        self.held_out.iter().map(|index| self.shooting.windows[*index]).collect()
+        self.held_out.iter().map(|index| self.shooting.log.windows[*index]).collect()
     }
 
     /// Looks for the effects in a log.
     pub(super) fn run(&self) -> Found<'e> {
-        let nominal = self.settled(self.always.clone());
+        let nominal = self.nominal();
         let mut chosen = nominal.clone();
         let mut alternatives: Vec<Vec<Candidate<'e>>> = Vec::new();
         // each round adds one; revision may take some out again, and must not go round in circles
@@ -115,6 +115,11 @@ impl<'e> Search<'e> {
         self.order_by_importance(nominal, chosen, alternatives)
     }
 
+    /// The model without any effect, what it leaves to each log fitted.
+    pub(super) fn nominal(&self) -> Candidate<'e> {
+        self.settled(self.always.clone())
+    }
+
     /// The model with these effects at their values, all start states at their best.
     fn settled(&self, terms: Vec<Term<'e>>) -> Candidate<'e> {
         let starts = self.settled_starts(&terms);
@@ -123,15 +128,15 @@ impl<'e> Search<'e> {
 
     /// The chosen effects fitted to all windows, held out or not: what no model of these effects explains is left then.
     pub(super) fn fitted_to_all(&self, chosen: &Candidate<'e>) -> Candidate<'e> {
-        let all: Vec<usize> = (0..self.shooting.windows.len()).collect();
+        let all: Vec<usize> = (0..self.shooting.log.windows.len()).collect();
         let fit = fit(self.shooting, self.nominal, chosen.fit.terms.clone(), &chosen.fit.starts, &all);
         Candidate { fit, held_out: chosen.held_out }
     }
 
     /// Start states of the training windows at their best under these effects, from the measured ones on.
     pub(super) fn settled_starts(&self, terms: &[Term<'e>]) -> Vec<State> {
-        let driven = self.shooting.drive(model_of(self.nominal, terms));
-        let mut starts = self.shooting.measured_starts(&driven.model);
+        let driven = self.shooting.log.drive(model_of(self.nominal, terms));
+        let mut starts = self.shooting.log.measured_starts(&driven.model);
         self.shooting.settle(&driven, &self.training, &mut starts);
         starts
     }
@@ -139,7 +144,7 @@ impl<'e> Search<'e> {
     /// The model with these effects fitted; given up where it can't come near a sum of squares.
     fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State], to_reach: f64) -> Candidate<'e> {
         let mut fit = fit_to_reach(self.shooting, self.nominal, terms, starts, &self.training, to_reach);
-        let driven = self.shooting.drive(model_of(self.nominal, &fit.terms));
+        let driven = self.shooting.log.drive(model_of(self.nominal, &fit.terms));
         let held_out = self.shooting.settle(&driven, &self.held_out, &mut fit.starts).iter().sum();
         Candidate { fit, held_out }
     }
@@ -173,8 +178,8 @@ impl<'e> Search<'e> {
 
     /// All ways to add one effect that may be significant, with what they would explain to first order, most first.
     fn scored(&self, to: &Candidate<'e>) -> Vec<(f64, Vec<Term<'e>>)> {
-        let driven = self.shooting.drive(model_of(self.nominal, &to.fit.terms));
-        let hints = hints(self.shooting, &driven);
+        let driven = self.shooting.log.drive(model_of(self.nominal, &to.fit.terms));
+        let hints = hints(&self.shooting.log, &driven);
         let shifted = shifted_models(self.shooting, self.nominal, &to.fit.terms, 0);
         let linear = self.shooting.linearise(&driven, &shifted, &self.training, &to.fit.starts, None);
         let mut scored: Vec<(f64, Vec<Term<'e>>)> = Vec::new();
@@ -210,7 +215,7 @@ impl<'e> Search<'e> {
     /// How far the last of the terms would lower the training windows' sum of squares, to first order.
     fn score(&self, to: &Candidate<'e>, linear: &Linearisation, terms: &[Term<'e>]) -> f64 {
         let last = terms.len() - 1;
-        let base = self.shooting.drive(model_of(self.nominal, terms));
+        let base = self.shooting.log.drive(model_of(self.nominal, terms));
         let shifted = shifted_models(self.shooting, self.nominal, terms, last);
         let normal = if terms[last].effect.is_void(&terms[last].values) {
             let extra = self.shooting.slopes_of(linear, &shifted, &self.training, &to.fit.starts);
@@ -315,7 +320,7 @@ impl<'e> Search<'e> {
 
     /// Sums of squares of the held-out windows under a model, their start states at their best from given ones on.
     pub(super) fn losses(&self, terms: &[Term<'e>], starts: &[State]) -> Vec<f64> {
-        let driven = self.shooting.drive(model_of(self.nominal, terms));
+        let driven = self.shooting.log.drive(model_of(self.nominal, terms));
         self.shooting.settle(&driven, &self.held_out, &mut starts.to_vec())
     }
 }

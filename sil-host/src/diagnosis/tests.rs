@@ -1,4 +1,4 @@
-use super::fitting::{fit, linear, shooting};
+use super::fitting::{fit, shooting};
 use super::*;
 use crate::effects::Effect;
 use crate::model::{Rig, SensorNoise, VehicleModel};
@@ -91,20 +91,6 @@ fn axes_of_a_bench_are_diagnosed_per_unit_of_inertia() {
     assert_eq!(answer.findings.len(), 2);
 }
 
-#[test]
-fn a_systems_inverse_solves_it() {
-    let matrix = [4.0, 1.0, 0.5, 1.0, 3.0, -0.2, 0.5, -0.2, 2.0];
-    let factor = linear::Cholesky::new(&matrix, 3).unwrap();
-    let solution = factor.solve(&[1.0, 2.0, 3.0]);
-    for (row, right) in [1.0, 2.0, 3.0].into_iter().enumerate() {
-        let left = linear::dot(&matrix[3 * row..3 * row + 3], &solution);
-        assert!((left - right).abs() < 1e-14);
-    }
-    let inverse = factor.inverse();
-    assert!((linear::dot(&matrix[..3], &[inverse[0], inverse[3], inverse[6]]) - 1.0).abs() < 1e-14);
-    assert!(linear::Cholesky::new(&[1.0, 2.0, 2.0, 1.0], 2).is_none());
-}
-
 /// A bench in gusts under control: gain 200 rad/s^2, lag 20 ms, stiffness 9 1/s^2; exact to 1e-3.
 fn bench_in_gusts() -> Log {
     let mut random = crate::sensors::random::RandomStream::new(7, "gusts");
@@ -140,7 +126,7 @@ fn bench_in_gusts() -> Log {
 fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     let log = bench_in_gusts();
     let subject = Subject::Axes;
-    let noise = crate::fidelity::SensorNoise::of(&log);
+    let noise = subject.noise(&log);
     let catalogue: Vec<Fitted> = effects::hypotheses(&subject.scope(&log)).into_iter().map(Fitted::Effect).collect();
     let gain = Fitted::InputGain(crate::axis::Axis::Pitch);
     let of = |name: &str| catalogue.iter().find(|effect| effect.name() == name).unwrap();
@@ -151,11 +137,11 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     ];
     let nominal = || subject.model();
     let fitted = |shooting: &shooting::Shooting<'_>| {
-        let training = shooting.part(false);
-        let driven = shooting.drive(model_of(&nominal, &truth));
-        let starts = shooting.measured_starts(&driven.model);
+        let training = shooting.log.part(false);
+        let driven = shooting.log.drive(model_of(&nominal, &truth));
+        let starts = shooting.log.measured_starts(&driven.model);
         let fit = fit::fit(shooting, &nominal, truth.clone(), &starts, &training);
-        let left = shooting.drive(model_of(&nominal, &fit.terms));
+        let left = shooting.log.drive(model_of(&nominal, &fit.terms));
         let noise = shooting.most_likely_noise(&left, &training, &fit.starts);
         // (error, standard deviation) of gain, lag and stiffness
         let errors = [(0, 200.0), (1, 0.02), (2, 9.0)]

@@ -5,14 +5,12 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::accuracy::{WindowTally, root_mean_square};
 use super::fitted::{Fitted, per_unit_inertia};
 use super::search::{Found, Search, TOLD_APART};
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
-use crate::diagnosis::fitting::linear::dot;
 use crate::effects::{Effect, Origin};
-use crate::fidelity::ChannelErrors;
+use crate::statistics::dot;
 
 /// The accuracy of the integration, as a share of an effect.
 pub(super) const MODEL_ERROR: f64 = 5e-4;
@@ -99,7 +97,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
     let term = &found.chosen.fit.terms[index];
     let effect = term.effect;
     let spread = search.spread(&found.chosen);
-    let model_error = if search.shooting.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
+    let model_error = if search.shooting.log.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
     let mut parameters = estimates(&found.chosen.fit, index, spread, model_error);
     let mut names = effect.reported_names();
     // separate axes have a gain each that is fitted along, and no inertia
@@ -222,13 +220,4 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
         rejected.push(Rejected { effect: effect.name(), axis, reason });
     }
     rejected
-}
-
-/// Root mean square errors of a model's windows, and an exact model's.
-pub(super) fn channel_errors(windows: &[WindowTally]) -> [ChannelErrors; 2] {
-    let of = |which: fn((f64, f64)) -> f64| {
-        let degrees = |place| root_mean_square(windows, place).map(|both| which(both).to_degrees());
-        ChannelErrors { roll_deg: degrees(0), pitch_deg: degrees(1), p_deg_s: degrees(3), q_deg_s: degrees(4) }
-    };
-    [of(|(error, _)| error), of(|(_, floor)| floor)]
 }

@@ -87,7 +87,8 @@ impl Quantity {
         ]
     };
 
-    fn stem(self) -> &'static str {
+    /// The column's name without its unit.
+    pub(crate) fn stem(self) -> &'static str {
         match self {
             Quantity::Time => "time",
             Quantity::Angle(axis) => axis.name(),

@@ -1,8 +1,8 @@
 //! From the logged commands to the forces that turn the vehicle: delay, clipping, lag, ESC, motor, rotor.
 //!
 //! What the motors do depends on the commands alone, not on the motion, so it is computed once per log and reused by
-//! every window. The motors are integrated in fine steps that end at every change of a command, the body in coarser ones;
-//! per coarse step the force's mean and first moment are kept, with which a rigid body's step is exact in impulse
+//! every window. The motors are integrated in fine steps that end at every change of a command, the body in coarser
+//! ones; per coarse step the force's mean and first moment are kept, with which a rigid body's step is exact in impulse
 //! and in displacement whatever the force does within it.
 
 use crate::vehicle::propulsion::{Propulsion, RotorState};
@@ -12,6 +12,9 @@ use crate::vehicle::{CommandPath, on_the_way};
 const BODY_STEP_MAX_S: f64 = 5e-3;
 /// Longest step of the motors, s; the thesis' motors ring with 98 Hz.
 const MOTOR_STEP_MAX_S: f64 = 0.4e-3;
+/// Of a longer interval between two rows only the end is followed, s: no motor remembers more, and no window holds such
+/// a gap.
+const INTERVAL_MAX_S: f64 = 10.0;
 /// A step shorter than this is rounding of a time.
 const TIME_ROUNDING_S: f64 = 1e-9;
 
@@ -33,7 +36,8 @@ impl Drive {
         }
     }
 
-    /// What commands make the motors do, in the unit of [`Propulsion::derivative`]; without motors the commands themselves.
+    /// What commands make the motors do, in the unit of [`Propulsion::derivative`]; without motors the commands
+    /// themselves.
     fn of_commands(&self, commands: &[f64; 4]) -> [f64; 4] {
         match self {
             Drive::Motors(propulsion) => commands.map(|command| propulsion.drive(command)),
@@ -75,7 +79,8 @@ pub(crate) struct ForceTrack {
 }
 
 impl ForceTrack {
-    /// Follows the commands through path and drive, everything settled at the first command; steps end at the rows of a log.
+    /// Follows the commands through path and drive, everything settled at the first command; steps end at the rows of a
+    /// log.
     pub(crate) fn new(rows_s: &[f64], commands: &Commands, path: &CommandPath, drive: &Drive) -> ForceTrack {
         let mut track = ForceTrack {
             steps: Vec::new(),
@@ -86,10 +91,11 @@ impl ForceTrack {
         for interval in rows_s.windows(2) {
             track.first_step.push(track.steps.len());
             track.at_row.push(motors.forces());
-            let count = ((interval[1] - interval[0]) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
-            let duration_s = (interval[1] - interval[0]) / count;
+            let from_s = interval[0].max(interval[1] - INTERVAL_MAX_S);
+            let count = ((interval[1] - from_s) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
+            let duration_s = (interval[1] - from_s) / count;
             for k in 0..count as usize {
-                let start_s = interval[0] + k as f64 * duration_s;
+                let start_s = from_s + k as f64 * duration_s;
                 track.steps.push(motors.body_step(commands, start_s, duration_s));
             }
         }
@@ -224,8 +230,8 @@ fn clipped(command: [f64; 4], path: &CommandPath, drive: &Drive) -> [f64; 4] {
     })
 }
 
-/// One step of the four rotors (Runge-Kutta 4), and their lifts at its begin, middle and end; the speed in the middle by the cubic
-/// through both ends.
+/// One step of the four rotors (Runge-Kutta 4), and their lifts at its begin, middle and end; the speed in the middle
+/// by the cubic through both ends.
 fn rotor_step(propulsion: &Propulsion, rotors: &mut RotorState, drives: &[[f64; 4]; 3], step_s: f64) -> [[f64; 4]; 3] {
     let shifted = |by: &RotorState, scale: f64| -> RotorState { core::array::from_fn(|i| rotors[i] + scale * by[i]) };
     let k1 = propulsion.derivative(&drives[0], rotors);

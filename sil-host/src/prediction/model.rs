@@ -5,6 +5,7 @@ use core::ops::Range;
 use crate::axis::Axis;
 use crate::effects::Effect;
 use crate::model::VehicleModel;
+use crate::prediction::Channel;
 use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
 use crate::prediction::force_track::{Commands, Drive, ForceTrack, Step};
 use crate::vehicle::{Airframe, Changes, NominalBody};
@@ -26,24 +27,37 @@ pub(crate) struct Model {
     turns_round_rad_s: [Option<f64>; 3],
 }
 
-/// Places of a report: angles (roll, pitch, yaw) and body rates (p, q, r), then, of a free vehicle, specific force (x, y, z), velocity
-/// (north, east, down) and height.
-pub(crate) const PLACES: usize = 13;
-/// The first that only a free vehicle has.
-pub(crate) const FIRST_FLYING_PLACE: usize = 6;
-
 /// What a log would report in the rows of a window.
 pub(crate) struct Reports {
-    turning: Vec<[f64; FIRST_FLYING_PLACE]>,
+    turning: Vec<TurningReport>,
     /// Empty where the vehicle does not fly free.
-    flying: Vec<[f64; PLACES - FIRST_FLYING_PLACE]>,
+    flying: Vec<FlyingReport>,
+}
+
+/// Angles and body rates in one row.
+struct TurningReport {
+    angle_rad: [f64; 3],
+    rate_rad_s: [f64; 3],
+}
+
+/// What only a free vehicle reports in one row.
+struct FlyingReport {
+    force_m_s2: [f64; 3],
+    velocity_ned_m_s: [f64; 3],
+    height_m: f64,
 }
 
 impl Reports {
-    /// What a row, counted from the first that was asked for, holds at a place.
+    /// What a channel reads in a row, counted from the first that was predicted.
     #[inline]
-    pub(crate) fn at(&self, row: usize, place: usize) -> f64 {
-        if place < FIRST_FLYING_PLACE { self.turning[row][place] } else { self.flying[row][place - FIRST_FLYING_PLACE] }
+    pub(crate) fn at(&self, row: usize, channel: Channel) -> f64 {
+        match channel {
+            Channel::Angle(axis) => self.turning[row].angle_rad[axis.index()],
+            Channel::Rate(axis) => self.turning[row].rate_rad_s[axis.index()],
+            Channel::Force(axis) => self.flying[row].force_m_s2[axis.index()],
+            Channel::Velocity(axis) => self.flying[row].velocity_ned_m_s[axis.index()],
+            Channel::Height => self.flying[row].height_m,
+        }
     }
 }
 
@@ -126,17 +140,17 @@ impl Model {
         rows: Range<usize>,
         change: impl Change<N>,
         mut at_row: impl FnMut(usize, &[f64; N]),
-    ) -> Vec<[f64; FIRST_FLYING_PLACE]> {
+    ) -> Vec<TurningReport> {
         let sensors = &self.changes.sensors;
         let mut reports = Vec::with_capacity(rows.len());
         let mut past = self.past(scene, start, rows.start, &change);
         let mut state = *start;
         for row in rows.clone() {
             let now = turned(&state);
-            let rate = sensors.gyro_rad_s(self.body.rate_body_rad_s(&now));
+            let rate_rad_s = sensors.gyro_rad_s(self.body.rate_body_rad_s(&now));
             let seen = past.seen(&now, scene.time_s[row], sensors.attitude_delay_s);
-            let angle = sensors.attitude_rad([seen[0], seen[1], seen[2]]);
-            reports.push([angle[0], angle[1], angle[2], rate[0], rate[1], rate[2]]);
+            let angle_rad = sensors.attitude_rad([seen[0], seen[1], seen[2]]);
+            reports.push(TurningReport { angle_rad, rate_rad_s });
             at_row(row, &state);
             if row + 1 < rows.end {
                 for step in scene.track.of_row(row) {
@@ -149,12 +163,12 @@ impl Model {
     }
 
     /// What a free vehicle's log reports beside its turning.
-    fn flying(&self, scene: &Scene<'_>, row: usize, x: &State) -> [f64; PLACES - FIRST_FLYING_PLACE] {
+    fn flying(&self, scene: &Scene<'_>, row: usize, x: &State) -> FlyingReport {
         let factor = self.factors(scene, scene.time_s[row], scene.time_s[row]);
         let at_row = scene.track.at_row(row);
         let lifts_n = core::array::from_fn(|motor| factor[motor] * at_row[motor]);
-        let [ax, ay, az] = self.changes.sensors.turned(self.body.felt_m_s2(x, &lifts_n, &self.changes.air));
-        [ax, ay, az, x[6], x[7], x[8], x[9]]
+        let force_m_s2 = self.changes.sensors.turned(self.body.felt_m_s2(x, &lifts_n, &self.changes.air));
+        FlyingReport { force_m_s2, velocity_ned_m_s: [x[6], x[7], x[8]], height_m: x[9] }
     }
 
     /// One step of the body; backwards from its end where `duration_s` is negative.

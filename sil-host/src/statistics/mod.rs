@@ -1,9 +1,11 @@
-//! The statistics that people use to see how far and where a prediction is off: [`mean_absolute_deviation`] is the thesis' measure for a
-//! closed loop (table 5.1); [`Agreement`], [`Correlogram`], [`ConditionalError`] and [`amplitude_spectrum`] are of one quantity.
+//! The statistics that people use to see how far and where a prediction is off: [`mean_absolute_deviation`] is the
+//! thesis' measure for a closed loop (table 5.1); [`Agreement`], [`Correlogram`], [`ConditionalError`] and
+//! [`amplitude_spectrum`] are of one quantity.
 
 mod agreement;
 mod condition;
 mod deviation;
+mod linear;
 #[cfg(test)]
 pub(crate) mod noise_source;
 mod spectrum;
@@ -13,5 +15,6 @@ pub use agreement::{Agreement, TheilSplit};
 pub use condition::{Bin, ConditionalError};
 pub use deviation::mean_absolute_deviation;
 pub(crate) use deviation::wrapped;
+pub(crate) use linear::{Cholesky, dot};
 pub use spectrum::amplitude_spectrum;
 pub use whiteness::{Correlogram, InputCorrelation, LjungBox, chi_square_99, input_correlation};

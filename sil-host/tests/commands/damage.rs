@@ -5,12 +5,13 @@
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use shared_control::config::Controller;
-use sil_host::comparison::{Subject, Vehicle, compare};
+use sil_host::comparison::compare;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::flight::FlightSetup;
 use sil_host::log::{self, LogErrorKind};
 use sil_host::model::{ModelError, Rig, VehicleModel};
 use sil_host::plant::Plant;
+use sil_host::prediction::Subject;
 use sil_host::scenario::Scenario;
 
 use crate::sil::{GIMBAL_MODEL, RIG_LOG};
@@ -74,10 +75,8 @@ fn lines_from(bytes: &[u8], place: usize) -> &[u8] {
 
 #[test]
 fn a_damaged_log_is_compared_or_refused_with_its_line() {
-    let subject = Subject::Vehicle(Box::new(Vehicle {
-        model: VehicleModel::nominal(Rig::Gimbal),
-        controller: Some(ControllerChoice { rate_hz: 100, ..ControllerChoice::nominal(Controller::Mpc) }),
-    }));
+    let model = VehicleModel::nominal(Rig::Gimbal);
+    let choice = ControllerChoice { rate_hz: 100, ..ControllerChoice::nominal(Controller::Mpc) };
     // ten seconds of it: enough for many windows, and 200 closed loops are flown soon
     let log: String = RIG_LOG.lines().take(4 + 1000).map(|line| format!("{line}\n")).collect();
     let mut damage = Damage(Pcg64Mcg::seed_from_u64(1));
@@ -86,7 +85,7 @@ fn a_damaged_log_is_compared_or_refused_with_its_line() {
         match log::parse("log.csv", &damage.done_to(&log), None) {
             Ok(log) => {
                 // either is an answer; that there is one is what counts
-                let _ = compare(&log, &subject);
+                let _ = compare(&log, &Subject::Vehicle(&model), Some(choice));
                 compared += 1;
             }
             Err(error) => {

@@ -106,7 +106,10 @@ fn comparison(closed_loop: Value, roll: &str) -> Value {
     let errors = || json!({ "roll_deg": roll, "pitch_deg": "number", "p_deg_s": roll, "q_deg_s": "number" });
     json!({
         "closed_loop": closed_loop,
-        "prediction_error": { "window_s": 0.5, "nominal": errors(), "noise_floor": errors() },
+        "prediction_error": {
+            "window_s": 0.5, "nominal": errors(), "noise_floor": errors(),
+            "channels": [{ "quantity": "string", "unit": "string", "nominal": "number", "noise_floor": "number" }],
+        },
     })
 }
 

@@ -1,7 +1,8 @@
 //! Which number of a controller differs, and what it was: fits to the scores of [`super::instruments`].
 //!
-//! Gauss-Newton on the sum of the squared scores (two-stage least squares). Numbers are taken one by one while each lowers the
-//! sum by more than chance would; what is then left over is tested against what the directions alone allow (Sargan's test).
+//! Gauss-Newton on the sum of the squared scores (two-stage least squares). Numbers are taken one by one while each
+//! lowers the sum by more than chance would; what is then left over is tested against what the directions alone allow
+//! (Sargan's test).
 
 use rayon::prelude::*;
 
@@ -10,7 +11,7 @@ use super::instruments::{Basis, Tunable, difference};
 use super::parameters::Numbers;
 use super::replay::{Design, Residual};
 use super::whitening::Whitening;
-use crate::diagnosis::fitting::linear::{Cholesky, dot};
+use crate::statistics::{Cholesky, dot};
 
 /// Fall of the sum of squared scores that chance does not reach: five standard deviations, for some thirty numbers.
 const SIGNIFICANT: f64 = 25.0;
@@ -18,7 +19,8 @@ const SIGNIFICANT: f64 = 25.0;
 const PROMISING: f64 = 0.5 * SIGNIFICANT;
 /// A sum below this, per direction, has no cause beyond what is fitted.
 const CLEAN: f64 = 3.0;
-/// Starts of a second try: this many on either side of the modelled value, each this factor from the next (from half to twice).
+/// Starts of a second try: this many on either side of the modelled value, each this factor from the next (from half to
+/// twice).
 const FINE_STEPS: i32 = 7;
 const FINE_FACTOR: f64 = 1.1;
 /// Two numbers whose sums differ by less are not told apart: 3 in log-likelihood (docs/commands.md).

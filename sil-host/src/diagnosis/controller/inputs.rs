@@ -1,10 +1,10 @@
 //! What a log says that a controller saw and did, made ready for the control core.
 //!
-//! The core takes counts of the IMU at a multiple of the control rate; a log holds one reading a step, taken at the step's
-//! instant. The readings in between are interpolated, which keeps the motion and loses their noise. Of what the log does
-//! not hold, the gyro's bias and the attitude at the start come from its angles, the throttle from the motors' mean lift;
-//! the specific force, where it is not logged, is gravity's in the logged attitude. Before the first row the vehicle is held
-//! at rest, as before a flight, so that the core calibrates and arms itself.
+//! The core takes counts of the IMU at a multiple of the control rate; a log holds one reading a step, taken at the
+//! step's instant. The readings in between are interpolated, which keeps the motion and loses their noise. Of what the
+//! log does not hold, the gyro's bias and the attitude at the start come from its angles, the throttle from the motors'
+//! mean lift; the specific force, where it is not logged, is gravity's in the logged attitude. Before the first row the
+//! vehicle is held at rest, as before a flight, so that the core calibrates and arms itself.
 
 use shared_control::config::Config;
 use shared_control::mixer::MixerConfig;

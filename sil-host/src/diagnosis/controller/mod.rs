@@ -5,12 +5,12 @@
 //!   log's references --comparison: simulated flight--> replay --instruments: what each number would do, without noise
 //!   residual --whitening--> scores along the instruments --fit--> the numbers that differ, or none
 //! ```
-//! The thesis could not say whether its modelled controller was the version that flew (section 5.3.2). Here the model is the
-//! control core itself. Nothing of the vehicle's model enters but the numbers that the controllers know, so that what is
-//! wrong with the plant is not blamed on the controller; the simulated flight need only be like the real one.
+//! The thesis could not say whether its modelled controller was the version that flew (section 5.3.2). Here the model
+//! is the control core itself. Nothing of the vehicle's model enters but the numbers that the controllers know, so that
+//! what is wrong with the plant is not blamed on the controller; the simulated flight need only be like the real one.
 //!
-//! What a log of a flight does not show: gains of yaw (it holds no rate of the heading's set-point), the throttle that was
-//! asked for, numbers that have no effect in what was flown, and a common factor of an MPC's weights.
+//! What a log of a flight does not show: gains of yaw (it holds no rate of the heading's set-point), the throttle that
+//! was asked for, numbers that have no effect in what was flown, and a common factor of an MPC's weights.
 
 mod fit;
 mod inputs;
@@ -22,7 +22,7 @@ mod whitening;
 use std::collections::BTreeMap;
 
 use super::{Estimate, Finding, Rejected};
-use crate::comparison::{ComparisonError, simulated_flight};
+use crate::closed_loop::{LogRefused, simulated_flight};
 use crate::control_setup::vehicle_parameters;
 use crate::controller_file::ControllerChoice;
 use crate::effects::Origin;
@@ -62,9 +62,9 @@ pub struct Examination {
 ///
 /// # Errors
 /// The controller can't fly that vehicle, or the log is too long to be simulated.
-pub fn examine(log: &Log, model: &VehicleModel, choice: ControllerChoice) -> Result<Examination, ComparisonError> {
+pub fn examine(log: &Log, model: &VehicleModel, choice: ControllerChoice) -> Result<Examination, LogRefused> {
     let Some((setup, flight)) = simulated_flight(log, model, choice)? else {
-        let missing = NotReplayable::Missing(crate::comparison::missing_for_closed_loop(log));
+        let missing = NotReplayable::Missing(crate::closed_loop::missing_for_closed_loop(log));
         return Ok(not_examined(&missing, choice));
     };
     let design = Design {

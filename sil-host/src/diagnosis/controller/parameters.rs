@@ -180,7 +180,8 @@ impl Parameter {
         ["rate_max_rad_s", "tilt_max_rad", "integral_share"].contains(&self.name)
     }
 
-    /// Is it a number of this controller? The cascade's gains have no effect while an MPC flies, nor have an MPC's in the cascade.
+    /// Is it a number of this controller? The cascade's gains have no effect while an MPC flies, nor have an MPC's in
+    /// the cascade.
     pub(super) fn is_of(&self, controller: Controller) -> bool {
         match controller {
             Controller::Cascade => !self.name.starts_with("mpc_") && self.name != "control_horizon",

@@ -1,12 +1,12 @@
 //! What makes the noise of a residual white: an autoregressive model of it, fitted to it, per axis.
 //!
-//! The unknown readings between a log's rows go through the controller, so that the residual's noise is as coloured as the
-//! controller is; what the integral collects is a slow wave in it. Least squares on a residual that the inverse of its own
-//! model has filtered is efficient and says honestly how sure it is (generalised least squares; Ljung, *System
+//! The unknown readings between a log's rows go through the controller, so that the residual's noise is as coloured as
+//! the controller is; what the integral collects is a slow wave in it. Least squares on a residual that the inverse of
+//! its own model has filtered is efficient and says honestly how sure it is (generalised least squares; Ljung, *System
 //! Identification*, section 7.5 and appendix II).
 
 use super::replay::Residual;
-use crate::diagnosis::fitting::linear::Cholesky;
+use crate::statistics::Cholesky;
 
 /// Rows of the past in the model.
 const ORDER: usize = 16;
@@ -32,7 +32,8 @@ impl Whitening {
         whitening
     }
 
-    /// A series of roll and pitch without what its past says of it, in standard deviations; zero where rows don't count.
+    /// A series of roll and pitch without what its past says of it, in standard deviations; zero where rows don't
+    /// count.
     pub(super) fn applied(&self, series: &Residual, counts: &[bool]) -> Residual {
         [0, 1].map(|axis: usize| {
             let (series, weights) = (&series[axis], &self.weights[axis]);

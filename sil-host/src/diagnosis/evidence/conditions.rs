@@ -1,13 +1,16 @@
-//! Where an error arises: the angular acceleration that a model lacks, against what the vehicle does and is told, and its spectrum.
+//! Where an error arises: the angular acceleration that a model lacks, against what the vehicle does and is told, and
+//! its spectrum.
 //!
-//! The rate is predicted from a row's measured state to the row 40 ms later; what the measured rate misses of it is the mean acceleration that the model lacks there.
-//! Unlike an error at the end of a window it belongs to one place and one time.
+//! The rate is predicted from a row's measured state to the row 40 ms later; what the measured rate misses of it is the
+//! mean acceleration that the model lacks there. Unlike an error at the end of a window it belongs to one place and one
+//! time.
 
 use serde::Serialize;
 
 use crate::axis::Axis;
 use crate::diagnosis::fitting::hints::missing_acceleration;
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::prediction::Channel;
+use crate::prediction::windowed_log::{Driven, WindowedLog};
 use crate::statistics::{Bin, ConditionalError, amplitude_spectrum};
 
 /// Over so long the rate's noise counts little, and no rig turns far, s.
@@ -25,7 +28,8 @@ pub struct Condition {
     pub condition: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// Share of the variance of the missing acceleration that goes with it (of the mean square, of a constant), without any effect, %.
+    /// Share of the variance of the missing acceleration that goes with it (of the mean square, of a constant), without
+    /// any effect, %.
     pub nominal_pct: f64,
     /// The same with the findings.
     pub extended_pct: f64,
@@ -59,23 +63,24 @@ pub struct Spectrum {
     pub extended_deg_s2: Vec<f64>,
 }
 
-/// Where the errors of (nominal, extended) arise, the condition that explains most of each axis first; `commands` are the axes' (roll, pitch, yaw) per row.
+/// Where the errors of (nominal, extended) arise, the condition that explains most of each axis first; `commands` are
+/// the axes' (roll, pitch, yaw) per row.
 pub(in crate::diagnosis) fn conditions(
-    shooting: &Shooting<'_>,
+    log: &WindowedLog<'_>,
     models: &[Driven; 2],
     commands: &[[f64; 4]],
     throttle: Option<&[f64]>,
 ) -> (Vec<Condition>, Vec<Spectrum>) {
-    let missing = models.each_ref().map(|driven| missing_acceleration(shooting, driven, STRETCH_S));
+    let missing = models.each_ref().map(|driven| missing_acceleration(log, driven, STRETCH_S));
     let (mut conditions, mut spectra) = (Vec::new(), Vec::new());
-    for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(axis.index())) {
+    for axis in Axis::ALL.into_iter().filter(|axis| log.turns(*axis)) {
         let series = missing.each_ref().map(|missing| {
             let intervals = missing[axis.index()].as_ref()?;
             Some(intervals.iter().map(|at| (at.time_s, at.acceleration_rad_s2.to_degrees())).collect::<Vec<_>>())
         });
         let [Some(nominal), Some(extended)] = series else { continue };
         let series = [nominal.as_slice(), extended.as_slice()];
-        let mut of_axis: Vec<Condition> = candidates(shooting, axis.index(), series[0], commands, throttle)
+        let mut of_axis: Vec<Condition> = candidates(log, axis, series[0], commands, throttle)
             .into_iter()
             .filter_map(|(name, unit, values)| {
                 condition(axis, name, unit, series.map(|series| against(series, &values)))
@@ -93,20 +98,20 @@ pub(in crate::diagnosis) fn conditions(
 
 /// What an axis' error is held against, at the times of a series: name, unit, values.
 fn candidates(
-    shooting: &Shooting<'_>,
-    axis: usize,
+    log: &WindowedLog<'_>,
+    axis: Axis,
     series: &[(f64, f64)],
     commands: &[[f64; 4]],
     throttle: Option<&[f64]>,
 ) -> Vec<(&'static str, &'static str, Vec<f64>)> {
-    let row_at = |time_s: f64| shooting.rows().partition_point(|row_s| *row_s <= time_s).saturating_sub(1);
+    let row_at = |time_s: f64| log.rows().partition_point(|row_s| *row_s <= time_s).saturating_sub(1);
     let rows: Vec<usize> = series.iter().map(|(time_s, _)| row_at(*time_s)).collect();
     let of_rows = |value: &dyn Fn(usize) -> f64| rows.iter().map(|row| value(*row)).collect::<Vec<f64>>();
-    let measured = |place| shooting.measured(place).map(|column| of_rows(&|row| column[row].to_degrees()));
+    let measured = |channel| log.measured(channel).map(|column| of_rows(&|row| column[row].to_degrees()));
     let candidates = [
-        ("angle", "deg", measured(axis)),
-        ("rate", "deg/s", measured(3 + axis)),
-        ("command", "", Some(of_rows(&|row| commands[row][axis]))),
+        ("angle", "deg", measured(Channel::Angle(axis))),
+        ("rate", "deg/s", measured(Channel::Rate(axis))),
+        ("command", "", Some(of_rows(&|row| commands[row][axis.index()]))),
         ("throttle", "", throttle.map(|throttle| of_rows(&|row| throttle[row]))),
         ("time", "s", Some(series.iter().map(|(time_s, _)| *time_s).collect())),
     ];

@@ -1,24 +1,28 @@
-//! What a log can speak about: the information that it holds on the basic parameters of each axis, and on the findings'.
+//! What a log can speak about: the information that it holds on the basic parameters of each axis, and on the
+//! findings'.
 //!
-//! The information matrix J' J (J: whitened sensitivities of all windows at the fit, what the windows' start states take eliminated) says how well parameters can be told:
-//! its inverse is the covariance of the best estimate (Cramer and Rao). Parameters have different units, so each is scaled to have an information of one when all others
-//! are known; what is left is the matrix of correlations between sensitivities, and its condition number, the ratio of its largest to its least
-//! eigenvalue, is 1 where each parameter leaves a trace of its own, and large where some leave traces that look alike. How strong the traces are is told apart
-//! from that, as standard deviations.
+//! The information matrix J' J (J: whitened sensitivities of all windows at the fit, what the windows' start states
+//! take eliminated) says how well parameters can be told: its inverse is the covariance of the best estimate (Cramer
+//! and Rao). Parameters have different units, so each is scaled to have an information of one when all others are
+//! known; what is left is the matrix of correlations between sensitivities, and its condition number, the ratio of its
+//! largest to its least eigenvalue, is 1 where each parameter leaves a trace of its own, and large where some leave
+//! traces that look alike. How strong the traces are is told apart from that, as standard deviations.
 
 use serde::Serialize;
 
 use crate::diagnosis::fitted::{Fitted, per_unit_inertia};
 use crate::diagnosis::fitting::eigen;
 use crate::diagnosis::fitting::fit::{Term, model_of, regular, shifted_models};
-use crate::diagnosis::fitting::linear::Cholesky;
 use crate::diagnosis::search::{Found, Search};
+use crate::statistics::Cholesky;
 
-/// Effects whose parameters make up the motion of any axis: moment and stiffness, damping, inertia; and the way from command to force.
+/// Effects whose parameters make up the motion of any axis: moment and stiffness, damping, inertia; and the way from
+/// command to force.
 const BASIC: [&str; 4] = ["spring", "viscous_friction", "inertia_error", "actuation_delay"];
 /// Above this condition number two traces look alike: a correlation of 0.998.
 const ALIKE: f64 = 1000.0;
-/// An axis whose inertia (or input gain, relative) could not be told more closely than this was hardly moved by its command.
+/// An axis whose inertia (or input gain, relative) could not be told more closely than this was hardly moved by its
+/// command.
 const UNMOVED: f64 = 0.05;
 /// Share of a vector that makes a parameter a part of it.
 const PART_MIN: f64 = 0.3;
@@ -84,9 +88,9 @@ pub(in crate::diagnosis) fn excitation(search: &Search<'_>, found: &Found<'_>) -
 fn information(search: &Search<'_>, found: &Found<'_>, known: &[Term<'_>], asked: &[Term<'_>]) -> Vec<f64> {
     let shooting = search.shooting;
     let terms: Vec<Term<'_>> = known.iter().chain(asked).cloned().collect();
-    let driven = shooting.drive(model_of(search.nominal, &terms));
+    let driven = shooting.log.drive(model_of(search.nominal, &terms));
     let shifted = shifted_models(shooting, search.nominal, &terms, known.len());
-    let all: Vec<usize> = (0..shooting.windows.len()).collect();
+    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let linear = shooting.linearise(&driven, &shifted, &all, &found.chosen.fit.starts, None);
     shooting.normal(&linear, None).matrix
 }
@@ -118,7 +122,8 @@ fn excited(terms: &[Term<'_>], information: &[f64], is_vehicle: bool) -> Vec<Exc
         .collect()
 }
 
-/// Condition number of the scaled matrix, and which parameters make up its least eigenvector; parameters without a trace are left out.
+/// Condition number of the scaled matrix, and which parameters make up its least eigenvector; parameters without a
+/// trace are left out.
 fn condition(information: &[f64]) -> (Option<f64>, Vec<usize>) {
     let size = side(information);
     let kept: Vec<usize> = (0..size).filter(|i| information[i * size + i] > 0.0).collect();

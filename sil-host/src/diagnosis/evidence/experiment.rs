@@ -1,11 +1,12 @@
 //! Which manoeuvre would tell apart what this log does not.
 //!
-//! For a finding and its rival, an effect that this log does not tell from it, each of the two models flies each candidate in closed loop, without noise, under
-//! the cascade; the other one is fitted anew to that flight, so that it gets every chance. Half of the sum of squares that it leaves, in units of this log's noise,
-//! is the difference of log-likelihoods to be expected from such a flight if the first is true (Kullback and Leibler). The other may be on another axis or motor
-//! than in this log: a flight is to settle the matter by itself. What counts is the mean of both ways
-//! (Box and Hill, Technometrics 9, 1967): a rival of which the finding is a special case can never be less likely, but it can turn out not to be needed. The
-//! plainest manoeuvre that is decisive is proposed, else the best one.
+//! For a finding and its rival, an effect that this log does not tell from it, each of the two models flies each
+//! candidate in closed loop, without noise, under the cascade; the other one is fitted anew to that flight, so that it
+//! gets every chance. Half of the sum of squares that it leaves, in units of this log's noise, is the difference of
+//! log-likelihoods to be expected from such a flight if the first is true (Kullback and Leibler). The other may be on
+//! another axis or motor than in this log: a flight is to settle the matter by itself. What counts is the mean of both
+//! ways (Box and Hill, Technometrics 9, 1967): a rival of which the finding is a special case can never be less likely,
+//! but it can turn out not to be needed. The plainest manoeuvre that is decisive is proposed, else the best one.
 
 use shared_control::config::Controller;
 
@@ -16,13 +17,12 @@ use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
 use crate::diagnosis::progress::Progress;
 use crate::diagnosis::search::{Found, Search, TOLD_APART};
-use crate::diagnosis::subject::Subject;
 use crate::diagnosis::verdict::Finding;
-use crate::fidelity::SensorNoise;
 use crate::flight::FlightSetup;
 use crate::flight_log::flight_log;
 use crate::log::{Column, Log};
 use crate::model::{self, VehicleModel};
+use crate::prediction::{MeasuredNoise, Subject};
 use crate::scenario::Scenario;
 
 /// Steps of the controller and rows of a flight per second: each command has its row.
@@ -166,7 +166,7 @@ impl<'e> Side<'e> {
 }
 
 /// A sensor's noise per row, were there as many rows as in the simulated flight.
-fn noise_per_row(log: &Log, subject: &Subject<'_>) -> SensorNoise {
+fn noise_per_row(log: &Log, subject: &Subject<'_>) -> MeasuredNoise {
     subject.noise(log).scaled((f64::from(RATE_HZ) / log.rate_hz()).sqrt())
 }
 
@@ -175,11 +175,12 @@ struct Judge<'a> {
     log: &'a Log,
     model: &'a VehicleModel,
     search: &'a Search<'a>,
-    noise: SensorNoise,
+    noise: MeasuredNoise,
 }
 
 impl Judge<'_> {
-    /// Mean of the expected differences of log-likelihoods if either of two models is true; 0 where neither can be flown.
+    /// Mean of the expected differences of log-likelihoods if either of two models is true; 0 where neither can be
+    /// flown.
     fn told_apart(&self, scenario: &Scenario, pair: &Pair<'_>) -> f64 {
         let (finding, rival) = (&pair.finding, &pair.rival);
         let both =
@@ -194,9 +195,9 @@ impl Judge<'_> {
         // what disturbed this log would disturb the flight too
         let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
         let shooting = shooting.with_noise(self.search.shooting.noise, Vec::new());
-        let all: Vec<usize> = (0..shooting.windows.len()).collect();
-        let flown = shooting.drive(model_of(self.search.nominal, truth));
-        let mut starts = shooting.measured_starts(&flown.model);
+        let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+        let flown = shooting.log.drive(model_of(self.search.nominal, truth));
+        let mut starts = shooting.log.measured_starts(&flown.model);
         // what the two integrators and the rounding of the log differ by
         let own: f64 = shooting.settle(&flown, &all, &mut starts).iter().sum();
         let left = |terms: &Vec<Term<'_>>| fit(&shooting, self.search.nominal, terms.clone(), &starts, &all).training;

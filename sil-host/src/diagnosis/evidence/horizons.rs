@@ -1,13 +1,13 @@
 //! How far a prediction stays right: windows of several lengths, each begun where the log was.
 //!
-//! Up to the length of a held-out window only held-out rows count; a longer window covers rows that the fit has seen as well, half of all.
+//! Up to the length of a held-out window only held-out rows count; a longer window covers rows that the fit has seen as
+//! well, half of all.
 
 use serde::Serialize;
 
-use crate::diagnosis::accuracy::{predict, root_mean_square, tallies};
-use crate::diagnosis::evidence::residuals::{NAMES, UNITS, in_unit};
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::fidelity::{WINDOW_S, Window};
+use crate::prediction::accuracy::{ErrorOf, predict, root_mean_square, tallies};
+use crate::prediction::windowed_log::{Driven, WindowedLog};
+use crate::prediction::{WINDOW_S, Window};
 
 /// Lengths of the windows, s.
 const HORIZONS_S: [f64; 3] = [0.1, 0.5, 2.0];
@@ -41,31 +41,31 @@ pub struct HorizonError {
 }
 
 /// For (nominal, extended); lengths that the log has no rows for are left out.
-pub(in crate::diagnosis) fn horizons(shooting: &Shooting<'_>, models: &[Driven; 2]) -> Vec<Horizon> {
-    HORIZONS_S.into_iter().filter_map(|horizon_s| horizon(shooting, models, horizon_s)).collect()
+pub(in crate::diagnosis) fn horizons(log: &WindowedLog<'_>, models: &[Driven; 2]) -> Vec<Horizon> {
+    HORIZONS_S.into_iter().filter_map(|horizon_s| horizon(log, models, horizon_s)).collect()
 }
 
-fn horizon(shooting: &Shooting<'_>, models: &[Driven; 2], horizon_s: f64) -> Option<Horizon> {
+fn horizon(log: &WindowedLog<'_>, models: &[Driven; 2], horizon_s: f64) -> Option<Horizon> {
     let held_out = horizon_s <= WINDOW_S;
-    let of_run = |run: &[Window]| Window::of_length(shooting.rows(), run, horizon_s);
+    let of_run = |run: &[Window]| Window::of_length(log.rows(), run, horizon_s);
     let windows: Vec<Window> = if held_out {
-        shooting.windows.iter().filter(|window| window.held_out).flat_map(|window| of_run(&[*window])).collect()
+        log.windows.iter().filter(|window| window.held_out).flat_map(|window| of_run(&[*window])).collect()
     } else {
-        shooting.windows.chunk_by(|a, b| a.end == b.start).flat_map(of_run).collect()
+        log.windows.chunk_by(|a, b| a.end == b.start).flat_map(of_run).collect()
     };
     if windows.is_empty() {
         return None;
     }
-    let [nominal, extended] = models.each_ref().map(|driven| tallies(&predict(shooting, driven, &windows)));
-    let errors = (0..NAMES.len()).filter_map(|place| {
-        let (nominal, _) = root_mean_square(&nominal, place)?;
-        let (extended, noise_floor) = root_mean_square(&extended, place)?;
+    let [nominal, extended] = models.each_ref().map(|driven| tallies(&predict(log, driven, &windows)));
+    let errors = ErrorOf::all().filter_map(|of| {
+        let (nominal, _) = root_mean_square(&nominal, of)?;
+        let (extended, noise_floor) = root_mean_square(&extended, of)?;
         Some(HorizonError {
-            quantity: NAMES[place],
-            unit: UNITS[place],
-            nominal: in_unit(place, nominal),
-            extended: in_unit(place, extended),
-            noise_floor: in_unit(place, noise_floor),
+            quantity: of.name(),
+            unit: of.unit(),
+            nominal: of.in_unit(nominal),
+            extended: of.in_unit(extended),
+            noise_floor: of.in_unit(noise_floor),
         })
     });
     Some(Horizon { horizon_s, windows: windows.len(), held_out, errors: errors.collect() })

@@ -1,17 +1,18 @@
 //! The figures that people know of a prediction, channel by channel, over the held-out windows.
 //!
-//! Size of the error ([`Agreement`]): open loop from the rows around a window's start. Whiteness and correlation with the input: the same windows with the start
-//! state at its best in each, where an exact model leaves white noise; what the fit of the start takes out of the noise is allowed for.
+//! Size of the error ([`Agreement`]): open loop from the rows around a window's start. Whiteness and correlation with
+//! the input: the same windows with the start state at its best in each, where an exact model leaves white noise; what
+//! the fit of the start takes out of the noise is allowed for.
 
 use serde::Serialize;
 
-use crate::diagnosis::accuracy::Predicted;
-use crate::diagnosis::evidence::residuals::{NAMES, UNITS, in_unit};
-use crate::diagnosis::fitting::linear::dot;
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::left_over::structure::Settled;
+use crate::prediction::Channel;
+use crate::prediction::accuracy::PredictedWindow;
 use crate::prediction::body::State;
-use crate::prediction::model::FIRST_FLYING_PLACE;
+use crate::prediction::windowed_log::{Driven, WindowedLog};
+use crate::statistics::dot;
 use crate::statistics::{Agreement, Correlogram, InputCorrelation, LjungBox, input_correlation};
 
 /// Rows apart up to which residuals are correlated with each other and with the input.
@@ -45,7 +46,7 @@ pub struct ModelStatistics {
 /// A model, what it predicts for the held-out windows, and the start states at their best.
 pub(in crate::diagnosis) struct Judged<'a> {
     pub(in crate::diagnosis) driven: &'a Driven,
-    pub(in crate::diagnosis) predicted: &'a [Predicted],
+    pub(in crate::diagnosis) predicted: &'a [PredictedWindow],
     pub(in crate::diagnosis) starts: &'a [State],
 }
 
@@ -56,34 +57,33 @@ pub(in crate::diagnosis) fn statistics(
     commands: &[[f64; 4]],
 ) -> Vec<ChannelStatistics> {
     let settled = models.each_ref().map(|model| settle(shooting, model));
-    let places: Vec<usize> = shooting.compared().map(|(place, _)| place).collect();
-    let channel = |(index, place): (usize, &usize)| {
+    let of_channel = |(number, (channel, _)): (usize, (Channel, f64))| {
         let of = |model: usize| {
-            let agreement = agreement(shooting, models[model].predicted, *place)?;
-            let (ljung_box, input_correlation) = left_over(&settled[model], index, *place, commands);
+            let agreement = agreement(&shooting.log, models[model].predicted, channel)?;
+            let (ljung_box, input_correlation) = left_over(&settled[model], number, channel, commands);
             Some(ModelStatistics { agreement, ljung_box, input_correlation })
         };
-        Some(ChannelStatistics { quantity: NAMES[*place], unit: UNITS[*place], nominal: of(0)?, extended: of(1)? })
+        Some(ChannelStatistics { quantity: channel.name(), unit: channel.unit(), nominal: of(0)?, extended: of(1)? })
     };
-    places.iter().enumerate().filter_map(channel).collect()
+    shooting.log.compared().enumerate().filter_map(of_channel).collect()
 }
 
 /// Held-out windows by their first row.
 fn settle(shooting: &Shooting<'_>, model: &Judged<'_>) -> Vec<(usize, Settled)> {
-    let of = |predicted: &Predicted| {
+    let of = |predicted: &PredictedWindow| {
         let window = &predicted.window;
         Some((window.start, Settled::of(shooting, model.driven, window, &model.starts[window.index])?))
     };
     model.predicted.iter().filter_map(of).collect()
 }
 
-fn agreement(shooting: &Shooting<'_>, predicted: &[Predicted], place: usize) -> Option<Agreement> {
-    let measured = shooting.measured(place)?;
+fn agreement(log: &WindowedLog<'_>, predicted: &[PredictedWindow], channel: Channel) -> Option<Agreement> {
+    let measured = log.measured(channel)?;
     let mut samples = Vec::new();
-    for series in predicted.iter().filter_map(|predicted| predicted.at(place)) {
+    for series in predicted.iter().filter_map(|predicted| predicted.of(channel)) {
         // an error the short way round, whatever turn the measurement is in
         let pairs = series.rows.iter().zip(&series.error);
-        let sample = |row: usize, error: f64| (in_unit(place, measured[row]), in_unit(place, measured[row] - error));
+        let sample = |row: usize, error: f64| (channel.in_unit(measured[row]), channel.in_unit(measured[row] - error));
         samples.extend(pairs.map(|(row, error)| sample(*row, *error)));
     }
     Agreement::of(&samples)
@@ -91,18 +91,20 @@ fn agreement(shooting: &Shooting<'_>, predicted: &[Predicted], place: usize) -> 
 
 fn left_over(
     settled: &[(usize, Settled)],
-    channel: usize,
-    place: usize,
+    number: usize,
+    channel: Channel,
     commands: &[[f64; 4]],
 ) -> (Option<LjungBox>, Option<InputCorrelation>) {
     let mut correlogram = Correlogram::new(LAGS);
     let mut stretches = Vec::new();
     for (start, settled) in settled {
-        let (residual, forward) = settled.channel(channel);
+        let (residual, forward) = settled.channel(number);
         correlogram.take_fitted(residual, |i, j| dot(&forward[i], &forward[j]));
-        let input = commands[*start..start + residual.len()].iter().map(|command| command[place % 3]).collect();
-        stretches.push((residual.to_vec(), input));
+        if let Some(axis) = channel.turning_axis() {
+            let input = commands[*start..start + residual.len()].iter().map(|command| command[axis.index()]).collect();
+            stretches.push((residual.to_vec(), input));
+        }
     }
-    let is_of_an_axis = place < FIRST_FLYING_PLACE;
-    (correlogram.ljung_box(), is_of_an_axis.then(|| input_correlation(&stretches, LAGS)).flatten())
+    let with_input = channel.turning_axis().and_then(|_| input_correlation(&stretches, LAGS));
+    (correlogram.ljung_box(), with_input)
 }

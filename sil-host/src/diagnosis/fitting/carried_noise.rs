@@ -1,14 +1,10 @@
-//! Forces on a free vehicle that no model knows (gusts, its own wake, rotors that lift unevenly): they make an accelerometer's residuals a
-//! hundred times its sensor's noise, and last for many rows. Taken for that noise they outweigh all that the gyro has to say.
+//! Forces on a free vehicle that no model knows (gusts, its own wake, rotors that lift unevenly): they make an
+//! accelerometer's residuals a hundred times its sensor's noise, and last for many rows. Taken for that noise they
+//! outweigh all that the gyro has to say.
 //!
-//! Here a residual is what is carried over from the row before, a share of it, and something new: noise of the first order, whose two
-//! numbers come from the residuals that a model leaves. What is new is white, so that it serves the same least squares; moments are
-//! treated apart (`process_noise`), for they are seen by their sums.
-
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::fidelity::Window;
-use crate::prediction::body::State;
-use crate::prediction::model::FIRST_FLYING_PLACE;
+//! Here a residual is what is carried over from the row before, a share of it, and something new: noise of the first
+//! order, whose two numbers come from the residuals that a model leaves. What is new is white, so that it serves the
+//! same least squares; moments are treated apart (`process_noise`), for they are seen by their sums.
 
 /// Most that is carried over: what lasts longer than a window can't be told from what is constant.
 const CARRY_OVER_MAX: f64 = 0.99;
@@ -17,7 +13,7 @@ const CARRY_OVER_MAX: f64 = 0.99;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::diagnosis) struct CarriedNoise {
     /// Its place among the compared channels.
-    channel: usize,
+    pub(super) channel: usize,
     /// Share of a row's residual that the next one has too.
     carry_over: f64,
     /// Standard deviation of what is new in a row, in units of the sensor's noise.
@@ -25,8 +21,9 @@ pub(in crate::diagnosis) struct CarriedNoise {
 }
 
 impl CarriedNoise {
-    /// That of residuals, window by window. What is constant in a window is left out: a missing effect is, for the most part.
-    fn of(channel: usize, windows: &[&[f64]]) -> CarriedNoise {
+    /// That of residuals, window by window. What is constant in a window is left out: a missing effect is, for the most
+    /// part.
+    pub(super) fn of(channel: usize, windows: &[&[f64]]) -> CarriedNoise {
         let (mut both, mut before, mut after, mut count) = (0.0, 0.0, 0.0, 0.0);
         for residual in windows {
             let mean = residual.iter().sum::<f64>() / residual.len().max(1) as f64;
@@ -46,43 +43,12 @@ impl CarriedNoise {
     }
 
     /// Turns a window's residuals, or their slopes, into what is new in each row, in units of its own.
-    fn whiten(&self, residual: &mut [f64]) {
+    pub(super) fn whiten(&self, residual: &mut [f64]) {
         for row in (1..residual.len()).rev() {
             residual[row] = (residual[row] - self.carry_over * residual[row - 1]) / self.new;
         }
         if let Some(first) = residual.first_mut() {
             *first *= (1.0 - self.carry_over * self.carry_over).sqrt() / self.new;
-        }
-    }
-}
-
-impl Shooting<'_> {
-    /// The noise of the forces under which what a model leaves is most likely.
-    pub(in crate::diagnosis) fn carried_noise(
-        &self,
-        driven: &Driven,
-        which: &[usize],
-        starts: &[State],
-    ) -> Vec<CarriedNoise> {
-        let left = |index: &usize| self.residual(driven, &self.windows[*index], &starts[*index]);
-        let residuals: Vec<Vec<f64>> = which.iter().map(left).collect();
-        let channels = self.compared().enumerate().filter(|(_, (place, _))| *place >= FIRST_FLYING_PLACE);
-        let of = |(channel, _): (usize, _)| {
-            let mut windows: Vec<&[f64]> = Vec::new();
-            for (residual, index) in residuals.iter().zip(which) {
-                let rows = self.windows[*index].end - self.windows[*index].start;
-                windows.push(&residual[channel * rows..(channel + 1) * rows]);
-            }
-            CarriedNoise::of(channel, &windows)
-        };
-        channels.map(of).collect()
-    }
-
-    /// Whitens the channels of a window that have such noise.
-    pub(in crate::diagnosis) fn whiten(&self, window: &Window, residual: &mut [f64]) {
-        let rows = window.end - window.start;
-        for noise in &self.carried {
-            noise.whiten(&mut residual[noise.channel * rows..(noise.channel + 1) * rows]);
         }
     }
 }

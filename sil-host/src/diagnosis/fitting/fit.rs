@@ -1,12 +1,13 @@
 //! Output error over windows: the parameters of some effects, by Gauss and Newton with Levenberg's damping.
 
 use crate::diagnosis::fitted::Fitted;
-use crate::diagnosis::fitting::linear::{Cholesky, dot};
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal};
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Unknown;
 use crate::prediction::body::State;
 use crate::prediction::model::Model;
+use crate::prediction::windowed_log::Driven;
+use crate::statistics::{Cholesky, dot};
 
 /// Rounds of linearisation.
 const ROUNDS_MAX: usize = 12;
@@ -76,7 +77,7 @@ pub(in crate::diagnosis) fn shifted_models(
             let step = admissible_step(parameter, term.values[place]);
             let mut moved = terms.to_vec();
             moved[index].values[place] += step;
-            shifted.push((shooting.drive(model_of(nominal, &moved)), step));
+            shifted.push((shooting.log.drive(model_of(nominal, &moved)), step));
         }
     }
     shifted
@@ -155,7 +156,7 @@ impl<'e> Round<'e> {
         training: &[usize],
         nearby: Option<&Linearisation>,
     ) -> Round<'e> {
-        let base = shooting.drive(model_of(nominal, &terms));
+        let base = shooting.log.drive(model_of(nominal, &terms));
         let shifted = shifted_models(shooting, nominal, &terms, 0);
         let linear = shooting.linearise(&base, &shifted, training, &starts, nearby);
         let normal = shooting.normal(&linear, None);

@@ -1,9 +1,10 @@
-//! Where fits begin that have many local optima: the frequency of a swing and the time of an onset, from what each row's motion misses
-//! of the next row's.
+//! Where fits begin that have many local optima: the frequency of a swing and the time of an onset, from what each
+//! row's motion misses of the next row's.
 
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
+use crate::axis::Axis;
 use crate::effects::Hints;
-use crate::prediction::model::Scene;
+use crate::prediction::Channel;
+use crate::prediction::windowed_log::{Driven, WindowedLog};
 
 /// Lowest and highest frequency looked at, Hz; below, less than a period of half a minute shows.
 const FREQUENCY_RANGE_HZ: [f64; 2] = [0.05, 25.0];
@@ -26,9 +27,9 @@ enum Before {
 }
 
 /// What a log says about its swings and onsets beyond a model.
-pub(in crate::diagnosis) fn hints(shooting: &Shooting<'_>, driven: &Driven) -> Hints {
-    let missing = missing_acceleration(shooting, driven, STRETCH_S);
-    let mut hints = Hints { command_range: shooting.command_range(), ..Hints::default() };
+pub(in crate::diagnosis) fn hints(log: &WindowedLog<'_>, driven: &Driven) -> Hints {
+    let missing = missing_acceleration(log, driven, STRETCH_S);
+    let mut hints = Hints { command_range: command_range(log), ..Hints::default() };
     for (axis, series) in missing.iter().enumerate() {
         if let Some(series) = series {
             hints.frequency_hz[axis] = strongest_frequency_hz(series);
@@ -48,22 +49,22 @@ pub(in crate::diagnosis) struct Interval {
     pub(in crate::diagnosis) acceleration_rad_s2: f64,
 }
 
-/// Rates are measured and predicted from a row's measured state to the row a stretch later; `None` for axes without a rate.
+/// Rates are measured and predicted from a row's measured state to the row a stretch later; `None` for axes without a
+/// rate.
 pub(in crate::diagnosis) fn missing_acceleration(
-    shooting: &Shooting<'_>,
+    log: &WindowedLog<'_>,
     driven: &Driven,
     stretch_s: f64,
 ) -> [Option<Vec<Interval>>; 3] {
     let mut series = [None, None, None];
-    for (axis, series) in series.iter_mut().enumerate() {
-        let Some(measured) = shooting.measured_rate(axis) else { continue };
+    for (axis, series) in Axis::ALL.into_iter().zip(&mut series) {
+        let Some(measured) = log.measured(Channel::Rate(axis)) else { continue };
         let mut intervals = Vec::new();
-        for (first, end) in shooting.stretches() {
+        for (first, end) in log.stretches() {
             let mut row = first;
-            while let Some(next) = (row + 1..end).find(|next| shooting.rows()[*next] - shooting.rows()[row] > stretch_s)
-            {
-                let (from_s, to_s) = (shooting.rows()[row], shooting.rows()[next]);
-                let predicted = shooting.later_rate(driven, row, next, axis);
+            while let Some(next) = (row + 1..end).find(|next| log.rows()[*next] - log.rows()[row] > stretch_s) {
+                let (from_s, to_s) = (log.rows()[row], log.rows()[next]);
+                let predicted = later_rate(log, driven, row, next, axis);
                 intervals.push(Interval {
                     time_s: 0.5 * (from_s + to_s),
                     duration_s: to_s - from_s,
@@ -124,7 +125,8 @@ fn power(series: &[Interval], frequency_hz: f64) -> f64 {
     real * real + imaginary * imaginary
 }
 
-/// The time from which a constant acceleration best explains the sum of what was missing: least squares of a kinked line over the places.
+/// The time from which a constant acceleration best explains the sum of what was missing: least squares of a kinked
+/// line over the places.
 fn onset_s(series: &[Interval], before: Before) -> Option<f64> {
     let (first, last) = (series.first()?, series.last()?);
     let mut sum = 0.0;
@@ -174,11 +176,16 @@ fn squares_left(points: &[(f64, f64)], before: Before, start_s: f64) -> f64 {
     if aa > 0.0 { yy - ya * ya / aa } else { yy }
 }
 
-impl Shooting<'_> {
-    /// Rate of an axis (of the body) that the model predicts for a later row from the state measured in `row`.
-    fn later_rate(&self, driven: &Driven, row: usize, later: usize, axis: usize) -> f64 {
-        let start = self.measured_state(&driven.model, row);
-        let scene = Scene { time_s: self.rows(), track: &driven.track, volts_lost: self.volts_lost() };
-        driven.model.predict(&scene, &start, row, later + 1).at(later - row, 3 + axis)
-    }
+/// Rate of an axis (of the body) that the model predicts for a later row from the state measured in `row`.
+fn later_rate(log: &WindowedLog<'_>, driven: &Driven, row: usize, later: usize, axis: Axis) -> f64 {
+    let start = log.measured_state(&driven.model, row);
+    driven.model.predict(&log.scene(driven), &start, row, later + 1).at(later - row, Channel::Rate(axis))
+}
+
+/// Commands between which 96 % of all lie.
+fn command_range(log: &WindowedLog<'_>) -> [f64; 2] {
+    let mut all: Vec<f64> = log.commands.value.iter().flatten().copied().collect();
+    all.sort_by(f64::total_cmp);
+    let at = |share: f64| all.get((share * (all.len().saturating_sub(1)) as f64) as usize).copied().unwrap_or_default();
+    [at(0.02), at(0.98)]
 }

@@ -1,68 +1,74 @@
-//! A log's residuals as innovations, where there is noise beyond the sensors': that of commands lost between rows (`sampling`), or of
-//! disturbances (`process_noise`). What each row adds to what the rows before it have told of the motion's departure from the prediction is white
-//! and of unit variance under the model's own noise, as plain residuals are where the forces are known; and being linear in the
-//! residuals innovations serve the same least squares (Ljung, System Identification, 2nd ed., 7.2).
+//! A log's residuals as innovations, where there is noise beyond the sensors': that of commands lost between rows
+//! (`sampling`), or of disturbances (`process_noise`). What each row adds to what the rows before it have told of the
+//! motion's departure from the prediction is white and of unit variance under the model's own noise, as plain residuals
+//! are where the forces are known; and being linear in the residuals innovations serve the same least squares (Ljung,
+//! System Identification, 2nd ed., 7.2).
 
-use crate::diagnosis::fitting::linearisation::Column;
+use crate::axis::Axis;
+use crate::diagnosis::fitting::carried_noise::CarriedNoise;
 use crate::diagnosis::fitting::process_noise::{AxisNoise, AxisWindow, Passage, most_likely, unlikeliness};
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::fidelity::Window;
+use crate::diagnosis::fitting::shooting::Shooting;
+use crate::prediction::Window;
 use crate::prediction::body::State;
+use crate::prediction::windowed_log::{Driven, Residuals};
 
 impl Shooting<'_> {
-    /// Turns the plain residuals of a window, or their slopes, in units of the sensors' noise into innovations in units of their own.
+    /// Innovations of one window and their slopes along its start state.
+    pub(in crate::diagnosis) fn innovation_slopes(
+        &self,
+        driven: &Driven,
+        window: &Window,
+        start: &State,
+    ) -> (Residuals, Vec<Residuals>) {
+        self.log.slopes_along_start(driven, window, start, |start| self.innovations(driven, window, start))
+    }
+
+    /// Turns the plain residuals of a window, or their slopes, in units of the sensors' noise into innovations in units
+    /// of their own.
     pub(in crate::diagnosis) fn innovate(&self, window: &Window, residual: &mut [f64]) {
-        for (axis, noise) in self.noise.iter().enumerate() {
-            if self.lost.is_some() || *noise != AxisNoise::SENSORS {
+        for (axis, noise) in Axis::ALL.into_iter().zip(&self.noise) {
+            if self.log.lost.is_some() || *noise != AxisNoise::SENSORS {
                 self.passage(axis, window).innovate(noise, residual);
             }
         }
     }
 
     /// A window as an axis shows in it.
-    fn passage(&self, axis: usize, window: &Window) -> Passage<'_> {
+    fn passage(&self, axis: Axis, window: &Window) -> Passage<'_> {
         Passage {
-            time_s: &self.rows()[window.start..window.end],
-            lost: self.lost.as_ref().map_or(&[], |lost| &lost[axis][window.start..window.end]),
-            seen: (window.start..window.end).map(|row| self.seen(axis, row)).collect(),
+            time_s: &self.log.rows()[window.start..window.end],
+            lost: self.log.lost.as_ref().map_or(&[], |lost| &lost[axis.index()][window.start..window.end]),
+            seen: (window.start..window.end).map(|row| self.log.seen(axis, row)).collect(),
         }
     }
 
-    /// Variance, SI, that commands lost since an earlier row give to a plain residual, by its place in a report.
-    pub(in crate::diagnosis) fn unknown_variance(&self, place: usize, since: usize, row: usize) -> f64 {
-        let Some(lost) = &self.lost else { return 0.0 };
-        let Some((channel, sigma)) =
-            self.compared().enumerate().find(|(_, (compared, _))| *compared == place).map(|(k, (_, sigma))| (k, sigma))
-        else {
-            return 0.0;
-        };
-        let mut variance = 0.0;
-        for (axis, lost) in lost.iter().enumerate() {
-            let seen = self.seen(axis, row).into_iter().find(|(seen, _)| *seen == channel);
-            let Some((_, [angle, rate])) = seen else { continue };
-            for (passed, density) in self.rows()[since..=row].windows(2).zip(&lost[since..row]) {
-                let moved = sigma * (angle * (self.rows()[row] - 0.5 * (passed[0] + passed[1])) + rate);
-                variance += density * density * (passed[1] - passed[0]) * moved * moved;
+    /// The noise of the forces under which what a model leaves is most likely.
+    pub(in crate::diagnosis) fn carried_noise(
+        &self,
+        driven: &Driven,
+        which: &[usize],
+        starts: &[State],
+    ) -> Vec<CarriedNoise> {
+        let left = |index: &usize| self.log.residual(driven, &self.log.windows[*index], &starts[*index]);
+        let residuals: Vec<Vec<f64>> = which.iter().map(left).collect();
+        let channels = self.log.compared().enumerate().filter(|(_, (channel, _))| channel.turning_axis().is_none());
+        let of = |(channel, _): (usize, _)| {
+            let mut windows: Vec<&[f64]> = Vec::new();
+            for (residual, index) in residuals.iter().zip(which) {
+                let rows = self.log.windows[*index].end - self.log.windows[*index].start;
+                windows.push(&residual[channel * rows..(channel + 1) * rows]);
             }
-        }
-        variance
+            CarriedNoise::of(channel, &windows)
+        };
+        channels.map(of).collect()
     }
 
-    /// How the departure of an axis shows in the compared channels at a row.
-    fn seen(&self, axis: usize, row: usize) -> Vec<(usize, [f64; 2])> {
-        let (sin_roll, cos_roll) = self.measured(0).map_or((0.0, 1.0), |roll| libm::sincos(roll[row]));
-        let slope = |place: usize| match place {
-            _ if place == axis => Some([1.0, 0.0]),
-            // the gimbal's pitch axis lies across the body
-            4 if axis == 1 && self.is_gimbal() => Some([0.0, cos_roll]),
-            5 if axis == 1 && self.is_gimbal() => Some([0.0, -sin_roll]),
-            _ if place == axis + 3 && self.turns(axis) => Some([0.0, 1.0]),
-            _ => None,
-        };
-        let scaled = |(channel, (place, sigma)): (usize, (usize, f64))| {
-            Some((channel, slope(place)?.map(|slope| slope / sigma)))
-        };
-        self.compared().enumerate().filter_map(scaled).collect()
+    /// Whitens the channels of a window that have such noise.
+    pub(in crate::diagnosis) fn whiten(&self, window: &Window, residual: &mut [f64]) {
+        let rows = window.end - window.start;
+        for noise in &self.carried {
+            noise.whiten(&mut residual[noise.channel * rows..(noise.channel + 1) * rows]);
+        }
     }
 
     /// Under which noise what a model leaves is most likely, per axis.
@@ -72,11 +78,12 @@ impl Shooting<'_> {
         which: &[usize],
         starts: &[State],
     ) -> [AxisNoise; 3] {
-        self.axis_windows(driven, which, starts).map(|windows| most_likely(&windows))
+        self.axis_windows(driven, which, starts).map(|windows| most_likely(&windows, AxisNoise::SENSORS.lost))
     }
 
-    /// Twice the negative logarithm of the likelihood of what a model leaves of some windows, start states quite free, up to a constant of the log;
-    /// with that share of what lost commands leave unknown, of some, that makes it likeliest.
+    /// Twice the negative logarithm of the likelihood of what a model leaves of some windows, start states quite free,
+    /// up to a constant of the log; with that share of what lost commands leave unknown, of some, that makes it
+    /// likeliest.
     pub(in crate::diagnosis) fn unlikeliness(
         &self,
         driven: &Driven,
@@ -95,13 +102,35 @@ impl Shooting<'_> {
         shares.iter().map(under).fold(f64::INFINITY, f64::min)
     }
 
+    /// The same under the disturbance that makes it likeliest.
+    pub(in crate::diagnosis) fn least_unlikeliness(
+        &self,
+        driven: &Driven,
+        which: &[usize],
+        starts: &[State],
+        shares: &[f64],
+    ) -> f64 {
+        let of_axis = |windows: &Vec<AxisWindow<'_>>| -> f64 {
+            // a disturbance can stand in for lost commands, but not the other way round
+            let disturbed = most_likely(windows, 0.0);
+            let under = |share: &f64| -> f64 {
+                let noise = AxisNoise { lost: *share, ..disturbed };
+                windows.iter().map(|window| unlikeliness(window, &noise)).sum()
+            };
+            shares.iter().map(under).fold(f64::INFINITY, f64::min)
+        };
+        self.axis_windows(driven, which, starts).iter().map(of_axis).sum()
+    }
+
     /// What a model leaves of some windows, axis by axis.
     fn axis_windows(&self, driven: &Driven, which: &[usize], starts: &[State]) -> [Vec<AxisWindow<'_>>; 3] {
-        let left: Vec<(Column, Vec<Column>)> =
-            which.iter().map(|index| self.start_slopes(driven, &self.windows[*index], &starts[*index])).collect();
-        [0, 1, 2].map(|axis| {
-            let window = |(index, (residual, slopes)): (&usize, &(Column, Vec<Column>))| {
-                let window = &self.windows[*index];
+        let left: Vec<(Residuals, Vec<Residuals>)> = which
+            .iter()
+            .map(|index| self.log.start_slopes(driven, &self.log.windows[*index], &starts[*index]))
+            .collect();
+        Axis::ALL.map(|axis| {
+            let window = |(index, (residual, slopes)): (&usize, &(Residuals, Vec<Residuals>))| {
+                let window = &self.log.windows[*index];
                 let mut passage = self.passage(axis, window);
                 let rows = passage.time_s.len();
                 let mut shown: Vec<usize> = passage.seen.iter().flatten().map(|(channel, _)| *channel).collect();
@@ -110,7 +139,7 @@ impl Shooting<'_> {
                 for (channel, _) in passage.seen.iter_mut().flatten() {
                     *channel = shown.partition_point(|shown| shown < channel);
                 }
-                let own = |column: &Column| -> Column {
+                let own = |column: &Residuals| -> Residuals {
                     shown.iter().flat_map(|channel| &column[channel * rows..(channel + 1) * rows]).copied().collect()
                 };
                 AxisWindow { passage, residual: own(residual), slopes: slopes.iter().map(own).collect() }

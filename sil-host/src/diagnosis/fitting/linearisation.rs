@@ -1,15 +1,10 @@
-//! Residuals of windows and their slopes: the best start states, and the normal equations of the parameters with these eliminated.
+//! Residuals of windows and their slopes: the best start states, and the normal equations of the parameters with these
+//! eliminated.
 
-use crate::diagnosis::fitting::linear::{Cholesky, dot};
-
-/// Start states are free in so far as these are far beyond any error of a measured one.
-const START_PRIOR_ANGLE_RAD: f64 = 0.5;
-const START_PRIOR_RATE_RAD_S: f64 = 10.0;
-const START_PRIOR_VELOCITY_M_S: f64 = 10.0;
-const START_PRIOR_HEIGHT_M: f64 = 10.0;
-
-/// Residuals of one window, or their change with a parameter.
-pub(in crate::diagnosis) type Column = Vec<f64>;
+use crate::prediction::Channel;
+use crate::prediction::start_state::{slope, start_factor};
+use crate::prediction::windowed_log::Residuals;
+use crate::statistics::dot;
 
 /// Per window: residuals, and their slopes along the start state and the parameters.
 pub(in crate::diagnosis) struct Linearisation {
@@ -18,9 +13,9 @@ pub(in crate::diagnosis) struct Linearisation {
 
 /// One window of it.
 pub(in crate::diagnosis) struct WindowLinear {
-    pub(in crate::diagnosis) residual: Column,
-    pub(in crate::diagnosis) start: Vec<Column>,
-    pub(in crate::diagnosis) parameters: Vec<Column>,
+    pub(in crate::diagnosis) residual: Residuals,
+    pub(in crate::diagnosis) start: Vec<Residuals>,
+    pub(in crate::diagnosis) parameters: Vec<Residuals>,
 }
 
 /// Normal equations of the parameters, the start states eliminated.
@@ -34,26 +29,27 @@ pub(in crate::diagnosis) struct Normal {
 }
 
 impl WindowLinear {
-    /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that is left.
-    pub(in crate::diagnosis) fn best_start(&self, step: &[f64], components: &[usize]) -> (Vec<f64>, f64) {
+    /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that is
+    /// left.
+    pub(in crate::diagnosis) fn best_start(&self, step: &[f64], free: &[Channel]) -> (Vec<f64>, f64) {
         let mut residual = self.residual.clone();
         for (column, by) in self.parameters.iter().zip(step) {
             residual.iter_mut().zip(column).for_each(|(residual, slope)| *residual -= slope * by);
         }
         let right: Vec<f64> = self.start.iter().map(|column| dot(column, &residual)).collect();
-        let Some(factor) = start_factor(&self.start, components) else {
-            return (vec![0.0; components.len()], dot(&residual, &residual));
+        let Some(factor) = start_factor(&self.start, free) else {
+            return (vec![0.0; free.len()], dot(&residual, &residual));
         };
         let best = factor.solve(&right);
         let chi2 = dot(&residual, &residual) - dot(&right, &best);
         (best, chi2)
     }
 
-    pub(in crate::diagnosis) fn reduced(&self, extra: &[Column], components: &[usize]) -> Normal {
-        let columns: Vec<&Column> = self.parameters.iter().chain(extra).collect();
+    pub(in crate::diagnosis) fn reduced(&self, extra: &[Residuals], free: &[Channel]) -> Normal {
+        let columns: Vec<&Residuals> = self.parameters.iter().chain(extra).collect();
         let size = columns.len();
-        let against = |column: &Column| -> Vec<f64> { self.start.iter().map(|start| dot(start, column)).collect() };
-        let Some(factor) = start_factor(&self.start, components) else {
+        let against = |column: &Residuals| -> Vec<f64> { self.start.iter().map(|start| dot(start, column)).collect() };
+        let Some(factor) = start_factor(&self.start, free) else {
             return Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 };
         };
         let residual = factor.forward(&against(&self.residual));
@@ -74,37 +70,14 @@ impl WindowLinear {
     }
 }
 
-pub(in crate::diagnosis) fn start_factor(slopes: &[Column], components: &[usize]) -> Option<Cholesky> {
-    let size = slopes.len();
-    let mut matrix = vec![0.0; size * size];
-    for i in 0..size {
-        for j in 0..size {
-            matrix[i * size + j] = dot(&slopes[i], &slopes[j]);
-        }
-        let prior = match components[i] {
-            0..3 => START_PRIOR_ANGLE_RAD,
-            3..6 => START_PRIOR_RATE_RAD_S,
-            6..9 => START_PRIOR_VELOCITY_M_S,
-            _ => START_PRIOR_HEIGHT_M,
-        };
-        matrix[i * size + i] += 1.0 / (prior * prior);
-    }
-    Cholesky::new(&matrix, size)
-}
-
 /// How a prediction changes with a parameter: minus the change of the residual.
-pub(in crate::diagnosis) fn slopes(residual: &[Column], shifted: Vec<Column>, step: f64) -> Vec<Column> {
+pub(in crate::diagnosis) fn slopes(residual: &[Residuals], shifted: Vec<Residuals>, step: f64) -> Vec<Residuals> {
     residual.iter().zip(shifted).map(|(base, shifted)| slope(base, shifted, step)).collect()
 }
 
-pub(in crate::diagnosis) fn slope(base: &Column, mut shifted: Column, step: f64) -> Column {
-    shifted.iter_mut().zip(base).for_each(|(shifted, base)| *shifted = (base - *shifted) / step);
-    shifted
-}
-
 /// From column by column to window by window.
-pub(in crate::diagnosis) fn turned(columns: Vec<Vec<Column>>, windows: usize) -> Vec<Vec<Column>> {
-    let mut turned: Vec<Vec<Column>> = (0..windows).map(|_| Vec::with_capacity(columns.len())).collect();
+pub(in crate::diagnosis) fn turned(columns: Vec<Vec<Residuals>>, windows: usize) -> Vec<Vec<Residuals>> {
+    let mut turned: Vec<Vec<Residuals>> = (0..windows).map(|_| Vec::with_capacity(columns.len())).collect();
     for column in columns {
         for (window, part) in turned.iter_mut().zip(column) {
             window.push(part);

@@ -1,27 +1,29 @@
-//! Moments that no model knows (gusts, a cable, the air between the rotors and a bench), as white angular acceleration, and what becomes of a
-//! fit under them.
+//! Moments that no model knows (gusts, a cable, the air between the rotors and a bench), as white angular acceleration,
+//! and what becomes of a fit under them.
 //!
-//! The output error alone takes all that is missed for the sensors' noise. In a closed loop it is then wrong, and sure of it: the controller
-//! answers a disturbance with commands that work against it, so that motion and commands seem to contradict each other, and the fit believes
-//! in weak or late motors (Forssell and Ljung, Closed-loop identification revisited, Automatica 35, 1999). With the disturbance in
-//! the noise model, each row is predicted from the rows before it, and the estimate is that of the prediction-error method, which is
-//! consistent in a closed loop.
+//! The output error alone takes all that is missed for the sensors' noise. In a closed loop it is then wrong, and sure
+//! of it: the controller answers a disturbance with commands that work against it, so that motion and commands seem to
+//! contradict each other, and the fit believes in weak or late motors (Forssell and Ljung, Closed-loop identification
+//! revisited, Automatica 35, 1999). With the disturbance in the noise model, each row is predicted from the rows before
+//! it, and the estimate is that of the prediction-error method, which is consistent in a closed loop.
 //!
-//! Per axis the disturbance drives a double integrator (over a few milliseconds every vehicle is one), measured by the log's angle and rate. A
-//! Kalman filter on it turns a window's residuals, and their slopes, into innovations of unit variance; the filter does not depend on the
-//! model's parameters, so that all else of the fit stays as it is. Strength and the sensors' share are those of the greatest likelihood.
+//! Per axis the disturbance drives a double integrator (over a few milliseconds every vehicle is one), measured by the
+//! log's angle and rate. A Kalman filter on it turns a window's residuals, and their slopes, into innovations of unit
+//! variance; the filter does not depend on the model's parameters, so that all else of the fit stays as it is. Strength
+//! and the sensors' share are those of the greatest likelihood.
 
 use rayon::prelude::*;
 
-use crate::diagnosis::fitting::linear::dot;
-use crate::diagnosis::fitting::linearisation::Column;
+use crate::prediction::windowed_log::Residuals;
+use crate::statistics::dot;
 
 /// White noise of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::diagnosis) struct AxisNoise {
     /// Root of the power density of the angular acceleration, rad/s^2 per root of Hz.
     pub(in crate::diagnosis) acceleration: f64,
-    /// Sensors' noise over what the log's smoothness says: an estimator's error goes on from row to row and cannot be seen there.
+    /// Sensors' noise over what the log's smoothness says: an estimator's error goes on from row to row and cannot be
+    /// seen there.
     pub(in crate::diagnosis) sensors: f64,
     /// Share that counts of what lost commands leave unknown.
     pub(in crate::diagnosis) lost: f64,
@@ -31,10 +33,6 @@ impl AxisNoise {
     /// What is left of the sensors alone.
     pub(in crate::diagnosis) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0, lost: 1.0 };
 }
-
-/// What lost commands leave unknown, per axis and row until the next, as white angular acceleration: root of its power density, rad/s^2 per root
-/// of Hz.
-pub(in crate::diagnosis) type Lost = [Vec<f64>; 3];
 
 /// Strengths that are tried: a factor of two apart.
 const ACCELERATIONS: std::ops::Range<i32> = -10..7;
@@ -50,8 +48,8 @@ pub(in crate::diagnosis) struct Departure {
 }
 
 impl Departure {
-    /// Takes one residual, its slopes along (angle, rate) and its sensor's standard deviation, all in one unit; its innovation and that one's
-    /// variance.
+    /// Takes one residual, its slopes along (angle, rate) and its sensor's standard deviation, all in one unit; its
+    /// innovation and that one's variance.
     fn correct(&mut self, residual: f64, [angle, rate]: [f64; 2], sensor: f64) -> (f64, f64) {
         let [aa, ar, rr] = self.covariance;
         let (with_angle, with_rate) = (aa * angle + ar * rate, ar * angle + rr * rate);
@@ -83,16 +81,16 @@ impl Departure {
 pub(in crate::diagnosis) struct Passage<'a> {
     /// When they are, s.
     pub(in crate::diagnosis) time_s: &'a [f64],
-    /// Root of the power density of what lost commands leave unknown of the acceleration from each row to the next, rad/s^2 per root of Hz; empty
-    /// where none are lost.
+    /// Root of the power density of what lost commands leave unknown of the acceleration from each row to the next,
+    /// rad/s^2 per root of Hz; empty where none are lost.
     pub(in crate::diagnosis) lost: &'a [f64],
     /// Per row, the channels that show the axis: number, slopes along (angle, rate) in units of the channel's noise.
     pub(in crate::diagnosis) seen: Vec<Vec<(usize, [f64; 2])>>,
 }
 
 impl Passage<'_> {
-    /// Turns residuals, channel by channel in units of each one's noise, into innovations of unit variance; the logarithm of the
-    /// variances that they had, summed.
+    /// Turns residuals, channel by channel in units of each one's noise, into innovations of unit variance; the
+    /// logarithm of the variances that they had, summed.
     pub(in crate::diagnosis) fn innovate(&self, noise: &AxisNoise, residual: &mut [f64]) -> f64 {
         let rows = self.time_s.len();
         let mut departure = Departure::default();
@@ -116,19 +114,20 @@ impl Passage<'_> {
 /// One window of an axis, with the channels that show it: residuals, and slopes along the start state.
 pub(in crate::diagnosis) struct AxisWindow<'a> {
     pub(in crate::diagnosis) passage: Passage<'a>,
-    pub(in crate::diagnosis) residual: Column,
-    pub(in crate::diagnosis) slopes: Vec<Column>,
+    pub(in crate::diagnosis) residual: Residuals,
+    pub(in crate::diagnosis) slopes: Vec<Residuals>,
 }
 
-/// The noise under which what a model leaves of an axis is most likely.
-pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>]) -> AxisNoise {
+/// The noise under which what a model leaves of an axis is most likely, if that share counts of what lost commands
+/// leave unknown.
+pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>], lost: f64) -> AxisNoise {
     let candidates = SENSORS.into_iter().flat_map(|sensors| {
         let white = ACCELERATIONS.map(move |exponent| AxisNoise {
             acceleration: libm::exp2(f64::from(exponent)),
             sensors,
-            ..AxisNoise::SENSORS
+            lost,
         });
-        std::iter::once(AxisNoise { sensors, ..AxisNoise::SENSORS }).chain(white)
+        std::iter::once(AxisNoise { sensors, lost, ..AxisNoise::SENSORS }).chain(white)
     });
     let candidates: Vec<AxisNoise> = candidates.collect();
     let unlikeliness: Vec<f64> =
@@ -172,7 +171,7 @@ mod tests {
     const STEP_S: f64 = 0.004;
 
     /// What is seen of a double integrator under white acceleration, in units of the sensors' noise.
-    fn seen(acceleration: f64, sensors: f64, rows: usize, seed: u64) -> (Vec<f64>, Column) {
+    fn seen(acceleration: f64, sensors: f64, rows: usize, seed: u64) -> (Vec<f64>, Residuals) {
         let mut random = RandomStream::new(seed, "disturbed");
         let (mut x, mut v) = (0.0, 0.0);
         let (mut times, mut angles, mut rates) = (Vec::new(), Vec::new(), Vec::new());
@@ -244,7 +243,7 @@ mod tests {
                     AxisWindow { passage, residual: residual.clone(), slopes: vec![ones, ramp] }
                 })
                 .collect();
-            assert_eq!(most_likely(&windows), AxisNoise { acceleration, sensors, lost: 1.0 });
+            assert_eq!(most_likely(&windows, 1.0), AxisNoise { acceleration, sensors, lost: 1.0 });
         }
     }
 }

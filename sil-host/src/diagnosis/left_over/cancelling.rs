@@ -1,10 +1,11 @@
-//! Findings that all but cancel each other: two large effects whose difference is small explain anything smooth, a cubic spring say as a
-//! spring against a heavy ring. What needs that is more likely something else, and no two names.
+//! Findings that all but cancel each other: two large effects whose difference is small explain anything smooth, a
+//! cubic spring say as a spring against a heavy ring. What needs that is more likely something else, and no two names.
 
 use crate::diagnosis::fitting::fit::Fit;
-use crate::diagnosis::fitting::linear::{Cholesky, dot};
+use crate::statistics::{Cholesky, dot};
 
-/// Two effects cancel where each alone would do so many times what both do together (root mean square of what they change).
+/// Two effects cancel where each alone would do so many times what both do together (root mean square of what they
+/// change).
 const TIMES: f64 = 2.0;
 /// Parameters that say when or how often, not how much.
 const NOT_SIZES: [&str; 2] = ["frequency_hz", "start_s"];

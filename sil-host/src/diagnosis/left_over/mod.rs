@@ -1,22 +1,20 @@
-//! Is anything left beside the findings? Residuals that go on from row to row (`structure`), that depend on something (`signature`), or findings that
-//! all but cancel each other (`cancelling`).
+//! Is anything left beside the findings? Residuals that go on from row to row (`structure`), that depend on something
+//! (`signature`), or findings that all but cancel each other (`cancelling`).
 
 pub(in crate::diagnosis) mod cancelling;
 pub(in crate::diagnosis) mod signature;
 pub(in crate::diagnosis) mod structure;
 
 use super::Unexplained;
-use super::evidence::residuals;
 use super::fitting::fit::model_of;
 use super::search::{Candidate, Found, Search};
-use crate::prediction::model::FIRST_FLYING_PLACE;
 
 /// What the findings of a search leave.
 pub(super) fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {
     let shooting = search.shooting;
     let whole = search.fitted_to_all(&found.chosen);
-    let driven = shooting.drive(model_of(search.nominal, &whole.fit.terms));
-    let all: Vec<usize> = (0..shooting.windows.len()).collect();
+    let driven = shooting.log.drive(model_of(search.nominal, &whole.fit.terms));
+    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let whiteness = structure::whiteness(shooting, &driven, &all, &whole.fit.starts);
     let even = whiteness.iter().all(structure::Whiteness::is_white);
     let dependence = signature::strongest(search, &found.chosen, &whole.fit);
@@ -27,20 +25,12 @@ pub(super) fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained
     let variance_pct = if nominal > 0.0 { 100.0 * (beyond(&found.chosen) / nominal).min(1.0) } else { 0.0 };
     let worst = whiteness.iter().max_by(|a, b| a.deviation.total_cmp(&b.deviation));
     let goes_on = worst.filter(|_| !even).map(|worst| {
-        let name = residuals::NAMES[worst.place];
-        if worst.place >= FIRST_FLYING_PLACE {
-            let sigmas = worst.deviation;
-            return format!(
-                "{name} misses its prediction by something that goes on from row to row ({sigmas:.0} sigma)"
-            );
-        }
-        let frequency = signature::frequency(search, &whole.fit, worst.place % 3).unwrap_or_default();
-        format!(
-            "{}: {} misses its prediction by something that goes on from row to row ({:.0} sigma), {frequency}",
-            residuals::NAMES[worst.place % 3],
-            name,
-            worst.deviation
-        )
+        let (name, sigmas) = (worst.channel.name(), worst.deviation);
+        let words =
+            format!("{name} misses its prediction by something that goes on from row to row ({sigmas:.0} sigma)");
+        let Some(axis) = worst.channel.turning_axis() else { return words };
+        let frequency = signature::frequency(search, &whole.fit, axis).unwrap_or_default();
+        format!("{}: {words}, {frequency}", axis.name())
     });
     let cancelling = || cancelling::cancelling(&whole.fit, search.always.len());
     let signature = dependence.or(goes_on).or_else(cancelling).unwrap_or_default();

@@ -1,20 +1,22 @@
-//! On what does that which the findings leave depend? Moments of general shapes, none of them in the catalogue, are tried beside the
-//! findings: on each axis the angle's and the rate's square and cube and slow changes with time, each motor's lift squared, all lifts
-//! with time. What explains most says which measured quantity the residual depends on, and how: a signature, no name.
+//! On what does that which the findings leave depend? Moments of general shapes, none of them in the catalogue, are
+//! tried beside the findings: on each axis the angle's and the rate's square and cube and slow changes with time, each
+//! motor's lift squared, all lifts with time. What explains most says which measured quantity the residual depends on,
+//! and how: a signature, no name.
 
 use std::sync::Arc;
 
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, model_of, regular, shifted_models};
 use crate::diagnosis::fitting::hints::hints;
-use crate::diagnosis::fitting::linear::{Cholesky, dot};
 use crate::diagnosis::fitting::linearisation::Normal;
-use crate::diagnosis::fitting::shooting::Driven;
 use crate::diagnosis::search::{Candidate, Search};
 use crate::prediction::body::{Moment, Motion};
+use crate::prediction::windowed_log::Driven;
+use crate::statistics::{Cholesky, dot};
 use crate::vehicle::signed_sums;
 
-/// Fall of the sum of squares, in units of what is left per degree of freedom, that a shape must bring: a chance of 1e-5 over all of them.
+/// Fall of the sum of squares, in units of what is left per degree of freedom, that a shape must bring: a chance of
+/// 1e-5 over all of them.
 const SIGNIFICANT: f64 = 30.0;
 /// Change of a coefficient for a difference quotient, N m per unit of the shape; the prediction is linear in it.
 const STEP: f64 = 1e-3;
@@ -56,8 +58,8 @@ impl Moment for Scaled {
 pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_>, whole: &Fit<'_>) -> Option<String> {
     let shooting = search.shooting;
     let terms = &whole.terms;
-    let driven = shooting.drive(model_of(search.nominal, terms));
-    let all: Vec<usize> = (0..shooting.windows.len()).collect();
+    let driven = shooting.log.drive(model_of(search.nominal, terms));
+    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let own = shifted_models(shooting, search.nominal, terms, 0);
     let linear = shooting.linearise(&driven, &own, &all, &whole.starts, None);
     let explained_by_own = explained(&shooting.normal(&linear, None)).map_or(0.0, |(fall, _)| fall);
@@ -66,7 +68,7 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
         let with = |shape: &Shape| -> (Driven, f64) {
             let mut model = model_of(search.nominal, terms);
             model.moments.push(Box::new(Scaled { moment: Arc::clone(&shape.moment), by: STEP }));
-            (shooting.drive(model), STEP)
+            (shooting.log.drive(model), STEP)
         };
         let shifted: Vec<(Driven, f64)> = dependence.shapes.iter().map(with).collect();
         let extra = shooting.slopes_of(&linear, &shifted, &all, &whole.starts);
@@ -77,7 +79,7 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
         if fall > SIGNIFICANT && best.as_ref().is_none_or(|(most, _)| fall > *most) {
             let first = coefficients.len() - dependence.shapes.len();
             // separate axes are bodies of unit inertia
-            let moment_unit = if shooting.has_motors() { "N m" } else { "rad/s^2" };
+            let moment_unit = if shooting.log.has_motors() { "N m" } else { "rad/s^2" };
             best = Some((fall, dependence.in_words(&normal, &coefficients, first, moment_unit)));
         }
     }
@@ -85,9 +87,9 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
 }
 
 /// The strongest frequency of what is missing on an axis, in words.
-pub(in crate::diagnosis) fn frequency(search: &Search<'_>, whole: &Fit<'_>, axis: usize) -> Option<String> {
-    let driven = search.shooting.drive(model_of(search.nominal, &whole.terms));
-    let frequency_hz = hints(search.shooting, &driven).frequency_hz[axis]?;
+pub(in crate::diagnosis) fn frequency(search: &Search<'_>, whole: &Fit<'_>, axis: Axis) -> Option<String> {
+    let driven = search.shooting.log.drive(model_of(search.nominal, &whole.terms));
+    let frequency_hz = hints(&search.shooting.log, &driven).frequency_hz[axis.index()]?;
     Some(format!("strongest in frequency near {frequency_hz:.2} Hz"))
 }
 
@@ -127,11 +129,11 @@ fn three_digits(value: f64) -> String {
 
 fn dependences(search: &Search<'_>) -> Vec<Dependence> {
     let shooting = search.shooting;
-    let rows = shooting.rows();
+    let rows = shooting.log.rows();
     let (begin_s, end_s) = (rows.first().copied().unwrap_or_default(), rows.last().copied().unwrap_or_default());
     let phase = move |time_s: f64| core::f64::consts::PI * (time_s - begin_s) / (end_s - begin_s);
     let mut all = Vec::new();
-    for axis in Axis::ALL.into_iter().filter(|axis| shooting.turns(axis.index())) {
+    for axis in Axis::ALL.into_iter().filter(|axis| shooting.log.turns(*axis)) {
         let i = axis.index();
         let on_axis = move |value: f64| -> [f64; 3] { core::array::from_fn(|k| if k == i { value } else { 0.0 }) };
         let shape = |words, per, of: fn(&Motion, usize) -> f64| Shape {
@@ -157,7 +159,7 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
         all.push(dependence("rate", rate));
         all.push(dependence("time", time.into()));
     }
-    if shooting.has_motors() {
+    if shooting.log.has_motors() {
         for motor in 0..4 {
             let squared = move |m: &Motion| {
                 let of_motor = |i: usize| if i == motor { m.force[motor] * m.force[motor] } else { 0.0 };

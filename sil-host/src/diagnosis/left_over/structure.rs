@@ -1,24 +1,25 @@
 //! Is anything left? White residuals mean that a model explains a log; what is smooth in them is somebody's doing.
 //!
-//! Per channel the products of residuals k rows apart are summed over all windows, k = 1 to 8, and compared with what white noise would
-//! give after each window's start state has been fitted to it: with n the noise and r = (I - H) n the mean of r_i r_(i+k) is -H_(i, i+k). The noise's
-//! size cancels, so that nothing depends on how well it is known.
+//! Per channel the products of residuals k rows apart are summed over all windows, k = 1 to 8, and compared with what
+//! white noise would give after each window's start state has been fitted to it: with n the noise and r = (I - H) n the
+//! mean of r_i r_(i+k) is -H_(i, i+k). The noise's size cancels, so that nothing depends on how well it is known.
 
-use crate::diagnosis::fitting::linear::dot;
-use crate::diagnosis::fitting::linearisation::Column;
-use crate::diagnosis::fitting::shooting::{Driven, Shooting};
-use crate::fidelity::Window;
+use crate::diagnosis::fitting::shooting::Shooting;
+use crate::prediction::Channel;
+use crate::prediction::Window;
 use crate::prediction::body::State;
+use crate::prediction::windowed_log::{Driven, Residuals};
+use crate::statistics::dot;
 
 /// Rows apart.
 const LAGS: usize = 8;
 /// Standard deviations beyond which residuals of four channels are not white: a chance of 1e-5.
 const STRUCTURED: f64 = 4.5;
 
-/// How far the residuals of one place of a report are from white.
+/// How far the residuals of one channel are from white.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::diagnosis) struct Whiteness {
-    pub(in crate::diagnosis) place: usize,
+    pub(in crate::diagnosis) channel: Channel,
     /// Sum of the correlations over all lags, in standard deviations of white noise.
     pub(in crate::diagnosis) deviation: f64,
 }
@@ -36,23 +37,25 @@ pub(in crate::diagnosis) fn whiteness(
     which: &[usize],
     starts: &[State],
 ) -> Vec<Whiteness> {
-    let places: Vec<usize> = shooting.compared().map(|(place, _)| place).collect();
-    let mut sums = vec![Sum::default(); places.len()];
+    let mut sums = vec![Sum::default(); shooting.log.compared().count()];
     for index in which {
-        let Some(settled) = Settled::of(shooting, driven, &shooting.windows[*index], &starts[*index]) else { continue };
-        for (channel, sum) in sums.iter_mut().enumerate() {
-            let (residual, forward) = settled.channel(channel);
+        let Some(settled) = Settled::of(shooting, driven, &shooting.log.windows[*index], &starts[*index]) else {
+            continue;
+        };
+        for (number, sum) in sums.iter_mut().enumerate() {
+            let (residual, forward) = settled.channel(number);
             sum.take(residual, forward);
         }
     }
-    places.iter().zip(sums).map(|(place, sum)| Whiteness { place: *place, deviation: sum.deviation() }).collect()
+    let channels = shooting.log.compared().map(|(channel, _)| channel);
+    channels.zip(sums).map(|(channel, sum)| Whiteness { channel, deviation: sum.deviation() }).collect()
 }
 
 /// A window whose start state is at its best.
 pub(in crate::diagnosis) struct Settled {
     rows: usize,
     /// In units of the noise, channel by channel.
-    residual: Column,
+    residual: Residuals,
     /// Per residual, the row of L^-1 J: inner products of two are entries of H.
     forward: Vec<Vec<f64>>,
 }
@@ -66,11 +69,11 @@ impl Settled {
         start: &State,
     ) -> Option<Settled> {
         // a disturbance that was only found in the log is no part of an explanation, lost commands are
-        let (mut residual, slopes) = match &shooting.lost {
+        let (mut residual, slopes) = match &shooting.log.lost {
             Some(_) => shooting.innovation_slopes(driven, window, start),
-            None => shooting.start_slopes(driven, window, start),
+            None => shooting.log.start_slopes(driven, window, start),
         };
-        let factor = shooting.start_factor(&slopes)?;
+        let factor = shooting.log.start_factor(&slopes)?;
         let right: Vec<f64> = slopes.iter().map(|slope| dot(slope, &residual)).collect();
         for (slope, by) in slopes.iter().zip(factor.solve(&right)) {
             residual.iter_mut().zip(slope).for_each(|(residual, slope)| *residual -= slope * by);

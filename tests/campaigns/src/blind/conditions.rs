@@ -1,9 +1,8 @@
 //! Under what a log is made, and how large an effect must be there to show as much as is wanted.
 
 use sil_host::cosim::{self, Probe};
-use sil_host::diagnosis::{Subject, channel_prediction_errors};
+use sil_host::diagnosis::{Subject, nominal_prediction};
 use sil_host::effects::Effect;
-use sil_host::fidelity::{Channel, Part, ReplayOptions, replay_plant};
 use sil_host::flight::FlightSetup;
 use sil_host::flight_log::flight_log;
 use sil_host::log::Log;
@@ -124,25 +123,17 @@ impl Conditions {
         }
     }
 
-    /// Held-out error of the nominal model over its noise floor: root mean square over the channels, in free flight
-    /// over those of the diagnosis, as the replay knows no translation.
+    /// Held-out error of the nominal model over its noise floor: root mean square over the channels.
     ///
     /// # Panics
-    /// If the log can't be replayed.
+    /// If the log can't be predicted.
     pub fn ratio(&self, log: &Log) -> f64 {
-        if self.rig == Rig::Free {
-            let nominal = self.vehicle(&[]);
-            let errors = channel_prediction_errors(log, &Subject::Vehicle(&nominal)).expect("a whole log");
-            let squares = errors.iter().map(|(_, [error, floor])| (error / floor) * (error / floor)).sum::<f64>();
-            return (squares / errors.len() as f64).sqrt();
-        }
-        let options = ReplayOptions { control_rate_hz: Some(f64::from(self.control_rate_hz)) };
-        let replay = replay_plant(log, &self.vehicle(&[]), &options).expect("a whole log");
-        let squares = Channel::ALL.into_iter().filter_map(|channel| {
-            let ratio = replay.rmse(channel, Part::HeldOut)? / replay.noise_floor(channel, Part::HeldOut)?;
-            Some(ratio * ratio)
-        });
-        let squares: Vec<f64> = squares.collect();
+        let nominal = self.vehicle(&[]);
+        let control_rate_hz = Some(f64::from(self.control_rate_hz));
+        let prediction = nominal_prediction(log, &Subject::Vehicle(&nominal), control_rate_hz).expect("a whole log");
+        let predicted = prediction.predicted;
+        let ratios = predicted.channels().filter_map(|channel| Some(predicted.error(channel)?.ratio()));
+        let squares: Vec<f64> = ratios.map(|ratio| ratio * ratio).collect();
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     }
 

@@ -1,11 +1,11 @@
 //! One case and what the diagnosis made of it.
 
 use sil_host::diagnosis::{
-    Diagnosis, Finding, Subject, Verdict, channel_prediction_errors, diagnose, extended_model, prediction_error,
+    Diagnosis, Finding, Subject, Verdict, channel_prediction_errors, diagnose, extended_model, nominal_prediction,
 };
-use sil_host::fidelity::ChannelErrors;
 use sil_host::log::Log;
 use sil_host::model::{Rig, VehicleModel};
+use sil_host::prediction::ChannelErrors;
 
 use super::case::Case;
 use super::hidden::{Hidden, label};
@@ -78,8 +78,9 @@ impl Outcome {
             if case.conditions.rig == Rig::Free {
                 return Gain::in_free_flight(case, &log, &answer);
             }
-            let [truth, _] = prediction_error(&log, &Subject::Vehicle(&case.vehicle)).expect("a whole log");
-            Gain::of(&answer, &truth)
+            let truth = nominal_prediction(&log, &Subject::Vehicle(&case.vehicle), None).expect("a whole log");
+            let [errors, _] = truth.predicted.channel_errors();
+            Gain::of(&answer, &errors)
         });
         Outcome::beside_truth(case, &answer, gain)
     }
@@ -158,13 +159,14 @@ impl Gain {
     /// Over all channels that the diagnosis compares.
     fn in_free_flight(case: &Case, log: &Log, answer: &Diagnosis) -> Gain {
         let errors =
-            |model: &VehicleModel| channel_prediction_errors(log, &Subject::Vehicle(model)).expect("a whole log");
+            |model: &VehicleModel| channel_prediction_errors(log, &Subject::Vehicle(model), None).expect("a whole log");
         let nominal = VehicleModel::nominal(Rig::Free);
         let extended = extended_model(&nominal, &answer.findings).map_or_else(|_| errors(&nominal), |it| errors(&it));
         let mut gain = Gain { extended_to_true: 0.0, extended_to_floor: 0.0, floor_to_true: 0.0 };
-        for ((_, [extended, floor]), (_, [truth, _])) in extended.iter().zip(&errors(&case.vehicle)) {
-            gain.extended_to_true = gain.extended_to_true.max(extended / truth);
-            gain.extended_to_floor = gain.extended_to_floor.max(extended / floor);
+        for ((_, extended), (_, truth)) in extended.iter().zip(&errors(&case.vehicle)) {
+            let (floor, truth) = (extended.noise_floor, truth.error);
+            gain.extended_to_true = gain.extended_to_true.max(extended.error / truth);
+            gain.extended_to_floor = gain.extended_to_floor.max(extended.ratio());
             gain.floor_to_true = gain.floor_to_true.max(floor / truth).max(truth / floor);
         }
         gain

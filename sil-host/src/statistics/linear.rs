@@ -2,14 +2,14 @@
 
 /// Lower triangle of a symmetric matrix and its Cholesky factor.
 #[derive(Clone, Debug)]
-pub(in crate::diagnosis) struct Cholesky {
+pub(crate) struct Cholesky {
     size: usize,
     factor: Vec<f64>,
 }
 
 impl Cholesky {
     /// Factors a symmetric matrix (rows one behind the other); `None` if it is not positive definite.
-    pub(in crate::diagnosis) fn new(matrix: &[f64], size: usize) -> Option<Cholesky> {
+    pub(crate) fn new(matrix: &[f64], size: usize) -> Option<Cholesky> {
         let mut factor = matrix.to_vec();
         for i in 0..size {
             for j in 0..=i {
@@ -30,7 +30,7 @@ impl Cholesky {
     }
 
     /// `L^-1 b`.
-    pub(in crate::diagnosis) fn forward(&self, b: &[f64]) -> Vec<f64> {
+    pub(crate) fn forward(&self, b: &[f64]) -> Vec<f64> {
         let mut y = b.to_vec();
         for i in 0..self.size {
             for k in 0..i {
@@ -42,7 +42,7 @@ impl Cholesky {
     }
 
     /// `L^-T y`.
-    pub(in crate::diagnosis) fn backward(&self, y: &[f64]) -> Vec<f64> {
+    pub(crate) fn backward(&self, y: &[f64]) -> Vec<f64> {
         let mut x = y.to_vec();
         for i in (0..self.size).rev() {
             for k in i + 1..self.size {
@@ -54,12 +54,12 @@ impl Cholesky {
     }
 
     /// Solution of `A x = b`.
-    pub(in crate::diagnosis) fn solve(&self, b: &[f64]) -> Vec<f64> {
+    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
         self.backward(&self.forward(b))
     }
 
     /// The inverse, rows one behind the other.
-    pub(in crate::diagnosis) fn inverse(&self) -> Vec<f64> {
+    pub(crate) fn inverse(&self) -> Vec<f64> {
         let mut inverse = vec![0.0; self.size * self.size];
         for j in 0..self.size {
             let mut unit = vec![0.0; self.size];
@@ -73,6 +73,25 @@ impl Cholesky {
 }
 
 /// Inner product.
-pub(in crate::diagnosis) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_systems_inverse_solves_it() {
+        let matrix = [4.0, 1.0, 0.5, 1.0, 3.0, -0.2, 0.5, -0.2, 2.0];
+        let factor = Cholesky::new(&matrix, 3).unwrap();
+        let solution = factor.solve(&[1.0, 2.0, 3.0]);
+        for (row, right) in [1.0, 2.0, 3.0].into_iter().enumerate() {
+            let left = dot(&matrix[3 * row..3 * row + 3], &solution);
+            assert!((left - right).abs() < 1e-14);
+        }
+        let inverse = factor.inverse();
+        assert!((dot(&matrix[..3], &[inverse[0], inverse[3], inverse[6]]) - 1.0).abs() < 1e-14);
+        assert!(Cholesky::new(&[1.0, 2.0, 2.0, 1.0], 2).is_none());
+    }
 }

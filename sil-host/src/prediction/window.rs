@@ -1,31 +1,26 @@
-//! Which rows are replayed: windows of 0.5 s in which the motors run and no row is missing.
+//! Which rows are predicted: windows of 0.5 s in which the motors run and no row is missing.
 
-use super::error::FidelityError;
+use super::error::NotPredictable;
 use crate::log::Log;
 
 /// Length of a window, s.
 pub const WINDOW_S: f64 = 0.5;
 
-/// Rows this long before and after a start serve to find the state at the start, s (docs/commands.md: at most 50 ms before).
-pub(super) const START_REACH_S: f64 = 0.05;
-
-/// Commands this long before the lead row decide what the motors do at the start, s. They are inputs, not measurements of
-/// the state, and motors remember them: 0.2 s is three times the slowest motor's lag.
-const MOTOR_MEMORY_S: f64 = 0.2;
+/// Rows this long before and after a start serve to find the state at the start, s (docs/commands.md: at most 50 ms
+/// before).
+const START_REACH_S: f64 = 0.05;
 
 /// Fewer rows say nothing about a window.
 const ROWS_MIN: usize = 5;
 
-/// One stretch of rows that is replayed from its own start state.
+/// One stretch of rows that is predicted from its own start state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     /// Number among the windows of the log, from 0.
     pub index: usize,
-    /// First row whose command serves to bring the motors to their state at the lead row.
-    pub warm_up: usize,
-    /// First row used to find angle and rate at the start.
+    /// First row used to find the state at the start.
     pub lead: usize,
-    /// The row at which the replay starts.
+    /// The row at which the prediction starts.
     pub start: usize,
     /// The row after the last one used to find the start state.
     pub tail: usize,
@@ -40,24 +35,19 @@ pub struct Window {
 ///
 /// # Errors
 /// The rows are too far apart, or there is no window at all.
-pub(crate) fn windows(log: &Log) -> Result<Vec<Window>, FidelityError> {
+pub(crate) fn windows(log: &Log) -> Result<Vec<Window>, NotPredictable> {
     let step_s = log.median_step_s();
     if step_s * ROWS_MIN as f64 > WINDOW_S {
-        return Err(too_slow(log));
+        return Err(NotPredictable::TooSlow { step_s, window_s: WINDOW_S, rows_min: ROWS_MIN });
     }
     let mut windows = Vec::new();
     for (first, end) in stretches(log) {
         cut(&log.time_s, first, end, 0.5 * step_s, &mut windows);
     }
     if windows.is_empty() {
-        return Err(FidelityError::NoWindow { window_s: WINDOW_S, rows: log.rows(), duration_s: log.duration_s() });
+        return Err(NotPredictable::NoWindow { window_s: WINDOW_S, rows: log.rows(), duration_s: log.duration_s() });
     }
     Ok(windows)
-}
-
-/// The error for rows too far apart.
-pub(super) fn too_slow(log: &Log) -> FidelityError {
-    FidelityError::TooSlow { step_s: log.median_step_s(), window_s: WINDOW_S, rows_min: ROWS_MIN }
 }
 
 /// Runs of rows (first, one past the last) without a gap in time in which the motors run.
@@ -103,8 +93,9 @@ fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut
     }
 }
 
-/// Which half of the windows is held out, as the sequence of Thue and Morse has it: as many of these as of the others in each four, and no period.
-/// With every second window a disturbance of 1 Hz would push all fitted windows one way, and all held-out ones the other.
+/// Which half of the windows is held out, as the sequence of Thue and Morse has it: as many of these as of the others
+/// in each four, and no period. With every second window a disturbance of 1 Hz would push all fitted windows one way,
+/// and all held-out ones the other.
 fn is_held_out(index: usize) -> bool {
     index.count_ones() % 2 == 1
 }
@@ -115,12 +106,11 @@ impl Window {
         let (start_s, reach_s) = (time_s[start], START_REACH_S + 1e-9);
         let lead = (earliest..=start).find(|row| time_s[*row] >= start_s - reach_s).unwrap_or(start);
         let tail = (start..end).find(|row| time_s[*row] > start_s + reach_s).unwrap_or(end);
-        let warm_up = (earliest..=lead).find(|row| time_s[*row] >= time_s[lead] - MOTOR_MEMORY_S).unwrap_or(lead);
-        Window { index: 0, warm_up, lead, start, tail, end, held_out: false }
+        Window { index: 0, lead, start, tail, end, held_out: false }
     }
 
-    /// Windows of another length over the same rows, end to end from the first one's start to the last one's end; `run` are windows that follow
-    /// each other without a gap. Empty where the rows are too few.
+    /// Windows of another length over the same rows, end to end from the first one's start to the last one's end; `run`
+    /// are windows that follow each other without a gap. Empty where the rows are too few.
     pub(crate) fn of_length(time_s: &[f64], run: &[Window], length_s: f64) -> Vec<Window> {
         let (Some(first), Some(last)) = (run.first(), run.last()) else { return Vec::new() };
         let tolerance_s = 0.5 * (time_s[last.end] - time_s[first.start]) / (last.end - first.start) as f64;
@@ -131,7 +121,7 @@ impl Window {
             if end - start < ROWS_MIN {
                 return Vec::new();
             }
-            windows.push(Window { held_out: first.held_out, ..Window::between(time_s, first.warm_up, start, end) });
+            windows.push(Window { held_out: first.held_out, ..Window::between(time_s, first.lead, start, end) });
             start = end;
         }
         windows
@@ -215,9 +205,8 @@ mod tests {
         let windows = windows(&log).unwrap();
         assert!(windows.len() > 10);
         for window in &windows {
-            assert!(window.warm_up <= window.lead);
-            assert!(window.end <= 700 || window.warm_up >= 700, "{window:?}");
-            assert!(window.end <= 1200 || window.warm_up >= 1300, "{window:?}");
+            assert!(window.end <= 700 || window.lead >= 700, "{window:?}");
+            assert!(window.end <= 1200 || window.lead >= 1300, "{window:?}");
             let length_s = log.time_s[window.end] - log.time_s[window.start];
             assert!((length_s - WINDOW_S).abs() <= 0.003, "{length_s}");
             let before_s = log.time_s[window.start] - log.time_s[window.lead];
@@ -228,10 +217,10 @@ mod tests {
     #[test]
     fn slow_and_standing_logs_are_refused() {
         let slow = log_at((0..200).map(|row| f64::from(row) * 0.2).collect());
-        assert!(matches!(windows(&slow), Err(FidelityError::TooSlow { .. })));
+        assert!(matches!(windows(&slow), Err(NotPredictable::TooSlow { .. })));
         let mut standing = log_at((0..1000).map(|row| f64::from(row) * 0.01).collect());
         standing.thrust_command = Some(vec![0.0; 1000]);
         standing.active_when = Some(Threshold { quantity: Quantity::Thrust, above: 0.0 });
-        assert!(matches!(windows(&standing), Err(FidelityError::NoWindow { .. })));
+        assert!(matches!(windows(&standing), Err(NotPredictable::NoWindow { .. })));
     }
 }

@@ -1,8 +1,8 @@
-//! Why a log can't be held against a model.
+//! Why the rows of a log can't be predicted.
 
-/// A log that can be read, but not replayed.
+/// A log that can be read, but not predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FidelityError {
+pub enum NotPredictable {
     /// Nowhere do the motors run for a whole window without a gap in time.
     #[error(
         "no window of {window_s} s in which the motors run and no rows are missing \
@@ -26,7 +26,7 @@ pub enum FidelityError {
         /// Fewest rows in a window.
         rows_min: usize,
     },
-    /// A replay needs a column that the log lacks.
+    /// The prediction needs a column that the log lacks.
     #[error("the log has no column `{column}`, which {why}")]
     MissingColumn {
         /// Name in docs/log-format.md.
