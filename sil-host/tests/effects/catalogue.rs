@@ -96,7 +96,7 @@ fn of_motion() -> Vec<Case> {
         case(
             Gimbal,
             "step_disturbance:axis=pitch,torque_nm=0.05,start_s=4.0021",
-            page(|m| [0.0, if m.time_s >= 4.0021 - 1e-9 { 0.05 } else { 0.0 }, 0.0]),
+            page(|m| [0.0, if m.step_start_s >= 4.0021 - 1e-9 { 0.05 } else { 0.0 }, 0.0]),
         ),
         case(Free, "rotor_drag:coefficient_ns_m=0.4", Page { force: |v| [-0.4 * v[0], -0.4 * v[1], 0.0], ..NOMINAL }),
         case(

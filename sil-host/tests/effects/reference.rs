@@ -50,6 +50,8 @@ pub enum Rig {
 #[derive(Clone, Copy, Debug)]
 pub struct Moving {
     pub time_s: f64,
+    /// Start of the step of the integration, s: what sets in at its end is not there at its last stage.
+    pub step_start_s: f64,
     /// Roll, pitch, yaw.
     pub angle: [f64; 3],
     /// Their derivatives on the gimbal, p, q, r when free.
@@ -175,7 +177,7 @@ impl Reference {
         let h = ARM_M / std::f64::consts::SQRT_2;
         let tau = [h * (f2 + f3 - f1 - f4), h * (f1 + f3 - f2 - f4), REACTION_M * (f1 + f2 - f3 - f4)];
         let (angle, rate) = (angles(state), [state[3], state[4], state[5]]);
-        let q = (self.page.moment)(&Moving { time_s, angle, rate, lift_n });
+        let q = (self.page.moment)(&Moving { time_s, step_start_s: self.time(), angle, rate, lift_n });
         let mut change = [0.0; 14];
         if self.page.lag_s > 0.0 {
             for motor in 0..4 {
