@@ -57,7 +57,7 @@ pub(crate) fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             let source = workspace.target_dir.join("bench-mcu-data.rs");
             fs::write(&source, instances.rust_source(problem))
                 .with_context(|| format!("cannot write {}", source.display()))?;
-            let built = target.build_bench_image(&source)?;
+            let built = target.build_bench_image(&source, instances.features())?;
             fs::copy(&built, &image).with_context(|| format!("cannot write {}", image.display()))?;
             let counts = counter.count(&image)?;
             print_row(cases.is_empty(), &instances, problem, &counts)?;

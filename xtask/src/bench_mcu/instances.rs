@@ -93,6 +93,11 @@ impl Instances {
         }
     }
 
+    /// Of the control core: bounds on angles are left out where none is set, as on the board.
+    pub(crate) fn features(&self) -> &'static [&'static str] {
+        if self.sub == "ii" { &["bounded-angles"] } else { &[] }
+    }
+
     /// `regulation-d-i-2500us`: what the image calls it.
     pub(crate) fn name(&self, problem: Problem) -> String {
         format!("{}-{}-{:.0}us", problem.name(), self.label(), 1e6 * self.step_s)
