@@ -1,4 +1,5 @@
-//! The solver benchmark on an emulated Cortex-M4F: an image per instance file, and what its solves take.
+//! The solver benchmark on an emulated Cortex-M4F: what the solver's two instances take, the one that flies and the thesis'
+//! regulation problem. An image per instance file and problem.
 
 mod counting;
 mod instances;
@@ -12,7 +13,7 @@ use serde_json::{Value, json};
 use crate::firmware::Target;
 use crate::workspace::Workspace;
 use counting::{Counter, Counts};
-use instances::Instances;
+use instances::{Instances, Problem};
 
 /// What DAQP takes with the same problem split into its axes, on the same processor, float32, -O3: instructions, median
 /// and maximum of the 200 instances at 10 ms, by case.
@@ -50,14 +51,18 @@ pub(crate) fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let mut cases = Vec::new();
     for path in instance_files(&folder)? {
         let instances = Instances::read(&path)?;
-        let image = images.join(format!("{}.elf", instances.name()));
-        let source = workspace.target_dir.join("bench-mcu-data.rs");
-        fs::write(&source, instances.rust_source()).with_context(|| format!("cannot write {}", source.display()))?;
-        let built = target.build_bench_image(&source)?;
-        fs::copy(&built, &image).with_context(|| format!("cannot write {}", image.display()))?;
-        let counts = counter.count(&image)?;
-        print_row(cases.is_empty(), &instances, &counts)?;
-        cases.push(figures(&path, &instances, &counts)?);
+        for problem in instances.problems() {
+            let name = instances.name(problem);
+            let image = images.join(format!("{name}.elf"));
+            let source = workspace.target_dir.join("bench-mcu-data.rs");
+            fs::write(&source, instances.rust_source(problem))
+                .with_context(|| format!("cannot write {}", source.display()))?;
+            let built = target.build_bench_image(&source, instances.features())?;
+            fs::copy(&built, &image).with_context(|| format!("cannot write {}", image.display()))?;
+            let counts = counter.count(&image)?;
+            print_row(cases.is_empty(), &instances, problem, &counts)?;
+            cases.push(figures(&path, &instances, problem, &counts)?);
+        }
     }
     println!("images: {}", images.display());
     if let Some(out) = &arguments.json {
@@ -76,21 +81,28 @@ fn instance_files(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-fn print_row(with_head: bool, instances: &Instances, counts: &Counts) -> Result<()> {
+fn print_row(with_head: bool, instances: &Instances, problem: Problem, counts: &Counts) -> Result<()> {
     if with_head {
-        println!("case   Ts, ms   solved      error  iterations     instructions   DAQP, split        flash    RAM");
-        println!("                             u_max  median max    median     max   median     max   bytes  bytes");
+        println!(
+            "problem     case   Ts, ms   solved      error  iterations     instructions   DAQP, split        flash    RAM"
+        );
+        println!(
+            "                                        u_max  median max    median     max   median     max   bytes  bytes"
+        );
     }
     let label = instances.label();
-    let peer = DAQP.iter().find(|(case, _, _)| *case == label && instances.step_s == 0.01);
+    let is_compared = problem == Problem::Regulation && instances.step_s == 0.01;
+    let peer = DAQP.iter().find(|(case, _, _)| *case == label && is_compared);
     let peer = peer.map_or_else(|| "      -       -".into(), |(_, median, max)| format!("{median:7} {max:7}"));
+    let error = instances.error_max(problem, &counts.solves)?;
+    let error = error.map_or_else(|| "-".into(), |error| format!("{error:.1e}"));
     let (iterations, instructions) = (counts.iterations(), counts.instructions());
     println!(
-        "{label:5} {:7.1}  {:3}/{:3}  {:9.1e}  {:6} {:3}  {:8} {:7}  {peer}  {:6} {:6}",
+        "{:10}  {label:5} {:7.1}  {:3}/{:3}  {error:>9}  {:6} {:3}  {:8} {:7}  {peer}  {:6} {:6}",
+        problem.name(),
         1e3 * instances.step_s,
         counts.solved(),
         counts.solves.len(),
-        instances.error_max(&counts.solves)?,
         iterations.0,
         iterations.1,
         instructions.0,
@@ -101,16 +113,17 @@ fn print_row(with_head: bool, instances: &Instances, counts: &Counts) -> Result<
     Ok(())
 }
 
-fn figures(path: &Path, instances: &Instances, counts: &Counts) -> Result<Value> {
+fn figures(path: &Path, instances: &Instances, problem: Problem, counts: &Counts) -> Result<Value> {
     let (iterations, instructions) = (counts.iterations(), counts.instructions());
     Ok(json!({
         "file": path.display().to_string(),
+        "problem": problem.name(),
         "case": instances.case,
         "sub": instances.sub,
         "ts_s": instances.step_s,
         "instances": counts.solves.len(),
         "solved": counts.solved(),
-        "error_max": instances.error_max(&counts.solves)?,
+        "error_max": instances.error_max(problem, &counts.solves)?,
         "iterations_median": iterations.0,
         "iterations_max": iterations.1,
         "instructions_median": instructions.0,

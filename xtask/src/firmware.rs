@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use crate::image;
+use crate::image::{self, Size};
 use crate::panic_freedom;
 use crate::process;
 use crate::toolchain::{TRIPLE, Toolchain};
@@ -28,12 +28,25 @@ impl<'a> Target<'a> {
 
     /// Builds the image, checks it, prints its place and size; returns its place.
     pub(crate) fn build_image(&self) -> Result<PathBuf> {
-        self.build("firmware")?;
+        self.build_and_check(&[])?;
+        Ok(self.image())
+    }
+
+    /// The same with bounds on angles in the MPC, after the image without, and what they cost.
+    pub(crate) fn build_image_with_bounded_angles(&self) -> Result<()> {
+        let without = self.build_and_check(&[])?;
+        let with = self.build_and_check(&["--features", "bounded-angles"])?;
+        println!("bounds on angles cost {}", with.beyond(&without));
+        Ok(())
+    }
+
+    fn build_and_check(&self, options: &[&str]) -> Result<Size> {
+        self.build("firmware", options)?;
         let image = self.image();
         let size = image::check(&image)?;
         println!("{}: {size}", image.display());
         println!("{}", panic_freedom::check(&image)?);
-        Ok(image)
+        Ok(size)
     }
 
     /// Where [`Self::build_image`] leaves it.
@@ -42,9 +55,10 @@ impl<'a> Target<'a> {
     }
 
     /// Builds the solver benchmark with the problem in `source`; returns the image's place.
-    pub(crate) fn build_bench_image(&self, source: &Path) -> Result<PathBuf> {
+    pub(crate) fn build_bench_image(&self, source: &Path, features: &[&str]) -> Result<PathBuf> {
         let mut command = self.toolchain.build(self.workspace);
         command.args(["--quiet", "--package", "bench-image"]).args(RELEASE).env("BENCH_DATA", source);
+        command.args(features.iter().map(|feature| format!("--features={feature}")));
         process::run(&mut command)?;
         Ok(self.workspace.target_dir.join(TRIPLE).join("release/bench-image"))
     }
@@ -52,7 +66,7 @@ impl<'a> Target<'a> {
     /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its
     /// dependencies.
     pub(crate) fn build_core(&self) -> Result<()> {
-        self.build("shared-control")
+        self.build("shared-control", &[])
     }
 
     /// Lints both as compiled for the target; much of the firmware does not even exist on a host.
@@ -62,8 +76,8 @@ impl<'a> Target<'a> {
         process::run(&mut command)
     }
 
-    fn build(&self, package: &str) -> Result<()> {
+    fn build(&self, package: &str, options: &[&str]) -> Result<()> {
         let mut command = self.toolchain.build(self.workspace);
-        process::run(command.args(["--package", package]).args(RELEASE))
+        process::run(command.args(["--package", package]).args(options).args(RELEASE))
     }
 }

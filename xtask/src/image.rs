@@ -15,6 +15,13 @@ pub(crate) struct Size {
     ram: u64,
 }
 
+impl Size {
+    /// How much more than another image.
+    pub(crate) fn beyond(&self, other: &Self) -> Self {
+        Self { flash: self.flash.saturating_sub(other.flash), ram: self.ram.saturating_sub(other.ram) }
+    }
+}
+
 impl fmt::Display for Size {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} bytes of flash, {} bytes of RAM before the stack", self.flash, self.ram)

@@ -34,7 +34,11 @@ struct Cli {
 #[derive(Subcommand)]
 enum Task {
     /// Build the firmware image, check it and print its size (also: cargo fw)
-    Fw,
+    Fw {
+        /// With bounds on roll and pitch in the MPC, and what they cost; leaves that image
+        #[arg(long)]
+        bounded_angles: bool,
+    },
     /// Build the image and pack it for upload over USB by QGroundControl
     Px4,
     /// Build the control core alone for the flight controller
@@ -67,7 +71,8 @@ fn main() -> ExitCode {
 fn run(task: &Task) -> Result<()> {
     let workspace = Workspace::find()?;
     match task {
-        Task::Fw => Target::find(&workspace)?.build_image().map(drop),
+        Task::Fw { bounded_angles: false } => Target::find(&workspace)?.build_image().map(drop),
+        Task::Fw { bounded_angles: true } => Target::find(&workspace)?.build_image_with_bounded_angles(),
         Task::Px4 => px4::run(&workspace),
         Task::CoreTarget => Target::find(&workspace)?.build_core(),
         Task::ClippyTarget => Target::find(&workspace)?.clippy(),

@@ -58,7 +58,7 @@ pub enum MpcError {
         /// The control horizon beside it.
         control_horizon: usize,
     },
-    /// The MPC that flies bounds no angles; [`super::RegulationMpc`] does.
+    /// The MPC that flies keeps no bound on an angle beside the motors' limits, nor without the feature `bounded-angles`.
     AngleBound {
         /// 0 roll, 1 pitch, 2 heading.
         axis: usize,
@@ -88,7 +88,10 @@ impl core::fmt::Display for MpcError {
                 )
             }
             Self::AngleBound { axis } => {
-                write!(formatter, "output_max_rad (axis {axis}): the MPC that flies bounds no angles")
+                write!(
+                    formatter,
+                    "output_max_rad (axis {axis}): no bound on an angle beside the motors' limits, or in this build"
+                )
             }
             Self::Program { axis, error } => write!(formatter, "axis {axis}: {error}"),
         }

@@ -96,8 +96,8 @@ fn median_and_max(mut values: Vec<u64>) -> (u64, u64) {
 fn solver_bytes(image: &Path) -> Result<u64> {
     let bytes = std::fs::read(image).with_context(|| format!("cannot read {}", image.display()))?;
     let file = ElfFile32::<LittleEndian>::parse(&*bytes)?;
-    let is_solver =
-        |name: &str| ["shared_control", "5bench5solve", "5bench7prepare"].iter().any(|part| name.contains(part));
+    let is_entry = |name: &str| name.contains("5bench") && (name.contains("5solve") || name.contains("7prepare"));
+    let is_solver = |name: &str| name.contains("shared_control") || is_entry(name);
     let functions = file.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text);
     Ok(functions.filter(|symbol| symbol.name().is_ok_and(is_solver)).map(|symbol| symbol.size()).sum())
 }

@@ -11,6 +11,24 @@ use serde_json::Value;
 
 use super::counting::Solve;
 
+/// What an image solves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Problem {
+    /// What flies: motors' lag, disturbance, a reference ahead.
+    Flight,
+    /// The thesis' and the file's own: double integrators, a constant reference.
+    Regulation,
+}
+
+impl Problem {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Flight => "flight",
+            Self::Regulation => "regulation",
+        }
+    }
+}
+
 /// What the image and its judge need of the file.
 pub(crate) struct Instances {
     pub(crate) case: String,
@@ -67,23 +85,37 @@ impl Instances {
         format!("{}-{}", self.case, self.sub)
     }
 
-    /// `d-i-2500us`: what the image calls it.
-    pub(crate) fn name(&self) -> String {
-        format!("{}-{:.0}us", self.label(), 1e6 * self.step_s)
+    /// What is solved with the file's instances: for the problem that flies they serve as states and set-points, 10 ms apart.
+    pub(crate) fn problems(&self) -> Vec<Problem> {
+        match self.step_s == 0.01 {
+            true => vec![Problem::Regulation, Problem::Flight],
+            false => vec![Problem::Regulation],
+        }
+    }
+
+    /// Of the control core: bounds on angles are left out where none is set, as on the board.
+    pub(crate) fn features(&self) -> &'static [&'static str] {
+        if self.sub == "ii" { &["bounded-angles"] } else { &[] }
+    }
+
+    /// `regulation-d-i-2500us`: what the image calls it.
+    pub(crate) fn name(&self, problem: Problem) -> String {
+        format!("{}-{}-{:.0}us", problem.name(), self.label(), 1e6 * self.step_s)
     }
 
     /// Constants for the image.
-    pub(crate) fn rust_source(&self) -> String {
+    pub(crate) fn rust_source(&self, problem: Problem) -> String {
         let bound = if self.sub == "ii" { format!("Some({:?})", self.angle_max_rad) } else { "None".into() };
         let mut source = format!(
             "pub(super) const CASE: &str = {:?};\n\
+             pub(super) const PROBLEM: Problem = Problem::{problem:?};\n\
              pub(super) const CONTROL_HORIZON: usize = {};\n\
              pub(super) const SETTINGS: ProblemSettings = ProblemSettings {{\n    horizon: {},\n    \
              prediction_step_s: {:?},\n    \
              input_gain: {:?},\n    tracking_weight: {:?},\n    increment_weight: {:?},\n    input_max: {:?},\n    \
              output_max_rad: [{bound}, {bound}, None],\n}};\n\
-             pub(super) static INSTANCES: [super::Theta; {}] = [\n",
-            self.name(),
+             pub(super) static INSTANCES: [Theta; {}] = [\n",
+            self.name(problem),
             self.control_horizon,
             self.horizon,
             self.step_s,
@@ -100,14 +132,17 @@ impl Instances {
         source + "];\n"
     }
 
-    /// Largest |u0 - u0*| of any instance and axis, in u_max of the axis.
-    pub(crate) fn error_max(&self, solves: &[Solve]) -> Result<f64> {
+    /// Largest |u0 - u0*| of any instance and axis, in u_max of the axis; none for a problem that is not the file's own.
+    pub(crate) fn error_max(&self, problem: Problem, solves: &[Solve]) -> Result<Option<f64>> {
+        if problem != Problem::Regulation {
+            return Ok(None);
+        }
         ensure!(solves.len() == self.exact.len(), "{} of {} instances came back", solves.len(), self.exact.len());
         let errors = solves.iter().zip(&self.exact).flat_map(|(solve, exact)| {
             let axes = solve.input.iter().zip(exact).zip(&self.input_max);
             axes.map(|((input, exact), input_max)| (input - exact).abs() / input_max)
         });
-        Ok(errors.fold(0.0, f64::max))
+        Ok(Some(errors.fold(0.0, f64::max)))
     }
 }
 

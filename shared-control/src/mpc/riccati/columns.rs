@@ -8,7 +8,8 @@
 //! second, without which J would be singular to single precision; the multipliers of the angles are put together again
 //! from those of the differences.
 
-use super::working_set::{Rows, set};
+use super::rows::Rows;
+use super::working_set::set;
 use crate::mpc::HORIZON;
 
 /// A column whose share that is independent of the ones before it is smaller counts as dependent.
@@ -52,6 +53,12 @@ impl<const S: usize, const M: usize> Column<S, M> {
             pivot: 0.0,
             multiplier: 0.0,
         }
+    }
+
+    /// Effect and offset of a stage.
+    #[inline(always)]
+    pub(super) fn at(&mut self, stage: usize) -> Option<(&mut f32, &mut f32)> {
+        Some((self.effects.get_mut(stage)?, self.offsets.get_mut(stage)?))
     }
 
     /// Whether it is more than one angle.

@@ -13,9 +13,12 @@
 //! the multiplier of that bound being at most `weight`: one that gets there is given up, and stays in the cost.
 
 use super::equality::{Shifted, Shifts};
-use super::solve::{Outcome, cut};
-use super::working_set::{AngleBounds, Change, Direction, DualPoint, Row, Rows};
-use super::{BoundedLq, Guess, Held, Model};
+use super::guess::{Held, LawsOf, PatternOf};
+use super::problem::Problem;
+use super::rows::{Row, Rows};
+use super::solve::Outcome;
+use super::working_set::{AngleBounds, Change, Direction, DualPoint};
+use super::{BoundedLq, Model};
 use crate::qp::Status;
 
 /// Passes from what the last solution held, before a start from the solution without bounds on the angle.
@@ -29,10 +32,10 @@ const DOUBT: f32 = 4.0;
 /// More than that is no rounding.
 const MOST_DOUBT: f32 = 200.0;
 
-/// The warm start beside the inputs' guess: which bounds on the angle the last solution held.
+/// The warm start beside the inputs' pattern: which bounds on the angle the last solution held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::mpc) struct HeldAngles {
-    rows: Rows,
+    pub(super) rows: Rows,
 }
 
 impl HeldAngles {
@@ -66,10 +69,11 @@ enum Next {
 }
 
 /// One solve under way.
-struct Search<'a, const S: usize, const M: usize> {
-    present: (&'a [f32; S], f32),
+struct Search<'a, P: Problem<S>, const S: usize, const M: usize> {
+    problem: &'a P,
     bounds: AngleBounds<'a, S>,
-    guess: &'a mut Guess<S, M>,
+    pattern: &'a mut PatternOf<P, S, M>,
+    laws: &'a mut LawsOf<P, S, M>,
     angles: &'a mut HeldAngles,
     shifts: &'a mut Shifts<S, M>,
     point: &'a mut DualPoint<M>,
@@ -85,19 +89,20 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
     /// Before a first solve with bounds on the angle, after one without: gives up those that no input can keep. An angle
     /// that is beyond its bound with all inputs at the other end is so with any, and all of them are for it.
     #[inline(never)]
-    pub(in crate::mpc) fn give_up(
+    pub(super) fn give_up<P: Problem<S>>(
         &self,
-        start: &[f32; S],
+        problem: &P,
         bounds: &AngleBounds<'_, S>,
-        guess: &mut Guess<S, M>,
+        (pattern, laws): (&mut PatternOf<P, S, M>, &mut LawsOf<P, S, M>),
         HeldAngles { rows }: &mut HeldAngles,
     ) {
         *rows = Rows::LOOSE;
-        let (mut least, mut greatest, mut lost) = (*start, *start, (0, Held::Free));
+        let [low, high] = problem.bounds();
+        let (mut least, mut greatest, mut lost) = (*problem.start(), *problem.start(), (0, Held::Free));
         let horizon = self.control_horizon - 1 + bounds.soft.last_steps;
         for index in 0..horizon {
-            least = self.model.advance(&least, -1.0);
-            greatest = self.model.advance(&greatest, 1.0);
+            least = self.model.advance(&least, low);
+            greatest = self.model.advance(&greatest, high);
             if least[0] > bounds.upper {
                 rows.set(index, Row::AboveUpper);
                 lost = (index + 1, Held::Low);
@@ -107,40 +112,35 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             }
         }
         let count = if lost.0 < self.control_horizon { lost.0 } else { self.control_horizon };
-        for stage in guess.stages.iter_mut().take(count) {
-            stage.held = lost.1;
+        for held in pattern.held.iter_mut().take(count) {
+            *held = lost.1;
         }
         if count > 0 {
-            self.sweep(guess, count);
+            self.sweep(problem, pattern, laws, count);
         }
     }
 
-    /// Solves from the state `start` and the input `previous` with bounds on the angle, beginning with what `guess` and
-    /// `angles` hold and leaving there what is held at the end.
+    /// Solves with bounds on the angle, beginning with what `pattern` and `angles` hold, and the laws for it, and leaving there
+    /// what is held at the end.
     #[inline(never)]
-    pub(in crate::mpc) fn solve_bounded(
+    pub(super) fn solve_bounded<P: Problem<S>>(
         &self,
-        start: &[f32; S],
-        previous: f32,
+        problem: &P,
         bounds: &AngleBounds<'_, S>,
-        guess: &mut Guess<S, M>,
+        (pattern, laws): (&mut PatternOf<P, S, M>, &mut LawsOf<P, S, M>),
         angles: &mut HeldAngles,
     ) -> Outcome {
         let mut status = Status::NumericalError;
-        let is_warm = angles.is_any();
         let mut iterations = 0;
-        let sum = start.iter().fold(previous, |sum, value| sum + value.abs()) + bounds.upper + bounds.lower;
-        if sum.is_finite() {
-            if guess.stamp != self.stamp {
-                (guess.stamp, *angles) = (self.stamp, HeldAngles::NONE);
-                guess.clear();
-            }
+        if problem.is_sound() && (bounds.upper + bounds.lower).is_finite() {
             let mut shifts = Shifts::new();
             let (mut point, mut target) = (DualPoint::ZERO, DualPoint::ZERO);
+            let is_warm = angles.is_any();
             let mut search = Search {
-                present: (start, previous),
+                problem,
                 bounds: *bounds,
-                guess,
+                pattern,
+                laws,
                 angles,
                 shifts: &mut shifts,
                 point: &mut point,
@@ -154,11 +154,11 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
                 match self.pass(&mut search) {
                     Next::Go(0) => {}
                     Next::Go(changed) => {
-                        self.sweep(search.guess, changed);
+                        self.sweep(problem, search.pattern, search.laws, changed);
                         search.shifts.columns.clear();
                     }
                     Next::Solved(input) if input.is_finite() => {
-                        return Outcome { input: cut(input).0, status: Status::Solved, iterations };
+                        return Outcome { input: problem.cut(input).0, status: Status::Solved, iterations };
                     }
                     Next::Solved(_) => break,
                     Next::StartAnew => iterations += self.start_anew(&mut search),
@@ -172,35 +172,39 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             }
         }
         *angles = HeldAngles::NONE;
-        guess.clear();
+        pattern.clear();
+        laws.held_count = 0;
         Outcome { input: 0.0, status, iterations }
     }
 
     /// From the solution without bounds on the angle; returns the passes that this took.
-    fn start_anew(&self, search: &mut Search<'_, S, M>) -> u16 {
-        let Search { present: (start, previous), bounds, guess, angles, shifts, aim, is_warm, .. } = search;
+    fn start_anew<P: Problem<S>>(&self, search: &mut Search<'_, P, S, M>) -> u16 {
+        let Search { problem, bounds, pattern, laws, angles, shifts, aim, is_warm, .. } = search;
         *is_warm = false;
-        guess.clear();
+        pattern.clear();
+        laws.held_count = 0;
         shifts.columns.clear();
         *aim = Aim::Begin;
-        let outcome = self.solve(start, *previous, guess);
-        self.give_up(start, bounds, guess, angles);
+        let outcome = self.solve(*problem, pattern, laws);
+        self.give_up(*problem, bounds, (pattern, laws), angles);
         outcome.iterations
     }
 
     /// The equality problem for what is held, and the step that follows from it.
-    fn pass(&self, search: &mut Search<'_, S, M>) -> Next {
-        let Search { present, bounds, guess, angles: HeldAngles { rows }, shifts, point, target, aim, .. } = search;
-        match self.shift(*present, guess, rows, bounds, shifts, target) {
+    fn pass<P: Problem<S>>(&self, search: &mut Search<'_, P, S, M>) -> Next {
+        let Search { problem, bounds, pattern, laws, angles, shifts, point, target, aim, .. } = search;
+        let rows = &mut angles.rows;
+        match self.shift(*problem, (pattern, laws), rows, bounds, shifts, target) {
             Shifted::Kept => {}
             Shifted::Dependent(_) if *aim != Aim::Begin => {
-                self.cancel(guess, rows, shifts, target);
+                self.cancel::<P>((pattern, laws), rows, shifts, target);
                 let sign = match *aim {
                     Aim::TakeIn(change, direction) if !target.goes(change, direction) => -1.0,
                     _ => 1.0,
                 };
                 let rate = |_: f32, direction: f32| sign * direction;
-                let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, f32::INFINITY, rate);
+                let held = (&**pattern, laws.held_count, &*rows);
+                let blocking = point.first_blocking(held, bounds.soft.weight, target, f32::INFINITY, rate);
                 let Some(blocking) = blocking else { return Next::StartAnew };
                 point.walk(rows, target, blocking.step, rate);
                 return search.let_go(blocking.change);
@@ -209,38 +213,39 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             Shifted::Overfull => return Next::StartAnew,
         }
         // without held inputs the angles' multipliers are all there are
-        if search.guess.held_count == 0
+        if search.laws.held_count == 0
             && let Some(next) = search.step()
         {
             return next;
         }
-        let Search { present, bounds, guess, angles: HeldAngles { rows }, shifts, target, .. } = search;
-        let (input, violated) = self.follow(*present, guess, rows, bounds, shifts, target);
+        let Search { problem, bounds, pattern, laws, angles, shifts, target, .. } = search;
+        let (input, violated) = self.follow(*problem, (pattern, laws), &angles.rows, bounds, shifts, target);
         if let Some(next) = search.step() {
             return next;
         }
-        let Search { bounds, guess, angles: HeldAngles { rows }, point, target, aim, .. } = search;
+        let Search { bounds, pattern, angles: HeldAngles { rows }, point, target, aim, .. } = search;
         core::mem::swap(point, target);
         let Some(change) = violated else { return Next::Solved(input) };
         *aim = Aim::TakeIn(change, point.begin(change, rows, bounds.soft.weight));
-        Next::Go(change.apply(guess, rows))
+        Next::Go(change.apply(pattern, rows))
     }
 }
 
-impl<const S: usize, const M: usize> Search<'_, S, M> {
+impl<P: Problem<S>, const S: usize, const M: usize> Search<'_, P, S, M> {
     /// Moves the multipliers to their target, or to where the first of them comes to its end; none if they get there.
     fn step(&mut self) -> Option<Next> {
-        let Self { bounds, guess, angles: HeldAngles { rows }, point, target, aim, may_leap, .. } = self;
+        let Self { bounds, pattern, laws, angles: HeldAngles { rows }, point, target, aim, may_leap, .. } = self;
+        let held_count = laws.held_count;
         if *aim == Aim::Begin {
-            return target.drop_wrong(guess, rows, bounds.soft.weight).map(Next::Go);
+            return target.drop_wrong(pattern, held_count, rows, bounds.soft.weight).map(Next::Go);
         }
         let rate = |now: f32, aim: f32| aim - now;
-        let blocking = point.first_blocking((guess, rows), bounds.soft.weight, target, 1.0, rate)?;
+        let blocking = point.first_blocking((&**pattern, held_count, &*rows), bounds.soft.weight, target, 1.0, rate)?;
         point.walk(rows, target, blocking.step, rate);
         let is_taken_in = matches!(*aim, Aim::TakeIn(change, _) if change.is_of(&blocking.change));
         let is_input = matches!(blocking.change, Change::Input(..));
         if is_input && !is_taken_in && core::mem::take(may_leap) {
-            return Some(Next::Go(point.let_go_near(guess, target)));
+            return Some(Next::Go(point.let_go_near(pattern, held_count, target)));
         }
         Some(self.let_go(blocking.change))
     }
@@ -262,9 +267,6 @@ impl<const S: usize, const M: usize> Search<'_, S, M> {
             }
             self.aim = Aim::Settle;
         }
-        Next::Go(change.apply(self.guess, &mut self.angles.rows))
+        Next::Go(change.apply(self.pattern, &mut self.angles.rows))
     }
 }
-
-#[cfg(test)]
-mod tests;

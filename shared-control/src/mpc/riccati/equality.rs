@@ -1,9 +1,13 @@
 //! The problem with chosen bounds held as equalities and all others ignored: columns, and one roll-out.
 
 use super::columns::{self, Column, Columns};
+use super::guess::{Held, LawsOf, PatternOf};
+use super::problem::{Problem, Slot};
 use super::quadratic::Law;
-use super::working_set::{AngleBounds, Change, DualPoint, Rows, Violation};
-use super::{BoundedLq, Guess, Held, Model};
+use super::rows::Rows;
+use super::solve::free_law;
+use super::working_set::{AngleBounds, Change, DualPoint, Violation};
+use super::{BoundedLq, Model};
 
 /// What the bounds on the angle add to the laws.
 pub(super) struct Shifts<const S: usize, const M: usize> {
@@ -29,8 +33,8 @@ pub(super) enum Shifted {
     Overfull,
 }
 
-/// State and previous input.
-pub(super) type Present<'a, const S: usize> = (&'a [f32; S], f32);
+/// The guess and its laws.
+pub(super) type Present<'a, P, const S: usize, const M: usize> = (&'a PatternOf<P, S, M>, &'a LawsOf<P, S, M>);
 
 /// A sum of angles on its way back from its latest angle to the present.
 struct Sum<'a, D, const S: usize> {
@@ -43,12 +47,12 @@ struct Sum<'a, D, const S: usize> {
 }
 
 impl<D: Model<S>, const S: usize> Sum<'_, D, S> {
-    /// Past a stage whose input follows `law` or is held: the input's effect, 0 if it is held, and the law's offset per
-    /// multiplier.
+    /// Past a stage whose input follows `law` or is held at `bound`: the input's effect, 0 if it is held, and the law's
+    /// offset per multiplier.
     #[inline(always)]
-    fn pass(&mut self, held: Held, law: &Law<S>, effect: &mut f32, offset: &mut f32) {
+    fn pass(&mut self, bound: Option<f32>, law: &Law<S>, effect: &mut f32, offset: &mut f32) {
         *offset = -self.input * law.previous * self.inverse_weight;
-        if let Some(bound) = held.input() {
+        if let Some(bound) = bound {
             *effect = 0.0;
             self.constant += self.input * bound;
             self.input = 0.0;
@@ -71,11 +75,11 @@ impl<D: Model<S>, const S: usize> Sum<'_, D, S> {
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
-    /// Multipliers of the held angles under the laws of `guess`, to `point`, and what they add to these.
-    pub(super) fn shift(
+    /// Multipliers of the held angles under the guess' laws, to `point`, and what they add to these.
+    pub(super) fn shift<P: Problem<S>>(
         &self,
-        present: Present<'_, S>,
-        guess: &Guess<S, M>,
+        problem: &P,
+        present: Present<'_, P, S, M>,
         rows: &Rows,
         bounds: &AngleBounds<'_, S>,
         shifts: &mut Shifts<S, M>,
@@ -85,7 +89,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         let unchanged = columns::choose(columns, rows, |column| {
             let (row, weights) = (column.row, column.weights);
             let weight = |index: usize| weights.get(row.wrapping_sub(index)).copied().unwrap_or(0.0);
-            self.carry_back(present, guess, bounds, (row, row.saturating_sub(2)), weight, column);
+            self.carry_back(problem, present, bounds, (row, row.saturating_sub(2)), weight, column);
         });
         let Some(unchanged) = unchanged else { return Shifted::Overfull };
         for column in columns.iter_mut() {
@@ -97,7 +101,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         if let Some(last) = rows.given_up().last() {
             let mut given_up = Column::new(last, [0.0; 3]);
             let weight = |index: usize| rows.get(index).slope(bounds);
-            self.carry_back(present, guess, bounds, (last, 0), weight, &mut given_up);
+            self.carry_back(problem, present, bounds, (last, 0), weight, &mut given_up);
             for column in columns.iter_mut() {
                 column.excess += column.coupling(&given_up);
             }
@@ -113,10 +117,10 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
 
     /// Carries a sum of angles, from the angle `last` to `first` at most, back to the present: effects, offsets, excess.
     #[inline(always)]
-    fn carry_back(
+    fn carry_back<P: Problem<S>>(
         &self,
-        (start, previous): Present<'_, S>,
-        guess: &Guess<S, M>,
+        problem: &P,
+        (pattern, laws): Present<'_, P, S, M>,
         bounds: &AngleBounds<'_, S>,
         (last, first): (usize, usize),
         weight: impl Fn(usize) -> f32,
@@ -140,68 +144,69 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             }
             last_stage + 1
         };
-        let held_count = if guess.held_count < count { guess.held_count } else { count };
-        let (Some(free), Some(held)) = (self.free.get(held_count..count), guess.stages.get(..held_count)) else {
-            return;
-        };
-        let (Some((held_effects, effects)), Some((held_offsets, offsets))) =
-            (column.effects.split_at_mut_checked(held_count), column.offsets.split_at_mut_checked(held_count))
-        else {
-            return;
-        };
-        // between the stages lie the angles before `index`
-        let mut index = count;
-        let mut step_back = |sum: &mut Sum<'_, D, S>| {
-            if index < count {
-                sum.step_back(if index > first { weight(index - 1) } else { 0.0 });
+        let held_count = if laws.held_count < count { laws.held_count } else { count };
+        // after each stage but the last lies an angle
+        let step_back = |sum: &mut Sum<'_, D, S>, stage: usize| {
+            if stage + 1 < count {
+                sum.step_back(if stage + 1 > first { weight(stage) } else { 0.0 });
             }
-            index -= 1;
         };
-        for ((free, effect), offset) in free.iter().zip(effects).zip(offsets).rev() {
-            step_back(&mut sum);
-            sum.pass(Held::Free, &free.law, effect, offset);
+        for stage in (held_count..count).rev() {
+            let (Some(free), Some(law)) = (self.free.get(stage), laws.laws.get(stage)) else { continue };
+            let Some((effect, offset)) = column.at(stage) else { continue };
+            step_back(&mut sum, stage);
+            sum.pass(None, free_law::<P, S>(free, law), effect, offset);
         }
-        for ((stage, effect), offset) in held.iter().zip(held_effects).zip(held_offsets).rev() {
-            step_back(&mut sum);
-            sum.pass(stage.held, &stage.law, effect, offset);
+        for stage in (0..held_count).rev() {
+            let (Some(held), Some(law)) = (pattern.held.get(stage), laws.laws.get(stage)) else { continue };
+            let Some((effect, offset)) = column.at(stage) else { continue };
+            step_back(&mut sum, stage);
+            sum.pass(problem.held_input(*held), law, effect, offset);
         }
-        let constant = sum.constant + sum.input * previous;
-        column.value = sum.state.iter().zip(start).fold(constant, |total, (entry, value)| total + entry * value);
+        let constant = sum.constant + sum.input * problem.previous();
+        column.value =
+            sum.state.iter().zip(problem.start()).fold(constant, |total, (entry, value)| total + entry * value);
     }
 
-    /// Follows the shifted laws, without cutting: multipliers of held inputs to `point`; returns the first input and the
-    /// worst violation.
-    pub(super) fn follow(
+    /// Follows the shifted laws, without cutting: the plan to `pattern`, multipliers of held inputs to `point`; returns the
+    /// first input and the worst violation.
+    pub(super) fn follow<P: Problem<S>>(
         &self,
-        (start, previous): Present<'_, S>,
-        guess: &Guess<S, M>,
+        problem: &P,
+        (pattern, laws): (&mut PatternOf<P, S, M>, &LawsOf<P, S, M>),
         rows: &Rows,
         bounds: &AngleBounds<'_, S>,
         shifts: &Shifts<S, M>,
         point: &mut DualPoint<M>,
     ) -> (f32, Option<Change>) {
-        let (mut state, mut input, mut first) = (*start, previous, None);
-        let mut violation = Violation::none(bounds, rows);
-        let (count, held_count) = (self.control_horizon, guess.held_count);
-        let stages = guess.stages.iter().zip(&shifts.offsets).zip(&mut point.inputs).take(held_count);
-        for (index, ((stage, offset), multiplier)) in stages.enumerate() {
-            let wish = stage.law.input(&state, input) + offset;
-            if let Some(bound) = stage.held.input() {
-                let curvature = self.increment_weight / stage.law.previous;
-                *multiplier = curvature * (wish - bound) * bound;
+        let (mut state, mut input, mut first) = (*problem.start(), problem.previous(), None);
+        let mut violation = Violation::none(problem.bounds(), bounds, rows);
+        let (count, held_count) = (self.control_horizon, laws.held_count);
+        for index in 0..held_count {
+            let (Some(offset), Some(multiplier)) = (shifts.offsets.get(index), point.inputs.get_mut(index)) else {
+                break;
+            };
+            let Some((held, planned, law, _)) = self.stage(pattern, laws, index) else { break };
+            let wish = law.input(&state, input) + offset;
+            if let Some(bound) = problem.held_input(*held) {
+                let curvature = self.increment_weight / law.previous;
+                *multiplier = curvature * (wish - bound) * held.sign();
                 input = bound;
             } else {
                 violation.see_free_input(index, wish);
                 input = wish;
             }
+            planned.keep(problem.cut(input).0);
             first = first.or(Some(input));
             state = self.model.advance(&state, input);
             violation.see_angle(index, state[0]);
         }
-        let stages = self.free.iter().zip(&shifts.offsets).take(count).skip(held_count);
-        for (index, (free, offset)) in (held_count..).zip(stages) {
-            input = free.law.input(&state, input) + offset;
+        for index in held_count..count {
+            let Some((_, planned, law, free)) = self.stage(pattern, laws, index) else { break };
+            let Some(offset) = shifts.offsets.get(index) else { break };
+            input = free_law::<P, S>(free, law).input(&state, input) + offset;
             violation.see_free_input(index, input);
+            planned.keep(problem.cut(input).0);
             first = first.or(Some(input));
             state = self.model.advance(&state, input);
             violation.see_angle(index, state[0]);
@@ -220,13 +225,19 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
     }
 
     /// The combination of held bounds that moves nothing, as rates of their multipliers.
-    pub(super) fn cancel(&self, guess: &Guess<S, M>, rows: &Rows, shifts: &mut Shifts<S, M>, rates: &mut DualPoint<M>) {
+    pub(super) fn cancel<P: Problem<S>>(
+        &self,
+        (pattern, laws): Present<'_, P, S, M>,
+        rows: &Rows,
+        shifts: &mut Shifts<S, M>,
+        rates: &mut DualPoint<M>,
+    ) {
         shifts.offsets = [0.0; M];
         add_offsets(&shifts.columns, &mut shifts.offsets);
-        let stages = guess.stages.iter().take(guess.held_count).zip(&shifts.offsets);
-        for ((stage, offset), rate) in stages.zip(&mut rates.inputs) {
-            if let Some(bound) = stage.held.input() {
-                *rate = self.increment_weight / stage.law.previous * offset * bound;
+        let stages = pattern.held.iter().zip(&laws.laws).take(laws.held_count).zip(&shifts.offsets);
+        for (((held, law), offset), rate) in stages.zip(&mut rates.inputs) {
+            if *held != Held::Free {
+                *rate = self.increment_weight / law.previous * offset * held.sign();
             }
         }
         columns::row_multipliers(&shifts.columns, rows, &mut rates.rows);

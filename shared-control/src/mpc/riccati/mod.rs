@@ -1,11 +1,12 @@
-//! One bounded input over a horizon: the linear-quadratic problem of one axis, solved exactly by its structure.
+//! The solver: one bounded input over a horizon, the linear-quadratic problem of one axis, solved exactly by its structure.
 //!
 //! ```text
-//! minimise    sum over k of tracking(x_(k+1)) + rho (u_k - u_(k-1))^2,   k = 0 .. M
-//! subject to  x_(k+1) = the model's step from x_k with u_k,   |u_k| <= 1
+//! minimise    sum over k of tracking(x_(k+1), r_(k+1)) + rho (u_k - u_(k-1))^2,   k = 0 .. M
+//! subject to  x_(k+1) = the model's step from x_k with u_k,   low <= u_k <= high
 //! ```
 //!
-//! and the last input is held to the horizon's end. Everything is in units in which the bound is 1.
+//! and the last input is held to the horizon's end. It is written once, for S states and M inputs, and flies as
+//! [`Tracking`]; [`Regulating`] is the thesis' problem, with r = 0 and |u| <= 1.
 //!
 //! Method: for a guess of which inputs are held at a bound, and at which, dynamic programming from the last stage to the
 //! first gives each input as an affine function of state and previous input (a sweep). Following these laws from the
@@ -19,64 +20,35 @@
 //! A sweep begins at the last stage that changed, since costs ahead depend on later stages only; and after the last held
 //! stage the laws are those without bounds, made at start-up.
 
+mod angles;
 mod columns;
 mod dual;
 mod equality;
+mod guess;
 mod lagged;
 mod model;
 mod prepare;
+mod problem;
 mod quadratic;
+mod rows;
 mod solve;
 #[cfg(test)]
 mod tests;
-mod track;
 mod working_set;
 
 pub(super) use dual::HeldAngles;
+use guess::Held;
+pub(super) use guess::{Laws, Pattern};
 pub(super) use lagged::LaggedIntegrator;
 pub(super) use model::{DoubleIntegrator, Model};
-use quadratic::Law;
-use quadratic::Quadratic;
+pub(super) use problem::{Problem, Regulating, Slot, Tracking};
+use quadratic::{Law, Quadratic};
 pub(super) use solve::Outcome;
-pub(super) use track::{Pattern, Tracking};
 pub(super) use working_set::{AngleBounds, SoftAngle};
-
-/// What a guess says of one input.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Held {
-    /// Inside its bounds.
-    Free,
-    /// At +1.
-    High,
-    /// At -1.
-    Low,
-}
 
 /// A held input wants to leave its bound if its law asks for so much less. Without it, where an input only just reaches
 /// its bound, rounding may have it held and free in turns.
 const SLACK: f32 = 1e-5;
-
-impl Held {
-    /// Whether an input so held does not stay so, its law asking for `wish`.
-    #[inline(always)]
-    fn is_left(self, wish: f32) -> bool {
-        match self {
-            Self::Free => wish.abs() > 1.0,
-            Self::High => wish < 1.0 - SLACK,
-            Self::Low => wish > SLACK - 1.0,
-        }
-    }
-
-    /// The bound.
-    #[inline(always)]
-    fn input(self) -> Option<f32> {
-        match self {
-            Self::Free => None,
-            Self::High => Some(1.0),
-            Self::Low => Some(-1.0),
-        }
-    }
-}
 
 /// One stage when all later inputs, and its own, are free.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,19 +63,11 @@ struct FreeStage<const S: usize> {
 impl<const S: usize> FreeStage<S> {
     const BLANK: Self = Self { law: Law::ZERO, ahead: Quadratic::ZERO, reach: Law::ZERO };
 
-    /// A certificate, not a test: it may be false though no bound is reached.
+    /// A certificate for bounds of 1, not a test: it may be false though no bound is reached.
     #[inline(always)]
     fn reaches_no_bound(&self, state: &[f32; S], previous: f32) -> bool {
         self.reach.input(&state.map(f32::abs), previous.abs()) <= 1.0
     }
-}
-
-/// One stage under the present guess.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Stage<const S: usize> {
-    held: Held,
-    law: Law<S>,
-    ahead: Quadratic<S>,
 }
 
 /// A prepared problem with room for M inputs.
@@ -113,32 +77,6 @@ pub(super) struct BoundedLq<D, const S: usize, const M: usize> {
     increment_weight: f32,
     control_horizon: usize,
     free: [FreeStage<S>; M],
-    /// Tells this problem from others; a guess made for another one holds laws that are wrong here.
+    /// Tells this problem from others, whose laws are wrong here.
     stamp: u32,
-}
-
-/// The guess, with what was computed from it: the warm start of the next solve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Guess<const S: usize, const M: usize> {
-    /// Free from `held_count` on, where laws and costs are those of [`FreeStage`].
-    stages: [Stage<S>; M],
-    held_count: usize,
-    /// Of the problem it belongs to.
-    stamp: u32,
-}
-
-impl<const S: usize, const M: usize> Guess<S, M> {
-    /// Everything free.
-    pub(super) const fn new() -> Self {
-        let stage = Stage { held: Held::Free, law: Law::ZERO, ahead: Quadratic::ZERO };
-        Self { stages: [stage; M], held_count: 0, stamp: 0 }
-    }
-
-    /// Everything free again.
-    fn clear(&mut self) {
-        for stage in &mut self.stages {
-            stage.held = Held::Free;
-        }
-        self.held_count = 0;
-    }
 }

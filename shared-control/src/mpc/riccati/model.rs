@@ -31,6 +31,17 @@ pub(in crate::mpc) trait Model<const S: usize> {
         }
     }
 
+    /// Shows `see` every angle after 1 to `steps` steps as what it is with an input of 0 held, and by how much an input must
+    /// change for one unit of it.
+    fn see_held_input(&self, start: &[f32; S], steps: usize, mut see: impl FnMut(f32, f32)) {
+        let (mut free, mut of_input) = (*start, [0.0; S]);
+        for _ in 0..steps {
+            free = self.advance(&free, 0.0);
+            of_input = self.advance(&of_input, 1.0);
+            see(free[0], 1.0 / of_input[0]);
+        }
+    }
+
     /// The cost ahead of an input that is held for `steps`.
     fn cost_of_held_input(&self, steps: usize) -> Quadratic<S> {
         let mut cost = Quadratic::ZERO;
@@ -102,6 +113,16 @@ impl Model<2> for DoubleIntegrator {
                 let time = step as f32;
                 see(step, angle + time * (rate + 0.5 * time * input));
             }
+        }
+    }
+
+    /// The parabola.
+    #[inline(always)]
+    fn see_held_input(&self, [angle, rate]: &[f32; 2], steps: usize, mut see: impl FnMut(f32, f32)) {
+        let mut time = 0.0;
+        for _ in 0..steps {
+            time += 1.0;
+            see(angle + time * rate, 2.0 / (time * time));
         }
     }
 

@@ -1,11 +1,21 @@
-//! Bounds on the angle, which of them are held, and the multipliers of all that is held.
+//! Bounds on the angle, and the multipliers of all that is held.
 
-use super::{Guess, Held, Model};
-use crate::elementary::larger;
+use super::Model;
+use super::guess::{Held, Pattern};
+use super::rows::{Row, Rows};
+use crate::elementary::{larger, magnitude};
 use crate::mpc::HORIZON;
 
 /// Inputs beyond their bounds by so much are within: above rounding, below what matters.
 const INPUT_TOLERANCE: f32 = 2e-6;
+
+/// What a violation of the angle's bound costs, per step and unit of angle: the weight of the increments and this floor,
+/// all in the axis' units. Where the increments cost next to nothing, it is the tracking over thirty steps that multipliers
+/// work against. The multipliers of bounds that can be kept are below it but at the edge (docs/solver.md).
+const PENALTY_FLOOR: f32 = 1e5;
+
+/// So much of the bound is rounding, after one step.
+const ANGLE_TOLERANCE: f32 = 1.5e-7;
 
 /// What is made once for bounds on the angle, in the axis' units.
 #[derive(Clone, Copy, Debug)]
@@ -21,18 +31,20 @@ pub(in crate::mpc) struct SoftAngle<const S: usize> {
 }
 
 impl<const S: usize> SoftAngle<S> {
-    pub(in crate::mpc) fn new(model: &impl Model<S>, last_steps: usize, weight: f32, tolerance: f32) -> Self {
+    /// `last_steps` are those over which the last input is held, `angle_max` the size of the bound.
+    pub(in crate::mpc) fn new(model: &impl Model<S>, last_steps: usize, increment_weight: f32, angle_max: f32) -> Self {
         let (mut state, mut input) = ([0.0; S], 0.0);
         state[0] = 1.0;
         let while_held = [(); HORIZON].map(|()| {
             (state, input) = model.pull_back_linear(&state, input);
             (state, input)
         });
+        let (weight, tolerance) = (increment_weight + PENALTY_FLOOR, ANGLE_TOLERANCE * magnitude(angle_max));
         Self { while_held, last_steps, weight, tolerance }
     }
 }
 
-/// The bounds on the angle, from the reference.
+/// The bounds on the angle, from the state's origin.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::mpc) struct AngleBounds<'a, const S: usize> {
     pub(in crate::mpc) lower: f32,
@@ -43,158 +55,10 @@ pub(in crate::mpc) struct AngleBounds<'a, const S: usize> {
 }
 
 impl<'a, const S: usize> AngleBounds<'a, S> {
-    pub(in crate::mpc) fn new(lower: f32, upper: f32, soft: &'a SoftAngle<S>) -> Self {
+    /// Between two angles, in either order.
+    pub(in crate::mpc) fn new([one, other]: [f32; 2], soft: &'a SoftAngle<S>) -> Self {
+        let (lower, upper) = if one < other { (one, other) } else { (other, one) };
         Self { lower, upper, soft, tolerances: [INPUT_TOLERANCE, soft.tolerance] }
-    }
-}
-
-/// What is chosen for the angle after one prediction step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Row {
-    /// Its bounds are ignored.
-    Loose,
-    /// At the upper bound.
-    Upper,
-    /// At the lower bound.
-    Lower,
-    /// At or above the upper bound, for which the cost rises with it.
-    AboveUpper,
-    /// At or below the lower bound.
-    BelowLower,
-}
-
-impl Row {
-    /// The angle that is to be kept.
-    #[inline(always)]
-    pub(super) fn held<const S: usize>(self, bounds: &AngleBounds<'_, S>) -> Option<f32> {
-        match self {
-            Self::Upper => Some(bounds.upper),
-            Self::Lower => Some(bounds.lower),
-            Self::Loose | Self::AboveUpper | Self::BelowLower => None,
-        }
-    }
-
-    /// Slope of the cost beyond a bound that is given up.
-    #[inline(always)]
-    pub(super) fn slope<const S: usize>(self, bounds: &AngleBounds<'_, S>) -> f32 {
-        match self {
-            Self::AboveUpper => bounds.soft.weight,
-            Self::BelowLower => -bounds.soft.weight,
-            Self::Loose | Self::Upper | Self::Lower => 0.0,
-        }
-    }
-
-    /// The multiplier of the bound, from that of the angle.
-    #[inline(always)]
-    pub(super) fn multiplier(self, of_angle: f32) -> f32 {
-        if self == Self::Lower { -of_angle } else { of_angle }
-    }
-
-    /// What it becomes when its multiplier has reached the greatest one.
-    pub(super) fn given_up(self) -> Self {
-        match self {
-            Self::Upper => Self::AboveUpper,
-            Self::Lower => Self::BelowLower,
-            other => other,
-        }
-    }
-}
-
-/// The choices for all angles: a bit each.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Rows {
-    upper: u32,
-    lower: u32,
-    above: u32,
-    below: u32,
-}
-
-const _: () = assert!(HORIZON <= 32, "a bit for each angle");
-
-impl Rows {
-    /// None is held.
-    pub(super) const LOOSE: Self = Self { upper: 0, lower: 0, above: 0, below: 0 };
-
-    pub(super) fn get(&self, index: usize) -> Row {
-        let bit = bit(index);
-        if self.upper & bit != 0 {
-            Row::Upper
-        } else if self.lower & bit != 0 {
-            Row::Lower
-        } else if self.above & bit != 0 {
-            Row::AboveUpper
-        } else if self.below & bit != 0 {
-            Row::BelowLower
-        } else {
-            Row::Loose
-        }
-    }
-
-    pub(super) fn set(&mut self, index: usize, row: Row) {
-        let bit = bit(index);
-        for bits in [&mut self.upper, &mut self.lower, &mut self.above, &mut self.below] {
-            *bits &= !bit;
-        }
-        match row {
-            Row::Loose => {}
-            Row::Upper => self.upper |= bit,
-            Row::Lower => self.lower |= bit,
-            Row::AboveUpper => self.above |= bit,
-            Row::BelowLower => self.below |= bit,
-        }
-    }
-
-    /// Whether the angle is held at a bound.
-    #[inline(always)]
-    pub(super) fn is_held(&self, index: usize) -> bool {
-        (self.upper | self.lower) & bit(index) != 0
-    }
-
-    /// The angles that are held, the earliest first.
-    #[inline(always)]
-    pub(super) fn held(&self) -> Indices {
-        Indices(self.upper | self.lower)
-    }
-
-    #[inline(always)]
-    pub(super) fn has_given_up(&self) -> bool {
-        self.above | self.below != 0
-    }
-
-    /// The angles whose bounds are given up.
-    #[inline(always)]
-    pub(super) fn given_up(&self) -> Indices {
-        Indices(self.above | self.below)
-    }
-}
-
-/// No bit for what is no angle.
-#[inline(always)]
-fn bit(index: usize) -> u32 {
-    if index < HORIZON { 1 << index } else { 0 }
-}
-
-/// Of the bits that are set.
-#[derive(Clone, Copy)]
-pub(super) struct Indices(u32);
-
-impl Indices {
-    pub(super) fn last(self) -> Option<usize> {
-        (self.0 != 0).then(|| 31 - self.0.leading_zeros() as usize)
-    }
-}
-
-impl Iterator for Indices {
-    type Item = usize;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
-        if self.0 == 0 {
-            return None;
-        }
-        let index = self.0.trailing_zeros() as usize;
-        self.0 &= self.0 - 1;
-        Some(index)
     }
 }
 
@@ -215,12 +79,10 @@ impl Change {
     }
 
     /// Makes it so; returns the number of stages up to the last whose law is another now.
-    pub(super) fn apply<const S: usize, const M: usize>(self, guess: &mut Guess<S, M>, rows: &mut Rows) -> usize {
+    pub(super) fn apply<I, const M: usize>(self, pattern: &mut Pattern<M, I>, rows: &mut Rows) -> usize {
         match self {
             Self::Input(index, held) => {
-                if let Some(stage) = guess.stages.get_mut(index) {
-                    stage.held = held;
-                }
+                set(&mut pattern.held, index, held);
                 index + 1
             }
             Self::Row(index, row) => {
@@ -248,25 +110,32 @@ pub(super) struct Violation<'a, const S: usize> {
     rows: &'a Rows,
     amount: f32,
     change: Option<Change>,
-    /// What is within these is no worse: size of an input, and angles.
-    input_most: f32,
+    input_bounds: [f32; 2],
+    /// What is within these is no worse: inputs, and angles.
+    input_low: f32,
+    input_high: f32,
     lower: f32,
     upper: f32,
 }
 
 impl<'a, const S: usize> Violation<'a, S> {
-    pub(super) fn none(bounds: &'a AngleBounds<'a, S>, rows: &'a Rows) -> Self {
-        let [_, amount] = bounds.tolerances;
-        let mut violation = Self { bounds, rows, amount, change: None, input_most: 1.0, lower: 0.0, upper: 0.0 };
+    #[inline(always)]
+    pub(super) fn none(input_bounds: [f32; 2], bounds: &'a AngleBounds<'a, S>, rows: &'a Rows) -> Self {
+        let ([_, amount], [input_low, input_high]) = (bounds.tolerances, input_bounds);
+        let (lower, upper) = (bounds.lower, bounds.upper);
+        let mut violation =
+            Self { bounds, rows, amount, change: None, input_bounds, input_low, input_high, lower, upper };
         violation.look_beyond(amount);
         violation
     }
 
     #[inline(always)]
     pub(super) fn see_free_input(&mut self, index: usize, input: f32) {
-        if input.abs() > self.input_most {
-            let held = if input > 0.0 { Held::High } else { Held::Low };
-            self.is_worse(INPUT_SHARE * (input.abs() - 1.0), Change::Input(index, held));
+        let [low, high] = self.input_bounds;
+        if input > self.input_high {
+            self.is_worse(INPUT_SHARE * (input - high), Change::Input(index, Held::High));
+        } else if input < self.input_low {
+            self.is_worse(INPUT_SHARE * (low - input), Change::Input(index, Held::Low));
         }
     }
 
@@ -302,7 +171,8 @@ impl<'a, const S: usize> Violation<'a, S> {
     fn look_beyond(&mut self, amount: f32) {
         let [input_tolerance, _] = self.bounds.tolerances;
         self.amount = amount;
-        self.input_most = 1.0 + larger(input_tolerance, amount * (1.0 / INPUT_SHARE));
+        let ([low, high], beyond) = (self.input_bounds, larger(input_tolerance, amount * (1.0 / INPUT_SHARE)));
+        (self.input_low, self.input_high) = (low - beyond, high + beyond);
         // where bounds are given up, an angle inside them may be wrong
         let outside = if self.rows.has_given_up() { f32::NEG_INFINITY } else { amount };
         (self.lower, self.upper) = (self.bounds.lower - outside, self.bounds.upper + outside);
@@ -362,20 +232,20 @@ impl<const M: usize> DualPoint<M> {
 
     /// Where multipliers, moving from here by `rate(now, towards)` each, first reach an end of their range; none if none
     /// does before `step`.
-    pub(super) fn first_blocking<const S: usize>(
+    pub(super) fn first_blocking<I>(
         &self,
-        (guess, rows): (&Guess<S, M>, &Rows),
+        (pattern, held_count, rows): (&Pattern<M, I>, usize, &Rows),
         weight: f32,
         towards: &Self,
         mut step: f32,
         rate: impl Fn(f32, f32) -> f32,
     ) -> Option<Blocking> {
         let mut change = None;
-        let inputs = guess.stages.iter().take(guess.held_count).zip(self.inputs.iter().zip(&towards.inputs));
-        for (index, (stage, (now, aim))) in inputs.enumerate() {
+        let inputs = pattern.held.iter().take(held_count).zip(self.inputs.iter().zip(&towards.inputs));
+        for (index, (held, (now, aim))) in inputs.enumerate() {
             let rate = rate(*now, *aim);
             // written without the division, which few need
-            if now + step * rate < 0.0 && stage.held != Held::Free {
+            if now + step * rate < 0.0 && *held != Held::Free {
                 step = -now / rate;
                 change = Some(Change::Input(index, Held::Free));
             }
@@ -410,12 +280,12 @@ impl<const M: usize> DualPoint<M> {
 
     /// Lets go of every held input whose multiplier would be negative a quarter of the way to `towards`; returns the number
     /// of stages up to the last of them.
-    pub(super) fn let_go_near<const S: usize>(&self, guess: &mut Guess<S, M>, towards: &Self) -> usize {
+    pub(super) fn let_go_near<I>(&self, pattern: &mut Pattern<M, I>, held_count: usize, towards: &Self) -> usize {
         let mut changed = 0;
-        let stages = guess.stages.iter_mut().take(guess.held_count).zip(self.inputs.iter().zip(&towards.inputs));
-        for (place, (stage, (now, aim))) in (1..).zip(stages) {
-            if stage.held != Held::Free && 3.0 * now + aim < 0.0 {
-                stage.held = Held::Free;
+        let stages = pattern.held.iter_mut().take(held_count).zip(self.inputs.iter().zip(&towards.inputs));
+        for (place, (held, (now, aim))) in (1..).zip(stages) {
+            if *held != Held::Free && 3.0 * now + aim < 0.0 {
+                *held = Held::Free;
                 changed = place;
             }
         }
@@ -424,9 +294,10 @@ impl<const M: usize> DualPoint<M> {
 
     /// Lets go of every bound whose multiplier is out of range, and gives up those above the weight; returns the number of
     /// stages up to the last that changed, or none if nothing did.
-    pub(super) fn drop_wrong<const S: usize>(
+    pub(super) fn drop_wrong<I>(
         &self,
-        guess: &mut Guess<S, M>,
+        pattern: &mut Pattern<M, I>,
+        held_count: usize,
         rows: &mut Rows,
         weight: f32,
     ) -> Option<usize> {
@@ -442,10 +313,10 @@ impl<const M: usize> DualPoint<M> {
                 changed = Some(0);
             }
         }
-        let stages = guess.stages.iter_mut().take(guess.held_count).zip(&self.inputs);
-        for (place, (stage, multiplier)) in (1..).zip(stages) {
-            if stage.held != Held::Free && *multiplier < 0.0 {
-                stage.held = Held::Free;
+        let stages = pattern.held.iter_mut().take(held_count).zip(&self.inputs);
+        for (place, (held, multiplier)) in (1..).zip(stages) {
+            if *held != Held::Free && *multiplier < 0.0 {
+                *held = Held::Free;
                 changed = Some(place);
             }
         }

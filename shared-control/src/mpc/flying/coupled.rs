@@ -1,9 +1,10 @@
 //! The motors' limits in the MPC that flies: what the coupled program is made of, and when it plans.
 
-use super::{AxisStart, HORIZON, Mpc, MpcError, MpcSettings, MpcState, PITCH, TrackingAxis, worse};
+use super::{AxisStart, Mpc, MpcError, MpcSettings, MpcState, PITCH, TrackingAxis};
 use crate::mpc::coupling::{Coupled, TorqueForecast, TorqueResponse};
 use crate::mpc::motor_limits::COUPLED_INPUTS_MAX;
 use crate::mpc::riccati::{Model, Pattern};
+use crate::mpc::{HORIZON, worse};
 use crate::signals::{Plan, PlanRequest};
 
 impl<const M: usize> Mpc<M> {
@@ -42,13 +43,12 @@ impl<const M: usize> Mpc<M> {
         plan: Plan,
     ) -> Plan {
         let Some([roll, pitch, heading]) = self.axes_of(state.linearisation) else { return plan };
-        let MpcState { patterns: [roll_pattern, pitch_pattern, heading_pattern], linearisation, coupled: warm_start } =
-            state;
+        let MpcState { axes: [of_roll, of_pitch, of_heading], linearisation, coupled: warm_start } = state;
         let [roll_rad, pitch_rad, heading_rad] = references_rad;
         let axes = [
-            (roll, AxisStart::of(request, 0), roll_pattern, roll_rad),
-            (pitch, AxisStart::of(request, PITCH), pitch_pattern, pitch_rad),
-            (heading, AxisStart::of(request, 2), heading_pattern, heading_rad),
+            (roll, AxisStart::of(request, 0), &of_roll.pattern, roll_rad),
+            (pitch, AxisStart::of(request, PITCH), &of_pitch.pattern, pitch_rad),
+            (heading, AxisStart::of(request, 2), &of_heading.pattern, heading_rad),
         ];
         let block_nm =
             |block: usize| axes.each_ref().map(|(axis, start, pattern, _)| axis.planned_nm(start, pattern, block));
@@ -65,7 +65,7 @@ impl<const M: usize> Mpc<M> {
 
 impl<const M: usize> TrackingAxis<M> {
     /// Torque of a block of the plan that was solved last, N m.
-    pub(super) fn planned_nm(&self, start: &AxisStart, pattern: &Pattern<M>, block: usize) -> f32 {
+    pub(super) fn planned_nm(&self, start: &AxisStart, pattern: &Pattern<M, f32>, block: usize) -> f32 {
         let [_, _, per_nm] = self.units;
         let input = pattern.inputs.get(block).copied().unwrap_or_default();
         self.torque_max_nm * (input - per_nm * start.disturbance_nm)

@@ -11,14 +11,14 @@
 
 use super::coupling::{Coupling, MotorSettings, UNKNOWNS};
 use super::preview::Preview;
-use super::riccati::{BoundedLq, LaggedIntegrator, Model, Pattern, Tracking};
 use super::schedule::{LINEARISATIONS_MAX, Schedule};
-use super::settings::{AxisSettings, MpcError, ProblemSettings};
-use super::{HORIZON, worse};
-use crate::elementary::limit;
-use crate::qp::{Status, Workspace};
+use super::settings::{MpcError, ProblemSettings};
+use super::{BOUNDED_ANGLES, HORIZON, worse};
+use crate::qp::Workspace;
 use crate::signals::{Plan, PlanRequest, PlanStatus};
+use axis::{AxisStart, AxisState, TrackingAxis};
 
+mod axis;
 mod coupled;
 
 const PITCH: usize = 1;
@@ -26,7 +26,7 @@ const PITCH: usize = 1;
 /// Everything about the MPC that flies; arrays are (roll, pitch, heading).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MpcSettings {
-    /// Body, cost and bounds. Angles have no bounds here.
+    /// Body, cost and bounds; of the angles only where the feature `bounded-angles` is on, and not beside the motors' limits.
     pub problem: ProblemSettings,
     /// Torque per input unit, N m.
     pub torque_per_input_nm: [f32; 3],
@@ -58,7 +58,7 @@ pub struct Mpc<const M: usize> {
 /// size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MpcState<const M: usize> {
-    patterns: [Pattern<M>; 3],
+    axes: [AxisState<M>; 3],
     linearisation: usize,
     coupled: Workspace<UNKNOWNS>,
 }
@@ -66,7 +66,7 @@ pub struct MpcState<const M: usize> {
 impl<const M: usize> MpcState<M> {
     /// A cold start.
     pub const fn new() -> Self {
-        Self { patterns: [Pattern::new(); 3], linearisation: 0, coupled: Workspace::new() }
+        Self { axes: [AxisState::new(); 3], linearisation: 0, coupled: Workspace::new() }
     }
 }
 
@@ -144,14 +144,14 @@ impl<const M: usize> Mpc<M> {
         let references_rad = preview.references_rad(request);
         let coupled = self.coupling.at(request.lift_per_motor_n);
         let torque_max_nm = coupled.map(|coupled| coupled.torque_max_nm());
-        for (index, (pattern, reference_rad)) in state.patterns.iter_mut().zip(&references_rad).enumerate() {
+        for (index, (axis_state, reference_rad)) in state.axes.iter_mut().zip(&references_rad).enumerate() {
             let Some(axis) = self.axis(index, state.linearisation) else { continue };
             let bound_nm = torque_max_nm.map_or(axis.torque_max_nm, |torque_max_nm| torque_max_nm[index]);
             let start = AxisStart::of(request, index);
-            let (torque_nm, status, iterations) = axis.solve(&start, reference_rad, bound_nm, pattern);
-            plan.torque_nm[index] = torque_nm;
-            plan.status = worse(plan.status, status);
-            plan.iterations = plan.iterations.saturating_add(iterations);
+            let outcome = axis.solve(&start, reference_rad, bound_nm, axis_state);
+            plan.torque_nm[index] = outcome.input;
+            plan.status = worse(plan.status, outcome.status);
+            plan.iterations = plan.iterations.saturating_add(outcome.iterations);
         }
         match coupled {
             Some(coupled) if plan.status == PlanStatus::Solved => {
@@ -178,10 +178,13 @@ impl MpcSettings {
     }
 
     /// Checks that every setting is finite and positive, the input gains finite and not zero, the lag not negative; and that
-    /// no angle is bounded.
+    /// angles are bounded only where that can be kept.
     fn validate(&self) -> Result<(), MpcError> {
         self.problem.validate()?;
-        if let Some(axis) = self.problem.output_max_rad.iter().position(Option::is_some) {
+        let can_bound_angles = BOUNDED_ANGLES && self.motors.is_none();
+        if let Some(axis) = self.problem.output_max_rad.iter().position(Option::is_some)
+            && !can_bound_angles
+        {
             return Err(MpcError::AngleBound { axis });
         }
         let refuse = |field, axis, value| Err(MpcError::OutOfRange { field, axis, value });
@@ -205,106 +208,6 @@ impl MpcSettings {
         }
         let step_s = self.preview.control_step_s;
         if step_s.is_normal() && step_s > 0.0 { Ok(()) } else { refuse("control_step_s", 0, step_s) }
-    }
-}
-
-/// A prepared axis, in units in which the prediction step, the weight of the angle, the greatest torque, and the rate that
-/// it gives the axis in one step are 1.
-#[derive(Clone, Debug)]
-struct TrackingAxis<const M: usize> {
-    lq: BoundedLq<LaggedIntegrator, 3, M>,
-    /// Per rad, per rad/s, per N m.
-    units: [f32; 3],
-    torque_max_nm: f32,
-    horizon: usize,
-    tracking_weight: f32,
-    /// Of the torque, 1/(N m)^2.
-    increment_weight: f32,
-}
-
-/// Where an axis is when the plan begins to act.
-#[derive(Clone, Copy, Debug)]
-struct AxisStart {
-    angle_rad: f32,
-    rate_rad_s: f32,
-    motor_nm: f32,
-    torque_prev_nm: f32,
-    disturbance_nm: f32,
-}
-
-impl AxisStart {
-    #[inline(always)]
-    fn of(request: &PlanRequest, axis: usize) -> Self {
-        Self {
-            angle_rad: request.angle_rad[axis],
-            rate_rad_s: request.rate_rad_s[axis],
-            motor_nm: request.motor_nm[axis],
-            torque_prev_nm: request.torque_prev_nm[axis],
-            disturbance_nm: request.disturbance_nm[axis],
-        }
-    }
-}
-
-impl<const M: usize> TrackingAxis<M> {
-    /// `gain_share` is the input gain as a share of the one in `settings`.
-    fn prepare(control_horizon: usize, settings: &MpcSettings, axis: usize, gain_share: f32) -> Result<Self, MpcError> {
-        let (problem, step_s) = (&settings.problem, settings.problem.prediction_step_s);
-        let AxisSettings { input_gain, tracking_weight, increment_weight, input_max, .. } = problem.axis(axis);
-        let torque_max_nm = input_max * settings.torque_per_input_nm[axis];
-        let full_turn_rad = gain_share * input_gain * step_s * step_s * input_max;
-        let scale = input_max / full_turn_rad;
-        let lead = settings.preview.lead_s[axis] / step_s;
-        let model = LaggedIntegrator::new(settings.motor_lag_s / step_s).with_lead(lead);
-        let last = model.cost_of_held_input(problem.horizon.saturating_sub(control_horizon) + 1);
-        let weight = increment_weight / tracking_weight * scale * scale;
-        let lq = BoundedLq::prepare(model, weight, control_horizon, last);
-        let torque_per_input_nm = settings.torque_per_input_nm[axis];
-        Ok(Self {
-            lq: lq.map_err(|error| MpcError::Program { axis, error })?,
-            tracking_weight,
-            increment_weight: increment_weight / (torque_per_input_nm * torque_per_input_nm),
-            units: [1.0 / full_turn_rad, step_s / full_turn_rad, 1.0 / torque_max_nm],
-            torque_max_nm,
-            horizon: problem.horizon,
-        })
-    }
-
-    /// In the axis' units: the state, with the disturbance, and the disturbance.
-    #[inline(always)]
-    fn start(&self, start: &AxisStart) -> ([f32; 3], f32) {
-        let [_, per_rad_s, per_nm] = self.units;
-        let disturbance = per_nm * start.disturbance_nm;
-        // angles from where the axis is: small numbers keep their digits
-        ([0.0, per_rad_s * start.rate_rad_s, per_nm * start.motor_nm + disturbance], disturbance)
-    }
-
-    /// Torque, at most `bound_nm`, N m; status and iterations.
-    fn solve(
-        &self,
-        start: &AxisStart,
-        reference_rad: &[f32; HORIZON],
-        bound_nm: f32,
-        pattern: &mut Pattern<M>,
-    ) -> (f32, Status, u16) {
-        let [per_rad, _, per_nm] = self.units;
-        let (state, disturbance) = self.start(start);
-        let bound = per_nm * bound_nm;
-        let reference = reference_rad.map(|reference_rad| per_rad * (reference_rad - start.angle_rad));
-        let problem = Tracking {
-            start: state,
-            previous: per_nm * start.torque_prev_nm + disturbance,
-            bounds: [disturbance - bound, disturbance + bound],
-            reference: reference.get(..self.horizon).unwrap_or(&reference),
-        };
-        let outcome = self.lq.track(&problem, pattern);
-        let torque_nm = self.torque_max_nm * limit(outcome.input - disturbance, -bound, bound);
-        (torque_nm, outcome.status, outcome.iterations)
-    }
-
-    fn unconstrained_gain(&self) -> [f32; 4] {
-        let law = self.lq.first_free_law();
-        let ([angle, rate, motor], [per_rad, per_rad_s, per_nm]) = (law.state, self.units);
-        [angle * per_rad, rate * per_rad_s, motor * per_nm, law.previous * per_nm].map(|gain| gain * self.torque_max_nm)
     }
 }
 

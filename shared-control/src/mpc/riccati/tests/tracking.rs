@@ -4,9 +4,10 @@ extern crate std;
 
 use std::vec::Vec;
 
-use super::super::lagged::LaggedIntegrator;
-use super::super::tests::Numbers;
-use super::*;
+use super::super::solve::{BLOCK_LIMIT, PASS_LIMIT};
+use super::super::*;
+use super::Numbers;
+use crate::qp::Status;
 
 /// Most passes that a request unrelated to the one before was seen to take (docs/solver.md).
 const PASSES_SEEN: u16 = 12;
@@ -17,6 +18,14 @@ fn problem(lag: f32, increment_weight: f32, control_horizon: usize, horizon: usi
     let model = LaggedIntegrator::new(lag);
     let last = model.cost_of_held_input(horizon + 1 - control_horizon);
     BoundedLq::prepare(model, increment_weight, control_horizon, last).unwrap()
+}
+
+fn track_within(limit: u16, lq: &Lq, problem: &Tracking<'_, 3>, pattern: &mut Pattern<30, f32>) -> Outcome {
+    lq.search(problem, pattern, &mut Laws::blank(()), limit)
+}
+
+fn track(lq: &Lq, problem: &Tracking<'_, 3>, pattern: &mut Pattern<30, f32>) -> Outcome {
+    track_within(PASS_LIMIT, lq, problem, pattern)
 }
 
 /// One step of the vehicle: the motors' decay and its two integrals written out anew, in f64.
@@ -90,7 +99,7 @@ fn optimality_of(problems: usize, seed: u64) -> u16 {
                 bounds: [middle - 1.0, middle + 1.0],
                 reference: &reference,
             };
-            let outcome = lq.track(&problem, &mut pattern);
+            let outcome = track(&lq, &problem, &mut pattern);
             let case = std::format!("lag {lag} rho {increment_weight} M {control_horizon} N {horizon} {problem:?}");
             assert_eq!(outcome.status, Status::Solved, "{case}");
             assert_eq!(outcome.input.to_bits(), pattern.inputs[0].to_bits());
@@ -139,7 +148,7 @@ fn circles_are_left() {
     let (lq, reference) = (problem(0.0, CIRCLING.1, 4, 30), circling_reference());
     let problem = Tracking { start: [0.0; 3], previous: 0.0, bounds: [-1.0, 1.0], reference: &reference };
     let mut pattern = Pattern::new();
-    let outcome = lq.track(&problem, &mut pattern);
+    let outcome = track(&lq, &problem, &mut pattern);
     assert_eq!(outcome.status, Status::Solved);
     assert!(outcome.iterations > BLOCK_LIMIT, "{outcome:?}");
     assert!(residual(&pattern.inputs[..4], 0.0, CIRCLING.1, &problem) <= 1e-4);
@@ -157,11 +166,11 @@ fn the_cap_leaves_a_plan_inside_its_bounds_and_no_harm() {
         let bounds = [middle - 1.0, middle + 1.0];
         let start = [300.0 * numbers.next(), 20.0 * numbers.next(), numbers.next()];
         let problem = Tracking { start, previous: numbers.next(), bounds, reference: &reference };
-        let whole = lq.track(&problem, &mut Pattern::new());
+        let whole = track(&lq, &problem, &mut Pattern::new());
         assert_eq!(whole.status, Status::Solved);
         for limit in 1..=whole.iterations {
             let mut pattern = Pattern::new();
-            let outcome = lq.track_within(limit, &problem, &mut pattern);
+            let outcome = track_within(limit, &lq, &problem, &mut pattern);
             if limit == whole.iterations {
                 assert_eq!(outcome, whole);
                 continue;
@@ -170,7 +179,7 @@ fn the_cap_leaves_a_plan_inside_its_bounds_and_no_harm() {
             assert_eq!((outcome.status, outcome.iterations), (Status::IterationLimit, limit));
             assert!(pattern.inputs.iter().all(|input| bounds[0] <= *input && *input <= bounds[1]), "{pattern:?}");
             assert_eq!(outcome.input.to_bits(), pattern.inputs[0].to_bits());
-            let next = lq.track(&problem, &mut pattern);
+            let next = track(&lq, &problem, &mut pattern);
             assert_eq!(next.status, Status::Solved);
             assert!((next.input - whole.input).abs() <= 2e-5, "{next:?} {whole:?}");
         }
@@ -184,7 +193,7 @@ fn without_lag_and_with_a_constant_reference_it_is_the_regulation_problem() {
     let mut numbers = Numbers(7);
     let lagged = problem(0.0, 3e5, 20, 30);
     let plain = {
-        let model = super::super::DoubleIntegrator;
+        let model = DoubleIntegrator;
         BoundedLq::<_, 2, 30>::prepare(model, 3e5, 20, model.cost_of_held_input(11)).unwrap()
     };
     for _ in 0..2000 {
@@ -196,8 +205,8 @@ fn without_lag_and_with_a_constant_reference_it_is_the_regulation_problem() {
             bounds: [-1.0, 1.0],
             reference: &[origin; 30],
         };
-        let tracked = lagged.track(&problem, &mut Pattern::new());
-        let regulated = plain.solve(&[angle, rate], previous, &mut super::super::Guess::new());
+        let tracked = track(&lagged, &problem, &mut Pattern::new());
+        let regulated = super::solve(&plain, [angle, rate], previous, &mut super::Guess::new());
         assert!((tracked.input - regulated.input).abs() < 2e-5, "{tracked:?} {regulated:?}");
     }
 }
@@ -206,7 +215,7 @@ fn without_lag_and_with_a_constant_reference_it_is_the_regulation_problem() {
 fn nonsense_has_a_status() {
     let lq = problem(3.0, 3e5, 5, 30);
     let sound = Tracking { start: [1.0, 0.0, 0.0], previous: 0.0, bounds: [-1.0, 1.0], reference: &[0.0; 30] };
-    assert_eq!(lq.track(&sound, &mut Pattern::new()).status, Status::Solved);
+    assert_eq!(track(&lq, &sound, &mut Pattern::new()).status, Status::Solved);
     let nan = f32::NAN;
     let reference_with_nan: Vec<f32> = (0..30).map(|k| if k == 17 { nan } else { 0.0 }).collect();
     for bad in [
@@ -218,10 +227,10 @@ fn nonsense_has_a_status() {
         Tracking { bounds: [f32::NEG_INFINITY, 1.0], ..sound },
         Tracking { reference: &reference_with_nan, ..sound },
     ] {
-        let outcome = lq.track(&bad, &mut Pattern::new());
+        let outcome = track(&lq, &bad, &mut Pattern::new());
         assert_eq!((outcome.status, outcome.input), (Status::NumericalError, 0.0), "{bad:?}");
     }
     // no room between the bounds is room for one input
-    let only = lq.track(&Tracking { bounds: [0.3, 0.3], ..sound }, &mut Pattern::new());
+    let only = track(&lq, &Tracking { bounds: [0.3, 0.3], ..sound }, &mut Pattern::new());
     assert_eq!((only.status, only.input), (Status::Solved, 0.3));
 }

@@ -4,10 +4,12 @@
 //! Data flow: once, [`ProblemSettings`] -> [`Axis`] (prepared); then per step [`RegulationRequest`] -> solve -> first
 //! inputs. What flies is [`super::Mpc`].
 
-use super::axis::{Axis, AxisRequest, AxisState};
+mod axis;
+
 use super::settings::{MpcError, ProblemSettings};
 use super::{HORIZON, worse};
 use crate::signals::PlanStatus;
+use axis::{Axis, AxisRequest, AxisState};
 
 /// Where the axes are, and where they shall go; arrays are (roll, pitch, yaw).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -4,8 +4,16 @@ extern crate std;
 
 use std::vec::Vec;
 
+use super::solve::PASS_LIMIT;
 use super::*;
 use crate::qp::Status;
+
+mod angles;
+mod tracking;
+
+/// Most roll-outs from a start with everything free that any state of the shipped problems takes: found by following every way
+/// that they can go (tests/campaigns/src/worst_case).
+const COLD_MOST: u16 = 8;
 
 /// xorshift64* (Marsaglia; Vigna).
 pub(super) struct Numbers(pub(super) u64);
@@ -27,16 +35,33 @@ impl Numbers {
 
 type Lq = BoundedLq<DoubleIntegrator, 2, 30>;
 
+/// A guess of the thesis' problem, with the laws that are kept.
+#[derive(Clone, Copy)]
+struct Guess {
+    pattern: Pattern<30, ()>,
+    laws: Laws<2, 30, Quadratic<2>>,
+}
+
+impl Guess {
+    fn new() -> Self {
+        Self { pattern: Pattern::new(), laws: Laws::blank(Quadratic::ZERO) }
+    }
+}
+
+fn solve(lq: &Lq, start: [f32; 2], previous: f32, Guess { pattern, laws }: &mut Guess) -> Outcome {
+    lq.solve(&Regulating { start, previous }, pattern, laws)
+}
+
 fn problem(increment_weight: f32, control_horizon: usize, horizon: usize) -> Lq {
     let last = DoubleIntegrator.cost_of_held_input(horizon + 1 - control_horizon);
     BoundedLq::prepare(DoubleIntegrator, increment_weight, control_horizon, last).unwrap()
 }
 
 /// The whole plan that a solved guess stands for.
-fn plan(lq: &Lq, guess: &Guess<2, 30>, start: [f32; 2], previous: f32) -> Vec<f32> {
+fn plan(lq: &Lq, guess: &Guess, start: [f32; 2], previous: f32) -> Vec<f32> {
     let (mut state, mut input) = (start, previous);
     let laws = (0..lq.control_horizon)
-        .map(|index| if index < guess.held_count { guess.stages[index].law } else { lq.free[index].law });
+        .map(|index| if index < guess.laws.held_count { guess.laws.laws[index] } else { lq.free[index].law });
     laws.map(|law| {
         input = law.input(&state, input).clamp(-1.0, 1.0);
         state = lq.model.advance(&state, input);
@@ -102,7 +127,7 @@ fn optimality_of(problems: usize, seed: u64) {
             let reach = (horizon * horizon) as f32 * libm::powf(10.0, 1.5 * numbers.next() - 1.0);
             let start = [reach * numbers.next(), reach / horizon as f32 * numbers.next()];
             let previous = numbers.next();
-            let outcome = lq.solve(&start, previous, &mut guess);
+            let outcome = solve(&lq, start, previous, &mut guess);
             assert_eq!(outcome.status, Status::Solved);
             let plan = plan(&lq, &guess, start, previous);
             assert_eq!(outcome.input.to_bits(), plan[0].to_bits());
@@ -149,7 +174,7 @@ fn what_is_accepted_is_solved() {
             let reach = (horizon * horizon) as f32 * libm::powf(10.0, 1.5 * numbers.next() - 1.0);
             let start = [reach * numbers.next(), reach / horizon as f32 * numbers.next()];
             let previous = numbers.next();
-            assert_eq!(lq.solve(&start, previous, &mut guess).status, Status::Solved);
+            assert_eq!(solve(&lq, start, previous, &mut guess).status, Status::Solved);
             let plan = plan(&lq, &guess, start, previous);
             let residual = residual(&plan, increment_weight, horizon, start, previous);
             assert!(residual <= 1e-4, "{residual:e}: rho {increment_weight} M {control_horizon} N {horizon}");
@@ -179,7 +204,7 @@ fn most_roll_outs(steps: i32, control_horizons: &[usize]) -> u16 {
                 let lq = problem(increment_weight, *control_horizon, 30);
                 for (first, second, third) in grid(steps) {
                     let start = [1.6 * per_rad * first, 8.0 * per_rad_s * second];
-                    let outcome = lq.solve(&start, third, &mut Guess::new());
+                    let outcome = solve(&lq, start, third, &mut Guess::new());
                     assert_eq!(outcome.status, Status::Solved, "M {control_horizon}: {start:?} {third}");
                     most = most.max(outcome.iterations);
                 }
@@ -205,7 +230,7 @@ fn grid(steps: i32) -> impl Iterator<Item = (f32, f32, f32)> {
 
 #[test]
 fn the_shipped_problems_take_few_roll_outs() {
-    assert!(most_roll_outs(16, &[1, 5, 10, 30]) <= super::solve::COLD_MOST);
+    assert!(most_roll_outs(16, &[1, 5, 10, 30]) <= COLD_MOST);
 }
 
 /// Thirty million solves: `cargo test --release -p shared-control -- --ignored`.
@@ -215,7 +240,7 @@ fn the_shipped_problems_take_few_roll_outs_on_a_fine_grid() {
     let control_horizons: Vec<usize> = (1..=30).collect();
     let most = most_roll_outs(48, &control_horizons);
     std::println!("most roll-outs from a start with everything free: {most}");
-    assert!(most <= super::solve::COLD_MOST);
+    assert!(most <= COLD_MOST);
 }
 
 /// Whatever was guessed before, a guess is given six roll-outs before the start with everything free.
@@ -227,9 +252,9 @@ fn a_bad_guess_costs_six_roll_outs_at_most() {
     let mut guess = Guess::new();
     for _ in 0..20_000 {
         let start = [1.6 * per_rad * numbers.next(), 8.0 * per_rad_s * numbers.next()];
-        let outcome = lq.solve(&start, numbers.next(), &mut guess);
+        let outcome = solve(&lq, start, numbers.next(), &mut guess);
         assert_eq!(outcome.status, Status::Solved);
-        assert!(outcome.iterations <= 6 + super::solve::COLD_MOST);
+        assert!(outcome.iterations <= 6 + COLD_MOST);
     }
 }
 
@@ -246,10 +271,13 @@ fn the_cap_leaves_an_input_inside_its_bounds_and_no_harm() {
         let mut capped = 0;
         for _ in 0..500 {
             let (start, previous) = ([reach[0] * numbers.next(), reach[1] * numbers.next()], numbers.next());
-            let whole = lq.search(&start, previous, &mut Guess::new(), 500);
+            let search = |limit, Guess { pattern, laws }: &mut Guess| {
+                lq.search(&Regulating { start, previous }, pattern, laws, limit)
+            };
+            let whole = search(PASS_LIMIT, &mut Guess::new());
             for limit in 1..=whole.iterations + 1 {
                 let mut guess = Guess::new();
-                let outcome = lq.search(&start, previous, &mut guess, limit);
+                let outcome = search(limit, &mut guess);
                 if limit >= whole.iterations {
                     assert_eq!(outcome, whole);
                     continue;
@@ -257,7 +285,7 @@ fn the_cap_leaves_an_input_inside_its_bounds_and_no_harm() {
                 capped += 1;
                 assert_eq!((outcome.status, outcome.iterations), (Status::IterationLimit, limit));
                 assert!(outcome.input.abs() <= 1.0, "{outcome:?}");
-                let next = lq.solve(&start, previous, &mut guess);
+                let next = solve(&lq, start, previous, &mut guess);
                 assert_eq!(next.status, Status::Solved);
                 assert!((next.input - whole.input).abs() <= 2e-5, "{next:?} {whole:?}");
             }
@@ -272,10 +300,10 @@ fn a_guess_of_another_problem_changes_nothing() {
     let (one, other) = (problem(1e5, 20, 30), problem(3e5, 20, 30));
     let (start, previous) = ([300.0, -20.0], 0.4);
     let mut foreign = Guess::new();
-    other.solve(&start, previous, &mut foreign);
-    assert!(foreign.held_count > 0);
+    solve(&other, start, previous, &mut foreign);
+    assert!(foreign.laws.held_count > 0);
     let mut own = Guess::new();
-    assert_eq!(one.solve(&start, previous, &mut foreign), one.solve(&start, previous, &mut own));
+    assert_eq!(solve(&one, start, previous, &mut foreign), solve(&one, start, previous, &mut own));
 }
 
 /// With so small a weight of the increments that changing many inputs at once goes in circles, one by one still ends.
@@ -286,7 +314,7 @@ fn circles_are_left() {
     let mut most = 0;
     for _ in 0..20_000 {
         let start = [1000.0 * numbers.next(), 100.0 * numbers.next()];
-        let outcome = lq.solve(&start, numbers.next(), &mut Guess::new());
+        let outcome = solve(&lq, start, numbers.next(), &mut Guess::new());
         assert_eq!(outcome.status, Status::Solved, "{start:?}");
         most = most.max(outcome.iterations);
     }

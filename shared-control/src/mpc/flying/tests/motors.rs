@@ -8,12 +8,13 @@ use super::*;
 use crate::lift_curve::LiftCurve;
 use crate::mpc::motor_limits::{COUPLED_INPUTS_MAX, Room};
 use crate::mpc::schedule::PitchInertia;
+use crate::qp::Status;
 
 const LIFT_PER_TORQUE_1_M: [f32; 3] = [0.25 / 0.16, 0.25 / 0.16, 0.25 / 0.038];
 const GIMBAL: PitchInertia = PitchInertia { level_kg_m2: 0.0366, rolled_kg_m2: 0.045 };
 
 /// Motors of this span on a vehicle whose heading is free or not.
-fn with_motors(span_n: f32, yaw_locked: bool) -> MpcSettings {
+pub(super) fn with_motors(span_n: f32, yaw_locked: bool) -> MpcSettings {
     let motors = MotorSettings {
         lift_curve: LiftCurve::straight(span_n),
         torque_reserve: 0.1,

@@ -4,6 +4,8 @@
 extern crate std;
 use std::vec::Vec;
 
+#[cfg(feature = "bounded-angles")]
+mod angles;
 mod motors;
 
 use proptest::prelude::*;
@@ -253,10 +255,7 @@ fn settings_are_checked_by_name() {
     assert_eq!(field(|settings| settings.motor_lag_s = f32::NAN), ("motor_lag_s", 0));
     assert_eq!(field(|settings| settings.preview.lead_s[1] = -0.1), ("lead_s", 1));
     assert_eq!(field(|settings| settings.preview.control_step_s = 0.0), ("control_step_s", 0));
-    assert_eq!(
-        refused(|settings| settings.problem.output_max_rad[1] = Some(0.7)),
-        Some(MpcError::AngleBound { axis: 1 })
-    );
+    assert_eq!(field(|settings| settings.problem.output_max_rad[0] = Some(-0.7)), ("output_max_rad", 0));
     assert_eq!(
         refused(|settings| settings.problem.horizon = 1),
         Some(MpcError::Horizon { found: 1, control_horizon: 2 })

@@ -1,0 +1,154 @@
+//! Which bounds on the angle are held.
+
+use super::working_set::AngleBounds;
+use crate::mpc::HORIZON;
+
+/// What is chosen for the angle after one prediction step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Row {
+    /// Its bounds are ignored.
+    Loose,
+    /// At the upper bound.
+    Upper,
+    /// At the lower bound.
+    Lower,
+    /// At or above the upper bound, for which the cost rises with it.
+    AboveUpper,
+    /// At or below the lower bound.
+    BelowLower,
+}
+
+impl Row {
+    /// The angle that is to be kept.
+    #[inline(always)]
+    pub(super) fn held<const S: usize>(self, bounds: &AngleBounds<'_, S>) -> Option<f32> {
+        match self {
+            Self::Upper => Some(bounds.upper),
+            Self::Lower => Some(bounds.lower),
+            Self::Loose | Self::AboveUpper | Self::BelowLower => None,
+        }
+    }
+
+    /// Slope of the cost beyond a bound that is given up.
+    #[inline(always)]
+    pub(super) fn slope<const S: usize>(self, bounds: &AngleBounds<'_, S>) -> f32 {
+        match self {
+            Self::AboveUpper => bounds.soft.weight,
+            Self::BelowLower => -bounds.soft.weight,
+            Self::Loose | Self::Upper | Self::Lower => 0.0,
+        }
+    }
+
+    /// The multiplier of the bound, from that of the angle.
+    #[inline(always)]
+    pub(super) fn multiplier(self, of_angle: f32) -> f32 {
+        if self == Self::Lower { -of_angle } else { of_angle }
+    }
+
+    /// What it becomes when its multiplier has reached the greatest one.
+    pub(super) fn given_up(self) -> Self {
+        match self {
+            Self::Upper => Self::AboveUpper,
+            Self::Lower => Self::BelowLower,
+            other => other,
+        }
+    }
+}
+
+/// The choices for all angles: a bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Rows {
+    upper: u32,
+    lower: u32,
+    above: u32,
+    below: u32,
+}
+
+const _: () = assert!(HORIZON <= 32, "a bit for each angle");
+
+impl Rows {
+    /// None is held.
+    pub(super) const LOOSE: Self = Self { upper: 0, lower: 0, above: 0, below: 0 };
+
+    pub(super) fn get(&self, index: usize) -> Row {
+        let bit = bit(index);
+        if self.upper & bit != 0 {
+            Row::Upper
+        } else if self.lower & bit != 0 {
+            Row::Lower
+        } else if self.above & bit != 0 {
+            Row::AboveUpper
+        } else if self.below & bit != 0 {
+            Row::BelowLower
+        } else {
+            Row::Loose
+        }
+    }
+
+    pub(super) fn set(&mut self, index: usize, row: Row) {
+        let bit = bit(index);
+        for bits in [&mut self.upper, &mut self.lower, &mut self.above, &mut self.below] {
+            *bits &= !bit;
+        }
+        match row {
+            Row::Loose => {}
+            Row::Upper => self.upper |= bit,
+            Row::Lower => self.lower |= bit,
+            Row::AboveUpper => self.above |= bit,
+            Row::BelowLower => self.below |= bit,
+        }
+    }
+
+    /// Whether the angle is held at a bound.
+    #[inline(always)]
+    pub(super) fn is_held(&self, index: usize) -> bool {
+        (self.upper | self.lower) & bit(index) != 0
+    }
+
+    /// The angles that are held, the earliest first.
+    #[inline(always)]
+    pub(super) fn held(&self) -> Indices {
+        Indices(self.upper | self.lower)
+    }
+
+    #[inline(always)]
+    pub(super) fn has_given_up(&self) -> bool {
+        self.above | self.below != 0
+    }
+
+    /// The angles whose bounds are given up.
+    #[inline(always)]
+    pub(super) fn given_up(&self) -> Indices {
+        Indices(self.above | self.below)
+    }
+}
+
+/// No bit for what is no angle.
+#[inline(always)]
+fn bit(index: usize) -> u32 {
+    if index < HORIZON { 1 << index } else { 0 }
+}
+
+/// Of the bits that are set.
+#[derive(Clone, Copy)]
+pub(super) struct Indices(u32);
+
+impl Indices {
+    pub(super) fn last(self) -> Option<usize> {
+        (self.0 != 0).then(|| 31 - self.0.leading_zeros() as usize)
+    }
+}
+
+impl Iterator for Indices {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let index = self.0.trailing_zeros() as usize;
+        self.0 &= self.0 - 1;
+        Some(index)
+    }
+}
