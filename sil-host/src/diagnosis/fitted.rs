@@ -2,13 +2,13 @@
 //! bench leaves open.
 
 use crate::axis::Axis;
-use crate::effects::{Effect, Hints, Hypothesis, Origin, Unknown};
+use crate::effects::{self, Effect, Hints, Hypothesis, Origin, Scope, Unknown};
 use crate::prediction::model::Model;
 
 /// Something with numbers that a fit varies.
 pub(super) enum Fitted {
     /// An effect of the catalogue.
-    Effect(Hypothesis),
+    Effect(Box<Hypothesis>),
     /// How much a separate axis accelerates per unit of its command: no effect, for its nominal value is fitted to each
     /// log, along with whatever else is in the model.
     InputGain(Axis),
@@ -18,6 +18,12 @@ pub(super) enum Fitted {
 const INPUT_GAIN: [Unknown; 1] = [Unknown::free("gain_rad_s2", 1.0, 1e-3, [-1e4, 1e4])];
 
 impl Fitted {
+    /// The effects that a log can be tested for.
+    pub(super) fn hypotheses(scope: &Scope) -> Vec<Fitted> {
+        let all = effects::hypotheses(scope).into_iter();
+        all.map(|hypothesis| Fitted::Effect(Box::new(hypothesis))).collect()
+    }
+
     /// Its name in docs/effects.md.
     pub(super) fn name(&self) -> &'static str {
         match self {

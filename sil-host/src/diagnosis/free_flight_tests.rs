@@ -87,6 +87,27 @@ fn in_hover_without_velocity_weight_and_lift_are_confounded() {
     assert!(finding.confounded_with.iter().any(|name| both.contains(name)), "{finding:?}");
 }
 
+/// What the model is said to have is predicted or refused, never left out.
+#[test]
+fn a_known_effect_whose_cause_the_log_does_not_show_is_refused() {
+    let whole = log(&[], 8);
+    let without_velocity = Log { velocity_ned_m_s: Default::default(), ..whole.clone() };
+    let without_height = Log { height_m: None, ..whole.clone() };
+    let neither_force_nor_velocity = Log { accel_body_m_s2: Default::default(), ..without_velocity.clone() };
+    let refusal = |short: &str, log: &Log| {
+        let mut vehicle = VehicleModel::nominal(Rig::Free);
+        vehicle.effects.push(Effect::parse(short, Rig::Free).unwrap());
+        let subject = Subject::Vehicle(&vehicle);
+        subject.windowed(log, &subject.noise(log)).err().map(|error| error.to_string())
+    };
+    let (wind, ground) = ("wind:north_m_s=3", "ground_effect:height_m=1");
+    assert_eq!((refusal(wind, &whole), refusal(ground, &whole)), (None, None));
+    assert!(refusal(wind, &without_velocity).unwrap().contains("vn_m_s"));
+    assert!(refusal(ground, &without_height).unwrap().contains("height_m"));
+    // of a log that shows turning alone, wind changes nothing
+    assert_eq!(refusal(wind, &neither_force_nor_velocity), None);
+}
+
 #[test]
 fn an_attitude_turns_vectors_as_rotation_matrices_do() {
     for [roll, pitch, yaw] in [[0.3, -0.2, 1.1], [-2.0, 1.2, -3.0], [0.0, 0.0, 0.5]] {

@@ -36,7 +36,6 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::effects;
 use crate::log::Log;
 pub use crate::prediction::Subject;
 use crate::prediction::accuracy;
@@ -175,7 +174,7 @@ pub fn diagnose_observed(
     let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject, None)?;
     let nominal = || subject.model();
-    let catalogue: Vec<Fitted> = effects::hypotheses(&subject.scope(log)).into_iter().map(Fitted::Effect).collect();
+    let catalogue = Fitted::hypotheses(&subject.scope(log));
     let fitted_along = subject.fitted_along(sampled.log())?;
     let always: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
@@ -211,7 +210,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
         .map(|candidate| shooting.log.drive(model_of(search.nominal, &candidate.fit.terms)));
     let windows = search.held_out_windows();
     let predicted = driven.each_ref().map(|driven| accuracy::predict(&shooting.log, driven, &windows));
-    let [nominal, extended] = predicted.each_ref().map(|predicted| accuracy::tallies(predicted));
+    let [nominal, extended] = predicted.each_ref().map(accuracy::tallies);
     let [nominal_errors, _] = accuracy::channel_errors(&nominal);
     let [extended_errors, noise_floor] = accuracy::channel_errors(&extended);
     let gain = evidence::bootstrap::gain(search, found);

@@ -192,7 +192,7 @@ impl<'e> Search<'e> {
             }
             for values in effect.starts(&hints) {
                 let mut terms = to.fit.terms.clone();
-                terms.push(Term { effect: effect, values });
+                terms.push(Term { effect, values });
                 scored.push((self.score(to, &linear, &terms), terms));
             }
         }

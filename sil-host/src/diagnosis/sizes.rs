@@ -8,7 +8,7 @@ use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::effects::{self, Hints};
+use crate::effects::Hints;
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
 
@@ -27,7 +27,7 @@ pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Op
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
     let nominal = || subject.model();
-    let table: Vec<Fitted> = effects::hypotheses(&subject.scope(log)).into_iter().map(Fitted::Effect).collect();
+    let table = Fitted::hypotheses(&subject.scope(log));
     let shooting = subject.shooting(log, &subject.noise(log))?;
     let fitted_along = subject.fitted_along(&shooting.log)?;
     let mut terms: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();

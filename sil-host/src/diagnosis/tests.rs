@@ -127,7 +127,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     let log = bench_in_gusts();
     let subject = Subject::Axes;
     let noise = subject.noise(&log);
-    let catalogue: Vec<Fitted> = effects::hypotheses(&subject.scope(&log)).into_iter().map(Fitted::Effect).collect();
+    let catalogue = Fitted::hypotheses(&subject.scope(&log));
     let gain = Fitted::InputGain(crate::axis::Axis::Pitch);
     let of = |name: &str| catalogue.iter().find(|effect| effect.name() == name).unwrap();
     let truth = vec![

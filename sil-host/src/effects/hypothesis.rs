@@ -66,6 +66,7 @@ pub(crate) struct Hints {
 }
 
 type Starts = Box<dyn Fn(&Hints) -> Vec<Vec<f64>> + Sync + Send>;
+type OfValues = Box<dyn Fn(&[f64]) -> Effect + Sync + Send>;
 
 /// An effect of unknown size on one axis, one motor, or the whole vehicle.
 pub(crate) struct Hypothesis {
@@ -77,7 +78,7 @@ pub(crate) struct Hypothesis {
     /// Names of the effect's parameters that the unknowns determine.
     reported: Vec<&'static str>,
     starts: Option<Starts>,
-    effect: Box<dyn Fn(&[f64]) -> Effect + Sync + Send>,
+    effect: OfValues,
 }
 
 impl Hypothesis {
