@@ -9,7 +9,9 @@ fn it_writes_the_same_report_says_where_and_opens_nothing() {
     let report = folder.path("out/report.html").canonicalize().unwrap();
     assert!(outcome.stdout.contains(&format!("report  {}\n", report.display())), "{outcome:?}");
     assert!(!outcome.stdout.contains("opening"), "{outcome:?}");
-    for told in ["pid roll", "mpc pitch", "SYNTHETIC", "closed loop, mean |simulated - measured|", "open-loop replay"] {
+    for told in
+        ["pid roll", "mpc pitch", "SYNTHETIC", "closed loop, mean |simulated - measured|", "open-loop prediction"]
+    {
         assert!(outcome.stdout.contains(told), "no \"{told}\" in {outcome:?}");
     }
     let page = String::from_utf8(folder.bytes("out/report.html")).unwrap();
