@@ -243,7 +243,8 @@ fn the_attitude_at_the_switch_holds_nothing_of_the_seconds_bias() {
     assert!(turned.imag().norm() < 5e-4, "{turned}");
 }
 
-/// A slow turn looks like rest, and its rate like a bias; with motors turning neither is believed, of the standby either.
+/// A slow turn looks like rest, and its rate like a bias; with motors turning neither is believed, of the standby
+/// either.
 #[test]
 fn a_slow_turn_in_flight_is_not_taken_for_the_standbys_bias() {
     let mut bench = Bench::flying();
