@@ -7,6 +7,7 @@ use crate::mpc::riccati::{
 };
 use crate::mpc::settings::{AxisSettings, MpcError};
 use crate::mpc::{BOUNDED_ANGLES, HORIZON};
+use crate::qp::QpError;
 use crate::signals::PlanRequest;
 
 /// Room for a bound on the angle: none where the method for it is left out, and with it all that it needs.
@@ -95,11 +96,15 @@ impl<const M: usize> TrackingAxis<M> {
             AngleBound { angle_max_rad, soft }
         });
         let torque_per_input_nm = settings.torque_per_input_nm[axis];
+        let units = [1.0 / full_turn_rad, step_s / full_turn_rad, 1.0 / torque_max_nm];
+        if !units.iter().all(|unit| unit.is_finite()) {
+            return Err(MpcError::Program { axis, error: QpError::NotFinite });
+        }
         Ok(Self {
             lq: lq.map_err(|error| MpcError::Program { axis, error })?,
             tracking_weight,
             increment_weight: increment_weight / (torque_per_input_nm * torque_per_input_nm),
-            units: [1.0 / full_turn_rad, step_s / full_turn_rad, 1.0 / torque_max_nm],
+            units,
             torque_max_nm,
             horizon: problem.horizon,
             angle_bound: [angle_bound; ANGLE_BOUNDS],

@@ -256,6 +256,9 @@ fn settings_are_checked_by_name() {
     assert_eq!(field(|settings| settings.preview.lead_s[1] = -0.1), ("lead_s", 1));
     assert_eq!(field(|settings| settings.preview.control_step_s = 0.0), ("control_step_s", 0));
     assert_eq!(field(|settings| settings.problem.output_max_rad[0] = Some(-0.7)), ("output_max_rad", 0));
+    // each a number by itself, but a torque so small that its inverse is none
+    let tiny = refused(|settings| (settings.problem.input_max[2], settings.torque_per_input_nm[2]) = (1e-25, 1e-20));
+    assert!(matches!(tiny, Some(MpcError::Program { axis: 2, .. })), "{tiny:?}");
     assert_eq!(
         refused(|settings| settings.problem.horizon = 1),
         Some(MpcError::Horizon { found: 1, control_horizon: 2 })
