@@ -1,4 +1,5 @@
-//! One axis of the MPC that flies: its problem in units of its own, prepared at start-up, and the solve at each control step.
+//! One axis of the MPC that flies: its problem in units of its own, prepared at start-up, and the solve at each control
+//! step.
 
 use super::MpcSettings;
 use crate::elementary::limit;
@@ -13,8 +14,8 @@ use crate::signals::PlanRequest;
 /// Room for a bound on the angle: none where the method for it is left out, and with it all that it needs.
 const ANGLE_BOUNDS: usize = BOUNDED_ANGLES as usize;
 
-/// A prepared axis, in units in which the prediction step, the weight of the angle, the greatest torque, and the rate that
-/// it gives the axis in one step are 1.
+/// A prepared axis, in units in which the prediction step, the weight of the angle, the greatest torque, and the rate
+/// that it gives the axis in one step are 1.
 #[derive(Clone, Debug)]
 pub(super) struct TrackingAxis<const M: usize> {
     pub(super) lq: BoundedLq<LaggedIntegrator, 3, M>,

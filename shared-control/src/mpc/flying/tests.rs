@@ -1,5 +1,5 @@
-//! The MPC that flies where its answer is known: against the thesis' problem where both say the same, along closed loops, and on
-//! nonsense.
+//! The MPC that flies where its answer is known: against the thesis' problem where both say the same, along closed
+//! loops, and on nonsense.
 
 extern crate std;
 use std::vec::Vec;
@@ -95,8 +95,8 @@ proptest! {
         }
     }
 
-    /// A disturbance that the motors already hold, with the axis at rest on its reference, is held on; the torque never leaves its
-    /// bounds, however large the disturbance.
+    /// A disturbance that the motors already hold, with the axis at rest on its reference, is held on; the torque never
+    /// leaves its bounds, however large the disturbance.
     #[test]
     fn a_disturbance_is_held_against(share in -0.9f32..0.9, lag_s in 0.0f32..0.1) {
         let settings = settings(lag_s, ReferenceAhead::Held);
