@@ -9,7 +9,6 @@ use std::path::PathBuf;
 use serde_json::Value;
 use sil_host::effects::Effect;
 use sil_host::log::Quantity;
-use sil_host::model::Rig;
 
 use crate::sil::{Folder, RIG_LOG, instance_files};
 
@@ -60,23 +59,22 @@ fn pages_list_every_effect() {
 
 #[test]
 fn pages_list_every_parameter_of_every_effect() {
-    let examples = Effect::CATALOGUE.iter().map(|entry| (entry.example, entry.rigs[0]));
-    // the one effect with two laws, of which an example can show only one
-    let examples = examples.chain([("battery_sag:per_s=0.01", Rig::Gimbal)]);
-    let known: BTreeSet<(String, String)> = examples
-        .flat_map(|(example, rig)| {
-            let effect = Effect::parse(example, rig).unwrap();
-            effect.parameters().into_iter().map(move |(name, _)| (effect.name().to_owned(), name.to_owned()))
+    let rows = Effect::CATALOGUE.iter().flat_map(|entry| {
+        entry.parameters.iter().map(|parameter| {
+            let default = parameter.usual.map_or(String::new(), |value| format!("{value}"));
+            vec![
+                format!("`{}`", entry.name),
+                format!("`{}`", parameter.name),
+                if parameter.unit.is_empty() { "1".to_owned() } else { parameter.unit.to_owned() },
+                format!("{}", parameter.nominal),
+                default,
+                format!("{} to {}", parameter.min, parameter.max),
+                parameter.meaning.to_owned(),
+            ]
         })
-        .collect();
-    let (_, page) = page("effects.md");
-    let section = page.split("## Parameters").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap();
-    let (mut effect, mut listed) = (String::new(), BTreeSet::new());
-    for cells in rows_of(section) {
-        effect = code_in(&cells[0]).next().unwrap_or(effect);
-        listed.extend(code_in(&cells[1]).map(|parameter| (effect.clone(), parameter)));
-    }
-    assert_eq!(listed, known);
+    });
+    let head = ["effect", "parameter", "unit", "nominal", "default", "range", "meaning"];
+    assert_generated("effects.md", "parameters", &table(&head, rows));
 }
 
 #[test]
