@@ -1,7 +1,8 @@
-//! The MPC that flies on raw bytes: settings, control horizon, then requests one after another with the same warm start.
+//! The MPC that flies on raw bytes: settings, control horizon, then requests one after another with the same warm
+//! start.
 //!
-//! `cargo +nightly fuzz run mpc`, in the project's root. Whatever the bytes: no panic, no hang, a torque that is a number
-//! inside its bounds, and "solved" only for requests that are numbers.
+//! `cargo +nightly fuzz run mpc`, in the project's root. Whatever the bytes: no panic, no hang, a torque that is a
+//! number inside its bounds, and "solved" only for requests that are numbers.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -16,8 +17,8 @@ mod words;
 
 const VEHICLE: VehicleParameters = VehicleParameters::F450_FREE;
 
-/// What the board's vehicle and tuning say, changed where the bytes say so: a word of 0 leaves a setting as it is, so that
-/// requests are reached that settings of raw bits would never be accepted for.
+/// What the board's vehicle and tuning say, changed where the bytes say so: a word of 0 leaves a setting as it is, so
+/// that requests are reached that settings of raw bits would never be accepted for.
 fn settings(words: &mut Words<'_>) -> MpcSettings {
     let tuning = Tuning {
         mpc_motor_limits: words.next() % 4 == 1,

@@ -1,8 +1,8 @@
-//! The thesis' problem on raw bytes: settings, control horizon, then requests one after another with the same warm start.
-//! It does not fly; what does is the target `mpc`.
+//! The thesis' problem on raw bytes: settings, control horizon, then requests one after another with the same warm
+//! start. It does not fly; what does is the target `mpc`.
 //!
-//! `cargo +nightly fuzz run regulation`, in the project's root. Whatever the bytes: no panic, no hang, an input that is a number
-//! inside its bounds, and "solved" only for requests that are numbers.
+//! `cargo +nightly fuzz run regulation`, in the project's root. Whatever the bytes: no panic, no hang, an input that is
+//! a number inside its bounds, and "solved" only for requests that are numbers.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -68,7 +68,8 @@ pub fn mix(config: &MixerConfig, wrench: &Wrench) -> MixResult {
     let (low, high) = extent(torque_lift);
     let asked_n = if wrench.lift_per_motor_n.is_finite() { wrench.lift_per_motor_n } else { curve.lift_min_n };
     // the ends can cross by a rounding error; the lower then wins
-    let collective_n = limit(asked_n, curve.lift_min_n - low, larger(curve.lift_max_n - high, curve.lift_min_n - low));
+    let lowest_n = curve.lift_min_n - low;
+    let collective_n = limit(asked_n, lowest_n, larger(curve.lift_max_n - high, lowest_n));
 
     let lifts = [0, 1, 2, 3].map(|motor| collective_n + torque_lift(motor));
     MixResult {

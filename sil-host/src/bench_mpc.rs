@@ -1,8 +1,9 @@
 //! Solver instances: the shipped single-precision MPC held against exact solutions in a file.
 //!
 //! A file holds one problem (axes, weights, bounds, control horizon) and a sequence of instances: parameters theta =
-//! \[x (6), u_prev (3), r (3)\] and the exact minimiser z_ref. Only the problem's parameters are read, not its matrices:
-//! what is held against the reference is the way from theta to the first input as it flies, condensing included.
+//! \[x (6), u_prev (3), r (3)\] and the exact minimiser z_ref. Only the problem's parameters are read, not its
+//! matrices: what is held against the reference is the way from theta to the first input as it flies, condensing
+//! included.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};

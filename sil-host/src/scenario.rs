@@ -28,7 +28,8 @@ pub struct Waypoint {
     pub yaw_rate_rad_s: f64,
     /// Collective command; the model's base command where none is given.
     pub throttle: Option<f64>,
-    /// Height above the start that a pilot holds by the throttle, m; none flies the collective command as it is. Free flight.
+    /// Height above the start that a pilot holds by the throttle, m; none flies the collective command as it is. Free
+    /// flight.
     pub climb_m: Option<f64>,
 }
 

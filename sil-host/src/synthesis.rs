@@ -1,7 +1,7 @@
 //! Rig logs with chosen effects, noise, rates, jitter and missing rows: for tests of what reads logs, and for learning.
 //!
-//! The plant is integrated by another method than that of ordinary flights (Dormand-Prince 5(4) in place of Runge-Kutta 4)
-//! and much more finely, so that a log shows what is true of the vehicle and not how it was computed.
+//! The plant is integrated by another method than that of ordinary flights (Dormand-Prince 5(4) in place of Runge-Kutta
+//! 4) and much more finely, so that a log shows what is true of the vehicle and not how it was computed.
 
 use crate::controller_file::ControllerChoice;
 use crate::cosim::{self, record::FlightRecord};
@@ -38,8 +38,8 @@ pub struct Synthesis {
     pub throttle: Option<f64>,
     /// Noise of attitude and gyro; the model's where none is given.
     pub noise: Option<SensorNoise>,
-    /// By how much rows are late, s: |N(0, jitter)|, at most 0.9 of the time from row to row. What is logged is the state at
-    /// the late time.
+    /// By how much rows are late, s: |N(0, jitter)|, at most 0.9 of the time from row to row. What is logged is the
+    /// state at the late time.
     pub jitter_s: f64,
     /// Share of the rows that are missing, each by chance.
     pub drop_out_share: f64,

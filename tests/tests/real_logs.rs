@@ -95,9 +95,9 @@ fn crazyflie_with_motors_and_no_gyro() {
     }
 }
 
-/// The prediction of the bench misses by far more than noise, as it must: the model knows neither the delay of 20 ms nor
-/// the restoring moment nor the trim of the bench (the authors' model has the first two). What it is, is the diagnosis'
-/// matter; that it shows, and that the one gain does what one gain can, is tested here.
+/// The prediction of the bench misses by far more than noise, as it must: the model knows neither the delay of 20 ms
+/// nor the restoring moment nor the trim of the bench (the authors' model has the first two). What it is, is the
+/// diagnosis' matter; that it shows, and that the one gain does what one gain can, is tested here.
 #[test]
 fn bench_with_free_pitch_is_predicted_and_missed() {
     for path in files("rig_antx_2dof", "Lab") {

@@ -1,5 +1,5 @@
-//! The solver benchmark on an emulated Cortex-M4F: what the solver's two instances take, the one that flies and the thesis'
-//! regulation problem. An image per instance file and problem.
+//! The solver benchmark on an emulated Cortex-M4F: what the solver's two instances take, the one that flies and the
+//! thesis' regulation problem. An image per instance file and problem.
 
 mod counting;
 mod instances;
@@ -84,10 +84,12 @@ fn instance_files(folder: &Path) -> Result<Vec<PathBuf>> {
 fn print_row(with_head: bool, instances: &Instances, problem: Problem, counts: &Counts) -> Result<()> {
     if with_head {
         println!(
-            "problem     case   Ts, ms   solved      error  iterations     instructions   DAQP, split        flash    RAM"
+            "problem     case   Ts, ms   solved      error  iterations     instructions   DAQP, split        flash    \
+             RAM"
         );
         println!(
-            "                                        u_max  median max    median     max   median     max   bytes  bytes"
+            "                                        u_max  median max    median     max   median     max   bytes  \
+             bytes"
         );
     }
     let label = instances.label();

@@ -61,8 +61,8 @@ pub(crate) fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The step of CI: the mutants of the change since `MUTANTS_BASE`, or since the commit before, in a bounded time. A small
-/// change must leave none missed; of a large one every so many are tried, and what is missed is only told.
+/// The step of CI: the mutants of the change since `MUTANTS_BASE`, or since the commit before, in a bounded time. A
+/// small change must leave none missed; of a large one every so many are tried, and what is missed is only told.
 pub(crate) fn in_ci(workspace: &Workspace) -> Result<()> {
     let base = std::env::var("MUTANTS_BASE").unwrap_or_else(|_| "HEAD~1".into());
     if !exists(workspace, &base)? {

@@ -1,4 +1,5 @@
-//! The battery's voltage: ADC1 converts PA2 without end, and DMA2 stream 4 keeps the last conversions in a ring (RM 13, 10).
+//! The battery's voltage: ADC1 converts PA2 without end, and DMA2 stream 4 keeps the last conversions in a ring (RM 13,
+//! 10).
 #![allow(unsafe_code)] // addresses and buffer of the DMA
 
 use core::ptr;

@@ -6,8 +6,8 @@ use stm32f4xx_hal::rcc::{Config, Enable, Rcc, Reset};
 
 use super::board;
 
-/// Looks at the crystal's ready flag, each at least 5 cycles of 62.5 ns long: a tenth of a second at least. The data sheet
-/// gives 2 ms for the start of a usual crystal.
+/// Looks at the crystal's ready flag, each at least 5 cycles of 62.5 ns long: a tenth of a second at least. The data
+/// sheet gives 2 ms for the start of a usual crystal.
 const CRYSTAL_LOOKS: u32 = 400_000;
 
 /// The internal oscillator, Hz.

@@ -37,8 +37,8 @@ impl Configuration {
         Self { params, fault, setup }
     }
 
-    /// The MPC, where it flies. Not inlined: the 30 KB of stack that it takes to prepare are gone when it returns, and who
-    /// flies the cascade never needs them.
+    /// The MPC, where it flies. Not inlined: the 30 KB of stack that it takes to prepare are gone when it returns, and
+    /// who flies the cascade never needs them.
     #[inline(never)]
     pub fn mpc(&self, place: &'static mut MpcPlace) -> Option<&'static mut BoardMpc> {
         if self.params.controller == Controller::Cascade {

@@ -153,8 +153,8 @@ impl Control {
         true
     }
 
-    /// With hardware in the loop, at a beat of the timer without a message. While messages come, orders wait for the step of
-    /// theirs, so that a flight can be repeated; when they stay away, somebody may want to end it by parameter.
+    /// With hardware in the loop, at a beat of the timer without a message. While messages come, orders wait for the
+    /// step of theirs, so that a flight can be repeated; when they stay away, somebody may want to end it by parameter.
     fn wait(&mut self) {
         self.waited = self.waited.saturating_add(1);
         if self.waited >= BEATS_WITHOUT_MESSAGE {

@@ -58,8 +58,8 @@ pub struct FaultRecord {
 
 /// Stops the motors, records, resets.
 pub fn stop(cause: Cause, pc: u32, lr: u32) -> ! {
-    // the pins first: whatever fails from here on, the watchdog ends it with the motors off. NMI and HardFault care for no
-    // mask; the others may not be interrupted by a loop that writes pulses
+    // the pins first: whatever fails from here on, the watchdog ends it with the motors off. NMI and HardFault care for
+    // no mask; the others may not be interrupted by a loop that writes pulses
     cortex_m::interrupt::disable();
     let without_crystal = cause == Cause::CrystalLost;
     if without_crystal {

@@ -4,9 +4,9 @@
 //!   MPU6000 ready -> transfer ------------------------> first queue
 //!   L3GD20 ready  -> transfer -> LSM303D's transfer ---> second queue
 //! ```
-//! Who comes while the bus is busy waits and is served when the transfer under way ends, the first IMU before the second.
-//! A transfer that does not end in [`TRANSFER_MAX_US`] is broken off by whatever comes next, at the latest by the loop,
-//! which looks in once a step: neither sensor can keep the bus from the other.
+//! Who comes while the bus is busy waits and is served when the transfer under way ends, the first IMU before the
+//! second. A transfer that does not end in [`TRANSFER_MAX_US`] is broken off by whatever comes next, at the latest by
+//! the loop, which looks in once a step: neither sensor can keep the bus from the other.
 #![allow(unsafe_code)] // addresses and buffers of the DMA
 
 use core::ptr;
@@ -241,8 +241,8 @@ impl Imus {
         self.serve(now_us);
     }
 
-    /// The second may have one, if its pin is high; or a step has passed, and a lost edge or a transfer that hangs is looked
-    /// for.
+    /// The second may have one, if its pin is high; or a step has passed, and a lost edge or a transfer that hangs is
+    /// looked for.
     pub fn second_ready(&mut self) {
         let now_us = clock::now_us();
         self.ready.second.clear_interrupt_pending_bit();

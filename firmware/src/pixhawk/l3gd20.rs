@@ -9,8 +9,8 @@ use super::sensor_bus::{Chip, Flaw, INCREMENT, READ, SensorBus, SensorFault};
 const WHO_AM_I: u8 = 0x0F;
 const L3GD20: u8 = 0xD4;
 const L3GD20H: u8 = 0xD7;
-/// Not in the data sheets. PX4 and ArduPilot both set bit 5, which switches I2C off; else bus traffic for others, which to
-/// this chip looks like I2C, may make it answer along.
+/// Not in the data sheets. PX4 and ArduPilot both set bit 5, which switches I2C off; else bus traffic for others, which
+/// to this chip looks like I2C, may make it answer along.
 const I2C_OFF: (u8, u8) = (0x05, 0x20);
 /// First register of a sample: STATUS_REG, then three rotations, each low byte first.
 const STATUS_REG: u8 = 0x27;

@@ -1,17 +1,18 @@
 //! What the ESCs hear last when nothing can go on: a whole disarmed pulse, then nothing.
 //!
-//! An ESC knows a pulse when it ends, keeps to it until the next, and gives up only some 0.25 to 1 s after the last one.
-//! So a reset alone would leave the motors at their last command for that long.
+//! An ESC knows a pulse when it ends, keeps to it until the next, and gives up only some 0.25 to 1 s after the last
+//! one. So a reset alone would leave the motors at their last command for that long.
 //!
 //! | the fault falls | this pulse | then |
 //! |---|---|---|
 //! | between pulses, or into a pulse shorter than the disarmed one so far | ends at the disarmed width | a pause, a disarmed pulse |
 //! | into a pulse already longer than that | ends at once: less than was asked for, more than nothing, for 1.5 ms | a pause, a disarmed pulse |
 //!
-//! A pulse on its way cannot be made shorter than it is, and left alone it would end later, at the full command. Without
-//! the crystal the timers run at 16 instead of 168 MHz and a pulse would last 10.5 times as long, which some ESCs take for
-//! full throttle: the pins go low at once. A pulse cut off below the disarmed width is no throttle to any ESC: it is too
-//! short to be taken, or taken for zero. The disarmed pulse is then made anew, on the internal oscillator's time.
+//! A pulse on its way cannot be made shorter than it is, and left alone it would end later, at the full command.
+//! Without the crystal the timers run at 16 instead of 168 MHz and a pulse would last 10.5 times as long, which some
+//! ESCs take for full throttle: the pins go low at once. A pulse cut off below the disarmed width is no throttle to any
+//! ESC: it is too short to be taken, or taken for zero. The disarmed pulse is then made anew, on the internal
+//! oscillator's time.
 #![allow(unsafe_code)] // the fault path writes the pulse timer whoever owns it
 
 use core::sync::atomic::{AtomicU16, Ordering};
@@ -25,7 +26,8 @@ static DISARMED_COUNT_WITHOUT_CRYSTAL: AtomicU16 = AtomicU16::new(0);
 
 /// Internal oscillator, counts per us.
 const INTERNAL_TICKS_PER_US: u16 = 16;
-/// That oscillator may be 8 % slow over all temperatures (data sheet, HSI characteristics): by so much shorter is the pulse made on its time.
+/// That oscillator may be 8 % slow over all temperatures (data sheet, HSI characteristics): by so much shorter is the
+/// pulse made on its time.
 const INTERNAL_SHARE_PERCENT: u16 = 92;
 /// Turns of a wait, each at least 5 cycles long: 3 ms at 168 MHz, more than any wait takes.
 const WAIT_TURNS: u32 = 100_000;
@@ -52,8 +54,8 @@ pub fn force_low() {
     }
 }
 
-/// After [`force_disarmed`]: sends a whole disarmed pulse. That takes 2.5 ms at most with PWM, whatever the rate of pulses is:
-/// the pulse under way, a pause, the last pulse. The watchdog, last fed 10 ms ago or less, waits longer.
+/// After [`force_disarmed`]: sends a whole disarmed pulse. That takes 2.5 ms at most with PWM, whatever the rate of
+/// pulses is: the pulse under way, a pause, the last pulse. The watchdog, last fed 10 ms ago or less, waits longer.
 pub fn send_disarmed() {
     let (tim, count) = (pulse_timer(), DISARMED_COUNT.load(Ordering::Relaxed));
     if count == 0 || !pulses_are_sent(tim) {
@@ -94,8 +96,8 @@ pub fn send_disarmed_without_crystal() {
 
 /// The same compare value for all channels.
 fn write_at_once(tim: &tim1::RegisterBlock, count: u16) {
-    // first with the preload still on, so that nothing older can come out of it; then without, which acts at once. Not by
-    // an update event: that would begin another pulse on top of the one under way.
+    // first with the preload still on, so that nothing older can come out of it; then without, which acts at once. Not
+    // by an update event: that would begin another pulse on top of the one under way.
     for channel in 0..4 {
         tim.ccr(channel).write(|w| w.ccr().set(count));
     }

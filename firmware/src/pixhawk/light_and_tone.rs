@@ -1,4 +1,5 @@
-//! The amber LED and the buzzer play what `shared_control::light_and_tone` says of the state: TIM2 channel 1 makes the tone.
+//! The amber LED and the buzzer play what `shared_control::light_and_tone` says of the state: TIM2 channel 1 makes the
+//! tone.
 
 use shared_control::light_and_tone::{SLOTS, Sign};
 use stm32f4xx_hal::gpio::{Alternate, OpenDrain, Output, PA15, PE12};
@@ -66,7 +67,8 @@ impl Pins {
         if on { self.led.set_low() } else { self.led.set_high() }
     }
 
-    /// Shows a sign for as long as `goes_on` says, asked ten times a second; before there are tasks, and without a tone.
+    /// Shows a sign for as long as `goes_on` says, asked ten times a second; before there are tasks, and without a
+    /// tone.
     pub fn show_while(&mut self, sign: Sign, core_hz: u32, mut goes_on: impl FnMut() -> bool) {
         let mut slot = 0;
         while goes_on() {

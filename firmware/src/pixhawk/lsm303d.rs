@@ -20,8 +20,8 @@ const SETTINGS: [(u8, u8); 6] = [
     (0x26, 0x03), // CTRL7: magnetometer off
 ];
 
-/// Bits to clear and to set, in this order, in registers that are not in the data sheet: switches I2C off, for the L3GD20's
-/// reason, as PX4 and ArduPilot both do it.
+/// Bits to clear and to set, in this order, in registers that are not in the data sheet: switches I2C off, for the
+/// L3GD20's reason, as PX4 and ArduPilot both do it.
 const I2C_OFF: [(u8, u8, u8); 4] = [(0x02, 0x00, 0x10), (0x02, 0x08, 0x00), (0x15, 0x00, 0x80), (0x02, 0x18, 0x00)];
 
 /// Checks who answers, writes the settings, reads them back.

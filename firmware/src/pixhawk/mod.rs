@@ -41,8 +41,8 @@ mod watchdog;
 
 use defmt_rtt as _;
 
-// `plan` and `housekeeping` borrow interrupts of devices that are not used. They are no software tasks of RTIC: those are
-// futures, and in each is a panic for one that is polled after its end.
+// `plan` and `housekeeping` borrow interrupts of devices that are not used. They are no software tasks of RTIC: those
+// are futures, and in each is a panic for one that is polled after its end.
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
     use heapless::Vec;
@@ -174,8 +174,8 @@ mod app {
         (Shared { imus, link, sender, request: None, plan: None, status }, local)
     }
 
-    /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up and
-    /// counted.
+    /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up
+    /// and counted.
     #[task(binds = EXTI15_10, priority = 6, shared = [imus])]
     fn first_imu_ready(cx: first_imu_ready::Context) {
         load::FIRST_IMU.measure(|| cx.shared.imus.first_ready());
@@ -187,16 +187,16 @@ mod app {
         load::SECOND_IMU.measure(|| cx.shared.imus.second_ready());
     }
 
-    /// 15 us after a transfer has begun, done within 5 us. On a miss the next transfer is late, beyond 200 us given up and
-    /// counted.
+    /// 15 us after a transfer has begun, done within 5 us. On a miss the next transfer is late, beyond 200 us given up
+    /// and counted.
     #[task(binds = DMA2_STREAM0, priority = 6, shared = [imus])]
     fn imu_received(cx: imu_received::Context) {
         load::IMU_RECEIVED.measure(|| cx.shared.imus.received());
     }
 
-    /// Every loop period; its pulses must be written within `board::PULSE_DELAY_US`. On a miss the pulses before are sent
-    /// once more; a step that outlasts the period is counted, and without any the watchdog resets the board. In HITL the
-    /// timer only beats for housekeeping, and each message makes a step.
+    /// Every loop period; its pulses must be written within `board::PULSE_DELAY_US`. On a miss the pulses before are
+    /// sent once more; a step that outlasts the period is counted, and without any the watchdog resets the board. In
+    /// HITL the timer only beats for housekeeping, and each message makes a step.
     #[task(
         binds = TIM3, priority = 5,
         local = [control, outputs, loop_timer, trace, housekeeping_ticks, ticks: u32 = 0],
@@ -273,8 +273,8 @@ mod app {
         }
     }
 
-    /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and its
-    /// own request is not made.
+    /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and
+    /// its own request is not made.
     #[task(binds = CAN1_RX0, priority = 2, local = [mpc, mpc_state], shared = [request, plan])]
     fn plan(mut cx: plan::Context) {
         let (Some(request), Some(mpc)) = (cx.shared.request.lock(|open| *open), cx.local.mpc) else { return };

@@ -36,8 +36,8 @@ const fn settings(accel_config: u8) -> [(u8, u8); 9] {
     ]
 }
 
-/// Setting for +-8 g, 4096 counts per g. Revision C has half the counts of the later ones at every setting, so that the one
-/// that is +-4 g in the register map is the one for +-8 g there.
+/// Setting for +-8 g, 4096 counts per g. Revision C has half the counts of the later ones at every setting, so that the
+/// one that is +-4 g in the register map is the one for +-8 g there.
 fn accel_config(product: u8) -> u8 {
     if REVISION_C.contains(&product) { 0x08 } else { 0x10 }
 }

@@ -48,8 +48,8 @@ impl Outputs {
         self.tim.ccr3().write(|w| w.ccr().set(motor2));
         self.tim.ccr2().write(|w| w.ccr().set(motor3));
         self.tim.ccr1().write(|w| w.ccr().set(motor4));
-        // a preloaded value acts from the timer's next period on, and until the first does it is zero: the pins stay low,
-        // and the first pulse is a whole one
+        // a preloaded value acts from the timer's next period on, and until the first does it is zero: the pins stay
+        // low, and the first pulse is a whole one
         self.tim.bdtr().modify(|_, w| w.moe().set_bit());
     }
 }

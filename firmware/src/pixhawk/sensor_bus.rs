@@ -1,7 +1,7 @@
 //! SPI1, the bus of the internal sensors: supply, chip selects, registers by polling, speeds.
 //!
-//! Mode 3. Registers at 656 kHz (the MPU6000 allows 1 MHz), samples at 10.5 MHz (the MPU6000 allows 20) or 5.25 MHz (the
-//! others allow 10).
+//! Mode 3. Registers at 656 kHz (the MPU6000 allows 1 MHz), samples at 10.5 MHz (the MPU6000 allows 20) or 5.25 MHz
+//! (the others allow 10).
 #![allow(unsafe_code)] // a reset without the owner of all clocks
 
 use stm32f4xx_hal::gpio::{Alternate, Output, PA5, PA6, PA7, PC2, PC13, PC15, PD7, PE3};

@@ -11,8 +11,8 @@ static LOOP_ALIVE: AtomicBool = AtomicBool::new(false);
 static PLAN_EXPECTED: AtomicBool = AtomicBool::new(false);
 static PLAN_MADE: AtomicBool = AtomicBool::new(false);
 
-/// Looks in a row at which no plan had been made although one was expected; a plan may take longer than from one look to
-/// the next, which makes it late, but no reason to stop.
+/// Looks in a row at which no plan had been made although one was expected; a plan may take longer than from one look
+/// to the next, which makes it late, but no reason to stop.
 const LOOKS_WITHOUT_PLAN_MAX: u8 = 2;
 
 /// The loop has made its step, or seen that none is due.

@@ -1,5 +1,5 @@
-//! What the motors allow the axes' plans together, in N m: the room at the present throttle, and the coupled program where the
-//! axes' own plans don't fit into it ([`super::motor_limits`]).
+//! What the motors allow the axes' plans together, in N m: the room at the present throttle, and the coupled program
+//! where the axes' own plans don't fit into it ([`super::motor_limits`]).
 
 use super::HORIZON;
 use super::motor_limits::{AxisForecast, AxisResponse, COUPLED_INPUTS_MAX, MotorLimits, Room};

@@ -34,8 +34,8 @@ use crate::signals::PlanStatus;
 /// Most prediction steps (N), and the usual number.
 pub const HORIZON: usize = 30;
 
-/// Whether the MPC that flies can keep bounds on the angles: a feature, because the board has no use for the flash that it takes
-/// as long as none is set.
+/// Whether the MPC that flies can keep bounds on the angles: a feature, because the board has no use for the flash that
+/// it takes as long as none is set.
 const BOUNDED_ANGLES: bool = cfg!(feature = "bounded-angles");
 
 /// The worse of the plan so far and one more axis.

@@ -1,9 +1,10 @@
 //! The limits of the motors, which couple the axes: one program for all three where their own plans ask for too much.
 //!
-//! Each motor's lift is the collective plus its share of the torques (signs of [`TORQUE_SIGNS`]):
-//! `F_i = T + t_i`, `t_1 = -r + p + y`, `t_2 = r - p + y`, `t_3 = r + p - y`, `t_4 = -r - p - y`, with r, p, y the lift per
-//! motor, N, that roll, pitch and yaw torque take. It must stay within the motor's range in every free input block,
-//! `-down <= t_i <= up`: thesis section 2.4.2, "the model should have the same limits as the physical propulsion system".
+//! Each motor's lift is the collective plus its share of the torques (signs of [`TORQUE_SIGNS`]): `F_i = T + t_i`,
+//! `t_1 = -r + p + y`, `t_2 = r - p + y`, `t_3 = r + p - y`, `t_4 = -r - p - y`, with r, p, y the lift per motor, N,
+//! that roll, pitch and yaw torque take. It must stay within the motor's range in every free input block,
+//! `-down <= t_i <= up`: thesis section 2.4.2, "the model should have the same limits as the physical propulsion
+//! system".
 //!
 //! The unknowns are the motors' `t_1, t_2, t_3` themselves, so that all but the fourth motor's limits are plain bounds
 //! (`t_4 = -t_1 - t_2 - t_3` is one row a block). Without yaw torque motors 2 and 4 mirror 1 and 3 and two unknowns
@@ -56,8 +57,8 @@ impl Room {
     /// The room at a collective of `lift_per_motor_n`, of which at least `reserve` of the motors' span, 0 to 1/2, is
     /// kept for torque on either side: the collective gives way that far, as it does in [`crate::mixer::mix`].
     ///
-    /// With a reserve of 0 it is the room at the present throttle, none at either end of it; with 1/2 it is half of the span
-    /// whatever the throttle.
+    /// With a reserve of 0 it is the room at the present throttle, none at either end of it; with 1/2 it is half of the
+    /// span whatever the throttle.
     pub fn at(curve: &LiftCurve, lift_per_motor_n: f32, reserve: f32) -> Self {
         let reserve_n = reserve * (curve.lift_max_n - curve.lift_min_n);
         let collective_n = limit(lift_per_motor_n, curve.lift_min_n + reserve_n, curve.lift_max_n - reserve_n);
@@ -84,7 +85,8 @@ impl Room {
 /// What the program knows of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisResponse {
-    /// Angle (with its lead) after 1, 2, ... prediction steps, rad per N, of a share that acts during the first step alone.
+    /// Angle (with its lead) after 1, 2, ... prediction steps, rad per N, of a share that acts during the first step
+    /// alone.
     pub pulse_rad_n: [f32; HORIZON],
     /// Weight of the squared tracking error, 1/rad^2.
     pub tracking_weight: f32,

@@ -11,8 +11,8 @@ pub enum ReferenceAhead {
     Setpoint,
     /// The shaped reference where it is now, constant.
     Held,
-    /// The shaped reference where it will be: the shaping runs ahead over the horizon, from its present state to the present
-    /// set-point.
+    /// The shaped reference where it will be: the shaping runs ahead over the horizon, from its present state to the
+    /// present set-point.
     #[default]
     Shaped,
 }
@@ -47,7 +47,8 @@ impl Preview {
                 *pitch = [self.shaping.tilt_asked_rad(request.setpoint.pitch_rad); HORIZON];
             }
             ReferenceAhead::Shaped => {
-                // in control steps, as it will move; in parts a little longer or shorter where the prediction step is no multiple
+                // in control steps, as it will move; in parts a little longer or shorter where the prediction step is
+                // no multiple
                 let parts = whole_steps(self.prediction_step_s, self.control_step_s).max(1);
                 let part_s = self.prediction_step_s / f32::from(parts);
                 self.advance(

@@ -1,16 +1,19 @@
 //! Several linearisations of the pitch axis along |roll|, and which of them plans: switching MPC, thesis section 7.3.2
-//! after Alexis, Nikolakopoulos and Tzes (*Switching model predictive attitude control for a quadrotor helicopter subject to
-//! atmospheric disturbances*, Control Engineering Practice 19, 2011).
+//! after Alexis, Nikolakopoulos and Tzes (*Switching model predictive attitude control for a quadrotor helicopter
+//! subject to atmospheric disturbances*, Control Engineering Practice 19, 2011).
 //!
-//! In Euler angles only the pitch axis' model depends on where the vehicle is. With the torque tau_y about the body's y:
+//! In Euler angles only the pitch axis' model depends on where the vehicle is. With the torque tau_y about the body's
+//! y:
 //!
 //! - in free flight `theta'' = tau_y cos phi / I_yy`, because pitch turns about the horizontal axis;
-//! - on the gimbal `theta'' = tau_y cos phi / J(phi)`, `J = I_ring + I_yy cos^2 phi + I_zz sin^2 phi`, as the ring turns along.
+//! - on the gimbal `theta'' = tau_y cos phi / J(phi)`, `J = I_ring + I_yy cos^2 phi + I_zz sin^2 phi`, as the ring
+//!   turns along.
 //!
-//! Roll has the same input gain everywhere. What else changes with attitude is no input gain: `-tau_z sin phi` vanishes where
-//! yaw is locked, since no yaw torque is asked for, and gravity's moment is for the disturbance estimate.
+//! Roll has the same input gain everywhere. What else changes with attitude is no input gain: `-tau_z sin phi` vanishes
+//! where yaw is locked, since no yaw torque is asked for, and gravity's moment is for the disturbance estimate.
 //!
-//! Input and disturbance are torques, whatever the linearisation; so a switch changes neither, and the torque does not jump.
+//! Input and disturbance are torques, whatever the linearisation; so a switch changes neither, and the torque does not
+//! jump.
 
 use crate::elementary::{larger, magnitude, sin_cos, sqrt};
 
@@ -64,9 +67,9 @@ impl Schedule {
         count: 1,
     };
 
-    /// `count` linearisations, 1 to [`LINEARISATIONS_MAX`], from level to `roll_end_rad` (below pi/2). Their angles go with
-    /// the square root of their number, and so do the limits between them: the gain falls with the square of roll, so
-    /// that it falls by about the same from each to the next.
+    /// `count` linearisations, 1 to [`LINEARISATIONS_MAX`], from level to `roll_end_rad` (below pi/2). Their angles go
+    /// with the square root of their number, and so do the limits between them: the gain falls with the square of roll,
+    /// so that it falls by about the same from each to the next.
     pub fn new(inertia: &PitchInertia, roll_end_rad: f32, count: usize) -> Self {
         let mut schedule = Self { count: count.clamp(1, LINEARISATIONS_MAX), ..Self::SINGLE };
         let steps = (schedule.count - 1) as f32;
@@ -84,7 +87,8 @@ impl Schedule {
         self.linearisations.get(..self.count).unwrap_or_default()
     }
 
-    /// The number, from 0, of the one for a roll angle, `present` being the one in use; stays with it for what is no number.
+    /// The number, from 0, of the one for a roll angle, `present` being the one in use; stays with it for what is no
+    /// number.
     pub fn choose(&self, present: usize, roll_rad: f32) -> usize {
         let roll_rad = magnitude(roll_rad);
         let is_beyond = |(place, linearisation): (usize, &Linearisation)| {

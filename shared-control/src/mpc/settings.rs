@@ -58,7 +58,8 @@ pub enum MpcError {
         /// The control horizon beside it.
         control_horizon: usize,
     },
-    /// The MPC that flies keeps no bound on an angle beside the motors' limits, nor without the feature `bounded-angles`.
+    /// The MPC that flies keeps no bound on an angle beside the motors' limits, nor without the feature
+    /// `bounded-angles`.
     AngleBound {
         /// 0 roll, 1 pitch, 2 heading.
         axis: usize,

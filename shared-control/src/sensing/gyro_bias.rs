@@ -128,3 +128,117 @@ impl GyroBias {
         self.bias_rad_s = bias_rad_s.map(|b| limit(b, -config.bias_max_rad_s, config.bias_max_rad_s));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CONFIG: GyroBiasConfig = GyroBiasConfig::NOMINAL;
+    /// Exact in binary, so that durations add up without rounding.
+    const STEP_S: f32 = 1.0 / 256.0;
+    const DOWN: Vector3<f32> = Vector3::new(0.0, 0.0, 1.0);
+
+    fn news(rate_rad_s: Vector3<f32>) -> ImuStep {
+        ImuStep {
+            samples: 1,
+            duration_s: STEP_S,
+            after_gap: false,
+            rotation_rad: rate_rad_s * STEP_S,
+            rate_body_rad_s: rate_rad_s,
+            specific_force_m_s2: DOWN * -9.8,
+        }
+    }
+
+    fn rest(gyro: &mut GyroBias, steps: usize, rate_rad_s: Vector3<f32>) {
+        for _ in 0..steps {
+            gyro.average_at_rest(&CONFIG, &news(rate_rad_s), Some(DOWN));
+        }
+    }
+
+    #[test]
+    fn the_mean_is_believed_once_it_has_settled() {
+        let bias = Vector3::new(0.02, -0.03, 0.01);
+        let mut gyro = GyroBias::default();
+        rest(&mut gyro, 255, bias);
+        assert!(!gyro.is_calibrated() && gyro.bias_rad_s() == Vector3::zeros());
+        rest(&mut gyro, 1, bias);
+        assert!(gyro.is_calibrated() && gyro.rest_s() == CONFIG.rest_settle_s);
+        assert!((gyro.bias_rad_s() - bias).norm() < 1e-6, "{}", gyro.bias_rad_s());
+    }
+
+    /// Beyond the longest time what was known fades by T / (T + dt) a step.
+    #[test]
+    fn a_drift_is_followed_within_the_longest_time() {
+        let (before, after) = (Vector3::new(0.02, 0.0, 0.0), Vector3::new(0.05, 0.0, 0.0));
+        let mut gyro = GyroBias::default();
+        rest(&mut gyro, 2560, before);
+        assert!((gyro.bias_rad_s() - before).norm() < 1e-5);
+        rest(&mut gyro, 1280, after);
+        assert_eq!(gyro.rest_s(), CONFIG.rest_average_max_s);
+        let kept = (10.0 / (10.0 + f64::from(STEP_S))).powi(1280) as f32;
+        let expected = after + (before - after) * kept;
+        assert!((gyro.bias_rad_s() - expected).norm() < 2e-5, "{} for {expected}", gyro.bias_rad_s());
+    }
+
+    /// What begins anew: a rate that strays from the mean, a direction that turns, no direction at all.
+    #[test]
+    fn motion_begins_the_window_anew_and_less_than_motion_does_not() {
+        let bias = Vector3::new(0.3, 0.0, 0.0);
+        let rested = || {
+            let mut gyro = GyroBias::default();
+            rest(&mut gyro, 512, bias);
+            gyro
+        };
+        let goes_on = |rate_rad_s: Vector3<f32>, down: Option<Vector3<f32>>| {
+            let mut gyro = rested();
+            gyro.average_at_rest(&CONFIG, &news(rate_rad_s), down);
+            assert!((gyro.bias_rad_s() - bias).norm() < 1e-3, "what was learnt stays");
+            gyro.rest_s() > 0.0
+        };
+        // 0.1 rad/s of the mean, in any direction
+        assert!(goes_on(bias + Vector3::new(0.0, 0.07, -0.07), Some(DOWN)));
+        assert!(!goes_on(bias + Vector3::new(0.0, 0.071, -0.071), Some(DOWN)));
+        assert!(!goes_on(bias - Vector3::new(0.101, 0.0, 0.0), Some(DOWN)));
+        // 0.05 rad of where down was, either way round
+        for sign in [-1.0, 1.0] {
+            let tilted = |sine: f32| Some(Vector3::new(sign * sine, 0.0, sqrt(1.0 - sine * sine)));
+            assert!(goes_on(bias, tilted(0.0499)) && !goes_on(bias, tilted(0.0501)));
+        }
+        assert!(!goes_on(bias, None));
+    }
+
+    /// A slow turn is found against where down was when the window began, not against the step before.
+    #[test]
+    fn down_is_compared_with_the_windows_first() {
+        let mut gyro = GyroBias::default();
+        for step in 0..100u8 {
+            let sine = 0.001 * f32::from(step);
+            let down = Vector3::new(sine, 0.0, sqrt(1.0 - sine * sine));
+            gyro.average_at_rest(&CONFIG, &news(Vector3::zeros()), Some(down));
+        }
+        // anew at the 51st step, which brings its own direction, and 48 more
+        assert_eq!(gyro.rest_s(), 48.0 * STEP_S);
+    }
+
+    #[test]
+    fn the_bias_is_bounded_on_each_axis() {
+        let mut gyro = GyroBias::default();
+        rest(&mut gyro, 256, Vector3::new(0.9, -0.8, 0.6));
+        assert!((gyro.bias_rad_s() - Vector3::new(0.7, -0.7, 0.6)).norm() < 1e-6);
+        gyro.correct(&CONFIG, Vector3::new(-0.1, -0.1, 0.05));
+        assert!((gyro.bias_rad_s() - Vector3::new(0.6, -0.7, 0.65)).norm() < 1e-6);
+    }
+
+    #[test]
+    fn motion_ends_the_rest_and_distrust_the_calibration() {
+        let bias = Vector3::new(0.1, 0.2, 0.3);
+        let mut gyro = GyroBias::default();
+        rest(&mut gyro, 300, bias);
+        gyro.moved();
+        assert!(gyro.rest_s() == 0.0 && gyro.is_calibrated());
+        rest(&mut gyro, 10, bias);
+        gyro.distrust();
+        assert!(gyro.rest_s() == 0.0 && !gyro.is_calibrated());
+        assert!((gyro.bias_rad_s() - bias).norm() < 1e-5, "the last known is better than none");
+    }
+}

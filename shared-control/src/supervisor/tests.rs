@@ -200,7 +200,7 @@ fn each_reason_against_a_motor_test_suffices() {
 }
 
 #[test]
-fn words_fit_into_a_status_text() {
+fn every_refusal_has_words_that_fit_into_a_status_text() {
     let mut refusals = std::vec![
         Refusal::SetpointNotFinite,
         Refusal::ThrottleNotZero,
@@ -217,7 +217,9 @@ fn words_fit_into_a_status_text() {
         Refusal::NoSuchMotor,
     ];
     refusals.extend(IMU_FAULTS.map(Refusal::ImuUnhealthy));
-    for refusal in refusals {
-        assert!(refusal.words().len() <= 50, "{}", refusal.words());
+    for refusal in &refusals {
+        let words = refusal.words();
+        assert!(words.starts_with("refused: ") && words.len() <= 50, "{words}");
+        assert_eq!(refusals.iter().filter(|other| other.words() == words).count(), 1, "{words}");
     }
 }

@@ -21,8 +21,9 @@ pub fn lead(comparison: &Comparison, subject: &Subject<'_>) -> String {
     let ratio = |channel: &&ChannelError| channel.nominal / channel.noise_floor;
     match error.channels.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b))) {
         Some(worst) => format!(
-            "{model} is off in {} by {} {} (RMSE over open-loop predictions of {} s). An exact model would be off by {}: \
-             sensor noise, the uncertain start of each window, and commands between rows that the log does not hold.",
+            "{model} is off in {} by {} {} (RMSE over open-loop predictions of {} s). An exact model would be off by \
+             {}: sensor noise, the uncertain start of each window, and commands between rows that the log does not \
+             hold.",
             worst.quantity,
             significant(worst.nominal),
             worst.unit,

@@ -25,7 +25,8 @@ pub struct DesignParameters {
 
 impl DesignParameters {
     /// The IMU runs at the smallest multiple of the control rate that reaches 1 kHz, so that each step has a sample
-    /// taken at its very instant and none waits; at less where a step's batch would not hold them. A control rate of zero is the configuration's to refuse.
+    /// taken at its very instant and none waits; at less where a step's batch would not hold them. A control rate of
+    /// zero is the configuration's to refuse.
     pub fn new(gravity_m_s2: f64, base_command: f64, control_rate_hz: u32) -> Self {
         let samples_per_step = 1000u32.div_ceil(control_rate_hz.max(1)).min(IMU_SAMPLES_MAX as u32);
         Self { gravity_m_s2, base_command, control_rate_hz, imu_rate_hz: control_rate_hz * samples_per_step }

@@ -31,9 +31,10 @@ impl ControlSide {
         Self { config, state: State::default(), planner, plan: None, change: None }
     }
 
-    /// Has the configuration and the MPC of another side, prepared already, take over in flight: weights, models, gains or the
-    /// controller itself, at the first step from `at_us` on. Nothing is prepared in the loop, and nothing jumps: what passes
-    /// from step to step (state, requests, plans, the warm start) is in SI units and means the same to both.
+    /// Has the configuration and the MPC of another side, prepared already, take over in flight: weights, models, gains
+    /// or the controller itself, at the first step from `at_us` on. Nothing is prepared in the loop, and nothing jumps:
+    /// what passes from step to step (state, requests, plans, the warm start) is in SI units and means the same to
+    /// both.
     pub fn change_at(&mut self, at_us: u64, prepared: ControlSide) {
         let ControlSide { config, planner, .. } = prepared;
         self.change = Some(Box::new(Change { at_us, config, planner }));

@@ -1,7 +1,8 @@
 //! A pilot who holds a height in free flight by the throttle stick, as the controllers here have none for it.
 //!
-//! Lift goes with the square of the command, roughly: near hover an acceleration a takes a change of `a / (2 g)` of the command. What is asked
-//! for is `a = w^2 e + 2 z w e' + k int e`, divided by the tilt's cosine, as who flies does by eye.
+//! Lift goes with the square of the command, roughly: near hover an acceleration a takes a change of `a / (2 g)` of the
+//! command. What is asked for is `a = w^2 e + 2 z w e' + k int e`, divided by the tilt's cosine, as who flies does by
+//! eye.
 
 use crate::cosim::contract::DesignParameters;
 use crate::plant::Truth;

@@ -21,8 +21,8 @@ pub struct FlightRecord {
     pub logged_rate_body_rad_s: Vec<[f64; 3]>,
     /// Specific force as the accelerometer read it, m/s².
     pub logged_force_m_s2: Vec<[f64; 3]>,
-    /// Velocity (north, east, down, m/s) and height above ground (m) as a flight controller estimates them; empty where the
-    /// vehicle does not fly free.
+    /// Velocity (north, east, down, m/s) and height above ground (m) as a flight controller estimates them; empty where
+    /// the vehicle does not fly free.
     pub logged_navigation: Vec<[f64; 4]>,
     /// Commands in force from this sample to the next.
     pub commands: Vec<[f64; 4]>,

@@ -3,7 +3,8 @@
 /// What is being done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// Hypotheses are tried beside the effects that were found so far; how many rounds there will be shows only at the end.
+    /// Hypotheses are tried beside the effects that were found so far; how many rounds there will be shows only at the
+    /// end.
     Searching {
         /// Effects in the model.
         effects: usize,

@@ -8,8 +8,8 @@ pub enum HitlError {
     Port(#[from] std::io::Error),
     /// Not a byte.
     #[error(
-        "no answer from the board within {waited_s} s: is it powered, started (the bootloader takes 5 s on USB), and TELEM1's TX \
-         wired to this port's RX and RX to TX?"
+        "no answer from the board within {waited_s} s: is it powered, started (the bootloader takes 5 s on USB), and \
+         TELEM1's TX wired to this port's RX and RX to TX?"
     )]
     Silent {
         /// How long was waited, s.
@@ -17,8 +17,8 @@ pub enum HitlError {
     },
     /// Bytes, but no message.
     #[error(
-        "{bytes} bytes came, but no MAVLink message among them: another baud rate? A board in HITL mode speaks at 921600, \
-         else at 115200"
+        "{bytes} bytes came, but no MAVLink message among them: another baud rate? A board in HITL mode speaks at \
+         921600, else at 115200"
     )]
     Garbage {
         /// Bytes that came.

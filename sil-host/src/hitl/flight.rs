@@ -63,8 +63,8 @@ struct Series {
     commands: Vec<[f64; 4]>,
 }
 
-/// Arms the board, starts its test sequence and flies it to the end. `watch` learns every tenth of a second of flight how far
-/// it is, s of s.
+/// Arms the board, starts its test sequence and flies it to the end. `watch` learns every tenth of a second of flight
+/// how far it is, s of s.
 ///
 /// # Errors
 /// [`HitlError`]: no board, not this kind of board, refused, or lost on the way.

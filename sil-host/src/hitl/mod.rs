@@ -5,8 +5,8 @@
 //!     ^                                  v                      own when the message arrives, and the plant moves on when
 //!     '------ HIL_ACTUATOR_CONTROLS <- board (its own core)     the answer is there
 //! ```
-//! The vehicle is held at rest until the board has armed and started its test sequence, both asked for over the same link; the
-//! sequence's first step is the flight's time zero. `shared_control::link::hil` is the board's side.
+//! The vehicle is held at rest until the board has armed and started its test sequence, both asked for over the same
+//! link; the sequence's first step is the flight's time zero. `shared_control::link::hil` is the board's side.
 
 mod error;
 mod flight;

@@ -42,8 +42,8 @@ pub struct Patience {
 }
 
 impl Patience {
-    /// For a board on a serial port: longer than its start (half a second), several times what the slowest USB adapter adds
-    /// (16 ms), and a few texts at ten a second.
+    /// For a board on a serial port: longer than its start (half a second), several times what the slowest USB adapter
+    /// adds (16 ms), and a few texts at ten a second.
     pub const SERIAL: Patience = Patience {
         silence: Duration::from_secs(3),
         answer: Duration::from_millis(200),

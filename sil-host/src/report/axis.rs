@@ -29,7 +29,8 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// Shows `low..=high` (plottable values) with about `tick_count` ticks; a range of zero is widened around its value.
+    /// Shows `low..=high` (plottable values) with about `tick_count` ticks; a range of zero is widened around its
+    /// value.
     pub(super) fn new((low, high): (f64, f64), tick_count: u32) -> Self {
         let magnitude = low.abs().max(high.abs());
         let (low, high) = if high - low > SMALLEST_RELATIVE_SPAN * magnitude {
@@ -112,7 +113,8 @@ fn round_step(rough: f64) -> f64 {
     rounded * power
 }
 
-/// The exponent in scientific notation; 0 for 0. A step such as 0.1 may be stored a little low, hence the small addition.
+/// The exponent in scientific notation; 0 for 0. A step such as 0.1 may be stored a little low, hence the small
+/// addition.
 fn decimal_exponent(value: f64) -> i32 {
     if value == 0.0 { 0 } else { (libm::log10(value.abs()) + 1e-9).floor() as i32 }
 }

@@ -1,8 +1,8 @@
 //! Charts as SVG inside the page: one alone, or several small ones with common axes and one legend.
 //!
-//! Text and lines keep their size whatever the chart's width: labels stand at percentages of the box, and the curves lie
-//! in an inner drawing that is stretched to it, its strokes are not. So a phone gets legible labels and a chart as high
-//! as a desktop's. Colours and dash patterns are classes of the page's style sheet.
+//! Text and lines keep their size whatever the chart's width: labels stand at percentages of the box, and the curves
+//! lie in an inner drawing that is stretched to it, its strokes are not. So a phone gets legible labels and a chart as
+//! high as a desktop's. Colours and dash patterns are classes of the page's style sheet.
 
 use super::axis::{Axis, extent};
 use super::chart::{Chart, Series, Span, legend_keys, shared_axes};
@@ -76,8 +76,8 @@ fn heading(title: &str, unit: &str) -> Markup {
     }
 }
 
-/// What a figure names, each with its classes: a colour, the same in the whole page, and a dash pattern, which tells the
-/// figure's curves apart in grey; the first is solid.
+/// What a figure names, each with its classes: a colour, the same in the whole page, and a dash pattern, which tells
+/// the figure's curves apart in grey; the first is solid.
 struct Legend<'a> {
     entries: Vec<(Key<'a>, String)>,
 }

@@ -25,9 +25,9 @@
 //! assert!(page.to_html().starts_with("<!DOCTYPE html>"));
 //! ```
 //!
-//! The charts are written as SVG here, through `maud` like the rest of the page, and not by a chart crate: plotters' SVG
-//! backend rounds every point to whole pixels, carries colours as fixed attributes (no light and dark), knows no dash
-//! pattern and sizes its text for one width, so that a phone shows it at a third of the size.
+//! The charts are written as SVG here, through `maud` like the rest of the page, and not by a chart crate: plotters'
+//! SVG backend rounds every point to whole pixels, carries colours as fixed attributes (no light and dark), knows no
+//! dash pattern and sizes its text for one width, so that a phone shows it at a third of the size.
 
 mod axis;
 mod chart;

@@ -34,8 +34,9 @@ pub(super) struct Palette {
 }
 
 impl Palette {
-    /// The class of each key of one figure (the keys differ). Known names keep their style, new ones take one that no other name has, or,
-    /// when all are given, one that is free in this figure; only a figure with more names than styles repeats one.
+    /// The class of each key of one figure (the keys differ). Known names keep their style, new ones take one that no
+    /// other name has, or, when all are given, one that is free in this figure; only a figure with more names than
+    /// styles repeats one.
     pub(super) fn classes(&mut self, keys: &[Key<'_>]) -> Vec<String> {
         let mut styles: Vec<Option<usize>> = Vec::new();
         for &(mark, name) in keys {

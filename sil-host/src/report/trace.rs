@@ -1,7 +1,7 @@
 //! From samples to the path of one curve, with no more points than a screen can show.
 //!
-//! A pixel column shows no more of a curve than where it enters, its least and greatest value, and where it leaves: these
-//! four samples of every column are kept, which draws the same pixels as all of them (Jugel et al., "M4: a
+//! A pixel column shows no more of a curve than where it enters, its least and greatest value, and where it leaves:
+//! these four samples of every column are kept, which draws the same pixels as all of them (Jugel et al., "M4: a
 //! visualization-oriented time series data aggregation", VLDB 2014). A gap narrower than a column can't be seen either.
 
 use super::axis::{Axis, is_plottable};

@@ -10,8 +10,9 @@
 //! | Theil's inequality coefficient | U = RMSE / (sqrt(mean x^2) + sqrt(mean y^2)): 0 perfect, 1 unrelated |
 //! | its proportions | bias (ybar - xbar)^2, variance (s_y - s_x)^2, covariance 2 (1 - r) s_x s_y, each over mean e^2; their sum is 1 |
 //!
-//! Theil, Applied Economic Forecasting, 1966; Jategaonkar, Flight Vehicle System Identification, 2nd ed., section 11.2.4: a good model has
-//! U below 0.3 and nearly all of it in the covariance, that is, in what is neither an offset nor a wrong size.
+//! Theil, Applied Economic Forecasting, 1966; Jategaonkar, Flight Vehicle System Identification, 2nd ed., section
+//! 11.2.4: a good model has U below 0.3 and nearly all of it in the covariance, that is, in what is neither an offset
+//! nor a wrong size.
 
 use serde::Serialize;
 

@@ -1,7 +1,9 @@
-//! Under which condition does an error arise? The error in bins of a quantity, and how much of it goes with the quantity.
+//! Under which condition does an error arise? The error in bins of a quantity, and how much of it goes with the
+//! quantity.
 //!
-//! The share is the correlation ratio (Pearson 1905): variance of the bins' means, each counted with its samples, over the variance of all. An error that has
-//! nothing to do with the quantity leaves a share that exceeds chi-square(bins - 1) / samples in one case of a hundred.
+//! The share is the correlation ratio (Pearson 1905): variance of the bins' means, each counted with its samples, over
+//! the variance of all. An error that has nothing to do with the quantity leaves a share that exceeds chi-square(bins -
+//! 1) / samples in one case of a hundred.
 
 use super::whiteness::chi_square_99;
 
@@ -37,7 +39,8 @@ pub struct Bin {
 }
 
 impl ConditionalError {
-    /// Of samples (quantity, error); `None` if the quantity is the same throughout or the samples are too few for two bins.
+    /// Of samples (quantity, error); `None` if the quantity is the same throughout or the samples are too few for two
+    /// bins.
     pub fn of(samples: &[(f64, f64)]) -> Option<ConditionalError> {
         let mut sorted: Vec<f64> = samples.iter().map(|(condition, _)| *condition).collect();
         sorted.sort_by(f64::total_cmp);

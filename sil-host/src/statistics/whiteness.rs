@@ -1,11 +1,11 @@
 //! Is a residual white, and has it to do with the inputs? Ljung, System Identification, 2nd ed., section 16.6.
 //!
-//! Residuals come in stretches without gaps; products are never taken across a gap. With N samples, r_k the correlation of samples k apart
-//! and n_k the number of such pairs, the portmanteau of Ljung and Box (Biometrika 65, 1978) is Q = N (N + 2) sum r_k^2 / n_k. White noise has a Q that is
-//! chi-square distributed with one degree of freedom per lag.
+//! Residuals come in stretches without gaps; products are never taken across a gap. With N samples, r_k the correlation
+//! of samples k apart and n_k the number of such pairs, the portmanteau of Ljung and Box (Biometrika 65, 1978) is Q = N
+//! (N + 2) sum r_k^2 / n_k. White noise has a Q that is chi-square distributed with one degree of freedom per lag.
 //!
-//! The correlation of a white residual with an input of any kind is normal with standard deviation 1 / sqrt(N) at each lag. Lags count from
-//! 0 up, the input before the residual: in closed loop later inputs know the noise.
+//! The correlation of a white residual with an input of any kind is normal with standard deviation 1 / sqrt(N) at each
+//! lag. Lags count from 0 up, the input before the residual: in closed loop later inputs know the noise.
 
 use serde::Serialize;
 
@@ -92,7 +92,8 @@ impl LjungBox {
     }
 }
 
-/// What a chi-square variable exceeds in one case of a hundred: Wilson and Hilferty, PNAS 17, 1931; within 1 % from three degrees of freedom on.
+/// What a chi-square variable exceeds in one case of a hundred: Wilson and Hilferty, PNAS 17, 1931; within 1 % from
+/// three degrees of freedom on.
 pub fn chi_square_99(degrees_of_freedom: f64) -> f64 {
     let spread = 2.0 / (9.0 * degrees_of_freedom);
     let root = 1.0 - spread + NORMAL_99_ONE_SIDED * spread.sqrt();
@@ -106,11 +107,13 @@ pub struct InputCorrelation {
     pub correlation: f64,
     /// By how many rows the input comes first.
     pub lag: usize,
-    /// What the strongest of all lags exceeds in one case of a hundred, if the residual has nothing to do with the input.
+    /// What the strongest of all lags exceeds in one case of a hundred, if the residual has nothing to do with the
+    /// input.
     pub bound: f64,
 }
 
-/// Correlates stretches of (residual, input), both of the same rows, over lags from 0 to `lags_max` rows; `None` if either does not move.
+/// Correlates stretches of (residual, input), both of the same rows, over lags from 0 to `lags_max` rows; `None` if
+/// either does not move.
 pub fn input_correlation(stretches: &[(Vec<f64>, Vec<f64>)], lags_max: usize) -> Option<InputCorrelation> {
     let samples = stretches.iter().map(|(residual, _)| residual.len()).sum::<usize>().max(1) as f64;
     let mean_e = stretches.iter().flat_map(|(residual, _)| residual).sum::<f64>() / samples;
@@ -138,8 +141,8 @@ pub fn input_correlation(stretches: &[(Vec<f64>, Vec<f64>)], lags_max: usize) ->
     strongest
 }
 
-/// What the largest of some standard normal magnitudes exceeds in one case of a hundred at most (Bonferroni), from the tail's expansion
-/// P(|x| > b) = 2 phi(b) / b (1 - 1/b^2 + 3/b^4), solved by Newton's method.
+/// What the largest of some standard normal magnitudes exceeds in one case of a hundred at most (Bonferroni), from the
+/// tail's expansion P(|x| > b) = 2 phi(b) / b (1 - 1/b^2 + 3/b^4), solved by Newton's method.
 fn two_sided_99(variables: usize) -> f64 {
     let wanted = libm::log(0.01 / variables as f64);
     let mut bound = 3.0;

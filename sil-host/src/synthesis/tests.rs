@@ -136,8 +136,8 @@ fn a_blind_log_says_only_that_it_is_synthetic() {
     assert_eq!(blind.angle_rad, open.angle_rad);
 }
 
-/// Each effect, as its example has it, in a whole flight on its rig: the log differs from the nominal one, is finite, and the
-/// vehicle stays in the air.
+/// Each effect, as its example has it, in a whole flight on its rig: the log differs from the nominal one, is finite,
+/// and the vehicle stays in the air.
 #[test]
 fn every_effect_shows_in_a_flight() {
     let fly = |rig, effects: Vec<Effect>| {

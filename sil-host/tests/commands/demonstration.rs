@@ -9,7 +9,9 @@ fn it_writes_the_same_report_says_where_and_opens_nothing() {
     let report = folder.path("out/report.html").canonicalize().unwrap();
     assert!(outcome.stdout.contains(&format!("report  {}\n", report.display())), "{outcome:?}");
     assert!(!outcome.stdout.contains("opening"), "{outcome:?}");
-    for told in ["pid roll", "mpc pitch", "SYNTHETIC", "closed loop, mean |simulated - measured|", "open-loop replay"] {
+    for told in
+        ["pid roll", "mpc pitch", "SYNTHETIC", "closed loop, mean |simulated - measured|", "open-loop prediction"]
+    {
         assert!(outcome.stdout.contains(told), "no \"{told}\" in {outcome:?}");
     }
     let page = String::from_utf8(folder.bytes("out/report.html")).unwrap();
@@ -19,7 +21,8 @@ fn it_writes_the_same_report_says_where_and_opens_nothing() {
     let names = |path: &str| std::fs::read_dir(folder.path(path)).unwrap().map(|entry| entry.unwrap().file_name());
     assert_eq!(names("").collect::<Vec<_>>(), ["out"]);
     assert_eq!(names("out").collect::<Vec<_>>(), ["report.html"]);
-    // a screen alone, with the output in a pipe where nobody is looking, opens nothing either; the report is the same at every run
+    // a screen alone, with the output in a pipe where nobody is looking, opens nothing either; the report is the same
+    // at every run
     let mut command = folder.command(&[]);
     command.env("DISPLAY", ":0");
     let outcome = Outcome::of(&[], command).assert_done();

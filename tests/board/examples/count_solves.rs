@@ -1,4 +1,5 @@
-//! Runs an image of the solver benchmark and counts: `cargo run --release -p emulated-board --example count_solves ELF`.
+//! Runs an image of the solver benchmark and counts:
+//! `cargo run --release -p emulated-board --example count_solves ELF`.
 //!
 //! The image's own lines go to standard output as they are. After each solve comes a line `counted INSTRUCTIONS STACK`:
 //! instructions from `roi_begin` up to `roi_end`, and bytes of stack in use between them at most.

@@ -1,8 +1,8 @@
 //! The Cortex-M4F's instructions, registers and memory, on the CPU emulator unicorn.
 //!
-//! Unicorn executes Thumb-2 and floating point, block by block: a block is what ends with a jump, or with an instruction that
-//! changes masks or mode. It knows no exceptions: it says when the image returns from one, waits
-//! for one, or raises one by a fault, and `exception` moves the frames.
+//! Unicorn executes Thumb-2 and floating point, block by block: a block is what ends with a jump, or with an
+//! instruction that changes masks or mode. It knows no exceptions: it says when the image returns from one, waits for
+//! one, or raises one by a fault, and `exception` moves the frames.
 
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
@@ -114,8 +114,8 @@ impl Cpu {
         Ok(Self { engine, hooked })
     }
 
-    /// Runs instructions from `pc` on, up to the end of the block in which the `count`th lies, or the first that writes to a
-    /// peripheral: how many ran, and what ended them.
+    /// Runs instructions from `pc` on, up to the end of the block in which the `count`th lies, or the first that writes
+    /// to a peripheral: how many ran, and what ended them.
     pub(crate) fn run(&mut self, pc: u32, count: u64) -> (u64, Outcome) {
         self.hooked.instructions.set(0);
         self.hooked.budget.set(count);
@@ -123,8 +123,8 @@ impl Cpu {
         self.hooked.block.set((0, 0));
         self.hooked.interrupt.set(None);
         self.hooked.bad_address.set(None);
-        // no end address: nothing executes at the very top of the address space. No count either: the emulator would count
-        // each instruction by a call, which takes as long as all the rest
+        // no end address: nothing executes at the very top of the address space. No count either: the emulator would
+        // count each instruction by a call, which takes as long as all the rest
         let result = self.engine.emu_start(u64::from(pc | 1), 0xffff_fffe, 0, 0);
         let interrupt = self.hooked.interrupt.get();
         let outcome = match (result, interrupt) {

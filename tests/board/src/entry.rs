@@ -10,12 +10,12 @@ pub enum EntryState {
     /// Nobody: everything as after reset, which a debug probe can do.
     #[default]
     Reset,
-    /// PX4's bootloader (PX4-Bootloader, main_f4.c: `board_deinit`, `clock_deinit`, then the jump): back on HSI, but with five wait
-    /// states, caches, floating point and VTOR set, the reload value still in SysTick.
+    /// PX4's bootloader (PX4-Bootloader, main_f4.c: `board_deinit`, `clock_deinit`, then the jump): back on HSI, but
+    /// with five wait states, caches, floating point and VTOR set, the reload value still in SysTick.
     Px4Bootloader,
-    /// ArduPilot's (AP_Bootloader, `jump_to_app`, on ChibiOS): PRIMASK set, BASEPRI raised, thread mode on the process stack,
-    /// 168 MHz from the PLL, ports clocked, sensors already powered. SysTick, PendSV and interrupts are left enabled and pending,
-    /// which is more than it is known to do.
+    /// ArduPilot's (AP_Bootloader, `jump_to_app`, on ChibiOS): PRIMASK set, BASEPRI raised, thread mode on the process
+    /// stack, 168 MHz from the PLL, ports clocked, sensors already powered. SysTick, PendSV and interrupts are left
+    /// enabled and pending, which is more than it is known to do.
     ArdupilotBootloader,
 }
 

@@ -1,8 +1,8 @@
 //! A Pixhawk 1 that executes the firmware's own ELF, instruction by instruction, against the simulated vehicle.
 //!
-//! [`Machine`] is the board: a Cortex-M4F (the emulator unicorn executes its instructions), its exceptions, the STM32F427's
-//! peripherals and the sensors around it. A [`World`] is what the sensors measure and the motor outputs drive.
-//! README.md lists what is modelled, what is simplified, and what is not there.
+//! [`Machine`] is the board: a Cortex-M4F (the emulator unicorn executes its instructions), its exceptions, the
+//! STM32F427's peripherals and the sensors around it. A [`World`] is what the sensors measure and the motor outputs
+//! drive. README.md lists what is modelled, what is simplified, and what is not there.
 
 mod bench;
 mod board;

@@ -25,8 +25,9 @@ use crate::world::World;
 
 /// After so many instructions a slice ends with the block that runs.
 const SLICE_INSTRUCTIONS: u64 = 256;
-/// So many blocks are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an image may
-/// lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set. What lifts it ends a block.
+/// So many blocks are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an
+/// image may lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set. What lifts it ends a
+/// block.
 const WATCHED_BLOCKS: u64 = 64;
 /// For each exception entry and return.
 const EXCEPTION_CYCLES: u64 = 12;
@@ -94,7 +95,8 @@ impl Machine {
         Ok(machine)
     }
 
-    /// To be called before the first run: somebody else than the chip's reset starts the image, now and after every reset.
+    /// To be called before the first run: somebody else than the chip's reset starts the image, now and after every
+    /// reset.
     pub fn enter_from(&mut self, entry: EntryState) {
         self.entry = entry;
         self.enter_image();
@@ -375,7 +377,8 @@ impl Machine {
         self.cpu.replace(address, bytes)
     }
 
-    /// Keeps an interrupt from being served, or no longer, as one that takes its time would be: what asks for it goes on asking.
+    /// Keeps an interrupt from being served, or no longer, as one that takes its time would be: what asks for it goes
+    /// on asking.
     pub fn hold_back(&mut self, interrupt: u8, held: bool) {
         self.board.borrow_mut().private.exceptions.enable(16 + interrupt, !held);
     }

@@ -45,8 +45,8 @@ impl Profile {
         self.asleep = 0;
     }
 
-    /// Instructions of each activation of an interrupt (0 is the first beyond the core's own exceptions) that has ended,
-    /// in the order in which they ended.
+    /// Instructions of each activation of an interrupt (0 is the first beyond the core's own exceptions) that has
+    /// ended, in the order in which they ended.
     pub fn of_interrupt(&self, interrupt: u8) -> &[u32] {
         let exception = interrupt + crate::cortex::exceptions::FIRST_INTERRUPT;
         self.ended.get(&exception).map_or(&[], Vec::as_slice)

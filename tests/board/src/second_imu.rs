@@ -1,8 +1,9 @@
-//! The L3GD20 and LSM303D of a Pixhawk 1, from motion to the counts that the board reads: scales, axes, noise of their own.
+//! The L3GD20 and LSM303D of a Pixhawk 1, from motion to the counts that the board reads: scales, axes, noise of their
+//! own.
 //!
 //! 70 mdeg/s a count at +-2000 deg/s (DocID022116 table 4), 0.244 mg at +-8 g (DocID023312 table 3). Axes as PX4's and
-//! ArduPilot's drivers have them: body FRD is (sensor y, -sensor x, sensor z) for the L3GD20, (-x, -y, z) for the L3GD20H, and
-//! the LSM303D's own axes; all are upside down, so that at rest z reads about -1 g.
+//! ArduPilot's drivers have them: body FRD is (sensor y, -sensor x, sensor z) for the L3GD20, (-x, -y, z) for the
+//! L3GD20H, and the LSM303D's own axes; all are upside down, so that at rest z reads about -1 g.
 
 use sil_host::model::SensorNoise;
 use sil_host::plant::Plant;

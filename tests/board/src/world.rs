@@ -12,7 +12,8 @@ pub trait World {
     fn pulse(&mut self, pulse: Pulse);
     /// TIM3 sent its trigger, the tick of the image's loop.
     fn loop_tick(&mut self, _at: Ticks) {}
-    /// The second IMU's gyro, its LSM303D being there too; none if neither is fitted: then nobody answers when selected.
+    /// The second IMU's gyro, its LSM303D being there too; none if neither is fitted: then nobody answers when
+    /// selected.
     fn second_gyro(&self) -> Option<SecondGyro> {
         None
     }

@@ -47,7 +47,8 @@ fn steps_from(entry: EntryState) -> Vec<StepTrace> {
     steps
 }
 
-/// A step but for its microseconds and what is integrated over them: starting at another clock shifts the slices of execution.
+/// A step but for its microseconds and what is integrated over them: starting at another clock shifts the slices of
+/// execution.
 fn essence(step: &StepTrace) -> impl PartialEq + std::fmt::Debug {
     let counts = step.sample.map(|[_, _, counts @ ..]| counts);
     (step.step, step.samples, counts, step.compare_counts, step.arming, step.imu_health, step.blocks)

@@ -1,4 +1,5 @@
-//! The firmware's own ELF with hardware in the loop: `sil hitl`'s plant on the other end of TELEM1, bytes timed by the wire.
+//! The firmware's own ELF with hardware in the loop: `sil hitl`'s plant on the other end of TELEM1, bytes timed by the
+//! wire.
 
 #[path = "../../tests/hitl/board_twin.rs"]
 mod board_twin;
@@ -73,7 +74,8 @@ fn the_image_flies_the_simulated_vehicle_as_the_host_does_and_moves_no_pin() {
     let (elapsed_s, board_ms) = (start.elapsed().as_secs_f64(), (flight.borrow().machine.now() - begin) / MILLISECOND);
     let steps = flown.timing.len();
     println!(
-        "HITL: {steps} steps in {board_ms} ms of the board, {:.0} steps/s on a wire of {HIL_BAUD} baud; {:.1} times real time",
+        "HITL: {steps} steps in {board_ms} ms of the board, {:.0} steps/s on a wire of {HIL_BAUD} baud; {:.1} times \
+         real time",
         1e3 * steps as f64 / board_ms as f64,
         board_ms as f64 * 1e-3 / elapsed_s
     );

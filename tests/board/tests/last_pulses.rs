@@ -1,5 +1,5 @@
-//! What the ESCs hear when the supply or the crystal fails in flight, wherever in the pulse that falls; and a board that
-//! starts without either.
+//! What the ESCs hear when the supply or the crystal fails in flight, wherever in the pulse that falls; and a board
+//! that starts without either.
 
 use emulated_board::time::{TICKS_PER_US, Ticks};
 use emulated_board::{Flight, MILLISECOND, Machine, Pulse};

@@ -1,4 +1,5 @@
-//! Where silicon is strict the board is too: faults, stopped clocks, DMA's reach, aliases, the crystal, what a bootloader leaves.
+//! Where silicon is strict the board is too: faults, stopped clocks, DMA's reach, aliases, the crystal, what a
+//! bootloader leaves.
 //!
 //! Programs of a few instructions, so that what they find is known beforehand.
 

@@ -85,7 +85,8 @@ impl Instances {
         format!("{}-{}", self.case, self.sub)
     }
 
-    /// What is solved with the file's instances: for the problem that flies they serve as states and set-points, 10 ms apart.
+    /// What is solved with the file's instances: for the problem that flies they serve as states and set-points, 10 ms
+    /// apart.
     pub(crate) fn problems(&self) -> Vec<Problem> {
         match self.step_s == 0.01 {
             true => vec![Problem::Regulation, Problem::Flight],
@@ -132,7 +133,8 @@ impl Instances {
         source + "];\n"
     }
 
-    /// Largest |u0 - u0*| of any instance and axis, in u_max of the axis; none for a problem that is not the file's own.
+    /// Largest |u0 - u0*| of any instance and axis, in u_max of the axis; none for a problem that is not the file's
+    /// own.
     pub(crate) fn error_max(&self, problem: Problem, solves: &[Solve]) -> Result<Option<f64>> {
         if problem != Problem::Regulation {
             return Ok(None);

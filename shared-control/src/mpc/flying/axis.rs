@@ -1,4 +1,5 @@
-//! One axis of the MPC that flies: its problem in units of its own, prepared at start-up, and the solve at each control step.
+//! One axis of the MPC that flies: its problem in units of its own, prepared at start-up, and the solve at each control
+//! step.
 
 use super::MpcSettings;
 use crate::elementary::limit;
@@ -7,13 +8,14 @@ use crate::mpc::riccati::{
 };
 use crate::mpc::settings::{AxisSettings, MpcError};
 use crate::mpc::{BOUNDED_ANGLES, HORIZON};
+use crate::qp::QpError;
 use crate::signals::PlanRequest;
 
 /// Room for a bound on the angle: none where the method for it is left out, and with it all that it needs.
 const ANGLE_BOUNDS: usize = BOUNDED_ANGLES as usize;
 
-/// A prepared axis, in units in which the prediction step, the weight of the angle, the greatest torque, and the rate that
-/// it gives the axis in one step are 1.
+/// A prepared axis, in units in which the prediction step, the weight of the angle, the greatest torque, and the rate
+/// that it gives the axis in one step are 1.
 #[derive(Clone, Debug)]
 pub(super) struct TrackingAxis<const M: usize> {
     pub(super) lq: BoundedLq<LaggedIntegrator, 3, M>,
@@ -95,11 +97,15 @@ impl<const M: usize> TrackingAxis<M> {
             AngleBound { angle_max_rad, soft }
         });
         let torque_per_input_nm = settings.torque_per_input_nm[axis];
+        let units = [1.0 / full_turn_rad, step_s / full_turn_rad, 1.0 / torque_max_nm];
+        if !units.iter().all(|unit| unit.is_finite()) {
+            return Err(MpcError::Program { axis, error: QpError::NotFinite });
+        }
         Ok(Self {
             lq: lq.map_err(|error| MpcError::Program { axis, error })?,
             tracking_weight,
             increment_weight: increment_weight / (torque_per_input_nm * torque_per_input_nm),
-            units: [1.0 / full_turn_rad, step_s / full_turn_rad, 1.0 / torque_max_nm],
+            units,
             torque_max_nm,
             horizon: problem.horizon,
             angle_bound: [angle_bound; ANGLE_BOUNDS],

@@ -1,13 +1,15 @@
 //! The MPC that flies.
 //!
-//! Per axis a rigid body behind motors with a lag ([`crate::lagged_axis`]) follows a reference over the horizon. A constant
-//! disturbance torque d is known: with u~ = u + d and m~ = m + d for demand and motors' torque it vanishes from the dynamics
-//! and moves the bounds by d; increments of u~ are those of u, so that nothing is paid for holding against it, and no
-//! error is left (offset-free tracking: Maeder, Borrelli and Morari, *Linear offset-free model predictive control*,
-//! Automatica 45, 2009). The state comes predicted to the time at which the plan acts, so that delays need no states.
+//! Per axis a rigid body behind motors with a lag ([`crate::lagged_axis`]) follows a reference over the horizon. A
+//! constant disturbance torque d is known: with u~ = u + d and m~ = m + d for demand and motors' torque it vanishes
+//! from the dynamics and moves the bounds by d; increments of u~ are those of u, so that nothing is paid for holding
+//! against it, and no error is left (offset-free tracking: Maeder, Borrelli and Morari, *Linear offset-free model
+//! predictive control*, Automatica 45, 2009). The state comes predicted to the time at which the plan acts, so that
+//! delays need no states.
 //!
 //! All that crosses this boundary is in N m and rad: plans and requests mean the same whatever set of weights and
-//! models answers. Data flow: once, [`MpcSettings`] -> [`TrackingAxis`] (prepared); per step [`PlanRequest`] -> references -> solve -> [`Plan`].
+//! models answers. Data flow: once, [`MpcSettings`] -> [`TrackingAxis`] (prepared); per step [`PlanRequest`] ->
+//! references -> solve -> [`Plan`].
 
 use super::coupling::{Coupling, MotorSettings, UNKNOWNS};
 use super::preview::Preview;
@@ -26,7 +28,8 @@ const PITCH: usize = 1;
 /// Everything about the MPC that flies; arrays are (roll, pitch, heading).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MpcSettings {
-    /// Body, cost and bounds; of the angles only where the feature `bounded-angles` is on, and not beside the motors' limits.
+    /// Body, cost and bounds; of the angles only where the feature `bounded-angles` is on, and not beside the motors'
+    /// limits.
     pub problem: ProblemSettings,
     /// Torque per input unit, N m.
     pub torque_per_input_nm: [f32; 3],
@@ -36,7 +39,8 @@ pub struct MpcSettings {
     pub preview: Preview,
     /// Linearisations of the pitch axis.
     pub schedule: Schedule,
-    /// The motors' limits in place of the inputs' bounds, for at most [`COUPLED_INPUTS_MAX`](super::motor_limits::COUPLED_INPUTS_MAX) free inputs; none keeps the bounds.
+    /// The motors' limits in place of the inputs' bounds, for at most
+    /// [`COUPLED_INPUTS_MAX`](super::motor_limits::COUPLED_INPUTS_MAX) free inputs; none keeps the bounds.
     pub motors: Option<MotorSettings>,
 }
 
@@ -103,8 +107,8 @@ impl<const M: usize> Mpc<M> {
         }
     }
 
-    /// [`Self::prepare_shorter`] where the MPC lies: for a board, whose stack has no room for another. On an error it is left
-    /// unprepared.
+    /// [`Self::prepare_shorter`] where the MPC lies: for a board, whose stack has no room for another. On an error it
+    /// is left unprepared.
     pub fn prepare_in_place(&mut self, control_horizon: usize, settings: &MpcSettings) -> Result<(), MpcError> {
         const { assert!(1 <= M && M <= HORIZON, "the control horizon is 1 to 30 steps") };
         self.preview = None;
@@ -135,7 +139,8 @@ impl<const M: usize> Mpc<M> {
         }
     }
 
-    /// Plans all three axes. The torque is finite whatever the status; only that of a plan that was solved may be applied.
+    /// Plans all three axes. The torque is finite whatever the status; only that of a plan that was solved may be
+    /// applied.
     pub fn plan(&self, state: &mut MpcState<M>, request: &PlanRequest) -> Plan {
         let mut plan = Plan { step: request.step, torque_nm: [0.0; 3], status: PlanStatus::Solved, ..Plan::default() };
         let Some(preview) = &self.preview else { return Plan { status: PlanStatus::NumericalError, ..plan } };
@@ -161,8 +166,8 @@ impl<const M: usize> Mpc<M> {
         }
     }
 
-    /// Per axis the weights of (angle in rad, rate in rad/s, motors' torque in N m, previous torque in N m) in the torque when
-    /// no bound is active: the linear feedback law inside the MPC. Zero while it is not prepared.
+    /// Per axis the weights of (angle in rad, rate in rad/s, motors' torque in N m, previous torque in N m) in the
+    /// torque when no bound is active: the linear feedback law inside the MPC. Zero while it is not prepared.
     pub fn unconstrained_gain(&self) -> [[f32; 4]; 3] {
         [0, 1, 2].map(|axis: usize| self.axes.get(axis).map_or([0.0; 4], TrackingAxis::unconstrained_gain))
     }
@@ -177,8 +182,8 @@ impl MpcSettings {
         }
     }
 
-    /// Checks that every setting is finite and positive, the input gains finite and not zero, the lag not negative; and that
-    /// angles are bounded only where that can be kept.
+    /// Checks that every setting is finite and positive, the input gains finite and not zero, the lag not negative; and
+    /// that angles are bounded only where that can be kept.
     fn validate(&self) -> Result<(), MpcError> {
         self.problem.validate()?;
         let can_bound_angles = BOUNDED_ANGLES && self.motors.is_none();

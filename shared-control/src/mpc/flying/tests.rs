@@ -1,5 +1,5 @@
-//! The MPC that flies where its answer is known: against the thesis' problem where both say the same, along closed loops, and on
-//! nonsense.
+//! The MPC that flies where its answer is known: against the thesis' problem where both say the same, along closed
+//! loops, and on nonsense.
 
 extern crate std;
 use std::vec::Vec;
@@ -95,8 +95,8 @@ proptest! {
         }
     }
 
-    /// A disturbance that the motors already hold, with the axis at rest on its reference, is held on; the torque never leaves its
-    /// bounds, however large the disturbance.
+    /// A disturbance that the motors already hold, with the axis at rest on its reference, is held on; the torque never
+    /// leaves its bounds, however large the disturbance.
     #[test]
     fn a_disturbance_is_held_against(share in -0.9f32..0.9, lag_s in 0.0f32..0.1) {
         let settings = settings(lag_s, ReferenceAhead::Held);
@@ -256,6 +256,9 @@ fn settings_are_checked_by_name() {
     assert_eq!(field(|settings| settings.preview.lead_s[1] = -0.1), ("lead_s", 1));
     assert_eq!(field(|settings| settings.preview.control_step_s = 0.0), ("control_step_s", 0));
     assert_eq!(field(|settings| settings.problem.output_max_rad[0] = Some(-0.7)), ("output_max_rad", 0));
+    // each a number by itself, but a torque so small that its inverse is none
+    let tiny = refused(|settings| (settings.problem.input_max[2], settings.torque_per_input_nm[2]) = (1e-25, 1e-20));
+    assert!(matches!(tiny, Some(MpcError::Program { axis: 2, .. })), "{tiny:?}");
     assert_eq!(
         refused(|settings| settings.problem.horizon = 1),
         Some(MpcError::Horizon { found: 1, control_horizon: 2 })

@@ -217,8 +217,8 @@ fn steps_of(angle_rad: [f32; 3]) -> [AxisForecast; 3] {
     angle_rad.map(|angle_rad| AxisForecast { error_rad: [-angle_rad; HORIZON], previous_n: 0.0 })
 }
 
-/// Simultaneous steps that no single motor can serve: the answer uses a motor's whole room, and is not what the axes' own
-/// optima, cut to keep their direction, would be.
+/// Simultaneous steps that no single motor can serve: the answer uses a motor's whole room, and is not what the axes'
+/// own optima, cut to keep their direction, would be.
 #[test]
 fn it_is_more_than_cutting_the_axes_own_plans() {
     let (room, forecasts) = (Room { down_n: 0.5, up_n: 0.5 }, steps_of([1.0, 1.0, 0.0]));
@@ -314,8 +314,8 @@ proptest! {
     }
 }
 
-/// The most work and the largest error over many problems: `cargo test --release -p shared-control motor_limits -- --ignored
-/// --nocapture`.
+/// The most work and the largest error over many problems:
+/// `cargo test --release -p shared-control motor_limits -- --ignored --nocapture`.
 #[test]
 #[ignore = "seconds long; prints figures of docs/motor-limits.md"]
 fn figures() {
@@ -340,7 +340,8 @@ fn figures() {
         }
         iterations.sort_unstable();
         std::println!(
-            "M = {blocks}, yaw locked {yaw_locked}: error {error:.1e}, cold changes median {} max {}, {coupled} of 2000 limited",
+            "M = {blocks}, yaw locked {yaw_locked}: error {error:.1e}, cold changes median {} max {}, {coupled} of \
+             2000 limited",
             iterations[1000],
             iterations[1999]
         );

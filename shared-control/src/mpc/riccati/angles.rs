@@ -10,7 +10,8 @@ use crate::elementary::limit;
 use crate::qp::Status;
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
-    /// Solves with bounds on the angle, beginning with what `pattern` and `angles` hold and leaving there what is held at the end.
+    /// Solves with bounds on the angle, beginning with what `pattern` and `angles` hold and leaving there what is held
+    /// at the end.
     #[inline(always)]
     pub(in crate::mpc) fn solve_within<P: Problem<S>>(
         &self,

@@ -36,8 +36,8 @@ pub(super) struct Column<const S: usize, const M: usize> {
     pub(super) multiplier: f32,
 }
 
-/// All of them, in the order in which they came, so that a new one leaves the factors of the others as they are. Of M + 1
-/// one depends on the others; no more are ever held.
+/// All of them, in the order in which they came, so that a new one leaves the factors of the others as they are. Of M +
+/// 1 one depends on the others; no more are ever held.
 pub(super) type Columns<const S: usize, const M: usize> = heapless::Vec<Column<S, M>, { HORIZON + 1 }>;
 
 impl<const S: usize, const M: usize> Column<S, M> {
@@ -103,8 +103,8 @@ fn weights(rows: &Rows, row: usize) -> [f32; 3] {
     }
 }
 
-/// Chooses the columns for what `rows` holds: keeps those that there are, and has `make` make the others. Returns how many
-/// of the first are as they were, or none if there is no room.
+/// Chooses the columns for what `rows` holds: keeps those that there are, and has `make` make the others. Returns how
+/// many of the first are as they were, or none if there is no room.
 pub(super) fn choose<const S: usize, const M: usize>(
     columns: &mut Columns<S, M>,
     rows: &Rows,
@@ -129,8 +129,8 @@ pub(super) fn choose<const S: usize, const M: usize>(
     Some(unchanged)
 }
 
-/// Factors J, of which the rows of the first `unchanged` columns are factored already, and solves for the multipliers. If
-/// a column depends on those before it: the multipliers that together move nothing, and the column's angle.
+/// Factors J, of which the rows of the first `unchanged` columns are factored already, and solves for the multipliers.
+/// If a column depends on those before it: the multipliers that together move nothing, and the column's angle.
 pub(super) fn solve<const S: usize, const M: usize>(columns: &mut [Column<S, M>], unchanged: usize) -> Option<usize> {
     let mut dependent = None;
     let mut reduced: [f32; HORIZON + 1] = [0.0; HORIZON + 1];

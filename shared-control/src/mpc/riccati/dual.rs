@@ -2,12 +2,12 @@
 //!
 //! Goldfarb and Idnani (*A numerically stable dual method for solving strictly convex quadratic programs*, Mathematical
 //! Programming 27, 1983): some bounds are held as equalities, with multipliers of the right signs; the worst violated
-//! bound is taken in, and its multiplier raised until it holds too, letting go on the way of each bound whose multiplier
-//! reaches 0. The dual cost rises with every step, so that no set of held bounds comes twice and the method ends.
-//! Equality problems are solved by `equality`, in time proportional to the horizon.
+//! bound is taken in, and its multiplier raised until it holds too, letting go on the way of each bound whose
+//! multiplier reaches 0. The dual cost rises with every step, so that no set of held bounds comes twice and the method
+//! ends. Equality problems are solved by `equality`, in time proportional to the horizon.
 //!
-//! One step of a solve may go further: an angle taken in far from the solution without it frees a run of held inputs, one
-//! a pass, and those whose multipliers would end early on the way are let go at once.
+//! One step of a solve may go further: an angle taken in far from the solution without it frees a run of held inputs,
+//! one a pass, and those whose multipliers would end early on the way are let go at once.
 //!
 //! Soft bounds: a violation of an angle's bound costs `weight` times its size (an exact penalty), which is the same as
 //! the multiplier of that bound being at most `weight`: one that gets there is given up, and stays in the cost.
@@ -27,7 +27,8 @@ const WARM_LIMIT: u16 = 30;
 /// Passes altogether.
 const PASS_LIMIT: u16 = 150;
 
-/// A bound that is violated but, held, would be left at once is so by rounding; violations count from so many times more on.
+/// A bound that is violated but, held, would be left at once is so by rounding; violations count from so many times
+/// more on.
 const DOUBT: f32 = 4.0;
 /// More than that is no rounding.
 const MOST_DOUBT: f32 = 200.0;
@@ -86,8 +87,8 @@ struct Search<'a, P: Problem<S>, const S: usize, const M: usize> {
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
-    /// Before a first solve with bounds on the angle, after one without: gives up those that no input can keep. An angle
-    /// that is beyond its bound with all inputs at the other end is so with any, and all of them are for it.
+    /// Before a first solve with bounds on the angle, after one without: gives up those that no input can keep. An
+    /// angle that is beyond its bound with all inputs at the other end is so with any, and all of them are for it.
     #[inline(never)]
     pub(super) fn give_up<P: Problem<S>>(
         &self,
@@ -120,8 +121,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         }
     }
 
-    /// Solves with bounds on the angle, beginning with what `pattern` and `angles` hold, and the laws for it, and leaving there
-    /// what is held at the end.
+    /// Solves with bounds on the angle, beginning with what `pattern` and `angles` hold, and the laws for it, and
+    /// leaving there what is held at the end.
     #[inline(never)]
     pub(super) fn solve_bounded<P: Problem<S>>(
         &self,

@@ -115,7 +115,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         Shifted::Kept
     }
 
-    /// Carries a sum of angles, from the angle `last` to `first` at most, back to the present: effects, offsets, excess.
+    /// Carries a sum of angles, from the angle `last` to `first` at most, back to the present: effects, offsets,
+    /// excess.
     #[inline(always)]
     fn carry_back<P: Problem<S>>(
         &self,
@@ -168,8 +169,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             sum.state.iter().zip(problem.start()).fold(constant, |total, (entry, value)| total + entry * value);
     }
 
-    /// Follows the shifted laws, without cutting: the plan to `pattern`, multipliers of held inputs to `point`; returns the
-    /// first input and the worst violation.
+    /// Follows the shifted laws, without cutting: the plan to `pattern`, multipliers of held inputs to `point`; returns
+    /// the first input and the worst violation.
     pub(super) fn follow<P: Problem<S>>(
         &self,
         problem: &P,

@@ -49,7 +49,8 @@ impl<const M: usize, I: Slot<f32>> Pattern<M, I> {
 /// Laws of the stages under a guess, and what was computed on the way to them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::mpc) struct Laws<const S: usize, const M: usize, C> {
-    /// Of a regulation problem those of held stages and of all before them; from `held_count` on they are the free stages'.
+    /// Of a regulation problem those of held stages and of all before them; from `held_count` on they are the free
+    /// stages'.
     pub(super) laws: [Law<S>; M],
     /// The costs ahead of the stages before `held_count`, where the problem keeps them.
     pub(super) costs: [C; M],

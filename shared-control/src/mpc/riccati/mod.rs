@@ -1,4 +1,5 @@
-//! The solver: one bounded input over a horizon, the linear-quadratic problem of one axis, solved exactly by its structure.
+//! The solver: one bounded input over a horizon, the linear-quadratic problem of one axis, solved exactly by its
+//! structure.
 //!
 //! ```text
 //! minimise    sum over k of tracking(x_(k+1), r_(k+1)) + rho (u_k - u_(k-1))^2,   k = 0 .. M
@@ -8,17 +9,17 @@
 //! and the last input is held to the horizon's end. It is written once, for S states and M inputs, and flies as
 //! [`Tracking`]; [`Regulating`] is the thesis' problem, with r = 0 and |u| <= 1.
 //!
-//! Method: for a guess of which inputs are held at a bound, and at which, dynamic programming from the last stage to the
-//! first gives each input as an affine function of state and previous input (a sweep). Following these laws from the
-//! present state, and cutting each input at its bounds on the way, gives the next guess (a roll-out). When the guess
-//! comes out as it went in, nothing was cut that was not held and nothing held wants to leave its bound: the conditions
-//! of Karush, Kuhn and Tucker, which are sufficient here. Any number of inputs changes at once, as in the primal-dual
-//! active-set method (Hintermueller, Ito and Kunisch, *The primal-dual active set strategy as a semismooth Newton
-//! method*, SIAM J. Optim. 13, 2002), whose guess is made without the cut; cutting (Tassa, Mansard and Todorov,
+//! Method: for a guess of which inputs are held at a bound, and at which, dynamic programming from the last stage to
+//! the first gives each input as an affine function of state and previous input (a sweep). Following these laws from
+//! the present state, and cutting each input at its bounds on the way, gives the next guess (a roll-out). When the
+//! guess comes out as it went in, nothing was cut that was not held and nothing held wants to leave its bound: the
+//! conditions of Karush, Kuhn and Tucker, which are sufficient here. Any number of inputs changes at once, as in the
+//! primal-dual active-set method (Hintermueller, Ito and Kunisch, *The primal-dual active set strategy as a semismooth
+//! Newton method*, SIAM J. Optim. 13, 2002), whose guess is made without the cut; cutting (Tassa, Mansard and Todorov,
 //! *Control-limited differential dynamic programming*, ICRA 2014) halves the number of passes here (docs/solver.md).
 //!
-//! A sweep begins at the last stage that changed, since costs ahead depend on later stages only; and after the last held
-//! stage the laws are those without bounds, made at start-up.
+//! A sweep begins at the last stage that changed, since costs ahead depend on later stages only; and after the last
+//! held stage the laws are those without bounds, made at start-up.
 
 mod angles;
 mod columns;

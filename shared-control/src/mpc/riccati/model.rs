@@ -31,8 +31,8 @@ pub(in crate::mpc) trait Model<const S: usize> {
         }
     }
 
-    /// Shows `see` every angle after 1 to `steps` steps as what it is with an input of 0 held, and by how much an input must
-    /// change for one unit of it.
+    /// Shows `see` every angle after 1 to `steps` steps as what it is with an input of 0 held, and by how much an input
+    /// must change for one unit of it.
     fn see_held_input(&self, start: &[f32; S], steps: usize, mut see: impl FnMut(f32, f32)) {
         let (mut free, mut of_input) = (*start, [0.0; S]);
         for _ in 0..steps {

@@ -4,17 +4,17 @@ use super::quadratic::{Law, Quadratic};
 use super::{BoundedLq, FreeStage, Model};
 use crate::qp::QpError;
 
-/// Greatest ratio of a stage's curvature with all later inputs fixed to that with them eliminated: so many times rounding
-/// errors grow. The thesis' weights give at most 60. Up to 1000 no problem was found whose solution is off by 1e-4 of the
-/// bound; from 3000 on some go in circles (docs/solver.md).
+/// Greatest ratio of a stage's curvature with all later inputs fixed to that with them eliminated: so many times
+/// rounding errors grow. The thesis' weights give at most 60. Up to 1000 no problem was found whose solution is off by
+/// 1e-4 of the bound; from 3000 on some go in circles (docs/solver.md).
 const CONDITION_LIMIT: f32 = 300.0;
 
 /// The certificate's sums are rounded; so much more than 1 makes up for it.
 const ROUNDING: f32 = 1.000_01;
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
-    /// `increment_weight` is rho, `control_horizon` the number of inputs in use, 1..=M, and `last` the cost ahead of the
-    /// last of them, which is held to the horizon's end.
+    /// `increment_weight` is rho, `control_horizon` the number of inputs in use, 1..=M, and `last` the cost ahead of
+    /// the last of them, which is held to the horizon's end.
     pub(in crate::mpc) fn prepare(
         model: D,
         increment_weight: f32,

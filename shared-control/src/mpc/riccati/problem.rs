@@ -1,8 +1,9 @@
 //! The two instances of the solver: what flies tracks a reference ahead, the thesis' problem brings a state to zero.
 //!
-//! Both are the problem at the head of [`super`]. What the second has less (a reference, bounds other than 1, a plan to be
-//! handed on) is left out when it is compiled, and what it allows in turn is put in: without linear terms the laws of a guess
-//! are the same from any start, so that they are kept from one solve to the next, and sizes certify that no bound is reached.
+//! Both are the problem at the head of [`super`]. What the second has less (a reference, bounds other than 1, a plan to
+//! be handed on) is left out when it is compiled, and what it allows in turn is put in: without linear terms the laws
+//! of a guess are the same from any start, so that they are kept from one solve to the next, and sizes certify that no
+//! bound is reached.
 
 use super::quadratic::Quadratic;
 use super::{Held, SLACK};
@@ -122,8 +123,8 @@ pub(in crate::mpc) struct Tracking<'a, const S: usize> {
     pub(in crate::mpc) start: [f32; S],
     pub(in crate::mpc) previous: f32,
     pub(in crate::mpc) bounds: [f32; 2],
-    /// One for each step of the prediction. As many as the problem was prepared for: the control horizon's, and those over
-    /// which the last input is held.
+    /// One for each step of the prediction. As many as the problem was prepared for: the control horizon's, and those
+    /// over which the last input is held.
     pub(in crate::mpc) reference: &'a [f32],
 }
 

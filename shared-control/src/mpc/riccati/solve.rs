@@ -1,9 +1,9 @@
 //! The solve: roll-out and sweep in turn, the same for what flies and for the thesis' problem.
 //!
-//! A reference and bounds other than 1 enter the linear terms of the costs only: quadratic parts, gains and the division of
-//! free stages stay as they were made at start-up. So a tracking problem's sweep takes the linear terms through the free
-//! stages at the end, and then whole costs through the stages up to the last held one; a regulation problem has none of the
-//! first, and goes on where costs are as they were.
+//! A reference and bounds other than 1 enter the linear terms of the costs only: quadratic parts, gains and the
+//! division of free stages stay as they were made at start-up. So a tracking problem's sweep takes the linear terms
+//! through the free stages at the end, and then whole costs through the stages up to the last held one; a regulation
+//! problem has none of the first, and goes on where costs are as they were.
 
 use super::guess::{Held, Laws, LawsOf, Pattern, PatternOf};
 use super::problem::{Problem, Slot};
@@ -33,7 +33,8 @@ pub(in crate::mpc) struct Outcome {
 }
 
 impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
-    /// Solves, beginning with the guess in `pattern`, and with `laws` if the problem keeps them, and leaving the last ones there.
+    /// Solves, beginning with the guess in `pattern`, and with `laws` if the problem keeps them, and leaving the last
+    /// ones there.
     #[inline(always)]
     pub(in crate::mpc) fn solve<P: Problem<S>>(
         &self,
@@ -172,8 +173,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         changed
     }
 
-    /// Follows the laws without cutting, up to the first input that is held wrongly or wrongly free, and changes that one
-    /// alone; returns the number of stages up to it, 0 if there is none.
+    /// Follows the laws without cutting, up to the first input that is held wrongly or wrongly free, and changes that
+    /// one alone; returns the number of stages up to it, 0 if there is none.
     ///
     /// Least-index pivoting (Murty, *Note on a Bard-type scheme for solving the complementarity problem*, Opsearch 11,
     /// 1974; with upper bounds too: Judice and Pires, Computers & OR 21, 1994): no guess comes twice, so that it ends,
@@ -250,8 +251,8 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
         }
     }
 
-    /// Takes the linear terms that the reference makes through the free stages at the end; returns those ahead of the last
-    /// held stage, in (state, input).
+    /// Takes the linear terms that the reference makes through the free stages at the end; returns those ahead of the
+    /// last held stage, in (state, input).
     #[inline(always)]
     fn sweep_free<P: Problem<S>>(&self, problem: &P, laws: &mut LawsOf<P, S, M>) -> ([f32; S], f32) {
         let mut linear = ([0.0; S], 0.0);

@@ -9,9 +9,9 @@ use crate::mpc::HORIZON;
 /// Inputs beyond their bounds by so much are within: above rounding, below what matters.
 const INPUT_TOLERANCE: f32 = 2e-6;
 
-/// What a violation of the angle's bound costs, per step and unit of angle: the weight of the increments and this floor,
-/// all in the axis' units. Where the increments cost next to nothing, it is the tracking over thirty steps that multipliers
-/// work against. The multipliers of bounds that can be kept are below it but at the edge (docs/solver.md).
+/// What a violation of the angle's bound costs, per step and unit of angle: the weight of the increments and this
+/// floor, all in the axis' units. Where the increments cost next to nothing, it is the tracking over thirty steps that
+/// multipliers work against. The multipliers of bounds that can be kept are below it but at the edge (docs/solver.md).
 const PENALTY_FLOOR: f32 = 1e5;
 
 /// So much of the bound is rounding, after one step.
@@ -100,8 +100,8 @@ pub(super) fn set<T>(list: &mut [T], index: usize, value: T) {
     }
 }
 
-/// What a violation of an input's bound counts beside one of an angle's. So inputs are seen to first as long as they are
-/// far beyond their bounds, and three times fewer passes are needed at most than with angles first.
+/// What a violation of an input's bound counts beside one of an angle's. So inputs are seen to first as long as they
+/// are far beyond their bounds, and three times fewer passes are needed at most than with angles first.
 const INPUT_SHARE: f32 = 32.0;
 
 /// The worst violation so far.
@@ -230,8 +230,8 @@ impl<const M: usize> DualPoint<M> {
         Direction::Rises
     }
 
-    /// Where multipliers, moving from here by `rate(now, towards)` each, first reach an end of their range; none if none
-    /// does before `step`.
+    /// Where multipliers, moving from here by `rate(now, towards)` each, first reach an end of their range; none if
+    /// none does before `step`.
     pub(super) fn first_blocking<I>(
         &self,
         (pattern, held_count, rows): (&Pattern<M, I>, usize, &Rows),
@@ -278,8 +278,8 @@ impl<const M: usize> DualPoint<M> {
         }
     }
 
-    /// Lets go of every held input whose multiplier would be negative a quarter of the way to `towards`; returns the number
-    /// of stages up to the last of them.
+    /// Lets go of every held input whose multiplier would be negative a quarter of the way to `towards`; returns the
+    /// number of stages up to the last of them.
     pub(super) fn let_go_near<I>(&self, pattern: &mut Pattern<M, I>, held_count: usize, towards: &Self) -> usize {
         let mut changed = 0;
         let stages = pattern.held.iter_mut().take(held_count).zip(self.inputs.iter().zip(&towards.inputs));
@@ -292,8 +292,8 @@ impl<const M: usize> DualPoint<M> {
         changed
     }
 
-    /// Lets go of every bound whose multiplier is out of range, and gives up those above the weight; returns the number of
-    /// stages up to the last that changed, or none if nothing did.
+    /// Lets go of every bound whose multiplier is out of range, and gives up those above the weight; returns the number
+    /// of stages up to the last that changed, or none if nothing did.
     pub(super) fn drop_wrong<I>(
         &self,
         pattern: &mut Pattern<M, I>,

@@ -1,5 +1,5 @@
-//! The thesis' problem, and the benchmark's: three axes, each a double integrator that is brought to a constant reference
-//! (section 2.4.2 and appendix B, rederived; `docs/thesis-errata.md` says where the thesis misprints).
+//! The thesis' problem, and the benchmark's: three axes, each a double integrator that is brought to a constant
+//! reference (section 2.4.2 and appendix B, rederived; `docs/thesis-errata.md` says where the thesis misprints).
 //!
 //! Data flow: once, [`ProblemSettings`] -> [`Axis`] (prepared); then per step [`RegulationRequest`] -> solve -> first
 //! inputs. What flies is [`super::Mpc`].

@@ -37,8 +37,8 @@ fn one_input(settings: &ProblemSettings, axis: usize, request: &RegulationReques
     pull / stiffness
 }
 
-/// With M = 1 and a bounded angle that can't be kept: the minimum of the convex function that violations make of the cost,
-/// found by thirds.
+/// With M = 1 and a bounded angle that can't be kept: the minimum of the convex function that violations make of the
+/// cost, found by thirds.
 fn softly_bounded_input(settings: &ProblemSettings, request: &RegulationRequest) -> f64 {
     let wide = |values: &[f32; 3]| f64::from(values[0]);
     let (mu, rho, input_max) =

@@ -29,7 +29,8 @@ const START_S: f64 = 0.5;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum NotReplayable {
     #[error(
-        "the log has {log_hz:.0} rows a second and the controller runs at {controller_hz}: what it saw in between is unknown"
+        "the log has {log_hz:.0} rows a second and the controller runs at {controller_hz}: what it saw in between is \
+         unknown"
     )]
     Rate { log_hz: f64, controller_hz: u32 },
     #[error("rows are missing or late at {time_s} s: what the controller saw there is unknown")]

@@ -1,13 +1,13 @@
 //! What each number of a controller would change in its commands, in a flight without noise.
 //!
 //! The controller's own noise is in the logged readings, in its commands and, through the vehicle, in the readings that
-//! follow: a residual is correlated with whatever is computed from the readings, and least squares finds gains too small
-//! (a rate gain by some percent, a derivative by half). The flight that the modelled controller makes of the log's
-//! references in simulation has the same manoeuvres and none of that noise. The residual is therefore judged along what
-//! the numbers would do *there*: instrumental variables (Young, *Recursive Estimation and Time-Series Analysis*, chapters 7
-//! and 8; for closed loops Gilson and Van den Hof, Automatica 41, 2005). All that counts is a handful of scores: the whitened
-//! residual along an orthonormal basis of those directions. Where the controller is the modelled one each score is
-//! normal with variance 1.
+//! follow: a residual is correlated with whatever is computed from the readings, and least squares finds gains too
+//! small (a rate gain by some percent, a derivative by half). The flight that the modelled controller makes of the
+//! log's references in simulation has the same manoeuvres and none of that noise. The residual is therefore judged
+//! along what the numbers would do *there*: instrumental variables (Young, *Recursive Estimation and Time-Series
+//! Analysis*, chapters 7 and 8; for closed loops Gilson and Van den Hof, Automatica 41, 2005). All that counts is a
+//! handful of scores: the whitened residual along an orthonormal basis of those directions. Where the controller is the
+//! modelled one each score is normal with variance 1.
 
 use rayon::prelude::*;
 
@@ -21,7 +21,8 @@ use crate::flight::SetupError;
 const NEW_SHARE_MIN: f64 = 1e-3;
 /// An effect on the acceleration below this is the core's rounding, rad/s^2.
 const ROUNDING_RAD_S2: f64 = 1e-5;
-/// Where numbers are tried far from what is modelled, as shares of it: their effect on a reference, say, is no straight line.
+/// Where numbers are tried far from what is modelled, as shares of it: their effect on a reference, say, is no straight
+/// line.
 const FAR_SHARES: [f64; 2] = [0.7, 1.4];
 /// The same of a limit that the flight never reaches.
 const LIMIT_SHARES: [f64; 4] = [0.7, 0.45, 0.3, 0.2];

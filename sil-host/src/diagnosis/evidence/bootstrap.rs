@@ -1,8 +1,9 @@
 //! How sure a gain is: a block bootstrap over the held-out windows.
 //!
-//! Blocks of neighbouring windows are drawn with replacement, around the log's end (Politis and Romano 1992: the circular block bootstrap), until there are as many
-//! windows as held out, and the gain is taken anew from each draw; between the quantiles of 2.5 and 97.5 % lie 95 % of the draws. Blocks keep together
-//! what belongs to one manoeuvre. The models are not fitted anew: the interval is about which windows happened to be held out.
+//! Blocks of neighbouring windows are drawn with replacement, around the log's end (Politis and Romano 1992: the
+//! circular block bootstrap), until there are as many windows as held out, and the gain is taken anew from each draw;
+//! between the quantiles of 2.5 and 97.5 % lie 95 % of the draws. Blocks keep together what belongs to one manoeuvre.
+//! The models are not fitted anew: the interval is about which windows happened to be held out.
 
 use serde::Serialize;
 
@@ -21,7 +22,8 @@ const SEED: u64 = 1;
 /// Gains on held-out data, with intervals that hold 95 % of a block bootstrap.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gain {
-    /// Fall of the held-out squared error, in units of the noise, from the nominal to the extended model, % of the nominal's.
+    /// Fall of the held-out squared error, in units of the noise, from the nominal to the extended model, % of the
+    /// nominal's.
     pub total_pct: f64,
     /// Its interval; none where the held-out windows are too few.
     pub total_interval_pct: Option<[f64; 2]>,
@@ -103,7 +105,8 @@ mod tests {
         // 2 * 1.96 / sqrt(240) = 0.253
         let single = mean_width(1);
         assert!((0.23..0.275).contains(&single), "{single}");
-        // sums of four neighbours at any offset have a mean square of (16 + 10 + 8 + 10) / 4 = 11, against 4: a width 1.66 times as large
+        // sums of four neighbours at any offset have a mean square of (16 + 10 + 8 + 10) / 4 = 11, against 4: a width
+        // 1.66 times as large
         let fourfold = mean_width(4) / single;
         assert!((1.5..1.8).contains(&fourfold), "{fourfold}");
         assert_eq!(interval(WINDOWS_MIN - 1, |_| 1.0), None);

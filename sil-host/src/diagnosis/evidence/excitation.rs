@@ -145,9 +145,11 @@ fn weaknesses(parameters: &[Excited], condition_number: Option<f64>, alike: &[us
         let axis = of.axis.unwrap_or_default();
         let what = if of.effect == "input_gain" { "its input gain" } else { "its inertia" };
         match of.std_together.map(|std| std / of.value.abs()) {
-            None => sentences.push(format!("The command of {axis} never moves it in this log: nothing can be said of {what}.")),
+            None => sentences
+                .push(format!("The command of {axis} never moves it in this log: nothing can be said of {what}.")),
             Some(relative) if relative > UNMOVED => sentences.push(format!(
-                "The command hardly moves {axis} in this log: {what} could be told to {:.0} % only (one standard deviation).",
+                "The command hardly moves {axis} in this log: {what} could be told to {:.0} % only (one standard \
+                 deviation).",
                 100.0 * relative
             )),
             Some(_) => {}
@@ -156,7 +158,8 @@ fn weaknesses(parameters: &[Excited], condition_number: Option<f64>, alike: &[us
     if let Some(number) = condition_number.filter(|number| *number > ALIKE) {
         let names: Vec<String> = alike.iter().map(|i| parameters[*i].in_words()).collect();
         sentences.push(format!(
-            "In this log the traces of {} look alike (condition number {number:.0}): they can be told as a sum, hardly one by one.",
+            "In this log the traces of {} look alike (condition number {number:.0}): they can be told as a sum, hardly \
+             one by one.",
             names.join(" and ")
         ));
     }

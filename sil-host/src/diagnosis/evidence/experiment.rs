@@ -112,15 +112,16 @@ impl Tried {
         let least = which(true).map(|(_, told)| *told).fold(f64::INFINITY, f64::min);
         if least.is_finite() {
             sentences.push(format!(
-                "To tell {}, fly {}: a difference of {least:.0} between their log-likelihoods is to be expected, where {TOLD_APART} are \
-                 enough.",
+                "To tell {}, fly {}: a difference of {least:.0} between their log-likelihoods is to be expected, where \
+                 {TOLD_APART} are enough.",
                 names(true),
                 self.manoeuvre.in_words
             ));
         }
         if which(false).next().is_some() {
             sentences.push(format!(
-                "No manoeuvre that was tried in simulation tells {} on this rig: one of them must be measured by itself.",
+                "No manoeuvre that was tried in simulation tells {} on this rig: one of them must be measured by \
+                 itself.",
                 names(false)
             ));
         }

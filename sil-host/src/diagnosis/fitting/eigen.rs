@@ -1,4 +1,5 @@
-//! Eigenvalues of a small symmetric matrix: Jacobi's rotations (Golub and Van Loan, Matrix Computations, 4th ed., section 8.5), in a fixed order.
+//! Eigenvalues of a small symmetric matrix: Jacobi's rotations (Golub and Van Loan, Matrix Computations, 4th ed.,
+//! section 8.5), in a fixed order.
 
 /// Rounds over all pairs; each at least squares what is left off the diagonal.
 const SWEEPS: usize = 30;

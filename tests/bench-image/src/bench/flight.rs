@@ -35,7 +35,8 @@ fn solve(
     mpc.plan(state, request)
 }
 
-/// The next request. The motors are where they were asked to be an instance before; headings count from their reference.
+/// The next request. The motors are where they were asked to be an instance before; headings count from their
+/// reference.
 fn advance(request: &mut PlanRequest, settings: &MpcSettings, theta: &Theta) {
     let [roll, roll_rate, pitch, pitch_rate, yaw, yaw_rate, prev0, prev1, prev2, r0, r1, r2] = *theta;
     let torque_max_nm = settings.torque_max_nm();

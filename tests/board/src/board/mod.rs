@@ -12,8 +12,8 @@
 //!  PA15 (buzzer) <- TIM2      TIM5: time base      RCC: clocks of all of them
 //! ```
 //!
-//! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults, `analog`
-//! battery and buzzer, `serial` the connectors, `wiring` DMA requests and interrupt lines.
+//! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults,
+//! `analog` battery and buzzer, `serial` the connectors, `wiring` DMA requests and interrupt lines.
 
 mod address_map;
 mod analog;

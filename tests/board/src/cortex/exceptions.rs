@@ -1,4 +1,5 @@
-//! Which exception runs next: pending, active, priorities. ARMv7-M ARM B1.5 and B3.4; lines are level-sensitive (B3.4.1).
+//! Which exception runs next: pending, active, priorities. ARMv7-M ARM B1.5 and B3.4; lines are level-sensitive
+//! (B3.4.1).
 //!
 //! Priorities have 4 bits (PM0214 section 4.3.7). Priority grouping is not modelled: all bits preempt.
 
@@ -69,8 +70,8 @@ fn numbers(mut bits: u128) -> impl Iterator<Item = u8> {
 }
 
 impl Exceptions {
-    /// The levels of all lines, a bit for each exception. One pends when it rises, and again on return while it is still
-    /// high.
+    /// The levels of all lines, a bit for each exception. One pends when it rises, and again on return while it is
+    /// still high.
     pub(crate) fn set_lines(&mut self, lines: u128) {
         self.pending |= lines & !self.lines;
         self.lines = lines;

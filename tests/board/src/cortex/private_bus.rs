@@ -1,5 +1,5 @@
-//! Registers on the core's private bus: NVIC, system control block, SysTick, FPU, cycle counter. ARMv7-M ARM B3.2, B3.4,
-//! C1.8; PM0214 section 4.
+//! Registers on the core's private bus: NVIC, system control block, SysTick, FPU, cycle counter. ARMv7-M ARM B3.2,
+//! B3.4, C1.8; PM0214 section 4.
 
 use crate::cortex::exceptions::{
     BUS_FAULT, Exceptions, FIRST_INTERRUPT, MEMORY_FAULT, NMI, PEND_SV, SYS_TICK, USAGE_FAULT,
@@ -16,8 +16,8 @@ const CPACR_FLOAT: u32 = 0xf << 20;
 const TRACE_ENABLE: u32 = 1 << 24;
 const CYCLE_COUNT_ENABLE: u32 = 1;
 
-/// Registers that only hold what was written: CCR, MMFAR, BFAR, AFSR, FPCCR, FPCAR, FPDSCR, DWT and ITM lock access, DHCSR,
-/// MPU control while it stays off, SCR.
+/// Registers that only hold what was written: CCR, MMFAR, BFAR, AFSR, FPCCR, FPCAR, FPDSCR, DWT and ITM lock access,
+/// DHCSR, MPU control while it stays off, SCR.
 const STORAGE: [u32; 12] = [
     0xe000_e008,
     0xe000_ed10,

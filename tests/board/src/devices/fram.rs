@@ -1,4 +1,5 @@
-//! FM25V01 on SPI2: 16 Kbyte of ferroelectric memory that keep what they hold. Cypress 001-84497, "Functional Overview".
+//! FM25V01 on SPI2: 16 Kbyte of ferroelectric memory that keep what they hold. Cypress 001-84497, "Functional
+//! Overview".
 //!
 //! It writes at the speed of the bus and is never busy. Sleep and block protection have no model.
 

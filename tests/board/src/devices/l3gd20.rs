@@ -1,7 +1,7 @@
 //! The gyro L3GD20 and its successor L3GD20H on SPI1: identity, data rates, ranges, the data-ready pin PB0.
 //!
-//! Data sheets DocID022116 (L3GD20) and DocID023469 (L3GD20H), section 7. FIFO, high-pass filter, interrupt generator and
-//! big-endian output have no model.
+//! Data sheets DocID022116 (L3GD20) and DocID023469 (L3GD20H), section 7. FIFO, high-pass filter, interrupt generator
+//! and big-endian output have no model.
 
 use super::st_sensor::{Kind, Registers};
 use crate::time::{TICKS_PER_S, Ticks};
@@ -23,8 +23,8 @@ const THREE_WIRES: u8 = 1;
 /// FIFO, high-pass filter, output selection.
 const FILTERS: u8 = 0b0101_0011;
 
-/// Samples in ten seconds by the two highest bits of CTRL_REG1. What the L3GD20H's register table calls 100 to 800 Hz is 94.7 to
-/// 757.6 Hz in its characteristics.
+/// Samples in ten seconds by the two highest bits of CTRL_REG1. What the L3GD20H's register table calls 100 to 800 Hz
+/// is 94.7 to 757.6 Hz in its characteristics.
 const SAMPLES_IN_10_S: [u64; 4] = [950, 1900, 3800, 7600];
 const SAMPLES_IN_10_S_H: [u64; 4] = [947, 1894, 3788, 7576];
 

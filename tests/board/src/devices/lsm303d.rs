@@ -1,7 +1,7 @@
 //! The LSM303D's accelerometer on SPI1: identity, data rates, ranges, the data-ready pin PB4.
 //!
-//! Data sheet DocID023312, section 8. Its magnetometer stays in power-down; FIFO, high-pass filter and interrupt generators
-//! have no model.
+//! Data sheet DocID023312, section 8. Its magnetometer stays in power-down; FIFO, high-pass filter and interrupt
+//! generators have no model.
 
 use super::st_sensor::{Kind, Registers};
 use crate::time::{TICKS_PER_S, Ticks};

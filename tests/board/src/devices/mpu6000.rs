@@ -1,7 +1,8 @@
-//! The MPU-6000 on SPI. InvenSense register map RM-MPU-6000A-00, rev. 4.2, by section; product specification 6.2 for the bus.
+//! The MPU-6000 on SPI. InvenSense register map RM-MPU-6000A-00, rev. 4.2, by section; product specification 6.2 for
+//! the bus.
 //!
-//! It samples when its own clock says so and keeps the counts that the world gives it. Those are for +-2000 deg/s and +-8 g:
-//! another range has no model.
+//! It samples when its own clock says so and keeps the counts that the world gives it. Those are for +-2000 deg/s and
+//! +-8 g: another range has no model.
 
 use super::Counts;
 use crate::time::{TICKS_PER_S, Ticks};

@@ -1,8 +1,8 @@
 //! What the L3GD20 and the LSM303D have in common: ST's serial interface, a status register, three output words.
 //!
-//! Data sheets: DocID022116 (L3GD20) sections 5.2 and 7; DocID023312 (LSM303D) sections 6.2 and 8. The first byte of a transfer
-//! is read (bit 7), auto-increment (bit 6) and the register. An axis' data-available bit falls when its high byte is read,
-//! that of all three with the last of them.
+//! Data sheets: DocID022116 (L3GD20) sections 5.2 and 7; DocID023312 (LSM303D) sections 6.2 and 8. The first byte of a
+//! transfer is read (bit 7), auto-increment (bit 6) and the register. An axis' data-available bit falls when its high
+//! byte is read, that of all three with the last of them.
 
 use crate::time::{TICKS_PER_S, Ticks};
 

@@ -1,5 +1,6 @@
-//! Analog-to-digital converter ADC1. RM0090 section 13.13. Regular sequences started by software, once or without end, 12 bits,
-//! right-aligned, read by DMA or by the core. Injected channels, triggers, watchdog and interrupts have no model.
+//! Analog-to-digital converter ADC1. RM0090 section 13.13. Regular sequences started by software, once or without end,
+//! 12 bits, right-aligned, read by DMA or by the core. Injected channels, triggers, watchdog and interrupts have no
+//! model.
 //!
 //! Conversions are caught up with whenever the board is looked at: nothing waits for one of them.
 

@@ -18,8 +18,8 @@ pub(crate) struct Exti {
 }
 
 impl Exti {
-    /// The levels of the lines that are [`selected`](Self::selected); an edge pends. What the level was before a line was
-    /// selected makes no edge.
+    /// The levels of the lines that are [`selected`](Self::selected); an edge pends. What the level was before a line
+    /// was selected makes no edge.
     pub(crate) fn set_levels(&mut self, levels: u32) {
         let (rises, falls) = (levels & !self.levels, self.levels & !levels);
         self.pending |= (rises & self.rising | falls & self.falling) & self.known;

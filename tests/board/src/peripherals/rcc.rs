@@ -1,7 +1,7 @@
 //! Reset and clock control. RM0090 section 6.3 (STM32F42x).
 //!
-//! Oscillators and the PLL are ready as soon as they are on, unless the crystal does not oscillate. Clocks are those of the board:
-//! HSE is 24 MHz. The clock security system goes back to HSI when the crystal stops (section 6.2.7).
+//! Oscillators and the PLL are ready as soon as they are on, unless the crystal does not oscillate. Clocks are those of
+//! the board: HSE is 24 MHz. The clock security system goes back to HSI when the crystal stops (section 6.2.7).
 
 use super::{Peripheral, Unmodelled};
 use crate::time::{TICKS_PER_S, Ticks};

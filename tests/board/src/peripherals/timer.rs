@@ -1,5 +1,5 @@
-//! Timers that count up: TIM1 (RM0090 section 17.4), TIM2, TIM3 and TIM5 (section 18.4). Time base with preload, PWM mode 1, trigger
-//! output and slave modes reset and trigger. Nothing else of theirs is modelled.
+//! Timers that count up: TIM1 (RM0090 section 17.4), TIM2, TIM3 and TIM5 (section 18.4). Time base with preload, PWM
+//! mode 1, trigger output and slave modes reset and trigger. Nothing else of theirs is modelled.
 
 use super::{Peripheral, Unmodelled};
 use crate::time::{TICKS_PER_S, Ticks};

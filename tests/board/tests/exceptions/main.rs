@@ -42,7 +42,8 @@ fn in_words(trace: &[u8]) -> String {
 /// What the architecture demands, letter by letter: who notes something after whom. Capitals are a handler's end.
 const ORDER: &str = concat!(
     "01",
-    // 0 is interrupted by 1, 2 follows 1 without 0 in between; then 2 interrupts it again; 3, its equal, waits; PendSV is last
+    // 0 is interrupted by 1, 2 follows 1 without 0 in between; then 2 interrupts it again; 3, its equal, waits; PendSV
+    // is last
     "abBcCacCaAdpP1",
     "2abBcCacCaAdpP2",
     // from the process stack, by software, by SVC, with floating point

@@ -1,5 +1,5 @@
-//! A program that makes exceptions nest, wait, chain and fault, and writes down what it sees of it: letters, each with a
-//! word. It holds for every Cortex-M4F with RAM at 0x2000_0000; interrupts come by software alone.
+//! A program that makes exceptions nest, wait, chain and fault, and writes down what it sees of it: letters, each with
+//! a word. It holds for every Cortex-M4F with RAM at 0x2000_0000; interrupts come by software alone.
 
 use crate::assembler::{
     Assembler, BREAKPOINT_SEMIHOSTING, DISABLE_FAULTS, DISABLE_INTERRUPTS, ENABLE_FAULTS, ENABLE_INTERRUPTS, LR,
@@ -90,8 +90,8 @@ fn note_float_context(program: &mut Assembler, letter: char) {
     program.read(Special::Control).mask(FPCA).note_r2(letter);
 }
 
-/// Low. Pends 1 and 2, which are above it, 3, which is its equal, and PendSV, which is below; then, with floating point of
-/// its own, 2 once more.
+/// Low. Pends 1 and 2, which are above it, 3, which is its equal, and PendSV, which is below; then, with floating point
+/// of its own, 2 once more.
 fn interrupt_0(program: &mut Assembler, _: u32) {
     entered(program, 'a');
     note_float_context(program, 'a');

@@ -104,7 +104,8 @@ impl Flown {
     }
 }
 
-/// It went to all positions of 30 degrees and stayed near what was asked for; steps of 30 degrees make up most of the mean.
+/// It went to all positions of 30 degrees and stayed near what was asked for; steps of 30 degrees make up most of the
+/// mean.
 fn end_on_the_ground(flight: &mut Flight) {
     assert!((25.0..45.0).contains(&flight.largest_tilt_deg()), "{}", flight.largest_tilt_deg());
     assert!(flight.deviation_deg().iter().all(|mean| *mean < 5.0), "{:?}", flight.deviation_deg());

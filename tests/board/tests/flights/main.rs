@@ -13,7 +13,8 @@ use shared_control::config::Controller;
 use shared_control::output::PulseKind;
 use shared_control::params::Params;
 
-/// The largest control horizon at 100 Hz with which every plan of the sequence is made in time; the ignored test below finds it.
+/// The largest control horizon at 100 Hz with which every plan of the sequence is made in time; the ignored test below
+/// finds it.
 const LARGEST_IN_TIME: u8 = 30;
 /// The sequence takes 29.75 s.
 const WHOLE_S: f64 = 29.7;

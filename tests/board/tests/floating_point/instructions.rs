@@ -12,7 +12,8 @@ macro_rules! flags_of {
     };
 }
 
-/// Half-words, by GNU as, with the reference. Denormals are kept, and what is rounded goes to the nearest, ties to even.
+/// Half-words, by GNU as, with the reference. Denormals are kept, and what is rounded goes to the nearest, ties to
+/// even.
 pub const INSTRUCTIONS: [(&[u16], Reference); 28] = [
     // vadd, vsub, vmul, vnmul, vdiv .f32 s2, s0, s1
     (&[0xee30, 0x1a20], |a, b| (a + b).to_bits()),

@@ -140,8 +140,8 @@ fn every_immediate_is_its_number() {
     }
 }
 
-/// What the other tests compare is all that the firmware's ELF has, and it multiplies and adds in one nowhere, which the
-/// host does not.
+/// What the other tests compare is all that the firmware's ELF has, and it multiplies and adds in one nowhere, which
+/// the host does not.
 #[test]
 fn the_image_has_no_instruction_that_is_not_compared() {
     let path = firmware();

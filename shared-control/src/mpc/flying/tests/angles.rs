@@ -9,7 +9,8 @@ use crate::mpc::motor_limits::COUPLED_INPUTS_MAX;
 
 const LAG_S: f32 = 0.03;
 
-/// A step of roll to 0.4 rad after the raw set-point, without lead: it overshoots. Angles of roll and pitch; every plan is solved.
+/// A step of roll to 0.4 rad after the raw set-point, without lead: it overshoots. Angles of roll and pitch; every plan
+/// is solved.
 fn fly_step<const M: usize>(angle_max_rad: Option<f32>) -> Vec<[f32; 2]> {
     let mut settings = settings(LAG_S, ReferenceAhead::Setpoint);
     settings.preview.lead_s = [0.0; 3];

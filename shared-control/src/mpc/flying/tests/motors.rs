@@ -56,8 +56,8 @@ fn shares_n(torque_nm: [f32; 3]) -> [f32; 3] {
 }
 
 proptest! {
-    /// Two ways to the same optimum: where no motor is at a limit, the coupled program says what the axes' own plans say; the
-    /// prediction with lag and disturbance, the weights and the units are the same in both.
+    /// Two ways to the same optimum: where no motor is at a limit, the coupled program says what the axes' own plans
+    /// say; the prediction with lag and disturbance, the weights and the units are the same in both.
     #[test]
     fn without_active_limits_the_coupled_program_is_the_axes_plans(
         request in request(), yaw_locked: bool, control_horizon in 1usize..=10
@@ -100,7 +100,8 @@ proptest! {
         }
     }
 
-    /// A torque that holds against a disturbance stays where it is in whichever linearisation, and so it does when they switch.
+    /// A torque that holds against a disturbance stays where it is in whichever linearisation, and so it does when they
+    /// switch.
     #[test]
     fn switching_moves_no_torque(roll_rad in -1.3f32..1.3, pitch_nm in -0.2f32..0.2, before in 0usize..4) {
         let schedule = Schedule::new(&GIMBAL, 1.2, 4);

@@ -150,9 +150,9 @@ impl Residuals {
     }
 }
 
-/// Sequences of related requests, as a loop makes them: after references that move over the horizon, between inputs' bounds that a
-/// disturbance moves; the angle is thrown beyond its bounds now and then. `exponent` is the range of the increments' weight,
-/// `lead_max` the greatest lead.
+/// Sequences of related requests, as a loop makes them: after references that move over the horizon, between inputs'
+/// bounds that a disturbance moves; the angle is thrown beyond its bounds now and then. `exponent` is the range of the
+/// increments' weight, `lead_max` the greatest lead.
 fn campaign(problems: usize, seed: u64, [exponent_from, exponent_to]: [f32; 2], lead_max: f32) -> Tally {
     let mut numbers = Numbers(seed);
     let mut tally = Tally::default();
@@ -244,7 +244,8 @@ impl Tally {
         residuals.see(input, angle);
     }
 
-    /// One input has the range in which all angles keep their bounds; it is the one in there that is nearest to the optimum without.
+    /// One input has the range in which all angles keep their bounds; it is the one in there that is nearest to the
+    /// optimum without.
     fn see_one_input(&mut self, meant: &Meant<'_>, input: f64) {
         let [low, high] = meant.problem.bounds.map(f64::from);
         let free = meant.motion(meant.problem.start.map(f64::from), &[0.0]);
@@ -296,8 +297,8 @@ fn many_random_problems_are_solved_to_optimality() {
     campaign(60_000, 8, [3.0, 5.0], 20.0).check();
 }
 
-/// Most passes of the nominal vehicle's roll and pitch with angles within 0.7 rad: sequences of ten related requests from
-/// states up to 0.75 rad and 8 rad/s (beyond what can be stopped in time), references up to 0.75 rad.
+/// Most passes of the nominal vehicle's roll and pitch with angles within 0.7 rad: sequences of ten related requests
+/// from states up to 0.75 rad and 8 rad/s (beyond what can be stopped in time), references up to 0.75 rad.
 fn most_passes(sequences: usize, control_horizons: &[usize], seed: u64) -> u16 {
     let mut numbers = Numbers(seed);
     let mut most = 0;

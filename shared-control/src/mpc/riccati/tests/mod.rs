@@ -11,8 +11,8 @@ use crate::qp::Status;
 mod angles;
 mod tracking;
 
-/// Most roll-outs from a start with everything free that any state of the shipped problems takes: found by following every way
-/// that they can go (tests/campaigns/src/worst_case).
+/// Most roll-outs from a start with everything free that any state of the shipped problems takes: found by following
+/// every way that they can go (tests/campaigns/src/worst_case).
 const COLD_MOST: u16 = 8;
 
 /// xorshift64* (Marsaglia; Vigna).
@@ -70,8 +70,8 @@ fn plan(lq: &Lq, guess: &Guess, start: [f32; 2], previous: f32) -> Vec<f32> {
     .collect()
 }
 
-/// How far the plan is from satisfying the conditions of Karush, Kuhn and Tucker: per input the step that a Newton method
-/// in this input alone would take and may take, in f64 and from the definition of the cost.
+/// How far the plan is from satisfying the conditions of Karush, Kuhn and Tucker: per input the step that a Newton
+/// method in this input alone would take and may take, in f64 and from the definition of the cost.
 fn residual(plan: &[f32], increment_weight: f32, horizon: usize, start: [f32; 2], previous: f32) -> f64 {
     let rho = f64::from(increment_weight);
     let input = |step: usize| f64::from(plan[step.min(plan.len() - 1)]);
@@ -193,9 +193,9 @@ pub(super) fn shipped(step_s: f32) -> [(f32, f32, f32); 3] {
     [axis(0.226 / 0.011_511_8, 30.0, 2.0), axis(0.226 / 0.036_565_1, 30.0, 2.0), axis(1.0 / 0.029_074_2, 3000.0, 0.1)]
 }
 
-/// Most roll-outs from a start with everything free, over a grid of all states that the axes' limits admit: up to 1.6 rad
-/// from the reference, up to 8 rad/s, any previous input. The state alone decides, so that the grid sees every region
-/// wider than its mesh.
+/// Most roll-outs from a start with everything free, over a grid of all states that the axes' limits admit: up to 1.6
+/// rad from the reference, up to 8 rad/s, any previous input. The state alone decides, so that the grid sees every
+/// region wider than its mesh.
 fn most_roll_outs(steps: i32, control_horizons: &[usize]) -> u16 {
     let mut most = 0;
     for step_s in [0.01, 0.0025] {

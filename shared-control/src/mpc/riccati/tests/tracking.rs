@@ -39,8 +39,8 @@ fn step(lag: f64, [angle, rate, motor]: [f64; 3], input: f64) -> [f64; 3] {
     ]
 }
 
-/// Per input the step that a Newton method in this input alone would take and may take; the largest of them. Sets how far a plan is from
-/// the conditions of Karush, Kuhn and Tucker.
+/// Per input the step that a Newton method in this input alone would take and may take; the largest of them. Sets how
+/// far a plan is from the conditions of Karush, Kuhn and Tucker.
 fn residual(plan: &[f32], lag: f32, increment_weight: f32, problem: &Tracking<'_, 3>) -> f64 {
     let (lag, rho) = (f64::from(lag), f64::from(increment_weight));
     let count = plan.len();
@@ -126,8 +126,8 @@ fn many_random_tracking_problems_are_solved_to_optimality() {
     assert!(most <= PASSES_SEEN, "{most}");
 }
 
-/// A reference that jumps to and fro by 60 rad of the nominal roll axis: found by following every way that the passes can go
-/// (tests/campaigns/src/worst_case).
+/// A reference that jumps to and fro by 60 rad of the nominal roll axis: found by following every way that the passes
+/// can go (tests/campaigns/src/worst_case).
 const CIRCLING: ([f32; 4], f32) = ([31_493.121, -68_649.92, 37_964.475, -51.298_424], 389.0);
 
 /// For the weight above and M = 4, without lag: the sum of the inputs' effects on the angles with these factors.
@@ -154,7 +154,8 @@ fn circles_are_left() {
     assert!(residual(&pattern.inputs[..4], 0.0, CIRCLING.1, &problem) <= 1e-4);
 }
 
-/// A solve that the cap ends says so, every input of its plan is inside the bounds, and the next one goes on from what it left.
+/// A solve that the cap ends says so, every input of its plan is inside the bounds, and the next one goes on from what
+/// it left.
 #[test]
 fn the_cap_leaves_a_plan_inside_its_bounds_and_no_harm() {
     let mut numbers = Numbers(9);
