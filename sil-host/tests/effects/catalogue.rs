@@ -7,12 +7,23 @@ use sil_host::sensors::{Sensors, imu};
 use sil_host::synthesis::Synthesis;
 
 use crate::checks::{Case, the_plant_moves_as_the_page_says, the_prediction_expects_what_the_page_says};
-use crate::reference::{GRAVITY_M_S2, MASS_KG, NOMINAL, Page, Rig::Free, Rig::Gimbal, rotation};
+use crate::reference::{GRAVITY_M_S2, MASS_KG, Moving, NOMINAL, Page, Rig::Free, Rig::Gimbal, rotation};
 
 /// Those that act on the motion.
 fn of_motion() -> Vec<Case> {
-    let page = |moment| Page { moment, ..NOMINAL };
-    let lift = |lift| Page { lift, ..NOMINAL };
+    [of_rig(), of_body(), of_actuators(), of_surroundings()].into_iter().flatten().collect()
+}
+
+fn page(moment: fn(&Moving) -> [f64; 3]) -> Page {
+    Page { moment, ..NOMINAL }
+}
+
+fn lift(lift: fn(f64, f64, f64) -> [f64; 4]) -> Page {
+    Page { lift, ..NOMINAL }
+}
+
+/// Moments of the rig and of gravity.
+fn of_rig() -> Vec<Case> {
     let case = Case::of;
     vec![
         case(
@@ -66,11 +77,26 @@ fn of_motion() -> Vec<Case> {
             "spring:axis=yaw,stiffness_nm_rad=0.05,rest_rad=-0.2",
             page(|m| [0.0, 0.0, -0.05 * (m.angle[2] + 0.2)]),
         ),
+    ]
+}
+
+/// Mass and inertia.
+fn of_body() -> Vec<Case> {
+    let case = Case::of;
+    vec![
         case(Gimbal, "inertia_error:axis=roll,scale=1.3", Page { inertia: [1.3, 1.0, 1.0], ..NOMINAL }),
         case(Gimbal, "inertia_error:axis=pitch,scale=0.8", Page { inertia: [1.0, 0.8, 1.0], ..NOMINAL }),
         case(Free, "inertia_error:axis=yaw,scale=1.4", Page { inertia: [1.0, 1.0, 1.4], ..NOMINAL }),
         case(Gimbal, "inertia_coupling:product_kg_m2=0.004", Page { product: 0.004, ..NOMINAL }),
         case(Free, "inertia_coupling:product_kg_m2=-0.004", Page { product: -0.004, ..NOMINAL }),
+        case(Free, "mass_error:scale=1.05", Page { mass: 1.05, ..NOMINAL }),
+    ]
+}
+
+/// From command to lift.
+fn of_actuators() -> Vec<Case> {
+    let case = Case::of;
+    vec![
         case(Gimbal, "motor_lag:time_constant_s=0.03", Page { lag_s: 0.03, ..NOMINAL }),
         case(Gimbal, "actuation_delay:delay_s=0.0123", Page { delay_s: 0.0123, ..NOMINAL }),
         case(Free, "thrust_scale:scale=0.93", lift(|_, _, _| [0.93; 4])),
@@ -87,6 +113,13 @@ fn of_motion() -> Vec<Case> {
             )
         },
         case(Gimbal, "command_clipping:min=0.48,max=0.5", Page { range: [0.48, 0.5], ..NOMINAL }),
+    ]
+}
+
+/// From outside.
+fn of_surroundings() -> Vec<Case> {
+    let case = Case::of;
+    vec![
         case(
             Gimbal,
             "periodic_disturbance:axis=roll,amplitude_nm=0.01,frequency_hz=1.7,phase_rad=0.5",
@@ -111,7 +144,6 @@ fn of_motion() -> Vec<Case> {
                 ..NOMINAL
             },
         ),
-        case(Free, "mass_error:scale=1.05", Page { mass: 1.05, ..NOMINAL }),
         Case {
             start_height: 0.5,
             ..case(
