@@ -12,6 +12,8 @@ use super::{Held, SLACK};
 pub(in crate::mpc) trait Problem<const S: usize> {
     /// Whether the reference is zero at every step.
     const IS_REGULATION: bool;
+    /// Passes altogether.
+    const PASS_LIMIT: u16;
     /// What is kept of the cost ahead of a stage.
     type Cost: Slot<Quadratic<S>>;
     /// What is kept of each input of the plan.
@@ -130,6 +132,8 @@ pub(in crate::mpc) struct Tracking<'a, const S: usize> {
 
 impl<const S: usize> Problem<S> for Tracking<'_, S> {
     const IS_REGULATION: bool = false;
+    /// A loop with a deadline has no time for all that one by one could take.
+    const PASS_LIMIT: u16 = 40;
     type Cost = ();
     type Input = f32;
 
@@ -170,6 +174,7 @@ pub(in crate::mpc) struct Regulating<const S: usize> {
 
 impl<const S: usize> Problem<S> for Regulating<S> {
     const IS_REGULATION: bool = true;
+    const PASS_LIMIT: u16 = 500;
     type Cost = Quadratic<S>;
     type Input = ();
 

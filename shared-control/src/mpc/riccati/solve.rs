@@ -14,13 +14,9 @@ use crate::qp::Status;
 /// Passes that a guess from the last solve is given before a start with everything free.
 pub(super) const WARM_LIMIT: u16 = 6;
 
-/// Passes in which any number of inputs changes. From a start with everything free the thesis' problems need 8 at most
+/// Passes in which any number of inputs changes; after them one by one, which cannot go round in circles. From a start with everything free the thesis' problems need 8 at most
 /// (docs/solver.md); references that jump to and fro, and other weights, can make them go round in circles.
 pub(super) const BLOCK_LIMIT: u16 = WARM_LIMIT + 12;
-
-/// Passes altogether; after [`BLOCK_LIMIT`] inputs change one by one, which cannot go round in circles. A loop with a
-/// deadline has no time for all that this could take.
-pub(super) const PASS_LIMIT: u16 = 40;
 
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +47,7 @@ impl<D: Model<S>, const S: usize, const M: usize> BoundedLq<D, S, M> {
             let input = first.law.input(problem.start(), problem.previous());
             return Outcome { input, status: Status::Solved, iterations: 1 };
         }
-        self.search(problem, pattern, laws, PASS_LIMIT)
+        self.search(problem, pattern, laws, P::PASS_LIMIT)
     }
 
     /// The alternation of roll-outs and sweeps, `limit` of the former at most.

@@ -4,7 +4,6 @@ extern crate std;
 
 use std::vec::Vec;
 
-use super::solve::PASS_LIMIT;
 use super::*;
 use crate::qp::Status;
 
@@ -274,7 +273,7 @@ fn the_cap_leaves_an_input_inside_its_bounds_and_no_harm() {
             let search = |limit, Guess { pattern, laws }: &mut Guess| {
                 lq.search(&Regulating { start, previous }, pattern, laws, limit)
             };
-            let whole = search(PASS_LIMIT, &mut Guess::new());
+            let whole = search(Regulating::<2>::PASS_LIMIT, &mut Guess::new());
             for limit in 1..=whole.iterations + 1 {
                 let mut guess = Guess::new();
                 let outcome = search(limit, &mut guess);

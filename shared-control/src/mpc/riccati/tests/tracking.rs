@@ -4,7 +4,7 @@ extern crate std;
 
 use std::vec::Vec;
 
-use super::super::solve::{BLOCK_LIMIT, PASS_LIMIT};
+use super::super::solve::BLOCK_LIMIT;
 use super::super::*;
 use super::Numbers;
 use crate::qp::Status;
@@ -25,7 +25,7 @@ fn track_within(limit: u16, lq: &Lq, problem: &Tracking<'_, 3>, pattern: &mut Pa
 }
 
 fn track(lq: &Lq, problem: &Tracking<'_, 3>, pattern: &mut Pattern<30, f32>) -> Outcome {
-    track_within(PASS_LIMIT, lq, problem, pattern)
+    track_within(Tracking::<3>::PASS_LIMIT, lq, problem, pattern)
 }
 
 /// One step of the vehicle: the motors' decay and its two integrals written out anew, in f64.
