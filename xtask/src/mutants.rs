@@ -119,7 +119,7 @@ impl Tool {
 
     fn command(&self, workspace: &Workspace, selection: &[String]) -> Command {
         let mut command = Command::new(&self.program);
-        command.args(["mutants", "--package", PACKAGE, "--colors", "never", "--sharding", "round-robin"]);
+        command.args(["mutants", "--package", PACKAGE, "--colors", "never"]);
         command.args(selection).current_dir(&workspace.root);
         command
     }
