@@ -35,7 +35,8 @@ impl Tree {
     }
 }
 
-/// What a text refers to and the tree does not have. In Rust, paths count in comments, pages (`*.md`) anywhere.
+/// What a text refers to and the tree does not have. In Rust and TOML, paths count in comments,
+/// pages (`*.md`) anywhere.
 pub(super) fn check(path: &str, text: &str, tree: &Tree) -> Vec<Breach> {
     let [is_rust, is_markdown, is_toml] = [".rs", ".md", ".toml"].map(|extension| path.ends_with(extension));
     // these rules' own tests name what is not there
@@ -45,7 +46,12 @@ pub(super) fn check(path: &str, text: &str, tree: &Tree) -> Vec<Breach> {
     }
     let mut breaches = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
-        let in_comment = !is_rust || line.trim_start().starts_with("//");
+        // a feature of another crate is written like a path
+        let in_comment = match line.trim_start() {
+            code if is_rust => code.starts_with("//"),
+            code if is_toml => code.starts_with('#'),
+            _ => true,
+        };
         let named = named_paths(line).filter(|named| named.ends_with(".md") || in_comment && tree.begins_here(named));
         let linked = links(line).filter(|_| is_markdown);
         let missing = named.filter(|named| !is_there(path, named, tree)).chain(linked.filter(|link| {
@@ -124,6 +130,8 @@ mod tests {
             assert_eq!(messages(path, text), ["1: refers to docs/gone.md, which is not there"], "{text}");
         }
         assert_eq!(messages("a.rs", "//! a\n// gone.md says"), ["2: refers to gone.md, which is not there"]);
+        assert_eq!(messages("a.toml", "# sil-host/gone.rs").len(), 1);
+        assert_eq!(messages("a.toml", "feature = [\"sil-host/gone\"]"), [""; 0]);
     }
 
     #[test]

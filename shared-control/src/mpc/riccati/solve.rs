@@ -14,8 +14,9 @@ use crate::qp::Status;
 /// Passes that a guess from the last solve is given before a start with everything free.
 pub(super) const WARM_LIMIT: u16 = 6;
 
-/// Passes in which any number of inputs changes; after them one by one, which cannot go round in circles. From a start with everything free the thesis' problems need 8 at most
-/// (docs/solver.md); references that jump to and fro, and other weights, can make them go round in circles.
+/// Passes in which any number of inputs changes; after them one by one, which cannot go round in circles. From a start
+/// with everything free the thesis' problems need 8 at most (docs/solver.md); references that jump to and fro, and
+/// other weights, can make them go round in circles.
 pub(super) const BLOCK_LIMIT: u16 = WARM_LIMIT + 12;
 
 /// How a solve ended.
