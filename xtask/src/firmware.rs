@@ -7,7 +7,8 @@ use anyhow::Result;
 use crate::image::{self, Size};
 use crate::panic_freedom;
 use crate::process;
-use crate::toolchain::{TRIPLE, Toolchain};
+use crate::sysroot::TRIPLE;
+use crate::toolchain::Toolchain;
 use crate::workspace::Workspace;
 
 /// The image is small and must be fast; the host's builds share the profile and should link quickly.

@@ -11,7 +11,9 @@ use std::time::UNIX_EPOCH;
 use anyhow::{Context, Result, ensure};
 
 use crate::process;
-use crate::toolchain::TRIPLE;
+
+/// Cortex-M4 with its single-precision floating-point unit.
+pub(crate) const TRIPLE: &str = "thumbv7em-none-eabihf";
 
 /// What the firmware is linked with. No `alloc`: nothing in it allocates.
 const CRATES: [&str; 2] = ["core", "compiler_builtins"];

@@ -10,11 +10,8 @@ use std::process::Command;
 use anyhow::{Result, bail, ensure};
 
 use crate::process;
-use crate::sysroot;
+use crate::sysroot::{self, TRIPLE};
 use crate::workspace::Workspace;
-
-/// Cortex-M4 with its single-precision floating-point unit.
-pub(crate) const TRIPLE: &str = "thumbv7em-none-eabihf";
 
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_CLIPPY: &str = "/usr/bin/cargo-clippy";

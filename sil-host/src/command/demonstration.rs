@@ -14,10 +14,12 @@ use sil_host::prediction::Subject;
 use sil_host::report::Page;
 use sil_host::scenario::Scenario;
 
+use super::flight_text::summary_text;
+use super::flown::fly_one;
 use super::progress_line::ProgressLine;
 use super::{
     Failure, bad_input, compare as compare_command, compare_report, diagnose_report, diagnose_text, failed,
-    flight_report, fly, print, write_file,
+    flight_report, print, write_file,
 };
 
 /// The rig log that ships: synthetic, flown by the thesis' MPC (100 Hz, M = 1) on a ring that is off balance.
@@ -37,7 +39,7 @@ pub fn run() -> Result<(), Failure> {
     let flown = [Controller::Cascade, Controller::Mpc]
         .into_iter()
         .map(|controller| {
-            fly::fly_one(FlightSetup {
+            fly_one(FlightSetup {
                 model: model.clone(),
                 controller_model: None,
                 choice: ControllerChoice::nominal(controller),
@@ -46,7 +48,7 @@ pub fn run() -> Result<(), Failure> {
             })
         })
         .collect::<Result<Vec<_>, _>>()?;
-    print(fly::summary_text(&flown))?;
+    print(summary_text(&flown))?;
 
     print("2. A rig log compared with the simulation\n\n")?;
     let log = log::parse(RIG_LOG_NAME, RIG_LOG, None).map_err(failed)?;

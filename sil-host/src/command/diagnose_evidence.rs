@@ -4,8 +4,6 @@ use sil_host::diagnosis::{Condition, Diagnosis, ModelStatistics};
 use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Section, Table};
 
-use super::diagnose_report::capitalised;
-
 /// Conditions drawn per axis: the strongest ones.
 const DRAWN_PER_AXIS: usize = 2;
 
@@ -220,4 +218,10 @@ fn excitation(answer: &Diagnosis) -> Table {
 fn deviation(std: Option<f64>) -> Cell {
     let decimals = std.map_or(0, |std| (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize);
     Cell::number(std.unwrap_or(f64::NAN), decimals)
+}
+
+/// A text with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

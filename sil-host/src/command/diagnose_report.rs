@@ -8,7 +8,7 @@ use sil_host::prediction::ChannelErrors;
 use sil_host::report::{Cell, Chart, Page, Section, Table};
 
 use super::compare_report::error_cells;
-use super::diagnose_evidence;
+use super::diagnose_evidence::{self, capitalised};
 
 /// More effects than these with the same reason share one line.
 const REJECTED_ALIKE: usize = 3;
@@ -221,10 +221,4 @@ fn rejected(answer: &Diagnosis) -> Section {
         );
     }
     section.list(alike.iter().map(|(why, names)| format!("{}: {}.", capitalised(why), names.join(", "))))
-}
-
-/// The same with a capital first letter.
-pub fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -4,7 +4,7 @@
 use sil_host::report::{Better, Cell, Chart, Page, Section, Table};
 
 use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
-use super::fly::{FlownController, eigenvalues_title, margin_values, remarks};
+use super::flown::{FlownController, eigenvalues_title, margin_values, remarks};
 
 /// A page of its own for one or more flights.
 pub fn page(flown: &[FlownController], command: &str) -> Page {

@@ -7,14 +7,13 @@ use clap::builder::RangedU64ValueParser;
 use serde::Serialize;
 use shared_control::config::Controller;
 use sil_host::controller_file::ControllerChoice;
-use sil_host::flight::{Flight, FlightSetup, RunSummary};
+use sil_host::flight::{FlightSetup, RunSummary};
 use sil_host::flight_log::flight_log;
-use sil_host::margins::Margins;
 use sil_host::model::Rig;
 use sil_host::scenario::Scenario;
 
-use super::figures::{FOLLOWING, Figure, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
-use super::text_table::{TextTable, number};
+use super::flight_text::summary_text;
+use super::flown::{FlownController, fly_one};
 use super::{
     Failure, RigArgument, bad_input, failed, flight_report, make_folder, print, vehicle_model, write_file, write_json,
 };
@@ -82,18 +81,6 @@ const BOTH: &str = "both";
 #[derive(Serialize)]
 struct FlyJson<'a> {
     runs: Vec<&'a RunSummary>,
-}
-
-/// A flight with what was measured around it.
-pub struct FlownController {
-    /// How it was set up.
-    pub setup: FlightSetup,
-    /// Series and figures.
-    pub flight: Flight,
-    /// Margins of roll and pitch; none if the loop oscillates by itself.
-    pub margins: Option<[Margins; 2]>,
-    /// Eigenvalues of roll and pitch under the unconstrained MPC.
-    pub eigenvalues: Option<[[[f64; 2]; 4]; 2]>,
 }
 
 pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
@@ -165,14 +152,6 @@ fn check(choice: &ControllerChoice) -> Result<(), Failure> {
     }
 }
 
-/// Flies one controller and measures its margins.
-pub fn fly_one(setup: FlightSetup) -> Result<FlownController, Failure> {
-    let flight = setup.fly().map_err(bad_input)?;
-    let margins = setup.margins().map_err(bad_input)?;
-    let eigenvalues = setup.mpc_eigenvalues().map_err(bad_input)?;
-    Ok(FlownController { setup, flight, margins, eigenvalues })
-}
-
 /// The command that repeats this run.
 fn command_line(arguments: &FlyArguments) -> String {
     let mut line = format!("sil fly --controller {} --seed {}", arguments.controller, arguments.seed);
@@ -224,98 +203,4 @@ fn write_log(path: &Path, flown: &FlownController) -> Result<(), Failure> {
     ];
     make_folder(path)?;
     sil_host::log::write_file(&log, path).map_err(failed)
-}
-
-/// What the terminal shows.
-pub fn summary_text(flown: &[FlownController]) -> String {
-    let Some(first) = flown.first() else { return String::new() };
-    let scenario = &first.setup.scenario;
-    let mut text = format!(
-        "{}: {}, {} s, seed {}\n\n",
-        first.setup.model.name, scenario.name, scenario.duration_s, first.setup.seed
-    );
-    text.push_str(&axis_table(flown).to_string());
-    text.push('\n');
-    text.push_str(&flight_table(flown).to_string());
-    for one in flown {
-        let Some(eigenvalues) = one.eigenvalues else { continue };
-        text.push_str(&format!("\n{}, |z| and angle per step:\n", eigenvalues_title(one)));
-        for (name, axis) in ["roll", "pitch"].into_iter().zip(eigenvalues) {
-            text.push_str(&format!("  {name:<6} {}\n", eigenvalues_text(axis).join(", ")));
-        }
-    }
-    for remark in flown.iter().flat_map(remarks) {
-        text.push_str(&format!("\n{remark}\n"));
-    }
-    text.push('\n');
-    text
-}
-
-/// What the eigenvalues are of.
-pub fn eigenvalues_title(flown: &FlownController) -> String {
-    let period_ms = 1e3 / f64::from(flown.setup.choice.rate_hz);
-    format!("closed-loop eigenvalues of the unconstrained MPC, one step = {period_ms} ms")
-}
-
-/// What somebody who reads the figures must know.
-pub fn remarks(flown: &FlownController) -> Vec<String> {
-    let name = flown.setup.choice.name();
-    let summary = &flown.flight.summary;
-    let mut remarks = Vec::new();
-    if flown.flight.record.ended_early {
-        remarks.push(format!(
-            "{name}: the flight ended after {:.2} s, the state was no longer finite.",
-            summary.duration_s
-        ));
-    }
-    if flown.margins.is_none() {
-        remarks.push(format!("{name}: at hover the loop oscillates by itself, so it has no margins."));
-    }
-    let unstable = |axes: &[[[f64; 2]; 4]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
-    if flown.eigenvalues.as_ref().is_some_and(unstable) {
-        remarks.push(format!("{name}: without active bounds this loop is unstable, an eigenvalue has |z| >= 1."));
-    }
-    let axes = [summary.axes.roll, summary.axes.pitch];
-    if flown.setup.model.rig() == Rig::Free && axes.iter().any(|axis| axis.settling_time_s.is_none()) {
-        remarks.push(format!(
-            "{name}: in still air the accelerometer of a tilted vehicle measures its thrust, which the estimator takes \
-             for gravity; the estimate, and with it the vehicle, drifts a few degrees towards level while a tilt is \
-             held."
-        ));
-    }
-    remarks
-}
-
-fn axis_table(flown: &[FlownController]) -> TextTable {
-    let columns =
-        flown.iter().flat_map(|one| ["roll", "pitch"].map(|axis| format!("{} {axis}", one.setup.choice.name())));
-    let mut table = TextTable::new([String::new()].into_iter().chain(columns));
-    for figure in FOLLOWING {
-        let axes = flown.iter().flat_map(|one| [one.flight.summary.axes.roll, one.flight.summary.axes.pitch]);
-        let cells = axes.map(|axis| number((figure.value)(&axis), figure.decimals));
-        table.row([figure.name.to_owned()].into_iter().chain(cells));
-    }
-    for figure in ROBUSTNESS {
-        let cells =
-            flown.iter().flat_map(|one| margin_values(one, &figure).map(|value| number(value, figure.decimals)));
-        table.row([figure.name.to_owned()].into_iter().chain(cells));
-    }
-    table
-}
-
-/// A margin of roll and pitch, none where the loop has none.
-pub fn margin_values(flown: &FlownController, figure: &Figure<Margins>) -> [Option<f64>; 2] {
-    flown.margins.map_or([None; 2], |axes| axes.map(|margins| (figure.value)(&margins)))
-}
-
-fn flight_table(flown: &[FlownController]) -> TextTable {
-    let names = flown.iter().map(|one| one.setup.choice.name().to_owned());
-    let mut table = TextTable::new([String::new()].into_iter().chain(names));
-    for figure in WHOLE_FLIGHT {
-        let cells = flown.iter().map(|one| (figure.text)(&one.flight.summary));
-        table.row([figure.name.to_owned()].into_iter().chain(cells));
-    }
-    let speeds = flown.iter().map(|one| number(one.flight.summary.real_time_factor, 0));
-    table.row(["simulated, times real time".to_owned()].into_iter().chain(speeds));
-    table
 }

@@ -10,6 +10,8 @@ mod diagnose_report;
 mod diagnose_text;
 mod figures;
 mod flight_report;
+mod flight_text;
+mod flown;
 mod fly;
 mod hitl;
 mod log_arguments;

@@ -1,10 +1,10 @@
 //! Solving with bounds on the angle: the solution without them where it keeps them, else the one with them.
 
+use super::angle_bounds::AngleBounds;
 use super::dual::HeldAngles;
 use super::guess::{LawsOf, PatternOf};
 use super::problem::{Problem, Slot};
 use super::solve::{Outcome, free_law};
-use super::working_set::AngleBounds;
 use super::{BoundedLq, Model};
 use crate::elementary::limit;
 use crate::qp::Status;

@@ -12,12 +12,13 @@
 //! Soft bounds: a violation of an angle's bound costs `weight` times its size (an exact penalty), which is the same as
 //! the multiplier of that bound being at most `weight`: one that gets there is given up, and stays in the cost.
 
+use super::angle_bounds::AngleBounds;
 use super::equality::{Shifted, Shifts};
 use super::guess::{Held, LawsOf, PatternOf};
 use super::problem::Problem;
 use super::rows::{Row, Rows};
 use super::solve::Outcome;
-use super::working_set::{AngleBounds, Change, Direction, DualPoint};
+use super::working_set::{Change, Direction, DualPoint};
 use super::{BoundedLq, Model};
 use crate::qp::Status;
 

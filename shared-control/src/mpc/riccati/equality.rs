@@ -1,12 +1,13 @@
 //! The problem with chosen bounds held as equalities and all others ignored: columns, and one roll-out.
 
+use super::angle_bounds::AngleBounds;
 use super::columns::{self, Column, Columns};
 use super::guess::{Held, LawsOf, PatternOf};
 use super::problem::{Problem, Slot};
 use super::quadratic::Law;
 use super::rows::Rows;
 use super::solve::free_law;
-use super::working_set::{AngleBounds, Change, DualPoint, Violation};
+use super::working_set::{Change, DualPoint, Violation};
 use super::{BoundedLq, Model};
 
 /// What the bounds on the angle add to the laws.

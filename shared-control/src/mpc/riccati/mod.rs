@@ -21,6 +21,7 @@
 //! A sweep begins at the last stage that changed, since costs ahead depend on later stages only; and after the last
 //! held stage the laws are those without bounds, made at start-up.
 
+mod angle_bounds;
 mod angles;
 mod columns;
 mod dual;
@@ -37,6 +38,7 @@ mod solve;
 mod tests;
 mod working_set;
 
+pub(super) use angle_bounds::{AngleBounds, SoftAngle};
 pub(super) use dual::HeldAngles;
 use guess::Held;
 pub(super) use guess::{Laws, Pattern};
@@ -45,7 +47,6 @@ pub(super) use model::{DoubleIntegrator, Model};
 pub(super) use problem::{Problem, Regulating, Slot, Tracking};
 use quadratic::{Law, Quadratic};
 pub(super) use solve::Outcome;
-pub(super) use working_set::{AngleBounds, SoftAngle};
 
 /// A held input wants to leave its bound if its law asks for so much less. Without it, where an input only just reaches
 /// its bound, rounding may have it held and free in turns.

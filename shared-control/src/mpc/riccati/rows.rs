@@ -1,6 +1,6 @@
 //! Which bounds on the angle are held.
 
-use super::working_set::AngleBounds;
+use super::angle_bounds::AngleBounds;
 use crate::mpc::HORIZON;
 
 /// What is chosen for the angle after one prediction step.

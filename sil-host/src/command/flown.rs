@@ -1,0 +1,68 @@
+//! One controller's flight with its margins and eigenvalues, and what a reader of its figures must know.
+
+use sil_host::flight::{Flight, FlightSetup};
+use sil_host::margins::Margins;
+use sil_host::model::Rig;
+
+use super::figures::Figure;
+use super::{Failure, bad_input};
+
+/// A flight with what was measured around it.
+pub struct FlownController {
+    /// How it was set up.
+    pub setup: FlightSetup,
+    /// Series and figures.
+    pub flight: Flight,
+    /// Margins of roll and pitch; none if the loop oscillates by itself.
+    pub margins: Option<[Margins; 2]>,
+    /// Eigenvalues of roll and pitch under the unconstrained MPC.
+    pub eigenvalues: Option<[[[f64; 2]; 4]; 2]>,
+}
+
+/// Flies one controller and measures its margins.
+pub fn fly_one(setup: FlightSetup) -> Result<FlownController, Failure> {
+    let flight = setup.fly().map_err(bad_input)?;
+    let margins = setup.margins().map_err(bad_input)?;
+    let eigenvalues = setup.mpc_eigenvalues().map_err(bad_input)?;
+    Ok(FlownController { setup, flight, margins, eigenvalues })
+}
+
+/// What the eigenvalues are of.
+pub fn eigenvalues_title(flown: &FlownController) -> String {
+    let period_ms = 1e3 / f64::from(flown.setup.choice.rate_hz);
+    format!("closed-loop eigenvalues of the unconstrained MPC, one step = {period_ms} ms")
+}
+
+/// What somebody who reads the figures must know.
+pub fn remarks(flown: &FlownController) -> Vec<String> {
+    let name = flown.setup.choice.name();
+    let summary = &flown.flight.summary;
+    let mut remarks = Vec::new();
+    if flown.flight.record.ended_early {
+        remarks.push(format!(
+            "{name}: the flight ended after {:.2} s, the state was no longer finite.",
+            summary.duration_s
+        ));
+    }
+    if flown.margins.is_none() {
+        remarks.push(format!("{name}: at hover the loop oscillates by itself, so it has no margins."));
+    }
+    let unstable = |axes: &[[[f64; 2]; 4]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
+    if flown.eigenvalues.as_ref().is_some_and(unstable) {
+        remarks.push(format!("{name}: without active bounds this loop is unstable, an eigenvalue has |z| >= 1."));
+    }
+    let axes = [summary.axes.roll, summary.axes.pitch];
+    if flown.setup.model.rig() == Rig::Free && axes.iter().any(|axis| axis.settling_time_s.is_none()) {
+        remarks.push(format!(
+            "{name}: in still air the accelerometer of a tilted vehicle measures its thrust, which the estimator takes \
+             for gravity; the estimate, and with it the vehicle, drifts a few degrees towards level while a tilt is \
+             held."
+        ));
+    }
+    remarks
+}
+
+/// A margin of roll and pitch, none where the loop has none.
+pub fn margin_values(flown: &FlownController, figure: &Figure<Margins>) -> [Option<f64>; 2] {
+    flown.margins.map_or([None; 2], |axes| axes.map(|margins| (figure.value)(&margins)))
+}
