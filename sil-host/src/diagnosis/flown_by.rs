@@ -62,7 +62,7 @@ fn add(answer: &mut Diagnosis, examination: Examination) {
     // held-out windows say nothing of the controller
     answer.gain.findings_interval_pct.extend(examination.findings.iter().map(|_| None));
     answer.findings.extend(examination.findings);
-    let is_whole = examination.left_over.is_empty();
+    let is_whole = examination.remainder.is_empty();
     answer.verdict = match (answer.verdict, found, is_whole) {
         (Verdict::NoDiscrepancy, false, true) => Verdict::NoDiscrepancy,
         (Verdict::NoDiscrepancy | Verdict::Explained, true, true) => Verdict::Explained,
@@ -73,6 +73,6 @@ fn add(answer: &mut Diagnosis, examination: Examination) {
     let signature = &mut answer.unexplained.signature;
     if !is_whole {
         let between = if signature.is_empty() { "" } else { "; " };
-        signature.push_str(&format!("{between}{}", examination.left_over));
+        signature.push_str(&format!("{between}{}", examination.remainder));
     }
 }

@@ -30,7 +30,7 @@ fn assert_found(answer: &Diagnosis, effect: &str, parameter: &str, truth: f64) {
 }
 
 #[test]
-fn a_wrong_mass_is_told_from_weak_motors() {
+fn a_wrong_mass_is_separated_from_weak_motors() {
     let answer = answer_to(&log(&["mass_error:scale=1.04"], 1));
     assert_found(&answer, "mass_error", "scale", 1.04);
     assert!(answer.findings[0].confounded_with.is_empty());
@@ -38,7 +38,7 @@ fn a_wrong_mass_is_told_from_weak_motors() {
 }
 
 #[test]
-fn drag_of_the_rotors_is_told_from_wind() {
+fn drag_of_the_rotors_is_separated_from_wind() {
     let answer = answer_to(&log(&["rotor_drag:coefficient_ns_m=0.1"], 3));
     assert_found(&answer, "rotor_drag", "coefficient_ns_m", 0.1);
     let answer = answer_to(&log(&["wind:north_m_s=3,east_m_s=-2,drag_area_m2=0.02"], 4));
@@ -48,7 +48,7 @@ fn drag_of_the_rotors_is_told_from_wind() {
 }
 
 #[test]
-fn the_ground_is_told_by_what_it_lifts() {
+fn the_ground_is_found_by_what_it_lifts() {
     let answer = answer_to(&log(&["ground_effect:height_m=1,rotor_radius_m=0.127"], 5));
     assert_found(&answer, "ground_effect", "rotor_radius_m", 0.127);
 }

@@ -21,9 +21,9 @@ mod finding_json;
 mod fitted;
 mod fitting;
 mod flown_by;
-mod left_over;
 mod nominal;
 mod progress;
+mod remainder;
 mod search;
 mod sizes;
 mod subject;
@@ -79,7 +79,7 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Most important first.
     pub findings: Vec<Finding>,
-    /// What was asked and denied.
+    /// What was tested and rejected.
     pub rejected: Vec<Rejected>,
     /// Over the held-out windows.
     pub prediction_error: PredictionErrors,
@@ -99,7 +99,7 @@ pub struct Diagnosis {
     pub conditions: Vec<Condition>,
     /// Spectra of the angular accelerations that the models lack.
     pub spectra: Vec<Spectrum>,
-    /// What the log can speak about.
+    /// What the log excites.
     pub excitation: Excitation,
     /// The flight behind the separating experiment.
     #[serde(skip)]
@@ -160,7 +160,7 @@ pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, NotPredic
     diagnose_observed(log, subject, &|_| ())
 }
 
-/// The same, telling how far it is.
+/// The same, reporting its progress.
 ///
 /// # Errors
 /// As [`diagnose`].
@@ -216,7 +216,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let gain = evidence::bootstrap::gain(search, found);
     let findings = verdict::findings(search, found, &gain);
     let experiment = evidence::experiment::separating(log, subject, search, found, &findings);
-    let unexplained = left_over::unexplained(search, found);
+    let unexplained = remainder::unexplained(search, found);
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
     let mut rejected = verdict::rejected(search, found);
     rejected.extend(subject.not_tested(log));

@@ -29,8 +29,8 @@ const ROUNDS_MAX: usize = 8;
 const SIGNIFICANT: f64 = 30.0;
 /// The same on the held-out windows, where nothing was fitted.
 const PAYS: f64 = 6.0;
-/// Natural logarithm of the likelihood within which two models are not told apart (docs/commands.md).
-pub(super) const TOLD_APART: f64 = 3.0;
+/// Natural logarithm of the likelihood within which two models cannot be separated (docs/commands.md).
+pub(super) const SEPARABLE: f64 = 3.0;
 /// Share of the held-out error that a finding must take away (docs/commands.md).
 const SHARE_MIN: f64 = 0.02;
 
@@ -205,9 +205,9 @@ impl<'e> Search<'e> {
     /// Of those that the log does not tell from the best, the one with the fewest parameters goes first.
     fn simplest_first(&self, fits: &mut [Candidate<'e>]) {
         let Some(best) = fits.first() else { return };
-        let limit = best.held_out + 2.0 * TOLD_APART * self.spread(best);
-        let not_told_apart = fits.iter().enumerate().filter(|(_, fit)| fit.held_out < limit);
-        if let Some((place, _)) = not_told_apart.min_by_key(|(_, fit)| fit.fit.size()) {
+        let limit = best.held_out + 2.0 * SEPARABLE * self.spread(best);
+        let inseparable = fits.iter().enumerate().filter(|(_, fit)| fit.held_out < limit);
+        if let Some((place, _)) = inseparable.min_by_key(|(_, fit)| fit.fit.size()) {
             fits[..=place].rotate_right(1);
         }
     }
@@ -284,7 +284,7 @@ impl<'e> Search<'e> {
     fn is_preferred(&self, other: &Candidate<'e>, chosen: &Candidate<'e>) -> bool {
         let spread = self.spread(chosen);
         criterion(other) + PAYS * spread < criterion(chosen)
-            || other.fit.size() < chosen.fit.size() && other.held_out < chosen.held_out + 2.0 * TOLD_APART * spread
+            || other.fit.size() < chosen.fit.size() && other.held_out < chosen.held_out + 2.0 * SEPARABLE * spread
     }
 
     /// Puts the effect first whose loss would cost most on the held-out windows.

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::fitted::{Fitted, per_unit_inertia};
-use super::search::{Found, Search, TOLD_APART};
+use super::search::{Found, SEPARABLE, Search};
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::{Effect, Origin};
@@ -110,7 +110,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
         let name = other.fit.terms[other.fit.terms.len() - 1].effect.name();
         let behind = 0.5 * (other.held_out - found.chosen.held_out) / spread;
         let is_new = name != effect.name() && !confounded_with.contains(&name);
-        if behind < TOLD_APART && is_new && confounded_with.len() < CONFOUNDED_MAX {
+        if behind < SEPARABLE && is_new && confounded_with.len() < CONFOUNDED_MAX {
             confounded_with.push(name);
         }
     }
@@ -129,7 +129,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
     }
 }
 
-/// Values by name with standard deviations: the fit's, carried over to what is told, and the model's own accuracy.
+/// Values by name with standard deviations: the fit's, carried over to what is reported, and the model's own accuracy.
 pub(super) fn estimates(
     fit: &Fit<'_>,
     index: usize,
@@ -139,17 +139,22 @@ pub(super) fn estimates(
     let Term { effect, values } = &fit.terms[index];
     let size = values.len();
     let covariance = fit.covariance_of(index);
-    let told = effect.reported(values);
+    let reported = effect.reported(values);
     let slopes: Vec<Vec<f64>> = (0..size)
         .map(|i| {
             let step = effect.unknowns()[i].step;
             let mut moved = values.clone();
             moved[i] += step;
-            effect.reported(&moved).iter().zip(&told).map(|((_, moved), (_, value))| (moved - value) / step).collect()
+            effect
+                .reported(&moved)
+                .iter()
+                .zip(&reported)
+                .map(|((_, moved), (_, value))| (moved - value) / step)
+                .collect()
         })
         .collect();
     let mut estimates = BTreeMap::new();
-    for (place, (name, value)) in told.iter().enumerate() {
+    for (place, (name, value)) in reported.iter().enumerate() {
         let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[place]).collect();
         let carried: Vec<f64> = (0..size).map(|i| dot(&covariance[i * size..(i + 1) * size], &slope)).collect();
         let own = model_error * (value - effect.nominal(name));
@@ -181,7 +186,7 @@ fn statement(
     };
     let mut statement = format!("{}{place}: {}", effect.in_words(), numbers.join(", "));
     if !confounded.is_empty() {
-        statement += &format!("; this log does not tell it from {}", confounded.join(" or "));
+        statement += &format!("; this log cannot separate it from {}", confounded.join(" or "));
     }
     statement + "."
 }
@@ -206,11 +211,11 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
         let best = fitted.min_by(|a, b| a.1.held_out.total_cmp(&b.1.held_out));
         let reason = match best {
             Some((place, other)) => format!(
-                "in place of {} it leaves the held-out windows less likely by a factor of e^{:.1}",
+                "in place of {} it makes the held-out windows less likely, by a factor of e^{:.1}",
                 chosen[place].effect.name(),
                 0.5 * (other.held_out - found.chosen.held_out) / spread
             ),
-            None => "explains no more than chance would, or far less than the findings".to_owned(),
+            None => "explains no more than chance does, or far less than the findings".to_owned(),
         };
         let axis = match (effect.axis(), effect.motor()) {
             (Some(axis), _) => axis.name().to_owned(),

@@ -23,7 +23,7 @@ impl Catalogued for ActuationDelay {
         acts_on: ActsOn::Vehicle,
         parameters: &[DELAY],
         summary: "pure delay from command to motor",
-        statement: "commands reach the motors late",
+        statement: "commands reach the motors with a delay",
         equation: "a command given at t acts at t + delay_s",
         example: "actuation_delay:delay_s=0.01",
         rigs: ANY_RIG,

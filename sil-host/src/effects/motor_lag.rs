@@ -25,7 +25,7 @@ impl Catalogued for MotorLag {
         acts_on: ActsOn::Vehicle,
         parameters: &[TIME_CONSTANT],
         summary: "first-order lag beyond the motor's own",
-        statement: "the motors follow their commands later than the model says",
+        statement: "the motors follow their commands more slowly than in the model",
         equation: "time_constant_s dc/dt = command - c, c the command that the speed controller gets",
         example: "motor_lag:time_constant_s=0.03",
         rigs: ANY_RIG,

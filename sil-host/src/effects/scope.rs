@@ -4,7 +4,7 @@ use super::Needs;
 use crate::axis::Axis;
 use crate::vehicle::Scale;
 
-/// What a log and a rig can speak about.
+/// What a log and its rig can show.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scope {
     /// How large the vehicle is.

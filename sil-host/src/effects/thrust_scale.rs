@@ -22,7 +22,7 @@ impl Catalogued for ThrustScale {
         acts_on: ActsOn::Vehicle,
         parameters: &[SCALE],
         summary: "lift of all four motors",
-        statement: "all motors lift more or less than the model says",
+        statement: "all motors lift more or less than in the model",
         equation: "lift and reaction torque of all four motors times scale, their speeds unchanged",
         example: "thrust_scale:scale=0.9",
         rigs: ANY_RIG,

@@ -72,7 +72,7 @@ impl Table {
     }
 
     /// Adds a row of numbers with this many decimals and highlights the best; NaN stands for "no value". Numbers that
-    /// look alike when printed are not told apart.
+    /// look alike when printed cannot be separated.
     pub fn comparison(self, name: impl Into<String>, values: &[f64], decimals: usize, better: Better) -> Self {
         let mut cells: Vec<Cell> = values.iter().map(|&value| Cell::number(value, decimals)).collect();
         if let Some(best) = best_index(values, better) {

@@ -10,7 +10,7 @@ const SAMPLES_MIN: usize = 16;
 
 /// Root mean square, over the stretches of 4 s, of the amplitude of a swing at each frequency (Hz), in the values'
 /// unit. Samples are (time, value); a time that is not finite, or a step of more than `gap_s`, ends a stretch.
-/// Frequencies below one period in 4 s are not told apart from the mean. Empty if no stretch is long enough.
+/// Frequencies below one period in 4 s cannot be separated from the mean. Empty if no stretch is long enough.
 pub fn amplitude_spectrum(samples: &[(f64, f64)], frequencies_hz: &[f64], gap_s: f64) -> Vec<f64> {
     let mut squares = vec![0.0; frequencies_hz.len()];
     let mut count = 0.0;

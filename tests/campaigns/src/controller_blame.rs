@@ -202,7 +202,7 @@ impl Score {
         let controller = case.modelled.name();
         let Some(changed) = &case.changed else {
             self.nominal += 1;
-            let is_silent = findings.is_empty() && examination.left_over.is_empty();
+            let is_silent = findings.is_empty() && examination.remainder.is_empty();
             self.silent += usize::from(is_silent);
             let told = if is_silent { "nothing" } else { "SOMETHING" };
             let _ = writeln!(self.table, "{:3} {controller} nothing changed; plant {plant}: {told}", case.seed);

@@ -23,8 +23,8 @@ const CLEAN: f64 = 3.0;
 /// twice).
 const FINE_STEPS: i32 = 7;
 const FINE_FACTOR: f64 = 1.1;
-/// Two numbers whose sums differ by less are not told apart: 3 in log-likelihood (docs/commands.md).
-pub(super) const TOLD_APART: f64 = 6.0;
+/// Two numbers whose sums differ by less cannot be separated: 3 in log-likelihood (docs/commands.md).
+pub(super) const SEPARABLE: f64 = 6.0;
 /// Numbers that are fitted, of those that look best.
 const CANDIDATES: usize = 3;
 /// Numbers that are taken at most.
@@ -120,7 +120,7 @@ impl Comparison<'_> {
             let least = fits.iter().map(|fit| fit.sum).fold(f64::INFINITY, f64::min);
             let mut alike: Vec<(usize, &Fit)> = fits
                 .iter()
-                .filter(|fit| fit.sum < least + TOLD_APART)
+                .filter(|fit| fit.sum < least + SEPARABLE)
                 .filter_map(|fit| Some((fit.taken.last()?.place, fit)))
                 .collect();
             alike.sort_by_key(|(place, _)| *place);

@@ -38,7 +38,7 @@ use replay::Design;
 /// Time after which the core's filters hold what the log gave them, s; what they held at its beginning is not known.
 const SETTLING_S: f64 = 1.0;
 /// Standard deviations of the sum of squared scores beyond which it is not chance; the log's noise is not quite white.
-const LEFT_OVER: f64 = 8.0;
+const REMAINDER: f64 = 8.0;
 /// Less than this share of the modelled controller's mismatch left is a cause found, if not all of it.
 const LEFT_SHARE_MAX: f64 = 0.02;
 
@@ -50,10 +50,10 @@ const COARSE: f64 = 0.1;
 pub struct Examination {
     /// Numbers that differ, most important first.
     pub findings: Vec<Finding>,
-    /// Why none does, or why that can't be told.
+    /// Why none does, or why that cannot be decided.
     pub rejected: Vec<Rejected>,
     /// What no number explains, in words; empty where nothing is left.
-    pub left_over: String,
+    pub remainder: String,
     /// The controller with the numbers that flew.
     pub corrected: ControllerChoice,
 }
@@ -90,7 +90,7 @@ pub fn examine(log: &Log, model: &VehicleModel, choice: ControllerChoice) -> Res
 
 fn not_examined(reason: &NotReplayable, corrected: ControllerChoice) -> Examination {
     let rejected = vec![rejection(format!("not tested: {reason}"))];
-    Examination { findings: Vec::new(), rejected, left_over: String::new(), corrected }
+    Examination { findings: Vec::new(), rejected, remainder: String::new(), corrected }
 }
 
 fn rejection(reason: String) -> Rejected {
@@ -112,24 +112,24 @@ fn rows_that_count(measured: &[Step], simulated: &[Step], rate_hz: u32) -> Vec<b
 fn answer(found: &Found, comparison: &Comparison<'_>, choice: ControllerChoice) -> Examination {
     let fit = &found.fit;
     let freedom = found.directions.saturating_sub(fit.taken.len()).max(1) as f64;
-    let is_left_over = fit.sum > freedom + LEFT_OVER * (2.0 * freedom).sqrt();
-    let is_named = !fit.taken.is_empty() && (!is_left_over || fit.sum < LEFT_SHARE_MAX * found.nominal_sum);
-    let left_over = if is_left_over {
-        "the logged commands are not the modelled controller's, and no number of its configuration explains all of it"
+    let is_remaining = fit.sum > freedom + REMAINDER * (2.0 * freedom).sqrt();
+    let is_named = !fit.taken.is_empty() && (!is_remaining || fit.sum < LEFT_SHARE_MAX * found.nominal_sum);
+    let remainder = if is_remaining {
+        "the logged commands are not those of the modelled controller, and no parameter of it explains all of it"
     } else {
         ""
     };
     if !is_named {
-        let reason = if is_left_over {
+        let reason = if is_remaining {
             format!(
-                "{left_over}: best is a fall of the squared mismatch from {:.0} to {:.0}, {freedom:.0} being noise",
+                "{remainder}: the best one lowers the squared mismatch from {:.0} to {:.0}; noise alone gives {freedom:.0}",
                 found.nominal_sum, fit.sum
             )
         } else {
-            format!("the logged commands are the modelled controller's{}", untold(found, comparison))
+            format!("the logged commands are those of the modelled controller{}", undetectable(found, comparison))
         };
         let rejected = vec![rejection(reason)];
-        return Examination { findings: Vec::new(), rejected, left_over: left_over.to_owned(), corrected: choice };
+        return Examination { findings: Vec::new(), rejected, remainder: remainder.to_owned(), corrected: choice };
     }
     let mut corrected = choice;
     let spread = (fit.sum / freedom).max(1.0).sqrt();
@@ -140,11 +140,11 @@ fn answer(found: &Found, comparison: &Comparison<'_>, choice: ControllerChoice) 
         finding(found, comparison, at, spread, 100.0 * taken.fall / falls)
     });
     let findings = findings.collect();
-    Examination { findings, rejected: Vec::new(), left_over: left_over.to_owned(), corrected }
+    Examination { findings, rejected: Vec::new(), remainder: remainder.to_owned(), corrected }
 }
 
 /// The numbers of which this log says nothing, or little.
-fn untold(found: &Found, comparison: &Comparison<'_>) -> String {
+fn undetectable(found: &Found, comparison: &Comparison<'_>) -> String {
     let is_tested = |name: &str| comparison.tunables.iter().any(|tunable| tunable.parameter.name == name);
     let controller = comparison.design.controller;
     let mut names: Vec<&str> = parameters::all()
@@ -167,7 +167,7 @@ fn untold(found: &Found, comparison: &Comparison<'_>) -> String {
         .map(|(tunable, least)| format!("{} below {:.0} %", name_of(tunable), 100.0 * least))
         .collect();
     if !coarse.is_empty() {
-        text += &format!("; changes that would not show: {}", coarse.join(", "));
+        text += &format!("; not detectable in this flight: changes of {}", coarse.join(", "));
     }
     text
 }

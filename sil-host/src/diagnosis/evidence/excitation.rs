@@ -2,11 +2,11 @@
 //! findings'.
 //!
 //! The information matrix J' J (J: whitened sensitivities of all windows at the fit, what the windows' start states
-//! take eliminated) says how well parameters can be told: its inverse is the covariance of the best estimate (Cramer
-//! and Rao). Parameters have different units, so each is scaled to have an information of one when all others are
-//! known; what is left is the matrix of correlations between sensitivities, and its condition number, the ratio of its
-//! largest to its least eigenvalue, is 1 where each parameter leaves a trace of its own, and large where some leave
-//! traces that look alike. How strong the traces are is told apart from that, as standard deviations.
+//! take eliminated) says how well parameters can be determined: its inverse is the covariance of the best estimate
+//! (Cramer and Rao). Parameters have different units, so each is scaled to have an information of one when all others
+//! are known; what is left is the matrix of correlations between sensitivities, and its condition number, the ratio of
+//! its largest to its least eigenvalue, is 1 where each parameter leaves a trace of its own, and large where some leave
+//! traces that look alike. How strong the traces are is separate from that, as standard deviations.
 
 use serde::Serialize;
 
@@ -21,8 +21,8 @@ use crate::statistics::Cholesky;
 const BASIC: [&str; 4] = ["spring", "viscous_friction", "inertia_error", "actuation_delay"];
 /// Above this condition number two traces look alike: a correlation of 0.998.
 const ALIKE: f64 = 1000.0;
-/// An axis whose inertia (or input gain, relative) could not be told more closely than this was hardly moved by its
-/// command.
+/// An axis whose inertia (or input gain, relative) could not be determined more closely than this was hardly moved by
+/// its command.
 const UNMOVED: f64 = 0.05;
 /// Share of a vector that makes a parameter a part of it.
 const PART_MIN: f64 = 0.3;
@@ -34,7 +34,7 @@ pub struct Excitation {
     pub condition_number: Option<f64>,
     /// Of the findings' parameters alone; none without findings.
     pub findings_condition_number: Option<f64>,
-    /// How closely each basic parameter could be told.
+    /// How closely each basic parameter could be determined.
     pub parameters: Vec<Excited>,
     /// What that means, for a person: what the log does not excite or tell apart; empty where nothing is amiss.
     pub weaknesses: Vec<String>,
@@ -146,9 +146,9 @@ fn weaknesses(parameters: &[Excited], condition_number: Option<f64>, alike: &[us
         let what = if of.effect == "input_gain" { "its input gain" } else { "its inertia" };
         match of.std_together.map(|std| std / of.value.abs()) {
             None => sentences
-                .push(format!("The command of {axis} never moves it in this log: nothing can be said of {what}.")),
+                .push(format!("In this log the {axis} command has no effect on {axis}: {what} cannot be determined.")),
             Some(relative) if relative > UNMOVED => sentences.push(format!(
-                "The command hardly moves {axis} in this log: {what} could be told to {:.0} % only (one standard \
+                "In this log the command hardly moves {axis}: {what} can be determined to {:.0} % only (one standard \
                  deviation).",
                 100.0 * relative
             )),
@@ -158,8 +158,8 @@ fn weaknesses(parameters: &[Excited], condition_number: Option<f64>, alike: &[us
     if let Some(number) = condition_number.filter(|number| *number > ALIKE) {
         let names: Vec<String> = alike.iter().map(|i| parameters[*i].in_words()).collect();
         sentences.push(format!(
-            "In this log the traces of {} look alike (condition number {number:.0}): they can be told as a sum, hardly \
-             one by one.",
+            "In this log {} have nearly the same effect (condition number {number:.0}): their sum can be determined, \
+             each alone hardly.",
             names.join(" and ")
         ));
     }

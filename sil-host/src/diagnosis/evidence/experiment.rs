@@ -16,7 +16,7 @@ use crate::diagnosis::extension::model_with_terms;
 use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
 use crate::diagnosis::progress::Progress;
-use crate::diagnosis::search::{Found, Search, TOLD_APART};
+use crate::diagnosis::search::{Found, SEPARABLE, Search};
 use crate::diagnosis::verdict::Finding;
 use crate::flight::FlightSetup;
 use crate::flight_log::flight_log;
@@ -58,7 +58,7 @@ struct Side<'e> {
 /// A manoeuvre and the differences of log-likelihoods to be expected from it, pair by pair.
 struct Tried {
     manoeuvre: Manoeuvre,
-    told: Vec<f64>,
+    separated_by: Vec<f64>,
 }
 
 /// The flight that would tell the findings from what they are confounded with; `None` where nothing is.
@@ -76,7 +76,7 @@ pub(in crate::diagnosis) fn separating(
     let Subject::Vehicle(model) = subject else {
         let names = listed(pairs.iter().map(|pair| pair.names.as_str()));
         let sentence =
-            format!("What would tell {names} can't be simulated: nothing is known of what flies these axes.");
+            format!("No flight that separates {names} can be simulated: the vehicle on these axes is not known.");
         return Some(Experiment { sentence, scenario: None });
     };
     let judge = Judge { log, model, search, noise: noise_per_row(log, subject) };
@@ -85,9 +85,9 @@ pub(in crate::diagnosis) fn separating(
     let total = candidates.len();
     for (done, manoeuvre) in candidates.into_iter().enumerate() {
         (search.observer)(Progress::Separating { done, total });
-        let told = pairs.iter().map(|pair| judge.told_apart(&manoeuvre.scenario, pair)).collect();
-        let tried = Tried { told, manoeuvre };
-        let is_decisive = tried.told.iter().all(|told| *told >= DECISIVE);
+        let separated_by = pairs.iter().map(|pair| judge.separated(&manoeuvre.scenario, pair)).collect();
+        let tried = Tried { separated_by, manoeuvre };
+        let is_decisive = tried.separated_by.iter().all(|by| *by >= DECISIVE);
         if best.as_ref().is_none_or(|best| tried.worth() > best.worth()) {
             best = Some(tried);
         }
@@ -101,27 +101,27 @@ pub(in crate::diagnosis) fn separating(
 impl Tried {
     /// More than decisive is no better.
     fn worth(&self) -> f64 {
-        self.told.iter().map(|told| told.min(DECISIVE)).sum()
+        self.separated_by.iter().map(|by| by.min(DECISIVE)).sum()
     }
 
     fn proposed(self, pairs: &[Pair<'_>]) -> Experiment {
-        let which =
-            |is_told: bool| pairs.iter().zip(&self.told).filter(move |(_, told)| (**told >= TOLD_APART) == is_told);
-        let names = |is_told: bool| listed(which(is_told).map(|(pair, _)| pair.names.as_str()));
+        let which = |is_separated: bool| {
+            pairs.iter().zip(&self.separated_by).filter(move |(_, by)| (**by >= SEPARABLE) == is_separated)
+        };
+        let names = |is_separated: bool| listed(which(is_separated).map(|(pair, _)| pair.names.as_str()));
         let mut sentences = Vec::new();
-        let least = which(true).map(|(_, told)| *told).fold(f64::INFINITY, f64::min);
+        let least = which(true).map(|(_, by)| *by).fold(f64::INFINITY, f64::min);
         if least.is_finite() {
             sentences.push(format!(
-                "To tell {}, fly {}: a difference of {least:.0} between their log-likelihoods is to be expected, where \
-                 {TOLD_APART} are enough.",
+                "To separate {}, fly {}: their log-likelihoods should then differ by {least:.0}, and {SEPARABLE} are \
+                 enough.",
                 names(true),
                 self.manoeuvre.in_words
             ));
         }
         if which(false).next().is_some() {
             sentences.push(format!(
-                "No manoeuvre that was tried in simulation tells {} on this rig: one of them must be measured by \
-                 itself.",
+                "No manoeuvre tried in simulation separates {} on this rig: measure one of them by itself.",
                 names(false)
             ));
         }
@@ -182,16 +182,18 @@ struct Judge<'a> {
 impl Judge<'_> {
     /// Mean of the expected differences of log-likelihoods if either of two models is true; 0 where neither can be
     /// flown.
-    fn told_apart(&self, scenario: &Scenario, pair: &Pair<'_>) -> f64 {
+    fn separated(&self, scenario: &Scenario, pair: &Pair<'_>) -> f64 {
         let (finding, rival) = (&pair.finding, &pair.rival);
-        let both =
-            [self.told_if_true(scenario, &finding.terms, rival), self.told_if_true(scenario, &rival.terms, finding)];
+        let both = [
+            self.separated_if_true(scenario, &finding.terms, rival),
+            self.separated_if_true(scenario, &rival.terms, finding),
+        ];
         let flown: Vec<f64> = both.into_iter().flatten().collect();
         flown.iter().sum::<f64>() / flown.len().max(1) as f64
     }
 
     /// The difference if one model is true and the other one is fitted anew.
-    fn told_if_true(&self, scenario: &Scenario, truth: &[Term<'_>], other: &Side<'_>) -> Option<f64> {
+    fn separated_if_true(&self, scenario: &Scenario, truth: &[Term<'_>], other: &Side<'_>) -> Option<f64> {
         let flight = self.fly(scenario, truth)?;
         // what disturbed this log would disturb the flight too
         let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;

@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::diagnosis::left_over::structure::Settled;
+use crate::diagnosis::remainder::structure::Settled;
 use crate::prediction::Channel;
 use crate::prediction::accuracy::PredictedWindow;
 use crate::prediction::body::State;
@@ -60,7 +60,7 @@ pub(in crate::diagnosis) fn statistics(
     let of_channel = |(number, (channel, _)): (usize, (Channel, f64))| {
         let of = |model: usize| {
             let agreement = agreement(&shooting.log, models[model].predicted, channel)?;
-            let (ljung_box, input_correlation) = left_over(&settled[model], number, channel, commands);
+            let (ljung_box, input_correlation) = remainder(&settled[model], number, channel, commands);
             Some(ModelStatistics { agreement, ljung_box, input_correlation })
         };
         Some(ChannelStatistics { quantity: channel.name(), unit: channel.unit(), nominal: of(0)?, extended: of(1)? })
@@ -89,7 +89,7 @@ fn agreement(log: &WindowedLog<'_>, predicted: &[PredictedWindow], channel: Chan
     Agreement::of(&samples)
 }
 
-fn left_over(
+fn remainder(
     settled: &[(usize, Settled)],
     number: usize,
     channel: Channel,

@@ -8,7 +8,7 @@
 
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::diagnosis::left_over::structure::{Whiteness, whiteness};
+use crate::diagnosis::remainder::structure::{Whiteness, whiteness};
 use crate::diagnosis::search::{Candidate, Found, Search};
 use crate::log::Log;
 use crate::prediction::body::State;
@@ -131,8 +131,8 @@ impl<'l> Sampled<'l> {
         let as_found = unlikeliness(&held, terms);
         let without = if not_late.len() < terms.len() { unlikeliness(&held, &not_late) } else { as_found };
         let under_faster = unlikeliness(&faster, terms);
-        let is_not_told = (as_found - under_faster).abs() < MARGIN;
-        let is_faster = under_faster + MARGIN < as_found.min(without) || is_not_told && !is_white(search, chosen);
+        let is_undecided = (as_found - under_faster).abs() < MARGIN;
+        let is_faster = under_faster + MARGIN < as_found.min(without) || is_undecided && !is_white(search, chosen);
         is_faster.then_some(faster)
     }
 }

@@ -26,7 +26,7 @@ const HALF_WAVES: [f64; 3] = [1.0, 2.0, 3.0];
 /// A moment per unit of a coefficient, about the three axes.
 type PerUnit = Arc<dyn Fn(&Motion) -> [f64; 3] + Sync + Send>;
 
-/// A shape, and how it is told.
+/// A shape, and how it is reported.
 struct Shape {
     words: &'static str,
     /// What its coefficient is per, behind the unit of a moment.
@@ -111,7 +111,7 @@ impl Dependence {
         let sign = if coefficients[most] < 0.0 { "minus " } else { "" };
         let size = three_digits(coefficients[most].abs());
         format!(
-            "{}: what is left depends on the {}: a moment that goes with {sign}{shape} ({size} {moment_unit}{per})",
+            "{}: the remainder depends on the {}: a moment proportional to {sign}{shape} ({size} {moment_unit}{per})",
             self.place, self.quantity
         )
     }

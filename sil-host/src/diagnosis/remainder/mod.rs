@@ -26,8 +26,7 @@ pub(super) fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained
     let worst = whiteness.iter().max_by(|a, b| a.deviation.total_cmp(&b.deviation));
     let goes_on = worst.filter(|_| !even).map(|worst| {
         let (name, sigmas) = (worst.channel.name(), worst.deviation);
-        let words =
-            format!("{name} misses its prediction by something that goes on from row to row ({sigmas:.0} sigma)");
+        let words = format!("the residual of {name} is correlated from row to row ({sigmas:.0} sigma)");
         let Some(axis) = worst.channel.turning_axis() else { return words };
         let frequency = signature::frequency(search, &whole.fit, axis).unwrap_or_default();
         format!("{}: {words}, {frequency}", axis.name())
