@@ -2,8 +2,8 @@
 //!
 //! An effect's file holds all of it: its name and parameters, how it enters the vehicle, and how a diagnosis looks for
 //! it. It enters in two ways, and the simulated plant and the prediction of logs take both from here:
-//! - it changes numbers of the vehicle ([`Extension::change`]): body, actuators, sensors, air;
-//! - it adds a moment that depends on the motion ([`Extension::moment`]).
+//! - it changes numbers of the vehicle (`Extension::change`): body, actuators, sensors, air;
+//! - it adds a moment that depends on the motion (`Extension::moment`).
 //!
 //! To add an effect: write its file, and add its line to the catalogue below; model files, the command line, help
 //! texts, the diagnosis' hypotheses and the pages under `docs/` take it from there.

@@ -5,7 +5,7 @@
 //!                                              ^-- air: ground              ^-- air: drag
 //! ```
 //! Nothing here holds a state or integrates: whoever calls does, the plant in steps of its own, the prediction row by
-//! row of a log. What effects may change of it stands in [`Changes`].
+//! row of a log. What effects may change of it stands in `Changes`.
 
 mod actuator_chain;
 mod air;
