@@ -29,7 +29,7 @@ pub const NORMAL: &str = "normal_flight";
 /// One way of a flight.
 #[derive(Clone, Debug)]
 pub struct Flight {
-    /// One of [`KINDS`].
+    /// One of `KINDS`.
     pub kind: String,
     /// What was done to the vehicle, by its authors.
     pub label: String,
