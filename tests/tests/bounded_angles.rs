@@ -1,6 +1,6 @@
 //! Bounds on roll and pitch in the MPC, flown on the simulated vehicle with its sensors.
 
-use integration_tests::steps::route;
+use campaigns::limits_and_switching::route;
 use shared_control::config::Controller;
 use sil_host::controller_file::{ControllerChoice, ReferenceName, TuningChange};
 use sil_host::flight::FlightSetup;

@@ -1,6 +1,7 @@
 //! Tests of the crates together: `cargo test -p integration-tests [MODULE::]`.
 
 mod blind_diagnosis;
+mod bounded_angles;
 mod change_in_flight;
 mod closed_loop;
 mod closed_loop_table;
