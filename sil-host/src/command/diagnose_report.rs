@@ -69,8 +69,8 @@ pub fn compares_more_than_turning(answer: &Diagnosis) -> bool {
 }
 
 /// The models whose errors are shown, by name.
-pub fn error_rows(errors: &PredictionErrors) -> [(&'static str, ChannelErrors); 3] {
-    [("nominal model", errors.nominal), ("with the findings", errors.extended), ("an exact model", errors.noise_floor)]
+pub fn error_rows(errors: &PredictionErrors) -> [(&'static str, ChannelErrors); 4] {
+    [("nominal model", errors.nominal), ("base model", errors.base), ("with the findings", errors.extended), ("an exact model", errors.noise_floor)]
 }
 
 /// "98.2 to 99.6".

@@ -28,6 +28,16 @@ pub fn answer_text(log: &Log, answer: &Diagnosis) -> String {
 /// What was found, and how much better the model predicts with it.
 pub fn verdict_text(answer: &Diagnosis) -> String {
     let mut text = format!("\n{}\n", headline(answer.verdict));
+    for term in &answer.base {
+        let numbers = term.parameters.iter().map(|(name, value)| format!("{name} {:.4} +- {:.4}", value.value, value.std));
+        text.push_str(&format!(
+            "  base: {}{} {}{}\n",
+            term.effect,
+            term.axis.map(|axis| format!(" ({axis})")).unwrap_or_default(),
+            numbers.collect::<Vec<_>>().join(", "),
+            if term.ordinary { "" } else { " !" }
+        ));
+    }
     for (finding, interval) in answer.findings.iter().zip(&answer.gain.findings_interval_pct) {
         let interval = interval.map(|interval| format!(" ({})", interval_text(interval))).unwrap_or_default();
         text.push_str(&format!("  {:5.1} %{interval}  {}\n", finding.gain_pct, finding.statement));

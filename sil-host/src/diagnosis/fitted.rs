@@ -2,6 +2,7 @@
 //! bench leaves open.
 
 use crate::axis::Axis;
+use crate::diagnosis::fitting::fit::Term;
 use crate::effects::{self, Effect, Hints, Hypothesis, Origin, Scope, Unknown};
 use crate::prediction::model::Model;
 
@@ -21,6 +22,18 @@ impl Fitted {
     /// The effects that a log can be tested for.
     pub(super) fn hypotheses(scope: &Scope) -> Vec<Fitted> {
         let all = effects::hypotheses(scope).into_iter();
+        all.map(|hypothesis| Fitted::Effect(Box::new(hypothesis))).collect()
+    }
+
+    /// The same beside a base model: an axis that is trimmed needs no constant moment besides.
+    pub(super) fn beside(scope: &Scope, base: &[Term<'_>]) -> Vec<Fitted> {
+        let is_trimmed = |axis: Option<Axis>| {
+            base.iter().any(|term| term.effect.name() == "torque_bias" && term.effect.axis() == axis)
+        };
+        let beside = |hypothesis: Hypothesis| {
+            if is_trimmed(hypothesis.axis()) { hypothesis.beside_trim() } else { Some(hypothesis) }
+        };
+        let all = effects::hypotheses(scope).into_iter().filter_map(beside);
         all.map(|hypothesis| Fitted::Effect(Box::new(hypothesis))).collect()
     }
 

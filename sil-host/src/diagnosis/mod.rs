@@ -14,6 +14,7 @@
 //! in another way. What checks them independently are the tests, which have each effect's equation from
 //! docs/effects.md.
 
+mod base;
 pub mod controller;
 mod evidence;
 mod extension;
@@ -21,7 +22,9 @@ mod finding_json;
 mod fitted;
 mod fitting;
 mod flown_by;
+mod judge;
 mod nominal;
+mod plausible;
 mod progress;
 mod remainder;
 mod search;
@@ -50,6 +53,7 @@ pub use evidence::residuals::ChannelResiduals;
 use evidence::statistics::Judged;
 pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
+pub use base::BaseTerm;
 use fitted::Fitted;
 use fitting::carried_noise::CarriedNoise;
 use fitting::fit::{Term, model_of};
@@ -59,7 +63,7 @@ use fitting::shooting::Shooting;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};
-use search::{Found, Search};
+use search::{Candidate, Found, Search};
 pub use sizes::{Asked, Size, sizes};
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
@@ -77,6 +81,8 @@ pub struct Diagnosis {
     pub log: LogSummary,
     /// In one word.
     pub verdict: Verdict,
+    /// The base model: what is fitted along with whatever is found; empty where the model's own numbers serve.
+    pub base: Vec<BaseTerm>,
     /// Most important first.
     pub findings: Vec<Finding>,
     /// What was tested and rejected.
@@ -135,6 +141,8 @@ pub struct PredictionErrors {
     pub window_s: f64,
     /// Without any effect.
     pub nominal: ChannelErrors,
+    /// With the base model alone.
+    pub base: ChannelErrors,
     /// With the findings.
     pub extended: ChannelErrors,
     /// Of an exact model.
@@ -176,46 +184,58 @@ pub fn diagnose_observed(
     let nominal = || subject.model();
     let catalogue = Fitted::hypotheses(&subject.scope(log));
     let fitted_along = subject.fitted_along(sampled.log())?;
-    let always: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
+    let gains: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
-        sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, always.clone(), observer));
-    let Some((moments, forces)) = noise_beyond_sensors(&search, &found) else {
+        sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, gains.clone(), observer));
+    if !is_far(&search, &found) {
         observer(Progress::Judging);
         return Ok(answer(log, subject, &search, &found));
-    };
+    }
+    // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
+    let base = base::fitted(&search);
+    let (moments, forces) = noise_beyond_sensors(&search, &base);
     let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
     let shooting = Shooting::new(windowed).with_noise(moments, forces);
-    let search = Search::new(&shooting, &nominal, &catalogue, always, observer);
+    let search = Search::new(&shooting, &nominal, &catalogue, gains, observer);
+    let base = base::fitted(&search).fit;
+    let base = judge::useful(&search, search.refitted(base.terms, &base.starts));
+    let beside = Fitted::beside(&subject.scope(log), &base.terms);
+    let search = search.from(&base, &beside);
     let found = search.run();
     observer(Progress::Judging);
     Ok(answer(log, subject, &search, &found))
 }
 
-/// The noise to be looked with once more, of moments and of forces, where what was found is far from explaining the
-/// log.
-fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<([AxisNoise; 3], Vec<CarriedNoise>)> {
+/// Is what was found far from explaining the log?
+fn is_far(search: &Search<'_>, found: &Found<'_>) -> bool {
+    let log = &search.shooting.log;
+    let driven = log.drive(model_of(search.nominal, &found.chosen.fit.terms));
+    let predicted = accuracy::predict(log, &driven, &search.windows(&search.choice));
+    accuracy::worst_ratio(&accuracy::tallies(&predicted)) > UNEXPLAINED_FACTOR
+}
+
+/// The noise, of moments and of forces, under which what a model leaves is most likely.
+fn noise_beyond_sensors(search: &Search<'_>, model: &Candidate<'_>) -> ([AxisNoise; 3], Vec<CarriedNoise>) {
     let shooting = search.shooting;
-    let driven = shooting.log.drive(model_of(search.nominal, &found.chosen.fit.terms));
-    let errors = accuracy::tallies(&accuracy::predict(&shooting.log, &driven, &search.held_out_windows()));
-    let is_far = accuracy::worst_ratio(&errors) > UNEXPLAINED_FACTOR;
-    let (windows, starts) = (&search.training, &found.chosen.fit.starts);
-    is_far.then(|| {
-        (shooting.most_likely_noise(&driven, windows, starts), shooting.carried_noise(&driven, windows, starts))
-    })
+    let driven = shooting.log.drive(model_of(search.nominal, &model.fit.terms));
+    let (windows, starts) = (&search.training, &model.fit.starts);
+    (shooting.most_likely_noise(&driven, windows, starts), shooting.carried_noise(&driven, windows, starts))
 }
 
 fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
     let shooting = search.shooting;
-    let driven = [&found.nominal, &found.chosen]
-        .map(|candidate| shooting.log.drive(model_of(search.nominal, &candidate.fit.terms)));
-    let windows = search.held_out_windows();
+    let refitted = [&found.refitted.nominal, &found.refitted.chosen];
+    let driven = refitted.map(|fit| shooting.log.drive(model_of(search.nominal, &fit.terms)));
+    let windows = search.windows(&search.report);
     let predicted = driven.each_ref().map(|driven| accuracy::predict(&shooting.log, driven, &windows));
     let [nominal, extended] = predicted.each_ref().map(accuracy::tallies);
     let [nominal_errors, _] = accuracy::channel_errors(&nominal);
     let [extended_errors, noise_floor] = accuracy::channel_errors(&extended);
+    let base = shooting.log.drive(model_of(search.nominal, &found.refitted.base.terms));
+    let [base_errors, _] = accuracy::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting.log, &base, &windows)));
     let gain = evidence::bootstrap::gain(search, found);
     let findings = verdict::findings(search, found, &gain);
-    let experiment = evidence::experiment::separating(log, subject, search, found, &findings);
+    let experiment = evidence::experiment::separating(log, subject, search, found, &findings, &gain.places);
     let unexplained = remainder::unexplained(search, found);
     let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
     let mut rejected = verdict::rejected(search, found);
@@ -231,17 +251,19 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let (conditions, spectra) =
         evidence::conditions::conditions(&shooting.log, &driven, &commands, throttle(log).as_deref());
     let judged = [
-        Judged { driven: &driven[0], predicted: &predicted[0], starts: &found.nominal.fit.starts },
-        Judged { driven: &driven[1], predicted: &predicted[1], starts: &found.chosen.fit.starts },
+        Judged { driven: &driven[0], predicted: &predicted[0], starts: &refitted[0].starts },
+        Judged { driven: &driven[1], predicted: &predicted[1], starts: &refitted[1].starts },
     ];
     Diagnosis {
         log: LogSummary::of(log.commanding()),
         verdict,
+        base: base::terms(search, found),
         findings,
         rejected,
         prediction_error: PredictionErrors {
             window_s: WINDOW_S,
             nominal: nominal_errors,
+            base: base_errors,
             extended: extended_errors,
             noise_floor,
         },

@@ -37,9 +37,10 @@ pub fn nominal_prediction(
     let nominal = || subject.model();
     let (search, fitted) = sampled.nominal(|shooting| Search::new(shooting, &nominal, &[], always.clone(), &|_| ()));
     let windowed = &search.shooting.log;
-    let driven = windowed.drive(model_of(&nominal, &fitted.fit.terms));
+    let fit = search.refitted(fitted.fit.terms, &fitted.fit.starts);
+    let driven = windowed.drive(model_of(&nominal, &fit.terms));
     let mut input_gain_rad_s2 = [None; 3];
-    for term in &fitted.fit.terms {
+    for term in &fit.terms {
         if let Some(axis) = term.effect.axis() {
             input_gain_rad_s2[axis.index()] = term.values.first().copied();
         }

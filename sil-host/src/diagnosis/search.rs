@@ -1,4 +1,4 @@
-//! Which effects: added one by one while each pays on windows that no fit has seen, exchanged where another explains
+//! Which effects: added one by one while each pays on windows that no fit has seen (those of choice), exchanged where another explains
 //! more, taken out where they no longer pay.
 //!
 //! ```text
@@ -7,6 +7,8 @@
 //! ```
 
 use super::fitted::Fitted;
+use super::judge::{judged, losses, unusual_terms};
+use super::plausible::is_plausible;
 use super::progress::{Observer, Progress};
 use crate::diagnosis::fitting::fit::{
     Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models,
@@ -14,7 +16,7 @@ use crate::diagnosis::fitting::fit::{
 use crate::diagnosis::fitting::hints::hints;
 use crate::diagnosis::fitting::linearisation::Linearisation;
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::prediction::Window;
+use crate::prediction::{Part, Window};
 use crate::prediction::body::State;
 use crate::statistics::{Cholesky, dot};
 
@@ -40,9 +42,15 @@ pub(super) struct Search<'e> {
     pub(super) nominal: Nominal<'e>,
     pub(super) catalogue: &'e [Fitted],
     /// What the nominal model itself leaves to be fitted, and with which values to begin.
+    pub(super) gains: Vec<Term<'e>>,
+    /// What is fitted along whatever the search finds: the gains, and the base model where it begins with one.
     pub(super) always: Vec<Term<'e>>,
+    /// Windows that numbers are fitted to.
     pub(super) training: Vec<usize>,
-    pub(super) held_out: Vec<usize>,
+    /// Windows that decide which effects are in the model.
+    pub(super) choice: Vec<usize>,
+    /// Windows of which errors are reported, or all of a log that is too short to spare any.
+    pub(super) report: Vec<usize>,
     /// Is told how far the search is.
     pub(super) observer: Observer<'e>,
 }
@@ -51,8 +59,8 @@ pub(super) struct Search<'e> {
 #[derive(Clone)]
 pub(super) struct Candidate<'e> {
     pub(super) fit: Fit<'e>,
-    /// Sum of squares over the held-out windows.
-    pub(super) held_out: f64,
+    /// Sum of squares over the windows of choice.
+    pub(super) choice: f64,
 }
 
 impl<'e> Candidate<'e> {
@@ -70,6 +78,27 @@ pub(super) struct Found<'e> {
     pub(super) chosen: Candidate<'e>,
     /// Per chosen effect: what else was fitted in its place, best first.
     pub(super) alternatives: Vec<Vec<Candidate<'e>>>,
+    /// Places of the base model's terms that are findings too.
+    pub(super) unusual: Vec<usize>,
+    /// The models once the choice is made, fitted to all windows but those of the report.
+    pub(super) refitted: Refitted<'e>,
+}
+
+/// Models fitted to all windows but those of the report.
+pub(super) struct Refitted<'e> {
+    /// Without effects.
+    pub(super) nominal: Fit<'e>,
+    /// The base model; the nominal one where the search did without.
+    pub(super) base: Fit<'e>,
+    /// With the chosen ones.
+    pub(super) chosen: Fit<'e>,
+}
+
+impl<'e> Found<'e> {
+    /// What else was fitted in place of a term of the chosen model; nothing of one of the base model.
+    pub(super) fn alternatives_of(&self, search: &Search<'_>, index: usize) -> &[Candidate<'e>] {
+        index.checked_sub(search.always.len()).and_then(|place| self.alternatives.get(place)).map_or(&[], Vec::as_slice)
+    }
 }
 
 impl<'e> Search<'e> {
@@ -78,16 +107,27 @@ impl<'e> Search<'e> {
         shooting: &'e Shooting<'e>,
         nominal: Nominal<'e>,
         catalogue: &'e [Fitted],
-        always: Vec<Term<'e>>,
+        gains: Vec<Term<'e>>,
         observer: Observer<'e>,
     ) -> Search<'e> {
-        let (training, held_out) = (shooting.log.part(false), shooting.log.part(true));
-        Search { shooting, nominal, catalogue, always, training, held_out, observer }
+        let of = |part: Part| shooting.log.part(&[part]);
+        let mut report = of(Part::Report);
+        if report.is_empty() {
+            report = (0..shooting.log.windows.len()).collect();
+        }
+        let (training, choice) = (of(Part::Fit), of(Part::Choice));
+        let always = gains.clone();
+        Search { shooting, nominal, catalogue, gains, always, training, choice, report, observer }
     }
 
-    /// The windows that no fit looks at.
-    pub(super) fn held_out_windows(&self) -> Vec<Window> {
-        self.held_out.iter().map(|index| self.shooting.log.windows[*index]).collect()
+    /// The same from a base model on, with what can be beside it.
+    pub(super) fn from(self, base: &Fit<'e>, catalogue: &'e [Fitted]) -> Search<'e> {
+        Search { always: base.terms.clone(), catalogue, ..self }
+    }
+
+    /// Windows by their numbers.
+    pub(super) fn windows(&self, which: &[usize]) -> Vec<Window> {
+        which.iter().map(|index| self.shooting.log.windows[*index]).collect()
     }
 
     /// Looks for the effects in a log.
@@ -121,7 +161,7 @@ impl<'e> Search<'e> {
     }
 
     /// The model with these effects at their values, all start states at their best.
-    fn settled(&self, terms: Vec<Term<'e>>) -> Candidate<'e> {
+    pub(super) fn settled(&self, terms: Vec<Term<'e>>) -> Candidate<'e> {
         let starts = self.settled_starts(&terms);
         self.fitted(terms, &starts, f64::INFINITY)
     }
@@ -130,7 +170,24 @@ impl<'e> Search<'e> {
     pub(super) fn fitted_to_all(&self, chosen: &Candidate<'e>) -> Candidate<'e> {
         let all: Vec<usize> = (0..self.shooting.log.windows.len()).collect();
         let fit = fit(self.shooting, self.nominal, chosen.fit.terms.clone(), &chosen.fit.starts, &all);
-        Candidate { fit, held_out: chosen.held_out }
+        Candidate { fit, choice: chosen.choice }
+    }
+
+    /// Squared errors over the windows of the report under the terms that are left of the extended model. Beside a base
+    /// model they are fitted anew: trims and lags take up some of what is missing.
+    pub(super) fn left_without(&self, found: &Found<'e>, terms: Vec<Term<'e>>) -> Vec<f64> {
+        let has_base = self.always.len() > self.gains.len();
+        let terms = if has_base { self.refitted(terms, &found.refitted.chosen.starts).terms } else { terms };
+        losses(self, &terms)
+    }
+
+    /// A model fitted to all windows but those of the report, from values and start states on.
+    pub(super) fn refitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Fit<'e> {
+        let windows = self.shooting.log.part(&[Part::Fit, Part::Choice]);
+        let mut refitted = fit(self.shooting, self.nominal, terms, starts, &windows);
+        let driven = self.shooting.log.drive(model_of(self.nominal, &refitted.terms));
+        self.shooting.settle(&driven, &self.report, &mut refitted.starts);
+        refitted
     }
 
     /// Start states of the training windows at their best under these effects, from the measured ones on.
@@ -145,8 +202,8 @@ impl<'e> Search<'e> {
     fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State], to_reach: f64) -> Candidate<'e> {
         let mut fit = fit_to_reach(self.shooting, self.nominal, terms, starts, &self.training, to_reach);
         let driven = self.shooting.log.drive(model_of(self.nominal, &fit.terms));
-        let held_out = self.shooting.settle(&driven, &self.held_out, &mut fit.starts).iter().sum();
-        Candidate { fit, held_out }
+        let choice = self.shooting.settle(&driven, &self.choice, &mut fit.starts).iter().sum();
+        Candidate { fit, choice }
     }
 
     /// All ways to add one effect that are worth a full fit, best first. Those that explain far less than `known` does,
@@ -168,7 +225,8 @@ impl<'e> Search<'e> {
         // of two starts of the same effect the better one counts
         let mut seen: Vec<Candidate<'e>> = Vec::new();
         for fit in fits {
-            if !seen.iter().any(|other| other.last_effect().is_the_same(fit.last_effect())) {
+            let is_seen = seen.iter().any(|other| other.last_effect().is_the_same(fit.last_effect()));
+            if !is_seen && is_plausible(self, &fit) {
                 seen.push(fit);
             }
         }
@@ -205,8 +263,8 @@ impl<'e> Search<'e> {
     /// Of those that the log does not tell from the best, the one with the fewest parameters goes first.
     fn simplest_first(&self, fits: &mut [Candidate<'e>]) {
         let Some(best) = fits.first() else { return };
-        let limit = best.held_out + 2.0 * SEPARABLE * self.spread(best);
-        let inseparable = fits.iter().enumerate().filter(|(_, fit)| fit.held_out < limit);
+        let limit = best.choice + 2.0 * SEPARABLE * self.spread(best);
+        let inseparable = fits.iter().enumerate().filter(|(_, fit)| fit.choice < limit);
         if let Some((place, _)) = inseparable.min_by_key(|(_, fit)| fit.fit.size()) {
             fits[..=place].rotate_right(1);
         }
@@ -234,10 +292,10 @@ impl<'e> Search<'e> {
     fn pays(&self, smaller: &Candidate<'e>, larger: &Candidate<'e>, nominal: &Candidate<'e>) -> bool {
         let spread = self.spread(larger);
         let training = (smaller.fit.training - larger.fit.training) / spread;
-        let held_out = (smaller.held_out - larger.held_out) / spread;
-        let excess = nominal.held_out - self.shooting.degrees_of_freedom(&self.held_out);
-        let is_significant = training + held_out > SIGNIFICANT && training > 0.5 * SIGNIFICANT;
-        is_significant && held_out > PAYS && held_out * spread > SHARE_MIN * SHARE_MIN * excess.max(0.0)
+        let choice = (smaller.choice - larger.choice) / spread;
+        let excess = nominal.choice - self.shooting.degrees_of_freedom(&self.choice);
+        let is_significant = training + choice > SIGNIFICANT && training > 0.5 * SIGNIFICANT;
+        is_significant && choice > PAYS && choice * spread > SHARE_MIN * SHARE_MIN * excess.max(0.0)
     }
 
     /// Mean square that a model leaves on the training windows, in units of the noise: where no model of the catalogue
@@ -284,7 +342,7 @@ impl<'e> Search<'e> {
     fn is_preferred(&self, other: &Candidate<'e>, chosen: &Candidate<'e>) -> bool {
         let spread = self.spread(chosen);
         criterion(other) + PAYS * spread < criterion(chosen)
-            || other.fit.size() < chosen.fit.size() && other.held_out < chosen.held_out + 2.0 * SEPARABLE * spread
+            || other.fit.size() < chosen.fit.size() && other.choice < chosen.choice + 2.0 * SEPARABLE * spread
     }
 
     /// Puts the effect first whose loss would cost most on the held-out windows.
@@ -294,38 +352,59 @@ impl<'e> Search<'e> {
         chosen: Candidate<'e>,
         alternatives: Vec<Vec<Candidate<'e>>>,
     ) -> Found<'e> {
-        let loss = |index: usize| self.losses_without(&nominal, &chosen, index).iter().sum::<f64>() - chosen.held_out;
+        let loss = |index: usize| {
+            self.losses_without([&nominal.fit, &chosen.fit], index, &self.choice).iter().sum::<f64>() - chosen.choice
+        };
         let first = self.always.len();
         let mut order: Vec<(usize, f64)> = (first..chosen.fit.terms.len()).map(|index| (index, loss(index))).collect();
         order.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mut alternatives: Vec<Option<Vec<Candidate<'e>>>> = alternatives.into_iter().map(Some).collect();
         let mut terms = chosen.fit.terms[..first].to_vec();
         terms.extend(order.iter().map(|(index, _)| chosen.fit.terms[*index].clone()));
-        let alternatives = order
+        let alternatives: Vec<Vec<Candidate<'e>>> = order
             .iter()
             .map(|(index, _)| alternatives.get_mut(index - first).and_then(Option::take).unwrap_or_default())
             .collect();
         let starts = chosen.fit.starts.clone();
-        Found { nominal, chosen: self.fitted(terms, &starts, f64::INFINITY), alternatives }
+        let chosen = self.fitted(terms, &starts, f64::INFINITY);
+        let again = |candidate: &Candidate<'e>| self.refitted(candidate.fit.terms.clone(), &candidate.fit.starts);
+        let (base, all) = (again(&nominal), again(&chosen));
+        if self.always.len() == self.gains.len() {
+            let refitted = Refitted { nominal: base.clone(), base, chosen: all };
+            return Found { nominal, chosen, alternatives, unusual: Vec::new(), refitted };
+        }
+        let kept = judged(self, base.clone(), all);
+        let is_kept = |term: &Term<'e>| kept.terms.iter().any(|other| other.effect.is_the_same(term.effect));
+        let terms = chosen.fit.terms[first..].iter().zip(alternatives);
+        let alternatives = terms.filter(|(term, _)| is_kept(term)).map(|(_, others)| others).collect();
+        let chosen = self.fitted(kept.terms.clone(), &kept.starts, f64::INFINITY);
+        let unusual = unusual_terms(self, &kept);
+        let refitted = Refitted { nominal: again(&self.settled(self.gains.clone())), base, chosen: kept };
+        Found { nominal, chosen, alternatives, unusual, refitted }
     }
 
-    /// Sums of squares of the held-out windows with one effect simply left out. Start states are sought from those of
-    /// the chosen model and from those of the nominal one: what is left may be near to either.
-    pub(super) fn losses_without(&self, nominal: &Candidate<'e>, chosen: &Candidate<'e>, index: usize) -> Vec<f64> {
-        let mut terms = chosen.fit.terms.clone();
+    /// Sums of squares of some windows with one effect simply left out. Start states are sought from those of the chosen
+    /// model and from those of the nominal one: what is left may be near to either.
+    fn losses_without(
+        &self,
+        [nominal, chosen]: [&Fit<'e>; 2],
+        index: usize,
+        windows: &[usize],
+    ) -> Vec<f64> {
+        let mut terms = chosen.terms.clone();
         terms.remove(index);
-        let [far, near] = [chosen, nominal].map(|candidate| self.losses(&terms, &candidate.fit.starts));
+        let [far, near] = [chosen, nominal].map(|fit| self.losses(&terms, &fit.starts, windows));
         far.iter().zip(&near).map(|(far, near)| far.min(*near)).collect()
     }
 
-    /// Sums of squares of the held-out windows under a model, their start states at their best from given ones on.
-    pub(super) fn losses(&self, terms: &[Term<'e>], starts: &[State]) -> Vec<f64> {
+    /// Sums of squares of some windows under a model, their start states at their best from given ones on.
+    fn losses(&self, terms: &[Term<'e>], starts: &[State], windows: &[usize]) -> Vec<f64> {
         let driven = self.shooting.log.drive(model_of(self.nominal, terms));
-        self.shooting.settle(&driven, &self.held_out, &mut starts.to_vec())
+        self.shooting.settle(&driven, windows, &mut starts.to_vec())
     }
 }
 
-/// Held-out sum of squares with a penalty for each parameter.
+/// Sum of squares over the windows of choice with a penalty for each parameter.
 fn criterion(candidate: &Candidate<'_>) -> f64 {
-    candidate.held_out + 2.0 * candidate.fit.size() as f64
+    candidate.choice + 2.0 * candidate.fit.size() as f64
 }

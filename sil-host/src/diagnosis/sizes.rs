@@ -47,8 +47,7 @@ pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Op
     let carried = shooting.carried_noise(&driven, &all, &under_sensors.starts);
     let shooting = shooting.with_noise(noise, carried);
     let fit = fitted_to_all(&shooting, &nominal, under_sensors.terms);
-    let spread = (fit.training / shooting.degrees_of_freedom(&all)).max(1.0);
-    Ok(places.into_iter().map(|place| Some(estimates(&fit, place?, spread, MODEL_ERROR))).collect())
+    Ok(places.into_iter().map(|place| Some(estimates(&fit, place?, MODEL_ERROR))).collect())
 }
 
 /// The effects fitted to every window, from their values on.

@@ -88,27 +88,27 @@ pub enum Verdict {
 
 /// Findings of a search, most important first.
 pub(super) fn findings(search: &Search<'_>, found: &Found<'_>, gain: &Gain) -> Vec<Finding> {
-    let places = gain.findings_pct.iter().enumerate();
-    places.map(|(place, gain_pct)| finding(search, found, place, *gain_pct)).collect()
+    let places = gain.places.iter().zip(&gain.findings_pct);
+    places.map(|(index, gain_pct)| finding(search, found, *index, *gain_pct)).collect()
 }
 
-fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) -> Finding {
-    let index = search.always.len() + place;
-    let term = &found.chosen.fit.terms[index];
+fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) -> Finding {
+    let refitted = &found.refitted.chosen;
+    let term = &refitted.terms[index];
     let effect = term.effect;
-    let spread = search.spread(&found.chosen);
     let model_error = if search.shooting.log.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
-    let mut parameters = estimates(&found.chosen.fit, index, spread, model_error);
+    let mut parameters = estimates(refitted, index, model_error);
     let mut names = effect.reported_names();
     // separate axes have a gain each that is fitted along, and no inertia
-    if !search.always.is_empty() {
+    if !search.shooting.log.has_motors() {
         parameters = parameters.into_iter().map(|(name, estimate)| (per_unit_inertia(name), estimate)).collect();
         names = names.into_iter().map(per_unit_inertia).collect();
     }
+    let spread = search.spread(&found.chosen);
     let mut confounded_with: Vec<&'static str> = Vec::new();
-    for other in &found.alternatives[place] {
+    for other in found.alternatives_of(search, index) {
         let name = other.fit.terms[other.fit.terms.len() - 1].effect.name();
-        let behind = 0.5 * (other.held_out - found.chosen.held_out) / spread;
+        let behind = 0.5 * (other.choice - found.chosen.choice) / spread;
         let is_new = name != effect.name() && !confounded_with.contains(&name);
         if behind < SEPARABLE && is_new && confounded_with.len() < CONFOUNDED_MAX {
             confounded_with.push(name);
@@ -125,7 +125,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
         gain_pct,
         confounded_with,
         statement,
-        extension: term.effect.effect(&term.values).filter(|_| search.always.is_empty()),
+        extension: term.effect.effect(&term.values).filter(|_| search.shooting.log.has_motors()),
     }
 }
 
@@ -133,7 +133,6 @@ fn finding(search: &Search<'_>, found: &Found<'_>, place: usize, gain_pct: f64) 
 pub(super) fn estimates(
     fit: &Fit<'_>,
     index: usize,
-    spread: f64,
     model_error: f64,
 ) -> BTreeMap<&'static str, Estimate> {
     let Term { effect, values } = &fit.terms[index];
@@ -158,7 +157,7 @@ pub(super) fn estimates(
         let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[place]).collect();
         let carried: Vec<f64> = (0..size).map(|i| dot(&covariance[i * size..(i + 1) * size], &slope)).collect();
         let own = model_error * (value - effect.nominal(name));
-        let std = (spread * dot(&slope, &carried).max(0.0) + own * own).sqrt();
+        let std = (dot(&slope, &carried).max(0.0) + own * own).sqrt();
         estimates.insert(*name, Estimate { value: *value, std });
     }
     if let Some(motor) = effect.motor() {
@@ -208,12 +207,12 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
         let fitted = found.alternatives.iter().enumerate().flat_map(|(place, others)| {
             others.iter().filter(|other| other.last_effect().is_the_same(effect)).map(move |other| (place, other))
         });
-        let best = fitted.min_by(|a, b| a.1.held_out.total_cmp(&b.1.held_out));
+        let best = fitted.min_by(|a, b| a.1.choice.total_cmp(&b.1.choice));
         let reason = match best {
             Some((place, other)) => format!(
                 "in place of {} it makes the held-out windows less likely, by a factor of e^{:.1}",
                 chosen[place].effect.name(),
-                0.5 * (other.held_out - found.chosen.held_out) / spread
+                0.5 * (other.choice - found.chosen.choice) / spread
             ),
             None => "explains no more than chance does, or far less than the findings".to_owned(),
         };

@@ -61,6 +61,7 @@ impl Catalogued for CgOffset {
 
     fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
         let [cos, sin] = [COS_MOMENT.name, SIN_MOMENT.name].map(|name| Unknown::moment(name, &scope.scale));
+        let cos = cos.as_trim(COS_MOMENT.name);
         let of_axis = |axis| {
             if scope.flies_free {
                 // the lifts know no height of the centre

@@ -39,7 +39,8 @@ impl Catalogued for CoulombFriction {
 
     fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
         let moment_nm = scope.scale.moment_nm;
-        let torque = Unknown::moment(TORQUE.name, &scope.scale).within(-5.0 * moment_nm, 50.0 * moment_nm);
+        // friction that drives is none
+        let torque = Unknown::moment(TORQUE.name, &scope.scale).within(0.0, 5.0 * moment_nm);
         let of_axis = |axis| Hypothesis::new(Self::ENTRY, [torque], move |[torque_nm]| Self { axis, torque_nm });
         scope.turning_axes().map(of_axis).collect()
     }

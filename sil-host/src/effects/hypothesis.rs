@@ -19,18 +19,20 @@ pub(crate) struct Unknown {
     pub(crate) max: f64,
     /// True if the effect is proportional to it, so that 0 takes it away whatever the others are.
     is_amplitude: bool,
+    /// Of a constant moment, the effect's parameter that it determines.
+    constant_moment: Option<&'static str>,
 }
 
 impl Unknown {
     /// A parameter of the effect itself, in its range, with the step of a difference quotient.
     pub(super) fn of(parameter: &Parameter, step: f64) -> Self {
         let Parameter { name, nominal, min, max, .. } = *parameter;
-        Self { name, nominal, step, min, max, is_amplitude: false }
+        Self { name, nominal, step, min, max, is_amplitude: false, constant_moment: None }
     }
 
     /// A number of no effect's.
     pub(crate) const fn free(name: &'static str, nominal: f64, step: f64, [min, max]: [f64; 2]) -> Self {
-        Self { name, nominal, step, min, max, is_amplitude: false }
+        Self { name, nominal, step, min, max, is_amplitude: false, constant_moment: None }
     }
 
     /// A moment: its step and its range go with the vehicle's lift times its arm.
@@ -40,12 +42,17 @@ impl Unknown {
 
     /// Another number that the effect is proportional to.
     pub(super) fn amplitude(name: &'static str, step: f64, [min, max]: [f64; 2]) -> Self {
-        Self { name, nominal: 0.0, step, min, max, is_amplitude: true }
+        Self { name, nominal: 0.0, step, min, max, is_amplitude: true, constant_moment: None }
     }
 
     /// The same with another value that changes nothing.
     pub(super) fn nominal(self, nominal: f64) -> Self {
         Self { nominal, ..self }
+    }
+
+    /// The same, a constant moment, or nearly: a trim stands for it. It determines a parameter of the effect.
+    pub(super) fn as_trim(self, parameter: &'static str) -> Self {
+        Self { constant_moment: Some(parameter), ..self }
     }
 
     /// The same within a range of its own.
@@ -116,6 +123,27 @@ impl Hypothesis {
     /// The same in other words.
     pub(super) fn stated(self, statement: &'static str) -> Self {
         Self { statement, ..self }
+    }
+
+    /// The same beside a constant moment on its axis, which is fitted by itself; none where nothing else is left of it.
+    pub(crate) fn beside_trim(self) -> Option<Self> {
+        let is_trim: Vec<bool> = self.unknowns.iter().map(|unknown| unknown.constant_moment.is_some()).collect();
+        if !is_trim.contains(&true) {
+            return Some(self);
+        }
+        let said = |name: &&'static str| !self.unknowns.iter().any(|unknown| unknown.constant_moment == Some(*name));
+        let reported = self.reported.iter().copied().filter(said).collect();
+        let unknowns: Vec<Unknown> =
+            self.unknowns.into_iter().filter(|unknown| unknown.constant_moment.is_none()).collect();
+        let effect = self.effect;
+        let beside = move |values: &[f64]| {
+            let mut values = values.iter().copied();
+            let all: Vec<f64> =
+                is_trim.iter().map(|is_trim| if *is_trim { 0.0 } else { values.next().unwrap_or_default() }).collect();
+            effect(&all)
+        };
+        let is_left = !unknowns.is_empty();
+        is_left.then(|| Self { unknowns, reported, effect: Box::new(beside), ..self })
     }
 
     /// What the catalogue says of the effect.

@@ -50,7 +50,7 @@ impl Catalogued for Spring {
             // per second squared of the axis' inertia: from falling over within 0.1 s to 16 Hz
             let per_s2 = scope.scale.inertia_kg_m2[axis.index()];
             let stiffness = Unknown::amplitude(STIFFNESS.name, 1e-3 * per_s2, [-100.0 * per_s2, 1e4 * per_s2]);
-            let at_zero = Unknown::moment("moment_at_zero_nm", &scope.scale);
+            let at_zero = Unknown::moment("moment_at_zero_nm", &scope.scale).as_trim(REST.name);
             Hypothesis::new(Self::ENTRY, [stiffness, at_zero], move |[stiffness_nm_rad, at_zero_nm]| {
                 let is_none = stiffness_nm_rad == 0.0;
                 let stiffness_nm_rad = if is_none { NO_STIFFNESS * stiffness.step } else { stiffness_nm_rad };

@@ -39,9 +39,9 @@ impl Catalogued for ViscousFriction {
 
     fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
         let of_axis = |axis: Axis| {
-            // per second of the axis' inertia: from speeding up within 0.1 s to stopping within milliseconds
+            // per second of the axis' inertia: friction that drives is none, and within 5 ms nothing stops
             let per_s = scope.scale.inertia_kg_m2[axis.index()];
-            let coefficient = Unknown::amplitude(COEFFICIENT.name, 1e-3 * per_s, [-10.0 * per_s, 1e3 * per_s]);
+            let coefficient = Unknown::amplitude(COEFFICIENT.name, 1e-3 * per_s, [0.0, 200.0 * per_s]);
             Hypothesis::new(Self::ENTRY, [coefficient], move |[coefficient_nms]| Self { axis, coefficient_nms })
         };
         scope.turning_axes().map(of_axis).collect()

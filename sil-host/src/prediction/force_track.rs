@@ -223,7 +223,7 @@ impl<'a> Motors<'a> {
     }
 }
 
-fn clipped(command: [f64; 4], path: &CommandPath, drive: &Drive) -> [f64; 4] {
+pub(crate) fn clipped(command: [f64; 4], path: &CommandPath, drive: &Drive) -> [f64; 4] {
     command.map(|command| match drive {
         Drive::Motors(_) => path.clipped(command),
         Drive::Direct => path.clipped_about_zero(command),

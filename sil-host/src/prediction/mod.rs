@@ -43,4 +43,4 @@ pub use error::NotPredictable;
 pub use noise::MeasuredNoise;
 pub use predicted_log::{ErrorAndFloor, PredictedLog, Sample};
 pub use subject::Subject;
-pub use window::{WINDOW_S, Window};
+pub use window::{Part, WINDOW_S, Window};

@@ -240,6 +240,14 @@ impl Model {
         Past { states }
     }
 
+    /// What the moments beside the motors' add to the angular accelerations, rad/s^2, level and at rest.
+    pub(crate) fn acceleration_by_moments(&self) -> [f64; 3] {
+        let (rest, no_force) = ([0.0; TURNING], [0.0; 4]);
+        let with = self.body.derivative(0.0, &rest, &no_force, &self.moments);
+        let without = self.body.derivative(0.0, &rest, &no_force, &[]);
+        core::array::from_fn(|axis| with[3 + axis] - without[3 + axis])
+    }
+
     /// What one unit of each command adds to the angular accelerations, rad/s^2, level and settled.
     pub(crate) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
         const STEP: f64 = 0.01;

@@ -4,6 +4,7 @@
 use super::accuracy::{ChannelErrors, ErrorOf, PredictedWindow, channel_errors, predict, root_mean_square, tallies};
 use super::noise::MeasuredNoise;
 use super::windowed_log::{Driven, WindowedLog};
+use super::window::Part;
 use super::{Channel, Window};
 
 /// Measured and predicted values of every window of a log.
@@ -97,11 +98,13 @@ impl PredictedLog {
 
     /// The windows that errors are taken over.
     fn judged(&self) -> impl Iterator<Item = &PredictedWindow> {
-        let is_one = self.windows.len() == 1;
-        self.windows.iter().filter(move |predicted| is_one || predicted.window.held_out)
+        let is_reported = |predicted: &PredictedWindow| predicted.window.part == Part::Report;
+        let is_short = !self.windows.iter().any(is_reported);
+        self.windows.iter().filter(move |predicted| is_short || is_reported(predicted))
     }
 
-    /// Root mean square errors of a channel over the held-out windows; of a log of one window, over that.
+    /// Root mean square errors of a channel over the windows that nothing was fitted to or chosen by; of a log of one or two
+    /// windows, over those.
     pub fn error(&self, channel: Channel) -> Option<ErrorAndFloor> {
         let (error, noise_floor) = root_mean_square(&tallies(self.judged()), ErrorOf::Channel(channel))?;
         Some(ErrorAndFloor { error, noise_floor })

@@ -26,8 +26,19 @@ pub struct Window {
     pub tail: usize,
     /// The row after the last one that is compared; the next window starts there.
     pub end: usize,
-    /// True for half of the windows: no fit may look at them, figures of merit look only at these.
-    pub held_out: bool,
+    /// What it serves.
+    pub part: Part,
+}
+
+/// What a window serves: no window that a model was fitted to, or chosen by, is in a figure that is reported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Numbers are fitted to it: half of the windows.
+    Fit,
+    /// It decides which effects are in the model: a quarter.
+    Choice,
+    /// Errors are reported of it: a quarter.
+    Report,
 }
 
 /// Cuts the log into windows, one behind the other. Neither a gap nor a row with standing motors lies within a window
@@ -85,7 +96,7 @@ fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut
             let index = windows.len();
             windows.push(Window {
                 index,
-                held_out: is_held_out(index),
+                part: part(index),
                 ..Window::between(time_s, first, start, window_end)
             });
         }
@@ -93,11 +104,18 @@ fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut
     }
 }
 
-/// Which half of the windows is held out, as the sequence of Thue and Morse has it: as many of these as of the others
-/// in each four, and no period. With every second window a disturbance of 1 Hz would push all fitted windows one way,
-/// and all held-out ones the other.
-fn is_held_out(index: usize) -> bool {
-    index.count_ones() % 2 == 1
+/// Which windows serve what. Every second one in the order of Thue and Morse is fitted, two in each four; the others
+/// part as the sequence of Rudin and Shapiro says. Neither has a period: with every second window a disturbance of 1 Hz
+/// would push all fitted windows one way, and all others the other. The sequences are entered where three windows have
+/// all three.
+fn part(index: usize) -> Part {
+    let place = index + 204;
+    let pairs_of_ones = (place & (place >> 1)).count_ones();
+    match (place.count_ones() % 2, pairs_of_ones % 2) {
+        (0, _) => Part::Fit,
+        (_, 0) => Part::Choice,
+        _ => Part::Report,
+    }
 }
 
 impl Window {
@@ -106,7 +124,7 @@ impl Window {
         let (start_s, reach_s) = (time_s[start], START_REACH_S + 1e-9);
         let lead = (earliest..=start).find(|row| time_s[*row] >= start_s - reach_s).unwrap_or(start);
         let tail = (start..end).find(|row| time_s[*row] > start_s + reach_s).unwrap_or(end);
-        Window { index: 0, lead, start, tail, end, held_out: false }
+        Window { index: 0, lead, start, tail, end, part: Part::Fit }
     }
 
     /// Windows of another length over the same rows, end to end from the first one's start to the last one's end; `run`
@@ -121,7 +139,7 @@ impl Window {
             if end - start < ROWS_MIN {
                 return Vec::new();
             }
-            windows.push(Window { held_out: first.held_out, ..Window::between(time_s, first.lead, start, end) });
+            windows.push(Window { part: first.part, ..Window::between(time_s, first.lead, start, end) });
             start = end;
         }
         windows
@@ -148,28 +166,33 @@ mod tests {
             assert_eq!(window.start, 12 + 125 * index);
             assert_eq!(window.end, window.start + 125);
             assert_eq!((window.lead, window.tail), (window.start - 12, window.start + 13));
-            assert_eq!(window.held_out, [false, true, true, false, true, false, false][index]);
+            use Part::{Choice, Fit, Report};
+            assert_eq!(window.part, [Fit, Choice, Report, Fit, Report, Fit, Fit][index]);
         }
     }
 
     #[test]
     fn no_periodic_moment_pushes_the_fitted_windows_one_way_and_the_others_another() {
         // mean of a sine over each window of 0.5 s; phase and frequency that part the halves most
-        let worst = |is_held_out: fn(usize) -> bool| {
+        let worst = |part: fn(usize) -> Part| {
             let mut worst = 0.0_f64;
             for (step, phase) in (1..80).flat_map(|step| [0.0, 0.25].map(|phase| (step, phase))) {
                 let turns = |window: f64| f64::from(step) * 0.05 * 0.5 * window + phase;
                 let cosine = |window: f64| libm::cos(core::f64::consts::TAU * turns(window));
-                let mean = |held_out: bool| -> f64 {
-                    let windows = (0..120).filter(|window| is_held_out(*window) == held_out);
-                    windows.map(|window| cosine(window as f64 + 0.5)).sum::<f64>() / 60.0
+                let mean = |of: Part| -> f64 {
+                    let windows: Vec<usize> = (0..120).filter(|window| part(*window) == of).collect();
+                    windows.iter().map(|window| cosine(*window as f64 + 0.5)).sum::<f64>() / windows.len() as f64
                 };
-                worst = worst.max((mean(true) - mean(false)).abs());
+                let [fit, choice, report] = [Part::Fit, Part::Choice, Part::Report].map(mean);
+                worst = worst.max((fit - choice).abs()).max((fit - report).abs());
             }
             worst
         };
-        assert!(worst(|window| window % 2 == 1) > 1.9);
-        assert!(worst(is_held_out) < 0.8, "{}", worst(is_held_out));
+        let alternating = |window: usize| [Part::Fit, Part::Choice, Part::Fit, Part::Report][window % 4];
+        assert!(worst(alternating) > 1.9);
+        assert!(worst(part) < 0.9, "{}", worst(part));
+        let count = |of: Part| (0..120).filter(|window| part(*window) == of).count();
+        assert_eq!([Part::Fit, Part::Choice, Part::Report].map(count), [60, 33, 27]);
     }
 
     #[test]
@@ -179,7 +202,7 @@ mod tests {
         let fifths = Window::of_length(&log.time_s, &windows[1..2], 0.1);
         assert_eq!(fifths.len(), 5);
         assert_eq!((fifths[0].start, fifths[4].end), (windows[1].start, windows[1].end));
-        assert!(fifths.iter().all(|fifth| fifth.end - fifth.start == 25 && fifth.held_out));
+        assert!(fifths.iter().all(|fifth| fifth.end - fifth.start == 25 && fifth.part == Part::Choice));
         assert_eq!((fifths[1].lead, fifths[1].tail), (fifths[1].start - 12, fifths[1].start + 13));
         // seven windows of 0.5 s hold one of 2 s, and a start without rows before it keeps what is there
         let long = Window::of_length(&log.time_s, &windows, 2.0);

@@ -8,7 +8,7 @@ use super::body::State;
 use super::force_track::{Commands, ForceTrack};
 use super::model::{Model, Scene, track};
 use super::noise::MeasuredNoise;
-use super::window::Window;
+use super::window::{Part, Window};
 use crate::axis::Axis;
 use crate::log::{Column, Log};
 use crate::statistics::wrapped;
@@ -214,9 +214,9 @@ impl<'a> WindowedLog<'a> {
         self.measured.iter().find(|measured| measured.channel == channel).map(|measured| measured.column)
     }
 
-    /// Index of the windows that are, or are not, held out.
-    pub(crate) fn part(&self, held_out: bool) -> Vec<usize> {
-        self.windows.iter().filter(|window| window.held_out == held_out).map(|window| window.index).collect()
+    /// Index of the windows that serve any of these.
+    pub(crate) fn part(&self, parts: &[Part]) -> Vec<usize> {
+        self.windows.iter().filter(|window| parts.contains(&window.part)).map(|window| window.index).collect()
     }
 }
 

@@ -7,7 +7,8 @@
 
 use serde::Serialize;
 
-use crate::diagnosis::search::{Candidate, Found, Search};
+use crate::diagnosis::judge;
+use crate::diagnosis::search::{Found, Search};
 use crate::sensors::random::RandomStream;
 
 /// Draws.
@@ -27,6 +28,9 @@ pub struct Gain {
     pub total_pct: f64,
     /// Its interval; none where the held-out windows are too few.
     pub total_interval_pct: Option<[f64; 2]>,
+    /// Places of the findings in the model, most important first.
+    #[serde(skip)]
+    pub places: Vec<usize>,
     /// The findings' `gain_pct`, in their order.
     #[serde(skip)]
     pub findings_pct: Vec<f64>,
@@ -35,31 +39,38 @@ pub struct Gain {
 }
 
 /// Gains of what a search found.
-pub(in crate::diagnosis) fn gain(search: &Search<'_>, found: &Found<'_>) -> Gain {
-    let losses = |candidate: &Candidate<'_>| search.losses(&candidate.fit.terms, &candidate.fit.starts);
-    let (nominal, extended) = (losses(&found.nominal), losses(&found.chosen));
+pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> Gain {
+    let refitted = [&found.refitted.nominal, &found.refitted.chosen];
+    let [nominal, extended] = refitted.map(|fit| judge::losses(search, &fit.terms));
     let share = |of: &[usize], loss: &[f64], base: &[f64]| {
         let sum = |values: &[f64]| of.iter().map(|i| values[*i]).sum::<f64>();
         100.0 * (sum(loss) - sum(&extended)) / sum(base)
     };
     let all: Vec<usize> = (0..nominal.len()).collect();
     let excess: Vec<f64> = nominal.iter().zip(&extended).map(|(nominal, extended)| nominal - extended).collect();
-    let (findings_pct, findings_interval_pct) = (search.always.len()..found.chosen.fit.terms.len())
+    let found_places = search.always.len()..refitted[1].terms.len();
+    let mut findings: Vec<(usize, f64, Option<[f64; 2]>)> = found_places
+        .chain(found.unusual.iter().copied())
         .map(|index| {
-            let without = search.losses_without(&found.nominal, &found.chosen, index);
-            (share(&all, &without, &excess), interval(all.len(), |drawn| share(drawn, &without, &excess)))
+            let mut terms = refitted[1].terms.clone();
+            terms.remove(index);
+            let without = search.left_without(found, terms);
+            let interval = interval(all.len(), |drawn| share(drawn, &without, &excess));
+            (index, share(&all, &without, &excess), interval)
         })
-        .unzip();
+        .collect();
+    findings.sort_by(|a, b| b.1.total_cmp(&a.1));
     Gain {
         total_pct: share(&all, &nominal, &nominal),
         total_interval_pct: interval(all.len(), |drawn| share(drawn, &nominal, &nominal)),
-        findings_pct,
-        findings_interval_pct,
+        places: findings.iter().map(|finding| finding.0).collect(),
+        findings_pct: findings.iter().map(|finding| finding.1).collect(),
+        findings_interval_pct: findings.iter().map(|finding| finding.2).collect(),
     }
 }
 
 /// Quantiles of 2.5 and 97.5 % of a figure over draws of windows.
-fn interval(windows: usize, figure: impl Fn(&[usize]) -> f64) -> Option<[f64; 2]> {
+pub(in crate::diagnosis) fn interval(windows: usize, figure: impl Fn(&[usize]) -> f64) -> Option<[f64; 2]> {
     if windows < WINDOWS_MIN {
         return None;
     }

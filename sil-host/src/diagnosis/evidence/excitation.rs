@@ -60,11 +60,13 @@ pub struct Excited {
 
 /// Looks at all windows of a log, at the fit.
 pub(in crate::diagnosis) fn excitation(search: &Search<'_>, found: &Found<'_>) -> Excitation {
-    let chosen = &found.chosen.fit;
+    let chosen = &found.refitted.chosen;
     let findings = chosen.terms[search.always.len()..].to_vec();
     let is_found = |effect: &Fitted| findings.iter().any(|term| term.effect.is_the_same(effect));
     let mut basic: Vec<Term<'_>> = search.always.clone();
-    for effect in search.catalogue.iter().filter(|effect| BASIC.contains(&effect.name())) {
+    let is_along = |effect: &Fitted| search.always.iter().any(|term| term.effect.is_the_same(effect));
+    let basics = search.catalogue.iter().filter(|effect| BASIC.contains(&effect.name()) && !is_along(effect));
+    for effect in basics {
         if is_found(effect) {
             basic.extend(findings.iter().find(|term| term.effect.is_the_same(effect)).cloned());
         } else {
@@ -74,7 +76,7 @@ pub(in crate::diagnosis) fn excitation(search: &Search<'_>, found: &Found<'_>) -
     }
     let others: Vec<Term<'_>> = findings.iter().filter(|term| !BASIC.contains(&term.effect.name())).cloned().collect();
     let information = information(search, found, &others, &basic);
-    let is_vehicle = search.always.is_empty();
+    let is_vehicle = search.shooting.log.has_motors();
     let parameters = excited(&basic, &information, is_vehicle);
     let (condition_number, alike) = condition(&information);
     let findings_condition_number = (!findings.is_empty())
@@ -91,7 +93,7 @@ fn information(search: &Search<'_>, found: &Found<'_>, known: &[Term<'_>], asked
     let driven = shooting.log.drive(model_of(search.nominal, &terms));
     let shifted = shifted_models(shooting, search.nominal, &terms, known.len());
     let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
-    let linear = shooting.linearise(&driven, &shifted, &all, &found.chosen.fit.starts, None);
+    let linear = shooting.linearise(&driven, &shifted, &all, &found.refitted.chosen.starts, None);
     shooting.normal(&linear, None).matrix
 }
 

@@ -68,8 +68,9 @@ pub(in crate::diagnosis) fn separating(
     search: &Search<'_>,
     found: &Found<'_>,
     findings: &[Finding],
+    places: &[usize],
 ) -> Option<Experiment> {
-    let pairs = pairs(search, found, findings);
+    let pairs = pairs(search, found, findings, places);
     if pairs.is_empty() {
         return None;
     }
@@ -133,16 +134,17 @@ fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.collect::<Vec<_>>().join(" and ")
 }
 
-fn pairs<'e>(search: &Search<'e>, found: &Found<'e>, findings: &[Finding]) -> Vec<Pair<'e>> {
+fn pairs<'e>(search: &Search<'e>, found: &Found<'e>, findings: &[Finding], places: &[usize]) -> Vec<Pair<'e>> {
     let mut pairs = Vec::new();
-    for (place, (finding, alternatives)) in findings.iter().zip(&found.alternatives).enumerate() {
+    for (index, finding) in places.iter().zip(findings) {
+        let alternatives = found.alternatives_of(search, *index);
         let axis = finding.axis.map(|axis| format!(" ({axis})")).unwrap_or_default();
         for name in &finding.confounded_with {
             let rival = alternatives.iter().find(|other| other.last_effect().name() == *name);
             let Some(rival) = rival.map(|rival| &rival.fit.terms) else { continue };
             pairs.push(Pair {
                 names: format!("{}{axis} from {name}", finding.effect),
-                finding: Side::of(search, &found.chosen.fit.terms, search.always.len() + place),
+                finding: Side::of(search, &found.refitted.chosen.terms, *index),
                 rival: Side::of(search, rival, rival.len() - 1),
             });
         }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::prediction::accuracy::{ErrorOf, predict, root_mean_square, tallies};
 use crate::prediction::windowed_log::{Driven, WindowedLog};
-use crate::prediction::{WINDOW_S, Window};
+use crate::prediction::{Part, WINDOW_S, Window};
 
 /// Lengths of the windows, s.
 const HORIZONS_S: [f64; 3] = [0.1, 0.5, 2.0];
@@ -49,7 +49,7 @@ fn horizon(log: &WindowedLog<'_>, models: &[Driven; 2], horizon_s: f64) -> Optio
     let held_out = horizon_s <= WINDOW_S;
     let of_run = |run: &[Window]| Window::of_length(log.rows(), run, horizon_s);
     let windows: Vec<Window> = if held_out {
-        log.windows.iter().filter(|window| window.held_out).flat_map(|window| of_run(&[*window])).collect()
+        log.windows.iter().filter(|window| window.part == Part::Report).flat_map(|window| of_run(&[*window])).collect()
     } else {
         log.windows.chunk_by(|a, b| a.end == b.start).flat_map(of_run).collect()
     };

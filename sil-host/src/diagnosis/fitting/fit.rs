@@ -2,6 +2,7 @@
 
 use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal};
+use crate::diagnosis::fitting::scatter::scattered;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Unknown;
 use crate::prediction::body::State;
@@ -32,8 +33,10 @@ pub(in crate::diagnosis) struct Term<'e> {
 #[derive(Clone)]
 pub(in crate::diagnosis) struct Fit<'e> {
     pub(in crate::diagnosis) terms: Vec<Term<'e>>,
-    /// Covariance of all parameters one behind the other, in units of the noise; rows one behind the other.
+    /// Covariance of all parameters one behind the other if the noise is what it is taken for; rows one behind the other.
     pub(in crate::diagnosis) covariance: Vec<f64>,
+    /// The same as the scatter of the windows' own wishes has it ([`scattered`]).
+    pub(in crate::diagnosis) scattered_covariance: Vec<f64>,
     /// Sum of squares over the training windows, in units of the noise.
     pub(in crate::diagnosis) training: f64,
     /// Start states of all windows, those held out as given.
@@ -46,11 +49,11 @@ impl Fit<'_> {
         self.terms.iter().map(|term| term.values.len()).sum()
     }
 
-    /// Covariance of the parameters of one term, rows one behind the other.
+    /// Covariance of the parameters of one term as the scatter has it, rows one behind the other.
     pub(in crate::diagnosis) fn covariance_of(&self, term: usize) -> Vec<f64> {
         let before: usize = self.terms[..term].iter().map(|term| term.values.len()).sum();
         let (size, own) = (self.size(), self.terms[term].values.len());
-        let at = |i: usize, j: usize| self.covariance[(before + i) * size + before + j];
+        let at = |i: usize, j: usize| self.scattered_covariance[(before + i) * size + before + j];
         (0..own * own).map(|k| at(k / own, k % own)).collect()
     }
 }
@@ -136,7 +139,7 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
             }
         }
     }
-    best.result()
+    best.result(shooting, training)
 }
 
 /// One linearisation of a fit.
@@ -144,6 +147,8 @@ struct Round<'e> {
     terms: Vec<Term<'e>>,
     starts: Vec<State>,
     linear: Linearisation,
+    /// Normal equations window by window, and their sum.
+    normals: Vec<Normal>,
     normal: Normal,
 }
 
@@ -159,8 +164,9 @@ impl<'e> Round<'e> {
         let base = shooting.log.drive(model_of(nominal, &terms));
         let shifted = shifted_models(shooting, nominal, &terms, 0);
         let linear = shooting.linearise(&base, &shifted, training, &starts, nearby);
-        let normal = shooting.normal(&linear, None);
-        Round { terms, starts, linear, normal }
+        let normals = shooting.normals(&linear, None);
+        let normal = Normal::sum(&normals);
+        Round { terms, starts, linear, normals, normal }
     }
 
     /// The damped step and the fall of the sum of squares that it promises.
@@ -175,11 +181,21 @@ impl<'e> Round<'e> {
         Some((step, promised))
     }
 
-    fn result(self) -> Fit<'e> {
+    fn result(self, shooting: &Shooting<'_>, training: &[usize]) -> Fit<'e> {
         let size = self.normal.right.len();
         let factor = Cholesky::new(&regular(&self.normal.matrix, size, 0.0), size);
         let covariance = factor.map_or_else(|| vec![f64::INFINITY; size * size], |factor| factor.inverse());
-        Fit { terms: self.terms, covariance, training: self.normal.chi2, starts: self.starts }
+        let spread = (self.normal.chi2 / shooting.degrees_of_freedom(training)).max(1.0);
+        let scores: Vec<(usize, &[f64])> =
+            training.iter().zip(&self.normals).map(|(index, normal)| (*index, normal.right.as_slice())).collect();
+        let scattered_covariance = scattered(&covariance, spread, &scores);
+        Fit {
+            terms: self.terms,
+            covariance,
+            scattered_covariance,
+            training: self.normal.chi2,
+            starts: self.starts,
+        }
     }
 }
 
@@ -193,7 +209,8 @@ pub(in crate::diagnosis) fn regular(matrix: &[f64], size: usize, damping: f64) -
     regular
 }
 
-fn moved<'e>(terms: &[Term<'e>], step: &[f64]) -> Vec<Term<'e>> {
+/// The terms moved by a step of all their numbers, within the ranges of these.
+pub(in crate::diagnosis) fn moved<'e>(terms: &[Term<'e>], step: &[f64]) -> Vec<Term<'e>> {
     let mut moved = terms.to_vec();
     let mut step = step.iter();
     for term in &mut moved {

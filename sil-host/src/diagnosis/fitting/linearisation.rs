@@ -28,6 +28,20 @@ pub(in crate::diagnosis) struct Normal {
     pub(in crate::diagnosis) chi2: f64,
 }
 
+impl Normal {
+    /// Those of several windows as one.
+    pub(in crate::diagnosis) fn sum(windows: &[Normal]) -> Normal {
+        let size = windows.first().map_or(0, |normal| normal.right.len());
+        let mut sum = Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 };
+        for normal in windows {
+            sum.matrix.iter_mut().zip(&normal.matrix).for_each(|(sum, value)| *sum += value);
+            sum.right.iter_mut().zip(&normal.right).for_each(|(sum, value)| *sum += value);
+            sum.chi2 += normal.chi2;
+        }
+        sum
+    }
+}
+
 impl WindowLinear {
     /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that is
     /// left.

@@ -10,4 +10,5 @@ mod innovation;
 pub(in crate::diagnosis) mod linearisation;
 pub(in crate::diagnosis) mod process_noise;
 pub(in crate::diagnosis) mod sampling;
+mod scatter;
 pub(in crate::diagnosis) mod shooting;

@@ -15,7 +15,7 @@ use crate::prediction::body::State;
 use crate::prediction::lost_commands::{USUAL_CONTROL_RATE_HZ, are_lost, smooth, unknown_acceleration};
 use crate::prediction::model::Model;
 use crate::prediction::windowed_log::{Driven, WindowedLog};
-use crate::prediction::{NotPredictable, Subject};
+use crate::prediction::{NotPredictable, Part, Subject};
 
 /// Fall of twice the logarithm of the likelihood that speaks for a faster controller.
 const MARGIN: f64 = 6.0;
@@ -143,7 +143,7 @@ fn model_fitted_to(held: &Shooting<'_>, subject: &Subject<'_>) -> Result<Model, 
     let fitted_along = subject.fitted_along(&held.log)?;
     let terms = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let starts = held.log.measured_starts(&nominal());
-    let fit = fit(held, &nominal, terms, &starts, &held.log.part(false));
+    let fit = fit(held, &nominal, terms, &starts, &held.log.part(&[Part::Fit]));
     Ok(model_of(&nominal, &fit.terms))
 }
 

@@ -145,19 +145,16 @@ impl<'a> Shooting<'a> {
 
     /// Normal equations over all windows of a linearisation, with `extra` columns behind the parameters' own.
     pub(in crate::diagnosis) fn normal(&self, linear: &Linearisation, extra: Option<&[Vec<Residuals>]>) -> Normal {
+        Normal::sum(&self.normals(linear, extra))
+    }
+
+    /// The same window by window.
+    pub(in crate::diagnosis) fn normals(&self, linear: &Linearisation, extra: Option<&[Vec<Residuals>]>) -> Vec<Normal> {
         let of = |(i, window): (usize, &WindowLinear)| {
             let more = extra.map_or(&[][..], |extra| &extra[i]);
             window.reduced(more, &self.log.free_at_start)
         };
-        let reduced: Vec<Normal> = linear.windows.par_iter().enumerate().map(|(i, window)| of((i, window))).collect();
-        let size = reduced.first().map_or(0, |normal| normal.right.len());
-        let mut sum = Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 };
-        for normal in &reduced {
-            sum.matrix.iter_mut().zip(&normal.matrix).for_each(|(sum, value)| *sum += value);
-            sum.right.iter_mut().zip(&normal.right).for_each(|(sum, value)| *sum += value);
-            sum.chi2 += normal.chi2;
-        }
-        sum
+        linear.windows.par_iter().enumerate().map(of).collect()
     }
 
     /// Samples of some windows, less what their start states take.

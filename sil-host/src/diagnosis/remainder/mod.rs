@@ -19,8 +19,8 @@ pub(super) fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained
     let even = whiteness.iter().all(structure::Whiteness::is_white);
     let dependence = signature::strongest(search, &found.chosen, &whole.fit);
     let white = even && dependence.is_none();
-    let expected = shooting.degrees_of_freedom(&search.held_out);
-    let beyond = |candidate: &Candidate<'_>| (candidate.held_out - expected).max(0.0);
+    let expected = shooting.degrees_of_freedom(&search.choice);
+    let beyond = |candidate: &Candidate<'_>| (candidate.choice - expected).max(0.0);
     let nominal = beyond(&found.nominal);
     let variance_pct = if nominal > 0.0 { 100.0 * (beyond(&found.chosen) / nominal).min(1.0) } else { 0.0 };
     let worst = whiteness.iter().max_by(|a, b| a.deviation.total_cmp(&b.deviation));

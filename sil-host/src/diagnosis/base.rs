@@ -1,0 +1,89 @@
+//! The base model: what every real vehicle has beside the numbers of its model. It does not fly level by equal
+//! commands, its lift is not quite the model's, its motors and its link are a little late, its gyro has a bias. Causes
+//! are sought beside all of these, fitted together: from a model without them a search takes wrong turns, for over half
+//! a second a strong brake or a heavy body is nearer to an untrimmed vehicle than the right model is.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::fitted::{Fitted, per_unit_inertia};
+use super::search::{Candidate, Found, Search};
+use super::verdict::{Estimate, MODEL_ERROR, estimates};
+use crate::axis::Axis;
+use crate::diagnosis::fitting::fit::{Term, model_of};
+
+/// The effects of the catalogue that are ordinary.
+const ORDINARY: [&str; 5] = ["torque_bias", "thrust_scale", "motor_lag", "actuation_delay", "gyro_bias"];
+
+/// A trim is a finding if it is larger than this many standard deviations of the moment that the commands made: then
+/// holding against it is most of what they did.
+const TRIM_USUAL: f64 = 3.0;
+
+/// Where lag and delay begin, s. They look alike, and a fit that begins with one of them large stays there.
+const LAG_AND_DELAY_S: [[f64; 2]; 3] = [[0.01, 0.005], [0.1, 0.002], [0.002, 0.05]];
+
+/// A number of the base model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BaseTerm {
+    /// The effect's name in docs/effects.md, or `input_gain`.
+    pub effect: &'static str,
+    /// Its axis, of those that have one.
+    pub axis: Option<&'static str>,
+    /// Its numbers by name.
+    pub parameters: BTreeMap<&'static str, Estimate>,
+    /// False where it is a finding too.
+    pub ordinary: bool,
+}
+
+/// The base model of a log, in the noise of a search: what its nominal model leaves open and what is ordinary, fitted
+/// from several starts.
+pub(super) fn fitted<'e>(search: &Search<'e>) -> Candidate<'e> {
+    let ordinary: Vec<&'e Fitted> =
+        search.catalogue.iter().filter(|effect| ORDINARY.contains(&effect.name())).collect();
+    let from = |start: &[f64; 2]| {
+        let mut terms = search.gains.clone();
+        terms.extend(ordinary.iter().map(|effect| Term { effect, values: values(effect, start) }));
+        search.settled(terms)
+    };
+    let fits = LAG_AND_DELAY_S.iter().map(from);
+    let best = fits.min_by(|a, b| a.fit.training.total_cmp(&b.fit.training));
+    best.unwrap_or_else(|| search.nominal())
+}
+
+fn values(effect: &Fitted, [lag_s, delay_s]: &[f64; 2]) -> Vec<f64> {
+    match effect.name() {
+        "motor_lag" => vec![*lag_s],
+        "actuation_delay" => vec![*delay_s],
+        _ => effect.unknowns().iter().map(|unknown| unknown.nominal).collect(),
+    }
+}
+
+/// What the extended model has of the base model; empty where the nominal model's own numbers serve.
+pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
+    let fit = &found.refitted.chosen;
+    let is_vehicle = search.shooting.log.has_motors();
+    let of = |index: usize| {
+        let effect = fit.terms[index].effect;
+        let name = |name| if is_vehicle { name } else { per_unit_inertia(name) };
+        let parameters = estimates(fit, index, MODEL_ERROR).into_iter().map(|(own, value)| (name(own), value)).collect();
+        let axis = effect.axis().map(Axis::name);
+        BaseTerm { effect: effect.name(), axis, parameters, ordinary: !found.unusual.contains(&index) }
+    };
+    (0..search.always.len()).map(of).collect()
+}
+
+/// May a term of the base model be a finding? A trim is ordinary unless it is large beside what the commands do.
+pub(super) fn may_be_found(search: &Search<'_>, terms: &[Term<'_>], index: usize) -> bool {
+    let (effect, gains) = (terms[index].effect, &terms[..search.gains.len()]);
+    let Some(axis) = effect.axis().filter(|_| effect.name() == "torque_bias").map(Axis::index) else { return true };
+    let trimmed = model_of(search.nominal, std::slice::from_ref(&terms[index]));
+    let trim_rad_s2 = trimmed.acceleration_by_moments()[axis] - (search.nominal)().acceleration_by_moments()[axis];
+    let commands = &search.shooting.log.commands.value;
+    let count = commands.len().max(1) as f64;
+    let mean: [f64; 4] = core::array::from_fn(|i| commands.iter().map(|row| row[i]).sum::<f64>() / count);
+    let per_command = model_of(search.nominal, gains).acceleration_per_command(&mean);
+    let departure = |row: &[f64; 4]| (0..4).map(|i| per_command[i][axis] * (row[i] - mean[i])).sum::<f64>();
+    let variance = commands.iter().map(|row| departure(row) * departure(row)).sum::<f64>() / count;
+    trim_rad_s2.abs() > TRIM_USUAL * variance.sqrt()
+}

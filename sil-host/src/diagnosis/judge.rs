@@ -1,0 +1,170 @@
+//! The judge is what a user sees: the error of open-loop predictions, channel by channel, over windows that nothing was
+//! fitted to. What is in a model stays if it takes a share of that error away beyond chance, and if no channel is worse
+//! for it beyond chance. The search's own measure, a likelihood, is about the next row given all rows before; a model
+//! may be better at that and worse at what it is for.
+//!
+//! The windows of the report are not looked at. Over the others, fold by fold, each is predicted with the numbers that
+//! the other folds give (one step of Newton's from those of all).
+
+use crate::diagnosis::base::may_be_found;
+use crate::diagnosis::evidence::bootstrap::interval;
+use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifted_models};
+use crate::diagnosis::fitting::linearisation::Normal;
+use crate::diagnosis::search::Search;
+use crate::prediction::accuracy::{ErrorOf, PredictedWindow, Series, predict};
+use crate::prediction::{Part, Window};
+use crate::statistics::Cholesky;
+
+/// Lengths of the predictions, s.
+const HORIZONS_S: [f64; 2] = [0.1, 0.5];
+/// Share of the error that a finding must take away.
+const SHARE_MIN: f64 = 0.02;
+/// Folds, and windows in a block of one: neighbours in time have errors in common.
+const FOLDS: usize = 5;
+const BLOCK: usize = 4;
+
+/// Mean squares of one quantity at one horizon, window by window.
+type Errors = Vec<f64>;
+
+/// A model fitted to all windows but those of the report, and what it would miss of each had that not been among them.
+struct Judged<'e> {
+    fit: Fit<'e>,
+    errors: Vec<Errors>,
+}
+
+/// Takes out of a base model, one by one, what makes its predictions worse beyond chance.
+pub(super) fn useful<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
+    let mut with = Judged::of(search, base);
+    loop {
+        let others = (search.gains.len()..with.fit.terms.len()).map(|index| with.without(search, index));
+        let better = others.filter(|other| is_surely_below(0.0, &with.errors, &other.errors));
+        let best = better.min_by(|a, b| change(&with.errors, &a.errors).total_cmp(&change(&with.errors, &b.errors)));
+        match best {
+            Some(best) => with = best,
+            None => return with.fit,
+        }
+    }
+}
+
+/// Takes out, one by one, the findings that do not help what is reported.
+pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) -> Fit<'e> {
+    let (base, mut with) = (Judged::of(search, base), Judged::of(search, chosen));
+    loop {
+        let worse: Vec<usize> =
+            (0..with.errors.len()).filter(|i| is_surely_below(0.0, &with.errors[*i..=*i], &base.errors[*i..=*i])).collect();
+        let mut removable = Vec::new();
+        for index in search.always.len()..with.fit.terms.len() {
+            let without = with.without(search, index);
+            let gains = change(&without.errors, &with.errors);
+            let mends = worse.iter().map(|i| -change(&with.errors[*i..=*i], &without.errors[*i..=*i]));
+            let mends = mends.fold(0.0, f64::max);
+            let pays = gains < -SHARE_MIN && is_surely_below(0.0, &without.errors, &with.errors);
+            if !pays || mends > 0.0 {
+                removable.push((gains + mends, without));
+            }
+        }
+        match removable.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((_, without)) => with = without,
+            None => return with.fit,
+        }
+    }
+}
+
+/// Places of the base model's terms that are findings too: they pay as a finding must.
+pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<usize> {
+    let with = Judged::of(search, chosen.clone());
+    let pays = |index: &usize| {
+        let without = with.without(search, *index);
+        change(&without.errors, &with.errors) < -SHARE_MIN && is_surely_below(0.0, &without.errors, &with.errors)
+    };
+    let places = search.gains.len()..search.always.len();
+    places.filter(|index| may_be_found(search, &chosen.terms, *index)).filter(pays).collect()
+}
+
+/// Mean relative change of all errors from one model to another, as a logarithm.
+fn change(from: &[Errors], to: &[Errors]) -> f64 {
+    let windows = from.first().map_or(0, Vec::len);
+    change_over(&(0..windows).collect::<Vec<_>>(), from, to)
+}
+
+fn change_over(windows: &[usize], from: &[Errors], to: &[Errors]) -> f64 {
+    let sum = |errors: &Errors| windows.iter().map(|window| errors[*window]).sum::<f64>().max(f64::MIN_POSITIVE);
+    let changes = from.iter().zip(to).map(|(from, to)| 0.5 * libm::log(sum(to) / sum(from)));
+    changes.sum::<f64>() / from.len().max(1) as f64
+}
+
+/// Is the change below a bound beyond chance? With few windows chance is all there is.
+fn is_surely_below(bound: f64, from: &[Errors], to: &[Errors]) -> bool {
+    let windows = from.first().map_or(0, Vec::len);
+    interval(windows, |drawn| change_over(drawn, from, to)).is_some_and(|[_, most]| most < bound)
+}
+
+impl<'e> Judged<'e> {
+    fn of(search: &Search<'e>, fit: Fit<'e>) -> Judged<'e> {
+        let log = &search.shooting.log;
+        let windows = log.part(&[Part::Fit, Part::Choice]);
+        let folds = folds(search, &fit, &windows);
+        let mut errors = Vec::new();
+        for horizon_s in HORIZONS_S {
+            let mut predicted: Vec<Vec<PredictedWindow>> = Vec::new();
+            let driven: Vec<_> = folds.iter().map(|terms| log.drive(model_of(search.nominal, terms))).collect();
+            for index in &windows {
+                let parts: Vec<Window> = Window::of_length(log.rows(), &[log.windows[*index]], horizon_s);
+                predicted.push(predict(log, &driven[fold_of(*index)], &parts));
+            }
+            for (channel, _) in log.compared() {
+                errors.push(predicted.iter().map(|parts| mean_square(parts, ErrorOf::Channel(channel))).collect());
+            }
+        }
+        Judged { fit, errors }
+    }
+
+    /// The model without one of its terms, all else fitted anew.
+    fn without(&self, search: &Search<'e>, index: usize) -> Judged<'e> {
+        let mut terms = self.fit.terms.clone();
+        terms.remove(index);
+        Judged::of(search, search.refitted(terms, &self.fit.starts))
+    }
+}
+
+fn fold_of(window: usize) -> usize {
+    window / BLOCK % FOLDS
+}
+
+/// The terms as the windows outside of each fold have them.
+fn folds<'e>(search: &Search<'e>, fit: &Fit<'e>, windows: &[usize]) -> Vec<Vec<Term<'e>>> {
+    let shooting = search.shooting;
+    let driven = shooting.log.drive(model_of(search.nominal, &fit.terms));
+    let shifted = shifted_models(shooting, search.nominal, &fit.terms, 0);
+    let linear = shooting.linearise(&driven, &shifted, windows, &fit.starts, None);
+    let normals = shooting.normals(&linear, None);
+    let outside = |fold: usize| -> Vec<Normal> {
+        windows.iter().zip(&normals).filter(|(index, _)| fold_of(**index) != fold).map(|(_, own)| own.clone()).collect()
+    };
+    let of_fold = |fold: usize| {
+        let normal = Normal::sum(&outside(fold));
+        let size = normal.right.len();
+        let step = Cholesky::new(&regular(&normal.matrix, size, 1e-6), size).map(|factor| factor.solve(&normal.right));
+        step.map_or_else(|| fit.terms.clone(), |step| moved(&fit.terms, &step))
+    };
+    (0..FOLDS).map(of_fold).collect()
+}
+
+fn mean_square(parts: &[PredictedWindow], of: ErrorOf) -> f64 {
+    let series = || parts.iter().flat_map(|part| &part.series).filter(|series| series.of == of);
+    let count: usize = series().map(|series| series.error.len()).sum();
+    series().flat_map(|series| &series.error).map(|error| error * error).sum::<f64>() / count.max(1) as f64
+}
+
+/// Squared errors over the windows of the report in units of an exact model's, window by window.
+pub(super) fn losses(search: &Search<'_>, terms: &[Term<'_>]) -> Vec<f64> {
+    let log = &search.shooting.log;
+    let driven = log.drive(model_of(search.nominal, terms));
+    let loss = |predicted: &PredictedWindow| -> f64 {
+        let of_series = |series: &Series| -> f64 {
+            series.error.iter().zip(&series.floor).map(|(error, floor)| (error / floor) * (error / floor)).sum()
+        };
+        predicted.series.iter().filter(|series| matches!(series.of, ErrorOf::Channel(_))).map(of_series).sum()
+    };
+    predict(log, &driven, &search.windows(&search.report)).iter().map(loss).collect()
+}

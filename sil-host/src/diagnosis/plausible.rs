@@ -1,0 +1,43 @@
+//! What no vehicle can have is no finding: a number at the end of its range, where the fit wanted to go on; commands
+//! clipped until nothing of them is left.
+
+use super::search::{Candidate, Search};
+use crate::diagnosis::fitting::fit::{Term, model_of};
+use crate::effects::Unknown;
+use crate::prediction::force_track::clipped;
+use crate::prediction::model::Model;
+
+/// Distance from a bound, as a share of the range, that is still at the bound.
+const AT_BOUND: f64 = 1e-3;
+/// Share of the commands' variation that must be left of them.
+const INPUT_MIN: f64 = 0.5;
+
+/// Could the effect that was added last be a vehicle's?
+pub(super) fn is_plausible(search: &Search<'_>, candidate: &Candidate<'_>) -> bool {
+    let terms = &candidate.fit.terms;
+    let Some(Term { effect, values }) = terms.last() else { return true };
+    let mut numbers = effect.unknowns().iter().zip(values);
+    !numbers.any(|(unknown, value)| is_at_bound(unknown, *value)) && leaves_input(search, terms)
+}
+
+/// At the end of its range, and not because that end is where it changes nothing.
+fn is_at_bound(unknown: &Unknown, value: f64) -> bool {
+    let margin = AT_BOUND * (unknown.max - unknown.min);
+    let is_void = (value - unknown.nominal).abs() <= margin;
+    !is_void && (value - unknown.min < margin || unknown.max - value < margin)
+}
+
+/// Does enough of the commands arrive at the motors?
+fn leaves_input(search: &Search<'_>, terms: &[Term<'_>]) -> bool {
+    let commands = &search.shooting.log.commands.value;
+    let variation = |model: &Model| -> f64 {
+        let arrived: Vec<[f64; 4]> =
+            commands.iter().map(|row| clipped(*row, &model.changes.chain.path, &model.drive)).collect();
+        let of_motor = |motor: usize| {
+            let mean = arrived.iter().map(|row| row[motor]).sum::<f64>() / arrived.len().max(1) as f64;
+            arrived.iter().map(|row| (row[motor] - mean) * (row[motor] - mean)).sum::<f64>()
+        };
+        (0..4).map(of_motor).sum()
+    };
+    variation(&model_of(search.nominal, terms)) >= INPUT_MIN * variation(&model_of(search.nominal, &[]))
+}
