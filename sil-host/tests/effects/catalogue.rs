@@ -89,8 +89,38 @@ fn of_body() -> Vec<Case> {
         case(Free, "inertia_error:axis=yaw,scale=1.4", Page { inertia: [1.0, 1.0, 1.4], ..NOMINAL }),
         case(Gimbal, "inertia_coupling:product_kg_m2=0.004", Page { product: 0.004, ..NOMINAL }),
         case(Free, "inertia_coupling:product_kg_m2=-0.004", Page { product: -0.004, ..NOMINAL }),
+        case(
+            Free,
+            "rotor_inertia:inertia_kg_m2=0.0002",
+            Page {
+                moment: |m| {
+                    let (h, change) = (2e-4 * spin(m.rotor_speed), 2e-4 * spin(m.rotor_acceleration));
+                    [-m.rate[1] * h, m.rate[0] * h, -change]
+                },
+                rotor_lag_s: 0.05,
+                ..NOMINAL
+            },
+        ),
+        case(
+            Gimbal,
+            "rotor_inertia:inertia_kg_m2=0.0002",
+            Page {
+                moment: |m| {
+                    let (h, change) = (2e-4 * spin(m.rotor_speed), 2e-4 * spin(m.rotor_acceleration));
+                    let (sin_phi, cos_phi) = m.angle[0].sin_cos();
+                    [-h * m.rate[1] * cos_phi, change * sin_phi + h * m.rate[0] * cos_phi, 0.0]
+                },
+                rotor_lag_s: 0.05,
+                ..NOMINAL
+            },
+        ),
         case(Free, "mass_error:scale=1.05", Page { mass: 1.05, ..NOMINAL }),
     ]
+}
+
+/// About z, down: motors 1 and 2 turn counter-clockwise seen from above, 3 and 4 clockwise.
+fn spin([w1, w2, w3, w4]: [f64; 4]) -> f64 {
+    -w1 - w2 + w3 + w4
 }
 
 /// From command to lift.
