@@ -175,14 +175,7 @@ impl Extended<'_> {
     }
 
     /// Torque and force of the effects in free flight.
-    fn loads(
-        &self,
-        body: &FreeBody,
-        after_s: f64,
-        state: &FreeState,
-        lifts_n: [f64; 4],
-        spin: NetSpin,
-    ) -> Loads {
+    fn loads(&self, body: &FreeBody, after_s: f64, state: &FreeState, lifts_n: [f64; 4], spin: NetSpin) -> Loads {
         let [_, _, _, _, _, _, w, x, y, z, rate_rad_s @ ..] = *state;
         let push_body_n = free_flight::push_body_n(self.air, state);
         if self.effects.is_empty() {

@@ -82,8 +82,7 @@ impl Step {
     #[inline]
     pub(crate) fn at(&self, place: f64, factor: &[f64; 4]) -> ForceAndSpin {
         let (mean, half_change) = (&self.mean, &self.half_change);
-        let acceleration_rad_s2 =
-            mean.spin.acceleration_rad_s2 + place * half_change.spin.acceleration_rad_s2;
+        let acceleration_rad_s2 = mean.spin.acceleration_rad_s2 + place * half_change.spin.acceleration_rad_s2;
         ForceAndSpin {
             force: core::array::from_fn(|i| factor[i] * (mean.force[i] + place * half_change.force[i])),
             spin: NetSpin {
