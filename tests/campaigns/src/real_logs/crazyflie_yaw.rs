@@ -11,8 +11,9 @@ use sil_host::prediction::Channel;
 
 use super::crazyflie::YAW_S;
 
-/// The effects that every vehicle has, and those that turn it about yaw; the last one is the rotors'.
-const ASKED: [Asked; 6] = [
+/// The motors' lag and the moments that every vehicle has, then what turns it about yaw; the last one is the rotors'.
+const ASKED: [Asked; 7] = [
+    ("motor_lag", None),
     ("torque_bias", Some(Axis::Roll)),
     ("torque_bias", Some(Axis::Pitch)),
     ("torque_bias", Some(Axis::Yaw)),
@@ -65,9 +66,9 @@ fn fitted(log: &Log, vehicle: &VehicleModel, asked: &[Asked], part_s: [f64; 2]) 
     let of_yaw = errors.into_iter().find(|(channel, _)| *channel == Channel::Rate(Axis::Yaw));
     YawSizes {
         part_s,
-        inertia_scale: known(3, "scale"),
-        brake_nms: known(4, "coefficient_nms"),
-        rotor_inertia_kg_m2: size(5, "inertia_kg_m2"),
+        inertia_scale: known(4, "scale"),
+        brake_nms: known(5, "coefficient_nms"),
+        rotor_inertia_kg_m2: size(6, "inertia_kg_m2"),
         error_rad_s: of_yaw.expect("a gyro").1.error,
     }
 }
