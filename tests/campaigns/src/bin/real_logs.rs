@@ -22,9 +22,7 @@ fn main() {
     for path in files("flight_crazyflie_arplab", "log16") {
         let log = load(&path, "crazyflie_arplab");
         println!("{}", yaw_of(&log));
-        println!(
-            "| part, s | Izz over the model's | brake, 1e-5 N m s | a rotor's inertia, 1e-8 kg m^2 | error of r, rad/s |"
-        );
+        println!("| part, s | Izz over the model's | brake, 1e-5 N m s | a rotor, 1e-8 kg m^2 | error of r, rad/s |");
         println!("|---|---|---|---|---|");
         for [without, with] in yaw_sizes(&log, &vehicle()) {
             print!("{without}{with}");
