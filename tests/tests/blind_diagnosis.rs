@@ -2,7 +2,8 @@
 //! docs/diagnosis.md; CI runs a tenth of them): fixed seeds, so few that no error is allowed where the whole campaigns
 //! allow one in ten or less, in logs of half their length.
 
-use campaigns::blind::{Campaign, DURATION_S, Score};
+use campaigns::blind::{Campaign, DURATION_S, EFFECTS, EFFECTS_IN_FREE_FLIGHT, Score};
+use sil_host::effects::Effect;
 
 fn score(campaign: Campaign, seeds: &[u64]) -> (Score, String) {
     let score = campaign.run(seeds, 0.5 * DURATION_S, |_, _| ());
@@ -12,6 +13,14 @@ fn score(campaign: Campaign, seeds: &[u64]) -> (Score, String) {
     }
     println!("{report}");
     (score, report)
+}
+
+#[test]
+fn every_effect_of_the_catalogue_is_hidden_in_some_log() {
+    for entry in Effect::CATALOGUE {
+        let is_hidden = EFFECTS.contains(&entry.name) || EFFECTS_IN_FREE_FLIGHT.contains(&entry.name);
+        assert!(is_hidden, "{} is not in tests/campaigns/src/blind/hidden.rs", entry.name);
+    }
 }
 
 #[test]

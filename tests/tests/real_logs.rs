@@ -5,12 +5,14 @@
 
 use campaigns::real_logs::crazyflie::{self, authors, lift_n};
 use campaigns::real_logs::crazyflie_table::{RollPitch, yaw_of};
+use campaigns::real_logs::crazyflie_yaw::yaw_sizes;
 use campaigns::real_logs::crazypad::{self, Change, MOTOR_3, MOTOR_4};
 use campaigns::real_logs::{TORQUE_SIGNS, files, load};
 use sil_host::axis::Axis;
 use sil_host::diagnosis::{Diagnosis, Subject, Verdict, diagnose, nominal_prediction};
 use sil_host::log::{Log, Quantity};
 use sil_host::prediction::Channel;
+use sil_host::vehicle::propulsion::Propulsion;
 
 /// Correlation of an input with the angular acceleration of an axis some rows later, in active rows.
 fn correlation(log: &Log, axis: Axis, input: &[f64], delay_rows: usize, span_rows: usize) -> f64 {
@@ -204,6 +206,17 @@ fn crazyflie_is_identified_beside_its_authors() {
         assert!((0.8..1.3).contains(&ratio), "{ratio}");
         // reaction torque alone explains a fraction of what it does with the rotors' own acceleration
         assert!(yaw.left_rad_s[0] < 0.4 * yaw.left_rad_s[1], "{yaw:?}");
+        // the diagnosis' sizes of either part say the same of the rotors, and the brake is mostly theirs
+        let Propulsion::Generic(rotor) = vehicle.propulsion else { panic!("a model with rotors") };
+        for [without, with] in yaw_sizes(&load(&path, "crazyflie_arplab"), &vehicle) {
+            let inertia_kg_m2 = with.inertia_scale.value * vehicle.inertia_kg_m2[2];
+            let rotors_kg_m2 = with.rotor_inertia_kg_m2.expect("a model with rotors").value;
+            let per_command_rad_s = rotors_kg_m2 * rotor.speed_slope_rad_s / inertia_kg_m2;
+            // two ways of their own: thrust curve, lag and weights differ
+            assert!((per_command_rad_s / yaw.rate_per_command_rad_s - 1.0).abs() < 0.1, "{with:?}");
+            assert!(with.error_rad_s < 0.5 * without.error_rad_s, "{without:?} {with:?}");
+            assert!(with.brake_nms.value < 0.6 * without.brake_nms.value, "{without:?} {with:?}");
+        }
     }
 }
 

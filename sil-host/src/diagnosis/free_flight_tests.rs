@@ -47,6 +47,16 @@ fn drag_of_the_rotors_is_separated_from_wind() {
     }
 }
 
+/// Each half a percent of the vehicle's inertia about z, about what a 10 inch propeller of 15 g with its motor's bell
+/// has.
+#[test]
+fn rotors_that_turn_the_vehicle_as_they_speed_up_are_found_and_not_imagined() {
+    let answer = answer_to(&log(&["rotor_inertia:inertia_kg_m2=1e-4"], 9));
+    assert_found(&answer, "rotor_inertia", "inertia_kg_m2", 1e-4);
+    let answer = answer_to(&log(&[], 10));
+    assert_eq!((answer.verdict, answer.findings.len()), (Verdict::NoDiscrepancy, 0), "{:?}", answer.findings);
+}
+
 #[test]
 fn the_ground_is_found_by_what_it_lifts() {
     let answer = answer_to(&log(&["ground_effect:height_m=1,rotor_radius_m=0.127"], 5));

@@ -2,6 +2,7 @@
 //! diagnose`").
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::Serialize;
 
@@ -32,7 +33,20 @@ pub struct Estimate {
 impl Estimate {
     /// As many decimals as the uncertainty leaves; none where there is no uncertainty.
     pub fn decimals(&self) -> Option<usize> {
-        (self.std > 0.0).then(|| (1.0 - libm::log10(self.std).floor()).clamp(0.0, 9.0) as usize)
+        (self.std > 0.0).then(|| (1.0 - libm::log10(self.std).floor()).clamp(0.0, 12.0) as usize)
+    }
+}
+
+/// Value and uncertainty with as many digits as that leaves, very small ones with their power of ten.
+impl fmt::Display for Estimate {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = libm::log10(self.value.abs().max(self.std)).floor();
+        let exponent = if size.is_finite() && size < -5.0 { size as i32 } else { 0 };
+        let unit = libm::exp10(f64::from(exponent));
+        let scaled = Estimate { value: self.value / unit, std: self.std / unit };
+        let digits = scaled.decimals().unwrap_or(6);
+        let power = if exponent == 0 { String::new() } else { format!("e{exponent}") };
+        write!(out, "{:.digits$}{power} +- {:.digits$}{power}", scaled.value, scaled.std)
     }
 }
 
@@ -176,7 +190,7 @@ fn statement(
     let numbers: Vec<String> = names
         .iter()
         .filter_map(|name| Some((name, parameters.get(name)?)))
-        .map(|(name, estimate)| format!("{name} {}", with_uncertainty(estimate)))
+        .map(|(name, estimate)| format!("{name} {estimate}"))
         .collect();
     let place = match (effect.axis(), effect.motor()) {
         (Some(axis), _) => format!(" ({})", axis.name()),
@@ -188,12 +202,6 @@ fn statement(
         statement += &format!("; this log cannot separate it from {}", confounded.join(" or "));
     }
     statement + "."
-}
-
-/// A value with as many digits as its uncertainty leaves.
-fn with_uncertainty(estimate: &Estimate) -> String {
-    let digits = estimate.decimals().unwrap_or(6);
-    format!("{:.digits$} +- {:.digits$}", estimate.value, estimate.std)
 }
 
 /// Why each hypothesis that is not among the findings is not.

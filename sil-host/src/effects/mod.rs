@@ -26,6 +26,7 @@ mod mass_error;
 mod motor_lag;
 mod periodic_disturbance;
 mod rotor_drag;
+mod rotor_inertia;
 mod scope;
 mod spring;
 mod step_disturbance;
@@ -166,6 +167,8 @@ catalogue! {
     inertia_error::InertiaError,
     /// Inertia that couples roll and pitch.
     inertia_coupling::InertiaCoupling,
+    /// Angular momentum of the rotors.
+    rotor_inertia::RotorInertia,
     /// Slower motors.
     motor_lag::MotorLag,
     /// Commands that arrive late.

@@ -11,6 +11,8 @@ pub(crate) struct Scope {
     pub(crate) scale: Scale,
     /// True where four motors drive one body; false on separate axes.
     pub(crate) is_vehicle: bool,
+    /// True where its propulsion has rotors whose speed is known: not on level `box`, nor on separate axes.
+    pub(crate) has_rotors: bool,
     /// True where a rig holds the vehicle, so that its angles show in the other axes though nobody measures them.
     pub(crate) is_held: bool,
     /// True in free flight.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::vehicle::{Onset, Rig, Scale};
+use crate::vehicle::{NetSpin, Onset, Rig, Scale};
 
 fn cg_offset(axis: Axis) -> CgOffset {
     CgOffset { axis, cos_moment_nm: 0.1, sin_moment_nm: -0.04 }
@@ -14,6 +14,7 @@ fn at(roll: f64, pitch: f64, lift_over_weight: Option<f64>) -> Motion {
         rate_rad_s: [0.0; 3],
         roll: libm::sincos(roll),
         force: [lift_over_weight.unwrap_or_default(), 0.0, 0.0, 0.0],
+        spin: NetSpin::default(),
         per_weight_1_n: lift_over_weight.map(|_| 1.0),
     }
 }
@@ -150,6 +151,7 @@ fn whole_log(flies_free: bool) -> Scope {
     Scope {
         scale: Scale { moment_nm: 1.2, inertia_kg_m2: [0.011, 0.036, 0.02], mass_kg: 1.2, arm_m: 0.226 },
         is_vehicle: true,
+        has_rotors: true,
         is_held: !flies_free,
         flies_free,
         turns: [true, true, flies_free],

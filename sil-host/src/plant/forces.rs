@@ -4,7 +4,7 @@ use super::actuation::Actuation;
 use super::free_flight::{self, FreeState, Loads};
 use crate::effects::Effect;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
-use crate::vehicle::{Air, Airframe, FreeBody, Gimbal, Moment, Motion, Onset, euler_rad};
+use crate::vehicle::{Air, Airframe, FreeBody, Gimbal, Moment, Motion, NetSpin, Onset, euler_rad};
 
 /// Roll, pitch (rad) and their rates (rad/s).
 pub(super) type GimbalState = [f64; 4];
@@ -73,6 +73,7 @@ impl Forces<'_> {
         let (state, rotors): (GimbalState, _) = split(whole);
         let drive = self.drive(extended, after_s);
         let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s);
+        let rotors_change = self.propulsion.derivative(&drive, &rotors);
         let [roll_rad, pitch_rad, roll_rate, pitch_rate] = state;
         let roll = libm::sincos(roll_rad);
         let [roll_nm, pitch_nm, _] = extended.moment_nm(&Motion {
@@ -80,6 +81,7 @@ impl Forces<'_> {
             rate_rad_s: [roll_rate, pitch_rate, 0.0],
             roll,
             force: lifts,
+            spin: Propulsion::net_spin(&rotors, &rotors_change),
             per_weight_1_n: None,
             ..extended.instant(after_s)
         });
@@ -87,10 +89,7 @@ impl Forces<'_> {
         let moment_nm = [motors_roll_nm + roll_nm, motors_pitch_nm + pitch_nm];
         let [roll_acceleration, pitch_acceleration] =
             gimbal.acceleration_rad_s2(roll, [roll_rate, pitch_rate], moment_nm);
-        join(
-            &[roll_rate, pitch_rate, roll_acceleration, pitch_acceleration],
-            &self.propulsion.derivative(&drive, &rotors),
-        )
+        join(&[roll_rate, pitch_rate, roll_acceleration, pitch_acceleration], &rotors_change)
     }
 
     /// In free flight with effects, so long after the stretch's start.
@@ -106,10 +105,11 @@ impl Forces<'_> {
         let factor = extended.ground_factor(&state);
         let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s).map(|lift_n| lift_n * factor);
         let lift_sum_n = lifts.iter().sum();
-        let loads = extended.loads(body, after_s, &state, lifts);
+        let rotors_change = self.propulsion.derivative(&drive, &rotors);
+        let loads = extended.loads(body, after_s, &state, lifts, Propulsion::net_spin(&rotors, &rotors_change));
         join(
             &free_flight::extended_derivative(body, &state, lift_sum_n, self.torque_body_nm(lifts), &loads),
-            &self.propulsion.derivative(&drive, &rotors),
+            &rotors_change,
         )
     }
 
@@ -151,6 +151,7 @@ impl Extended<'_> {
             rate_rad_s: [0.0; 3],
             roll: (0.0, 1.0),
             force: [0.0; 4],
+            spin: NetSpin::default(),
             per_weight_1_n: None,
         }
     }
@@ -174,7 +175,7 @@ impl Extended<'_> {
     }
 
     /// Torque and force of the effects in free flight.
-    pub(super) fn loads(&self, body: &FreeBody, after_s: f64, state: &FreeState, lifts_n: [f64; 4]) -> Loads {
+    fn loads(&self, body: &FreeBody, after_s: f64, state: &FreeState, lifts_n: [f64; 4], spin: NetSpin) -> Loads {
         let [_, _, _, _, _, _, w, x, y, z, rate_rad_s @ ..] = *state;
         let push_body_n = free_flight::push_body_n(self.air, state);
         if self.effects.is_empty() {
@@ -186,6 +187,7 @@ impl Extended<'_> {
             rate_rad_s,
             roll: libm::sincos(angle_rad[0]),
             force: lifts_n,
+            spin,
             per_weight_1_n: Some(body.per_weight_1_n()),
             ..self.instant(after_s)
         };

@@ -6,6 +6,7 @@
 //! | free | roll, pitch, yaw, p, q, r; then velocity north, east, down and height | [`FreeBody`], [`Air`] |
 //! | axes | angles and their derivatives | unit inertia, one input gain each |
 
+use super::force_track::ForceAndSpin;
 use crate::vehicle::{Air, Airframe, Attitude, FreeBody, Gimbal, Onset, RigidBody, euler_rates_rad_s};
 pub(crate) use crate::vehicle::{Moment, Motion};
 
@@ -43,39 +44,41 @@ impl Body {
     }
 
     /// The motion of a state, as moments see it.
-    fn motion(&self, time_s: f64, x: &Turning, roll: (f64, f64), force: [f64; 4]) -> Motion {
+    fn motion(&self, time_s: f64, x: &Turning, roll: (f64, f64), motors: ForceAndSpin) -> Motion {
         let per_weight_1_n = match self {
             Body::Free { body, .. } => Some(body.per_weight_1_n()),
             Body::Gimbal { .. } | Body::Axes { .. } => None,
         };
         let (angle_rad, rate_rad_s) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
-        Motion { time_s, onset: Onset::Ramp, angle_rad, rate_rad_s, roll, force, per_weight_1_n }
+        let ForceAndSpin { force, spin } = motors;
+        Motion { time_s, onset: Onset::Ramp, angle_rad, rate_rad_s, roll, force, spin, per_weight_1_n }
     }
 
-    /// Change of the state under forces and moments.
+    /// Change of the state under what the motors do, and moments.
     pub(crate) fn derivative(
         &self,
         time_s: f64,
         x: &Turning,
-        force: &[f64; 4],
+        motors: &ForceAndSpin,
         moments: &[Box<dyn Moment>],
     ) -> Turning {
         let roll = match self {
             Body::Axes { .. } => (0.0, 1.0),
             Body::Gimbal { .. } | Body::Free { .. } => libm::sincos(x[0]),
         };
-        let moment = sum(moments, || self.motion(time_s, x, roll, *force));
+        let moment = sum(moments, || self.motion(time_s, x, roll, *motors));
+        let force = motors.force;
         let rate = [x[3], x[4], x[5]];
         match self {
             Body::Gimbal { airframe, gimbal } => {
-                let [on_roll, on_pitch] = Gimbal::moment_nm(roll, airframe.torque_body_nm(*force));
+                let [on_roll, on_pitch] = Gimbal::moment_nm(roll, airframe.torque_body_nm(force));
                 let moment_nm = [on_roll + moment[0], on_pitch + moment[1]];
                 let [roll_acceleration, pitch_acceleration] =
                     gimbal.acceleration_rad_s2(roll, [rate[0], rate[1]], moment_nm);
                 [rate[0], rate[1], 0.0, roll_acceleration, pitch_acceleration, 0.0]
             }
             Body::Free { airframe, body } => {
-                free(body, roll, libm::sincos(x[1]), rate, airframe.torque_body_nm(*force), moment)
+                free(body, roll, libm::sincos(x[1]), rate, airframe.torque_body_nm(force), moment)
             }
             Body::Axes { gain_rad_s2 } => {
                 let acceleration = |i: usize| gain_rad_s2[i] * force[i] + moment[i];
@@ -89,19 +92,20 @@ impl Body {
         &self,
         time_s: f64,
         x: &State,
-        force: &[f64; 4],
+        motors: &ForceAndSpin,
         moments: &[Box<dyn Moment>],
         air: &Air,
     ) -> State {
         let factor = air.lift_factor(x[9]);
-        let lifts_n = force.map(|lift_n| factor * lift_n);
+        let lifts_n = motors.force.map(|lift_n| factor * lift_n);
+        let motors = ForceAndSpin { force: lifts_n, ..*motors };
         let Body::Free { airframe, body } = self else {
-            let [a, b, c, d, e, f] = self.derivative(time_s, &turning(x), &lifts_n, moments);
+            let [a, b, c, d, e, f] = self.derivative(time_s, &turning(x), &motors, moments);
             return [a, b, c, d, e, f, 0.0, 0.0, 0.0, 0.0];
         };
         let [roll, pitch, yaw, p, q, r, north, east, down, _] = *x;
         let attitude = Attitude::of([roll, pitch, yaw]);
-        let moment = sum(moments, || self.motion(time_s, &turning(x), attitude.roll, lifts_n));
+        let moment = sum(moments, || self.motion(time_s, &turning(x), attitude.roll, motors));
         let torque = airframe.torque_body_nm(lifts_n);
         let [a, b, c, d, e, f] = free(body, attitude.roll, attitude.pitch, [p, q, r], torque, moment);
         let push = air.push_n(attitude.in_body(air.against_m_s([north, east, down])));

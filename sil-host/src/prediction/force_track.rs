@@ -3,10 +3,10 @@
 //! What the motors do depends on the commands alone, not on the motion, so it is computed once per log and reused by
 //! every window. The motors are integrated in fine steps that end at every change of a command, the body in coarser
 //! ones; per coarse step the force's mean and first moment are kept, with which a rigid body's step is exact in impulse
-//! and in displacement whatever the force does within it.
+//! and in displacement whatever the force does within it. So are those of the rotors' net spin and of its change.
 
 use crate::vehicle::propulsion::{Propulsion, RotorState};
-use crate::vehicle::{CommandPath, on_the_way};
+use crate::vehicle::{CommandPath, NetSpin, on_the_way, spin_sum};
 
 /// Longest step of the body, s.
 const BODY_STEP_MAX_S: f64 = 5e-3;
@@ -55,6 +55,15 @@ pub(crate) struct Commands {
     pub(crate) value: Vec<[f64; 4]>,
 }
 
+/// What the motors do at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ForceAndSpin {
+    /// The four forces.
+    pub(crate) force: [f64; 4],
+    /// How the rotors turn; still without motors.
+    pub(crate) spin: NetSpin,
+}
+
 /// One step of the body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
@@ -62,10 +71,26 @@ pub(crate) struct Step {
     pub(crate) start_s: f64,
     /// How long it is, s.
     pub(crate) duration_s: f64,
-    /// Mean of the forces.
-    pub(crate) mean: [f64; 4],
-    /// Half the change of the straight line with the forces' mean and first moment.
-    pub(crate) half_change: [f64; 4],
+    /// Mean over the step.
+    mean: ForceAndSpin,
+    /// Half the change of the straight line with the mean and the first moment.
+    half_change: ForceAndSpin,
+}
+
+impl Step {
+    /// Along the step, from -1 at its beginning to 1 at its end, with factors on the forces.
+    #[inline]
+    pub(crate) fn at(&self, place: f64, factor: &[f64; 4]) -> ForceAndSpin {
+        let (mean, half_change) = (&self.mean, &self.half_change);
+        let acceleration_rad_s2 = mean.spin.acceleration_rad_s2 + place * half_change.spin.acceleration_rad_s2;
+        ForceAndSpin {
+            force: core::array::from_fn(|i| factor[i] * (mean.force[i] + place * half_change.force[i])),
+            spin: NetSpin {
+                speed_rad_s: mean.spin.speed_rad_s + place * half_change.spin.speed_rad_s,
+                acceleration_rad_s2,
+            },
+        }
+    }
 }
 
 /// The forces over a whole log.
@@ -155,10 +180,17 @@ impl<'a> Motors<'a> {
         }
     }
 
+    /// The rotors' net spin now, rad/s.
+    fn spin_rad_s(&self) -> f64 {
+        let [a, b, c, d, ..] = self.rotors;
+        spin_sum([a, b, c, d])
+    }
+
     /// One step of the body, in motor steps that end where a command arrives.
     fn body_step(&mut self, commands: &Commands, start_s: f64, duration_s: f64) -> Step {
         let (end_s, centre_s) = (start_s + duration_s, start_s + 0.5 * duration_s);
-        let (mut sum, mut moment) = ([0.0; 4], [0.0; 4]);
+        let (mut sum, mut moment) = ([0.0; 5], [0.0; 5]);
+        let spin_before = self.spin_rad_s();
         let mut now_s = start_s;
         while now_s < end_s - TIME_ROUNDING_S {
             let next_change_s = self.receive(commands, now_s);
@@ -167,8 +199,8 @@ impl<'a> Motors<'a> {
             let step_s = (until_s - now_s) / count;
             for _ in 0..count as usize {
                 let [begin, middle, end] = self.motor_step(step_s);
-                for i in 0..4 {
-                    // Simpson's rule for the force and for the force times its distance from the centre
+                for i in 0..5 {
+                    // Simpson's rule for each and for each times its distance from the centre
                     let at = now_s - centre_s;
                     sum[i] += step_s / 6.0 * (begin[i] + 4.0 * middle[i] + end[i]);
                     moment[i] +=
@@ -178,11 +210,21 @@ impl<'a> Motors<'a> {
             }
             now_s = until_s;
         }
+        let [force @ .., speed_rad_s] = sum.map(|sum| sum / duration_s);
+        let [force_change @ .., speed_change] = moment.map(|moment| 6.0 * moment / (duration_s * duration_s));
+        // the integrals of the acceleration and of its first moment, the latter by parts
+        let (before, after) = (spin_before, self.spin_rad_s());
+        let acceleration_rad_s2 = (after - before) / duration_s;
+        let acceleration_change = 6.0 * (0.5 * (before + after) - speed_rad_s) / duration_s;
+        let of = |force, speed_rad_s, acceleration_rad_s2| ForceAndSpin {
+            force,
+            spin: NetSpin { speed_rad_s, acceleration_rad_s2 },
+        };
         Step {
             start_s,
             duration_s,
-            mean: sum.map(|sum| sum / duration_s),
-            half_change: moment.map(|moment| 6.0 * moment / (duration_s * duration_s)),
+            mean: of(force, speed_rad_s, acceleration_rad_s2),
+            half_change: of(force_change, speed_change, acceleration_change),
         }
     }
 
@@ -203,8 +245,8 @@ impl<'a> Motors<'a> {
         }
     }
 
-    /// Forces at the begin, in the middle and at the end of a step under one command.
-    fn motor_step(&mut self, step_s: f64) -> [[f64; 4]; 3] {
+    /// At the begin, in the middle and at the end of a step under one command.
+    fn motor_step(&mut self, step_s: f64) -> [Tracked; 3] {
         let begin = self.driving;
         let (middle, end) = if self.path.lag_s > 0.0 {
             let half_left = self.path.left_after(0.5 * step_s);
@@ -217,7 +259,7 @@ impl<'a> Motors<'a> {
         };
         self.driving = end;
         match self.drive {
-            Drive::Direct => [begin, middle, end],
+            Drive::Direct => [begin, middle, end].map(|force| tracked(force, 0.0)),
             Drive::Motors(propulsion) => rotor_step(propulsion, &mut self.rotors, &[begin, middle, end], step_s),
         }
     }
@@ -230,9 +272,16 @@ pub(crate) fn clipped(command: [f64; 4], path: &CommandPath, drive: &Drive) -> [
     })
 }
 
-/// One step of the four rotors (Runge-Kutta 4), and their lifts at its begin, middle and end; the speed in the middle
-/// by the cubic through both ends.
-fn rotor_step(propulsion: &Propulsion, rotors: &mut RotorState, drives: &[[f64; 4]; 3], step_s: f64) -> [[f64; 4]; 3] {
+/// The four forces, then the rotors' net spin, rad/s.
+type Tracked = [f64; 5];
+
+fn tracked([a, b, c, d]: [f64; 4], spin_rad_s: f64) -> Tracked {
+    [a, b, c, d, spin_rad_s]
+}
+
+/// One step of the four rotors (Runge-Kutta 4), and their lifts and spin at its begin, middle and end; the speed in the
+/// middle by the cubic through both ends.
+fn rotor_step(propulsion: &Propulsion, rotors: &mut RotorState, drives: &[[f64; 4]; 3], step_s: f64) -> [Tracked; 3] {
     let shifted = |by: &RotorState, scale: f64| -> RotorState { core::array::from_fn(|i| rotors[i] + scale * by[i]) };
     let k1 = propulsion.derivative(&drives[0], rotors);
     let k2 = propulsion.derivative(&drives[1], &shifted(&k1, 0.5 * step_s));
@@ -245,11 +294,11 @@ fn rotor_step(propulsion: &Propulsion, rotors: &mut RotorState, drives: &[[f64; 
     }
     let slope = propulsion.derivative(&drives[2], &end);
     let middle: RotorState = core::array::from_fn(|i| 0.5 * (rotors[i] + end[i]) + step_s / 8.0 * (k1[i] - slope[i]));
-    let lifts = [
-        propulsion.lifts_n(&drives[0], rotors),
-        propulsion.lifts_n(&drives[1], &middle),
-        propulsion.lifts_n(&drives[2], &end),
-    ];
+    let at = |drive: &[f64; 4], rotors: &RotorState| {
+        let [a, b, c, d, ..] = *rotors;
+        tracked(propulsion.lifts_n(drive, rotors), spin_sum([a, b, c, d]))
+    };
+    let along = [at(&drives[0], rotors), at(&drives[1], &middle), at(&drives[2], &end)];
     *rotors = end;
-    lifts
+    along
 }

@@ -7,7 +7,7 @@ use crate::effects::Effect;
 use crate::model::VehicleModel;
 use crate::prediction::Channel;
 use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
-use crate::prediction::force_track::{Commands, Drive, ForceTrack, Step};
+use crate::prediction::force_track::{Commands, Drive, ForceAndSpin, ForceTrack, Step};
 use crate::vehicle::{Airframe, Changes, NominalBody};
 
 /// Parts of a step of the body in which dry friction turns round, a millisecond or two.
@@ -61,9 +61,9 @@ impl Reports {
     }
 }
 
-/// How the numbers of a motion change: at a time, from a state, under forces.
-trait Change<const N: usize>: Fn(f64, &[f64; N], &[f64; 4]) -> [f64; N] {}
-impl<const N: usize, F: Fn(f64, &[f64; N], &[f64; 4]) -> [f64; N]> Change<N> for F {}
+/// How the numbers of a motion change: at a time, from a state, under what the motors do.
+trait Change<const N: usize>: Fn(f64, &[f64; N], &ForceAndSpin) -> [f64; N] {}
+impl<const N: usize, F: Fn(f64, &[f64; N], &ForceAndSpin) -> [f64; N]> Change<N> for F {}
 
 impl Model {
     /// A vehicle with the effects that its model has.
@@ -120,13 +120,14 @@ impl Model {
     pub(crate) fn predict(&self, scene: &Scene<'_>, start: &State, first: usize, end: usize) -> Reports {
         let mut flying = Vec::new();
         let turning = if self.body.flies_free() {
-            let change = |at_s: f64, x: &State, force: &[f64; 4]| {
-                self.body.flying_derivative(at_s, x, force, &self.moments, &self.changes.air)
+            let change = |at_s: f64, x: &State, motors: &ForceAndSpin| {
+                self.body.flying_derivative(at_s, x, motors, &self.moments, &self.changes.air)
             };
             flying.reserve_exact(end - first);
             self.follow::<FLYING>(scene, start, first..end, change, |row, x| flying.push(self.flying(scene, row, x)))
         } else {
-            let change = |at_s: f64, x: &Turning, force: &[f64; 4]| self.body.derivative(at_s, x, force, &self.moments);
+            let change =
+                |at_s: f64, x: &Turning, motors: &ForceAndSpin| self.body.derivative(at_s, x, motors, &self.moments);
             self.follow::<TURNING>(scene, &turning(start), first..end, change, |_, _| ())
         };
         Reports { turning, flying }
@@ -181,21 +182,18 @@ impl Model {
         change: &impl Change<N>,
     ) -> [f64; N] {
         let factor = self.factors(scene, step.start_s, step.start_s + 0.5 * step.duration_s);
-        // the forces along the step, from -1 at its beginning to 1 at its end
-        let force = |place: f64| -> [f64; 4] {
-            core::array::from_fn(|i| factor[i] * (step.mean[i] + place * step.half_change[i]))
-        };
+        let motors = |place: f64| step.at(place, &factor);
         let (begin, from_s) =
             if duration_s < 0.0 { (1.0, step.start_s + step.duration_s) } else { (-1.0, step.start_s) };
-        let count = self.parts(from_s, x, &force(begin), duration_s, change);
+        let count = self.parts(from_s, x, &motors(begin), duration_s, change);
         let parts = f64::from(count);
         let part_s = duration_s / parts;
         let mut state = *x;
         for part in 0..count {
             let passed = f64::from(part) / parts;
             let place = |share: f64| begin * (1.0 - 2.0 * (passed + share / parts));
-            let forces = [force(place(0.0)), force(place(0.5)), force(place(1.0))];
-            state = runge_kutta_4(from_s + passed * duration_s, &state, &forces, part_s, change);
+            let along = [motors(place(0.0)), motors(place(0.5)), motors(place(1.0))];
+            state = runge_kutta_4(from_s + passed * duration_s, &state, &along, part_s, change);
         }
         state
     }
@@ -205,14 +203,14 @@ impl Model {
         &self,
         from_s: f64,
         x: &[f64; N],
-        force: &[f64; 4],
+        motors: &ForceAndSpin,
         duration_s: f64,
         change: &impl Change<N>,
     ) -> u8 {
         if self.turns_round_rad_s == [None; 3] {
             return 1;
         }
-        let change = change(from_s, x, force);
+        let change = change(from_s, x, motors);
         let turns_round = (0..3).any(|axis| {
             let passed_rad_s = (change[3 + axis] * duration_s).abs();
             self.turns_round_rad_s[axis]
@@ -252,7 +250,8 @@ impl Model {
     pub(crate) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
         const STEP: f64 = 0.01;
         let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
-            let change = self.body.derivative(0.0, &[0.0; TURNING], &self.drive.settled(commands), &[]);
+            let settled = ForceAndSpin { force: self.drive.settled(commands), ..ForceAndSpin::default() };
+            let change = self.body.derivative(0.0, &[0.0; TURNING], &settled, &[]);
             [change[3], change[4], change[5]]
         };
         core::array::from_fn(|i| {
@@ -279,12 +278,12 @@ fn turned<const N: usize>(x: &[f64; N]) -> Turning {
     core::array::from_fn(|i| x[i])
 }
 
-/// Runge-Kutta 4, under forces at the beginning, in the middle and at the end.
+/// Runge-Kutta 4, under what the motors do at the beginning, in the middle and at the end.
 #[inline]
 fn runge_kutta_4<const N: usize>(
     from_s: f64,
     x: &[f64; N],
-    [first, middle, last]: &[[f64; 4]; 3],
+    [first, middle, last]: &[ForceAndSpin; 3],
     duration_s: f64,
     change: &impl Change<N>,
 ) -> [f64; N] {

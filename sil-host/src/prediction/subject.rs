@@ -12,6 +12,7 @@ use crate::effects::{Effect, Needs, Scope};
 use crate::log::{Log, Quantity};
 use crate::model::{Rig, VehicleModel};
 use crate::vehicle::Scale;
+use crate::vehicle::propulsion::Level;
 
 /// Why a log without some column is refused.
 const KNOWN_EFFECT: &str = "is what an effect of the vehicle model acts by";
@@ -46,6 +47,10 @@ impl Subject<'_> {
     /// True on the testbed, whose ring and rod hold the vehicle.
     pub(crate) fn is_held(&self) -> bool {
         matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal)
+    }
+
+    fn has_rotors(&self) -> bool {
+        matches!(self, Subject::Vehicle(model) if model.propulsion.level() != Level::Box)
     }
 
     /// True where nothing holds the vehicle: its way through the air is compared too.
@@ -95,6 +100,7 @@ impl Subject<'_> {
         Scope {
             scale: self.scale(),
             is_vehicle: matches!(self, Subject::Vehicle(_)),
+            has_rotors: self.has_rotors(),
             is_held: self.is_held(),
             flies_free: self.flies_free(),
             turns,

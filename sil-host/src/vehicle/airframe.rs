@@ -30,6 +30,24 @@ pub(crate) fn signed_sums<T: Copy + Add<Output = T> + Sub<Output = T>>(per_motor
     TURNING.map(|[a, b, c, d]| per_motor[a] + per_motor[b] - per_motor[c] - per_motor[d])
 }
 
+/// What the rotors' speeds are about the body's z axis, summed: positive where those that turn clockwise, seen from
+/// above, have more. Still where the propulsion has no rotors.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct NetSpin {
+    /// Sum, rad/s.
+    pub(crate) speed_rad_s: f64,
+    /// Its rate of change, rad/s².
+    pub(crate) acceleration_rad_s2: f64,
+}
+
+/// A motor's number with the sign in which its rotor turns about the body's z axis, summed over the motors.
+#[inline]
+pub(crate) fn spin_sum(per_motor: [f64; 4]) -> f64 {
+    // the air holds a rotor back, and so its reaction torque turns the body against its spin
+    let [_, _, reaction] = signed_sums(per_motor);
+    -reaction
+}
+
 /// How lifts become torques.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Airframe {

@@ -22,7 +22,7 @@ mod sensor_chain;
 
 pub(crate) use actuator_chain::{ActuatorChain, CommandPath, on_the_way};
 pub(crate) use air::Air;
-pub(crate) use airframe::{Airframe, signed_sums};
+pub(crate) use airframe::{Airframe, NetSpin, signed_sums, spin_sum};
 pub(crate) use attitude::{Attitude, euler_rad, euler_rates_rad_s, quaternion_world_from_body};
 pub(crate) use changes::{BodyChange, Changes};
 pub(crate) use free_body::FreeBody;

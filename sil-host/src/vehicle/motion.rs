@@ -1,5 +1,7 @@
 //! The motion as moments see it, and the moments that depend on it.
 
+use super::{Gimbal, NetSpin};
+
 /// What a moment may depend on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
@@ -15,6 +17,8 @@ pub(crate) struct Motion {
     pub(crate) roll: (f64, f64),
     /// The four forces: the motors' lifts, N; on separate axes the axis commands.
     pub(crate) force: [f64; 4],
+    /// How the rotors turn; still on separate axes.
+    pub(crate) spin: NetSpin,
     /// One over the weight that the lifts carry, 1/N; none where a rig carries it.
     pub(crate) per_weight_1_n: Option<f64>,
 }
@@ -50,6 +54,25 @@ impl Motion {
     #[inline]
     pub(crate) fn lift_over_weight(&self) -> Option<f64> {
         self.per_weight_1_n.map(|per_weight_1_n| self.force.iter().sum::<f64>() * per_weight_1_n)
+    }
+
+    /// Body rates p, q, r, rad/s.
+    pub(crate) fn rate_body_rad_s(&self) -> [f64; 3] {
+        match self.per_weight_1_n {
+            Some(_) => self.rate_rad_s,
+            None => Gimbal::rate_body_rad_s(self.roll, [self.rate_rad_s[0], self.rate_rad_s[1]]),
+        }
+    }
+
+    /// A torque about the body's axes, N m, as [`Moment::add`] adds moments.
+    pub(crate) fn moment_of(&self, torque_body_nm: [f64; 3]) -> [f64; 3] {
+        match self.per_weight_1_n {
+            Some(_) => torque_body_nm,
+            None => {
+                let [roll_nm, pitch_nm] = Gimbal::moment_nm(self.roll, torque_body_nm);
+                [roll_nm, pitch_nm, 0.0]
+            }
+        }
     }
 }
 

@@ -36,7 +36,7 @@ impl Case {
     }
 
     fn nominal(&self) -> VehicleModel {
-        VehicleModel::parse(&model_file(self.rig), "test").unwrap()
+        VehicleModel::parse(&model_file(self.rig, self.page.rotor_lag_s), "test").unwrap()
     }
 
     fn flown(&self) -> Vec<Row> {

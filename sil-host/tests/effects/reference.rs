@@ -16,20 +16,39 @@ const REACTION_M: f64 = 0.02;
 /// Lift of a motor over its command: a straight line, at once.
 const LIFT_AT_0_N: f64 = -1.0;
 const LIFT_SLOPE_N: f64 = 8.0;
+/// With rotors: lift over the square of a rotor's speed, and the speed over the command, which hover and lift there as
+/// the straight line does.
+const LIFT_N_S2: f64 = 1e-5;
+const SPEED_AT_0: f64 = 179.0;
+const SPEED_SLOPE: f64 = 737.0;
 
-/// The same vehicle as a model file.
-pub fn model_file(rig: Rig) -> String {
+/// The same vehicle as a model file, with rotors that lag by a time constant, s, or, at 0, without.
+pub fn model_file(rig: Rig, rotor_lag_s: f64) -> String {
+    let (level, propulsion) = if rotor_lag_s > 0.0 {
+        let lines = format!(
+            "speed_offset_rad_s = {SPEED_AT_0:?}\nspeed_slope_rad_s = {SPEED_SLOPE:?}\n\
+             time_constant_s = {rotor_lag_s:?}\nlift_n_s2 = {LIFT_N_S2:?}\n\
+             reaction_torque_nm_s2 = {:?}\n",
+            REACTION_M * LIFT_N_S2
+        );
+        ("generic", lines)
+    } else {
+        let lines = format!(
+            "lift_offset_n = {LIFT_AT_0_N:?}\nlift_slope_n = {LIFT_SLOPE_N:?}\n\
+             reaction_torque_per_lift_m = {REACTION_M}\n"
+        );
+        ("box", lines)
+    };
     let [ixx, iyy, izz] = INERTIA_KG_M2;
     let (name, body, ring) = match rig {
         Rig::Gimbal => ("gimbal", String::new(), format!("[ring]\ninertia_kg_m2 = {RING_KG_M2}\n")),
         Rig::Free => ("free", format!("mass_kg = {MASS_KG}\n"), String::new()),
     };
     format!(
-        "name = \"test\"\nrig = \"{name}\"\nlevel = \"box\"\n\
+        "name = \"test\"\nrig = \"{name}\"\nlevel = \"{level}\"\n\
          gravity_m_s2 = {GRAVITY_M_S2}\narm_m = {ARM_M}\nbase_command = {}\n\
          [body]\nixx_kg_m2 = {ixx}\niyy_kg_m2 = {iyy}\nizz_kg_m2 = {izz}\n{body}{ring}\
-         [propulsion]\nlift_offset_n = {LIFT_AT_0_N:?}\nlift_slope_n = {LIFT_SLOPE_N:?}\n\
-         reaction_torque_per_lift_m = {REACTION_M}\n\
+         [propulsion]\n{propulsion}\
          [noise]\ngyro_rad_s = 0\naccel_m_s2 = 0\nattitude_rad = 0\nvelocity_m_s = 0\nheight_m = 0\n",
         hover()
     )
@@ -58,6 +77,9 @@ pub struct Moving {
     pub rate: [f64; 3],
     /// Sum of the lifts, N.
     pub lift_n: f64,
+    /// Speeds of the rotors and their derivatives; 0 without rotors.
+    pub rotor_speed: [f64; 4],
+    pub rotor_acceleration: [f64; 4],
 }
 
 /// What an effect adds, by its equation in docs/effects.md.
@@ -73,6 +95,8 @@ pub struct Page {
     pub delay_s: f64,
     pub range: [f64; 2],
     pub lag_s: f64,
+    /// Time constant of the rotors' speed; 0 where the lift follows the command at once, without rotors.
+    pub rotor_lag_s: f64,
     pub inertia: [f64; 3],
     pub product: f64,
     pub mass: f64,
@@ -92,6 +116,7 @@ pub const NOMINAL: Page = Page {
     delay_s: 0.0,
     range: [0.0, 1.0],
     lag_s: 0.0,
+    rotor_lag_s: 0.0,
     inertia: [1.0; 3],
     product: 0.0,
     mass: 1.0,
@@ -115,8 +140,8 @@ pub struct Row {
     pub command: [f64; 4],
 }
 
-/// Roll, pitch, yaw; their derivatives or p, q, r; velocity; place down; the lagged commands.
-type State = [f64; 14];
+/// Roll, pitch, yaw; their derivatives or p, q, r; velocity; place down; the lagged commands; the rotors' speeds.
+type State = [f64; 18];
 
 pub struct Reference {
     rig: Rig,
@@ -130,8 +155,12 @@ pub struct Reference {
 
 impl Reference {
     pub fn new(rig: Rig, page: Page, start_height: f64, fall_v_s: f64) -> Self {
-        let mut state = [0.0; 14];
-        state[10..].copy_from_slice(&[hover().clamp(page.range[0], page.range[1]); 4]);
+        let mut state = [0.0; 18];
+        let command = hover().clamp(page.range[0], page.range[1]);
+        state[10..14].copy_from_slice(&[command; 4]);
+        if page.rotor_lag_s > 0.0 {
+            state[14..].copy_from_slice(&[SPEED_AT_0 + SPEED_SLOPE * command; 4]);
+        }
         Self { rig, page, state, start_height, fall_v_s, given: Vec::new() }
     }
 
@@ -155,11 +184,28 @@ impl Reference {
         arrived.map(|command| command.max(self.page.range[0]).min(self.page.range[1]))
     }
 
+    /// The motor's command behind the lag on it.
+    fn driving(&self, state: &State, arrived: [f64; 4], motor: usize) -> f64 {
+        if self.page.lag_s > 0.0 { state[10 + motor] } else { arrived[motor] }
+    }
+
     fn lifts(&self, time_s: f64, state: &State, arrived: [f64; 4]) -> [f64; 4] {
         let factors = (self.page.lift)(time_s, self.volts(time_s), self.start_height - state[9]);
         std::array::from_fn(|motor| {
-            let command = if self.page.lag_s > 0.0 { state[10 + motor] } else { arrived[motor] };
-            factors[motor] * (LIFT_AT_0_N + LIFT_SLOPE_N * command).max(0.0)
+            let lift = if self.page.rotor_lag_s > 0.0 {
+                LIFT_N_S2 * state[14 + motor] * state[14 + motor]
+            } else {
+                (LIFT_AT_0_N + LIFT_SLOPE_N * self.driving(state, arrived, motor)).max(0.0)
+            };
+            factors[motor] * lift
+        })
+    }
+
+    /// docs/rig.md, level `generic`.
+    fn rotor_accelerations(&self, state: &State, arrived: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|motor| {
+            let target = (SPEED_AT_0 + SPEED_SLOPE * self.driving(state, arrived, motor)).max(0.0);
+            if self.page.rotor_lag_s > 0.0 { (target - state[14 + motor]) / self.page.rotor_lag_s } else { 0.0 }
         })
     }
 
@@ -177,8 +223,18 @@ impl Reference {
         let h = ARM_M / std::f64::consts::SQRT_2;
         let tau = [h * (f2 + f3 - f1 - f4), h * (f1 + f3 - f2 - f4), REACTION_M * (f1 + f2 - f3 - f4)];
         let (angle, rate) = (angles(state), [state[3], state[4], state[5]]);
-        let q = (self.page.moment)(&Moving { time_s, step_start_s: self.time(), angle, rate, lift_n });
-        let mut change = [0.0; 14];
+        let rotor_acceleration = self.rotor_accelerations(state, arrived);
+        let q = (self.page.moment)(&Moving {
+            time_s,
+            step_start_s: self.time(),
+            angle,
+            rate,
+            lift_n,
+            rotor_speed: [state[14], state[15], state[16], state[17]],
+            rotor_acceleration,
+        });
+        let mut change = [0.0; 18];
+        change[14..].copy_from_slice(&rotor_acceleration);
         if self.page.lag_s > 0.0 {
             for motor in 0..4 {
                 change[10 + motor] = (arrived[motor] - state[10 + motor]) / self.page.lag_s;

@@ -2,6 +2,7 @@
 
 use super::{close, unpowered, with_effects, world_from_body};
 use crate::model::{Mounting, Rig, VehicleModel};
+use crate::vehicle::propulsion::Propulsion;
 
 const MASS_KG: f64 = 1.2;
 
@@ -92,6 +93,38 @@ fn a_body_with_a_product_of_inertia_conserves_energy_and_momentum() {
     assert!((end.0 / start.0 - 1.0).abs() < 1e-9);
     for axis in 0..3 {
         assert!(close(end.1[axis], start.1[axis], 1e-10), "{start:?} {end:?}");
+    }
+}
+
+/// Without reaction torque nothing turns the vehicle from outside while its rotors speed up in pairs: the momentum of
+/// body and rotors keeps its size and its direction, whatever passes from one to the other.
+#[test]
+fn body_and_rotors_conserve_their_angular_momentum() {
+    let mut model = VehicleModel::nominal(Rig::Free);
+    let Propulsion::Device(device) = &mut model.propulsion else { panic!("not the device") };
+    device.reaction_torque_nm_s2 = 0.0;
+    model.inertia_kg_m2 = [0.011, 0.014, 0.02];
+    let [ixx, iyy, izz] = model.inertia_kg_m2;
+    let mut plant = with_effects(model, &["rotor_inertia:inertia_kg_m2=3e-4"]);
+    plant.set_attitude([0.2, -0.3, 0.4], [1.0, -0.7, 0.5]);
+    let state = |plant: &crate::plant::Plant| {
+        let truth = plant.truth();
+        let ([p, q, r], [w1, w2, w3, w4]) = (truth.rate_body_rad_s, truth.motor_speed_rad_s);
+        // about z, down: 1 and 2 turn counter-clockwise from above
+        let rotors = 3e-4 * (w3 + w4 - w1 - w2);
+        (r, world_from_body(truth.q_world_from_body, [ixx * p, iyy * q, izz * r + rotors]))
+    };
+    let (yaw_rate, start) = state(&plant);
+    // motors 1 and 2 turn the nose to the right, and begin to at once
+    plant.set_commands([0.7, 0.7, 0.4, 0.4]);
+    plant.advance(0.02);
+    assert!(state(&plant).0 > yaw_rate + 0.1, "{:?}", state(&plant));
+    for _ in 0..20 {
+        plant.advance(0.1);
+        let (_, now) = state(&plant);
+        for axis in 0..3 {
+            assert!(close(now[axis], start[axis], 1e-9), "{start:?} {now:?}");
+        }
     }
 }
 

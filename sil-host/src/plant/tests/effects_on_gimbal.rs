@@ -4,6 +4,7 @@
 use super::{close, unpowered, with_effects};
 use crate::model::{Mounting, Rig, VehicleModel};
 use crate::plant::Plant;
+use crate::vehicle::propulsion::Propulsion;
 
 const IXX: f64 = 0.011_511_8;
 /// About pitch, level: ring and body.
@@ -150,6 +151,35 @@ fn changed_inertias_conserve_energy_and_the_momentum_about_pitch() {
             );
         }
     }
+}
+
+/// Without reaction torque only the ring's bearing holds the vehicle, and has no torque about pitch: the momentum of
+/// ring, body and rotors about it is constant.
+#[test]
+fn rotors_conserve_the_momentum_about_pitch() {
+    let mut model = VehicleModel::nominal(Rig::Gimbal);
+    let Propulsion::Device(device) = &mut model.propulsion else { panic!("not the device") };
+    device.reaction_torque_nm_s2 = 0.0;
+    let Mounting::Gimbal { ring_inertia_kg_m2: ring } = model.mounting else { panic!("not the gimbal") };
+    let [_, iyy, izz] = model.inertia_kg_m2;
+    let momentum = |plant: &Plant| {
+        let truth = plant.truth();
+        let (sin, cos) = libm::sincos(truth.roll_rad);
+        let [w1, w2, w3, w4] = truth.motor_speed_rad_s;
+        let j = ring + iyy * cos * cos + izz * sin * sin;
+        // the rotors' part lies along the body's z axis, whose share in pitch is -sin(roll)
+        j * truth.euler_rate_rad_s[1] - 2e-4 * (w3 + w4 - w1 - w2) * sin
+    };
+    let mut plant = with_effects(model, &["rotor_inertia:inertia_kg_m2=2e-4"]);
+    plant.set_attitude([0.5, 0.2, 0.0], [0.4, 0.0, 0.0]);
+    let start = momentum(&plant);
+    plant.set_commands([0.7, 0.7, 0.3, 0.3]);
+    for _ in 0..20 {
+        plant.advance(0.05);
+        assert!(close(momentum(&plant), start, 1e-10), "{start} {}", momentum(&plant));
+    }
+    // what the body took over
+    assert!(plant.truth().euler_rate_rad_s[1].abs() > 0.1, "{:?}", plant.truth());
 }
 
 /// Two springs on coupled axes: the modes solve `det(K - w^2 M) = 0`.

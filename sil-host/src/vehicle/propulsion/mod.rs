@@ -13,6 +13,7 @@ mod device;
 mod flying_box;
 mod generic;
 
+use super::{NetSpin, spin_sum};
 use crate::document::{Admissible, ModelError, Section, Table, admissible};
 
 pub use device::{DevicePropulsion, Esc};
@@ -166,6 +167,13 @@ impl Propulsion {
             Self::Generic(rotor) => speeds.map(|speed| rotor.lift_n(speed)),
             Self::Device(device) => speeds.map(|speed| device.lift_n(speed)),
         }
+    }
+
+    /// The rotors' spin about the body's z axis, of their state and its rate of change.
+    #[inline]
+    pub(crate) fn net_spin(rotors: &RotorState, change: &RotorState) -> NetSpin {
+        let of = |[a, b, c, d, ..]: &RotorState| spin_sum([*a, *b, *c, *d]);
+        NetSpin { speed_rad_s: of(rotors), acceleration_rad_s2: of(change) }
     }
 
     /// Longest integration step that still follows the fastest part of it, s.

@@ -3,6 +3,7 @@
 
 use campaigns::real_logs::crazyflie::vehicle;
 use campaigns::real_logs::crazyflie_table::{RollPitch, yaw_of};
+use campaigns::real_logs::crazyflie_yaw::yaw_sizes;
 use campaigns::real_logs::{bench, crazypad, files, folder, load};
 
 fn main() {
@@ -19,7 +20,13 @@ fn main() {
         println!("{}", RollPitch::of(&load(&path, "crazyflie_arplab"), &vehicle()));
     }
     for path in files("flight_crazyflie_arplab", "log16") {
-        print!("{}", yaw_of(&load(&path, "crazyflie_arplab")));
+        let log = load(&path, "crazyflie_arplab");
+        println!("{}", yaw_of(&log));
+        println!("| part, s | Izz over the model's | brake, 1e-5 N m s | a rotor, 1e-8 kg m^2 | error of r, rad/s |");
+        println!("|---|---|---|---|---|");
+        for [without, with] in yaw_sizes(&log, &vehicle()) {
+            print!("{without}{with}");
+        }
     }
     println!("\n# Crazyflies with weights and cut propellers (CrazyPAD)\n");
     println!("| flight | thrust, % | V | roll, % | pitch, % | yaw, % |\n|---|---|---|---|---|---|");

@@ -63,7 +63,7 @@ impl Campaign {
 
     /// Seeds of about a tenth of it, and how many of them are answered right: fewer is a step back. All effects occur
     /// among the singles, every second where commands are lost, all kinds of things outside the catalogue, and mass,
-    /// drag, ground and wind in free flight.
+    /// drag, ground, wind and rotors in free flight.
     pub fn tenth(self) -> (Vec<u64>, usize) {
         match self {
             Campaign::Singles => ((0..20).collect(), 20),
@@ -72,7 +72,7 @@ impl Campaign {
             Campaign::Pairs => ((0..6).collect(), 6),
             Campaign::Triples => ((0..6).collect(), 5),
             Campaign::Outside => ((0..7).collect(), 7),
-            Campaign::Free => (vec![0, 5, 10, 36], 4),
+            Campaign::Free => (vec![0, 5, 10, 15, 21], 5),
         }
     }
 

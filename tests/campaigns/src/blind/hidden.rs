@@ -6,7 +6,7 @@ use sil_host::sensors::random::RandomStream;
 
 use super::conditions::LOW_START_M;
 
-/// Effects, equally often.
+/// Effects on the gimbal, equally often. The rotors' inertia is not among them: where yaw is locked it hardly shows.
 pub const EFFECTS: [&str; 19] = [
     "cg_offset",
     "torque_bias",
@@ -30,8 +30,8 @@ pub const EFFECTS: [&str; 19] = [
 ];
 
 /// Effects of free flight, equally often: those that mean something without bearings, and those of the way through the
-/// air.
-pub const EFFECTS_IN_FREE_FLIGHT: [&str; 21] = [
+/// air. A new one stands last, so that the first seeds hide what they did.
+pub const EFFECTS_IN_FREE_FLIGHT: [&str; 22] = [
     "mass_error",
     "cg_offset",
     "torque_bias",
@@ -53,6 +53,7 @@ pub const EFFECTS_IN_FREE_FLIGHT: [&str; 21] = [
     "imu_misalignment",
     "periodic_disturbance",
     "step_disturbance",
+    "rotor_inertia",
 ];
 
 /// What is hidden, but for its size.
@@ -107,6 +108,7 @@ impl Hidden {
             "spring" => (tilt, None, "stiffness_nm_rad", 0.03, spring),
             "inertia_error" => (turned, None, "scale", 0.05, scaled),
             "inertia_coupling" => (None, None, "product_kg_m2", 0.001, |s, e| signed("product_kg_m2", s.min(0.008), e)),
+            "rotor_inertia" => (None, None, "inertia_kg_m2", 5e-5, |s, _| plain("inertia_kg_m2", s.min(3e-4))),
             "motor_lag" => (None, None, "time_constant_s", 0.005, |s, _| plain("time_constant_s", s)),
             "actuation_delay" | "attitude_delay" => (None, None, "delay_s", 0.005, |s, _| plain("delay_s", s)),
             "thrust_scale" => (None, None, "scale", 0.05, scaled),

@@ -16,7 +16,7 @@ mod score;
 pub use campaign::Campaign;
 pub use case::Case;
 pub use conditions::{Conditions, DURATION_S};
-pub use hidden::Hidden;
+pub use hidden::{EFFECTS, EFFECTS_IN_FREE_FLIGHT, Hidden};
 pub use outcome::Outcome;
 pub use outside::{Kind, Outside};
 pub use score::Score;

@@ -6,6 +6,7 @@
 pub mod bench;
 pub mod crazyflie;
 pub mod crazyflie_table;
+pub mod crazyflie_yaw;
 pub mod crazypad;
 mod least_squares;
 
