@@ -108,7 +108,7 @@ fn causes(answer: &Diagnosis) -> Section {
     let gain = &answer.gain;
     let between = gain.total_interval_pct.map(|interval| format!(" ({} %)", interval_text(interval)));
     section.list(answer.findings.iter().map(|finding| capitalised(&finding.statement))).table(table).paragraph(format!(
-        "Each effect was fitted to half of the log's windows and judged on the other half, the held-out windows. \
+        "Effects were fitted to half of the log's windows, chosen by a quarter, and are judged by the rest, held out. \
              There the findings together remove {:.1} %{} of the squared error. The gain of an effect is how much of \
              that improvement is lost when this effect alone is taken out; where effects can replace each other, gains \
              do not add up to 100 %.",

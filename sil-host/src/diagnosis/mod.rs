@@ -4,8 +4,9 @@
 //! ```text
 //! log -> subject: commands, channels, windows -> noise
 //!                       |
-//!  effects (hypotheses) -> search: score -> fit (shooting: residuals, slopes, normal equations) -> held-out windows
+//!  effects (hypotheses) -> search: score -> fit (shooting: residuals, slopes, normal equations) -> windows of choice
 //!                       |                          '-- prediction: actuation -> body -> sensor
+//!                       | far from the noise? base model, noise of disturbances, search beside it, judge
 //!                       v
 //!        findings, rejected <- verdict <- structure: is anything left? <- accuracy: against an exact model
 //! ```

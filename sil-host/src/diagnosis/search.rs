@@ -1,8 +1,8 @@
-//! Which effects: added one by one while each pays on windows that no fit has seen (those of choice), exchanged where another explains
-//! more, taken out where they no longer pay.
+//! Which effects: added one by one while each pays on windows that no fit has seen (those of choice), exchanged where
+//! another explains more, taken out where they no longer pay.
 //!
 //! ```text
-//! .-> hypotheses: score (one linearisation each) -> the best few: full fit -> held-out likelihood -> add the best
+//! .-> hypotheses: score (one linearisation each) -> the best few: full fit -> windows of choice -> add the best
 //! '---- take out what no longer pays, exchange what another explains better <----'
 //! ```
 
@@ -29,11 +29,11 @@ const ROUNDS_MAX: usize = 8;
 /// Fall of the sum of squares, in units of what is left per degree of freedom, that a new effect must bring on all
 /// windows, half of it on the training windows: a chance of 1e-4 over sixty hypotheses of up to three parameters.
 const SIGNIFICANT: f64 = 30.0;
-/// The same on the held-out windows, where nothing was fitted.
+/// The same on the windows of choice, where nothing was fitted.
 const PAYS: f64 = 6.0;
 /// Natural logarithm of the likelihood within which two models cannot be separated (docs/commands.md).
 pub(super) const SEPARABLE: f64 = 3.0;
-/// Share of the held-out error that a finding must take away (docs/commands.md).
+/// Share of the error that a finding must take away (docs/commands.md).
 const SHARE_MIN: f64 = 0.02;
 
 /// A log and the questions that it is asked.
@@ -166,7 +166,7 @@ impl<'e> Search<'e> {
         self.fitted(terms, &starts, f64::INFINITY)
     }
 
-    /// The chosen effects fitted to all windows, held out or not: what no model of these effects explains is left then.
+    /// The chosen effects fitted to all windows: what no model of these effects explains is left then.
     pub(super) fn fitted_to_all(&self, chosen: &Candidate<'e>) -> Candidate<'e> {
         let all: Vec<usize> = (0..self.shooting.log.windows.len()).collect();
         let fit = fit(self.shooting, self.nominal, chosen.fit.terms.clone(), &chosen.fit.starts, &all);
@@ -345,7 +345,7 @@ impl<'e> Search<'e> {
             || other.fit.size() < chosen.fit.size() && other.choice < chosen.choice + 2.0 * SEPARABLE * spread
     }
 
-    /// Puts the effect first whose loss would cost most on the held-out windows.
+    /// Puts the effect first whose loss would cost most on the windows of choice.
     fn order_by_importance(
         &self,
         nominal: Candidate<'e>,

@@ -1,6 +1,7 @@
 use super::fitting::{fit, shooting};
 use super::*;
 use crate::effects::Effect;
+use crate::prediction::Part;
 use crate::model::{Rig, SensorNoise, VehicleModel};
 use crate::synthesis::Synthesis;
 
@@ -120,8 +121,8 @@ fn bench_in_gusts() -> Log {
     made
 }
 
-/// What the method assumes, and what follows where that does not hold: the fit of output errors alone is wrong by far
-/// more than it says.
+/// What the method assumes, and what follows where that does not hold: the fit of output errors alone is wrong, by more
+/// than even the scatter between blocks of the log says.
 #[test]
 fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     let log = bench_in_gusts();
@@ -137,7 +138,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     ];
     let nominal = || subject.model();
     let fitted = |shooting: &shooting::Shooting<'_>| {
-        let training = shooting.log.part(false);
+        let training = shooting.log.part(&[Part::Fit]);
         let driven = shooting.log.drive(model_of(&nominal, &truth));
         let starts = shooting.log.measured_starts(&driven.model);
         let fit = fit::fit(shooting, &nominal, truth.clone(), &starts, &training);
@@ -151,7 +152,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     let shooting = subject.shooting(&log, &noise).unwrap();
     let (misled, found_noise) = fitted(&shooting);
     println!("sensors only: {misled:?}");
-    assert!(misled.iter().any(|(error, std)| error.abs() > 20.0 * std), "{misled:?}");
+    assert!(misled[0].0.abs() > 40.0 && misled[0].0.abs() > 3.5 * misled[0].1, "{misled:?}");
     let (errors, _) = fitted(&shooting.with_noise(found_noise, Vec::new()));
     println!("with {found_noise:?}: {errors:?}");
     for (error, std) in errors {

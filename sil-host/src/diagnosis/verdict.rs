@@ -218,7 +218,7 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
         let best = fitted.min_by(|a, b| a.1.choice.total_cmp(&b.1.choice));
         let reason = match best {
             Some((place, other)) => format!(
-                "in place of {} it makes the held-out windows less likely, by a factor of e^{:.1}",
+                "in place of {} it makes the windows of choice less likely, by a factor of e^{:.1}",
                 chosen[place].effect.name(),
                 0.5 * (other.choice - found.chosen.choice) / spread
             ),

@@ -1,7 +1,7 @@
 //! The prediction of a log: one, for `sil compare` and `sil diagnose` alike.
 //!
 //! ```text
-//! log -> windows of 0.5 s, half of them held out (window)
+//! log -> windows of 0.5 s: to be fitted, to choose by, to report (window)
 //!     -> channels (channel, subject), noise of each (noise), commands (commands, lost_commands)
 //!     = a log that any model can be held against (windowed_log)
 //! model: commands -> forces (force_track) -> rotation and flight (body) -> what the sensors report, row by row (model)

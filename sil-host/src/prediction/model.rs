@@ -240,7 +240,7 @@ impl Model {
 
     /// What the moments beside the motors' add to the angular accelerations, rad/s^2, level and at rest.
     pub(crate) fn acceleration_by_moments(&self) -> [f64; 3] {
-        let (rest, no_force) = ([0.0; TURNING], [0.0; 4]);
+        let (rest, no_force) = ([0.0; TURNING], ForceAndSpin::default());
         let with = self.body.derivative(0.0, &rest, &no_force, &self.moments);
         let without = self.body.derivative(0.0, &rest, &no_force, &[]);
         core::array::from_fn(|axis| with[3 + axis] - without[3 + axis])

@@ -29,13 +29,14 @@ fn answer() -> Value {
     json!({
         "log": { "path": "string", "rows": 1200, "duration_s": "number", "rate_hz": "number" },
         "verdict": "explained",
+        "base": [],
         "findings": [{
             "effect": "thrust_scale", "axis": null, "where": "actuator",
             "parameters": { "scale": { "value": "number", "std": "number" } },
             "gain_pct": "number", "confounded_with": ["inertia_error"], "statement": "string",
         }],
         "rejected": [{ "effect": "string", "axis": "string", "reason": "string" }],
-        "prediction_error": { "window_s": 0.5, "nominal": errors, "extended": errors, "noise_floor": errors },
+        "prediction_error": { "window_s": 0.5, "nominal": errors, "base": errors, "extended": errors, "noise_floor": errors },
         "closed_loop": null,
         "unexplained": { "variance_pct": "number", "white": true, "signature": "" },
         "separating_experiment": "string",

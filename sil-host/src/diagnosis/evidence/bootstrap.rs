@@ -13,7 +13,7 @@ use crate::sensors::random::RandomStream;
 
 /// Draws.
 const DRAWS: usize = 2000;
-/// Windows in a block: with the training windows between them 4 s, two positions of the test sequence.
+/// Windows in a block: of the held-out ones 8 s, four positions of the test sequence.
 const BLOCK: usize = 4;
 /// With fewer windows than three blocks there is no interval.
 const WINDOWS_MIN: usize = 3 * BLOCK;

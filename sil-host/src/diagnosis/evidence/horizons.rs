@@ -1,7 +1,7 @@
 //! How far a prediction stays right: windows of several lengths, each begun where the log was.
 //!
-//! Up to the length of a held-out window only held-out rows count; a longer window covers rows that the fit has seen as
-//! well, half of all.
+//! Up to the length of a held-out window only held-out rows count; a longer window covers rows that were fitted as
+//! well, three quarters of all.
 
 use serde::Serialize;
 

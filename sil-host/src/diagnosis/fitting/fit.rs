@@ -39,7 +39,7 @@ pub(in crate::diagnosis) struct Fit<'e> {
     pub(in crate::diagnosis) scattered_covariance: Vec<f64>,
     /// Sum of squares over the training windows, in units of the noise.
     pub(in crate::diagnosis) training: f64,
-    /// Start states of all windows, those held out as given.
+    /// Start states of all windows, those that were not fitted as given.
     pub(in crate::diagnosis) starts: Vec<State>,
 }
 

@@ -148,7 +148,8 @@ fn commands_that_nobody_logged_are_in_the_floor() {
         // a command that is white from step to step is the worst case: a logged value enters the intervals on both
         // sides, which the floor takes for two independent errors, and the start state is estimated as if all commands
         // were known
-        assert!((0.8..2.0).contains(&ratio), "{ratio}");
+        // (1.76 over all windows; those of the report, a quarter, scatter by 14 %)
+        assert!((0.8..2.2).contains(&ratio), "{ratio}");
     }
     // and they matter: without them the floor is far too low
     let ignored = nominal_prediction(&log, &Subject::Axes, Some(250.0)).unwrap();

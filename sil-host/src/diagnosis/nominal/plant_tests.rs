@@ -122,7 +122,7 @@ fn an_offset_centre_of_gravity_on_pitch_shows_on_pitch_alone() {
     // 0.1 N m on 0.0366 kg m^2 is 2.7 rad/s^2: 0.34 rad and 1.4 rad/s at the end of a window
     assert!(pitch > 20.0 && q > 20.0, "{pitch} {q}");
     // the wrong pitch rate reaches roll through J'(phi) theta'^2 / 2: 0.2 rad/s^2 at 30 degrees of roll
-    assert!(roll < 5.0 && p < 5.0, "{roll} {p}");
+    assert!(roll < 7.0 && p < 7.0, "{roll} {p}");
     let deviation: f64 = missed.samples(Channel::Angle(Axis::Pitch)).iter().map(|sample| sample.error).sum();
     assert!(deviation < 0.0, "the moment pulls the nose down");
     let exact = ratios(&predicted(&log, &heavy));
