@@ -10,7 +10,9 @@
 //! side by side (1); `--json FILE` all figures; `--list` the logs' names alone. An injection
 //! knows `--only`, `--threads`, `--json` and `--list`.
 
+use std::collections::BTreeMap;
 use std::process::ExitCode;
+use std::sync::Mutex;
 
 use campaigns::real_logs::scoreboard::{self, Effort, Entry, Scoreboard};
 use campaigns::real_logs::{folder, injection_score, tables};
@@ -81,11 +83,21 @@ impl Options {
     }
 
     fn score(&self) -> Result<(), String> {
+        let entries = self.entries();
+        // a campaign of hours that is ended early leaves the figures that it had
+        let so_far = Mutex::new(BTreeMap::new());
         let logs = scoreboard::side_by_side(
-            &self.entries(),
+            &entries,
             self.threads,
             |entry| scoreboard::score(entry, &self.effort),
-            |score| eprint!("{}", scoreboard::of_log(score)),
+            |place, score| {
+                eprint!("{}", scoreboard::of_log(score));
+                let mut so_far = so_far.lock().expect("no thread panics here");
+                so_far.insert(place, score.clone());
+                if let Err(message) = self.write(&Scoreboard::of(so_far.values().cloned().collect())) {
+                    eprintln!("{message}");
+                }
+            },
         );
         if self.is_list {
             return Ok(());
@@ -96,9 +108,10 @@ impl Options {
     }
 
     fn inject(&self) -> Result<(), String> {
-        let outcomes = scoreboard::side_by_side(&self.entries(), self.threads, injection_score::score, |outcomes| {
-            outcomes.iter().for_each(|one| eprintln!("{}", injection_score::line(one)))
-        });
+        let outcomes =
+            scoreboard::side_by_side(&self.entries(), self.threads, injection_score::score, |_, outcomes| {
+                outcomes.iter().for_each(|one| eprintln!("{}", injection_score::line(one)))
+            });
         if self.is_list {
             return Ok(());
         }

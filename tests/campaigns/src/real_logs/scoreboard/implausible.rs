@@ -26,7 +26,7 @@ const BOUNDS: [(&str, &str, [f64; 2]); 13] = [
 const NO_CHANGE: [(&str, f64); 2] = [("min", 0.0), ("max", 1.0)];
 /// Effects that can only brake.
 const BRAKES: [&str; 3] = ["viscous_friction", "coulomb_friction", "rotor_drag"];
-/// As near to a bound as this share of the range is at it.
+/// As near to a bound as this share of it is at it; of the range, where the bound is 0.
 const NEAR: f64 = 2e-3;
 /// Limits that let fewer of the commands pass unchanged silence them.
 const PASSING_MIN: f64 = 0.2;
@@ -43,8 +43,8 @@ pub fn objections(finding: &Named, log: &Log) -> Vec<String> {
         let bounds = BOUNDS.iter().find(|(of, name, _)| (*of, *name) == (effect, parameter));
         let is_no_change = NO_CHANGE.contains(&(parameter.as_str(), value));
         if let Some((_, _, [min, max])) = bounds.filter(|_| !is_no_change) {
-            let near = NEAR * (max - min);
-            if value <= min + near || value >= max - near {
+            let is_at = |bound: f64| (value - bound).abs() <= NEAR * if bound == 0.0 { max - min } else { bound.abs() };
+            if is_at(*min) || is_at(*max) {
                 objections.push(format!("{parameter} {value:.4} is at a bound"));
             }
         }
@@ -87,6 +87,7 @@ mod tests {
     fn what_can_be_is_not_objected_to() {
         assert!(of("gyro_scale roll", &[("scale", 1.2)]).is_empty());
         assert!(of("viscous_friction pitch", &[("coefficient_1_s", 1.0)]).is_empty());
+        assert!(of("periodic_disturbance roll", &[("frequency_hz", 0.02)]).is_empty());
         assert!(of("torque_bias yaw", &[("torque_nm", -3.0)]).is_empty());
         assert!(of("command_clipping", &[("min", 0.0), ("max", 0.55)]).is_empty());
     }

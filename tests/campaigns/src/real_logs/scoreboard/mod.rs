@@ -50,7 +50,7 @@ impl Scoreboard {
 }
 
 /// Does something with each of some logs, so many side by side, each in one thread; the results in the order of the
-/// logs. `done` is called with each as it is there.
+/// logs. `done` is called with each, and its number, as it is there.
 ///
 /// # Panics
 /// The system has no threads to give.
@@ -58,7 +58,7 @@ pub fn side_by_side<T: Send>(
     entries: &[Entry],
     threads: usize,
     of: impl Fn(&Entry) -> T + Sync,
-    done: impl Fn(&T) + Sync,
+    done: impl Fn(usize, &T) + Sync,
 ) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::new());
@@ -70,7 +70,7 @@ pub fn side_by_side<T: Send>(
                     Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|place| Some((place, entries.get(place)?)))
                 {
                     let result = pool.install(|| of(entry));
-                    done(&result);
+                    done(place, &result);
                     results.lock().expect("no thread panics here").push((place, result));
                 }
             });

@@ -130,7 +130,7 @@ pub fn score(entry: &Entry, effort: &Effort) -> LogScore {
         vehicle: entry.vehicle,
         name: entry.name.clone(),
         usable_s: spans.iter().map(|[from, to]| to - from).sum(),
-        rate_hz: log.rate_hz(),
+        rate_hz: 1.0 / log.mean_regular_step_s(),
         verdict: String::new(),
         is_refused: answer.is_err(),
         base: Vec::new(),
