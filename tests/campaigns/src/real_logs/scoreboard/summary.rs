@@ -29,6 +29,8 @@ pub struct Summary {
     pub worse_by_2_pct: usize,
     /// Worse beyond chance.
     pub worse: usize,
+    /// Both.
+    pub worse_by_2_pct_beyond_chance: usize,
     /// Of whose change no interval can be given.
     pub without_interval: usize,
     /// Channels at 0.1, 0.5 and 2 s.
@@ -106,6 +108,9 @@ impl Summary {
             channels: channels().count(),
             worse_by_2_pct: channels().filter(|channel| channel.is_worse_by_2_pct()).count(),
             worse: channels().filter(|channel| channel.is_worse() == Some(true)).count(),
+            worse_by_2_pct_beyond_chance: channels()
+                .filter(|channel| channel.is_worse_by_2_pct() && channel.is_worse() == Some(true))
+                .count(),
             without_interval: channels().filter(|channel| channel.is_worse().is_none()).count(),
             at_horizons: horizons().count(),
             worse_at_horizons: horizons().filter(|horizon| horizon.after > 1.02 * horizon.before).count(),
@@ -151,7 +156,10 @@ impl Summary {
             ),
             (
                 "channels worse beyond chance (bootstrap): none",
-                format!("{} of {} ({} without interval)", self.worse, self.channels, self.without_interval),
+                format!(
+                    "{} of {}, {} of them by more than 2 % ({} without interval)",
+                    self.worse, self.channels, self.worse_by_2_pct_beyond_chance, self.without_interval
+                ),
                 any(self.channels, self.worse == 0),
             ),
             (
@@ -236,4 +244,99 @@ fn stability(scores: &[&LogScore]) -> [usize; 2] {
         counts[1] += certain.iter().filter(is_stable).count();
     }
     counts
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::super::channels::ChannelScore;
+    use super::super::score::Cuts;
+    use super::*;
+    use crate::real_logs::scoreboard::Named;
+
+    fn channel(change_pct: f64, interval: Option<[f64; 2]>, fit_pct: f64, is_excited: bool) -> ChannelScore {
+        ChannelScore {
+            quantity: "p",
+            unit: "deg/s",
+            before: 1.0,
+            after: 1.0 + 0.01 * change_pct,
+            floor: Some(0.1),
+            change_pct,
+            change_interval: interval,
+            fit_before_pct: None,
+            fit_after_pct: Some(fit_pct),
+            variation: Some(2.0),
+            command_std: 0.1,
+            is_excited,
+        }
+    }
+
+    fn finding(name: &str, gain_pct: f64, one_of: &[&str], in_cuts: usize) -> FindingScore {
+        let finding = Named {
+            name: name.to_owned(),
+            sizes: BTreeMap::new(),
+            gain_pct: Some(gain_pct),
+            one_of: one_of.iter().map(|name| (*name).to_owned()).collect(),
+            stability_pct: None,
+            asked: None,
+        };
+        FindingScore { finding, objections: Vec::new(), in_cuts: Some(in_cuts) }
+    }
+
+    fn log(verdict: &str, channels: Vec<ChannelScore>, findings: Vec<FindingScore>) -> LogScore {
+        LogScore {
+            vehicle: "v",
+            name: "n".to_owned(),
+            usable_s: 10.0,
+            rate_hz: 100.0,
+            verdict: verdict.to_owned(),
+            is_refused: false,
+            base: Vec::new(),
+            findings,
+            channels,
+            horizons: Vec::new(),
+            hides_remainder: false,
+            halves: None,
+            cuts: Some(Cuts { answered: 8, tried: 8, found: BTreeMap::new() }),
+            wall_s: 6.0,
+            user_cpu_s: None,
+        }
+    }
+
+    #[test]
+    fn channels_are_worse_by_size_and_beyond_chance() {
+        let channels = vec![
+            channel(5.0, Some([0.01, 0.1]), 50.0, true),
+            channel(5.0, Some([-0.01, 0.1]), -1.0, true),
+            channel(1.0, Some([0.001, 0.02]), 1.0, true),
+            channel(-9.0, None, -5.0, false),
+        ];
+        let summary = Summary::of(&[&log("explained", channels, Vec::new())]);
+        assert_eq!((summary.channels, summary.worse_by_2_pct, summary.worse, summary.without_interval), (4, 2, 2, 1));
+        assert_eq!(summary.worse_by_2_pct_beyond_chance, 1);
+        assert_eq!((summary.excited, summary.excited_without_fit, summary.fitting_logs), (3, 1, 0));
+        assert_eq!(summary.slow, 1);
+    }
+
+    #[test]
+    fn a_log_without_fit_is_right_where_it_says_that_it_has_no_model() {
+        let bad = || vec![channel(0.0, None, -40.0, true)];
+        let summary =
+            Summary::of(&[&log("not_a_model", bad(), Vec::new()), &log("partly_explained", bad(), Vec::new())]);
+        assert_eq!((summary.excited_logs, summary.fitting_logs, summary.not_a_model), (2, 1, 1));
+    }
+
+    #[test]
+    fn stable_is_what_is_found_in_four_fifths_of_the_cuts_and_what_is_one_of_several_does_not_count() {
+        let findings = vec![finding("a", 50.0, &[], 7), finding("b", 1.0, &[], 6), finding("c", 9.0, &["c", "d"], 1)];
+        let summary = Summary::of(&[&log("explained", Vec::new(), findings)]);
+        assert_eq!((summary.certain, summary.certain_and_stable, summary.below_2_pct), (2, 1, 1));
+        let of_names = |name: &str| {
+            let goals = summary.goals();
+            goals.iter().find(|(goal, ..)| goal.starts_with(name)).and_then(|(_, _, is_met)| *is_met)
+        };
+        assert_eq!((of_names("names told as certain"), of_names("findings with a gain")), (Some(false), Some(false)));
+        assert_eq!(of_names("halves, same names"), None);
+    }
 }

@@ -61,7 +61,7 @@ fn channel_line(channel: &ChannelScore) -> String {
         channel.change_interval.map_or("-".to_owned(), |[low, high]| format!("{low:+.2} to {high:+.2} {unit}"));
     let worse = match (channel.is_worse(), channel.is_worse_by_2_pct()) {
         (Some(true), _) => "  WORSE",
-        (_, true) => "  worse by chance",
+        (_, true) => "  worse, not beyond chance",
         _ => "",
     };
     format!(
