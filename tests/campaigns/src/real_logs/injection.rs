@@ -11,6 +11,8 @@
 //!
 //! Rows for which a delay would take a value from beyond a gap or the log's ends are left out.
 
+use std::fmt;
+
 use serde::Serialize;
 use sil_host::axis::Axis;
 use sil_host::log::{Column, Log, LogError};
@@ -182,9 +184,18 @@ fn short_way(angle_rad: f64) -> f64 {
     angle_rad - core::f64::consts::TAU * turns
 }
 
-/// The name of an axis in an injection.
-pub fn axis_name(axis: usize) -> &'static str {
-    Axis::ALL[axis].name()
+impl fmt::Display for Injection {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let of = |axis: usize| Axis::ALL[axis].name();
+        match *self {
+            Injection::GyroScale { axis, scale } => write!(out, "gyro scale {scale:.2} ({})", of(axis)),
+            Injection::GyroBias { axis, bias_rad_s } => write!(out, "gyro bias {bias_rad_s:.2} rad/s ({})", of(axis)),
+            Injection::TurnedImu { yaw_rad } => write!(out, "IMU turned by {yaw_rad:.2} rad"),
+            Injection::AttitudeDelay { delay_s } => write!(out, "attitude {:.0} ms late", 1e3 * delay_s),
+            Injection::CommandDelay { delay_s } => write!(out, "commands {:.0} ms late", 1e3 * delay_s),
+            Injection::CommandScale { scale } => write!(out, "commands times {scale:.2}"),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
 //! Is an effect that was put into a real log named and measured? The log as it was recorded is the baseline: what its
-//! answer says is the vehicle's own, and only the difference counts.
+//! answer says is the vehicle's own, and only the difference counts. Where that answer does not name the effect, its
+//! size is asked for beside what was found: a vehicle may have a little of it already.
 
 use serde::Serialize;
-use sil_host::diagnosis::{Diagnosis, Estimate, Subject, diagnose};
+use sil_host::axis::Axis;
+use sil_host::diagnosis::{Asked, Diagnosis, Estimate, Subject, diagnose, sizes};
 use sil_host::log::Log;
 
-use super::injection::{Injection, axis_name};
+use super::injection::Injection;
 use super::scoreboard::{Entry, Named, sized_terms};
 
 /// Within so many standard deviations lie 95 %.
@@ -27,7 +29,8 @@ pub struct Injected {
     pub injection: Injection,
     /// Why it was not tried.
     pub not_tried: Option<String>,
-    /// Whether its name is in the answer, and the size differs from the recorded log's.
+    /// Whether its name is in the answer, alone or as one of several, and a size of its own differs from the recorded
+    /// log's.
     pub is_named: bool,
     /// Its size: what it should be more than in the recorded log, what it is, and their distance in standard
     /// deviations.
@@ -95,7 +98,7 @@ impl Injection {
     /// The name and the parameter that an answer gives it; of a scale of the commands any of the axes' gains, or the
     /// lift.
     fn answers(&self) -> Vec<(String, &'static str)> {
-        let of_axis = |effect: &str, axis: usize| format!("{effect} {}", axis_name(axis));
+        let of_axis = |effect: &str, axis: usize| format!("{effect} {}", Axis::ALL[axis].name());
         match *self {
             Injection::GyroScale { axis, .. } => vec![(of_axis("gyro_scale", axis), "scale")],
             Injection::GyroBias { axis, .. } => vec![(of_axis("gyro_bias", axis), "bias_rad_s")],
@@ -106,6 +109,18 @@ impl Injection {
                 let gains = (0..3).map(|axis| (of_axis("input_gain", axis), "gain_rad_s2"));
                 gains.chain([("thrust_scale".to_owned(), "scale")]).collect()
             }
+        }
+    }
+
+    /// What to ask for its size by; none of a scale of the commands, which is no single effect.
+    fn asked(&self) -> Option<Asked> {
+        match *self {
+            Injection::GyroScale { axis, .. } => Some(("gyro_scale", Some(Axis::ALL[axis]))),
+            Injection::GyroBias { axis, .. } => Some(("gyro_bias", Some(Axis::ALL[axis]))),
+            Injection::TurnedImu { .. } => Some(("imu_misalignment", None)),
+            Injection::AttitudeDelay { .. } => Some(("attitude_delay", None)),
+            Injection::CommandDelay { .. } => Some(("actuation_delay", None)),
+            Injection::CommandScale { .. } => None,
         }
     }
 
@@ -142,11 +157,16 @@ pub fn score(entry: &Entry) -> Vec<Injected> {
         Ok(sized_terms(&answer))
     };
     let recorded = answer(&log);
+    let with_own_size = |injection: &Injection| -> Result<Vec<Named>, String> {
+        let mut recorded = recorded.clone()?;
+        recorded.extend(own_size(&log, &subject, &recorded, injection));
+        Ok(recorded)
+    };
     let one = |injection: Injection| {
         let hidden = injection.hidden_in(&log, &subject).map(str::to_owned);
         let answers = hidden.map_or(Ok(()), Err).and_then(|()| {
             let injected = injection.into_log(&log).map_err(|e| e.to_string())?;
-            Ok((recorded.clone()?, answer(&injected)?))
+            Ok((with_own_size(&injection)?, answer(&injected)?))
         });
         match answers {
             Ok((recorded, injected)) => judged(entry.label(), injection, &recorded, &injected),
@@ -154,6 +174,20 @@ pub fn score(entry: &Entry) -> Vec<Injected> {
         }
     };
     injections(&log).into_iter().map(one).collect()
+}
+
+/// What the recorded log has of the effect by itself, fitted beside its findings; none where an answer names it, or
+/// where it can't be asked for.
+fn own_size(log: &Log, subject: &Subject<'_>, recorded: &[Named], injection: &Injection) -> Option<Named> {
+    let wanted = injection.asked()?;
+    let name = injection.answers().into_iter().next()?.0;
+    if recorded.iter().any(|one| one.name == name) {
+        return None;
+    }
+    let asked: Vec<Asked> = recorded.iter().filter_map(|one| one.asked).chain([wanted]).collect();
+    let size = sizes(log, subject, &asked).ok()?.pop()??;
+    let sizes = size.into_iter().map(|(name, estimate)| (name.to_owned(), estimate)).collect();
+    Some(Named { name, sizes, gain_pct: None, one_of: Vec::new(), stability_pct: None, asked: Some(wanted) })
 }
 
 /// Judges the answer to an injected log by that to the recorded one.
@@ -175,11 +209,16 @@ fn judged(log: String, injection: Injection, recorded: &[Named], injected: &[Nam
         let is_missing = |one: &&Named| !is_answer(&one.name) && from.iter().all(|other| other.name != one.name);
         of.iter().filter(is_missing).map(|one| one.name.clone()).collect()
     };
+    let differs = |size: InjectedSize| (size.found.value - nothing).abs() > INTERVAL * size.found.std;
+    let is_new = |one: &&Named| recorded.iter().all(|other| other.name != one.name);
+    let effect = |name: &str| name.split(' ').next().map(str::to_owned);
+    let is_one_of =
+        |one: &Named| one.one_of.iter().any(|of| answers.iter().any(|(answer, _)| effect(answer) == effect(of)));
     Injected {
         log,
         injection,
         not_tried: None,
-        is_named: size.is_some_and(|size| (size.found.value - nothing).abs() > INTERVAL * size.found.std),
+        is_named: size.map_or_else(|| injected.iter().filter(is_new).any(is_one_of), differs),
         size,
         other_new: missing(injected, recorded),
         gone: missing(recorded, injected),
@@ -210,7 +249,7 @@ pub fn table(outcomes: &[Injected]) -> String {
 
 /// A row of the table.
 pub fn line(one: &Injected) -> String {
-    let what = format!("{:?}", one.injection);
+    let what = one.injection;
     if let Some(reason) = &one.not_tried {
         return format!("| {} | {what} | not tried: {reason} | | | | |", one.log);
     }
@@ -272,7 +311,12 @@ mod tests {
         let recorded = [named("actuation_delay", "delay_s", 0.02, 0.003)];
         let outcome = judged(String::new(), Injection::CommandDelay { delay_s: 0.03 }, &recorded, &recorded);
         assert!(!outcome.is_named && !outcome.size.unwrap().is_held());
-        let outcome = judged(String::new(), Injection::GyroBias { axis: 0, bias_rad_s: 0.1 }, &recorded, &recorded);
+        let one_of =
+            Named { one_of: vec!["gyro_bias roll".to_owned()], ..named("torque_bias roll", "torque_nm", 1.0, 0.1) };
+        let bias = Injection::GyroBias { axis: 0, bias_rad_s: 0.1 };
+        assert!(judged(String::new(), bias, &recorded, std::slice::from_ref(&one_of)).is_named);
+        assert!(!judged(String::new(), bias, std::slice::from_ref(&one_of), std::slice::from_ref(&one_of)).is_named);
+        let outcome = judged(String::new(), bias, &recorded, &recorded);
         assert!(!outcome.is_named && outcome.size.is_none() && outcome.other_new.is_empty());
     }
 
