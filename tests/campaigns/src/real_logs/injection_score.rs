@@ -8,7 +8,7 @@ use sil_host::diagnosis::{Asked, Diagnosis, Estimate, Subject, diagnose, sizes};
 use sil_host::log::Log;
 
 use super::injection::Injection;
-use super::scoreboard::{Entry, Named, sized_terms};
+use super::scoreboard::{COMMAND_MIN, Entry, Named, command_std, sized_terms};
 
 /// Within so many standard deviations lie 95 %.
 const INTERVAL: f64 = 1.96;
@@ -90,6 +90,9 @@ impl Injection {
             Injection::TurnedImu { .. } if !has_motors => Some("separate axes can't be turned into each other"),
             Injection::TurnedImu { .. } if log.rate_rad_s[0].is_none() || log.rate_rad_s[1].is_none() => {
                 Some("needs p and q")
+            }
+            Injection::CommandDelay { .. } if (0..3).all(|axis| command_std(log, axis) < COMMAND_MIN) => {
+                Some("the commands stand still")
             }
             _ => None,
         }
@@ -336,6 +339,7 @@ mod tests {
         let Injection::AttitudeDelay { delay_s } = all[3] else { panic!("{all:?}") };
         assert!((delay_s - 0.04).abs() < 1e-9);
         assert!(all[0].hidden_in(&log, &Subject::Axes).is_none() && all[2].hidden_in(&log, &Subject::Axes).is_some());
+        assert!(all[4].hidden_in(&log, &Subject::Axes).is_some(), "no command moves");
         assert!(Injection::GyroScale { axis: 0, scale: 1.1 }.hidden_in(&log, &Subject::Axes).is_some());
     }
 }

@@ -25,8 +25,8 @@ const WINDOWS_MIN: usize = 3 * BLOCK;
 const DRAWS: usize = 2000;
 /// Measured variation over an exact model's error.
 const VARIATION_MIN: f64 = 3.0;
-/// Standard deviation of an axis' command, of 1.
-const COMMAND_MIN: f64 = 5e-3;
+/// Standard deviation of an axis' command that moves, of 1.
+pub const COMMAND_MIN: f64 = 5e-3;
 
 /// One channel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -180,7 +180,7 @@ fn rise_interval(windows: &[WindowSquares]) -> Option<[f64; 2]> {
 }
 
 /// Standard deviation of an axis' command where the motors run, of 1.
-fn command_std(log: &Log, axis: usize) -> f64 {
+pub fn command_std(log: &Log, axis: usize) -> f64 {
     let of_motors = |row: usize| {
         let motors = log.motors()?;
         Some(0.25 * TORQUE_SIGNS[axis].iter().zip(motors).map(|(sign, motor)| sign * motor[row]).sum::<f64>())

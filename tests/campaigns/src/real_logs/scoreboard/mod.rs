@@ -27,6 +27,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde::Serialize;
 
 pub use answer::{Named, sized_terms};
+pub use channels::{COMMAND_MIN, command_std};
 pub use cuts::spans_of;
 pub use entries::{Entry, entries};
 pub use score::{Effort, LogScore, score};
