@@ -6,7 +6,7 @@
 //! | gyro scale, gyro bias | the rate of one axis times the scale, or plus the bias |
 //! | IMU turned by psi about z | p' = c p + s q, q' = c q - s p, specific force likewise; angles of R_wb Rz(psi) |
 //! | attitude delay | angles of so long before, by linear interpolation |
-//! | command delay | commands of so long after, each in force up to the next row: the vehicle answers later to what the log says |
+//! | command delay | commands of so long after, each in force up to the next row: the vehicle answers later |
 //! | command scale | commands times the scale: the vehicle answers as if each did its reciprocal |
 //!
 //! Rows for which a delay would take a value from beyond a gap or the log's ends are left out.
@@ -204,7 +204,7 @@ mod tests {
 
     const STEP_S: f64 = 0.01;
 
-    /// A smooth tumbling motion whose body rates belong to its angles, with commands and accelerometer; a gap after 6 s.
+    /// A smooth motion whose body rates belong to its angles, with commands and accelerometer; a gap after 6 s.
     fn log() -> Log {
         let time_s: Vec<f64> =
             (0..1200).map(|row| STEP_S * f64::from(row) + if row < 600 { 0.0 } else { 1.0 }).collect();

@@ -238,8 +238,8 @@ pub fn table(outcomes: &[Injected]) -> String {
     let tried: Vec<&Injected> = outcomes.iter().filter(|one| one.not_tried.is_none()).collect();
     let count = |of: &dyn Fn(&Injected) -> bool| tried.iter().filter(|one| of(one)).count();
     lines.push(format!(
-        "\nnamed {} of {} (goal 90 %); interval holds the truth in {} of {} with a size (goal 90 %); other new names in \
-         {}; not tried {}\n",
+        "\nnamed {} of {} (goal 90 %); interval holds the truth in {} of {} with a size (goal 90 %); other new names \
+         in {}; not tried {}\n",
         count(&|one| one.is_named),
         tried.len(),
         count(&|one| one.size.is_some_and(|size| size.is_held())),
