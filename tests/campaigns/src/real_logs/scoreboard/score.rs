@@ -28,7 +28,7 @@ pub struct Effort {
     pub halves: bool,
     /// Whether other cuts of it are.
     pub cuts: bool,
-    /// No further cut is begun after so long, s.
+    /// No further cut is begun so long after the log's first answer was, s.
     pub patience_s: f64,
 }
 
@@ -59,7 +59,7 @@ pub struct LogScore {
     pub hides_remainder: bool,
     /// What two halves say.
     pub halves: Option<Halves>,
-    /// What other cuts say.
+    /// What other cuts say; none where none was tried.
     pub cuts: Option<Cuts>,
     /// Time of the first answer, s.
     pub wall_s: f64,
@@ -153,7 +153,7 @@ pub fn score(entry: &Entry, effort: &Effort) -> LogScore {
         score.halves = Some(Halves::of(&log, &subject, &spans, &found));
     }
     if effort.cuts {
-        score.cuts = Some(Cuts::of(&log, &subject, &spans, || begin.elapsed().as_secs_f64() < effort.patience_s));
+        score.cuts = Cuts::of(&log, &subject, &spans, || begin.elapsed().as_secs_f64() < effort.patience_s);
     }
     let in_cuts = |name: &String| score.cuts.as_ref().map(|cuts| cuts.found.get(name).copied().unwrap_or(0));
     score.findings = found
@@ -251,7 +251,8 @@ fn prescribed(halves: [&Log; 2], subject: &Subject<'_>, found: &[Named]) -> Vec<
 }
 
 impl Cuts {
-    fn of(log: &Log, subject: &Subject<'_>, spans: &[Span], has_time: impl Fn() -> bool) -> Cuts {
+    /// None where there is no time for any.
+    fn of(log: &Log, subject: &Subject<'_>, spans: &[Span], has_time: impl Fn() -> bool) -> Option<Cuts> {
         let mut answers = Vec::new();
         let mut tried = 0;
         for cut in (0..CUTS).take_while(|_| has_time()) {
@@ -261,7 +262,7 @@ impl Cuts {
                 answers.push(findings(&answer));
             }
         }
-        Cuts { answered: answers.len(), tried, found: found_in(&answers) }
+        (tried > 0).then(|| Cuts { answered: answers.len(), tried, found: found_in(&answers) })
     }
 }
 
