@@ -11,6 +11,9 @@ use sil_host::diagnosis::{Asked, Diagnosis, Estimate, Finding};
 /// Effects that have no size without a search: where they begin comes from it.
 const NOT_ASKED: [&str; 2] = ["periodic_disturbance", "step_disturbance"];
 
+/// Parameters that are no sizes: a number of a motor, and a phase, which has no distance from another beyond a turn.
+const NOT_SIZES: [&str; 2] = ["motor", "phase_rad"];
+
 /// An effect with its sizes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Named {
@@ -38,7 +41,7 @@ impl Named {
     fn of(finding: &Finding) -> Named {
         let json = serde_json::to_value(finding).unwrap_or_default();
         let motor = finding.parameters.get("motor").map(|motor| motor.value as usize);
-        let is_size = |(name, _): &(&&str, &Estimate)| **name != "motor";
+        let is_size = |(name, _): &(&&str, &Estimate)| !NOT_SIZES.contains(*name);
         let sizes = finding.parameters.iter().filter(is_size);
         Named {
             name: full_name(finding.effect, finding.axis, motor),
