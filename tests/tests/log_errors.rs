@@ -350,7 +350,8 @@ fn malformed_maps_are_named_by_line_and_key() {
     assert_eq!(
         Map::load("nowhere.toml").unwrap_err().to_string(),
         "nowhere.toml: no such file, and no built-in map of that name; built in are: \
-         antx, crazyflie_arplab, crazypad_controller, crazypad_motor"
+         antx, crazyflie_arplab, crazypad_controller, crazypad_motor, sharif, sharif_pitch, sharif_roll_pitch, \
+         sharif_yaw"
     );
 }
 

@@ -60,6 +60,30 @@ fn bench_with_free_pitch() {
 }
 
 #[test]
+fn stand_with_three_free_axes() {
+    let maps = [("cl_3dof_LQIDG_mimo", "sharif"), ("cl_rollpitch", "sharif_roll_pitch"), ("cl_pitch", "sharif_pitch")];
+    for (start, map) in maps {
+        for path in files("rig_sharif_3dof", start) {
+            let whole = load(&path, map);
+            assert!((0.0199..0.0201).contains(&whole.median_step_s()));
+            // off the end stops
+            let from_s = if map == "sharif" { 15.0 } else { 5.4 };
+            let log = whole.between(from_s, f64::INFINITY).unwrap();
+            for axis in [Axis::Roll, Axis::Pitch].into_iter().filter(|axis| log.axes[axis.index()]) {
+                let command = log.axis_command[axis.index()].clone().unwrap();
+                let sign = correlation(&log, axis, &command, 7, 2);
+                println!("{}: {} command to acceleration {sign:+.2}", path.display(), axis.name());
+                assert!(sign > 0.4, "{}: {sign}", path.display());
+                let angle = log.angle_rad[axis.index()].clone().unwrap();
+                let rate = log.rate_rad_s[axis.index()].clone().unwrap();
+                let integral: f64 = (1..log.rows()).map(|row| (angle[row] - angle[row - 1]) * rate[row]).sum();
+                assert!(integral > 0.0, "{}: angle and rate must have one sign", path.display());
+            }
+        }
+    }
+}
+
+#[test]
 fn crazyflie_with_gyro_and_motors() {
     let axes_of = [("log15", Axis::Roll, 40), ("log15", Axis::Pitch, 40), ("log16", Axis::Yaw, 0)];
     for (name, axis, delay_rows) in axes_of {

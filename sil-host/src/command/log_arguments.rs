@@ -17,7 +17,7 @@ pub struct LogArguments {
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller,
-    /// crazypad_motor)
+    /// crazypad_motor, sharif, sharif_pitch, sharif_roll_pitch, sharif_yaw)
     #[arg(long, value_name = "MAP")]
     map: Option<String>,
     /// Only the rows from this time on, s

@@ -23,11 +23,15 @@ use super::quantity::Quantity;
 use crate::axis::Axis;
 
 /// The maps that ship with the project, by name.
-pub const BUILT_IN_MAPS: [(&str, &str); 4] = [
+pub const BUILT_IN_MAPS: [(&str, &str); 8] = [
     ("antx", include_str!("../../../models/maps/antx.toml")),
     ("crazyflie_arplab", include_str!("../../../models/maps/crazyflie_arplab.toml")),
     ("crazypad_controller", include_str!("../../../models/maps/crazypad_controller.toml")),
     ("crazypad_motor", include_str!("../../../models/maps/crazypad_motor.toml")),
+    ("sharif", include_str!("../../../models/maps/sharif.toml")),
+    ("sharif_pitch", include_str!("../../../models/maps/sharif_pitch.toml")),
+    ("sharif_roll_pitch", include_str!("../../../models/maps/sharif_roll_pitch.toml")),
+    ("sharif_yaw", include_str!("../../../models/maps/sharif_yaw.toml")),
 ];
 
 /// What the columns of a foreign CSV mean.

@@ -16,7 +16,20 @@ impl Log {
     /// # Errors
     /// They are fewer than a log needs.
     pub fn between(&self, from_s: f64, to_s: f64) -> Result<Log, LogError> {
-        let rows: Vec<usize> = (0..self.rows()).filter(|row| (from_s..=to_s).contains(&self.time_s[*row])).collect();
+        self.within(&[[from_s, to_s]])
+    }
+
+    /// The rows of several spans of time, their ends included. Where rows between two spans are left out the log has a
+    /// gap, if they are many enough.
+    ///
+    /// # Errors
+    /// They are fewer than a log needs.
+    pub fn within(&self, spans_s: &[[f64; 2]]) -> Result<Log, LogError> {
+        let is_within =
+            |row: &usize| spans_s.iter().any(|[from_s, to_s]| (*from_s..=*to_s).contains(&self.time_s[*row]));
+        let rows: Vec<usize> = (0..self.rows()).filter(is_within).collect();
+        let (from_s, to_s) =
+            (spans_s.first().map_or(f64::NAN, |span| span[0]), spans_s.last().map_or(f64::NAN, |s| s[1]));
         if rows.len() < ROWS_MIN {
             let end = |time_s: Option<&f64>| time_s.copied().unwrap_or_default();
             let has_s = [end(self.time_s.first()), end(self.time_s.last())];
@@ -144,6 +157,11 @@ mod tests {
         let part = log.between(0.5, 1.0).unwrap();
         assert!((495..=505).contains(&part.rows()) && part.time_s.iter().all(|time_s| (0.5..=1.0).contains(time_s)));
         assert_eq!(part.rate_rad_s[1].as_ref().unwrap().len(), part.rows());
+        let both = log.within(&[[0.1, 0.4], [0.9, 1.2]]).unwrap();
+        let in_one = |time_s: &f64| (0.1..=0.4).contains(time_s) || (0.9..=1.2).contains(time_s);
+        assert_eq!(both.time_s, log.time_s.iter().copied().filter(in_one).collect::<Vec<_>>());
+        assert!(both.time_s.iter().any(|time_s| *time_s < 0.5) && both.time_s.iter().any(|time_s| *time_s > 0.5));
+        assert!(log.within(&[]).is_err());
         for (from_s, to_s) in [(1.0, 0.5), (9.0, 10.0), (0.0, 0.05), (f64::NAN, 1.0)] {
             let message = log.between(from_s, to_s).unwrap_err().to_string();
             assert!(message.contains("the log goes from 0.0000") && message.contains("s to 1.4989"), "{message}");

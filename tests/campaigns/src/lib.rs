@@ -8,7 +8,7 @@
 //! | `controller_blame` | does it name a changed number of the controller? | `docs/thesis-case.md` |
 //! | `controller_comparison` | MPC against cascade on vehicles that neither expects | `docs/mpc-against-cascade.md` |
 //! | `limits_and_switching` | motors' limits, several linearisations | `docs/motor-limits.md`, `docs/switching-mpc.md` |
-//! | `real_logs` | what other people's logs show, beside what their authors say | `docs/real-logs.md` |
+//! | `real_logs` | what other people's logs show, and how right the diagnosis is on them | `docs/real-logs.md` |
 //! | `thesis_case` | the thesis' case from the log to the better controller | `docs/thesis-case.md` |
 //! | `worst_case` | the most passes that the MPC's solver can take | `docs/solver.md` |
 

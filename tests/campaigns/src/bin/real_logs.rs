@@ -1,47 +1,132 @@
-//! The tables of docs/real-logs.md: `cargo run --release -p campaigns --bin real_logs`. The logs are looked for in
-//! `$SIL_DATA`.
+//! What other people's logs show. The logs are looked for in `$SIL_DATA`.
+//!
+//! - `cargo run --release -p campaigns --bin real_logs`: the tables of docs/real-logs.md.
+//! - `... -- scoreboard [OPTIONS]`: how right the diagnosis is on every log (`campaigns::real_logs::scoreboard`).
+//! - `... -- injection [OPTIONS]`: are known effects named that were put into each log
+//!   (`campaigns::real_logs::injection_score`)?
+//!
+//! Options: `--only TEXT` (repeatable) logs whose `VEHICLE/LOG` contains it; `--quick` without halves and cuts;
+//! `--no-cuts` without cuts; `--patience S` no further cut of a log after so many seconds; `--threads N` so many logs
+//! side by side (1); `--json FILE` all figures; `--list` the logs' names alone. An injection
+//! knows `--only`, `--threads`, `--json` and `--list`.
 
-use campaigns::real_logs::crazyflie::vehicle;
-use campaigns::real_logs::crazyflie_table::{RollPitch, yaw_of};
-use campaigns::real_logs::crazyflie_yaw::yaw_sizes;
-use campaigns::real_logs::{bench, crazypad, files, folder, load};
+use std::collections::BTreeMap;
+use std::process::ExitCode;
+use std::sync::Mutex;
 
-fn main() {
+use campaigns::real_logs::scoreboard::{self, Effort, Entry, Scoreboard};
+use campaigns::real_logs::{folder, injection_score, tables};
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
     if folder().is_none() {
-        return;
+        return ExitCode::SUCCESS;
     }
-    println!("# Bench with a free pitch (ANT-X)\n");
-    println!("| run | pitch, deg: nominal, extended | q, deg/s: nominal, extended | findings |\n|---|---|---|---|");
-    for path in files("rig_antx_2dof", "Lab") {
-        print!("{}", bench::Run::of(&path));
-    }
-    println!("\n# Crazyflie flown for identification (ARP lab)\n");
-    for path in files("flight_crazyflie_arplab", "log15") {
-        println!("{}", RollPitch::of(&load(&path, "crazyflie_arplab"), &vehicle()));
-    }
-    for path in files("flight_crazyflie_arplab", "log16") {
-        let log = load(&path, "crazyflie_arplab");
-        println!("{}", yaw_of(&log));
-        println!("| part, s | Izz over the model's | brake, 1e-5 N m s | a rotor, 1e-8 kg m^2 | error of r, rad/s |");
-        println!("|---|---|---|---|---|");
-        for [without, with] in yaw_sizes(&log, &vehicle()) {
-            print!("{without}{with}");
+    let result = match arguments.split_first() {
+        None => {
+            tables::print();
+            Ok(())
         }
+        Some((first, options)) if first == "scoreboard" => Options::read(options).and_then(|options| options.score()),
+        Some((first, options)) if first == "injection" => Options::read(options).and_then(|options| options.inject()),
+        Some((other, _)) => Err(format!("unknown command `{other}`; it may be `scoreboard` or `injection`")),
+    };
+    result.map_or_else(
+        |message| {
+            eprintln!("{message}");
+            ExitCode::from(2)
+        },
+        |()| ExitCode::SUCCESS,
+    )
+}
+
+struct Options {
+    only: Vec<String>,
+    effort: Effort,
+    threads: usize,
+    json: Option<String>,
+    is_list: bool,
+}
+
+impl Options {
+    fn read(arguments: &[String]) -> Result<Options, String> {
+        let effort = Effort { halves: true, cuts: true, patience_s: f64::INFINITY };
+        let mut options = Options { only: Vec::new(), effort, threads: 1, json: None, is_list: false };
+        let mut arguments = arguments.iter();
+        while let Some(option) = arguments.next() {
+            let mut value = || arguments.next().cloned().ok_or(format!("{option} needs a value"));
+            match option.as_str() {
+                "--only" => options.only.push(value()?),
+                "--json" => options.json = Some(value()?),
+                "--threads" => options.threads = number(&value()?)?,
+                "--patience" => options.effort.patience_s = number(&value()?)?,
+                "--quick" => options.effort = Effort { halves: false, cuts: false, ..options.effort },
+                "--no-cuts" => options.effort.cuts = false,
+                "--list" => options.is_list = true,
+                other => return Err(format!("unknown option `{other}`")),
+            }
+        }
+        Ok(options)
     }
-    println!("\n# Crazyflies with weights and cut propellers (CrazyPAD)\n");
-    println!("| flight | thrust, % | V | roll, % | pitch, % | yaw, % |\n|---|---|---|---|---|---|");
-    let flights = crazypad::flights();
-    flights.iter().for_each(|flight| print!("{flight}"));
-    println!("\n| changed | roll, % | pitch, % | yaw, % | pull to the motor, % | share of a weak motor |");
-    println!("|---|---|---|---|---|---|");
-    for (airframe, label) in crazypad::changed_labels(&flights) {
-        let motor = if label.ends_with("M4") { crazypad::MOTOR_4 } else { crazypad::MOTOR_3 };
-        let change = crazypad::Change::of(&flights, airframe, label, None);
-        let pull_pct = change.pull_pct(motor);
-        // a pull that normal flights have too has no share
-        let is_pulled = pull_pct > change.normal_pct.iter().map(|normal| normal[1]).fold(0.0, f64::max);
-        let share =
-            if is_pulled { format!("{:.2}", change.weak_motor_shares(motor).last().unwrap()) } else { "-".into() };
-        println!("| {airframe}, {label} |{change} {pull_pct:+.1} | {share} |");
+
+    /// The logs that are chosen; none where only their names are wanted, which it prints.
+    fn entries(&self) -> Vec<Entry> {
+        let is_chosen =
+            |entry: &Entry| self.only.is_empty() || self.only.iter().any(|text| entry.label().contains(text));
+        let mut entries = scoreboard::entries();
+        entries.retain(is_chosen);
+        if self.is_list {
+            entries.iter().for_each(|entry| println!("{}", entry.label()));
+            entries.clear();
+        }
+        entries
     }
+
+    fn score(&self) -> Result<(), String> {
+        let entries = self.entries();
+        // a campaign of hours that is ended early leaves the figures that it had
+        let so_far = Mutex::new(BTreeMap::new());
+        let logs = scoreboard::side_by_side(
+            &entries,
+            self.threads,
+            |entry| scoreboard::score(entry, &self.effort),
+            |place, score| {
+                eprint!("{}", scoreboard::of_log(score));
+                let mut so_far = so_far.lock().expect("no thread panics here");
+                so_far.insert(place, score.clone());
+                if let Err(message) = self.write(&Scoreboard::of(so_far.values().cloned().collect())) {
+                    eprintln!("{message}");
+                }
+            },
+        );
+        if self.is_list {
+            return Ok(());
+        }
+        logs.iter().for_each(|score| print!("{}", scoreboard::of_log(score)));
+        println!("\n{}", scoreboard::of_summary(&logs));
+        self.write(&Scoreboard::of(logs))
+    }
+
+    fn inject(&self) -> Result<(), String> {
+        let outcomes =
+            scoreboard::side_by_side(&self.entries(), self.threads, injection_score::score, |_, outcomes| {
+                outcomes.iter().for_each(|one| eprintln!("{}", injection_score::line(one)))
+            });
+        if self.is_list {
+            return Ok(());
+        }
+        let outcomes = outcomes.concat();
+        print!("{}", injection_score::table(&outcomes));
+        self.write(&outcomes)
+    }
+
+    fn write(&self, figures: &impl serde::Serialize) -> Result<(), String> {
+        let Some(file) = &self.json else { return Ok(()) };
+        let text = serde_json::to_string_pretty(figures).map_err(|e| e.to_string())?;
+        std::fs::write(file, text + "\n").map_err(|e| format!("{file}: {e}"))
+    }
+}
+
+fn number<N: std::str::FromStr>(text: &str) -> Result<N, String> {
+    text.parse().map_err(|_| format!("`{text}` is no number"))
 }

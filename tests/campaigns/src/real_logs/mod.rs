@@ -8,7 +8,11 @@ pub mod crazyflie;
 pub mod crazyflie_table;
 pub mod crazyflie_yaw;
 pub mod crazypad;
+pub mod injection;
+pub mod injection_score;
 mod least_squares;
+pub mod scoreboard;
+pub mod tables;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
