@@ -17,8 +17,8 @@ fn flown(model: &VehicleModel, seed: u64) -> Log {
     flown_at(model, seed, 0.004, 1)
 }
 
-/// 40 s, angles following slow references of up to 30 degrees by what the noisy sensors say; on the gimbal yaw is left
-/// alone. Each row of the log stands for so many steps of the controller.
+/// 40 s, angles following slow references of up to 30 degrees by what the noisy sensors measure; on the gimbal yaw is
+/// left alone. Each row of the log stands for so many steps of the controller.
 fn flown_at(model: &VehicleModel, seed: u64, control_step_s: f64, steps_per_row: usize) -> Log {
     let mut noise = NoiseSource::new(seed);
     let mut plant = Plant::new(model);
