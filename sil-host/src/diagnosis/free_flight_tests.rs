@@ -5,11 +5,11 @@ use crate::model::{Rig, VehicleModel};
 use crate::synthesis::Synthesis;
 use crate::vehicle::{Attitude, SensorChain};
 
-/// A log of 20 s of free flight with these effects hidden in it: 100 rows a second, as often as the controller runs.
+/// A log of 14 s of free flight with these effects hidden in it: 100 rows a second, as often as the controller runs.
 fn log(effects: &[&str], seed: u64) -> Log {
     let mut model = VehicleModel::nominal(Rig::Free);
     model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Free).unwrap()).collect();
-    let mut synthesis = Synthesis { seed, blind: true, duration_s: 20.0, log_rate_hz: 100, ..Synthesis::of(model) };
+    let mut synthesis = Synthesis { seed, blind: true, duration_s: 14.0, log_rate_hz: 100, ..Synthesis::of(model) };
     synthesis.choice.rate_hz = 100;
     synthesis.log().unwrap()
 }
@@ -71,12 +71,12 @@ fn a_log_without_velocity_and_height_still_tells_the_mass() {
 fn in_hover_without_velocity_weight_and_lift_are_confounded() {
     let level = crate::scenario::Scenario {
         name: "hover".into(),
-        duration_s: 20.0,
+        duration_s: 10.0,
         waypoints: vec![crate::scenario::Waypoint::level(0.0)],
     };
     let mut model = VehicleModel::nominal(Rig::Free);
     model.effects = vec![Effect::parse("thrust_scale:scale=0.99", Rig::Free).unwrap()];
-    let mut synthesis = Synthesis { scenario: level, duration_s: 20.0, blind: true, ..Synthesis::of(model) };
+    let mut synthesis = Synthesis { scenario: level, duration_s: 10.0, blind: true, ..Synthesis::of(model) };
     synthesis.choice.rate_hz = 200;
     let mut log = synthesis.log().unwrap();
     (log.velocity_ned_m_s, log.height_m) = Default::default();

@@ -62,7 +62,7 @@ fn axes_of_a_bench_are_diagnosed_per_unit_of_inertia() {
     let mut made = Log { axes: [false, true, false], ..Log::default() };
     let mut noise = crate::sensors::random::RandomStream::new(4, "bench");
     let (mut times, mut angles, mut rates, mut commands) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for row in 0..6000 {
+    for row in 0..3000 {
         let time_s = f64::from(row) * 0.005;
         let command =
             if ((time_s / 0.9) as u32).is_multiple_of(2) { 0.3 } else { -0.3 } + 0.2 * libm::sin(7.0 * time_s);

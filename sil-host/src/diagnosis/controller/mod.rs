@@ -1,7 +1,7 @@
 //! Whether the modelled controller produced the logged commands, and if not, which of its parameters differs.
 //!
 //! ```text
-//!   log --inputs: the core's own steps--> replay at the modelled numbers --> residual: what flew less what was replayed
+//!   log --inputs: the core's own steps--> replay at the modelled numbers --> residual: flown less replayed
 //!   log's references --comparison: simulated flight--> replay --instruments: what each number would do, without noise
 //!   residual --whitening--> scores along the instruments --fit--> the numbers that differ, or none
 //! ```
@@ -123,7 +123,8 @@ fn answer(found: &Found, comparison: &Comparison<'_>, choice: ControllerChoice) 
     if !is_named {
         let reason = if is_remaining {
             format!(
-                "{remainder}: the best one lowers the squared mismatch from {:.0} to {:.0}; noise alone gives {freedom:.0}",
+                "{remainder}: the best one lowers the squared mismatch from {:.0} to {:.0}; noise alone gives \
+                 {freedom:.0}",
                 found.nominal_sum, fit.sum
             )
         } else {
