@@ -18,6 +18,6 @@ mod session;
 mod timing;
 
 pub use error::HitlError;
-pub use flight::{HitlFlight, HitlSetup, fly};
+pub use flight::{HitlFigures, HitlFlight, HitlSetup, fly};
 pub use port::{BoardPort, FromBoard, Patience};
 pub use timing::Timing;
