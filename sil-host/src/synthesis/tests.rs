@@ -129,8 +129,11 @@ fn the_battery_is_logged_where_thrust_follows_it_or_on_request() {
 fn a_blind_log_says_only_that_it_is_synthetic() {
     let effects = ["spring:axis=roll,stiffness_nm_rad=0.1", "weak_motor:motor=2,scale=0.95"];
     let open = quiet(&effects).log().unwrap();
-    let told = open.comments.join("\n");
-    assert!(told.contains("spring:axis=roll,stiffness_nm_rad=0.1,rest_rad=0; weak_motor:motor=2,scale=0.95"), "{told}");
+    let comments = open.comments.join("\n");
+    assert!(
+        comments.contains("spring:axis=roll,stiffness_nm_rad=0.1,rest_rad=0; weak_motor:motor=2,scale=0.95"),
+        "{comments}"
+    );
     let blind = Synthesis { blind: true, ..quiet(&effects) }.log().unwrap();
     assert_eq!(blind.comments, ["SYNTHETIC: made by a simulation (sil synth), measured nowhere"]);
     assert_eq!(blind.angle_rad, open.angle_rad);
