@@ -1,6 +1,6 @@
 //! A part of the blind campaigns (`cargo run --release -p campaigns --bin blind_diagnosis`, scores in
 //! docs/diagnosis.md; CI runs a tenth of them, with all of these seeds, in whole logs): fixed seeds, so few that no
-//! error is allowed where the whole campaigns allow one in ten or less, in logs of a third or a quarter of their length.
+//! error is allowed where the whole campaigns allow one in ten or less, in logs of a third or a quarter of the length.
 
 use campaigns::blind::{Campaign, DURATION_S, Score};
 
