@@ -80,7 +80,7 @@ pub fn interval_text([low, high]: [f64; 2]) -> String {
 
 /// The sections, for a page of its own and for the demonstration's.
 pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
-    let mut sections = vec![causes(answer), before_and_after(answer)];
+    let mut sections = vec![causes(log, answer), before_and_after(answer)];
     sections.extend(answer.closed_loop.as_ref().map(closed_loop));
     sections.extend([
         rejected(answer),
@@ -91,8 +91,11 @@ pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
     sections
 }
 
-fn causes(answer: &Diagnosis) -> Section {
-    let section = Section::new("The cause");
+fn causes(log: &Log, answer: &Diagnosis) -> Section {
+    let mut section = Section::new("The cause");
+    if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
+        section = section.warning("This log is synthetic: it was simulated, not measured.");
+    }
     if answer.findings.is_empty() {
         return section.paragraph("No effect of the catalogue lowers the error by more than chance would.");
     }

@@ -7,7 +7,7 @@
 //!  effects (hypotheses) -> search: score -> fit (shooting: residuals, slopes, normal equations) -> held-out windows
 //!                       |                          '-- prediction: actuation -> body -> sensor
 //!                       v
-//!        findings, rejected <- verdict <- structure: is anything left? <- accuracy: against an exact model
+//!        findings, rejected <- verdict <- structure: are residuals white? <- accuracy: against an exact model
 //! ```
 //!
 //! The model of the vehicle is the `prediction` of a log: the plant's equations and the catalogue's effects, integrated
@@ -63,7 +63,7 @@ use search::{Found, Search};
 pub use sizes::{Asked, Size, sizes};
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
-/// Why nothing is said of the controller where none is given.
+/// Why the controller is not judged where none is given.
 pub const NO_CONTROLLER: &str = "no controller given";
 /// Above this multiple of the noise floor an error is not explained.
 const FLOOR_FACTOR_MAX: f64 = 1.3;
@@ -85,9 +85,9 @@ pub struct Diagnosis {
     pub prediction_error: PredictionErrors,
     /// The simulated closed loop against the log, before and after; none without a controller or references.
     pub closed_loop: Option<ClosedLoops>,
-    /// What is left.
+    /// What neither the model nor the findings explain.
     pub unexplained: Unexplained,
-    /// Which manoeuvre would tell apart what this log does not; empty where nothing is confounded.
+    /// Which manoeuvre would separate effects that this log cannot separate; empty where nothing is confounded.
     pub separating_experiment: String,
     /// How sure the gains are.
     pub gain: Gain,
@@ -191,8 +191,7 @@ pub fn diagnose_observed(
     Ok(answer(log, subject, &search, &found))
 }
 
-/// The noise to be looked with once more, of moments and of forces, where what was found is far from explaining the
-/// log.
+/// The process noise of moments and of forces for a second search, where the findings are far from explaining the log.
 fn noise_beyond_sensors(search: &Search<'_>, found: &Found<'_>) -> Option<([AxisNoise; 3], Vec<CarriedNoise>)> {
     let shooting = search.shooting;
     let driven = shooting.log.drive(model_of(search.nominal, &found.chosen.fit.terms));

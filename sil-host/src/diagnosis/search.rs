@@ -24,7 +24,7 @@ const FITTED_MAX: usize = 7;
 const EFFECTS_MAX: usize = 5;
 /// Effects added, taken out again ones included.
 const ROUNDS_MAX: usize = 8;
-/// Fall of the sum of squares, in units of what is left per degree of freedom, that a new effect must bring on all
+/// Fall of the sum of squares, in units of the remaining sum per degree of freedom, that a new effect must bring on all
 /// windows, half of it on the training windows: a chance of 1e-4 over sixty hypotheses of up to three parameters.
 const SIGNIFICANT: f64 = 30.0;
 /// The same on the held-out windows, where nothing was fitted.
@@ -34,7 +34,7 @@ pub(super) const SEPARABLE: f64 = 3.0;
 /// Share of the held-out error that a finding must take away (docs/commands.md).
 const SHARE_MIN: f64 = 0.02;
 
-/// A log and the questions that it is asked.
+/// A log and the hypotheses tested on it.
 pub(super) struct Search<'e> {
     pub(super) shooting: &'e Shooting<'e>,
     pub(super) nominal: Nominal<'e>,
@@ -43,7 +43,7 @@ pub(super) struct Search<'e> {
     pub(super) always: Vec<Term<'e>>,
     pub(super) training: Vec<usize>,
     pub(super) held_out: Vec<usize>,
-    /// Is told how far the search is.
+    /// Receives the search's progress.
     pub(super) observer: Observer<'e>,
 }
 
@@ -73,7 +73,7 @@ pub(super) struct Found<'e> {
 }
 
 impl<'e> Search<'e> {
-    /// A log's windows and the questions.
+    /// A log's windows and the hypotheses.
     pub(super) fn new(
         shooting: &'e Shooting<'e>,
         nominal: Nominal<'e>,
@@ -126,7 +126,7 @@ impl<'e> Search<'e> {
         self.fitted(terms, &starts, f64::INFINITY)
     }
 
-    /// The chosen effects fitted to all windows, held out or not: what no model of these effects explains is left then.
+    /// The chosen effects fitted to all windows, held out or not: the residual is then what no model of them explains.
     pub(super) fn fitted_to_all(&self, chosen: &Candidate<'e>) -> Candidate<'e> {
         let all: Vec<usize> = (0..self.shooting.log.windows.len()).collect();
         let fit = fit(self.shooting, self.nominal, chosen.fit.terms.clone(), &chosen.fit.starts, &all);
@@ -202,7 +202,7 @@ impl<'e> Search<'e> {
         scored
     }
 
-    /// Of those that the log does not tell from the best, the one with the fewest parameters goes first.
+    /// Of those that the log cannot separate from the best, the one with the fewest parameters goes first.
     fn simplest_first(&self, fits: &mut [Candidate<'e>]) {
         let Some(best) = fits.first() else { return };
         let limit = best.held_out + 2.0 * SEPARABLE * self.spread(best);
@@ -310,7 +310,7 @@ impl<'e> Search<'e> {
     }
 
     /// Sums of squares of the held-out windows with one effect simply left out. Start states are sought from those of
-    /// the chosen model and from those of the nominal one: what is left may be near to either.
+    /// the chosen model and from those of the nominal one: the best ones may be near to either.
     pub(super) fn losses_without(&self, nominal: &Candidate<'e>, chosen: &Candidate<'e>, index: usize) -> Vec<f64> {
         let mut terms = chosen.fit.terms.clone();
         terms.remove(index);

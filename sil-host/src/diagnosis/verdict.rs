@@ -66,7 +66,7 @@ pub struct Finding {
     /// Rise of the held-out squared error when it alone is taken out of the extended model, in % of nominal minus
     /// extended.
     pub gain_pct: f64,
-    /// Effects that this log does not tell from it.
+    /// Effects that this log cannot separate from it.
     pub confounded_with: Vec<&'static str>,
     /// For a person.
     pub statement: String,

@@ -1,5 +1,5 @@
-//! Is anything left beside the findings? Residuals that go on from row to row (`structure`), that depend on something
-//! (`signature`), or findings that all but cancel each other (`cancelling`).
+//! What the findings do not explain: residuals that are correlated from row to row (`structure`) or that depend on a
+//! measured quantity (`signature`), or findings that all but cancel each other (`cancelling`).
 
 pub(in crate::diagnosis) mod cancelling;
 pub(in crate::diagnosis) mod signature;
