@@ -175,7 +175,7 @@ fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3
     }
 }
 
-/// The plan that the last step asked for; a late one is none.
+/// The plan that the last step requested; a late one is none.
 fn plan_in_time(state: &State, input: &StepInput) -> Option<Plan> {
     input.plan.filter(|plan| plan.step == state.step.wrapping_sub(1))
 }

@@ -12,7 +12,7 @@
 
 use crate::elementary::{larger, sin_cos};
 
-/// Where less than this of a torque about the body's y axis is left for pitch, no more is asked to hold the ring.
+/// Where less than this of a torque about the body's y axis is left for pitch, no more is requested to hold the ring.
 const COS_ROLL_MIN: f32 = 0.2;
 
 /// One mass off an axis.

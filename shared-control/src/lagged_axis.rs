@@ -11,7 +11,7 @@
 //!   w    <- w + h/J (c1 m + (1 - c1) u + d)                            c1 = (1 - e) / x
 //!   angle <- angle + h w + h^2/J (c2 m + (1/2 - c2) u + d/2)           c2 = (1 - c1) / x
 //! ```
-//! No lag (T = 0) is e = c1 = c2 = 0: the motors do what they are told, and the body is a double integrator.
+//! No lag (T = 0) is e = c1 = c2 = 0: the motors follow their commands at once, and the body is a double integrator.
 
 use crate::elementary::exp;
 
@@ -57,7 +57,7 @@ impl LagStep {
         Self { duration_s, kept, rate_share, angle_share }
     }
 
-    /// The motion after this duration, the motors asked for `demand_nm`, under a disturbance torque.
+    /// The motion after this duration, the motors requested `demand_nm`, under a disturbance torque.
     pub fn advance(&self, from: &AxisMotion, demand_nm: f32, disturbance_nm: f32, inertia_kg_m2: f32) -> AxisMotion {
         let lacking_nm = from.motor_nm - demand_nm;
         let turn = self.duration_s / inertia_kg_m2;

@@ -39,7 +39,7 @@
 //! # Words that have one meaning here
 //!
 //! - **Set-point**: what is wanted of the vehicle, as it came in; it may jump. **Reference**: the shaped set-point,
-//!   which the vehicle can follow. **Target**: what one loop of the cascade asks of the next.
+//!   which the vehicle can follow. **Target**: what one loop of the cascade demands of the next.
 //! - **Wrench**: the lift and the torque that the controllers demand of the mixer.
 //! - **Plan**: the MPC's answer to the request of one step: the first torque of its solution, and how the solution
 //!   ended. Only a plan that was solved and arrived in time flies; else the cascade does, which is the **fallback**.
@@ -65,7 +65,7 @@
 //! let vehicle = VehicleParameters::F450_FREE;
 //! let tuning = Tuning::for_vehicle(&vehicle);
 //! let config = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade)?;
-//! // the MPC is prepared in any case; the cascade never asks it
+//! // the MPC is prepared in any case; the cascade never calls it
 //! let mpc = Mpc::<HORIZON>::prepare(&mpc_settings(&vehicle, &tuning, 400.0)).expect("the nominal problem");
 //! let (mut state, mut plan_state) = (State::default(), MpcState::default());
 //!

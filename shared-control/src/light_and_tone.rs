@@ -22,7 +22,7 @@ pub enum Sign {
     CrystalSilent,
     /// Hardware in the loop.
     Hil,
-    /// Disarmed, everything is as arming wants it, as far as can be seen before it is asked for.
+    /// Disarmed, everything is as arming wants it, as far as can be seen before it is requested.
     Ready,
     /// Disarmed, the last request to arm or to test a motor was refused.
     Refused,

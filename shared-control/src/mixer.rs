@@ -63,7 +63,7 @@ pub fn mix(config: &MixerConfig, wrench: &Wrench) -> MixResult {
     // yaw: the largest share that fits beside them
     let yaw_scale = largest_yaw_share(span_n, |motor| tilt_scale * tilt(motor), yaw_n);
 
-    // collective: as asked, shifted to where all four fit
+    // collective: as requested, shifted to where all four fit
     let torque_lift = |motor: usize| tilt_scale * tilt(motor) + YAW[motor] * yaw_n * yaw_scale;
     let (low, high) = extent(torque_lift);
     let asked_n = if wrench.lift_per_motor_n.is_finite() { wrench.lift_per_motor_n } else { curve.lift_min_n };

@@ -128,7 +128,7 @@ pub fn encode(params: &Params) -> [u8; RECORD_LEN] {
 /// The choices in a record.
 ///
 /// # Errors
-/// What is wrong with it; the caller then takes [`Params::DEFAULT`] and asks for confirmation.
+/// What is wrong with it; the caller then takes [`Params::DEFAULT`] and requests confirmation.
 pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
     #[rustfmt::skip]
     let [

@@ -95,7 +95,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The board depends on it: there is nobody to tell when it starts.
+        /// The board depends on it: nobody sees a message when it starts.
         #[test]
         fn all_choices_that_a_record_can_hold_can_be_flown(params in any_params()) {
             let setup = Setup::new(&params).unwrap();

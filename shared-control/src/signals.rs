@@ -29,7 +29,7 @@ pub struct RawImuSample {
     pub accel_counts: [i16; 3],
 }
 
-/// What the vehicle is asked for.
+/// What the vehicle is requested.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setpoint {
     /// Roll angle, rad (Euler Z-Y-X).
@@ -38,7 +38,7 @@ pub struct Setpoint {
     pub pitch_rad: f32,
     /// Rate of the heading, rad/s.
     pub yaw_rate_rad_s: f32,
-    /// Collective, 0..1, as the command that all four motors get when no torque is asked for.
+    /// Collective, 0..1, as the command that all four motors get when no torque is requested.
     pub throttle: f32,
 }
 
@@ -97,7 +97,7 @@ pub struct StepInput {
     pub imu: ImuBatch,
     /// The same of the second IMU; empty where there is none.
     pub imu_second: ImuBatch,
-    /// What is asked for.
+    /// What is requested.
     pub setpoint: Setpoint,
     /// Request to arm or disarm.
     pub arming: ArmingRequest,
@@ -124,7 +124,7 @@ pub struct AttitudeEstimate {
     pub valid: bool,
 }
 
-/// Collective and torque asked of the mixer.
+/// Collective and torque demanded of the mixer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {
     /// Lift per motor before any torque, N.
@@ -137,13 +137,13 @@ pub struct Wrench {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorCommands(pub [f32; 4]);
 
-/// What the MPC is asked to plan: made by `follow`, answered by `plan`, applied by the next `fast`.
+/// What the MPC is to plan: made by `follow`, answered by `plan`, applied by the next `fast`.
 ///
 /// All of it is per axis (roll, pitch, heading), and for the time at which the plan begins to act. Headings count from
 /// the present one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanRequest {
-    /// Number of the step that asks.
+    /// Number of the requesting step.
     pub step: u32,
     /// Angle, rad.
     pub angle_rad: [f32; 3],
@@ -151,7 +151,7 @@ pub struct PlanRequest {
     pub rate_rad_s: [f32; 3],
     /// Torque of the motors, N m.
     pub motor_nm: [f32; 3],
-    /// Torque that is asked of them until then, N m.
+    /// Torque that is demanded of them until then, N m.
     pub torque_prev_nm: [f32; 3],
     /// Disturbance torque, N m.
     pub disturbance_nm: [f32; 3],
@@ -166,7 +166,7 @@ pub struct PlanRequest {
 /// The MPC's answer to a [`PlanRequest`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Plan {
-    /// Number of the step that asked.
+    /// Number of the requesting step.
     pub step: u32,
     /// First torque of the plan, N m (roll, pitch, heading).
     pub torque_nm: [f32; 3],
@@ -174,7 +174,7 @@ pub struct Plan {
     pub status: PlanStatus,
     /// Solver iterations, summed over the axes.
     pub iterations: u16,
-    /// Time that the plan took, µs, as whoever asked for it measured; 0 where nobody measures. The core has no clock,
+    /// Time that the plan took, µs, as whoever requested it measured; 0 where nobody measures. The core has no clock,
     /// and nothing that it does depends on this.
     pub duration_us: u32,
 }
@@ -190,7 +190,7 @@ pub struct PlanReport {
     pub duration_us: u32,
     /// Steps so far that the cascade flew in the MPC's place, for want of a plan or of one that was solved.
     pub fallbacks: u32,
-    /// Steps so far whose plan had been asked for and was not there in time.
+    /// Steps so far whose plan had been requested and was not there in time.
     pub deadline_misses: u32,
 }
 

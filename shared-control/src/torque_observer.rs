@@ -1,9 +1,9 @@
 //! What turns the vehicle and is not measured: the motors' torque and the disturbance, per Euler axis (roll, pitch,
 //! heading), and with them the state at the time at which the next plan will act.
 //!
-//! A Luenberger observer on rate and disturbance torque. Its input is what the mixer delivered, not what was asked, on
-//! its way through the actuation's delay and the motors' lag ([`crate::lagged_axis`]); so it cannot wind up. From step
-//! to step
+//! A Luenberger observer on rate and disturbance torque. Its input is what the mixer delivered, not what was requested,
+//! on its way through the actuation's delay and the motors' lag ([`crate::lagged_axis`]); so it cannot wind up. From
+//! step to step
 //!
 //! ```text
 //!   rate        <- rate predicted + l1 (measured - predicted)            l1 = 1 - p^2
@@ -137,7 +137,7 @@ impl ObserverState {
         }
     }
 
-    /// Where the axes are when a plan that is asked for now begins to act: one step and the delay from now, by the
+    /// Where the axes are when a plan that is requested now begins to act: one step and the delay from now, by the
     /// torques that are under way, the disturbance and the known torque. `angle_rad` and `rate_rad_s` are those of now.
     pub fn at_next_plan(
         &self,

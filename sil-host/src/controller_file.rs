@@ -214,7 +214,8 @@ mod tests {
 
     #[test]
     fn a_file_changes_what_it_names_and_keeps_the_rest() {
-        let text = "controller = \"mpc\"\nrate_hz = 100\n[tuning]\nangle_gain_1_s = [9.0, 7.0, 4.0]\nmpc_reference = \"held\"\n";
+        let text = "controller = \"mpc\"\nrate_hz = 100\n\
+                    [tuning]\nangle_gain_1_s = [9.0, 7.0, 4.0]\nmpc_reference = \"held\"\n";
         let choice = ControllerChoice::parse(text, "c.toml").unwrap();
         assert_eq!((choice.controller, choice.rate_hz, choice.control_horizon), (Controller::Mpc, 100, 5));
         let nominal = Tuning::for_motor_lag(0.0);

@@ -12,7 +12,7 @@ fn main() -> ExitCode {
     match command::run(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            // nobody may be listening; the status still tells
+            // nobody may be listening; the status still shows it
             let _ = writeln!(std::io::stderr(), "error: {}", failure.message);
             ExitCode::from(failure.status)
         }

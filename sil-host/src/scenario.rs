@@ -15,7 +15,7 @@ const TEST_POSITIONS_DEG: [(f64, f64); 8] =
 /// Longest flight that is simulated, s.
 pub const DURATION_MAX_S: f64 = 3600.0;
 
-/// What is asked for from a point in time on.
+/// What is requested from a point in time on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waypoint {
     /// From when on, s.
@@ -34,7 +34,7 @@ pub struct Waypoint {
 }
 
 impl Waypoint {
-    /// Level from a time on, nothing else asked for.
+    /// Level from a time on, nothing else requested.
     pub fn level(start_s: f64) -> Waypoint {
         Waypoint { start_s, roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: None, climb_m: None }
     }

@@ -190,7 +190,7 @@ fn fly(flight: &FlightSetup, plant: &mut Plant, sensors: &mut Sensors) -> Result
     Ok(cosim::fly(&flight.design_parameters(), plant, sensors, &mut control, &flight.scenario, None))
 }
 
-/// What was seen at a time that was asked for; times round in the last digits.
+/// What was seen at a time that was requested; times round in the last digits.
 fn seen_at(seen: &[Truth], time_s: f64) -> Option<&Truth> {
     seen.get(seen.partition_point(|truth| truth.time_s < time_s - 1e-8))
 }

@@ -85,7 +85,7 @@ fn nothing_jumps() {
             Controller::Mpc => TorqueSource::Mpc,
         };
         assert_eq!((flew(change - 1), flew(last)), (expected(&before), expected(&after)), "{name}");
-        // the cascade has asked for no plan, so that the first step after it has none
+        // the cascade has requested no plan, so that the first step after it has none
         let without = record.source[change..].iter().filter(|source| **source == TorqueSource::CascadeNoPlan).count();
         assert_eq!(without, usize::from(name == "cascade to MPC"), "{name}");
     }

@@ -4,15 +4,15 @@
 
 use campaigns::controller_blame::{Case, Score};
 
-/// Both controllers, with and without an effect in the plant.
+/// A changed cascade and a nominal MPC, an effect in the plant beside both. CI's tenth has a changed MPC too.
 #[test]
 fn a_changed_gain_is_named_and_an_unchanged_one_is_not() {
     let mut score = Score::default();
-    for (seed, is_changed) in [(2, true), (1, true), (6, false), (7, false)] {
+    for (seed, is_changed) in [(2, true), (7, false)] {
         let case = Case::new(seed, 10.5, is_changed);
         score.add(&case, &case.examine());
     }
     println!("{}", score.table);
-    assert_eq!((score.named, score.silent), (2, 2), "{}", score.table);
-    assert_eq!(score.sized, 2, "{}", score.table);
+    assert_eq!((score.named, score.silent), (1, 1), "{}", score.table);
+    assert_eq!(score.sized, 1, "{}", score.table);
 }

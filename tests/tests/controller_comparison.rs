@@ -1,4 +1,4 @@
-//! A tenth of the draws of the comparison of MPC and cascade (`cargo run --release -p campaigns --bin
+//! A sixteenth of the draws of the comparison of MPC and cascade (`cargo run --release -p campaigns --bin
 //! controller_comparison`), with the controllers as they were tuned.
 
 use campaigns::comparison::campaign;
@@ -6,10 +6,10 @@ use campaigns::comparison::contender::Figures;
 use campaigns::comparison::contenders;
 use campaigns::comparison::statistics::{median, quantile};
 
-/// What all 200 draws show with intervals that exclude zero, twenty show in the figures themselves.
+/// What all 200 draws show with intervals that exclude zero, twelve show in the figures themselves.
 #[test]
 fn the_mpc_tracks_better_than_the_cascade_and_pays_no_more_for_it() {
-    let draws = campaign::draws(campaign::DRAWS / 10);
+    let draws = campaign::draws(campaign::DRAWS / 16);
     let [mpc, cascade] = contenders::tuned().map(|contender| contender.fly_all(&draws));
     let series = |flights: &[Figures], figure: fn(&Figures) -> f64| flights.iter().map(figure).collect::<Vec<_>>();
     let rms = |flights: &[Figures]| series(flights, |figures| figures.rms_deg);

@@ -23,7 +23,7 @@ fn rolled_the_linearisation_of_that_roll_flies_better_and_level_nothing_changes(
     assert!((several.rms_deg[1] / single.rms_deg[1] - 1.0).abs() < 0.005, "{single:?} {several:?}");
 }
 
-/// Raw steps of both axes together, which ask for all that the motors have.
+/// Raw steps of both axes together, which request all that the motors have.
 #[test]
 fn the_motors_limits_give_both_axes_more_than_boxes_or_keep_the_lift() {
     let corner = route(&[(60.0, 60.0), (0.0, 0.0), (-60.0, 60.0), (0.0, 0.0)], Some(0.5));

@@ -134,3 +134,50 @@ fn figures(path: &Path, instances: &Instances, problem: Problem, counts: &Counts
         "ram_bytes": counts.ram_bytes(),
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::counting::Solve;
+    use super::*;
+
+    /// The fields of a case in docs/commands.md, each with its types.
+    fn described() -> BTreeMap<String, String> {
+        let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/commands.md")).unwrap();
+        let table = page.split("<!-- json: bench-mcu -->").nth(1).unwrap().split("\n\n").next().unwrap();
+        let rows = table.lines().filter_map(|line| line.strip_prefix("| `cases[]."));
+        let cells = rows.map(|row| row.split('|').map(|cell| cell.trim().trim_end_matches('`').to_owned()));
+        cells.map(|mut cells| (cells.next().unwrap(), cells.next().unwrap())).collect()
+    }
+
+    /// Whether a value is of one of the types.
+    fn fits(value: &Value, types: &str) -> bool {
+        types.split(" or ").any(|kind| match kind {
+            "string" => value.is_string(),
+            "integer" => value.is_u64(),
+            "number" => value.is_f64(),
+            "null" => value.is_null(),
+            _ => false,
+        })
+    }
+
+    #[test]
+    fn the_page_describes_every_field_of_a_case() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/instances/instances_a_i.json.gz");
+        let instances = Instances::read(&path).unwrap();
+        let solve =
+            || Solve { instructions: 700, stack_bytes: 8, is_solved: true, iterations: 3, input: Default::default() };
+        let solves = (0..200).map(|_| solve()).collect();
+        let counts = Counts { solves, flash_bytes: 4000, data_bytes: 900 };
+        let described = described();
+        for problem in instances.problems() {
+            let case = figures(&path, &instances, problem, &counts).unwrap();
+            let case = case.as_object().unwrap();
+            assert!(case.keys().eq(described.keys()), "{:?} {:?}", case.keys(), described.keys());
+            for (field, value) in case {
+                assert!(fits(value, &described[field]), "{field}: {value} is not {}", described[field]);
+            }
+        }
+    }
+}

@@ -1,10 +1,12 @@
-//! Rules of the project that neither the compiler nor clippy knows: sizes, names, leftovers, references, long lines.
+//! Rules of the project that neither the compiler nor clippy knows: sizes, names, leftovers, references, long lines,
+//! Rust files that nobody compiles.
 
-mod exempt;
+mod modules;
 mod prose;
 mod references;
 mod rust_source;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
 use std::process::Command;
@@ -13,7 +15,6 @@ use anyhow::{Context, Result, bail};
 
 use crate::process;
 use crate::workspace::Workspace;
-use exempt::Exempt;
 use references::Tree;
 
 const FILE_SIZE_MAX: usize = 1_000_000;
@@ -37,30 +38,6 @@ impl fmt::Display for Finding {
     }
 }
 
-/// The project's files, and those of them that a rule leaves alone.
-struct Rules {
-    tree: Tree,
-    long_lines: Exempt,
-    long_files: Exempt,
-}
-
-impl Rules {
-    fn new(tree: Tree) -> Self {
-        Self {
-            tree,
-            long_lines: Exempt::parse("xtask/src/tidy/long_lines.txt", include_str!("tidy/long_lines.txt")),
-            long_files: Exempt::parse("xtask/src/tidy/long_files.txt", include_str!("tidy/long_files.txt")),
-        }
-    }
-
-    /// Entries of the lists whose file is gone.
-    fn stale(&self) -> Vec<Finding> {
-        let stale =
-            [&self.long_lines, &self.long_files].into_iter().flat_map(|list| list.stale(|path| self.tree.has(path)));
-        stale.map(|(path, message)| Finding { path: path.to_owned(), line: None, message }).collect()
-    }
-}
-
 /// Checks every file that git tracks or would add.
 pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     let paths = process::output(
@@ -71,11 +48,20 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     // what is deleted, but not yet from git's index, is not there
     let is_there = |path: &&str| workspace.root.join(path).is_file();
     let paths: Vec<&str> = paths.split_terminator('\0').filter(is_there).collect();
-    let rules = Rules::new(Tree::new(paths.iter().copied()));
-    let mut findings = rules.stale();
+    let tree = Tree::new(paths.iter().copied());
+    let mut findings = Vec::new();
+    let mut sources = BTreeMap::new();
     for path in &paths {
         let bytes = fs::read(workspace.root.join(path)).with_context(|| format!("cannot read {path}"))?;
-        findings.extend(check(path, &bytes, &rules));
+        findings.extend(check(path, &bytes, &tree));
+        if path.ends_with(".rs") {
+            sources.insert(*path, String::from_utf8_lossy(&bytes).into_owned());
+        }
+    }
+    let sources = sources.iter().map(|(path, text)| (*path, text.as_str())).collect();
+    for path in modules::orphans(&sources, &workspace.target_roots()?) {
+        let message = "nobody compiles it: no `mod` names it, and it is no target of its crate".into();
+        findings.push(Finding { path: path.to_owned(), line: None, message });
     }
     for finding in &findings {
         println!("{finding}");
@@ -87,7 +73,7 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-fn check(path: &str, bytes: &[u8], rules: &Rules) -> Vec<Finding> {
+fn check(path: &str, bytes: &[u8], tree: &Tree) -> Vec<Finding> {
     let mut breaches = Vec::new();
     if bytes.len() > FILE_SIZE_MAX {
         breaches.push((None, format!("{} bytes; at most {FILE_SIZE_MAX}", bytes.len())));
@@ -96,24 +82,21 @@ fn check(path: &str, bytes: &[u8], rules: &Rules) -> Vec<Finding> {
         breaches.push((None, format!("the name '{name}' does not say what is inside")));
     }
     if let Ok(text) = str::from_utf8(bytes) {
-        breaches.extend(check_text(path, text, rules).into_iter().map(|(line, message)| (Some(line), message)));
+        breaches.extend(check_text(path, text, tree).into_iter().map(|(line, message)| (Some(line), message)));
     }
     let finding = |(line, message)| Finding { path: path.to_owned(), line, message };
     breaches.into_iter().map(finding).collect()
 }
 
 /// Line, from 1, and what is wrong there.
-fn check_text(path: &str, text: &str, rules: &Rules) -> Vec<(usize, String)> {
-    let leave = |message| (1, message);
+fn check_text(path: &str, text: &str, tree: &Tree) -> Vec<(usize, String)> {
     let leftovers = (1..).zip(text.lines()).filter_map(|(number, line)| Some((number, leftover(line)?)));
     let mut breaches: Vec<_> = leftovers.collect();
-    breaches.extend(references::check(path, text, &rules.tree));
+    breaches.extend(references::check(path, text, tree));
     breaches.extend(prose::riddles(path, text));
-    breaches.extend(rules.long_lines.judge(path, prose::long_lines(path, text), leave));
+    breaches.extend(prose::long_lines(path, text));
     if path.ends_with(".rs") {
-        let found = rust_source::check(path, text);
-        breaches.extend(found.breaches);
-        breaches.extend(rules.long_files.judge(path, found.too_long.into_iter().collect(), leave));
+        breaches.extend(rust_source::check(path, text));
     }
     breaches
 }
@@ -190,8 +173,8 @@ mod tests {
     #[test]
     fn large_files_are_found_even_if_binary() {
         let bytes = vec![0xff; FILE_SIZE_MAX + 1];
-        let rules = Rules::new(Tree::new([]));
-        assert_eq!(check("data.bin", &bytes, &rules).len(), 1);
-        assert_eq!(check("data.bin", &bytes[1..], &rules).len(), 0);
+        let tree = Tree::new([]);
+        assert_eq!(check("data.bin", &bytes, &tree).len(), 1);
+        assert_eq!(check("data.bin", &bytes[1..], &tree).len(), 0);
     }
 }

@@ -140,8 +140,8 @@ fn release_clocks(rcc: &RCC, exti: &EXTI) {
     exti.imr().reset();
 }
 
-/// Without the crystal nothing has its right time: no pulses, no link, no watchdog; the light tells, a record stays for
-/// the next start, and the next start comes soon.
+/// Without the crystal nothing has its right time: no pulses, no link, no watchdog; the light shows it, a record stays
+/// for the next start, and the next start comes soon.
 fn stand_still(signs: &mut light_and_tone::Pins) -> ! {
     fault::note(Cause::CrystalSilent);
     let mut tenths = 0..TRY_AGAIN_TENTHS;

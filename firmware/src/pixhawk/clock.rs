@@ -75,13 +75,13 @@ pub fn wait_tenth_of_a_second(core_hz: u32) {
     cortex_m::asm::delay(core_hz / 10 / CYCLES_PER_TURN);
 }
 
-/// Time that does not wrap; it must be asked at least once in 71 minutes.
+/// Time that does not wrap; it must be read at least once in 71 minutes.
 pub struct TimeBase {
     now_us: u64,
 }
 
 impl TimeBase {
-    /// Before it is asked first.
+    /// Before it is read first.
     pub const START: Self = Self { now_us: 0 };
 
     /// The time now, µs since TIM5 started.

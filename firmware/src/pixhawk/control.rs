@@ -116,7 +116,7 @@ impl Control {
         &self.state
     }
 
-    /// What telemetry may tell of a step.
+    /// What telemetry may report of a step.
     pub fn status(&self, output: &StepOutput) -> VehicleStatus {
         VehicleStatus { hil: !self.is_timed(), ..VehicleStatus::new(&self.config, &self.input, output) }
     }

@@ -78,7 +78,7 @@ pub fn stop(cause: Cause, pc: u32, lr: u32) -> ! {
     SCB::sys_reset()
 }
 
-/// For what is found before there are any pulses: leaves a record for the next start, unless one waits that tells more.
+/// For what is found before there are any pulses: leaves a record for the next start, unless one waits that holds more.
 pub fn note(cause: Cause) {
     if FaultRecord::read().is_none() {
         FaultRecord { cause, pc: 0, lr: 0, cfsr: 0, step: 0 }.keep();

@@ -1,4 +1,4 @@
-//! The slow end of the link: tells the ground, and does what it wants done outside the loop.
+//! The slow end of the link: reports to the ground, and does what it wants done outside the loop.
 
 use core::fmt::{Display, Write};
 
@@ -75,7 +75,7 @@ impl Ground {
         }
     }
 
-    /// Takes what the board has measured of itself, to be told in turns.
+    /// Takes what the board has measured of itself, to be sent in turns.
     pub fn figures(&mut self, figures: Figures) {
         self.telemetry.figures(figures);
     }

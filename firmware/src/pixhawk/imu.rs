@@ -71,7 +71,7 @@ pub struct Buffers {
 }
 
 impl Buffers {
-    /// What is asked of each sensor.
+    /// What is demanded of each sensor.
     pub const NEW: Self = Self {
         received: [0; BUFFER_BYTES],
         mpu6000: request(mpu6000::SAMPLE_ADDRESS),
@@ -95,7 +95,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Sets all of them up; one that does not pass is told of and never delivers.
+    /// Sets all of them up; one that does not pass is reported and never delivers.
     pub fn set_up(bus: &mut SensorBus) -> Self {
         // the second first, since its gyro takes a while to settle
         let second = l3gd20::set_up(bus).and_then(|axes| lsm303d::set_up(bus).map(|()| axes));

@@ -6,7 +6,7 @@
 //! | the fault falls | this pulse | then |
 //! |---|---|---|
 //! | between pulses, or into a pulse shorter than the disarmed one so far | ends at the disarmed width | a pause, a disarmed pulse |
-//! | into a pulse already longer than that | ends at once: less than was asked for, more than nothing, for 1.5 ms | a pause, a disarmed pulse |
+//! | into a pulse already longer than that | ends at once: less than was requested, more than nothing, for 1.5 ms | a pause, a disarmed pulse |
 //!
 //! A pulse on its way cannot be made shorter than it is, and left alone it would end later, at the full command.
 //! Without the crystal the timers run at 16 instead of 168 MHz and a pulse would last 10.5 times as long, which some
@@ -64,7 +64,7 @@ pub fn send_disarmed() {
     tim.sr().write(|w| w.uif().clear_bit());
     let (now, begins) = (|| tim.cnt().read().cnt().bits(), || tim.sr().read().uif().bit_is_set());
     wait_until(|| now() >= count);
-    // low for half a pulse, so that an ESC tells the two apart; unless the next begins by itself
+    // low for half a pulse, so that an ESC separates the two; unless the next begins by itself
     let low_since = now();
     wait_until(|| begins() || now().wrapping_sub(low_since) >= count / 2);
     if !begins() {

@@ -94,7 +94,8 @@ impl LinkReceiver {
         });
     }
 
-    /// The next byte that has arrived. Whoever comes too late reads a ring of mixed age, and the messages' CRC tells.
+    /// The next byte that has arrived. Whoever comes too late reads a ring of mixed age, and the messages' CRC shows
+    /// it.
     pub fn next_byte(&mut self) -> Option<u8> {
         let left = usize::from(self.dma.st(RECEIVE).ndtr().read().ndt().bits());
         let written = RING_BYTES.checked_sub(left)? % RING_BYTES;

@@ -13,7 +13,8 @@ pub const SAMPLE_ADDRESS: u8 = READ | INCREMENT | STATUS_A;
 /// What is written, in this order, and must read back.
 const SETTINGS: [(u8, u8); 6] = [
     (0x1F, 0x00), // CTRL0: no FIFO, no high-pass
-    (0x20, 0xAF), // CTRL1: 1600 Hz, so that each reading of the gyro finds a new one; words of one sample only; all axes
+    // CTRL1: 1600 Hz, so that each reading of the gyro finds a new one; words of one sample only; all axes
+    (0x20, 0xAF),
     (0x21, 0x58), // CTRL2: low-pass 194 Hz, +-8 g
     (0x22, 0x00), // CTRL3: nothing on pin 1
     (0x23, 0x00), // CTRL4: nothing on pin 2

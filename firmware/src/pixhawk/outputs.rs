@@ -41,7 +41,7 @@ impl Outputs {
         Self { tim, disarmed_count, _pins: pins }
     }
 
-    /// The next pulses of motors 1 to 4: the disarmed one whatever is asked for, unless armed.
+    /// The next pulses of motors 1 to 4: the disarmed one whatever is requested, unless armed.
     pub fn write(&mut self, compare_counts: [u16; 4], armed: bool) {
         let [motor1, motor2, motor3, motor4] = if armed { compare_counts } else { [self.disarmed_count; 4] };
         self.tim.ccr4().write(|w| w.ccr().set(motor1));

@@ -27,7 +27,7 @@ impl<'a> SupplyDetector<'a> {
         Self { power, exti }
     }
 
-    /// True if the supply is low. The interrupt tells of its fall only: one that is low from the start is never told.
+    /// True if the supply is low. The interrupt shows its fall only: one that is low from the start causes none.
     pub fn is_low(&self) -> bool {
         self.power.csr().read().pvdo().bit_is_set()
     }

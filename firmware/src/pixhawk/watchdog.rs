@@ -20,7 +20,7 @@ pub fn report_loop() {
     LOOP_ALIVE.store(true, Ordering::Relaxed);
 }
 
-/// The loop has asked for a plan.
+/// The loop has requested a plan.
 pub fn expect_plan() {
     PLAN_EXPECTED.store(true, Ordering::Relaxed);
 }

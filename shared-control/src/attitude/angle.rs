@@ -30,7 +30,7 @@ pub struct AngleConfig {
     pub rate_max_rad_s: [f32; 3],
     /// Largest roll or pitch set-point, rad.
     pub tilt_max_rad: f32,
-    /// Share of the shaped reference's acceleration that is asked of the motors before any error shows; 0 for none.
+    /// Share of the shaped reference's acceleration that is demanded of the motors before any error shows; 0 for none.
     pub acceleration_feed_forward: f32,
     /// True on a rig whose heading can't move: no heading error, no yaw rate.
     pub yaw_locked: bool,
@@ -43,12 +43,12 @@ impl AngleConfig {
     }
 }
 
-/// What the attitude loop asks of the rate loop, body axes.
+/// What the attitude loop demands of the rate loop, body axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RateTarget {
     /// Rate, rad/s.
     pub rate_rad_s: Vector3<f32>,
-    /// Angular acceleration to add to what the rate error asks for, rad/s^2.
+    /// Angular acceleration to add to what the rate error requests, rad/s^2.
     pub acceleration_rad_s2: Vector3<f32>,
 }
 
@@ -201,7 +201,7 @@ mod tests {
         EulerAngles { roll_rad, pitch_rad, yaw_rad }
     }
 
-    /// A vehicle that turns exactly as it is told arrives, from any heading, and keeps to the reference on the way: the
+    /// A vehicle that turns exactly as commanded arrives, from any heading, and keeps to the reference on the way: the
     /// feed-forward has the right size, sign and axes.
     #[test]
     fn a_vehicle_that_obeys_keeps_to_the_moving_reference() {
@@ -215,7 +215,7 @@ mod tests {
                 q = crate::frames::normalized((q * q_from_rotation_vector(&(rate * 0.0025))).into_inner());
                 estimate.q_world_from_body = q;
                 let error = attitude_error(&q_world_from_euler(state.angles()), &q);
-                // one step of the fastest rate asked for
+                // one step of the fastest rate requested
                 assert!(error.norm() < 0.0025 * 6.0, "{error}");
             }
             let reached = euler_from_q(&q);

@@ -1,9 +1,9 @@
 //! The rate loop: one PID per body axis, from rate error to angular acceleration (ArduPilot's AC_PID).
 //!
 //! a = k_P e + integral(k_I e) + k_D d/dt LP(e), all in 1/s, 1/s^2 and 1: the gains don't know the vehicle, whose
-//! inertia turns the result into a torque. While the mixer could not deliver what was asked in a direction the integral
-//! does not grow that way. While another controller flies, the integral follows what that one asks for, so that the
-//! fallback begins where it ended.
+//! inertia turns the result into a torque. While the mixer could not deliver what was requested in a direction the
+//! integral does not grow that way. While another controller flies, the integral follows what that one requests, so
+//! that the fallback begins where it ended.
 
 use nalgebra::Vector3;
 
@@ -37,9 +37,9 @@ pub enum Delivery {
         /// Demanded minus delivered, per body axis.
         unmet: [f32; 3],
     },
-    /// Something else flew and asked for this angular acceleration, body frame, rad/s^2.
+    /// Something else flew and requested this angular acceleration, body frame, rad/s^2.
     NotApplied {
-        /// What was asked in its place.
+        /// What was requested in its place.
         instead_rad_s2: [f32; 3],
     },
 }
@@ -77,7 +77,7 @@ impl RateState {
     }
 }
 
-/// Angular acceleration to ask for, body frame, rad/s^2.
+/// Angular acceleration to request, body frame, rad/s^2.
 pub fn update(
     gains: &[RateGains; 3],
     state: &mut RateState,

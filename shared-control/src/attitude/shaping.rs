@@ -1,6 +1,6 @@
 //! Reference shaping: a set-point that jumps becomes an angle, a rate and an acceleration that the vehicle can follow.
 //!
-//! Per axis (AC_AttitudeControl's `input_shaping_angle`): the square-root controller asks for a rate from the distance
+//! Per axis (AC_AttitudeControl's `input_shaping_angle`): the square-root controller requests a rate from the distance
 //! still to go, the rate changes by no more than the acceleration limit allows, and the target angle integrates it.
 
 use crate::attitude::square_root::square_root_controller;

@@ -3,7 +3,7 @@
 
 use crate::elementary::{limit, magnitude, smaller, sqrt};
 
-/// Rate (unit/s) to ask for at a given error (unit).
+/// Rate (unit/s) to request at a given error (unit).
 ///
 /// Within `acceleration_max / gain^2` the law is `gain * error`; beyond, sqrt(2 a (|error| - a / (2 gain^2))), which
 /// meets the line with equal value and slope. Never so fast that one step of `dt_s` overshoots the target.

@@ -20,9 +20,9 @@ pub struct Tuning {
     pub shaping_gain_1_s: [f32; 3],
     /// Share of the acceleration authority that the shaped reference and the square root use.
     pub acceleration_share: f32,
-    /// Largest rate asked for, rad/s.
+    /// Largest rate requested, rad/s.
     pub rate_max_rad_s: [f32; 3],
-    /// Largest tilt asked for, rad.
+    /// Largest tilt requested, rad.
     pub tilt_max_rad: f32,
     /// Share of the shaped reference's acceleration that the cascade feeds forward.
     pub acceleration_feed_forward: f32,
@@ -50,7 +50,7 @@ pub struct Tuning {
     pub mpc_prediction_step_s: f32,
     /// Bound on predicted roll and pitch, rad; none leaves them free. Not beside the motors\' limits.
     pub mpc_tilt_max_rad: Option<f32>,
-    /// Time constant with which the MPC's cost asks an error to vanish, s; 0 weighs the angle alone.
+    /// Time constant with which the MPC's cost requires an error to vanish, s; 0 weighs the angle alone.
     pub mpc_lead_s: [f32; 3],
     /// What the MPC takes for the reference over its horizon.
     pub mpc_reference: ReferenceAhead,

@@ -16,7 +16,8 @@ pub enum TorqueSource {
     Disarmed,
     /// Nobody: one motor turns at the command of a test.
     MotorTest,
-    /// Nobody: armed on the ground, the throttle has not been raised yet; the motors turn at it and no torque is asked.
+    /// Nobody: armed on the ground, the throttle has not been raised yet; the motors turn at it and no torque is
+    /// requested.
     Idle,
     /// The cascade, as configured.
     Cascade,
@@ -43,7 +44,7 @@ impl TorqueSource {
     }
 }
 
-/// What a step tells the world.
+/// What a step gives out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepOutput {
     /// Number of the step.
@@ -70,6 +71,6 @@ pub struct StepOutput {
     pub estimate: AttitudeEstimate,
     /// How the MPC's plans fare.
     pub planning: PlanReport,
-    /// Rate that the cascade asked for, body frame, rad/s.
+    /// Rate that the cascade requested, body frame, rad/s.
     pub rate_target_rad_s: Vector3<f32>,
 }

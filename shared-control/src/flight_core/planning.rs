@@ -1,4 +1,4 @@
-//! The question to the planner, and the observer that knows what it asks about.
+//! The request to the planner, and the observer that gives the state in it.
 
 use super::output::StepOutput;
 use super::state::State;

@@ -126,7 +126,7 @@ impl SetpointState {
 /// What is remembered of the plans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PlanningState {
-    /// The last step asked for a plan.
+    /// The last step requested a plan.
     pub(super) asked: bool,
     fallbacks: u32,
     deadline_misses: u32,

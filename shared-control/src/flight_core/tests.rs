@@ -391,7 +391,7 @@ fn the_output_tells_how_the_plans_fare() {
         assert_eq!((last.status, last.iterations, last.duration_us), expected, "step {k}");
     }
     assert_eq!((last.fallbacks, last.deadline_misses), (3, 2));
-    // the cascade asks for no plan, and misses none
+    // the cascade requests no plan, and misses none
     let (config, mut state) = armed(Controller::Cascade);
     let output = FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, None));
     assert_eq!(output.planning, PlanReport::default());

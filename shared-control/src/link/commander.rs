@@ -19,7 +19,7 @@ const REQUESTS_MAX: usize = 4;
 /// The part of a [`StepInput`] that comes over the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Commands {
-    /// What is asked for.
+    /// What is requested.
     pub setpoint: Setpoint,
     /// Request to the supervisor.
     pub arming: ArmingRequest,
@@ -135,7 +135,7 @@ impl Commander {
             Source::TestSequence { start_us } => {
                 let setpoint = test_sequence::at(time_us.saturating_sub(start_us), self.hover_throttle);
                 if setpoint.is_none() {
-                    // nobody asked, so nobody is answered
+                    // no request, hence no answer
                     arming = ArmingRequest::Disarm;
                 }
                 (setpoint.unwrap_or_default(), self.heard_us)
@@ -165,7 +165,7 @@ impl Commander {
             (ArmingRequest::Arm | ArmingRequest::MotorTest(_), Arming::LinkLost { .. }) => {
                 Some(Answer::Refused(command, Refusal::LinkLost))
             }
-            // taken away in the very step that it was asked for again
+            // taken away in the very step that it was requested again
             (ArmingRequest::Arm, Arming::Disarmed(_) | Arming::MotorTest { .. })
             | (ArmingRequest::MotorTest(_), Arming::Armed | Arming::Disarmed(_)) => {
                 Some(Answer::Refused(command, Refusal::Armed))

@@ -41,7 +41,7 @@ pub enum Order {
     HilTick(HilTick),
 }
 
-/// What the ground asks of the parameters.
+/// What the ground demands of the parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParameterRequest {
     /// Tell all.

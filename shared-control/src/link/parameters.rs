@@ -13,7 +13,7 @@ use super::orders_and_answers::{ParameterRequest, Text};
 use crate::params::table::Field;
 use crate::params::{Params, RECORD_LEN, encode};
 
-/// The choices as the next start will find them, and which of them the ground is to be told.
+/// The choices as the next start will find them, and which of them are to be reported to the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameters {
     stored: Params,
@@ -26,7 +26,7 @@ impl Parameters {
         Self { stored: *stored, due: [false; Field::ALL.len()] }
     }
 
-    /// Does what is asked, and says in words what came of it. `store` puts a record into lasting memory; false if the
+    /// Does what is requested, and reports the result in words. `store` puts a record into lasting memory; false if the
     /// memory did not keep it.
     pub fn serve(&mut self, request: &ParameterRequest, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) -> Option<Text> {
         match *request {
@@ -51,7 +51,7 @@ impl Parameters {
         store(&encode(&self.stored))
     }
 
-    /// The ground is to be told of a field.
+    /// A field is to be reported to the ground.
     pub fn tell(&mut self, field: Field) {
         if let Some(due) = self.due.get_mut(usize::from(field.index())) {
             *due = true;

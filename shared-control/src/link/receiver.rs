@@ -147,7 +147,7 @@ fn motor_test(data: &COMMAND_LONG_DATA) -> Option<MotorTest> {
     })
 }
 
-/// What a `PARAM_REQUEST_READ` asks: by index, or by name if the index is negative.
+/// What a `PARAM_REQUEST_READ` requests: by index, or by name if the index is negative.
 fn read_request(data: &PARAM_REQUEST_READ_DATA) -> ParameterRequest {
     let field = match usize::try_from(data.param_index) {
         Ok(index) => Field::by_index(index),
@@ -156,7 +156,7 @@ fn read_request(data: &PARAM_REQUEST_READ_DATA) -> ParameterRequest {
     field.map_or(ParameterRequest::Unknown, ParameterRequest::Read)
 }
 
-/// What a `PARAM_SET` asks.
+/// What a `PARAM_SET` requests.
 fn set_request(data: &PARAM_SET_DATA) -> ParameterRequest {
     let is_real = data.param_type == MavParamType::MAV_PARAM_TYPE_REAL32;
     let value = if is_real { data.param_value } else { f32::NAN };

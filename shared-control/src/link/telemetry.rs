@@ -58,7 +58,7 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    /// A sender that has sent nothing; with the choices that it can tell.
+    /// A sender that has sent nothing; with the parameters that it can report.
     pub fn new(settings: &LinkSettings, params: &Params) -> Self {
         Self {
             writer: FrameWriter::new(settings.system_id, COMPONENT_ID),
@@ -92,7 +92,7 @@ impl Telemetry {
         let _ = self.answers.push_back(answer);
     }
 
-    /// Takes what the board has measured of itself; one without a name is not told.
+    /// Takes what the board has measured of itself; one without a name is not sent.
     pub fn figures(&mut self, figures: Figures) {
         self.figures = figures;
     }
@@ -169,7 +169,7 @@ impl Telemetry {
         told
     }
 
-    /// Refusals have been told by their answer.
+    /// Refusals have been reported by their answer.
     fn tell_arming(&mut self, arming: &Arming) {
         if self.told == Some(*arming) {
             return;

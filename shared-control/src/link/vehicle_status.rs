@@ -9,7 +9,7 @@ use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, StepInput};
 use crate::supervisor::Arming;
 
-/// All that telemetry tells.
+/// All that telemetry reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VehicleStatus {
     /// May the motors turn?

@@ -10,7 +10,7 @@ use crate::qp::{QpError, Status, Workspace};
 /// Unknowns that there is room for.
 pub(super) const UNKNOWNS: usize = 3 * COUPLED_INPUTS_MAX;
 
-/// What the MPC is told of the motors.
+/// The motors as the MPC sees them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorSettings {
     /// Range of one motor's lift.
@@ -19,7 +19,7 @@ pub struct MotorSettings {
     pub torque_reserve: f32,
     /// Lift per motor that a torque takes, 1/m (roll, pitch, yaw).
     pub lift_per_torque_1_m: [f32; 3],
-    /// True on a rig whose heading can't move: yaw torque is not asked for.
+    /// True on a rig whose heading can't move: yaw torque is not requested.
     pub yaw_locked: bool,
 }
 
@@ -41,10 +41,10 @@ pub(super) struct TorqueResponse {
     pub(super) increment_weight: f32,
 }
 
-/// What one solve is told of an axis.
+/// What one solve is given of an axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TorqueForecast {
-    /// Angle (with its lead) less reference after each prediction step if no torque is asked for, rad.
+    /// Angle (with its lead) less reference after each prediction step if no torque is requested, rad.
     pub(super) error_rad: [f32; HORIZON],
     pub(super) torque_prev_nm: f32,
 }

@@ -1,12 +1,13 @@
 //! Attitude MPC. What flies is [`Mpc`], and what solves it is `riccati`:
 //!
 //! ```text
-//! flying/         flies: plans the three axes; axis (one axis: lag, disturbance, reference ahead), coupled (motors' limits)
+//! flying/         flies: plans the three axes; axis (one axis: lag, disturbance, reference ahead), coupled (the limits
+//!                 of the motors)
 //!   preview       its reference over the horizon           schedule   its linearisations of the pitch axis
 //!   coupling      what its coupled program is made of      motor_limits   that program, solved by crate::qp
 //! thesis/         does not fly: the thesis' problem and the benchmark's, double integrators and a constant reference
-//! riccati/        the one solver of an axis, for both: solve (roll-out and sweep in turn), problem (what the two differ in),
-//!                 model and lagged (their predictions), dual and what it needs (bounds on the angle)
+//! riccati/        the one solver of an axis, for both: solve (roll-out and sweep in turn), problem (what the two
+//!                 differ in), model and lagged (their predictions), dual and what it needs (bounds on the angle)
 //! settings        model, cost and bounds of both
 //! ```
 //!

@@ -1,4 +1,4 @@
-//! The limits of the motors, which couple the axes: one program for all three where their own plans ask for too much.
+//! The limits of the motors, which couple the axes: one program for all three where their own plans exceed them.
 //!
 //! Each motor's lift is the collective plus its share of the torques (signs of [`TORQUE_SIGNS`]): `F_i = T + t_i`,
 //! `t_1 = -r + p + y`, `t_2 = r - p + y`, `t_3 = r + p - y`, `t_4 = -r - p - y`, with r, p, y the lift per motor, N,
@@ -94,7 +94,7 @@ pub struct AxisResponse {
     pub increment_weight: f32,
 }
 
-/// What one solve is told of an axis.
+/// What one solve is given of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisForecast {
     /// Angle (with its lead) less reference after each prediction step if the axis had no input at all, rad.

@@ -10,7 +10,7 @@
 //!   turns along.
 //!
 //! Roll has the same input gain everywhere. What else changes with attitude is no input gain: `-tau_z sin phi` vanishes
-//! where yaw is locked, since no yaw torque is asked for, and gravity's moment is for the disturbance estimate.
+//! where yaw is locked, since no yaw torque is requested, and gravity's moment is for the disturbance estimate.
 //!
 //! Input and disturbance are torques, whatever the linearisation; so a switch changes neither, and the torque does not
 //! jump.
@@ -144,7 +144,10 @@ mod tests {
     proptest! {
         /// Noise smaller than the hysteresis switches once at most; either side of level is the same.
         #[test]
-        fn noise_does_not_make_it_chatter(roll in -1.2f32..1.2, noise in prop::collection::vec(-0.0195f32..0.0195, 40)) {
+        fn noise_does_not_make_it_chatter(
+            roll in -1.2f32..1.2,
+            noise in prop::collection::vec(-0.0195f32..0.0195, 40)
+        ) {
             let schedule = Schedule::new(&GIMBAL, 1.2, 4);
             let mut present = schedule.choose(0, roll);
             let (mut switches, start) = (0, present);

@@ -46,14 +46,14 @@ pub enum MpcError {
     },
     /// The control horizon must be at least 1 and at most what there is room for.
     ControlHorizon {
-        /// The control horizon asked for.
+        /// The control horizon requested.
         found: usize,
         /// The greatest that this type has room for.
         room: usize,
     },
     /// The horizon must be at least the control horizon and at most [`HORIZON`].
     Horizon {
-        /// The horizon asked for.
+        /// The horizon requested.
         found: usize,
         /// The control horizon beside it.
         control_horizon: usize,

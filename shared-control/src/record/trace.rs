@@ -61,7 +61,7 @@ pub struct StepTrace {
     pub rate: [u32; 3],
     /// Gyro bias, rad/s.
     pub bias: [u32; 3],
-    /// Rate asked for, rad/s.
+    /// Rate requested, rad/s.
     pub rate_target: [u32; 3],
     /// The whole state after the step, `follow` included.
     pub state: [u32; STATE_WORDS],

@@ -87,7 +87,7 @@ impl EstimatorState {
     }
 }
 
-/// One step of the filter with an IMU and that IMU's gyro bias. `time_us` is the step's time; it only tells whether
+/// One step of the filter with an IMU and that IMU's gyro bias. `time_us` is the step's time; it only decides whether
 /// samples stay away.
 pub fn update(
     config: &EstimatorConfig,
@@ -279,7 +279,7 @@ mod tests {
             estimate = update(&CONFIG, &mut state, &imu(bias, level, 0.0025), k * 2500);
         }
         assert!((estimate.gyro_bias_rad_s - bias).norm() < 1e-6, "{:?}", estimate.gyro_bias_rad_s);
-        // jerked, then turned slowly for two seconds: the accelerometer tells that from rest
+        // jerked, then turned slowly for two seconds: the accelerometer separates that from rest
         let mut attitude_rad = 0.0f32;
         for k in 800..1600u64 {
             let rate = if k < 810 { 0.5 } else { 0.085 };

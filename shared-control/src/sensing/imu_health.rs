@@ -5,8 +5,8 @@
 //!   rest one axis feels 1 g, so this happens by chance in free fall at most; [`RUN_SAMPLES`] in a row count.
 //! - Stuck: all six words as they were, [`RUN_SAMPLES`] samples in a row. A real MPU6000 has noise of about one count
 //!   (gyro) and several counts (accelerometer): two equal samples are a matter of 1 in 1000, five of 1 in 10^12. A
-//!   simulation without noise, however, gives equal words for seconds, at rest as in steady hover. The two are told
-//!   apart by what the sensor did at rest before: one whose words went on changing for [`NOISE_SAMPLES`] samples at
+//!   simulation without noise, however, gives equal words for seconds, at rest as in steady hover. The two are
+//!   separated by what the sensor did at rest before: one whose words went on changing for [`NOISE_SAMPLES`] samples at
 //!   rest has noise, and from then on a run of equal words means that it is stuck. A sensor that never showed noise
 //!   can't be judged so; a real one that is frozen from the start shows by its missing data-ready, which makes it
 //!   stale.

@@ -7,7 +7,7 @@ use crate::signals::Setpoint;
 /// May the motors turn?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arming {
-    /// No; and why not, if somebody asked or it was taken away.
+    /// No; and why not, if it was requested or taken away.
     Disarmed(DisarmedBecause),
     /// One of them, at a fixed command.
     MotorTest {
@@ -67,7 +67,7 @@ impl Arming {
         }
     }
 
-    /// What is asked of the controllers: the given set-point, or level at idle once the link is lost.
+    /// What is demanded of the controllers: the given set-point, or level at idle once the link is lost.
     pub fn setpoint(&self, setpoint: &Setpoint) -> Setpoint {
         match self {
             Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::Armed => *setpoint,

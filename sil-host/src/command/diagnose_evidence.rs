@@ -109,9 +109,6 @@ pub fn unexplained(log: &Log, answer: &Diagnosis) -> Section {
             "A right model leaves white noise that is uncorrelated with the command. Chance exceeds the bounds in one \
              case of a hundred; a residual well above them has a structure that the model lacks.",
         );
-    if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
-        section = section.warning("This log is synthetic: it was simulated, not measured.");
-    }
     section.list(log.notes.iter().cloned())
 }
 

@@ -70,7 +70,12 @@ pub fn compares_more_than_turning(answer: &Diagnosis) -> bool {
 
 /// The models whose errors are shown, by name.
 pub fn error_rows(errors: &PredictionErrors) -> [(&'static str, ChannelErrors); 4] {
-    [("nominal model", errors.nominal), ("base model", errors.base), ("with the findings", errors.extended), ("an exact model", errors.noise_floor)]
+    [
+        ("nominal model", errors.nominal),
+        ("base model", errors.base),
+        ("with the findings", errors.extended),
+        ("an exact model", errors.noise_floor),
+    ]
 }
 
 /// "98.2 to 99.6".
@@ -80,7 +85,7 @@ pub fn interval_text([low, high]: [f64; 2]) -> String {
 
 /// The sections, for a page of its own and for the demonstration's.
 pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
-    let mut sections = vec![causes(answer), before_and_after(answer)];
+    let mut sections = vec![causes(log, answer), before_and_after(answer)];
     sections.extend(answer.closed_loop.as_ref().map(closed_loop));
     sections.extend([
         rejected(answer),
@@ -91,8 +96,11 @@ pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
     sections
 }
 
-fn causes(answer: &Diagnosis) -> Section {
-    let section = Section::new("The cause");
+fn causes(log: &Log, answer: &Diagnosis) -> Section {
+    let mut section = Section::new("The cause");
+    if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
+        section = section.warning("This log is synthetic: it was simulated, not measured.");
+    }
     if answer.findings.is_empty() {
         return section.paragraph("No effect of the catalogue lowers the error by more than chance would.");
     }

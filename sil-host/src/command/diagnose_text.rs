@@ -29,7 +29,8 @@ pub fn answer_text(log: &Log, answer: &Diagnosis) -> String {
 pub fn verdict_text(answer: &Diagnosis) -> String {
     let mut text = format!("\n{}\n", headline(answer.verdict));
     for term in &answer.base {
-        let numbers = term.parameters.iter().map(|(name, value)| format!("{name} {:.4} +- {:.4}", value.value, value.std));
+        let numbers =
+            term.parameters.iter().map(|(name, value)| format!("{name} {:.4} +- {:.4}", value.value, value.std));
         text.push_str(&format!(
             "  base: {}{} {}{}\n",
             term.effect,

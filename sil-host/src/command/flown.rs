@@ -30,7 +30,7 @@ pub fn fly_one(setup: FlightSetup) -> Result<FlownController, Failure> {
 /// What the eigenvalues are of.
 pub fn eigenvalues_title(flown: &FlownController) -> String {
     let period_ms = 1e3 / f64::from(flown.setup.choice.rate_hz);
-    format!("closed-loop eigenvalues of the unconstrained MPC, one step = {period_ms} ms")
+    format!("Closed-loop eigenvalues of the unconstrained MPC, one step = {period_ms} ms")
 }
 
 /// What somebody who reads the figures must know.

@@ -120,7 +120,7 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     write_json(arguments.json.as_deref(), &FlyJson { runs: flown.iter().map(|one| &one.flight.summary).collect() })
 }
 
-/// The controllers asked for, with what the command line says of them.
+/// The controllers requested, with what the command line says of them.
 fn choices(arguments: &FlyArguments) -> Result<Vec<ControllerChoice>, Failure> {
     let mut choices = match arguments.controller.as_str() {
         BOTH => [Controller::Cascade, Controller::Mpc].map(ControllerChoice::nominal).to_vec(),

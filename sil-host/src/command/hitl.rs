@@ -5,8 +5,6 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use serde::Serialize;
-use sil_host::flight::RunSummary;
 use sil_host::hitl::{self, BoardPort, HitlFlight, HitlSetup, Patience};
 
 use super::figures::{FOLLOWING, WHOLE_FLIGHT};
@@ -46,15 +44,6 @@ pub struct HitlArguments {
 /// Longest that one look at the port waits for a byte.
 const LOOK: Duration = Duration::from_millis(10);
 
-#[derive(Serialize)]
-struct HitlJson<'a> {
-    runs: [&'a RunSummary; 1],
-    round_trip_p50_ms: Option<f64>,
-    round_trip_p99_ms: Option<f64>,
-    achieved_rate_hz: f64,
-    sent_again: u32,
-}
-
 pub fn run(arguments: &HitlArguments) -> Result<(), Failure> {
     let model = vehicle_model(arguments.model.as_deref(), arguments.rig.map(Into::into))?;
     let setup = HitlSetup { model, seed: arguments.seed, rate_hz: arguments.rate };
@@ -67,7 +56,7 @@ pub fn run(arguments: &HitlArguments) -> Result<(), Failure> {
     end_progress();
     let flight = flight.map_err(|error| failed(format!("{}: {error}", arguments.serial)))?;
     print(text(&setup, &flight))?;
-    write_json(arguments.json.as_deref(), &json(&flight))
+    write_json(arguments.json.as_deref(), &flight.figures())
 }
 
 /// On a terminal only; it is gone when the figures come.
@@ -92,23 +81,9 @@ fn no_port(name: &str, error: &serialport::Error) -> String {
     format!("{name}: cannot be opened: {error}; expected a serial port, {there}")
 }
 
-fn milliseconds(flight: &HitlFlight, share: f64) -> Option<f64> {
-    flight.timing.quantile_s(share).map(|seconds| seconds * 1e3)
-}
-
-fn json(flight: &HitlFlight) -> HitlJson<'_> {
-    HitlJson {
-        runs: [&flight.summary],
-        round_trip_p50_ms: milliseconds(flight, 0.5),
-        round_trip_p99_ms: milliseconds(flight, 0.99),
-        achieved_rate_hz: flight.achieved_rate_hz,
-        sent_again: flight.sent_again,
-    }
-}
-
 /// What the terminal shows: the figures of `sil fly`, then those of the lock-step.
 fn text(setup: &HitlSetup, flight: &HitlFlight) -> String {
-    let summary = &flight.summary;
+    let (summary, figures) = (&flight.summary, flight.figures());
     let mut axes = TextTable::new(["".to_owned(), format!("{} roll", summary.controller), "pitch".to_owned()]);
     for figure in FOLLOWING {
         let cells = [summary.axes.roll, summary.axes.pitch].map(|axis| number((figure.value)(&axis), figure.decimals));
@@ -118,8 +93,8 @@ fn text(setup: &HitlSetup, flight: &HitlFlight) -> String {
     for figure in WHOLE_FLIGHT {
         whole.row([figure.name.to_owned(), (figure.text)(summary)]);
     }
-    whole.row(["round trip, median, ms".to_owned(), number(milliseconds(flight, 0.5), 2)]);
-    whole.row(["round trip, 99 of 100 within, ms".to_owned(), number(milliseconds(flight, 0.99), 2)]);
+    whole.row(["round trip, median, ms".to_owned(), number(figures.round_trip_p50_ms, 2)]);
+    whole.row(["round trip, 99 of 100 within, ms".to_owned(), number(figures.round_trip_p99_ms, 2)]);
     whole.row(["steps per second of real time".to_owned(), number(flight.achieved_rate_hz, 0)]);
     whole.row(["messages sent again".to_owned(), flight.sent_again.to_string()]);
     format!("{}: test sequence, board in the loop, seed {}\n\n{axes}\n{whole}\n", setup.model.name, setup.seed)

@@ -49,7 +49,7 @@ enum LogRig {
 }
 
 impl LogArguments {
-    /// Reads the log, or the part of it that was asked for.
+    /// Reads the log, or the part of it that was requested.
     pub fn read(&self) -> Result<Log, Failure> {
         let map = self.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
         let log = log::read(&self.log, map.as_ref()).map_err(bad_input)?;
@@ -96,7 +96,7 @@ impl LogArguments {
         vehicle_model(self.model.as_deref(), rig).map(Some)
     }
 
-    /// How the command was called, for a page that tells how to make it again.
+    /// How the command was called, for a page that shows how to make it again.
     pub fn command(&self, name: &str) -> String {
         let mut command = format!("sil {name} {}", quoted(&self.log.display().to_string()));
         let rig = self.rig.and_then(|rig| rig.to_possible_value()).map(|value| value.get_name().to_owned());

@@ -141,7 +141,7 @@ fn make_folder(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Writes a value as JSON, if a file was asked for.
+/// Writes a value as JSON, if a file was requested.
 fn write_json(path: Option<&Path>, value: &impl serde::Serialize) -> Result<(), Failure> {
     let Some(path) = path else { return Ok(()) };
     let mut text = serde_json::to_string_pretty(value).map_err(failed)?;

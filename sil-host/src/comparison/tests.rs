@@ -44,11 +44,11 @@ fn an_off_balance_ring_shows_in_the_pitch_of_both() {
     assert!(error.nominal.roll_deg.unwrap() < 0.1 * error.nominal.pitch_deg.unwrap());
 }
 
-/// A log with these effects, made by the plant: another integrator and another program than the prediction's.
+/// A log of 10 s with these effects, made by the plant: another integrator and another program than the prediction's.
 fn log_with(rig: Rig, effects: &[&str], log_rate_hz: u32, seed: u64) -> (Log, VehicleModel) {
     let mut model = VehicleModel::nominal(rig);
     model.effects = effects.iter().map(|short| Effect::parse(short, rig).unwrap()).collect();
-    let mut synthesis = Synthesis { log_rate_hz, duration_s: 15.0, seed, ..Synthesis::of(model.clone()) };
+    let mut synthesis = Synthesis { log_rate_hz, duration_s: 10.0, seed, ..Synthesis::of(model.clone()) };
     synthesis.choice.rate_hz = log_rate_hz;
     (synthesis.log().unwrap(), model)
 }
@@ -83,7 +83,7 @@ fn an_extended_model_explains_the_log_of_its_effects() {
         &["cg_offset:axis=pitch,cos_moment_nm=0.1,sin_moment_nm=0.02"][..],
         &["torque_bias:axis=roll,torque_nm=0.02"],
         &["spring:axis=roll,stiffness_nm_rad=0.05", "viscous_friction:axis=pitch,coefficient_nms=0.02"],
-        &["coulomb_friction:axis=pitch,torque_nm=0.02"],
+        &["coulomb_friction:axis=pitch,torque_nm=0.03"],
         &["step_disturbance:axis=pitch,torque_nm=0.03,start_s=7.3"],
         &["periodic_disturbance:axis=roll,amplitude_nm=0.03,frequency_hz=1.7,phase_rad=1"],
         &["actuation_delay:delay_s=0.013", "motor_lag:time_constant_s=0.02"],
@@ -124,7 +124,7 @@ fn bench() -> Log {
     let mut random = RandomStream::new(3, "bench");
     let (mut angle, mut rate) = (0.0, 0.0);
     let [mut times, mut angles, mut rates, mut commands] = [const { Vec::new() }; 4];
-    for row in 0..6000 {
+    for row in 0..3000 {
         let time_s = f64::from(row) * 0.005;
         let square = if ((time_s / 0.9) as u32).is_multiple_of(2) { 0.3 } else { -0.3 };
         let command = square + 0.2 * libm::sin(7.0 * time_s);

@@ -60,7 +60,7 @@ pub struct Controlled {
 /// What reaches the controller from outside the loop, at a point in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Events {
-    /// What is asked for from now on.
+    /// What is requested from now on.
     pub setpoint: Setpoint,
     /// Request to the supervisor.
     pub arming: ArmingRequest,
@@ -93,6 +93,6 @@ pub fn events_at(scenario: &Scenario, parameters: &DesignParameters, time_us: u6
 
 /// Time since the rig let go, s; negative while it holds.
 pub fn flight_time_s(time_us: u64) -> f64 {
-    // divided, not multiplied by 1e-6: 1.1 s is then 1.1 s, and a step asked for at that time is not late
+    // divided, not multiplied by 1e-6: 1.1 s is then 1.1 s, and a step requested at that time is not late
     (time_us as f64 - HELD_US as f64) / 1e6
 }

@@ -48,7 +48,7 @@ impl ControlSide {
         }
     }
 
-    /// One step. The plan that it asks for is the next step's.
+    /// One step. The plan that it requests is the next step's.
     pub fn step(&mut self, time_us: u64, monitored: &mut Monitored, events: &Events) -> (StepOutput, Option<Plan>) {
         if let Some(change) = self.change.take_if(|change| change.at_us <= time_us) {
             self.take_over(*change);

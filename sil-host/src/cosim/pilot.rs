@@ -1,7 +1,7 @@
 //! A pilot who holds a height in free flight by the throttle stick, as the controllers here have none for it.
 //!
 //! Lift goes with the square of the command, roughly: near hover an acceleration a takes a change of `a / (2 g)` of the
-//! command. What is asked for is `a = w^2 e + 2 z w e' + k int e`, divided by the tilt's cosine, as who flies does by
+//! command. What is requested is `a = w^2 e + 2 z w e' + k int e`, divided by the tilt's cosine, as who flies does by
 //! eye.
 
 use crate::cosim::contract::DesignParameters;
@@ -12,7 +12,7 @@ const FREQUENCY_RAD_S: f64 = 1.5;
 const DAMPING: f64 = 0.9;
 /// Of the integral, 1/s^3: what the vehicle is heavier or weaker by is learnt within seconds.
 const INTEGRAL_S3: f64 = 0.7;
-/// The largest acceleration that is asked for, m/s^2.
+/// The largest acceleration that is requested, m/s^2.
 const ACCELERATION_MAX_M_S2: f64 = 3.0;
 /// Least cosine of the tilt that is made up for.
 const TILT_COSINE_MIN: f64 = 0.5;

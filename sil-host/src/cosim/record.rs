@@ -28,7 +28,7 @@ pub struct FlightRecord {
     pub commands: Vec<[f64; 4]>,
     /// Compare values written to the timer.
     pub compare_counts: Vec<[u16; 4]>,
-    /// Torque asked of the mixer, body axes, N m.
+    /// Torque demanded of the mixer, body axes, N m.
     pub torque_body_nm: Vec<[f64; 3]>,
     /// Who made the torque.
     pub source: Vec<TorqueSource>,

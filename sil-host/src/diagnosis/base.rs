@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::fitted::{Fitted, per_unit_inertia};
-use super::search::{Candidate, Found, Search};
+use super::found::Found;
+use super::search::{Candidate, Search};
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Term, model_of};
@@ -66,7 +67,8 @@ pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
     let of = |index: usize| {
         let effect = fit.terms[index].effect;
         let name = |name| if is_vehicle { name } else { per_unit_inertia(name) };
-        let parameters = estimates(fit, index, MODEL_ERROR).into_iter().map(|(own, value)| (name(own), value)).collect();
+        let parameters =
+            estimates(fit, index, MODEL_ERROR).into_iter().map(|(own, value)| (name(own), value)).collect();
         let axis = effect.axis().map(Axis::name);
         BaseTerm { effect: effect.name(), axis, parameters, ordinary: !found.unusual.contains(&index) }
     };

@@ -59,7 +59,7 @@ fn add(answer: &mut Diagnosis, examination: Examination) {
     answer.rejected.retain(|rejected| rejected.effect != "controller_mismatch");
     answer.rejected.extend(examination.rejected);
     let found = !examination.findings.is_empty();
-    // held-out windows say nothing of the controller
+    // held-out windows hold no information about the controller
     answer.gain.findings_interval_pct.extend(examination.findings.iter().map(|_| None));
     answer.findings.extend(examination.findings);
     let is_whole = examination.remainder.is_empty();

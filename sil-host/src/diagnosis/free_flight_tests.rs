@@ -5,11 +5,11 @@ use crate::model::{Rig, VehicleModel};
 use crate::synthesis::Synthesis;
 use crate::vehicle::{Attitude, SensorChain};
 
-/// A log of 20 s of free flight with these effects hidden in it: 100 rows a second, as often as the controller runs.
+/// A log of 14 s of free flight with these effects hidden in it: 100 rows a second, as often as the controller runs.
 fn log(effects: &[&str], seed: u64) -> Log {
     let mut model = VehicleModel::nominal(Rig::Free);
     model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Free).unwrap()).collect();
-    let mut synthesis = Synthesis { seed, blind: true, duration_s: 20.0, log_rate_hz: 100, ..Synthesis::of(model) };
+    let mut synthesis = Synthesis { seed, blind: true, duration_s: 14.0, log_rate_hz: 100, ..Synthesis::of(model) };
     synthesis.choice.rate_hz = 100;
     synthesis.log().unwrap()
 }
@@ -81,12 +81,12 @@ fn a_log_without_velocity_and_height_still_tells_the_mass() {
 fn in_hover_without_velocity_weight_and_lift_are_confounded() {
     let level = crate::scenario::Scenario {
         name: "hover".into(),
-        duration_s: 20.0,
+        duration_s: 10.0,
         waypoints: vec![crate::scenario::Waypoint::level(0.0)],
     };
     let mut model = VehicleModel::nominal(Rig::Free);
     model.effects = vec![Effect::parse("thrust_scale:scale=0.99", Rig::Free).unwrap()];
-    let mut synthesis = Synthesis { scenario: level, duration_s: 20.0, blind: true, ..Synthesis::of(model) };
+    let mut synthesis = Synthesis { scenario: level, duration_s: 10.0, blind: true, ..Synthesis::of(model) };
     synthesis.choice.rate_hz = 200;
     let mut log = synthesis.log().unwrap();
     (log.velocity_ned_m_s, log.height_m) = Default::default();
@@ -97,7 +97,7 @@ fn in_hover_without_velocity_weight_and_lift_are_confounded() {
     assert!(finding.confounded_with.iter().any(|name| both.contains(name)), "{finding:?}");
 }
 
-/// What the model is said to have is predicted or refused, never left out.
+/// Each effect of a model file is predicted or refused, never left out.
 #[test]
 fn a_known_effect_whose_cause_the_log_does_not_show_is_refused() {
     let whole = log(&[], 8);
@@ -133,7 +133,7 @@ fn an_attitude_turns_vectors_as_rotation_matrices_do() {
     }
 }
 
-/// What follows of a log is the same with a column more that says nothing.
+/// The results of a log do not change with one more column without information.
 #[test]
 fn a_gimbals_accelerometer_is_not_compared() {
     let mut synthesis = Synthesis { duration_s: 10.0, ..Synthesis::of(VehicleModel::nominal(Rig::Gimbal)) };
@@ -152,16 +152,16 @@ fn a_turned_sensor_reports_the_attitude_of_its_own_axes() {
     for [roll, pitch, yaw] in [[0.3, -0.2, 1.1], [-0.7, 0.5, -1.9]] {
         let turned = nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw)
             * nalgebra::Rotation3::from_euler_angles(0.0, 0.0, 0.4);
-        let (roll_told, pitch_told, yaw_told) = turned.euler_angles();
-        let told = sensors.attitude_rad([roll, pitch, yaw]);
-        for (own, expected) in told.into_iter().zip([roll_told, pitch_told, yaw_told]) {
+        let (roll_turned, pitch_turned, yaw_turned) = turned.euler_angles();
+        let reported = sensors.attitude_rad([roll, pitch, yaw]);
+        for (own, expected) in reported.into_iter().zip([roll_turned, pitch_turned, yaw_turned]) {
             assert!((own - expected).abs() < 1e-13, "{own} {expected}");
         }
     }
 }
 
-/// What is known of velocities and heights that act on nothing is what difference quotients find; a drag of nothing to
-/// speak of asks for those.
+/// Where velocity and height act on nothing, the slopes that are known in advance are those of difference quotients; a
+/// negligible drag makes the fit take those.
 #[test]
 fn slopes_along_a_start_that_acts_on_nothing_are_those_of_difference_quotients() {
     let (log, vehicle) = (log(&[], 7), VehicleModel::nominal(Rig::Free));

@@ -50,8 +50,9 @@ pub(super) fn useful<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
 pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) -> Fit<'e> {
     let (base, mut with) = (Judged::of(search, base), Judged::of(search, chosen));
     loop {
-        let worse: Vec<usize> =
-            (0..with.errors.len()).filter(|i| is_surely_below(0.0, &with.errors[*i..=*i], &base.errors[*i..=*i])).collect();
+        let worse: Vec<usize> = (0..with.errors.len())
+            .filter(|i| is_surely_below(0.0, &with.errors[*i..=*i], &base.errors[*i..=*i]))
+            .collect();
         let mut removable = Vec::new();
         for index in search.always.len()..with.fit.terms.len() {
             let without = with.without(search, index);

@@ -8,7 +8,7 @@
 //!                       |                          '-- prediction: actuation -> body -> sensor
 //!                       | far from the noise? base model, noise of disturbances, search beside it, judge
 //!                       v
-//!        findings, rejected <- verdict <- structure: is anything left? <- accuracy: against an exact model
+//!        findings, rejected <- verdict <- structure: are residuals white? <- accuracy: against an exact model
 //! ```
 //!
 //! The model of the vehicle is the `prediction` of a log: the plant's equations and the catalogue's effects, integrated
@@ -23,6 +23,7 @@ mod finding_json;
 mod fitted;
 mod fitting;
 mod flown_by;
+mod found;
 mod judge;
 mod nominal;
 mod plausible;
@@ -45,6 +46,7 @@ pub use crate::prediction::Subject;
 use crate::prediction::accuracy;
 use crate::prediction::commands::axis_commands;
 use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
+pub use base::BaseTerm;
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
 pub use evidence::excitation::{Excitation, Excited};
@@ -54,7 +56,6 @@ pub use evidence::residuals::ChannelResiduals;
 use evidence::statistics::Judged;
 pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
-pub use base::BaseTerm;
 use fitted::Fitted;
 use fitting::carried_noise::CarriedNoise;
 use fitting::fit::{Term, model_of};
@@ -62,13 +63,14 @@ use fitting::process_noise::AxisNoise;
 use fitting::sampling::Sampled;
 use fitting::shooting::Shooting;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
+use found::Found;
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};
-use search::{Candidate, Found, Search};
+use search::{Candidate, Search};
 pub use sizes::{Asked, Size, sizes};
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
-/// Why nothing is said of the controller where none is given.
+/// Why the controller is not judged where none is given.
 pub const NO_CONTROLLER: &str = "no controller given";
 /// Above this multiple of the noise floor an error is not explained.
 const FLOOR_FACTOR_MAX: f64 = 1.3;
@@ -92,9 +94,9 @@ pub struct Diagnosis {
     pub prediction_error: PredictionErrors,
     /// The simulated closed loop against the log, before and after; none without a controller or references.
     pub closed_loop: Option<ClosedLoops>,
-    /// What is left.
+    /// What neither the model nor the findings explain.
     pub unexplained: Unexplained,
-    /// Which manoeuvre would tell apart what this log does not; empty where nothing is confounded.
+    /// Which manoeuvre would separate effects that this log cannot separate; empty where nothing is confounded.
     pub separating_experiment: String,
     /// How sure the gains are.
     pub gain: Gain,
@@ -233,7 +235,8 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     let [nominal_errors, _] = accuracy::channel_errors(&nominal);
     let [extended_errors, noise_floor] = accuracy::channel_errors(&extended);
     let base = shooting.log.drive(model_of(search.nominal, &found.refitted.base.terms));
-    let [base_errors, _] = accuracy::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting.log, &base, &windows)));
+    let [base_errors, _] =
+        accuracy::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting.log, &base, &windows)));
     let gain = evidence::bootstrap::gain(search, found);
     let findings = verdict::findings(search, found, &gain);
     let experiment = evidence::experiment::separating(log, subject, search, found, &findings, &gain.places);

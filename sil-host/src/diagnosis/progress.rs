@@ -15,7 +15,7 @@ pub enum Progress {
     },
     /// Errors are taken apart, gains and intervals computed.
     Judging,
-    /// Manoeuvres are flown in simulation that might tell apart what the log does not.
+    /// Manoeuvres are flown in simulation that might separate effects that the log cannot separate.
     Separating {
         /// Manoeuvres flown.
         done: usize,

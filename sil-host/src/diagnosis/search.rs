@@ -7,7 +7,7 @@
 //! ```
 
 use super::fitted::Fitted;
-use super::judge::{judged, losses, unusual_terms};
+use super::found::Found;
 use super::plausible::is_plausible;
 use super::progress::{Observer, Progress};
 use crate::diagnosis::fitting::fit::{
@@ -16,8 +16,8 @@ use crate::diagnosis::fitting::fit::{
 use crate::diagnosis::fitting::hints::hints;
 use crate::diagnosis::fitting::linearisation::Linearisation;
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::prediction::{Part, Window};
 use crate::prediction::body::State;
+use crate::prediction::{Part, Window};
 use crate::statistics::{Cholesky, dot};
 
 /// Hypotheses that are fitted in full after scoring.
@@ -26,7 +26,7 @@ const FITTED_MAX: usize = 7;
 const EFFECTS_MAX: usize = 5;
 /// Effects added, taken out again ones included.
 const ROUNDS_MAX: usize = 8;
-/// Fall of the sum of squares, in units of what is left per degree of freedom, that a new effect must bring on all
+/// Fall of the sum of squares, in units of the remaining sum per degree of freedom, that a new effect must bring on all
 /// windows, half of it on the training windows: a chance of 1e-4 over sixty hypotheses of up to three parameters.
 const SIGNIFICANT: f64 = 30.0;
 /// The same on the windows of choice, where nothing was fitted.
@@ -36,7 +36,7 @@ pub(super) const SEPARABLE: f64 = 3.0;
 /// Share of the error that a finding must take away (docs/commands.md).
 const SHARE_MIN: f64 = 0.02;
 
-/// A log and the questions that it is asked.
+/// A log and the hypotheses tested on it.
 pub(super) struct Search<'e> {
     pub(super) shooting: &'e Shooting<'e>,
     pub(super) nominal: Nominal<'e>,
@@ -51,7 +51,7 @@ pub(super) struct Search<'e> {
     pub(super) choice: Vec<usize>,
     /// Windows of which errors are reported, or all of a log that is too short to spare any.
     pub(super) report: Vec<usize>,
-    /// Is told how far the search is.
+    /// Receives the search's progress.
     pub(super) observer: Observer<'e>,
 }
 
@@ -70,39 +70,8 @@ impl<'e> Candidate<'e> {
     }
 }
 
-/// What the search found.
-pub(super) struct Found<'e> {
-    /// The model without effects.
-    pub(super) nominal: Candidate<'e>,
-    /// The chosen effects, most important first.
-    pub(super) chosen: Candidate<'e>,
-    /// Per chosen effect: what else was fitted in its place, best first.
-    pub(super) alternatives: Vec<Vec<Candidate<'e>>>,
-    /// Places of the base model's terms that are findings too.
-    pub(super) unusual: Vec<usize>,
-    /// The models once the choice is made, fitted to all windows but those of the report.
-    pub(super) refitted: Refitted<'e>,
-}
-
-/// Models fitted to all windows but those of the report.
-pub(super) struct Refitted<'e> {
-    /// Without effects.
-    pub(super) nominal: Fit<'e>,
-    /// The base model; the nominal one where the search did without.
-    pub(super) base: Fit<'e>,
-    /// With the chosen ones.
-    pub(super) chosen: Fit<'e>,
-}
-
-impl<'e> Found<'e> {
-    /// What else was fitted in place of a term of the chosen model; nothing of one of the base model.
-    pub(super) fn alternatives_of(&self, search: &Search<'_>, index: usize) -> &[Candidate<'e>] {
-        index.checked_sub(search.always.len()).and_then(|place| self.alternatives.get(place)).map_or(&[], Vec::as_slice)
-    }
-}
-
 impl<'e> Search<'e> {
-    /// A log's windows and the questions.
+    /// A log's windows and the hypotheses.
     pub(super) fn new(
         shooting: &'e Shooting<'e>,
         nominal: Nominal<'e>,
@@ -166,28 +135,11 @@ impl<'e> Search<'e> {
         self.fitted(terms, &starts, f64::INFINITY)
     }
 
-    /// The chosen effects fitted to all windows: what no model of these effects explains is left then.
+    /// The chosen effects fitted to all windows: the residual is then what no model of them explains.
     pub(super) fn fitted_to_all(&self, chosen: &Candidate<'e>) -> Candidate<'e> {
         let all: Vec<usize> = (0..self.shooting.log.windows.len()).collect();
         let fit = fit(self.shooting, self.nominal, chosen.fit.terms.clone(), &chosen.fit.starts, &all);
         Candidate { fit, choice: chosen.choice }
-    }
-
-    /// Squared errors over the windows of the report under the terms that are left of the extended model. Beside a base
-    /// model they are fitted anew: trims and lags take up some of what is missing.
-    pub(super) fn left_without(&self, found: &Found<'e>, terms: Vec<Term<'e>>) -> Vec<f64> {
-        let has_base = self.always.len() > self.gains.len();
-        let terms = if has_base { self.refitted(terms, &found.refitted.chosen.starts).terms } else { terms };
-        losses(self, &terms)
-    }
-
-    /// A model fitted to all windows but those of the report, from values and start states on.
-    pub(super) fn refitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Fit<'e> {
-        let windows = self.shooting.log.part(&[Part::Fit, Part::Choice]);
-        let mut refitted = fit(self.shooting, self.nominal, terms, starts, &windows);
-        let driven = self.shooting.log.drive(model_of(self.nominal, &refitted.terms));
-        self.shooting.settle(&driven, &self.report, &mut refitted.starts);
-        refitted
     }
 
     /// Start states of the training windows at their best under these effects, from the measured ones on.
@@ -199,7 +151,7 @@ impl<'e> Search<'e> {
     }
 
     /// The model with these effects fitted; given up where it can't come near a sum of squares.
-    fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State], to_reach: f64) -> Candidate<'e> {
+    pub(super) fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State], to_reach: f64) -> Candidate<'e> {
         let mut fit = fit_to_reach(self.shooting, self.nominal, terms, starts, &self.training, to_reach);
         let driven = self.shooting.log.drive(model_of(self.nominal, &fit.terms));
         let choice = self.shooting.settle(&driven, &self.choice, &mut fit.starts).iter().sum();
@@ -260,7 +212,7 @@ impl<'e> Search<'e> {
         scored
     }
 
-    /// Of those that the log does not tell from the best, the one with the fewest parameters goes first.
+    /// Of those that the log cannot separate from the best, the one with the fewest parameters goes first.
     fn simplest_first(&self, fits: &mut [Candidate<'e>]) {
         let Some(best) = fits.first() else { return };
         let limit = best.choice + 2.0 * SEPARABLE * self.spread(best);
@@ -343,64 +295,6 @@ impl<'e> Search<'e> {
         let spread = self.spread(chosen);
         criterion(other) + PAYS * spread < criterion(chosen)
             || other.fit.size() < chosen.fit.size() && other.choice < chosen.choice + 2.0 * SEPARABLE * spread
-    }
-
-    /// Puts the effect first whose loss would cost most on the windows of choice.
-    fn order_by_importance(
-        &self,
-        nominal: Candidate<'e>,
-        chosen: Candidate<'e>,
-        alternatives: Vec<Vec<Candidate<'e>>>,
-    ) -> Found<'e> {
-        let loss = |index: usize| {
-            self.losses_without([&nominal.fit, &chosen.fit], index, &self.choice).iter().sum::<f64>() - chosen.choice
-        };
-        let first = self.always.len();
-        let mut order: Vec<(usize, f64)> = (first..chosen.fit.terms.len()).map(|index| (index, loss(index))).collect();
-        order.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let mut alternatives: Vec<Option<Vec<Candidate<'e>>>> = alternatives.into_iter().map(Some).collect();
-        let mut terms = chosen.fit.terms[..first].to_vec();
-        terms.extend(order.iter().map(|(index, _)| chosen.fit.terms[*index].clone()));
-        let alternatives: Vec<Vec<Candidate<'e>>> = order
-            .iter()
-            .map(|(index, _)| alternatives.get_mut(index - first).and_then(Option::take).unwrap_or_default())
-            .collect();
-        let starts = chosen.fit.starts.clone();
-        let chosen = self.fitted(terms, &starts, f64::INFINITY);
-        let again = |candidate: &Candidate<'e>| self.refitted(candidate.fit.terms.clone(), &candidate.fit.starts);
-        let (base, all) = (again(&nominal), again(&chosen));
-        if self.always.len() == self.gains.len() {
-            let refitted = Refitted { nominal: base.clone(), base, chosen: all };
-            return Found { nominal, chosen, alternatives, unusual: Vec::new(), refitted };
-        }
-        let kept = judged(self, base.clone(), all);
-        let is_kept = |term: &Term<'e>| kept.terms.iter().any(|other| other.effect.is_the_same(term.effect));
-        let terms = chosen.fit.terms[first..].iter().zip(alternatives);
-        let alternatives = terms.filter(|(term, _)| is_kept(term)).map(|(_, others)| others).collect();
-        let chosen = self.fitted(kept.terms.clone(), &kept.starts, f64::INFINITY);
-        let unusual = unusual_terms(self, &kept);
-        let refitted = Refitted { nominal: again(&self.settled(self.gains.clone())), base, chosen: kept };
-        Found { nominal, chosen, alternatives, unusual, refitted }
-    }
-
-    /// Sums of squares of some windows with one effect simply left out. Start states are sought from those of the chosen
-    /// model and from those of the nominal one: what is left may be near to either.
-    fn losses_without(
-        &self,
-        [nominal, chosen]: [&Fit<'e>; 2],
-        index: usize,
-        windows: &[usize],
-    ) -> Vec<f64> {
-        let mut terms = chosen.terms.clone();
-        terms.remove(index);
-        let [far, near] = [chosen, nominal].map(|fit| self.losses(&terms, &fit.starts, windows));
-        far.iter().zip(&near).map(|(far, near)| far.min(*near)).collect()
-    }
-
-    /// Sums of squares of some windows under a model, their start states at their best from given ones on.
-    fn losses(&self, terms: &[Term<'e>], starts: &[State], windows: &[usize]) -> Vec<f64> {
-        let driven = self.shooting.log.drive(model_of(self.nominal, terms));
-        self.shooting.settle(&driven, windows, &mut starts.to_vec())
     }
 }
 

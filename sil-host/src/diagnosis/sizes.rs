@@ -1,5 +1,5 @@
-//! How large effects are that are asked for by name, whether a search would add them or not: where a model is right
-//! already, that its number is the measured one, and how surely, is an answer too.
+//! Sizes of effects that the caller names, whether a search would add them or not: they show how closely a log confirms
+//! a model that is right already.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ pub type Asked = (&'static str, Option<Axis>);
 pub type Size = BTreeMap<&'static str, Estimate>;
 
 /// Fits some effects together to all windows of a log, under the noise that is most likely with them: one size for each
-/// that the log can be asked about, none for the others.
+/// that the log shows, none for the others.
 ///
 /// # Errors
 /// As [`super::diagnose`].

@@ -1,8 +1,8 @@
 use super::fitting::{fit, shooting};
 use super::*;
 use crate::effects::Effect;
-use crate::prediction::Part;
 use crate::model::{Rig, SensorNoise, VehicleModel};
+use crate::prediction::Part;
 use crate::synthesis::Synthesis;
 
 const QUIET: SensorNoise = SensorNoise { gyro_rad_s: 1e-4, accel_m_s2: 0.1, attitude_rad: 1e-5, ..SensorNoise::NONE };
@@ -49,7 +49,7 @@ fn two_effects_are_both_named_with_their_sizes() {
 
 #[test]
 fn both_integrations_agree_on_a_delay_to_a_microsecond() {
-    // 5.3 ms falls between the steps of either; almost without noise what is left is the integrators' difference
+    // 5.3 ms falls between the steps of either; almost without noise the residual is the integrators' difference
     let answer = answer_to(&log(&["actuation_delay:delay_s=0.0053"], Some(QUIET), 3));
     let delay = &answer.findings[0];
     assert_eq!(delay.effect, "actuation_delay");
@@ -63,7 +63,7 @@ fn axes_of_a_bench_are_diagnosed_per_unit_of_inertia() {
     let mut made = Log { axes: [false, true, false], ..Log::default() };
     let mut noise = crate::sensors::random::RandomStream::new(4, "bench");
     let (mut times, mut angles, mut rates, mut commands) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for row in 0..6000 {
+    for row in 0..3000 {
         let time_s = f64::from(row) * 0.005;
         let command =
             if ((time_s / 0.9) as u32).is_multiple_of(2) { 0.3 } else { -0.3 } + 0.2 * libm::sin(7.0 * time_s);

@@ -7,7 +7,8 @@ use std::fmt;
 use serde::Serialize;
 
 use super::fitted::{Fitted, per_unit_inertia};
-use super::search::{Found, SEPARABLE, Search};
+use super::found::Found;
+use super::search::{SEPARABLE, Search};
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::{Effect, Origin};
@@ -66,7 +67,7 @@ pub struct Finding {
     /// Rise of the held-out squared error when it alone is taken out of the extended model, in % of nominal minus
     /// extended.
     pub gain_pct: f64,
-    /// Effects that this log does not tell from it.
+    /// Effects that this log cannot separate from it.
     pub confounded_with: Vec<&'static str>,
     /// For a person.
     pub statement: String,
@@ -144,11 +145,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
 }
 
 /// Values by name with standard deviations: the fit's, carried over to what is reported, and the model's own accuracy.
-pub(super) fn estimates(
-    fit: &Fit<'_>,
-    index: usize,
-    model_error: f64,
-) -> BTreeMap<&'static str, Estimate> {
+pub(super) fn estimates(fit: &Fit<'_>, index: usize, model_error: f64) -> BTreeMap<&'static str, Estimate> {
     let Term { effect, values } = &fit.terms[index];
     let size = values.len();
     let covariance = fit.covariance_of(index);

@@ -68,7 +68,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// One table of a document. Keys are taken one by one; [`Section::finish`] complains about those left over.
+/// One table of a document. Keys are taken one by one; [`Section::finish`] reports those that nobody read.
 #[derive(Debug)]
 pub(crate) struct Section<'a> {
     source: Source<'a>,
@@ -176,7 +176,7 @@ impl<'a> Section<'a> {
         Ok(sections)
     }
 
-    /// Complains about the first key that nobody asked for.
+    /// Reports the first key that nobody read.
     pub(crate) fn finish(&self) -> Result<(), ModelError> {
         let known = self.known.borrow();
         let stranger =

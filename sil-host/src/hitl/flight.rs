@@ -4,6 +4,7 @@ use std::io::{Read, Write};
 use std::time::Instant;
 
 use mavlink::dialects::common::{HIL_ACTUATOR_CONTROLS_DATA, MavCmd, MavModeFlag};
+use serde::Serialize;
 use shared_control::config::Controller;
 
 use crate::controller_file::controller_name;
@@ -17,7 +18,7 @@ use crate::plant::Plant;
 use crate::scenario::Scenario;
 use crate::sensors::Sensors;
 
-/// Simulated time at rest before arming is asked for first, µs: the gyro is calibrated over a second.
+/// Simulated time at rest before arming is requested first, µs: the gyro is calibrated over a second.
 const REST_US: u64 = 2_000_000;
 /// Simulated time between two attempts at the same command, µs.
 const ASK_AGAIN_US: u64 = 500_000;
@@ -52,6 +53,35 @@ pub struct HitlFlight {
     pub achieved_rate_hz: f64,
     /// Messages that had to be sent again.
     pub sent_again: u32,
+}
+
+/// The figures of a flight, as `sil hitl --json` writes them (docs/commands.md).
+#[derive(Clone, Debug, Serialize)]
+pub struct HitlFigures<'a> {
+    /// One run, as of `sil fly`.
+    pub runs: [&'a RunSummary; 1],
+    /// Median round trip; none without any.
+    pub round_trip_p50_ms: Option<f64>,
+    /// What 99 of 100 round trips stay within.
+    pub round_trip_p99_ms: Option<f64>,
+    /// Steps in flight per second of real time.
+    pub achieved_rate_hz: f64,
+    /// Messages that had to be sent again.
+    pub sent_again: u32,
+}
+
+impl HitlFlight {
+    /// Its figures.
+    pub fn figures(&self) -> HitlFigures<'_> {
+        let milliseconds = |share| self.timing.quantile_s(share).map(|seconds| seconds * 1e3);
+        HitlFigures {
+            runs: [&self.summary],
+            round_trip_p50_ms: milliseconds(0.5),
+            round_trip_p99_ms: milliseconds(0.99),
+            achieved_rate_hz: self.achieved_rate_hz,
+            sent_again: self.sent_again,
+        }
+    }
 }
 
 /// Series of a flight, one sample a step.
@@ -208,7 +238,7 @@ fn hovers(answer: &HIL_ACTUATOR_CONTROLS_DATA) -> bool {
     answer.controls.iter().take(4).all(|control| *control > HOVERS)
 }
 
-/// Divided, not multiplied by 1e-6: 1.75 s is then 1.75 s, and a step asked for at that time is not late.
+/// Divided, not multiplied by 1e-6: 1.75 s is then 1.75 s, and a step requested at that time is not late.
 fn seconds_between(start_us: u64, now_us: u64) -> f64 {
     (now_us - start_us) as f64 / 1e6
 }

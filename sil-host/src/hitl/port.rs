@@ -49,7 +49,7 @@ impl Patience {
         answer: Duration::from_millis(200),
         words: Duration::from_millis(300),
     };
-    /// For a board in this very process, which has answered when it was asked.
+    /// For a board in this very process, which has answered at once.
     pub const NONE: Patience = Patience { silence: Duration::ZERO, answer: Duration::ZERO, words: Duration::ZERO };
 }
 

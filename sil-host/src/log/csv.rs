@@ -19,20 +19,19 @@ pub(super) const FORMAT: Format =
 /// Whatever docs/log-format.md calls an error, with file, line and column.
 pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let place = Place { file };
     if text.trim().is_empty() {
-        return Err(place.error(None, None, LogErrorKind::Empty));
+        return Err(error_in(file, None, None, LogErrorKind::Empty));
     }
     if !text.ends_with('\n') {
         let last = text.lines().count();
-        return Err(place.error(Some(last), None, LogErrorKind::CutOff));
+        return Err(error_in(file, Some(last), None, LogErrorKind::CutOff));
     }
     let mut lines = (1..).zip(text.lines().map(str::trim));
     let comments: Vec<String> =
         text.lines().map_while(|line| line.strip_prefix('#')).map(|comment| comment.trim().to_owned()).collect();
     let mut header = lines.by_ref().skip(comments.len());
     let Some((header_line, header)) = header.next() else {
-        return Err(place.error(None, None, LogErrorKind::Empty));
+        return Err(error_in(file, None, None, LogErrorKind::Empty));
     };
     let names: Vec<&str> = header.split(',').map(unquoted).collect();
     let mut log = Log { path: file.to_owned(), comments, ..Log::default() };
@@ -40,20 +39,14 @@ pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError>
         Some(map) => mapped_fields(&names, map, &mut log),
         None => named_fields(&names, &mut log),
     };
-    let fields = fields.map_err(|(column, kind)| place.error(Some(header_line), column, kind))?;
-    read_rows(&place, lines, &names, &fields, &mut log)?;
+    let fields = fields.map_err(|(column, kind)| error_in(file, Some(header_line), column, kind))?;
+    read_rows(file, lines, &names, &fields, &mut log)?;
     note_gaps(&mut log);
     Ok(log)
 }
 
-struct Place<'a> {
-    file: &'a str,
-}
-
-impl Place<'_> {
-    fn error(&self, line: Option<usize>, column: Option<String>, kind: LogErrorKind) -> LogError {
-        LogError { file: self.file.to_owned(), line, column, kind }
-    }
+fn error_in(file: &str, line: Option<usize>, column: Option<String>, kind: LogErrorKind) -> LogError {
+    LogError { file: file.to_owned(), line, column, kind }
 }
 
 /// What is wrong with a header, and the column it is about.
@@ -96,7 +89,7 @@ fn named_fields(names: &[&str], log: &mut Log) -> Result<Vec<Field>, HeaderError
         // without collective the axis commands do nothing: the motors stand still
         log.active_when = Some(super::Threshold { quantity: Quantity::Thrust, above: 0.0 });
     }
-    describe_columns(log, &fields, names, &ignored);
+    note_ignored(log, &ignored);
     Ok(fields)
 }
 
@@ -127,20 +120,20 @@ fn mapped_fields(names: &[&str], map: &Map, log: &mut Log) -> Result<Vec<Field>,
     log.axes = map.axes;
     log.active_when = map.active_when;
     log.notes.push(format!("read by the map {}", map.name));
-    describe_columns(log, &fields, names, &ignored);
+    note_ignored(log, &ignored);
     Ok(fields)
 }
 
 fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Field, HeaderError> {
-    let mut places = (0..names.len()).filter(|index| names[*index] == mapped.column);
-    let Some(index) = places.next() else {
+    let mut indices = (0..names.len()).filter(|index| names[*index] == mapped.column);
+    let Some(index) = indices.next() else {
         let kind = LogErrorKind::MissingColumn {
             reason: format!("column is missing, which the map {map} takes for {}", mapped.quantity.name()),
             present: names.join(", "),
         };
         return Err((Some(mapped.column.clone()), kind));
     };
-    if places.next().is_some() {
+    if indices.next().is_some() {
         let kind = LogErrorKind::GivenTwice { first: mapped.column.clone(), second: mapped.column.clone() };
         return Err((Some(mapped.column.clone()), kind));
     }
@@ -158,8 +151,7 @@ fn missing(quantity: Quantity, names: &[&str]) -> HeaderError {
     (Some(quantity.name()), kind)
 }
 
-fn describe_columns(log: &mut Log, fields: &[Field], names: &[&str], ignored: &[&str]) {
-    log.source_columns = fields.iter().map(|field| (field.quantity, names[field.index].to_owned())).collect();
+fn note_ignored(log: &mut Log, ignored: &[&str]) {
     if !ignored.is_empty() {
         log.notes.push(format!("columns ignored: {}", ignored.join(", ")));
     }
@@ -167,7 +159,7 @@ fn describe_columns(log: &mut Log, fields: &[Field], names: &[&str], ignored: &[
 
 /// All rows into the columns of the log; empty lines at the end of the file are no rows.
 fn read_rows<'a>(
-    place: &Place<'_>,
+    file: &str,
     lines: impl Iterator<Item = (usize, &'a str)>,
     names: &[&str],
     fields: &[Field],
@@ -184,11 +176,11 @@ fn read_rows<'a>(
         if row.len() != names.len() {
             let kind =
                 LogErrorKind::RaggedRow { expected: names.len(), found: if text.is_empty() { 0 } else { row.len() } };
-            return Err(place.error(Some(line), None, kind));
+            return Err(error_in(file, Some(line), None, kind));
         }
         for (field, column) in fields.iter().zip(&mut columns) {
             let value = value_of(row[field.index], field)
-                .map_err(|kind| place.error(Some(line), Some(names[field.index].to_owned()), kind))?;
+                .map_err(|kind| error_in(file, Some(line), Some(names[field.index].to_owned()), kind))?;
             column.push(value);
         }
         if let Some(time) = time
@@ -197,12 +189,12 @@ fn read_rows<'a>(
         {
             let name = names[fields[time].index].to_owned();
             let kind = LogErrorKind::TimeNotIncreasing { before, now };
-            return Err(place.error(Some(line), Some(name), kind));
+            return Err(error_in(file, Some(line), Some(name), kind));
         }
     }
     let rows = columns.first().map_or(0, Vec::len);
     if rows < ROWS_MIN {
-        return Err(place.error(None, None, LogErrorKind::TooFewRows(rows)));
+        return Err(error_in(file, None, None, LogErrorKind::TooFewRows(rows)));
     }
     for (field, column) in fields.iter().zip(columns) {
         log.set_column(field.quantity, column);

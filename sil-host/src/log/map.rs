@@ -121,34 +121,34 @@ impl Map {
     /// # Errors
     /// It is no TOML, a key is unknown, or what it says is not enough to read a log by.
     pub fn parse(name: &str, text: &str) -> Result<Map, LogError> {
-        let place = Place { name, text };
+        let source = MapText { name, text };
         let file: MapFile =
-            toml::from_str(text).map_err(|e| place.error(e.span().map(|span| span.start), None, e.message()))?;
+            toml::from_str(text).map_err(|e| source.error(e.span().map(|span| span.start), None, e.message()))?;
         let sign_of_frame: fn(Quantity) -> f64 = match file.frame.get_ref().as_str() {
             "FRD" => |_| 1.0,
             "FLU" => Quantity::sign_from_flu,
             other => {
                 let message = format!("expected \"FRD\" or \"FLU\", found \"{other}\"");
-                return Err(place.error(Some(file.frame.span().start), Some("frame"), &message));
+                return Err(source.error(Some(file.frame.span().start), Some("frame"), &message));
             }
         };
         let table_at = file.quantities.span().start;
         let mut columns: Vec<MappedColumn> = Vec::new();
         for (key, entry) in file.quantities.into_inner() {
-            let column = place.column(&key, entry, sign_of_frame)?;
+            let column = source.column(&key, entry, sign_of_frame)?;
             if columns.iter().any(|c| c.quantity == column.quantity) {
                 let message = format!("{} is given twice", column.quantity.name());
-                return Err(place.error(Some(key.span().start), Some(key.get_ref()), &message));
+                return Err(source.error(Some(key.span().start), Some(key.get_ref()), &message));
             }
             columns.push(column);
         }
         columns.sort_by_key(|column| column.quantity);
-        let axes = place.axes(file.axes, &columns)?;
+        let axes = source.axes(file.axes, &columns)?;
         if let Some(missing) = missing_quantity(axes, &columns) {
-            return Err(place.error(Some(table_at), Some("quantities"), &missing));
+            return Err(source.error(Some(table_at), Some("quantities"), &missing));
         }
         let active_when = match file.active_when {
-            Some(condition) => Some(place.threshold(&condition, &columns)?),
+            Some(condition) => Some(source.threshold(&condition, &columns)?),
             None => None,
         };
         Ok(Map { name: name.to_owned(), description: file.description, axes, active_when, columns })
@@ -156,12 +156,12 @@ impl Map {
 }
 
 /// The map's text, to turn a byte offset into a line.
-struct Place<'a> {
+struct MapText<'a> {
     name: &'a str,
     text: &'a str,
 }
 
-impl Place<'_> {
+impl MapText<'_> {
     fn error(&self, at_byte: Option<usize>, key: Option<&str>, message: &str) -> LogError {
         let before = at_byte.and_then(|at| self.text.get(..at));
         LogError {

@@ -66,8 +66,6 @@ pub struct Log {
     pub axes: [bool; 3],
     /// Rows in which the motors run; `None` means all of them.
     pub active_when: Option<Threshold>,
-    /// The name that each quantity has in the file.
-    pub source_columns: Vec<(Quantity, String)>,
 
     /// Time, s, strictly increasing.
     pub time_s: Vec<f64>,
@@ -129,7 +127,7 @@ impl Log {
     }
 
     /// Mean time from row to row, gaps left out, s: where rows come unevenly, as those of a 300 Hz log of a 400 Hz
-    /// controller, the median would tell of the more frequent step only. 0 for a log of less than two rows.
+    /// controller, the median would show the more frequent step only. 0 for a log of less than two rows.
     pub fn mean_regular_step_s(&self) -> f64 {
         let longest_s = self.longest_regular_step_s();
         let regular = self.time_s.windows(2).map(|t| t[1] - t[0]).filter(|step| *step <= longest_s);
@@ -153,12 +151,6 @@ impl Log {
     /// True if the plant is to be driven by axis commands because there are no motor commands.
     pub fn driven_by_axis_commands(&self) -> bool {
         self.motors().is_none()
-    }
-
-    /// The name that a quantity has in the file, for messages about a foreign log.
-    pub fn source_column(&self, quantity: Quantity) -> Option<&str> {
-        let mut columns = self.source_columns.iter();
-        Some(&columns.find(|(named, _)| *named == quantity)?.1)
     }
 
     /// For each row, whether the motors run in it ([`Log::active_when`]).

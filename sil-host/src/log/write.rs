@@ -131,7 +131,7 @@ mod tests {
 
     /// What the reader adds by itself.
     fn without_reader_remarks(log: Log) -> Log {
-        Log { path: String::new(), notes: Vec::new(), source_columns: Vec::new(), ..log }
+        Log { path: String::new(), notes: Vec::new(), ..log }
     }
 
     proptest! {

@@ -36,7 +36,7 @@ pub const STEP_MAX_S: f64 = 0.5e-3;
 /// Height of the rotors above ground at the start where nothing says otherwise, m: far from the ground.
 const START_HEIGHT_M: f64 = 10.0;
 
-/// What is asked to happen this close after the end of a stretch of time happens at its end, s: times are sums of
+/// What is to happen this close after the end of a stretch of time happens at its end, s: times are sums of
 /// durations, and round.
 const SAME_TIME_S: f64 = 1e-9;
 
@@ -221,7 +221,7 @@ impl Plant {
         self.looks_s.make_contiguous().sort_by(f64::total_cmp);
     }
 
-    /// What was seen at the times asked for so far, in order of time.
+    /// What was seen at the times requested so far, in order of time.
     pub fn take_seen(&mut self) -> Vec<Truth> {
         std::mem::take(&mut self.seen)
     }

@@ -15,7 +15,7 @@ pub(super) fn unpowered(rig: Rig) -> VehicleModel {
     model
 }
 
-/// A vehicle with effects in their short form, integrated much more finely than the tests ask.
+/// A vehicle with effects in their short form, integrated much more finely than the tests need.
 pub(super) fn with_effects(mut model: VehicleModel, effects: &[&str]) -> Plant {
     let parse = |short: &&str| crate::effects::Effect::parse(short, model.rig()).unwrap();
     model.effects = effects.iter().map(parse).collect();

@@ -143,7 +143,7 @@ impl Body {
             Body::Gimbal { .. } => {
                 let (sin, cos) = libm::sincos(roll);
                 let [_, pitch_rate] = Gimbal::rate_rad_s((sin, cos), rate_body_rad_s);
-                // without r, and away from 90 degrees, q alone tells
+                // without r, and away from 90 degrees, q alone decides
                 let pitch_rate = if r == 0.0 { q / cos.abs().max(0.1).copysign(cos) } else { pitch_rate };
                 [roll, pitch, 0.0, p, pitch_rate, 0.0]
             }

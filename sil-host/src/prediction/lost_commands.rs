@@ -1,4 +1,4 @@
-//! What the motors were told between two rows. A log holds one command per row; a controller that runs faster gives
+//! The motors' commands between two rows. A log holds one command per row; a controller that runs faster gives
 //! more, and those are lost.
 //!
 //! If so, the command is taken to go smoothly from row to row, in n steps; of its white part, which the sensors' noise

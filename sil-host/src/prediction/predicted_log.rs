@@ -3,8 +3,8 @@
 
 use super::accuracy::{ChannelErrors, ErrorOf, PredictedWindow, channel_errors, predict, root_mean_square, tallies};
 use super::noise::MeasuredNoise;
-use super::windowed_log::{Driven, WindowedLog};
 use super::window::Part;
+use super::windowed_log::{Driven, WindowedLog};
 use super::{Channel, Window};
 
 /// Measured and predicted values of every window of a log.

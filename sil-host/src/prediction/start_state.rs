@@ -178,7 +178,7 @@ mod tests {
             let error = start_error(&log, &MeasuredNoise::of(&log, &PITCH), &states);
             (0..2).for_each(|i| squares[i] += error[i] * error[i] / trials as f64);
         }
-        // rows at t = 0, h, ... 24 h: each tells angle + t rate to 0.002 rad and the rate to 0.01 rad/s
+        // rows at t = 0, h, ... 24 h: each measures angle + t rate to 0.002 rad and the rate to 0.01 rad/s
         let rows = || (0..25).map(|row| 0.004 * f64::from(row));
         let (of_angle, of_rate) = (1.0 / (noise[0] * noise[0]), 1.0 / (noise[1] * noise[1]));
         let (aa, ar) = (25.0 * of_angle, rows().sum::<f64>() * of_angle);

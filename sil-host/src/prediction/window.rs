@@ -94,11 +94,7 @@ fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut
     while let Some(window_end) = row_at(start, time_s[start] + WINDOW_S) {
         if window_end - start >= ROWS_MIN {
             let index = windows.len();
-            windows.push(Window {
-                index,
-                part: part(index),
-                ..Window::between(time_s, first, start, window_end)
-            });
+            windows.push(Window { index, part: part(index), ..Window::between(time_s, first, start, window_end) });
         }
         start = window_end;
     }

@@ -76,8 +76,8 @@ fn heading(title: &str, unit: &str) -> Markup {
     }
 }
 
-/// What a figure names, each with its classes: a colour, the same in the whole page, and a dash pattern, which tells
-/// the figure's curves apart in grey; the first is solid.
+/// What a figure names, each with its classes: a colour, the same in the whole page, and a dash pattern, which
+/// separates the figure's curves in grey; the first is solid.
 struct Legend<'a> {
     entries: Vec<(Key<'a>, String)>,
 }

@@ -214,7 +214,8 @@ mod tests {
             values in prop::collection::vec(prop_oneof![9 => 0.0..1.0_f64, 1 => Just(f64::NAN)], 1..6000),
         ) {
             let count = values.len() as f64;
-            let samples: Vec<_> = values.iter().enumerate().map(|(index, &value)| (index as f64 / count, value)).collect();
+            let samples: Vec<_> =
+                values.iter().enumerate().map(|(index, &value)| (index as f64 / count, value)).collect();
             let all: Vec<GridPoint> = samples
                 .iter()
                 .filter(|(_, value)| value.is_finite())

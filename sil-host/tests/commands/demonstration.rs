@@ -9,10 +9,10 @@ fn it_writes_the_same_report_says_where_and_opens_nothing() {
     let report = folder.path("out/report.html").canonicalize().unwrap();
     assert!(outcome.stdout.contains(&format!("report  {}\n", report.display())), "{outcome:?}");
     assert!(!outcome.stdout.contains("opening"), "{outcome:?}");
-    for told in
+    for text in
         ["pid roll", "mpc pitch", "SYNTHETIC", "closed loop, mean |simulated - measured|", "open-loop prediction"]
     {
-        assert!(outcome.stdout.contains(told), "no \"{told}\" in {outcome:?}");
+        assert!(outcome.stdout.contains(text), "no \"{text}\" in {outcome:?}");
     }
     let page = String::from_utf8(folder.bytes("out/report.html")).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));

@@ -69,7 +69,7 @@ fn is_told_as_json_on_a_page_and_by_a_flight_that_can_be_flown() {
     let outcome = folder.sil(&[&["diagnose", "log.csv", "--rig", "gimbal"], &outputs[..]].concat()).assert_done();
     let json = folder.json("out.json");
     assert_fits(&json, &answer(), "");
-    // both are told to a person as well
+    // both are printed as well
     for sentence in [&json["findings"][0]["statement"], &json["separating_experiment"]] {
         assert!(outcome.stdout.contains(sentence.as_str().unwrap()), "{outcome:?}");
     }

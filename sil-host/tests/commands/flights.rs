@@ -6,8 +6,10 @@ use crate::sil::Folder;
 #[test]
 fn the_same_seed_gives_the_same_bytes() {
     let folder = Folder::new();
+    folder.write("short.toml", "duration_s = 3.0\n[[step]]\nat_s = 0.5\nroll_deg = 20\n");
     let fly = |seed: &str, log: &str, report: &str| {
-        let arguments = ["fly", "--controller", "both", "--seed", seed, "--log", log, "--report", report];
+        let script = ["fly", "--script", "short.toml", "--controller", "both"];
+        let arguments = [&script[..], &["--seed", seed, "--log", log, "--report", report]].concat();
         let outcome = folder.sil(&arguments).assert_done();
         for line in [format!("log     {}", log.replace(".csv", "-pid.csv")), format!("report  {report}")] {
             assert!(outcome.stdout.lines().any(|printed| printed == line), "no \"{line}\" in {outcome:?}");

@@ -64,7 +64,7 @@ fn of_an_off_balance_ring_deviate_in_pitch() {
     assert!(deviation("pitch_mean_abs_deg") > 1.0, "{}", deviation("pitch_mean_abs_deg"));
 }
 
-/// Several effects, uneven rows, rows that are missing, and a file that tells none of it.
+/// Several effects, uneven rows, rows that are missing, and a file that mentions none of it.
 #[test]
 fn of_synth_can_be_hard_to_read() {
     let folder = Folder::new();
@@ -139,7 +139,7 @@ fn the_bundled_log_is_what_synth_writes_now() {
 }
 
 /// A controller that is not the modelled one is blamed by the name and the value of what differs, on a rig that has an
-/// effect of its own, and both are told; the closed loop is simulated before and after.
+/// effect of its own, and both are reported; the closed loop is simulated before and after.
 #[test]
 fn of_another_controller_name_its_gain_beside_the_plants_effect() {
     let folder = Folder::new();
@@ -166,7 +166,7 @@ fn of_another_controller_name_its_gain_beside_the_plants_effect() {
     assert!(model.contains("cg_offset") && !model.contains("controller_mismatch"));
 }
 
-/// A log of every second step of its controller can't tell what the controller saw.
+/// A log of every second step of its controller does not show what the controller saw.
 #[test]
 fn of_half_the_controllers_rate_are_no_ground_for_blaming_it() {
     let folder = Folder::new();

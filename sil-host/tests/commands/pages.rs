@@ -7,8 +7,15 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use serde_json::Value;
+use shared_control::airframe::{MOTORS, TORQUE_SIGNS};
+use shared_control::config::Controller;
+use sil_host::controller_file::ControllerChoice;
 use sil_host::effects::Effect;
+use sil_host::flight::FlightSetup;
+use sil_host::hitl::{HitlFlight, Timing};
 use sil_host::log::Quantity;
+use sil_host::model::{Rig, VehicleModel};
+use sil_host::scenario::Scenario;
 
 use crate::sil::{Folder, RIG_LOG, instance_files};
 
@@ -78,6 +85,23 @@ fn pages_list_every_parameter_of_every_effect() {
 }
 
 #[test]
+fn pages_list_the_motors() {
+    let sign = |value: f32| if value > 0.0 { "+" } else { "-" };
+    let rows = MOTORS.iter().enumerate().map(|(number, motor)| {
+        let (end, side) =
+            (if motor.forward > 0 { "front" } else { "rear" }, if motor.right > 0 { "right" } else { "left" });
+        let spin = if motor.spin > 0 { "clockwise" } else { "counter-clockwise" };
+        let along = |direction: i8| format!("{}d/sqrt2", sign(f32::from(direction)));
+        let mut cells = vec![(number + 1).to_string(), format!("{end} {side}"), spin.to_owned()];
+        cells.extend([along(motor.forward), along(motor.right)]);
+        cells.extend(TORQUE_SIGNS.map(|signs| sign(signs[number]).to_owned()));
+        cells
+    });
+    let head = ["motor", "position", "spin, seen from above", "x", "y", "adds to roll", "to pitch", "to yaw"];
+    assert_generated("rig.md", "motors", &table(&head, rows));
+}
+
+#[test]
 fn pages_list_every_column_of_a_log() {
     let mut kinds: Vec<Vec<Quantity>> = Vec::new();
     for quantity in Quantity::ALL {
@@ -144,6 +168,21 @@ fn pages_describe_the_json_of_a_diagnosis() {
     folder.write("mpc.toml", THESIS_MPC);
     folder.sil(&["diagnose", "log.csv", "--controller", "mpc.toml", "--json", "out.json"]).assert_done();
     assert_described("diagnose", &folder.json("out.json"));
+}
+
+/// Figures of a flight of which no board was part: what a board does is tested elsewhere, the fields are the same.
+#[test]
+fn pages_describe_the_json_of_a_board_in_the_loop() {
+    let setup = FlightSetup {
+        model: VehicleModel::nominal(Rig::Gimbal),
+        controller_model: None,
+        choice: ControllerChoice::nominal(Controller::Cascade),
+        scenario: Scenario { duration_s: 0.1, ..Scenario::test_sequence() },
+        seed: 0,
+    };
+    let summary = setup.fly().unwrap().summary;
+    let flight = HitlFlight { summary, timing: Timing::default(), achieved_rate_hz: 400.0, sent_again: 0 };
+    assert_described("hitl", &serde_json::to_value(flight.figures()).unwrap());
 }
 
 /// Every field of the JSON stands in the page's table, with its type, and the table has no other.

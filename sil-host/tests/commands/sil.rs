@@ -81,7 +81,7 @@ impl Outcome {
         }
     }
 
-    /// It did what it was asked for, and complained of nothing.
+    /// It succeeded, and complained of nothing.
     pub fn assert_done(self) -> Self {
         assert_eq!(self.status, Some(0), "{self:?}");
         assert_eq!(self.stderr, "", "{self:?}");

@@ -14,7 +14,7 @@ use crate::memory::{self, Memory, Region};
 /// What ended a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
-    /// All instructions that were asked for ran.
+    /// All instructions that were requested ran.
     Exhausted,
     /// WFI or WFE.
     Wait,
@@ -69,9 +69,9 @@ pub(crate) struct Cpu {
     hooked: Rc<Hooked>,
 }
 
-/// Where in the slice a peripheral access happens.
+/// When in the slice a peripheral access happens.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct AccessTime {
     /// Instructions of this slice before the running block.
     pub(crate) ran: u64,
 }
@@ -79,9 +79,9 @@ pub(crate) struct Place {
 /// What lies behind the peripheral addresses.
 pub(crate) trait Bus {
     /// A load of 1, 2 or 4 bytes.
-    fn load(&mut self, address: u32, size: u32, place: Place) -> u32;
+    fn load(&mut self, address: u32, size: u32, at: AccessTime) -> u32;
     /// A store of 1, 2 or 4 bytes.
-    fn store(&mut self, address: u32, size: u32, value: u32, place: Place);
+    fn store(&mut self, address: u32, size: u32, value: u32, at: AccessTime);
     /// Is the run over because of an access? Then it ends at that instruction.
     fn is_over(&self) -> bool;
 }
@@ -238,13 +238,13 @@ fn map_bus<B: Bus + 'static>(
     let (reader, writer) = (Rc::clone(bus), Rc::clone(bus));
     let (read_hooked, write_hooked) = (Rc::clone(hooked), Rc::clone(hooked));
     let start = region.start;
-    let place = |hooked: &Hooked| Place { ran: hooked.instructions.get() };
+    let time = |hooked: &Hooked| AccessTime { ran: hooked.instructions.get() };
     engine.mmio_map(
         u64::from(region.start),
         u64::from(region.size),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize| {
             let mut bus = reader.borrow_mut();
-            let value = bus.load(start + offset as u32, size as u32, place(&read_hooked));
+            let value = bus.load(start + offset as u32, size as u32, time(&read_hooked));
             if bus.is_over() {
                 let _ = engine.emu_stop();
             }
@@ -252,7 +252,7 @@ fn map_bus<B: Bus + 'static>(
         }),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize, value: u64| {
             let mut bus = writer.borrow_mut();
-            bus.store(start + offset as u32, size as u32, value as u32, place(&write_hooked));
+            bus.store(start + offset as u32, size as u32, value as u32, time(&write_hooked));
             // it may have raised an exception or moved the next event
             write_hooked.budget.set(0);
             if bus.is_over() {

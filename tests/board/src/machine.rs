@@ -377,7 +377,7 @@ impl Machine {
         self.cpu.replace(address, bytes)
     }
 
-    /// Keeps an interrupt from being served, or no longer, as one that takes its time would be: what asks for it goes
+    /// Keeps an interrupt from being served, or no longer, as one that takes its time would be: what requests it goes
     /// on asking.
     pub fn hold_back(&mut self, interrupt: u8, held: bool) {
         self.board.borrow_mut().private.exceptions.enable(16 + interrupt, !held);

@@ -204,8 +204,8 @@ impl Score {
             self.nominal += 1;
             let is_silent = findings.is_empty() && examination.remainder.is_empty();
             self.silent += usize::from(is_silent);
-            let told = if is_silent { "nothing" } else { "SOMETHING" };
-            let _ = writeln!(self.table, "{:3} {controller} nothing changed; plant {plant}: {told}", case.seed);
+            let found = if is_silent { "nothing" } else { "SOMETHING" };
+            let _ = writeln!(self.table, "{:3} {controller} nothing changed; plant {plant}: {found}", case.seed);
             return;
         };
         self.changed += 1;
@@ -221,7 +221,7 @@ impl Score {
         self.named += usize::from(estimate.is_some());
         self.sized += usize::from(error.is_some_and(|error| error < 0.1 * (changed.value - changed.nominal).abs()));
         self.covered += usize::from(error.is_some_and(|error| error <= 1.96 * std));
-        let told: Vec<&str> = findings.iter().map(|finding| finding.statement.as_str()).collect();
+        let statements: Vec<&str> = findings.iter().map(|finding| finding.statement.as_str()).collect();
         let _ = writeln!(
             self.table,
             "{:3} {controller} {} {} {:.4} (nominal {:.4}); plant {plant}: {} {:.4} +- {std:.4}{}",
@@ -232,7 +232,7 @@ impl Score {
             changed.nominal,
             if estimate.is_some() { "named" } else { "MISSED" },
             estimate.map_or(f64::NAN, |estimate| estimate.value),
-            if estimate.is_some() { String::new() } else { format!(" {told:?} {:?}", examination.rejected) },
+            if estimate.is_some() { String::new() } else { format!(" {statements:?} {:?}", examination.rejected) },
         );
     }
 

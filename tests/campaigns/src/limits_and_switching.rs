@@ -42,7 +42,7 @@ pub struct Flown {
     pub effort: f64,
     /// Samples with a motor at a limit.
     pub saturated_pct: f64,
-    /// Mean change of the motors' mean lift (in equilibrium) from what the throttle asks for.
+    /// Mean change of the motors' mean lift (in equilibrium) from what the throttle requests.
     pub lift_changed_pct: f64,
     /// Steps that the cascade flew.
     pub fallbacks: f64,

@@ -1,4 +1,4 @@
-//! Running an image in the emulator, and the sizes that its symbols tell.
+//! Running an image in the emulator, and the sizes that its symbols give.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -31,7 +31,7 @@ pub(crate) struct Counts {
     /// Functions of the solver, preparation included; the rest of the image is printing.
     pub(crate) flash_bytes: u64,
     /// The prepared problem and the warm start.
-    data_bytes: u64,
+    pub(crate) data_bytes: u64,
 }
 
 impl Counter {

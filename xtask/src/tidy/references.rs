@@ -96,7 +96,7 @@ fn is_there(from: &str, named: &str, tree: &Tree) -> bool {
 }
 
 /// The path from the root of what a file names from its own folder; none above the root.
-fn beside(from: &str, named: &str) -> Option<String> {
+pub(super) fn beside(from: &str, named: &str) -> Option<String> {
     let mut parts: Vec<&str> = from.split('/').collect();
     parts.pop();
     for part in named.trim_end_matches('/').split('/') {

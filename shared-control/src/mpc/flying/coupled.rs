@@ -71,7 +71,7 @@ impl<const M: usize> TrackingAxis<M> {
         self.torque_max_nm * (input - per_nm * start.disturbance_nm)
     }
 
-    /// Angle less reference over the horizon if no torque is asked for.
+    /// Angle less reference over the horizon if no torque is requested.
     pub(super) fn torque_forecast(&self, start: &AxisStart, reference_rad: &[f32; HORIZON]) -> TorqueForecast {
         let [per_rad, ..] = self.units;
         let (mut state, disturbance) = self.start(start);

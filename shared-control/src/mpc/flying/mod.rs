@@ -174,7 +174,7 @@ impl<const M: usize> Mpc<M> {
 }
 
 impl MpcSettings {
-    /// The greatest torque that any plan can ask for, N m.
+    /// The greatest torque that any plan can request, N m.
     pub fn torque_max_nm(&self) -> [f32; 3] {
         match &self.motors {
             Some(motors) => motors.torque_max_nm(),

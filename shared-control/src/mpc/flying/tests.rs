@@ -123,7 +123,9 @@ proptest! {
 
     /// Any bits give a status, and a torque that could be applied.
     #[test]
-    fn any_request_is_survived(numbers in prop::collection::vec(prop_oneof![4 => -1.0f32..1.0, 1 => prop::num::f32::ANY], 25)) {
+    fn any_request_is_survived(
+        numbers in prop::collection::vec(prop_oneof![4 => -1.0f32..1.0, 1 => prop::num::f32::ANY], 25)
+    ) {
         let settings = settings(0.03, ReferenceAhead::Shaped);
         let three = |from: usize| [numbers[from], numbers[from + 1], numbers[from + 2]];
         let mut reference = AngleState::default();
@@ -139,7 +141,12 @@ proptest! {
             disturbance_nm: three(12),
             lift_per_motor_n: 1.0,
             reference,
-            setpoint: Setpoint { roll_rad: numbers[21], pitch_rad: numbers[22], yaw_rate_rad_s: numbers[23], throttle: 0.5 },
+            setpoint: Setpoint {
+                roll_rad: numbers[21],
+                pitch_rad: numbers[22],
+                yaw_rate_rad_s: numbers[23],
+                throttle: 0.5,
+            },
         };
         let plan = Mpc::<5>::prepare(&settings).unwrap().plan(&mut MpcState::new(), &request);
         for axis in 0..3 {
@@ -166,7 +173,10 @@ proptest! {
 
     /// While no bound is active, plans follow the linear feedback law that is reported for analysis.
     #[test]
-    fn unconstrained_gain_is_the_law_inside_the_bounds(request in any_request(), motor in prop::array::uniform3(-0.3f32..0.3)) {
+    fn unconstrained_gain_is_the_law_inside_the_bounds(
+        request in any_request(),
+        motor in prop::array::uniform3(-0.3f32..0.3)
+    ) {
         let mut settings = settings(0.03, ReferenceAhead::Held);
         settings.problem.input_max = [1e4; 3];
         let mpc = Mpc::<10>::prepare(&settings).unwrap();

@@ -10,7 +10,7 @@ use crate::lagged_axis::LagStep;
 /// angle'' = m,   tau m' = u - m
 /// ```
 /// exactly discretised under zero-order hold, in units in which the prediction step and the effect of the input are 1
-/// and the cost is (angle + lead rate)^2, which asks an axis off its reference to close in with the time constant
+/// and the cost is (angle + lead rate)^2, which requires an axis off its reference to close in with the time constant
 /// `lead`: damping. Without lag m plays no part, and angle and rate are the double integrator's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::mpc) struct LaggedIntegrator {

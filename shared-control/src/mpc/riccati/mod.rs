@@ -48,7 +48,7 @@ pub(super) use problem::{Problem, Regulating, Slot, Tracking};
 use quadratic::{Law, Quadratic};
 pub(super) use solve::Outcome;
 
-/// A held input wants to leave its bound if its law asks for so much less. Without it, where an input only just reaches
+/// A held input wants to leave its bound if its law requests so much less. Without it, where an input only just reaches
 /// its bound, rounding may have it held and free in turns.
 const SLACK: f32 = 1e-5;
 

@@ -58,7 +58,7 @@ pub(in crate::mpc) trait Problem<const S: usize> {
         }
     }
 
-    /// Whether an input so held does not stay so, its law asking for `wish`.
+    /// Whether an input so held does not stay so, its law requesting `wish`.
     #[inline(always)]
     fn is_left(&self, held: Held, wish: f32) -> bool {
         let [low, high] = self.bounds();

@@ -1,7 +1,7 @@
 //! Which number of a controller differs, and what it was: fits to the scores of [`super::instruments`].
 //!
 //! Gauss-Newton on the sum of the squared scores (two-stage least squares). Numbers are taken one by one while each
-//! lowers the sum by more than chance would; what is then left over is tested against what the directions alone allow
+//! lowers the sum by more than chance would; the remainder is then tested against what the directions alone allow
 //! (Sargan's test).
 
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ const FACTOR_MAX: f64 = 1.6;
 pub(super) struct Comparison<'a> {
     pub(super) design: Design,
     pub(super) measured: &'a [Step],
-    /// Rows that tell something.
+    /// Rows that hold information.
     pub(super) counts: &'a [bool],
     pub(super) tunables: &'a [Tunable],
     pub(super) modelled: Numbers,
@@ -61,7 +61,7 @@ pub(super) struct Fit {
 #[derive(Clone, Debug)]
 pub(super) struct Taken {
     pub(super) place: usize,
-    /// What the log does not tell from it.
+    /// What the log cannot separate from it.
     pub(super) alike: Vec<usize>,
     /// How far the sum fell with it.
     pub(super) fall: f64,
@@ -86,7 +86,7 @@ pub(super) struct Found {
 }
 
 impl Comparison<'_> {
-    /// Finds the numbers that differ; none where the commands are the modelled controller's.
+    /// Finds the numbers that differ; none where the commands are those of the modelled controller.
     pub(super) fn search(&self) -> Option<Found> {
         let nominal = self.design.residual(self.measured, &self.modelled).ok()?;
         // first with the noise as the mismatched residual shows it, then as the fitted one does
@@ -262,7 +262,7 @@ impl Comparison<'_> {
         })
     }
 
-    /// The start from which least is left, and the sum of the squared scores there.
+    /// The start with the least sum of the squared scores, and that sum.
     fn best_start(
         &self,
         basis: &Basis<'_>,

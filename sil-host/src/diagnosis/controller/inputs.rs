@@ -1,4 +1,4 @@
-//! What a log says that a controller saw and did, made ready for the control core.
+//! What a controller saw and did according to a log, made ready for the control core.
 //!
 //! The core takes counts of the IMU at a multiple of the control rate; a log holds one reading a step, taken at the
 //! step's instant. The readings in between are interpolated, which keeps the motion and loses their noise. Of what the
@@ -50,7 +50,7 @@ pub(super) struct Step {
     pub(super) flown: Option<Flown>,
 }
 
-/// What the motors were told.
+/// The motors' commands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flown {
     /// Torque about the body's axes by the controllers' own lift curve, N m.
@@ -314,7 +314,7 @@ mod tests {
     }
 
     /// Without noise nothing is lost between the rows but the counts' rounding: a replay repeats the commands to a
-    /// thousandth of what the manoeuvres ask for (tens of rad/s^2), whatever the plant did.
+    /// thousandth of what the manoeuvres demand (tens of rad/s^2), whatever the plant did.
     #[test]
     fn a_replay_repeats_the_commands() {
         for controller in [Controller::Cascade, Controller::Mpc] {

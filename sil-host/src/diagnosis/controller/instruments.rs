@@ -21,8 +21,8 @@ use crate::flight::SetupError;
 const NEW_SHARE_MIN: f64 = 1e-3;
 /// An effect on the acceleration below this is the core's rounding, rad/s^2.
 const ROUNDING_RAD_S2: f64 = 1e-5;
-/// Where numbers are tried far from what is modelled, as shares of it: their effect on a reference, say, is no straight
-/// line.
+/// Where numbers are tried far from what is modelled, as shares of it: their effect (on a reference, for example) is
+/// not linear.
 const FAR_SHARES: [f64; 2] = [0.7, 1.4];
 /// The same of a limit that the flight never reaches.
 const LIMIT_SHARES: [f64; 4] = [0.7, 0.45, 0.3, 0.2];

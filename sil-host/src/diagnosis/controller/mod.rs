@@ -1,16 +1,16 @@
-//! The controller's share of the blame: was it the modelled controller that gave the logged commands?
+//! Whether the modelled controller produced the logged commands, and if not, which of its parameters differs.
 //!
 //! ```text
-//!   log --inputs: the core's own steps--> replay at the modelled numbers --> residual: what flew less what was replayed
+//!   log --inputs: the core's own steps--> replay at the modelled numbers --> residual: flown less replayed
 //!   log's references --comparison: simulated flight--> replay --instruments: what each number would do, without noise
 //!   residual --whitening--> scores along the instruments --fit--> the numbers that differ, or none
 //! ```
 //! The thesis could not say whether its modelled controller was the version that flew (section 5.3.2). Here the model
-//! is the control core itself. Nothing of the vehicle's model enters but the numbers that the controllers know, so that
-//! what is wrong with the plant is not blamed on the controller; the simulated flight need only be like the real one.
+//! is the control core itself. Of the vehicle's model only the numbers that the controllers know enter, so that an
+//! error of the plant is not taken for one of the controller; the simulated flight need only be like the real one.
 //!
 //! What a log of a flight does not show: gains of yaw (it holds no rate of the heading's set-point), the throttle that
-//! was asked for, numbers that have no effect in what was flown, and a common factor of an MPC's weights.
+//! was commanded, numbers that have no effect in what was flown, and a common factor of an MPC's weights.
 
 mod fit;
 mod inputs;
@@ -39,20 +39,21 @@ use replay::Design;
 const SETTLING_S: f64 = 1.0;
 /// Standard deviations of the sum of squared scores beyond which it is not chance; the log's noise is not quite white.
 const REMAINDER: f64 = 8.0;
-/// Less than this share of the modelled controller's mismatch left is a cause found, if not all of it.
+/// A cause counts as found, if not as the only one, where less than this share of the modelled controller's mismatch
+/// remains.
 const LEFT_SHARE_MAX: f64 = 0.02;
 
 /// Changes that must be larger than this share to be found are mentioned.
 const COARSE: f64 = 0.1;
 
-/// What a log says of its controller.
+/// What a log shows of its controller.
 #[derive(Clone, Debug)]
 pub struct Examination {
     /// Numbers that differ, most important first.
     pub findings: Vec<Finding>,
     /// Why none does, or why that cannot be decided.
     pub rejected: Vec<Rejected>,
-    /// What no number explains, in words; empty where nothing is left.
+    /// What no number explains, in words; empty where nothing remains.
     pub remainder: String,
     /// The controller with the numbers that flew.
     pub corrected: ControllerChoice,
@@ -122,7 +123,8 @@ fn answer(found: &Found, comparison: &Comparison<'_>, choice: ControllerChoice) 
     if !is_named {
         let reason = if is_remaining {
             format!(
-                "{remainder}: the best one lowers the squared mismatch from {:.0} to {:.0}; noise alone gives {freedom:.0}",
+                "{remainder}: the best one lowers the squared mismatch from {:.0} to {:.0}; noise alone gives \
+                 {freedom:.0}",
                 found.nominal_sum, fit.sum
             )
         } else {
@@ -143,7 +145,7 @@ fn answer(found: &Found, comparison: &Comparison<'_>, choice: ControllerChoice) 
     Examination { findings, rejected: Vec::new(), remainder: remainder.to_owned(), corrected }
 }
 
-/// The numbers of which this log says nothing, or little.
+/// The numbers of which this log shows nothing, or little.
 fn undetectable(found: &Found, comparison: &Comparison<'_>) -> String {
     let is_tested = |name: &str| comparison.tunables.iter().any(|tunable| tunable.parameter.name == name);
     let controller = comparison.design.controller;

@@ -199,7 +199,8 @@ impl Parameter {
 mod tests {
     use super::*;
 
-    /// Every number is read back as it was set, and no other changes; a controller file that says so flies the same.
+    /// Every number is read back as it was set, and no other changes; a controller file with these numbers flies the
+    /// same.
     #[test]
     fn numbers_are_set_alone_and_go_into_a_file() {
         let modelled = Numbers { tuning: Tuning::for_motor_lag(0.002), control_horizon: 5 };

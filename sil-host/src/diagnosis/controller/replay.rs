@@ -1,6 +1,6 @@
-//! The control core fed with what a log's controller saw: what it would have asked of the motors, step by step.
+//! The control core fed with what a log's controller saw: what it would have commanded, step by step.
 //!
-//! After each step the core is told what really flew, so that the observer and the MPC, whose next plan begins where
+//! After each step the core is given what really flew, so that the observer and the MPC, whose next plan begins where
 //! the motors are, go on from there. What the log can't hold is the noise of the readings between the rows; the rate
 //! loop's integral collects it, and nothing would bring it back. So it follows the logged torque, slowly: an observer
 //! of the controller's state (the innovations form of the prediction-error method, Ljung, *System Identification*,

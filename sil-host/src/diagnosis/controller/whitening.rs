@@ -32,7 +32,7 @@ impl Whitening {
         whitening
     }
 
-    /// A series of roll and pitch without what its past says of it, in standard deviations; zero where rows don't
+    /// A series of roll and pitch without what its past predicts of it, in standard deviations; zero where rows don't
     /// count.
     pub(super) fn applied(&self, series: &Residual, counts: &[bool]) -> Residual {
         [0, 1].map(|axis: usize| {

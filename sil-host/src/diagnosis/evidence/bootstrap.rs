@@ -7,8 +7,9 @@
 
 use serde::Serialize;
 
+use crate::diagnosis::found::Found;
 use crate::diagnosis::judge;
-use crate::diagnosis::search::{Found, Search};
+use crate::diagnosis::search::Search;
 use crate::sensors::random::RandomStream;
 
 /// Draws.

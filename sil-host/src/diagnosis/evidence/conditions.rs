@@ -1,5 +1,5 @@
-//! Where an error arises: the angular acceleration that a model lacks, against what the vehicle does and is told, and
-//! its spectrum.
+//! Where an error arises: the angular acceleration that a model lacks, against the vehicle's motion and its commands,
+//! and its spectrum.
 //!
 //! The rate is predicted from a row's measured state to the row 40 ms later; what the measured rate misses of it is the
 //! mean acceleration that the model lacks there. Unlike an error at the end of a window it belongs to one place and one

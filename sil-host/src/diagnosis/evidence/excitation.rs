@@ -1,10 +1,9 @@
-//! What a log can speak about: the information that it holds on the basic parameters of each axis, and on the
-//! findings'.
+//! What a log excites: the information that it holds on the basic parameters of each axis and on those of the findings.
 //!
 //! The information matrix J' J (J: whitened sensitivities of all windows at the fit, what the windows' start states
 //! take eliminated) says how well parameters can be determined: its inverse is the covariance of the best estimate
 //! (Cramer and Rao). Parameters have different units, so each is scaled to have an information of one when all others
-//! are known; what is left is the matrix of correlations between sensitivities, and its condition number, the ratio of
+//! are known; the result is the matrix of correlations between sensitivities, and its condition number, the ratio of
 //! its largest to its least eigenvalue, is 1 where each parameter leaves a trace of its own, and large where some leave
 //! traces that look alike. How strong the traces are is separate from that, as standard deviations.
 
@@ -13,7 +12,8 @@ use serde::Serialize;
 use crate::diagnosis::fitted::{Fitted, per_unit_inertia};
 use crate::diagnosis::fitting::eigen;
 use crate::diagnosis::fitting::fit::{Term, model_of, regular, shifted_models};
-use crate::diagnosis::search::{Found, Search};
+use crate::diagnosis::found::Found;
+use crate::diagnosis::search::Search;
 use crate::statistics::Cholesky;
 
 /// Effects whose parameters make up the motion of any axis: moment and stiffness, damping, inertia; and the way from
@@ -30,13 +30,13 @@ const PART_MIN: f64 = 0.3;
 /// The information of a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Excitation {
-    /// Of the basic parameters' scaled information matrix; none where the log says nothing at all.
+    /// Of the basic parameters' scaled information matrix; none where the log holds no information on any.
     pub condition_number: Option<f64>,
     /// Of the findings' parameters alone; none without findings.
     pub findings_condition_number: Option<f64>,
     /// How closely each basic parameter could be determined.
     pub parameters: Vec<Excited>,
-    /// What that means, for a person: what the log does not excite or tell apart; empty where nothing is amiss.
+    /// What that means, for a person: what the log does not excite or cannot separate; empty where nothing is amiss.
     pub weaknesses: Vec<String>,
 }
 

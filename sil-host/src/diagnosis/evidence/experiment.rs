@@ -1,6 +1,6 @@
-//! Which manoeuvre would tell apart what this log does not.
+//! Which manoeuvre would separate effects that this log cannot separate.
 //!
-//! For a finding and its rival, an effect that this log does not tell from it, each of the two models flies each
+//! For a finding and its rival, an effect that this log cannot separate from it, each of the two models flies each
 //! candidate in closed loop, without noise, under the cascade; the other one is fitted anew to that flight, so that it
 //! gets every chance. Half of the sum of squares that it leaves, in units of this log's noise, is the difference of
 //! log-likelihoods to be expected from such a flight if the first is true (Kullback and Leibler). The other may be on
@@ -15,8 +15,9 @@ use crate::diagnosis::evidence::manoeuvres::{Manoeuvre, manoeuvres};
 use crate::diagnosis::extension::model_with_terms;
 use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
+use crate::diagnosis::found::Found;
 use crate::diagnosis::progress::Progress;
-use crate::diagnosis::search::{Found, SEPARABLE, Search};
+use crate::diagnosis::search::{SEPARABLE, Search};
 use crate::diagnosis::verdict::Finding;
 use crate::flight::FlightSetup;
 use crate::flight_log::flight_log;
@@ -61,7 +62,7 @@ struct Tried {
     separated_by: Vec<f64>,
 }
 
-/// The flight that would tell the findings from what they are confounded with; `None` where nothing is.
+/// The flight that would separate the findings from what they are confounded with; `None` where nothing is.
 pub(in crate::diagnosis) fn separating(
     log: &Log,
     subject: &Subject<'_>,

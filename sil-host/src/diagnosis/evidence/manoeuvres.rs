@@ -1,4 +1,4 @@
-//! Manoeuvres that might tell apart what a log did not, the plainest first: scripts that `sil fly --script` flies.
+//! Manoeuvres that might separate what a log could not, the plainest first: scripts that `sil fly --script` flies.
 
 use crate::scenario::{Scenario, Waypoint};
 

@@ -1,6 +1,6 @@
 //! What is shown beside the names: how far a prediction holds (`horizons`), the figures that people know
-//! (`statistics`), where errors arise (`conditions`, `residuals`), how sure the gain is (`bootstrap`), what the log can
-//! speak about (`excitation`), and the flight that would tell more (`experiment`, out of `manoeuvres`).
+//! (`statistics`), where errors arise (`conditions`, `residuals`), how sure the gain is (`bootstrap`), what the log
+//! excites (`excitation`), and the flight that would show more (`experiment`, out of `manoeuvres`).
 
 pub(in crate::diagnosis) mod bootstrap;
 pub(in crate::diagnosis) mod conditions;

@@ -37,7 +37,7 @@ pub struct ModelStatistics {
     /// Size of the error.
     #[serde(flatten)]
     pub agreement: Agreement,
-    /// Whiteness of what is left.
+    /// Whiteness of the residual.
     pub ljung_box: Option<LjungBox>,
     /// Its correlation with the axis' command; none for what belongs to no axis.
     pub input_correlation: Option<InputCorrelation>,

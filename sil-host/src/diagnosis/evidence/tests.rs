@@ -67,7 +67,7 @@ fn a_spring_shows_over_the_angle_of_its_axis_until_it_is_in_the_model() {
 
 #[test]
 fn a_constant_moment_shows_as_such() {
-    let answer = answer_to(&log(&["torque_bias:axis=pitch,torque_nm=0.05"], None, 29.75, 13));
+    let answer = answer_to(&log(&["torque_bias:axis=pitch,torque_nm=0.05"], None, 10.0, 13));
     let first = answer.conditions.iter().find(|condition| condition.axis == "pitch").unwrap();
     assert!(first.condition == "constant" && first.is_significant(), "{first:?}");
     assert!(first.extended_pct < 1.3 * first.chance_pct, "{first:?}");

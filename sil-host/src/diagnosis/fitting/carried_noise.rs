@@ -1,12 +1,12 @@
 //! Forces on a free vehicle that no model knows (gusts, its own wake, rotors that lift unevenly): they make an
 //! accelerometer's residuals a hundred times its sensor's noise, and last for many rows. Taken for that noise they
-//! outweigh all that the gyro has to say.
+//! outweigh all of the gyro's information.
 //!
 //! Here a residual is what is carried over from the row before, a share of it, and something new: noise of the first
 //! order, whose two numbers come from the residuals that a model leaves. What is new is white, so that it serves the
 //! same least squares; moments are treated apart (`process_noise`), for they are seen by their sums.
 
-/// Most that is carried over: what lasts longer than a window can't be told from what is constant.
+/// Most that is carried over: what lasts longer than a window can't be separated from what is constant.
 const CARRY_OVER_MAX: f64 = 0.99;
 
 /// Noise of a compared channel.

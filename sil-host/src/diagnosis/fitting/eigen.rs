@@ -1,7 +1,7 @@
 //! Eigenvalues of a small symmetric matrix: Jacobi's rotations (Golub and Van Loan, Matrix Computations, 4th ed.,
 //! section 8.5), in a fixed order.
 
-/// Rounds over all pairs; each at least squares what is left off the diagonal.
+/// Rounds over all pairs; each at least squares what remains off the diagonal.
 const SWEEPS: usize = 30;
 
 /// Eigenvalues in ascending order, each with its vector of length one; rows of the matrix one behind the other.

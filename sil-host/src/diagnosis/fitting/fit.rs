@@ -189,13 +189,7 @@ impl<'e> Round<'e> {
         let scores: Vec<(usize, &[f64])> =
             training.iter().zip(&self.normals).map(|(index, normal)| (*index, normal.right.as_slice())).collect();
         let scattered_covariance = scattered(&covariance, spread, &scores);
-        Fit {
-            terms: self.terms,
-            covariance,
-            scattered_covariance,
-            training: self.normal.chi2,
-            starts: self.starts,
-        }
+        Fit { terms: self.terms, covariance, scattered_covariance, training: self.normal.chi2, starts: self.starts }
     }
 }
 

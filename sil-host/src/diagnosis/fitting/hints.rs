@@ -26,7 +26,7 @@ enum Before {
     Constant,
 }
 
-/// What a log says about its swings and onsets beyond a model.
+/// What a log shows of oscillations and onsets beyond a model.
 pub(in crate::diagnosis) fn hints(log: &WindowedLog<'_>, driven: &Driven) -> Hints {
     let missing = missing_acceleration(log, driven, STRETCH_S);
     let mut hints = Hints { command_range: command_range(log), ..Hints::default() };

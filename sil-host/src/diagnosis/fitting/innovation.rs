@@ -1,5 +1,5 @@
 //! A log's residuals as innovations, where there is noise beyond the sensors': that of commands lost between rows
-//! (`sampling`), or of disturbances (`process_noise`). What each row adds to what the rows before it have told of the
+//! (`sampling`), or of disturbances (`process_noise`). What each row adds to what the rows before it have shown of the
 //! motion's departure from the prediction is white and of unit variance under the model's own noise, as plain residuals
 //! are where the forces are known; and being linear in the residuals innovations serve the same least squares (Ljung,
 //! System Identification, 2nd ed., 7.2).

@@ -43,8 +43,8 @@ impl Normal {
 }
 
 impl WindowLinear {
-    /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that is
-    /// left.
+    /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that
+    /// remains.
     pub(in crate::diagnosis) fn best_start(&self, step: &[f64], free: &[Channel]) -> (Vec<f64>, f64) {
         let mut residual = self.residual.clone();
         for (column, by) in self.parameters.iter().zip(step) {

@@ -22,7 +22,7 @@ use crate::statistics::dot;
 pub(in crate::diagnosis) struct AxisNoise {
     /// Root of the power density of the angular acceleration, rad/s^2 per root of Hz.
     pub(in crate::diagnosis) acceleration: f64,
-    /// Sensors' noise over what the log's smoothness says: an estimator's error goes on from row to row and cannot be
+    /// Sensors' noise over what the log's smoothness shows: an estimator's error lasts from row to row and cannot be
     /// seen there.
     pub(in crate::diagnosis) sensors: f64,
     /// Share that counts of what lost commands leave unknown.
@@ -30,7 +30,7 @@ pub(in crate::diagnosis) struct AxisNoise {
 }
 
 impl AxisNoise {
-    /// What is left of the sensors alone.
+    /// What remains of the sensors alone.
     pub(in crate::diagnosis) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0, lost: 1.0 };
 }
 
@@ -38,7 +38,7 @@ impl AxisNoise {
 const ACCELERATIONS: std::ops::Range<i32> = -10..7;
 const SENSORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 
-/// A motion's departure from its prediction, as far as the rows so far have told it, and its covariance.
+/// A motion's departure from its prediction, estimated from the rows so far, and its covariance.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::diagnosis) struct Departure {
     angle_rad: f64,

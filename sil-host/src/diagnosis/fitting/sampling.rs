@@ -1,15 +1,16 @@
-//! Were commands lost between the rows of a log (`prediction::lost_commands`)? Two hypotheses, and the log decides: its
+//! Whether commands were lost between the rows of a log (`prediction::lost_commands`). Two hypotheses are tested: its
 //! commands were held from row to row, or they are every n-th of a controller at the usual 400 Hz.
 //!
 //! Which of both is true shows in time: held commands are late by half a row. The likelihood decides, with what was
 //! found under held commands, and with as much unknown acceleration under either as suits it; a delay that only undoes
-//! the faster controller speaks for held ones. Beside a true delay or lag the likelihood may not tell: then commands
-//! that were held leave white residuals, and lost ones do not.
+//! the faster controller is evidence for held ones. Beside a true delay or lag the likelihood may not decide: then
+//! commands that were held leave white residuals, and lost ones do not.
 
 use crate::diagnosis::fitting::fit::{Term, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
+use crate::diagnosis::found::Found;
 use crate::diagnosis::remainder::structure::{Whiteness, whiteness};
-use crate::diagnosis::search::{Candidate, Found, Search};
+use crate::diagnosis::search::{Candidate, Search};
 use crate::log::Log;
 use crate::prediction::body::State;
 use crate::prediction::lost_commands::{USUAL_CONTROL_RATE_HZ, are_lost, smooth, unknown_acceleration};
@@ -17,7 +18,7 @@ use crate::prediction::model::Model;
 use crate::prediction::windowed_log::{Driven, WindowedLog};
 use crate::prediction::{NotPredictable, Part, Subject};
 
-/// Fall of twice the logarithm of the likelihood that speaks for a faster controller.
+/// Fall of twice the logarithm of the likelihood from which on a faster controller is taken to have flown.
 const MARGIN: f64 = 6.0;
 /// Effects by which commands that were held look like a faster controller's: they have to be better than none under
 /// held ones.
@@ -25,7 +26,7 @@ const LATE: [&str; 2] = ["actuation_delay", "motor_lag"];
 
 /// Shares of the unknown acceleration under which the two hypotheses are held against each other. The search takes the
 /// whole: the likeliest share, about a half, is too small, for the noise in a row's command is that of the gyro in the
-/// same row, and what they have in common hides from the likelihood but not from what goes on from row to row.
+/// same row, and the likelihood does not see their common part; the correlation from row to row does.
 const SHARES: [f64; 7] = [0.0, 0.25, 0.35, 0.5, 0.7, 1.0, 1.4];
 
 /// A log under both hypotheses.
@@ -44,7 +45,7 @@ struct Alternatives<'l> {
 }
 
 impl<'l> Sampled<'l> {
-    /// The controller's rate, Hz, where it is known; else it is the log's or the usual one, as the log says.
+    /// The controller's rate, Hz, where it is known; else it is the log's or the usual one, as the log shows.
     ///
     /// # Errors
     /// As [`Subject::windowed`].

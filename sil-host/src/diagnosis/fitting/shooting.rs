@@ -111,7 +111,7 @@ impl<'a> Shooting<'a> {
         turned(parameters, which.len())
     }
 
-    /// The best start states of some windows under a model, from given ones on, and the sum of squares that is left per
+    /// The best start states of some windows under a model, from given ones on, and the sum of squares that remains per
     /// window.
     pub(in crate::diagnosis) fn settle(&self, driven: &Driven, which: &[usize], starts: &mut [State]) -> Vec<f64> {
         let mut left = Vec::new();
@@ -129,7 +129,7 @@ impl<'a> Shooting<'a> {
         left
     }
 
-    /// Moves the start states by what a step of the parameters asks for.
+    /// Moves the start states along with a step of the parameters.
     pub(in crate::diagnosis) fn move_starts(
         &self,
         linear: &Linearisation,
@@ -149,7 +149,11 @@ impl<'a> Shooting<'a> {
     }
 
     /// The same window by window.
-    pub(in crate::diagnosis) fn normals(&self, linear: &Linearisation, extra: Option<&[Vec<Residuals>]>) -> Vec<Normal> {
+    pub(in crate::diagnosis) fn normals(
+        &self,
+        linear: &Linearisation,
+        extra: Option<&[Vec<Residuals>]>,
+    ) -> Vec<Normal> {
         let of = |(i, window): (usize, &WindowLinear)| {
             let more = extra.map_or(&[][..], |extra| &extra[i]);
             window.reduced(more, &self.log.free_at_start)

@@ -12,20 +12,20 @@ use crate::statistics::noise_source::NoiseSource;
 /// used.
 const SIGNS: [[f64; 3]; 4] = [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, -1.0, -1.0]];
 
-/// 40 s at 250 Hz, see [`flown_at`].
+/// 20 s at 250 Hz, see [`flown_at`].
 fn flown(model: &VehicleModel, seed: u64) -> Log {
-    flown_at(model, seed, 0.004, 1)
+    flown_at(model, seed, 20.0, 0.004, 1)
 }
 
-/// 40 s, angles following slow references of up to 30 degrees by what the noisy sensors say; on the gimbal yaw is left
-/// alone. Each row of the log stands for so many steps of the controller.
-fn flown_at(model: &VehicleModel, seed: u64, control_step_s: f64, steps_per_row: usize) -> Log {
+/// Angles follow slow references of up to 30 degrees by what the noisy sensors measure; on the gimbal yaw is not
+/// controlled. Each row of the log stands for so many steps of the controller.
+fn flown_at(model: &VehicleModel, seed: u64, duration_s: f64, control_step_s: f64, steps_per_row: usize) -> Log {
     let mut noise = NoiseSource::new(seed);
     let mut plant = Plant::new(model);
     let mut log = Log { axes: [true; 3], ..Log::default() };
     let [mut angles, mut rates] = [const { [const { Vec::new() }; 3] }; 2];
     let mut motors = [const { Vec::new() }; 4];
-    for step in 0..(40.0 / control_step_s) as usize {
+    for step in 0..(duration_s / control_step_s) as usize {
         let time_s = control_step_s * step as f64;
         let truth = plant.truth();
         let angle = [truth.roll_rad, truth.pitch_rad, truth.yaw_rad].map(|angle| angle + 0.002 * noise.normal());
@@ -75,7 +75,7 @@ fn the_true_model_misses_by_the_noise_floor_on_both_rigs() {
     for rig in [Rig::Gimbal, Rig::Free] {
         let model = VehicleModel::nominal(rig);
         let predicted = predicted(&flown(&model, 5), &model);
-        assert_eq!(predicted.windows().count(), 79);
+        assert_eq!(predicted.windows().count(), 39);
         for ratio in ratios(&predicted) {
             assert!((0.85..1.15).contains(&ratio), "{rig:?}: {:?}", ratios(&predicted));
         }
@@ -86,7 +86,7 @@ fn the_true_model_misses_by_the_noise_floor_on_both_rigs() {
 fn commands_between_the_rows_are_in_the_floor_if_there_were_any() {
     let model = VehicleModel::nominal(Rig::Gimbal);
     for (control_step_s, steps_per_row) in [(0.01, 1), (0.0025, 4), (0.0025, 2)] {
-        let log = flown_at(&model, 9, control_step_s, steps_per_row);
+        let log = flown_at(&model, 9, 40.0, control_step_s, steps_per_row);
         let known = nominal_prediction(&log, &Subject::Vehicle(&model), Some(1.0 / control_step_s)).unwrap().predicted;
         assert_eq!(known.commands_are_lost, steps_per_row > 1);
         // commands that hardly change from step to step are the same to the log whether they were held or not
@@ -132,6 +132,6 @@ fn an_offset_centre_of_gravity_on_pitch_shows_on_pitch_alone() {
 #[test]
 fn a_prediction_is_the_same_each_time() {
     let model = VehicleModel::nominal(Rig::Gimbal);
-    let log = flown(&model, 8);
+    let log = flown_at(&model, 8, 8.0, 0.004, 1);
     assert!(predicted(&log, &model) == predicted(&log, &model));
 }

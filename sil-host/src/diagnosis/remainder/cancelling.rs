@@ -1,5 +1,6 @@
-//! Findings that all but cancel each other: two large effects whose difference is small explain anything smooth, a
-//! cubic spring say as a spring against a heavy ring. What needs that is more likely something else, and no two names.
+//! Findings that all but cancel each other: two large effects whose small difference explains anything smooth. A cubic
+//! spring, for example, fits as a spring against a heavy ring. Such a pair more likely stands for an effect of another
+//! name.
 
 use crate::diagnosis::fitting::fit::Fit;
 use crate::statistics::{Cholesky, dot};
@@ -7,7 +8,7 @@ use crate::statistics::{Cholesky, dot};
 /// Two effects cancel where each alone would do so many times what both do together (root mean square of what they
 /// change).
 const TIMES: f64 = 2.0;
-/// Parameters that say when or how often, not how much.
+/// Parameters that are a time or a frequency, not a size.
 const NOT_SIZES: [&str; 2] = ["frequency_hz", "start_s"];
 
 /// The first two terms from `first` on that cancel each other, in words.

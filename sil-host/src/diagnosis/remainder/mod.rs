@@ -1,5 +1,5 @@
-//! Is anything left beside the findings? Residuals that go on from row to row (`structure`), that depend on something
-//! (`signature`), or findings that all but cancel each other (`cancelling`).
+//! What the findings do not explain: residuals that are correlated from row to row (`structure`) or that depend on a
+//! measured quantity (`signature`), or findings that all but cancel each other (`cancelling`).
 
 pub(in crate::diagnosis) mod cancelling;
 pub(in crate::diagnosis) mod signature;
@@ -7,7 +7,8 @@ pub(in crate::diagnosis) mod structure;
 
 use super::Unexplained;
 use super::fitting::fit::model_of;
-use super::search::{Candidate, Found, Search};
+use super::found::Found;
+use super::search::{Candidate, Search};
 
 /// What the findings of a search leave.
 pub(super) fn unexplained(search: &Search<'_>, found: &Found<'_>) -> Unexplained {

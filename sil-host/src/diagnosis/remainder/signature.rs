@@ -1,7 +1,7 @@
-//! On what does that which the findings leave depend? Moments of general shapes, none of them in the catalogue, are
+//! On which measured quantity the remainder depends. Moments of general shapes, none of them in the catalogue, are
 //! tried beside the findings: on each axis the angle's and the rate's square and cube and slow changes with time, each
-//! motor's lift squared, all lifts with time. What explains most says which measured quantity the residual depends on,
-//! and how: a signature, no name.
+//! motor's lift squared, all lifts with time. The one that explains most is reported as the remainder's signature: its
+//! quantity and shape, not the name of an effect.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ use crate::prediction::windowed_log::Driven;
 use crate::statistics::{Cholesky, dot};
 use crate::vehicle::signed_sums;
 
-/// Fall of the sum of squares, in units of what is left per degree of freedom, that a shape must bring: a chance of
-/// 1e-5 over all of them.
+/// Fall of the sum of squares, in units of the remaining sum per degree of freedom, that a shape must bring: a chance
+/// of 1e-5 over all of them.
 const SIGNIFICANT: f64 = 30.0;
 /// Change of a coefficient for a difference quotient, N m per unit of the shape; the prediction is linear in it.
 const STEP: f64 = 1e-3;

@@ -1,4 +1,5 @@
-//! Is anything left? White residuals mean that a model explains a log; what is smooth in them is somebody's doing.
+//! Whether residuals are white. White residuals mean that a model explains a log; a smooth part has a cause that the
+//! model lacks.
 //!
 //! Per channel the products of residuals k rows apart are summed over all windows, k = 1 to 8, and compared with what
 //! white noise would give after each window's start state has been fitted to it: with n the noise and r = (I - H) n the

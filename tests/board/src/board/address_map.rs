@@ -2,7 +2,7 @@
 
 use super::{Board, CYCLES_PER_INSTRUCTION, PORTS};
 use crate::cortex::private_bus::part;
-use crate::cpu::{Bus, Place};
+use crate::cpu::{AccessTime, Bus};
 use crate::memory;
 use crate::peripherals::adc::Adc;
 use crate::peripherals::dma::Dma;
@@ -179,19 +179,19 @@ impl Board {
     /// Writes words, as a bootloader may have done.
     pub(crate) fn preset(&mut self, registers: &[(u32, u32)]) {
         for (address, word) in registers {
-            self.store(*address, 4, *word, Place { ran: 0 });
+            self.store(*address, 4, *word, AccessTime { ran: 0 });
         }
     }
 
-    fn time_of(&self, place: Place) -> (Ticks, u64) {
-        let cycles = place.ran * CYCLES_PER_INSTRUCTION;
+    fn time_of(&self, at: AccessTime) -> (Ticks, u64) {
+        let cycles = at.ran * CYCLES_PER_INSTRUCTION;
         (self.now + cycles * self.clocks.core, self.cycles + cycles)
     }
 }
 
 impl Bus for Board {
-    fn load(&mut self, address: u32, size: u32, place: Place) -> u32 {
-        let (now, cycles) = self.time_of(place);
+    fn load(&mut self, address: u32, size: u32, at: AccessTime) -> u32 {
+        let (now, cycles) = self.time_of(at);
         match self.load_at(address, size, now, cycles) {
             Ok(value) => value,
             Err(cause) => {
@@ -201,8 +201,8 @@ impl Bus for Board {
         }
     }
 
-    fn store(&mut self, address: u32, size: u32, value: u32, place: Place) {
-        let (now, cycles) = self.time_of(place);
+    fn store(&mut self, address: u32, size: u32, value: u32, at: AccessTime) {
+        let (now, cycles) = self.time_of(at);
         match self.store_at(address, size, value, now, cycles) {
             Ok(()) => self.refresh_lines(),
             Err(cause) => self.refuse(cause, address, Some(value)),

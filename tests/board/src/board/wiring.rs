@@ -129,7 +129,7 @@ impl Board {
         levels
     }
 
-    /// Which interrupts are asked for (RM0090 table 62).
+    /// Which interrupts are requested (RM0090 table 62).
     fn interrupt_lines(&self) -> u128 {
         let mut lines = line(NMI, self.rcc.crystal_lost());
         for (exti_lines, interrupt) in

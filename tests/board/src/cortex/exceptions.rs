@@ -51,7 +51,7 @@ fn bit(number: u8) -> u128 {
     1 << number
 }
 
-/// The bit of an exception in the levels of all lines, if it is asked for.
+/// The bit of an exception in the levels of all lines, if it is requested.
 pub(crate) fn line(number: u8, high: bool) -> u128 {
     u128::from(high) << number
 }

@@ -215,7 +215,7 @@ pub const ROWS: &[Row] = &[
         ..NOTHING
     },
     Row {
-        fault: "crystal stops for good (the light tells; the link has no clock)",
+        fault: "crystal stops for good (the light shows it; the link has no clock)",
         end: End::NoPulses,
         within_ms: PULSE_MS,
         may_cut: true,

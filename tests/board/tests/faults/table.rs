@@ -13,17 +13,17 @@ const RENEW: &str = "RENEW_BOARD_FIGURES";
 const HEAD: &str = "\
 # Faults in flight, and what came of each
 
-The firmware's own image flies the test sequence on the emulated board, half a second into it, right after a step of the loop, a fault is
-injected, and this
-is what the motor outputs do and what the ground is told. `cargo xtask board-test` injects them all again, fails where a
-promise is broken, and compares this table; `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes it.
+The firmware's own image flies the test sequence on the emulated board. Half a second into it, right after a step of the
+loop, a fault is injected. The table shows what the motor outputs then do and what the vehicle reports to the ground.
+`cargo xtask board-test` injects them all again, fails where a promise is broken, and compares this table;
+`RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes it.
 
-Outputs are those that last: *fly on* is as before the fault, *disarmed* is the shortest pulse, from which no motor turns,
-*none* no pulse at all.
-*Within* bounds the end of the last pulse from which one does; *found* is what it was here, rounded up. Resets cut no
-flight short by themselves: the board comes back disarmed, 0.4 to 0.6 s later and without a pulse until then.
+Outputs are those that last: *fly on* is as before the fault, *disarmed* is the shortest pulse, at which no motor turns,
+*none* is no pulse at all. *Within* bounds the end of the last pulse at which a motor turns; *found* is the measured
+end, rounded up. No flight is cut short by the resets themselves: the board comes back disarmed, 0.4 to 0.6 s later, and
+without a pulse until then.
 
-| fault | outputs | within | found | resets | told to the ground |
+| fault | outputs | within | found | resets | reported to the ground |
 |---|---|---|---|---|---|
 ";
 
@@ -36,7 +36,7 @@ pub struct Outcome {
     cut: bool,
     overruns: u32,
     tilt_deg: f64,
-    told: Vec<String>,
+    reports: Vec<String>,
 }
 
 impl Outcome {
@@ -74,24 +74,27 @@ impl Outcome {
         };
         let live = pulses.last_live_end().saturating_sub(fault_at);
         let live_ms = (end != End::FliesOn).then_some(live.div_ceil(MILLISECOND));
-        let mut told =
+        let mut reports =
             flight.ground.texts()[heard..].iter().map(|(_, text)| without_addresses(text)).collect::<Vec<_>>();
-        told.dedup();
+        reports.dedup();
         let resets = flight.machine.counters().resets - resets;
-        Self { row, end, live_ms, resets, cut: pulses.cut(), overruns, tilt_deg, told }
+        Self { row, end, live_ms, resets, cut: pulses.cut(), overruns, tilt_deg, reports }
     }
 
     /// What differs from the promise.
     pub fn broken_promise(&self) -> Option<String> {
         let Row { fault, end, within_ms, says, .. } = self.row;
         let late = self.live_ms.is_some_and(|live_ms| live_ms > *within_ms);
-        let unsaid = says.iter().find(|words| !self.told.iter().any(|told| told.contains(**words)));
+        let missing = says.iter().find(|words| !self.reports.iter().any(|report| report.contains(**words)));
         // nothing tips the vehicle over while it flies, and no step takes longer than its period
         let disturbed = *end == End::FliesOn && (self.tilt_deg > 45.0 || self.overruns > 0);
-        let wrong = self.end != *end || late || unsaid.is_some() || disturbed || self.cut && !self.row.may_cut;
+        let wrong = self.end != *end || late || missing.is_some() || disturbed || self.cut && !self.row.may_cut;
         wrong.then(|| {
-            let Self { end, live_ms, cut, told, .. } = self;
-            format!("{fault}: ends {end:?}, live for {live_ms:?} of {within_ms} ms, cut {cut}, told {told:?}, unsaid {unsaid:?}")
+            let Self { end, live_ms, cut, reports, .. } = self;
+            format!(
+                "{fault}: ends {end:?}, live for {live_ms:?} of {within_ms} ms, cut {cut}, reports {reports:?}, \
+                 missing {missing:?}"
+            )
         })
     }
 }
@@ -108,7 +111,7 @@ fn without_addresses(text: &str) -> String {
 
 pub fn markdown(outcomes: &[Outcome]) -> String {
     let mut text = HEAD.to_owned();
-    for Outcome { row, live_ms, resets, told, .. } in outcomes {
+    for Outcome { row, live_ms, resets, reports, .. } in outcomes {
         let outputs = match row.end {
             End::FliesOn => "fly on",
             End::Disarmed => "disarmed",
@@ -116,10 +119,10 @@ pub fn markdown(outcomes: &[Outcome]) -> String {
         };
         let found = live_ms.map_or("-".to_owned(), |ms| format!("{ms} ms"));
         let within = live_ms.map_or("-".to_owned(), |_| format!("{} ms", row.within_ms));
-        let told = if told.is_empty() { "-".to_owned() } else { told.join("; ") };
+        let reports = if reports.is_empty() { "-".to_owned() } else { reports.join("; ") };
         // a board that goes on resetting does so until it is helped
         let resets = if *resets > 2 { "again and again".to_owned() } else { resets.to_string() };
-        let _ = writeln!(text, "| {} | {outputs} | {within} | {found} | {resets} | {told} |", row.fault);
+        let _ = writeln!(text, "| {} | {outputs} | {within} | {found} | {resets} | {reports} |", row.fault);
     }
     text
 }

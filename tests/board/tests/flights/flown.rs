@@ -104,7 +104,7 @@ impl Flown {
     }
 }
 
-/// It went to all positions of 30 degrees and stayed near what was asked for; steps of 30 degrees make up most of the
+/// It went to all positions of 30 degrees and stayed near what was requested; steps of 30 degrees make up most of the
 /// mean.
 fn end_on_the_ground(flight: &mut Flight) {
     assert!((25.0..45.0).contains(&flight.largest_tilt_deg()), "{}", flight.largest_tilt_deg());

@@ -6,22 +6,22 @@
 
 use std::process::ExitCode;
 
-use campaigns::blind::{Campaign, Case, DURATION_S, Outcome};
+use campaigns::blind::{Campaign, DURATION_S, Outcome, campaign};
 
 fn main() -> ExitCode {
-    // cases are many; more threads than this are somebody else's
-    rayon::ThreadPoolBuilder::new().num_threads(2).build_global().expect("the first pool");
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     if arguments.first().is_some_and(|first| first == "tenth") {
         return tenth();
     }
+    // cases are many; more threads than this are somebody else's
+    rayon::ThreadPoolBuilder::new().num_threads(2).build_global().expect("the first pool");
     let number = |place: usize| arguments.get(place).map(|text| text.parse::<u64>().expect("a number"));
     let chosen = |campaign: &&Campaign| arguments.first().is_none_or(|name| name == campaign.name());
     for campaign in Campaign::ALL.iter().filter(chosen) {
         let first = number(2).unwrap_or(0);
         let seeds: Vec<u64> = (first..first + number(1).unwrap_or(campaign.cases())).collect();
         let score = campaign.run(&seeds, DURATION_S, |case, outcome| {
-            tell(case, outcome);
+            print_case(outcome);
             if let Some(folder) = arguments.get(3) {
                 let file = format!("{folder}/{}-{}.csv", campaign.name(), case.seed);
                 std::fs::write(file, &case.csv).expect("the folder is there");
@@ -32,29 +32,28 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
+/// All campaigns' cases side by side, on all cores; printed in their order.
 fn tenth() -> ExitCode {
     let mut is_as_good = true;
-    for campaign in Campaign::ALL {
-        let (seeds, least) = campaign.tenth();
-        let score = campaign.run(&seeds, DURATION_S, |case, outcome| {
-            if !outcome.is_right() {
-                tell(case, outcome);
-            }
-        });
-        println!("{:13} {:2} right of {}, at least {least}", campaign.name(), score.right(), seeds.len());
+    for (campaign, score) in campaign::tenth(DURATION_S) {
+        for outcome in score.outcomes.iter().filter(|outcome| !outcome.is_right()) {
+            print_case(outcome);
+        }
+        let (_, least) = campaign.tenth();
+        println!("{:13} {:2} right of {}, at least {least}", campaign.name(), score.right(), score.outcomes.len());
         is_as_good &= score.right() >= least;
     }
     if is_as_good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-fn tell(case: &Case, outcome: &Outcome) {
+fn print_case(outcome: &Outcome) {
     let sizes: Vec<String> =
         outcome.sizes.iter().map(|size| format!("{:.2} % {:+.1} sigma", 100.0 * size.error, size.deviations)).collect();
     println!(
         "{:4} {} {} -> {} {:?} {:?} ratio {:.2} {} Hz; {} {}",
-        case.seed,
+        outcome.seed,
         if outcome.is_right() { "right" } else { "WRONG" },
-        case.label(),
+        outcome.label,
         outcome.found.join(" + "),
         outcome.confounded,
         outcome.verdict,

@@ -1,4 +1,4 @@
-//! The campaigns of issue 5: what is hidden, how often, and what is told of the answers.
+//! The blind campaigns: what is hidden, how often, and what is reported of the answers.
 
 use rayon::prelude::*;
 
@@ -89,12 +89,12 @@ impl Campaign {
         }
     }
 
-    /// Makes cases and has them diagnosed; `told` hears of each as it is done.
-    pub fn run(self, seeds: &[u64], duration_s: f64, told: impl Fn(&Case, &Outcome) + Sync) -> Score {
+    /// Makes cases and has them diagnosed; `observer` sees each as it is done.
+    pub fn run(self, seeds: &[u64], duration_s: f64, observer: impl Fn(&Case, &Outcome) + Sync) -> Score {
         let one = |seed: &u64| {
             let case = self.case(*seed, duration_s);
             let outcome = Outcome::of(&case);
-            told(&case, &outcome);
+            observer(&case, &outcome);
             outcome
         };
         Score { outcomes: seeds.par_iter().with_max_len(1).map(one).collect() }
@@ -127,9 +127,9 @@ impl Campaign {
             ],
         };
         let mut text =
-            format!("### {}, {} cases\n\n| | asked | measured |\n|---|---|---|\n", self.name(), score.outcomes.len());
-        for (what, asked, share) in rows {
-            text += &format!("| {what} | {asked} | {} |\n", percent(share));
+            format!("### {}, {} cases\n\n| | goal | measured |\n|---|---|---|\n", self.name(), score.outcomes.len());
+        for (what, goal, share) in rows {
+            text += &format!("| {what} | {goal} | {} |\n", percent(share));
         }
         text += &format!("\nVerdicts: {}.\n", score.verdicts());
         if let Campaign::Singles | Campaign::LostCommands | Campaign::Free = self {
@@ -143,4 +143,17 @@ impl Campaign {
         }
         text
     }
+}
+
+/// Every campaign's [`Campaign::tenth`]. All cases are one heap of work for all cores: a campaign that waited for the
+/// last case of the one before it would leave cores idle.
+pub fn tenth(duration_s: f64) -> Vec<(Campaign, Score)> {
+    let cases: Vec<(Campaign, u64)> = Campaign::ALL
+        .into_iter()
+        .flat_map(|campaign| campaign.tenth().0.into_iter().map(move |seed| (campaign, seed)))
+        .collect();
+    let outcome = |(campaign, seed): &(Campaign, u64)| (*campaign, Outcome::of(&campaign.case(*seed, duration_s)));
+    let outcomes: Vec<(Campaign, Outcome)> = cases.par_iter().with_max_len(1).map(outcome).collect();
+    let of = |campaign| outcomes.iter().filter(move |of| of.0 == campaign).map(|of| of.1.clone()).collect();
+    Campaign::ALL.into_iter().map(|campaign| (campaign, Score { outcomes: of(campaign) })).collect()
 }

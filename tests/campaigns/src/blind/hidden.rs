@@ -199,7 +199,7 @@ fn clipped_below(size: f64, extra: &Extra) -> (f64, String) {
     (min, format!("min={min},max=1"))
 }
 
-/// From 0.65 downwards, and from 0.43 upwards: what a flight about hover, at 0.54, asks for at times.
+/// From 0.65 downwards, and from 0.43 upwards: what a flight about hover, at 0.54, requests at times.
 fn clipped_above_hover(size: f64, extra: &Extra) -> (f64, String) {
     let max = 0.65 - size.min(0.1) + 0.01 * extra.share;
     (max, format!("min=0,max={max}"))

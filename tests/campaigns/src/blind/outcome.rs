@@ -15,6 +15,8 @@ use super::hidden::{Hidden, label};
 pub struct Outcome {
     /// The case's number.
     pub seed: u64,
+    /// What is hidden in it, in words.
+    pub label: String,
     /// True if something is in the log that no catalogue has.
     pub is_outside: bool,
     /// What was hidden.
@@ -113,6 +115,7 @@ impl Outcome {
         let right = |finding: &Finding| case.hidden.iter().any(|(e, _)| own(finding, e) || admitted(finding, e));
         Outcome {
             seed: case.seed,
+            label: case.label(),
             is_outside: case.outside.is_some(),
             hidden: case.hidden.iter().map(|(effect, _)| effect.label()).collect(),
             found: answer.findings.iter().map(|f| label(f.effect, f.axis, motor_of(f))).collect(),
@@ -125,7 +128,7 @@ impl Outcome {
             log_rate_hz: case.conditions.log_rate_hz,
             verdict: answer.verdict,
             signature: answer.unexplained.signature.clone(),
-            signature_is_right: case.outside.is_some_and(|it| it.is_told_by(&answer.unexplained.signature)),
+            signature_is_right: case.outside.is_some_and(|it| it.is_named_by(&answer.unexplained.signature)),
             gain,
         }
     }

@@ -63,7 +63,7 @@ impl Outside {
     }
 
     /// Does a signature say where it acts, and on which measured quantity what is left depends?
-    pub fn is_told_by(&self, signature: &str) -> bool {
+    pub fn is_named_by(&self, signature: &str) -> bool {
         let place = match self.kind {
             Kind::HotMotors => String::new(),
             Kind::LooseArm => format!("motor {}:", self.motor + 1),

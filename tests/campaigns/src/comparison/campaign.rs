@@ -13,7 +13,7 @@ pub const DRAWS: u64 = 200;
 /// Draws on which controllers are tuned: other ones.
 pub const TUNING_DRAWS: u64 = 50;
 const TUNING_FIRST: u64 = 1000;
-/// Values of the cost that the search of each controller may ask for.
+/// Values of the cost that the search of each controller may request.
 pub const EVALUATIONS: usize = 40;
 const SEARCH_SEED: u64 = 1;
 

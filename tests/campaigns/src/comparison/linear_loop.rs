@@ -18,7 +18,7 @@ pub struct Body {
     pub inertia_kg_m2: f64,
     /// Lag of the motors, s, above zero.
     pub lag_s: f64,
-    /// Torque that comes of a torque asked for.
+    /// Torque that comes of a torque requested.
     pub gain: f64,
     /// Lag of the gyro's low-pass, s.
     pub gyro_lag_s: f64,

@@ -119,7 +119,7 @@ impl LqiAxis {
     }
 }
 
-/// One prediction step of angle, rate, motors' torque and torque asked for.
+/// One prediction step of angle, rate, motors' torque and torque requested.
 fn transition(step_s: f64, lag_s: f64, acceleration_per_nm: f64) -> Matrix4<f64> {
     let ratio = step_s / lag_s;
     let kept = libm::exp(-ratio);

@@ -1,6 +1,6 @@
 //! The search that tunes every controller: a (1+1) evolution strategy with covariance matrix adaptation (Igel, Suttorp
 //! and Hansen, A computational efficient covariance matrix update and a (1+1)-CMA for evolution strategies, GECCO 2006;
-//! the constants are theirs). It asks for nothing but values of the cost, and spends exactly as many as it is given.
+//! the constants are theirs). It requests nothing but values of the cost, and spends exactly as many as it is given.
 
 use nalgebra::{Cholesky, SMatrix, SVector};
 use sil_host::sensors::random::RandomStream;

@@ -70,7 +70,7 @@ pub fn eigenvalues(contender: &Contender, axis: AxisIndex, vehicle: &Vehicle) ->
     law.eigenvalues(&body)
 }
 
-/// Lift that really comes over lift that the mixer asked for, for small changes at a throttle: the mixer's table has
+/// Lift that really comes over lift that the mixer requested, for small changes at a throttle: the mixer's table has
 /// straight pieces where the motors' curve bends.
 pub fn lift_gain(throttle: f64) -> f64 {
     let model = VehicleModel::nominal(Rig::Gimbal);

@@ -186,7 +186,7 @@ impl Axis {
     }
 
     /// The greatest inputs of the optimum without bounds over all requests within these limits, in the axis' units: of
-    /// the difference between output and reference after each step if no torque were asked for, every step's on its
+    /// the difference between output and reference after each step if no torque were requested, every step's on its
     /// own, and of the present input.
     pub fn widest<const M: usize>(&self, error_max: f64, previous_max: f64) -> [f64; M] {
         let effects = self.effects(M);

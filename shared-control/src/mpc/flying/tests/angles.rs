@@ -81,7 +81,10 @@ proptest! {
 
     /// Whatever the state and the disturbance, a plan with bounds on the angles is one that could be flown.
     #[test]
-    fn any_state_has_a_plan(requests in prop::collection::vec(any_request(), 4), disturbance in prop::array::uniform3(-0.3f32..0.3)) {
+    fn any_state_has_a_plan(
+        requests in prop::collection::vec(any_request(), 4),
+        disturbance in prop::array::uniform3(-0.3f32..0.3)
+    ) {
         let mut settings = settings(LAG_S, ReferenceAhead::Shaped);
         settings.problem.output_max_rad = [Some(0.3), Some(0.3), None];
         let mpc = Mpc::<30>::prepare(&settings).unwrap();

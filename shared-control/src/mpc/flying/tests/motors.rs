@@ -78,12 +78,12 @@ proptest! {
         prop_assert_eq!(status, Status::Solved);
         for axis in 0..3 {
             let error_nm = (torque_nm[axis] - plan.torque_nm[axis]).abs();
-            // the optimum asks for up to 5 N m here
+            // the optimum requests up to 5 N m here
             prop_assert!(error_nm <= 2e-5 * (1.0 + plan.torque_nm[axis].abs()), "{axis}: {torque_nm:?} {plan:?}");
         }
     }
 
-    /// Whatever is asked, every plan is one that the motors can make.
+    /// Whatever the request, every plan is one that the motors can make.
     #[test]
     fn plans_are_what_the_motors_can_make(requests in prop::collection::vec(request(), 4), yaw_locked: bool) {
         let settings = with_motors(2.0, yaw_locked);

@@ -51,7 +51,7 @@ impl Meant<'_> {
         inputs.map(&mut motion).collect()
     }
 
-    /// How far the angles are from what their multipliers (of the upper bound, negative ones of the lower) ask for, per
+    /// How far the angles are from what their multipliers (of the upper bound, negative ones of the lower) request, per
     /// number of the step: inside the bounds where it is 0, at them, beyond them where it is the weight.
     fn angle_residual(&self, plan: &[f64], multipliers: &[f64]) -> f64 {
         let (lower, upper) = (f64::from(self.bounds.lower), f64::from(self.bounds.upper));

@@ -1,0 +1,150 @@
+//! From orders to the commands of each step, and their answers.
+
+use crate::link::*;
+use crate::signals::{ArmingBlocks, ArmingRequest, MotorTest, Setpoint, StepInput};
+use crate::supervisor::{Arming, DisarmedBecause, LINK_LOST_AFTER_US, Refusal};
+use mavlink::dialects::common::MavCmd;
+
+/// A commander that has heard a heartbeat at time zero.
+fn commander() -> Commander {
+    let mut commander = Commander::new(0.4, ArmingBlocks::default());
+    commander.order(&Order::Heartbeat, 0);
+    commander
+}
+
+#[test]
+fn commands_are_answered_after_their_step() {
+    let refused = Arming::Disarmed(DisarmedBecause::Refused(Refusal::BatteryLow));
+    let disarmed = Arming::Disarmed(DisarmedBecause::Requested);
+    let test = MotorTest { motor: 1, throttle_percent: 5, duration_ms: 100 };
+    let testing = Arming::MotorTest { motor: 1, throttle_percent: 5, until_us: 9 };
+    let (arm, motor) = (MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, MavCmd::MAV_CMD_DO_MOTOR_TEST);
+    let cases = [
+        (Order::Arm, Arming::Armed, Answer::Accepted(arm)),
+        (Order::Arm, refused, Answer::Refused(arm, Refusal::BatteryLow)),
+        (Order::Arm, Arming::LinkLost { since_us: 0 }, Answer::Refused(arm, Refusal::LinkLost)),
+        (Order::Disarm, disarmed, Answer::Accepted(arm)),
+        (Order::TestMotor(test), testing, Answer::Accepted(motor)),
+        (Order::TestMotor(test), Arming::Armed, Answer::Refused(motor, Refusal::Armed)),
+        (Order::TestMotor(test), refused, Answer::Refused(motor, Refusal::BatteryLow)),
+    ];
+    for (order, arming, answer) in cases {
+        let mut commander = commander();
+        assert_eq!(commander.order(&order, 10), (None, None));
+        assert_ne!(commander.commands(20).arming, ArmingRequest::None);
+        assert_eq!(commander.answer(&arming), Some(answer));
+        assert_eq!(commander.commands(30).arming, ArmingRequest::None);
+        assert_eq!(commander.answer(&arming), None);
+    }
+}
+
+#[test]
+fn disarm_overtakes_and_a_flood_is_answered_as_busy() {
+    let mut commander = commander();
+    for _ in 0..4 {
+        assert_eq!(commander.order(&Order::Arm, 0), (None, None));
+    }
+    let busy = Answer::Busy(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM);
+    assert_eq!(commander.order(&Order::Arm, 0), (Some(busy), None));
+    assert_eq!(commander.order(&Order::Disarm, 0), (None, None));
+    assert_eq!(commander.commands(0).arming, ArmingRequest::Disarm);
+    assert_eq!(commander.commands(0).arming, ArmingRequest::None);
+}
+
+#[test]
+fn the_age_of_the_link_is_that_of_whoever_flies() {
+    let mut commander = Commander::new(0.4, ArmingBlocks::default());
+    assert_eq!(commander.commands(5).link_age_us, u64::MAX);
+    commander.order(&Order::Heartbeat, 100);
+    assert_eq!(commander.commands(150).link_age_us, 50);
+    let setpoint = Setpoint { throttle: 0.3, ..Setpoint::default() };
+    commander.order(&Order::Fly(setpoint), 200);
+    // heartbeats go on, the sticks do not
+    commander.order(&Order::Heartbeat, 900);
+    let commands = commander.commands(1000);
+    assert_eq!((commands.setpoint, commands.link_age_us), (setpoint, 800));
+    let mut input = StepInput::default();
+    commands.fill(&mut input);
+    assert_eq!((input.setpoint, input.link_age_us), (setpoint, Some(800)));
+}
+
+#[test]
+fn the_test_sequence_flies_only_when_armed_and_ends_disarmed() {
+    let mut commander = commander();
+    let start = MavCmd::MAV_CMD_MISSION_START;
+    let refused = Answer::Refused(start, Refusal::NotArmed);
+    assert_eq!(commander.order(&Order::StartTestSequence, 0), (Some(refused), None));
+    commander.answer(&Arming::Armed);
+    assert_eq!(commander.order(&Order::StartTestSequence, 1000), (Some(Answer::Accepted(start)), None));
+    for since_us in [0, 1_750_000, 20_000_000, crate::test_sequence::DURATION_US - 1] {
+        let time_us = 1000 + since_us;
+        // sticks are ignored, but show that somebody is there
+        commander.order(&Order::Fly(Setpoint { throttle: 0.9, ..Setpoint::default() }), time_us);
+        let commands = commander.commands(time_us);
+        assert_eq!(Some(commands.setpoint), crate::test_sequence::at(since_us, 0.4));
+        assert_eq!((commands.arming, commands.link_age_us), (ArmingRequest::None, 0));
+        assert_eq!(commander.answer(&Arming::Armed), None);
+    }
+    let last = commander.commands(1000 + crate::test_sequence::DURATION_US);
+    assert_eq!((last.arming, last.setpoint), (ArmingRequest::Disarm, Setpoint::default()));
+    // no request, hence no answer
+    assert_eq!(commander.answer(&Arming::Disarmed(DisarmedBecause::Requested)), None);
+    assert_eq!(commander.commands(u64::MAX).arming, ArmingRequest::None);
+}
+
+#[test]
+fn a_sequence_that_is_cut_short_does_not_come_back() {
+    let mut commander = commander();
+    commander.answer(&Arming::Armed);
+    commander.order(&Order::StartTestSequence, 0);
+    commander.answer(&Arming::LinkLost { since_us: 5 });
+    commander.answer(&Arming::Armed);
+    assert_eq!(commander.commands(2_000_000).setpoint, Setpoint::default());
+}
+
+#[test]
+fn blocks_are_lifted_by_the_ground_when_disarmed() {
+    let blocks = ArmingBlocks { fault_record_unread: true, configuration_unconfirmed: true };
+    let mut commander = Commander::new(0.4, blocks);
+    assert_eq!(commander.commands(0).blocks, blocks);
+    commander.answer(&Arming::Armed);
+    let refused = Answer::Refused(MavCmd::MAV_CMD_USER_1, Refusal::Armed);
+    assert_eq!(commander.order(&Order::FaultRecordRead, 0), (Some(refused), None));
+    commander.answer(&Arming::default());
+    let read = (Some(Answer::Accepted(MavCmd::MAV_CMD_USER_1)), Some(Chore::ClearFaultRecord));
+    assert_eq!(commander.order(&Order::FaultRecordRead, 0), read);
+    let stored = (Some(Answer::Accepted(MavCmd::MAV_CMD_PREFLIGHT_STORAGE)), Some(Chore::StoreConfiguration));
+    assert_eq!(commander.order(&Order::ConfirmConfiguration, 0), stored);
+    assert_eq!(commander.commands(0).blocks, ArmingBlocks::default());
+}
+
+#[test]
+fn a_restart_needs_motors_that_stand_still_and_keeps_them_so() {
+    let restart = MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN;
+    let arm = MavCmd::MAV_CMD_COMPONENT_ARM_DISARM;
+    for turning in [Arming::Armed, Arming::MotorTest { motor: 1, throttle_percent: 5, until_us: 9 }] {
+        let mut commander = commander();
+        commander.answer(&turning);
+        let refused = Answer::Refused(restart, Refusal::Armed);
+        assert_eq!(commander.order(&Order::Restart, 0), (Some(refused), None));
+    }
+    let mut commander = commander();
+    // first request first
+    commander.order(&Order::Arm, 0);
+    assert_eq!(commander.order(&Order::Restart, 0), (Some(Answer::Busy(restart)), None));
+    commander.commands(0);
+    commander.answer(&Arming::Disarmed(DisarmedBecause::Refused(Refusal::BatteryLow)));
+    assert_eq!(commander.order(&Order::Restart, 0), (Some(Answer::Accepted(restart)), Some(Chore::Restart)));
+    assert_eq!(commander.order(&Order::Arm, 0), (Some(Answer::Busy(arm)), None));
+    assert_eq!(commander.commands(0).arming, ArmingRequest::None);
+}
+
+#[test]
+fn a_heartbeat_of_half_the_limit_keeps_the_link() {
+    let mut commander = commander();
+    for k in 0..100u64 {
+        let time_us = k * LINK_LOST_AFTER_US / 2;
+        assert!(commander.commands(time_us).link_age_us < LINK_LOST_AFTER_US);
+        commander.order(&Order::Heartbeat, time_us);
+    }
+}

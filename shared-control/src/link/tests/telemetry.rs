@@ -1,0 +1,183 @@
+//! What is reported to the ground, and how often.
+
+use super::{SETTINGS, decoded, std};
+use crate::link::telemetry::FIGURES;
+use crate::link::*;
+use crate::params::Params;
+use crate::params::table::Field;
+use crate::sensing::imu_health::{ImuFault, ImuHealth};
+use crate::sensing::imu_select::ImuUnit;
+use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport};
+use crate::supervisor::{Arming, Refusal};
+use mavlink::Message;
+use mavlink::dialects::common::{
+    COMMAND_ACK_DATA, MavCmd, MavMessage, MavModeFlag, MavResult, MavSeverity, MavSysStatusSensor, MavType,
+    STATUSTEXT_DATA,
+};
+use nalgebra::{UnitQuaternion, Vector3};
+use std::vec::Vec;
+
+fn status(arming: Arming) -> VehicleStatus {
+    VehicleStatus {
+        arming,
+        estimate: AttitudeEstimate {
+            q_world_from_body: UnitQuaternion::identity(),
+            rate_body_rad_s: Vector3::new(0.1, -0.2, 0.3),
+            gyro_bias_rad_s: Vector3::zeros(),
+            valid: true,
+        },
+        pulses_us: [1001, 1002, 1003, 1004],
+        imu_unit: ImuUnit::First,
+        imu_health: ImuHealth::Good,
+        standby_health: ImuHealth::Bad(ImuFault::Stale),
+        controller: crate::config::Controller::Mpc,
+        hil: false,
+        battery_v: Some(12.345),
+        battery_low: false,
+        blocks: ArmingBlocks::default(),
+        load_permille: 123,
+        setpoints_rejected: 1,
+        overruns: 2,
+        planning: PlanReport { deadline_misses: 100_000, ..PlanReport::default() },
+    }
+}
+
+/// With the words, the value that stands, and no acknowledgement, for it was no command.
+#[test]
+fn a_parameter_that_is_not_set_is_reported_as_it_is() {
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    telemetry.answer(Answer::ParameterRefused(Field::LoopRate, Refusal::Armed));
+    let mut out = heapless::Vec::<u8, 512>::new();
+    telemetry.poll(0, &status(Arming::default()), &mut out);
+    let messages = decoded(&out);
+    assert!(!messages.iter().any(|message| matches!(message, MavMessage::COMMAND_ACK(_))));
+    let value = messages.iter().find_map(|m| if let MavMessage::PARAM_VALUE(v) = m { Some(v) } else { None });
+    assert_eq!(value.map(|v| (v.param_id.to_str().unwrap(), v.param_value)), Some(("LOOP_RATE_HZ", 400.0)));
+    let words = messages.iter().find_map(|m| if let MavMessage::STATUSTEXT(t) = m { Some(t.text) } else { None });
+    assert_eq!(words.unwrap().to_str().unwrap(), Refusal::Armed.words());
+}
+
+/// Everything that is sent in ten seconds of polling every 2.5 ms.
+fn ten_seconds(telemetry: &mut Telemetry, mut each: impl FnMut(u64, &mut Telemetry)) -> Vec<u8> {
+    let mut sent = Vec::new();
+    for k in 0..4000u64 {
+        let mut out = heapless::Vec::<u8, 256>::new();
+        each(k, telemetry);
+        telemetry.poll(k * 2500, &status(Arming::Armed), &mut out);
+        sent.extend_from_slice(&out);
+    }
+    sent
+}
+
+#[test]
+fn what_the_board_measured_of_itself_is_sent_in_turns() {
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    let mut figures = [("", 0); FIGURES];
+    (figures[0], figures[7]) = (("cyc_loop", 24_500), ("stack_b", 7976));
+    telemetry.figures(figures);
+    let sent = ten_seconds(&mut telemetry, |_, _| ());
+    let messages = decoded(&sent);
+    let reported = messages
+        .iter()
+        .filter_map(|message| if let MavMessage::NAMED_VALUE_INT(value) = message { Some(value) } else { None })
+        .map(|value| (value.name.to_str().unwrap(), value.value));
+    // twelve places, one every quarter of a second: each comes every three seconds, those without a name not at all
+    assert!(reported.eq([("cyc_loop", 24_500), ("stack_b", 7976)].into_iter().cycle().take(7)));
+}
+
+#[test]
+fn the_worst_case_fits_into_115200_baud() {
+    // a refused command every 100 ms, each with its words, is what a person with a stuck button requests
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    let sent = ten_seconds(&mut telemetry, |k, telemetry| {
+        if k % 40 == 0 {
+            telemetry.answer(Answer::Refused(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, Refusal::GyroNotCalibrated));
+        }
+    });
+    let bytes_per_second = sent.len() / 10;
+    // 115200 baud, 10 bits a byte; half of it stays free
+    assert!(bytes_per_second < 11_520 / 2, "{bytes_per_second} B/s");
+    let count = |id: u32| decoded(&sent).iter().filter(|message| message.message_id() == id).count();
+    assert_eq!([count(0), count(30), count(36), count(1)], [10, 500, 100, 20]);
+    assert_eq!((count(77), telemetry.dropped), (100, 0));
+}
+
+#[test]
+fn messages_hold_the_given_status() {
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    let mut out = heapless::Vec::<u8, 512>::new();
+    telemetry.answer(Answer::Refused(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, Refusal::BatteryLow));
+    telemetry.poll(1_234_567, &status(Arming::LinkLost { since_us: 0 }), &mut out);
+    let [
+        MavMessage::COMMAND_ACK(ack),
+        MavMessage::HEARTBEAT(heartbeat),
+        MavMessage::STATUSTEXT(text),
+        MavMessage::ATTITUDE(attitude),
+        MavMessage::SERVO_OUTPUT_RAW(servo),
+        MavMessage::SYS_STATUS(system),
+    ] = &decoded(&out)[..]
+    else {
+        panic!("not the expected messages");
+    };
+    let rejected = MavResult::MAV_RESULT_TEMPORARILY_REJECTED;
+    assert_eq!(*ack, COMMAND_ACK_DATA { command: MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, result: rejected });
+    assert!(heartbeat.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED));
+    assert_eq!(heartbeat.mavtype, MavType::MAV_TYPE_QUADROTOR);
+    assert_eq!(text.text.to_str().unwrap(), Refusal::BatteryLow.words());
+    assert_eq!((attitude.time_boot_ms, attitude.pitchspeed), (1234, -0.2));
+    assert_eq!((servo.servo1_raw, servo.servo4_raw), (1001, 1004));
+    assert_eq!((system.voltage_battery, system.load, system.errors_count3), (12345, 123, u16::MAX));
+    out.clear();
+    telemetry.poll(1_334_567, &status(Arming::LinkLost { since_us: 0 }), &mut out);
+    let texts: Vec<_> =
+        decoded(&out)
+            .into_iter()
+            .filter_map(|message| {
+                if let MavMessage::STATUSTEXT(STATUSTEXT_DATA { text, .. }) = message { Some(text) } else { None }
+            })
+            .collect();
+    assert_eq!(texts[0].to_str().unwrap(), "link lost: level and idle");
+}
+
+#[test]
+fn the_ground_learns_which_imu_is_in_use() {
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    let mut out = heapless::Vec::<u8, 512>::new();
+    let second = VehicleStatus { imu_unit: ImuUnit::Second, ..status(Arming::default()) };
+    let failed = VehicleStatus { imu_health: ImuHealth::Bad(ImuFault::Stale), ..second };
+    telemetry.poll(0, &second, &mut out);
+    telemetry.poll(1_000_000, &failed, &mut out);
+    let messages = decoded(&out);
+    let texts = messages.iter().filter_map(|message| match message {
+        MavMessage::STATUSTEXT(data) => Some(data.text.to_str().unwrap()),
+        _ => None,
+    });
+    assert_eq!(texts.collect::<Vec<_>>(), ["first IMU failed: second in use"]);
+    let healthy = messages.iter().filter_map(|message| match message {
+        MavMessage::SYS_STATUS(data) => Some(data.onboard_control_sensors_health),
+        _ => None,
+    });
+    let (gyro, gyro_2) =
+        (MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO, MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO2);
+    let found: Vec<_> = healthy.map(|health| (health.contains(gyro), health.contains(gyro_2))).collect();
+    assert_eq!(found, [(false, true), (false, false)]);
+}
+
+#[test]
+fn queues_are_bounded_and_what_does_not_fit_waits() {
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    let long = "a text that is longer than the fifty bytes of a STATUSTEXT";
+    for _ in 0..20 {
+        telemetry.text(MavSeverity::MAV_SEVERITY_INFO, long);
+    }
+    assert_eq!(telemetry.dropped, 4);
+    let quiet = status(Arming::default());
+    let mut small = heapless::Vec::<u8, 30>::new();
+    telemetry.poll(0, &quiet, &mut small);
+    assert_eq!(decoded(&small).len(), 1, "only the heartbeat fits");
+    let mut sent = heapless::Vec::<u8, 512>::new();
+    telemetry.poll(2500, &quiet, &mut sent);
+    let messages = decoded(&sent);
+    assert_eq!(messages.len(), 4);
+    assert!(matches!(&messages[0], MavMessage::STATUSTEXT(data) if data.text.to_str().unwrap() == &long[..50]));
+}

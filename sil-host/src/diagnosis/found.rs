@@ -1,0 +1,111 @@
+//! What a search found, from the choice of effects to what is reported of it: most important first, judged beside a base
+//! model, fitted to all windows but those of the report.
+
+use super::judge::{judged, losses, unusual_terms};
+use super::search::{Candidate, Search};
+use crate::diagnosis::fitting::fit::{Fit, Term, fit, model_of};
+use crate::prediction::Part;
+use crate::prediction::body::State;
+
+/// What the search found.
+pub(super) struct Found<'e> {
+    /// The model without effects.
+    pub(super) nominal: Candidate<'e>,
+    /// The chosen effects, most important first.
+    pub(super) chosen: Candidate<'e>,
+    /// Per chosen effect: what else was fitted in its place, best first.
+    pub(super) alternatives: Vec<Vec<Candidate<'e>>>,
+    /// Places of the base model's terms that are findings too.
+    pub(super) unusual: Vec<usize>,
+    /// The models once the choice is made, fitted to all windows but those of the report.
+    pub(super) refitted: Refitted<'e>,
+}
+
+/// Models fitted to all windows but those of the report.
+pub(super) struct Refitted<'e> {
+    /// Without effects.
+    pub(super) nominal: Fit<'e>,
+    /// The base model; the nominal one where the search did without.
+    pub(super) base: Fit<'e>,
+    /// With the chosen ones.
+    pub(super) chosen: Fit<'e>,
+}
+
+impl<'e> Found<'e> {
+    /// What else was fitted in place of a term of the chosen model; nothing of one of the base model.
+    pub(super) fn alternatives_of(&self, search: &Search<'_>, index: usize) -> &[Candidate<'e>] {
+        index.checked_sub(search.always.len()).and_then(|place| self.alternatives.get(place)).map_or(&[], Vec::as_slice)
+    }
+}
+
+impl<'e> Search<'e> {
+    /// Squared errors over the windows of the report under the terms that are left of the extended model. Beside a base
+    /// model they are fitted anew: trims and lags take up some of what is missing.
+    pub(super) fn left_without(&self, found: &Found<'e>, terms: Vec<Term<'e>>) -> Vec<f64> {
+        let has_base = self.always.len() > self.gains.len();
+        let terms = if has_base { self.refitted(terms, &found.refitted.chosen.starts).terms } else { terms };
+        losses(self, &terms)
+    }
+
+    /// A model fitted to all windows but those of the report, from values and start states on.
+    pub(super) fn refitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Fit<'e> {
+        let windows = self.shooting.log.part(&[Part::Fit, Part::Choice]);
+        let mut refitted = fit(self.shooting, self.nominal, terms, starts, &windows);
+        let driven = self.shooting.log.drive(model_of(self.nominal, &refitted.terms));
+        self.shooting.settle(&driven, &self.report, &mut refitted.starts);
+        refitted
+    }
+
+    /// Puts the effect first whose loss would cost most on the windows of choice.
+    pub(super) fn order_by_importance(
+        &self,
+        nominal: Candidate<'e>,
+        chosen: Candidate<'e>,
+        alternatives: Vec<Vec<Candidate<'e>>>,
+    ) -> Found<'e> {
+        let loss = |index: usize| {
+            self.losses_without([&nominal.fit, &chosen.fit], index, &self.choice).iter().sum::<f64>() - chosen.choice
+        };
+        let first = self.always.len();
+        let mut order: Vec<(usize, f64)> = (first..chosen.fit.terms.len()).map(|index| (index, loss(index))).collect();
+        order.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let mut alternatives: Vec<Option<Vec<Candidate<'e>>>> = alternatives.into_iter().map(Some).collect();
+        let mut terms = chosen.fit.terms[..first].to_vec();
+        terms.extend(order.iter().map(|(index, _)| chosen.fit.terms[*index].clone()));
+        let alternatives: Vec<Vec<Candidate<'e>>> = order
+            .iter()
+            .map(|(index, _)| alternatives.get_mut(index - first).and_then(Option::take).unwrap_or_default())
+            .collect();
+        let starts = chosen.fit.starts.clone();
+        let chosen = self.fitted(terms, &starts, f64::INFINITY);
+        let again = |candidate: &Candidate<'e>| self.refitted(candidate.fit.terms.clone(), &candidate.fit.starts);
+        let (base, all) = (again(&nominal), again(&chosen));
+        if self.always.len() == self.gains.len() {
+            let refitted = Refitted { nominal: base.clone(), base, chosen: all };
+            return Found { nominal, chosen, alternatives, unusual: Vec::new(), refitted };
+        }
+        let kept = judged(self, base.clone(), all);
+        let is_kept = |term: &Term<'e>| kept.terms.iter().any(|other| other.effect.is_the_same(term.effect));
+        let terms = chosen.fit.terms[first..].iter().zip(alternatives);
+        let alternatives = terms.filter(|(term, _)| is_kept(term)).map(|(_, others)| others).collect();
+        let chosen = self.fitted(kept.terms.clone(), &kept.starts, f64::INFINITY);
+        let unusual = unusual_terms(self, &kept);
+        let refitted = Refitted { nominal: again(&self.settled(self.gains.clone())), base, chosen: kept };
+        Found { nominal, chosen, alternatives, unusual, refitted }
+    }
+
+    /// Sums of squares of some windows with one effect simply left out. Start states are sought from those of the chosen
+    /// model and from those of the nominal one: the best ones may be near to either.
+    fn losses_without(&self, [nominal, chosen]: [&Fit<'e>; 2], index: usize, windows: &[usize]) -> Vec<f64> {
+        let mut terms = chosen.terms.clone();
+        terms.remove(index);
+        let [far, near] = [chosen, nominal].map(|fit| self.losses(&terms, &fit.starts, windows));
+        far.iter().zip(&near).map(|(far, near)| far.min(*near)).collect()
+    }
+
+    /// Sums of squares of some windows under a model, their start states at their best from given ones on.
+    fn losses(&self, terms: &[Term<'e>], starts: &[State], windows: &[usize]) -> Vec<f64> {
+        let driven = self.shooting.log.drive(model_of(self.nominal, terms));
+        self.shooting.settle(&driven, windows, &mut starts.to_vec())
+    }
+}
