@@ -10,6 +10,7 @@ use serde_json::Value;
 use shared_control::airframe::{MOTORS, TORQUE_SIGNS};
 use shared_control::config::Controller;
 use sil_host::controller_file::ControllerChoice;
+use sil_host::diagnosis::{BaseTerm, Estimate};
 use sil_host::effects::Effect;
 use sil_host::flight::FlightSetup;
 use sil_host::hitl::{HitlFlight, Timing};
@@ -167,7 +168,13 @@ fn pages_describe_the_json_of_a_diagnosis() {
     folder.write("log.csv", RIG_LOG);
     folder.write("mpc.toml", THESIS_MPC);
     folder.sil(&["diagnose", "log.csv", "--controller", "mpc.toml", "--json", "out.json"]).assert_done();
-    assert_described("diagnose", &folder.json("out.json"));
+    let mut answer = folder.json("out.json");
+    // this log needs no base model
+    assert_eq!(answer["base"], serde_json::json!([]));
+    let parameters = [("scale", Estimate { value: 0.9, std: 0.01 })].into();
+    let term = BaseTerm { effect: "thrust_scale", axis: None, parameters, ordinary: true };
+    answer["base"] = serde_json::to_value([term]).unwrap();
+    assert_described("diagnose", &answer);
 }
 
 /// Figures of a flight of which no board was part: what a board does is tested elsewhere, the fields are the same.
@@ -218,7 +225,7 @@ fn collect_fields(value: &Value, place: &str, fields: &mut BTreeSet<(String, &'s
     let kind = match value {
         Value::Object(object) => {
             for (key, value) in object {
-                let key = if place.ends_with(".parameters") && place.starts_with("findings") { "NAME" } else { key };
+                let key = if place == "findings[].parameters" || place == "base[].parameters" { "NAME" } else { key };
                 let dot = if place.is_empty() { "" } else { "." };
                 collect_fields(value, &format!("{place}{dot}{key}"), fields);
             }
