@@ -42,8 +42,7 @@ impl<'e> Search<'e> {
     /// Squared errors over the windows of the report under the terms that are left of the extended model. Beside a base
     /// model they are fitted anew: trims and lags take up some of what is missing.
     pub(super) fn left_without(&self, found: &Found<'e>, terms: Vec<Term<'e>>) -> Vec<f64> {
-        let has_base = self.always.len() > self.gains.len();
-        let terms = if has_base { self.refitted(terms, &found.refitted.chosen.starts).terms } else { terms };
+        let terms = if self.has_base() { self.refitted(terms, &found.refitted.chosen.starts).terms } else { terms };
         losses(self, &terms)
     }
 
@@ -80,7 +79,7 @@ impl<'e> Search<'e> {
         let chosen = self.fitted(terms, &starts, f64::INFINITY);
         let again = |candidate: &Candidate<'e>| self.refitted(candidate.fit.terms.clone(), &candidate.fit.starts);
         let (base, all) = (again(&nominal), again(&chosen));
-        if self.always.len() == self.gains.len() {
+        if !self.has_base() {
             let refitted = Refitted { nominal: base.clone(), base, chosen: all };
             return Found { nominal, chosen, alternatives, unusual: Vec::new(), refitted };
         }

@@ -74,8 +74,6 @@ pub use verdict::{Estimate, Finding, Rejected, Verdict};
 pub const NO_CONTROLLER: &str = "no controller given";
 /// Above this multiple of the noise floor an error is not explained.
 const FLOOR_FACTOR_MAX: f64 = 1.3;
-/// Above this multiple the disturbances are taken for part of the noise ([`fitting::process_noise`]).
-const UNEXPLAINED_FACTOR: f64 = 3.0;
 
 /// The answer to a log (docs/commands.md, "JSON of `sil diagnose`").
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -190,7 +188,7 @@ pub fn diagnose_observed(
     let gains: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
         sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, gains.clone(), observer));
-    if !is_far(&search, &found) {
+    if !search.is_far(&found.chosen) {
         observer(Progress::Judging);
         return Ok(answer(log, subject, &search, &found));
     }
@@ -207,14 +205,6 @@ pub fn diagnose_observed(
     let found = search.run();
     observer(Progress::Judging);
     Ok(answer(log, subject, &search, &found))
-}
-
-/// Is what was found far from explaining the log?
-fn is_far(search: &Search<'_>, found: &Found<'_>) -> bool {
-    let log = &search.shooting.log;
-    let driven = log.drive(model_of(search.nominal, &found.chosen.fit.terms));
-    let predicted = accuracy::predict(log, &driven, &search.windows(&search.choice));
-    accuracy::worst_ratio(&accuracy::tallies(&predicted)) > UNEXPLAINED_FACTOR
 }
 
 /// The noise, of moments and of forces, under which what a model leaves is most likely.

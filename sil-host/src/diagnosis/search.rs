@@ -16,6 +16,7 @@ use crate::diagnosis::fitting::fit::{
 use crate::diagnosis::fitting::hints::hints;
 use crate::diagnosis::fitting::linearisation::Linearisation;
 use crate::diagnosis::fitting::shooting::Shooting;
+use crate::prediction::accuracy::{predict, tallies, worst_ratio};
 use crate::prediction::body::State;
 use crate::prediction::{Part, Window};
 use crate::statistics::{Cholesky, dot};
@@ -24,6 +25,10 @@ use crate::statistics::{Cholesky, dot};
 const FITTED_MAX: usize = 7;
 /// Effects in one model.
 const EFFECTS_MAX: usize = 5;
+/// So many effects that leave a log far from explained are a wrong turn, where there is no base model beside them.
+const FEW: usize = 3;
+/// Multiple of an exact model's error that is far.
+const FAR: f64 = 3.0;
 /// Effects added, taken out again ones included.
 const ROUNDS_MAX: usize = 8;
 /// Fall of the sum of squares, in units of the remaining sum per degree of freedom, that a new effect must bring on all
@@ -106,7 +111,8 @@ impl<'e> Search<'e> {
         let mut alternatives: Vec<Vec<Candidate<'e>>> = Vec::new();
         // each round adds one; revision may take some out again, and must not go round in circles
         for _ in 0..ROUNDS_MAX {
-            if chosen.fit.terms.len() == self.always.len() + EFFECTS_MAX {
+            let effects = chosen.fit.terms.len() - self.always.len();
+            if effects == EFFECTS_MAX || effects >= FEW && !self.has_base() && self.is_far(&chosen) {
                 break;
             }
             let mut extended = self.extensions(&chosen, 0.0);
@@ -122,6 +128,19 @@ impl<'e> Search<'e> {
             }
         }
         self.order_by_importance(nominal, chosen, alternatives)
+    }
+
+    /// Does it begin with a base model?
+    pub(super) fn has_base(&self) -> bool {
+        self.always.len() > self.gains.len()
+    }
+
+    /// Is a model far from explaining the windows of choice?
+    pub(super) fn is_far(&self, candidate: &Candidate<'e>) -> bool {
+        let log = &self.shooting.log;
+        let driven = log.drive(model_of(self.nominal, &candidate.fit.terms));
+        let predicted = predict(log, &driven, &self.windows(&self.choice));
+        worst_ratio(&tallies(&predicted)) > FAR
     }
 
     /// The model without any effect, what it leaves to each log fitted.
