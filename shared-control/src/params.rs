@@ -251,6 +251,7 @@ pub(crate) mod tests {
         assert_eq!(refused(&Params { loop_rate_hz: 250, ..Params::DEFAULT }), RecordError::Value("LOOP_RATE_HZ"));
         assert_eq!(refused(&Params { control_horizon: 0, ..Params::DEFAULT }), RecordError::Value("CONTROL_HORIZON"));
         let longest = RecordError::Value("CONTROL_HORIZON").to_string();
+        assert!(longest.contains("CONTROL_HORIZON"), "{longest}");
         // they go out as STATUSTEXT
         assert!(longest.len() <= 50);
     }

@@ -279,12 +279,15 @@ fn armed_on_a_slope_nothing_turns_until_the_throttle_is_raised() {
     let tilted = [(-4096.0 * sin) as i16, 0, (-4096.0 * cos) as i16];
     let mut last = None;
     for k in 1..400 {
-        let mut step = input(k, if k < 390 { 0.0 } else { 0.5 }, ArmingRequest::None, None);
+        let throttle = if k < 390 { IDLE_THROTTLE_MAX } else { 0.5 };
+        let mut step = input(k, throttle, ArmingRequest::None, None);
         step.imu[0].accel_counts = [-tilted[1], tilted[0], tilted[2]];
         let output = FlightCore::fast(&config, &mut state, &step);
         FlightCore::follow(&config, &mut state, &output);
         if k < 390 {
-            assert_eq!((output.source, output.mix.commands.0), (TorqueSource::Idle, [0.0; 4]));
+            assert_eq!(output.source, TorqueSource::Idle);
+            let commands = output.mix.commands.0;
+            assert!(commands.iter().all(|command| (command - IDLE_THROTTLE_MAX).abs() < 1e-6), "{commands:?}");
         }
         last = Some(output);
     }
@@ -328,10 +331,23 @@ fn what_the_mixer_could_not_deliver_is_no_part_of_the_planners_input() {
 
 #[test]
 fn a_plan_beyond_the_bounds_did_not_come_from_the_mpc() {
-    let (config, mut state) = armed(Controller::Mpc);
-    let plan = Plan { step: state.step, torque_nm: [3e38, 0.0, 0.0], status: PlanStatus::Solved, ..Plan::default() };
-    let output = FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, Some(plan)));
-    assert_eq!(output.source, TorqueSource::CascadeUnsolved(PlanStatus::NumericalError));
+    let (config, state) = armed(Controller::Mpc);
+    let refused = TorqueSource::CascadeUnsolved(PlanStatus::NumericalError);
+    let source_at = |axis: usize, torque_nm: f32| {
+        let mut state = state;
+        let mut plan = Plan { step: state.step, status: PlanStatus::Solved, ..Plan::default() };
+        plan.torque_nm[axis] = torque_nm;
+        FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, Some(plan))).source
+    };
+    assert_eq!(source_at(0, 3e38), refused);
+    for axis in 0..3 {
+        let max_nm = config.mpc_torque_max_nm[axis];
+        for sign in [1.0, -1.0] {
+            assert_eq!(source_at(axis, sign * max_nm), TorqueSource::Mpc, "axis {axis}: a bound may be used");
+            assert_eq!(source_at(axis, 1.0005 * sign * max_nm), TorqueSource::Mpc, "axis {axis}: rounding");
+            assert_eq!(source_at(axis, 1.01 * sign * max_nm), refused, "axis {axis}");
+        }
+    }
 }
 
 proptest::proptest! {
