@@ -169,6 +169,24 @@ mod tests {
         (1..).zip(stream).find_map(|(count, byte)| Some((count, finder.push(*byte, |_| Some(EXTRA))?)))
     }
 
+    /// Written where it just fits behind what is there already; with one byte less nothing is, and no number is used.
+    #[test]
+    fn a_frame_is_written_whole_or_not_at_all() {
+        use mavlink::dialects::common::COMMAND_ACK_DATA;
+        let data = COMMAND_ACK_DATA::DEFAULT;
+        let mut writer = FrameWriter::new(1, 1);
+        let mut long = heapless::Vec::<u8, 100>::new();
+        assert!(writer.write(&data, &mut long));
+        // without its trailing zeros a payload is at least one byte long
+        assert_eq!(long.len(), HEADER_LEN + 1 + CRC_LEN);
+        let mut twice = heapless::Vec::<u8, 26>::new();
+        assert!(writer.write(&data, &mut twice) && writer.write(&data, &mut twice));
+        assert_eq!([twice[4], twice[13 + 4]], [1, 2], "numbered one after the other");
+        let mut once = heapless::Vec::<u8, 25>::new();
+        assert!(writer.write(&data, &mut once) && !writer.write(&data, &mut once));
+        assert_eq!((once.len(), writer.sequence), (13, 4));
+    }
+
     /// Each is found with its own last byte, and nothing of it is left to be taken for garbage.
     #[test]
     fn a_frame_ends_with_its_last_byte() {
