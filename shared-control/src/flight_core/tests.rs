@@ -3,6 +3,7 @@
 extern crate std;
 
 mod gravity;
+mod planning;
 
 use super::*;
 use crate::config::{Tuning, mpc_settings};
