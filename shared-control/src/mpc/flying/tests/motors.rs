@@ -140,6 +140,68 @@ fn the_linearisation_in_use_is_that_of_the_present_roll() {
     assert!((plan(&rolled, 1.2) / plan(&single, 1.2) - 1.0).abs() > 0.05, "or else it would make no difference");
 }
 
+/// Rolled, roll and heading plan as they do level: only pitch's model depends on where the vehicle is.
+#[test]
+fn roll_and_heading_have_one_linearisation() {
+    let single = settings(0.03, ReferenceAhead::Held);
+    let several = MpcSettings { schedule: Schedule::new(&GIMBAL, 1.2, 4), ..single };
+    let plan = |settings: &MpcSettings| {
+        let mut request = PlanRequest { angle_rad: [1.2, 0.01, 0.02], ..PlanRequest::default() };
+        request.reference.reference[0].angle_rad = 1.19;
+        Mpc::<10>::prepare(settings).unwrap().plan(&mut MpcState::new(), &request).torque_nm
+    };
+    let [of_one, of_several] = [&single, &several].map(plan);
+    assert_eq!((of_one[0], of_one[2]), (of_several[0], of_several[2]));
+    assert!(of_one[0] != 0.0 && of_one[2] != 0.0 && of_one[1] != of_several[1], "{of_one:?} {of_several:?}");
+}
+
+/// The most that a plan can ask for is what the four motors make at their ends, two up and two down, from the middle.
+#[test]
+fn the_greatest_torque_is_that_of_the_motors_ends() {
+    let mut settings = with_motors(2.0, false);
+    let motors = settings.motors.as_mut().unwrap();
+    motors.lift_curve.lift_min_n = 0.5;
+    let arms_m = [0.16, 0.16, 0.038];
+    for (axis, found_nm) in settings.torque_max_nm().into_iter().enumerate() {
+        let torque_nm: f32 =
+            crate::airframe::TORQUE_SIGNS[axis].map(|sign| sign * (sign * 0.75) * arms_m[axis]).iter().sum();
+        assert!((found_nm - torque_nm).abs() < 1e-6, "axis {axis}: {found_nm} {torque_nm}");
+    }
+    // without the motors' limits it is each axis' own bound: 2 N at 0.226 m, 2 N at 0.226 m, 0.1 N m
+    settings.motors = None;
+    for (found_nm, bound_nm) in settings.torque_max_nm().into_iter().zip([0.452, 0.452, 0.1]) {
+        assert!((found_nm - bound_nm).abs() < 1e-6);
+    }
+}
+
+/// An axis alone may use its motors to the end, and no more: at a far reference its torque is the room's over the lift
+/// that a torque takes.
+#[test]
+fn an_axis_alone_has_the_whole_room() {
+    let settings = with_motors(2.0, false);
+    let mpc = Mpc::<5>::prepare(&settings).unwrap();
+    for axis in 0..3 {
+        let mut request = PlanRequest { lift_per_motor_n: 0.7, ..PlanRequest::default() };
+        request.reference.reference[axis].angle_rad = 3.0;
+        let plan = mpc.plan(&mut MpcState::new(), &request);
+        let room_nm = room_of(&settings, &request).single_axis_n() / LIFT_PER_TORQUE_1_M[axis];
+        assert!((plan.torque_nm[axis] - room_nm).abs() < 1e-4 * room_nm, "axis {axis}: {plan:?} {room_nm}");
+    }
+}
+
+/// Where all motors have room the axes' plans fly, and the coupled program is not solved: no more working sets are
+/// examined than without it.
+#[test]
+fn plans_that_fit_are_not_solved_again() {
+    let settings = with_motors(2.0, false);
+    let alone = MpcSettings { motors: None, ..settings };
+    let request = PlanRequest { angle_rad: [0.01, -0.01, 0.01], lift_per_motor_n: 1.0, ..PlanRequest::default() };
+    let plan = |settings: &MpcSettings| Mpc::<5>::prepare(settings).unwrap().plan(&mut MpcState::new(), &request);
+    let (fits, alone) = (plan(&settings), plan(&alone));
+    assert_eq!((fits.iterations, fits.status), (alone.iterations, PlanStatus::Solved));
+    assert!(fits.torque_nm[0] < 0.0 && fits.torque_nm[1] > 0.0);
+}
+
 #[test]
 fn more_free_inputs_than_the_coupled_program_holds_are_refused() {
     let error = Mpc::<11>::prepare(&with_motors(2.0, true)).err();
