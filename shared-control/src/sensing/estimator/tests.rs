@@ -240,6 +240,19 @@ fn the_accelerometer_pulls_with_its_gain_and_weight() {
     }
 }
 
+/// Half believed, the accelerometer teaches the gyro's bias half as fast.
+#[test]
+fn the_bias_is_learnt_by_weight() {
+    let learnt = |g: f32| {
+        let mut state = started(q_from_rotation_vector(&Vector3::new(0.02, 0.0, 0.0)));
+        update_in_flight(&mut state, &imu(Vector3::zeros(), force_at(&UnitQuaternion::identity()) * g, 0.0025), 2500);
+        state.1.bias_rad_s().x
+    };
+    // k_I times the tilt's sine times the step
+    assert!((learnt(1.0) / (0.0025 * 0.02 * 0.0025) - 1.0).abs() < 1e-3, "{}", learnt(1.0));
+    assert!((learnt(1.075) / learnt(1.0) - 0.5).abs() < 1e-3);
+}
+
 /// The rate is the gyro's less the bias, and the attitude turns by the same: a vehicle whose gyro reads its bias stands.
 #[test]
 fn the_bias_is_taken_off_rate_and_rotation() {

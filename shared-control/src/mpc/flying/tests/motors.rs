@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::lift_curve::LiftCurve;
 use crate::mpc::motor_limits::{COUPLED_INPUTS_MAX, Room};
+use crate::mpc::riccati::Outcome;
 use crate::mpc::schedule::PitchInertia;
 use crate::qp::Status;
 
@@ -200,6 +201,49 @@ fn plans_that_fit_are_not_solved_again() {
     let (fits, alone) = (plan(&settings), plan(&alone));
     assert_eq!((fits.iterations, fits.status), (alone.iterations, PlanStatus::Solved));
     assert!(fits.torque_nm[0] < 0.0 && fits.torque_nm[1] > 0.0);
+}
+
+/// The axes' own plans within the room, each by itself, from a cold start.
+fn own_plans(mpc: &Mpc<5>, request: &PlanRequest) -> [Outcome; 3] {
+    let bounds_nm = mpc.coupling.at(request.lift_per_motor_n).unwrap().torque_max_nm();
+    [0, 1, 2].map(|axis| {
+        let reference_rad = [request.reference.reference[axis].angle_rad; HORIZON];
+        let start = AxisStart::of(request, axis);
+        mpc.axis(axis, 0).unwrap().solve(&start, &reference_rad, bounds_nm[axis], &mut AxisState::new())
+    })
+}
+
+fn iterations(outcomes: &[Outcome; 3]) -> u16 {
+    outcomes.iter().map(|outcome| outcome.iterations).sum()
+}
+
+/// What is planned against a disturbance is the torque, not what torque and disturbance make together: both in one
+/// direction are more than the room, the torque alone is not.
+#[test]
+fn a_disturbance_takes_no_room_by_itself() {
+    let settings = with_motors(2.0, false);
+    let mpc = Mpc::<5>::prepare(&settings).unwrap();
+    let disturbance_nm = [0.3, 0.0, 0.0];
+    let mut request = PlanRequest { disturbance_nm, lift_per_motor_n: 1.0, ..PlanRequest::default() };
+    request.torque_prev_nm = disturbance_nm.map(|torque_nm| -torque_nm);
+    request.reference.reference[0].angle_rad = 0.7;
+    let (plan, own) = (mpc.plan(&mut MpcState::new(), &request), own_plans(&mpc, &request));
+    let room_nm = room_of(&settings, &request).single_axis_n() / LIFT_PER_TORQUE_1_M[0];
+    assert!(plan.torque_nm[0] > 0.0 && plan.torque_nm[0] + 0.6 > room_nm, "{plan:?} {room_nm}");
+    assert_eq!((plan.torque_nm[0], plan.iterations), (own[0].input, iterations(&own)));
+}
+
+/// Where the axes' plans don't fit together, what the coupled program examined is added to what they did.
+#[test]
+fn the_coupled_programs_work_is_counted() {
+    let mpc = Mpc::<5>::prepare(&with_motors(2.0, false)).unwrap();
+    let mut request = PlanRequest { lift_per_motor_n: 1.0, ..PlanRequest::default() };
+    (request.reference.reference[0].angle_rad, request.reference.reference[1].angle_rad) = (1.0, 1.0);
+    let (plan, own) = (mpc.plan(&mut MpcState::new(), &request), own_plans(&mpc, &request));
+    let together = |torque_nm: [f32; 2]| torque_nm[0] + torque_nm[1];
+    let fits = together([plan.torque_nm[0], plan.torque_nm[1]]);
+    assert!(fits < 0.9 * together([own[0].input, own[1].input]), "together they don't fit: {plan:?} {own:?}");
+    assert!(plan.iterations > iterations(&own), "{plan:?}");
 }
 
 #[test]
