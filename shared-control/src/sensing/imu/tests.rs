@@ -212,6 +212,6 @@ fn spans_are_exact_to_the_microsecond_and_end_somewhere() {
     assert_eq!(seconds_between(6, 5), 0.0);
     assert_eq!(seconds_between(1_000_000, 3_500_000), 2.5);
     for longest in [u64::from(u32::MAX), u64::from(u32::MAX) + 1, u64::MAX] {
-        assert_eq!(seconds_between(0, longest), 4294.967_3);
+        assert_eq!(seconds_between(0, longest), 4_294.967_3);
     }
 }

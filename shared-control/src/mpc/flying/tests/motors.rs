@@ -181,11 +181,11 @@ fn the_greatest_torque_is_that_of_the_motors_ends() {
 fn an_axis_alone_has_the_whole_room() {
     let settings = with_motors(2.0, false);
     let mpc = Mpc::<5>::prepare(&settings).unwrap();
-    for axis in 0..3 {
+    for (axis, lift_per_torque_1_m) in LIFT_PER_TORQUE_1_M.into_iter().enumerate() {
         let mut request = PlanRequest { lift_per_motor_n: 0.7, ..PlanRequest::default() };
         request.reference.reference[axis].angle_rad = 3.0;
         let plan = mpc.plan(&mut MpcState::new(), &request);
-        let room_nm = room_of(&settings, &request).single_axis_n() / LIFT_PER_TORQUE_1_M[axis];
+        let room_nm = room_of(&settings, &request).single_axis_n() / lift_per_torque_1_m;
         assert!((plan.torque_nm[axis] - room_nm).abs() < 1e-4 * room_nm, "axis {axis}: {plan:?} {room_nm}");
     }
 }
