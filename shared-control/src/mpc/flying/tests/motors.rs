@@ -246,6 +246,33 @@ fn the_coupled_programs_work_is_counted() {
     assert!(plan.iterations > iterations(&own), "{plan:?}");
 }
 
+/// Yaw torque takes most of a motor's lift: beside it roll gets what is left.
+#[test]
+fn yaw_and_roll_share_the_motors() {
+    let settings = with_motors(2.0, false);
+    let mpc = Mpc::<5>::prepare(&settings).unwrap();
+    let mut request = PlanRequest { lift_per_motor_n: 1.0, ..PlanRequest::default() };
+    (request.reference.reference[0].angle_rad, request.reference.reference[2].angle_rad) = (0.7, 3.0);
+    let plan = mpc.plan(&mut MpcState::new(), &request);
+    assert_eq!(plan.status, PlanStatus::Solved);
+    assert!(room_of(&settings, &request).holds(shares_n(plan.torque_nm)), "{plan:?}");
+    assert!(plan.torque_nm[0] > 0.0 && plan.torque_nm[2] > 0.0, "{plan:?}");
+}
+
+/// Where single precision has no digits left for the motors' limits, the axes' plans may still be solved; the plan is
+/// not, and asks for nothing.
+#[test]
+fn a_coupled_plan_that_fails_is_not_solved() {
+    let mpc = Mpc::<5>::prepare(&with_motors(2.0, false)).unwrap();
+    let mut request = PlanRequest { lift_per_motor_n: 1.0, ..PlanRequest::default() };
+    for (axis, angle_rad) in request.reference.reference.iter_mut().zip([1e12, 0.7e12, -1e12]) {
+        axis.angle_rad = angle_rad;
+    }
+    assert_eq!(own_plans(&mpc, &request).map(|outcome| outcome.status), [Status::Solved; 3]);
+    let plan = mpc.plan(&mut MpcState::new(), &request);
+    assert_eq!((plan.status, plan.torque_nm), (PlanStatus::NumericalError, [0.0; 3]));
+}
+
 #[test]
 fn more_free_inputs_than_the_coupled_program_holds_are_refused() {
     let error = Mpc::<11>::prepare(&with_motors(2.0, true)).err();
