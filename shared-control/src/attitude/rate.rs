@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_added_to_the_integrals_is_asked_for_within_their_limits() {
+    fn what_is_added_to_the_integrals_counts_within_their_limits() {
         let at_rest = Delivery::Applied { unmet: [0.0; 3] };
         let mut state = RateState::default();
         let mut asks = |by_rad_s2: [f32; 3]| {

@@ -202,5 +202,6 @@ mod tests {
             }
         }
         assert_eq!(found_after(&mut finder, &bytes(&[0x5A; PAYLOAD_MAX + 1], false)), None, "one more is too many");
+        assert_eq!(bytes(&payload, true).len(), FRAME_MAX, "the longest just fits");
     }
 }

@@ -1,4 +1,4 @@
-//! What the planner is asked: where the vehicle will be about the Euler axes, and what torque about the body it costs.
+//! What a plan request holds: where the vehicle will be about the Euler axes, and what torque about the body it costs.
 
 use super::*;
 use crate::frames::{EulerAngles, q_world_from_euler, rate_body_from_euler_rates};
@@ -53,7 +53,7 @@ fn rolled_a_torque_about_the_body_turns_pitch_by_its_share() {
 /// What turns pitch from outside is for the planner the torque about the body that would do the same: twice as much at
 /// 60 degrees of roll.
 #[test]
-fn a_disturbance_of_pitch_is_told_as_a_torque_about_the_body() {
+fn a_disturbance_of_pitch_is_requested_as_a_torque_about_the_body() {
     for (roll_rad, per_share) in [(0.0, 1.0), (core::f32::consts::FRAC_PI_3, 2.0)] {
         let (config, mut state) = free_flight();
         let mut rate_rad_s = 0.0;
@@ -70,10 +70,10 @@ fn a_disturbance_of_pitch_is_told_as_a_torque_about_the_body() {
     }
 }
 
-/// Beyond 75 degrees of pitch or 90 of roll, either way, nothing is asked and the observer begins anew.
+/// Beyond 75 degrees of pitch or 90 of roll, either way, no plan is requested and the observer begins anew.
 #[test]
-fn too_steep_for_euler_angles_nothing_is_asked() {
-    for (roll_rad, pitch_rad, asked) in [
+fn too_steep_for_euler_angles_no_plan_is_requested() {
+    for (roll_rad, pitch_rad, requested) in [
         (1.5, 1.25, true),
         (-1.5, -1.25, true),
         (0.0, 1.35, false),
@@ -91,8 +91,8 @@ fn too_steep_for_euler_angles_nothing_is_asked() {
             let output = output(&config, &mut state, angles, rates, [0.0; 3]);
             request = FlightCore::follow(&config, &mut state, &output);
         }
-        assert_eq!(request.is_some(), asked, "{angles:?}");
-        assert_eq!(state.disturbance_nm()[0] != 0.0, asked, "{angles:?}");
+        assert_eq!(request.is_some(), requested, "{angles:?}");
+        assert_eq!(state.disturbance_nm()[0] != 0.0, requested, "{angles:?}");
     }
 }
 

@@ -71,17 +71,17 @@ fn a_heartbeat_says_who_flies_and_whether_motors_may_turn() {
     assert_eq!(heartbeat(&VehicleStatus { controller: Controller::Mpc, ..status(ARMED) }).custom_mode, 1);
 }
 
-/// Each change has words of its own, which fit a STATUSTEXT; what nobody asked for is critical.
+/// Each change has words of its own, which fit a STATUSTEXT; what nobody requested is critical.
 #[test]
 fn every_change_of_arming_has_its_words() {
-    let asked = [ARMED, TESTING, disarmed(DisarmedBecause::Requested), disarmed(DisarmedBecause::MotorTestOver)];
-    let unasked = [LOST, disarmed(DisarmedBecause::LinkLost), disarmed(DisarmedBecause::AttitudeUnknown)]
+    let requested = [ARMED, TESTING, disarmed(DisarmedBecause::Requested), disarmed(DisarmedBecause::MotorTestOver)];
+    let unrequested = [LOST, disarmed(DisarmedBecause::LinkLost), disarmed(DisarmedBecause::AttitudeUnknown)]
         .into_iter()
         .chain(FAULTS.map(|fault| disarmed(DisarmedBecause::ImuFailed(fault))));
-    let all: Vec<(Arming, MavSeverity)> = asked
+    let all: Vec<(Arming, MavSeverity)> = requested
         .map(|arming| (arming, MavSeverity::MAV_SEVERITY_NOTICE))
         .into_iter()
-        .chain(unasked.map(|arming| (arming, MavSeverity::MAV_SEVERITY_CRITICAL)))
+        .chain(unrequested.map(|arming| (arming, MavSeverity::MAV_SEVERITY_CRITICAL)))
         .collect();
     let mut texts = BTreeSet::new();
     for (arming, severity) in &all {

@@ -42,7 +42,7 @@ fn has(frames: &[(u32, Vec<u8>)], id: u32) -> bool {
 }
 
 #[test]
-fn a_parameter_that_is_set_is_stored_told_and_said() {
+fn a_parameter_that_is_set_is_stored_and_reported() {
     let mut telemetry = telemetry();
     let mut stored = None;
     let request = ParameterRequest::Set { field: Field::LoopRate, value: 100.0 };
@@ -61,7 +61,7 @@ fn a_parameter_that_is_set_is_stored_told_and_said() {
 }
 
 #[test]
-fn whether_the_configuration_was_kept_is_said() {
+fn whether_the_configuration_was_kept_is_reported() {
     for (kept, words) in [(true, "configuration stored"), (false, "configuration not stored: memory failed")] {
         let mut telemetry = telemetry();
         let mut stored = None;

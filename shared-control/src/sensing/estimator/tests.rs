@@ -268,7 +268,7 @@ fn the_bias_is_taken_off_rate_and_rotation() {
     assert!(state.0.q_world_from_body.quaternion().imag().norm() < 5e-6);
 }
 
-/// Told to forget, it takes level from the next sample, in flight too, and is not valid before.
+/// Made to forget, it takes level from the next sample, in flight too, and is not valid before.
 #[test]
 fn level_anew_is_level_from_the_next_sample() {
     let mut state = started(UnitQuaternion::identity());
