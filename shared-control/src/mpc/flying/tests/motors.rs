@@ -246,17 +246,21 @@ fn the_coupled_programs_work_is_counted() {
     assert!(plan.iterations > iterations(&own), "{plan:?}");
 }
 
-/// Yaw torque takes most of a motor's lift: beside it roll gets what is left.
+/// Yaw torque takes most of a motor's lift: beside it roll gets what is left, however little it wants.
 #[test]
 fn yaw_and_roll_share_the_motors() {
     let settings = with_motors(2.0, false);
     let mpc = Mpc::<5>::prepare(&settings).unwrap();
-    let mut request = PlanRequest { lift_per_motor_n: 1.0, ..PlanRequest::default() };
-    (request.reference.reference[0].angle_rad, request.reference.reference[2].angle_rad) = (0.7, 3.0);
-    let plan = mpc.plan(&mut MpcState::new(), &request);
-    assert_eq!(plan.status, PlanStatus::Solved);
-    assert!(room_of(&settings, &request).holds(shares_n(plan.torque_nm)), "{plan:?}");
-    assert!(plan.torque_nm[0] > 0.0 && plan.torque_nm[2] > 0.0, "{plan:?}");
+    for roll_rad in [0.7, 0.05] {
+        let mut request = PlanRequest { lift_per_motor_n: 1.0, ..PlanRequest::default() };
+        (request.reference.reference[0].angle_rad, request.reference.reference[2].angle_rad) = (roll_rad, 3.0);
+        let plan = mpc.plan(&mut MpcState::new(), &request);
+        assert_eq!(plan.status, PlanStatus::Solved);
+        assert!(room_of(&settings, &request).holds(shares_n(plan.torque_nm)), "{plan:?}");
+        assert!(plan.torque_nm[0] >= -1e-6 && plan.torque_nm[2] > 0.0, "{plan:?}");
+        let own = shares_n(own_plans(&mpc, &request).map(|outcome| outcome.input));
+        assert!(!room_of(&settings, &request).holds(own), "together they don't fit: {own:?}");
+    }
 }
 
 /// Where single precision has no digits left for the motors' limits, the axes' plans may still be solved; the plan is
