@@ -253,7 +253,7 @@ fn the_bias_is_learnt_by_weight() {
     assert!((learnt(1.075) / learnt(1.0) - 0.5).abs() < 1e-3);
 }
 
-/// The rate is the gyro's less the bias, and the attitude turns by the same: a vehicle whose gyro reads its bias stands.
+/// The rate is the gyro's less the bias, and the attitude turns by the same: a gyro that reads its bias stands still.
 #[test]
 fn the_bias_is_taken_off_rate_and_rotation() {
     let bias = Vector3::new(0.2, -0.1, 0.05);

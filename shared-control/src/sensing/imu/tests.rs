@@ -105,7 +105,7 @@ fn the_second_imu_reads_in_its_data_sheets_units() {
     assert!((config.specific_force_m_s2(&sample) - Vector3::new(0.0, 0.0, -9.806_65)).norm() < 1.2e-3);
 }
 
-/// Gaps of exactly the limits: the first is still continuous, at the last sample's rate; the second is still bridged, at
+/// Gaps of exactly the limits: the first is still continuous, at the last sample's rate; the second still bridged, at
 /// the mean of both sides; a microsecond more is neither.
 #[test]
 fn gaps_end_where_they_are_said_to() {
