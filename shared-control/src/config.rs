@@ -192,6 +192,7 @@ mod tests {
         starts(refusal(|_, t, _| t.rate_derivative[0] = -0.1), "rate_derivative");
         starts(refusal(|_, t, _| t.acceleration_feed_forward = -1.0), "acceleration_feed_forward");
         starts(refusal(|_, t, _| t.tilt_max_rad = 1.6), "tilt_max_rad");
+        assert_eq!(refusal(|_, t, _| t.tilt_max_rad = 1.5), None);
         starts(refusal(|_, t, _| t.gyro_cutoff_hz = 0.0), "gyro_cutoff_hz");
         starts(refusal(|_, _, rates| rates[0] = 20.0), "loop_rate_hz");
         starts(refusal(|_, _, rates| rates[1] = 399.0), "imu_rate_hz");

@@ -157,6 +157,29 @@ mod tests {
         }
     }
 
+    /// Against the closed form in double precision, from no rotation at all to beyond the change of formula.
+    #[test]
+    fn a_small_rotation_is_exact_to_rounding() {
+        for step in 0..200 {
+            let angle = 1e-5 * step as f32;
+            let q = q_from_rotation_vector(&Vector3::new(0.0, angle, 0.0)).into_inner();
+            let half = 0.5 * f64::from(angle);
+            assert!((f64::from(q.w) - libm::cos(half)).abs() < 1.3e-7, "{angle}: {q}");
+            assert!((f64::from(q.j) - libm::sin(half)).abs() <= 1.8e-7 * half, "{angle}: {q}");
+            assert_eq!((q.i, q.k), (0.0, 0.0));
+        }
+    }
+
+    /// The heading's rate is no more than 20 times the body's, up to the pole and beyond it.
+    #[test]
+    fn euler_rates_stay_bounded_at_the_pole() {
+        for pitch_rad in [1.55, core::f32::consts::FRAC_PI_2, 1.6, -1.55, -1.6] {
+            let [roll, pitch, yaw] = euler_rates(EulerAngles { pitch_rad, ..Default::default() }, &Vector3::z());
+            assert!((yaw - 20.0).abs() < 1e-4 && pitch == 0.0, "{pitch_rad}");
+            assert!((roll - 20.0 * sin_cos(pitch_rad).0).abs() < 1e-4, "{pitch_rad}");
+        }
+    }
+
     #[test]
     fn a_quaternion_without_direction_is_the_identity() {
         for q in [Quaternion::new(0.0, 0.0, 0.0, 0.0), Quaternion::new(f32::NAN, 0.0, 0.0, 0.0)] {

@@ -35,14 +35,11 @@ impl LiftCurve {
     /// Lift of a command; the exact inverse of [`Self::command`].
     pub fn lift(&self, command: f32) -> f32 {
         let interval_n = (self.lift_max_n - self.lift_min_n) / LIFT_INTERVALS as f32;
-        for interval in 0..LIFT_INTERVALS {
-            let (low, high) = (self.command_at[interval], self.command_at[interval + 1]);
-            if command < high || interval == LIFT_INTERVALS - 1 {
-                let share = crate::elementary::limit((command - low) / (high - low), 0.0, 1.0);
-                return self.lift_min_n + (interval as f32 + share) * interval_n;
-            }
-        }
-        self.lift_max_n
+        let last = LIFT_INTERVALS - 1;
+        let interval = (0..last).find(|interval| command < self.command_at[interval + 1]).unwrap_or(last);
+        let (low, high) = (self.command_at[interval], self.command_at[interval + 1]);
+        let share = crate::elementary::limit((command - low) / (high - low), 0.0, 1.0);
+        self.lift_min_n + (interval as f32 + share) * interval_n
     }
 
     /// True if lift and command rise together over the whole table.
@@ -83,6 +80,18 @@ mod tests {
         assert_eq!(curve.lift(2.0), 4.0);
         assert_eq!(curve.lift(-1.0), 0.0);
         assert!(curve.lift(f32::NAN).is_finite());
+    }
+
+    #[test]
+    fn a_curve_that_is_flat_anywhere_is_not_increasing() {
+        let curve = square_root_curve();
         assert!(curve.is_increasing());
+        assert!(!LiftCurve { lift_min_n: 4.0, ..curve }.is_increasing(), "no span");
+        assert!(!LiftCurve { lift_min_n: 5.0, ..curve }.is_increasing());
+        for k in [1, 20, LIFT_INTERVALS] {
+            let mut flat = curve;
+            flat.command_at[k] = flat.command_at[k - 1];
+            assert!(!flat.is_increasing(), "interval {k}");
+        }
     }
 }

@@ -264,6 +264,7 @@ mod tests {
         assert_eq!(Sign::of(&start), Sign::ImuFailed);
         assert_eq!(Sign::of(&good), Sign::Ready);
         assert_eq!(battery(0.1, true), Sign::BatteryAbsent);
+        assert_eq!(battery(ABSENT_BELOW_V, true), Sign::BatteryLow, "any battery has that much");
         assert_eq!(battery(9.9, true), Sign::BatteryLow);
         assert_eq!(battery(12.0, false), Sign::Ready);
         let refused = Arming::Disarmed(DisarmedBecause::Refused(Refusal::BatteryLow));

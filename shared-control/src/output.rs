@@ -160,6 +160,19 @@ mod tests {
         assert_eq!(default.count_before_end(PULSE_TIMER_HZ, 3000), 0);
     }
 
+    /// A period of all that 16 bits count to: its registers and compare values stay within 16 bits.
+    #[test]
+    fn the_longest_period_fits_its_registers() {
+        let longest = TimerPeriod { division: SIXTEEN_BITS, ticks: SIXTEEN_BITS };
+        assert_eq!((longest.prescaler(), longest.reload()), (u16::MAX, u16::MAX));
+        assert_eq!(longest.count_before_end(PULSE_TIMER_HZ, 0), u16::MAX);
+        let shortest = TimerPeriod { division: 1, ticks: 1 };
+        assert_eq!((shortest.prescaler(), shortest.reload()), (0, 0));
+        // what no timer can do is as near as a register comes
+        let beyond = TimerPeriod { division: 100_000, ticks: 0 };
+        assert_eq!((beyond.prescaler(), beyond.reload()), (u16::MAX, 0));
+    }
+
     proptest! {
         #[test]
         fn any_period_fits_and_is_the_nearest(clock_hz in 1u32.., rate_hz: u32) {

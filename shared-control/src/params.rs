@@ -240,6 +240,14 @@ pub(crate) mod tests {
         assert_eq!(crc32(b""), 0);
     }
 
+    /// The head of a record: magic, version 3, and the length of what lies between head and CRC.
+    #[test]
+    fn a_record_begins_with_its_head() {
+        let record = encode(&Params::DEFAULT);
+        assert_eq!(record[..8], *b"QCFG\x03\0\x10\0");
+        assert_eq!(record.len(), 8 + 16 + 4);
+    }
+
     #[test]
     fn errors_name_what_is_wrong() {
         assert_eq!(load(&[0xFF; RECORD_LEN]), (Params::DEFAULT, Some(RecordError::NoRecord)));
@@ -251,6 +259,7 @@ pub(crate) mod tests {
         assert_eq!(refused(&Params { loop_rate_hz: 250, ..Params::DEFAULT }), RecordError::Value("LOOP_RATE_HZ"));
         assert_eq!(refused(&Params { control_horizon: 0, ..Params::DEFAULT }), RecordError::Value("CONTROL_HORIZON"));
         let longest = RecordError::Value("CONTROL_HORIZON").to_string();
+        assert!(longest.contains("CONTROL_HORIZON"), "{longest}");
         // they go out as STATUSTEXT
         assert!(longest.len() <= 50);
     }

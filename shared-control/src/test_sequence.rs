@@ -44,8 +44,13 @@ mod tests {
                 assert!(setpoint.throttle == 0.5 && setpoint.yaw_rate_rad_s == 0.0);
             }
         }
-        let third = at(3 * SEGMENT_US, 0.5).unwrap();
-        assert!((third.roll_rad + core::f32::consts::FRAC_PI_6).abs() < 1e-7 && third.pitch_rad == 0.0);
+        // thesis, section 5.2: each axis by itself, then both together, in units of 30 degrees
+        let (single, both) = ([(1, 0), (-1, 0), (0, 1), (0, -1)], [(1, 1), (1, -1), (-1, 1), (-1, -1)]);
+        for (position, (roll, pitch)) in (0..).zip(single.into_iter().chain(both)) {
+            let setpoint = at((2 * position + 1) * SEGMENT_US, 0.5).unwrap();
+            let is = |angle_rad: f32, units: i8| (angle_rad - 30f32.to_radians() * f32::from(units)).abs() < 1e-6;
+            assert!(is(setpoint.roll_rad, roll) && is(setpoint.pitch_rad, pitch), "{position}: {setpoint:?}");
+        }
         assert_eq!(at(DURATION_US, 0.5), None);
         assert_eq!(at(u64::MAX, 0.5), None);
     }

@@ -302,6 +302,39 @@ mod tests {
         }
     }
 
+    /// Begun in the middle of a turn that nothing disturbs, it finds no disturbance.
+    #[test]
+    fn it_begins_at_the_rates_that_it_is_given() {
+        let config = observer(0.0, 0.0, 20.0);
+        let rate_rad_s = [1.0, -2.0, 0.5];
+        let mut state = ObserverState::at(rate_rad_s);
+        for _ in 0..100 {
+            state.update(&config, rate_rad_s, [0.0; 3], [0.0; 3]);
+            assert!(state.disturbance_nm().iter().all(|found_nm| found_nm.abs() < 1e-6), "{state:?}");
+        }
+    }
+
+    /// What is estimated and what is known act alike until the next plan does.
+    #[test]
+    fn the_next_plan_begins_where_all_torques_from_outside_lead() {
+        let config = observer(0.0, 0.0, 20.0);
+        let mut state = ObserverState::default();
+        let mut rate_rad_s = 0.0;
+        for _ in 0..400 {
+            state.update(&config, [rate_rad_s; 3], [0.0; 3], [0.0; 3]);
+            rate_rad_s += 0.1 / INERTIA_KG_M2 * STEP_S;
+        }
+        assert!(state.disturbance_nm().iter().all(|found_nm| (found_nm - 0.1).abs() < 1e-3), "{state:?}");
+        for known_nm in [-0.1, 0.0, 0.05] {
+            for there in state.at_next_plan(&config, [0.3; 3], [0.2; 3], [known_nm; 3]) {
+                let acceleration = (0.1 + known_nm) / INERTIA_KG_M2;
+                assert!((there.rate_rad_s - (0.2 + acceleration * STEP_S)).abs() < 3e-4, "{there:?}");
+                let angle_rad = 0.3 + 0.2 * STEP_S + 0.5 * acceleration * STEP_S * STEP_S;
+                assert!((there.angle_rad - angle_rad).abs() < 1e-6, "{there:?}");
+            }
+        }
+    }
+
     #[test]
     fn it_is_bounded_and_without_bandwidth_there_is_none() {
         for (bandwidth_rad_s, expected) in [(20.0, -0.2), (0.0, 0.0)] {

@@ -115,3 +115,48 @@ impl VehicleParameters {
         [tilt_torque_nm / roll, tilt_torque_nm / pitch, yaw_torque_nm / yaw]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::airframe::TORQUE_SIGNS;
+
+    /// From the motors' signs: full roll and pitch together take each motor from the middle of its range to an end or
+    /// leave it there; full yaw takes half of that.
+    #[test]
+    fn the_authority_is_what_four_motors_can_do() {
+        let mut vehicle = VehicleParameters::F450_GIMBAL;
+        vehicle.lift_curve.lift_min_n = 0.4;
+        let span_n = vehicle.lift_curve.lift_max_n - 0.4;
+        assert!((vehicle.lift_span_n() - span_n).abs() < 1e-6);
+        let arms_m = [vehicle.arm_m / 2f32.sqrt(), vehicle.arm_m / 2f32.sqrt(), vehicle.torque_per_lift_m];
+        for (axis, authority) in vehicle.acceleration_authority_rad_s2().into_iter().enumerate() {
+            let torque_nm: f32 = TORQUE_SIGNS[axis].iter().map(|sign| sign * sign * 0.25 * span_n * arms_m[axis]).sum();
+            assert!((authority * vehicle.inertia_kg_m2[axis] - torque_nm).abs() < 1e-5 * torque_nm, "axis {axis}");
+        }
+        let [roll, pitch, _] = TORQUE_SIGNS;
+        for motor in 0..4 {
+            let moved_n = 0.25 * span_n * (roll[motor] + pitch[motor]);
+            assert!(moved_n.abs() <= 0.5 * span_n);
+        }
+    }
+
+    /// `docs/tuning.md`: 27 rad/s^2 in roll and 8.5 in pitch on the gimbal.
+    #[test]
+    fn the_gimbals_authority_is_the_pages() {
+        let [roll, pitch, _] = VehicleParameters::F450_GIMBAL.acceleration_authority_rad_s2();
+        assert!((roll - 27.0).abs() < 0.5 && (pitch - 8.5).abs() < 0.05, "{roll} {pitch}");
+    }
+
+    /// On its side, the body on the gimbal turns about its own yaw axis within the ring; in free flight pitch is the
+    /// body's y axis however it is rolled.
+    #[test]
+    fn pitch_rolled_by_a_right_angle_turns_the_ring_and_the_bodys_yaw_inertia() {
+        let gimbal = VehicleParameters { ring_inertia_kg_m2: 0.025, ..VehicleParameters::F450_GIMBAL };
+        let PitchInertia { level_kg_m2, rolled_kg_m2 } = gimbal.pitch_inertia();
+        assert_eq!(level_kg_m2, gimbal.inertia_kg_m2[1]);
+        assert!((rolled_kg_m2 - 0.045).abs() < 1e-7, "{rolled_kg_m2}");
+        let free = VehicleParameters::F450_FREE.pitch_inertia();
+        assert_eq!(free.level_kg_m2, free.rolled_kg_m2);
+    }
+}

@@ -141,6 +141,7 @@ mod tests {
     use super::*;
     use crate::elementary::sin_cos;
     use crate::frames::{EulerAngles, euler_from_q, q_from_rotation_vector};
+    use nalgebra::Quaternion;
     use proptest::prelude::*;
 
     fn any_attitude() -> impl Strategy<Value = UnitQuaternion<f32>> {
@@ -274,8 +275,40 @@ mod tests {
         assert_eq!((rate.rate_rad_s.z, rate.acceleration_rad_s2.z, locked.angles().yaw_rad), (0.0, 0.0, 0.0));
     }
 
+    /// A vehicle that keeps up within the limit is not waited for; beyond, the reference is left the limit ahead.
+    #[test]
+    fn the_heading_waits_only_for_what_is_too_far_off() {
+        for (behind_rad, waits_rad) in [(0.3, 0.0), (-0.3, 0.0), (0.8, 0.3), (-0.8, -0.3)] {
+            let mut state = AngleState::at(&euler(0.0, 0.0, 1.0));
+            let vehicle = at(euler(0.0, 0.0, 1.0 - behind_rad));
+            update(&config(false), &mut state, &Setpoint::default(), &vehicle, 0.0025);
+            let heading_rad = state.angles().yaw_rad;
+            assert!((heading_rad - (1.0 - waits_rad)).abs() < 1e-5, "{behind_rad}: {heading_rad}");
+        }
+    }
+
+    /// A rig whose heading can't move flies roll and pitch like any other vehicle, and none of the heading's share.
+    #[test]
+    fn a_locked_heading_leaves_roll_and_pitch_as_they_are() {
+        let setpoint = Setpoint { roll_rad: 0.5, pitch_rad: 0.3, ..Setpoint::default() };
+        let vehicle = at(euler(0.4, 0.0, 0.0));
+        let [mut free, mut locked] = [AngleState::at(&euler(0.4, 0.0, 0.0)); 2];
+        for _ in 0..20 {
+            let free = update(&config(false), &mut free, &setpoint, &vehicle, 0.0025);
+            let locked = update(&config(true), &mut locked, &setpoint, &vehicle, 0.0025);
+            assert_eq!(free.rate_rad_s.xy(), locked.rate_rad_s.xy());
+            assert_eq!(free.acceleration_rad_s2.xy(), locked.acceleration_rad_s2.xy());
+            assert!(free.acceleration_rad_s2.z < 0.0, "right side down, a rising nose turns the vehicle to the left");
+            assert_eq!((locked.rate_rad_s.z, locked.acceleration_rad_s2.z), (0.0, 0.0));
+        }
+    }
+
     #[test]
     fn opposite_thrust_axes_give_a_finite_way_back() {
+        for exactly in [Quaternion::new(0.0, 1.0, 0.0, 0.0), Quaternion::new(0.0, 0.6, -0.8, 0.0)] {
+            let error = attitude_error(&UnitQuaternion::identity(), &UnitQuaternion::new_unchecked(exactly));
+            assert_eq!((error.xy().norm(), error.z), (core::f32::consts::PI, 0.0));
+        }
         let upside_down = q_from_rotation_vector(&Vector3::new(0.0, core::f32::consts::PI, 0.0));
         let error = attitude_error(&UnitQuaternion::identity(), &upside_down);
         assert!((error.xy().norm() - core::f32::consts::PI).abs() < 1e-3);

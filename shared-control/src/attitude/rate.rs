@@ -193,6 +193,56 @@ mod tests {
     }
 
     #[test]
+    fn the_error_is_the_target_less_the_rate() {
+        let at_rest = Delivery::Applied { unmet: [0.0; 3] };
+        let (target, rate) = (Vector3::new(0.3, 0.0, 0.0), Vector3::new(0.1, 0.2, 0.0));
+        let ask = |target, rate| update(&[GAINS; 3], &mut RateState::default(), &target, &rate, at_rest, DT);
+        assert!((ask(target, rate) - ask(target - rate, Vector3::zeros())).norm() < 1e-6);
+        assert!(ask(target, rate).x > 0.0 && ask(target, rate).y < 0.0);
+    }
+
+    /// In saturation an integral may go towards zero, however small it is against the error, and not away from it.
+    #[test]
+    fn in_saturation_the_integral_only_shrinks() {
+        for (integral, error) in [(-0.5, 1.0), (0.5, -1.0), (-3.0, 0.5), (3.0, -0.5)] {
+            let mut state = RateState::default();
+            state.shift_integral([integral, 0.0, 0.0]);
+            run(&mut state, error, error);
+            assert!(state.axes[0].integral_rad_s2.abs() < f32::abs(integral), "{integral} {error}");
+            let mut state = RateState::default();
+            state.shift_integral([integral, 0.0, 0.0]);
+            run(&mut state, -error, -error);
+            assert_eq!(state.axes[0].integral_rad_s2, integral, "{integral} {error}");
+        }
+    }
+
+    /// A rate that is off by a steady error, as in a long turn: what the fallback asks for is still what the other did.
+    #[test]
+    fn what_the_error_asks_for_is_not_taken_for_a_steady_part() {
+        let mut state = RateState::default();
+        let target = Vector3::new(0.1, 0.0, 0.0);
+        let instead = Delivery::NotApplied { instead_rad_s2: [3.0, 0.0, 0.0] };
+        let mut asks = || update(&[GAINS; 3], &mut state, &target, &Vector3::zeros(), instead, DT).x;
+        for _ in 0..400 {
+            asks();
+        }
+        assert!((asks() - 3.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn what_is_added_to_the_integrals_counts_within_their_limits() {
+        let at_rest = Delivery::Applied { unmet: [0.0; 3] };
+        let mut state = RateState::default();
+        let mut asks = |by_rad_s2: [f32; 3]| {
+            state.shift_integral(by_rad_s2);
+            update(&[GAINS; 3], &mut state, &Vector3::zeros(), &Vector3::zeros(), at_rest, DT)
+        };
+        assert_eq!(asks([1.0, -2.0, 4.0]), Vector3::new(1.0, -2.0, 4.0));
+        assert_eq!(asks([0.5, 0.5, 4.0]), Vector3::new(1.5, -1.5, 5.0));
+        assert_eq!(asks([f32::NAN, f32::INFINITY, -1.0]), Vector3::new(1.5, -1.5, 4.0), "no number changes nothing");
+    }
+
+    #[test]
     fn a_rate_that_is_not_a_number_asks_for_nothing() {
         let mut state = RateState::default();
         let out = update(

@@ -45,3 +45,53 @@ pub(super) fn rate_gains(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate
         derivative_filter: LowPass1::new(tuning.rate_derivative_cutoff_hz, loop_rate_hz),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vehicle(yaw_locked: bool) -> VehicleParameters {
+        VehicleParameters { yaw_locked, ..VehicleParameters::F450_GIMBAL }
+    }
+
+    /// `docs/tuning.md`: at 100 Hz, or at 0.4 of the loop rate where that is less.
+    #[test]
+    fn the_gyros_low_pass_lets_no_noise_fold_down() {
+        let tuning = Tuning::for_motor_lag(0.0);
+        for (loop_rate_hz, cutoff_hz) in [(400.0, 100.0), (250.0, 100.0), (200.0, 80.0), (100.0, 40.0)] {
+            assert!((gyro_cutoff(&tuning, loop_rate_hz) - cutoff_hz).abs() < 1e-4, "{loop_rate_hz}");
+        }
+    }
+
+    /// The reference may use its share of what the motors can do, the correction half of that.
+    #[test]
+    fn limits_follow_from_the_vehicles_authority() {
+        let (vehicle, tuning) = (vehicle(true), Tuning { acceleration_share: 0.5, ..Tuning::for_motor_lag(0.0) });
+        let config = angle_config(&vehicle, &tuning);
+        for (axis, authority) in vehicle.acceleration_authority_rad_s2().into_iter().enumerate() {
+            assert!((config.shaping[axis].acceleration_max_rad_s2 / authority - 0.5).abs() < 1e-6);
+            assert!((config.acceleration_max_rad_s2[axis] / authority - 0.25).abs() < 1e-6);
+            assert_eq!(config.shaping[axis].gain_1_s, tuning.shaping_gain_1_s[axis]);
+            assert_eq!(config.gain_1_s[axis], tuning.angle_gain_1_s[axis]);
+        }
+        assert!(config.yaw_locked);
+    }
+
+    /// Gains are the tuning's, but for a heading that can't move, which has none.
+    #[test]
+    fn a_locked_heading_has_no_rate_loop() {
+        let tuning = Tuning { rate_derivative: [0.1, 0.2, 0.3], ..Tuning::for_motor_lag(0.02) };
+        for locked in [false, true] {
+            let authority = vehicle(locked).acceleration_authority_rad_s2();
+            for (axis, gains) in rate_gains(&vehicle(locked), &tuning, 400.0).into_iter().enumerate() {
+                let expected = if locked && axis == 2 {
+                    [0.0; 3]
+                } else {
+                    [tuning.rate_proportional_1_s[axis], tuning.rate_integral_1_s2[axis], tuning.rate_derivative[axis]]
+                };
+                assert_eq!([gains.proportional_1_s, gains.integral_1_s2, gains.derivative], expected);
+                assert!((gains.integral_max_rad_s2 / authority[axis] - 0.8).abs() < 1e-6);
+            }
+        }
+    }
+}

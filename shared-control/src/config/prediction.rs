@@ -67,3 +67,61 @@ pub(super) fn observer_config(
 fn known_actuation(vehicle: &VehicleParameters, tuning: &Tuning) -> Actuation {
     if tuning.mpc_knows_actuation { vehicle.actuation } else { Actuation::default() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::airframe::TORQUE_SIGNS;
+    use crate::torque_observer::ObserverState;
+
+    const VEHICLE: VehicleParameters = VehicleParameters::F450_FREE;
+
+    fn tuning() -> Tuning {
+        Tuning { mpc_motor_limits: true, ..Tuning::for_vehicle(&VEHICLE) }
+    }
+
+    /// Thesis (2.6): an input of one motor's span at the arm accelerates roll by that torque over the inertia; about
+    /// the vertical it is a torque.
+    #[test]
+    fn inputs_are_lift_differences_and_a_yaw_torque() {
+        let settings = mpc_settings(&VEHICLE, &tuning(), 400.0);
+        let span_n = VEHICLE.lift_span_n();
+        let torque_nm = [span_n * VEHICLE.arm_m, span_n * VEHICLE.arm_m, span_n * VEHICLE.torque_per_lift_m];
+        for (axis, torque_nm) in torque_nm.into_iter().enumerate() {
+            let input = settings.problem.input_max[axis];
+            assert!((input * settings.torque_per_input_nm[axis] / torque_nm - 1.0).abs() < 1e-6);
+            let acceleration = torque_nm / VEHICLE.inertia_kg_m2[axis];
+            assert!((input * settings.problem.input_gain[axis] / acceleration - 1.0).abs() < 1e-6);
+        }
+        for (rate_hz, step_s) in [(400.0, 0.0025), (100.0, 0.01)] {
+            assert!((mpc_settings(&VEHICLE, &tuning(), rate_hz).preview.control_step_s - step_s).abs() < 1e-9);
+        }
+    }
+
+    /// Four motors that give what the settings say for a torque make that torque.
+    #[test]
+    fn the_motors_share_is_what_makes_the_torque() {
+        let motors = mpc_settings(&VEHICLE, &tuning(), 400.0).motors.unwrap();
+        let arms_m = [VEHICLE.lever_m(), VEHICLE.lever_m(), VEHICLE.torque_per_lift_m];
+        for axis in 0..3 {
+            let lift_n = TORQUE_SIGNS[axis].map(|sign| sign * motors.lift_per_torque_1_m[axis] * 0.3);
+            let torque_nm: f32 = TORQUE_SIGNS[axis].iter().zip(lift_n).map(|(sign, n)| sign * n * arms_m[axis]).sum();
+            assert!((torque_nm - 0.3).abs() < 1e-6, "axis {axis}: {torque_nm}");
+        }
+    }
+
+    /// However wrong the rate, the disturbance stays within what the rate loop's integral may hold.
+    #[test]
+    fn the_disturbance_is_bounded_by_the_integrals_share_of_the_authority() {
+        let config = observer_config(&VEHICLE, &tuning(), 400.0).unwrap();
+        let mut state = ObserverState::default();
+        for _ in 0..100 {
+            state.update(&config, [1e3; 3], [0.0; 3], [0.0; 3]);
+        }
+        let authority = VEHICLE.acceleration_authority_rad_s2();
+        for (axis, found_nm) in state.disturbance_nm().into_iter().enumerate() {
+            let bound_nm = 0.8 * authority[axis] * VEHICLE.inertia_kg_m2[axis];
+            assert!((found_nm / bound_nm - 1.0).abs() < 1e-6, "axis {axis}: {found_nm} {bound_nm}");
+        }
+    }
+}

@@ -154,3 +154,70 @@ pub(super) fn mpc_input_gain(vehicle: &VehicleParameters) -> [f32; 3] {
     let torque_nm = mpc_torque_per_input_nm(vehicle);
     core::array::from_fn(|axis| torque_nm[axis] / vehicle.inertia_kg_m2[axis])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is(found: [f32; 3], expected: [f32; 3]) -> bool {
+        found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() <= 2e-3 * expected)
+    }
+
+    /// The numbers of `docs/tuning.md` for motors without lag and with one of 50 ms: by hand, to three digits.
+    #[test]
+    fn gains_follow_from_the_lag_as_the_page_says() {
+        for (lag_s, rate, angle, lead_s, share, observer) in
+            [(0.0, 30.0, 8.0, 0.005, 0.6, 10.0), (0.05, 20.69, 6.061, 0.0475, 0.4138, 5.0)]
+        {
+            let tuning = Tuning::for_motor_lag(lag_s);
+            assert!(is(tuning.rate_proportional_1_s, [rate, rate, 0.4 * rate]), "{tuning:?}");
+            assert!(is(tuning.rate_derivative, [lead_s * rate, lead_s * rate, 0.0]), "{tuning:?}");
+            assert!(is(tuning.angle_gain_1_s, [angle, angle, 0.5 * angle]), "{tuning:?}");
+            assert!(is(tuning.shaping_gain_1_s, [0.87 * angle, 0.87 * angle, 0.5 * angle]), "{tuning:?}");
+            assert!(is([tuning.acceleration_share; 3], [share; 3]), "{tuning:?}");
+            assert!(is(tuning.mpc_lead_s, [0.1 + lag_s; 3]), "{tuning:?}");
+            assert!(is([tuning.mpc_disturbance_bandwidth_rad_s; 3], [observer; 3]), "{tuning:?}");
+        }
+    }
+
+    /// Whatever the motors: the integral's corner is a decade below the rate loop's crossover, the angle loop and the
+    /// reference are slower than the rate loop, and slower motors make everything slower.
+    #[test]
+    fn every_loop_is_slower_than_the_one_inside() {
+        let mut faster: Option<Tuning> = None;
+        for step in 0..=20u8 {
+            let tuning = Tuning::for_motor_lag(0.01 * f32::from(step));
+            for axis in 0..3 {
+                let rate = tuning.rate_proportional_1_s[axis];
+                let corner = tuning.rate_integral_1_s2[axis] / rate;
+                assert!((corner - if axis == 2 { 1.0 } else { 2.0 }).abs() < 1e-4, "{corner}");
+                assert!(tuning.angle_gain_1_s[axis] < rate / 2.0, "{tuning:?}");
+                assert!(tuning.shaping_gain_1_s[axis] <= tuning.angle_gain_1_s[axis], "{tuning:?}");
+                if let Some(faster) = &faster {
+                    assert!(rate < faster.rate_proportional_1_s[axis]);
+                    assert!(tuning.angle_gain_1_s[axis] < faster.angle_gain_1_s[axis]);
+                    assert!(tuning.acceleration_share < faster.acceleration_share);
+                }
+            }
+            faster = Some(tuning);
+        }
+        assert_eq!(Tuning::for_motor_lag(f32::NAN), Tuning::for_motor_lag(0.0));
+        assert_eq!(Tuning::for_motor_lag(3.0), Tuning::for_motor_lag(0.2));
+    }
+
+    /// Vehicles that differ in nothing but their inertia weigh a change of the angular acceleration alike: 0.0025 per
+    /// (rad/s^2)^2 (`docs/tuning.md`), ten times that about the vertical.
+    #[test]
+    fn the_increments_weight_is_one_of_the_acceleration() {
+        for scale in [1.0, 3.0] {
+            let mut vehicle = VehicleParameters::F450_GIMBAL;
+            vehicle.inertia_kg_m2 = vehicle.inertia_kg_m2.map(|inertia| scale * inertia);
+            let tuning = Tuning::for_vehicle(&vehicle);
+            // inputs are lift differences at the arm, N, and a torque about the vertical, N m
+            let [roll, pitch, yaw] = vehicle.inertia_kg_m2;
+            let accelerations = [vehicle.arm_m / roll, vehicle.arm_m / pitch, 1.0 / yaw];
+            let weights = core::array::from_fn(|axis| tuning.mpc_increment_weight[axis] / accelerations[axis].powi(2));
+            assert!(is(weights, [0.0025, 0.0025, 0.025]), "{weights:?}");
+        }
+    }
+}

@@ -144,3 +144,64 @@ impl FrameWriter {
         fits && out.extend_from_slice(&crc.to_le_bytes()).is_ok()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXTRA: u8 = 50;
+
+    /// A frame as the page of the serialisation has it, with this payload, and with a signature if `signed`.
+    fn bytes(payload: &[u8], signed: bool) -> heapless::Vec<u8, 512> {
+        let flags = if signed { FLAG_SIGNED } else { 0 };
+        let mut frame = heapless::Vec::from_slice(&[0xFD, payload.len() as u8, flags, 0, 7, 3, 4, 0, 0, 0]).unwrap();
+        frame.extend_from_slice(payload).unwrap();
+        let crc = calculate_crc(&frame[1..], EXTRA);
+        frame.extend_from_slice(&crc.to_le_bytes()).unwrap();
+        if signed {
+            frame.extend_from_slice(&[0xFD; 13]).unwrap();
+        }
+        frame
+    }
+
+    /// How many bytes it takes until the frame is found, if it is.
+    fn found_after(finder: &mut FrameFinder, stream: &[u8]) -> Option<(usize, Frame)> {
+        (1..).zip(stream).find_map(|(count, byte)| Some((count, finder.push(*byte, |_| Some(EXTRA))?)))
+    }
+
+    /// Written where it just fits behind what is there already; with one byte less nothing is, and no number is used.
+    #[test]
+    fn a_frame_is_written_whole_or_not_at_all() {
+        use mavlink::dialects::common::COMMAND_ACK_DATA;
+        let data = COMMAND_ACK_DATA::DEFAULT;
+        let mut writer = FrameWriter::new(1, 1);
+        let mut long = heapless::Vec::<u8, 100>::new();
+        assert!(writer.write(&data, &mut long));
+        // without its trailing zeros a payload is at least one byte long
+        assert_eq!(long.len(), HEADER_LEN + 1 + CRC_LEN);
+        let mut twice = heapless::Vec::<u8, 26>::new();
+        assert!(writer.write(&data, &mut twice) && writer.write(&data, &mut twice));
+        assert_eq!([twice[4], twice[13 + 4]], [1, 2], "numbered one after the other");
+        let mut once = heapless::Vec::<u8, 25>::new();
+        assert!(writer.write(&data, &mut once) && !writer.write(&data, &mut once));
+        assert_eq!((once.len(), writer.sequence), (13, 4));
+    }
+
+    /// Each is found with its own last byte, and nothing of it is left to be taken for garbage.
+    #[test]
+    fn a_frame_ends_with_its_last_byte() {
+        let payload = [0x5A; PAYLOAD_MAX];
+        let mut finder = FrameFinder::default();
+        for length in [0, 1, 40, PAYLOAD_MAX] {
+            for signed in [true, false] {
+                let stream = bytes(&payload[..length], signed);
+                let (count, frame) = found_after(&mut finder, &stream).unwrap();
+                assert_eq!((count, frame.payload.as_slice()), (stream.len(), &payload[..length]));
+                assert_eq!((frame.system_id, frame.component_id, frame.message_id), (3, 4, 0));
+                assert_eq!((finder.held.len(), finder.bytes_skipped), (0, 0), "{length} {signed}");
+            }
+        }
+        assert_eq!(found_after(&mut finder, &bytes(&[0x5A; PAYLOAD_MAX + 1], false)), None, "one more is too many");
+        assert_eq!(bytes(&payload, true).len(), FRAME_MAX, "the longest just fits");
+    }
+}

@@ -145,3 +145,6 @@ pub(super) fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
         ..SYS_STATUS_DATA::DEFAULT
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -182,3 +182,6 @@ fn crc_extra(message_id: u32) -> Option<u8> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -220,3 +220,6 @@ impl Due {
         self.next_us = if on_time > time_us { on_time } else { time_us.saturating_add(self.period_us) };
     }
 }
+
+#[cfg(test)]
+mod tests;

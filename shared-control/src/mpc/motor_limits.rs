@@ -73,12 +73,16 @@ impl Room {
         smaller(self.down_n, self.up_n)
     }
 
-    /// Whether all four motors stay within the room under the axes' shares, N; false for what is no number.
+    /// Whether all four motors stay within the room under the axes' shares, N; false for what is no number, and for a
+    /// room without end, which no motor has.
     pub fn holds(&self, [roll_n, pitch_n, yaw_n]: [f32; 3]) -> bool {
         let rounding_n = ROUNDING * (self.down_n + self.up_n);
         let [roll, pitch, yaw] = TORQUE_SIGNS;
         let motors_n = [0, 1, 2, 3].map(|motor| roll[motor] * roll_n + pitch[motor] * pitch_n + yaw[motor] * yaw_n);
-        motors_n.iter().all(|motor_n| -self.down_n - rounding_n <= *motor_n && *motor_n <= self.up_n + rounding_n)
+        rounding_n.is_finite()
+            && motors_n
+                .iter()
+                .all(|motor_n| -self.down_n - rounding_n <= *motor_n && *motor_n <= self.up_n + rounding_n)
     }
 }
 

@@ -145,3 +145,33 @@ impl ProblemSettings {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    /// What a person reads names the field, the axis and the value.
+    #[test]
+    fn errors_say_what_is_wrong() {
+        for (error, words) in [
+            (
+                MpcError::OutOfRange { field: "input_max", axis: 2, value: -1.5 },
+                "input_max (axis 2) must be finite and positive, not -1.5",
+            ),
+            (MpcError::ControlHorizon { found: 11, room: 10 }, "the control horizon must be 1 to 10 steps, not 11"),
+            (
+                MpcError::Horizon { found: 3, control_horizon: 5 },
+                "the horizon must be 5 (the control horizon) to 30 steps, not 3",
+            ),
+            (
+                MpcError::Program { axis: 1, error: QpError::NotFinite },
+                "axis 1: the matrices of the quadratic program must be finite",
+            ),
+        ] {
+            assert_eq!(error.to_string(), words);
+        }
+        assert!(MpcError::AngleBound { axis: 1 }.to_string().starts_with("output_max_rad (axis 1)"));
+    }
+}

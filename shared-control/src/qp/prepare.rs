@@ -138,11 +138,6 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         variables
     }
 
-    /// The minimiser without constraints, -H^-1 f.
-    pub fn unconstrained(&self, linear: &[f32; N]) -> [f32; N] {
-        self.variables_at(&self.target(linear))
-    }
-
     /// Indices of the variables in use.
     ///
     /// Never above N, and written so that the compiler sees it: then it leaves no panic behind an index.

@@ -357,6 +357,65 @@ fn no_numbers_are_numerical_errors() {
     assert_eq!(linear.solve().0.status, Status::NumericalError);
 }
 
+/// What is infinite on the wrong side holds nowhere.
+#[test]
+fn a_bound_at_the_wrong_infinity_is_infeasible() {
+    for (lower, upper) in [(f32::INFINITY, f32::INFINITY), (f32::NEG_INFINITY, f32::NEG_INFINITY), (1.0, -1.0)] {
+        let mut problem = Problem::<2, 1>::identity([1.0; 2]);
+        problem.rows[0] = [1.0, 1.0];
+        let mut of_row = problem.clone();
+        (problem.bounds.lower[1], problem.bounds.upper[1]) = (lower, upper);
+        (of_row.bounds.row_lower[0], of_row.bounds.row_upper[0]) = (lower, upper);
+        for problem in [problem, of_row] {
+            assert_eq!(problem.solve().0.status, Status::Infeasible, "{lower} {upper}");
+        }
+    }
+}
+
+/// A point that is outside a bound by less than rounding counts as inside, and is given as the bound itself.
+#[test]
+fn no_bound_is_passed_by_rounding() {
+    for (target, expected) in [(1.000_000_5, 1.0), (-1.000_000_5, -1.0), (0.25, 0.25)] {
+        let mut problem = Problem::<2, 0>::identity([-target, 0.0]);
+        (problem.bounds.lower[0], problem.bounds.upper[0]) = (-1.0, 1.0);
+        assert_eq!(problem.solve().0.x, [expected, 0.0]);
+    }
+}
+
+/// Limits that contradict each other by less than the tolerance of both together are met as well as they can be; by
+/// more, they are not.
+#[test]
+fn a_contradiction_within_rounding_is_none() {
+    let with_gap = |gap: f32| {
+        let mut problem = Problem::<1, 1>::identity([0.0]);
+        problem.rows[0] = [1.0];
+        (problem.bounds.lower[0], problem.bounds.row_upper[0]) = (1.0 + gap, 1.0);
+        problem.solve().0
+    };
+    let met = with_gap(1.5e-6);
+    assert_eq!(met.status, Status::Solved);
+    assert!((met.x[0] - 1.0).abs() < 2e-6);
+    assert_eq!(with_gap(1e-5).status, Status::Infeasible);
+}
+
+#[test]
+fn errors_say_what_is_wrong() {
+    use std::string::ToString;
+    for (error, words) in [
+        (QpError::NotSymmetric.to_string(), "symmetric"),
+        (QpError::NotPositiveDefinite { variable: 3 }.to_string(), "variable 3"),
+        (QpError::IllConditioned { variable: 4 }.to_string(), "variable 4"),
+        (QpError::EmptyRow { row: 5 }.to_string(), "row 5"),
+        (QpError::TooManyRows.to_string(), "rows"),
+        (QpError::VariableCount.to_string(), "variables"),
+        (SettingsError::IterationLimit.to_string(), "iteration_limit"),
+        (SettingsError::FeasibilityTolerance.to_string(), "feasibility_tolerance"),
+        (SettingsError::DependenceTolerance.to_string(), "dependence_tolerance"),
+    ] {
+        assert!(error.contains(words), "{error}");
+    }
+}
+
 #[test]
 fn iteration_limit_is_kept() {
     let mut problem = Problem::<6, 0>::identity([-9.0, 9.0, -8.0, 8.0, -7.0, 7.0]);

@@ -141,3 +141,54 @@ impl<const N: usize> WorkingSet<N> {
         Workspace { active: self.active, multipliers: self.multipliers, count: self.count }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Holds the three axes with these multipliers.
+    fn holding(multipliers: [f32; 3]) -> WorkingSet<3> {
+        let mut working = WorkingSet::new(3, 1e-5);
+        for (axis, multiplier) in multipliers.into_iter().enumerate() {
+            let mut row = [0.0; 3];
+            row[axis] = 1.0;
+            let half_space = HalfSpace { constraint: axis as u16, is_upper: true };
+            working.append(&Inequality { half_space, row, limit: 1.0 }, multiplier);
+        }
+        working
+    }
+
+    /// From (1, 2, 3) to (-1, 4, 3) the first vanishes half-way, where the others are (3, 3).
+    #[test]
+    fn a_walk_ends_where_the_first_multiplier_vanishes() {
+        let mut working = holding([1.0, 2.0, 3.0]);
+        let blocking = working.walk_to(&[-1.0, 4.0, 3.0]).unwrap();
+        assert_eq!((blocking.position, blocking.step), (0, 0.5));
+        assert_eq!(working.multipliers, [0.0, 3.0, 3.0]);
+        working.release(blocking);
+        assert_eq!(working.multipliers[..2], [3.0, 3.0]);
+        assert_eq!(working.active().iter().map(|held| held.constraint).sum::<u16>(), 1 + 2);
+        // and to where none is negative they go at once
+        assert!(working.walk_to(&[0.0, 7.0, 0.0]).is_none());
+        assert_eq!(working.multipliers[..2], [0.0, 7.0]);
+    }
+
+    /// Only those that fall can vanish; of two that vanish together the first is let go.
+    #[test]
+    fn only_what_falls_vanishes() {
+        let working = holding([1.0, 1.0, 1.0]);
+        let found = |direction: [f32; 3]| working.first_to_vanish(&direction).map(|found| (found.position, found.step));
+        assert_eq!(found([0.0, -0.5, 1.0]), Some((1, 2.0)));
+        assert_eq!(found([-0.5, -2.0, -1.0]), Some((1, 0.5)));
+        assert_eq!(found([1.0, -1.0, -1.0]), Some((1, 1.0)));
+        assert_eq!(found([0.0, 1.0, 2.0]), None);
+    }
+
+    /// Rounding below zero is zero: multipliers stay dual feasible.
+    #[test]
+    fn no_multiplier_becomes_negative() {
+        let mut working = holding([1.0, 0.5, 0.0]);
+        working.walk(&[-1.0, -1.0, 1.0], 0.75);
+        assert_eq!(working.multipliers, [0.25, 0.0, 0.75]);
+    }
+}

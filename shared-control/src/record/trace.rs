@@ -218,6 +218,16 @@ mod tests {
             trace.record(&input, &output, &state);
             prop_assert_eq!(trace.input(), input);
             prop_assert_eq!(trace.step, output.step);
+            prop_assert_eq!(trace.compare_counts, output.compare_counts.map(u32::from));
+            let numbers = [output.arming.number(), output.imu_unit.number(), output.imu_health.number()];
+            prop_assert_eq!([trace.arming, trace.imu_unit, trace.imu_health], numbers);
+            prop_assert_eq!(
+                [trace.standby_health, trace.source],
+                [output.standby_health.number(), output.source.number()]
+            );
+            let q = output.estimate.q_world_from_body;
+            prop_assert_eq!(trace.attitude.map(f32::from_bits), [q.w, q.i, q.j, q.k]);
+            prop_assert_eq!(trace.state, state.words());
         }
     }
 

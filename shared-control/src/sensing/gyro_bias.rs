@@ -207,6 +207,20 @@ mod tests {
         assert!(!goes_on(bias, None));
     }
 
+    /// After a turn rest begins where down is now: an equal reading goes on, and one as far away again does not.
+    #[test]
+    fn rest_begins_anew_where_the_vehicle_lies_now() {
+        let tilted =
+            |rad: f32| Some(Vector3::new(crate::elementary::sin_cos(rad).0, 0.0, crate::elementary::sin_cos(rad).1));
+        let mut gyro = GyroBias::default();
+        for (tilt_rad, rest_steps) in
+            [(0.0, 1.0), (0.2, 0.0), (0.2, 1.0), (0.22, 2.0), (0.26, 0.0), (0.32, 0.0), (0.3, 1.0)]
+        {
+            gyro.average_at_rest(&CONFIG, &news(Vector3::zeros()), tilted(tilt_rad));
+            assert_eq!(gyro.rest_s(), rest_steps * STEP_S, "{tilt_rad}");
+        }
+    }
+
     /// A slow turn is found against where down was when the window began, not against the step before.
     #[test]
     fn down_is_compared_with_the_windows_first() {

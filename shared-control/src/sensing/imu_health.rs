@@ -279,6 +279,69 @@ mod tests {
         assert_eq!(state.update(Chips::One, &[noisy(320)], false), ImuHealth::Good);
     }
 
+    /// What might turn into a finding makes it suspect at once, and ends with its cause.
+    #[test]
+    fn the_first_sign_of_a_fault_makes_it_suspect() {
+        let quiet = rested();
+        assert!(!quiet.is_suspect(Chips::One));
+        let next = |samples: &[RawImuSample]| {
+            let mut state = quiet;
+            state.update(Chips::One, samples, false);
+            let suspect = state.is_suspect(Chips::One);
+            state.update(Chips::One, &[noisy(305)], false);
+            assert!(!state.is_suspect(Chips::One));
+            suspect
+        };
+        let noise = noisy(300);
+        assert!(!next(&[noise]));
+        assert!(next(&[]), "no sample");
+        assert!(next(&[RawImuSample { gyro_counts: [7; 3], accel_counts: [7; 3], ..noise }]), "a dead bus");
+        assert!(next(&[RawImuSample { accel_counts: [i16::MAX, 0, 1], ..noise }]), "full scale");
+        assert!(next(&[RawImuSample { time_us: noise.time_us, ..noisy(299) }]), "the same again");
+        // without noise repeating is no sign
+        let mut still_state = ImuHealthState::default();
+        for k in 0..3 {
+            still_state.update(Chips::One, &[still(k)], true);
+        }
+        assert!(!still_state.is_suspect(Chips::One));
+    }
+
+    /// Full scale is either end of 16 bits, and -32767, which some chips have for -32768.
+    #[test]
+    fn full_scale_is_either_end() {
+        for (word, full) in [(i16::MAX, true), (i16::MIN, true), (-i16::MAX, true), (32_766, false), (-32_766, false)] {
+            let mut state = rested();
+            let found = (300..305).map(|k| {
+                let sample = RawImuSample { gyro_counts: [word, k as i16, 3], ..noisy(k) };
+                state.update(Chips::One, &[sample], false)
+            });
+            let expected = if full { ImuHealth::Bad(ImuFault::OutOfRange) } else { ImuHealth::Good };
+            assert_eq!(found.last(), Some(expected), "{word}");
+        }
+    }
+
+    /// Noise is proven by so many samples at rest in a row, not one less; standing still begins the count anew.
+    #[test]
+    fn noise_takes_its_samples_in_a_row() {
+        let mut state = ImuHealthState::default();
+        for k in 0..u64::from(NOISE_SAMPLES) {
+            assert!(!state.has_noise(), "sample {k}");
+            state.update(Chips::One, &[noisy(k)], true);
+        }
+        assert!(state.has_noise());
+        let mut state = ImuHealthState::default();
+        for k in 0..1000 {
+            // of 100 samples the last five repeat the one before: a run of five
+            let sample = if k % 100 < 95 {
+                noisy(k)
+            } else {
+                RawImuSample { time_us: (k + 1) * 1000, ..noisy(k / 100 * 100 + 94) }
+            };
+            state.update(Chips::One, &[sample], true);
+        }
+        assert!(!state.has_noise());
+    }
+
     #[test]
     fn before_the_first_sample_there_is_no_health() {
         assert_eq!(ImuHealthState::default().update(Chips::One, &[], true), ImuHealth::Bad(ImuFault::Stale));

@@ -110,6 +110,9 @@ fn blocks_are_lifted_by_the_ground_when_disarmed() {
     commander.answer(&Arming::Armed);
     let refused = Answer::Refused(MavCmd::MAV_CMD_USER_1, Refusal::Armed);
     assert_eq!(commander.order(&Order::FaultRecordRead, 0), (Some(refused), None));
+    let refused = Answer::Refused(MavCmd::MAV_CMD_PREFLIGHT_STORAGE, Refusal::Armed);
+    assert_eq!(commander.order(&Order::ConfirmConfiguration, 0), (Some(refused), None));
+    assert_eq!(commander.commands(0).blocks, blocks);
     commander.answer(&Arming::default());
     let read = (Some(Answer::Accepted(MavCmd::MAV_CMD_USER_1)), Some(Chore::ClearFaultRecord));
     assert_eq!(commander.order(&Order::FaultRecordRead, 0), read);

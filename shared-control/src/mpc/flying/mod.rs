@@ -142,7 +142,7 @@ impl<const M: usize> Mpc<M> {
     /// Plans all three axes. The torque is finite whatever the status; only that of a plan that was solved may be
     /// applied.
     pub fn plan(&self, state: &mut MpcState<M>, request: &PlanRequest) -> Plan {
-        let mut plan = Plan { step: request.step, torque_nm: [0.0; 3], status: PlanStatus::Solved, ..Plan::default() };
+        let mut plan = Plan { step: request.step, status: PlanStatus::Solved, ..Plan::default() };
         let Some(preview) = &self.preview else { return Plan { status: PlanStatus::NumericalError, ..plan } };
         let [roll_rad, ..] = request.angle_rad;
         state.linearisation = self.schedule.choose(state.linearisation, roll_rad);

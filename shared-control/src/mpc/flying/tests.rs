@@ -262,7 +262,16 @@ fn settings_are_checked_by_name() {
     };
     assert_eq!(field(|settings| settings.problem.input_gain[1] = 0.0), ("input_gain", 1));
     assert_eq!(field(|settings| settings.torque_per_input_nm[2] = -1.0), ("torque_per_input_nm", 2));
+    for lag_s in [f32::NAN, f32::INFINITY, -0.01] {
+        let mut settings = settings(0.03, ReferenceAhead::Shaped);
+        settings.motor_lag_s = lag_s;
+        assert!(Mpc::<2>::prepare(&settings).is_err(), "{lag_s}");
+    }
     assert_eq!(field(|settings| settings.motor_lag_s = f32::NAN), ("motor_lag_s", 0));
+    assert_eq!(field(|settings| settings.preview.lead_s[2] = f32::INFINITY), ("lead_s", 2));
+    assert_eq!(field(|settings| settings.preview.control_step_s = -0.01), ("control_step_s", 0));
+    assert_eq!(field(|settings| settings.preview.control_step_s = f32::INFINITY), ("control_step_s", 0));
+    assert_eq!(field(|settings| settings.torque_per_input_nm[0] = f32::INFINITY), ("torque_per_input_nm", 0));
     assert_eq!(field(|settings| settings.preview.lead_s[1] = -0.1), ("lead_s", 1));
     assert_eq!(field(|settings| settings.preview.control_step_s = 0.0), ("control_step_s", 0));
     assert_eq!(field(|settings| settings.problem.output_max_rad[0] = Some(-0.7)), ("output_max_rad", 0));

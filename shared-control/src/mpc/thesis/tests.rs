@@ -324,3 +324,25 @@ fn a_horizon_outside_its_range_is_refused() {
         assert_eq!(refused.err(), Some(MpcError::Horizon { found: horizon, control_horizon: 5 }));
     }
 }
+
+/// Without a plan what was applied stays, within its bounds; what is no number is none.
+#[test]
+fn without_a_plan_the_present_input_stays() {
+    let settings = nominal();
+    let mpc = RegulationMpc::<5>::prepare(&settings).unwrap();
+    for axis in 0..3 {
+        let most = settings.input_max[axis];
+        for (before, expected) in [
+            (0.5 * most, 0.5 * most),
+            (-0.5 * most, -0.5 * most),
+            (9.0 * most, most),
+            (-9.0 * most, -most),
+            (f32::NAN, 0.0),
+        ] {
+            let mut request = RegulationRequest { angle_rad: [f32::NAN; 3], ..RegulationRequest::default() };
+            request.input_prev[axis] = before;
+            let plan = mpc.plan(&mut RegulationState::new(), &request);
+            assert_eq!((plan.status, plan.input[axis]), (PlanStatus::NumericalError, expected), "{axis} {before}");
+        }
+    }
+}
