@@ -35,11 +35,15 @@ impl LiftCurve {
     /// Lift of a command; the exact inverse of [`Self::command`].
     pub fn lift(&self, command: f32) -> f32 {
         let interval_n = (self.lift_max_n - self.lift_min_n) / LIFT_INTERVALS as f32;
-        let last = LIFT_INTERVALS - 1;
-        let interval = (0..last).find(|interval| command < self.command_at[interval + 1]).unwrap_or(last);
-        let (low, high) = (self.command_at[interval], self.command_at[interval + 1]);
-        let share = crate::elementary::limit((command - low) / (high - low), 0.0, 1.0);
-        self.lift_min_n + (interval as f32 + share) * interval_n
+        // a loop with constant bounds: the compiler sees that no index is out of range, so no panic is linked
+        for interval in 0..LIFT_INTERVALS {
+            let (low, high) = (self.command_at[interval], self.command_at[interval + 1]);
+            if command < high || interval == LIFT_INTERVALS - 1 {
+                let share = crate::elementary::limit((command - low) / (high - low), 0.0, 1.0);
+                return self.lift_min_n + (interval as f32 + share) * interval_n;
+            }
+        }
+        self.lift_max_n
     }
 
     /// True if lift and command rise together over the whole table.
