@@ -1,5 +1,5 @@
-//! What a search found, from the choice of effects to what is reported of it: most important first, judged beside a base
-//! model, fitted to all windows but those of the report.
+//! What a search found, from the choice of effects to what is reported of it: most important first, judged beside a
+//! base model, fitted to all windows but those of the report.
 
 use super::judge::{judged, losses, unusual_terms};
 use super::search::{Candidate, Search};
@@ -93,8 +93,8 @@ impl<'e> Search<'e> {
         Found { nominal, chosen, alternatives, unusual, refitted }
     }
 
-    /// Sums of squares of some windows with one effect simply left out. Start states are sought from those of the chosen
-    /// model and from those of the nominal one: the best ones may be near to either.
+    /// Sums of squares of some windows with one effect simply left out. Start states are sought from those of the
+    /// chosen model and from those of the nominal one: the best ones may be near to either.
     fn losses_without(&self, [nominal, chosen]: [&Fit<'e>; 2], index: usize, windows: &[usize]) -> Vec<f64> {
         let mut terms = chosen.terms.clone();
         terms.remove(index);

@@ -103,8 +103,8 @@ impl PredictedLog {
         self.windows.iter().filter(move |predicted| is_short || is_reported(predicted))
     }
 
-    /// Root mean square errors of a channel over the windows that nothing was fitted to or chosen by; of a log of one or two
-    /// windows, over those.
+    /// Root mean square errors of a channel over the windows that nothing was fitted to or chosen by; of a log of one
+    /// or two windows, over those.
     pub fn error(&self, channel: Channel) -> Option<ErrorAndFloor> {
         let (error, noise_floor) = root_mean_square(&tallies(self.judged()), ErrorOf::Channel(channel))?;
         Some(ErrorAndFloor { error, noise_floor })

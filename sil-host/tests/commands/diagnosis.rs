@@ -36,7 +36,9 @@ fn answer() -> Value {
             "gain_pct": "number", "confounded_with": ["string"], "statement": "string",
         }],
         "rejected": [{ "effect": "string", "axis": "string", "reason": "string" }],
-        "prediction_error": { "window_s": 0.5, "nominal": errors, "base": errors, "extended": errors, "noise_floor": errors },
+        "prediction_error": {
+            "window_s": 0.5, "nominal": errors, "base": errors, "extended": errors, "noise_floor": errors,
+        },
         "closed_loop": null,
         "unexplained": { "variance_pct": "number", "white": true, "signature": "" },
         "separating_experiment": "string",

@@ -33,7 +33,7 @@ pub(in crate::diagnosis) struct Term<'e> {
 #[derive(Clone)]
 pub(in crate::diagnosis) struct Fit<'e> {
     pub(in crate::diagnosis) terms: Vec<Term<'e>>,
-    /// Covariance of all parameters one behind the other if the noise is what it is taken for; rows one behind the other.
+    /// Covariance of all parameters one behind the other if the noise is what it is taken for, row by row.
     pub(in crate::diagnosis) covariance: Vec<f64>,
     /// The same as the scatter of the windows' own wishes has it ([`scattered`]).
     pub(in crate::diagnosis) scattered_covariance: Vec<f64>,

@@ -12,8 +12,8 @@ use crate::statistics::dot;
 const BLOCKS_MIN: usize = 6;
 
 /// Covariance by the scatter: each parameter's variance is the largest of the fit's own, `spread` times `covariance`,
-/// and of those by blocks of 1, 2, 4 .. windows; correlations are the fit's own. `scores` are the numbers of the windows
-/// and their right sides of the normal equations at the optimum.
+/// and of those by blocks of 1, 2, 4 .. windows; correlations are the fit's own. `scores` are the windows' numbers and
+/// their right sides of the normal equations at the optimum.
 pub(super) fn scattered(covariance: &[f64], spread: f64, scores: &[(usize, &[f64])]) -> Vec<f64> {
     let size = scores.first().map_or(0, |(_, score)| score.len());
     let mut widest = vec![1.0_f64; size];

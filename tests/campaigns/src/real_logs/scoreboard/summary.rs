@@ -14,6 +14,9 @@ const POSITIVE: f64 = 0.75;
 /// Time to a first answer, s.
 const SLOW_S: f64 = 5.0;
 
+/// What, what is measured, and whether it is met; none where nothing was measured.
+pub type Goal = (&'static str, String, Option<bool>);
+
 /// Figures of some logs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
@@ -138,16 +141,11 @@ impl Summary {
 
     /// The goals: what, what is required, what is measured, and whether it is met; none where nothing was
     /// measured.
-    pub fn goals(&self) -> Vec<(&'static str, String, Option<bool>)> {
-        let z = |z: &Scatter| {
-            let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
-            format!("{}, {} of {}, {}", number(z.median), z.above_1_96, z.count, number(z.max))
-        };
-        let is_honest = |z: &Scatter| {
-            let [median, max] = [z.median?, z.max?];
-            Some(median <= 0.9 && z.above_1_96 as f64 <= 0.1 * z.count as f64 && max <= 4.0)
-        };
-        let any = |count: usize, met: bool| (count > 0).then_some(met);
+    pub fn goals(&self) -> Vec<Goal> {
+        [self.goals_of_errors(), self.goals_of_repetition(), self.goals_of_answers()].concat()
+    }
+
+    fn goals_of_errors(&self) -> Vec<Goal> {
         vec![
             (
                 "channels worse by more than 2 %: none",
@@ -167,6 +165,19 @@ impl Summary {
                 format!("{} of {}", self.worse_at_horizons, self.at_horizons),
                 any(self.at_horizons, self.worse_at_horizons == 0),
             ),
+        ]
+    }
+
+    fn goals_of_repetition(&self) -> Vec<Goal> {
+        let z = |z: &Scatter| {
+            let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
+            format!("{}, {} of {}, {}", number(z.median), z.above_1_96, z.count, number(z.max))
+        };
+        let is_honest = |z: &Scatter| {
+            let [median, max] = [z.median?, z.max?];
+            Some(median <= 0.9 && z.above_1_96 as f64 <= 0.1 * z.count as f64 && max <= 4.0)
+        };
+        vec![
             (
                 "halves, same names prescribed: |z| median <= 0.9, <= 10 % above 1.96, none above 4",
                 z(&self.z_prescribed),
@@ -178,6 +189,11 @@ impl Summary {
                 format!("{} of {}", self.certain_and_stable, self.certain),
                 any(self.certain, self.certain_and_stable == self.certain),
             ),
+        ]
+    }
+
+    fn goals_of_answers(&self) -> Vec<Goal> {
+        vec![
             (
                 "findings at a bound, of an impossible sign or silencing: none",
                 format!("{} of {}", self.implausible, self.findings),
@@ -215,6 +231,11 @@ impl Summary {
             ),
         ]
     }
+}
+
+/// None where there is nothing that could have met it.
+fn any(count: usize, met: bool) -> Option<bool> {
+    (count > 0).then_some(met)
 }
 
 fn has_fit(channel: &super::channels::ChannelScore) -> bool {
