@@ -1,7 +1,7 @@
 //! The page about a diagnosis: the sentence, the sizes, the picture before and after, what was rejected.
 
 use sil_host::diagnosis::{
-    ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Finding, HorizonError, PredictionErrors, Verdict,
+    BaseTerm, ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Finding, HorizonError, PredictionErrors, Verdict,
 };
 use sil_host::log::Log;
 use sil_host::prediction::ChannelErrors;
@@ -83,9 +83,16 @@ pub fn interval_text([low, high]: [f64; 2]) -> String {
     format!("{low:.1} to {high:.1}")
 }
 
+/// A number of the base model, and whether it is a finding too.
+pub fn base_text(term: &BaseTerm) -> String {
+    if term.ordinary { term.to_string() } else { format!("{term} (a finding)") }
+}
+
 /// The sections, for a page of its own and for the demonstration's.
 pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
-    let mut sections = vec![causes(log, answer), before_and_after(answer)];
+    let mut sections = vec![causes(log, answer)];
+    sections.extend(base_model(answer));
+    sections.push(before_and_after(answer));
     sections.extend(answer.closed_loop.as_ref().map(closed_loop));
     sections.extend([
         rejected(answer),
@@ -94,6 +101,15 @@ pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
         diagnose_evidence::what_cannot_be_shown(answer),
     ]);
     sections
+}
+
+/// What is fitted along with the findings; none where the nominal model leaves nothing open.
+fn base_model(answer: &Diagnosis) -> Option<Section> {
+    let section = Section::new("The base model").paragraph(
+        "What is ordinary about a vehicle is fitted along with the findings: how hard it answers to commands, how \
+         late, and what holds it level.",
+    );
+    (!answer.base.is_empty()).then(|| section.list(answer.base.iter().map(base_text)))
 }
 
 fn causes(log: &Log, answer: &Diagnosis) -> Section {

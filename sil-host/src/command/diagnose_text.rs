@@ -3,7 +3,7 @@
 use sil_host::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected};
 use sil_host::log::Log;
 
-use super::diagnose_report::{compares_more_than_turning, error_rows, headline, interval_text};
+use super::diagnose_report::{base_text, compares_more_than_turning, error_rows, headline, interval_text};
 use super::text_table::{TextTable, error_table, number};
 
 /// Everything that `sil diagnose` prints of the answer.
@@ -28,23 +28,16 @@ pub fn answer_text(log: &Log, answer: &Diagnosis) -> String {
 /// What was found, and how much better the model predicts with it.
 pub fn verdict_text(answer: &Diagnosis) -> String {
     let mut text = format!("\n{}\n", headline(answer.verdict));
-    for term in &answer.base {
-        let numbers =
-            term.parameters.iter().map(|(name, value)| format!("{name} {:.4} +- {:.4}", value.value, value.std));
-        text.push_str(&format!(
-            "  base: {}{} {}{}\n",
-            term.effect,
-            term.axis.map(|axis| format!(" ({axis})")).unwrap_or_default(),
-            numbers.collect::<Vec<_>>().join(", "),
-            if term.ordinary { "" } else { " !" }
-        ));
-    }
     for (finding, interval) in answer.findings.iter().zip(&answer.gain.findings_interval_pct) {
         let interval = interval.map(|interval| format!(" ({})", interval_text(interval))).unwrap_or_default();
         text.push_str(&format!("  {:5.1} %{interval}  {}\n", finding.gain_pct, finding.statement));
     }
     if !answer.unexplained.signature.is_empty() {
         text.push_str(&format!("  unexplained: {}\n", answer.unexplained.signature));
+    }
+    if !answer.base.is_empty() {
+        text.push_str("  fitted along with the above (the base model):\n");
+        text.extend(answer.base.iter().map(|term| format!("    {}\n", base_text(term))));
     }
     let of_controller =
         |rejected: &&Rejected| rejected.effect == "controller_mismatch" && rejected.reason != NO_CONTROLLER;

@@ -4,6 +4,7 @@
 //! a second a strong brake or a heavy body is nearer to an untrimmed vehicle than the right model is.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde::Serialize;
 
@@ -35,6 +36,15 @@ pub struct BaseTerm {
     pub parameters: BTreeMap<&'static str, Estimate>,
     /// False where it is a finding too.
     pub ordinary: bool,
+}
+
+/// "torque_bias (pitch): torque_rad_s2 -1.69 +- 0.23".
+impl fmt::Display for BaseTerm {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let axis = self.axis.map(|axis| format!(" ({axis})")).unwrap_or_default();
+        let numbers: Vec<String> = self.parameters.iter().map(|(name, value)| format!("{name} {value}")).collect();
+        write!(out, "{}{axis}: {}", self.effect, numbers.join(", "))
+    }
 }
 
 /// The base model of a log, in the noise of a search: what its nominal model leaves open and what is ordinary, fitted

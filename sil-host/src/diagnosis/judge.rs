@@ -11,7 +11,7 @@ use crate::diagnosis::evidence::bootstrap::interval;
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifted_models};
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
-use crate::prediction::accuracy::{ErrorOf, PredictedWindow, Series, predict};
+use crate::prediction::accuracy::{ErrorOf, PredictedWindow, predict};
 use crate::prediction::{Part, Window};
 use crate::statistics::Cholesky;
 
@@ -157,15 +157,23 @@ fn mean_square(parts: &[PredictedWindow], of: ErrorOf) -> f64 {
     series().flat_map(|series| &series.error).map(|error| error * error).sum::<f64>() / count.max(1) as f64
 }
 
-/// Squared errors over the windows of the report in units of an exact model's, window by window.
+/// Squared errors over the windows of the report, window by window, each channel in units of an exact model's error.
 pub(super) fn losses(search: &Search<'_>, terms: &[Term<'_>]) -> Vec<f64> {
     let log = &search.shooting.log;
     let driven = log.drive(model_of(search.nominal, terms));
-    let loss = |predicted: &PredictedWindow| -> f64 {
-        let of_series = |series: &Series| -> f64 {
-            series.error.iter().zip(&series.floor).map(|(error, floor)| (error / floor) * (error / floor)).sum()
-        };
-        predicted.series.iter().filter(|series| matches!(series.of, ErrorOf::Channel(_))).map(of_series).sum()
-    };
-    predict(log, &driven, &search.windows(&search.report)).iter().map(loss).collect()
+    let predicted = predict(log, &driven, &search.windows(&search.report));
+    let mut losses = vec![0.0; predicted.len()];
+    for (channel, _) in log.compared() {
+        let mut floor = (0.0, 0.0);
+        let series = || predicted.iter().map(|window| window.of(channel));
+        for floors in series().flatten().map(|series| &series.floor) {
+            floor = (floor.0 + floors.iter().map(|floor| floor * floor).sum::<f64>(), floor.1 + floors.len() as f64);
+        }
+        let mean_square = (floor.0 / f64::max(floor.1, 1.0)).max(f64::MIN_POSITIVE);
+        for (loss, series) in losses.iter_mut().zip(series()) {
+            let squares = series.map_or(0.0, |series| series.error.iter().map(|error| error * error).sum());
+            *loss += squares / mean_square;
+        }
+    }
+    losses
 }
