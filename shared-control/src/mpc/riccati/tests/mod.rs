@@ -9,6 +9,7 @@ use crate::qp::Status;
 
 mod angles;
 mod tracking;
+mod working_set;
 
 /// Most roll-outs from a start with everything free that any state of the shipped problems takes: found by following
 /// every way that they can go (tests/campaigns/src/worst_case).
