@@ -8,6 +8,9 @@ use super::*;
 use crate::qp::Status;
 
 mod angles;
+mod columns;
+mod equality;
+mod model;
 mod tracking;
 mod working_set;
 

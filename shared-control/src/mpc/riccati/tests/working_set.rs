@@ -151,8 +151,7 @@ fn a_multiplier_begins_where_its_bound_was() {
 /// Straight to `towards`: the share of the way to the first multiplier that ends, and what its bound becomes.
 fn blocking(from: &DualPoint<3>, towards: &DualPoint<3>) -> Option<(f32, Change)> {
     let (pattern, rows) = held();
-    let blocking =
-        from.first_blocking((&pattern, 2, &rows), WEIGHT, towards, 1.0, |now: f32, aim: f32| aim - now);
+    let blocking = from.first_blocking((&pattern, 2, &rows), WEIGHT, towards, 1.0, |now: f32, aim: f32| aim - now);
     blocking.map(|blocking| (blocking.step, blocking.change))
 }
 
