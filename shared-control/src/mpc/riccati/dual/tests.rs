@@ -96,6 +96,8 @@ fn what_no_input_can_keep_is_given_up() {
         given_up([-10.0, -2.0]),
         ([below, below, below, loose, loose, loose, loose], [high, high, high, free], 3)
     );
+    // braking until it is just at the bound
+    assert_eq!(given_up([-10.0, -1.0]).0, [below, loose, loose, loose, loose, loose, loose]);
     // to the horizon's end, and no further
     assert_eq!(given_up([10.0, 9.0]), ([above, above, above, above, above, above, loose], [low; 4], 4));
     // 4.4, 7.8, 10.2, 11.6, 12, 11.4
@@ -121,6 +123,7 @@ type Pattern = PatternOf<Tracking<'static, 2>, 2, STAGES>;
 fn nonsense_has_a_status() {
     let sound = solve(&PROBLEM, [-10.0, 10.0]).0;
     assert_eq!((sound.status, sound.input), (Status::Solved, 0.0));
+    assert!(sound.iterations > 1, "what was held is let go first");
     let (nan, infinite) = (f32::NAN, f32::INFINITY);
     let bad_bounds = [[nan, 10.0], [-10.0, nan], [-10.0, infinite], [-infinite, 10.0], [-infinite, infinite]];
     let cases = bad_bounds.map(|bounds| (PROBLEM, bounds));
@@ -129,4 +132,13 @@ fn nonsense_has_a_status() {
         assert_eq!(outcome, Outcome { input: 0.0, status: Status::NumericalError, iterations: 0 });
         assert!(pattern == Pattern::new() && !angles.is_any());
     }
+}
+
+/// Numbers whose products are none.
+#[test]
+fn an_overflow_has_a_status() {
+    let huge = Tracking { reference: &[5e37; 6], start: [-5e37, 0.0], ..PROBLEM };
+    let (outcome, pattern, angles) = solve(&huge, [-1e38, 1e38]);
+    assert_eq!((outcome.status, outcome.input), (Status::NumericalError, 0.0));
+    assert!(outcome.iterations < PASS_LIMIT && pattern == Pattern::new() && !angles.is_any());
 }

@@ -12,6 +12,7 @@ mod columns;
 mod equality;
 mod model;
 mod tracking;
+mod within;
 mod working_set;
 
 /// Most roll-outs from a start with everything free that any state of the shipped problems takes: found by following
