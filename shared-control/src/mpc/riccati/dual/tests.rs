@@ -15,35 +15,110 @@ fn prepared() -> (Lq, SoftAngle<2>) {
 const PROBLEM: Tracking<'static, 2> =
     Tracking { start: [0.0, 0.0], previous: 0.0, bounds: [-1.0, 1.0], reference: &[0.0; 6] };
 
-/// Lets go of `change` while `aim` is pursued; the way on, and the tolerances and aim after it.
-fn let_go(aim: Aim, change: Change, is_warm: bool, tolerances: [f32; 2]) -> (Option<usize>, [f32; 2], Aim) {
-    let (_, soft) = prepared();
-    let bounds = AngleBounds { tolerances, ..AngleBounds::new([-10.0, 10.0], &soft) };
-    let (mut pattern, mut laws, mut angles) = (
-        PatternOf::<Tracking<'_, 2>, 2, STAGES>::new(),
-        LawsOf::<Tracking<'_, 2>, 2, STAGES>::blank(()),
-        HeldAngles::NONE,
-    );
-    let (mut point, mut target, mut shifts) = (DualPoint::ZERO, DualPoint::ZERO, Shifts::new());
-    let mut search = Search {
-        problem: &PROBLEM,
-        bounds,
-        pattern: &mut pattern,
-        laws: &mut laws,
-        angles: &mut angles,
-        shifts: &mut shifts,
-        point: &mut point,
-        target: &mut target,
-        aim,
-        may_leap: true,
-        is_warm,
-    };
-    let next = match search.let_go(change) {
+type Inputs = PatternOf<Tracking<'static, 2>, 2, STAGES>;
+type InputLaws = LawsOf<Tracking<'static, 2>, 2, STAGES>;
+
+/// What a search works on, with all inputs held at the upper bound and the fourth angle at its own.
+struct Held4 {
+    lq: Lq,
+    soft: SoftAngle<2>,
+    pattern: Inputs,
+    laws: InputLaws,
+    angles: HeldAngles,
+    shifts: Shifts<2, STAGES>,
+    point: DualPoint<STAGES>,
+    target: DualPoint<STAGES>,
+}
+
+impl Held4 {
+    fn new() -> Self {
+        let (lq, soft) = prepared();
+        let (mut pattern, mut laws, mut angles) = (Inputs::new(), InputLaws::blank(()), HeldAngles::NONE);
+        pattern.held = [Held::High; STAGES];
+        lq.sweep(&PROBLEM, &pattern, &mut laws, STAGES);
+        angles.rows.set(3, Row::Upper);
+        let (point, target) = (DualPoint::ZERO, DualPoint::ZERO);
+        Self { lq, soft, pattern, laws, angles, shifts: Shifts::new(), point, target }
+    }
+
+    /// The search under way, between -10 and 10.
+    fn search(&mut self, aim: Aim, is_warm: bool) -> (&Lq, Search<'_, Tracking<'static, 2>, 2, STAGES>) {
+        let Self { lq, soft, pattern, laws, angles, shifts, point, target } = self;
+        let (bounds, may_leap) = (AngleBounds::new([-10.0, 10.0], soft), true);
+        (lq, Search { problem: &PROBLEM, bounds, pattern, laws, angles, shifts, point, target, aim, may_leap, is_warm })
+    }
+}
+
+/// The stages changed, or none for a start anew.
+fn changed(next: Next) -> Option<usize> {
+    match next {
         Next::Go(changed) => Some(changed),
         Next::StartAnew => None,
-        Next::Solved(_) => panic!("letting go solves nothing"),
-    };
+        Next::Solved(_) => panic!("nothing is solved yet"),
+    }
+}
+
+/// Lets go of `change` while `aim` is pursued; the way on, and the tolerances and aim after it.
+fn let_go(aim: Aim, change: Change, is_warm: bool, tolerances: [f32; 2]) -> (Option<usize>, [f32; 2], Aim) {
+    let mut held = Held4::new();
+    let (_, mut search) = held.search(aim, is_warm);
+    search.bounds.tolerances = tolerances;
+    let next = changed(search.let_go(change));
     (next, search.bounds.tolerances, search.aim)
+}
+
+/// With all inputs held no input gives way to the fourth angle: its multiplier is traded for theirs by their effects on
+/// the angle, 3.5, 2.5, 1.5 and 0.5, up to the first that ends.
+#[test]
+fn a_dependent_bound_is_traded_for_inputs() {
+    let row = Change::Row(3, Row::Upper);
+    let near = |one: &[f32], other: &[f32]| one.iter().zip(other).all(|(one, other)| (one - other).abs() <= 1e-3);
+    let mut held = Held4::new();
+    held.point.inputs = [7.0, 2.5, 9.0, 1.0];
+    let (lq, mut search) = held.search(Aim::TakeIn(row, Direction::Rises), false);
+    assert_eq!(changed(lq.pass(&mut search)), Some(2));
+    assert_eq!(held.pattern.held, [Held::High, Held::Free, Held::High, Held::High]);
+    assert!(near(&held.point.inputs, &[3.5, 0.0, 7.5, 0.5]) && near(&held.point.rows[3..4], &[1.0]));
+    // falling, it raises those of upper bounds and lowers that of the lower one
+    let mut held = Held4::new();
+    held.pattern.held[1] = Held::Low;
+    held.lq.sweep(&PROBLEM, &held.pattern, &mut held.laws, STAGES);
+    (held.point.inputs, held.point.rows[3]) = ([7.0, 5.0, 9.0, 1.0], 6.0);
+    let (lq, mut search) = held.search(Aim::TakeIn(row, Direction::Falls), false);
+    assert_eq!(changed(lq.pass(&mut search)), Some(2));
+    assert_eq!(held.pattern.held, [Held::High, Held::Free, Held::High, Held::High]);
+    assert!(near(&held.point.inputs, &[14.0, 0.0, 12.0, 2.0]) && near(&held.point.rows[3..4], &[4.0]));
+}
+
+/// At the begin there are no multipliers to trade: what depends on the rest is let go.
+#[test]
+fn a_dependent_bound_of_the_begin_is_let_go() {
+    let mut held = Held4::new();
+    let (lq, mut search) = held.search(Aim::Begin, false);
+    assert_eq!(changed(lq.pass(&mut search)), Some(0));
+    assert_eq!((held.angles.rows.get(3), held.pattern.held), (Row::Loose, [Held::High; STAGES]));
+}
+
+/// Once a search, when one input's multiplier ends, all those that end within a quarter of the remaining way are let go
+/// too; after it, and if it is the one taken in that ends, only the first.
+#[test]
+fn many_inputs_are_let_go_once() {
+    const FREE: Held = Held::Free;
+    let step = |aim: Aim, may_leap: bool| {
+        let mut held = Held4::new();
+        (held.point.inputs, held.target.inputs) = ([1.0; STAGES], [-4.0, -1.0, -8.0, 1.0]);
+        let (_, mut search) = held.search(aim, false);
+        search.may_leap = may_leap;
+        let next = search.step().and_then(changed);
+        (next, search.may_leap, held.pattern.held)
+    };
+    let only_third = [Held::High, Held::High, FREE, Held::High];
+    let other = Aim::TakeIn(Change::Input(3, Held::High), Direction::Rises);
+    let third = Aim::TakeIn(Change::Input(2, Held::High), Direction::Rises);
+    assert_eq!(step(other, true), (Some(3), false, [FREE, Held::High, FREE, Held::High]));
+    assert_eq!(step(Aim::Settle, true), (Some(3), false, [FREE, Held::High, FREE, Held::High]));
+    assert_eq!(step(other, false), (Some(3), false, only_third));
+    assert_eq!(step(third, true), (Some(3), true, only_third));
 }
 
 /// A bound that is left where it was before it was taken in is so by rounding, or by what was held before.
@@ -104,10 +179,10 @@ fn what_no_input_can_keep_is_given_up() {
     assert_eq!(given_up([0.0, 4.9]), ([loose, loose, above, above, above, above, loose], [low; 4], 4));
 }
 
-fn solve(problem: &Tracking<'_, 2>, bounds: [f32; 2]) -> (Outcome, Pattern, HeldAngles) {
+fn solve(problem: &Tracking<'_, 2>, bounds: [f32; 2]) -> (Outcome, Inputs, HeldAngles) {
     let (lq, soft) = prepared();
     let bounds = AngleBounds { lower: bounds[0], upper: bounds[1], ..AngleBounds::new([0.0; 2], &soft) };
-    let (mut pattern, mut laws) = (Pattern::new(), LawsOf::<Tracking<'_, 2>, 2, STAGES>::blank(()));
+    let (mut pattern, mut laws) = (Inputs::new(), LawsOf::<Tracking<'_, 2>, 2, STAGES>::blank(()));
     pattern.held[0] = Held::High;
     let mut angles = HeldAngles::NONE;
     angles.rows.set(1, Row::Upper);
@@ -115,8 +190,6 @@ fn solve(problem: &Tracking<'_, 2>, bounds: [f32; 2]) -> (Outcome, Pattern, Held
     let outcome = lq.solve_bounded(problem, &bounds, (&mut pattern, &mut laws), &mut angles);
     (outcome, pattern, angles)
 }
-
-type Pattern = PatternOf<Tracking<'static, 2>, 2, STAGES>;
 
 /// No bounds and no data that are no numbers are solved with; nothing of the guess stays.
 #[test]
@@ -130,8 +203,24 @@ fn nonsense_has_a_status() {
     for (problem, bounds) in cases.into_iter().chain([(Tracking { previous: nan, ..PROBLEM }, [-10.0, 10.0])]) {
         let (outcome, pattern, angles) = solve(&problem, bounds);
         assert_eq!(outcome, Outcome { input: 0.0, status: Status::NumericalError, iterations: 0 });
-        assert!(pattern == Pattern::new() && !angles.is_any());
+        assert!(pattern == Inputs::new() && !angles.is_any());
     }
+}
+
+/// More angles held than inputs can keep are no start: one pass, and then those of a start anew.
+#[test]
+fn a_start_that_makes_no_sense_costs_a_pass() {
+    let (lq, soft) = prepared();
+    let problem = Tracking { start: [0.0, 4.0], reference: &[12.0; 6], ..PROBLEM };
+    let bounds = AngleBounds::new([-10.0, 10.0], &soft);
+    let solve = |held_rows: usize| {
+        let mut angles = HeldAngles::NONE;
+        (0..held_rows).for_each(|index| angles.rows.set(index, Row::Upper));
+        lq.solve_within(&problem, &bounds, (&mut Inputs::new(), &mut InputLaws::blank(())), &mut angles)
+    };
+    let anew = solve(0);
+    assert!(anew.status == Status::Solved && anew.iterations > 2, "{anew:?}");
+    assert_eq!(solve(6), Outcome { iterations: 1 + anew.iterations, ..anew });
 }
 
 /// Numbers whose products are none.
@@ -140,5 +229,5 @@ fn an_overflow_has_a_status() {
     let huge = Tracking { reference: &[5e37; 6], start: [-5e37, 0.0], ..PROBLEM };
     let (outcome, pattern, angles) = solve(&huge, [-1e38, 1e38]);
     assert_eq!((outcome.status, outcome.input), (Status::NumericalError, 0.0));
-    assert!(outcome.iterations < PASS_LIMIT && pattern == Pattern::new() && !angles.is_any());
+    assert!(outcome.iterations < PASS_LIMIT && pattern == Inputs::new() && !angles.is_any());
 }

@@ -1,6 +1,6 @@
 //! How the solve with bounds on the angle begins and goes on: the passes it counts, and what it needs no search for.
 
-use super::super::dual::HeldAngles;
+use super::super::rows::Row;
 use super::super::*;
 use super::Numbers;
 use crate::qp::Status;
@@ -73,6 +73,21 @@ fn one_input_is_limited_without_a_search() {
     let outside = Tracking { start: [60.0, 0.0], ..problem };
     assert_eq!(guess.solve(&lq, &outside, &bounds).status, Status::Solved);
     assert!(guess.angles.is_any());
+}
+
+/// Where thirty passes from a bad start have not led to the solution, it is sought anew.
+#[test]
+fn a_bad_start_costs_thirty_passes_at_most() {
+    let (lq, soft) = prepared(5);
+    let bounds = AngleBounds::new([-50.0, 50.0], &soft);
+    for rate in [3.0, 6.0, 8.0] {
+        let problem = thrown(rate, &[60.0; 30]);
+        let mut guess = Guess::new();
+        // twenty-five of them depend on the others, and are let go one a pass
+        (0..30).for_each(|index| guess.angles.rows.set(index, Row::Upper));
+        let (outcome, anew) = (guess.solve(&lq, &problem, &bounds), Guess::new().solve(&lq, &problem, &bounds));
+        assert_eq!(outcome, Outcome { iterations: 30 + anew.iterations, ..anew }, "{rate}");
+    }
 }
 
 /// Related requests are solved in fewer passes from what the last one held than anew, and to the same input.
