@@ -17,10 +17,10 @@ fn random_columns(numbers: &mut Numbers, rows: &[usize]) -> Vec<Sum> {
     let column = |row: &usize| {
         let mut column = Sum::new(*row, [1.0, 0.0, 0.0]);
         column.excess = 3.0 * numbers.next();
-        for stage in 0..=*row {
+        for (stage, share) in shares.iter().enumerate().take(*row + 1) {
             let (effect, offset) = column.at(stage).unwrap();
             *effect = numbers.next();
-            *offset = -shares[stage] * *effect;
+            *offset = -share * *effect;
         }
         column
     };

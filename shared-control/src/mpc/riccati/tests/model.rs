@@ -46,7 +46,7 @@ fn costs_are_carried_back<const S: usize>(model: &impl Model<S>, seed: u64) {
     }
 }
 
-/// Tracking costs the square of the output's distance from the reference, which is a constant apart from the terms here.
+/// Tracking costs the square of the output's distance from the reference; its constant is left out.
 fn tracking_costs_the_square<const S: usize>(model: &impl Model<S>, output: impl Fn(&[f32; S]) -> f32) {
     let mut numbers = Numbers(31);
     for _ in 0..100 {
@@ -54,8 +54,8 @@ fn tracking_costs_the_square<const S: usize>(model: &impl Model<S>, output: impl
         let mut cost = Quadratic::ZERO;
         model.add_tracking(&mut cost);
         model.add_reference(&mut cost.state_linear, reference);
-        let (expected, constant) = ((output(&state) - reference).powi(2), reference * reference);
-        assert!((value(&cost, &state, 0.0) - f64::from(expected - constant)).abs() <= 2e-5);
+        let (error, reference) = (f64::from(output(&state) - reference), f64::from(reference));
+        assert!((value(&cost, &state, 0.0) - (error * error - reference * reference)).abs() <= 2e-5);
     }
 }
 
@@ -108,12 +108,12 @@ fn extremes_are_seen<const S: usize>(model: &impl Model<S>) {
                 state[0]
             })
             .collect();
-        let (mut least, mut greatest) = (f32::INFINITY, f32::NEG_INFINITY);
+        let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
         model.see_extreme_angles(&start, input, steps, |step, angle| {
             assert!((angle - angles[step - 1]).abs() <= 1e-3, "{step}: {angle} {}", angles[step - 1]);
-            (least, greatest) = (least.min(angle), greatest.max(angle));
+            (least, greatest) = (least.min(angle.into()), greatest.max(angle.into()));
         });
-        let [from, to] = [f32::min, f32::max].map(|pick| angles.iter().copied().reduce(pick).unwrap());
+        let [from, to] = [f64::min, f64::max].map(|pick| angles.iter().copied().map(f64::from).reduce(pick).unwrap());
         assert!((least - from).abs() <= 1e-3 && (greatest - to).abs() <= 1e-3, "{least} {from} {greatest} {to}");
     }
     model.see_extreme_angles(&[1.0; S], 1.0, 0, |step, _| panic!("no step {step} is ahead"));
@@ -143,8 +143,8 @@ fn the_lagged_integrator_is_as_described() {
     }
 }
 
-/// The greatest input that one unit of a state leads to, from a roll-out in f64, is below the certificate and by no more
-/// than its allowance for rounding.
+/// The greatest input that one unit of a state leads to, from a roll-out in f64, is below the certificate, and by no
+/// more than its allowance for rounding.
 #[test]
 fn the_certificate_is_above_the_greatest_input() {
     let lq = BoundedLq::<_, 2, 12>::prepare(DoubleIntegrator, 1e4, 8, DoubleIntegrator.cost_of_held_input(13)).unwrap();
@@ -196,11 +196,10 @@ fn ill_conditioned_problems_are_refused() {
         }
         let diagonal: Vec<f64> = (0..count).map(|input| hessian[input][input]).collect();
         for pivot in (1..count).rev() {
-            for row in 0..pivot {
-                let factor = hessian[row][pivot] / hessian[pivot][pivot];
-                for column in 0..pivot {
-                    hessian[row][column] -= factor * hessian[pivot][column];
-                }
+            let (before, [of_pivot, ..]) = hessian.split_at_mut(pivot) else { continue };
+            for row in before {
+                let factor = row[pivot] / of_pivot[pivot];
+                row.iter_mut().zip(&*of_pivot).for_each(|(entry, other)| *entry -= factor * other);
             }
         }
         (0..count).map(|input| diagonal[input] / hessian[input][input]).collect()
@@ -220,7 +219,21 @@ fn ill_conditioned_problems_are_refused() {
     let refused = prepare(0.98 * low).unwrap_err();
     let variable = ratios(0.98 * low).iter().rposition(|ratio| *ratio > 300.0).unwrap();
     assert_eq!(refused, crate::qp::QpError::IllConditioned { variable });
-    for bad in [f64::NAN, f64::INFINITY] {
+    for bad in [f64::NAN, f64::INFINITY, 0.0] {
         assert_eq!(prepare(bad).unwrap_err(), crate::qp::QpError::NotFinite);
     }
+}
+
+/// Laws are kept for the problem that they were made for: others have other stamps.
+#[test]
+fn problems_have_stamps_of_their_own() {
+    let stamp = |count: usize, share: usize| {
+        let last = DoubleIntegrator.cost_of_held_input(31 - count);
+        let weight = 1e5 * (1.0 + 0.01 * share as f32);
+        BoundedLq::<_, 2, 30>::prepare(DoubleIntegrator, weight, count, last).unwrap().stamp
+    };
+    let mut stamps: Vec<u32> = (1..=30).flat_map(|count| (0..20).map(move |share| stamp(count, share))).collect();
+    stamps.sort_unstable();
+    stamps.dedup();
+    assert_eq!(stamps.len(), 600);
 }

@@ -55,7 +55,8 @@ fn the_passes_of_both_searches_count() {
     }
 }
 
-/// One input that is held throughout has a range that keeps all angles: no search. Where it has none, some are given up.
+/// One input that is held throughout has a range that keeps all angles: no search. Where it has none, some angles are
+/// given up.
 #[test]
 fn one_input_is_limited_without_a_search() {
     let (lq, soft) = prepared(1);

@@ -204,18 +204,18 @@ fn a_walk_moves_what_is_held_and_stays_above_zero() {
     assert_eq!(walker.rows[..3], [0.0, -5.0, 1.5]);
 }
 
-/// A quarter of the way from 1 to -4 is below 0, from 1 to -3 it is just 0.
+/// A quarter of the way from 2 to -8 is below 0, from 2 to -6 it is just 0.
 #[test]
 fn what_ends_within_a_quarter_of_the_way_is_let_go() {
     let let_go = |towards: [f32; 3], held_count: usize| {
         let (mut pattern, _) = held();
-        let from = point([1.0, 1.0, 1.0], 0.0, 0.0);
+        let from = point([2.0, 2.0, 2.0], 0.0, 0.0);
         (from.let_go_near(&mut pattern, held_count, &point(towards, 0.0, 0.0)), pattern.held)
     };
-    assert_eq!(let_go([-4.0, 4.0, -4.0], 3), (1, [FREE, Held::Low, FREE]));
-    assert_eq!(let_go([-3.0, -4.0, -4.0], 3), (2, [Held::High, FREE, FREE]));
-    assert_eq!(let_go([-4.0, -4.0, -4.0], 1), (1, [FREE, Held::Low, FREE]));
-    assert_eq!(let_go([-2.0, -3.0, -4.0], 3), (0, [Held::High, Held::Low, FREE]));
+    assert_eq!(let_go([-8.0, 8.0, -8.0], 3), (1, [FREE, Held::Low, FREE]));
+    assert_eq!(let_go([-6.0, -8.0, -8.0], 3), (2, [Held::High, FREE, FREE]));
+    assert_eq!(let_go([-8.0, -8.0, -8.0], 1), (1, [FREE, Held::Low, FREE]));
+    assert_eq!(let_go([-5.0, -6.0, -8.0], 3), (0, [Held::High, Held::Low, FREE]));
 }
 
 #[test]
