@@ -272,3 +272,6 @@ impl<P: Problem<S>, const S: usize, const M: usize> Search<'_, P, S, M> {
         Next::Go(change.apply(self.pattern, &mut self.angles.rows))
     }
 }
+
+#[cfg(test)]
+mod tests;

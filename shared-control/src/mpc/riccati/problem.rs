@@ -202,3 +202,58 @@ impl<const S: usize> Problem<S> for Regulating<S> {
         self.previous.is_finite() && self.start.iter().all(|value| value.is_finite())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRACKING: Tracking<'static, 2> =
+        Tracking { start: [1.0, 2.0], previous: 0.5, bounds: [-1.0, 3.0], reference: &[4.0, 5.0] };
+
+    #[test]
+    fn an_input_is_cut_at_its_bounds() {
+        for (wish, cut) in [(4.0, (3.0, Held::High)), (-2.0, (-1.0, Held::Low)), (1.5, (1.5, Held::Free))] {
+            assert_eq!(TRACKING.cut(wish), cut);
+        }
+        // at a bound there is nothing to cut
+        assert_eq!((TRACKING.cut(3.0).1, TRACKING.cut(-1.0).1), (Held::Free, Held::Free));
+        let held = [Held::Free, Held::High, Held::Low].map(|held| TRACKING.held_input(held));
+        assert_eq!(held, [None, Some(3.0), Some(-1.0)]);
+    }
+
+    /// A free input stays up to its bounds, a held one until its law requests less by more than the slack.
+    #[test]
+    fn a_held_input_stays_within_the_slack() {
+        let problem = Regulating { start: [0.0; 2], previous: 0.0 };
+        let left = |held: Held, wishes: [f32; 4]| wishes.map(|wish| problem.is_left(held, wish));
+        assert_eq!(left(Held::Free, [1.0, 1.001, -1.0, -1.001]), [false, true, false, true]);
+        let slack = SLACK;
+        assert_eq!(left(Held::High, [2.0, 1.0 - slack, 1.0 - 2.0 * slack, -2.0]), [false, false, true, true]);
+        assert_eq!(left(Held::Low, [-2.0, slack - 1.0, 2.0 * slack - 1.0, 2.0]), [false, false, true, true]);
+    }
+
+    /// A slot with room gives back what it was given last, one without gives nothing.
+    #[test]
+    fn what_is_kept_comes_back() {
+        let (mut number, mut cost, mut nothing) = (0.0_f32, Quadratic::<2>::ZERO, ());
+        number.keep(3.0);
+        cost.keep(Quadratic { input: 2.0, ..Quadratic::ZERO });
+        nothing.keep(3.0);
+        assert_eq!(number.kept(), Some(3.0));
+        assert_eq!(cost.kept().map(|cost| cost.input), Some(2.0));
+        assert_eq!(Slot::<f32>::kept(&nothing), None);
+    }
+
+    #[test]
+    fn the_thesis_problem_is_of_unit_bounds_and_without_a_reference() {
+        let problem = Regulating { start: [1.0, 2.0], previous: 0.5 };
+        assert_eq!((problem.start(), problem.previous(), problem.bounds()), (&[1.0, 2.0], 0.5, [-1.0, 1.0]));
+        assert!(problem.reference().is_empty() && problem.is_sound());
+        for bad in [f32::NAN, f32::INFINITY] {
+            assert!(!Regulating { previous: bad, ..problem }.is_sound());
+            assert!(!Regulating { start: [0.0, bad], ..problem }.is_sound());
+        }
+        assert_eq!((TRACKING.start(), TRACKING.previous(), TRACKING.bounds()), (&[1.0, 2.0], 0.5, [-1.0, 3.0]));
+        assert_eq!(TRACKING.reference(), [4.0, 5.0]);
+    }
+}

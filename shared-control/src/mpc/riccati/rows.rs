@@ -152,3 +152,43 @@ impl Iterator for Indices {
         Some(index)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_angle_is_what_it_was_set_to_last() {
+        let all = [Row::Upper, Row::Lower, Row::AboveUpper, Row::BelowLower, Row::Loose];
+        let mut rows = Rows::LOOSE;
+        for first in all {
+            for then in all {
+                rows.set(7, first);
+                rows.set(7, then);
+                let is_held = matches!(then, Row::Upper | Row::Lower);
+                let is_given_up = matches!(then, Row::AboveUpper | Row::BelowLower);
+                assert_eq!((rows.get(7), rows.get(6), rows.get(8)), (then, Row::Loose, Row::Loose));
+                assert_eq!((rows.is_held(7), rows.is_held(6), rows.has_given_up()), (is_held, false, is_given_up));
+            }
+        }
+    }
+
+    #[test]
+    fn the_angles_held_and_given_up_are_listed_in_their_order() {
+        let mut rows = Rows::LOOSE;
+        assert!(rows.held().next().is_none() && rows.given_up().last().is_none());
+        let choices = [(9, Row::Upper), (0, Row::Lower), (4, Row::AboveUpper), (HORIZON - 1, Row::Upper)];
+        for (index, row) in choices.into_iter().chain([(2, Row::BelowLower)]) {
+            rows.set(index, row);
+        }
+        assert!(rows.held().eq([0, 9, HORIZON - 1]) && rows.given_up().eq([2, 4]));
+        assert_eq!((rows.held().last(), rows.given_up().last()), (Some(HORIZON - 1), Some(4)));
+    }
+
+    #[test]
+    fn what_is_no_angle_is_not_held() {
+        let mut rows = Rows::LOOSE;
+        rows.set(HORIZON, Row::Upper);
+        assert_eq!(rows, Rows::LOOSE);
+    }
+}

@@ -349,3 +349,29 @@ fn the_shipped_problems_take_few_passes_in_a_long_campaign() {
     std::println!("most passes: {most}");
     assert!(most <= MOST_SEEN);
 }
+
+/// Without inputs the axis goes straight on, a unit a step; what it does behind the horizon is of no concern.
+#[test]
+fn bounds_are_kept_to_the_end_of_the_horizon() {
+    for control_horizon in [2, 10, 29, 30] {
+        let last_steps = 31 - control_horizon;
+        let model = LaggedIntegrator::new(0.0);
+        let last = model.cost_of_held_input(last_steps);
+        let lq = Lq::prepare(model, 1e12, control_horizon, last).unwrap();
+        let soft = SoftAngle::new(&model, last_steps, 1e12, 30.0);
+        for sign in [1.0, -1.0] {
+            let keeps = |bound: f32, held_count: usize| {
+                let problem =
+                    Tracking { start: [0.0, sign, 0.0], previous: 0.0, bounds: [-1.0, 1.0], reference: &[0.0; 30] };
+                let bounds = AngleBounds::new([-100.0 * sign, bound * sign], &soft);
+                let (pattern, mut laws) = (Pattern::new(), Laws::blank(()));
+                lq.sweep(&problem, &pattern, &mut laws, control_horizon);
+                laws.held_count = held_count;
+                lq.keeps(&problem, &bounds, (&pattern, &laws))
+            };
+            for held_count in [0, 1, control_horizon] {
+                assert!(keeps(30.5, held_count) && !keeps(29.5, held_count), "M {control_horizon} {sign}");
+            }
+        }
+    }
+}

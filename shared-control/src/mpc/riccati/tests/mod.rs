@@ -8,7 +8,12 @@ use super::*;
 use crate::qp::Status;
 
 mod angles;
+mod columns;
+mod equality;
+mod model;
 mod tracking;
+mod within;
+mod working_set;
 
 /// Most roll-outs from a start with everything free that any state of the shipped problems takes: found by following
 /// every way that they can go (tests/campaigns/src/worst_case).
@@ -255,6 +260,27 @@ fn a_bad_guess_costs_six_roll_outs_at_most() {
         assert_eq!(outcome.status, Status::Solved);
         assert!(outcome.iterations <= 6 + COLD_MOST);
     }
+}
+
+/// A guess that six roll-outs have not led to the solution is given up for the start with everything free.
+#[test]
+fn a_bad_guess_is_given_up_after_six_roll_outs() {
+    let mut numbers = Numbers(5);
+    let lq = problem(300.0, 30, 30);
+    let mut given_up = 0;
+    let mut guess = Guess::new();
+    for _ in 0..5_000 {
+        let (start, previous) = ([1000.0 * numbers.next(), 100.0 * numbers.next()], numbers.next());
+        let is_warm = guess.laws.held_count > 0;
+        let outcome = solve(&lq, start, previous, &mut guess);
+        let anew = solve(&lq, start, previous, &mut Guess::new());
+        // later than twelve after it, inputs change one by one
+        if is_warm && outcome.iterations > 6 && anew.iterations <= 12 {
+            given_up += 1;
+            assert_eq!(outcome.iterations, 6 + anew.iterations);
+        }
+    }
+    assert!(given_up > 30, "{given_up}");
 }
 
 /// A solve that the cap ends says so, its input is inside the bounds, and the next one is as good as ever.

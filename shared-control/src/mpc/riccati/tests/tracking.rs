@@ -235,3 +235,31 @@ fn nonsense_has_a_status() {
     let only = track(&lq, &Tracking { bounds: [0.3, 0.3], ..sound }, &mut Pattern::new());
     assert_eq!((only.status, only.input), (Status::Solved, 0.3));
 }
+
+/// An input held at its bound stays so where its law requests less by no more than the slack; by more, it is let go.
+#[test]
+fn a_held_input_within_the_slack_stays_held() {
+    let lq = problem(0.0, 100.0, 1, 5);
+    let at = |previous: f32| Tracking { start: [0.0; 3], previous, bounds: [-1.0, 1.0], reference: &[0.0; 5] };
+    let gain = lq.free[0].law.previous;
+    for (shortage, passes) in [(0.5 * SLACK, 1), (3.0 * SLACK, 2)] {
+        for sign in [1.0, -1.0] {
+            let mut pattern = Pattern::new();
+            assert_eq!(track(&lq, &at(2.0 * sign / gain), &mut pattern).iterations, 2);
+            let outcome = track(&lq, &at((1.0 - shortage) * sign / gain), &mut pattern);
+            assert_eq!((outcome.status, outcome.iterations), (Status::Solved, passes), "{shortage} {sign}");
+            assert!((outcome.input - sign).abs() <= 4.0 * SLACK);
+        }
+    }
+}
+
+/// Data of which every one is a number, and whose products are none.
+#[test]
+fn an_overflow_has_a_status() {
+    let lq = problem(3.0, 3e5, 5, 30);
+    let mut pattern = Pattern::new();
+    let huge = Tracking { start: [0.0; 3], previous: 0.0, bounds: [-1.0, 1.0], reference: &[1e37; 30] };
+    let outcome = track(&lq, &huge, &mut pattern);
+    assert_eq!((outcome.status, outcome.input), (Status::NumericalError, 0.0));
+    assert_eq!(pattern, Pattern::new(), "no warm start");
+}
