@@ -13,14 +13,10 @@ use super::found::Found;
 use super::search::{Candidate, Search};
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
-use crate::diagnosis::fitting::fit::{Term, model_of};
+use crate::diagnosis::fitting::fit::{Fit, Term};
 
 /// The effects of the catalogue that are ordinary.
 const ORDINARY: [&str; 5] = ["torque_bias", "thrust_scale", "motor_lag", "actuation_delay", "gyro_bias"];
-
-/// A trim is a finding if it is larger than this many standard deviations of the moment that the commands made: then
-/// holding against it is most of what they did.
-const TRIM_USUAL: f64 = 3.0;
 
 /// Where lag and delay begin, s. They look alike, and a fit that begins with one of them large stays there.
 const LAG_AND_DELAY_S: [[f64; 2]; 3] = [[0.01, 0.005], [0.1, 0.002], [0.002, 0.05]];
@@ -85,17 +81,7 @@ pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
     (0..search.always.len()).map(of).collect()
 }
 
-/// May a term of the base model be a finding? A trim is ordinary unless it is large beside what the commands do.
-pub(super) fn may_be_found(search: &Search<'_>, terms: &[Term<'_>], index: usize) -> bool {
-    let (effect, gains) = (terms[index].effect, &terms[..search.gains.len()]);
-    let Some(axis) = effect.axis().filter(|_| effect.name() == "torque_bias").map(Axis::index) else { return true };
-    let trimmed = model_of(search.nominal, std::slice::from_ref(&terms[index]));
-    let trim_rad_s2 = trimmed.acceleration_by_moments()[axis] - (search.nominal)().acceleration_by_moments()[axis];
-    let commands = &search.shooting.log.commands.value;
-    let count = commands.len().max(1) as f64;
-    let mean: [f64; 4] = core::array::from_fn(|i| commands.iter().map(|row| row[i]).sum::<f64>() / count);
-    let per_command = model_of(search.nominal, gains).acceleration_per_command(&mean);
-    let departure = |row: &[f64; 4]| (0..4).map(|i| per_command[i][axis] * (row[i] - mean[i])).sum::<f64>();
-    let variance = commands.iter().map(|row| departure(row) * departure(row)).sum::<f64>() / count;
-    trim_rad_s2.abs() > TRIM_USUAL * variance.sqrt()
+/// Does a base model hold an axis level by a constant moment?
+pub(super) fn is_trimmed(base: &Fit<'_>, axis: Option<Axis>) -> bool {
+    base.terms.iter().any(|term| term.effect.name() == "torque_bias" && term.effect.axis() == axis)
 }

@@ -2,7 +2,6 @@
 //! bench leaves open.
 
 use crate::axis::Axis;
-use crate::diagnosis::fitting::fit::Term;
 use crate::effects::{self, Effect, Hints, Hypothesis, Origin, Scope, Unknown};
 use crate::prediction::model::Model;
 
@@ -26,10 +25,7 @@ impl Fitted {
     }
 
     /// The same beside a base model: an axis that is trimmed needs no constant moment besides.
-    pub(super) fn beside(scope: &Scope, base: &[Term<'_>]) -> Vec<Fitted> {
-        let is_trimmed = |axis: Option<Axis>| {
-            base.iter().any(|term| term.effect.name() == "torque_bias" && term.effect.axis() == axis)
-        };
+    pub(super) fn beside(scope: &Scope, is_trimmed: impl Fn(Option<Axis>) -> bool) -> Vec<Fitted> {
         let beside = |hypothesis: Hypothesis| {
             if is_trimmed(hypothesis.axis()) { hypothesis.beside_trim() } else { Some(hypothesis) }
         };

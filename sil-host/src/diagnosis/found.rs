@@ -2,9 +2,8 @@
 //! base model, fitted to all windows but those of the report.
 
 use super::judge::{judged, losses, unusual_terms};
-use super::search::{Candidate, Search};
-use crate::diagnosis::fitting::fit::{Fit, Term, fit, model_of};
-use crate::prediction::Part;
+use super::search::{Candidate, Choice, Search};
+use crate::diagnosis::fitting::fit::{Fit, Term, model_of};
 use crate::prediction::body::State;
 
 /// What the search found.
@@ -46,22 +45,13 @@ impl<'e> Search<'e> {
         losses(self, &terms)
     }
 
-    /// A model fitted to all windows but those of the report, from values and start states on.
-    pub(super) fn refitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Fit<'e> {
-        let windows = self.shooting.log.part(&[Part::Fit, Part::Choice]);
-        let mut refitted = fit(self.shooting, self.nominal, terms, starts, &windows);
-        let driven = self.shooting.log.drive(model_of(self.nominal, &refitted.terms));
-        self.shooting.settle(&driven, &self.report, &mut refitted.starts);
-        refitted
+    /// Looks for the effects in a log.
+    pub(super) fn run(&self) -> Found<'e> {
+        self.found(self.choose())
     }
 
-    /// Puts the effect first whose loss would cost most on the windows of choice.
-    pub(super) fn order_by_importance(
-        &self,
-        nominal: Candidate<'e>,
-        chosen: Candidate<'e>,
-        alternatives: Vec<Vec<Candidate<'e>>>,
-    ) -> Found<'e> {
+    /// What is reported of a choice, the effect first whose loss would cost most on the windows of choice.
+    fn found(&self, Choice { nominal, chosen, alternatives }: Choice<'e>) -> Found<'e> {
         let loss = |index: usize| {
             self.losses_without([&nominal.fit, &chosen.fit], index, &self.choice).iter().sum::<f64>() - chosen.choice
         };

@@ -6,11 +6,11 @@
 //! The windows of the report are not looked at. Over the others, fold by fold, each is predicted with the numbers that
 //! the other folds give (one step of Newton's from those of all).
 
-use crate::diagnosis::base::may_be_found;
-use crate::diagnosis::evidence::bootstrap::interval;
+use crate::diagnosis::block_bootstrap::interval;
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifted_models};
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
+use crate::diagnosis::trim::may_be_found;
 use crate::prediction::accuracy::{ErrorOf, PredictedWindow, predict};
 use crate::prediction::{Part, Window};
 use crate::statistics::Cholesky;

@@ -16,6 +16,7 @@
 //! docs/effects.md.
 
 mod base;
+mod block_bootstrap;
 pub mod controller;
 mod evidence;
 mod extension;
@@ -32,6 +33,7 @@ mod remainder;
 mod search;
 mod sizes;
 mod subject;
+mod trim;
 mod verdict;
 
 #[cfg(test)]
@@ -200,7 +202,7 @@ pub fn diagnose_observed(
     let search = Search::new(&shooting, &nominal, &catalogue, gains, observer);
     let base = base::fitted(&search).fit;
     let base = judge::useful(&search, search.refitted(base.terms, &base.starts));
-    let beside = Fitted::beside(&subject.scope(log), &base.terms);
+    let beside = Fitted::beside(&subject.scope(log), |axis| base::is_trimmed(&base, axis));
     let search = search.from(&base, &beside);
     let found = search.run();
     observer(Progress::Judging);

@@ -1,8 +1,8 @@
 //! What no vehicle can have is no finding: a number at the end of its range, where the fit wanted to go on; commands
 //! clipped until nothing of them is left.
 
-use super::search::{Candidate, Search};
-use crate::diagnosis::fitting::fit::{Term, model_of};
+use crate::diagnosis::fitting::fit::{Nominal, Term, model_of};
+use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Unknown;
 use crate::prediction::force_track::clipped;
 use crate::prediction::model::Model;
@@ -13,11 +13,10 @@ const AT_BOUND: f64 = 1e-3;
 const INPUT_MIN: f64 = 0.5;
 
 /// Could the effect that was added last be a vehicle's?
-pub(super) fn is_plausible(search: &Search<'_>, candidate: &Candidate<'_>) -> bool {
-    let terms = &candidate.fit.terms;
+pub(super) fn is_plausible(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms: &[Term<'_>]) -> bool {
     let Some(Term { effect, values }) = terms.last() else { return true };
     let mut numbers = effect.unknowns().iter().zip(values);
-    !numbers.any(|(unknown, value)| is_at_bound(unknown, *value)) && leaves_input(search, terms)
+    !numbers.any(|(unknown, value)| is_at_bound(unknown, *value)) && leaves_input(shooting, nominal, terms)
 }
 
 /// At the end of its range, and not because that end is where it changes nothing.
@@ -28,8 +27,8 @@ fn is_at_bound(unknown: &Unknown, value: f64) -> bool {
 }
 
 /// Does enough of the commands arrive at the motors?
-fn leaves_input(search: &Search<'_>, terms: &[Term<'_>]) -> bool {
-    let commands = &search.shooting.log.commands.value;
+fn leaves_input(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms: &[Term<'_>]) -> bool {
+    let commands = &shooting.log.commands.value;
     let variation = |model: &Model| -> f64 {
         let arrived: Vec<[f64; 4]> =
             commands.iter().map(|row| clipped(*row, &model.changes.chain.path, &model.drive)).collect();
@@ -39,5 +38,5 @@ fn leaves_input(search: &Search<'_>, terms: &[Term<'_>]) -> bool {
         };
         (0..4).map(of_motor).sum()
     };
-    variation(&model_of(search.nominal, terms)) >= INPUT_MIN * variation(&model_of(search.nominal, &[]))
+    variation(&model_of(nominal, terms)) >= INPUT_MIN * variation(&model_of(nominal, &[]))
 }

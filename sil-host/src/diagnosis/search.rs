@@ -7,7 +7,6 @@
 //! ```
 
 use super::fitted::Fitted;
-use super::found::Found;
 use super::plausible::is_plausible;
 use super::progress::{Observer, Progress};
 use crate::diagnosis::fitting::fit::{
@@ -75,6 +74,16 @@ impl<'e> Candidate<'e> {
     }
 }
 
+/// What a search chose.
+pub(super) struct Choice<'e> {
+    /// The model without effects.
+    pub(super) nominal: Candidate<'e>,
+    /// The chosen effects.
+    pub(super) chosen: Candidate<'e>,
+    /// Per chosen effect: what else was fitted in its place, best first.
+    pub(super) alternatives: Vec<Vec<Candidate<'e>>>,
+}
+
 impl<'e> Search<'e> {
     /// A log's windows and the hypotheses.
     pub(super) fn new(
@@ -104,8 +113,8 @@ impl<'e> Search<'e> {
         which.iter().map(|index| self.shooting.log.windows[*index]).collect()
     }
 
-    /// Looks for the effects in a log.
-    pub(super) fn run(&self) -> Found<'e> {
+    /// Chooses the effects of a log.
+    pub(super) fn choose(&self) -> Choice<'e> {
         let nominal = self.nominal();
         let mut chosen = nominal.clone();
         let mut alternatives: Vec<Vec<Candidate<'e>>> = Vec::new();
@@ -127,7 +136,7 @@ impl<'e> Search<'e> {
                 (chosen, alternatives) = self.revised(chosen, &nominal);
             }
         }
-        self.order_by_importance(nominal, chosen, alternatives)
+        Choice { nominal, chosen, alternatives }
     }
 
     /// Does it begin with a base model?
@@ -159,6 +168,15 @@ impl<'e> Search<'e> {
         let all: Vec<usize> = (0..self.shooting.log.windows.len()).collect();
         let fit = fit(self.shooting, self.nominal, chosen.fit.terms.clone(), &chosen.fit.starts, &all);
         Candidate { fit, choice: chosen.choice }
+    }
+
+    /// A model fitted to all windows but those of the report, from values and start states on.
+    pub(super) fn refitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Fit<'e> {
+        let windows = self.shooting.log.part(&[Part::Fit, Part::Choice]);
+        let mut refitted = fit(self.shooting, self.nominal, terms, starts, &windows);
+        let driven = self.shooting.log.drive(model_of(self.nominal, &refitted.terms));
+        self.shooting.settle(&driven, &self.report, &mut refitted.starts);
+        refitted
     }
 
     /// Start states of the training windows at their best under these effects, from the measured ones on.
@@ -197,7 +215,7 @@ impl<'e> Search<'e> {
         let mut seen: Vec<Candidate<'e>> = Vec::new();
         for fit in fits {
             let is_seen = seen.iter().any(|other| other.last_effect().is_the_same(fit.last_effect()));
-            if !is_seen && is_plausible(self, &fit) {
+            if !is_seen && is_plausible(self.shooting, self.nominal, &fit.fit.terms) {
                 seen.push(fit);
             }
         }

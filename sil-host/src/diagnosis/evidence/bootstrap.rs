@@ -1,25 +1,11 @@
-//! How sure a gain is: a block bootstrap over the held-out windows.
-//!
-//! Blocks of neighbouring windows are drawn with replacement, around the log's end (Politis and Romano 1992: the
-//! circular block bootstrap), until there are as many windows as held out, and the gain is taken anew from each draw;
-//! between the quantiles of 2.5 and 97.5 % lie 95 % of the draws. Blocks keep together what belongs to one manoeuvre.
-//! The models are not fitted anew: the interval is about which windows happened to be held out.
+//! How much of the error each finding takes away on the held-out windows, and how sure that is.
 
 use serde::Serialize;
 
+use crate::diagnosis::block_bootstrap::interval;
 use crate::diagnosis::found::Found;
 use crate::diagnosis::judge;
 use crate::diagnosis::search::Search;
-use crate::sensors::random::RandomStream;
-
-/// Draws.
-const DRAWS: usize = 2000;
-/// Windows in a block: of the held-out ones 8 s, four positions of the test sequence.
-const BLOCK: usize = 4;
-/// With fewer windows than three blocks there is no interval.
-const WINDOWS_MIN: usize = 3 * BLOCK;
-/// The same log gets the same interval.
-const SEED: u64 = 1;
 
 /// Gains on held-out data, with intervals that hold 95 % of a block bootstrap.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,61 +53,5 @@ pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> 
         places: findings.iter().map(|finding| finding.0).collect(),
         findings_pct: findings.iter().map(|finding| finding.1).collect(),
         findings_interval_pct: findings.iter().map(|finding| finding.2).collect(),
-    }
-}
-
-/// Quantiles of 2.5 and 97.5 % of a figure over draws of windows.
-pub(in crate::diagnosis) fn interval(windows: usize, figure: impl Fn(&[usize]) -> f64) -> Option<[f64; 2]> {
-    if windows < WINDOWS_MIN {
-        return None;
-    }
-    let mut random = RandomStream::new(SEED, "block bootstrap");
-    let mut figures: Vec<f64> = (0..DRAWS)
-        .map(|_| {
-            let mut drawn = Vec::with_capacity(windows + BLOCK);
-            while drawn.len() < windows {
-                let first = ((random.uniform() * windows as f64) as usize).min(windows - 1);
-                drawn.extend((first..first + BLOCK).map(|window| window % windows));
-            }
-            drawn.truncate(windows);
-            figure(&drawn)
-        })
-        .collect();
-    figures.sort_by(f64::total_cmp);
-    let quantile = |share: f64| figures[(share * (DRAWS - 1) as f64).round() as usize];
-    let ends = [quantile(0.025), quantile(0.975)];
-    ends.iter().all(|end| end.is_finite()).then_some(ends)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_interval_of_a_mean_covers_it_and_knows_neighbours_that_go_together() {
-        let mut noise = RandomStream::new(2, "windows");
-        // each value stands four times in a row: a quarter of the windows are independent
-        let make = |repeat: usize, noise: &mut RandomStream| -> Vec<f64> {
-            (0..240 / repeat).flat_map(|_| vec![noise.normal(); repeat]).collect()
-        };
-        let mut width = |repeat: usize| {
-            let values = make(repeat, &mut noise);
-            let mean = |drawn: &[usize]| drawn.iter().map(|i| values[*i]).sum::<f64>() / drawn.len() as f64;
-            let [low, high] = interval(values.len(), mean).unwrap();
-            let all = mean(&(0..240).collect::<Vec<_>>());
-            assert!(low < all && all < high);
-            high - low
-        };
-        // one width scatters by 9 %, the mean of thirty by 2 %
-        let mut mean_width = |repeat: usize| (0..30).map(|_| width(repeat)).sum::<f64>() / 30.0;
-        // 2 * 1.96 / sqrt(240) = 0.253
-        let single = mean_width(1);
-        assert!((0.23..0.275).contains(&single), "{single}");
-        // sums of four neighbours at any offset have a mean square of (16 + 10 + 8 + 10) / 4 = 11, against 4: a width
-        // 1.66 times as large
-        let fourfold = mean_width(4) / single;
-        assert!((1.5..1.8).contains(&fourfold), "{fourfold}");
-        assert_eq!(interval(WINDOWS_MIN - 1, |_| 1.0), None);
-        assert_eq!(interval(20, |_| f64::NAN), None);
     }
 }
