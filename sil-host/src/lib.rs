@@ -43,8 +43,9 @@
 //! - **Nominal model**: the model as its file says, before a diagnosis; the **extended model** has the findings in it.
 //! - **Window**: a stretch of a log, 0.5 s long, that is predicted from a start state of its own.
 //! - **Start** (start state): the state at the first row of a window, estimated from the rows around it or fitted.
-//! - **Held out**: windows that no fit uses and that judge the result; half of them all. The others are **training**
-//!   windows.
+//! - **Held out**: windows that no fit and no choice uses, of which errors are reported; a quarter of them all. Half
+//!   are **training** windows, a quarter decides which effects are in the model (windows of **choice**).
+//! - **Base model**: what is ordinary about a vehicle (trims, lift, lag, delay, gyro bias), fitted along with findings.
 //! - **Noise floor**: the error that an exact model would show on the same windows.
 //! - **Hypothesis**: an effect of unknown size, tested on a log. A **finding** is a hypothesis that was accepted, with
 //!   its size.

@@ -15,7 +15,7 @@ use super::{Failure, bad_input, diagnose_report, diagnose_text, print, write_fil
 #[command(
     after_help = "Example: sil diagnose out/rig.csv --report out/diagnosis.html   (sil synth out/rig.csv makes a log)\n\
 Example: sil diagnose bench.csv.gz --map antx\n\n\
-Each effect of the catalogue is fitted to half of the log, in windows of 0.5 s, and judged on the other half. Then\n\
+Effects are fitted to half of the log, in windows of 0.5 s, chosen by a quarter, judged by the rest. Then\n\
 `sil compare LOG --model out/extended.toml` shows what remains. docs/reading-a-diagnosis.md explains the figures."
 )]
 pub struct DiagnoseArguments {
