@@ -37,7 +37,7 @@ pub(super) fn useful<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
     let mut with = Judged::of(search, base);
     loop {
         let others = (search.gains.len()..with.fit.terms.len()).map(|index| with.without(search, index));
-        let better = others.filter(|other| is_surely_below(0.0, &with.errors, &other.errors));
+        let better = others.filter(|other| is_surely_better(&with.errors, &other.errors));
         let best = better.min_by(|a, b| change(&with.errors, &a.errors).total_cmp(&change(&with.errors, &b.errors)));
         match best {
             Some(best) => with = best,
@@ -50,17 +50,15 @@ pub(super) fn useful<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
 pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) -> Fit<'e> {
     let (base, mut with) = (Judged::of(search, base), Judged::of(search, chosen));
     loop {
-        let worse: Vec<usize> = (0..with.errors.len())
-            .filter(|i| is_surely_below(0.0, &with.errors[*i..=*i], &base.errors[*i..=*i]))
-            .collect();
+        let worse: Vec<usize> =
+            (0..with.errors.len()).filter(|i| is_surely_better(&with.errors[*i..=*i], &base.errors[*i..=*i])).collect();
         let mut removable = Vec::new();
         for index in search.always.len()..with.fit.terms.len() {
             let without = with.without(search, index);
             let gains = change(&without.errors, &with.errors);
             let mends = worse.iter().map(|i| -change(&with.errors[*i..=*i], &without.errors[*i..=*i]));
             let mends = mends.fold(0.0, f64::max);
-            let pays = gains < -SHARE_MIN && is_surely_below(0.0, &without.errors, &with.errors);
-            if !pays || mends > 0.0 {
+            if !pays(&without, &with) || mends > 0.0 {
                 removable.push((gains + mends, without));
             }
         }
@@ -74,12 +72,14 @@ pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) ->
 /// Places of the base model's terms that are findings too: they pay as a finding must.
 pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<usize> {
     let with = Judged::of(search, chosen.clone());
-    let pays = |index: &usize| {
-        let without = with.without(search, *index);
-        change(&without.errors, &with.errors) < -SHARE_MIN && is_surely_below(0.0, &without.errors, &with.errors)
-    };
     let places = search.gains.len()..search.always.len();
-    places.filter(|index| may_be_found(search, &chosen.terms, *index)).filter(pays).collect()
+    let large = places.filter(|index| may_be_found(search, &chosen.terms, *index));
+    large.filter(|index| pays(&with.without(search, *index), &with)).collect()
+}
+
+/// Does a model pay for what another lacks: a share of the error, beyond chance?
+fn pays(without: &Judged<'_>, with: &Judged<'_>) -> bool {
+    change(&without.errors, &with.errors) < -SHARE_MIN && is_surely_better(&without.errors, &with.errors)
 }
 
 /// Mean relative change of all errors from one model to another, as a logarithm.
@@ -94,10 +94,10 @@ fn change_over(windows: &[usize], from: &[Errors], to: &[Errors]) -> f64 {
     changes.sum::<f64>() / from.len().max(1) as f64
 }
 
-/// Is the change below a bound beyond chance? With few windows chance is all there is.
-fn is_surely_below(bound: f64, from: &[Errors], to: &[Errors]) -> bool {
+/// Is the second better beyond chance? With few windows chance is all there is.
+fn is_surely_better(from: &[Errors], to: &[Errors]) -> bool {
     let windows = from.first().map_or(0, Vec::len);
-    interval(windows, |drawn| change_over(drawn, from, to)).is_some_and(|[_, most]| most < bound)
+    interval(windows, |drawn| change_over(drawn, from, to)).is_some_and(|[_, most]| most < 0.0)
 }
 
 impl<'e> Judged<'e> {
