@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sil_host::closed_loop::LogRefused;
-use sil_host::diagnosis::{Subject, diagnose_flown_by, diagnose_observed, extended_model};
+use sil_host::diagnosis::{Effort, Subject, diagnose_flown_by, diagnose_observed, extended_model};
 
 use super::log_arguments::LogArguments;
 use super::progress_line::ProgressLine;
@@ -21,6 +21,13 @@ Effects are fitted to half of the log, in windows of 0.5 s, chosen by a quarter,
 pub struct DiagnoseArguments {
     #[command(flatten)]
     log: LogArguments,
+    /// Search the whole log only, not other cuts of it: the answer comes sooner, and without how far it hangs on where
+    /// the log was cut
+    #[arg(long, conflicts_with = "thorough")]
+    quick: bool,
+    /// Search 24 other cuts of the log instead of 8
+    #[arg(long)]
+    thorough: bool,
     /// Write the model with the findings in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
@@ -36,6 +43,14 @@ pub struct DiagnoseArguments {
 }
 
 impl DiagnoseArguments {
+    fn effort(&self) -> Effort {
+        match (self.quick, self.thorough) {
+            (true, _) => Effort::Quick,
+            (_, true) => Effort::Thorough,
+            _ => Effort::Usual,
+        }
+    }
+
     /// The option that separate axes can't serve.
     fn wants_vehicle(&self) -> Option<&'static str> {
         let extended = self.extended.as_ref().map(|_| "--extended");
@@ -47,15 +62,16 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
     let controller = arguments.log.controller()?;
     let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
+    let effort = arguments.effort();
     let answer = {
         let line = ProgressLine::new();
         let observer = |progress| line.show(progress);
         match (&model, controller) {
-            (Some(model), Some(choice)) => diagnose_flown_by(&log, model, choice, &observer),
+            (Some(model), Some(choice)) => diagnose_flown_by(&log, model, choice, effort, &observer),
             (Some(model), None) => {
-                diagnose_observed(&log, &Subject::Vehicle(model), &observer).map_err(LogRefused::from)
+                diagnose_observed(&log, &Subject::Vehicle(model), effort, &observer).map_err(LogRefused::from)
             }
-            (None, _) => diagnose_observed(&log, &Subject::Axes, &observer).map_err(LogRefused::from),
+            (None, _) => diagnose_observed(&log, &Subject::Axes, effort, &observer).map_err(LogRefused::from),
         }
     };
     let answer = answer.map_err(|error| arguments.log.refused(&log, &error))?;

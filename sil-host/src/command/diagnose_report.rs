@@ -37,6 +37,9 @@ pub fn headline(verdict: Verdict) -> &'static str {
         Verdict::UnknownEffect => {
             "The simulation gets something wrong in this log that no effect of the catalogue explains."
         }
+        Verdict::NotAModel => {
+            "Not a model of this vehicle yet: whatever is added, it predicts no better than the measurements' mean."
+        }
     }
 }
 

@@ -14,9 +14,13 @@ use super::search::{Candidate, Search};
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term};
+use crate::effects::Scope;
 
-/// The effects of the catalogue that are ordinary.
+/// The effects of the catalogue that are ordinary of any vehicle.
 const ORDINARY: [&str; 5] = ["torque_bias", "thrust_scale", "motor_lag", "actuation_delay", "gyro_bias"];
+/// Those that are ordinary where something holds the vehicle: gravity pulls beside the bearing, the bearing brakes,
+/// with grease and without.
+const HELD: [&str; 3] = ["cg_offset", "viscous_friction", "coulomb_friction"];
 
 /// Where lag and delay begin, s. They look alike, and a fit that begins with one of them large stays there.
 const LAG_AND_DELAY_S: [[f64; 2]; 3] = [[0.01, 0.005], [0.1, 0.002], [0.002, 0.05]];
@@ -43,11 +47,18 @@ impl fmt::Display for BaseTerm {
     }
 }
 
+/// What is ordinary of what a log is about.
+pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
+    let is_held = !scope.flies_free;
+    let is_ordinary = |effect: &Fitted| ORDINARY.contains(&effect.name());
+    let of_held = |effect: &Fitted| is_held && HELD.contains(&effect.name());
+    let any = Fitted::hypotheses(scope).into_iter().filter(is_ordinary);
+    any.chain(Fitted::beside(scope, |_| true).into_iter().filter(of_held)).collect()
+}
+
 /// The base model of a log, in the noise of a search: what its nominal model leaves open and what is ordinary, fitted
 /// from several starts.
-pub(super) fn fitted<'e>(search: &Search<'e>) -> Candidate<'e> {
-    let ordinary: Vec<&'e Fitted> =
-        search.catalogue.iter().filter(|effect| ORDINARY.contains(&effect.name())).collect();
+pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candidate<'e> {
     let from = |start: &[f64; 2]| {
         let mut terms = search.gains.clone();
         terms.extend(ordinary.iter().map(|effect| Term { effect, values: values(effect, start) }));

@@ -17,17 +17,19 @@ enum Parameter<'a> {
 impl Serialize for Finding {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Finding { effect, axis, origin, controller_parameter, parameters, .. } = self;
-        let Finding { gain_pct, confounded_with, statement, .. } = self;
+        let Finding { gain_pct, confounded_with, stability_pct, one_of, statement, .. } = self;
         let numbers = parameters.iter().map(|(name, estimate)| (*name, Parameter::Number(estimate)));
         let name = controller_parameter.map(|value| ("parameter", Parameter::Name { value, std: 0.0 }));
         let parameters: BTreeMap<&str, Parameter<'_>> = name.into_iter().chain(numbers).collect();
-        let mut finding = serializer.serialize_struct("Finding", 7)?;
+        let mut finding = serializer.serialize_struct("Finding", 9)?;
         finding.serialize_field("effect", effect)?;
         finding.serialize_field("axis", axis)?;
         finding.serialize_field("where", origin)?;
         finding.serialize_field("parameters", &parameters)?;
         finding.serialize_field("gain_pct", gain_pct)?;
         finding.serialize_field("confounded_with", confounded_with)?;
+        finding.serialize_field("stability_pct", stability_pct)?;
+        finding.serialize_field("one_of", one_of)?;
         finding.serialize_field("statement", statement)?;
         finding.end()
     }

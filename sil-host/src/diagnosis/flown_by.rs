@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::controller::{self, Examination};
 use super::progress::Observer;
-use super::{Diagnosis, Subject, Verdict, diagnose_observed, extended_model};
+use super::{Diagnosis, Effort, Subject, Verdict, diagnose_observed, extended_model};
 use crate::closed_loop::{ClosedLoopDeviation, LogRefused, closed_loop};
 use crate::controller_file::ControllerChoice;
 use crate::log::Log;
@@ -27,9 +27,10 @@ pub fn diagnose_flown_by(
     log: &Log,
     model: &VehicleModel,
     choice: ControllerChoice,
+    effort: Effort,
     observer: Observer<'_>,
 ) -> Result<Diagnosis, LogRefused> {
-    let mut answer = diagnose_observed(log, &Subject::Vehicle(model), observer)?;
+    let mut answer = diagnose_observed(log, &Subject::Vehicle(model), effort, observer)?;
     let examination = controller::examine(log, model, choice)?;
     answer.closed_loop = closed_loops(log, model, &answer, choice, examination.corrected)?;
     add(&mut answer, examination);
@@ -64,6 +65,7 @@ fn add(answer: &mut Diagnosis, examination: Examination) {
     answer.findings.extend(examination.findings);
     let is_whole = examination.remainder.is_empty();
     answer.verdict = match (answer.verdict, found, is_whole) {
+        (Verdict::NotAModel, ..) => Verdict::NotAModel,
         (Verdict::NoDiscrepancy, false, true) => Verdict::NoDiscrepancy,
         (Verdict::NoDiscrepancy | Verdict::Explained, true, true) => Verdict::Explained,
         (Verdict::Explained, false, true) => Verdict::Explained,

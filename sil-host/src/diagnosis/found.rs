@@ -1,7 +1,7 @@
 //! What a search found, from the choice of effects to what is reported of it: most important first, judged beside a
 //! base model, fitted to all windows but those of the report.
 
-use super::judge::{judged, losses, unusual_terms};
+use super::judge::{floors, judged, losses, unusual_terms};
 use super::search::{Candidate, Choice, Search};
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of};
 use crate::prediction::body::State;
@@ -31,6 +31,13 @@ pub(super) struct Refitted<'e> {
 }
 
 impl<'e> Found<'e> {
+    /// The terms that are findings, those of the base model last.
+    pub(super) fn findings(&self, search: &Search<'_>) -> Vec<Term<'e>> {
+        let terms = &self.refitted.chosen.terms;
+        let places = (search.always.len()..terms.len()).chain(self.unusual.iter().copied());
+        places.map(|place| terms[place].clone()).collect()
+    }
+
     /// What else was fitted in place of a term of the chosen model; nothing of one of the base model.
     pub(super) fn alternatives_of(&self, search: &Search<'_>, index: usize) -> &[Candidate<'e>] {
         index.checked_sub(search.always.len()).and_then(|place| self.alternatives.get(place)).map_or(&[], Vec::as_slice)
@@ -42,7 +49,7 @@ impl<'e> Search<'e> {
     /// model they are fitted anew: trims and lags take up some of what is missing.
     pub(super) fn left_without(&self, found: &Found<'e>, terms: Vec<Term<'e>>) -> Vec<f64> {
         let terms = if self.has_base() { self.refitted(terms, &found.refitted.chosen.starts).terms } else { terms };
-        losses(self, &terms)
+        losses(self, &terms, &floors(self, &found.refitted.chosen.terms))
     }
 
     /// Looks for the effects in a log.
@@ -66,7 +73,42 @@ impl<'e> Search<'e> {
             .map(|(index, _)| alternatives.get_mut(index - first).and_then(Option::take).unwrap_or_default())
             .collect();
         let starts = chosen.fit.starts.clone();
-        let chosen = self.fitted(terms, &starts, f64::INFINITY);
+        self.concluded(nominal, self.fitted(terms, &starts, f64::INFINITY), alternatives)
+    }
+
+    /// The same with what most cuts of the log give: `wanted` are findings, those of the base model's terms included.
+    pub(super) fn agreed(&self, found: Found<'e>, wanted: &[Term<'e>]) -> Found<'e> {
+        let is_wanted = |term: &Term<'e>| wanted.iter().any(|other| other.effect.is_the_same(term.effect));
+        let first = self.always.len();
+        let (base, own) = found.chosen.fit.terms.split_at(first);
+        let is_of_base = |term: &&Term<'e>| base.iter().any(|other| other.effect.is_the_same(term.effect));
+        let is_new = |term: &&Term<'e>| !own.iter().any(|other| other.effect.is_the_same(term.effect));
+        let new: Vec<Term<'e>> = wanted.iter().filter(|term| !is_of_base(term) && is_new(term)).cloned().collect();
+        let mut agreed = if new.is_empty() && own.iter().all(is_wanted) {
+            found
+        } else {
+            let kept = own.iter().zip(&found.alternatives).filter(|(term, _)| is_wanted(term));
+            let (mut own, mut alternatives): (Vec<_>, Vec<_>) =
+                kept.map(|(term, others)| (term.clone(), others.clone())).unzip();
+            alternatives.extend(new.iter().map(|_| Vec::new()));
+            own.extend(new);
+            let terms = [base, &own].concat();
+            let chosen = self.fitted(terms, &found.chosen.fit.starts, f64::INFINITY);
+            self.concluded(found.nominal, chosen, alternatives)
+        };
+        let terms = &agreed.refitted.chosen.terms;
+        agreed.unusual.retain(|place| is_wanted(&terms[*place]));
+        agreed
+    }
+
+    /// What is reported of chosen effects.
+    fn concluded(
+        &self,
+        nominal: Candidate<'e>,
+        chosen: Candidate<'e>,
+        alternatives: Vec<Vec<Candidate<'e>>>,
+    ) -> Found<'e> {
+        let first = self.always.len();
         let again = |candidate: &Candidate<'e>| self.refitted(candidate.fit.terms.clone(), &candidate.fit.starts);
         let (base, all) = (again(&nominal), again(&chosen));
         if !self.has_base() {

@@ -11,7 +11,7 @@ use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifte
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::trim::may_be_found;
-use crate::prediction::accuracy::{ErrorOf, PredictedWindow, predict};
+use crate::prediction::accuracy::{ErrorOf, PredictedWindow, predict, root_mean_square, tallies};
 use crate::prediction::{Part, Window};
 use crate::statistics::Cholesky;
 
@@ -19,6 +19,10 @@ use crate::statistics::Cholesky;
 const HORIZONS_S: [f64; 2] = [0.1, 0.5];
 /// Share of the error that a finding must take away.
 const SHARE_MIN: f64 = 0.02;
+/// What every vehicle has between command and force.
+const LATE: [&str; 2] = ["motor_lag", "actuation_delay"];
+/// Standard deviations from which on a number of the base model is not zero.
+const SIGMAS: f64 = 2.0;
 /// Folds, and windows in a block of one: neighbours in time have errors in common.
 const FOLDS: usize = 5;
 const BLOCK: usize = 4;
@@ -32,11 +36,13 @@ struct Judged<'e> {
     errors: Vec<Errors>,
 }
 
-/// Takes out of a base model, one by one, what makes its predictions worse beyond chance.
+/// Takes out of a base model, one by one, what makes its predictions worse beyond chance. That commands act late is no
+/// question: lag and delay are hard to tell apart, and one without the other takes up more than its own.
 pub(super) fn useful<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
     let mut with = Judged::of(search, base);
     loop {
-        let others = (search.gains.len()..with.fit.terms.len()).map(|index| with.without(search, index));
+        let may_go = |index: &usize| !LATE.contains(&with.fit.terms[*index].effect.name());
+        let others = (search.gains.len()..with.fit.terms.len()).filter(may_go).map(|index| with.without(search, index));
         let better = others.filter(|other| is_surely_better(&with.errors, &other.errors));
         let best = better.min_by(|a, b| change(&with.errors, &a.errors).total_cmp(&change(&with.errors, &b.errors)));
         match best {
@@ -73,8 +79,20 @@ pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) ->
 pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<usize> {
     let with = Judged::of(search, chosen.clone());
     let places = search.gains.len()..search.always.len();
-    let large = places.filter(|index| may_be_found(search, &chosen.terms, *index));
+    let large =
+        places.filter(|index| differs_from_nothing(chosen, *index) && may_be_found(search, &chosen.terms, *index));
     large.filter(|index| pays(&with.without(search, *index), &with)).collect()
+}
+
+/// Is one of a term's numbers further from what changes nothing than chance explains? Where the fit of the rest has
+/// other optima, a term of no size may seem to pay.
+fn differs_from_nothing(fit: &Fit<'_>, index: usize) -> bool {
+    let (term, covariance) = (&fit.terms[index], fit.covariance_of(index));
+    let mut numbers = term.effect.unknowns().iter().zip(&term.values).enumerate();
+    numbers.any(|(i, (unknown, value))| {
+        let variance = covariance[i * term.values.len() + i];
+        (value - unknown.nominal).powi(2) > SIGMAS.powi(2) * variance
+    })
 }
 
 /// Does a model pay for what another lacks: a share of the error, beyond chance?
@@ -157,23 +175,27 @@ fn mean_square(parts: &[PredictedWindow], of: ErrorOf) -> f64 {
     series().flat_map(|series| &series.error).map(|error| error * error).sum::<f64>() / count.max(1) as f64
 }
 
-/// Squared errors over the windows of the report, window by window, each channel in units of an exact model's error.
-pub(super) fn losses(search: &Search<'_>, terms: &[Term<'_>]) -> Vec<f64> {
+/// Mean squares of an exact model's errors over the windows of the report, channel by channel.
+pub(super) fn floors(search: &Search<'_>, terms: &[Term<'_>]) -> Vec<f64> {
+    let predicted = tallies(&predicted(search, terms));
+    let of = |channel| root_mean_square(&predicted, ErrorOf::Channel(channel)).map_or(1.0, |(_, floor)| floor * floor);
+    search.shooting.log.compared().map(|(channel, _)| of(channel).max(f64::MIN_POSITIVE)).collect()
+}
+
+/// Squared errors over the windows of the report, window by window, each channel in units of some mean square. What is
+/// compared needs the same ones: how much of the noise a prediction takes up depends on its model.
+pub(super) fn losses(search: &Search<'_>, terms: &[Term<'_>], floors: &[f64]) -> Vec<f64> {
+    let of_window = |window: &PredictedWindow| {
+        let square = |channel| {
+            let series = window.of(channel);
+            series.map_or(0.0, |series| series.error.iter().map(|error| error * error).sum::<f64>())
+        };
+        search.shooting.log.compared().zip(floors).map(|((channel, _), floor)| square(channel) / floor).sum()
+    };
+    predicted(search, terms).iter().map(of_window).collect()
+}
+
+fn predicted(search: &Search<'_>, terms: &[Term<'_>]) -> Vec<PredictedWindow> {
     let log = &search.shooting.log;
-    let driven = log.drive(model_of(search.nominal, terms));
-    let predicted = predict(log, &driven, &search.windows(&search.report));
-    let mut losses = vec![0.0; predicted.len()];
-    for (channel, _) in log.compared() {
-        let mut floor = (0.0, 0.0);
-        let series = || predicted.iter().map(|window| window.of(channel));
-        for floors in series().flatten().map(|series| &series.floor) {
-            floor = (floor.0 + floors.iter().map(|floor| floor * floor).sum::<f64>(), floor.1 + floors.len() as f64);
-        }
-        let mean_square = (floor.0 / f64::max(floor.1, 1.0)).max(f64::MIN_POSITIVE);
-        for (loss, series) in losses.iter_mut().zip(series()) {
-            let squares = series.map_or(0.0, |series| series.error.iter().map(|error| error * error).sum());
-            *loss += squares / mean_square;
-        }
-    }
-    losses
+    predict(log, &log.drive(model_of(search.nominal, terms)), &search.windows(&search.report))
 }

@@ -26,12 +26,14 @@ mod fitting;
 mod flown_by;
 mod found;
 mod judge;
+mod noise;
 mod nominal;
 mod plausible;
 mod progress;
 mod remainder;
 mod search;
 mod sizes;
+mod stability;
 mod subject;
 mod trim;
 mod verdict;
@@ -59,23 +61,22 @@ use evidence::statistics::Judged;
 pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
 use fitted::Fitted;
-use fitting::carried_noise::CarriedNoise;
 use fitting::fit::{Term, model_of};
-use fitting::process_noise::AxisNoise;
 use fitting::sampling::Sampled;
 use fitting::shooting::Shooting;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
+use noise::noise_beyond_sensors;
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};
-use search::{Candidate, Search};
+use search::Search;
 pub use sizes::{Asked, Size, sizes};
+pub use stability::Effort;
+use stability::Stability;
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
 
 /// Why the controller is not judged where none is given.
 pub const NO_CONTROLLER: &str = "no controller given";
-/// Above this multiple of the noise floor an error is not explained.
-const FLOOR_FACTOR_MAX: f64 = 1.3;
 
 /// The answer to a log (docs/commands.md, "JSON of `sil diagnose`").
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -155,29 +156,33 @@ pub struct PredictionErrors {
 /// What the findings leave.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Unexplained {
-    /// Share of the nominal model's held-out squared error beyond the noise, %.
+    /// Share of the nominal model's held-out squared error beyond the noise, %: each channel relative to the nominal
+    /// model's error.
     pub variance_pct: f64,
+    /// The largest of the channels' held-out errors over an exact model's.
+    pub times_floor: f64,
     /// True if the residuals are white.
     pub white: bool,
     /// In words; empty where they are.
     pub signature: String,
 }
 
-/// Diagnoses a log.
+/// Diagnoses a log, in one search.
 ///
 /// # Errors
 /// The log has no window, or no commands for its rig.
 pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, NotPredictable> {
-    diagnose_observed(log, subject, &|_| ())
+    diagnose_observed(log, subject, Effort::Quick, &|_| ())
 }
 
-/// The same, reporting its progress.
+/// The same as thoroughly as is wanted, reporting its progress.
 ///
 /// # Errors
 /// As [`diagnose`].
 pub fn diagnose_observed(
     log: &Log,
     subject: &Subject<'_>,
+    effort: Effort,
     observer: Observer<'_>,
 ) -> Result<Diagnosis, NotPredictable> {
     // a log of many rows is compared at some of them, under all of its commands
@@ -191,89 +196,91 @@ pub fn diagnose_observed(
     let (search, found) =
         sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, gains.clone(), observer));
     if !search.is_far(&found.chosen) {
-        observer(Progress::Judging);
-        return Ok(answer(log, subject, &search, &found));
+        return concluded(log, subject, &search, found, effort);
     }
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
-    let base = base::fitted(&search);
+    let ordinary = base::ordinary(&subject.scope(log));
+    let base = base::fitted(&search, &ordinary);
     let (moments, forces) = noise_beyond_sensors(&search, &base);
     let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
     let shooting = Shooting::new(windowed).with_noise(moments, forces);
     let search = Search::new(&shooting, &nominal, &catalogue, gains, observer);
-    let base = base::fitted(&search).fit;
+    let base = base::fitted(&search, &ordinary).fit;
     let base = judge::useful(&search, search.refitted(base.terms, &base.starts));
     let beside = Fitted::beside(&subject.scope(log), |axis| base::is_trimmed(&base, axis));
     let search = search.from(&base, &beside);
     let found = search.run();
-    observer(Progress::Judging);
-    Ok(answer(log, subject, &search, &found))
+    concluded(log, subject, &search, found, effort)
 }
 
-/// The noise, of moments and of forces, under which what a model leaves is most likely.
-fn noise_beyond_sensors(search: &Search<'_>, model: &Candidate<'_>) -> ([AxisNoise; 3], Vec<CarriedNoise>) {
-    let shooting = search.shooting;
-    let driven = shooting.log.drive(model_of(search.nominal, &model.fit.terms));
-    let (windows, starts) = (&search.training, &model.fit.starts);
-    (shooting.most_likely_noise(&driven, windows, starts), shooting.carried_noise(&driven, windows, starts))
+/// The answer, once other cuts of the log have had their say.
+fn concluded<'e>(
+    log: &Log,
+    subject: &Subject<'_>,
+    search: &Search<'e>,
+    found: Found<'e>,
+    effort: Effort,
+) -> Result<Diagnosis, NotPredictable> {
+    let stability = Stability::of(log, subject, search, &found, effort)?;
+    let wanted = stability.consensus(&found.findings(search));
+    let found = search.agreed(found, &wanted);
+    (search.observer)(Progress::Judging);
+    let found = evidence::bootstrap::confirmed(search, found);
+    Ok(answer(log, subject, search, &found, &stability))
 }
 
-fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'_>) -> Diagnosis {
+fn answer<'e>(
+    log: &Log,
+    subject: &Subject<'_>,
+    search: &Search<'e>,
+    found: &Found<'e>,
+    stability: &Stability<'e>,
+) -> Diagnosis {
     let shooting = search.shooting;
-    let refitted = [&found.refitted.nominal, &found.refitted.chosen];
+    let refitted = [&found.refitted.nominal, &found.refitted.base, &found.refitted.chosen];
     let driven = refitted.map(|fit| shooting.log.drive(model_of(search.nominal, &fit.terms)));
     let windows = search.windows(&search.report);
     let predicted = driven.each_ref().map(|driven| accuracy::predict(&shooting.log, driven, &windows));
-    let [nominal, extended] = predicted.each_ref().map(accuracy::tallies);
-    let [nominal_errors, _] = accuracy::channel_errors(&nominal);
-    let [extended_errors, noise_floor] = accuracy::channel_errors(&extended);
-    let base = shooting.log.drive(model_of(search.nominal, &found.refitted.base.terms));
-    let [base_errors, _] =
-        accuracy::channel_errors(&accuracy::tallies(&accuracy::predict(&shooting.log, &base, &windows)));
+    let tallies = predicted.each_ref().map(accuracy::tallies);
+    let [[nominal, _], [base, _], [extended, noise_floor]] = tallies.each_ref().map(|of| accuracy::channel_errors(of));
     let gain = evidence::bootstrap::gain(search, found);
-    let findings = verdict::findings(search, found, &gain);
+    let findings = verdict::findings(search, found, stability, &gain);
     let experiment = evidence::experiment::separating(log, subject, search, found, &findings, &gain.places);
-    let unexplained = remainder::unexplained(search, found);
-    let at_the_floor = accuracy::worst_ratio(&extended) <= FLOOR_FACTOR_MAX;
+    let unexplained = remainder::unexplained(search, found, &tallies[0], &tallies[2]);
     let mut rejected = verdict::rejected(search, found);
     rejected.extend(subject.not_tested(log));
     rejected.push(Rejected { effect: "controller_mismatch", axis: String::new(), reason: NO_CONTROLLER.to_owned() });
-    let verdict = match (findings.is_empty(), unexplained.signature.is_empty() && at_the_floor) {
-        (true, true) => Verdict::NoDiscrepancy,
-        (true, false) => Verdict::UnknownEffect,
-        (false, true) => Verdict::Explained,
-        (false, false) => Verdict::PartlyExplained,
-    };
     let commands = axis_commands(log);
-    let (conditions, spectra) =
-        evidence::conditions::conditions(&shooting.log, &driven, &commands, throttle(log).as_deref());
-    let judged = [
-        Judged { driven: &driven[0], predicted: &predicted[0], starts: &refitted[0].starts },
-        Judged { driven: &driven[1], predicted: &predicted[1], starts: &refitted[1].starts },
-    ];
+    let judged =
+        [0, 1, 2].map(|i| Judged { driven: &driven[i], predicted: &predicted[i], starts: &refitted[i].starts });
+    let statistics = evidence::statistics::statistics(shooting, judged, &commands);
+    let horizons = evidence::horizons::horizons(&shooting.log, &driven);
+    let verdict = Verdict::of(&findings, &unexplained, &statistics, windows.len());
+    let [nominal_model, _, extended_model] = &driven;
+    let (conditions, spectra) = evidence::conditions::conditions(
+        &shooting.log,
+        [nominal_model, extended_model],
+        &commands,
+        throttle(log).as_deref(),
+    );
     Diagnosis {
         log: LogSummary::of(log.commanding()),
         verdict,
         base: base::terms(search, found),
         findings,
         rejected,
-        prediction_error: PredictionErrors {
-            window_s: WINDOW_S,
-            nominal: nominal_errors,
-            base: base_errors,
-            extended: extended_errors,
-            noise_floor,
-        },
+        prediction_error: PredictionErrors { window_s: WINDOW_S, nominal, base, extended, noise_floor },
         closed_loop: None,
         unexplained,
         separating_experiment: experiment.as_ref().map_or_else(String::new, |experiment| experiment.sentence.clone()),
         experiment,
         gain,
-        horizons: evidence::horizons::horizons(&shooting.log, &driven),
-        statistics: evidence::statistics::statistics(shooting, judged, &commands),
+        horizons,
+        statistics,
         conditions,
         spectra,
         excitation: evidence::excitation::excitation(search, found),
-        residuals: evidence::residuals::of_models(&shooting.log, &predicted[0], &predicted[1]),
+        residuals: evidence::residuals::of_models(&shooting.log, &predicted),
     }
 }
 

@@ -13,6 +13,13 @@ pub enum Progress {
         /// Of so many.
         total: usize,
     },
+    /// The effects are chosen again over other cuts of the log.
+    Cutting {
+        /// Cuts searched.
+        done: usize,
+        /// Of so many.
+        total: usize,
+    },
     /// Errors are taken apart, gains and intervals computed.
     Judging,
     /// Manoeuvres are flown in simulation that might separate effects that the log cannot separate.

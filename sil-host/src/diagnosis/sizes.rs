@@ -3,11 +3,13 @@
 
 use std::collections::BTreeMap;
 
+use super::base;
 use super::fitted::Fitted;
+use super::noise::{Noise, noise_beyond_sensors};
+use super::search::Search;
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, fit, model_of};
-use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Hints;
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
@@ -19,42 +21,70 @@ pub type Asked = (&'static str, Option<Axis>);
 pub type Size = BTreeMap<&'static str, Estimate>;
 
 /// Fits some effects together to all windows of a log, under the noise that is most likely with them: one size for each
-/// that the log shows, none for the others.
+/// that the log shows, none for the others. Where they leave a log far from explained they are fitted beside the base
+/// model, and what that has of them is what the log shows.
 ///
 /// # Errors
 /// As [`super::diagnose`].
 pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Option<Size>>, NotPredictable> {
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
-    let nominal = || subject.model();
-    let table = Fitted::hypotheses(&subject.scope(log));
+    let (nominal, scope) = (|| subject.model(), subject.scope(log));
+    let catalogue = Fitted::hypotheses(&scope);
     let shooting = subject.shooting(log, &subject.noise(log))?;
     let fitted_along = subject.fitted_along(&shooting.log)?;
-    let mut terms: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
-    let mut places = Vec::new();
-    for (name, axis) in asked {
-        let effect = table.iter().find(|effect| effect.name() == *name && effect.axis() == *axis);
-        places.push(effect.map(|_| terms.len()));
-        terms
-            .extend(effect.and_then(|effect| {
-                Some(Term { effect, values: effect.starts(&Hints::default()).into_iter().next()? })
-            }));
+    let gains: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
+    let search = Search::new(&shooting, &nominal, &catalogue, gains.clone(), &|_| ());
+    let alone = search.settled(with_asked(gains, &catalogue, asked));
+    let ordinary = base::ordinary(&scope);
+    if !search.is_far(&alone) {
+        let noise = noise_beyond_sensors(&search, &alone);
+        return Ok(fitted_to_all(log, subject, &nominal, alone.fit.terms, noise)?.sizes(asked));
     }
-    let under_sensors = fitted_to_all(&shooting, &nominal, terms);
-    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
-    let driven = shooting.log.drive(model_of(&nominal, &under_sensors.terms));
-    let noise = shooting.most_likely_noise(&driven, &all, &under_sensors.starts);
-    let carried = shooting.carried_noise(&driven, &all, &under_sensors.starts);
-    let shooting = shooting.with_noise(noise, carried);
-    let fit = fitted_to_all(&shooting, &nominal, under_sensors.terms);
-    Ok(places.into_iter().map(|place| Some(estimates(&fit, place?, MODEL_ERROR))).collect())
+    let base = base::fitted(&search, &ordinary);
+    let noise = noise_beyond_sensors(&search, &base);
+    let disturbed = subject.shooting(log, &subject.noise(log))?.with_noise(noise.0, noise.1.clone());
+    let base = base::fitted(&Search { shooting: &disturbed, ..search }, &ordinary);
+    let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base.fit, axis));
+    let terms = with_asked(base.fit.terms, &beside, asked);
+    Ok(fitted_to_all(log, subject, &nominal, terms, noise)?.sizes(asked))
 }
 
-/// The effects fitted to every window, from their values on.
-fn fitted_to_all<'e>(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms: Vec<Term<'e>>) -> Fit<'e> {
+/// Some terms, and what is asked for beside them.
+fn with_asked<'e>(mut terms: Vec<Term<'e>>, catalogue: &'e [Fitted], asked: &[Asked]) -> Vec<Term<'e>> {
+    for of in asked {
+        let effect = catalogue.iter().find(|effect| is_asked(effect, of));
+        let start = |effect: &Fitted| effect.starts(&Hints::default()).into_iter().next();
+        let is_new = !terms.iter().any(|term| is_asked(term.effect, of));
+        let new = effect.filter(|_| is_new).and_then(|effect| Some(Term { effect, values: start(effect)? }));
+        terms.extend(new);
+    }
+    terms
+}
+
+fn is_asked(effect: &Fitted, (name, axis): &Asked) -> bool {
+    effect.name() == *name && effect.axis() == *axis
+}
+
+impl Fit<'_> {
+    fn sizes(&self, asked: &[Asked]) -> Vec<Option<Size>> {
+        let place = |of: &Asked| self.terms.iter().position(|term| is_asked(term.effect, of));
+        asked.iter().map(|of| Some(estimates(self, place(of)?, MODEL_ERROR))).collect()
+    }
+}
+
+/// The terms fitted to every window in some noise, from their values on.
+fn fitted_to_all<'e>(
+    log: &Log,
+    subject: &Subject<'_>,
+    nominal: Nominal<'_>,
+    terms: Vec<Term<'e>>,
+    (moments, forces): Noise,
+) -> Result<Fit<'e>, NotPredictable> {
+    let shooting = subject.shooting(log, &subject.noise(log))?.with_noise(moments, forces);
     let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let driven = shooting.log.drive(model_of(nominal, &terms));
     let mut starts = shooting.log.measured_starts(&driven.model);
     shooting.settle(&driven, &all, &mut starts);
-    fit(shooting, nominal, terms, &starts, &all)
+    Ok(fit(&shooting, nominal, terms, &starts, &all))
 }

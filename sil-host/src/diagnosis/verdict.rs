@@ -9,6 +9,8 @@ use serde::Serialize;
 use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
 use super::search::{SEPARABLE, Search};
+use super::stability::Stability;
+use super::{ChannelStatistics, Unexplained};
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::{Effect, Origin};
@@ -64,11 +66,15 @@ pub struct Finding {
     pub controller_parameter: Option<&'static str>,
     /// Its parameters by name.
     pub parameters: BTreeMap<&'static str, Estimate>,
-    /// Rise of the held-out squared error when it alone is taken out of the extended model, in % of nominal minus
-    /// extended.
+    /// Share of the held-out squared error, without it, that it takes away, %.
     pub gain_pct: f64,
     /// Effects that this log cannot separate from it.
     pub confounded_with: Vec<&'static str>,
+    /// In how many other cuts of the log it is found, %; none where none were looked at.
+    pub stability_pct: Option<f64>,
+    /// What the answer chooses among where the cuts of the log do not agree, this effect first ("nothing" for no effect
+    /// at all); empty where they do.
+    pub one_of: Vec<String>,
     /// For a person.
     pub statement: String,
     /// The effect itself, which a model of the vehicle may take over; none of the controller's, and none on separate
@@ -99,12 +105,82 @@ pub enum Verdict {
     PartlyExplained,
     /// Nothing in the catalogue does.
     UnknownEffect,
+    /// With whatever was found the model is still no better than the mean of the measurements.
+    NotAModel,
+}
+
+/// Above this multiple of the noise floor an error is not explained, however many windows it is of.
+const FLOOR_FACTOR_MAX: f64 = 1.3;
+/// Above so many standard deviations of what chance makes of an exact model's error: 2 % in the worst of 13 channels.
+const SIGMAS: f64 = 3.0;
+/// What remains of the nominal model's squared error may have a structure and yet be nothing to a user, %.
+const NEGLIGIBLE_PCT: f64 = 0.5;
+/// Share of the excited channels in which a model must be better than the mean of the measurements.
+const FITTED_MIN: f64 = 0.75;
+
+impl Verdict {
+    /// `windows` are those of the report.
+    pub(super) fn of(
+        findings: &[Finding],
+        left: &Unexplained,
+        statistics: &[ChannelStatistics],
+        windows: usize,
+    ) -> Verdict {
+        // most of a window's errors come from its start, so each counts about once
+        let by_chance = 1.0 + SIGMAS / (2.0 * windows as f64).sqrt();
+        let factor_max = FLOOR_FACTOR_MAX.max(by_chance);
+        let is_negligible = left.signature.is_empty() || left.variance_pct < NEGLIGIBLE_PCT;
+        let fits: Vec<f64> =
+            statistics.iter().filter(|of| of.excited).filter_map(|of| of.extended.agreement.fit_pct).collect();
+        let fitted = fits.iter().filter(|fit| **fit > 0.0).count() as f64;
+        match (findings.is_empty(), left.times_floor <= factor_max) {
+            _ if fitted < FITTED_MIN * fits.len() as f64 => Verdict::NotAModel,
+            (true, true) if left.signature.is_empty() => Verdict::NoDiscrepancy,
+            (true, _) => Verdict::UnknownEffect,
+            (false, true) if is_negligible => Verdict::Explained,
+            (false, _) => Verdict::PartlyExplained,
+        }
+    }
 }
 
 /// Findings of a search, most important first.
-pub(super) fn findings(search: &Search<'_>, found: &Found<'_>, gain: &Gain) -> Vec<Finding> {
+pub(super) fn findings<'e>(
+    search: &Search<'e>,
+    found: &Found<'e>,
+    stability: &Stability<'e>,
+    gain: &Gain,
+) -> Vec<Finding> {
+    let effects: Vec<&Fitted> = gain.places.iter().map(|place| found.refitted.chosen.terms[*place].effect).collect();
     let places = gain.places.iter().zip(&gain.findings_pct);
-    places.map(|(index, gain_pct)| finding(search, found, *index, *gain_pct)).collect()
+    let with_cuts = |(index, gain_pct): (&usize, &f64)| {
+        let effect = found.refitted.chosen.terms[*index].effect;
+        let one_of =
+            stability.one_of(effect, &effects).into_iter().map(|of| of.map_or("nothing".to_owned(), full_name));
+        let stability_pct = stability.pct(effect);
+        let mut finding =
+            Finding { stability_pct, one_of: one_of.collect(), ..finding(search, found, *index, *gain_pct) };
+        finding.statement += &finding.doubt();
+        finding
+    };
+    places.map(with_cuts).collect()
+}
+
+/// "spring pitch", "weak_motor 3".
+fn full_name(effect: &Fitted) -> String {
+    match (effect.axis(), effect.motor()) {
+        (Some(axis), _) => format!("{} {}", effect.name(), axis.name()),
+        (None, Some(motor)) => format!("{} {motor}", effect.name()),
+        (None, None) => effect.name().to_owned(),
+    }
+}
+
+impl Finding {
+    /// What the answer chooses among, in words; empty where it is sure.
+    fn doubt(&self) -> String {
+        let (Some(pct), [_, others @ ..]) = (self.stability_pct, self.one_of.as_slice()) else { return String::new() };
+        let others = others.join(" or ");
+        format!(" Not certain: only {pct:.0} % of other cuts of this log show it, the others {others}.")
+    }
 }
 
 fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) -> Finding {
@@ -139,6 +215,8 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
         parameters,
         gain_pct,
         confounded_with,
+        stability_pct: None,
+        one_of: Vec::new(),
         statement,
         extension: term.effect.effect(&term.values).filter(|_| search.shooting.log.has_motors()),
     }

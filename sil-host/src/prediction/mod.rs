@@ -43,4 +43,5 @@ pub use error::NotPredictable;
 pub use noise::MeasuredNoise;
 pub use predicted_log::{ErrorAndFloor, PredictedLog, Sample};
 pub use subject::Subject;
+pub(crate) use window::Cut;
 pub use window::{Part, WINDOW_S, Window};

@@ -47,14 +47,20 @@ pub enum Part {
 /// # Errors
 /// The rows are too far apart, or there is no window at all.
 pub(crate) fn windows(log: &Log) -> Result<Vec<Window>, NotPredictable> {
+    windows_among(log, &log.active_rows())
+}
+
+/// The same in other rows than those in which the motors run.
+fn windows_among(log: &Log, active: &[bool]) -> Result<Vec<Window>, NotPredictable> {
     let step_s = log.median_step_s();
     if step_s * ROWS_MIN as f64 > WINDOW_S {
         return Err(NotPredictable::TooSlow { step_s, window_s: WINDOW_S, rows_min: ROWS_MIN });
     }
     let mut windows = Vec::new();
-    for (first, end) in stretches(log) {
+    for (first, end) in stretches_among(log, active) {
         cut(&log.time_s, first, end, 0.5 * step_s, &mut windows);
     }
+    share_out(log, &mut windows);
     if windows.is_empty() {
         return Err(NotPredictable::NoWindow { window_s: WINDOW_S, rows: log.rows(), duration_s: log.duration_s() });
     }
@@ -63,7 +69,10 @@ pub(crate) fn windows(log: &Log) -> Result<Vec<Window>, NotPredictable> {
 
 /// Runs of rows (first, one past the last) without a gap in time in which the motors run.
 pub(super) fn stretches(log: &Log) -> Vec<(usize, usize)> {
-    let active = log.active_rows();
+    stretches_among(log, &log.active_rows())
+}
+
+fn stretches_among(log: &Log, active: &[bool]) -> Vec<(usize, usize)> {
     let longest_regular_s = log.longest_regular_step_s();
     let mut stretches = Vec::new();
     let mut first = 0;
@@ -84,6 +93,38 @@ pub(super) fn stretches(log: &Log) -> Vec<(usize, usize)> {
     stretches
 }
 
+/// Another cut of a log: an eighth of its time is left out, from cut to cut another part, and the windows' grid is
+/// moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Cut {
+    /// From 0.
+    pub(crate) number: usize,
+    /// Cuts in all.
+    pub(crate) of: usize,
+}
+
+/// Share of a log's time that is left out.
+const LEFT_OUT: f64 = 0.125;
+
+impl Cut {
+    /// The windows that are left.
+    ///
+    /// # Errors
+    /// As [`windows`].
+    pub(crate) fn windows(&self, log: &Log) -> Result<Vec<Window>, NotPredictable> {
+        let place = (self.number as f64 + 0.5) / self.of as f64;
+        let mut active = log.active_rows();
+        for (first, end) in stretches(log) {
+            let begin_s = log.time_s[first] + place * WINDOW_S;
+            (first..end).take_while(|row| log.time_s[*row] < begin_s).for_each(|row| active[row] = false);
+        }
+        let rows: Vec<usize> = (0..log.rows()).filter(|row| active[*row]).collect();
+        let (from, count) = ((place * rows.len() as f64) as usize, (LEFT_OUT * rows.len() as f64) as usize);
+        (from..from + count).for_each(|number| active[rows[number % rows.len()]] = false);
+        windows_among(log, &active)
+    }
+}
+
 /// All windows of one stretch; times count as equal within `tolerance_s`, half a step.
 fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut Vec<Window>) {
     let row_at = |from: usize, at_s: f64| (from..end).find(|row| time_s[*row] >= at_s - tolerance_s);
@@ -94,24 +135,56 @@ fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut
     while let Some(window_end) = row_at(start, time_s[start] + WINDOW_S) {
         if window_end - start >= ROWS_MIN {
             let index = windows.len();
-            windows.push(Window { index, part: part(index), ..Window::between(time_s, first, start, window_end) });
+            windows.push(Window { index, ..Window::between(time_s, first, start, window_end) });
         }
         start = window_end;
     }
 }
 
-/// Which windows serve what. Every second one in the order of Thue and Morse is fitted, two in each four; the others
-/// part as the sequence of Rudin and Shapiro says. Neither has a period: with every second window a disturbance of 1 Hz
-/// would push all fitted windows one way, and all others the other. The sequences are entered where three windows have
-/// all three.
-fn part(index: usize) -> Part {
-    let place = index + 204;
-    let pairs_of_ones = (place & (place >> 1)).count_ones();
-    match (place.count_ones() % 2, pairs_of_ones % 2) {
-        (0, _) => Part::Fit,
-        (_, 0) => Part::Choice,
-        _ => Part::Report,
+/// Which windows serve what: of each four in the order of how much the vehicle turns in them two are fitted, one
+/// chooses, one is reported. A manoeuvre or two is often all that a log says of its vehicle, and each part must have
+/// its share; windows in which feedback holds the vehicle still show the feedback.
+///
+/// Which of the four serves what goes by the sequences of Thue and Morse and of Rudin and Shapiro, which have no
+/// period: with every second window a disturbance of 1 Hz would push all fitted windows one way, and all others the
+/// other. Three windows have all three parts.
+fn share_out(log: &Log, windows: &mut [Window]) {
+    use Part::{Choice, Fit, Report};
+    const OF_FOUR: [[Part; 4]; 4] = [
+        [Fit, Choice, Report, Fit],
+        [Fit, Report, Choice, Fit],
+        [Choice, Fit, Fit, Report],
+        [Report, Fit, Fit, Choice],
+    ];
+    let turning = turning(log, windows);
+    let mut order: Vec<usize> = (0..windows.len()).collect();
+    order.sort_by(|a, b| turning[*b].total_cmp(&turning[*a]));
+    for (place, window) in order.into_iter().enumerate() {
+        let four = place / 4;
+        let (ones, pairs_of_ones) = (four.count_ones() % 2, (four & (four >> 1)).count_ones() % 2);
+        windows[window].part = OF_FOUR[(2 * ones + pairs_of_ones) as usize][place % 4];
     }
+}
+
+/// How much the vehicle turns in each window: variance of each rate, or else of the angle, in units of its mean over
+/// all windows.
+fn turning(log: &Log, windows: &[Window]) -> Vec<f64> {
+    let mut turning = vec![0.0; windows.len()];
+    for axis in 0..3 {
+        let Some(column) = log.rate_rad_s[axis].as_ref().or(log.angle_rad[axis].as_ref()) else { continue };
+        let variances: Vec<f64> = windows.iter().map(|window| variance(&column[window.start..window.end])).collect();
+        let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
+        if mean > 0.0 {
+            turning.iter_mut().zip(&variances).for_each(|(sum, variance)| *sum += variance / mean);
+        }
+    }
+    turning
+}
+
+fn variance(values: &[f64]) -> f64 {
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count
 }
 
 impl Window {
@@ -163,20 +236,65 @@ mod tests {
             assert_eq!(window.end, window.start + 125);
             assert_eq!((window.lead, window.tail), (window.start - 12, window.start + 13));
             use Part::{Choice, Fit, Report};
-            assert_eq!(window.part, [Fit, Choice, Report, Fit, Report, Fit, Fit][index]);
+            // nothing turns: the first four in order, the next four in another one
+            assert_eq!(window.part, [Fit, Choice, Report, Fit, Choice, Fit, Fit][index]);
         }
+    }
+
+    /// What windows serve in which the vehicle turns by so much.
+    fn parts(turning: &[f64]) -> Vec<Part> {
+        let rows = |value: &f64| [*value, -value];
+        let log = Log { rate_rad_s: [None, Some(turning.iter().flat_map(rows).collect()), None], ..Log::default() };
+        let window = |index: usize| {
+            let (start, end) = (2 * index, 2 * index + 2);
+            Window { index, lead: start, start, tail: end, end, part: Part::Fit }
+        };
+        let mut windows: Vec<Window> = (0..turning.len()).map(window).collect();
+        share_out(&log, &mut windows);
+        windows.iter().map(|window| window.part).collect()
+    }
+
+    #[test]
+    fn each_part_has_its_share_of_the_manoeuvres() {
+        // four manoeuvres in a hundred windows of rest
+        let manoeuvres = [20, 21, 60, 90];
+        let turning: Vec<f64> = (0..100).map(|i| if manoeuvres.contains(&i) { 5.0 } else { 0.1 }).collect();
+        let parts = parts(&turning);
+        let count = |of: Part| manoeuvres.iter().filter(|window| parts[**window] == of).count();
+        assert_eq!([Part::Fit, Part::Choice, Part::Report].map(count), [2, 1, 1]);
+        let count = |of: Part| parts.iter().filter(|part| **part == of).count();
+        assert_eq!([Part::Fit, Part::Choice, Part::Report].map(count), [50, 25, 25]);
+    }
+
+    #[test]
+    fn a_cut_leaves_out_an_eighth_and_moves_the_grid() {
+        let log = log_at((0..4001).map(|row| f64::from(row) * 0.004).collect());
+        let whole = windows(&log).unwrap();
+        let cuts: Vec<Vec<Window>> = (0..8).map(|number| Cut { number, of: 8 }.windows(&log).unwrap()).collect();
+        let mut begins: Vec<usize> = cuts.iter().map(|cut| cut[0].start).collect();
+        for (number, cut) in cuts.iter().enumerate() {
+            // 16 s less 2 s, less what does not fill a window on either side of the hole
+            assert!((24..=28).contains(&cut.len()), "{number}: {}", cut.len());
+            assert!(cut.iter().enumerate().all(|(place, window)| window.index == place));
+            let held = |row: usize| cut.iter().any(|window| (window.lead..window.end).contains(&row));
+            let middle_of_hole = (number as f64 + 1.0) / 8.0 * 4000.0;
+            assert!(!held((middle_of_hole as usize) % 4000), "{number}");
+        }
+        begins.sort_unstable();
+        begins.dedup();
+        assert!(begins.len() >= 7 && !begins.contains(&whole[0].start), "{begins:?}");
     }
 
     #[test]
     fn no_periodic_moment_pushes_the_fitted_windows_one_way_and_the_others_another() {
         // mean of a sine over each window of 0.5 s; phase and frequency that part the halves most
-        let worst = |part: fn(usize) -> Part| {
+        let worst = |parts: &[Part]| {
             let mut worst = 0.0_f64;
             for (step, phase) in (1..80).flat_map(|step| [0.0, 0.25].map(|phase| (step, phase))) {
                 let turns = |window: f64| f64::from(step) * 0.05 * 0.5 * window + phase;
                 let cosine = |window: f64| libm::cos(core::f64::consts::TAU * turns(window));
                 let mean = |of: Part| -> f64 {
-                    let windows: Vec<usize> = (0..120).filter(|window| part(*window) == of).collect();
+                    let windows: Vec<usize> = (0..120).filter(|window| parts[*window] == of).collect();
                     windows.iter().map(|window| cosine(*window as f64 + 0.5)).sum::<f64>() / windows.len() as f64
                 };
                 let [fit, choice, report] = [Part::Fit, Part::Choice, Part::Report].map(mean);
@@ -184,11 +302,14 @@ mod tests {
             }
             worst
         };
-        let alternating = |window: usize| [Part::Fit, Part::Choice, Part::Fit, Part::Report][window % 4];
-        assert!(worst(alternating) > 1.9);
-        assert!(worst(part) < 0.9, "{}", worst(part));
-        let count = |of: Part| (0..120).filter(|window| part(*window) == of).count();
-        assert_eq!([Part::Fit, Part::Choice, Part::Report].map(count), [60, 33, 27]);
+        let alternating: Vec<Part> =
+            (0..120).map(|window| [Part::Fit, Part::Choice, Part::Fit, Part::Report][window % 4]).collect();
+        assert!(worst(&alternating) > 1.9);
+        // in the order of time, where nothing else orders them
+        let alike = parts(&[1.0; 120]);
+        assert!(worst(&alike) < 0.9, "{}", worst(&alike));
+        let count = |of: Part| alike.iter().filter(|part| **part == of).count();
+        assert_eq!([Part::Fit, Part::Choice, Part::Report].map(count), [60, 30, 30]);
     }
 
     #[test]

@@ -5,10 +5,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Channel;
 use super::body::State;
+use super::error::NotPredictable;
 use super::force_track::{Commands, ForceTrack};
 use super::model::{Model, Scene, track};
 use super::noise::MeasuredNoise;
-use super::window::{Part, Window};
+use super::window::{Cut, Part, Window};
 use crate::axis::Axis;
 use crate::log::{Column, Log};
 use crate::statistics::wrapped;
@@ -101,6 +102,14 @@ impl<'a> WindowedLog<'a> {
     /// The same with the commands of another, and with what those leave unknown.
     pub(crate) fn commanded_as(self, other: &WindowedLog<'_>) -> WindowedLog<'a> {
         WindowedLog { lost: other.lost.clone(), ..self.commanded(other.commands.clone()) }
+    }
+
+    /// The same, other windows of it.
+    ///
+    /// # Errors
+    /// None is left.
+    pub(crate) fn cut(self, cut: &Cut) -> Result<WindowedLog<'a>, NotPredictable> {
+        Ok(WindowedLog { windows: cut.windows(self.log)?, ..self })
     }
 
     /// The same, its commands leaving accelerations unknown.

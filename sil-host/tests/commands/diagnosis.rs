@@ -24,7 +24,8 @@ fn agreement() -> Value {
 fn answer() -> Value {
     let errors = json!({ "roll_deg": "number", "pitch_deg": "number", "p_deg_s": "number", "q_deg_s": "number" });
     let error = json!({
-        "quantity": "string", "unit": "string", "nominal": "number", "extended": "number", "noise_floor": "number",
+        "quantity": "string", "unit": "string", "nominal": "number", "base": "number", "extended": "number",
+        "noise_floor": "number",
     });
     json!({
         "log": { "path": "string", "rows": 1200, "duration_s": "number", "rate_hz": "number" },
@@ -33,18 +34,22 @@ fn answer() -> Value {
         "findings": [{
             "effect": "string", "axis": "anything", "where": "string",
             "parameters": { "scale": { "value": "number", "std": "number" } },
-            "gain_pct": "number", "confounded_with": ["string"], "statement": "string",
+            "gain_pct": "number", "confounded_with": ["string"], "stability_pct": "number?", "one_of": "anything",
+            "statement": "string",
         }],
         "rejected": [{ "effect": "string", "axis": "string", "reason": "string" }],
         "prediction_error": {
             "window_s": 0.5, "nominal": errors, "base": errors, "extended": errors, "noise_floor": errors,
         },
         "closed_loop": null,
-        "unexplained": { "variance_pct": "number", "white": true, "signature": "" },
+        "unexplained": { "variance_pct": "number", "times_floor": "number", "white": true, "signature": "" },
         "separating_experiment": "string",
         "gain": { "total_pct": "number", "total_interval_pct": "anything", "findings_interval_pct": "anything" },
         "horizons": [{ "horizon_s": "number", "windows": "integer", "held_out": "boolean", "errors": [error] }],
-        "statistics": [{ "quantity": "string", "unit": "string", "nominal": agreement(), "extended": agreement() }],
+        "statistics": [{
+            "quantity": "string", "unit": "string", "excited": "boolean", "nominal": agreement(), "base": agreement(),
+            "extended": agreement(),
+        }],
         "conditions": [{
             "axis": "string", "condition": "string", "unit": "string",
             "nominal_pct": "number", "extended_pct": "number", "chance_pct": "number",
@@ -68,7 +73,8 @@ fn is_told_as_json_on_a_page_and_by_a_flight_that_can_be_flown() {
     let folder = Folder::new();
     short_log(&folder);
     let outputs = ["--json", "out.json", "--report", "out.html", "--experiment", "next.toml", "--extended", "out.toml"];
-    let outcome = folder.sil(&[&["diagnose", "log.csv", "--rig", "gimbal"], &outputs[..]].concat()).assert_done();
+    let outcome =
+        folder.sil(&[&["diagnose", "log.csv", "--quick", "--rig", "gimbal"], &outputs[..]].concat()).assert_done();
     let json = folder.json("out.json");
     assert_fits(&json, &answer(), "");
     // four seconds of roll: weak thrust or a heavy body?
@@ -92,12 +98,33 @@ fn is_told_as_json_on_a_page_and_by_a_flight_that_can_be_flown() {
 }
 
 #[test]
+fn other_cuts_of_the_log_are_searched_unless_it_is_to_be_quick() {
+    let folder = Folder::new();
+    let rates = ["--rate", "100", "--control-rate", "100", "--duration", "6"];
+    let effect = "torque_bias:axis=roll,torque_nm=0.05";
+    folder.sil(&[&["synth", "--effect", effect, "log.csv"], &rates[..]].concat()).assert_done();
+    let found = |effort: &[&str]| {
+        folder.sil(&[&["diagnose", "log.csv", "--json", "out.json"], effort].concat()).assert_done();
+        folder.json("out.json")["findings"][0].clone()
+    };
+    let (quick, usual) = (found(&["--quick"]), found(&[]));
+    assert!(quick["stability_pct"].is_null(), "{quick}");
+    assert_eq!((&usual["effect"], &usual["stability_pct"]), (&json!("torque_bias"), &json!(100.0)));
+    assert_eq!(usual["one_of"], json!([]));
+    assert_eq!(quick["parameters"], usual["parameters"]);
+    let refused = folder.sil(&["diagnose", "log.csv", "--quick", "--thorough"]);
+    assert!(refused.stderr.contains("cannot be used with"), "{refused:?}");
+}
+
+#[test]
 fn of_a_log_that_leaves_no_doubt_has_no_flight_to_propose() {
     let folder = Folder::new();
     let effect = "weak_motor:motor=2,scale=0.95";
     let rates = ["--rate", "200", "--control-rate", "200", "--duration", "15"];
     folder.sil(&[&["synth", "--effect", effect, "log.csv"], &rates[..]].concat()).assert_done();
-    let outcome = folder.sil(&["diagnose", "log.csv", "--experiment", "next.toml", "--json", "out.json"]).assert_done();
+    let outcome = folder
+        .sil(&["diagnose", "log.csv", "--quick", "--experiment", "next.toml", "--json", "out.json"])
+        .assert_done();
     assert!(outcome.stdout.contains("experiment      none:"), "{outcome:?}");
     assert!(!folder.path("next.toml").exists());
     assert_eq!(folder.json("out.json")["separating_experiment"], "");

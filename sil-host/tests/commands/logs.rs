@@ -148,7 +148,8 @@ fn of_another_controller_name_its_gain_beside_the_plants_effect() {
     let synthesis =
         ["synth", "--controller", "flown.toml", "--rate", "400", "--duration", "15", "--effect", effect, "log.csv"];
     folder.sil(&synthesis).assert_done();
-    let diagnosis = ["diagnose", "log.csv", "--controller", "pid", "--extended", "m.toml", "--json", "out.json"];
+    let diagnosis =
+        ["diagnose", "log.csv", "--quick", "--controller", "pid", "--extended", "m.toml", "--json", "out.json"];
     folder.sil(&diagnosis).assert_done();
     let json = folder.json("out.json");
     let findings = json["findings"].as_array().unwrap();
@@ -171,7 +172,7 @@ fn of_another_controller_name_its_gain_beside_the_plants_effect() {
 fn of_half_the_controllers_rate_are_no_ground_for_blaming_it() {
     let folder = Folder::new();
     folder.sil(&["synth", "--duration", "10", "--rate", "200", "log.csv"]).assert_done();
-    folder.sil(&["diagnose", "log.csv", "--controller", "pid", "--json", "out.json"]).assert_done();
+    folder.sil(&["diagnose", "log.csv", "--quick", "--controller", "pid", "--json", "out.json"]).assert_done();
     let rejected = folder.json("out.json")["rejected"].clone();
     let reason = rejected.as_array().unwrap().iter().find(|one| one["effect"] == "controller_mismatch").unwrap();
     let reason = reason["reason"].as_str().unwrap();

@@ -167,7 +167,7 @@ fn pages_describe_the_json_of_a_diagnosis() {
     let folder = Folder::new();
     folder.write("log.csv", RIG_LOG);
     folder.write("mpc.toml", THESIS_MPC);
-    folder.sil(&["diagnose", "log.csv", "--controller", "mpc.toml", "--json", "out.json"]).assert_done();
+    folder.sil(&["diagnose", "log.csv", "--quick", "--controller", "mpc.toml", "--json", "out.json"]).assert_done();
     let mut answer = folder.json("out.json");
     // this log needs no base model
     assert_eq!(answer["base"], serde_json::json!([]));

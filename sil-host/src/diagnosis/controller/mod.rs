@@ -202,6 +202,8 @@ fn finding(found: &Found, comparison: &Comparison<'_>, at: usize, spread: f64, g
         parameters: BTreeMap::from([("logged", logged), ("modelled", modelled)]),
         gain_pct,
         confounded_with: Vec::new(),
+        stability_pct: None,
+        one_of: Vec::new(),
         statement: statement + ".",
         extension: None,
     }

@@ -7,6 +7,9 @@ use crate::diagnosis::found::Found;
 use crate::diagnosis::judge;
 use crate::diagnosis::search::Search;
 
+/// Share of the error that a finding must take away, %.
+const CONFIRMED_PCT: f64 = 2.0;
+
 /// Gains on held-out data, with intervals that hold 95 % of a block bootstrap.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gain {
@@ -28,25 +31,27 @@ pub struct Gain {
 /// Gains of what a search found.
 pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> Gain {
     let refitted = [&found.refitted.nominal, &found.refitted.chosen];
-    let [nominal, extended] = refitted.map(|fit| judge::losses(search, &fit.terms));
+    let floors = judge::floors(search, &refitted[1].terms);
+    let [nominal, extended] = refitted.map(|fit| judge::losses(search, &fit.terms, &floors));
     let share = |of: &[usize], loss: &[f64], base: &[f64]| {
         let sum = |values: &[f64]| of.iter().map(|i| values[*i]).sum::<f64>();
         100.0 * (sum(loss) - sum(&extended)) / sum(base)
     };
     let all: Vec<usize> = (0..nominal.len()).collect();
-    let excess: Vec<f64> = nominal.iter().zip(&extended).map(|(nominal, extended)| nominal - extended).collect();
     let found_places = search.always.len()..refitted[1].terms.len();
-    let mut findings: Vec<(usize, f64, Option<[f64; 2]>)> = found_places
+    let mut findings: Vec<(f64, (usize, f64, Option<[f64; 2]>))> = found_places
         .chain(found.unusual.iter().copied())
         .map(|index| {
             let mut terms = refitted[1].terms.clone();
             terms.remove(index);
             let without = search.left_without(found, terms);
-            let interval = interval(all.len(), |drawn| share(drawn, &without, &excess));
-            (index, share(&all, &without, &excess), interval)
+            let rise = without.iter().sum::<f64>() - extended.iter().sum::<f64>();
+            let interval = interval(all.len(), |drawn| share(drawn, &without, &without));
+            (rise, (index, share(&all, &without, &without), interval))
         })
         .collect();
-    findings.sort_by(|a, b| b.1.total_cmp(&a.1));
+    findings.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let findings: Vec<_> = findings.into_iter().map(|(_, finding)| finding).collect();
     Gain {
         total_pct: share(&all, &nominal, &nominal),
         total_interval_pct: interval(all.len(), |drawn| share(drawn, &nominal, &nominal)),
@@ -54,4 +59,19 @@ pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> 
         findings_pct: findings.iter().map(|finding| finding.1).collect(),
         findings_interval_pct: findings.iter().map(|finding| finding.2).collect(),
     }
+}
+
+/// What the windows of the report confirm of what was found beside a base model: that it takes a share of the error
+/// away. They have no say in what is looked for; they may only object.
+pub(in crate::diagnosis) fn confirmed<'e>(search: &Search<'e>, mut found: Found<'e>) -> Found<'e> {
+    while search.has_base() {
+        let Gain { places, findings_pct, .. } = gain(search, &found);
+        let least = places.into_iter().zip(findings_pct).min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((place, _)) = least.filter(|(_, gain_pct)| *gain_pct < CONFIRMED_PCT) else { break };
+        let objected = found.refitted.chosen.terms[place].effect;
+        let mut wanted = found.findings(search);
+        wanted.retain(|term| !term.effect.is_the_same(objected));
+        found = search.agreed(found, &wanted);
+    }
+    found
 }

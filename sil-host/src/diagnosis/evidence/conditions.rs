@@ -67,11 +67,11 @@ pub struct Spectrum {
 /// the axes' (roll, pitch, yaw) per row.
 pub(in crate::diagnosis) fn conditions(
     log: &WindowedLog<'_>,
-    models: &[Driven; 2],
+    models: [&Driven; 2],
     commands: &[[f64; 4]],
     throttle: Option<&[f64]>,
 ) -> (Vec<Condition>, Vec<Spectrum>) {
-    let missing = models.each_ref().map(|driven| missing_acceleration(log, driven, STRETCH_S));
+    let missing = models.map(|driven| missing_acceleration(log, driven, STRETCH_S));
     let (mut conditions, mut spectra) = (Vec::new(), Vec::new());
     for axis in Axis::ALL.into_iter().filter(|axis| log.turns(*axis)) {
         let series = missing.each_ref().map(|missing| {

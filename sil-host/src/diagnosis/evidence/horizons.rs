@@ -34,18 +34,20 @@ pub struct HorizonError {
     pub unit: &'static str,
     /// Without any effect.
     pub nominal: f64,
+    /// With the base model alone.
+    pub base: f64,
     /// With the findings.
     pub extended: f64,
     /// Of an exact model.
     pub noise_floor: f64,
 }
 
-/// For (nominal, extended); lengths that the log has no rows for are left out.
-pub(in crate::diagnosis) fn horizons(log: &WindowedLog<'_>, models: &[Driven; 2]) -> Vec<Horizon> {
+/// For the nominal, the base and the extended model; lengths that the log has no rows for are left out.
+pub(in crate::diagnosis) fn horizons(log: &WindowedLog<'_>, models: &[Driven; 3]) -> Vec<Horizon> {
     HORIZONS_S.into_iter().filter_map(|horizon_s| horizon(log, models, horizon_s)).collect()
 }
 
-fn horizon(log: &WindowedLog<'_>, models: &[Driven; 2], horizon_s: f64) -> Option<Horizon> {
+fn horizon(log: &WindowedLog<'_>, models: &[Driven; 3], horizon_s: f64) -> Option<Horizon> {
     let held_out = horizon_s <= WINDOW_S;
     let of_run = |run: &[Window]| Window::of_length(log.rows(), run, horizon_s);
     let windows: Vec<Window> = if held_out {
@@ -56,14 +58,16 @@ fn horizon(log: &WindowedLog<'_>, models: &[Driven; 2], horizon_s: f64) -> Optio
     if windows.is_empty() {
         return None;
     }
-    let [nominal, extended] = models.each_ref().map(|driven| tallies(&predict(log, driven, &windows)));
+    let [nominal, base, extended] = models.each_ref().map(|driven| tallies(&predict(log, driven, &windows)));
     let errors = ErrorOf::all().filter_map(|of| {
         let (nominal, _) = root_mean_square(&nominal, of)?;
+        let (base, _) = root_mean_square(&base, of)?;
         let (extended, noise_floor) = root_mean_square(&extended, of)?;
         Some(HorizonError {
             quantity: of.name(),
             unit: of.unit(),
             nominal: of.in_unit(nominal),
+            base: of.in_unit(base),
             extended: of.in_unit(extended),
             noise_floor: of.in_unit(noise_floor),
         })

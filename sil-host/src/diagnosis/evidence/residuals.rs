@@ -1,5 +1,5 @@
-//! What the nominal and the extended model miss, row by row: the held-out windows, predicted open loop from the rows
-//! around their starts.
+//! What the nominal, the base and the extended model miss, row by row: the held-out windows, predicted open loop from
+//! the rows around their starts.
 
 use crate::prediction::Channel;
 use crate::prediction::accuracy::PredictedWindow;
@@ -17,37 +17,33 @@ pub struct ChannelResiduals {
     pub unit: &'static str,
     /// Times of the rows, s; between two windows a NaN, where a picture has a gap.
     pub time_s: Vec<f64>,
-    /// Of the model without findings; NaN in a gap.
+    /// Of the nominal model; NaN in a gap.
     pub nominal: Vec<f64>,
+    /// Of the base model.
+    pub base: Vec<f64>,
     /// With the findings.
     pub extended: Vec<f64>,
 }
 
-/// All channels that are compared, of the same windows for both models.
+/// All channels that are compared, of the same windows for the nominal, the base and the extended model.
 pub(in crate::diagnosis) fn of_models(
     log: &WindowedLog<'_>,
-    nominal: &[PredictedWindow],
-    extended: &[PredictedWindow],
+    predicted: &[Vec<PredictedWindow>; 3],
 ) -> Vec<ChannelResiduals> {
     let of_channel = |channel: Channel| {
-        let mut residuals = ChannelResiduals {
-            name: channel.name(),
-            kind: channel.kind(),
-            unit: channel.unit(),
-            time_s: Vec::new(),
-            nominal: Vec::new(),
-            extended: Vec::new(),
+        let error = |windows: &Vec<PredictedWindow>| -> Vec<f64> {
+            let series = windows.iter().filter_map(|window| window.of(channel));
+            series.flat_map(|series| with_gap(series.error.iter().map(|error| channel.in_unit(*error)))).collect()
         };
-        for (nominal, extended) in nominal.iter().zip(extended) {
-            let (Some(nominal), Some(extended)) = (nominal.of(channel), extended.of(channel)) else { continue };
-            residuals.time_s.extend(nominal.rows.iter().map(|row| log.rows()[*row]));
-            residuals.nominal.extend(nominal.error.iter().map(|error| channel.in_unit(*error)));
-            residuals.extended.extend(extended.error.iter().map(|error| channel.in_unit(*error)));
-            for values in [&mut residuals.time_s, &mut residuals.nominal, &mut residuals.extended] {
-                values.push(f64::NAN);
-            }
-        }
-        residuals
+        let series = predicted[0].iter().filter_map(|window| window.of(channel));
+        let time_s = series.flat_map(|series| with_gap(series.rows.iter().map(|row| log.rows()[*row]))).collect();
+        let [nominal, base, extended] = predicted.each_ref().map(error);
+        let (name, kind, unit) = (channel.name(), channel.kind(), channel.unit());
+        ChannelResiduals { name, kind, unit, time_s, nominal, base, extended }
     };
     log.compared().map(|(channel, _)| of_channel(channel)).collect()
+}
+
+fn with_gap(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
+    values.chain(std::iter::once(f64::NAN))
 }

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::remainder::structure::Settled;
 use crate::prediction::Channel;
-use crate::prediction::accuracy::PredictedWindow;
+use crate::prediction::accuracy::{PredictedWindow, Series};
 use crate::prediction::body::State;
 use crate::prediction::windowed_log::{Driven, WindowedLog};
 use crate::statistics::dot;
@@ -17,6 +17,10 @@ use crate::statistics::{Agreement, Correlogram, InputCorrelation, LjungBox, inpu
 
 /// Rows apart up to which residuals are correlated with each other and with the input.
 const LAGS: usize = 20;
+/// Standard deviation of a measurement that moves, in errors of an exact model: such a model fits it by 67 %.
+const VARIATION_MIN: f64 = 3.0;
+/// Standard deviation of a command that moves, of the full one.
+const COMMAND_MIN: f64 = 5e-3;
 
 /// How one channel is predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -25,8 +29,13 @@ pub struct ChannelStatistics {
     pub quantity: &'static str,
     /// deg, deg/s, m/s2, m/s or m.
     pub unit: &'static str,
+    /// True of an angle or rate in which a model could show what it knows: the command of its axis moves, and the
+    /// measurement with it, by more than three times what an exact model would miss.
+    pub excited: bool,
     /// By the model without any effect.
     pub nominal: ModelStatistics,
+    /// With the base model alone.
+    pub base: ModelStatistics,
     /// With the findings.
     pub extended: ModelStatistics,
 }
@@ -53,7 +62,7 @@ pub(in crate::diagnosis) struct Judged<'a> {
 /// All channels that are compared; `commands` are the axes' (roll, pitch, yaw) per row.
 pub(in crate::diagnosis) fn statistics(
     shooting: &Shooting<'_>,
-    models: [Judged<'_>; 2],
+    models: [Judged<'_>; 3],
     commands: &[[f64; 4]],
 ) -> Vec<ChannelStatistics> {
     let settled = models.each_ref().map(|model| settle(shooting, model));
@@ -63,9 +72,28 @@ pub(in crate::diagnosis) fn statistics(
             let (ljung_box, input_correlation) = remainder(&settled[model], number, channel, commands);
             Some(ModelStatistics { agreement, ljung_box, input_correlation })
         };
-        Some(ChannelStatistics { quantity: channel.name(), unit: channel.unit(), nominal: of(0)?, extended: of(1)? })
+        let [nominal, base, extended] = [of(0)?, of(1)?, of(2)?];
+        let excited = is_excited(&shooting.log, models[2].predicted, channel, commands);
+        Some(ChannelStatistics { quantity: channel.name(), unit: channel.unit(), excited, nominal, base, extended })
     };
     shooting.log.compared().enumerate().filter_map(of_channel).collect()
+}
+
+/// Could a model show in a channel what it knows?
+fn is_excited(log: &WindowedLog<'_>, predicted: &[PredictedWindow], channel: Channel, commands: &[[f64; 4]]) -> bool {
+    let (Some(axis), Some(measured)) = (channel.turning_axis(), log.measured(channel)) else { return false };
+    let series: Vec<&Series> = predicted.iter().filter_map(|predicted| predicted.of(channel)).collect();
+    let rows = || series.iter().flat_map(|series| &series.rows).copied();
+    let floors = || series.iter().flat_map(|series| &series.floor);
+    let floor = (floors().map(|floor| floor * floor).sum::<f64>() / floors().count().max(1) as f64).sqrt();
+    std(rows().map(|row| measured[row])) > VARIATION_MIN * floor
+        && std(rows().map(|row| commands[row][axis.index()])) > COMMAND_MIN
+}
+
+fn std(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let count = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    (values.map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt()
 }
 
 /// Held-out windows by their first row.

@@ -73,7 +73,7 @@ fn the_input_gain_is_found_and_an_exact_model_misses_by_the_noise_floor() {
         // 60 windows, each fixing the gain to about floor / response = 0.01 rad/s of 1.5 rad/s; by 60 windows: 0.1 %
         assert!((gain / 150.0 - 1.0).abs() < 0.004, "{gain}");
         for ratio in ratios(&prediction) {
-            assert!((0.85..1.15).contains(&ratio), "seed {seed}: {ratio}");
+            assert!((0.8..1.2).contains(&ratio), "seed {seed}: {ratio}");
         }
     }
 }
@@ -97,12 +97,12 @@ fn the_floor_holds_with_the_rate_alone_and_with_the_angle_alone() {
     let prediction = predicted(&gyro_only);
     assert_eq!(prediction.predicted.channels().collect::<Vec<_>>(), [PITCH[1]]);
     let ratio = prediction.predicted.error(PITCH[1]).unwrap().ratio();
-    assert!((0.85..1.15).contains(&ratio), "gyro alone: {ratio}");
+    assert!((0.8..1.2).contains(&ratio), "gyro alone: {ratio}");
     let mut angle_only = BENCH.log();
     angle_only.rate_rad_s = [None, None, None];
     let prediction = predicted(&angle_only);
     let ratio = prediction.predicted.error(PITCH[0]).unwrap().ratio();
-    assert!((0.85..1.15).contains(&ratio), "angle alone: {ratio}");
+    assert!((0.8..1.2).contains(&ratio), "angle alone: {ratio}");
     assert_eq!(prediction.predicted.error(PITCH[1]), None);
     let [errors, _] = prediction.predicted.channel_errors();
     assert_eq!((errors.q_deg_s, errors.roll_deg), (None, None));
@@ -115,7 +115,7 @@ fn the_floor_holds_at_any_rate_of_the_log_down_to_50_hz() {
     for (step_s, rows) in [(0.001, 60_000), (0.01, 12_000), (0.02, 6_000)] {
         let log = Bench { step_s, rows, jitter: 0.1, ..BENCH }.log();
         for ratio in ratios(&predicted(&log)) {
-            assert!((0.85..1.15).contains(&ratio), "{step_s} s: {ratio}");
+            assert!((0.8..1.2).contains(&ratio), "{step_s} s: {ratio}");
         }
     }
 }
@@ -179,7 +179,7 @@ fn a_wrong_model_shows_and_gaps_and_standing_motors_do_not() {
         *value += 0.5;
     }
     for ratio in ratios(&predicted(&log)) {
-        assert!((0.85..1.15).contains(&ratio), "{ratio}");
+        assert!((0.8..1.2).contains(&ratio), "{ratio}");
     }
 }
 

@@ -1,14 +1,13 @@
 //! Held-out errors channel by channel: before the findings, with them, and of an exact model.
 //!
-//! *Before* is the base model where the answer has one, else the nominal model. *Worse* is a channel whose error the
-//! findings raise beyond chance: the interval that holds 95 % of a block bootstrap of the difference (blocks of four
-//! neighbouring held-out windows, as `sil_host::diagnosis` has them) lies above 0. *Excited* is a channel in which a
-//! model could show what it knows: its measurement varies by at least three times the error of an exact model (which
-//! then has a fit of 67 % or more), and the command of its axis has a standard deviation of at least 0.5 % of the full
-//! one.
+//! *Before* is the base model, which is the nominal one where the answer needs no other. *Worse* is a channel whose
+//! error the findings raise beyond chance: the interval that holds 95 % of a block bootstrap of the difference (blocks
+//! of four neighbouring held-out windows, as `sil_host::diagnosis` has them) lies above 0. *Excited* is a channel in
+//! which a model could show what it knows: its measurement varies by at least three times the error of an exact model
+//! (which then has a fit of 67 % or more), and the command of its axis has a standard deviation of at least 0.5 % of
+//! the full one.
 
 use serde::Serialize;
-use serde_json::Value;
 use sil_host::diagnosis::{ChannelResiduals, ChannelStatistics, Diagnosis};
 use sil_host::log::Log;
 use sil_host::sensors::random::RandomStream;
@@ -70,14 +69,14 @@ impl ChannelScore {
 }
 
 /// All attitude and rate channels of an answer to a log.
-pub fn channels(log: &Log, answer: &Diagnosis, json: &Value) -> Vec<ChannelScore> {
+pub fn channels(log: &Log, answer: &Diagnosis) -> Vec<ChannelScore> {
     let of = |(quantity, axis): (&'static str, usize)| {
         let residuals = answer.residuals.iter().find(|residuals| residuals.name == quantity)?;
         let statistics = answer.statistics.iter().find(|statistics| statistics.quantity == quantity)?;
         let window_s = answer.prediction_error.window_s;
         let horizon = answer.horizons.iter().find(|horizon| horizon.horizon_s == window_s);
         let error = horizon.and_then(|horizon| horizon.errors.iter().find(|error| error.quantity == quantity));
-        Some(channel(residuals, statistics, json, error.map(|error| error.noise_floor), command_std(log, axis)))
+        Some(channel(residuals, statistics, error.map(|error| error.noise_floor), command_std(log, axis)))
     };
     CHANNELS.into_iter().filter_map(of).collect()
 }
@@ -85,43 +84,27 @@ pub fn channels(log: &Log, answer: &Diagnosis, json: &Value) -> Vec<ChannelScore
 fn channel(
     residuals: &ChannelResiduals,
     statistics: &ChannelStatistics,
-    json: &Value,
     floor: Option<f64>,
     command_std: f64,
 ) -> ChannelScore {
     let after = statistics.extended.agreement;
-    let (before, fit_before_pct) = before(statistics, json);
+    let before = statistics.base.agreement;
     // fit = 100 (1 - rmse / variation)
     let variation = after.fit_pct.map(|fit| after.rmse / (1.0 - 0.01 * fit)).filter(|variation| variation.is_finite());
     let is_varied = variation.zip(floor).is_some_and(|(variation, floor)| variation >= VARIATION_MIN * floor);
     ChannelScore {
         quantity: residuals.name,
         unit: residuals.unit,
-        before,
+        before: before.rmse,
         after: after.rmse,
         floor,
-        change_pct: 100.0 * (after.rmse / before - 1.0),
+        change_pct: 100.0 * (after.rmse / before.rmse - 1.0),
         change_interval: rise_interval(&windows(residuals)),
-        fit_before_pct,
+        fit_before_pct: before.fit_pct,
         fit_after_pct: after.fit_pct,
         variation,
         command_std,
         is_excited: is_varied && command_std >= COMMAND_MIN,
-    }
-}
-
-/// RMSE and fit before the findings.
-fn before(statistics: &ChannelStatistics, json: &Value) -> (f64, Option<f64>) {
-    let quantity = statistics.quantity;
-    let of_base = json["statistics"].as_array().into_iter().flatten().find(|of| of["quantity"] == quantity);
-    let of_base = of_base.map_or(&Value::Null, |of| &of["base"]);
-    if let Some(rmse) = of_base["rmse"].as_f64() {
-        return (rmse, of_base["fit_pct"].as_f64());
-    }
-    let unit = if statistics.unit == "deg" { "deg" } else { "deg_s" };
-    match json["prediction_error"]["base"][format!("{quantity}_{unit}")].as_f64() {
-        Some(rmse) => (rmse, None),
-        None => (statistics.nominal.agreement.rmse, statistics.nominal.agreement.fit_pct),
     }
 }
 
@@ -136,7 +119,7 @@ struct WindowSquares {
 /// Window by window: the residuals have a NaN between two.
 fn windows(residuals: &ChannelResiduals) -> Vec<WindowSquares> {
     let mut windows = vec![WindowSquares::default()];
-    for (before, after) in residuals.nominal.iter().zip(&residuals.extended) {
+    for (before, after) in residuals.base.iter().zip(&residuals.extended) {
         if before.is_nan() {
             windows.push(WindowSquares::default());
         } else if let Some(window) = windows.last_mut() {
@@ -207,13 +190,14 @@ mod tests {
             unit: "deg/s",
             time_s: Vec::new(),
             nominal: Vec::new(),
+            base: Vec::new(),
             extended: Vec::new(),
         };
         for row in 0..11 * count {
             let is_gap = row % 11 == 10;
             let [before, after] = [noise.normal(), factor * noise.normal()].map(|x| if is_gap { f64::NAN } else { x });
             made.time_s.push(if is_gap { f64::NAN } else { 0.05 * row as f64 });
-            made.nominal.push(before);
+            made.base.push(before);
             made.extended.push(after);
         }
         made
@@ -254,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn the_base_model_stands_before_the_findings_where_there_is_one() {
+    fn the_base_model_stands_before_the_findings() {
         let model = |rmse: f64| sil_host::diagnosis::ModelStatistics {
             agreement: sil_host::statistics::Agreement {
                 rmse,
@@ -266,16 +250,11 @@ mod tests {
             ljung_box: None,
             input_correlation: None,
         };
-        let statistics = ChannelStatistics { quantity: "q", unit: "deg/s", nominal: model(4.0), extended: model(2.0) };
-        let score = |json: Value| channel(&residuals(20, 0.5), &statistics, &json, Some(1.0), 0.1);
-        let today = score(Value::Null);
-        assert_eq!((today.before, today.after, today.change_pct), (4.0, 2.0, -50.0));
-        assert_eq!((today.variation, today.is_excited), (Some(4.0), true));
-        let errors = serde_json::json!({ "prediction_error": { "base": { "q_deg_s": 1.6 } } });
-        assert!(score(errors.clone()).is_worse_by_2_pct());
-        assert_eq!(score(errors).before, 1.6);
-        let statistics =
-            serde_json::json!({ "statistics": [{ "quantity": "q", "base": { "rmse": 2.5, "fit_pct": 40.0 } }] });
-        assert_eq!((score(statistics.clone()).before, score(statistics).fit_before_pct), (2.5, Some(40.0)));
+        let (nominal, base, extended) = (model(4.0), model(1.6), model(2.0));
+        let statistics = ChannelStatistics { quantity: "q", unit: "deg/s", excited: true, nominal, base, extended };
+        let score = channel(&residuals(20, 0.5), &statistics, Some(1.0), 0.1);
+        assert_eq!((score.before, score.after), (1.6, 2.0));
+        assert!(score.is_worse_by_2_pct());
+        assert_eq!((score.variation, score.is_excited), (Some(4.0), true));
     }
 }

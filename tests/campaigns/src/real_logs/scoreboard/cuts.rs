@@ -38,18 +38,45 @@ pub fn spans_of(log: &Log, is_wanted: impl Fn(usize) -> bool) -> Vec<Span> {
     spans
 }
 
-/// Both halves of the time: parted between two stretches where that is near the middle, since stretches are alike.
-pub fn halves(spans: &[Span]) -> [Vec<Span>; 2] {
+/// Both halves of the manoeuvres: parted where half of the turning is over, or between two stretches where that is
+/// near. Halves of the time may have all manoeuvres on one side, and the other says nothing.
+pub fn halves(log: &Log, spans: &[Span]) -> [Vec<Span>; 2] {
     let whole_s = total_s(spans);
-    let mut middle_s = 0.5 * whole_s;
+    let mut middle_s = turning_half_over(log, spans);
     let mut end_s = 0.0;
     for span in spans {
         end_s += span[1] - span[0];
-        if (end_s - 0.5 * whole_s).abs() <= BETWEEN_STRETCHES * whole_s {
+        if (end_s - middle_s).abs() <= BETWEEN_STRETCHES * whole_s {
             middle_s = end_s;
         }
     }
     [part(spans, [0.0, middle_s]), part(spans, [middle_s, whole_s])]
+}
+
+/// The time, of what the spans have together, at which half of the squared rates (of each axis in units of its mean)
+/// are over, s; half of the time of a log without rates.
+fn turning_half_over(log: &Log, spans: &[Span]) -> f64 {
+    let rows: Vec<usize> =
+        (0..log.rows()).filter(|row| spans.iter().any(|span| is_in(span, log.time_s[*row]))).collect();
+    let mut turning = vec![0.0; rows.len()];
+    for rate in log.rate_rad_s.iter().flatten() {
+        let mean = rows.iter().map(|row| rate[*row] * rate[*row]).sum::<f64>() / rows.len().max(1) as f64;
+        if mean > 0.0 {
+            rows.iter().zip(&mut turning).for_each(|(row, sum)| *sum += rate[*row] * rate[*row] / mean);
+        }
+    }
+    let whole: f64 = turning.iter().sum();
+    let mut over = 0.0;
+    let middle = turning.iter().position(|turning| {
+        over += turning;
+        over > 0.5 * whole
+    });
+    let Some(at_s) = middle.map(|place| log.time_s[rows[place]]) else { return 0.5 * total_s(spans) };
+    spans.iter().map(|[from, to]| (at_s.min(*to) - from).max(0.0)).sum()
+}
+
+fn is_in([from, to]: &Span, time_s: f64) -> bool {
+    (*from..=*to).contains(&time_s)
 }
 
 /// Cut number 0 to 7: every stretch begins some eighths of a window later, and an eighth of the time is left out.
@@ -104,10 +131,24 @@ mod tests {
     }
 
     #[test]
-    fn halves_part_between_two_stretches_that_are_nearly_as_long() {
-        assert_eq!(halves(&[[4.5, 11.0], [18.0, 25.0]]), [vec![[4.5, 11.0]], vec![[18.0, 25.0]]]);
-        assert_eq!(halves(&[[0.0, 10.0]]), [vec![[0.0, 5.0]], vec![[5.0, 10.0]]]);
-        assert_eq!(halves(&[[0.0, 6.0], [10.0, 12.0]]), [vec![[0.0, 4.0]], vec![[4.0, 6.0], [10.0, 12.0]]]);
+    fn halves_have_half_of_the_turning_each_and_part_between_stretches() {
+        let log = |rate: &dyn Fn(f64) -> f64| {
+            let time_s: Vec<f64> = (0..2500).map(|row| 0.01 * f64::from(row)).collect();
+            let rate_rad_s = [None, Some(time_s.iter().map(|time_s| rate(*time_s)).collect()), None];
+            Log { time_s, rate_rad_s, ..Log::default() }
+        };
+        let parted_at = |rate: &dyn Fn(f64) -> f64, spans: &[Span]| {
+            let [first, second] = halves(&log(rate), spans);
+            (first.last().unwrap()[1], second[0][0])
+        };
+        let even = |_| 1.0;
+        // two doublets late in the log: one in each half
+        let late = |time_s: f64| if (6.0..7.0).contains(&time_s) || (8.0..9.0).contains(&time_s) { 1.0 } else { 0.0 };
+        let (end, begin) = parted_at(&late, &[[0.0, 10.0]]);
+        assert!((6.9..=8.1).contains(&end) && (begin - end).abs() < 1e-9, "{end}");
+        let (end, begin) = parted_at(&even, &[[0.0, 10.0]]);
+        assert!((end - 5.0).abs() < 0.02 && (begin - end).abs() < 1e-9, "{end}");
+        assert_eq!(parted_at(&even, &[[4.5, 11.0], [18.0, 25.0]]), (11.0, 18.0));
     }
 
     #[test]

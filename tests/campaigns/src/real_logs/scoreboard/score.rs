@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use serde::Serialize;
-use serde_json::Value;
-use sil_host::diagnosis::{Asked, Diagnosis, Estimate, Subject, diagnose, sizes};
+use sil_host::diagnosis::{self, Asked, Diagnosis, Estimate, Progress, Subject, diagnose, diagnose_observed, sizes};
 use sil_host::log::Log;
 
 use super::agreement::{SizeTwice, common_sizes, found_in, names_in_both_and_either, sizes_twice};
@@ -61,8 +61,10 @@ pub struct LogScore {
     pub halves: Option<Halves>,
     /// What other cuts say; none where none was tried.
     pub cuts: Option<Cuts>,
-    /// Time of the first answer, s.
+    /// Time to the first answer, before other cuts of the log are searched, s.
     pub wall_s: f64,
+    /// Time to the answer that knows how far it hangs on the cut, s.
+    pub checked_s: f64,
     /// Processor time of it, s; none where it was shared between threads.
     pub user_cpu_s: Option<f64>,
 }
@@ -125,7 +127,15 @@ pub fn score(entry: &Entry, effort: &Effort) -> LogScore {
     let (log, subject) = (entry.log(), entry.subject());
     let spans = usable(&log);
     let (begin, cpu_begin_s) = (Instant::now(), thread_cpu_s());
-    let answer = answer_to(&log, &subject);
+    let first_s = Mutex::new(None);
+    let observe = |progress| {
+        if let Progress::Cutting { done: 0, .. } = progress {
+            *first_s.lock().unwrap_or_else(PoisonError::into_inner) = Some(begin.elapsed().as_secs_f64());
+        }
+    };
+    let answer =
+        caught(|| diagnose_observed(&log, &subject, diagnosis::Effort::Usual, &observe).map_err(|e| e.to_string()));
+    let checked_s = begin.elapsed().as_secs_f64();
     let mut score = LogScore {
         vehicle: entry.vehicle,
         name: entry.name.clone(),
@@ -140,7 +150,8 @@ pub fn score(entry: &Entry, effort: &Effort) -> LogScore {
         hides_remainder: false,
         halves: None,
         cuts: None,
-        wall_s: begin.elapsed().as_secs_f64(),
+        wall_s: first_s.into_inner().unwrap_or_else(PoisonError::into_inner).unwrap_or(checked_s),
+        checked_s,
         user_cpu_s: (rayon::current_num_threads() == 1).then(|| Some(thread_cpu_s()? - cpu_begin_s?)).flatten(),
     };
     let answer = match answer {
@@ -172,8 +183,8 @@ impl LogScore {
         let json = serde_json::to_value(answer).unwrap_or_default();
         self.verdict = json["verdict"].as_str().unwrap_or_default().to_owned();
         self.base = base(&json);
-        self.channels = channels(log, answer, &json);
-        self.horizons = horizons(answer, &json);
+        self.channels = channels(log, answer);
+        self.horizons = horizons(answer);
         let is_far = |channel: &ChannelScore| channel.floor.is_some_and(|floor| channel.after > FAR_FROM_FLOOR * floor);
         self.hides_remainder = answer.unexplained.variance_pct < NO_REMAINDER_PCT && self.channels.iter().any(is_far);
     }
@@ -185,17 +196,15 @@ impl LogScore {
 }
 
 /// Errors of attitude and rates over all lengths; before the findings by the base model where there is one.
-fn horizons(answer: &Diagnosis, json: &Value) -> Vec<HorizonScore> {
+fn horizons(answer: &Diagnosis) -> Vec<HorizonScore> {
     let mut scores = Vec::new();
-    for (place, horizon) in answer.horizons.iter().enumerate() {
-        for (error, of_json) in
-            horizon.errors.iter().zip(json["horizons"][place]["errors"].as_array().into_iter().flatten())
-        {
+    for horizon in &answer.horizons {
+        for error in &horizon.errors {
             if ["deg", "deg/s"].contains(&error.unit) {
                 scores.push(HorizonScore {
                     horizon_s: horizon.horizon_s,
                     quantity: error.quantity,
-                    before: of_json["base"].as_f64().unwrap_or(error.nominal),
+                    before: error.base,
                     after: error.extended,
                 });
             }
@@ -206,7 +215,7 @@ fn horizons(answer: &Diagnosis, json: &Value) -> Vec<HorizonScore> {
 
 impl Halves {
     fn of(log: &Log, subject: &Subject<'_>, spans: &[Span], found: &[Named]) -> Halves {
-        let logs = halves(spans).map(|half| log.within(&half).map_err(|e| e.kind.to_string()));
+        let logs = halves(log, spans).map(|half| log.within(&half).map_err(|e| e.kind.to_string()));
         let answers = logs.each_ref().map(|half| answer_to(half.as_ref().map_err(String::clone)?, subject));
         let of_halves = answers.each_ref().map(|answer| answer.as_ref().map_or_else(|_| Vec::new(), sized_terms));
         let chosen = answers.each_ref().map(|answer| answer.as_ref().map_or_else(|_| Vec::new(), findings));

@@ -321,6 +321,7 @@ mod tests {
             halves: None,
             cuts: Some(Cuts { answered: 8, tried: 8, found: BTreeMap::new() }),
             wall_s: 6.0,
+            checked_s: 20.0,
             user_cpu_s: None,
         }
     }

@@ -23,8 +23,8 @@ fn write_log(out: &mut String, score: &LogScore) -> fmt::Result {
     let cpu = score.user_cpu_s.map_or_else(String::new, |cpu_s| format!(", processor {cpu_s:.1} s"));
     writeln!(
         out,
-        "== {}/{}: {} | {:.1} s at {:.0} Hz | answer in {:.1} s{cpu}",
-        score.vehicle, score.name, score.verdict, score.usable_s, score.rate_hz, score.wall_s
+        "== {}/{}: {} | {:.1} s at {:.0} Hz | answer in {:.1} s, with its cuts in {:.1} s{cpu}",
+        score.vehicle, score.name, score.verdict, score.usable_s, score.rate_hz, score.wall_s, score.checked_s
     )?;
     if !score.base.is_empty() {
         let terms: Vec<String> =
