@@ -116,18 +116,26 @@ impl<'a> WindowedLog<'a> {
 
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
     pub(crate) fn drive(&self, model: Model) -> Driven {
+        let path = model.changes.chain.path;
+        let track = self.kept_track(&path).unwrap_or_else(|| Arc::new(track(&model, self.rows(), &self.commands)));
+        self.keep(path, Arc::clone(&track));
+        Driven { model, track }
+    }
+
+    /// The forces behind a path, where they are kept.
+    fn kept_track(&self, path: &CommandPath) -> Option<Arc<ForceTrack>> {
         // whoever died with the lock held has left whole tracks behind
+        let kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().find(|(other, _)| other == path).map(|(_, track)| Arc::clone(track))
+    }
+
+    /// Keeps forces; those used last are forgotten last.
+    fn keep(&self, path: CommandPath, track: Arc<ForceTrack>) {
         let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
-        let place = kept.iter().position(|(path, _)| *path == model.changes.chain.path);
-        let (path, track) = match place {
-            Some(place) => kept.remove(place),
-            None => (model.changes.chain.path, Arc::new(track(&model, self.rows(), &self.commands))),
-        };
-        // the one used last is forgotten last
-        kept.push((path, Arc::clone(&track)));
+        kept.retain(|(other, _)| *other != path);
+        kept.push((path, track));
         let surplus = kept.len().saturating_sub(TRACKS_KEPT);
         kept.drain(..surplus);
-        Driven { model, track }
     }
 
     /// The log and a model's forces, as the model looks at them.

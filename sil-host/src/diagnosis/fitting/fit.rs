@@ -1,5 +1,7 @@
 //! Output error over windows: the parameters of some effects, by Gauss and Newton with Levenberg's damping.
 
+use rayon::prelude::*;
+
 use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal};
 use crate::diagnosis::fitting::scatter::scattered;
@@ -74,16 +76,19 @@ pub(in crate::diagnosis) fn shifted_models(
     terms: &[Term<'_>],
     first: usize,
 ) -> Vec<(Driven, f64)> {
-    let mut shifted = Vec::new();
+    let mut moved_by = Vec::new();
     for (index, term) in terms.iter().enumerate().skip(first) {
         for (place, parameter) in term.effect.unknowns().iter().enumerate() {
-            let step = admissible_step(parameter, term.values[place]);
-            let mut moved = terms.to_vec();
-            moved[index].values[place] += step;
-            shifted.push((shooting.log.drive(model_of(nominal, &moved)), step));
+            moved_by.push((index, place, admissible_step(parameter, term.values[place])));
         }
     }
-    shifted
+    let driven = |(index, place, step): &(usize, usize, f64)| {
+        let mut moved = terms.to_vec();
+        moved[*index].values[*place] += step;
+        (shooting.log.drive(model_of(nominal, &moved)), *step)
+    };
+    // some have forces of their own to follow over the whole log
+    moved_by.par_iter().with_max_len(1).map(driven).collect()
 }
 
 fn admissible_step(parameter: &Unknown, value: f64) -> f64 {
@@ -164,7 +169,7 @@ impl<'e> Round<'e> {
         let base = shooting.log.drive(model_of(nominal, &terms));
         let shifted = shifted_models(shooting, nominal, &terms, 0);
         let linear = shooting.linearise(&base, &shifted, training, &starts, nearby);
-        let normals = shooting.normals(&linear, None);
+        let normals = linear.normals();
         let normal = Normal::sum(&normals);
         Round { terms, starts, linear, normals, normal }
     }
