@@ -17,8 +17,10 @@ use crate::vehicle::CommandPath;
 /// Height above ground of a vehicle whose log has none, m: beyond all effect.
 const HEIGHT_UNKNOWN_M: f64 = 1e3;
 
-/// Force tracks that are kept: those of one fit with a lag, a delay and clipping, and the nominal one.
-const TRACKS_KEPT: usize = 8;
+/// Force tracks that are kept, at least: those of one fit with a lag, a delay and clipping, and the nominal one.
+const TRACKS_KEPT_MIN: usize = 8;
+/// Steps in all tracks beyond those, some 100 MB: fits return to where others began.
+const STEPS_KEPT: usize = 500_000;
 
 /// Residuals of one window, channel by channel, in units of each one's noise; or their change with a parameter.
 pub(crate) type Residuals = Vec<f64>;
@@ -134,7 +136,8 @@ impl<'a> WindowedLog<'a> {
         let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
         kept.retain(|(other, _)| *other != path);
         kept.push((path, track));
-        let surplus = kept.len().saturating_sub(TRACKS_KEPT);
+        let most = kept.last().map_or(0, |(_, track)| STEPS_KEPT / track.len().max(1));
+        let surplus = kept.len().saturating_sub(most.max(TRACKS_KEPT_MIN));
         kept.drain(..surplus);
     }
 
