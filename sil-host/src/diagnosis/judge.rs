@@ -156,7 +156,7 @@ fn folds<'e>(search: &Search<'e>, fit: &Fit<'e>, windows: &[usize]) -> Vec<Vec<T
     let driven = shooting.log.drive(model_of(search.nominal, &fit.terms));
     let shifted = shifted_models(shooting, search.nominal, &fit.terms, 0);
     let linear = shooting.linearise(&driven, &shifted, windows, &fit.starts, None);
-    let normals = shooting.normals(&linear, None);
+    let normals = linear.normals();
     let outside = |fold: usize| -> Vec<Normal> {
         windows.iter().zip(&normals).filter(|(index, _)| fold_of(**index) != fold).map(|(_, own)| own.clone()).collect()
     };

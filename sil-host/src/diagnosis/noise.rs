@@ -1,9 +1,9 @@
 //! The noise that a search counts with where no model explains a log: all that no model knows disturbs the vehicle.
 
 use super::search::{Candidate, Search};
+use crate::diagnosis::fitting::axis_filter::AxisNoise;
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
 use crate::diagnosis::fitting::fit::model_of;
-use crate::diagnosis::fitting::process_noise::AxisNoise;
 
 /// Of moments, and of forces.
 pub(super) type Noise = ([AxisNoise; 3], Vec<CarriedNoise>);

@@ -13,7 +13,7 @@ use crate::diagnosis::fitting::fit::{
     Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models,
 };
 use crate::diagnosis::fitting::hints::hints;
-use crate::diagnosis::fitting::linearisation::Linearisation;
+use crate::diagnosis::fitting::linearisation::{Eliminated, Linearisation, normal_beside};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::accuracy::{predict, tallies, worst_ratio};
 use crate::prediction::body::State;
@@ -58,6 +58,9 @@ pub(super) struct Search<'e> {
     /// Receives the search's progress.
     pub(super) observer: Observer<'e>,
 }
+
+/// A linearisation, and the same with the start states eliminated.
+type Linear<'l> = (&'l Linearisation, &'l [Option<Eliminated<'l>>]);
 
 /// A fit and what it is worth.
 #[derive(Clone)]
@@ -229,6 +232,7 @@ impl<'e> Search<'e> {
         let hints = hints(&self.shooting.log, &driven);
         let shifted = shifted_models(self.shooting, self.nominal, &to.fit.terms, 0);
         let linear = self.shooting.linearise(&driven, &shifted, &self.training, &to.fit.starts, None);
+        let eliminated = linear.eliminated();
         let mut scored: Vec<(f64, Vec<Term<'e>>)> = Vec::new();
         let effects = to.fit.terms.len() - self.always.len();
         let total = self.catalogue.len() + FITTED_MAX;
@@ -240,7 +244,7 @@ impl<'e> Search<'e> {
             for values in effect.starts(&hints) {
                 let mut terms = to.fit.terms.clone();
                 terms.push(Term { effect, values });
-                scored.push((self.score(to, &linear, &terms), terms));
+                scored.push((self.score(to, (&linear, &eliminated), &terms), terms));
             }
         }
         scored.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -260,16 +264,16 @@ impl<'e> Search<'e> {
     }
 
     /// How far the last of the terms would lower the training windows' sum of squares, to first order.
-    fn score(&self, to: &Candidate<'e>, linear: &Linearisation, terms: &[Term<'e>]) -> f64 {
+    fn score(&self, to: &Candidate<'e>, (linear, eliminated): Linear<'_>, terms: &[Term<'e>]) -> f64 {
         let last = terms.len() - 1;
         let base = self.shooting.log.drive(model_of(self.nominal, terms));
         let shifted = shifted_models(self.shooting, self.nominal, terms, last);
         let normal = if terms[last].effect.is_void(&terms[last].values) {
             let extra = self.shooting.slopes_of(linear, &shifted, &self.training, &to.fit.starts);
-            self.shooting.normal(linear, Some(&extra))
+            normal_beside(eliminated, &extra)
         } else {
             let linear = self.shooting.linearise(&base, &shifted, &self.training, &to.fit.starts, Some(linear));
-            self.shooting.normal(&linear, None)
+            linear.normal()
         };
         let size = normal.right.len();
         let gain = Cholesky::new(&regular(&normal.matrix, size, 1e-9), size)

@@ -5,13 +5,18 @@
 //! ones; per coarse step the force's mean and first moment are kept, with which a rigid body's step is exact in impulse
 //! and in displacement whatever the force does within it. So are those of the rotors' net spin and of its change.
 
+use super::drive_curve::DriveCurve;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
 use crate::vehicle::{CommandPath, NetSpin, on_the_way, spin_sum};
 
 /// Longest step of the body, s.
 const BODY_STEP_MAX_S: f64 = 5e-3;
-/// Longest step of the motors, s; the thesis' motors ring with 98 Hz.
-const MOTOR_STEP_MAX_S: f64 = 0.4e-3;
+/// Longest step of the motors as a share of what is quickest in them: the thesis' motors ring with 98 Hz, 1.6 ms for
+/// the reciprocal of that in rad/s, and take 0.4 ms. Simpson's rule then errs by 2e-6 of an exponential, Runge-Kutta 4
+/// by 8e-6.
+const MOTOR_STEP_SHARE: f64 = 0.25;
+/// What is quickest in motors with windings, s, and the least that is followed of a lag.
+const QUICKEST_S: f64 = 1.6e-3;
 /// Of a longer interval between two rows only the end is followed, s: no motor remembers more, and no window holds such
 /// a gap.
 const INTERVAL_MAX_S: f64 = 10.0;
@@ -36,11 +41,20 @@ impl Drive {
         }
     }
 
+    /// What is quickest in it, s.
+    fn quickest_s(&self) -> f64 {
+        match self {
+            Drive::Motors(Propulsion::Device(_)) => QUICKEST_S,
+            Drive::Motors(Propulsion::Generic(rotor)) => rotor.time_constant_s,
+            Drive::Motors(Propulsion::Box(_)) | Drive::Direct => f64::INFINITY,
+        }
+    }
+
     /// What commands make the motors do, in the unit of [`Propulsion::derivative`]; without motors the commands
     /// themselves.
     fn of_commands(&self, commands: &[f64; 4]) -> [f64; 4] {
         match self {
-            Drive::Motors(propulsion) => commands.map(|command| propulsion.drive(command)),
+            Drive::Motors(propulsion) => core::array::from_fn(|motor| propulsion.drive(commands[motor])),
             Drive::Direct => *commands,
         }
     }
@@ -129,6 +143,11 @@ impl ForceTrack {
         track
     }
 
+    /// Number of its steps.
+    pub(crate) fn len(&self) -> usize {
+        self.steps.len()
+    }
+
     /// The steps from one row to a later one.
     pub(crate) fn between(&self, first_row: usize, end_row: usize) -> &[Step] {
         &self.steps[self.first_step[first_row]..self.first_step[end_row]]
@@ -149,27 +168,60 @@ impl ForceTrack {
 struct Motors<'a> {
     path: &'a CommandPath,
     drive: &'a Drive,
+    /// Longest step, s.
+    step_max_s: f64,
     /// Row whose command has arrived, and the one that arrives next.
     row: usize,
     arrived: [f64; 4],
     /// Behind the lag.
     lagged: [f64; 4],
-    /// What that makes the motors do: an exponential each, so it is computed only where the command changes.
+    /// A step, s, and the share of its way that the lag has left after half of it.
+    half_left: (f64, f64),
+    /// What that makes the motors do: computed only where the command changes.
     driving: [f64; 4],
+    /// The same over a command, where it is costly.
+    curve: Option<DriveCurve>,
     rotors: RotorState,
+    /// How the rotors change at the end of the last step, if nothing has changed since.
+    change: Option<RotorState>,
 }
 
 impl<'a> Motors<'a> {
     fn settled(commands: &Commands, path: &'a CommandPath, drive: &'a Drive) -> Motors<'a> {
         let arrived = clipped(commands.value.first().copied().unwrap_or_default(), path, drive);
-        let mut rotors = [0.0; 8];
+        let (mut rotors, mut curve) = ([0.0; 8], None);
         if let Drive::Motors(propulsion) = drive {
+            curve = DriveCurve::of(propulsion);
             for motor in 0..4 {
                 let settled = propulsion.equilibrium(arrived[motor]);
                 (rotors[motor], rotors[4 + motor]) = (settled.speed_rad_s, settled.current_a);
             }
         }
-        Motors { path, drive, row: 0, arrived, lagged: arrived, driving: drive.of_commands(&arrived), rotors }
+        let lag_s = if path.lag_s > 0.0 { path.lag_s } else { f64::INFINITY };
+        let step_max_s = MOTOR_STEP_SHARE * drive.quickest_s().min(lag_s).max(QUICKEST_S);
+        let driving = drive.of_commands(&arrived);
+        let half_left = (0.0, 1.0);
+        Motors {
+            path,
+            drive,
+            step_max_s,
+            row: 0,
+            arrived,
+            lagged: arrived,
+            half_left,
+            driving,
+            curve,
+            rotors,
+            change: None,
+        }
+    }
+
+    /// What commands make the motors do.
+    fn driven(&self, commands: &[f64; 4]) -> [f64; 4] {
+        match &self.curve {
+            Some(curve) => core::array::from_fn(|motor| curve.at(commands[motor])),
+            None => self.drive.of_commands(commands),
+        }
     }
 
     /// The forces now.
@@ -195,7 +247,7 @@ impl<'a> Motors<'a> {
         while now_s < end_s - TIME_ROUNDING_S {
             let next_change_s = self.receive(commands, now_s);
             let until_s = end_s.min(next_change_s);
-            let count = ((until_s - now_s) / MOTOR_STEP_MAX_S - 1e-6).ceil().max(1.0);
+            let count = ((until_s - now_s) / self.step_max_s - 1e-6).ceil().max(1.0);
             let step_s = (until_s - now_s) / count;
             for _ in 0..count as usize {
                 let [begin, middle, end] = self.motor_step(step_s);
@@ -210,8 +262,9 @@ impl<'a> Motors<'a> {
             }
             now_s = until_s;
         }
-        let [force @ .., speed_rad_s] = sum.map(|sum| sum / duration_s);
-        let [force_change @ .., speed_change] = moment.map(|moment| 6.0 * moment / (duration_s * duration_s));
+        let [force @ .., speed_rad_s]: Tracked = core::array::from_fn(|i| sum[i] / duration_s);
+        let [force_change @ .., speed_change]: Tracked =
+            core::array::from_fn(|i| 6.0 * moment[i] / (duration_s * duration_s));
         // the integrals of the acceleration and of its first moment, the latter by parts
         let (before, after) = (spin_before, self.spin_rad_s());
         let acceleration_rad_s2 = (after - before) / duration_s;
@@ -240,7 +293,8 @@ impl<'a> Motors<'a> {
             self.arrived = clipped(commands.value[self.row], self.path, self.drive);
             if self.path.lag_s <= 0.0 {
                 self.lagged = self.arrived;
-                self.driving = self.drive.of_commands(&self.arrived);
+                self.driving = self.driven(&self.arrived);
+                self.change = None;
             }
         }
     }
@@ -249,26 +303,43 @@ impl<'a> Motors<'a> {
     fn motor_step(&mut self, step_s: f64) -> [Tracked; 3] {
         let begin = self.driving;
         let (middle, end) = if self.path.lag_s > 0.0 {
-            let half_left = self.path.left_after(0.5 * step_s);
+            if step_s != self.half_left.0 {
+                self.half_left = (step_s, self.path.left_after(0.5 * step_s));
+            }
+            let (_, half_left) = self.half_left;
             let behind = |left: f64| on_the_way(self.lagged, self.arrived, left);
             let (middle, end) = (behind(half_left), behind(half_left * half_left));
             self.lagged = end;
-            (self.drive.of_commands(&middle), self.drive.of_commands(&end))
+            (self.driven(&middle), self.driven(&end))
         } else {
             (begin, begin)
         };
         self.driving = end;
         match self.drive {
             Drive::Direct => [begin, middle, end].map(|force| tracked(force, 0.0)),
-            Drive::Motors(propulsion) => rotor_step(propulsion, &mut self.rotors, &[begin, middle, end], step_s),
+            Drive::Motors(propulsion) => {
+                let drives = [begin, middle, end];
+                let mut step = RotorStep { rotors: self.rotors, change: self.change };
+                let along = match propulsion {
+                    Propulsion::Box(_) => drives.map(|lifts_n| tracked(lifts_n, 0.0)),
+                    Propulsion::Generic(rotor) => {
+                        step.along(&drives, step_s, |d, x| rotor.derivative(d, x), |speed| rotor.lift_n(speed))
+                    }
+                    Propulsion::Device(device) => {
+                        step.along(&drives, step_s, |d, x| device.derivative(d, x), |speed| device.lift_n(speed))
+                    }
+                };
+                (self.rotors, self.change) = (step.rotors, step.change);
+                along
+            }
         }
     }
 }
 
 pub(crate) fn clipped(command: [f64; 4], path: &CommandPath, drive: &Drive) -> [f64; 4] {
-    command.map(|command| match drive {
-        Drive::Motors(_) => path.clipped(command),
-        Drive::Direct => path.clipped_about_zero(command),
+    core::array::from_fn(|i| match drive {
+        Drive::Motors(_) => path.clipped(command[i]),
+        Drive::Direct => path.clipped_about_zero(command[i]),
     })
 }
 
@@ -279,26 +350,40 @@ fn tracked([a, b, c, d]: [f64; 4], spin_rad_s: f64) -> Tracked {
     [a, b, c, d, spin_rad_s]
 }
 
-/// One step of the four rotors (Runge-Kutta 4), and their lifts and spin at its begin, middle and end; the speed in the
-/// middle by the cubic through both ends.
-fn rotor_step(propulsion: &Propulsion, rotors: &mut RotorState, drives: &[[f64; 4]; 3], step_s: f64) -> [Tracked; 3] {
-    let shifted = |by: &RotorState, scale: f64| -> RotorState { core::array::from_fn(|i| rotors[i] + scale * by[i]) };
-    let k1 = propulsion.derivative(&drives[0], rotors);
-    let k2 = propulsion.derivative(&drives[1], &shifted(&k1, 0.5 * step_s));
-    let k3 = propulsion.derivative(&drives[1], &shifted(&k2, 0.5 * step_s));
-    let k4 = propulsion.derivative(&drives[2], &shifted(&k3, step_s));
-    let mut end: RotorState =
-        core::array::from_fn(|i| rotors[i] + step_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-    for speed in &mut end[..4] {
-        *speed = speed.max(0.0);
+/// The four rotors, and how they change where that is known already.
+struct RotorStep {
+    rotors: RotorState,
+    change: Option<RotorState>,
+}
+
+impl RotorStep {
+    /// One step (Runge-Kutta 4), and lifts and spin at its begin, middle and end; the speed in the middle by the cubic
+    /// through both ends.
+    #[inline]
+    fn along(
+        &mut self,
+        drives: &[[f64; 4]; 3],
+        step_s: f64,
+        derivative: impl Fn(&[f64; 4], &RotorState) -> RotorState,
+        lift_n: impl Fn(f64) -> f64,
+    ) -> [Tracked; 3] {
+        let rotors = self.rotors;
+        let shifted =
+            |by: &RotorState, scale: f64| -> RotorState { core::array::from_fn(|i| rotors[i] + scale * by[i]) };
+        let k1 = self.change.unwrap_or_else(|| derivative(&drives[0], &rotors));
+        let k2 = derivative(&drives[1], &shifted(&k1, 0.5 * step_s));
+        let k3 = derivative(&drives[1], &shifted(&k2, 0.5 * step_s));
+        let k4 = derivative(&drives[2], &shifted(&k3, step_s));
+        let mut end: RotorState =
+            core::array::from_fn(|i| rotors[i] + step_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+        for speed in &mut end[..4] {
+            *speed = speed.max(0.0);
+        }
+        let slope = derivative(&drives[2], &end);
+        let middle: [f64; 4] = core::array::from_fn(|i| 0.5 * (rotors[i] + end[i]) + step_s / 8.0 * (k1[i] - slope[i]));
+        let at = |speeds: [f64; 4]| tracked(core::array::from_fn(|motor| lift_n(speeds[motor])), spin_sum(speeds));
+        let speeds = |[a, b, c, d, ..]: RotorState| [a, b, c, d];
+        (self.rotors, self.change) = (end, Some(slope));
+        [at(speeds(rotors)), at(middle), at(speeds(end))]
     }
-    let slope = propulsion.derivative(&drives[2], &end);
-    let middle: RotorState = core::array::from_fn(|i| 0.5 * (rotors[i] + end[i]) + step_s / 8.0 * (k1[i] - slope[i]));
-    let at = |drive: &[f64; 4], rotors: &RotorState| {
-        let [a, b, c, d, ..] = *rotors;
-        tracked(propulsion.lifts_n(drive, rotors), spin_sum([a, b, c, d]))
-    };
-    let along = [at(&drives[0], rotors), at(&drives[1], &middle), at(&drives[2], &end)];
-    *rotors = end;
-    along
 }

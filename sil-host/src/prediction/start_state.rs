@@ -10,7 +10,7 @@ use super::body::State;
 use super::window::Window;
 use super::windowed_log::{Driven, Residuals, WindowedLog};
 use crate::axis::Axis;
-use crate::statistics::{Cholesky, dot};
+use crate::statistics::{Cholesky, dot, dots};
 
 /// Change of a start state for a difference quotient, SI.
 pub(crate) const START_STEP: f64 = 1e-5;
@@ -96,13 +96,11 @@ impl WindowedLog<'_> {
 /// Normal equations of a start state with these free components, factored; `slopes` are theirs.
 pub(crate) fn start_factor(slopes: &[Residuals], free: &[Channel]) -> Option<Cholesky> {
     let size = slopes.len();
-    let mut matrix = vec![0.0; size * size];
-    for i in 0..size {
-        for j in 0..size {
-            matrix[i * size + j] = dot(&slopes[i], &slopes[j]);
-        }
+    let columns: Vec<&[f64]> = slopes.iter().map(Vec::as_slice).collect();
+    let mut matrix: Vec<f64> = columns.iter().flat_map(|column| dots(column, &columns)).collect();
+    for (i, free) in free.iter().enumerate() {
         // free in so far as this is far beyond any error of a measured start
-        let prior = free[i].start_range();
+        let prior = free.start_range();
         matrix[i * size + i] += 1.0 / (prior * prior);
     }
     Cholesky::new(&matrix, size)

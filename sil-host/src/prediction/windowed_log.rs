@@ -18,8 +18,10 @@ use crate::vehicle::CommandPath;
 /// Height above ground of a vehicle whose log has none, m: beyond all effect.
 const HEIGHT_UNKNOWN_M: f64 = 1e3;
 
-/// Force tracks that are kept: those of one fit with a lag, a delay and clipping, and the nominal one.
-const TRACKS_KEPT: usize = 8;
+/// Force tracks that are kept, at least: those of one fit with a lag, a delay and clipping, and the nominal one.
+const TRACKS_KEPT_MIN: usize = 8;
+/// Steps in all tracks beyond those, some 100 MB: fits return to where others began.
+const STEPS_KEPT: usize = 500_000;
 
 /// Residuals of one window, channel by channel, in units of each one's noise; or their change with a parameter.
 pub(crate) type Residuals = Vec<f64>;
@@ -125,18 +127,27 @@ impl<'a> WindowedLog<'a> {
 
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
     pub(crate) fn drive(&self, model: Model) -> Driven {
-        // whoever died with the lock held has left whole tracks behind
-        let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
-        let place = kept.iter().position(|(path, _)| *path == model.changes.chain.path);
-        let (path, track) = match place {
-            Some(place) => kept.remove(place),
-            None => (model.changes.chain.path, Arc::new(track(&model, self.rows(), &self.commands))),
-        };
-        // the one used last is forgotten last
-        kept.push((path, Arc::clone(&track)));
-        let surplus = kept.len().saturating_sub(TRACKS_KEPT);
-        kept.drain(..surplus);
+        let path = model.changes.chain.path;
+        let track = self.kept_track(&path).unwrap_or_else(|| Arc::new(track(&model, self.rows(), &self.commands)));
+        self.keep(path, Arc::clone(&track));
         Driven { model, track }
+    }
+
+    /// The forces behind a path, where they are kept.
+    fn kept_track(&self, path: &CommandPath) -> Option<Arc<ForceTrack>> {
+        // whoever died with the lock held has left whole tracks behind
+        let kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().find(|(other, _)| other == path).map(|(_, track)| Arc::clone(track))
+    }
+
+    /// Keeps forces; those used last are forgotten last.
+    fn keep(&self, path: CommandPath, track: Arc<ForceTrack>) {
+        let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.retain(|(other, _)| *other != path);
+        kept.push((path, track));
+        let most = kept.last().map_or(0, |(_, track)| STEPS_KEPT / track.len().max(1));
+        let surplus = kept.len().saturating_sub(most.max(TRACKS_KEPT_MIN));
+        kept.drain(..surplus);
     }
 
     /// The log and a model's forces, as the model looks at them.

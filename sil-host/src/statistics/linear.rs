@@ -77,9 +77,35 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Inner products with several vectors of the same length, each summed in the order of [`dot`]: side by side none of
+/// them waits for its own last sum.
+pub(crate) fn dots(a: &[f64], others: &[&[f64]]) -> Vec<f64> {
+    let mut products = Vec::with_capacity(others.len());
+    let mut fours = others.chunks_exact(4);
+    for four in &mut fours {
+        let [b, c, d, e] = [four[0], four[1], four[2], four[3]];
+        let mut sums = [-0.0; 4];
+        for ((((a, b), c), d), e) in a.iter().zip(b).zip(c).zip(d).zip(e) {
+            sums = [sums[0] + a * b, sums[1] + a * c, sums[2] + a * d, sums[3] + a * e];
+        }
+        products.extend(sums);
+    }
+    products.extend(fours.remainder().iter().map(|b| dot(a, b)));
+    products
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn products_side_by_side_are_those_of_one_by_one_to_the_bit() {
+        let column = |k: usize| -> Vec<f64> { (0..50).map(|i| libm::sin((1 + i * (k + 3)) as f64) * 1e3).collect() };
+        let columns: Vec<Vec<f64>> = (0..11).map(column).collect();
+        let others: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let one_by_one: Vec<f64> = others.iter().map(|other| dot(&columns[5], other)).collect();
+        assert_eq!(dots(&columns[5], &others), one_by_one);
+    }
 
     #[test]
     fn a_systems_inverse_solves_it() {

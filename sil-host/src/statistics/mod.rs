@@ -15,6 +15,6 @@ pub use agreement::{Agreement, TheilSplit};
 pub use condition::{Bin, ConditionalError};
 pub use deviation::mean_absolute_deviation;
 pub(crate) use deviation::wrapped;
-pub(crate) use linear::{Cholesky, dot};
+pub(crate) use linear::{Cholesky, dot, dots};
 pub use spectrum::amplitude_spectrum;
 pub use whiteness::{Correlogram, InputCorrelation, LjungBox, chi_square_99, input_correlation};

@@ -94,7 +94,7 @@ fn information(search: &Search<'_>, found: &Found<'_>, known: &[Term<'_>], asked
     let shifted = shifted_models(shooting, search.nominal, &terms, known.len());
     let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let linear = shooting.linearise(&driven, &shifted, &all, &found.refitted.chosen.starts, None);
-    shooting.normal(&linear, None).matrix
+    linear.normal().matrix
 }
 
 fn side(matrix: &[f64]) -> usize {

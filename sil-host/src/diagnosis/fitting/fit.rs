@@ -1,5 +1,7 @@
 //! Output error over windows: the parameters of some effects, by Gauss and Newton with Levenberg's damping.
 
+use rayon::prelude::*;
+
 use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal};
 use crate::diagnosis::fitting::scatter::scattered;
@@ -74,16 +76,19 @@ pub(in crate::diagnosis) fn shifted_models(
     terms: &[Term<'_>],
     first: usize,
 ) -> Vec<(Driven, f64)> {
-    let mut shifted = Vec::new();
+    let mut shifts = Vec::new();
     for (index, term) in terms.iter().enumerate().skip(first) {
         for (place, parameter) in term.effect.unknowns().iter().enumerate() {
-            let step = admissible_step(parameter, term.values[place]);
-            let mut moved = terms.to_vec();
-            moved[index].values[place] += step;
-            shifted.push((shooting.log.drive(model_of(nominal, &moved)), step));
+            shifts.push((index, place, admissible_step(parameter, term.values[place])));
         }
     }
-    shifted
+    let driven = |(index, place, step): &(usize, usize, f64)| {
+        let mut moved = terms.to_vec();
+        moved[*index].values[*place] += step;
+        (shooting.log.drive(model_of(nominal, &moved)), *step)
+    };
+    // some have forces of their own to follow over the whole log
+    shifts.par_iter().with_max_len(1).map(driven).collect()
 }
 
 fn admissible_step(parameter: &Unknown, value: f64) -> f64 {
@@ -110,7 +115,9 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
     training: &[usize],
     to_reach: f64,
 ) -> Fit<'e> {
-    let mut best = Round::at(shooting, nominal, terms, starts.to_vec(), training, None);
+    let at =
+        |terms, starts, nearby: Option<&Round<'e>>| Attempt::at(shooting, nominal, terms, starts, training, nearby);
+    let mut best = at(terms, starts.to_vec(), None).round(shooting, nominal, training);
     let mut damping = 1e-4;
     let mut failures = 0;
     for _ in 0..ROUNDS_MAX {
@@ -122,10 +129,10 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
         let mut starts = best.starts.clone();
         let made = difference(&best.terms, &terms);
         shooting.move_starts(&best.linear, &made, training, &mut starts);
-        let next = Round::at(shooting, nominal, terms, starts, training, Some(&best.linear));
-        if next.normal.chi2 < best.normal.chi2 {
-            let gained = best.normal.chi2 - next.normal.chi2;
-            best = next;
+        let next = at(terms, starts, Some(&best));
+        if next.chi2 < best.normal.chi2 {
+            let gained = best.normal.chi2 - next.chi2;
+            best = next.round(shooting, nominal, training);
             damping = (damping * 0.1).max(1e-9);
             failures = 0;
             if gained < IMPROVEMENT_MIN {
@@ -142,6 +149,44 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
     best.result(shooting, training)
 }
 
+/// Values and start states, and what they leave: whether they are any better is known before all slopes are.
+struct Attempt<'e> {
+    terms: Vec<Term<'e>>,
+    starts: Vec<State>,
+    /// Without slopes along parameters.
+    linear: Linearisation,
+    chi2: f64,
+}
+
+impl<'e> Attempt<'e> {
+    fn at(
+        shooting: &Shooting<'_>,
+        nominal: Nominal<'_>,
+        terms: Vec<Term<'e>>,
+        starts: Vec<State>,
+        training: &[usize],
+        nearby: Option<&Round<'e>>,
+    ) -> Attempt<'e> {
+        let base = shooting.log.drive(model_of(nominal, &terms));
+        let linear = shooting.linearise(&base, &[], training, &starts, nearby.map(|nearby| &nearby.linear));
+        let chi2 = linear.normal().chi2;
+        Attempt { terms, starts, linear, chi2 }
+    }
+
+    /// With the slopes along all parameters.
+    fn round(self, shooting: &Shooting<'_>, nominal: Nominal<'_>, training: &[usize]) -> Round<'e> {
+        let Attempt { terms, starts, mut linear, .. } = self;
+        let shifted = shifted_models(shooting, nominal, &terms, 0);
+        let slopes = shooting.slopes_of(&linear, &shifted, training, &starts);
+        for (window, slopes) in linear.windows.iter_mut().zip(slopes) {
+            window.parameters = slopes;
+        }
+        let normals = linear.normals();
+        let normal = Normal::sum(&normals);
+        Round { terms, starts, linear, normals, normal }
+    }
+}
+
 /// One linearisation of a fit.
 struct Round<'e> {
     terms: Vec<Term<'e>>,
@@ -153,22 +198,6 @@ struct Round<'e> {
 }
 
 impl<'e> Round<'e> {
-    fn at(
-        shooting: &Shooting<'_>,
-        nominal: Nominal<'_>,
-        terms: Vec<Term<'e>>,
-        starts: Vec<State>,
-        training: &[usize],
-        nearby: Option<&Linearisation>,
-    ) -> Round<'e> {
-        let base = shooting.log.drive(model_of(nominal, &terms));
-        let shifted = shifted_models(shooting, nominal, &terms, 0);
-        let linear = shooting.linearise(&base, &shifted, training, &starts, nearby);
-        let normals = shooting.normals(&linear, None);
-        let normal = Normal::sum(&normals);
-        Round { terms, starts, linear, normals, normal }
-    }
-
     /// The damped step and the fall of the sum of squares that it promises.
     fn step(&self, damping: f64) -> Option<(Vec<f64>, f64)> {
         let size = self.normal.right.len();

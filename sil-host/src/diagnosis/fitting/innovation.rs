@@ -5,8 +5,9 @@
 //! System Identification, 2nd ed., 7.2).
 
 use crate::axis::Axis;
+use crate::diagnosis::fitting::axis_filter::{AxisNoise, passage};
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
-use crate::diagnosis::fitting::process_noise::{AxisNoise, AxisWindow, Passage, most_likely, unlikeliness};
+use crate::diagnosis::fitting::process_noise::{AxisWindow, most_likely, unlikeliness};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::Window;
 use crate::prediction::body::State;
@@ -21,25 +22,6 @@ impl Shooting<'_> {
         start: &State,
     ) -> (Residuals, Vec<Residuals>) {
         self.log.slopes_along_start(driven, window, start, |start| self.innovations(driven, window, start))
-    }
-
-    /// Turns the plain residuals of a window, or their slopes, in units of the sensors' noise into innovations in units
-    /// of their own.
-    pub(in crate::diagnosis) fn innovate(&self, window: &Window, residual: &mut [f64]) {
-        for (axis, noise) in Axis::ALL.into_iter().zip(&self.noise) {
-            if self.log.lost.is_some() || *noise != AxisNoise::SENSORS {
-                self.passage(axis, window).innovate(noise, residual);
-            }
-        }
-    }
-
-    /// A window as an axis shows in it.
-    fn passage(&self, axis: Axis, window: &Window) -> Passage<'_> {
-        Passage {
-            time_s: &self.log.rows()[window.start..window.end],
-            lost: self.log.lost.as_ref().map_or(&[], |lost| &lost[axis.index()][window.start..window.end]),
-            seen: (window.start..window.end).map(|row| self.log.seen(axis, row)).collect(),
-        }
     }
 
     /// The noise of the forces under which what a model leaves is most likely.
@@ -131,7 +113,7 @@ impl Shooting<'_> {
         Axis::ALL.map(|axis| {
             let window = |(index, (residual, slopes)): (&usize, &(Residuals, Vec<Residuals>))| {
                 let window = &self.log.windows[*index];
-                let mut passage = self.passage(axis, window);
+                let mut passage = passage(&self.log, axis, window);
                 let rows = passage.time_s.len();
                 let mut shown: Vec<usize> = passage.seen.iter().flatten().map(|(channel, _)| *channel).collect();
                 shown.sort_unstable();

@@ -1,21 +1,80 @@
 //! Residuals of windows and their slopes: the best start states, and the normal equations of the parameters with these
 //! eliminated.
 
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
 use crate::prediction::Channel;
 use crate::prediction::start_state::{slope, start_factor};
 use crate::prediction::windowed_log::Residuals;
-use crate::statistics::dot;
+use crate::statistics::{Cholesky, dot, dots};
 
 /// Per window: residuals, and their slopes along the start state and the parameters.
 pub(in crate::diagnosis) struct Linearisation {
     pub(in crate::diagnosis) windows: Vec<WindowLinear>,
 }
 
+impl Linearisation {
+    /// The windows with their start states eliminated.
+    pub(in crate::diagnosis) fn eliminated(&self) -> Vec<Option<Eliminated<'_>>> {
+        self.windows.par_iter().map(WindowLinear::eliminated).collect()
+    }
+
+    /// Normal equations window by window.
+    pub(in crate::diagnosis) fn normals(&self) -> Vec<Normal> {
+        let of = |window: &WindowLinear| {
+            window.eliminated().map_or_else(|| Normal::nothing(window.parameters.len()), Eliminated::normal)
+        };
+        self.windows.par_iter().map(of).collect()
+    }
+
+    /// Normal equations over all windows.
+    pub(in crate::diagnosis) fn normal(&self) -> Normal {
+        Normal::sum(&self.normals())
+    }
+}
+
+/// Normal equations over all windows with further columns behind the parameters' own, window by window.
+pub(in crate::diagnosis) fn normal_beside(windows: &[Option<Eliminated<'_>>], extra: &[Vec<Residuals>]) -> Normal {
+    let of = |(window, extra): (&Option<Eliminated<'_>>, &Vec<Residuals>)| Some(window.as_ref()?.beside(extra));
+    let normals: Vec<Normal> = windows.par_iter().zip(extra).filter_map(of).collect();
+    Normal::sum(&normals)
+}
+
 /// One window of it.
 pub(in crate::diagnosis) struct WindowLinear {
     pub(in crate::diagnosis) residual: Residuals,
-    pub(in crate::diagnosis) start: Vec<Residuals>,
+    pub(in crate::diagnosis) start: Arc<StartSlopes>,
     pub(in crate::diagnosis) parameters: Vec<Residuals>,
+}
+
+/// Slopes of a window's residuals along its start state; several linearisations share them.
+pub(in crate::diagnosis) struct StartSlopes {
+    slopes: Vec<Residuals>,
+    /// None where the window does not determine its start state.
+    factor: Option<Cholesky>,
+}
+
+impl StartSlopes {
+    pub(in crate::diagnosis) fn new(slopes: Vec<Residuals>, free: &[Channel]) -> StartSlopes {
+        StartSlopes { factor: start_factor(&slopes, free), slopes }
+    }
+
+    /// Inner products with the slopes.
+    fn against(&self, column: &Residuals) -> Vec<f64> {
+        dots(column, &slices(&self.slopes))
+    }
+}
+
+/// A window's columns once the start state is eliminated: what serves again beside further columns.
+pub(in crate::diagnosis) struct Eliminated<'l> {
+    window: &'l WindowLinear,
+    factor: &'l Cholesky,
+    /// Parts of residual and parameters that the start state takes.
+    residual: Vec<f64>,
+    parameters: Vec<Vec<f64>>,
+    normal: Normal,
 }
 
 /// Normal equations of the parameters, the start states eliminated.
@@ -29,10 +88,15 @@ pub(in crate::diagnosis) struct Normal {
 }
 
 impl Normal {
+    /// What a window without information gives.
+    pub(in crate::diagnosis) fn nothing(size: usize) -> Normal {
+        Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 }
+    }
+
     /// Those of several windows as one.
     pub(in crate::diagnosis) fn sum(windows: &[Normal]) -> Normal {
         let size = windows.first().map_or(0, |normal| normal.right.len());
-        let mut sum = Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 };
+        let mut sum = Normal::nothing(size);
         for normal in windows {
             sum.matrix.iter_mut().zip(&normal.matrix).for_each(|(sum, value)| *sum += value);
             sum.right.iter_mut().zip(&normal.right).for_each(|(sum, value)| *sum += value);
@@ -45,48 +109,79 @@ impl Normal {
 impl WindowLinear {
     /// The best change of the start state once the parameters have changed by `step`, and the sum of squares that
     /// remains.
-    pub(in crate::diagnosis) fn best_start(&self, step: &[f64], free: &[Channel]) -> (Vec<f64>, f64) {
+    pub(in crate::diagnosis) fn best_start(&self, step: &[f64]) -> (Vec<f64>, f64) {
         let mut residual = self.residual.clone();
         for (column, by) in self.parameters.iter().zip(step) {
             residual.iter_mut().zip(column).for_each(|(residual, slope)| *residual -= slope * by);
         }
-        let right: Vec<f64> = self.start.iter().map(|column| dot(column, &residual)).collect();
-        let Some(factor) = start_factor(&self.start, free) else {
-            return (vec![0.0; free.len()], dot(&residual, &residual));
+        let Some(factor) = &self.start.factor else {
+            return (vec![0.0; self.start.slopes.len()], dot(&residual, &residual));
         };
+        let right = self.start.against(&residual);
         let best = factor.solve(&right);
         let chi2 = dot(&residual, &residual) - dot(&right, &best);
         (best, chi2)
     }
 
-    pub(in crate::diagnosis) fn reduced(&self, extra: &[Residuals], free: &[Channel]) -> Normal {
-        let columns: Vec<&Residuals> = self.parameters.iter().chain(extra).collect();
-        let size = columns.len();
-        let against = |column: &Residuals| -> Vec<f64> { self.start.iter().map(|start| dot(start, column)).collect() };
-        let Some(factor) = start_factor(&self.start, free) else {
-            return Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 };
-        };
-        let residual = factor.forward(&against(&self.residual));
-        let projected: Vec<Vec<f64>> = columns.iter().map(|column| factor.forward(&against(column))).collect();
-        let mut matrix = vec![0.0; size * size];
-        for i in 0..size {
-            for j in 0..=i {
-                let value = dot(columns[i], columns[j]) - dot(&projected[i], &projected[j]);
-                (matrix[i * size + j], matrix[j * size + i]) = (value, value);
-            }
-        }
-        let right = columns
-            .iter()
-            .zip(&projected)
-            .map(|(column, projected)| dot(column, &self.residual) - dot(projected, &residual))
-            .collect();
-        Normal { matrix, right, chi2: dot(&self.residual, &self.residual) - dot(&residual, &residual) }
+    /// The start state eliminated; nothing from a window that does not determine it.
+    pub(in crate::diagnosis) fn eliminated(&self) -> Option<Eliminated<'_>> {
+        let factor = self.start.factor.as_ref()?;
+        let residual = factor.forward(&self.start.against(&self.residual));
+        let chi2 = dot(&self.residual, &self.residual) - dot(&residual, &residual);
+        let normal = Normal { matrix: Vec::new(), right: Vec::new(), chi2 };
+        let alone = Eliminated { window: self, factor, residual, parameters: Vec::new(), normal };
+        let (parameters, normal) = alone.with(&[], &self.parameters);
+        Some(Eliminated { parameters, normal, ..alone })
     }
 }
 
+impl Eliminated<'_> {
+    /// Normal equations of the parameters.
+    pub(in crate::diagnosis) fn normal(self) -> Normal {
+        self.normal
+    }
+
+    /// The same with further columns behind the parameters' own.
+    pub(in crate::diagnosis) fn beside(&self, extra: &[Residuals]) -> Normal {
+        self.with(&self.window.parameters, extra).1
+    }
+
+    /// What the start state takes of further columns, and the normal equations of all; `own` are those that are in
+    /// already.
+    fn with(&self, own: &[Residuals], extra: &[Residuals]) -> (Vec<Vec<f64>>, Normal) {
+        let (before, size) = (own.len(), own.len() + extra.len());
+        let columns: Vec<&[f64]> = own.iter().chain(extra).map(Vec::as_slice).collect();
+        let taken: Vec<Vec<f64>> =
+            extra.iter().map(|column| self.factor.forward(&self.window.start.against(column))).collect();
+        let all: Vec<&Vec<f64>> = self.parameters.iter().chain(&taken).collect();
+        let mut matrix = vec![0.0; size * size];
+        for i in 0..before {
+            matrix[i * size..i * size + before].copy_from_slice(&self.normal.matrix[i * before..(i + 1) * before]);
+        }
+        let mut right = self.normal.right.clone();
+        for i in before..size {
+            let products = dots(columns[i], &columns[..=i]);
+            for (j, product) in products.into_iter().enumerate() {
+                let value = product - dot(all[i], all[j]);
+                (matrix[i * size + j], matrix[j * size + i]) = (value, value);
+            }
+            right.push(dot(columns[i], &self.window.residual) - dot(all[i], &self.residual));
+        }
+        (taken, Normal { matrix, right, chi2: self.normal.chi2 })
+    }
+}
+
+fn slices(columns: &[Residuals]) -> Vec<&[f64]> {
+    columns.iter().map(Vec::as_slice).collect()
+}
+
 /// How a prediction changes with a parameter: minus the change of the residual.
-pub(in crate::diagnosis) fn slopes(residual: &[Residuals], shifted: Vec<Residuals>, step: f64) -> Vec<Residuals> {
-    residual.iter().zip(shifted).map(|(base, shifted)| slope(base, shifted, step)).collect()
+pub(in crate::diagnosis) fn slopes<'r>(
+    residual: impl Iterator<Item = &'r Residuals>,
+    shifted: Vec<Residuals>,
+    step: f64,
+) -> Vec<Residuals> {
+    residual.zip(shifted).map(|(base, shifted)| slope(base, shifted, step)).collect()
 }
 
 /// From column by column to window by window.

@@ -6,11 +6,13 @@
 //! model are white, in a closed loop too: given its start the motion is a function of known commands, and a sample's
 //! noise reaches later commands only.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
+use crate::diagnosis::fitting::axis_filter::{AxisFilter, AxisNoise, filters};
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
-use crate::diagnosis::fitting::linearisation::{Linearisation, Normal, WindowLinear, slopes, turned};
-use crate::diagnosis::fitting::process_noise::AxisNoise;
+use crate::diagnosis::fitting::linearisation::{Linearisation, StartSlopes, WindowLinear, slopes, turned};
 use crate::prediction::body::State;
 use crate::prediction::start_state::START_STEP;
 use crate::prediction::windowed_log::{Driven, Residuals, WindowedLog};
@@ -23,23 +25,26 @@ pub(in crate::diagnosis) struct Shooting<'a> {
     pub(in crate::diagnosis) noise: [AxisNoise; 3],
     /// Noise of the channels that show forces, beyond their sensors'; none where those are all.
     pub(in crate::diagnosis) carried: Vec<CarriedNoise>,
+    /// Per window, what makes innovations of its residuals.
+    filters: Vec<Vec<AxisFilter>>,
 }
 
 impl<'a> Shooting<'a> {
     /// No more noise than the sensors'.
     pub(in crate::diagnosis) fn new(log: WindowedLog<'a>) -> Shooting<'a> {
-        Shooting { log, noise: [AxisNoise::SENSORS; 3], carried: Vec::new() }
+        let noise = [AxisNoise::SENSORS; 3];
+        Shooting { filters: filters(&log, &noise), log, noise, carried: Vec::new() }
     }
 
     /// The same, with more noise than the sensors': of moments, and of forces.
     pub(in crate::diagnosis) fn with_noise(self, noise: [AxisNoise; 3], carried: Vec<CarriedNoise>) -> Shooting<'a> {
-        Shooting { noise, carried, ..self }
+        Shooting { filters: filters(&self.log, &noise), noise, carried, ..self }
     }
 
-    /// Innovations of one window: residuals as least squares take them.
+    /// Innovations of one of the log's windows: residuals as least squares take them.
     pub(super) fn innovations(&self, driven: &Driven, window: &Window, start: &State) -> Residuals {
         let mut residual = self.log.residual(driven, window, start);
-        self.innovate(window, &mut residual);
+        self.filters[window.index].iter().for_each(|filter| filter.innovate(&mut residual));
         self.whiten(window, &mut residual);
         residual
     }
@@ -68,31 +73,35 @@ impl<'a> Shooting<'a> {
         nearby: Option<&Linearisation>,
     ) -> Linearisation {
         let residual = self.residuals(base, which, starts, None);
-        let start: Vec<Vec<Residuals>> = match nearby {
-            Some(nearby) => nearby.windows.iter().map(|window| window.start.clone()).collect(),
-            None => {
-                let along = |free: &Channel| match self.log.moves_alone(base, *free) {
-                    true => which.iter().map(|index| self.log.moved_alone(&self.log.windows[*index], *free)).collect(),
-                    false => slopes(&residual, self.residuals(base, which, starts, Some(*free)), START_STEP),
-                };
-                turned(self.log.free_at_start.iter().map(along).collect(), which.len())
-            }
+        let start: Vec<Arc<StartSlopes>> = match nearby {
+            Some(nearby) => nearby.windows.iter().map(|window| Arc::clone(&window.start)).collect(),
+            None => self.start_slopes(base, which, starts, &residual),
         };
-        let parameters: Vec<Vec<Residuals>> = shifted
-            .iter()
-            .map(|(driven, step)| slopes(&residual, self.residuals(driven, which, starts, None), *step))
-            .collect();
-        let (mut start, mut parameters) = (start, turned(parameters, which.len()));
-        let windows = residual
-            .into_iter()
-            .enumerate()
-            .map(|(i, residual)| WindowLinear {
-                residual,
-                start: std::mem::take(&mut start[i]),
-                parameters: std::mem::take(&mut parameters[i]),
-            })
-            .collect();
+        let along = |(driven, step): &(Driven, f64)| {
+            slopes(residual.iter(), self.residuals(driven, which, starts, None), *step)
+        };
+        let parameters = turned(shifted.iter().map(along).collect(), which.len());
+        let parts = residual.into_iter().zip(start).zip(parameters);
+        let windows =
+            parts.map(|((residual, start), parameters)| WindowLinear { residual, start, parameters }).collect();
         Linearisation { windows }
+    }
+
+    /// Slopes of some windows' residuals along their start states.
+    fn start_slopes(
+        &self,
+        base: &Driven,
+        which: &[usize],
+        starts: &[State],
+        residual: &[Residuals],
+    ) -> Vec<Arc<StartSlopes>> {
+        let free = &self.log.free_at_start;
+        let along = |free: &Channel| match self.log.moves_alone(base, *free) {
+            true => which.iter().map(|index| self.log.moved_alone(&self.log.windows[*index], *free)).collect(),
+            false => slopes(residual.iter(), self.residuals(base, which, starts, Some(*free)), START_STEP),
+        };
+        let slopes = turned(free.iter().map(along).collect(), which.len());
+        slopes.into_par_iter().map(|slopes| Arc::new(StartSlopes::new(slopes, free))).collect()
     }
 
     /// Slopes along more parameters, the rest taken from a linearisation at the same values.
@@ -103,12 +112,11 @@ impl<'a> Shooting<'a> {
         which: &[usize],
         starts: &[State],
     ) -> Vec<Vec<Residuals>> {
-        let residual: Vec<Residuals> = linear.windows.iter().map(|window| window.residual.clone()).collect();
-        let parameters = shifted
-            .iter()
-            .map(|(driven, step)| slopes(&residual, self.residuals(driven, which, starts, None), *step))
-            .collect();
-        turned(parameters, which.len())
+        let along = |(driven, step): &(Driven, f64)| {
+            let residual = linear.windows.iter().map(|window| &window.residual);
+            slopes(residual, self.residuals(driven, which, starts, None), *step)
+        };
+        turned(shifted.iter().map(along).collect(), which.len())
     }
 
     /// The best start states of some windows under a model, from given ones on, and the sum of squares that remains per
@@ -120,7 +128,7 @@ impl<'a> Shooting<'a> {
             let linear = self.linearise(driven, &[], which, starts, nearby.as_ref());
             left.clear();
             for (index, window) in which.iter().zip(&linear.windows) {
-                let (step, chi2) = window.best_start(&[], &self.log.free_at_start);
+                let (step, chi2) = window.best_start(&[]);
                 self.log.move_start(&mut starts[*index], &step);
                 left.push(chi2);
             }
@@ -138,27 +146,9 @@ impl<'a> Shooting<'a> {
         starts: &mut [State],
     ) {
         for (index, window) in which.iter().zip(&linear.windows) {
-            let (start_step, _) = window.best_start(step, &self.log.free_at_start);
+            let (start_step, _) = window.best_start(step);
             self.log.move_start(&mut starts[*index], &start_step);
         }
-    }
-
-    /// Normal equations over all windows of a linearisation, with `extra` columns behind the parameters' own.
-    pub(in crate::diagnosis) fn normal(&self, linear: &Linearisation, extra: Option<&[Vec<Residuals>]>) -> Normal {
-        Normal::sum(&self.normals(linear, extra))
-    }
-
-    /// The same window by window.
-    pub(in crate::diagnosis) fn normals(
-        &self,
-        linear: &Linearisation,
-        extra: Option<&[Vec<Residuals>]>,
-    ) -> Vec<Normal> {
-        let of = |(i, window): (usize, &WindowLinear)| {
-            let more = extra.map_or(&[][..], |extra| &extra[i]);
-            window.reduced(more, &self.log.free_at_start)
-        };
-        linear.windows.par_iter().enumerate().map(of).collect()
     }
 
     /// Samples of some windows, less what their start states take.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, model_of, regular, shifted_models};
 use crate::diagnosis::fitting::hints::hints;
-use crate::diagnosis::fitting::linearisation::Normal;
+use crate::diagnosis::fitting::linearisation::{Normal, normal_beside};
 use crate::diagnosis::search::{Candidate, Search};
 use crate::prediction::body::{Moment, Motion};
 use crate::prediction::windowed_log::Driven;
@@ -62,7 +62,8 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
     let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let own = shifted_models(shooting, search.nominal, terms, 0);
     let linear = shooting.linearise(&driven, &own, &all, &whole.starts, None);
-    let explained_by_own = explained(&shooting.normal(&linear, None)).map_or(0.0, |(fall, _)| fall);
+    let explained_by_own = explained(&linear.normal()).map_or(0.0, |(fall, _)| fall);
+    let eliminated = linear.eliminated();
     let mut best: Option<(f64, String)> = None;
     for dependence in dependences(search) {
         let with = |shape: &Shape| -> (Driven, f64) {
@@ -72,7 +73,7 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
         };
         let shifted: Vec<(Driven, f64)> = dependence.shapes.iter().map(with).collect();
         let extra = shooting.slopes_of(&linear, &shifted, &all, &whole.starts);
-        let normal = shooting.normal(&linear, Some(&extra));
+        let normal = normal_beside(&eliminated, &extra);
         let Some((fall, coefficients)) = explained(&normal) else { continue };
         // a shape more explains one unit more by chance
         let fall = (fall - explained_by_own) / search.spread(chosen) - dependence.shapes.len() as f64;

@@ -90,13 +90,13 @@ impl DevicePropulsion {
     }
 
     #[inline]
-    pub(super) fn lift_n(&self, speed_rad_s: f64) -> f64 {
+    pub(crate) fn lift_n(&self, speed_rad_s: f64) -> f64 {
         self.lift_n_s2 * speed_rad_s * speed_rad_s
     }
 
     /// Winding and rotor equations of all four motors.
     #[inline]
-    pub(super) fn derivative(&self, voltage_v: &[f64; 4], rotors: &RotorState) -> RotorState {
+    pub(crate) fn derivative(&self, voltage_v: &[f64; 4], rotors: &RotorState) -> RotorState {
         let per_speed_constant = 1.0 / self.speed_constant_rad_s_v;
         let per_inductance = 1.0 / self.inductance_h;
         let per_inertia = 1.0 / (self.motor_inertia_kg_m2 + self.rotor_inertia_kg_m2);

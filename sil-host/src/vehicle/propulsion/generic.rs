@@ -26,13 +26,13 @@ impl GenericRotor {
     }
 
     #[inline]
-    pub(super) fn lift_n(&self, speed_rad_s: f64) -> f64 {
+    pub(crate) fn lift_n(&self, speed_rad_s: f64) -> f64 {
         self.lift_n_s2 * speed_rad_s * speed_rad_s
     }
 
     /// `T dw/dt = target - w`
     #[inline]
-    pub(super) fn derivative(&self, target_rad_s: &[f64; 4], rotors: &RotorState) -> RotorState {
+    pub(crate) fn derivative(&self, target_rad_s: &[f64; 4], rotors: &RotorState) -> RotorState {
         let rate = 1.0 / self.time_constant_s;
         let mut change = [0.0; 8];
         for motor in 0..4 {

@@ -1,12 +1,13 @@
 //! The blind campaigns: `cargo run --release -p campaigns --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST
-//! [FOLDER]]]]`, CAMPAIGN one of singles, nominal, lost-commands, pairs, triples, outside, free; all of them without
-//! one. Tables go to the terminal, every case before them as it is done; logs go to the folder, where one is given.
+//! [FOLDER]]]]`, CAMPAIGN one of singles, nominal, lost-commands, pairs, triples, outside, free, reality; all of them without
+//! one. Tables go to the terminal, every case before them as it is done; logs go to the folder, where one is given, and
+//! the model files that are wrong on purpose beside them.
 //!
 //! `tenth` in the campaign's place runs a fixed tenth of each, and fails where fewer answers are right than there were.
 
 use std::process::ExitCode;
 
-use campaigns::blind::{Campaign, DURATION_S, Outcome, campaign};
+use campaigns::blind::{BesideReality, Campaign, DURATION_S, Outcome, campaign};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,6 +26,10 @@ fn main() -> ExitCode {
             if let Some(folder) = arguments.get(3) {
                 let file = format!("{folder}/{}-{}.csv", campaign.name(), case.seed);
                 std::fs::write(file, &case.csv).expect("the folder is there");
+                if let Some(reality) = &case.reality {
+                    let file = format!("{folder}/{}-{}.toml", campaign.name(), case.seed);
+                    std::fs::write(file, reality.given.to_toml()).expect("the folder is there");
+                }
             }
         });
         println!("\n{}", campaign.report(&score));
@@ -62,6 +67,14 @@ fn print_case(outcome: &Outcome) {
         sizes.join(", "),
         outcome.signature
     );
+    if let Some(beside) = &outcome.beside_reality {
+        for (figure, truth, told) in beside.figures.iter().filter(|figure| !BesideReality::holds(figure)) {
+            println!("     {figure:?}: {truth:.4}, told {told}");
+        }
+        if !beside.false_names.is_empty() || !beside.wrong_sizes.is_empty() {
+            println!("     false {:?}, wrong {:?}", beside.false_names, beside.wrong_sizes);
+        }
+    }
     if let Some(gain) = outcome.gain {
         println!("     {gain:.3?}");
     }

@@ -23,11 +23,13 @@ pub enum Campaign {
     Outside,
     /// One effect in free flight, control at the log's rate.
     Free,
+    /// One effect or none, in a vehicle of which everything is a little off.
+    Reality,
 }
 
 impl Campaign {
     /// All, in the order of the issue.
-    pub const ALL: [Campaign; 7] = [
+    pub const ALL: [Campaign; 8] = [
         Campaign::Singles,
         Campaign::Nominal,
         Campaign::LostCommands,
@@ -35,6 +37,7 @@ impl Campaign {
         Campaign::Triples,
         Campaign::Outside,
         Campaign::Free,
+        Campaign::Reality,
     ];
 
     /// Its name on the command line.
@@ -47,6 +50,7 @@ impl Campaign {
             Campaign::Triples => "triples",
             Campaign::Outside => "outside",
             Campaign::Free => "free",
+            Campaign::Reality => "reality",
         }
     }
 
@@ -54,7 +58,7 @@ impl Campaign {
     pub fn cases(self) -> u64 {
         match self {
             Campaign::Singles => 200,
-            Campaign::Nominal | Campaign::LostCommands => 100,
+            Campaign::Nominal | Campaign::LostCommands | Campaign::Reality => 100,
             Campaign::Pairs | Campaign::Triples => 60,
             Campaign::Outside => 70,
             Campaign::Free => 40,
@@ -73,6 +77,7 @@ impl Campaign {
             Campaign::Triples => ((0..6).collect(), 5),
             Campaign::Outside => ((0..7).collect(), 7),
             Campaign::Free => (vec![0, 5, 10, 15, 21], 5),
+            Campaign::Reality => ((0..10).collect(), 0),
         }
     }
 
@@ -86,6 +91,7 @@ impl Campaign {
             Campaign::Triples => Case::combined(seed, duration_s, 3),
             Campaign::Outside => Case::outside(seed, duration_s),
             Campaign::Free => Case::free(seed, duration_s),
+            Campaign::Reality => Case::reality(seed, duration_s),
         }
     }
 
@@ -120,6 +126,11 @@ impl Campaign {
                 ("size within 10 %, of right names", "", score.sized()),
                 ("value +- 1.96 std holds the truth", "", score.covered()),
             ],
+            Campaign::Reality => vec![
+                ("cause named", "95 %", score.all_named()),
+                ("nothing false told as certain", "95 %", score.nothing_false()),
+                ("lag and delay, lift, trims all right", "95 %", score.base_is_right()),
+            ],
             Campaign::Outside => vec![
                 ("unknown_effect or partly_explained", "90 %", score.unknown_admitted()),
                 ("explained by something that is not there", "0", score.explained()),
@@ -138,7 +149,10 @@ impl Campaign {
             }
         }
         // with lost commands the true model's own error hangs on what is made of them
-        if !matches!(self, Campaign::Outside | Campaign::LostCommands) {
+        if self == Campaign::Reality {
+            text += &format!("\n{}", score.beside_reality());
+        }
+        if !matches!(self, Campaign::Outside | Campaign::LostCommands | Campaign::Reality) {
             text += &format!("\n{}", score.gains());
         }
         text

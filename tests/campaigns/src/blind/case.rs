@@ -4,9 +4,30 @@ use sil_host::log::{self, Log};
 use sil_host::model::VehicleModel;
 use sil_host::sensors::random::RandomStream;
 
+use super::behaviour::Named;
 use super::conditions::{Conditions, wanted_ratio};
 use super::hidden::{EFFECTS, EFFECTS_IN_FREE_FLIGHT, Hidden};
 use super::outside::Outside;
+use super::reality::{Reality, log_within};
+
+/// Causes of vehicles that imitate real ones; what is in a base model, and the file's inertia, is off in all of them.
+const CAUSES: [&str; 13] = [
+    "cg_offset",
+    "viscous_friction",
+    "coulomb_friction",
+    "spring",
+    "inertia_coupling",
+    "weak_motor",
+    "battery_sag",
+    "command_clipping",
+    "gyro_scale",
+    "attitude_delay",
+    "imu_misalignment",
+    "periodic_disturbance",
+    "step_disturbance",
+];
+/// How much more than the gusts such a cause shows.
+const OVER_GUSTS: [f64; 2] = [1.0, 4.0];
 
 /// A case.
 #[derive(Clone, Debug)]
@@ -17,6 +38,8 @@ pub struct Case {
     pub hidden: Vec<(Hidden, f64)>,
     /// What is in it besides, that no catalogue has.
     pub outside: Option<Outside>,
+    /// The vehicle beside what is hidden, where it imitates a real one.
+    pub reality: Option<Reality>,
     /// How it was made.
     pub conditions: Conditions,
     /// Held-out error of the nominal model over the noise floor.
@@ -82,6 +105,29 @@ impl Case {
         Case { outside: Some(outside), ..case }
     }
 
+    /// A vehicle that imitates a real one, with a cause that shows at least as much as its gusts do, or none.
+    pub fn reality(seed: u64, duration_s: f64) -> Case {
+        let mut draws = RandomStream::new(seed, "blind, reality");
+        let conditions = Conditions::draw_imitating_reality(seed, duration_s, &mut draws);
+        let reality = Reality::draw(&conditions.vehicle(&[]), duration_s, seed, &mut draws);
+        let mut effects = reality.ordinary.clone();
+        let mut hidden = Vec::new();
+        if let Some(name) = CAUSES.get((seed % (CAUSES.len() as u64 + 1)) as usize) {
+            let cause = Hidden::draw(name, duration_s, conditions.rig, &mut draws);
+            let by_gusts = conditions.ratio(&conditions.flown(&[], Some(&mut reality.gusts())));
+            let wanted = by_gusts * log_within(&mut draws, OVER_GUSTS);
+            let size = conditions.size(cause.first_size, wanted, |size| conditions.flown(&[cause.short(size)], None));
+            // it takes the place of what is ordinary of its kind
+            let own = Named::of_short(&cause.short(size));
+            effects.retain(|short| !Named::of_short(short).is_at(&own));
+            effects.push(cause.short(size));
+            hidden.push((cause, size));
+        }
+        let log = conditions.flown(&effects, Some(&mut reality.gusts()));
+        let case = Case::of_log(seed, hidden, conditions, &log);
+        Case { vehicle: conditions.vehicle(&effects), reality: Some(reality), ..case }
+    }
+
     fn with_effects(seed: u64, names: &[&'static str], conditions: Conditions, draws: &mut RandomStream) -> Case {
         let mut hidden = Vec::new();
         for name in names {
@@ -104,6 +150,7 @@ impl Case {
             seed,
             hidden: hidden.into_iter().map(|(effect, size)| (effect.clone(), effect.value(size))).collect(),
             outside: None,
+            reality: None,
             conditions,
             ratio: conditions.ratio(log),
             vehicle: conditions.vehicle(&[]),

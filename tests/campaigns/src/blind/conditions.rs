@@ -18,6 +18,8 @@ const RATES_HZ: [u32; 5] = [100, 150, 200, 300, 400];
 /// Rates of logs that a controller at 400 Hz outruns.
 const SLOW_RATES_HZ: [u32; 2] = [100, 200];
 const FAST_CONTROL_HZ: u32 = 400;
+/// Cut-off of filters that let nearly all pass that a controller at that rate can see.
+const UNFILTERED_HZ: f32 = 160.0;
 /// Held-out error over noise floor at the ends of the range of sizes.
 const RATIO_RANGE: [f64; 2] = [1.5, 10.0];
 /// A size is good when its ratio is this near to the one wanted.
@@ -44,6 +46,8 @@ pub struct Conditions {
     pub seed: u64,
     /// What holds the vehicle.
     pub rig: Rig,
+    /// True if the controller takes its gyro as it is, so that the noise is in its commands.
+    pub is_unfiltered: bool,
 }
 
 impl Conditions {
@@ -51,7 +55,15 @@ impl Conditions {
     pub fn draw(seed: u64, duration_s: f64, draws: &mut RandomStream) -> Conditions {
         let rate_hz = RATES_HZ[(draws.uniform() * RATES_HZ.len() as f64) as usize];
         let throttle = throttle(draws);
-        Conditions { duration_s, control_rate_hz: rate_hz, log_rate_hz: rate_hz, throttle, seed, rig: Rig::Gimbal }
+        Conditions {
+            duration_s,
+            control_rate_hz: rate_hz,
+            log_rate_hz: rate_hz,
+            throttle,
+            seed,
+            rig: Rig::Gimbal,
+            is_unfiltered: false,
+        }
     }
 
     /// Free flight, control at the log's rate.
@@ -64,7 +76,22 @@ impl Conditions {
     pub fn draw_with_lost_commands(seed: u64, duration_s: f64, draws: &mut RandomStream) -> Conditions {
         let log_rate_hz = SLOW_RATES_HZ[(draws.uniform() * SLOW_RATES_HZ.len() as f64) as usize];
         let throttle = throttle(draws);
-        Conditions { duration_s, control_rate_hz: FAST_CONTROL_HZ, log_rate_hz, throttle, seed, rig: Rig::Gimbal }
+        Conditions {
+            duration_s,
+            control_rate_hz: FAST_CONTROL_HZ,
+            log_rate_hz,
+            throttle,
+            seed,
+            rig: Rig::Gimbal,
+            is_unfiltered: false,
+        }
+    }
+
+    /// Rows at half the rate of a controller whose commands are as noisy as its gyro.
+    pub fn draw_imitating_reality(seed: u64, duration_s: f64, draws: &mut RandomStream) -> Conditions {
+        let (control_rate_hz, log_rate_hz) = (FAST_CONTROL_HZ, FAST_CONTROL_HZ / 2);
+        let throttle = throttle(draws);
+        Conditions { duration_s, control_rate_hz, log_rate_hz, throttle, seed, rig: Rig::Gimbal, is_unfiltered: true }
     }
 
     /// The nominal vehicle with effects.
@@ -105,6 +132,10 @@ impl Conditions {
         let model = self.vehicle(effects);
         let mut choice = Synthesis::of(model.clone()).choice;
         choice.rate_hz = self.control_rate_hz;
+        if self.is_unfiltered {
+            choice.tuning.gyro_cutoff_hz = Some(UNFILTERED_HZ);
+            choice.tuning.rate_derivative_cutoff_hz = Some(UNFILTERED_HZ);
+        }
         let mut plant = Plant::new(&model);
         plant.set_start_height_m(LOW_START_M);
         let flight = FlightSetup { model, controller_model: None, choice, scenario: self.scenario(), seed: self.seed };

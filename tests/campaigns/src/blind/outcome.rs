@@ -7,6 +7,7 @@ use sil_host::log::Log;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::prediction::ChannelErrors;
 
+use super::beside_reality::BesideReality;
 use super::case::Case;
 use super::hidden::{Hidden, label};
 
@@ -45,6 +46,8 @@ pub struct Outcome {
     pub signature_is_right: bool,
     /// How much the extended model gains, where the test knows the true one.
     pub gain: Option<Gain>,
+    /// Of a vehicle that imitates a real one.
+    pub beside_reality: Option<BesideReality>,
 }
 
 /// A parameter beside its true value.
@@ -74,9 +77,11 @@ impl Outcome {
     /// If the log can't be diagnosed.
     pub fn of(case: &Case) -> Outcome {
         let nominal = VehicleModel::nominal(case.conditions.rig);
+        let given = case.reality.as_ref().map_or(&nominal, |reality| &reality.given);
         let log = case.log();
-        let answer = diagnose(&log, &Subject::Vehicle(&nominal)).expect("a whole log");
-        let gain = case.outside.is_none().then(|| {
+        let answer = diagnose(&log, &Subject::Vehicle(given)).expect("a whole log");
+        // gusts make a true model's error as large as any
+        let gain = (case.outside.is_none() && case.reality.is_none()).then(|| {
             if case.conditions.rig == Rig::Free {
                 return Gain::in_free_flight(case, &log, &answer);
             }
@@ -130,14 +135,19 @@ impl Outcome {
             signature: answer.unexplained.signature.clone(),
             signature_is_right: case.outside.is_some_and(|it| it.is_named_by(&answer.unexplained.signature)),
             gain,
+            beside_reality: case.reality.as_ref().map(|reality| BesideReality::of(case, reality, answer)),
         }
     }
 
-    /// True if all that is hidden is named and nothing else, and if something from outside the catalogue is not taken
+    /// True if all that is hidden is named and nothing else (of a vehicle that imitates a real one: nothing else as
+    /// certain, and the base right), and if something from outside the catalogue is not taken
     /// for explained.
     pub fn is_right(&self) -> bool {
         if self.is_outside {
             return matches!(self.verdict, Verdict::UnknownEffect | Verdict::PartlyExplained);
+        }
+        if let Some(beside) = &self.beside_reality {
+            return self.all_named() && beside.false_names.is_empty() && beside.base_is_right();
         }
         self.all_named() && self.false_findings == 0 && self.first_is_right != self.hidden.is_empty()
     }

@@ -5,6 +5,8 @@ use std::fmt::Write;
 
 use sil_host::diagnosis::Verdict;
 
+use super::behaviour::Figure;
+use super::beside_reality::BesideReality;
 use super::outcome::{Gain, Outcome};
 
 /// Standard deviations that 95 % lie within.
@@ -13,7 +15,7 @@ const INTERVAL: f64 = 1.96;
 const CLASSES: [f64; 6] = [0.0, 2.0, 3.0, 5.0, 7.0, f64::INFINITY];
 
 /// One number of a gain.
-type Figure = fn(Gain) -> f64;
+type GainFigure = fn(Gain) -> f64;
 
 /// The outcomes of a campaign.
 #[derive(Clone, Debug, Default)]
@@ -88,9 +90,53 @@ impl Score {
         limits.map(|limit| share(gains().map(limit)))
     }
 
+    /// Share of vehicles that imitate real ones of which nothing false is told as certain.
+    pub fn nothing_false(&self) -> f64 {
+        self.share(|outcome| outcome.beside_reality.as_ref().is_some_and(|beside| beside.false_names.is_empty()))
+    }
+
+    /// Share of them of which lag and delay, lift and trims are right.
+    pub fn base_is_right(&self) -> f64 {
+        self.share(|outcome| outcome.beside_reality.as_ref().is_some_and(BesideReality::base_is_right))
+    }
+
+    /// The figures of vehicles that imitate real ones, the false names and the wrong sizes.
+    pub fn beside_reality(&self) -> String {
+        let all = || self.outcomes.iter().filter_map(|outcome| outcome.beside_reality.as_ref());
+        let mut text = "| figure | interval holds the truth, or the error is negligible | median error | 90 % |\n\
+                        |---|---|---|---|\n"
+            .to_owned();
+        for (place, figure) in Figure::ALL.into_iter().enumerate() {
+            let told: Vec<_> = all().map(|beside| beside.figures[place]).collect();
+            // times in s, accelerations in rad/s^2, effectiveness relative
+            let unit = |truth: f64| if matches!(figure, Figure::Effectiveness(_)) { truth.abs() } else { 1.0 };
+            let mut errors: Vec<f64> =
+                told.iter().map(|(_, truth, told)| (told.value - truth).abs() / unit(*truth)).collect();
+            errors.sort_by(f64::total_cmp);
+            let at = |share: f64| errors.get((share * errors.len().saturating_sub(1) as f64) as usize).copied();
+            let [median, most] = [0.5, 0.9].map(|share| at(share).unwrap_or_default());
+            let holds = percent(share(told.iter().map(BesideReality::holds)));
+            let _ = writeln!(text, "| {figure:?} | {holds} | {median:.4} | {most:.4} |");
+        }
+        let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+        for beside in all() {
+            for name in &beside.false_names {
+                *counts.entry(("not there", bare(name))).or_default() += 1;
+            }
+            for (name, ..) in &beside.wrong_sizes {
+                *counts.entry(("wrong size", bare(name))).or_default() += 1;
+            }
+        }
+        text += "\n| told as certain | | cases |\n|---|---|---|\n";
+        for ((what, name), cases) in counts {
+            let _ = writeln!(text, "| {name} | {what} | {cases} |");
+        }
+        text + "\n" + &self.confusion()
+    }
+
     /// How held-out errors lie: median, 95 % and largest of each figure.
     pub fn gains(&self) -> String {
-        let figures: [(&str, Figure); 3] = [
+        let figures: [(&str, GainFigure); 3] = [
             ("extended / true model, at most 1.1", |gain| gain.extended_to_true),
             ("extended / noise floor, at most 1.3", |gain| gain.extended_to_floor),
             ("noise floor and true model, the larger / the smaller, at most 1.15", |gain| gain.floor_to_true),

@@ -1,0 +1,154 @@
+//! The Kalman filter of an axis over a window: a motion's departure from its prediction as a double integrator that
+//! white acceleration drives, measured by the log's angle and rate. It turns residuals, and their slopes, into
+//! innovations of unit variance. Its gains depend on rows and noise alone, so that it is made once a window.
+
+use rayon::prelude::*;
+
+use crate::axis::Axis;
+use crate::prediction::Window;
+use crate::prediction::windowed_log::WindowedLog;
+
+/// White noise of an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::diagnosis) struct AxisNoise {
+    /// Root of the power density of the angular acceleration, rad/s^2 per root of Hz.
+    pub(in crate::diagnosis) acceleration: f64,
+    /// Sensors' noise over what the log's smoothness shows: an estimator's error lasts from row to row and cannot be
+    /// seen there.
+    pub(in crate::diagnosis) sensors: f64,
+    /// Share that counts of what lost commands leave unknown.
+    pub(in crate::diagnosis) lost: f64,
+}
+
+impl AxisNoise {
+    /// What remains of the sensors alone.
+    pub(in crate::diagnosis) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0, lost: 1.0 };
+}
+
+/// How uncertain a motion's departure from its prediction is, by the rows so far: covariance of (angle, rate), the
+/// angle's variance, both, the rate's.
+#[derive(Clone, Copy, Debug, Default)]
+struct Uncertainty([f64; 3]);
+
+impl Uncertainty {
+    /// Takes a sensor's row, its slopes along (angle, rate) and its standard deviation in one unit: what of its
+    /// innovation goes to (angle, rate), and that one's variance.
+    fn correct(&mut self, [angle, rate]: [f64; 2], sensor: f64) -> ([f64; 2], f64) {
+        let [aa, ar, rr] = self.0;
+        let (with_angle, with_rate) = (aa * angle + ar * rate, ar * angle + rr * rate);
+        let variance = sensor * sensor + angle * with_angle + rate * with_rate;
+        self.0 = [
+            aa - with_angle * with_angle / variance,
+            ar - with_angle * with_rate / variance,
+            rr - with_rate * with_rate / variance,
+        ];
+        ([with_angle / variance, with_rate / variance], variance)
+    }
+
+    /// Lets time pass under a white acceleration of a power density.
+    fn pass(&mut self, h: f64, density: f64) {
+        let [aa, ar, rr] = self.0;
+        self.0 = [
+            aa + h * (2.0 * ar + h * rr) + density * h * h * h / 3.0,
+            ar + h * rr + density * h * h / 2.0,
+            rr + density * h,
+        ];
+    }
+}
+
+/// The rows of a window as one axis shows in them.
+pub(in crate::diagnosis) struct Passage<'a> {
+    /// When they are, s.
+    pub(in crate::diagnosis) time_s: &'a [f64],
+    /// Root of the power density of what lost commands leave unknown of the acceleration from each row to the next,
+    /// rad/s^2 per root of Hz; empty where none are lost.
+    pub(in crate::diagnosis) lost: &'a [f64],
+    /// Per row, the channels that show the axis: number, slopes along (angle, rate) in units of the channel's noise.
+    pub(in crate::diagnosis) seen: Vec<Vec<(usize, [f64; 2])>>,
+}
+
+/// The Kalman filter of an axis over a window. Its gains depend neither on residuals nor on slopes, so that one serves
+/// all of them.
+#[derive(Debug)]
+pub(in crate::diagnosis) struct AxisFilter {
+    /// All rows' sensors, one behind the other.
+    corrections: Vec<Correction>,
+    /// Per row, where its corrections end, and the time to the next row, s.
+    rows: Vec<(usize, f64)>,
+    /// The logarithm of the innovations' variances, summed.
+    pub(super) log_determinant: f64,
+}
+
+/// One sensor in one row.
+#[derive(Debug)]
+struct Correction {
+    /// Place among a window's residuals.
+    at: usize,
+    /// Slopes along (angle, rate).
+    slope: [f64; 2],
+    /// What of the innovation goes to (angle, rate).
+    gain: [f64; 2],
+    /// Standard deviation of the innovation.
+    deviation: f64,
+}
+
+impl AxisFilter {
+    /// The filter for a passage under a noise.
+    pub(in crate::diagnosis) fn new(passage: &Passage<'_>, noise: &AxisNoise) -> AxisFilter {
+        let count = passage.time_s.len();
+        let mut filter = AxisFilter { corrections: Vec::new(), rows: Vec::with_capacity(count), log_determinant: 0.0 };
+        let mut uncertainty = Uncertainty::default();
+        for (row, seen) in passage.seen.iter().enumerate() {
+            for (channel, slope) in seen {
+                let (gain, variance) = uncertainty.correct(*slope, noise.sensors);
+                let correction =
+                    Correction { at: channel * count + row, slope: *slope, gain, deviation: variance.sqrt() };
+                filter.corrections.push(correction);
+                filter.log_determinant += libm::log(variance);
+            }
+            let next_s = passage.time_s.get(row + 1).unwrap_or(&passage.time_s[row]);
+            let step_s = next_s - passage.time_s[row];
+            let lost = noise.lost * passage.lost.get(row).copied().unwrap_or_default();
+            uncertainty.pass(step_s, noise.acceleration * noise.acceleration + lost * lost);
+            filter.rows.push((filter.corrections.len(), step_s));
+        }
+        filter
+    }
+
+    /// Turns residuals, or their slopes, channel by channel in units of each one's noise, into innovations of unit
+    /// variance.
+    pub(in crate::diagnosis) fn innovate(&self, residual: &mut [f64]) {
+        // the motion's departure from its prediction, estimated from the rows so far
+        let (mut angle_rad, mut rate_rad_s) = (0.0, 0.0);
+        let mut first = 0;
+        for (end, step_s) in &self.rows {
+            for Correction { at, slope, gain, deviation } in &self.corrections[first..*end] {
+                let innovation = residual[*at] - slope[0] * angle_rad - slope[1] * rate_rad_s;
+                angle_rad += gain[0] * innovation;
+                rate_rad_s += gain[1] * innovation;
+                residual[*at] = innovation / deviation;
+            }
+            angle_rad += step_s * rate_rad_s;
+            first = *end;
+        }
+    }
+}
+
+/// The filters that make innovations of each window's residuals; none for an axis whose noise is the sensors' alone.
+pub(super) fn filters(log: &WindowedLog<'_>, noise: &[AxisNoise; 3]) -> Vec<Vec<AxisFilter>> {
+    let of_window = |window: &Window| {
+        let noisy =
+            Axis::ALL.into_iter().zip(noise).filter(|(_, noise)| log.lost.is_some() || **noise != AxisNoise::SENSORS);
+        noisy.map(|(axis, noise)| AxisFilter::new(&passage(log, axis, window), noise)).collect()
+    };
+    log.windows.par_iter().map(of_window).collect()
+}
+
+/// A window as an axis shows in it.
+pub(super) fn passage<'l>(log: &'l WindowedLog<'_>, axis: Axis, window: &Window) -> Passage<'l> {
+    Passage {
+        time_s: &log.rows()[window.start..window.end],
+        lost: log.lost.as_ref().map_or(&[], |lost| &lost[axis.index()][window.start..window.end]),
+        seen: (window.start..window.end).map(|row| log.seen(axis, row)).collect(),
+    }
+}
