@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
+use super::plausible::has_bound;
 use super::search::{Candidate, Search};
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
@@ -65,7 +66,9 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candida
         search.settled(terms)
     };
     let fits = LAG_AND_DELAY_S.iter().map(from);
-    let best = fits.min_by(|a, b| a.fit.training.total_cmp(&b.fit.training));
+    // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
+    let rank = |fit: &Candidate<'_>| (has_bound(&fit.fit.terms), fit.fit.training);
+    let best = fits.min_by(|a, b| rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1)));
     best.unwrap_or_else(|| search.nominal())
 }
 

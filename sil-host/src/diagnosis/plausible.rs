@@ -19,6 +19,12 @@ pub(super) fn is_plausible(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms:
     !numbers.any(|(unknown, value)| is_at_bound(unknown, *value)) && leaves_input(shooting, nominal, terms)
 }
 
+/// Is one of a model's numbers at the end of its range?
+pub(super) fn has_bound(terms: &[Term<'_>]) -> bool {
+    let numbers = terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
+    numbers.into_iter().any(|(unknown, value)| is_at_bound(unknown, *value))
+}
+
 /// At the end of its range, and not because that end is where it changes nothing.
 fn is_at_bound(unknown: &Unknown, value: f64) -> bool {
     let margin = AT_BOUND * (unknown.max - unknown.min);

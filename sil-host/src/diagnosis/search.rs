@@ -7,7 +7,7 @@
 //! ```
 
 use super::fitted::Fitted;
-use super::plausible::is_plausible;
+use super::plausible::{has_bound, is_plausible};
 use super::progress::{Observer, Progress};
 use crate::diagnosis::fitting::fit::{
     Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models,
@@ -176,7 +176,7 @@ impl<'e> Search<'e> {
     /// A model fitted to all windows but those of the report, from values and start states on.
     pub(super) fn refitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Fit<'e> {
         let windows = self.shooting.log.part(&[Part::Fit, Part::Choice]);
-        let mut refitted = fit(self.shooting, self.nominal, terms, starts, &windows);
+        let mut refitted = self.fit_within_bounds(terms, starts, &windows, f64::INFINITY);
         let driven = self.shooting.log.drive(model_of(self.nominal, &refitted.terms));
         self.shooting.settle(&driven, &self.report, &mut refitted.starts);
         refitted
@@ -192,10 +192,20 @@ impl<'e> Search<'e> {
 
     /// The model with these effects fitted; given up where it can't come near a sum of squares.
     pub(super) fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State], to_reach: f64) -> Candidate<'e> {
-        let mut fit = fit_to_reach(self.shooting, self.nominal, terms, starts, &self.training, to_reach);
+        let mut fit = self.fit_within_bounds(terms, starts, &self.training, to_reach);
         let driven = self.shooting.log.drive(model_of(self.nominal, &fit.terms));
         let choice = self.shooting.settle(&driven, &self.choice, &mut fit.starts).iter().sum();
         Candidate { fit, choice }
+    }
+
+    /// A fit of some windows. One that runs from a base model to the end of a range is none: with a delay so long that
+    /// it has lost its command a model may be nearer to few windows than the right one is; its terms stay where they
+    /// were.
+    fn fit_within_bounds(&self, terms: Vec<Term<'e>>, starts: &[State], windows: &[usize], to_reach: f64) -> Fit<'e> {
+        let fit = |terms, to_reach| fit_to_reach(self.shooting, self.nominal, terms, starts, windows, to_reach);
+        let fitted = fit(terms.clone(), to_reach);
+        let runs_off = self.has_base() && has_bound(&fitted.terms) && !has_bound(&terms);
+        if runs_off { fit(terms, f64::NEG_INFINITY) } else { fitted }
     }
 
     /// All ways to add one effect that are worth a full fit, best first. Those that explain far less than `known` does,
