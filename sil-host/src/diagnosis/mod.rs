@@ -255,7 +255,7 @@ fn answer<'e>(
         [0, 1, 2].map(|i| Judged { driven: &driven[i], predicted: &predicted[i], starts: &refitted[i].starts });
     let statistics = evidence::statistics::statistics(shooting, judged, &commands);
     let horizons = evidence::horizons::horizons(&shooting.log, &driven);
-    let verdict = Verdict::of(&findings, &unexplained, &statistics, windows.len());
+    let verdict = Verdict::of(&findings, &unexplained, &statistics);
     let [nominal_model, _, extended_model] = &driven;
     let (conditions, spectra) = evidence::conditions::conditions(
         &shooting.log,

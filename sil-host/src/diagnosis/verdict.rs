@@ -109,31 +109,20 @@ pub enum Verdict {
     NotAModel,
 }
 
-/// Above this multiple of the noise floor an error is not explained, however many windows it is of.
+/// Above this multiple of the noise floor an error is not explained.
 const FLOOR_FACTOR_MAX: f64 = 1.3;
-/// Above so many standard deviations of what chance makes of an exact model's error: 2 % in the worst of 13 channels.
-const SIGMAS: f64 = 3.0;
 /// What remains of the nominal model's squared error may have a structure and yet be nothing to a user, %.
 const NEGLIGIBLE_PCT: f64 = 0.5;
 /// Share of the excited channels in which a model must be better than the mean of the measurements.
 const FITTED_MIN: f64 = 0.75;
 
 impl Verdict {
-    /// `windows` are those of the report.
-    pub(super) fn of(
-        findings: &[Finding],
-        left: &Unexplained,
-        statistics: &[ChannelStatistics],
-        windows: usize,
-    ) -> Verdict {
-        // most of a window's errors come from its start, so each counts about once
-        let by_chance = 1.0 + SIGMAS / (2.0 * windows as f64).sqrt();
-        let factor_max = FLOOR_FACTOR_MAX.max(by_chance);
+    pub(super) fn of(findings: &[Finding], left: &Unexplained, statistics: &[ChannelStatistics]) -> Verdict {
         let is_negligible = left.signature.is_empty() || left.variance_pct < NEGLIGIBLE_PCT;
         let fits: Vec<f64> =
             statistics.iter().filter(|of| of.excited).filter_map(|of| of.extended.agreement.fit_pct).collect();
         let fitted = fits.iter().filter(|fit| **fit > 0.0).count() as f64;
-        match (findings.is_empty(), left.times_floor <= factor_max) {
+        match (findings.is_empty(), left.times_floor <= FLOOR_FACTOR_MAX) {
             _ if fitted < FITTED_MIN * fits.len() as f64 => Verdict::NotAModel,
             (true, true) if left.signature.is_empty() => Verdict::NoDiscrepancy,
             (true, _) => Verdict::UnknownEffect,

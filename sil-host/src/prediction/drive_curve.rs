@@ -3,7 +3,7 @@
 
 use crate::vehicle::propulsion::Propulsion;
 
-/// Intervals over the range of commands, 0 to 1. A cubic errs by (h r)^4 / 384 of an exponential of rate r: 8e-11 of
+/// Intervals over the range of commands, 0 to 1. A cubic errs by (h r)^4 / 384 of an exponential of rate r: 2e-10 of
 /// the F450's, whose fastest falls by the 4.3rd power of e from 0 to 1.
 const INTERVALS: usize = 256;
 /// For the slopes' difference quotients, in commands.
@@ -54,8 +54,8 @@ mod tests {
             for k in 0..=10_000 {
                 let command = f64::from(k) * 1e-4;
                 let exact = propulsion.drive(command);
-                // volts; 8e-11 of 13 V
-                assert!((curve.at(command) - exact).abs() < 2e-9, "{command}: {} {exact}", curve.at(command));
+                // volts; 2.04e-10 of 12.95 V, and the rounding of the slopes
+                assert!((curve.at(command) - exact).abs() < 2.7e-9, "{command}: {} {exact}", curve.at(command));
             }
         }
     }

@@ -10,6 +10,10 @@ pub const WINDOW_S: f64 = 0.5;
 /// before).
 const START_REACH_S: f64 = 0.05;
 
+/// What was commanded before a stretch of rows is unknown: motors and delayed commands have forgotten it after so long,
+/// s.
+const UNKNOWN_BEFORE_S: f64 = 0.25;
+
 /// Fewer rows say nothing about a window.
 const ROWS_MIN: usize = 5;
 
@@ -128,7 +132,7 @@ impl Cut {
 /// All windows of one stretch; times count as equal within `tolerance_s`, half a step.
 fn cut(time_s: &[f64], first: usize, end: usize, tolerance_s: f64, windows: &mut Vec<Window>) {
     let row_at = |from: usize, at_s: f64| (from..end).find(|row| time_s[*row] >= at_s - tolerance_s);
-    let Some(mut start) = row_at(first, time_s[first] + START_REACH_S) else {
+    let Some(mut start) = row_at(first, time_s[first] + UNKNOWN_BEFORE_S) else {
         return;
     };
     // the row that ends a window must be there: its command is in force up to it
@@ -228,11 +232,11 @@ mod tests {
     fn regular_rows_give_windows_end_to_end_with_50_ms_around_each_start() {
         let log = log_at((0..1001).map(|row| f64::from(row) * 0.004).collect());
         let windows = windows(&log).unwrap();
-        // 4 s less the 50 ms before the first start
+        // 4 s less the quarter of a second before the first start
         assert_eq!(windows.len(), 7);
         for (index, window) in windows.iter().enumerate() {
-            // the twelfth row of 4 ms is the nearest to 50 ms
-            assert_eq!(window.start, 12 + 125 * index);
+            // rows of 4 ms: the nearest to 0.25 s, and twelve of them to 50 ms
+            assert_eq!(window.start, 62 + 125 * index);
             assert_eq!(window.end, window.start + 125);
             assert_eq!((window.lead, window.tail), (window.start - 12, window.start + 13));
             use Part::{Choice, Fit, Report};
@@ -323,7 +327,7 @@ mod tests {
         assert_eq!((fifths[1].lead, fifths[1].tail), (fifths[1].start - 12, fifths[1].start + 13));
         // seven windows of 0.5 s hold one of 2 s, and a start without rows before it keeps what is there
         let long = Window::of_length(&log.time_s, &windows, 2.0);
-        assert_eq!(long.iter().map(|window| (window.start, window.end)).collect::<Vec<_>>(), [(12, 512)]);
+        assert_eq!(long.iter().map(|window| (window.start, window.end)).collect::<Vec<_>>(), [(62, 562)]);
         assert!(Window::of_length(&log.time_s, &windows, 0.01).is_empty());
         assert!(Window::of_length(&log.time_s, &[], 0.1).is_empty());
     }

@@ -1,7 +1,7 @@
 //! The blind campaigns: `cargo run --release -p campaigns --bin blind_diagnosis -- [CAMPAIGN [COUNT [FIRST
-//! [FOLDER]]]]`, CAMPAIGN one of singles, nominal, lost-commands, pairs, triples, outside, free, reality; all of them without
-//! one. Tables go to the terminal, every case before them as it is done; logs go to the folder, where one is given, and
-//! the model files that are wrong on purpose beside them.
+//! [FOLDER]]]]`, CAMPAIGN one of singles, nominal, lost-commands, pairs, triples, outside, free, reality; all of them
+//! without one. Tables go to the terminal, every case before them as it is done; logs go to the folder, where one is
+//! given, and beside them the model files that are wrong on purpose.
 //!
 //! `tenth` in the campaign's place runs a fixed tenth of each, and fails where fewer answers are right than there were.
 
