@@ -60,7 +60,8 @@ pub fn run() -> Result<(), Failure> {
     print("\n3. What the simulation gets wrong\n")?;
     let answer = {
         let line = ProgressLine::new();
-        diagnosis::diagnose_observed(&log, &subject, &|progress| line.show(progress)).map_err(bad_input)?
+        let known = diagnosis::Known::default();
+        diagnosis::diagnose_observed(&log, &subject, &known, &|progress| line.show(progress)).map_err(bad_input)?
     };
     print(diagnose_text::verdict_text(&answer))?;
 

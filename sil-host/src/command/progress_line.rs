@@ -21,6 +21,7 @@ impl ProgressLine {
             Progress::Searching { effects, done, total } => {
                 (done, total, format!("{effects} found, testing for another"))
             }
+            Progress::Comparing { done, total } => (done, total, "comparing flights".to_owned()),
             Progress::Judging => (1, 1, "judging the findings".to_owned()),
             Progress::Separating { done, total } => (done, total, "looking for a separating flight".to_owned()),
         };

@@ -16,6 +16,7 @@
 //! docs/effects.md.
 
 mod base;
+mod baseline;
 mod block_bootstrap;
 pub mod controller;
 mod evidence;
@@ -26,6 +27,7 @@ mod fitting;
 mod flown_by;
 mod found;
 mod judge;
+mod known;
 mod nominal;
 mod plausible;
 mod progress;
@@ -49,6 +51,7 @@ use crate::prediction::accuracy;
 use crate::prediction::commands::axis_commands;
 use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
 pub use base::BaseTerm;
+pub use baseline::{Baseline, BaselineDiagnosis, Compared, Difference, NotComparable, NumberOf, diagnose_against};
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
 pub use evidence::excitation::{Excitation, Excited};
@@ -66,6 +69,7 @@ use fitting::sampling::Sampled;
 use fitting::shooting::Shooting;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
+pub use known::{Fact, Known, NotKnown};
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};
 use search::{Candidate, Search};
@@ -84,6 +88,8 @@ pub struct Diagnosis {
     pub log: LogSummary,
     /// In one word.
     pub verdict: Verdict,
+    /// What was known of the vehicle beside the log, and held.
+    pub known: Vec<Fact>,
     /// The base model: what is fitted along with whatever is found; empty where the model's own numbers serve.
     pub base: Vec<BaseTerm>,
     /// Most important first.
@@ -168,16 +174,29 @@ pub struct Unexplained {
 /// # Errors
 /// The log has no window, or no commands for its rig.
 pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, NotPredictable> {
-    diagnose_observed(log, subject, &|_| ())
+    diagnose_observed(log, subject, &Known::default(), &|_| ())
 }
 
-/// The same, reporting its progress.
+/// The same with what is known beside the log, reporting its progress.
 ///
 /// # Errors
 /// As [`diagnose`].
 pub fn diagnose_observed(
     log: &Log,
     subject: &Subject<'_>,
+    known: &Known,
+    observer: Observer<'_>,
+) -> Result<Diagnosis, NotPredictable> {
+    let mut answer = diagnosed(log, subject, known, observer)?;
+    answer.known = known.facts().to_vec();
+    answer.rejected.extend(known.not_tested());
+    Ok(answer)
+}
+
+fn diagnosed(
+    log: &Log,
+    subject: &Subject<'_>,
+    known: &Known,
     observer: Observer<'_>,
 ) -> Result<Diagnosis, NotPredictable> {
     // a log of many rows is compared at some of them, under all of its commands
@@ -185,7 +204,7 @@ pub fn diagnose_observed(
     let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject, None)?;
     let nominal = || subject.model();
-    let catalogue = Fitted::hypotheses(&subject.scope(log));
+    let catalogue = known.leaves(Fitted::hypotheses(&subject.scope(log)));
     let fitted_along = subject.fitted_along(sampled.log())?;
     let gains: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
@@ -202,7 +221,7 @@ pub fn diagnose_observed(
     let search = Search::new(&shooting, &nominal, &catalogue, gains, observer);
     let base = base::fitted(&search).fit;
     let base = judge::useful(&search, search.refitted(base.terms, &base.starts));
-    let beside = Fitted::beside(&subject.scope(log), |axis| base::is_trimmed(&base, axis));
+    let beside = known.leaves(Fitted::beside(&subject.scope(log), |axis| base::is_trimmed(&base, axis)));
     let search = search.from(&base, &beside);
     let found = search.run();
     observer(Progress::Judging);
@@ -253,6 +272,7 @@ fn answer(log: &Log, subject: &Subject<'_>, search: &Search<'_>, found: &Found<'
     Diagnosis {
         log: LogSummary::of(log.commanding()),
         verdict,
+        known: Vec::new(),
         base: base::terms(search, found),
         findings,
         rejected,

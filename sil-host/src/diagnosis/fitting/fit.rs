@@ -165,7 +165,7 @@ impl<'e> Round<'e> {
         let shifted = shifted_models(shooting, nominal, &terms, 0);
         let linear = shooting.linearise(&base, &shifted, training, &starts, nearby);
         let normals = shooting.normals(&linear, None);
-        let normal = Normal::sum(&normals);
+        let normal = with_priors(Normal::sum(&normals), &terms);
         Round { terms, starts, linear, normals, normal }
     }
 
@@ -191,6 +191,21 @@ impl<'e> Round<'e> {
         let scattered_covariance = scattered(&covariance, spread, &scores);
         Fit { terms: self.terms, covariance, scattered_covariance, training: self.normal.chi2, starts: self.starts }
     }
+}
+
+/// Normal equations of all numbers of some terms, with what is known of these beside the log.
+pub(in crate::diagnosis) fn with_priors(mut normal: Normal, terms: &[Term<'_>]) -> Normal {
+    let size = normal.right.len();
+    let numbers = terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
+    for (place, (unknown, value)) in numbers.enumerate().take(size) {
+        let Some(prior) = unknown.prior else { continue };
+        let weight = 1.0 / (prior.std * prior.std);
+        let away = value - prior.mean;
+        normal.matrix[place * size + place] += weight;
+        normal.right[place] -= weight * away;
+        normal.chi2 += weight * away * away;
+    }
+    normal
 }
 
 /// The matrix damped along its diagonal; a parameter without any influence stays where it is.
