@@ -1,6 +1,6 @@
 //! A flight against normal flights, on the terminal and as a page.
 
-use sil_host::diagnosis::{BaselineDiagnosis, Compared, Difference, Verdict};
+use sil_host::diagnosis::{BaselineDiagnosis, BetweenFlights, Compared, Difference, Verdict};
 use sil_host::report::{Cell, Page, Section, Table};
 
 use super::diagnose_evidence::capitalised;
@@ -36,9 +36,13 @@ fn basis(answer: &BaselineDiagnosis) -> String {
     let flights = baseline.logs.len();
     let alone = if flights == 1 { "one flight, which shows no spread between flights" } else { "so many flights" };
     let usual = baseline.usual_spread_as_flights;
+    let between = match baseline.between {
+        BetweenFlights::Serviced => "between whose flights propellers were changed or seated anew",
+        BetweenFlights::Untouched => "that nobody touched between its flights",
+    };
     format!(
-        "Normal: {flights} log(s). The spread between normal flights is that of these together with a usual one, which \
-         counts as {usual:.0} flights beside {alone}. {} causes were tried. The chance of such departures in a normal \
+        "Normal: {flights} log(s). The spread between normal flights is that of these together with that of a vehicle \
+         {between}, which counts as {usual:.0} flights beside {alone}. {} causes were tried. The chance of such departures in a normal \
          flight, all numbers together: {}.",
         baseline.looks,
         chance_text(baseline.chance)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use sil_host::closed_loop::LogRefused;
 use sil_host::diagnosis::{
-    Fact, Known, Subject, diagnose_against, diagnose_flown_by, diagnose_observed, extended_model,
+    BetweenFlights, Fact, Given, Known, Subject, diagnose_against, diagnose_flown_by, diagnose_observed, extended_model,
 };
 use sil_host::log::Log;
 use sil_host::model::VehicleModel;
@@ -34,6 +34,10 @@ pub struct DiagnoseArguments {
     /// several times
     #[arg(long, value_name = "NORMAL", conflicts_with_all = ["extended", "experiment"])]
     baseline: Vec<PathBuf>,
+    /// With --baseline: nothing was changed between these flights but what is sought (no propeller, no battery moved), so
+    /// that only what repeats from flight to flight is chance
+    #[arg(long, requires = "baseline")]
+    untouched: bool,
     /// Write the model with the findings in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
@@ -65,7 +69,9 @@ impl DiagnoseArguments {
         let subject = model.map_or(Subject::Axes, Subject::Vehicle);
         let answer = {
             let line = ProgressLine::new();
-            diagnose_against(log, &normal, &subject, known, &|progress| line.show(progress)).map_err(bad_input)?
+            let between = if self.untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };
+            let given = Given { known, between };
+            diagnose_against(log, &normal, &subject, given, &|progress| line.show(progress)).map_err(bad_input)?
         };
         print(baseline_report::text(&answer))?;
         if let Some(path) = &self.report {
@@ -84,6 +90,9 @@ impl DiagnoseArguments {
         }
         for normal in &self.baseline {
             command.push_str(&format!(" --baseline {}", quoted(&normal.display().to_string())));
+        }
+        if self.untouched {
+            command.push_str(" --untouched");
         }
         command
     }

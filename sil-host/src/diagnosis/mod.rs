@@ -51,7 +51,10 @@ use crate::prediction::accuracy;
 use crate::prediction::commands::axis_commands;
 use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
 pub use base::BaseTerm;
-pub use baseline::{Baseline, BaselineDiagnosis, Compared, Difference, NotComparable, NumberOf, diagnose_against};
+pub use baseline::{
+    Baseline, BaselineDiagnosis, BetweenFlights, Compared, Difference, FlightNumbers, Given, NotComparable, NumberOf,
+    compare_flights, diagnose_against,
+};
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
 pub use evidence::excitation::{Excitation, Excited};

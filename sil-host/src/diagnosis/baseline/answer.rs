@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde::ser::SerializeStruct;
 
+use super::normal::BetweenFlights;
 use super::numbers::NumberOf;
 use crate::axis::Axis;
 use crate::diagnosis::{Estimate, Fact, LogSummary, Verdict};
@@ -33,6 +34,8 @@ pub struct BaselineDiagnosis {
 pub struct Baseline {
     /// As the caller named them.
     pub logs: Vec<String>,
+    /// What happened to the vehicle between the flights, besides what is sought.
+    pub between: BetweenFlights,
     /// How many flights' differences the usual spread stood for, beside theirs.
     pub usual_spread_as_flights: f64,
     /// Degrees of freedom of the spreads.

@@ -12,9 +12,6 @@ use crate::diagnosis::{Estimate, base, noise_beyond_sensors};
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
 
-/// A number that is less than so many standard deviations from 0 is not known.
-const KNOWN_FROM: f64 = 3.0;
-
 /// Fits the base model to a log, in the noise of all that it does not know.
 ///
 /// # Errors
@@ -53,16 +50,10 @@ fn numbers(fit: &Fit<'_>, subject: &Subject<'_>, shooting: &Shooting<'_>, nomina
             }
             _ => continue,
         };
-        numbers.extend(own.filter(|own| is_known(of, own)).map(|own| Number { of, own }));
+        numbers.extend(own.filter(|own| own.std.is_finite()).map(|own| Number { of, own }));
     }
     numbers.extend(lateness(fit).map(|own| Number { of: NumberOf::Lateness, own }));
     numbers
-}
-
-/// Is a number that relative changes are taken of known well enough for that?
-fn is_known(of: NumberOf, own: &Estimate) -> bool {
-    let is_relative = matches!(of, NumberOf::InputGain(_) | NumberOf::ThrustScale);
-    own.std.is_finite() && (!is_relative || own.value > KNOWN_FROM * own.std)
 }
 
 fn scaled(estimate: Estimate, by: f64) -> Estimate {

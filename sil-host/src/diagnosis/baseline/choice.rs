@@ -12,6 +12,8 @@ const FALSE_ALARM: f64 = 0.05;
 const REST: f64 = 0.01;
 /// Natural logarithm of the likelihood within which two causes cannot be separated (as in `search`).
 const SEPARABLE: f64 = 3.0;
+/// A cause that a normal flight shows more often than this is not worth a word.
+const NEAREST: f64 = 0.5;
 /// Causes in one answer.
 const CAUSES_MAX: usize = 3;
 
@@ -29,7 +31,7 @@ pub(super) struct Chosen {
 /// What was chosen.
 pub(super) struct Choice {
     pub(super) found: Vec<Chosen>,
-    /// The likeliest cause where none is beyond chance.
+    /// The likeliest cause where none is beyond chance, and that one is not usual either.
     pub(super) nearest: Option<Chosen>,
     /// Causes that were tried.
     pub(super) looks: usize,
@@ -60,7 +62,7 @@ pub(super) fn choose(departures: &Departures<'_>, known: &Known) -> Choice {
             causes.iter().filter(is_new).filter_map(|cause| rest.explained_by(*cause)).collect();
         let Some(chosen) = likeliest(&rest, tried, causes.len(), all) else { break };
         if chosen.chance >= FALSE_ALARM {
-            nearest = found.is_empty().then_some(chosen);
+            nearest = (found.is_empty() && chosen.chance < NEAREST).then_some(chosen);
             break;
         }
         explained.iter_mut().zip(&chosen.best.predicted).for_each(|(sum, own)| *sum += own);

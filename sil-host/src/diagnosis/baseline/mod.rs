@@ -24,18 +24,27 @@ mod tests;
 
 use super::known::Known;
 use super::progress::{Observer, Progress};
-use super::{LogSummary, Subject, Verdict};
+use super::{Subject, Verdict};
 use crate::log::Log;
 use crate::prediction::NotPredictable;
 pub use answer::{Baseline, BaselineDiagnosis, Compared, Difference};
 use causes::Departures;
+pub use normal::BetweenFlights;
 use normal::{Normal, USUAL_FLIGHTS};
-use numbers::Flight;
-pub use numbers::NumberOf;
+pub use numbers::{FlightNumbers, NumberOf};
 use wording::Wording;
 
 /// Commands around which nothing but its proportion to lift is known, where no model says more.
 const PROPORTIONAL: fn(f64) -> f64 = |command| command;
+
+/// What is known beside the logs.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<'a> {
+    /// Numbers that have not changed, or are held.
+    pub known: &'a Known,
+    /// What happened to the vehicle besides what is sought.
+    pub between: BetweenFlights,
+}
 
 /// Why flights can't be compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -67,32 +76,34 @@ pub fn diagnose_against(
     log: &Log,
     normal: &[Log],
     subject: &Subject<'_>,
-    known: &Known,
+    given: Given<'_>,
     observer: Observer<'_>,
 ) -> Result<BaselineDiagnosis, NotComparable> {
     let total = normal.len() + 1;
-    let flight = |(done, log): (usize, &Log)| {
+    let numbers = |(done, log): (usize, &Log)| {
         observer(Progress::Comparing { done, total });
-        Flight::of(log, subject).map_err(|source| NotComparable::Log { path: log.path.clone(), source })
+        FlightNumbers::of(log, subject).map_err(|source| NotComparable::Log { path: log.path.clone(), source })
     };
-    let flights: Vec<Flight> = normal.iter().enumerate().map(flight).collect::<Result<_, _>>()?;
+    let flights: Vec<FlightNumbers> = normal.iter().enumerate().map(numbers).collect::<Result<_, _>>()?;
+    compare_flights(&numbers((normal.len(), log))?, &flights, subject, given)
+}
+
+/// The same of flights whose numbers are there.
+///
+/// # Errors
+/// There is nothing to compare.
+pub fn compare_flights(
+    suspect: &FlightNumbers,
+    flights: &[FlightNumbers],
+    subject: &Subject<'_>,
+    given: Given<'_>,
+) -> Result<BaselineDiagnosis, NotComparable> {
     if flights.is_empty() {
         return Err(NotComparable::NoBaseline);
     }
-    let suspect = flight((normal.len(), log))?;
-    compare(LogSummary::of(log), &suspect, &flights, subject, known)
-}
-
-fn compare(
-    log: LogSummary,
-    suspect: &Flight,
-    flights: &[Flight],
-    subject: &Subject<'_>,
-    known: &Known,
-) -> Result<BaselineDiagnosis, NotComparable> {
-    let normal = Normal::of(flights, suspect);
+    let normal = Normal::of(flights, suspect, given.between);
     if normal.numbers.is_empty() {
-        return Err(NotComparable::NothingInCommon { path: suspect.path.clone() });
+        return Err(NotComparable::NothingInCommon { path: suspect.log.path.clone() });
     }
     let by = |mean: f64, of: NumberOf| suspect.get(of).map_or(0.0, |own| own.value - mean);
     let collectives: Option<Vec<f64>> = flights.iter().map(|flight| flight.collective).collect();
@@ -102,7 +113,7 @@ fn compare(
         collective: collectives.map(|all| all.iter().sum::<f64>() / all.len() as f64).filter(|mean| *mean > 0.0),
         knows_motors: suspect.knows_motors && flights.iter().all(|flight| flight.knows_motors),
     };
-    let choice = choice::choose(&departures, known);
+    let choice = choice::choose(&departures, given.known);
     let of_model = |command: f64| match subject {
         Subject::Vehicle(model) => model.propulsion.lift_n(command.min(1.0)),
         Subject::Axes => PROPORTIONAL(command),
@@ -123,7 +134,8 @@ fn compare(
         z: by / number.std,
     });
     let baseline = Baseline {
-        logs: flights.iter().map(|flight| flight.path.clone()).collect(),
+        logs: flights.iter().map(|flight| flight.log.path.clone()).collect(),
+        between: given.between,
         usual_spread_as_flights: USUAL_FLIGHTS,
         degrees_of_freedom: normal.freedom,
         numbers: compared.collect(),
@@ -131,5 +143,6 @@ fn compare(
         chance: choice.chance,
     };
     let nearest = choice.nearest.as_ref().map(|chosen| wording.difference(chosen));
-    Ok(BaselineDiagnosis { log, verdict, known: known.facts().to_vec(), baseline, findings, nearest })
+    let log = suspect.log.clone();
+    Ok(BaselineDiagnosis { log, verdict, known: given.known.facts().to_vec(), baseline, findings, nearest })
 }

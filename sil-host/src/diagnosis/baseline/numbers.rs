@@ -6,7 +6,7 @@ use std::fmt;
 use super::base_numbers::base_numbers;
 use super::steady::steady;
 use crate::axis::Axis;
-use crate::diagnosis::Estimate;
+use crate::diagnosis::{Estimate, LogSummary};
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
 
@@ -89,10 +89,10 @@ pub(super) struct Number {
     pub(super) own: Estimate,
 }
 
-/// What a log gives to the comparison.
+/// The numbers of one flight, as its log shows them.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Flight {
-    pub(super) path: String,
+pub struct FlightNumbers {
+    pub(super) log: LogSummary,
     pub(super) numbers: Vec<Number>,
     /// Mean command of the motors, share of the full one, where the log has it, whether it is compared or not.
     pub(super) collective: Option<f64>,
@@ -100,17 +100,17 @@ pub(super) struct Flight {
     pub(super) knows_motors: bool,
 }
 
-impl Flight {
+impl FlightNumbers {
     /// The numbers of a log.
     ///
     /// # Errors
     /// The log has no window, or no commands for its rig.
-    pub(super) fn of(log: &Log, subject: &Subject<'_>) -> Result<Flight, NotPredictable> {
+    pub fn of(log: &Log, subject: &Subject<'_>) -> Result<FlightNumbers, NotPredictable> {
         let steady = steady(log, subject)?;
         let mut numbers = steady.numbers;
         numbers.extend(base_numbers(log, subject)?);
-        Ok(Flight {
-            path: log.path.clone(),
+        Ok(FlightNumbers {
+            log: LogSummary::of(log),
             numbers,
             collective: steady.collective,
             knows_motors: steady.knows_motors,

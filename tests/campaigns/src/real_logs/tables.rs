@@ -3,7 +3,7 @@
 use super::crazyflie::vehicle;
 use super::crazyflie_table::{RollPitch, yaw_of};
 use super::crazyflie_yaw::yaw_sizes;
-use super::{bench, crazypad, files, load};
+use super::{bench, crazypad, crazypad_baseline, files, load};
 
 /// Prints all of them.
 ///
@@ -44,4 +44,15 @@ pub fn print() {
             if is_pulled { format!("{:.2}", change.weak_motor_shares(motor).last().unwrap()) } else { "-".into() };
         println!("| {airframe}, {label} |{change} {pull_pct:+.1} | {share} |");
     }
+    print_baseline();
+}
+
+/// Prints what differs in each of CrazyPAD's flights from normal ones.
+///
+/// # Panics
+/// The logs are there and can't be compared.
+pub fn print_baseline() {
+    println!("\n# CrazyPAD against normal flights of the airframe\n");
+    println!("| flight | normal flights | departures, std | chance | answer |\n|---|---|---|---|---|");
+    crazypad_baseline::compared(&crazypad_baseline::numbered()).iter().for_each(|row| print!("{row}"));
 }
