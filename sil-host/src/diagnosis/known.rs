@@ -154,8 +154,7 @@ impl Known {
             if held.iter().any(|held| (held.effect, held.axis) == (kind.effect, kind.axis)) {
                 return Err(NotKnown::Twice(kind.name));
             }
-            let impossible =
-                |problem: String| NotKnown::Impossible { name: fact.name, value: fact.value, problem };
+            let impossible = |problem: String| NotKnown::Impossible { name: fact.name, value: fact.value, problem };
             let (value, prior) = fact.divided(kind);
             (kind.set)(&mut model, value).map_err(|problem| impossible(problem.to_owned()))?;
             // what a model file may say is checked where one is read

@@ -54,6 +54,14 @@ impl Cause {
         }
     }
 
+    /// The effect of which a known number excludes it.
+    pub(super) fn held_as(self) -> &'static str {
+        match self {
+            Cause::Weight => "mass_error",
+            other => other.effect(),
+        }
+    }
+
     pub(super) fn axis(self) -> Option<Axis> {
         match self {
             Cause::Moment(axis) | Cause::Inertia(axis) | Cause::GyroBias(axis) => Some(axis),
@@ -116,11 +124,12 @@ impl Departures<'_> {
         let tilts = has(NumberOf::Trim(Axis::Roll)) && has(NumberOf::Trim(Axis::Pitch));
         match cause {
             Cause::WeakMotor(_) => tilts && self.knows_motors && self.collective.is_some(),
-            Cause::Weight => tilts && self.knows_motors && has(NumberOf::Collective),
+            Cause::Weight => tilts && self.knows_motors && self.is_seen(Cause::Mass),
             Cause::MassShift => tilts,
             Cause::Moment(axis) => has(NumberOf::Trim(axis)),
-            Cause::Mass => self.collective.is_some() && (has(NumberOf::Collective) || has(NumberOf::ThrustScale)),
-            Cause::Lift => self.collective.is_some() && (has(NumberOf::Collective) || has(NumberOf::ThrustScale)),
+            Cause::Mass | Cause::Lift => {
+                self.collective.is_some() && (has(NumberOf::Collective) || has(NumberOf::ThrustScale))
+            }
             Cause::Inertia(axis) => has(NumberOf::InputGain(axis)),
             Cause::Delay | Cause::Lag => has(NumberOf::Lateness),
             Cause::GyroBias(axis) => has(NumberOf::GyroBias(axis)),
@@ -139,7 +148,8 @@ impl Departures<'_> {
     /// Change of a number per unit of a cause of one size.
     fn change(&self, cause: Cause, of: NumberOf) -> f64 {
         let mean = self.normal.mean(of).unwrap_or_default();
-        let relative = self.collective.filter(|collective| *collective > 0.0).map_or(0.0, |collective| mean / collective);
+        let relative =
+            self.collective.filter(|collective| *collective > 0.0).map_or(0.0, |collective| mean / collective);
         match (cause, of) {
             (Cause::WeakMotor(motor), NumberOf::Trim(axis)) => f64::from(TORQUE_SIGNS[axis.index()][motor]),
             (Cause::Moment(axis), NumberOf::Trim(own)) if axis == own => 1.0,

@@ -50,7 +50,7 @@ impl Choice {
 /// Chooses causes one by one, the likeliest first.
 pub(super) fn choose(departures: &Departures<'_>, known: &Known) -> Choice {
     let causes: Vec<Cause> =
-        departures.causes().into_iter().filter(|cause| !known.excludes(cause.effect(), cause.axis())).collect();
+        departures.causes().into_iter().filter(|cause| !known.excludes(cause.held_as(), cause.axis())).collect();
     let all = departures.squares();
     let mut explained = vec![0.0; departures.by.len()];
     let mut found: Vec<Chosen> = Vec::new();

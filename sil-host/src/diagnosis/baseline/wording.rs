@@ -175,7 +175,8 @@ impl Wording<'_> {
         let numbers = &self.departures.normal.numbers;
         let apart = |place: &usize| (best.predicted[*place] - rival.predicted[*place]).abs() / numbers[*place].std;
         let mut text = String::new();
-        if let Some(place) = (0..numbers.len()).max_by(|a, b| apart(a).total_cmp(&apart(b))).filter(|p| apart(p) > 0.1) {
+        if let Some(place) = (0..numbers.len()).max_by(|a, b| apart(a).total_cmp(&apart(b))).filter(|p| apart(p) > 0.1)
+        {
             let (factor, unit) = numbers[place].of.shown();
             let shown = |value: f64| format!("{:+.1} {unit}", factor * value);
             text = format!(

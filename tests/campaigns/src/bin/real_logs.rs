@@ -34,7 +34,9 @@ fn main() -> ExitCode {
         }
         Some((first, options)) if first == "scoreboard" => Options::read(options).and_then(|options| options.score()),
         Some((first, options)) if first == "injection" => Options::read(options).and_then(|options| options.inject()),
-        Some((other, _)) => Err(format!("unknown command `{other}`; it may be `baseline`, `scoreboard` or `injection`")),
+        Some((other, _)) => {
+            Err(format!("unknown command `{other}`; it may be `baseline`, `scoreboard` or `injection`"))
+        }
     };
     result.map_or_else(
         |message| {

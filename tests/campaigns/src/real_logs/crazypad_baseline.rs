@@ -31,7 +31,8 @@ pub enum Against {
     All,
     /// Those of the same day.
     SameDay,
-    /// The same, and nothing was touched but what the label says: which nobody has written down.
+    /// The same, and nothing was touched but what the label says, which nobody has written down. Not for propellers:
+    /// one that was cut was off the vehicle.
     SameDayUntouched,
 }
 
@@ -112,10 +113,10 @@ pub fn compared(all: &[Numbered]) -> Vec<Compared> {
 impl Numbered {
     fn compared(&self, all: &[Numbered], against: Against) -> Option<Compared> {
         let normal = self.baseline(all, against);
-        if normal.is_empty() {
+        let untouched = against == Against::SameDayUntouched;
+        if normal.is_empty() || untouched && self.label.starts_with("cut_propeller") {
             return None;
         }
-        let untouched = against == Against::SameDayUntouched;
         let between = if untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };
         let given = Given { known: &Known::default(), between };
         let answer = compare_flights(&self.numbers, &normal, &Subject::Axes, given).expect("numbers in common");
