@@ -31,8 +31,8 @@ fn crazyflie_is_compared_with_its_normal_flights() {
         let found = names(row);
         let is_alone = row.answer.findings.len() == 1 && found.len() == 1;
         match (row.label.as_str(), row.against) {
-            // each normal flight against the others, though they differ by up to 6 % of roll trim; E9's last one flew with
-            // another pitch trim than those before it, so that somebody had touched the vehicle
+            // each normal flight against the others, though they differ by up to 6 % of roll trim; E9's last one flew
+            // with another pitch trim than those before it, so that somebody had touched the vehicle
             (NORMAL, Against::SameDayUntouched) if row.name == "E9 normal_flight, motor log03" => {}
             (NORMAL, _) => assert!(found.is_empty(), "{row}"),
             // cut to 42 and 40 mm: the motor, and nothing else
@@ -50,7 +50,7 @@ fn crazyflie_is_compared_with_its_normal_flights() {
             }
             // one blade to 46 mm cannot be separated from another seat of the propellers, nor can the weights
             (_, Against::All) => assert!(found.is_empty(), "{row}"),
-            // if nothing else was touched, the weight near motor 3 is a weak rotor or a weight, and the yaw trim would say
+            // if nothing else was touched, the weight near motor 3 is a weak rotor or a weight
             ("add_weight_W1_near_M3", Against::SameDayUntouched) => {
                 let either = ["weak_motor 2", "added_weight"].map(str::to_owned);
                 assert!(either.iter().all(|name| found.contains(name)), "{row}");

@@ -36,16 +36,16 @@ fn lines(difference: &Difference) -> Vec<String> {
 fn basis(answer: &BaselineDiagnosis) -> String {
     let baseline = &answer.baseline;
     let flights = baseline.logs.len();
-    let alone = if flights == 1 { "one flight, which shows no spread between flights" } else { "so many flights" };
+    let alone = if flights == 1 { " One flight alone shows no spread." } else { "" };
     let usual = baseline.usual_spread_as_flights;
     let between = match baseline.between {
         BetweenFlights::Serviced => "between whose flights propellers were changed or seated anew",
         BetweenFlights::Untouched => "that nobody touched between its flights",
     };
     format!(
-        "Normal: {flights} log(s). The spread between normal flights is that of these together with that of a vehicle \
-         {between}, which counts as {usual:.0} flights beside {alone}. {} causes were tried. The chance of such departures in a normal \
-         flight, all numbers together: {}.",
+        "Normal flights: {flights}.{alone} To the spread between them that of a vehicle is added {between}; it counts \
+         as much as {usual:.0} flights. {} causes were tried. The chance of such departures in a normal flight, all \
+         numbers together: {}.",
         baseline.looks,
         chance_text(baseline.chance)
     )
@@ -67,8 +67,8 @@ fn with_chance(difference: &Difference) -> Vec<String> {
 fn nearest_text(difference: &Difference) -> String {
     let chance = difference.chance.map_or_else(String::new, chance_text);
     format!(
-        "Nothing is reported. If anything has changed, it is most likely this, but a normal flight shows as much with a \
-         chance of {chance}: {}.",
+        "Nothing is reported. If anything has changed, it is most likely this, but a normal flight shows as much \
+         with a chance of {chance}: {}.",
         lines(difference).join("; ").trim_end_matches('.')
     )
 }
@@ -118,8 +118,8 @@ pub fn page(answer: &BaselineDiagnosis, command: &str) -> Page {
         table = table.row(names.map(Cell::from).into_iter().chain(values.map(|value| Cell::number(value, 2))));
     }
     let numbers = Section::new("The numbers").table(table).paragraph(
-        "A trim is by how much each motor's command is off the mean of all, as that axis needs it in steady flight. The \
-         spread is the standard deviation between normal flights.",
+        "A trim is by how much each motor's command is off the mean of all, as that axis needs it in steady flight. \
+         The spread is the standard deviation between normal flights.",
     );
     let logs = Section::new("Normal flights").paragraph(basis(answer)).list(answer.baseline.logs.clone());
     Page::new("What is different in this flight?")

@@ -34,8 +34,8 @@ pub struct DiagnoseArguments {
     /// several times
     #[arg(long, value_name = "NORMAL", conflicts_with_all = ["extended", "experiment"])]
     baseline: Vec<PathBuf>,
-    /// With --baseline: nothing was changed between these flights but what is sought (no propeller, no battery moved), so
-    /// that only what repeats from flight to flight is chance
+    /// With --baseline: nothing was changed between these flights but what is sought (no propeller, no battery moved),
+    /// so that only what repeats from flight to flight is chance
     #[arg(long, requires = "baseline")]
     untouched: bool,
     /// Write the model with the findings in it

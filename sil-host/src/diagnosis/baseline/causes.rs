@@ -74,8 +74,8 @@ impl Cause {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Explanation {
     pub(super) cause: Cause,
-    /// Its sizes: of a weak motor a quarter of the change of its command; of a weight the rise of the collective and its
-    /// place to the left and ahead; of the others the change of their number, or the share of it.
+    /// Its sizes: of a weak motor a quarter of the change of its command; of a weight the rise of the collective and
+    /// its place to the left and ahead; of the others the change of their number, or the share of it.
     pub(super) values: Vec<f64>,
     /// Their standard deviations.
     pub(super) std: Vec<f64>,

@@ -96,8 +96,8 @@ fn between_a_small_cut_and_a_small_weight_both_are_given_with_what_would_decide(
     assert!(finding.told_apart_by.contains("weigh the vehicle"), "{}", finding.told_apart_by);
 }
 
-/// Over many draws a normal flight gives a finding no more often than the 5 % that are allowed; three standard deviations
-/// of 400 draws are 3 %.
+/// Over many draws a normal flight gives a finding no more often than the 5 % that are allowed; three standard
+/// deviations of 400 draws are 3 %.
 #[test]
 fn normal_flights_differ_in_nothing() {
     for count in [1, 3, 6] {

@@ -139,18 +139,20 @@ impl Wording<'_> {
         let estimate = |name: &str| parameters.get(name).map_or_else(String::new, Estimate::to_string);
         let size = estimate(main_name(one.cause));
         let [low, high] = self.interval(one);
-        let between = format!("{low:.2} to {high:.2}");
+        let between = format!("{low:.3} to {high:.3}");
         match one.cause {
             Cause::WeakMotor(motor) => {
                 let (number, place) = (motor + 1, place_of(motor));
                 format!("motor {number} ({place}) lifts {size} of what it lifted at equal command (95 %: {between})")
             }
-            Cause::Weight => format!(
-                "a weight makes the vehicle {size} as heavy (95 %: {between}), {} of a rotor's distance to the left and \
-                 {} ahead of the centre",
-                estimate("left_of_centre"),
-                estimate("ahead_of_centre")
-            ),
+            Cause::Weight => {
+                let off = |at: usize, [positive, negative]: [&str; 2]| {
+                    let side = if one.values[at] < 0.0 { negative } else { positive };
+                    format!("{:.1} +- {:.1} of a rotor's distance to the {side}", one.values[at].abs(), one.std[at])
+                };
+                let place = [off(1, ["left", "right"]), off(2, ["front", "rear"])].join(" and ");
+                format!("a weight makes the vehicle {size} as heavy (95 %: {between}), {place}")
+            }
             Cause::MassShift => {
                 let percent = |at: usize| format!("{:+.1} +- {:.1}", 100.0 * one.values[at], 100.0 * one.std[at]);
                 format!("the centre of gravity has moved: roll trim {} %, pitch trim {} %", percent(0), percent(1))

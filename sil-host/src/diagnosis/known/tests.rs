@@ -63,7 +63,7 @@ fn what_is_known_is_the_models_and_nothing_is_tested_about_it() {
     assert_eq!(answer.known.len(), 1);
 }
 
-/// On a vehicle with a heavy body a mass that is said to be the nominal one must go elsewhere: to lifts that are as much
+/// Of a heavy vehicle whose mass is said to be the nominal one the rest must be explained by lifts that are as much
 /// smaller, and inertia that is smaller too, for the gyro shows lift over inertia.
 #[test]
 fn a_mass_that_is_known_leaves_the_lift_to_explain_the_accelerometer() {
