@@ -39,12 +39,12 @@ fn basis(answer: &BaselineDiagnosis) -> String {
     let alone = if flights == 1 { " One flight alone shows no spread." } else { "" };
     let usual = baseline.usual_spread_as_flights;
     let between = match baseline.between {
-        BetweenFlights::Serviced => "between whose flights propellers were changed or seated anew",
-        BetweenFlights::Untouched => "that nobody touched between its flights",
+        BetweenFlights::Serviced => "of a vehicle whose propellers were changed or seated anew between flights",
+        BetweenFlights::Untouched => "of a vehicle that nobody touched between flights",
     };
     format!(
-        "Normal flights: {flights}.{alone} To the spread between them that of a vehicle is added {between}; it counts \
-         as much as {usual:.0} flights. {} causes were tried. The chance of such departures in a normal flight, all \
+        "Normal flights: {flights}.{alone} Their spread is estimated from them and from a usual one, {between}, \
+         which counts as much as {usual:.0} flights. {} causes were tried. The chance of such departures in a normal flight, all \
          numbers together: {}.",
         baseline.looks,
         chance_text(baseline.chance)

@@ -12,6 +12,11 @@ use crate::diagnosis::{Estimate, base, noise_beyond_sensors};
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
 
+/// What makes commands act late.
+const LATE: [&str; 2] = ["motor_lag", "actuation_delay"];
+/// A lag or a delay that is less than this is none, s: near 0 the two are one, and their fit has no deviations.
+const NO_LATENESS_S: f64 = 1e-4;
+
 /// Fits the base model to a log, in the noise of all that it does not know.
 ///
 /// # Errors
@@ -30,7 +35,7 @@ pub(super) fn base_numbers(log: &Log, subject: &Subject<'_>) -> Result<Vec<Numbe
     let shooting = subject.shooting(log, &noise)?.with_noise(moments, forces);
     let search = Search::new(&shooting, &nominal, &catalogue, gains, &|_| ());
     let base = base::fitted(&search).fit;
-    let fit = search.refitted(base.terms, &base.starts);
+    let fit = search.refitted(distinct(base.terms), &base.starts);
     Ok(numbers(&fit, subject, &shooting, &nominal))
 }
 
@@ -73,13 +78,25 @@ fn trim_per_moment(axis: Axis, shooting: &Shooting<'_>, nominal: Nominal<'_>, te
     (per_trim > 0.0).then(|| -acceleration / moment_nm / per_trim)
 }
 
+/// The terms without a lag or a delay that is none; the delay stays where both are.
+fn distinct(mut terms: Vec<Term<'_>>) -> Vec<Term<'_>> {
+    let late = |term: &Term<'_>, name: &str| term.effect.name() == name && term.values[0] > NO_LATENESS_S;
+    let [has_lag, has_delay] = LATE.map(|name| terms.iter().any(|term| late(term, name)));
+    terms.retain(|term| match term.effect.name() {
+        "motor_lag" => has_lag,
+        "actuation_delay" => has_delay || !has_lag,
+        _ => true,
+    });
+    terms
+}
+
 /// Lag and delay together, each of which alone the other can nearly replace.
 fn lateness(fit: &Fit<'_>) -> Option<Estimate> {
     let size = fit.size();
     let mut places = Vec::new();
     let (mut place, mut value) = (0, 0.0);
     for term in &fit.terms {
-        if ["motor_lag", "actuation_delay"].contains(&term.effect.name()) {
+        if LATE.contains(&term.effect.name()) {
             places.push(place);
             value += term.values.first().copied().unwrap_or_default();
         }

@@ -94,6 +94,8 @@ pub(super) struct Departures<'a> {
     pub(super) collective: Option<f64>,
     /// True where the trims are changes of single motors' commands.
     pub(super) knows_motors: bool,
+    /// True where a rig carries the vehicle: no mass shows.
+    pub(super) is_held: bool,
 }
 
 impl Departures<'_> {
@@ -127,6 +129,7 @@ impl Departures<'_> {
             Cause::Weight => tilts && self.knows_motors && self.is_seen(Cause::Mass),
             Cause::MassShift => tilts,
             Cause::Moment(axis) => has(NumberOf::Trim(axis)),
+            Cause::Mass if self.is_held => false,
             Cause::Mass | Cause::Lift => {
                 self.collective.is_some() && (has(NumberOf::Collective) || has(NumberOf::ThrustScale))
             }

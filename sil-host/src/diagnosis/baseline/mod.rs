@@ -111,6 +111,7 @@ pub fn compare_flights(
         normal: &normal,
         by: normal.numbers.iter().map(|number| by(number.mean, number.of)).collect(),
         collective: collectives.map(|all| all.iter().sum::<f64>() / all.len() as f64).filter(|mean| *mean > 0.0),
+        is_held: subject.is_held(),
         knows_motors: suspect.knows_motors && flights.iter().all(|flight| flight.knows_motors),
     };
     let choice = choice::choose(&departures, given.known);

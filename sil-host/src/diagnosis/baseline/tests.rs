@@ -156,3 +156,36 @@ fn what_all_flights_have_in_common_is_not_reported() {
     let [low, high] = finding.interval_95;
     assert!((low..high).contains(&0.65), "{finding:?}");
 }
+
+/// On the testbed the trims are moments beside gravity's; a motor that is weaker there is found by them, and a pivot
+/// that carries the vehicle leaves no mass to be found.
+#[test]
+fn on_the_testbed_a_weak_motor_and_a_delay_are_found() {
+    let flown = |effects: &[&str], seed: u64| {
+        let mut model = VehicleModel::nominal(Rig::Gimbal);
+        model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
+        let mut synthesis = Synthesis { seed, blind: true, duration_s: 12.0, log_rate_hz: 100, ..Synthesis::of(model) };
+        synthesis.choice.rate_hz = 100;
+        let log = synthesis.log().unwrap();
+        FlightNumbers::of(&log, &Subject::Vehicle(&VehicleModel::nominal(Rig::Gimbal))).unwrap()
+    };
+    let bias = "torque_bias:axis=roll,torque_nm=0.02";
+    let normal: Vec<FlightNumbers> = (0..3).map(|seed| flown(&[bias], seed)).collect();
+    let model = VehicleModel::nominal(Rig::Gimbal);
+    let known = Known::default();
+    let given = Given { known: &known, between: BetweenFlights::Serviced };
+    let answer = |suspect: &FlightNumbers| compare_flights(suspect, &normal, &Subject::Vehicle(&model), given).unwrap();
+    assert_eq!(answer(&flown(&[bias], 5)).verdict, Verdict::NoDiscrepancy);
+    let weak = answer(&flown(&[bias, "weak_motor:motor=2,scale=0.7"], 6));
+    let finding = &weak.findings[0];
+    assert_eq!((finding.effect, finding.parameters["motor"].value), ("weak_motor", 2.0), "{weak:?}");
+    let [low, high] = finding.interval_95;
+    assert!((low..high).contains(&0.7), "{finding:?}");
+    assert!(finding.one_of.iter().all(|other| other.effect != "added_weight"), "{finding:?}");
+    let late = answer(&flown(&[bias, "actuation_delay:delay_s=0.03"], 7));
+    let finding = &late.findings[0];
+    let names = [finding.effect, finding.one_of[0].effect];
+    assert!(names.contains(&"actuation_delay") && names.contains(&"motor_lag"), "{late:?}");
+    let [low, high] = finding.interval_95;
+    assert!((low..high).contains(&0.03), "{finding:?}");
+}

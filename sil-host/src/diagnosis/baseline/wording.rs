@@ -13,6 +13,8 @@ use crate::diagnosis::Estimate;
 use crate::effects::Origin;
 use crate::statistics::student_95;
 
+/// Of a command, for the slope of the lift over it.
+const STEP: f64 = 0.01;
 /// Other causes beside one that cannot be told from it.
 const OTHERS_MAX: usize = 3;
 
@@ -113,6 +115,11 @@ impl Wording<'_> {
         let lift = |command: f64| (self.lift)(command.max(0.0));
         match cause {
             Cause::WeakMotor(motor) => {
+                if self.departures.is_held {
+                    // there the trims are moments, of the lift that is lost at equal command
+                    let slope = (lift(collective + STEP) - lift(collective - STEP)) / (2.0 * STEP);
+                    return 1.0 - 4.0 * size * slope / lift(collective);
+                }
                 let trims = Axis::ALL.map(|axis| {
                     let trim = self.departures.normal.mean(NumberOf::Trim(axis)).unwrap_or_default();
                     f64::from(TORQUE_SIGNS[axis.index()][motor]) * trim
