@@ -43,9 +43,9 @@ fn basis(answer: &BaselineDiagnosis) -> String {
         BetweenFlights::Untouched => "of a vehicle that nobody touched between flights",
     };
     format!(
-        "Normal flights: {flights}.{alone} Their spread is estimated from them and from a usual one, {between}, \
-         which counts as much as {usual:.0} flights. {} causes were tried. The chance of such departures in a normal flight, all \
-         numbers together: {}.",
+        "Normal flights: {flights}.{alone} Their spread is estimated from them and from a usual one, {between}, which \
+         counts as much as {usual:.0} flights. {} causes were tried. The chance of such departures in a normal flight, \
+         all numbers together: {}.",
         baseline.looks,
         chance_text(baseline.chance)
     )
