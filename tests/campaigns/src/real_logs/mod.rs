@@ -5,6 +5,7 @@
 
 pub mod bench;
 pub mod crazyflie;
+pub mod crazyflie_known;
 pub mod crazyflie_table;
 pub mod crazyflie_yaw;
 pub mod crazypad;
