@@ -4,6 +4,7 @@
 use std::fmt;
 use std::path::Path;
 
+use rayon::prelude::*;
 use sil_host::diagnosis::{
     BaselineDiagnosis, BetweenFlights, Difference, FlightNumbers, Given, Known, Subject, compare_flights,
 };
@@ -57,7 +58,7 @@ pub struct Compared {
 /// # Panics
 /// The logs are there and not CrazyPAD's.
 pub fn numbered() -> Vec<Numbered> {
-    files("flight_crazypad", "").iter().map(|path| one(path)).collect()
+    files("flight_crazypad", "").par_iter().map(|path| one(path)).collect()
 }
 
 fn one(path: &Path) -> Numbered {
