@@ -21,7 +21,7 @@ struct Usual {
 /// Three groups of normal flights of a Crazyflie (CrazyPAD, airframe E8), between which propellers were changed or
 /// seated anew; roll and pitch pooled.
 const SERVICED: Usual = Usual { tilt_trim: 0.0115, yaw_trim: 0.0065, collective: 0.014 };
-/// Flights of one group of the same airframe, one after the other.
+/// Pairs of flights of the same airframe with one label and nearly equal trims, faults included.
 const UNTOUCHED: Usual = Usual { tilt_trim: 0.0015, yaw_trim: 0.0036, collective: 0.004 };
 /// Share of the gain: five runs of a bench (ANT-X) differ by 0.085. Of a lift, half of that.
 const GAIN: f64 = 0.1;
