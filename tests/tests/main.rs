@@ -13,6 +13,7 @@ mod hitl;
 mod limits_and_switching;
 mod log_errors;
 mod qp_reference;
+mod real_baseline;
 mod real_logs;
 mod test_sequence;
 mod thesis_case;

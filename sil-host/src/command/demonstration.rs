@@ -60,7 +60,8 @@ pub fn run() -> Result<(), Failure> {
     print("\n3. What the simulation gets wrong\n")?;
     let answer = {
         let line = ProgressLine::new();
-        diagnosis::diagnose_observed(&log, &subject, diagnosis::Effort::Quick, &|progress| line.show(progress))
+        let (known, effort) = (diagnosis::Known::default(), diagnosis::Effort::Quick);
+        diagnosis::diagnose_observed(&log, &subject, &known, effort, &|progress| line.show(progress))
             .map_err(bad_input)?
     };
     print(diagnose_text::verdict_text(&answer))?;

@@ -4,17 +4,23 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sil_host::closed_loop::LogRefused;
-use sil_host::diagnosis::{Effort, Subject, diagnose_flown_by, diagnose_observed, extended_model};
+use sil_host::diagnosis::{
+    BetweenFlights, Effort, Fact, Given, Known, Subject, diagnose_against, diagnose_flown_by, diagnose_observed,
+    extended_model,
+};
+use sil_host::log::Log;
+use sil_host::model::VehicleModel;
 
-use super::log_arguments::LogArguments;
+use super::log_arguments::{LogArguments, quoted};
 use super::progress_line::ProgressLine;
-use super::{Failure, bad_input, diagnose_report, diagnose_text, print, write_file, write_json};
+use super::{Failure, bad_input, baseline_report, diagnose_report, diagnose_text, print, write_file, write_json};
 
 /// Find what the simulation gets wrong in a measured log, and name the cause
 #[derive(Args)]
 #[command(
     after_help = "Example: sil diagnose out/rig.csv --report out/diagnosis.html   (sil synth out/rig.csv makes a log)\n\
-Example: sil diagnose bench.csv.gz --map antx\n\n\
+Example: sil diagnose bench.csv.gz --map antx\n\
+Example: sil diagnose today.csv --baseline normal1.csv --baseline normal2.csv\n\n\
 Effects are fitted to half of the log, in windows of 0.5 s, chosen by a quarter, judged by the rest. Then\n\
 `sil compare LOG --model out/extended.toml` shows what remains. docs/reading-a-diagnosis.md explains the figures."
 )]
@@ -28,6 +34,18 @@ pub struct DiagnoseArguments {
     /// Search 24 other cuts of the log instead of 8
     #[arg(long)]
     thorough: bool,
+    /// A number that was weighed or measured, held: NAME=VALUE or NAME=VALUE+-STD; may be given several times. Names:
+    /// mass_kg, ixx_kg_m2, iyy_kg_m2, izz_kg_m2, thrust_scale, time_constant_s, motor_lag_s, delay_s
+    #[arg(long, value_name = "NAME=VALUE")]
+    known: Vec<String>,
+    /// Compare with this log of a normal flight of the same vehicle, and report only the difference; may be given
+    /// several times
+    #[arg(long, value_name = "NORMAL", conflicts_with_all = ["extended", "experiment"])]
+    baseline: Vec<PathBuf>,
+    /// With --baseline: nothing was changed between these flights but what is sought (no propeller, no battery moved),
+    /// so that only what repeats from flight to flight is chance
+    #[arg(long, requires = "baseline")]
+    untouched: bool,
     /// Write the model with the findings in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
@@ -54,7 +72,54 @@ impl DiagnoseArguments {
     /// The option that separate axes can't serve.
     fn wants_vehicle(&self) -> Option<&'static str> {
         let extended = self.extended.as_ref().map(|_| "--extended");
-        extended.or(self.experiment.as_ref().map(|_| "--experiment"))
+        let experiment = self.experiment.as_ref().map(|_| "--experiment");
+        extended.or(experiment).or(self.known.first().map(|_| "--known"))
+    }
+
+    /// The flight against normal ones.
+    fn against_baseline(&self, log: &Log, model: Option<&VehicleModel>, known: &Known) -> Result<(), Failure> {
+        if let Some(option) = self.log.controller_option() {
+            return Err(bad_input(format!("--baseline compares flights, not controllers: leave out {option}")));
+        }
+        let normal = self.baseline.iter().map(|path| self.log.read_other(path)).collect::<Result<Vec<Log>, _>>()?;
+        let subject = model.map_or(Subject::Axes, Subject::Vehicle);
+        let answer = {
+            let line = ProgressLine::new();
+            let between = if self.untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };
+            let given = Given { known, between };
+            diagnose_against(log, &normal, &subject, given, &|progress| line.show(progress)).map_err(bad_input)?
+        };
+        print(baseline_report::text(&answer))?;
+        if let Some(path) = &self.report {
+            let page = baseline_report::page(&answer, &self.command());
+            write_file(path, page.to_html().as_bytes())?;
+            print(format!("report          {}\n", path.display()))?;
+        }
+        write_json(self.json.as_deref(), &answer)
+    }
+
+    /// How it was called, for the page.
+    fn command(&self) -> String {
+        let mut command = self.log.command("diagnose");
+        for fact in &self.known {
+            command.push_str(&format!(" --known {fact}"));
+        }
+        for normal in &self.baseline {
+            command.push_str(&format!(" --baseline {}", quoted(&normal.display().to_string())));
+        }
+        if self.untouched {
+            command.push_str(" --untouched");
+        }
+        command
+    }
+
+    /// The model with what is known in place of its own numbers.
+    fn with_known(&self, model: Option<VehicleModel>) -> Result<(Option<VehicleModel>, Known), Failure> {
+        let Some(model) = model else { return Ok((None, Known::default())) };
+        let facts: Result<Vec<Fact>, _> = self.known.iter().map(|text| Fact::parse(text)).collect();
+        let known = facts.and_then(|facts| Known::of(&model, &facts));
+        let (model, known) = known.map_err(|error| bad_input(format!("--known {error}")))?;
+        Ok((Some(model), known))
     }
 }
 
@@ -62,16 +127,20 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
     let controller = arguments.log.controller()?;
     let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
+    let (model, known) = arguments.with_known(model)?;
+    if !arguments.baseline.is_empty() {
+        return arguments.against_baseline(&log, model.as_ref(), &known);
+    }
     let effort = arguments.effort();
     let answer = {
         let line = ProgressLine::new();
         let observer = |progress| line.show(progress);
         match (&model, controller) {
-            (Some(model), Some(choice)) => diagnose_flown_by(&log, model, choice, effort, &observer),
+            (Some(model), Some(choice)) => diagnose_flown_by(&log, model, choice, &known, effort, &observer),
             (Some(model), None) => {
-                diagnose_observed(&log, &Subject::Vehicle(model), effort, &observer).map_err(LogRefused::from)
+                diagnose_observed(&log, &Subject::Vehicle(model), &known, effort, &observer).map_err(LogRefused::from)
             }
-            (None, _) => diagnose_observed(&log, &Subject::Axes, effort, &observer).map_err(LogRefused::from),
+            (None, _) => diagnose_observed(&log, &Subject::Axes, &known, effort, &observer).map_err(LogRefused::from),
         }
     };
     let answer = answer.map_err(|error| arguments.log.refused(&log, &error))?;
@@ -91,8 +160,8 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         }
     }
     if let Some(path) = &arguments.report {
-        let command = arguments.log.command("diagnose");
-        write_file(path, diagnose_report::page(&log, &answer, &command).to_html().as_bytes())?;
+        let page = diagnose_report::page(&log, &answer, &arguments.command());
+        write_file(path, page.to_html().as_bytes())?;
         print(format!("report          {}\n", path.display()))?;
     }
     write_json(arguments.json.as_deref(), &answer)

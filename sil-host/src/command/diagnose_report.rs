@@ -1,7 +1,8 @@
 //! The page about a diagnosis: the sentence, the sizes, the picture before and after, what was rejected.
 
 use sil_host::diagnosis::{
-    BaseTerm, ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Finding, HorizonError, PredictionErrors, Verdict,
+    BaseTerm, ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Fact, Finding, HorizonError, PredictionErrors,
+    Verdict,
 };
 use sil_host::log::Log;
 use sil_host::prediction::ChannelErrors;
@@ -86,6 +87,12 @@ pub fn interval_text([low, high]: [f64; 2]) -> String {
     format!("{low:.1} to {high:.1}")
 }
 
+/// A number that is held.
+pub fn fact_text(fact: &Fact) -> String {
+    let Fact { name, value, std } = fact;
+    if *std > 0.0 { format!("{name} {value} +- {std}") } else { format!("{name} {value}") }
+}
+
 /// A number of the base model, and whether it is a finding too.
 pub fn base_text(term: &BaseTerm) -> String {
     if term.ordinary { term.to_string() } else { format!("{term} (a finding)") }
@@ -119,6 +126,10 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
     let mut section = Section::new("The cause");
     if log.comments.iter().any(|comment| comment.contains("SYNTHETIC")) {
         section = section.warning("This log is synthetic: it was simulated, not measured.");
+    }
+    if !answer.known.is_empty() {
+        let known: Vec<String> = answer.known.iter().map(fact_text).collect();
+        section = section.paragraph(format!("Known beside the log, and held: {}.", known.join(", ")));
     }
     if answer.findings.is_empty() {
         return section.paragraph("No effect of the catalogue lowers the error by more than chance would.");

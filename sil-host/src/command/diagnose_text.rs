@@ -3,7 +3,7 @@
 use sil_host::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected};
 use sil_host::log::Log;
 
-use super::diagnose_report::{base_text, compares_more_than_turning, error_rows, headline, interval_text};
+use super::diagnose_report::{base_text, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
 use super::text_table::{TextTable, error_table, number};
 
 /// Everything that `sil diagnose` prints of the answer.
@@ -34,6 +34,10 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
     }
     if !answer.unexplained.signature.is_empty() {
         text.push_str(&format!("  unexplained: {}\n", answer.unexplained.signature));
+    }
+    let known: Vec<String> = answer.known.iter().map(fact_text).collect();
+    if !known.is_empty() {
+        text.push_str(&format!("  known, and held: {}\n", known.join(", ")));
     }
     if !answer.base.is_empty() {
         text.push_str("  fitted along with the above (the base model):\n");

@@ -1,6 +1,6 @@
 //! The arguments of every command that takes a measured log: the log, what its columns mean, and what made it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use sil_host::closed_loop::LogRefused;
@@ -51,8 +51,13 @@ enum LogRig {
 impl LogArguments {
     /// Reads the log, or the part of it that was requested.
     pub fn read(&self) -> Result<Log, Failure> {
+        self.read_other(&self.log)
+    }
+
+    /// Reads another log of the same kind, the same part of it.
+    pub fn read_other(&self, path: &Path) -> Result<Log, Failure> {
         let map = self.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
-        let log = log::read(&self.log, map.as_ref()).map_err(bad_input)?;
+        let log = log::read(path, map.as_ref()).map_err(bad_input)?;
         if self.from.is_none() && self.to.is_none() {
             return Ok(log);
         }
@@ -96,6 +101,11 @@ impl LogArguments {
         vehicle_model(self.model.as_deref(), rig).map(Some)
     }
 
+    /// The option that names a controller, where it was given.
+    pub fn controller_option(&self) -> Option<&'static str> {
+        self.controller.as_ref().map(|_| "--controller")
+    }
+
     /// How the command was called, for a page that shows how to make it again.
     pub fn command(&self, name: &str) -> String {
         let mut command = format!("sil {name} {}", quoted(&self.log.display().to_string()));
@@ -120,7 +130,7 @@ impl LogArguments {
 }
 
 /// A word for a shell.
-fn quoted(word: &str) -> String {
+pub fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:=,@%".contains(c);
     if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }

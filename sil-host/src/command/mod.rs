@@ -1,5 +1,6 @@
 //! One file per subcommand; each reads its arguments, calls the library and prints.
 
+mod baseline_report;
 mod bench_mpc;
 mod compare;
 mod compare_report;

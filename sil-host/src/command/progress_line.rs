@@ -22,6 +22,7 @@ impl ProgressLine {
                 (done, total, format!("{effects} found, testing for another"))
             }
             Progress::Cutting { done, total } => (done, total, "searching other cuts of the log".to_owned()),
+            Progress::Comparing { done, total } => (done, total, "comparing flights".to_owned()),
             Progress::Judging => (1, 1, "judging the findings".to_owned()),
             Progress::Separating { done, total } => (done, total, "looking for a separating flight".to_owned()),
         };

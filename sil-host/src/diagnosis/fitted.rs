@@ -2,7 +2,7 @@
 //! bench leaves open.
 
 use crate::axis::Axis;
-use crate::effects::{self, Effect, Hints, Hypothesis, Origin, Scope, Unknown};
+use crate::effects::{self, Effect, Hints, Hypothesis, Origin, Prior, Scope, Unknown};
 use crate::prediction::model::Model;
 
 /// Something with numbers that a fit varies.
@@ -31,6 +31,14 @@ impl Fitted {
         };
         let all = effects::hypotheses(scope).into_iter().filter_map(beside);
         all.map(|hypothesis| Fitted::Effect(Box::new(hypothesis))).collect()
+    }
+
+    /// The same, its one number expected somewhere before the log is seen.
+    pub(super) fn expected(self, prior: Prior) -> Fitted {
+        match self {
+            Fitted::Effect(hypothesis) => Fitted::Effect(Box::new(hypothesis.expected(prior))),
+            Fitted::InputGain(axis) => Fitted::InputGain(axis),
+        }
     }
 
     /// Its name in docs/effects.md.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::controller::{self, Examination};
 use super::progress::Observer;
-use super::{Diagnosis, Effort, Subject, Verdict, diagnose_observed, extended_model};
+use super::{Diagnosis, Effort, Known, Subject, Verdict, diagnose_observed, extended_model};
 use crate::closed_loop::{ClosedLoopDeviation, LogRefused, closed_loop};
 use crate::controller_file::ControllerChoice;
 use crate::log::Log;
@@ -19,7 +19,7 @@ pub struct ClosedLoops {
     pub extended: ClosedLoopDeviation,
 }
 
-/// Diagnoses the log of a vehicle that a known controller flew.
+/// Diagnoses the log of a vehicle that a known controller flew; what else is known is in the model already.
 ///
 /// # Errors
 /// As [`diagnose_observed`] and [`crate::comparison::compare`].
@@ -27,10 +27,11 @@ pub fn diagnose_flown_by(
     log: &Log,
     model: &VehicleModel,
     choice: ControllerChoice,
+    known: &Known,
     effort: Effort,
     observer: Observer<'_>,
 ) -> Result<Diagnosis, LogRefused> {
-    let mut answer = diagnose_observed(log, &Subject::Vehicle(model), effort, observer)?;
+    let mut answer = diagnose_observed(log, &Subject::Vehicle(model), known, effort, observer)?;
     let examination = controller::examine(log, model, choice)?;
     answer.closed_loop = closed_loops(log, model, &answer, choice, examination.corrected)?;
     add(&mut answer, examination);

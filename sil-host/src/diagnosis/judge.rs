@@ -7,7 +7,7 @@
 //! the other folds give (one step of Newton's from those of all).
 
 use crate::diagnosis::block_bootstrap::interval;
-use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifted_models};
+use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifted_models, with_priors};
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::trim::may_be_found;
@@ -161,7 +161,7 @@ fn folds<'e>(search: &Search<'e>, fit: &Fit<'e>, windows: &[usize]) -> Vec<Vec<T
         windows.iter().zip(&normals).filter(|(index, _)| fold_of(**index) != fold).map(|(_, own)| own.clone()).collect()
     };
     let of_fold = |fold: usize| {
-        let normal = Normal::sum(&outside(fold));
+        let normal = with_priors(Normal::sum(&outside(fold)), &fit.terms);
         let size = normal.right.len();
         let step = Cholesky::new(&regular(&normal.matrix, size, 1e-6), size).map(|factor| factor.solve(&normal.right));
         step.map_or_else(|| fit.terms.clone(), |step| moved(&fit.terms, &step))

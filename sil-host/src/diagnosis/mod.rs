@@ -16,6 +16,7 @@
 //! docs/effects.md.
 
 mod base;
+mod baseline;
 mod block_bootstrap;
 pub mod controller;
 mod evidence;
@@ -26,6 +27,7 @@ mod fitting;
 mod flown_by;
 mod found;
 mod judge;
+mod known;
 mod noise;
 mod nominal;
 mod plausible;
@@ -51,6 +53,10 @@ use crate::prediction::accuracy;
 use crate::prediction::commands::axis_commands;
 use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
 pub use base::BaseTerm;
+pub use baseline::{
+    Baseline, BaselineDiagnosis, BetweenFlights, Compared, Difference, FlightNumbers, Given, NotComparable, NumberOf,
+    compare_flights, diagnose_against,
+};
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
 pub use evidence::excitation::{Excitation, Excited};
@@ -66,6 +72,7 @@ use fitting::sampling::Sampled;
 use fitting::shooting::Shooting;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
+pub use known::{Fact, Known, NotKnown};
 use noise::noise_beyond_sensors;
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};
@@ -85,6 +92,8 @@ pub struct Diagnosis {
     pub log: LogSummary,
     /// In one word.
     pub verdict: Verdict,
+    /// What was known of the vehicle beside the log, and held.
+    pub known: Vec<Fact>,
     /// The base model: what is fitted along with whatever is found; empty where the model's own numbers serve.
     pub base: Vec<BaseTerm>,
     /// Most important first.
@@ -172,16 +181,30 @@ pub struct Unexplained {
 /// # Errors
 /// The log has no window, or no commands for its rig.
 pub fn diagnose(log: &Log, subject: &Subject<'_>) -> Result<Diagnosis, NotPredictable> {
-    diagnose_observed(log, subject, Effort::Quick, &|_| ())
+    diagnose_observed(log, subject, &Known::default(), Effort::Quick, &|_| ())
 }
 
-/// The same as thoroughly as is wanted, reporting its progress.
+/// The same with what is known beside the log, as thoroughly as is wanted, reporting its progress.
 ///
 /// # Errors
 /// As [`diagnose`].
 pub fn diagnose_observed(
     log: &Log,
     subject: &Subject<'_>,
+    known: &Known,
+    effort: Effort,
+    observer: Observer<'_>,
+) -> Result<Diagnosis, NotPredictable> {
+    let mut answer = diagnosed(log, subject, known, effort, observer)?;
+    answer.known = known.facts().to_vec();
+    answer.rejected.extend(known.not_tested());
+    Ok(answer)
+}
+
+fn diagnosed(
+    log: &Log,
+    subject: &Subject<'_>,
+    known: &Known,
     effort: Effort,
     observer: Observer<'_>,
 ) -> Result<Diagnosis, NotPredictable> {
@@ -190,7 +213,7 @@ pub fn diagnose_observed(
     let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject, None)?;
     let nominal = || subject.model();
-    let catalogue = Fitted::hypotheses(&subject.scope(log));
+    let catalogue = known.leaves(Fitted::hypotheses(&subject.scope(log)));
     let fitted_along = subject.fitted_along(sampled.log())?;
     let gains: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
@@ -199,7 +222,7 @@ pub fn diagnose_observed(
         return concluded(log, subject, &search, found, effort);
     }
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
-    let ordinary = base::ordinary(&subject.scope(log));
+    let ordinary = known.leaves(base::ordinary(&subject.scope(log)));
     let base = base::fitted(&search, &ordinary);
     let (moments, forces) = noise_beyond_sensors(&search, &base);
     let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
@@ -207,7 +230,7 @@ pub fn diagnose_observed(
     let search = Search::new(&shooting, &nominal, &catalogue, gains, observer);
     let base = base::fitted(&search, &ordinary).fit;
     let base = judge::useful(&search, search.refitted(base.terms, &base.starts));
-    let beside = Fitted::beside(&subject.scope(log), |axis| base::is_trimmed(&base, axis));
+    let beside = known.leaves(Fitted::beside(&subject.scope(log), |axis| base::is_trimmed(&base, axis)));
     let search = search.from(&base, &beside);
     let found = search.run();
     concluded(log, subject, &search, found, effort)
@@ -266,6 +289,7 @@ fn answer<'e>(
     Diagnosis {
         log: LogSummary::of(log.commanding()),
         verdict,
+        known: Vec::new(),
         base: base::terms(search, found),
         findings,
         rejected,

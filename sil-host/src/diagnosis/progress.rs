@@ -20,6 +20,13 @@ pub enum Progress {
         /// Of so many.
         total: usize,
     },
+    /// Numbers of flights are found, to compare one with the others.
+    Comparing {
+        /// Flights done.
+        done: usize,
+        /// Of so many.
+        total: usize,
+    },
     /// Errors are taken apart, gains and intervals computed.
     Judging,
     /// Manoeuvres are flown in simulation that might separate effects that the log cannot separate.

@@ -10,7 +10,7 @@ use super::fitted::Fitted;
 use super::plausible::{has_bound, is_plausible};
 use super::progress::{Observer, Progress};
 use crate::diagnosis::fitting::fit::{
-    Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models,
+    Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models, with_priors,
 };
 use crate::diagnosis::fitting::hints::hints;
 use crate::diagnosis::fitting::linearisation::{Eliminated, Linearisation, normal_beside};
@@ -285,6 +285,7 @@ impl<'e> Search<'e> {
             let linear = self.shooting.linearise(&base, &shifted, &self.training, &to.fit.starts, Some(linear));
             linear.normal()
         };
+        let normal = with_priors(normal, terms);
         let size = normal.right.len();
         let gain = Cholesky::new(&regular(&normal.matrix, size, 1e-9), size)
             .map_or(0.0, |factor| dot(&factor.solve(&normal.right), &normal.right));

@@ -21,18 +21,27 @@ pub(crate) struct Unknown {
     is_amplitude: bool,
     /// Of a constant moment, the effect's parameter that it determines.
     constant_moment: Option<&'static str>,
+    /// What is known of it beside the log.
+    pub(crate) prior: Option<Prior>,
+}
+
+/// Where a number is expected before a log is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Prior {
+    pub(crate) mean: f64,
+    pub(crate) std: f64,
 }
 
 impl Unknown {
     /// A parameter of the effect itself, in its range, with the step of a difference quotient.
     pub(super) fn of(parameter: &Parameter, step: f64) -> Self {
         let Parameter { name, nominal, min, max, .. } = *parameter;
-        Self { name, nominal, step, min, max, is_amplitude: false, constant_moment: None }
+        Self { name, nominal, step, min, max, is_amplitude: false, constant_moment: None, prior: None }
     }
 
     /// A number of no effect's.
     pub(crate) const fn free(name: &'static str, nominal: f64, step: f64, [min, max]: [f64; 2]) -> Self {
-        Self { name, nominal, step, min, max, is_amplitude: false, constant_moment: None }
+        Self { name, nominal, step, min, max, is_amplitude: false, constant_moment: None, prior: None }
     }
 
     /// A moment: its step and its range go with the vehicle's lift times its arm.
@@ -42,7 +51,7 @@ impl Unknown {
 
     /// Another number that the effect is proportional to.
     pub(super) fn amplitude(name: &'static str, step: f64, [min, max]: [f64; 2]) -> Self {
-        Self { name, nominal: 0.0, step, min, max, is_amplitude: true, constant_moment: None }
+        Self { name, nominal: 0.0, step, min, max, is_amplitude: true, constant_moment: None, prior: None }
     }
 
     /// The same with another value that changes nothing.
@@ -144,6 +153,12 @@ impl Hypothesis {
         };
         let is_left = !unknowns.is_empty();
         is_left.then(|| Self { unknowns, reported, effect: Box::new(beside), ..self })
+    }
+
+    /// The same, its one number expected somewhere.
+    pub(crate) fn expected(mut self, prior: Prior) -> Self {
+        self.unknowns.iter_mut().for_each(|unknown| unknown.prior = Some(prior));
+        self
     }
 
     /// What the catalogue says of the effect.

@@ -44,7 +44,7 @@ use entry::{ANY_RIG, FREE, TORQUE};
 use text::Given;
 
 pub use entry::{ActsOn, CatalogueEntry, Needs, Origin, Parameter};
-pub(crate) use hypothesis::{Hints, Hypothesis, Unknown};
+pub(crate) use hypothesis::{Hints, Hypothesis, Prior, Unknown};
 pub(crate) use scope::Scope;
 
 /// What an effect does; the hooks do nothing unless the effect overrides them.

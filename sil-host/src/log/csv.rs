@@ -119,6 +119,7 @@ fn mapped_fields(names: &[&str], map: &Map, log: &mut Log) -> Result<Vec<Field>,
     let ignored: Vec<&str> = names.iter().copied().filter(is_ignored).collect();
     log.axes = map.axes;
     log.active_when = map.active_when;
+    log.motor_per_axis_command = map.motor_per_axis_command;
     log.notes.push(format!("read by the map {}", map.name));
     note_ignored(log, &ignored);
     Ok(fields)

@@ -5,6 +5,7 @@
 //! frame = "FRD"                          # or "FLU": then what is about or along y and z changes its sign
 //! axes = ["pitch"]                       # the axes the log has; roll and pitch if left out
 //! active_when = "thrust_cmd > 0"         # rows in which the motors run; all of them if left out
+//! motor_per_axis_cmd = [0.25, 0.25, 0.5] # change of each motor's command per roll_cmd, pitch_cmd, yaw_cmd
 //! [quantities]                           # names and units of docs/log-format.md, motors in the order of docs/rig.md
 //! time_s    = { column = "t" }
 //! pitch_deg = { column = "theta", sign = -1, scale = 1.0, offset = 0.0 }
@@ -45,6 +46,8 @@ pub struct Map {
     pub axes: [bool; 3],
     /// Rows in which the motors run.
     pub active_when: Option<Threshold>,
+    /// Change of each motor's command per unit of roll, pitch and yaw command, with the signs of docs/rig.md.
+    pub motor_per_axis_command: Option<[f64; 3]>,
     /// The columns to read.
     pub(super) columns: Vec<MappedColumn>,
 }
@@ -74,6 +77,7 @@ struct MapFile {
     frame: Spanned<String>,
     axes: Option<Vec<Spanned<String>>>,
     active_when: Option<Spanned<String>>,
+    motor_per_axis_cmd: Option<Spanned<[f64; 3]>>,
     quantities: Spanned<BTreeMap<Spanned<String>, Entry>>,
 }
 
@@ -151,7 +155,9 @@ impl Map {
             Some(condition) => Some(source.threshold(&condition, &columns)?),
             None => None,
         };
-        Ok(Map { name: name.to_owned(), description: file.description, axes, active_when, columns })
+        let motor_per_axis_command = file.motor_per_axis_cmd.map(|given| source.mixer(&given)).transpose()?;
+        let (name, description) = (name.to_owned(), file.description);
+        Ok(Map { name, description, axes, active_when, motor_per_axis_command, columns })
     }
 }
 
@@ -210,6 +216,15 @@ impl MapText<'_> {
             axes[axis.index()] = true;
         }
         Ok(axes)
+    }
+
+    fn mixer(&self, given: &Spanned<[f64; 3]>) -> Result<[f64; 3], LogError> {
+        let per_command = *given.get_ref();
+        if per_command.iter().all(|per| per.is_finite() && *per > 0.0) {
+            return Ok(per_command);
+        }
+        let message = "expected three numbers above 0: each motor's change per roll_cmd, pitch_cmd and yaw_cmd";
+        Err(self.error(Some(given.span().start), Some("motor_per_axis_cmd"), message))
     }
 
     fn threshold(&self, condition: &Spanned<String>, columns: &[MappedColumn]) -> Result<Threshold, LogError> {

@@ -77,6 +77,9 @@ pub struct Log {
     pub motor_command: [Column; 4],
     /// Axis commands -1..1, in force from their row to the next, for logs that hold no motors.
     pub axis_command: [Column; 3],
+    /// By how much each motor's command changes per unit of an axis command, with the signs of docs/rig.md; `None`
+    /// where nobody says.
+    pub motor_per_axis_command: Option<[f64; 3]>,
     /// Collective command 0..1, beside the axis commands.
     pub thrust_command: Column,
     /// Reference angles, rad.

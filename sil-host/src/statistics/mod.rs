@@ -5,6 +5,7 @@
 mod agreement;
 mod condition;
 mod deviation;
+mod f_distribution;
 mod linear;
 #[cfg(test)]
 pub(crate) mod noise_source;
@@ -15,6 +16,7 @@ pub use agreement::{Agreement, TheilSplit};
 pub use condition::{Bin, ConditionalError};
 pub use deviation::mean_absolute_deviation;
 pub(crate) use deviation::wrapped;
+pub(crate) use f_distribution::{f_exceeded, student_95};
 pub(crate) use linear::{Cholesky, dot, dots};
 pub use spectrum::amplitude_spectrum;
 pub use whiteness::{Correlogram, InputCorrelation, LjungBox, chi_square_99, input_correlation};

@@ -30,6 +30,7 @@ fn answer() -> Value {
     json!({
         "log": { "path": "string", "rows": 1200, "duration_s": "number", "rate_hz": "number" },
         "verdict": "explained",
+        "known": "anything",
         "base": "anything",
         "findings": [{
             "effect": "string", "axis": "anything", "where": "string",
@@ -128,4 +129,64 @@ fn of_a_log_that_leaves_no_doubt_has_no_flight_to_propose() {
     assert!(outcome.stdout.contains("experiment      none:"), "{outcome:?}");
     assert!(!folder.path("next.toml").exists());
     assert_eq!(folder.json("out.json")["separating_experiment"], "");
+}
+
+#[test]
+fn what_is_known_is_held_and_shown() {
+    let folder = Folder::new();
+    short_log(&folder);
+    let command = ["diagnose", "log.csv", "--known", "thrust_scale=0.95", "--json", "out.json", "--report", "out.html"];
+    let outcome = folder.sil(&command).assert_done();
+    let json = folder.json("out.json");
+    assert_eq!(json["known"], json!([{ "name": "thrust_scale", "value": 0.95, "std": 0.0 }]));
+    assert_eq!((&json["verdict"], &json["findings"]), (&json!("no_discrepancy"), &json!([])));
+    let page = String::from_utf8(folder.bytes("out.html")).unwrap();
+    for text in [&outcome.stdout, &page] {
+        assert!(text.contains("and held: thrust_scale 0.95"), "{text}");
+    }
+    assert!(page.contains("--known thrust_scale=0.95"), "{page}");
+    let refused = |known: &str, expected: &[&str]| {
+        folder.sil(&["diagnose", "log.csv", "--known", known]).assert_refused(expected);
+    };
+    refused("thrust=1", &["`thrust` cannot be held", "mass_kg", "thrust_scale", "delay_s"]);
+    refused("mass_kg=1", &["--known mass_kg=1", "pivot"]);
+    refused("delay_s", &["NAME=VALUE"]);
+}
+
+/// The fields of docs/commands.md for one flight against others.
+#[test]
+fn a_flight_is_compared_with_normal_ones_as_json_text_and_page() {
+    let folder = Folder::new();
+    let synth = |name: &str, seed: &str, effect: &[&str]| {
+        let flown = ["synth", "--rig", "free", "--rate", "100", "--control-rate", "100", "--duration", "8"];
+        folder.sil(&[&flown[..], &["--seed", seed, name], effect].concat()).assert_done();
+    };
+    synth("normal1.csv", "1", &[]);
+    synth("normal2.csv", "2", &[]);
+    synth("today.csv", "3", &["--effect", "weak_motor:motor=2,scale=0.6"]);
+    let against = ["--rig", "free", "--baseline", "normal1.csv", "--baseline", "normal2.csv"];
+    let outputs = ["--json", "out.json", "--report", "out.html"];
+    let outcome = folder.sil(&[&["diagnose", "today.csv"], &against[..], &outputs].concat()).assert_done();
+    let json = folder.json("out.json");
+    let finding = &json["findings"][0];
+    assert_eq!((&finding["effect"], &finding["parameters"]["motor"]["value"]), (&json!("weak_motor"), &json!(2.0)));
+    assert_eq!(json["baseline"]["logs"], json!(["normal1.csv", "normal2.csv"]));
+    let page = String::from_utf8(folder.bytes("out.html")).unwrap();
+    assert!(outcome.stdout.contains(finding["statement"].as_str().unwrap()), "{outcome:?}");
+    for text in [&outcome.stdout, &page] {
+        assert!(text.contains("otor 2 (rear left)") && text.contains("yaw trim"), "{text}");
+    }
+    assert!(page.contains("--baseline normal1.csv --baseline normal2.csv"), "{page}");
+    // the same vehicle again
+    synth("again.csv", "4", &[]);
+    let outcome = folder.sil(&[&["diagnose", "again.csv"], &against[..]].concat()).assert_done();
+    assert!(outcome.stdout.contains("A normal flight"), "{outcome:?}");
+    for (extra, expected) in [
+        (&["--controller", "pid"][..], "leave out --controller"),
+        (&["--extended", "m.toml"], "--extended"),
+        (&["--baseline", "absent.csv"], "absent.csv"),
+    ] {
+        folder.sil(&[&["diagnose", "today.csv"], &against[..], extra].concat()).assert_refused(&[expected]);
+    }
+    folder.sil(&["diagnose", "today.csv", "--untouched"]).assert_refused(&["--baseline"]);
 }

@@ -10,8 +10,8 @@ use serde_json::Value;
 use shared_control::airframe::{MOTORS, TORQUE_SIGNS};
 use shared_control::config::Controller;
 use sil_host::controller_file::ControllerChoice;
-use sil_host::diagnosis::{BaseTerm, Estimate};
-use sil_host::effects::Effect;
+use sil_host::diagnosis::{BaseTerm, Difference, Estimate, Fact};
+use sil_host::effects::{Effect, Origin};
 use sil_host::flight::FlightSetup;
 use sil_host::hitl::{HitlFlight, Timing};
 use sil_host::log::Quantity;
@@ -174,7 +174,33 @@ fn pages_describe_the_json_of_a_diagnosis() {
     let parameters = [("scale", Estimate { value: 0.9, std: 0.01 })].into();
     let term = BaseTerm { effect: "thrust_scale", axis: None, parameters, ordinary: true };
     answer["base"] = serde_json::to_value([term]).unwrap();
+    answer["known"] = serde_json::to_value([Fact { name: "mass_kg", value: 1.0, std: 0.0 }]).unwrap();
     assert_described("diagnose", &answer);
+}
+
+#[test]
+fn pages_describe_the_json_of_a_comparison_of_flights() {
+    let folder = Folder::new();
+    folder.write("log.csv", RIG_LOG);
+    folder.sil(&["diagnose", "log.csv", "--baseline", "log.csv", "--json", "out.json"]).assert_done();
+    let mut answer = folder.json("out.json");
+    // one flight against itself shows no cause: one is put in, with another that can't be told from it
+    let difference = |one_of: Vec<Difference>| Difference {
+        effect: "weak_motor",
+        axis: None,
+        origin: Origin::Actuator,
+        parameters: [("scale", Estimate { value: 0.9, std: 0.01 })].into(),
+        interval_95: [0.88, 0.92],
+        explains_pct: Some(90.0),
+        chance: Some(0.01),
+        one_of,
+        told_apart_by: String::new(),
+        statement: String::new(),
+    };
+    let finding = serde_json::to_value(difference(vec![difference(Vec::new())])).unwrap();
+    answer["known"] = serde_json::to_value([Fact { name: "mass_kg", value: 1.0, std: 0.0 }]).unwrap();
+    (answer["nearest"], answer["findings"]) = (finding.clone(), serde_json::json!([finding]));
+    assert_described("diagnose --baseline", &answer);
 }
 
 /// Figures of a flight of which no board was part: what a board does is tested elsewhere, the fields are the same.
@@ -225,7 +251,7 @@ fn collect_fields(value: &Value, place: &str, fields: &mut BTreeSet<(String, &'s
     let kind = match value {
         Value::Object(object) => {
             for (key, value) in object {
-                let key = if place == "findings[].parameters" || place == "base[].parameters" { "NAME" } else { key };
+                let key = if place.ends_with("[].parameters") || place == "nearest.parameters" { "NAME" } else { key };
                 let dot = if place.is_empty() { "" } else { "." };
                 collect_fields(value, &format!("{place}{dot}{key}"), fields);
             }

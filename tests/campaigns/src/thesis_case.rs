@@ -12,7 +12,7 @@ use std::fmt;
 
 use shared_control::config::Controller;
 use sil_host::controller_file::ControllerChoice;
-use sil_host::diagnosis::{ClosedLoops, Diagnosis, Effort, diagnose_flown_by, extended_model};
+use sil_host::diagnosis::{ClosedLoops, Diagnosis, Effort, Known, diagnose_flown_by, extended_model};
 use sil_host::effects::Effect;
 use sil_host::flight::{FlightSetup, RunSummary};
 use sil_host::log::Log;
@@ -66,7 +66,8 @@ impl Diagnosed {
     pub fn new(controller: &'static str, choice: ControllerChoice) -> Self {
         let nominal = VehicleModel::nominal(Rig::Gimbal);
         let log = log_of(off_balance(RING_MOMENT_NM), choice);
-        let answer = diagnose_flown_by(&log, &nominal, choice, Effort::Quick, &|_| ()).expect("a whole log");
+        let (known, effort) = (Known::default(), Effort::Quick);
+        let answer = diagnose_flown_by(&log, &nominal, choice, &known, effort, &|_| ()).expect("a whole log");
         let closed_loop = answer.closed_loop.expect("a log with references");
         let extended = extended_model(&nominal, &answer.findings).expect("effects of the gimbal");
         Self { controller, answer, closed_loop, extended }

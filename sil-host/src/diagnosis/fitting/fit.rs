@@ -169,7 +169,7 @@ impl<'e> Attempt<'e> {
     ) -> Attempt<'e> {
         let base = shooting.log.drive(model_of(nominal, &terms));
         let linear = shooting.linearise(&base, &[], training, &starts, nearby.map(|nearby| &nearby.linear));
-        let chi2 = linear.normal().chi2;
+        let chi2 = linear.normal().chi2 + prior_chi2(&terms);
         Attempt { terms, starts, linear, chi2 }
     }
 
@@ -182,7 +182,7 @@ impl<'e> Attempt<'e> {
             window.parameters = slopes;
         }
         let normals = linear.normals();
-        let normal = Normal::sum(&normals);
+        let normal = with_priors(Normal::sum(&normals), &terms);
         Round { terms, starts, linear, normals, normal }
     }
 }
@@ -220,6 +220,28 @@ impl<'e> Round<'e> {
         let scattered_covariance = scattered(&covariance, spread, &scores);
         Fit { terms: self.terms, covariance, scattered_covariance, training: self.normal.chi2, starts: self.starts }
     }
+}
+
+/// Normal equations of all numbers of some terms, with what is known of these beside the log.
+pub(in crate::diagnosis) fn with_priors(mut normal: Normal, terms: &[Term<'_>]) -> Normal {
+    let size = normal.right.len();
+    let numbers = terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
+    for (place, (unknown, value)) in numbers.enumerate().take(size) {
+        let Some(prior) = unknown.prior else { continue };
+        let weight = 1.0 / (prior.std * prior.std);
+        let away = value - prior.mean;
+        normal.matrix[place * size + place] += weight;
+        normal.right[place] -= weight * away;
+    }
+    normal.chi2 += prior_chi2(terms);
+    normal
+}
+
+/// What is known beside the log of the numbers of some terms, as a sum of squares.
+fn prior_chi2(terms: &[Term<'_>]) -> f64 {
+    let numbers = terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
+    let away = numbers.filter_map(|(unknown, value)| unknown.prior.map(|prior| (value - prior.mean) / prior.std));
+    away.map(|away| away * away).sum()
 }
 
 /// The matrix damped along its diagonal; a parameter without any influence stays where it is.

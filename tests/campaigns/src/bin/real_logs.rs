@@ -1,6 +1,7 @@
 //! What other people's logs show. The logs are looked for in `$SIL_DATA`.
 //!
 //! - `cargo run --release -p campaigns --bin real_logs`: the tables of docs/real-logs.md.
+//! - `... -- baseline`: CrazyPAD's flights against normal flights of their airframe.
 //! - `... -- scoreboard [OPTIONS]`: how right the diagnosis is on every log (`campaigns::real_logs::scoreboard`).
 //! - `... -- injection [OPTIONS]`: are known effects named that were put into each log
 //!   (`campaigns::real_logs::injection_score`)?
@@ -27,9 +28,15 @@ fn main() -> ExitCode {
             tables::print();
             Ok(())
         }
+        Some((first, [])) if first == "baseline" => {
+            tables::print_baseline();
+            Ok(())
+        }
         Some((first, options)) if first == "scoreboard" => Options::read(options).and_then(|options| options.score()),
         Some((first, options)) if first == "injection" => Options::read(options).and_then(|options| options.inject()),
-        Some((other, _)) => Err(format!("unknown command `{other}`; it may be `scoreboard` or `injection`")),
+        Some((other, _)) => {
+            Err(format!("unknown command `{other}`; it may be `baseline`, `scoreboard` or `injection`"))
+        }
     };
     result.map_or_else(
         |message| {

@@ -5,9 +5,11 @@
 
 pub mod bench;
 pub mod crazyflie;
+pub mod crazyflie_known;
 pub mod crazyflie_table;
 pub mod crazyflie_yaw;
 pub mod crazypad;
+pub mod crazypad_baseline;
 pub mod injection;
 pub mod injection_score;
 mod least_squares;

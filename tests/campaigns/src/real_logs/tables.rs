@@ -3,7 +3,7 @@
 use super::crazyflie::vehicle;
 use super::crazyflie_table::{RollPitch, yaw_of};
 use super::crazyflie_yaw::yaw_sizes;
-use super::{bench, crazypad, files, load};
+use super::{bench, crazyflie_known, crazypad, crazypad_baseline, files, load};
 
 /// Prints all of them.
 ///
@@ -17,7 +17,13 @@ pub fn print() {
     }
     println!("\n# Crazyflie flown for identification (ARP lab)\n");
     for path in files("flight_crazyflie_arplab", "log15") {
-        println!("{}", RollPitch::of(&load(&path, "crazyflie_arplab"), &vehicle()));
+        let log = load(&path, "crazyflie_arplab");
+        println!("{}", RollPitch::of(&log, &vehicle()));
+        for part_s in crazyflie_known::PARTS_S {
+            let answer = crazyflie_known::diagnosis(&log, &vehicle(), part_s);
+            let found: Vec<&str> = answer.findings.iter().map(|finding| finding.statement.as_str()).collect();
+            println!("mass known, {part_s:?} s: {}", found.join(" "));
+        }
     }
     for path in files("flight_crazyflie_arplab", "log16") {
         let log = load(&path, "crazyflie_arplab");
@@ -44,4 +50,15 @@ pub fn print() {
             if is_pulled { format!("{:.2}", change.weak_motor_shares(motor).last().unwrap()) } else { "-".into() };
         println!("| {airframe}, {label} |{change} {pull_pct:+.1} | {share} |");
     }
+    print_baseline();
+}
+
+/// Prints what differs in each of CrazyPAD's flights from normal ones.
+///
+/// # Panics
+/// The logs are there and can't be compared.
+pub fn print_baseline() {
+    println!("\n# CrazyPAD against normal flights of the airframe\n");
+    println!("| flight | normal flights | departures, std | chance | answer |\n|---|---|---|---|---|");
+    crazypad_baseline::compared(&crazypad_baseline::numbered()).iter().for_each(|row| print!("{row}"));
 }

@@ -127,14 +127,15 @@ pub fn score(entry: &Entry, effort: &Effort) -> LogScore {
     let (log, subject) = (entry.log(), entry.subject());
     let spans = usable(&log);
     let (begin, cpu_begin_s) = (Instant::now(), thread_cpu_s());
-    let first_s = Mutex::new(None);
+    let (first_s, known) = (Mutex::new(None), diagnosis::Known::default());
     let observe = |progress| {
         if let Progress::Cutting { done: 0, .. } = progress {
             *first_s.lock().unwrap_or_else(PoisonError::into_inner) = Some(begin.elapsed().as_secs_f64());
         }
     };
-    let answer =
-        caught(|| diagnose_observed(&log, &subject, diagnosis::Effort::Usual, &observe).map_err(|e| e.to_string()));
+    let answer = caught(|| {
+        diagnose_observed(&log, &subject, &known, diagnosis::Effort::Usual, &observe).map_err(|e| e.to_string())
+    });
     let checked_s = begin.elapsed().as_secs_f64();
     let mut score = LogScore {
         vehicle: entry.vehicle,

@@ -1,0 +1,109 @@
+//! Numbers of a flight's base model: how hard the vehicle answers to its commands, how late, and what its gyro reports
+//! at rest. On a testbed also its trims, which there are moments beside gravity's.
+
+use super::numbers::{Number, NumberOf};
+use crate::axis::Axis;
+use crate::diagnosis::fitted::Fitted;
+use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of};
+use crate::diagnosis::fitting::shooting::Shooting;
+use crate::diagnosis::noise::noise_beyond_sensors;
+use crate::diagnosis::search::Search;
+use crate::diagnosis::verdict::{MODEL_ERROR, estimates};
+use crate::diagnosis::{Estimate, base};
+use crate::log::Log;
+use crate::prediction::{NotPredictable, Subject};
+
+/// What makes commands act late.
+const LATE: [&str; 2] = ["motor_lag", "actuation_delay"];
+/// A lag or a delay that is less than this is none, s: near 0 the two are one, and their fit has no deviations.
+const NO_LATENESS_S: f64 = 1e-4;
+
+/// Fits the base model to a log, in the noise of all that it does not know.
+///
+/// # Errors
+/// The log has no commands for its rig.
+pub(super) fn base_numbers(log: &Log, subject: &Subject<'_>) -> Result<Vec<Number>, NotPredictable> {
+    let thinned = log.thinned();
+    let log = thinned.as_ref().unwrap_or(log);
+    let nominal = || subject.model();
+    let (catalogue, ordinary) = (Fitted::hypotheses(&subject.scope(log)), base::ordinary(&subject.scope(log)));
+    let noise = subject.noise(log);
+    let shooting = subject.shooting(log, &noise)?;
+    let along = subject.fitted_along(&shooting.log)?;
+    let gains: Vec<Term<'_>> = along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
+    let search = Search::new(&shooting, &nominal, &catalogue, gains.clone(), &|_| ());
+    let (moments, forces) = noise_beyond_sensors(&search, &base::fitted(&search, &ordinary));
+    let shooting = subject.shooting(log, &noise)?.with_noise(moments, forces);
+    let search = Search::new(&shooting, &nominal, &catalogue, gains, &|_| ());
+    let base = base::fitted(&search, &ordinary).fit;
+    let fit = search.refitted(distinct(base.terms), &base.starts);
+    Ok(numbers(&fit, subject, &shooting, &nominal))
+}
+
+fn numbers(fit: &Fit<'_>, subject: &Subject<'_>, shooting: &Shooting<'_>, nominal: Nominal<'_>) -> Vec<Number> {
+    let mut numbers = Vec::new();
+    for (index, term) in fit.terms.iter().enumerate() {
+        let one = |name: &str| estimates(fit, index, MODEL_ERROR).get(name).copied();
+        let (of, own) = match (term.effect.name(), term.effect.axis()) {
+            ("input_gain", Some(axis)) => (NumberOf::InputGain(axis), one("gain_rad_s2")),
+            ("thrust_scale", None) => (NumberOf::ThrustScale, one("scale")),
+            ("gyro_bias", Some(axis)) => (NumberOf::GyroBias(axis), one("bias_rad_s")),
+            ("torque_bias", Some(axis)) if subject.is_held() => {
+                let per_nm = trim_per_moment(axis, shooting, nominal, term);
+                let moment = one("torque_nm");
+                let trim = moment.zip(per_nm).map(|(moment, per_nm)| scaled(moment, per_nm));
+                (NumberOf::Trim(axis), trim)
+            }
+            _ => continue,
+        };
+        numbers.extend(own.filter(|own| own.std.is_finite()).map(|own| Number { of, own }));
+    }
+    numbers.extend(lateness(fit).map(|own| Number { of: NumberOf::Lateness, own }));
+    numbers
+}
+
+fn scaled(estimate: Estimate, by: f64) -> Estimate {
+    Estimate { value: by * estimate.value, std: by.abs() * estimate.std }
+}
+
+/// The change of each motor's command that balances a constant moment, per unit of that.
+fn trim_per_moment(axis: Axis, shooting: &Shooting<'_>, nominal: Nominal<'_>, term: &Term<'_>) -> Option<f64> {
+    let moment_nm = term.values.first().copied().filter(|moment| *moment != 0.0)?;
+    let at = axis.index();
+    let with = model_of(nominal, std::slice::from_ref(term)).acceleration_by_moments()[at];
+    let acceleration = with - nominal().acceleration_by_moments()[at];
+    let commands = &shooting.log.commands.value;
+    let mean = core::array::from_fn(|i| commands.iter().map(|row| row[i]).sum::<f64>() / commands.len().max(1) as f64);
+    let per_command = nominal().acceleration_per_command(&mean);
+    let per_trim: f64 = per_command.iter().map(|of_motor| of_motor[at].abs()).sum();
+    (per_trim > 0.0).then(|| -acceleration / moment_nm / per_trim)
+}
+
+/// The terms without a lag or a delay that is none; the delay stays where both are.
+fn distinct(mut terms: Vec<Term<'_>>) -> Vec<Term<'_>> {
+    let late = |term: &Term<'_>, name: &str| term.effect.name() == name && term.values[0] > NO_LATENESS_S;
+    let [has_lag, has_delay] = LATE.map(|name| terms.iter().any(|term| late(term, name)));
+    terms.retain(|term| match term.effect.name() {
+        "motor_lag" => has_lag,
+        "actuation_delay" => has_delay || !has_lag,
+        _ => true,
+    });
+    terms
+}
+
+/// Lag and delay together, each of which alone the other can nearly replace.
+fn lateness(fit: &Fit<'_>) -> Option<Estimate> {
+    let size = fit.size();
+    let mut places = Vec::new();
+    let (mut place, mut value) = (0, 0.0);
+    for term in &fit.terms {
+        if LATE.contains(&term.effect.name()) {
+            places.push(place);
+            value += term.values.first().copied().unwrap_or_default();
+        }
+        place += term.values.len();
+    }
+    let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * size + j));
+    let variance: f64 = pairs.filter_map(|at| fit.scattered_covariance.get(at)).sum();
+    (!places.is_empty() && variance.is_finite()).then(|| Estimate { value, std: variance.max(0.0).sqrt() })
+}

@@ -1,0 +1,228 @@
+//! How causes change the numbers of a flight, all of them together and to first order: a weak motor needs more of its
+//! own command, and so changes roll, pitch and yaw trim and the collective in fixed proportions; a weight changes all
+//! but the yaw trim.
+
+use super::normal::Normal;
+use super::numbers::NumberOf;
+use crate::axis::Axis;
+use shared_control::airframe::TORQUE_SIGNS;
+
+/// How far from the centre a weight can hang: just beyond the rotors, whose distance is 1.
+const PLACE_MAX: f64 = 1.2;
+/// Places that are tried to either side of the centre.
+const PLACES: i32 = 12;
+
+/// A cause that may be the difference between flights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Cause {
+    /// One motor or propeller, counted from 0.
+    WeakMotor(usize),
+    /// A weight somewhere.
+    Weight,
+    /// Something has moved: the centre of gravity without the mass.
+    MassShift,
+    /// A constant moment about one axis.
+    Moment(Axis),
+    /// Mass at the centre.
+    Mass,
+    /// All motors.
+    Lift,
+    /// Of a separate axis.
+    Inertia(Axis),
+    /// Commands that come later.
+    Delay,
+    /// Motors that follow more slowly.
+    Lag,
+    /// A gyro's reading at rest.
+    GyroBias(Axis),
+}
+
+impl Cause {
+    /// Its name in docs/effects.md; `added_weight` is a mass and a centre of gravity at once.
+    pub(super) fn effect(self) -> &'static str {
+        match self {
+            Cause::WeakMotor(_) => "weak_motor",
+            Cause::Weight => "added_weight",
+            Cause::MassShift => "cg_offset",
+            Cause::Moment(_) => "torque_bias",
+            Cause::Mass => "mass_error",
+            Cause::Lift => "thrust_scale",
+            Cause::Inertia(_) => "inertia_error",
+            Cause::Delay => "actuation_delay",
+            Cause::Lag => "motor_lag",
+            Cause::GyroBias(_) => "gyro_bias",
+        }
+    }
+
+    /// The effect of which a known number excludes it.
+    pub(super) fn held_as(self) -> &'static str {
+        match self {
+            Cause::Weight => "mass_error",
+            other => other.effect(),
+        }
+    }
+
+    pub(super) fn axis(self) -> Option<Axis> {
+        match self {
+            Cause::Moment(axis) | Cause::Inertia(axis) | Cause::GyroBias(axis) => Some(axis),
+            _ => None,
+        }
+    }
+}
+
+/// What one cause explains.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Explanation {
+    pub(super) cause: Cause,
+    /// Its sizes: of a weak motor a quarter of the change of its command; of a weight the rise of the collective and
+    /// its place to the left and ahead; of the others the change of their number, or the share of it.
+    pub(super) values: Vec<f64>,
+    /// Their standard deviations.
+    pub(super) std: Vec<f64>,
+    /// What it changes of each number.
+    pub(super) predicted: Vec<f64>,
+    /// Fall of the sum of squared departures.
+    pub(super) explained: f64,
+}
+
+/// The departures of one flight from normal ones.
+pub(super) struct Departures<'a> {
+    pub(super) normal: &'a Normal,
+    /// By how much each number is off the mean.
+    pub(super) by: Vec<f64>,
+    /// Mean command of normal flights' motors.
+    pub(super) collective: Option<f64>,
+    /// True where the trims are changes of single motors' commands.
+    pub(super) knows_motors: bool,
+    /// True where a rig carries the vehicle: no mass shows.
+    pub(super) is_held: bool,
+}
+
+impl Departures<'_> {
+    /// Sum of squares in units of what is expected between normal flights.
+    pub(super) fn squares(&self) -> f64 {
+        self.by.iter().zip(&self.normal.numbers).map(|(by, number)| by * by / (number.std * number.std)).sum()
+    }
+
+    /// The same flight once something is explained.
+    pub(super) fn without(&self, explained: &[f64]) -> Departures<'_> {
+        let by = self.by.iter().zip(explained).map(|(by, explained)| by - explained).collect();
+        Departures { by, ..*self }
+    }
+
+    /// All causes that change what is compared.
+    pub(super) fn causes(&self) -> Vec<Cause> {
+        let mut causes: Vec<Cause> = (0..4).map(Cause::WeakMotor).collect();
+        causes.extend([Cause::Weight, Cause::MassShift, Cause::Mass, Cause::Lift, Cause::Delay, Cause::Lag]);
+        for axis in Axis::ALL {
+            causes.extend([Cause::Moment(axis), Cause::Inertia(axis), Cause::GyroBias(axis)]);
+        }
+        causes.retain(|cause| self.is_seen(*cause));
+        causes
+    }
+
+    fn is_seen(&self, cause: Cause) -> bool {
+        let has = |of: NumberOf| self.normal.mean(of).is_some();
+        let tilts = has(NumberOf::Trim(Axis::Roll)) && has(NumberOf::Trim(Axis::Pitch));
+        match cause {
+            Cause::WeakMotor(_) => tilts && self.knows_motors && self.collective.is_some(),
+            Cause::Weight => tilts && self.knows_motors && self.is_seen(Cause::Mass),
+            Cause::MassShift => tilts,
+            Cause::Moment(axis) => has(NumberOf::Trim(axis)),
+            Cause::Mass if self.is_held => false,
+            Cause::Mass | Cause::Lift => {
+                self.collective.is_some() && (has(NumberOf::Collective) || has(NumberOf::ThrustScale))
+            }
+            Cause::Inertia(axis) => has(NumberOf::InputGain(axis)),
+            Cause::Delay | Cause::Lag => has(NumberOf::Lateness),
+            Cause::GyroBias(axis) => has(NumberOf::GyroBias(axis)),
+        }
+    }
+
+    /// What a cause explains at its best.
+    pub(super) fn explained_by(&self, cause: Cause) -> Option<Explanation> {
+        match cause {
+            Cause::Weight => self.by_weight(),
+            Cause::MassShift => self.by_shift(),
+            _ => self.along(cause, &|of| self.change(cause, of)),
+        }
+    }
+
+    /// Change of a number per unit of a cause of one size.
+    fn change(&self, cause: Cause, of: NumberOf) -> f64 {
+        let mean = self.normal.mean(of).unwrap_or_default();
+        let relative =
+            self.collective.filter(|collective| *collective > 0.0).map_or(0.0, |collective| mean / collective);
+        match (cause, of) {
+            (Cause::WeakMotor(motor), NumberOf::Trim(axis)) => f64::from(TORQUE_SIGNS[axis.index()][motor]),
+            (Cause::Moment(axis), NumberOf::Trim(own)) if axis == own => 1.0,
+            (Cause::WeakMotor(_) | Cause::Mass | Cause::Lift, NumberOf::Collective) => 1.0,
+            // a lost share of lift is lost to the answer too
+            (Cause::WeakMotor(_) | Cause::Lift, NumberOf::InputGain(_)) => -relative,
+            // as the accelerometer shows lift over mass
+            (Cause::WeakMotor(_) | Cause::Lift | Cause::Mass, NumberOf::ThrustScale) => -relative,
+            (Cause::Inertia(axis), NumberOf::InputGain(own)) if axis == own => -mean,
+            (Cause::Delay | Cause::Lag, NumberOf::Lateness) => 1.0,
+            (Cause::GyroBias(axis), NumberOf::GyroBias(own)) if axis == own => 1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// The best size along one direction.
+    fn along(&self, cause: Cause, change: &dyn Fn(NumberOf) -> f64) -> Option<Explanation> {
+        let direction: Vec<f64> = self.normal.numbers.iter().map(|number| change(number.of)).collect();
+        let (mut weight, mut right) = (0.0, 0.0);
+        for ((by, number), change) in self.by.iter().zip(&self.normal.numbers).zip(&direction) {
+            let variance = number.std * number.std;
+            weight += change * change / variance;
+            right += change * by / variance;
+        }
+        if weight <= 0.0 {
+            return None;
+        }
+        let size = right / weight;
+        let predicted = direction.iter().map(|change| change * size).collect();
+        let std = vec![1.0 / weight.sqrt()];
+        Some(Explanation { cause, values: vec![size], std, predicted, explained: size * right })
+    }
+
+    /// A weight at the best place between the rotors: at a rotor's it takes the lift of that motor alone.
+    fn by_weight(&self) -> Option<Explanation> {
+        let steps = || (-PLACES..=PLACES).map(|step| PLACE_MAX * f64::from(step) / f64::from(PLACES));
+        let places = steps().flat_map(|left| steps().map(move |ahead| [left, ahead]));
+        let at = |[left, ahead]: [f64; 2]| {
+            let change = |of: NumberOf| match of {
+                NumberOf::Trim(Axis::Roll) => left,
+                NumberOf::Trim(Axis::Pitch) => ahead,
+                _ => self.change(Cause::Mass, of),
+            };
+            self.along(Cause::Weight, &change).map(|explanation| (explanation, left, ahead))
+        };
+        let best = places.filter_map(at).max_by(|a, b| a.0.explained.total_cmp(&b.0.explained));
+        best.map(|(mut explanation, left, ahead)| {
+            let lift = explanation.values[0].abs().max(f64::MIN_POSITIVE);
+            explanation.values.extend([left, ahead]);
+            explanation.std.extend([Axis::Roll, Axis::Pitch].map(|axis| self.std_of(NumberOf::Trim(axis)) / lift));
+            explanation
+        })
+    }
+
+    /// Roll and pitch trim, whatever they are.
+    fn by_shift(&self) -> Option<Explanation> {
+        let of_tilt = |of: NumberOf| matches!(of, NumberOf::Trim(Axis::Roll | Axis::Pitch));
+        let numbers = || self.by.iter().zip(&self.normal.numbers);
+        let predicted: Vec<f64> = numbers().map(|(by, number)| if of_tilt(number.of) { *by } else { 0.0 }).collect();
+        let tilts = || numbers().filter(|(_, number)| of_tilt(number.of));
+        Some(Explanation {
+            cause: Cause::MassShift,
+            values: tilts().map(|(by, _)| *by).collect(),
+            std: tilts().map(|(_, number)| number.std).collect(),
+            predicted,
+            explained: tilts().map(|(by, number)| by * by / (number.std * number.std)).sum(),
+        })
+    }
+
+    fn std_of(&self, of: NumberOf) -> f64 {
+        self.normal.numbers.iter().find(|number| number.of == of).map_or(f64::INFINITY, |number| number.std)
+    }
+}

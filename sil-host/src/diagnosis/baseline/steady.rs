@@ -1,0 +1,139 @@
+//! What steady flight needs of the motors. Over a whole flight a vehicle hardly accelerates on average, so that the
+//! mean commands balance all constant moments and the weight: they show what pulls, whether or not the log excites
+//! anything, and whether or not it has gyro and attitude.
+
+use super::numbers::{Number, NumberOf};
+use crate::axis::Axis;
+use crate::diagnosis::Estimate;
+use crate::log::Log;
+use crate::prediction::window::windows;
+use crate::prediction::{NotPredictable, Subject};
+use crate::vehicle::signed_sums;
+
+/// The median's deviation over the mean's, of many normal values.
+const OF_MEDIAN: f64 = 1.2533;
+/// A normal variable's deviation over its median absolute one.
+const OF_ABSOLUTE: f64 = 1.4826;
+/// Neighbouring windows that have about one independent value.
+const BLOCK: f64 = 4.0;
+
+/// Change of each motor's command per unit of an axis' command, for a log that does not say: that of commands in -1..1
+/// which are half the motors' signed sum, as this project's.
+const PER_AXIS_COMMAND: f64 = 0.5;
+
+/// Steady commands of a flight.
+pub(super) struct Steady {
+    /// Trims and collective, of vehicles that no rig holds.
+    pub(super) numbers: Vec<Number>,
+    pub(super) collective: Option<f64>,
+    pub(super) knows_motors: bool,
+}
+
+/// The median over all windows of their mean commands: take-off and landing, which are a few windows, do not count.
+///
+/// # Errors
+/// The log has no window.
+pub(super) fn steady(log: &Log, subject: &Subject<'_>) -> Result<Steady, NotPredictable> {
+    let windows = windows(log)?;
+    let median_of = |command: &dyn Fn(usize) -> f64| -> Estimate {
+        let mean = |start: usize, end: usize| (start..end).map(command).sum::<f64>() / (end - start).max(1) as f64;
+        around_median(windows.iter().map(|window| mean(window.start, window.end)).collect())
+    };
+    let motors = log.motors();
+    let collective = match (motors, &log.thrust_command) {
+        (Some(motors), _) => Some(median_of(&|row| 0.25 * motors.iter().map(|motor| motor[row]).sum::<f64>())),
+        (None, Some(thrust)) => Some(median_of(&|row| thrust[row])),
+        (None, None) => None,
+    };
+    let trim = |axis: Axis| match (motors, &log.axis_command[axis.index()]) {
+        (Some(motors), _) => Some(median_of(&|row| 0.25 * signed_sums(motors.map(|motor| motor[row]))[axis.index()])),
+        (None, Some(command)) => {
+            let per_command = log.motor_per_axis_command.map_or(PER_AXIS_COMMAND, |per| per[axis.index()]);
+            Some(median_of(&|row| per_command * command[row]))
+        }
+        (None, None) => None,
+    };
+    let mut numbers = Vec::new();
+    if !subject.is_held() {
+        let trims = Axis::ALL.into_iter().filter_map(|axis| Some((NumberOf::Trim(axis), trim(axis)?)));
+        // where the accelerometer shows lift over mass, the base model has it, whether or not a height was held
+        let balances = collective.filter(|_| !subject.scope(log).pushed);
+        let all = trims.chain(balances.map(|own| (NumberOf::Collective, own)));
+        numbers.extend(all.map(|(of, own)| Number { of, own }));
+    }
+    Ok(Steady {
+        numbers,
+        collective: collective.map(|own| own.value),
+        knows_motors: motors.is_some() || log.motor_per_axis_command.is_some(),
+    })
+}
+
+/// The median with its standard deviation, as windows scatter from one to the next: what changes slowly over a mission
+/// changes so in every flight of it.
+fn around_median(values: Vec<f64>) -> Estimate {
+    let independent = (values.len() as f64 / BLOCK).max(1.0);
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let scatter = OF_ABSOLUTE * median(steps) / core::f64::consts::SQRT_2;
+    Estimate { value: median(values), std: OF_MEDIAN * scatter / independent.sqrt() }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let upper = values.len() / 2;
+    let at = |place: usize| values.get(place).copied().unwrap_or_default();
+    if values.len() % 2 == 1 { at(upper) } else { 0.5 * (at(upper.saturating_sub(1)) + at(upper)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensors::random::RandomStream;
+
+    /// 12 s at 100 Hz of one command: on the ground at 0.1 for the first two seconds, then 0.6 with noise.
+    fn log(command: impl Fn(&mut RandomStream) -> [f64; 4], seed: u64) -> Log {
+        let mut random = RandomStream::new(seed, "commands");
+        let rows: Vec<[f64; 4]> =
+            (0..1200).map(|row| if row < 200 { [0.1; 4] } else { command(&mut random) }).collect();
+        let motor = |place: usize| Some(rows.iter().map(|row| row[place]).collect());
+        Log {
+            time_s: (0..1200).map(|row| f64::from(row) * 0.01).collect(),
+            motor_command: [motor(0), motor(1), motor(2), motor(3)],
+            ..Log::default()
+        }
+    }
+
+    #[test]
+    fn trims_are_what_each_motor_is_off_the_mean_and_the_ground_does_not_count() {
+        // rear left (motor 2) by 0.08 more: a quarter of it in each trim, with the signs of its torque
+        let noisy = log(|random| [0.6, 0.68, 0.6, 0.6].map(|command| command + 0.02 * random.normal()), 1);
+        let steady = steady(&noisy, &Subject::Axes).unwrap();
+        let expected = [0.02, -0.02, 0.02, 0.62];
+        assert_eq!(steady.numbers.len(), 4);
+        for (number, expected) in steady.numbers.iter().zip(expected) {
+            let Estimate { value, std } = number.own;
+            assert!((value - expected).abs() < 4.0 * std && std < 2e-3, "{number:?}");
+        }
+        assert!(steady.knows_motors);
+    }
+
+    #[test]
+    fn axis_commands_with_their_share_of_each_motor_give_the_same_trims() {
+        let of_motors = log(|_| [0.6, 0.68, 0.62, 0.6], 2);
+        let motors = of_motors.motors().unwrap();
+        let sums = |row: usize| signed_sums(motors.map(|motor| motor[row]));
+        let mut of_axes = Log { time_s: of_motors.time_s.clone(), ..Log::default() };
+        let per_command = [0.25, 0.25, 0.5];
+        for (axis, per) in per_command.into_iter().enumerate() {
+            of_axes.axis_command[axis] = Some((0..1200).map(|row| 0.25 * sums(row)[axis] / per).collect());
+        }
+        of_axes.motor_per_axis_command = Some(per_command);
+        let thrust = |row: usize| 0.25 * motors.iter().map(|motor| motor[row]).sum::<f64>();
+        of_axes.thrust_command = Some((0..1200).map(thrust).collect());
+        let [motors, axes] = [&of_motors, &of_axes].map(|log| steady(log, &Subject::Axes).unwrap());
+        for (motors, axes) in motors.numbers.iter().zip(&axes.numbers) {
+            assert!(motors.of == axes.of && (motors.own.value - axes.own.value).abs() < 1e-12, "{motors:?} {axes:?}");
+        }
+        of_axes.motor_per_axis_command = None;
+        assert!(axes.knows_motors && !steady(&of_axes, &Subject::Axes).unwrap().knows_motors);
+    }
+}
