@@ -16,7 +16,8 @@ fn headline(verdict: Verdict) -> &'static str {
         Verdict::NoDiscrepancy => "A normal flight: it differs from the others by no more than these differ by.",
         Verdict::Explained => "How this flight differs from normal ones (nothing beyond chance remains):",
         Verdict::PartlyExplained => "How this flight differs from normal ones (more differs than this explains):",
-        Verdict::UnknownEffect => {
+        // no model is judged here
+        Verdict::UnknownEffect | Verdict::NotAModel => {
             "This flight differs from normal ones, and no single cause of the catalogue explains it."
         }
     }

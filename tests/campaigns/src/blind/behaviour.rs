@@ -202,3 +202,46 @@ fn moment_nm(vehicle: &VehicleModel, effects: &[Named], half_s: f64, axis: usize
     });
     LEVER_SHARE * vehicle.arm_m * unequal + beside.sum::<f64>()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sil_host::model::Rig;
+
+    /// docs/rig.md at the command 0.5: lift of a motor, N, and its slope; the model file's inertias and arm.
+    const LIFT_N: f64 = 1.317;
+    const SLOPE_N: f64 = 1.86;
+    const LEVER_M: f64 = 0.226 * core::f64::consts::FRAC_1_SQRT_2;
+    const IXX_KG_M2: f64 = 0.0115118;
+
+    fn figure(figure: Figure, shorts: &[&str]) -> f64 {
+        let effects: Vec<Named> = shorts.iter().map(|short| Named::of_short(short)).collect();
+        figure.of(&VehicleModel::nominal(Rig::Gimbal), &effects, 30.0)
+    }
+
+    #[test]
+    fn figures_are_those_of_a_calculation_by_hand() {
+        let late_s = figure(Figure::Late, &["motor_lag:time_constant_s=0.012", "actuation_delay:delay_s=0.004"]);
+        assert!((late_s - 0.016).abs() < 1e-12);
+        // motor 2 adds to roll; what it lacks of its lift acts against a moment that does so too
+        let trimmed = ["torque_bias:axis=roll,torque_nm=0.05", "weak_motor:motor=2,scale=0.9"];
+        let by_hand = (0.05 - 0.1 * LIFT_N * LEVER_M) / IXX_KG_M2;
+        assert!((figure(Figure::Trim(0), &trimmed) - by_hand).abs() < 2e-3, "{by_hand}");
+        // 3 % of the lift are gone in the middle of the log; roll's inertia is a tenth larger
+        let heavy = ["battery_sag:per_s=0.001", "thrust_scale:scale=0.8", "inertia_error:axis=roll,scale=1.1"];
+        let by_hand = 4.0 * 0.8 * 0.97 * SLOPE_N * LEVER_M / (1.1 * IXX_KG_M2);
+        assert!((figure(Figure::Effectiveness(0), &heavy) / by_hand - 1.0).abs() < 3e-3, "{by_hand}");
+    }
+
+    #[test]
+    fn a_figures_uncertainty_is_that_of_its_numbers() {
+        let vehicle = VehicleModel::nominal(Rig::Gimbal);
+        let mut effects =
+            vec![Named::of_short("motor_lag:time_constant_s=0.01"), Named::of_short("actuation_delay:delay_s=0.004")];
+        for (named, std) in effects.iter_mut().zip([3e-4, 4e-4]) {
+            named.values.values_mut().for_each(|value| value.std = std);
+        }
+        let late = Figure::Late.estimated(&vehicle, &effects, 30.0);
+        assert!((late.value - 0.014).abs() < 1e-12 && (late.std - 5e-4).abs() < 1e-12, "{late:?}");
+    }
+}
