@@ -42,10 +42,11 @@ impl Board {
     pub(super) fn refresh_selects(&mut self) {
         let low = |(port, pin): (usize, u32)| self.ports[port].output_level(pin) == Some(false);
         let [mpu6000, l3gd20, lsm303d, fram] = [MPU6000, L3GD20, LSM303D, FRAM].map(low);
-        self.mpu6000.select(mpu6000);
+        let now = self.now;
+        let _ = self.mpu6000.select(mpu6000, now);
         self.l3gd20.select(l3gd20);
         self.lsm303d.select(lsm303d);
-        self.fram.select(fram);
+        let _ = self.fram.select(fram, now, 0.0);
     }
 
     pub(super) fn exchange_on_spi1(&mut self, byte: u8, now: Ticks) -> u8 {
@@ -86,7 +87,7 @@ impl Board {
             return FLOATING;
         }
         let answer = match self.spi2.is_mode_3() || self.spi2.is_mode_0() {
-            true => self.fram.exchange(byte, self.spi2.clock_hz()),
+            true => self.fram.exchange(byte, self.spi2.clock_hz(), self.now),
             false => Err("FRAM in SPI mode 1 or 2"),
         };
         self.answer_or_refuse(answer)

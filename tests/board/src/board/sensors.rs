@@ -61,7 +61,7 @@ impl Board {
             (Sensor::Lsm303d, LSM303D_READY, self.lsm303d.data_ready()),
         ] {
             let lost = matches!(self.fault(sensor), Some(SensorFault::Removed(_) | SensorFault::NoDataReady));
-            self.ports[port].drive(pin, ready && !lost);
+            self.ports[port].put(pin, ready && !lost);
         }
     }
 }

@@ -114,8 +114,8 @@ fn the_mpu6000s_data_ready_is_a_rising_edge_on_pd15() {
         // awake, data-ready interrupt; 8 kHz
         for bytes in [[0x6b, 0x01], [0x38, 0x01]] {
             transfer(&mut board, &bytes);
-            board.mpu6000.select(false);
-            board.mpu6000.select(true);
+            board.mpu6000.select(false, 2 * TICKS_PER_S).unwrap();
+            board.mpu6000.select(true, 2 * TICKS_PER_S).unwrap();
         }
         listen(&mut board, 15, 3, rising);
         let sample = board.mpu6000.next_event().unwrap();
