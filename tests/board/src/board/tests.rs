@@ -150,7 +150,7 @@ fn the_gyros_data_ready_is_a_rising_edge_on_pb0_and_its_words_are_the_worlds() {
     assert!(pends(&board, 6));
     assert_eq!(transfer(&mut board, &[0xe8, 0, 0, 0, 0, 0, 0])[1..], [11, 0, 22, 0, 33, 0]);
     // all read: the line falls, and rises with the next sample
-    board.refresh_lines();
+    board.refresh_lines(board.now);
     assert!(!board.ports[B].level(0));
 }
 
@@ -222,7 +222,7 @@ fn without_power_only_the_fram_remembers() {
     board.fram.put(7, &[1, 2, 3]);
     board.reset(1 << 28);
     board.backup_ram.fill(5);
-    board.power_cycle(9);
+    board.power_cycle(9, false);
     assert_eq!(board.fram.content()[7..10], [1, 2, 3]);
     assert!(board.backup_ram.iter().any(|byte| *byte != 5));
     assert_eq!(board.rcc.reset_flags(), POWER_ON);

@@ -11,7 +11,7 @@ use crate::time::{TICKS_PER_US, Ticks};
 /// Deselect time `tD`, ns: from memory 40 at 2.7 V and more, 60 below. The board is held to the longer one.
 pub(crate) const DESELECT_NS: f64 = 60.0;
 /// Said of a shorter one.
-pub(crate) const DESELECT_TOO_SHORT: &str =
+pub const DESELECT_TOO_SHORT: &str =
     "FRAM deselected for less than tD (FM25V01 data sheet 001-84497, AC switching characteristics)";
 
 /// What the chip notices when the line falls again.

@@ -11,7 +11,7 @@ pub(crate) const START_UP: [Ticks; 2] = [11 * MILLISECOND, 100 * MILLISECOND];
 pub(crate) const RESET: Ticks = 100 * MILLISECOND;
 
 /// Said of data that are read too early.
-pub(crate) const PATHS_NOT_RESET: &str =
+pub const PATHS_NOT_RESET: &str =
     "MPU6000 data read after DEVICE_RESET without a reset of the signal paths (RM-MPU-6000A section 4.28)";
 
 /// Its state of waking.

@@ -16,13 +16,13 @@ const PIN_OHM: f64 = 50.0;
 const CLEAN_BELOW_V: f64 = 0.33;
 
 /// Said of a line that is high while the sensors have no supply.
-pub(crate) const BACK_FED: &str =
+pub const BACK_FED: &str =
     "a sensor's line is driven high while the sensors' supply is off (MPU-6000 PS, absolute maximum ratings)";
 /// Said of PC13 to PC15, when that line is theirs.
-pub(crate) const SOURCES_CURRENT: &str =
+pub const SOURCES_CURRENT: &str =
     "PC13 or PC15 feeds the unpowered sensors (STM32F427 data sheet, output voltage characteristics, note 1)";
 /// Said of a supply that comes back before it had gone.
-pub(crate) const RAMP_NOT_FROM_ZERO: &str =
+pub const RAMP_NOT_FROM_ZERO: &str =
     "the sensors' supply switched on before it had fallen (MPU-6000 PS section 6.3, supply ramp)";
 
 /// Capacitors on the rail and in the sensors, uF: in no document that is at hand; tests take both ends.

@@ -5,10 +5,13 @@
 use super::pin::{Drive, Load, Speed};
 
 /// Said of a clock beyond the pin.
-pub(crate) const PIN_TOO_SLOW: &str =
+pub const PIN_TOO_SLOW: &str =
     "SPI clock faster than its pin's speed allows (STM32F427 data sheet, I/O AC characteristics)";
+/// Said of a clock whose way back takes too long.
+pub const LAST_BIT_LATE: &str = "the last bit that SPI receives is late: SCK's pin is too slow for its bus's clock \
+     (ES0206, corrupted last bit in master mode with delayed SCK feedback)";
 /// Said of a clock without a level while a device listens.
-pub(crate) const CLOCK_FLOATS: &str =
+pub const CLOCK_FLOATS: &str =
     "a device is selected while SPI is off and nothing holds its clock at the idle level (RM0090 section 28.3.1)";
 
 /// Can the pin follow?
