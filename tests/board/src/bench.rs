@@ -120,6 +120,16 @@ impl Machine {
         self.board.borrow_mut().aux_high_since()
     }
 
+    /// How long an AUX line stays low after its pin has let go, to be called before the first run.
+    pub fn set_aux_floats_low(&mut self, duration: Ticks) {
+        self.board.borrow_mut().set_aux_floats_low(duration);
+    }
+
+    /// Does the image run with flash prefetch?
+    pub fn prefetches(&self) -> bool {
+        self.board.borrow().flash_access().prefetches()
+    }
+
     /// The chip's supply dips for so long.
     pub fn dip_supply(&mut self, supply_v: f32, duration: Ticks) {
         self.board.borrow_mut().dip_supply(supply_v, duration);

@@ -72,6 +72,7 @@ pub struct Machine {
     vectors: u32,
     entry: EntryState,
     counters: Counters,
+    last_reset: Option<Ticks>,
     profile: Profile,
 }
 
@@ -89,9 +90,22 @@ impl Machine {
         }
         let (vectors, entry, counters) = (image.base(), EntryState::Reset, Counters::default());
         let (now, cycles, pc, watched, profile) = (0, 0, 0, 0, Profile::default());
-        let (asleep, masked) = (false, false);
-        let mut machine =
-            Self { cpu, board, now, cycles, pc, asleep, masked, watched, vectors, entry, counters, profile };
+        let (asleep, masked, last_reset) = (false, false, None);
+        let mut machine = Self {
+            cpu,
+            board,
+            now,
+            cycles,
+            pc,
+            asleep,
+            masked,
+            watched,
+            vectors,
+            entry,
+            counters,
+            last_reset,
+            profile,
+        };
         machine.configure(&Params::DEFAULT);
         machine.enter_image();
         Ok(machine)
@@ -120,6 +134,7 @@ impl Machine {
     /// Resets chip and core; RAM, backup SRAM and what is around the chip stay as they are.
     fn reset(&mut self, flags: u32) {
         self.counters.resets += 1;
+        self.last_reset = Some(self.now);
         self.profile.reset();
         self.board.borrow_mut().reset(flags);
         self.enter_image();
@@ -349,6 +364,11 @@ impl Machine {
     /// What it did so far.
     pub fn counters(&self) -> Counters {
         self.counters
+    }
+
+    /// When the chip was last reset, by the watchdog or by the image.
+    pub fn last_reset(&self) -> Option<Ticks> {
+        self.last_reset
     }
 
     /// Where the instructions went, since start or since [`Self::restart_profile`].

@@ -90,6 +90,12 @@ impl Vehicle {
         self.held = false;
     }
 
+    /// Lays it down somewhere: it lies still at these angles of roll and pitch until it is let go.
+    pub fn lay_down(&mut self, roll_rad: f64, pitch_rad: f64) {
+        self.held = true;
+        self.plant.set_attitude([roll_rad, pitch_rad, 0.0], [0.0; 3]);
+    }
+
     /// True roll and pitch, rad.
     pub fn tilt_rad(&self) -> [f64; 2] {
         let truth = self.plant.truth();

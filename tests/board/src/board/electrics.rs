@@ -3,6 +3,7 @@
 use super::buses::{SPI1_PINS, SPI1_SELECTS, SPI2_PINS};
 use super::wiring::MOTOR_PINS;
 use super::{A, B, Board, C, E};
+use crate::devices::aux_line::AuxLine;
 use crate::devices::sensor_rail::{BACK_FED, SOURCES_CURRENT};
 use crate::peripherals::pin::{Drive, Load};
 use crate::peripherals::spi::Spi;
@@ -66,6 +67,11 @@ impl Board {
 
     pub(crate) fn set_lsi_hz(&mut self, lsi_hz: u64) {
         self.iwdg.set_lsi_hz(lsi_hz);
+    }
+
+    pub(crate) fn set_aux_floats_low(&mut self, duration: Ticks) {
+        self.aux_floats_low = duration;
+        self.aux = std::array::from_fn(|_| AuxLine::new(self.now, duration));
     }
 
     /// Since when each AUX line is high.

@@ -99,6 +99,7 @@ pub(crate) struct Board {
     sensor_faults: [Option<SensorFault>; 3],
     pub(crate) fram: Fram,
     aux: [AuxLine; 4],
+    aux_floats_low: Ticks,
     rail: SensorRail,
     /// Is the sensors' supply on, and how many lines are driven high into them?
     rail_state: (bool, u32),
@@ -153,6 +154,7 @@ impl Board {
             sensor_faults: [None, second_imu, second_imu],
             fram: Fram::default(),
             aux: std::array::from_fn(|_| AuxLine::new(0, FLOATS_LOW)),
+            aux_floats_low: FLOATS_LOW,
             rail: SensorRail::new(CAPACITANCE_UF[1]),
             rail_state: (false, 0),
             load: Load::default(),
@@ -215,7 +217,8 @@ impl Board {
         fresh.fram.power_up(self.now);
         fresh.load = self.load;
         fresh.rail = SensorRail::new(CAPACITANCE_UF[1]);
-        fresh.aux = std::array::from_fn(|_| AuxLine::new(self.now, FLOATS_LOW));
+        fresh.aux_floats_low = self.aux_floats_low;
+        fresh.aux = std::array::from_fn(|_| AuxLine::new(self.now, self.aux_floats_low));
         fresh.iwdg = Iwdg::new(self.iwdg.lsi_hz());
         std::mem::swap(&mut fresh.usart2, &mut self.usart2);
         std::mem::swap(&mut fresh.usart3, &mut self.usart3);

@@ -20,7 +20,7 @@ impl AccessControl {
     fn wait_states(self) -> u64 {
         u64::from(self.0 & 0xf)
     }
-    fn prefetches(self) -> bool {
+    pub(crate) fn prefetches(self) -> bool {
         self.0 >> 8 & 1 != 0
     }
     fn caches_instructions(self) -> bool {

@@ -16,6 +16,8 @@ const UIF: u32 = 1;
 const TIF: u32 = 1 << 6;
 const UG: u32 = 1;
 const MOE: u32 = 1 << 15;
+/// With MOE at 0 the pins are held at their inactive level.
+const OSSI: u32 = 1 << 10;
 /// Dead time, lock, break: off.
 const UNUSED_BREAK: u32 = 0xff | 0b11 << 8 | 1 << 12;
 
@@ -142,9 +144,9 @@ impl Timer {
         (self.runs() && self.is_pwm(channel) && changes).then(|| TICKS_PER_S as f64 / period as f64)
     }
 
-    /// Does it drive the channel's pin? With OSSI and OSSR at 0 it lets go as long as MOE or CCxE is 0 (table 97).
+    /// Does it drive the channel's pin? Not as long as CCxE is 0, nor while MOE is and OSSI too (table 97).
     fn drives(&self, channel: usize) -> bool {
-        self.brake & MOE != 0 && self.enable >> (4 * channel) & 1 != 0
+        self.brake & (MOE | OSSI) != 0 && self.enable >> (4 * channel) & 1 != 0
     }
 
     /// What it drives onto a channel's pin now.

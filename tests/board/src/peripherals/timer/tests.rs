@@ -177,4 +177,7 @@ fn a_channel_lets_its_pin_go_until_it_is_enabled_and_the_main_output_too() {
     assert_eq!(outputs(&mut timer), [Some(false)]);
     timer.write(0x44, 0, 10).unwrap();
     assert_eq!(outputs(&mut timer), [None]);
+    // with OSSI it is held low
+    timer.write(0x44, OSSI, 10).unwrap();
+    assert_eq!(outputs(&mut timer), [Some(false)]);
 }
