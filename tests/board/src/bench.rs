@@ -100,12 +100,12 @@ impl Machine {
         self.board.borrow().fram.content().iter().cycle().skip(address).take(length).copied().collect()
     }
 
-    /// Rules that today's firmware breaks and that stop nothing: what stops is all the others. From the first run on.
+    /// These rules of the documents stop nothing when they are broken, all others do.
     pub fn tolerate(&mut self, rules: &[&'static str]) {
         self.board.borrow_mut().tolerate(rules);
     }
 
-    /// Rules that were broken so far.
+    /// Rules that were tolerated and broken so far.
     pub fn broken_rules(&self) -> Vec<Broken> {
         self.board.borrow().broken.clone()
     }

@@ -116,10 +116,13 @@ impl Board {
         let low = |board: &Self, (port, pin): (usize, u32)| board.ports[port].output_level(pin) == Some(false);
         let floats = |board: &Self, spi: &Spi, port: usize, pin: u32| {
             let drive = board.ports[port].drive(pin, spi.clock_output());
-            !spi_clock::rests(drive, spi.idles_high())
+            // before that any level will do, as long as it is one
+            if spi.is_configured() { !spi_clock::rests(drive, spi.idles_high()) } else { drive == Drive::None }
         };
-        let first =
-            SPI1_SELECTS.into_iter().any(|select| low(self, select)) && floats(self, &self.spi1, A, SPI1_PINS[0]);
+        // without a supply nobody listens
+        let (powered, _) = self.rail_state;
+        let listens = powered && SPI1_SELECTS.into_iter().any(|select| low(self, select));
+        let first = listens && floats(self, &self.spi1, A, SPI1_PINS[0]);
         let second = low(self, super::buses::FRAM) && floats(self, &self.spi2, B, SPI2_PINS[0]);
         if (first || second) && !std::mem::replace(&mut self.clock_floated, first || second) {
             self.break_rule(CLOCK_FLOATS, now);

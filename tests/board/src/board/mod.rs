@@ -53,7 +53,7 @@ use crate::peripherals::spi::Spi;
 use crate::peripherals::syscfg::SysCfg;
 use crate::peripherals::timer::Timer;
 use crate::peripherals::usart::Usart;
-use crate::rules::{Broken, KNOWN_TO_BE_BROKEN};
+use crate::rules::Broken;
 use crate::stop::{Cause, Stop};
 use crate::time::Ticks;
 use crate::world::{Nowhere, World};
@@ -161,7 +161,7 @@ impl Board {
             last_answer: [FLOATING; 2],
             clock_floated: false,
             dip_end: None,
-            tolerated: KNOWN_TO_BE_BROKEN.to_vec(),
+            tolerated: Vec::new(),
             broken: Vec::new(),
             battery_v: USUAL_BATTERY_V,
             world,

@@ -58,6 +58,11 @@ impl Spi {
         (self.control[0] & SPE != 0).then(|| self.idles_high())
     }
 
+    /// Has it been told what its clock is to be like?
+    pub(crate) fn is_configured(&self) -> bool {
+        self.control[0] & MSTR != 0
+    }
+
     /// Its bus's clock, Hz.
     pub(crate) fn bus_hz(&self) -> u64 {
         crate::time::TICKS_PER_S / self.bus_cycle.max(1)
