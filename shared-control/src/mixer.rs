@@ -103,8 +103,8 @@ fn lift_shares(config: &MixerConfig, wrench: &Wrench) -> [f32; 3] {
     })
 }
 
-/// Largest factor 0..1 on the yaw share with which the spread of all four still fits the span, and each of them the room
-/// below the collective.
+/// Largest factor 0..1 on the yaw share with which the spread of all four still fits the span, and each of them the
+/// room below the collective.
 fn largest_yaw_share((span_n, room_n): (f32, f32), tilt: impl Fn(usize) -> f32, yaw_n: f32) -> f32 {
     // the spread is convex in the factor and each pair of motors bounds it on its own, as each motor does the room
     let mut share = 1.0;
@@ -202,8 +202,8 @@ mod tests {
     }
 
     proptest! {
-        /// However much torque is asked for, the mean lift is at most five times what is asked for; at zero throttle all
-        /// four idle.
+        /// However much torque is asked for, the mean lift is at most five times what is asked for; at zero
+        /// throttle all four idle.
         #[test]
         fn the_collective_is_raised_in_proportion(
             lift in -1f32..0.75, roll in -9f32..9.0, pitch in -9f32..9.0, yaw in -9f32..9.0

@@ -24,8 +24,8 @@ pub fn start_without_crystal(rcc: RCC) -> Rcc {
     rcc.freeze(Config::hsi())
 }
 
-/// 168 MHz from the crystal; if the crystal fails later, the processor raises NMI. Flash has its prefetch, which the HAL
-/// switches on: only revision A of the STM32F405 and F407 is without (ES0182), not this chip (ES0206).
+/// 168 MHz from the crystal; if the crystal fails later, the processor raises NMI. Flash has its prefetch, which the
+/// HAL switches on: only revision A of the STM32F405 and F407 is without (ES0182), not this chip (ES0206).
 pub fn start(rcc: RCC) -> Rcc {
     let config = Config::hse(board::CRYSTAL_HZ.Hz())
         .sysclk(board::CORE_HZ.Hz())

@@ -65,12 +65,12 @@ fn attempt(bus: &mut SensorBus) -> Result<(), SensorFault> {
     // register map 4.28: on SPI the signal paths are reset after the device, with 100 ms for each
     bus.write(chip, PWR_MGMT_1, 0x80);
     clock::wait_us(RESET_MS * 1000);
-    bus.write(chip, SIGNAL_PATH_RESET, 0x07);
-    clock::wait_us(RESET_MS * 1000);
     let identity = bus.read(chip, WHO_AM_I);
     if identity != IDENTITY {
         return Err(SensorFault { chip, flaw: Flaw::Identity(identity) });
     }
+    bus.write(chip, SIGNAL_PATH_RESET, 0x07);
+    clock::wait_us(RESET_MS * 1000);
     let settings = settings(accel_config(bus.read(chip, PRODUCT_ID)));
     bus.write_all(chip, &settings);
     // the gyro's oscillator takes over

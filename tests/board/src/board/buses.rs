@@ -59,7 +59,7 @@ impl Board {
     }
 
     /// What a byte that came back is worth, by the speed of the clock's pin.
-    fn clocked(&mut self, bus: usize, answer: u8, now: Ticks) -> u8 {
+    pub(super) fn clocked(&mut self, bus: usize, answer: u8, now: Ticks) -> u8 {
         let (spi, port, pin) = match bus {
             1 => (&self.spi1, A, SPI1_PINS[0]),
             _ => (&self.spi2, B, SPI2_PINS[0]),

@@ -130,3 +130,6 @@ impl Board {
         self.clock_floated = first || second;
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -13,7 +13,8 @@
 //! ```
 //!
 //! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults,
-//! `electrics` what lies between pins and parts, `analog` battery and buzzer, `serial` the connectors, `wiring` DMA requests and interrupt lines.
+//! `electrics` what lies between pins and parts, `analog` battery and buzzer, `serial` the connectors, `wiring` DMA
+//! requests and interrupt lines.
 
 mod address_map;
 mod analog;

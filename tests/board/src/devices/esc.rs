@@ -3,8 +3,8 @@
 //! power-up for the wish to be calibrated.
 //!
 //! Manuals: BLHeli rev. 14 ("Arming sequence", "Throttle calibration"), SimonK's tgy.asm notes, Afro ESC 30 A. Makers
-//! differ: [`Traits::EAGER`] and [`Traits::CAREFUL`] are the two ends of the range, and tests take both. Widths here are
-//! those of PWM; for OneShot125 they are an eighth.
+//! differ: [`Traits::EAGER`] and [`Traits::CAREFUL`] are the two ends of the range, and tests take both; their figures
+//! are from memory. Widths here are those of PWM; for OneShot125 they are an eighth.
 
 use crate::time::{TICKS_PER_US, Ticks};
 

@@ -1,7 +1,7 @@
 //! Noise on a serial line: bytes that are lost, and bytes that come with a bit turned.
 //!
-//! A radio link or a long cable does both. A turned data bit raises no flag of the receiver (RM0090 section 30.3.3: only
-//! the stop bit is checked), a byte of which the start bit is lost is not there at all.
+//! A radio link or a long cable does both. A turned data bit raises no flag of the receiver (RM0090 section 30.3.3:
+//! only the stop bit is checked), a byte of which the start bit is lost is not there at all.
 
 use rand_core::Rng;
 use rand_pcg::Pcg64;

@@ -1,8 +1,8 @@
 //! Power control. RM0090 section 5.5. Over-drive and the backup regulator are ready as soon as they are on.
 //!
-//! The voltage detector has hysteresis and no filter (section 5.2.2): a dip of a microsecond is an edge of EXTI line 16,
-//! and its return another. The backup regulator keeps backup SRAM on VBAT (section 5.1.2); it stays on over resets, as
-//! long as the backup domain has power.
+//! The voltage detector has hysteresis and no filter (section 5.2.2): a dip of a microsecond is an edge of EXTI line
+//! 16, and its return another. The backup regulator keeps backup SRAM on VBAT (section 5.1.2); it stays on over resets,
+//! as long as the backup domain has power.
 
 use super::{Peripheral, Unmodelled};
 use crate::time::Ticks;

@@ -23,7 +23,11 @@ pub struct Finding {
 pub const EXPECTED_TO_FAIL: &[&str] = &["a heartbeat a second", "no motor stops in flight"];
 
 pub const FINDINGS: &[Finding] = &[
-    Finding { name: "AUX low from power-on", source: "TXS0108 (SCES642), PX4 #7182", look: aux_at_power_on },
+    Finding {
+        name: "AUX low as soon as the image starts",
+        source: "TXS0108 (SCES642), PX4 #7182",
+        look: aux_at_power_on,
+    },
     Finding { name: "AUX low before and after a restart on purpose", source: "PX4 #7182, #7459", look: aux_at_restart },
     Finding { name: "AUX after a watchdog reset", source: "PX4 #7182", look: aux_at_watchdog },
     Finding { name: "a parameter sticks", source: "FM25V01 001-84497, AC characteristics", look: parameter_sticks },
