@@ -175,10 +175,8 @@ impl Mpu6000 {
             }
             return Ok(0);
         }
-        if register > INT_STATUS && is_data && reads {
-            if !self.has_the_counts_ranges() {
-                return Err("MPU6000 ranges other than 2000 deg/s and 8 g");
-            }
+        if register > INT_STATUS && is_data && reads && !self.has_the_counts_ranges() {
+            return Err("MPU6000 ranges other than 2000 deg/s and 8 g");
         }
         if reads {
             return Ok(self.read(register, now));
