@@ -122,7 +122,8 @@ fn no_strange_pulse(flight: &mut Flight, since: Ticks) -> Evidence {
             let vehicle = flight.vehicle.borrow();
             let glitches = vehicle.line_pulses().iter().filter(|pulse| pulse.width < UNSEEN && pulse.rise >= since);
             let glitch = glitches.map(|pulse| us(pulse.width)).max().unwrap_or(0);
-            Ok(format!("nothing longer than {} us but disarmed pulses", glitch + 1))
+            // to tens
+            Ok(format!("nothing longer than {} us but disarmed pulses", (glitch + 1).div_ceil(10) * 10))
         }
     }
 }
@@ -156,7 +157,8 @@ fn aux_at_restart() -> Evidence {
     if low < LOW_BEFORE_RESET {
         return Err(format!("low for {} us before the reset", us(low)));
     }
-    Ok(format!("low for {} ms before the reset; {seen}", low / MILLISECOND))
+    let low_ms = low / (10 * MILLISECOND) * 10;
+    Ok(format!("low for {low_ms} ms and more before the reset; {seen}"))
 }
 
 fn aux_at_watchdog() -> Evidence {
@@ -373,12 +375,13 @@ fn lsi() -> Evidence {
         let hung = flight.machine.now();
         hang_loop(&mut flight);
         let reset = flight.machine.last_reset().ok_or("no reset")? - hung;
-        seen.push(format!("{} ms at {} kHz", reset / MILLISECOND, lsi_hz / 1000));
+        // in steps of ten: where in the watchdog's time it hangs is another build's affair
+        seen.push(format!("{} ms at {} kHz", reset.div_ceil(10 * MILLISECOND) * 10, lsi_hz / 1000));
         if reset > 58 * MILLISECOND {
-            return Err(format!("a loop that hangs is reset after {}", seen.join(", ")));
+            return Err(format!("a loop that hangs is reset within {}", seen.join(", ")));
         }
     }
-    Ok(format!("a loop that hangs is reset after {}", seen.join(", ")))
+    Ok(format!("a loop that hangs is reset within {}", seen.join(", ")))
 }
 
 fn noisy_link() -> Evidence {
