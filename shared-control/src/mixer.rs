@@ -4,6 +4,9 @@
 //! Roll and pitch come before yaw, yaw before collective: the collective gives way first (all motors shift together),
 //! then yaw is cut to what is left, and only then are roll and pitch scaled down, both by the same factor, so that the
 //! direction of the demanded torque is kept. What could not be delivered is reported for anti-windup.
+//!
+//! The collective is raised for torque in proportion to what is asked of it, and not at all at zero throttle: a vehicle
+//! that lies on its side would else drive two motors up to full lift.
 
 use crate::airframe::TORQUE_SIGNS;
 use crate::elementary::{larger, limit, smaller};
@@ -49,24 +52,31 @@ impl MixResult {
     }
 }
 
+/// So many times the lift asked for beyond the idle lift may the collective be raised for torque. From a fifth of the
+/// motors' span on the whole of it is at the torque's disposal; with less than that no vehicle flies.
+const RAISE_MAX: f32 = 4.0;
+
 /// Distributes a demand over the motors. A demand that is not finite counts as zero torque.
 pub fn mix(config: &MixerConfig, wrench: &Wrench) -> MixResult {
     let curve = &config.lift_curve;
     let span_n = curve.lift_max_n - curve.lift_min_n;
     let [roll_n, pitch_n, yaw_n] = lift_shares(config, wrench);
+    let asked_n = if wrench.lift_per_motor_n.is_finite() { wrench.lift_per_motor_n } else { curve.lift_min_n };
+    // how far below the collective a motor's lift can be, once that is raised as far as it may be
+    let room_n = (1.0 + RAISE_MAX) * larger(asked_n - curve.lift_min_n, 0.0);
 
     // roll and pitch: at most the whole span, whatever collective that takes
     let tilt = |motor: usize| ROLL[motor] * roll_n + PITCH[motor] * pitch_n;
     let (low, high) = extent(tilt);
-    let tilt_scale = if high - low > span_n { span_n / (high - low) } else { 1.0 };
+    let within_span = if high - low > span_n { span_n / (high - low) } else { 1.0 };
+    let tilt_scale = if -low > room_n { smaller(within_span, room_n / -low) } else { within_span };
 
     // yaw: the largest share that fits beside them
-    let yaw_scale = largest_yaw_share(span_n, |motor| tilt_scale * tilt(motor), yaw_n);
+    let yaw_scale = largest_yaw_share((span_n, room_n), |motor| tilt_scale * tilt(motor), yaw_n);
 
     // collective: as requested, shifted to where all four fit
     let torque_lift = |motor: usize| tilt_scale * tilt(motor) + YAW[motor] * yaw_n * yaw_scale;
     let (low, high) = extent(torque_lift);
-    let asked_n = if wrench.lift_per_motor_n.is_finite() { wrench.lift_per_motor_n } else { curve.lift_min_n };
     // the ends can cross by a rounding error; the lower then wins
     let lowest_n = curve.lift_min_n - low;
     let collective_n = limit(asked_n, lowest_n, larger(curve.lift_max_n - high, lowest_n));
@@ -93,11 +103,16 @@ fn lift_shares(config: &MixerConfig, wrench: &Wrench) -> [f32; 3] {
     })
 }
 
-/// Largest factor 0..1 on the yaw share with which the spread of all four still fits the span.
-fn largest_yaw_share(span_n: f32, tilt: impl Fn(usize) -> f32, yaw_n: f32) -> f32 {
-    // the spread is convex in the factor and each pair of motors bounds it on its own
+/// Largest factor 0..1 on the yaw share with which the spread of all four still fits the span, and each of them the
+/// room below the collective.
+fn largest_yaw_share((span_n, room_n): (f32, f32), tilt: impl Fn(usize) -> f32, yaw_n: f32) -> f32 {
+    // the spread is convex in the factor and each pair of motors bounds it on its own, as each motor does the room
     let mut share = 1.0;
     for (up, sign_up) in YAW.iter().enumerate() {
+        let fall = -sign_up * yaw_n;
+        if fall > 0.0 {
+            share = smaller(share, larger((room_n + tilt(up)) / fall, 0.0));
+        }
         for (down, sign_down) in YAW.iter().enumerate() {
             let change = (sign_up - sign_down) * yaw_n;
             if change > 0.0 {
@@ -182,6 +197,27 @@ mod tests {
             if result.unmet_torque_nm[2].abs() > 1e-5 {
                 let high = result.commands.0.iter().fold(0f32, |a, &b| if b > a { b } else { a });
                 prop_assert!(high > 1.0 - 1e-5);
+            }
+        }
+    }
+
+    proptest! {
+        /// However much torque is asked for, the mean lift is at most five times what is asked for; at zero
+        /// throttle all four idle.
+        #[test]
+        fn the_collective_is_raised_in_proportion(
+            lift in -1f32..0.75, roll in -9f32..9.0, pitch in -9f32..9.0, yaw in -9f32..9.0
+        ) {
+            let config = config();
+            let curve = &config.lift_curve;
+            let wrench = Wrench { lift_per_motor_n: lift, torque_body_nm: [roll, pitch, yaw] };
+            let result = mix(&config, &wrench);
+            let lifts = result.commands.0.map(|command| curve.lift(command) - curve.lift_min_n);
+            let asked = if lift > curve.lift_min_n { lift - curve.lift_min_n } else { 0.0 };
+            let collective = lifts.iter().sum::<f32>() / 4.0;
+            prop_assert!(collective <= 5.0 * asked + 1e-5, "{collective} N for {asked} N");
+            if asked == 0.0 {
+                prop_assert_eq!(result.commands, MotorCommands([0.0; 4]));
             }
         }
     }

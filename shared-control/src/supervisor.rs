@@ -21,7 +21,7 @@ use crate::signals::{ArmingRequest, AttitudeEstimate, MotorTest, StepInput};
 const ARMING_THROTTLE_MAX: f32 = 0.02;
 /// Silence on the link after which it is lost, µs.
 pub const LINK_LOST_AFTER_US: u64 = 1_000_000;
-/// Time for which the vehicle is kept level at idle once the link is lost, µs.
+/// Time for which the motors idle once the link is lost, µs; the set-point is level at zero throttle.
 pub const LEVEL_AND_IDLE_US: u64 = 1_000_000;
 /// Largest throttle of a motor test, percent; more is cut down to it.
 pub const MOTOR_TEST_PERCENT_MAX: u8 = 30;

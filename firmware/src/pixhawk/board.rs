@@ -26,8 +26,11 @@ pub const HOUSEKEEPING_HZ: u16 = 100;
 /// it. Where the rates of loop and pulses are no multiples of each other, this is the delay of the first pulse only.
 pub const PULSE_DELAY_US: u32 = 500;
 
-/// Sensor supply: off for at least this long, or the sensors do not restart, ms.
-pub const SENSOR_OFF_MS: u32 = 25;
+/// Sensor supply: off for at least this long, or the sensors do not restart, ms. The rail's bleed of 220 Ohm takes
+/// 25 ms for 50 uF down to a tenth.
+pub const SENSOR_OFF_MS: u32 = 60;
+/// Sensor supply: it has risen this long after it is on, us (PX4 waits as long).
+pub const SENSOR_RISE_US: u32 = 100;
 /// Sensor supply: first register access this long after it is on, ms (MPU6000 data sheet: 100 ms at most).
 pub const SENSOR_START_MS: u32 = 120;
 

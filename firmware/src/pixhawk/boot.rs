@@ -8,7 +8,7 @@ use core::arch::naked_asm;
 
 use cortex_m::peripheral::SCB;
 use shared_control::light_and_tone::Sign;
-use stm32f4xx_hal::pac::{EXTI, FLASH, PWR, RCC, SYSCFG};
+use stm32f4xx_hal::pac::{EXTI, PWR, RCC, SYSCFG};
 use stm32f4xx_hal::rcc::Rcc;
 
 use super::fault::{self, Cause, FaultRecord};
@@ -23,6 +23,9 @@ const SUPPLY_GOOD_TENTHS: u32 = 2;
 
 /// Called by cortex-m-rt's `Reset` before memory is initialised, hence in assembly and without a stack.
 ///
+/// AUX 1 to 4 low before anything else: behind the chip's pins is a level shifter with pull-ups (TXS0108), so that an
+/// ESC sees a pin that nobody drives as high, and what lasts as long as the start does as a pulse.
+///
 /// Main stack, no masked priority, no pending or enabled interrupt, faults escalate to HardFault, no memory protection,
 /// lazy stacking of floating-point registers in their default mode, CCM (where the stack lies) powered.
 #[unsafe(naked)]
@@ -30,6 +33,20 @@ const SUPPLY_GOOD_TENTHS: u32 = 2;
 unsafe extern "C" fn __pre_init() {
     naked_asm!(
         "cpsid i",
+        "ldr r1, =0x40023830", // RCC_AHB1ENR: GPIOE
+        "ldr r2, [r1]",
+        "orr r2, r2, #(1 << 4)",
+        "str r2, [r1]",
+        "ldr r2, [r1]",        // reading back waits until the clock runs
+        "ldr r1, =0x40021000", // GPIOE_BSRR: PE9, 11, 13, 14 low
+        "ldr r2, =0x6A000000",
+        "str r2, [r1, #0x18]",
+        "ldr r2, [r1]", // MODER: outputs
+        "ldr r3, =0x3CCC0000",
+        "bic r2, r2, r3",
+        "ldr r3, =0x14440000",
+        "orr r2, r2, r3",
+        "str r2, [r1]",
         "movs r0, #0",
         "mvns r3, r0",
         "msr CONTROL, r0",
@@ -78,17 +95,14 @@ pub struct Start {
 }
 
 /// Clocks, pins and supply as they must be before anything else is set up.
-pub fn power_up(
-    (rcc, flash, power, exti): (RCC, &FLASH, &PWR, &mut EXTI),
-    (ports, syscfg): (Ports, SYSCFG),
-) -> (Rcc, Pins, Start) {
+pub fn power_up((rcc, power, exti): (RCC, &PWR, &mut EXTI), (ports, syscfg): (Ports, SYSCFG)) -> (Rcc, Pins, Start) {
     let reset_cause = take_reset_cause(&rcc);
     release_clocks(&rcc, exti);
     if !clock::crystal_starts(&rcc) {
         let mut rcc = clock::start_without_crystal(rcc);
         stand_still(&mut Pins::new(ports, syscfg, exti, &mut rcc).light_and_tone);
     }
-    let mut rcc = clock::start(rcc, flash);
+    let mut rcc = clock::start(rcc);
     let mut pins = Pins::new(ports, syscfg, exti, &mut rcc);
     let supply_was_low = wait_for_supply(&SupplyDetector::new(power, exti, &mut rcc), &mut pins.light_and_tone);
     let record = FaultRecord::read();
@@ -114,7 +128,7 @@ fn take_reset_cause(rcc: &RCC) -> &'static str {
     }
 }
 
-/// Back to the internal oscillator, PLL off, every peripheral in use reset: what the HAL's `freeze` starts from.
+/// Back to the internal oscillator, PLL off, peripherals in use reset: what the HAL's `freeze` starts from.
 fn release_clocks(rcc: &RCC, exti: &EXTI) {
     rcc.cr().modify(|_, w| w.hsion().set_bit());
     while rcc.cr().read().hsirdy().bit_is_clear() {}
@@ -124,8 +138,9 @@ fn release_clocks(rcc: &RCC, exti: &EXTI) {
     while rcc.cr().read().pllrdy().bit_is_set() {}
     rcc.cir().reset();
 
+    // but for port E, which holds the motor outputs low
     rcc.ahb1rstr().write(|w| {
-        w.gpioarst().set_bit().gpiobrst().set_bit().gpiocrst().set_bit().gpiodrst().set_bit().gpioerst().set_bit();
+        w.gpioarst().set_bit().gpiobrst().set_bit().gpiocrst().set_bit().gpiodrst().set_bit();
         w.dma1rst().set_bit().dma2rst().set_bit()
     });
     rcc.ahb1rstr().reset();

@@ -1,6 +1,6 @@
 //! Clock tree and time base: TIM5 counts microseconds, and one owner extends them to 64 bits.
 
-use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC, TIM5};
+use stm32f4xx_hal::pac::{DBGMCU, RCC, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Enable, Rcc, Reset};
 
@@ -24,16 +24,15 @@ pub fn start_without_crystal(rcc: RCC) -> Rcc {
     rcc.freeze(Config::hsi())
 }
 
-/// 168 MHz from the crystal; if the crystal fails later, the processor raises NMI.
-pub fn start(rcc: RCC, flash: &FLASH) -> Rcc {
+/// 168 MHz from the crystal; if the crystal fails later, the processor raises NMI. Flash has its prefetch, which the
+/// HAL switches on: only revision A of the STM32F405 and F407 is without (ES0182), not this chip (ES0206).
+pub fn start(rcc: RCC) -> Rcc {
     let config = Config::hse(board::CRYSTAL_HZ.Hz())
         .sysclk(board::CORE_HZ.Hz())
         .pclk1(board::APB1_HZ.Hz())
         .pclk2(board::APB2_HZ.Hz());
     let rcc = rcc.freeze(config);
     rcc.cr().modify(|_, w| w.csson().set_bit());
-    // revision A of the STM32F405 family hangs with prefetch on; PX4 keeps it off as well
-    flash.acr().modify(|_, w| w.prften().clear_bit());
     rcc
 }
 
@@ -65,7 +64,7 @@ pub fn now_us() -> u32 {
 /// Cortex-M4 (technical reference manual, table 3-1: 1 + 1 + P, P from 1 to 3).
 const CYCLES_PER_TURN: u32 = 3;
 
-/// Waits, at least so long; for start-up alone.
+/// Waits, at least so long and half as long again at most; for start-up, restarts and a microsecond now and then.
 pub fn wait_us(duration_us: u32) {
     cortex_m::asm::delay(duration_us * (board::CORE_HZ / 1_000_000 / CYCLES_PER_TURN));
 }

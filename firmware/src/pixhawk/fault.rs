@@ -14,12 +14,13 @@ use shared_control::link::Text;
 use shared_control::params;
 use stm32f4xx_hal::pac::{PWR, RCC};
 
-use super::control;
-use super::last_pulse;
+use super::{clock, control, last_pulse, watchdog};
 
 /// Start of the 4 KB backup SRAM.
 const RECORD: *mut [u32; WORDS] = 0x4002_4000 as *mut [u32; WORDS];
 const WORDS: usize = 7;
+/// PX4 takes 40 on this board (its pull request 7182).
+const LOW_BEFORE_RESTART_MS: u32 = 50;
 const MAGIC: u32 = 0x5146_4C54;
 const CFSR: *const u32 = 0xE000_ED28 as *const u32;
 
@@ -85,11 +86,17 @@ pub fn note(cause: Cause) {
     }
 }
 
-/// Starts anew because somebody wants it: as [`stop`], but there is nothing to record.
+/// Starts anew because somebody wants it: as [`stop`], but there is nothing to record, and there is time to let the
+/// lines to the ESCs run empty, so that they stay low while the chip's pins are nobody's.
 pub fn restart() -> ! {
     cortex_m::interrupt::disable();
     last_pulse::force_disarmed();
     last_pulse::send_disarmed();
+    last_pulse::force_low();
+    for _ in 0..LOW_BEFORE_RESTART_MS {
+        clock::wait_us(1000);
+        watchdog::feed_before_restart();
+    }
     SCB::sys_reset()
 }
 
@@ -153,6 +160,8 @@ fn open_backup_memory() {
     // reading back waits until the clocks run
     let _ = rcc.apb1enr().read();
     pwr.cr().modify(|_, w| w.dbp().set_bit());
+    // without its regulator this memory does not live on the battery (RM 5.1.2)
+    pwr.csr().modify(|_, w| w.bre().set_bit());
 }
 
 /// CRC over words as they lie in memory.

@@ -47,7 +47,7 @@ pub fn force_disarmed() {
     }
 }
 
-/// The same when the crystal is lost: the pins are low from now on.
+/// The same when the crystal is lost, or before a restart: the pins are low from now on.
 pub fn force_low() {
     if DISARMED_COUNT.load(Ordering::Relaxed) != 0 {
         pulse_timer().bdtr().modify(|_, w| w.moe().clear_bit());

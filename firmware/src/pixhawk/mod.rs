@@ -69,7 +69,7 @@ mod app {
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
-    use super::{boot, clock, counters, last_pulse};
+    use super::{boot, clock, counters, last_pulse, supply};
 
     #[shared]
     struct Shared {
@@ -110,7 +110,7 @@ mod app {
         let (mut core, mut device) = (cx.core, cx.device);
         let ports = (device.GPIOA, device.GPIOB, device.GPIOC, device.GPIOD, device.GPIOE);
         let (mut rcc, mut pins, start) =
-            boot::power_up((device.RCC, &device.FLASH, &device.PWR, &mut device.EXTI), (ports, device.SYSCFG));
+            boot::power_up((device.RCC, &device.PWR, &mut device.EXTI), (ports, device.SYSCFG));
         clock::freeze_on_halt(&device.DBGMCU);
         clock::start_microseconds(&device.TIM5, &mut rcc);
         load::start(&mut core.DCB, &mut core.DWT);
@@ -318,10 +318,13 @@ mod app {
         });
     }
 
-    /// At once, before anything else. There is no second chance: the supply is failing.
+    /// At once, before anything else. There is no second chance if the supply is failing; a dip that is over before one
+    /// could act on it is none.
     #[task(binds = PVD, priority = 7)]
     fn low_supply(_: low_supply::Context) {
-        fault::stop(Cause::LowSupply, 0, 0);
+        if supply::stays_low() {
+            fault::stop(Cause::LowSupply, 0, 0);
+        }
     }
 
     /// Nothing to do: sleep until an interrupt.

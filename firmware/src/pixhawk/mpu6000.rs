@@ -6,6 +6,7 @@ use super::clock;
 use super::sensor_bus::{Chip, Flaw, READ, SensorBus, SensorFault};
 
 const PWR_MGMT_1: u8 = 0x6B;
+const SIGNAL_PATH_RESET: u8 = 0x68;
 const WHO_AM_I: u8 = 0x75;
 const IDENTITY: u8 = 0x68;
 /// Not in the register map: product in the high half, revision in the low one.
@@ -15,6 +16,9 @@ const REVISION_C: [u8; 4] = [0x14, 0x15, 0x54, 0x55];
 /// First register of a sample: INT_STATUS, then acceleration, temperature, rotation, each high byte first.
 const INT_STATUS: u8 = 0x3A;
 const DATA_READY: u8 = 1;
+
+/// After a reset of the device, and after one of its signal paths, ms; a little more than the map asks.
+const RESET_MS: u32 = 101;
 
 /// Sends the address of a sample's first register.
 pub const SAMPLE_ADDRESS: u8 = READ | INT_STATUS;
@@ -42,15 +46,31 @@ fn accel_config(product: u8) -> u8 {
     if REVISION_C.contains(&product) { 0x08 } else { 0x10 }
 }
 
-/// Checks who answers, writes the settings, reads them back.
+/// So often is it reset until it answers: it may come up badly, with zeros for all that is read (PX4 tries as often).
+const ATTEMPTS: usize = 5;
+
+/// Resets it, checks who answers, writes the settings, reads them back; again, if that fails.
 pub fn set_up(bus: &mut SensorBus) -> Result<(), SensorFault> {
+    let mut outcome = attempt(bus);
+    for _ in 1..ATTEMPTS {
+        if outcome.is_err() {
+            outcome = attempt(bus);
+        }
+    }
+    outcome
+}
+
+fn attempt(bus: &mut SensorBus) -> Result<(), SensorFault> {
     let chip = Chip::Mpu6000;
-    bus.write(chip, PWR_MGMT_1, 0x80); // DEVICE_RESET
-    clock::wait_us(100 * 1000);
+    // register map 4.28: on SPI the signal paths are reset after the device, with 100 ms for each
+    bus.write(chip, PWR_MGMT_1, 0x80);
+    clock::wait_us(RESET_MS * 1000);
     let identity = bus.read(chip, WHO_AM_I);
     if identity != IDENTITY {
         return Err(SensorFault { chip, flaw: Flaw::Identity(identity) });
     }
+    bus.write(chip, SIGNAL_PATH_RESET, 0x07);
+    clock::wait_us(RESET_MS * 1000);
     let settings = settings(accel_config(bus.read(chip, PRODUCT_ID)));
     bus.write_all(chip, &settings);
     // the gyro's oscillator takes over

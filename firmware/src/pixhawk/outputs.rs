@@ -1,23 +1,26 @@
 //! Motor pulses: TIM1 on AUX 1 to 4 (channels 4, 3, 2, 1), and the arm gate in front of it.
 //!
-//! AUX outputs are not behind the safety switch, which only the IO processor reads. After a reset there are no pulses
-//! at all until the loop has made its first step. What a fault sends is in `last_pulse`.
+//! AUX outputs are not behind the safety switch, which only the IO processor reads. From the first instructions of the
+//! start on the pins are low, and there are no pulses at all until the loop has made its first step. What a fault sends
+//! is in `last_pulse`.
 
 use shared_control::output::{PULSE_TIMER_HZ, TimerPeriod};
-use stm32f4xx_hal::gpio::{Alternate, PE9, PE11, PE13, PE14};
+use stm32f4xx_hal::gpio::{Alternate, Output, PE9, PE11, PE13, PE14};
 use stm32f4xx_hal::pac::TIM1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::board;
 
-/// The pins, so that nobody else takes them.
-pub type Pins = (PE9<Alternate<1>>, PE11<Alternate<1>>, PE13<Alternate<1>>, PE14<Alternate<1>>);
+/// The pins as the start leaves them, low.
+pub type Pins = (PE9<Output>, PE11<Output>, PE13<Output>, PE14<Output>);
+/// The same in the timer's hands.
+type TimerPins = (PE9<Alternate<1>>, PE11<Alternate<1>>, PE13<Alternate<1>>, PE14<Alternate<1>>);
 
 /// The four motor outputs.
 pub struct Outputs {
     tim: TIM1,
     disarmed_count: u16,
-    _pins: Pins,
+    _pins: TimerPins,
 }
 
 impl Outputs {
@@ -38,6 +41,8 @@ impl Outputs {
         tim.cnt().write(|w| w.cnt().set(period.count_before_end(PULSE_TIMER_HZ, board::PULSE_DELAY_US)));
         tim.cr1().write(|w| w.arpe().set_bit());
         tim.smcr().write(|w| w.ts().itr2().sms().trigger_mode());
+        // not before the timer drives them: what nobody drives is high at the ESC
+        let pins = (pins.0.into_alternate(), pins.1.into_alternate(), pins.2.into_alternate(), pins.3.into_alternate());
         Self { tim, disarmed_count, _pins: pins }
     }
 

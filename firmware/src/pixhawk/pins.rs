@@ -12,7 +12,7 @@ pub type Ports = (GPIOA, GPIOB, GPIOC, GPIOD, GPIOE);
 
 /// The pins in use.
 pub struct Pins {
-    /// Chip selects on SPI1, all high.
+    /// Chip selects on SPI1, all low as long as the sensors have no supply.
     pub selects: sensor_bus::Selects,
     /// SPI1.
     pub sensor_bus: sensor_bus::Pins,
@@ -24,7 +24,7 @@ pub struct Pins {
     pub fram_select: PD10<Output>,
     /// SPI2.
     pub fram: fram::Pins,
-    /// AUX 4 to 1.
+    /// AUX 4 to 1, low.
     pub motors: outputs::Pins,
     /// TELEM1.
     pub link: link_port::Pins,
@@ -37,27 +37,30 @@ pub struct Pins {
 impl Pins {
     /// Takes and sets up all of them.
     pub fn new(ports: Ports, syscfg: SYSCFG, exti: &mut EXTI, rcc: &mut Rcc) -> Self {
+        let (high, low) = (PinState::High, PinState::Low);
+        // first, since `split` lets the pins of its port go, for a tenth of a microsecond
+        let e = ports.4.split(rcc);
+        let motors = (
+            e.pe9.into_push_pull_output_in_state(low),
+            e.pe11.into_push_pull_output_in_state(low),
+            e.pe13.into_push_pull_output_in_state(low),
+            e.pe14.into_push_pull_output_in_state(low),
+        );
+        let sensor_supply = e.pe3.into_push_pull_output_in_state(low);
         let (a, b, c) = (ports.0.split(rcc), ports.1.split(rcc), ports.2.split(rcc));
-        let (d, e) = (ports.3.split(rcc), ports.4.split(rcc));
-        let high = PinState::High;
+        let d = ports.3.split(rcc);
         let selects = sensor_bus::Selects {
-            mpu6000: c.pc2.into_push_pull_output_in_state(high),
-            l3gd20: c.pc13.into_push_pull_output_in_state(high),
-            lsm303d: c.pc15.into_push_pull_output_in_state(high),
-            _ms5611: d.pd7.into_push_pull_output_in_state(high),
+            mpu6000: c.pc2.into_push_pull_output_in_state(low),
+            l3gd20: c.pc13.into_push_pull_output_in_state(low),
+            lsm303d: c.pc15.into_push_pull_output_in_state(low),
+            ms5611: d.pd7.into_push_pull_output_in_state(low),
         };
         let sensor_bus = (
-            a.pa5.into_alternate().speed(Speed::High),
+            // where it rests in mode 3 when nobody drives it
+            a.pa5.into_alternate().speed(Speed::High).internal_resistor(Pull::Up),
             a.pa6.into_alternate(),
             a.pa7.into_alternate().speed(Speed::High),
         );
-        // low until the timer drives them, and if it ever lets go
-        let mut motors =
-            (e.pe9.into_alternate(), e.pe11.into_alternate(), e.pe13.into_alternate(), e.pe14.into_alternate());
-        motors.0.set_internal_resistor(Pull::Down);
-        motors.1.set_internal_resistor(Pull::Down);
-        motors.2.set_internal_resistor(Pull::Down);
-        motors.3.set_internal_resistor(Pull::Down);
         // low where nobody drives them
         let mut imu_ready =
             imu::ReadyPins { first: d.pd15.into_pull_down_input(), second: b.pb0.into_pull_down_input() };
@@ -69,10 +72,15 @@ impl Pins {
         Self {
             selects,
             sensor_bus,
-            sensor_supply: e.pe3.into_push_pull_output_in_state(PinState::Low),
+            sensor_supply,
             imu_ready,
-            fram_select: d.pd10.into_push_pull_output_in_state(high),
-            fram: (b.pb13.into_alternate(), b.pb14.into_alternate(), b.pb15.into_alternate()),
+            fram_select: d.pd10.into_push_pull_output_in_state(high).speed(Speed::High),
+            // slower, the clock comes back too late for the last bit of a byte (ES0206, delayed SCK feedback)
+            fram: (
+                b.pb13.into_alternate().speed(Speed::High),
+                b.pb14.into_alternate(),
+                b.pb15.into_alternate().speed(Speed::High),
+            ),
             motors,
             link: (d.pd5.into_alternate(), d.pd6.into_alternate().internal_resistor(Pull::Up)),
             light_and_tone: light_and_tone::Pins {

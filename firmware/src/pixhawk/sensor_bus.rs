@@ -68,7 +68,7 @@ pub struct Selects {
     /// LSM303D.
     pub lsm303d: PC15<Output>,
     /// MS5611: not used yet, but kept high.
-    pub _ms5611: PD7<Output>,
+    pub ms5611: PD7<Output>,
 }
 
 /// Clock, MISO, MOSI.
@@ -83,11 +83,17 @@ pub struct SensorBus {
 }
 
 impl SensorBus {
-    /// Restarts the sensors and takes the bus. Chip selects must already be high.
-    pub fn new(spi: SPI1, pins: Pins, selects: Selects, supply: &mut PE3<Output>, rcc: &mut Rcc) -> Self {
+    /// Restarts the sensors and takes the bus. All that leads to the sensors must be low: while they have no supply, a
+    /// line that is high feeds them through their protection diodes, and they come up in any state.
+    pub fn new(spi: SPI1, pins: Pins, mut selects: Selects, supply: &mut PE3<Output>, rcc: &mut Rcc) -> Self {
         supply.set_low();
         clock::wait_us(board::SENSOR_OFF_MS * 1000);
         supply.set_high();
+        clock::wait_us(board::SENSOR_RISE_US);
+        selects.mpu6000.set_high();
+        selects.l3gd20.set_high();
+        selects.lsm303d.set_high();
+        selects.ms5611.set_high();
         clock::wait_us(board::SENSOR_START_MS * 1000);
         SPI1::enable(rcc);
         SPI1::reset(rcc);
@@ -106,8 +112,9 @@ impl SensorBus {
     pub fn begin_sample(&mut self, chip: Chip) {
         // the speed may change only while it is off
         self.spi.cr1().write(|w| at_speed_of(chip, mode_3(w)));
-        self.select(chip);
+        // before the chip listens: until then nobody drives the clock, and an edge of it would shift all bits by one
         self.spi.cr1().write(|w| at_speed_of(chip, mode_3(w)).spe().set_bit());
+        self.select(chip);
     }
 
     /// Ends one that was broken off, and clears away what is left of it.
@@ -168,8 +175,10 @@ impl SensorBus {
         clock::wait_us(1);
         self.exchange(address);
         let answer = self.exchange(value);
+        // the MPU6000 wants its select low for 500 ns more (product specification 6.8) ...
+        clock::wait_us(1);
         self.release(chip);
-        // the MPU6000 wants its select high for 500 ns
+        // ... and then as long high
         clock::wait_us(1);
         answer
     }

@@ -1,4 +1,6 @@
-//! The independent watchdog, fed in one place and only when every periodic task has reported.
+//! The independent watchdog, fed in one place and only when every periodic task has reported; and while a restart on
+//! purpose waits, with the motor outputs held low.
+#![allow(unsafe_code)] // the restart feeds it whoever owns it
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -28,6 +30,12 @@ pub fn expect_plan() {
 /// A plan has been made.
 pub fn report_plan() {
     PLAN_MADE.store(true, Ordering::Relaxed);
+}
+
+/// For a restart that takes longer than the watchdog waits; there is no task left that could report.
+pub fn feed_before_restart() {
+    // SAFETY: a register that takes keys and holds nothing
+    unsafe { (*IWDG::ptr()).kr().write(|w| w.key().feed()) };
 }
 
 /// The watchdog; it cannot be stopped once it runs.

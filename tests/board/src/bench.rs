@@ -3,8 +3,14 @@
 use shared_control::params::{self, Params};
 
 use crate::board::serial::Connector;
+use crate::devices::mpu6000::Mpu6000Revision;
+use crate::devices::mpu6000_start::START_UP;
 use crate::devices::{Sensor, SensorFault};
 use crate::machine::Machine;
+use crate::peripherals::line_noise::LineNoise;
+use crate::peripherals::pin::Load;
+use crate::rules::Broken;
+use crate::time::Ticks;
 
 impl Machine {
     /// Sends on TELEM1's line.
@@ -92,5 +98,68 @@ impl Machine {
     /// Bytes that the FRAM holds.
     pub fn read_fram(&self, address: usize, length: usize) -> Vec<u8> {
         self.board.borrow().fram.content().iter().cycle().skip(address).take(length).copied().collect()
+    }
+
+    /// These rules of the documents stop nothing when they are broken, all others do.
+    pub fn tolerate(&mut self, rules: &[&'static str]) {
+        self.board.borrow_mut().tolerate(rules);
+    }
+
+    /// Rules that were tolerated and broken so far.
+    pub fn broken_rules(&self) -> Vec<Broken> {
+        self.board.borrow().broken.clone()
+    }
+
+    /// The capacitance at the pins.
+    pub fn set_load(&mut self, load: Load) {
+        self.board.borrow_mut().set_load(load);
+    }
+
+    /// Since when each of the lines of AUX 4 to 1, TIM1's channels, is high at the ESC.
+    pub fn aux_high_since(&mut self) -> [Option<Ticks>; 4] {
+        self.board.borrow_mut().aux_high_since()
+    }
+
+    /// How long an AUX line stays low after its pin has let go, to be called before the first run.
+    pub fn set_aux_floats_low(&mut self, duration: Ticks) {
+        self.board.borrow_mut().set_aux_floats_low(duration);
+    }
+
+    /// Does the image run with flash prefetch?
+    pub fn prefetches(&self) -> bool {
+        self.board.borrow().flash_access().prefetches()
+    }
+
+    /// The chip's supply dips for so long.
+    pub fn dip_supply(&mut self, supply_v: f32, duration: Ticks) {
+        self.board.borrow_mut().dip_supply(supply_v, duration);
+    }
+
+    /// The rate of the chip's slow oscillator; 32 kHz at first.
+    pub fn set_lsi_hz(&mut self, lsi_hz: u64) {
+        self.board.borrow_mut().set_lsi_hz(lsi_hz);
+    }
+
+    /// The MPU6000 that is soldered in, and how often it will come up badly before it comes up well.
+    pub fn set_mpu6000(&mut self, revision: Mpu6000Revision, bad_starts: u8) {
+        let mut board = self.board.borrow_mut();
+        board.mpu6000.set_revision(revision);
+        board.mpu6000.start_mut().come_up_badly(bad_starts);
+    }
+
+    /// From power to its first answer: the typical chip's 11 ms or the slowest one's 100.
+    pub fn set_mpu6000_start_up(&mut self, slowest: bool) {
+        self.board.borrow_mut().mpu6000.start_mut().set_start_up(START_UP[usize::from(slowest)]);
+    }
+
+    /// The FRAM's block protection: none, the upper quarter, the upper half, all of it (0 to 3).
+    pub fn protect_fram(&mut self, blocks: u8) {
+        self.board.borrow_mut().fram.protect(blocks);
+    }
+
+    /// The line towards TELEM1 loses and damages so many bytes of a thousand; 0 and 0 for none.
+    pub fn telem1_noise(&mut self, lost_permille: u32, turned_permille: u32) {
+        let noise = LineNoise::new(lost_permille, turned_permille, 1);
+        self.board.borrow_mut().usart(Connector::Telem1).set_noise(Some(noise));
     }
 }

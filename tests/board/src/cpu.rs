@@ -9,7 +9,9 @@ use std::rc::Rc;
 
 use unicorn_engine::{Arch, ArmCpuModel, HookType, Mode, Prot, RegisterARM, Unicorn, uc_error};
 
+use crate::cortex::cycles::{Block, REFILL};
 use crate::memory::{self, Memory, Region};
+use crate::peripherals::flash_timing::{AccessControl, FlashTiming};
 
 /// What ended a slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,34 +34,71 @@ pub(crate) enum Outcome {
     Failed(uc_error),
 }
 
+/// What a slice took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Ran {
+    pub(crate) instructions: u64,
+    pub(crate) cycles: u64,
+}
+
 /// What the emulator's hooks leave for the end of the slice.
 #[derive(Default)]
 struct Hooked {
-    /// Instructions of the slice before the running block, and how many there are to be.
-    instructions: Cell<u64>,
+    /// Of the slice before the running block, and how many cycles there are to be.
+    ran: Cell<Ran>,
     budget: Cell<u64>,
     /// The slice is to end here, with this block not executed.
     stops: Cell<bool>,
     block: Cell<(u32, u32)>,
+    /// Where the block before ended: a block that begins elsewhere refills the pipeline.
+    fell_through: Cell<u32>,
+    /// Accesses to peripherals within the running block.
+    accesses: Cell<u64>,
     interrupt: Cell<Option<(u32, u32)>>,
     bad_address: Cell<Option<u32>>,
-    /// Length and instructions of the block last seen at each half-word of flash: counted once.
-    counted: RefCell<Vec<(u16, u16)>>,
+    /// Place in `blocks` of the one last seen at each half-word of flash, plus one.
+    places: RefCell<Vec<u32>>,
+    blocks: RefCell<Vec<Block>>,
+    timing: RefCell<FlashTiming>,
 }
 
 impl Hooked {
-    fn count(&self, engine: &Unicorn<'_, ()>, start: u32, length: u32) -> u32 {
-        let mut counted = self.counted.borrow_mut();
+    /// Counts a block that ran to its end.
+    fn count(&self, engine: &Unicorn<'_, ()>, start: u32, length: u32) {
+        let (mut places, mut blocks) = (self.places.borrow_mut(), self.blocks.borrow_mut());
         let index = (start.wrapping_sub(memory::FLASH.start) / 2) as usize;
-        match counted.get_mut(index) {
-            Some((seen, count)) if u32::from(*seen) == length => u32::from(*count),
-            Some(entry) => {
-                let count = count_instructions(engine, start, length);
-                *entry = (length as u16, count as u16);
-                count
-            }
-            None => count_instructions(engine, start, length),
+        let Some(place) = places.get_mut(index) else { return self.add(&decode(engine, start, length), start) };
+        let known = blocks.get((*place as usize).wrapping_sub(1)).is_some_and(|block| block.length == length);
+        if !known {
+            blocks.push(decode(engine, start, length));
+            *place = blocks.len() as u32;
         }
+        self.add(&blocks[*place as usize - 1], start);
+    }
+
+    fn add(&self, block: &Block, start: u32) {
+        let mut timing = self.timing.borrow_mut();
+        let waits = timing.run(start, block.length, block.cycles)
+            + block.literals.iter().map(|address| timing.read(*address)).sum::<u64>();
+        let Ran { instructions, cycles } = self.ran.get();
+        let instructions = instructions + u64::from(block.instructions);
+        self.ran.set(Ran { instructions, cycles: cycles + block.cycles + waits });
+        self.fell_through.set(start.wrapping_add(block.length));
+    }
+
+    /// A block begins.
+    fn begin(&self, start: u32) {
+        self.accesses.set(0);
+        if self.fell_through.replace(start) != start {
+            let Ran { instructions, cycles } = self.ran.get();
+            self.ran.set(Ran { instructions, cycles: cycles + REFILL });
+        }
+    }
+
+    /// When an access of the running block happens, at the earliest: each takes two cycles on the bus.
+    fn access(&self) -> AccessTime {
+        let accesses = self.accesses.replace(self.accesses.get() + 1);
+        AccessTime { cycles: self.ran.get().cycles + 2 * accesses }
     }
 }
 
@@ -69,11 +108,11 @@ pub(crate) struct Cpu {
     hooked: Rc<Hooked>,
 }
 
-/// When in the slice a peripheral access happens.
+/// When in the slice a peripheral access happens, at the earliest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AccessTime {
-    /// Instructions of this slice before the running block.
-    pub(crate) ran: u64,
+    /// Cycles since the slice began.
+    pub(crate) cycles: u64,
 }
 
 /// What lies behind the peripheral addresses.
@@ -106,7 +145,7 @@ impl Cpu {
         map(&mut engine, ccm, Prot::READ | Prot::WRITE, &memory::noise(ccm.size, !seed))?;
         map(&mut engine, memory::SYSTEM, Prot::READ, &memory::system_page())?;
         let hooked = Rc::new(Hooked::default());
-        hooked.counted.replace(vec![(0, 0); memory::FLASH.size as usize / 2]);
+        hooked.places.replace(vec![0; memory::FLASH.size as usize / 2]);
         for region in [memory::PERIPHERALS, memory::PERIPHERAL_BIT_BAND, memory::PRIVATE] {
             map_bus(&mut engine, region, bus, &hooked)?;
         }
@@ -114,11 +153,12 @@ impl Cpu {
         Ok(Self { engine, hooked })
     }
 
-    /// Runs instructions from `pc` on, up to the end of the block in which the `count`th lies, or the first that writes
-    /// to a peripheral: how many ran, and what ended them.
-    pub(crate) fn run(&mut self, pc: u32, count: u64) -> (u64, Outcome) {
-        self.hooked.instructions.set(0);
-        self.hooked.budget.set(count);
+    /// Runs instructions from `pc` on, up to the end of the block in which so many cycles are over, or the first that
+    /// writes to a peripheral: what ran, and what ended it.
+    pub(crate) fn run(&mut self, pc: u32, cycles: u64, flash: AccessControl) -> (Ran, Outcome) {
+        self.hooked.timing.borrow_mut().set(flash);
+        self.hooked.ran.set(Ran::default());
+        self.hooked.budget.set(cycles);
         self.hooked.stops.set(false);
         self.hooked.block.set((0, 0));
         self.hooked.interrupt.set(None);
@@ -157,15 +197,15 @@ impl Cpu {
     }
 
     /// Whole blocks, and of the last one what lies before the program counter; none of one that was not to begin.
-    fn count_up_to_stop(&mut self) -> u64 {
+    fn count_up_to_stop(&mut self) -> Ran {
         let (start, size) = self.hooked.block.get();
         let pc = self.pc();
-        if self.hooked.stops.get() && pc == start {
-            return self.hooked.instructions.get();
+        if !(self.hooked.stops.get() && pc == start) {
+            let inside = pc >= start && pc < start + size;
+            let block = decode(&self.engine, start, if inside { pc - start } else { size });
+            self.hooked.add(&block, start);
         }
-        let inside = pc >= start && pc < start + size;
-        let last = count_instructions(&self.engine, start, if inside { pc - start } else { size });
-        self.hooked.instructions.get() + u64::from(last)
+        self.hooked.ran.get()
     }
 
     pub(crate) fn register(&self, register: impl Into<i32>) -> u32 {
@@ -183,7 +223,8 @@ impl Cpu {
 
     /// As [`Memory::store`], for code that may have run already.
     pub(crate) fn replace(&mut self, address: u32, bytes: &[u8]) -> bool {
-        self.hooked.counted.borrow_mut().fill((0, 0));
+        self.hooked.places.borrow_mut().fill(0);
+        self.hooked.blocks.borrow_mut().clear();
         self.store(address, bytes) && self.engine.ctl_flush_tb().is_ok()
     }
 
@@ -238,13 +279,12 @@ fn map_bus<B: Bus + 'static>(
     let (reader, writer) = (Rc::clone(bus), Rc::clone(bus));
     let (read_hooked, write_hooked) = (Rc::clone(hooked), Rc::clone(hooked));
     let start = region.start;
-    let time = |hooked: &Hooked| AccessTime { ran: hooked.instructions.get() };
     engine.mmio_map(
         u64::from(region.start),
         u64::from(region.size),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize| {
             let mut bus = reader.borrow_mut();
-            let value = bus.load(start + offset as u32, size as u32, time(&read_hooked));
+            let value = bus.load(start + offset as u32, size as u32, read_hooked.access());
             if bus.is_over() {
                 let _ = engine.emu_stop();
             }
@@ -252,7 +292,7 @@ fn map_bus<B: Bus + 'static>(
         }),
         Some(move |engine: &mut Unicorn<'_, ()>, offset: u64, size: usize, value: u64| {
             let mut bus = writer.borrow_mut();
-            bus.store(start + offset as u32, size as u32, value as u32, time(&write_hooked));
+            bus.store(start + offset as u32, size as u32, value as u32, write_hooked.access());
             // it may have raised an exception or moved the next event
             write_hooked.budget.set(0);
             if bus.is_over() {
@@ -267,13 +307,14 @@ fn install_hooks(engine: &mut Unicorn<'static, ()>, hooked: &Rc<Hooked>) -> Resu
     engine.add_block_hook(1, 0, move |engine, address, size| {
         let (start, length) = seen.block.replace((address as u32, size));
         if length != 0 {
-            let count = seen.count(engine, start, length);
-            seen.instructions.set(seen.instructions.get() + u64::from(count));
+            seen.count(engine, start, length);
         }
-        if seen.instructions.get() >= seen.budget.get() {
+        if seen.ran.get().cycles >= seen.budget.get() {
             seen.stops.set(true);
             let _ = engine.emu_stop();
+            return;
         }
+        seen.begin(address as u32);
     })?;
     let raised = Rc::clone(hooked);
     engine.add_intr_hook(move |engine, number| {
@@ -293,17 +334,11 @@ fn install_hooks(engine: &mut Unicorn<'static, ()>, hooked: &Rc<Hooked>) -> Resu
     Ok(())
 }
 
-/// Thumb instructions are a half-word, or two if the first one's top five bits say so (ARMv7-M ARM A5.1).
-fn count_instructions<D>(engine: &Unicorn<'_, D>, start: u32, length: u32) -> u32 {
+/// The block that lies there; empty if nothing does.
+fn decode(engine: &Unicorn<'_, ()>, start: u32, length: u32) -> Block {
     let mut bytes = vec![0; length as usize];
     if engine.mem_read(u64::from(start), &mut bytes).is_err() {
-        return 0;
+        return Block::default();
     }
-    let (mut at, mut count) = (0, 0);
-    while at + 1 < bytes.len() {
-        let is_long = bytes[at + 1] >> 3 >= 0b11101;
-        at += if is_long { 4 } else { 2 };
-        count += 1;
-    }
-    count
+    Block::decode(start, &bytes)
 }

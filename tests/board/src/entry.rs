@@ -49,11 +49,11 @@ const ARDUPILOT: [(u32, u32); 17] = [
     FULL_FLOAT,
     // all ports, CCM
     (RCC_AHB1ENR, 0x0010_01ff),
-    // chip selects high, sensors on
-    (GPIOC + 0x14, 1 << 2 | 1 << 13 | 1 << 15),
-    (GPIOC, 1 << 4 | 1 << 26 | 1 << 30),
+    // sensors on, chip selects high
     (GPIOE + 0x14, 1 << 3),
     (GPIOE, 1 << 6),
+    (GPIOC + 0x14, 1 << 2 | 1 << 13 | 1 << 15),
+    (GPIOC, 1 << 4 | 1 << 26 | 1 << 30),
     // SysTick at 1 kHz and pending, PendSV pending
     (SYST_RVR, 167_999),
     (SYST_CSR, 0b111),

@@ -45,6 +45,7 @@ pub struct Flight {
     last: StepTrace,
     resets_seen: u64,
     next_heartbeat: Ticks,
+    heartbeat_period: Ticks,
     muted: bool,
     deviation_sum_rad: [f64; 2],
     deviation_steps: u32,
@@ -83,6 +84,7 @@ impl Flight {
             last: StepTrace::EMPTY,
             resets_seen: 0,
             next_heartbeat: 0,
+            heartbeat_period: HEARTBEAT_PERIOD,
             muted: false,
             deviation_sum_rad: [0.0; 2],
             deviation_steps: 0,
@@ -132,6 +134,11 @@ impl Flight {
         self.muted = true;
     }
 
+    /// The ground sends a heartbeat so often; every 0.2 s at first.
+    pub fn set_heartbeat_period(&mut self, period: Ticks) {
+        self.heartbeat_period = period;
+    }
+
     /// Runs for a while, heartbeats going in, every step repeated by the twin.
     ///
     /// # Panics
@@ -140,7 +147,7 @@ impl Flight {
         let end = self.machine.now() + duration;
         while self.machine.now() < end {
             if !self.muted && self.machine.now() >= self.next_heartbeat {
-                self.next_heartbeat = self.machine.now() + HEARTBEAT_PERIOD;
+                self.next_heartbeat = self.machine.now() + self.heartbeat_period;
                 self.ground.heartbeat(&mut self.machine);
             }
             let until = (self.machine.now() + LOOK).min(end);

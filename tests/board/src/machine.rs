@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   .-> board: everything due -> exception due? stack, enter -> asleep? skip to the next event
-//!   '--- slice: whole blocks until the next event is due, or 256 instructions <---'
+//!   '--- slice: whole blocks until the next event is due, or 512 cycles <---'
 //! ```
 
 use std::cell::RefCell;
@@ -11,7 +11,7 @@ use std::rc::Rc;
 use shared_control::params::Params;
 use unicorn_engine::RegisterARM as Register;
 
-use crate::board::{Board, CYCLES_PER_INSTRUCTION};
+use crate::board::Board;
 use crate::cortex::exceptions::{BUS_FAULT, HARD_FAULT, Masks, NMI, SV_CALL, USAGE_FAULT};
 use crate::cortex::stacking;
 use crate::cpu::{Cpu, Outcome};
@@ -23,8 +23,8 @@ use crate::stop::{Cause, Stop};
 use crate::time::Ticks;
 use crate::world::World;
 
-/// After so many instructions a slice ends with the block that runs.
-const SLICE_INSTRUCTIONS: u64 = 256;
+/// After so many cycles a slice ends with the block that runs.
+const SLICE_CYCLES: u64 = 512;
 /// So many blocks are looked at one by one after WFI, or after an exception came up, while a mask holds one back: an
 /// image may lift the mask for an instant only, as an idle loop does that sleeps with PRIMASK set. What lifts it ends a
 /// block.
@@ -44,6 +44,8 @@ const UNDEFINED_INSTRUCTION: u32 = 1 << 16;
 pub struct Counters {
     /// Instructions executed.
     pub instructions: u64,
+    /// Cycles that they took, exceptions included.
+    pub cycles: u64,
     /// Exceptions taken.
     pub exceptions: u64,
     /// Faults taken.
@@ -70,6 +72,7 @@ pub struct Machine {
     vectors: u32,
     entry: EntryState,
     counters: Counters,
+    last_reset: Option<Ticks>,
     profile: Profile,
 }
 
@@ -87,9 +90,22 @@ impl Machine {
         }
         let (vectors, entry, counters) = (image.base(), EntryState::Reset, Counters::default());
         let (now, cycles, pc, watched, profile) = (0, 0, 0, 0, Profile::default());
-        let (asleep, masked) = (false, false);
-        let mut machine =
-            Self { cpu, board, now, cycles, pc, asleep, masked, watched, vectors, entry, counters, profile };
+        let (asleep, masked, last_reset) = (false, false, None);
+        let mut machine = Self {
+            cpu,
+            board,
+            now,
+            cycles,
+            pc,
+            asleep,
+            masked,
+            watched,
+            vectors,
+            entry,
+            counters,
+            last_reset,
+            profile,
+        };
         machine.configure(&Params::DEFAULT);
         machine.enter_image();
         Ok(machine)
@@ -118,6 +134,7 @@ impl Machine {
     /// Resets chip and core; RAM, backup SRAM and what is around the chip stay as they are.
     fn reset(&mut self, flags: u32) {
         self.counters.resets += 1;
+        self.last_reset = Some(self.now);
         self.profile.reset();
         self.board.borrow_mut().reset(flags);
         self.enter_image();
@@ -125,7 +142,14 @@ impl Machine {
 
     /// Takes all power away and gives it back: RAM holds the noise of `seed`, only flash and FRAM remember.
     pub fn power_cycle(&mut self, seed: u64) {
-        self.board.borrow_mut().power_cycle(seed);
+        self.board.borrow_mut().power_cycle(seed, false);
+        self.cpu.forget_memory(seed);
+        self.enter_image();
+    }
+
+    /// The same with a charged battery for the backup domain.
+    pub fn power_cycle_with_battery(&mut self, seed: u64) {
+        self.board.borrow_mut().power_cycle(seed, true);
         self.cpu.forget_memory(seed);
         self.enter_image();
     }
@@ -161,18 +185,19 @@ impl Machine {
     }
 
     fn run_slice(&mut self, end: Ticks) -> Result<(), Stop> {
-        let instruction_ticks = CYCLES_PER_INSTRUCTION * self.board.borrow().core_ticks();
+        let (core_ticks, flash) = (self.board.borrow().core_ticks(), self.board.borrow().flash_access());
         let until = self.board.borrow().next_event().unwrap_or(end).min(end);
         let watches = self.masked && self.watched > 0;
         self.watched = self.watched.saturating_sub(1);
-        let longest = if watches { 1 } else { SLICE_INSTRUCTIONS };
-        let count = until.saturating_sub(self.now).div_ceil(instruction_ticks).clamp(1, longest);
-        let (ran, outcome) = self.cpu.run(self.pc, count);
+        let longest = if watches { 1 } else { SLICE_CYCLES };
+        let cycles = until.saturating_sub(self.now).div_ceil(core_ticks).clamp(1, longest);
+        let (ran, outcome) = self.cpu.run(self.pc, cycles, flash);
         self.pc = self.cpu.pc();
         self.counters.slices += 1;
-        self.counters.instructions += ran;
+        self.counters.instructions += ran.instructions;
         self.profile.execute(ran);
-        self.spend(ran * CYCLES_PER_INSTRUCTION);
+        // a slice that did nothing takes time all the same
+        self.spend(ran.cycles.max(1));
         self.check_stop()?;
         self.check_float()?;
         match outcome {
@@ -319,6 +344,7 @@ impl Machine {
 
     fn spend(&mut self, cycles: u64) {
         self.cycles += cycles;
+        self.counters.cycles = self.cycles;
         let ticks = cycles * self.board.borrow().core_ticks();
         self.set_time(self.now + ticks);
     }
@@ -338,6 +364,11 @@ impl Machine {
     /// What it did so far.
     pub fn counters(&self) -> Counters {
         self.counters
+    }
+
+    /// When the chip was last reset, by the watchdog or by the image.
+    pub fn last_reset(&self) -> Option<Ticks> {
+        self.last_reset
     }
 
     /// Where the instructions went, since start or since [`Self::restart_profile`].

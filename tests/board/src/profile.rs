@@ -2,31 +2,35 @@
 
 use std::collections::BTreeMap;
 
+use crate::cpu::Ran;
 use crate::time::Ticks;
 
-/// Instructions of every activation so far.
+/// Instructions and cycles of every activation so far.
 #[derive(Clone, Debug, Default)]
 pub struct Profile {
-    /// What runs, and what it interrupted, innermost last: exception and instructions so far.
-    running: Vec<(u8, u32)>,
-    ended: BTreeMap<u8, Vec<u32>>,
+    /// What runs, and what it interrupted, innermost last: exception, instructions and cycles so far.
+    running: Vec<(u8, u32, u32)>,
+    instructions: BTreeMap<u8, Vec<u32>>,
+    cycles: BTreeMap<u8, Vec<u32>>,
     asleep: Ticks,
 }
 
 impl Profile {
     pub(crate) fn enter(&mut self, exception: u8) {
-        self.running.push((exception, 0));
+        self.running.push((exception, 0, 0));
     }
 
     pub(crate) fn leave(&mut self) {
-        if let Some((exception, instructions)) = self.running.pop() {
-            self.ended.entry(exception).or_default().push(instructions);
+        if let Some((exception, instructions, cycles)) = self.running.pop() {
+            self.instructions.entry(exception).or_default().push(instructions);
+            self.cycles.entry(exception).or_default().push(cycles);
         }
     }
 
-    pub(crate) fn execute(&mut self, instructions: u64) {
-        if let Some((_, count)) = self.running.last_mut() {
-            *count += instructions as u32;
+    pub(crate) fn execute(&mut self, ran: Ran) {
+        if let Some((_, instructions, cycles)) = self.running.last_mut() {
+            *instructions += ran.instructions as u32;
+            *cycles += ran.cycles as u32;
         }
     }
 
@@ -41,21 +45,26 @@ impl Profile {
 
     /// Forgets what has ended.
     pub(crate) fn restart(&mut self) {
-        self.ended.clear();
+        self.instructions.clear();
+        self.cycles.clear();
         self.asleep = 0;
     }
 
     /// Instructions of each activation of an interrupt (0 is the first beyond the core's own exceptions) that has
     /// ended, in the order in which they ended.
     pub fn of_interrupt(&self, interrupt: u8) -> &[u32] {
-        let exception = interrupt + crate::cortex::exceptions::FIRST_INTERRUPT;
-        self.ended.get(&exception).map_or(&[], Vec::as_slice)
+        of(&self.instructions, interrupt)
+    }
+
+    /// Cycles of the same, waits for flash included.
+    pub fn cycles_of_interrupt(&self, interrupt: u8) -> &[u32] {
+        of(&self.cycles, interrupt)
     }
 
     /// Interrupts that ran, in ascending order.
     pub fn interrupts(&self) -> impl Iterator<Item = u8> {
         let first = crate::cortex::exceptions::FIRST_INTERRUPT;
-        self.ended.keys().filter_map(move |exception| exception.checked_sub(first))
+        self.instructions.keys().filter_map(move |exception| exception.checked_sub(first))
     }
 
     /// Time in which the core slept.
@@ -64,25 +73,36 @@ impl Profile {
     }
 }
 
+fn of(ended: &BTreeMap<u8, Vec<u32>>, interrupt: u8) -> &[u32] {
+    let exception = interrupt + crate::cortex::exceptions::FIRST_INTERRUPT;
+    ended.get(&exception).map_or(&[], Vec::as_slice)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// So many instructions, of three cycles each.
+    fn ran(instructions: u64) -> Ran {
+        Ran { instructions, cycles: 3 * instructions }
+    }
+
     #[test]
     fn what_interrupts_is_not_counted_twice() {
         let mut profile = Profile::default();
-        profile.execute(1000);
+        profile.execute(ran(1000));
         profile.enter(20);
-        profile.execute(3);
+        profile.execute(ran(3));
         profile.enter(30);
-        profile.execute(50);
+        profile.execute(ran(50));
         profile.leave();
-        profile.execute(4);
+        profile.execute(ran(4));
         profile.leave();
         profile.enter(20);
-        profile.execute(1);
+        profile.execute(ran(1));
         profile.leave();
         assert_eq!((profile.of_interrupt(4), profile.of_interrupt(14)), (&[7, 1][..], &[50][..]));
+        assert_eq!(profile.cycles_of_interrupt(4), [21, 3]);
         assert_eq!(profile.interrupts().collect::<Vec<_>>(), [4, 14]);
     }
 
@@ -91,7 +111,7 @@ mod tests {
         let mut profile = Profile::default();
         profile.enter(20);
         profile.reset();
-        profile.execute(7);
+        profile.execute(ran(7));
         profile.leave();
         assert!(profile.of_interrupt(4).is_empty());
     }

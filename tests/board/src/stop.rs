@@ -7,6 +7,8 @@ use std::fmt;
 pub enum Cause {
     /// A register, or a bit of one, without a model.
     Unmodelled(&'static str),
+    /// What the document of a part forbids.
+    Forbidden(&'static str),
     /// A peripheral whose clock is off in RCC.
     ClockOff,
     /// Floating point before the image enabled it in CPACR.

@@ -9,6 +9,7 @@ use sil_host::plant::Plant;
 use sil_host::sensors::Sensors;
 
 use crate::delays::Delays;
+use crate::devices::esc::{Esc, Traits as EscTraits};
 use crate::devices::{Counts, SecondGyro};
 use crate::peripherals::timer::Pulse;
 use crate::pulses::Pulses;
@@ -18,6 +19,9 @@ use crate::world::World;
 
 /// Motor (0 to 3) on each channel of TIM1: AUX 1 to 4 are channels 4 to 1.
 const MOTOR_OF_CHANNEL: [usize; 4] = [3, 2, 1, 0];
+
+/// Longer than any pulse that is meant.
+const LONG_PULSE: Ticks = 2500 * TICKS_PER_US;
 
 /// The vehicle on its rig, which holds it until it is let go.
 pub struct Vehicle {
@@ -30,6 +34,9 @@ pub struct Vehicle {
     commands: [f64; 4],
     pulses: Pulses,
     recorded: Option<Vec<Pulse>>,
+    /// On the lines behind the level shifters.
+    line_recorded: Vec<Pulse>,
+    escs: [Esc; 4],
     delays: Delays,
 }
 
@@ -50,6 +57,8 @@ impl Vehicle {
             commands: [0.0; 4],
             pulses: Pulses::new(PulseKind::Pwm),
             recorded: None,
+            line_recorded: Vec::new(),
+            escs: std::array::from_fn(|_| Esc::new(EscTraits::CAREFUL, 0)),
             delays: Delays::default(),
         }))
     }
@@ -59,11 +68,32 @@ impl Vehicle {
         self.pulses = Pulses::new(pulses);
     }
 
+    /// Fits ESCs of another make beside the ideal ones that the plant follows; power comes to them now.
+    pub fn watch_with(&mut self, traits: EscTraits, now: Ticks) {
+        self.escs = std::array::from_fn(|_| Esc::new(traits, now));
+    }
+
+    /// The ESCs of motors 1 to 4.
+    pub fn escs(&mut self) -> &mut [Esc; 4] {
+        &mut self.escs
+    }
+
+    /// Pulses as the ESCs see them, since power-on: what is longer than 2.5 ms, and everything while pulses are kept.
+    pub fn line_pulses(&self) -> &[Pulse] {
+        &self.line_recorded
+    }
+
     /// Lets it go, the motors settled at what the ESCs were told last.
     pub fn release(&mut self, now: Ticks) {
         self.plant.set_motor_equilibrium(self.commands);
         self.moved_to = now;
         self.held = false;
+    }
+
+    /// Lays it down somewhere: it lies still at these angles of roll and pitch until it is let go.
+    pub fn lay_down(&mut self, roll_rad: f64, pitch_rad: f64) {
+        self.held = true;
+        self.plant.set_attitude([roll_rad, pitch_rad, 0.0], [0.0; 3]);
     }
 
     /// True roll and pitch, rad.
@@ -140,6 +170,14 @@ impl World for Surroundings {
         }
         let commands = vehicle.commands;
         vehicle.plant.set_commands(commands);
+    }
+
+    fn line_pulse(&mut self, pulse: Pulse) {
+        let mut vehicle = self.0.borrow_mut();
+        vehicle.escs[MOTOR_OF_CHANNEL[pulse.channel]].pulse(pulse.rise + pulse.width, pulse.width);
+        if vehicle.recorded.is_some() || pulse.width > LONG_PULSE {
+            vehicle.line_recorded.push(pulse);
+        }
     }
 
     fn loop_tick(&mut self, at: Ticks) {

@@ -10,6 +10,8 @@ pub trait World {
     fn imu(&mut self, now: Ticks) -> Counts;
     /// A pulse ended on a motor output: channel 0 to 3 is TIM1 CH1 to CH4.
     fn pulse(&mut self, pulse: Pulse);
+    /// A pulse ended on an AUX line behind the level shifter, whoever made it: the ESC sees this one.
+    fn line_pulse(&mut self, _pulse: Pulse) {}
     /// TIM3 sent its trigger, the tick of the image's loop.
     fn loop_tick(&mut self, _at: Ticks) {}
     /// The second IMU's gyro, its LSM303D being there too; none if neither is fitted: then nobody answers when

@@ -1,13 +1,12 @@
 //! What the core sees of the board: peripherals at their addresses (RM0090 section 2.3), their clocks and resets.
 
-use super::{Board, CYCLES_PER_INSTRUCTION, PORTS};
+use super::{Board, PORTS};
 use crate::cortex::private_bus::part;
 use crate::cpu::{AccessTime, Bus};
 use crate::memory;
 use crate::peripherals::adc::Adc;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::gpio::Gpio;
-use crate::peripherals::pwr::Pwr;
 use crate::peripherals::rcc::ClockGate;
 use crate::peripherals::spi::Spi;
 use crate::peripherals::syscfg::SysCfg;
@@ -29,7 +28,7 @@ const RESETS: [(ClockGate, Reset); 11] = [
     (ClockGate::apb1(14), |board| board.spi2 = Spi::default()),
     (ClockGate::apb1(17), |board| board.usart2.reset()),
     (ClockGate::apb1(18), |board| board.usart3.reset()),
-    (ClockGate::apb1(28), |board| board.pwr = Pwr::new(board.pwr.supply_v())),
+    (ClockGate::apb1(28), |board| board.pwr.reset()),
     (ClockGate::apb2(0), |board| board.tim1 = Timer::advanced()),
     // all three converters together
     (ClockGate::apb2(8), |board| board.adc1 = Adc::default()),
@@ -179,13 +178,12 @@ impl Board {
     /// Writes words, as a bootloader may have done.
     pub(crate) fn preset(&mut self, registers: &[(u32, u32)]) {
         for (address, word) in registers {
-            self.store(*address, 4, *word, AccessTime { ran: 0 });
+            self.store(*address, 4, *word, AccessTime { cycles: 0 });
         }
     }
 
     fn time_of(&self, at: AccessTime) -> (Ticks, u64) {
-        let cycles = at.ran * CYCLES_PER_INSTRUCTION;
-        (self.now + cycles * self.clocks.core, self.cycles + cycles)
+        (self.now + at.cycles * self.clocks.core, self.cycles + at.cycles)
     }
 }
 
@@ -204,7 +202,7 @@ impl Bus for Board {
     fn store(&mut self, address: u32, size: u32, value: u32, at: AccessTime) {
         let (now, cycles) = self.time_of(at);
         match self.store_at(address, size, value, now, cycles) {
-            Ok(()) => self.refresh_lines(),
+            Ok(()) => self.refresh_lines(now),
             Err(cause) => self.refuse(cause, address, Some(value)),
         }
     }

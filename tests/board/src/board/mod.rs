@@ -13,11 +13,13 @@
 //! ```
 //!
 //! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults,
-//! `analog` battery and buzzer, `serial` the connectors, `wiring` DMA requests and interrupt lines.
+//! `electrics` what lies between pins and parts, `analog` battery and buzzer, `serial` the connectors, `wiring` DMA
+//! requests and interrupt lines.
 
 mod address_map;
 mod analog;
 mod buses;
+mod electrics;
 mod sensors;
 pub(crate) mod serial;
 mod wiring;
@@ -26,10 +28,13 @@ use analog::USUAL_BATTERY_V;
 use serial::USUAL_BAUD;
 
 use crate::cortex::private_bus::PrivateBus;
+use crate::devices::aux_line::AuxLine;
 use crate::devices::fram::Fram;
 use crate::devices::l3gd20::{L3GD20, L3GD20H};
+use crate::devices::level_shifter::FLOATS_LOW;
 use crate::devices::lsm303d::LSM303D;
 use crate::devices::mpu6000::Mpu6000;
+use crate::devices::sensor_rail::{CAPACITANCE_UF, SensorRail};
 use crate::devices::st_sensor::StSensor;
 use crate::devices::{SecondGyro, SensorFault};
 use crate::memory::{self, Memory};
@@ -39,20 +44,20 @@ use crate::peripherals::dbgmcu::DbgMcu;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::exti::Exti;
 use crate::peripherals::flash::Flash;
+use crate::peripherals::flash_timing::AccessControl;
 use crate::peripherals::gpio::Gpio;
 use crate::peripherals::iwdg::{Iwdg, LSI_HZ};
+use crate::peripherals::pin::Load;
 use crate::peripherals::pwr::Pwr;
 use crate::peripherals::rcc::{Clocks, Rcc};
 use crate::peripherals::spi::Spi;
 use crate::peripherals::syscfg::SysCfg;
 use crate::peripherals::timer::Timer;
 use crate::peripherals::usart::Usart;
+use crate::rules::Broken;
 use crate::stop::{Cause, Stop};
 use crate::time::Ticks;
 use crate::world::{Nowhere, World};
-
-/// Cycles that every instruction is charged.
-pub(crate) const CYCLES_PER_INSTRUCTION: u64 = 2;
 
 const PORTS: [char; 9] = ['A', 'B', 'C', 'D', 'E', 'F', 'G', 'H', 'I'];
 const A: usize = 0;
@@ -89,11 +94,24 @@ pub(crate) struct Board {
     iwdg: Iwdg,
     dbgmcu: DbgMcu,
     backup_ram: Vec<u8>,
-    mpu6000: Mpu6000,
+    pub(crate) mpu6000: Mpu6000,
     l3gd20: StSensor,
     lsm303d: StSensor,
     sensor_faults: [Option<SensorFault>; 3],
     pub(crate) fram: Fram,
+    aux: [AuxLine; 4],
+    aux_floats_low: Ticks,
+    rail: SensorRail,
+    /// Is the sensors' supply on, and how many lines are driven high into them?
+    rail_state: (bool, u32),
+    load: Load,
+    /// What SPI1 and SPI2 received last.
+    last_answer: [u8; 2],
+    clock_floated: bool,
+    /// The supply comes back to this voltage then.
+    dip_end: Option<(Ticks, f32)>,
+    tolerated: Vec<&'static str>,
+    pub(crate) broken: Vec<Broken>,
     battery_v: f32,
     pub(crate) world: Box<dyn World>,
     /// Time and core cycles at the start of the slice.
@@ -136,6 +154,16 @@ impl Board {
             lsm303d: StSensor::new(&LSM303D),
             sensor_faults: [None, second_imu, second_imu],
             fram: Fram::default(),
+            aux: std::array::from_fn(|_| AuxLine::new(0, FLOATS_LOW)),
+            aux_floats_low: FLOATS_LOW,
+            rail: SensorRail::new(CAPACITANCE_UF[1]),
+            rail_state: (false, 0),
+            load: Load::default(),
+            last_answer: [FLOATING; 2],
+            clock_floated: false,
+            dip_end: None,
+            tolerated: Vec::new(),
+            broken: Vec::new(),
             battery_v: USUAL_BATTERY_V,
             world,
             now: 0,
@@ -155,21 +183,44 @@ impl Board {
         std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
         std::mem::swap(&mut fresh.l3gd20, &mut self.l3gd20);
         std::mem::swap(&mut fresh.lsm303d, &mut self.lsm303d);
+        std::mem::swap(&mut fresh.aux, &mut self.aux);
+        std::mem::swap(&mut fresh.rail, &mut self.rail);
+        std::mem::swap(&mut fresh.pwr, &mut self.pwr);
+        fresh.pwr.reset();
+        (fresh.rail_state, fresh.dip_end) = (self.rail_state, self.dip_end);
         fresh.rcc = Rcc::new(self.rcc.reset_flags() | flags, self.rcc.crystal_oscillates());
         *self = fresh;
+        // the pins let go
+        self.refresh_lines(self.now);
     }
 
-    /// All power is gone, the battery of the backup domain too, and comes back.
-    pub(crate) fn power_cycle(&mut self, seed: u64) {
+    /// All power is gone and comes back. With a battery in its place the backup domain keeps its own, and backup SRAM
+    /// if the regulator was on.
+    pub(crate) fn power_cycle(&mut self, seed: u64, battery: bool) {
         self.tim1.cut_pulses(self.now);
         self.pass_on_pulses();
-        *self = self.without_power(seed);
+        let kept = battery && self.pwr.backup_regulator_on();
+        let mut fresh = self.without_power(seed);
+        if kept {
+            std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
+            std::mem::swap(&mut fresh.pwr, &mut self.pwr);
+            fresh.pwr.reset();
+        }
+        *self = fresh;
     }
 
     /// The same board after it lost its power: what does not need any, and what is around it, is as it was.
     fn without_power(&mut self, seed: u64) -> Self {
         let mut fresh = Self::new(std::mem::replace(&mut self.world, Box::new(Nowhere)), seed);
         std::mem::swap(&mut fresh.fram, &mut self.fram);
+        std::mem::swap(&mut fresh.broken, &mut self.broken);
+        std::mem::swap(&mut fresh.tolerated, &mut self.tolerated);
+        fresh.fram.power_up(self.now);
+        fresh.load = self.load;
+        fresh.rail = SensorRail::new(CAPACITANCE_UF[1]);
+        fresh.aux_floats_low = self.aux_floats_low;
+        fresh.aux = std::array::from_fn(|_| AuxLine::new(self.now, self.aux_floats_low));
+        fresh.iwdg = Iwdg::new(self.iwdg.lsi_hz());
         std::mem::swap(&mut fresh.usart2, &mut self.usart2);
         std::mem::swap(&mut fresh.usart3, &mut self.usart3);
         fresh.usart2.reset();
@@ -191,6 +242,11 @@ impl Board {
         self.private.reset_requested.then_some(PIN | 1 << 28)
     }
 
+    /// Wait states and caches of flash.
+    pub(crate) fn flash_access(&self) -> AccessControl {
+        self.flash.access_control()
+    }
+
     pub(crate) fn core_ticks(&self) -> Ticks {
         self.clocks.core
     }
@@ -200,6 +256,9 @@ impl Board {
         if self.private.systick.tick(now, self.clocks.core) {
             self.private.exceptions.pend(crate::cortex::exceptions::SYS_TICK);
         }
+        if let Some((_, supply_v)) = self.dip_end.take_if(|(end, _)| *end <= now) {
+            self.pwr.set_supply_v(supply_v);
+        }
         self.tim2.tick(now);
         self.tim5.tick(now);
         self.tick_motor_timers(now);
@@ -208,7 +267,7 @@ impl Board {
         self.tick_spi2(now);
         self.tick_serial(now, memory);
         self.tick_adc1(now, memory);
-        self.refresh_lines();
+        self.refresh_lines(now);
     }
 
     /// When something will happen next without the core doing anything.
@@ -225,6 +284,7 @@ impl Board {
             self.l3gd20.next_event(),
             self.lsm303d.next_event(),
             self.iwdg.next_event(),
+            self.dip_end.map(|(end, _)| end),
             self.adc1.next_end().filter(|_| self.dma[1].is_waited_for(4)),
         ];
         timers.chain(others.into_iter().flatten()).min()
@@ -233,7 +293,13 @@ impl Board {
     /// The supply of chip and board.
     pub(crate) fn set_supply_v(&mut self, supply_v: f32) {
         self.pwr.set_supply_v(supply_v);
-        self.refresh_lines();
+        self.refresh_lines(self.now);
+    }
+
+    /// It dips for so long.
+    pub(crate) fn dip_supply(&mut self, supply_v: f32, duration: Ticks) {
+        self.dip_end = Some((self.now + duration, self.pwr.supply_v()));
+        self.set_supply_v(supply_v);
     }
 
     /// The crystal stops, or would start.
@@ -242,7 +308,7 @@ impl Board {
             self.refuse(Cause::Unmodelled("the crystal stopped and the clock security system is off"), 0, None);
         }
         self.distribute_clocks();
-        self.refresh_lines();
+        self.refresh_lines(self.now);
     }
 
     fn refuse(&mut self, cause: Cause, address: u32, value: Option<u32>) {

@@ -1,11 +1,10 @@
-//! The three sensors: their supply, their sample clocks, their data-ready lines, their faults.
+//! The three sensors: their sample clocks, their data-ready lines, their faults.
 
-use super::{B, Board, D, E};
+use super::{B, Board, D};
 use crate::devices::{Sensor, SensorFault};
 use crate::time::Ticks;
 
-/// Port and pin of the supply's switch, and of the data-ready lines.
-const SUPPLY: (usize, u32) = (E, 3);
+/// Port and pin of the data-ready lines.
 const MPU6000_READY: (usize, u32) = (D, 15);
 const L3GD20_READY: (usize, u32) = (B, 0);
 const LSM303D_READY: (usize, u32) = (B, 4);
@@ -14,7 +13,7 @@ impl Board {
     /// Lets a sensor fail, or be whole again.
     pub(crate) fn set_sensor_fault(&mut self, sensor: Sensor, fault: Option<SensorFault>) {
         self.sensor_faults[sensor as usize] = fault;
-        self.refresh_lines();
+        self.refresh_lines(self.now);
     }
 
     fn fault(&self, sensor: Sensor) -> Option<SensorFault> {
@@ -49,19 +48,15 @@ impl Board {
         }
     }
 
-    /// Follows their supply and drives their data-ready lines.
+    /// Drives their data-ready lines.
     pub(super) fn refresh_sensors(&mut self) {
-        let (now, on) = (self.now, self.ports[SUPPLY.0].output_level(SUPPLY.1) == Some(true));
-        self.mpu6000.power(on, now);
-        self.l3gd20.power(on, now);
-        self.lsm303d.power(on, now);
         for (sensor, (port, pin), ready) in [
             (Sensor::Mpu6000, MPU6000_READY, self.mpu6000.interrupt_pin()),
             (Sensor::L3gd20, L3GD20_READY, self.l3gd20.data_ready()),
             (Sensor::Lsm303d, LSM303D_READY, self.lsm303d.data_ready()),
         ] {
             let lost = matches!(self.fault(sensor), Some(SensorFault::Removed(_) | SensorFault::NoDataReady));
-            self.ports[port].drive(pin, ready && !lost);
+            self.ports[port].put(pin, ready && !lost);
         }
     }
 }

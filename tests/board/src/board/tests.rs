@@ -114,8 +114,8 @@ fn the_mpu6000s_data_ready_is_a_rising_edge_on_pd15() {
         // awake, data-ready interrupt; 8 kHz
         for bytes in [[0x6b, 0x01], [0x38, 0x01]] {
             transfer(&mut board, &bytes);
-            board.mpu6000.select(false);
-            board.mpu6000.select(true);
+            board.mpu6000.select(false, 2 * TICKS_PER_S).unwrap();
+            board.mpu6000.select(true, 2 * TICKS_PER_S).unwrap();
         }
         listen(&mut board, 15, 3, rising);
         let sample = board.mpu6000.next_event().unwrap();
@@ -150,7 +150,7 @@ fn the_gyros_data_ready_is_a_rising_edge_on_pb0_and_its_words_are_the_worlds() {
     assert!(pends(&board, 6));
     assert_eq!(transfer(&mut board, &[0xe8, 0, 0, 0, 0, 0, 0])[1..], [11, 0, 22, 0, 33, 0]);
     // all read: the line falls, and rises with the next sample
-    board.refresh_lines();
+    board.refresh_lines(board.now);
     assert!(!board.ports[B].level(0));
 }
 
@@ -222,7 +222,7 @@ fn without_power_only_the_fram_remembers() {
     board.fram.put(7, &[1, 2, 3]);
     board.reset(1 << 28);
     board.backup_ram.fill(5);
-    board.power_cycle(9);
+    board.power_cycle(9, false);
     assert_eq!(board.fram.content()[7..10], [1, 2, 3]);
     assert!(board.backup_ram.iter().any(|byte| *byte != 5));
     assert_eq!(board.rcc.reset_flags(), POWER_ON);

@@ -8,7 +8,7 @@ use crate::peripherals::dma::Item;
 use crate::time::Ticks;
 
 /// Pins of the motor channels, TIM1 CH1 to CH4.
-const MOTOR_PINS: [u32; 4] = [9, 11, 13, 14];
+pub(super) const MOTOR_PINS: [u32; 4] = [9, 11, 13, 14];
 /// TIM1's trigger input that is TIM3 (RM0090 table 93).
 const TIM1_FROM_TIM3: u32 = 2;
 /// The voltage detector's line of EXTI (section 12.2.5).
@@ -111,9 +111,11 @@ impl Board {
     }
 
     /// Levels that follow from others: pins, EXTI lines, interrupt lines.
-    pub(crate) fn refresh_lines(&mut self) {
-        self.refresh_selects();
+    pub(crate) fn refresh_lines(&mut self, now: Ticks) {
+        self.refresh_rail(now);
+        self.refresh_selects(now);
         self.refresh_sensors();
+        self.refresh_aux(now);
         self.exti.set_levels(self.exti_levels());
         let lines = self.interrupt_lines();
         self.private.exceptions.set_lines(lines);

@@ -1,9 +1,15 @@
 //! What is soldered around the chip.
 
+pub(crate) mod aux_line;
+pub(crate) mod esc;
 pub(crate) mod fram;
+pub(crate) mod fram_select;
 pub(crate) mod l3gd20;
+pub(crate) mod level_shifter;
 pub(crate) mod lsm303d;
 pub(crate) mod mpu6000;
+pub(crate) mod mpu6000_start;
+pub(crate) mod sensor_rail;
 pub(crate) mod st_sensor;
 
 /// One reading of an IMU: counts in the sensor's axes, at the ranges that the firmware sets.

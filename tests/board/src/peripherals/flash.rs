@@ -1,11 +1,20 @@
-//! Flash interface. RM0090 section 3.9. Wait states and caches have no effect here; programming has no model.
+//! Flash interface. RM0090 section 3.9. What the access control costs is [`super::flash_timing`]'s; programming has no
+//! model.
 
+use super::flash_timing::AccessControl;
 use super::{Peripheral, Unmodelled};
 use crate::time::Ticks;
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Flash {
     access_control: u32,
+}
+
+impl Flash {
+    /// Wait states, prefetch, caches.
+    pub(crate) fn access_control(&self) -> AccessControl {
+        AccessControl(self.access_control)
+    }
 }
 
 impl Peripheral for Flash {

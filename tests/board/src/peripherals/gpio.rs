@@ -1,5 +1,6 @@
-//! General-purpose I/O. RM0090 section 8.4. Levels and functions of 16 pins; no electrics.
+//! General-purpose I/O. RM0090 section 8.4. Levels, functions, drive and speed of 16 pins.
 
+use super::pin::{Drive, Speed};
 use super::{Peripheral, Unmodelled};
 use crate::time::Ticks;
 
@@ -7,6 +8,7 @@ const MODE_OUTPUT: u32 = 1;
 const MODE_ALTERNATE: u32 = 2;
 const MODE_ANALOG: u32 = 3;
 const PULL_UP: u32 = 1;
+const PULL_DOWN: u32 = 2;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Gpio {
@@ -53,6 +55,34 @@ impl Gpio {
         (self.mode_of(pin) == MODE_OUTPUT).then(|| self.output >> pin & 1 != 0)
     }
 
+    /// What the chip does to the wire at a pin. A peripheral that has the pin gives `function` what it drives, `None`
+    /// if it drives nothing. An open drain drives low only, a pull is what is left (sections 8.3.9 to 8.3.12).
+    pub(crate) fn drive(&self, pin: u32, function: Option<bool>) -> Drive {
+        let wanted = match self.mode_of(pin) {
+            MODE_OUTPUT => Some(self.output >> pin & 1 != 0),
+            MODE_ALTERNATE => function,
+            _ => None,
+        };
+        let open_drain = self.output_type >> pin & 1 != 0;
+        match (wanted, self.pull_of(pin)) {
+            (Some(level), _) if !(level && open_drain) => Drive::Strong(level),
+            // an analog pin has no pulls
+            _ if self.is_analog(pin) => Drive::None,
+            (_, PULL_UP) => Drive::Weak(true),
+            (_, PULL_DOWN) => Drive::Weak(false),
+            _ => Drive::None,
+        }
+    }
+
+    fn pull_of(&self, pin: u32) -> u32 {
+        self.pull >> (2 * pin) & 3
+    }
+
+    /// How fast its edges are.
+    pub(crate) fn speed(&self, pin: u32) -> Speed {
+        Speed::from_bits(self.speed >> (2 * pin))
+    }
+
     /// The alternate function that has the pin.
     pub(crate) fn alternate_function(&self, pin: u32) -> Option<u32> {
         let function = self.alternate[(pin / 8) as usize] >> (4 * (pin % 8)) & 0xf;
@@ -65,7 +95,7 @@ impl Gpio {
     }
 
     /// Something outside the chip drives a pin.
-    pub(crate) fn drive(&mut self, pin: u32, high: bool) {
+    pub(crate) fn put(&mut self, pin: u32, high: bool) {
         self.driven |= 1 << pin;
         self.driven_level = if high { self.driven_level | 1 << pin } else { self.driven_level & !(1 << pin) };
     }
@@ -75,11 +105,7 @@ impl Gpio {
         if let Some(level) = self.output_level(pin) {
             return level;
         }
-        if self.driven >> pin & 1 != 0 {
-            self.driven_level >> pin & 1 != 0
-        } else {
-            self.pull >> (2 * pin) & 3 == PULL_UP
-        }
+        if self.driven >> pin & 1 != 0 { self.driven_level >> pin & 1 != 0 } else { self.pull_of(pin) == PULL_UP }
     }
 }
 
@@ -128,13 +154,49 @@ mod tests {
         assert!(!port.level(15));
         port.write(0x0c, 1 << 30, 0).unwrap();
         assert!(port.level(15));
-        port.drive(15, false);
+        port.put(15, false);
         assert!(!port.level(15));
         port.write(0x00, 1 << 30, 0).unwrap();
         port.write(0x18, 1 << 15, 0).unwrap();
         assert_eq!(port.read(0x10, 0).unwrap(), 1 << 15);
         port.write(0x18, 1 << 31, 0).unwrap();
         assert_eq!(port.output_level(15), Some(false));
+    }
+
+    #[test]
+    fn a_pin_lets_go_at_reset_and_drives_as_it_is_told() {
+        let mut port = Gpio::new('E');
+        assert_eq!(port.drive(14, None), Drive::None);
+        for (pull, drive) in [(1, Drive::Weak(true)), (2, Drive::Weak(false))] {
+            port.write(0x0c, pull << 28, 0).unwrap();
+            assert_eq!(port.drive(14, None), drive);
+        }
+        // a timer that has the pin, and one that has it but drives nothing
+        port.write(0x00, 2 << 28, 0).unwrap();
+        assert_eq!(port.drive(14, Some(true)), Drive::Strong(true));
+        assert_eq!(port.drive(14, None), Drive::Weak(false));
+        port.write(0x00, 1 << 28, 0).unwrap();
+        assert_eq!(port.drive(14, None), Drive::Strong(false));
+        port.write(0x00, 3 << 28, 0).unwrap();
+        assert_eq!(port.drive(14, None), Drive::None);
+    }
+
+    #[test]
+    fn an_open_drain_pulls_down_only() {
+        let mut port = Gpio::new('E');
+        port.write(0x00, 1 << 24, 0).unwrap();
+        port.write(0x04, 1 << 12, 0).unwrap();
+        assert_eq!(port.drive(12, None), Drive::Strong(false));
+        port.write(0x18, 1 << 12, 0).unwrap();
+        assert_eq!(port.drive(12, None), Drive::None);
+    }
+
+    #[test]
+    fn speeds_are_two_bits_a_pin() {
+        let mut port = Gpio::new('B');
+        assert_eq!(port.speed(13), Speed::Low);
+        port.write(0x08, 2 << 26, 0).unwrap();
+        assert_eq!(port.speed(13), Speed::High);
     }
 
     #[test]

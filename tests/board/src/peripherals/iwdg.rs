@@ -8,6 +8,8 @@ const KEY_ACCESS: u32 = 0x5555;
 const KEY_START: u32 = 0xcccc;
 /// Nominal (data sheet of the STM32F427, table 43).
 pub(crate) const LSI_HZ: u64 = 32_000;
+/// Slowest and fastest chip (same table).
+pub const LSI_RANGE_HZ: [u64; 2] = [17_000, 47_000];
 
 #[derive(Clone, Debug)]
 pub(crate) struct Iwdg {
@@ -21,6 +23,16 @@ pub(crate) struct Iwdg {
 impl Iwdg {
     pub(crate) fn new(lsi_hz: u64) -> Self {
         Self { lsi_hz, prescaler: 0, reload: 0xfff, unlocked: false, fed_at: None }
+    }
+
+    /// Its oscillator.
+    pub(crate) fn lsi_hz(&self) -> u64 {
+        self.lsi_hz
+    }
+
+    /// Another chip's, from the next feeding on.
+    pub(crate) fn set_lsi_hz(&mut self, lsi_hz: u64) {
+        self.lsi_hz = lsi_hz;
     }
 
     /// Has it run out?
@@ -81,6 +93,17 @@ mod tests {
         assert!(dog.bites(limit));
         dog.write(0, KEY_RELOAD, limit / 2).unwrap();
         assert!(!dog.bites(limit));
+    }
+
+    #[test]
+    fn its_limit_is_the_chips_own() {
+        for (lsi_hz, limit_us) in [(17_000, 56_470), (32_000, 30_000), (47_000, 20_425)] {
+            let mut dog = Iwdg::new(lsi_hz);
+            for (offset, value) in [(0, KEY_ACCESS), (4, 0), (8, 239), (0, KEY_START)] {
+                dog.write(offset, value, 0).unwrap();
+            }
+            assert_eq!(dog.next_event().unwrap() / crate::time::TICKS_PER_US, limit_us, "{lsi_hz}");
+        }
     }
 
     #[test]

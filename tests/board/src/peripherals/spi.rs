@@ -48,6 +48,26 @@ impl Spi {
         self.control[0] & CPHA_CPOL == CPHA_CPOL
     }
 
+    /// CPOL: does the clock rest high?
+    pub(crate) fn idles_high(&self) -> bool {
+        self.control[0] & 0b10 != 0
+    }
+
+    /// What it drives onto its clock's pin between bytes; none while it is off.
+    pub(crate) fn clock_output(&self) -> Option<bool> {
+        (self.control[0] & SPE != 0).then(|| self.idles_high())
+    }
+
+    /// Has it been told what its clock is to be like?
+    pub(crate) fn is_configured(&self) -> bool {
+        self.control[0] & MSTR != 0
+    }
+
+    /// Its bus's clock, Hz.
+    pub(crate) fn bus_hz(&self) -> u64 {
+        crate::time::TICKS_PER_S / self.bus_cycle.max(1)
+    }
+
     /// Clock idles low and samples on its first edge.
     pub(crate) fn is_mode_0(&self) -> bool {
         self.control[0] & CPHA_CPOL == 0

@@ -16,6 +16,8 @@ const UIF: u32 = 1;
 const TIF: u32 = 1 << 6;
 const UG: u32 = 1;
 const MOE: u32 = 1 << 15;
+/// With MOE at 0 the pins are held at their inactive level.
+const OSSI: u32 = 1 << 10;
 /// Dead time, lock, break: off.
 const UNUSED_BREAK: u32 = 0xff | 0b11 << 8 | 1 << 12;
 
@@ -35,6 +37,14 @@ pub struct Pulse {
     pub rise: Ticks,
     /// From edge to edge.
     pub width: Ticks,
+}
+
+/// An output of TIM1 changed: none if the timer no longer drives it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Edge {
+    pub(crate) channel: usize,
+    pub(crate) at: Ticks,
+    pub(crate) output: Option<bool>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -62,6 +72,8 @@ pub(crate) struct Timer {
     matched: [bool; CHANNELS],
     high_since: [Option<Ticks>; CHANNELS],
     pulses: Vec<Pulse>,
+    outputs: [Option<bool>; CHANNELS],
+    edges: Vec<Edge>,
     triggers: Vec<Ticks>,
 }
 
@@ -132,6 +144,21 @@ impl Timer {
         (self.runs() && self.is_pwm(channel) && changes).then(|| TICKS_PER_S as f64 / period as f64)
     }
 
+    /// Does it drive the channel's pin? Not as long as CCxE is 0, nor while MOE is and OSSI too (table 97).
+    fn drives(&self, channel: usize) -> bool {
+        self.brake & (MOE | OSSI) != 0 && self.enable >> (4 * channel) & 1 != 0
+    }
+
+    /// What it drives onto a channel's pin now.
+    pub(crate) fn output(&self, channel: usize) -> Option<bool> {
+        self.outputs[channel]
+    }
+
+    /// Changes of the outputs since the last call.
+    pub(crate) fn take_edges(&mut self) -> Vec<Edge> {
+        std::mem::take(&mut self.edges)
+    }
+
     fn output_level(&self, channel: usize, now: Ticks) -> bool {
         self.brake & MOE != 0 && self.is_pwm(channel) && self.count(now) < self.active_compare[channel]
     }
@@ -142,6 +169,11 @@ impl Timer {
             return;
         }
         for channel in 0..CHANNELS {
+            let output = self.drives(channel).then(|| self.output_level(channel, now));
+            if self.outputs[channel] != output {
+                self.outputs[channel] = output;
+                self.edges.push(Edge { channel, at: now, output });
+            }
             match (self.high_since[channel], self.output_level(channel, now)) {
                 (None, true) => self.high_since[channel] = Some(now),
                 (Some(rise), false) => {

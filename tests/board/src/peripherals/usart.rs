@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::line_noise::{LineNoise, Received};
 use super::{Peripheral, Unmodelled};
 use crate::time::{TICKS_PER_S, Ticks};
 
@@ -38,6 +39,8 @@ pub(crate) struct Usart {
     incoming: VecDeque<u8>,
     /// What comes when nothing else does: the state of a generator.
     flood: Option<u32>,
+    /// Of the line towards the chip.
+    noise: Option<LineNoise>,
     incoming_end: Option<Ticks>,
     idle_at: Option<Ticks>,
     holding: Option<u8>,
@@ -57,6 +60,7 @@ impl Usart {
             received: 0,
             incoming: VecDeque::new(),
             flood: None,
+            noise: None,
             incoming_end: None,
             idle_at: None,
             holding: None,
@@ -73,6 +77,7 @@ impl Usart {
             incoming: std::mem::take(&mut self.incoming),
             incoming_end: self.incoming_end,
             flood: self.flood,
+            noise: self.noise.take(),
             sent: std::mem::take(&mut self.sent),
             ..Self::new(1)
         };
@@ -90,6 +95,11 @@ impl Usart {
             self.incoming_end = Some(now + self.far_byte_ticks);
             self.idle_at = None;
         }
+    }
+
+    /// The line loses and damages bytes from now on.
+    pub(crate) fn set_noise(&mut self, noise: Option<LineNoise>) {
+        self.noise = noise;
     }
 
     pub(crate) fn set_bus_cycle(&mut self, cycle: Ticks) {
@@ -156,7 +166,8 @@ impl Usart {
             *flood = flood.map(|state| state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
             flood.map(|state| (state >> 24) as u8)
         });
-        if let Some(byte) = byte {
+        let received = byte.map(|byte| self.noise.as_mut().map_or(Received::Whole(byte), |noise| noise.pass(byte)));
+        if let Some(Received::Whole(byte)) = received {
             self.receive(byte);
         }
         let goes_on = !self.incoming.is_empty() || self.flood.is_some();
@@ -329,6 +340,18 @@ mod tests {
             usart.tick(at);
         }
         assert_eq!(usart.read(0, 0).unwrap() & IDLE, IDLE);
+    }
+
+    #[test]
+    fn a_byte_that_the_line_loses_takes_its_time_all_the_same() {
+        let mut usart = port(115_200);
+        usart.set_noise(Some(LineNoise::new(1000, 0, 1)));
+        usart.line_receives(b"xy", 0);
+        usart.tick(usart.next_event().unwrap());
+        let at = usart.next_event().unwrap();
+        usart.tick(at);
+        assert_eq!(at, 2 * (TICKS_PER_S * 10 / 115_200));
+        assert_eq!(usart.read(0, at).unwrap() & (RXNE | FE), 0);
     }
 
     #[test]

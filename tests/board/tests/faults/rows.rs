@@ -22,6 +22,8 @@ pub struct Row {
     pub end: End,
     /// From the fault to the end of the last pulse that turns a motor, ms.
     pub within_ms: u64,
+    /// Longest pulse that an ESC may see from the fault on, us.
+    pub longest_us: u64,
     /// May a pulse be cut short? Only where hardware stops the processor or its clock.
     pub may_cut: bool,
     /// What the ground must hear.
@@ -34,18 +36,22 @@ pub struct Row {
 }
 
 /// A pulse may have begun when the last step was made: 0.5 ms of delay, and 2 ms at most.
-const PULSE_MS: u64 = 3;
+pub const PULSE_MS: u64 = 3;
 /// Five periods of the loop.
 const DETECTION_MS: u64 = 13 + PULSE_MS;
 /// The watchdog's longest, fed at most 10 ms before.
-const WATCHDOG_MS: u64 = 55 + PULSE_MS;
+pub const WATCHDOG_MS: u64 = 55 + PULSE_MS;
 /// From a reset to the loop, and as long again for the ground to hear of it.
-const RESTART_MS: u64 = 3500;
+pub const RESTART_MS: u64 = 3500;
 
-const NOTHING: Row = Row {
+/// The link is given up after 1 s, the motors after another; a message takes its time, the loop its detection.
+pub const LINK_LOST_MS: u64 = 2000 + 200 + DETECTION_MS;
+
+pub const NOTHING: Row = Row {
     fault: "",
     end: End::Disarmed,
     within_ms: DETECTION_MS,
+    longest_us: FULL_THROTTLE_US,
     may_cut: false,
     says: &[],
     mpc: false,
@@ -61,6 +67,9 @@ impl Row {
         Params { controller, hover_throttle_permille: HOVER_PERMILLE, ..Params::DEFAULT }
     }
 }
+
+/// What no ESC takes for more than it is, and no reset may add to.
+const FULL_THROTTLE_US: u64 = 2000;
 
 const HOVER_PERMILLE: u16 = 487;
 
@@ -129,8 +138,8 @@ pub const ROWS: &[Row] = &[
         ..NOTHING
     },
     Row {
-        fault: "nobody on TELEM1 any more (1 s on, 1 s level at idle)",
-        within_ms: 2000 + 200 + DETECTION_MS,
+        fault: "nobody on TELEM1 any more (1 s on, 1 s at idle)",
+        within_ms: LINK_LOST_MS,
         says: &["link lost"],
         inject: |flight| flight.mute_heartbeats(),
         watch_ms: 2700,
@@ -261,25 +270,25 @@ pub const ROWS: &[Row] = &[
 ];
 
 /// Handlers of the tasks, by the names of their interrupts.
-const LOOP: &str = "TIM3";
+pub const LOOP: &str = "TIM3";
 const PLAN: &str = "CAN1_RX0";
-const HOUSEKEEPING: &str = "CAN1_RX1";
+pub const HOUSEKEEPING: &str = "CAN1_RX1";
 
 /// `b .`
-const BRANCH_TO_SELF: [u8; 2] = [0xfe, 0xe7];
+pub const BRANCH_TO_SELF: [u8; 2] = [0xfe, 0xe7];
 /// `udf #0`
 const UNDEFINED: [u8; 2] = [0x00, 0xde];
 /// `mov.w r0, #0x90000000`, `ldr r0, [r0]`
 const LOAD_FROM_NOWHERE: [u8; 6] = [0x4f, 0xf0, 0x10, 0x40, 0x00, 0x68];
 
 /// On the board from the start.
-fn no_second_imu(flight: &mut Flight) {
+pub fn no_second_imu(flight: &mut Flight) {
     flight.machine.break_sensor(Sensor::L3gd20, SensorFault::Removed(0xff));
     flight.machine.break_sensor(Sensor::Lsm303d, SensorFault::Removed(0xff));
 }
 
 /// Other instructions at the start of a handler, until the board has reset itself.
-fn break_code(flight: &mut Flight, handler: &str, instructions: &[u8]) {
+pub fn break_code(flight: &mut Flight, handler: &str, instructions: &[u8]) {
     let address = flight.image.symbol(handler).expect("a handler") & !1;
     let good = flight.machine.bytes(address, instructions.len()).unwrap();
     let resets = flight.machine.counters().resets;

@@ -10,14 +10,14 @@ const RENEW: &str = "RENEW_BOARD_FIGURES";
 /// Growth that is let pass, percent: what another build of the same source brings.
 const GROWTH_PERCENT: u64 = 3;
 
-/// 15 % of the 420,000 cycles of a step at 400 Hz, two cycles each.
-const PID_LOOP_INSTRUCTIONS_MAX: u32 = 30_000;
+/// 15 % of the 420,000 cycles of a step at 400 Hz.
+const PID_LOOP_CYCLES_MAX: u32 = 63_000;
 const FLASH_BYTES_MAX: usize = 256 * 1024;
 
 const HEAD: &str = "\
 # What the image costs, measured on the emulated board: bytes, and instructions of each task's activations without what
-# interrupts them. `cargo xtask board-test` fails if a figure grows by more than 3 %; where the growth is worth it,
-# `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes this file.
+# interrupts them, with the worst one's cycles, flash timing included. `cargo xtask board-test` fails if a figure grows
+# by more than 3 %; where the growth is worth it, `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes this file.
 
 ";
 
@@ -27,8 +27,8 @@ type Figures = BTreeMap<String, BTreeMap<String, u64>>;
 pub fn check(flown: &[Flown]) {
     for flight in flown {
         let cascade_alone = flight.name.starts_with("PID");
-        let worst = flight.tasks["loop"].worst;
-        assert!(!cascade_alone || worst < PID_LOOP_INSTRUCTIONS_MAX, "{}: {worst}", flight.name);
+        let worst = flight.tasks["loop"].worst_cycles;
+        assert!(!cascade_alone || worst < PID_LOOP_CYCLES_MAX, "{}: {worst}", flight.name);
         assert!(flight.flash_bytes < FLASH_BYTES_MAX, "{} bytes of flash", flight.flash_bytes);
         assert!(!flight.computes_in_f64, "f64 arithmetic in the image");
     }
@@ -47,6 +47,7 @@ fn figures(flown: &[Flown]) -> Figures {
         for (task, instructions) in &flight.tasks {
             section.insert(format!("{task}, median"), instructions.median.into());
             section.insert(format!("{task}, worst"), instructions.worst.into());
+            section.insert(format!("{task}, worst cycles"), instructions.worst_cycles.into());
         }
     }
     figures

@@ -20,11 +20,12 @@ const TASKS: [(u8, &str); 9] = [
     (21, "housekeeping"),
 ];
 
-/// Instructions of a task's activations, without what interrupted them.
+/// Instructions, and cycles at worst, of a task's activations, without what interrupted them.
 #[derive(Clone, Copy, Debug)]
 pub struct Task {
     pub median: u32,
     pub worst: u32,
+    pub worst_cycles: u32,
 }
 
 /// Figures of a flight.
@@ -98,8 +99,8 @@ impl Flown {
         if planned.repeated > 0 {
             println!("{name}: {planned:?}");
         }
-        for (task, Task { median, worst }) in &self.tasks {
-            println!("{name}: {task}: median {median}, worst {worst} instructions");
+        for (task, Task { median, worst, worst_cycles }) in &self.tasks {
+            println!("{name}: {task}: median {median}, worst {worst} instructions, {worst_cycles} cycles");
         }
     }
 }
@@ -121,7 +122,8 @@ fn tasks(profile: &Profile) -> BTreeMap<&'static str, Task> {
         let mut counts = profile.of_interrupt(interrupt).to_vec();
         counts.sort_unstable();
         let (median, worst) = (counts[counts.len() / 2], counts[counts.len() - 1]);
-        tasks.insert(*name, Task { median, worst });
+        let worst_cycles = profile.cycles_of_interrupt(interrupt).iter().copied().max().unwrap_or(0);
+        tasks.insert(*name, Task { median, worst, worst_cycles });
     }
     tasks
 }

@@ -163,3 +163,21 @@ fn a_slave_in_trigger_mode_starts_with_its_master() {
     slave.trigger(800);
     assert_eq!(slave.count(400 + 14 * 50), 50);
 }
+
+#[test]
+fn a_channel_lets_its_pin_go_until_it_is_enabled_and_the_main_output_too() {
+    let mut timer = Timer::advanced();
+    timer.set_cycle(2, 0);
+    let outputs = |timer: &mut Timer| timer.take_edges().into_iter().map(|edge| edge.output).collect::<Vec<_>>();
+    timer.write(0x18, 0x68, 0).unwrap();
+    timer.write(0x34, 100, 0).unwrap();
+    timer.write(0x20, 1, 0).unwrap();
+    assert_eq!((timer.output(0), outputs(&mut timer)), (None, vec![]));
+    timer.write(0x44, MOE, 0).unwrap();
+    assert_eq!(outputs(&mut timer), [Some(false)]);
+    timer.write(0x44, 0, 10).unwrap();
+    assert_eq!(outputs(&mut timer), [None]);
+    // with OSSI it is held low
+    timer.write(0x44, OSSI, 10).unwrap();
+    assert_eq!(outputs(&mut timer), [Some(false)]);
+}

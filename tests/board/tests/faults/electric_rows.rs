@@ -1,0 +1,221 @@
+//! Faults of the board's electrics: supply, oscillators, lines, memory, sensors that fail in other ways.
+
+use emulated_board::time::TICKS_PER_US;
+use emulated_board::{Connector, Flight, LSI_RANGE_HZ, Load, MILLISECOND, Mpu6000Revision, Sensor, SensorFault};
+use mavlink::dialects::common::MavCmd;
+
+use crate::rows::{
+    BRANCH_TO_SELF, End, HOUSEKEEPING, LINK_LOST_MS, LOOP, NOTHING, PULSE_MS, RESTART_MS, Row, WATCHDOG_MS, break_code,
+    no_second_imu,
+};
+
+const FLIES_ON: Row = Row { end: End::FliesOn, ..NOTHING };
+const BITTEN: Row =
+    Row { within_ms: WATCHDOG_MS, may_cut: true, says: &["started by watchdog"], watch_ms: RESTART_MS, ..NOTHING };
+const RESTARTED: Row = Row { within_ms: 200, says: &["started by software reset"], watch_ms: RESTART_MS, ..NOTHING };
+
+pub const ELECTRIC_ROWS: &[Row] = &[
+    Row {
+        fault: "supply down to 2.8 V for 1 us",
+        inject: |flight| flight.machine.dip_supply(2.8, TICKS_PER_US),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "supply down to 2.8 V for 10 us",
+        inject: |flight| flight.machine.dip_supply(2.8, 10 * TICKS_PER_US),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "supply down to 2.8 V for 30 us, each millisecond for 0.2 s",
+        inject: |flight| dips(flight, 30),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "supply down to 2.8 V for 200 us",
+        within_ms: PULSE_MS,
+        says: &["low supply", "started by software reset"],
+        inject: |flight| flight.machine.dip_supply(2.8, 200 * TICKS_PER_US),
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "loop hung, slowest LSI (17 kHz)",
+        before: |flight| flight.machine.set_lsi_hz(LSI_RANGE_HZ[0]),
+        inject: |flight| break_code(flight, LOOP, &BRANCH_TO_SELF),
+        ..BITTEN
+    },
+    Row {
+        fault: "loop hung, fastest LSI (47 kHz)",
+        before: |flight| flight.machine.set_lsi_hz(LSI_RANGE_HZ[1]),
+        inject: |flight| break_code(flight, LOOP, &BRANCH_TO_SELF),
+        ..BITTEN
+    },
+    Row {
+        fault: "housekeeping hung, slowest LSI (17 kHz)",
+        before: |flight| flight.machine.set_lsi_hz(LSI_RANGE_HZ[0]),
+        inject: |flight| break_code(flight, HOUSEKEEPING, &BRANCH_TO_SELF),
+        ..BITTEN
+    },
+    Row {
+        fault: "housekeeping hung, fastest LSI (47 kHz)",
+        before: |flight| flight.machine.set_lsi_hz(LSI_RANGE_HZ[1]),
+        inject: |flight| break_code(flight, HOUSEKEEPING, &BRANCH_TO_SELF),
+        ..BITTEN
+    },
+    Row {
+        fault: "loop hung, AUX lines without any capacitance",
+        before: |flight| flight.machine.set_aux_floats_low(0),
+        inject: |flight| break_code(flight, LOOP, &BRANCH_TO_SELF),
+        ..BITTEN
+    },
+    Row {
+        fault: "crystal stops for 50 ms, slowest LSI",
+        within_ms: PULSE_MS,
+        may_cut: true,
+        says: &["crystal"],
+        before: |flight| flight.machine.set_lsi_hz(LSI_RANGE_HZ[0]),
+        inject: |flight| {
+            flight.machine.stop_crystal();
+            flight.run_for(50 * MILLISECOND);
+            flight.machine.mend_crystal();
+        },
+        watch_ms: RESTART_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "TELEM1 loses 1 % of its bytes",
+        inject: |flight| flight.machine.telem1_noise(10, 0),
+        watch_ms: 2500,
+        ..FLIES_ON
+    },
+    Row {
+        fault: "a bit turned in 1 % of TELEM1's bytes",
+        inject: |flight| flight.machine.telem1_noise(0, 10),
+        watch_ms: 2500,
+        ..FLIES_ON
+    },
+    Row {
+        fault: "TELEM1's line towards the board broken",
+        within_ms: LINK_LOST_MS,
+        says: &["link lost"],
+        inject: |flight| flight.machine.telem1_noise(1000, 0),
+        watch_ms: 2700,
+        ..NOTHING
+    },
+    Row {
+        fault: "far end of TELEM1 at 1.5 % less than its baud rate",
+        inject: |flight| flight.machine.set_far_baud(Connector::Telem1, 113_500),
+        watch_ms: 2500,
+        ..FLIES_ON
+    },
+    Row {
+        fault: "far end of TELEM1 at half its baud rate",
+        within_ms: LINK_LOST_MS,
+        inject: |flight| flight.machine.set_far_baud(Connector::Telem1, 57_600),
+        watch_ms: 2700,
+        ..NOTHING
+    },
+    Row { fault: "FRAM's blocks protected", inject: |flight| flight.machine.protect_fram(3), ..FLIES_ON },
+    Row {
+        fault: "FRAM's blocks protected, then restarted",
+        inject: |flight| {
+            flight.machine.protect_fram(3);
+            restart(flight);
+        },
+        ..RESTARTED
+    },
+    Row {
+        fault: "MPU6000 comes up badly four times at a restart, no second IMU",
+        before: no_second_imu,
+        inject: |flight| {
+            flight.machine.set_mpu6000(Mpu6000Revision::D, 4);
+            restart(flight);
+        },
+        ..RESTARTED
+    },
+    Row {
+        fault: "MPU6000 never comes up again after a restart",
+        says: &["started by software reset", "MPU6000 does not answer as itself"],
+        inject: |flight| {
+            flight.machine.set_mpu6000(Mpu6000Revision::D, u8::MAX);
+            restart(flight);
+        },
+        ..RESTARTED
+    },
+    Row {
+        fault: "restart ordered in flight (refused)",
+        inject: |flight| flight.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0),
+        ..FLIES_ON
+    },
+    Row { fault: "lines of 10 pF instead of 50", before: |flight| flight.machine.set_load(Load::Light), ..FLIES_ON },
+    Row {
+        fault: "link lost with the vehicle on its side (all motors idle)",
+        within_ms: 1000 + 200 + PULSE_MS,
+        says: &["link lost"],
+        inject: |flight| {
+            flight.vehicle.borrow_mut().lay_down(80_f64.to_radians(), 0.0);
+            flight.mute_heartbeats();
+        },
+        watch_ms: 2700,
+        ..NOTHING
+    },
+    Row {
+        fault: "IMU's data line low, no second IMU",
+        before: no_second_imu,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::DeadBus(0)),
+        ..NOTHING
+    },
+    Row {
+        fault: "IMU gone and its data line low, no second IMU",
+        before: no_second_imu,
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0)),
+        ..NOTHING
+    },
+    Row {
+        fault: "first IMU's data line low, second fitted",
+        says: &["IMU"],
+        inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::DeadBus(0)),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "second IMU's gyro gone",
+        inject: |flight| flight.machine.break_sensor(Sensor::L3gd20, SensorFault::Removed(0xff)),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "second IMU's gyro stuck",
+        inject: |flight| flight.machine.break_sensor(Sensor::L3gd20, SensorFault::Frozen),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "second IMU's data-ready lost",
+        inject: |flight| flight.machine.break_sensor(Sensor::L3gd20, SensorFault::NoDataReady),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "second IMU's accelerometer gone",
+        inject: |flight| flight.machine.break_sensor(Sensor::Lsm303d, SensorFault::Removed(0xff)),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "second IMU's accelerometer stuck",
+        inject: |flight| flight.machine.break_sensor(Sensor::Lsm303d, SensorFault::Frozen),
+        ..FLIES_ON
+    },
+];
+
+/// A dip a millisecond.
+fn dips(flight: &mut Flight, duration_us: u64) {
+    for _ in 0..200 {
+        flight.machine.dip_supply(2.8, duration_us * TICKS_PER_US);
+        flight.run_for(MILLISECOND);
+    }
+}
+
+fn restart(flight: &mut Flight) {
+    flight.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 0.0);
+    flight.run_for(100 * MILLISECOND);
+    flight.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
+}
