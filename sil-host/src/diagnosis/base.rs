@@ -50,11 +50,14 @@ impl fmt::Display for BaseTerm {
 
 /// What is ordinary of what a log is about.
 pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
-    let is_held = !scope.flies_free;
-    let is_ordinary = |effect: &Fitted| ORDINARY.contains(&effect.name());
-    let of_held = |effect: &Fitted| is_held && HELD.contains(&effect.name());
-    let any = Fitted::hypotheses(scope).into_iter().filter(is_ordinary);
-    any.chain(Fitted::beside(scope, |_| true).into_iter().filter(of_held)).collect()
+    let of_held = |effect: &Fitted| !scope.flies_free && HELD.contains(&effect.name());
+    let held = Fitted::beside(scope, |_| true).into_iter().filter(of_held);
+    ordinary_of_any(scope).into_iter().chain(held).collect()
+}
+
+/// What is ordinary of a vehicle whether anything holds it or not.
+pub(super) fn ordinary_of_any(scope: &Scope) -> Vec<Fitted> {
+    Fitted::hypotheses(scope).into_iter().filter(|effect| ORDINARY.contains(&effect.name())).collect()
 }
 
 /// The base model of a log, in the noise of a search: what its nominal model leaves open and what is ordinary, fitted

@@ -77,7 +77,7 @@ use noise::noise_beyond_sensors;
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};
 use search::Search;
-pub use sizes::{Asked, Size, sizes};
+pub use sizes::{Asked, Size, sizes, sizes_beside_base};
 pub use stability::Effort;
 use stability::Stability;
 pub use verdict::{Estimate, Finding, Rejected, Verdict};
@@ -174,6 +174,9 @@ pub struct Unexplained {
     pub white: bool,
     /// In words; empty where they are.
     pub signature: String,
+    /// True if it says that findings all but cancel each other: then they explain nothing, however little is left.
+    #[serde(skip)]
+    pub cancelling: bool,
 }
 
 /// Diagnoses a log, in one search.
@@ -224,7 +227,7 @@ fn diagnosed(
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
     let ordinary = known.leaves(base::ordinary(&subject.scope(log)));
     let base = base::fitted(&search, &ordinary);
-    let (moments, forces) = noise_beyond_sensors(&search, &base);
+    let (moments, forces) = noise_beyond_sensors(&search, &search.training, &base.fit);
     let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
     let shooting = Shooting::new(windowed).with_noise(moments, forces);
     let search = Search::new(&shooting, &nominal, &catalogue, gains, observer);

@@ -1,17 +1,17 @@
 //! The noise that a search counts with where no model explains a log: all that no model knows disturbs the vehicle.
 
-use super::search::{Candidate, Search};
+use super::search::Search;
 use crate::diagnosis::fitting::axis_filter::AxisNoise;
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
-use crate::diagnosis::fitting::fit::model_of;
+use crate::diagnosis::fitting::fit::{Fit, model_of};
 
 /// Of moments, and of forces.
 pub(super) type Noise = ([AxisNoise; 3], Vec<CarriedNoise>);
 
-/// The noise under which what a model leaves is most likely.
-pub(super) fn noise_beyond_sensors(search: &Search<'_>, model: &Candidate<'_>) -> Noise {
+/// The noise under which what a model leaves of some windows is most likely.
+pub(super) fn noise_beyond_sensors(search: &Search<'_>, windows: &[usize], model: &Fit<'_>) -> Noise {
     let shooting = search.shooting;
-    let driven = shooting.log.drive(model_of(search.nominal, &model.fit.terms));
-    let (windows, starts) = (&search.training, &model.fit.starts);
-    (shooting.most_likely_noise(&driven, windows, starts), shooting.carried_noise(&driven, windows, starts))
+    let driven = shooting.log.drive(model_of(search.nominal, &model.terms));
+    let moments = shooting.most_likely_noise(&driven, windows, &model.starts);
+    (moments, shooting.carried_noise(&driven, windows, &model.starts))
 }

@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 
 use super::base;
 use super::fitted::Fitted;
-use super::noise::{Noise, noise_beyond_sensors};
+use super::noise::noise_beyond_sensors;
 use super::search::Search;
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, fit, model_of};
+use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Hints;
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
@@ -21,33 +22,52 @@ pub type Asked = (&'static str, Option<Axis>);
 pub type Size = BTreeMap<&'static str, Estimate>;
 
 /// Fits some effects together to all windows of a log, under the noise that is most likely with them: one size for each
-/// that the log shows, none for the others. Where they leave a log far from explained they are fitted beside the base
-/// model, and what that has of them is what the log shows.
+/// that the log shows, none for the others.
 ///
 /// # Errors
 /// As [`super::diagnose`].
 pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Option<Size>>, NotPredictable> {
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
-    let (nominal, scope) = (|| subject.model(), subject.scope(log));
-    let catalogue = Fitted::hypotheses(&scope);
+    let (nominal, catalogue) = (|| subject.model(), Fitted::hypotheses(&subject.scope(log)));
     let shooting = subject.shooting(log, &subject.noise(log))?;
-    let fitted_along = subject.fitted_along(&shooting.log)?;
-    let gains: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
-    let search = Search::new(&shooting, &nominal, &catalogue, gains.clone(), &|_| ());
-    let alone = search.settled(with_asked(gains, &catalogue, asked));
-    let ordinary = base::ordinary(&scope);
-    if !search.is_far(&alone) {
-        let noise = noise_beyond_sensors(&search, &alone);
-        return Ok(fitted_to_all(log, subject, &nominal, alone.fit.terms, noise)?.sizes(asked));
-    }
-    let base = base::fitted(&search, &ordinary);
-    let noise = noise_beyond_sensors(&search, &base);
-    let disturbed = subject.shooting(log, &subject.noise(log))?.with_noise(noise.0, noise.1.clone());
-    let base = base::fitted(&Search { shooting: &disturbed, ..search }, &ordinary);
-    let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base.fit, axis));
-    let terms = with_asked(base.fit.terms, &beside, asked);
-    Ok(fitted_to_all(log, subject, &nominal, terms, noise)?.sizes(asked))
+    let along = subject.fitted_along(&shooting.log)?;
+    let terms = with_asked(gains(&along), &catalogue, asked);
+    let search = Search::new(&shooting, &nominal, &catalogue, gains(&along), &|_| ());
+    let under_sensors = fitted_to_all(&shooting, &nominal, terms);
+    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+    let (moments, forces) = noise_beyond_sensors(&search, &all, &under_sensors);
+    let shooting = subject.shooting(log, &subject.noise(log))?.with_noise(moments, forces);
+    Ok(fitted_to_all(&shooting, &nominal, under_sensors.terms).sizes(asked))
+}
+
+/// The same beside the base model: what that has of them is what the log shows.
+///
+/// # Errors
+/// As [`super::diagnose`].
+pub fn sizes_beside_base(
+    log: &Log,
+    subject: &Subject<'_>,
+    asked: &[Asked],
+) -> Result<Vec<Option<Size>>, NotPredictable> {
+    let thinned = log.thinned();
+    let log = thinned.as_ref().unwrap_or(log);
+    let (nominal, scope) = (|| subject.model(), subject.scope(log));
+    let (catalogue, ordinary) = (Fitted::hypotheses(&scope), base::ordinary(&scope));
+    let shooting = subject.shooting(log, &subject.noise(log))?;
+    let along = subject.fitted_along(&shooting.log)?;
+    let search = Search::new(&shooting, &nominal, &catalogue, gains(&along), &|_| ());
+    let base = base::fitted(&search, &ordinary).fit;
+    let (moments, forces) = noise_beyond_sensors(&search, &search.training, &base);
+    let disturbed = subject.shooting(log, &subject.noise(log))?.with_noise(moments, forces);
+    let base = base::fitted(&Search { shooting: &disturbed, ..search }, &ordinary).fit;
+    let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
+    let terms = with_asked(base.terms, &beside, asked);
+    Ok(fitted_to_all(&disturbed, &nominal, terms).sizes(asked))
+}
+
+fn gains(along: &[Fitted]) -> Vec<Term<'_>> {
+    along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect()
 }
 
 /// Some terms, and what is asked for beside them.
@@ -73,18 +93,11 @@ impl Fit<'_> {
     }
 }
 
-/// The terms fitted to every window in some noise, from their values on.
-fn fitted_to_all<'e>(
-    log: &Log,
-    subject: &Subject<'_>,
-    nominal: Nominal<'_>,
-    terms: Vec<Term<'e>>,
-    (moments, forces): Noise,
-) -> Result<Fit<'e>, NotPredictable> {
-    let shooting = subject.shooting(log, &subject.noise(log))?.with_noise(moments, forces);
+/// The terms fitted to every window, from their values on.
+fn fitted_to_all<'e>(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms: Vec<Term<'e>>) -> Fit<'e> {
     let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let driven = shooting.log.drive(model_of(nominal, &terms));
     let mut starts = shooting.log.measured_starts(&driven.model);
     shooting.settle(&driven, &all, &mut starts);
-    Ok(fit(&shooting, nominal, terms, &starts, &all))
+    fit(shooting, nominal, terms, &starts, &all)
 }

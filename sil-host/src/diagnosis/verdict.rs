@@ -118,7 +118,7 @@ const FITTED_MIN: f64 = 0.75;
 
 impl Verdict {
     pub(super) fn of(findings: &[Finding], left: &Unexplained, statistics: &[ChannelStatistics]) -> Verdict {
-        let is_negligible = left.signature.is_empty() || left.variance_pct < NEGLIGIBLE_PCT;
+        let is_negligible = left.signature.is_empty() || !left.cancelling && left.variance_pct < NEGLIGIBLE_PCT;
         let fits: Vec<f64> =
             statistics.iter().filter(|of| of.excited).filter_map(|of| of.extended.agreement.fit_pct).collect();
         let fitted = fits.iter().filter(|fit| **fit > 0.0).count() as f64;

@@ -18,6 +18,10 @@ const LATE: [&str; 2] = ["motor_lag", "actuation_delay"];
 /// A lag or a delay that is less than this is none, s: near 0 the two are one, and their fit has no deviations.
 const NO_LATENESS_S: f64 = 1e-4;
 
+/// Relative standard deviation of a gain from which on it says nothing: feedback that holds an axis still looks like
+/// one.
+const GAIN_STD_MAX: f64 = 0.2;
+
 /// Fits the base model to a log, in the noise of all that it does not know.
 ///
 /// # Errors
@@ -26,13 +30,13 @@ pub(super) fn base_numbers(log: &Log, subject: &Subject<'_>) -> Result<Vec<Numbe
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
     let nominal = || subject.model();
-    let (catalogue, ordinary) = (Fitted::hypotheses(&subject.scope(log)), base::ordinary(&subject.scope(log)));
+    let (catalogue, ordinary) = (Fitted::hypotheses(&subject.scope(log)), base::ordinary_of_any(&subject.scope(log)));
     let noise = subject.noise(log);
     let shooting = subject.shooting(log, &noise)?;
     let along = subject.fitted_along(&shooting.log)?;
     let gains: Vec<Term<'_>> = along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let search = Search::new(&shooting, &nominal, &catalogue, gains.clone(), &|_| ());
-    let (moments, forces) = noise_beyond_sensors(&search, &base::fitted(&search, &ordinary));
+    let (moments, forces) = noise_beyond_sensors(&search, &search.training, &base::fitted(&search, &ordinary).fit);
     let shooting = subject.shooting(log, &noise)?.with_noise(moments, forces);
     let search = Search::new(&shooting, &nominal, &catalogue, gains, &|_| ());
     let base = base::fitted(&search, &ordinary).fit;
@@ -45,7 +49,7 @@ fn numbers(fit: &Fit<'_>, subject: &Subject<'_>, shooting: &Shooting<'_>, nomina
     for (index, term) in fit.terms.iter().enumerate() {
         let one = |name: &str| estimates(fit, index, MODEL_ERROR).get(name).copied();
         let (of, own) = match (term.effect.name(), term.effect.axis()) {
-            ("input_gain", Some(axis)) => (NumberOf::InputGain(axis), one("gain_rad_s2")),
+            ("input_gain", Some(axis)) => (NumberOf::InputGain(axis), one("gain_rad_s2").filter(is_known)),
             ("thrust_scale", None) => (NumberOf::ThrustScale, one("scale")),
             ("gyro_bias", Some(axis)) => (NumberOf::GyroBias(axis), one("bias_rad_s")),
             ("torque_bias", Some(axis)) if subject.is_held() => {
@@ -60,6 +64,11 @@ fn numbers(fit: &Fit<'_>, subject: &Subject<'_>, shooting: &Shooting<'_>, nomina
     }
     numbers.extend(lateness(fit).map(|own| Number { of: NumberOf::Lateness, own }));
     numbers
+}
+
+/// Did the flight move the axis enough to know its gain?
+fn is_known(gain: &Estimate) -> bool {
+    gain.std < GAIN_STD_MAX * gain.value.abs()
 }
 
 fn scaled(estimate: Estimate, by: f64) -> Estimate {

@@ -14,6 +14,8 @@ const REST: f64 = 0.01;
 const SEPARABLE: f64 = 3.0;
 /// A cause that a normal flight shows more often than this is not worth a word.
 const NEAREST: f64 = 0.5;
+/// Standard deviations from which on a size is something.
+const SIGMAS: f64 = 2.0;
 /// Causes in one answer.
 const CAUSES_MAX: usize = 3;
 
@@ -59,7 +61,7 @@ pub(super) fn choose(departures: &Departures<'_>, known: &Known) -> Choice {
         let rest = departures.without(&explained);
         let is_new = |cause: &&Cause| found.iter().all(|chosen| chosen.best.cause != **cause);
         let tried: Vec<Explanation> =
-            causes.iter().filter(is_new).filter_map(|cause| rest.explained_by(*cause)).collect();
+            causes.iter().filter(is_new).filter_map(|cause| rest.explained_by(*cause)).filter(has_size).collect();
         let Some(chosen) = likeliest(&rest, tried, causes.len(), all) else { break };
         if chosen.chance >= FALSE_ALARM {
             nearest = (found.is_empty() && chosen.chance < NEAREST).then_some(chosen);
@@ -71,6 +73,11 @@ pub(super) fn choose(departures: &Departures<'_>, known: &Known) -> Choice {
     let chance = chance_of(departures, all);
     let chance_of_rest = chance_of(departures, departures.without(&explained).squares());
     Choice { found, nearest, looks: causes.len(), chance, chance_of_rest }
+}
+
+/// Is one of its sizes known to be something? One that is not explains a departure that any size does.
+fn has_size(one: &Explanation) -> bool {
+    one.values.iter().zip(&one.std).any(|(value, std)| value.abs() > SIGMAS * std)
 }
 
 fn chance_of(departures: &Departures<'_>, squares: f64) -> f64 {

@@ -35,10 +35,11 @@ pub(super) fn unexplained(
         let frequency = signature::frequency(search, &whole.fit, axis).unwrap_or_default();
         format!("{}: {words}, {frequency}", axis.name())
     });
-    let cancelling = || cancelling::cancelling(&whole.fit, search.always.len());
-    let signature = dependence.or(goes_on).or_else(cancelling).unwrap_or_default();
+    let cancelled = cancelling::cancelling(&whole.fit, search.always.len());
+    let cancelling = cancelled.is_some();
+    let signature = dependence.or(goes_on).or(cancelled).unwrap_or_default();
     let (variance_pct, times_floor) = (left_pct(shooting, nominal, extended), worst_ratio(extended));
-    Unexplained { variance_pct, times_floor, white, signature }
+    Unexplained { variance_pct, times_floor, white, signature, cancelling }
 }
 
 /// What is left of the nominal model's squared error beyond the noise, each channel relative to the nominal error, %.

@@ -6,7 +6,9 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use serde::Serialize;
-use sil_host::diagnosis::{self, Asked, Diagnosis, Estimate, Progress, Subject, diagnose, diagnose_observed, sizes};
+use sil_host::diagnosis::{
+    self, Asked, Diagnosis, Estimate, Progress, Subject, diagnose, diagnose_observed, sizes_beside_base,
+};
 use sil_host::log::Log;
 
 use super::agreement::{SizeTwice, common_sizes, found_in, names_in_both_and_either, sizes_twice};
@@ -249,7 +251,7 @@ fn prescribed(halves: [&Log; 2], subject: &Subject<'_>, found: &[Named]) -> Vec<
     }
     let names: Vec<Asked> = asked.iter().map(|(_, asked)| *asked).collect();
     let of = |half: &Log| {
-        let sizes = caught(|| sizes(half, subject, &names).map_err(|e| e.to_string())).ok()?;
+        let sizes = caught(|| sizes_beside_base(half, subject, &names).map_err(|e| e.to_string())).ok()?;
         let plain = |size: sil_host::diagnosis::Size| -> BTreeMap<String, Estimate> {
             size.into_iter().filter(|(name, _)| *name != "motor").map(|(name, of)| (name.to_owned(), of)).collect()
         };
