@@ -39,19 +39,17 @@ pub(in crate::diagnosis) fn gain<'e>(search: &Search<'e>, found: &Found<'e>) -> 
     };
     let all: Vec<usize> = (0..nominal.len()).collect();
     let found_places = search.always.len()..refitted[1].terms.len();
-    let mut findings: Vec<(f64, (usize, f64, Option<[f64; 2]>))> = found_places
+    let mut findings: Vec<(usize, f64, Option<[f64; 2]>)> = found_places
         .chain(found.unusual.iter().copied())
         .map(|index| {
             let mut terms = refitted[1].terms.clone();
             terms.remove(index);
             let without = search.left_without(found, terms);
-            let rise = without.iter().sum::<f64>() - extended.iter().sum::<f64>();
             let interval = interval(all.len(), |drawn| share(drawn, &without, &without));
-            (rise, (index, share(&all, &without, &without), interval))
+            (index, share(&all, &without, &without), interval)
         })
         .collect();
-    findings.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let findings: Vec<_> = findings.into_iter().map(|(_, finding)| finding).collect();
+    findings.sort_by(|a, b| b.1.total_cmp(&a.1));
     Gain {
         total_pct: share(&all, &nominal, &nominal),
         total_interval_pct: interval(all.len(), |drawn| share(drawn, &nominal, &nominal)),
