@@ -19,8 +19,8 @@ use crate::effects::Scope;
 
 /// The effects of the catalogue that are ordinary of any vehicle.
 const ORDINARY: [&str; 5] = ["torque_bias", "thrust_scale", "motor_lag", "actuation_delay", "gyro_bias"];
-/// Those that are ordinary where something holds the vehicle: gravity pulls beside the bearing, the bearing brakes,
-/// with grease and without.
+/// Those that are ordinary of a bench whose vehicle no model knows: gravity pulls beside the bearing, the bearing
+/// brakes, with grease and without. A model of a vehicle on its testbed says that they are not there.
 const HELD: [&str; 3] = ["cg_offset", "viscous_friction", "coulomb_friction"];
 
 /// Where lag and delay begin, s. They look alike, and a fit that begins with one of them large stays there.
@@ -50,7 +50,7 @@ impl fmt::Display for BaseTerm {
 
 /// What is ordinary of what a log is about.
 pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
-    let of_held = |effect: &Fitted| !scope.flies_free && HELD.contains(&effect.name());
+    let of_held = |effect: &Fitted| !scope.is_vehicle && HELD.contains(&effect.name());
     let held = Fitted::beside(scope, |_| true).into_iter().filter(of_held);
     ordinary_of_any(scope).into_iter().chain(held).collect()
 }
