@@ -89,6 +89,7 @@ fn an_extended_model_explains_the_log_of_its_effects() {
         &["actuation_delay:delay_s=0.013", "motor_lag:time_constant_s=0.02"],
         &["command_clipping:min=0.4,max=0.6"],
         &["thrust_scale:scale=0.9"],
+        &["thrust_curve:expo=0.3", "motor_lag:time_constant_s=0.03"],
         &["battery_sag:per_volt=0.3,fall_v_s=0.05"],
         &["battery_sag:per_s=0.01", "weak_motor:motor=4,scale=0.96"],
         &["inertia_error:axis=pitch,scale=1.3", "inertia_coupling:product_kg_m2=0.003"],

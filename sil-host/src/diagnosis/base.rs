@@ -86,7 +86,7 @@ fn values(effect: &Fitted, [lag_s, delay_s]: &[f64; 2]) -> Vec<f64> {
 /// What the extended model has of the base model; empty where the nominal model's own numbers serve.
 pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
     let fit = &found.refitted.chosen;
-    let is_vehicle = search.shooting.log.has_motors();
+    let is_vehicle = search.shooting.log.is_vehicle();
     let of = |index: usize| {
         let effect = fit.terms[index].effect;
         let name = |name| if is_vehicle { name } else { per_unit_inertia(name) };

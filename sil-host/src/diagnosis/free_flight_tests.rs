@@ -38,6 +38,13 @@ fn a_wrong_mass_is_separated_from_weak_motors() {
 }
 
 #[test]
+fn another_bend_of_the_thrust_curve_is_neither_mass_nor_lift() {
+    // about the command that hovers, where thrust stays as it is
+    let bend = "thrust_curve:expo=0.15,fixed_at=0.53734739";
+    assert_found(&answer_to(&log(&[bend], 5)), "thrust_curve", "expo", 0.15);
+}
+
+#[test]
 fn drag_of_the_rotors_is_separated_from_wind() {
     let answer = answer_to(&log(&["rotor_drag:coefficient_ns_m=0.1"], 3));
     assert_found(&answer, "rotor_drag", "coefficient_ns_m", 0.1);
@@ -168,7 +175,7 @@ fn slopes_along_a_start_that_acts_on_nothing_are_those_of_difference_quotients()
     let subject = Subject::Vehicle(&vehicle);
     let shooting = subject.shooting(&log, &subject.noise(&log)).unwrap();
     let slopes = |rotor_drag_ns_m: f64| {
-        let mut model = subject.model();
+        let mut model = subject.model(&log);
         model.changes.air.rotor_drag_ns_m = rotor_drag_ns_m;
         let driven = shooting.log.drive(model);
         let start = shooting.log.measured_state(&driven.model, shooting.log.windows[3].start);

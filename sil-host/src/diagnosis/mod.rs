@@ -215,9 +215,9 @@ fn diagnosed(
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject, None)?;
-    let nominal = || subject.model();
+    let nominal = || subject.model(log);
     let catalogue = known.leaves(Fitted::hypotheses(&subject.scope(log)));
-    let fitted_along = subject.fitted_along(sampled.log())?;
+    let fitted_along = subject.fitted_along(log)?;
     let gains: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
         sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, gains.clone(), observer));

@@ -32,9 +32,9 @@ pub fn nominal_prediction(
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject, control_rate_hz)?;
-    let fitted_along = subject.fitted_along(sampled.log())?;
+    let fitted_along = subject.fitted_along(log)?;
     let always: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
-    let nominal = || subject.model();
+    let nominal = || subject.model(log);
     let (search, fitted) = sampled.nominal(|shooting| Search::new(shooting, &nominal, &[], always.clone(), &|_| ()));
     let windowed = &search.shooting.log;
     let fit = search.refitted(fitted.fit.terms, &fitted.fit.starts);

@@ -29,9 +29,9 @@ pub type Size = BTreeMap<&'static str, Estimate>;
 pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Option<Size>>, NotPredictable> {
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
-    let (nominal, catalogue) = (|| subject.model(), Fitted::hypotheses(&subject.scope(log)));
+    let (nominal, catalogue) = (|| subject.model(log), Fitted::hypotheses(&subject.scope(log)));
     let shooting = subject.shooting(log, &subject.noise(log))?;
-    let along = subject.fitted_along(&shooting.log)?;
+    let along = subject.fitted_along(log)?;
     let terms = with_asked(gains(&along), &catalogue, asked);
     let search = Search::new(&shooting, &nominal, &catalogue, gains(&along), &|_| ());
     let under_sensors = fitted_to_all(&shooting, &nominal, terms);
@@ -52,10 +52,10 @@ pub fn sizes_beside_base(
 ) -> Result<Vec<Option<Size>>, NotPredictable> {
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
-    let (nominal, scope) = (|| subject.model(), subject.scope(log));
+    let (nominal, scope) = (|| subject.model(log), subject.scope(log));
     let (catalogue, ordinary) = (Fitted::hypotheses(&scope), base::ordinary(&scope));
     let shooting = subject.shooting(log, &subject.noise(log))?;
-    let along = subject.fitted_along(&shooting.log)?;
+    let along = subject.fitted_along(log)?;
     let search = Search::new(&shooting, &nominal, &catalogue, gains(&along), &|_| ());
     let base = base::fitted(&search, &ordinary).fit;
     let (moments, forces) = noise_beyond_sensors(&search, &search.training, &base);

@@ -174,6 +174,8 @@ mod tests {
         Fitted::hypotheses(&Scope {
             scale: Scale::SEPARATE_AXES,
             is_vehicle: false,
+            has_motors: false,
+            base_command: None,
             has_rotors: false,
             is_held: true,
             flies_free: false,

@@ -7,28 +7,38 @@ use crate::axis::Axis;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::{CatalogueEntry, Effect};
 use crate::log::Log;
-use crate::prediction::windowed_log::WindowedLog;
+use crate::prediction::commands::axis_commands;
 use crate::prediction::{MeasuredNoise, NotPredictable, Subject};
 
 impl Subject<'_> {
-    /// What the nominal model leaves to each log: the input gains of separate axes.
+    /// What the nominal model leaves to each log: the input gains of separate axes, of those that are commanded.
     ///
     /// # Errors
-    /// An axis' command is zero in every window: its gain can't be found.
-    pub(super) fn fitted_along(&self, log: &WindowedLog<'_>) -> Result<Vec<Fitted>, NotPredictable> {
+    /// None of them is.
+    pub(super) fn fitted_along(&self, log: &Log) -> Result<Vec<Fitted>, NotPredictable> {
         let Subject::Axes = self else { return Ok(Vec::new()) };
-        let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| log.turns(*axis)).collect();
-        for axis in &axes {
-            let in_windows = log.windows.iter().flat_map(|window| log.commands_between(window.start, window.end));
-            if in_windows.into_iter().all(|command| command[axis.index()] == 0.0) {
-                return Err(NotPredictable::NoExcitation { axis: axis.name() });
+        let undriven = undriven_axes(log);
+        match Axis::ALL.into_iter().find(|axis| log.axes[axis.index()]) {
+            Some(first) if Axis::ALL.into_iter().all(|axis| !log.axes[axis.index()] || undriven.contains(&axis)) => {
+                Err(NotPredictable::NoExcitation { axis: first.name() })
+            }
+            _ => {
+                let driven = |axis: &Axis| log.axes[axis.index()] && !undriven.contains(axis);
+                Ok(Axis::ALL.into_iter().filter(driven).map(Fitted::InputGain).collect())
             }
         }
-        Ok(axes.into_iter().map(Fitted::InputGain).collect())
     }
 
-    /// What a log of free flight can't be tested for, for want of columns.
+    /// What a log can't be tested for: for want of columns in free flight, of commands on separate axes.
     pub(super) fn not_tested(&self, log: &Log) -> Vec<Rejected> {
+        if let Subject::Axes = self {
+            let without_gain = |axis: Axis| Rejected {
+                effect: "input_gain",
+                axis: axis.name().to_owned(),
+                reason: "not fitted: the command of this axis never changes".to_owned(),
+            };
+            return undriven_axes(log).into_iter().map(without_gain).collect();
+        }
         let scope = self.scope(log);
         let wanting = |entry: &CatalogueEntry| {
             let needs = entry.needs.filter(|needs| self.flies_free() && !scope.has(*needs))?;
@@ -45,4 +55,15 @@ impl Subject<'_> {
     pub(super) fn shooting<'l>(&self, log: &'l Log, noise: &MeasuredNoise) -> Result<Shooting<'l>, NotPredictable> {
         Ok(Shooting::new(self.windowed(log, noise)?))
     }
+}
+
+/// Separate axes whose command never changes while the motors run: it acts as a constant moment does, and no gain can be
+/// found.
+fn undriven_axes(log: &Log) -> Vec<Axis> {
+    let log = log.commanding();
+    let commands = axis_commands(log);
+    let active: Vec<&[f64; 4]> =
+        commands.iter().zip(log.active_rows()).filter_map(|(c, runs)| runs.then_some(c)).collect();
+    let is_constant = |axis: &Axis| active.windows(2).all(|pair| pair[0][axis.index()] == pair[1][axis.index()]);
+    Axis::ALL.into_iter().filter(|axis| log.axes[axis.index()] && is_constant(axis)).collect()
 }

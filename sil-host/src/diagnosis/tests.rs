@@ -136,7 +136,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
         Term { effect: of("motor_lag"), values: vec![0.02] },
         Term { effect: of("spring"), values: vec![9.0, 0.0] },
     ];
-    let nominal = || subject.model();
+    let nominal = || subject.model(&log);
     let fitted = |shooting: &shooting::Shooting<'_>| {
         let training = shooting.log.part(&[Part::Fit]);
         let driven = shooting.log.drive(model_of(&nominal, &truth));

@@ -180,7 +180,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
     let mut parameters = estimates(refitted, index, model_error);
     let mut names = effect.reported_names();
     // separate axes have a gain each that is fitted along, and no inertia
-    if !search.shooting.log.has_motors() {
+    if !search.shooting.log.is_vehicle() {
         parameters = parameters.into_iter().map(|(name, estimate)| (per_unit_inertia(name), estimate)).collect();
         names = names.into_iter().map(per_unit_inertia).collect();
     }
@@ -207,7 +207,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
         stability_pct: None,
         one_of: Vec::new(),
         statement,
-        extension: term.effect.effect(&term.values).filter(|_| search.shooting.log.has_motors()),
+        extension: term.effect.effect(&term.values).filter(|_| search.shooting.log.is_vehicle()),
     }
 }
 

@@ -79,8 +79,8 @@ impl Catalogued for BatterySag {
             .reporting(&["per_volt"])
             .stated("thrust falls with the battery")
         };
-        let by_time = scope.is_vehicle.then(by_time);
-        let by_voltage = (scope.is_vehicle && scope.battery).then(by_voltage);
+        let by_time = scope.has_motors.then(by_time);
+        let by_voltage = (scope.has_motors && scope.battery).then(by_voltage);
         by_time.into_iter().chain(by_voltage).collect()
     }
 }

@@ -5,7 +5,10 @@
 //! - roll (the body's): `Q_phi = cos theta (C cos phi - S sin phi)`, `Q_theta = -sin theta (C sin phi + S cos phi)`,
 //!   with `C = m g y`, `S = m g z`, z down.
 //!
-//! Both derive from a potential: `V = C sin theta - S cos theta` and `V = -cos theta (C sin phi + S cos phi)`.
+//! On separate axes, as of a body on a ball joint whose rates are the body's, each has its own line of these alone:
+//! pitch that of pitch, roll `cos theta (C cos phi - S sin phi)`.
+//!
+//! Both of the gimbal's derive from a potential: `V = C sin theta - S cos theta` and `V = -cos theta (C sin phi + S cos phi)`.
 //!
 //! In free flight gravity has no moment about the centre of gravity, but the lifts do: they meet in the
 //! geometric centre, so that with `C = m g y` (or `m g x`) the torque is `C F/(m g)` about roll and `-C F/(m g)`
@@ -109,6 +112,10 @@ impl Moment for CgOffset {
         }
         let (sin_theta, cos_theta) = libm::sincos(motion.angle_rad[1]);
         match self.axis {
+            Axis::Roll if motion.has_separate_axes => {
+                let (sin_phi, cos_phi) = libm::sincos(motion.angle_rad[0]);
+                moment[0] += cos_theta * (c * cos_phi - s * sin_phi);
+            }
             Axis::Roll => {
                 let (sin_phi, cos_phi) = motion.roll;
                 moment[0] += cos_theta * (c * cos_phi - s * sin_phi);

@@ -31,6 +31,7 @@ mod scope;
 mod spring;
 mod step_disturbance;
 mod text;
+mod thrust_curve;
 mod thrust_scale;
 mod torque_bias;
 mod viscous_friction;
@@ -201,6 +202,8 @@ catalogue! {
     wind::Wind,
     /// A wrong mass.
     mass_error::MassError,
+    /// Another bend of the curve from command to thrust.
+    thrust_curve::ThrustCurve,
 }
 
 pub use battery_sag::BatterySagLaw;

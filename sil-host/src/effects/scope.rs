@@ -11,6 +11,10 @@ pub(crate) struct Scope {
     pub(crate) scale: Scale,
     /// True where four motors drive one body; false on separate axes.
     pub(crate) is_vehicle: bool,
+    /// True where each motor's command is known, on separate axes too.
+    pub(crate) has_motors: bool,
+    /// Command of each motor under which a vehicle hovers, or is level on its rig.
+    pub(crate) base_command: Option<f64>,
     /// True where its propulsion has rotors whose speed is known: not on level `box`, nor on separate axes.
     pub(crate) has_rotors: bool,
     /// True where a rig holds the vehicle, so that its angles show in the other axes though nobody measures them.

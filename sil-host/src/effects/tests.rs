@@ -15,6 +15,7 @@ fn at(roll: f64, pitch: f64, lift_over_weight: Option<f64>) -> Motion {
         roll: libm::sincos(roll),
         force: [lift_over_weight.unwrap_or_default(), 0.0, 0.0, 0.0],
         spin: NetSpin::default(),
+        has_separate_axes: false,
         per_weight_1_n: lift_over_weight.map(|_| 1.0),
     }
 }
@@ -48,6 +49,25 @@ fn a_wrong_short_form_says_what_was_expected() {
     ] {
         let problem = Effect::parse(short, Rig::Gimbal).unwrap_err();
         assert!(problem.to_string().contains(expected), "{short}: {problem}");
+    }
+}
+
+/// On a ball joint gravity's torque is the cross product of the mass' place with gravity, both in body axes; on separate
+/// axes each takes its own component, and nothing of another's.
+#[test]
+fn an_offset_centre_pulls_each_separate_axis_by_itself() {
+    for (roll, pitch) in [(0.0, 0.0), (0.4, 0.0), (-0.7, 0.3), (0.2, -0.9)] {
+        let motion = Motion { roll: (0.0, 1.0), has_separate_axes: true, ..at(roll, pitch, None) };
+        let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (libm::sincos(roll), libm::sincos(pitch));
+        let gravity = [-sin_theta, cos_theta * sin_phi, cos_theta * cos_phi];
+        let (y, z) = (0.1, -0.04);
+        let about_roll = y * gravity[2] - z * gravity[1];
+        let of_roll = moment_of(cg_offset(Axis::Roll), &motion);
+        assert!((of_roll[0] - about_roll).abs() < 1e-15 && of_roll[1] == 0.0 && of_roll[2] == 0.0);
+        // the ring's offset lies along the arm, x, and downward: z gx - x gz, in its own plane
+        let about_pitch = z * gravity[0] - y * cos_theta;
+        let of_pitch = moment_of(cg_offset(Axis::Pitch), &motion);
+        assert!((of_pitch[1] - about_pitch).abs() < 1e-15 && of_pitch[0] == 0.0);
     }
 }
 
@@ -151,6 +171,8 @@ fn whole_log(flies_free: bool) -> Scope {
     Scope {
         scale: Scale { moment_nm: 1.2, inertia_kg_m2: [0.011, 0.036, 0.02], mass_kg: 1.2, arm_m: 0.226 },
         is_vehicle: true,
+        has_motors: true,
+        base_command: None,
         has_rotors: true,
         is_held: !flies_free,
         flies_free,

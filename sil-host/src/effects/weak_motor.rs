@@ -38,7 +38,7 @@ impl Catalogued for WeakMotor {
     fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
         let scale = Unknown::of(&SCALE, 1e-4).within(0.0, 3.0);
         let of_motor = |motor| Hypothesis::new(Self::ENTRY, [scale], move |[scale]| Self { motor, scale });
-        (1..=4).filter(|_| scope.is_vehicle).map(of_motor).collect()
+        (1..=4).filter(|_| scope.has_motors).map(of_motor).collect()
     }
 }
 

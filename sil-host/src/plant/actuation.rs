@@ -1,7 +1,7 @@
 //! From the command that is given to the one that drives the motors, and from the motors' lift to the true one:
 //!
 //! ```text
-//! command -> delay -> clipping -> lag -> ESC map -> motor -> factors on lift
+//! command -> delay -> clipping -> lag -> bend -> ESC map -> motor -> factors on lift
 //! ```
 //! Without effects each link passes on what it gets.
 
@@ -49,9 +49,9 @@ impl Actuation {
         true
     }
 
-    /// Commands in force behind delay and clipping.
-    pub(crate) fn target(&self) -> [f64; 4] {
-        self.target
+    /// What drives the motors once the lag has settled.
+    pub(crate) fn settled(&self) -> [f64; 4] {
+        self.target.map(|command| self.chain.path.bent(command))
     }
 
     /// When the next command takes effect, s.
@@ -72,13 +72,18 @@ impl Actuation {
 
     /// Lets a stretch of time pass for the lag.
     pub(crate) fn pass(&mut self, duration_s: f64) {
-        self.lagged = self.driving(duration_s);
+        self.lagged = self.behind_lag(duration_s);
     }
 
-    /// Commands at the speed controllers, so long after the start of the stretch: between two commands the lag's motion
-    /// is an exponential.
+    /// Commands at the speed controllers, so long after the start of the stretch.
     #[inline]
     pub(crate) fn driving(&self, after_s: f64) -> [f64; 4] {
+        self.behind_lag(after_s).map(|command| self.chain.path.bent(command))
+    }
+
+    /// Between two commands the lag's motion is an exponential.
+    #[inline]
+    fn behind_lag(&self, after_s: f64) -> [f64; 4] {
         if self.chain.path.lag_s <= 0.0 {
             return self.target;
         }

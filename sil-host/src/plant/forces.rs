@@ -82,6 +82,7 @@ impl Forces<'_> {
             roll,
             force: lifts,
             spin: Propulsion::net_spin(&rotors, &rotors_change),
+            has_separate_axes: false,
             per_weight_1_n: None,
             ..extended.instant(after_s)
         });
@@ -152,6 +153,7 @@ impl Extended<'_> {
             roll: (0.0, 1.0),
             force: [0.0; 4],
             spin: NetSpin::default(),
+            has_separate_axes: false,
             per_weight_1_n: None,
         }
     }
@@ -188,6 +190,7 @@ impl Extended<'_> {
             roll: libm::sincos(angle_rad[0]),
             force: lifts_n,
             spin,
+            has_separate_axes: false,
             per_weight_1_n: Some(body.per_weight_1_n()),
             ..self.instant(after_s)
         };

@@ -125,7 +125,7 @@ impl Plant {
     }
 
     fn take_commands_in_force(&mut self) {
-        self.drive = self.actuation.target().map(|command| self.propulsion.drive(command));
+        self.drive = self.actuation.settled().map(|command| self.propulsion.drive(command));
     }
 
     /// Torque from outside on the body, (x, y, z), N m, from now on.
@@ -156,7 +156,7 @@ impl Plant {
     pub fn set_motor_equilibrium(&mut self, commands: [f64; 4]) {
         self.actuation.settle(commands);
         self.take_commands_in_force();
-        for (motor, command) in self.actuation.target().into_iter().enumerate() {
+        for (motor, command) in self.actuation.settled().into_iter().enumerate() {
             let settled = self.propulsion.equilibrium(command);
             self.rotors[motor] = settled.speed_rad_s;
             self.rotors[4 + motor] = settled.current_a;

@@ -6,7 +6,7 @@
 //! | free | roll, pitch, yaw, p, q, r; then velocity north, east, down and height | [`FreeBody`], [`Air`] |
 //! | axes | angles and their derivatives | unit inertia, one input gain each |
 
-use super::force_track::ForceAndSpin;
+use super::force_track::{DirectInput, ForceAndSpin};
 use crate::vehicle::{Air, Airframe, Attitude, FreeBody, Gimbal, Onset, RigidBody, euler_rates_rad_s};
 pub(crate) use crate::vehicle::{Moment, Motion};
 
@@ -31,7 +31,7 @@ pub(crate) fn turning(x: &State) -> Turning {
 pub(crate) enum Body {
     Gimbal { airframe: Airframe, gimbal: Gimbal },
     Free { airframe: Airframe, body: FreeBody },
-    Axes { gain_rad_s2: [f64; 3] },
+    Axes { gain_rad_s2: [f64; 3], input: DirectInput },
 }
 
 impl Body {
@@ -51,7 +51,18 @@ impl Body {
         };
         let (angle_rad, rate_rad_s) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
         let ForceAndSpin { force, spin } = motors;
-        Motion { time_s, onset: Onset::Ramp, angle_rad, rate_rad_s, roll, force, spin, per_weight_1_n }
+        let has_separate_axes = matches!(self, Body::Axes { .. });
+        Motion {
+            time_s,
+            onset: Onset::Ramp,
+            angle_rad,
+            rate_rad_s,
+            roll,
+            has_separate_axes,
+            force,
+            spin,
+            per_weight_1_n,
+        }
     }
 
     /// Change of the state under what the motors do, and moments.
@@ -80,8 +91,9 @@ impl Body {
             Body::Free { airframe, body } => {
                 free(body, roll, libm::sincos(x[1]), rate, airframe.torque_body_nm(force), moment)
             }
-            Body::Axes { gain_rad_s2 } => {
-                let acceleration = |i: usize| gain_rad_s2[i] * force[i] + moment[i];
+            Body::Axes { gain_rad_s2, input } => {
+                let command = input.about_axes(force);
+                let acceleration = |i: usize| gain_rad_s2[i] * command[i] + moment[i];
                 [rate[0], rate[1], rate[2], acceleration(0), acceleration(1), acceleration(2)]
             }
         }

@@ -1,10 +1,9 @@
 //! The commands of a log: what the prediction is driven by.
 
 use super::error::NotPredictable;
-use super::force_track::Commands;
+use super::force_track::{Commands, DirectInput};
 use crate::axis::Axis;
 use crate::log::{Log, Quantity};
-use crate::vehicle::signed_sums;
 
 /// The commands of the four motors, each in force until the next row.
 ///
@@ -19,13 +18,21 @@ pub(crate) fn motor_commands(log: &Log) -> Result<Commands, NotPredictable> {
     Ok(Commands { time_s: log.time_s.clone(), value })
 }
 
-/// The commands of separate axes, each in force until the next row.
+/// What drives separate axes: the motors where a log has them, for they are what acts, else the axes' commands.
+pub(crate) fn direct_input(log: &Log) -> DirectInput {
+    if log.motors().is_some() { DirectInput::Motors } else { DirectInput::Axes }
+}
+
+/// The commands that drive separate axes, each in force until the next row.
 ///
 /// # Errors
 /// The log has none for an axis that it is about.
 pub(crate) fn commands_of_axes(log: &Log) -> Result<Commands, NotPredictable> {
+    if direct_input(log) == DirectInput::Motors {
+        return motor_commands(log);
+    }
     for axis in Axis::ALL {
-        if log.axes[axis.index()] && log.axis_command[axis.index()].is_none() && log.motors().is_none() {
+        if log.axes[axis.index()] && log.axis_command[axis.index()].is_none() {
             let column = Quantity::Command(axis).name();
             let why = "drives that axis (or motor1 to motor4)";
             return Err(NotPredictable::MissingColumn { column, why });
@@ -34,14 +41,12 @@ pub(crate) fn commands_of_axes(log: &Log) -> Result<Commands, NotPredictable> {
     Ok(Commands { time_s: log.time_s.clone(), value: axis_commands(log) })
 }
 
-/// Row by row (roll, pitch, yaw, 0): the axis commands, where the log has them; else made of the motors, half the
-/// signed sum, so that they lie in -1..1; 0 where it has neither.
+/// Row by row (roll, pitch, yaw, 0): what the motors do about the axes, where the log has them; else the axis commands;
+/// 0 where it has neither.
 pub(crate) fn axis_commands(log: &Log) -> Vec<[f64; 4]> {
-    let of_axis = |axis: Axis, row: usize| match (&log.axis_command[axis.index()], log.motors()) {
-        (Some(column), _) => column[row],
-        (None, Some(motors)) => 0.5 * signed_sums(motors.map(|motor| motor[row]))[axis.index()],
-        (None, None) => 0.0,
-    };
-    let of_row = |row: usize| [of_axis(Axis::Roll, row), of_axis(Axis::Pitch, row), of_axis(Axis::Yaw, row), 0.0];
-    (0..log.rows()).map(of_row).collect()
+    let of_motors = |motors: [&[f64]; 4], row: usize| DirectInput::Motors.about_axes(motors.map(|motor| motor[row]));
+    let of_axes = |row: usize| log.axis_command.each_ref().map(|column| column.as_ref().map_or(0.0, |own| own[row]));
+    let motors = log.motors();
+    let of_row = |row: usize| motors.map_or_else(|| of_axes(row), |motors| of_motors(motors, row));
+    (0..log.rows()).map(of_row).map(|[roll, pitch, yaw]| [roll, pitch, yaw, 0.0]).collect()
 }

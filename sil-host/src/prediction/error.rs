@@ -34,8 +34,8 @@ pub enum NotPredictable {
         /// What it is needed for.
         why: &'static str,
     },
-    /// The command is zero throughout: no gain can be found.
-    #[error("the {axis} command is zero in every window: its input gain can't be found")]
+    /// No axis' command ever changes: no gain can be found.
+    #[error("the {axis} command never changes while the motors run: its input gain can't be found")]
     NoExcitation {
         /// roll, pitch or yaw.
         axis: &'static str,

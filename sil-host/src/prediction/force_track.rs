@@ -7,7 +7,7 @@
 
 use super::drive_curve::DriveCurve;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
-use crate::vehicle::{CommandPath, NetSpin, on_the_way, spin_sum};
+use crate::vehicle::{CommandPath, NetSpin, on_the_way, signed_sums, spin_sum};
 
 /// Longest step of the body, s.
 const BODY_STEP_MAX_S: f64 = 5e-3;
@@ -28,16 +28,37 @@ const TIME_ROUNDING_S: f64 = 1e-9;
 pub(crate) enum Drive {
     /// Motors with propellers: the forces are their lifts, N.
     Motors(Propulsion),
-    /// Nothing: the forces are the axis commands themselves.
-    Direct,
+    /// Nothing: the forces are the commands themselves.
+    Direct(DirectInput),
+}
+
+/// What drives separate axes, of whose motors nothing is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DirectInput {
+    /// Commands of the axes (roll, pitch, yaw, 0), -1..1.
+    Axes,
+    /// Commands of four motors, 0..1.
+    Motors,
+}
+
+impl DirectInput {
+    /// What acts about roll, pitch and yaw: of motors half the signed sum, so that it lies in -1..1 too.
+    #[inline]
+    pub(crate) fn about_axes(self, force: [f64; 4]) -> [f64; 3] {
+        match self {
+            DirectInput::Axes => [force[0], force[1], force[2]],
+            DirectInput::Motors => signed_sums(force).map(|sum| 0.5 * sum),
+        }
+    }
 }
 
 impl Drive {
-    /// Forces once the motors have settled.
-    pub(crate) fn settled(&self, commands: &[f64; 4]) -> [f64; 4] {
+    /// Forces once lag and motors have settled.
+    pub(crate) fn settled(&self, commands: &[f64; 4], path: &CommandPath) -> [f64; 4] {
+        let bent = self.bent(*commands, path);
         match self {
-            Drive::Motors(propulsion) => commands.map(|command| propulsion.lift_n(command)),
-            Drive::Direct => *commands,
+            Drive::Motors(propulsion) => bent.map(|command| propulsion.lift_n(command)),
+            Drive::Direct(_) => bent,
         }
     }
 
@@ -46,7 +67,16 @@ impl Drive {
         match self {
             Drive::Motors(Propulsion::Device(_)) => QUICKEST_S,
             Drive::Motors(Propulsion::Generic(rotor)) => rotor.time_constant_s,
-            Drive::Motors(Propulsion::Box(_)) | Drive::Direct => f64::INFINITY,
+            Drive::Motors(Propulsion::Box(_)) | Drive::Direct(_) => f64::INFINITY,
+        }
+    }
+
+    /// What commands act as behind the lag; those of axes have no curve.
+    #[inline]
+    fn bent(&self, commands: [f64; 4], path: &CommandPath) -> [f64; 4] {
+        match self {
+            Drive::Direct(DirectInput::Axes) => commands,
+            Drive::Motors(_) | Drive::Direct(DirectInput::Motors) => commands.map(|command| path.bent(command)),
         }
     }
 
@@ -55,7 +85,7 @@ impl Drive {
     fn of_commands(&self, commands: &[f64; 4]) -> [f64; 4] {
         match self {
             Drive::Motors(propulsion) => core::array::from_fn(|motor| propulsion.drive(commands[motor])),
-            Drive::Direct => *commands,
+            Drive::Direct(_) => *commands,
         }
     }
 }
@@ -193,13 +223,13 @@ impl<'a> Motors<'a> {
         if let Drive::Motors(propulsion) = drive {
             curve = DriveCurve::of(propulsion);
             for motor in 0..4 {
-                let settled = propulsion.equilibrium(arrived[motor]);
+                let settled = propulsion.equilibrium(path.bent(arrived[motor]));
                 (rotors[motor], rotors[4 + motor]) = (settled.speed_rad_s, settled.current_a);
             }
         }
         let lag_s = if path.lag_s > 0.0 { path.lag_s } else { f64::INFINITY };
         let step_max_s = MOTOR_STEP_SHARE * drive.quickest_s().min(lag_s).max(QUICKEST_S);
-        let driving = drive.of_commands(&arrived);
+        let driving = drive.of_commands(&drive.bent(arrived, path));
         let half_left = (0.0, 1.0);
         Motors {
             path,
@@ -218,16 +248,17 @@ impl<'a> Motors<'a> {
 
     /// What commands make the motors do.
     fn driven(&self, commands: &[f64; 4]) -> [f64; 4] {
+        let bent = self.drive.bent(*commands, self.path);
         match &self.curve {
-            Some(curve) => core::array::from_fn(|motor| curve.at(commands[motor])),
-            None => self.drive.of_commands(commands),
+            Some(curve) => bent.map(|command| curve.at(command)),
+            None => self.drive.of_commands(&bent),
         }
     }
 
     /// The forces now.
     fn forces(&self) -> [f64; 4] {
         match self.drive {
-            Drive::Direct => self.driving,
+            Drive::Direct(_) => self.driving,
             Drive::Motors(propulsion) => propulsion.lifts_n(&self.driving, &self.rotors),
         }
     }
@@ -316,7 +347,7 @@ impl<'a> Motors<'a> {
         };
         self.driving = end;
         match self.drive {
-            Drive::Direct => [begin, middle, end].map(|force| tracked(force, 0.0)),
+            Drive::Direct(_) => [begin, middle, end].map(|force| tracked(force, 0.0)),
             Drive::Motors(propulsion) => {
                 let drives = [begin, middle, end];
                 let mut step = RotorStep { rotors: self.rotors, change: self.change };
@@ -338,8 +369,8 @@ impl<'a> Motors<'a> {
 
 pub(crate) fn clipped(command: [f64; 4], path: &CommandPath, drive: &Drive) -> [f64; 4] {
     core::array::from_fn(|i| match drive {
-        Drive::Motors(_) => path.clipped(command[i]),
-        Drive::Direct => path.clipped_about_zero(command[i]),
+        Drive::Motors(_) | Drive::Direct(DirectInput::Motors) => path.clipped(command[i]),
+        Drive::Direct(DirectInput::Axes) => path.clipped_about_zero(command[i]),
     })
 }
 

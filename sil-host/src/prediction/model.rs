@@ -7,7 +7,7 @@ use crate::effects::Effect;
 use crate::model::VehicleModel;
 use crate::prediction::Channel;
 use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
-use crate::prediction::force_track::{Commands, Drive, ForceAndSpin, ForceTrack, Step};
+use crate::prediction::force_track::{Commands, DirectInput, Drive, ForceAndSpin, ForceTrack, Step};
 use crate::vehicle::{Airframe, Changes, NominalBody};
 
 /// Parts of a step of the body in which dry friction turns round, a millisecond or two.
@@ -83,13 +83,13 @@ impl Model {
         model
     }
 
-    /// Separate axes, with the input gain of each.
-    pub(crate) fn of_axes(gain_rad_s2: [f64; 3]) -> Model {
+    /// Separate axes, with the input gain of each and what they are driven by.
+    pub(crate) fn of_axes(gain_rad_s2: [f64; 3], input: DirectInput) -> Model {
         Model {
             vehicle: None,
-            drive: Drive::Direct,
+            drive: Drive::Direct(input),
             changes: Changes::default(),
-            body: Body::Axes { gain_rad_s2 },
+            body: Body::Axes { gain_rad_s2, input },
             moments: Vec::new(),
             turns_round_rad_s: [None; 3],
         }
@@ -111,7 +111,7 @@ impl Model {
 
     /// Sets the input gain of a separate axis; a vehicle has none.
     pub(crate) fn set_input_gain(&mut self, axis: Axis, own_rad_s2: f64) {
-        if let Body::Axes { gain_rad_s2 } = &mut self.body {
+        if let Body::Axes { gain_rad_s2, .. } = &mut self.body {
             gain_rad_s2[axis.index()] = own_rad_s2;
         }
     }
@@ -250,7 +250,10 @@ impl Model {
     pub(crate) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
         const STEP: f64 = 0.01;
         let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
-            let settled = ForceAndSpin { force: self.drive.settled(commands), ..ForceAndSpin::default() };
+            let settled = ForceAndSpin {
+                force: self.drive.settled(commands, &self.changes.chain.path),
+                ..ForceAndSpin::default()
+            };
             let change = self.body.derivative(0.0, &[0.0; TURNING], &settled, &[]);
             [change[3], change[4], change[5]]
         };

@@ -1,8 +1,9 @@
 //! Where a log comes from, and so what of it is predicted.
 
 use super::Channel;
-use super::commands::{commands_of_axes, motor_commands};
+use super::commands::{commands_of_axes, direct_input, motor_commands};
 use super::error::NotPredictable;
+use super::force_track::DirectInput;
 use super::model::Model;
 use super::noise::MeasuredNoise;
 use super::window::windows;
@@ -28,10 +29,10 @@ pub enum Subject<'a> {
 
 impl Subject<'_> {
     /// The model as it stands, with the effects that it is known to have; axes without any gain.
-    pub(crate) fn model(&self) -> Model {
+    pub(crate) fn model(&self, log: &Log) -> Model {
         match self {
             Subject::Vehicle(vehicle) => Model::of(vehicle),
-            Subject::Axes => Model::of_axes([0.0; 3]),
+            Subject::Axes => Model::of_axes([0.0; 3], direct_input(log)),
         }
     }
 
@@ -47,6 +48,18 @@ impl Subject<'_> {
     /// True on the testbed, whose ring and rod hold the vehicle.
     pub(crate) fn is_held(&self) -> bool {
         matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal)
+    }
+
+    /// True where each motor's command drives the vehicle, and not those of its axes.
+    fn has_motors(&self, log: &Log) -> bool {
+        matches!(self, Subject::Vehicle(_)) || direct_input(log) == DirectInput::Motors
+    }
+
+    fn base_command(&self) -> Option<f64> {
+        match self {
+            Subject::Vehicle(model) => Some(model.base_command),
+            Subject::Axes => None,
+        }
     }
 
     fn has_rotors(&self) -> bool {
@@ -100,6 +113,8 @@ impl Subject<'_> {
         Scope {
             scale: self.scale(),
             is_vehicle: matches!(self, Subject::Vehicle(_)),
+            has_motors: self.has_motors(log),
+            base_command: self.base_command(),
             has_rotors: self.has_rotors(),
             is_held: self.is_held(),
             flies_free: self.flies_free(),

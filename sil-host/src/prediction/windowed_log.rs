@@ -119,12 +119,6 @@ impl<'a> WindowedLog<'a> {
         WindowedLog { lost: Some(lost), ..self }
     }
 
-    /// The commands that are in force between two rows.
-    pub(crate) fn commands_between(&self, first_row: usize, end_row: usize) -> &[[f64; 4]] {
-        let at = |row: usize| self.commands.time_s.partition_point(|time_s| *time_s <= self.rows()[row]);
-        &self.commands.value[at(first_row).saturating_sub(1)..at(end_row).saturating_sub(1)]
-    }
-
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
     pub(crate) fn drive(&self, model: Model) -> Driven {
         let path = model.changes.chain.path;
@@ -219,8 +213,8 @@ impl<'a> WindowedLog<'a> {
         self.is_vehicle && !self.turns(Axis::Yaw)
     }
 
-    /// True if the forces are motors' lifts.
-    pub(crate) fn has_motors(&self) -> bool {
+    /// True of a vehicle, whose forces are lifts; false of separate axes.
+    pub(crate) fn is_vehicle(&self) -> bool {
         self.is_vehicle
     }
 

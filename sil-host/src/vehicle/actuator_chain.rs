@@ -1,8 +1,8 @@
 //! What lies between a command and the lift it makes, as numbers that effects can change:
 //!
 //! ```text
-//! command -> delay -> clipping -> lag -> ESC map -> motor -> factors on lift
-//! '------------- CommandPath --------'   '-- propulsion -'   '- LiftFactors -'
+//! command -> delay -> clipping -> lag -> bend -> ESC map -> motor -> factors on lift
+//! '------------- CommandPath ----------------'   '-- propulsion -'   '- LiftFactors -'
 //! ```
 
 /// The links of the chain that effects can change.
@@ -25,6 +25,8 @@ pub(crate) struct CommandPath {
     pub(crate) command_max: f64,
     /// Time constant of the lag on the command, s; 0 for none.
     pub(crate) lag_s: f64,
+    /// What a motor's command acts as beside itself, per unit of it and of its square.
+    pub(crate) bend: [f64; 2],
 }
 
 /// What the lifts, and with them the reaction torques, are multiplied with.
@@ -49,7 +51,7 @@ pub(crate) struct Battery {
 
 impl Default for CommandPath {
     fn default() -> Self {
-        Self { delay_s: 0.0, command_min: 0.0, command_max: 1.0, lag_s: 0.0 }
+        Self { delay_s: 0.0, command_min: 0.0, command_max: 1.0, lag_s: 0.0, bend: [0.0; 2] }
     }
 }
 
@@ -64,6 +66,13 @@ impl CommandPath {
     /// The same of an axis command, -1..1 in the unit of the log: the upper limit holds on either side.
     pub(crate) fn clipped_about_zero(&self, command: f64) -> f64 {
         command.max(-self.command_max).min(self.command_max)
+    }
+
+    /// What a motor's command acts as behind the lag.
+    #[inline]
+    pub(crate) fn bent(&self, command: f64) -> f64 {
+        let [linear, square] = self.bend;
+        (command * (1.0 + linear + square * command)).clamp(0.0, 1.0)
     }
 
     /// The share of its way that the lag has left after a time, s, under one command.

@@ -13,8 +13,10 @@ pub(crate) struct Motion {
     pub(crate) angle_rad: [f64; 3],
     /// Rates of roll, pitch and yaw, rad/s: of the angles, or of the body (p, q, r) when free.
     pub(crate) rate_rad_s: [f64; 3],
-    /// Sine and cosine of roll; of no roll on separate axes, which know nothing of each other.
+    /// Sine and cosine of roll; of no roll on separate axes, whose torques turn nothing but their own.
     pub(crate) roll: (f64, f64),
+    /// True on separate axes.
+    pub(crate) has_separate_axes: bool,
     /// The four forces: the motors' lifts, N; on separate axes the axis commands.
     pub(crate) force: [f64; 4],
     /// How the rotors turn; still on separate axes.

@@ -143,6 +143,12 @@ fn of_actuators() -> Vec<Case> {
             )
         },
         case(Gimbal, "command_clipping:min=0.48,max=0.5", Page { range: [0.48, 0.5], ..NOMINAL }),
+        case(Gimbal, "thrust_curve:expo=0.1", Page { acts_as: |u| 0.9 * u + 0.1 * u * u, ..NOMINAL }),
+        case(
+            Free,
+            "thrust_curve:expo=-0.2,fixed_at=0.4",
+            Page { acts_as: |u| u * (1.2 - 0.2 * u) / (1.2 - 0.2 * 0.4), rotor_lag_s: 0.05, ..NOMINAL },
+        ),
     ]
 }
 

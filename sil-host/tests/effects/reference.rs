@@ -95,6 +95,8 @@ pub struct Page {
     pub delay_s: f64,
     pub range: [f64; 2],
     pub lag_s: f64,
+    /// What a command acts as behind the lag.
+    pub acts_as: fn(f64) -> f64,
     /// Time constant of the rotors' speed; 0 where the lift follows the command at once, without rotors.
     pub rotor_lag_s: f64,
     pub inertia: [f64; 3],
@@ -116,6 +118,7 @@ pub const NOMINAL: Page = Page {
     delay_s: 0.0,
     range: [0.0, 1.0],
     lag_s: 0.0,
+    acts_as: |command| command,
     rotor_lag_s: 0.0,
     inertia: [1.0; 3],
     product: 0.0,
@@ -159,7 +162,7 @@ impl Reference {
         let command = hover().clamp(page.range[0], page.range[1]);
         state[10..14].copy_from_slice(&[command; 4]);
         if page.rotor_lag_s > 0.0 {
-            state[14..].copy_from_slice(&[SPEED_AT_0 + SPEED_SLOPE * command; 4]);
+            state[14..].copy_from_slice(&[SPEED_AT_0 + SPEED_SLOPE * (page.acts_as)(command); 4]);
         }
         Self { rig, page, state, start_height, fall_v_s, given: Vec::new() }
     }
@@ -186,7 +189,7 @@ impl Reference {
 
     /// The motor's command behind the lag on it.
     fn driving(&self, state: &State, arrived: [f64; 4], motor: usize) -> f64 {
-        if self.page.lag_s > 0.0 { state[10 + motor] } else { arrived[motor] }
+        (self.page.acts_as)(if self.page.lag_s > 0.0 { state[10 + motor] } else { arrived[motor] })
     }
 
     fn lifts(&self, time_s: f64, state: &State, arrived: [f64; 4]) -> [f64; 4] {

@@ -29,11 +29,11 @@ const GAIN_STD_MAX: f64 = 0.2;
 pub(super) fn base_numbers(log: &Log, subject: &Subject<'_>) -> Result<Vec<Number>, NotPredictable> {
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
-    let nominal = || subject.model();
+    let nominal = || subject.model(log);
     let (catalogue, ordinary) = (Fitted::hypotheses(&subject.scope(log)), base::ordinary_of_any(&subject.scope(log)));
     let noise = subject.noise(log);
     let shooting = subject.shooting(log, &noise)?;
-    let along = subject.fitted_along(&shooting.log)?;
+    let along = subject.fitted_along(log)?;
     let gains: Vec<Term<'_>> = along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let search = Search::new(&shooting, &nominal, &catalogue, gains.clone(), &|_| ());
     let (moments, forces) = noise_beyond_sensors(&search, &search.training, &base::fitted(&search, &ordinary).fit);

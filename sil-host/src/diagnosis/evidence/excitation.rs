@@ -76,7 +76,7 @@ pub(in crate::diagnosis) fn excitation(search: &Search<'_>, found: &Found<'_>) -
     }
     let others: Vec<Term<'_>> = findings.iter().filter(|term| !BASIC.contains(&term.effect.name())).cloned().collect();
     let information = information(search, found, &others, &basic);
-    let is_vehicle = search.shooting.log.has_motors();
+    let is_vehicle = search.shooting.log.is_vehicle();
     let parameters = excited(&basic, &information, is_vehicle);
     let (condition_number, alike) = condition(&information);
     let findings_condition_number = (!findings.is_empty())

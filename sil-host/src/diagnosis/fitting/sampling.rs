@@ -15,7 +15,7 @@ use crate::log::Log;
 use crate::prediction::body::State;
 use crate::prediction::lost_commands::{USUAL_CONTROL_RATE_HZ, are_lost, smooth, unknown_acceleration};
 use crate::prediction::model::Model;
-use crate::prediction::windowed_log::{Driven, WindowedLog};
+use crate::prediction::windowed_log::Driven;
 use crate::prediction::{NotPredictable, Part, Subject};
 
 /// Fall of twice the logarithm of the likelihood from which on a faster controller is taken to have flown.
@@ -60,7 +60,7 @@ impl<'l> Sampled<'l> {
         let rate_hz = control_rate_hz.unwrap_or(USUAL_CONTROL_RATE_HZ);
         let alternatives = if are_lost(log, rate_hz) {
             // what a lost command leaves unknown goes with the gain that it acts by
-            let model = model_fitted_to(&held, subject)?;
+            let model = model_fitted_to(log, &held, subject)?;
             let unknown = unknown_acceleration(&held.log, &model, rate_hz);
             let smooth = smooth(&held.log.commands, rate_hz);
             Some(Alternatives {
@@ -71,11 +71,6 @@ impl<'l> Sampled<'l> {
             None
         };
         Ok(Sampled { held, alternatives, is_known: control_rate_hz.is_some() })
-    }
-
-    /// The log, its commands held.
-    pub(in crate::diagnosis) fn log(&self) -> &WindowedLog<'l> {
-        &self.held.log
     }
 
     /// Searches under held commands, and again where the faster controller explains the log better.
@@ -139,9 +134,9 @@ impl<'l> Sampled<'l> {
 }
 
 /// The model as it stands, what it leaves to each log fitted under held commands.
-fn model_fitted_to(held: &Shooting<'_>, subject: &Subject<'_>) -> Result<Model, NotPredictable> {
-    let nominal = || subject.model();
-    let fitted_along = subject.fitted_along(&held.log)?;
+fn model_fitted_to(log: &Log, held: &Shooting<'_>, subject: &Subject<'_>) -> Result<Model, NotPredictable> {
+    let nominal = || subject.model(log);
+    let fitted_along = subject.fitted_along(log)?;
     let terms = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let starts = held.log.measured_starts(&nominal());
     let fit = fit(held, &nominal, terms, &starts, &held.log.part(&[Part::Fit]));

@@ -87,7 +87,7 @@ fn a_tolerance_is_weighed_against_the_log() {
     let fitted = |known: &Known| {
         let catalogue = known.leaves(Fitted::hypotheses(&subject.scope(&log)));
         let effect = catalogue.iter().find(|effect| effect.name() == "mass_error").unwrap();
-        let nominal = || subject.model();
+        let nominal = || subject.model(&log);
         let starts = shooting.log.measured_starts(&nominal());
         let fit = fit(&shooting, &nominal, vec![Term { effect, values: vec![1.0] }], &starts, &all);
         (fit.terms[0].values[0], fit.covariance[0].sqrt())

@@ -192,9 +192,28 @@ fn missing_commands_and_dead_ones_are_named() {
     let gimbal = crate::model::VehicleModel::nominal(crate::model::Rig::Gimbal);
     let error = nominal_prediction(&log, &Subject::Vehicle(&gimbal), None).unwrap_err();
     assert!(error.to_string().starts_with("the log has no column `motor1`"));
-    log.axis_command[1] = Some(vec![0.0; log.rows()]);
+    log.axis_command[1] = Some(vec![0.1; log.rows()]);
     let error = nominal_prediction(&log, &Subject::Axes, None).unwrap_err();
     assert_eq!(error, NotPredictable::NoExcitation { axis: "pitch" });
+}
+
+#[test]
+fn an_axis_that_nobody_commands_does_not_end_the_others() {
+    let mut log = BENCH.log();
+    let alone = predicted(&log).input_gain_rad_s2[1];
+    log.axes[0] = true;
+    log.axis_command[0] = Some(vec![0.0; log.rows()]);
+    log.angle_rad[0] = Some(vec![0.01; log.rows()]);
+    log.rate_rad_s[0] = Some(vec![0.0; log.rows()]);
+    let beside = predicted(&log).input_gain_rad_s2;
+    assert_eq!(beside[0], None);
+    assert!((beside[1].unwrap() / alone.unwrap() - 1.0).abs() < 1e-6);
+    let answer = crate::diagnosis::diagnose(&log, &Subject::Axes).unwrap();
+    assert!(
+        answer.rejected.iter().any(|one| one.effect == "input_gain" && one.axis == "roll"),
+        "{:?}",
+        answer.rejected
+    );
 }
 
 #[test]
@@ -205,6 +224,7 @@ fn motors_stand_in_for_axis_commands() {
     let motor = |sign: f64| Some(command.iter().map(|c| 0.5 + 0.5 * sign * c).collect::<Vec<f64>>());
     log.motor_command = [motor(1.0), motor(-1.0), motor(1.0), motor(-1.0)];
     assert!((predicted(&log).input_gain_rad_s2[1].unwrap() / 150.0 - 1.0).abs() < 0.004);
+    // and are what acts where the log has both
     log.axis_command[1] = Some(command.iter().map(|c| -c).collect());
-    assert!(predicted(&log).input_gain_rad_s2[1].unwrap() < 0.0);
+    assert!((predicted(&log).input_gain_rad_s2[1].unwrap() / 150.0 - 1.0).abs() < 0.004);
 }

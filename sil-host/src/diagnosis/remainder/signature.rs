@@ -80,7 +80,7 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
         if fall > SIGNIFICANT && best.as_ref().is_none_or(|(most, _)| fall > *most) {
             let first = coefficients.len() - dependence.shapes.len();
             // separate axes are bodies of unit inertia
-            let moment_unit = if shooting.log.has_motors() { "N m" } else { "rad/s^2" };
+            let moment_unit = if shooting.log.is_vehicle() { "N m" } else { "rad/s^2" };
             best = Some((fall, dependence.in_words(&normal, &coefficients, first, moment_unit)));
         }
     }
@@ -160,7 +160,7 @@ fn dependences(search: &Search<'_>) -> Vec<Dependence> {
         all.push(dependence("rate", rate));
         all.push(dependence("time", time.into()));
     }
-    if shooting.log.has_motors() {
+    if shooting.log.is_vehicle() {
         for motor in 0..4 {
             let squared = move |m: &Motion| {
                 let of_motor = |i: usize| if i == motor { m.force[motor] * m.force[motor] } else { 0.0 };

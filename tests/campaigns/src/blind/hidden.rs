@@ -1,7 +1,7 @@
 //! What can be hidden: every effect of docs/effects.md that a gimbal or a free vehicle can have, but
 //! `controller_mismatch`, with its free choices drawn.
 
-use sil_host::model::Rig;
+use sil_host::model::{Rig, VehicleModel};
 use sil_host::sensors::random::RandomStream;
 
 use super::conditions::LOW_START_M;
@@ -31,7 +31,7 @@ pub const EFFECTS: [&str; 19] = [
 
 /// Effects of free flight, equally often: those that mean something without bearings, and those of the way through the
 /// air. A new one stands last, so that the first seeds hide what they did.
-pub const EFFECTS_IN_FREE_FLIGHT: [&str; 22] = [
+pub const EFFECTS_IN_FREE_FLIGHT: [&str; 23] = [
     "mass_error",
     "cg_offset",
     "torque_bias",
@@ -54,6 +54,7 @@ pub const EFFECTS_IN_FREE_FLIGHT: [&str; 22] = [
     "periodic_disturbance",
     "step_disturbance",
     "rotor_inertia",
+    "thrust_curve",
 ];
 
 /// What is hidden, but for its size.
@@ -111,6 +112,7 @@ impl Hidden {
             "rotor_inertia" => (None, None, "inertia_kg_m2", 5e-5, |s, _| plain("inertia_kg_m2", s.min(3e-4))),
             "motor_lag" => (None, None, "time_constant_s", 0.005, |s, _| plain("time_constant_s", s)),
             "actuation_delay" | "attitude_delay" => (None, None, "delay_s", 0.005, |s, _| plain("delay_s", s)),
+            "thrust_curve" => (None, None, "expo", 0.1, bent),
             "thrust_scale" => (None, None, "scale", 0.05, scaled),
             "weak_motor" => (None, motor, "scale", 0.03, |s, _| plain("scale", 1.0 - s.min(0.8))),
             "battery_sag" => (None, None, "per_s", 0.001, |s, _| plain("per_s", s)),
@@ -172,6 +174,12 @@ fn plain(parameter: &str, value: f64) -> (f64, String) {
 
 fn signed(parameter: &str, size: f64, extra: &Extra) -> (f64, String) {
     plain(parameter, extra.sign * size)
+}
+
+/// About the command that hovers the shipped vehicle, as a diagnosis takes it.
+fn bent(size: f64, extra: &Extra) -> (f64, String) {
+    let expo = extra.sign * size.min(0.8);
+    (expo, format!("expo={expo},fixed_at={}", VehicleModel::nominal(Rig::Free).base_command))
 }
 
 fn scaled(size: f64, extra: &Extra) -> (f64, String) {
