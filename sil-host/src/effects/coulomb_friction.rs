@@ -60,7 +60,7 @@ impl Extension for CoulombFriction {
     }
 
     fn turns_round_rad_s(&self) -> Option<f64> {
-        Some(RATE_SCALE_RAD_S)
+        (self.torque_nm != 0.0).then_some(RATE_SCALE_RAD_S)
     }
 
     fn step_max_s(&self, inertia_kg_m2: [f64; 3]) -> f64 {

@@ -10,8 +10,10 @@ use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, tur
 use crate::prediction::force_track::{Commands, DirectInput, Drive, ForceAndSpin, ForceTrack, Step};
 use crate::vehicle::{Airframe, Changes, NominalBody};
 
-/// Parts of a step of the body in which dry friction turns round, a millisecond or two.
-const DRY_PARTS: u8 = 8;
+/// Most parts of a step of the body in which dry friction turns round, a millisecond or two each.
+const DRY_PARTS: f64 = 8.0;
+/// The rate changes in each by no more than this share of that within which friction turns round.
+const DRY_SHARE: f64 = 0.25;
 
 /// A model with whatever effects it is given.
 pub(crate) struct Model {
@@ -211,12 +213,13 @@ impl Model {
             return 1;
         }
         let change = change(from_s, x, motors);
-        let turns_round = (0..3).any(|axis| {
-            let passed_rad_s = (change[3 + axis] * duration_s).abs();
-            self.turns_round_rad_s[axis]
-                .is_some_and(|within| passed_rad_s > 0.25 * within && x[3 + axis].abs() < passed_rad_s + 4.0 * within)
-        });
-        if turns_round { DRY_PARTS } else { 1 }
+        let of_axis = |axis: usize| {
+            let (within, passed_rad_s) = (self.turns_round_rad_s[axis]?, (change[3 + axis] * duration_s).abs());
+            let turns_round = x[3 + axis].abs() < passed_rad_s + 4.0 * within;
+            turns_round.then(|| (passed_rad_s / (DRY_SHARE * within)).ceil())
+        };
+        let parts = (0..3).filter_map(of_axis).fold(1.0, f64::max);
+        parts.min(DRY_PARTS) as u8
     }
 
     /// The motion before a row, gone back from its state; nothing where no report is late.

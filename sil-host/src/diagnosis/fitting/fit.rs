@@ -45,7 +45,7 @@ pub(in crate::diagnosis) struct Fit<'e> {
     pub(in crate::diagnosis) starts: Vec<State>,
 }
 
-impl Fit<'_> {
+impl<'e> Fit<'e> {
     /// Number of parameters.
     pub(in crate::diagnosis) fn size(&self) -> usize {
         self.terms.iter().map(|term| term.values.len()).sum()
@@ -57,6 +57,38 @@ impl Fit<'_> {
         let (size, own) = (self.size(), self.terms[term].values.len());
         let at = |i: usize, j: usize| self.scattered_covariance[(before + i) * size + before + j];
         (0..own * own).map(|k| at(k / own, k % own)).collect()
+    }
+
+    /// The fit without one of its terms, to first order: the others' means where its numbers are known to change
+    /// nothing. Their covariances stay as they were.
+    pub(in crate::diagnosis) fn expected_without(&self, term: usize) -> Fit<'e> {
+        let before: usize = self.terms[..term].iter().map(|term| term.values.len()).sum();
+        let (size, own) = (self.size(), self.terms[term].values.len());
+        let block =
+            (0..own * own).map(|k| self.covariance[(before + k / own) * size + before + k % own]).collect::<Vec<_>>();
+        let numbers = self.terms[term].values.iter().zip(self.terms[term].effect.unknowns());
+        let away: Vec<f64> = numbers.map(|(value, unknown)| unknown.nominal - value).collect();
+        let weights = Cholesky::new(&regular(&block, own, 0.0), own).map(|factor| factor.solve(&away));
+        let mut terms = self.terms.clone();
+        if let Some(weights) = weights {
+            let step: Vec<f64> = (0..size)
+                .map(|i| (0..own).map(|k| self.covariance[i * size + before + k] * weights[k]).sum())
+                .collect();
+            terms = moved(&terms, &step);
+        }
+        terms.remove(term);
+        let others = |matrix: &[f64]| -> Vec<f64> {
+            let is_other = |i: usize| !(before..before + own).contains(&i);
+            let kept = matrix.iter().enumerate().filter(|(k, _)| is_other(k / size) && is_other(k % size));
+            kept.map(|(_, value)| *value).collect()
+        };
+        Fit {
+            terms,
+            covariance: others(&self.covariance),
+            scattered_covariance: others(&self.scattered_covariance),
+            training: self.training,
+            starts: self.starts.clone(),
+        }
     }
 }
 
@@ -198,16 +230,41 @@ struct Round<'e> {
 }
 
 impl<'e> Round<'e> {
-    /// The damped step and the fall of the sum of squares that it promises.
+    /// The damped step and the fall of the sum of squares that it promises. A number at the end of its range that would
+    /// leave it is held there, and the others step as they do without it.
     fn step(&self, damping: f64) -> Option<(Vec<f64>, f64)> {
         let size = self.normal.right.len();
         if size == 0 {
             return None;
         }
-        let factor = Cholesky::new(&regular(&self.normal.matrix, size, damping), size)?;
-        let step = factor.solve(&self.normal.right);
-        let promised = dot(&step, &self.normal.right);
-        Some((step, promised))
+        let (mut matrix, mut right) = (regular(&self.normal.matrix, size, damping), self.normal.right.clone());
+        for _ in 0..=size {
+            let step = Cholesky::new(&matrix, size)?.solve(&right);
+            let leaving = self.leaving(&step);
+            if leaving.is_empty() {
+                let promised = dot(&step, &right);
+                return Some((step, promised));
+            }
+            for held in leaving {
+                (0..size).for_each(|i| (matrix[held * size + i], matrix[i * size + held]) = (0.0, 0.0));
+                (matrix[held * size + held], right[held]) = (1.0, 0.0);
+            }
+        }
+        None
+    }
+
+    /// Places of the numbers that a step would take out of their ranges from where these end.
+    fn leaving(&self, step: &[f64]) -> Vec<usize> {
+        let numbers = self.terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
+        let leaves = |(unknown, value): (&Unknown, &f64), by: f64| {
+            by < 0.0 && *value <= unknown.min || by > 0.0 && *value >= unknown.max
+        };
+        numbers
+            .zip(step)
+            .enumerate()
+            .filter(|(_, (number, by))| leaves(*number, **by))
+            .map(|(place, _)| place)
+            .collect()
     }
 
     fn result(self, shooting: &Shooting<'_>, training: &[usize]) -> Fit<'e> {
