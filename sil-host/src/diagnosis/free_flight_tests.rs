@@ -44,6 +44,15 @@ fn another_bend_of_the_thrust_curve_is_neither_mass_nor_lift() {
     assert_found(&answer_to(&log(&[bend], 5)), "thrust_curve", "expo", 0.15);
 }
 
+/// Half a second from an attitude and rates that nobody measured: whatever a model says of it is about nothing.
+#[test]
+fn a_log_that_shows_nothing_of_the_turning_is_refused_with_what_it_lacks() {
+    let (mut log, vehicle) = (log(&[], 6), VehicleModel::nominal(Rig::Free));
+    (log.rate_rad_s, log.angle_rad[1]) = ([None, None, None], None);
+    let refused = diagnose(&log, &Subject::Vehicle(&vehicle)).unwrap_err().to_string();
+    assert!(refused.contains("can't show") && refused.contains("p_rad_s, pitch_rad, q_rad_s, r_rad_s"), "{refused}");
+}
+
 #[test]
 fn drag_of_the_rotors_is_separated_from_wind() {
     let answer = answer_to(&log(&["rotor_drag:coefficient_ns_m=0.1"], 3));

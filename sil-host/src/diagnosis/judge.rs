@@ -6,6 +6,7 @@
 //! The windows of the report are not looked at. Over the others, fold by fold, each is predicted with the numbers that
 //! the other folds give (one step of Newton's from those of all).
 
+use crate::axis::Axis;
 use crate::diagnosis::block_bootstrap::interval;
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifted_models, with_priors};
 use crate::diagnosis::fitting::linearisation::Normal;
@@ -36,25 +37,38 @@ struct Judged<'e> {
     errors: Vec<Errors>,
 }
 
-/// Takes out of a base model, one by one, what makes its predictions worse beyond chance. That commands act late is no
+/// Takes out of a base model what makes its predictions worse beyond chance, one by one and all of an axis at once: a
+/// trim with the brake that goes with it may do harm together that neither does alone. That commands act late is no
 /// question: lag and delay are hard to tell apart, and one without the other takes up more than its own.
 pub(super) fn useful<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
     let mut with = Judged::of(search, base);
     loop {
         let may_go = |index: &usize| !LATE.contains(&with.fit.terms[*index].effect.name());
-        let places = (search.gains.len()..with.fit.terms.len()).filter(may_go);
-        let expected = places.map(|index| (index, with.expected_without(search, index)));
+        let places: Vec<usize> = (search.gains.len()..with.fit.terms.len()).filter(may_go).collect();
+        let expected = sets(&with.fit, &places).into_iter().map(|set| {
+            let other = with.expected_without(search, &set);
+            (set, other)
+        });
         let better = expected.filter(|(_, other)| is_surely_better(&with.errors, &other.errors));
-        let mut better: Vec<(usize, f64)> =
-            better.map(|(index, other)| (index, change(&with.errors, &other.errors))).collect();
+        let mut better: Vec<(Vec<usize>, f64)> =
+            better.map(|(set, other)| (set, change(&with.errors, &other.errors))).collect();
         better.sort_by(|a, b| a.1.total_cmp(&b.1));
         // what is expected to be better is fitted, the best first
-        let mut fitted = better.into_iter().map(|(index, _)| with.without(search, index));
+        let mut fitted = better.into_iter().map(|(set, _)| with.without(search, &set));
         match fitted.find(|other| is_surely_better(&with.errors, &other.errors)) {
             Some(best) => with = best,
             None => return with.fit,
         }
     }
+}
+
+/// Each of some places of a model by itself, and those of each axis together.
+fn sets(fit: &Fit<'_>, places: &[usize]) -> Vec<Vec<usize>> {
+    let of_axis = |axis: Axis| -> Vec<usize> {
+        places.iter().copied().filter(|index| fit.terms[*index].effect.axis() == Some(axis)).collect()
+    };
+    let together = Axis::ALL.map(of_axis).into_iter().filter(|set| set.len() > 1);
+    places.iter().map(|index| vec![*index]).chain(together).collect()
 }
 
 /// Takes out, one by one, the findings that do not help what is reported.
@@ -65,7 +79,7 @@ pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) ->
             (0..with.errors.len()).filter(|i| is_surely_better(&with.errors[*i..=*i], &base.errors[*i..=*i])).collect();
         let mut removable = Vec::new();
         for index in search.always.len()..with.fit.terms.len() {
-            let without = with.without(search, index);
+            let without = with.without(search, &[index]);
             let gains = change(&without.errors, &with.errors);
             let mends = worse.iter().map(|i| -change(&with.errors[*i..=*i], &without.errors[*i..=*i]));
             let mends = mends.fold(0.0, f64::max);
@@ -87,8 +101,8 @@ pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<us
     let large =
         places.filter(|index| differs_from_nothing(chosen, *index) && may_be_found(search, &chosen.terms, *index));
     // a fit of the rest leaves less than is expected of it
-    let may_pay = large.filter(|index| pays(&with.expected_without(search, *index), &with));
-    may_pay.filter(|index| pays(&with.without(search, *index), &with)).collect()
+    let may_pay = large.filter(|index| pays(&with.expected_without(search, &[*index]), &with));
+    may_pay.filter(|index| pays(&with.without(search, &[*index]), &with)).collect()
 }
 
 /// Is one of a term's numbers further from what changes nothing than chance explains? Where the fit of the rest has
@@ -145,16 +159,16 @@ impl<'e> Judged<'e> {
         Judged { fit, errors }
     }
 
-    /// The model without one of its terms, all else where its covariance expects it then: a fortieth of the work of a
-    /// fit, and nearly as good where a model is nearly linear in its numbers.
-    fn expected_without(&self, search: &Search<'e>, index: usize) -> Judged<'e> {
-        Judged::of(search, self.fit.expected_without(index))
+    /// The model without some of its terms, all else where its covariance expects it then: much less work than a fit, and
+    /// nearly as good where a model is nearly linear in its numbers.
+    fn expected_without(&self, search: &Search<'e>, set: &[usize]) -> Judged<'e> {
+        Judged::of(search, self.fit.expected_without(set))
     }
 
-    /// The model without one of its terms, all else fitted anew.
-    fn without(&self, search: &Search<'e>, index: usize) -> Judged<'e> {
-        let mut terms = self.fit.terms.clone();
-        terms.remove(index);
+    /// The model without some of its terms, all else fitted anew.
+    fn without(&self, search: &Search<'e>, set: &[usize]) -> Judged<'e> {
+        let terms = self.fit.terms.iter().enumerate().filter(|(index, _)| !set.contains(index));
+        let terms = terms.map(|(_, term)| term.clone()).collect();
         Judged::of(search, search.refitted(terms, &self.fit.starts))
     }
 }

@@ -30,6 +30,7 @@ mod judge;
 mod known;
 mod noise;
 mod nominal;
+mod observability;
 mod plausible;
 mod progress;
 mod remainder;
@@ -221,6 +222,7 @@ fn diagnosed(
     let gains: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
         sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, gains.clone(), observer));
+    observability::check(log, &search, &found.refitted.nominal)?;
     if !search.is_far(&found.chosen) {
         return concluded(log, subject, &search, found, effort);
     }

@@ -34,6 +34,21 @@ pub enum NotPredictable {
         /// What it is needed for.
         why: &'static str,
     },
+    /// Even an exact model's predictions would be far from what was measured.
+    #[error(
+        "the log can't show what turns the vehicle: even an exact model would miss {channel} by {floor}, which varies by \
+         {moved}; columns that it lacks: {lacking}"
+    )]
+    Unseen {
+        /// The channel that it shows least of.
+        channel: &'static str,
+        /// Its standard deviation, with its unit.
+        moved: String,
+        /// An exact model's error.
+        floor: String,
+        /// Angles and rates that were not measured.
+        lacking: String,
+    },
     /// No axis' command ever changes: no gain can be found.
     #[error("the {axis} command never changes while the motors run: its input gain can't be found")]
     NoExcitation {

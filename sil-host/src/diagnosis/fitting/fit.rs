@@ -59,31 +59,34 @@ impl<'e> Fit<'e> {
         (0..own * own).map(|k| at(k / own, k % own)).collect()
     }
 
-    /// The fit without one of its terms, to first order: the others' means where its numbers are known to change
-    /// nothing. Their covariances stay as they were.
-    pub(in crate::diagnosis) fn expected_without(&self, term: usize) -> Fit<'e> {
-        let before: usize = self.terms[..term].iter().map(|term| term.values.len()).sum();
-        let (size, own) = (self.size(), self.terms[term].values.len());
-        let block =
-            (0..own * own).map(|k| self.covariance[(before + k / own) * size + before + k % own]).collect::<Vec<_>>();
-        let numbers = self.terms[term].values.iter().zip(self.terms[term].effect.unknowns());
-        let away: Vec<f64> = numbers.map(|(value, unknown)| unknown.nominal - value).collect();
-        let weights = Cholesky::new(&regular(&block, own, 0.0), own).map(|factor| factor.solve(&away));
-        let mut terms = self.terms.clone();
-        if let Some(weights) = weights {
-            let step: Vec<f64> = (0..size)
-                .map(|i| (0..own).map(|k| self.covariance[i * size + before + k] * weights[k]).sum())
-                .collect();
-            terms = moved(&terms, &step);
-        }
-        terms.remove(term);
+    /// The fit without some of its terms, to first order: the others' means where the numbers of those are known to
+    /// change nothing. Their covariances stay as they were.
+    pub(in crate::diagnosis) fn expected_without(&self, terms: &[usize]) -> Fit<'e> {
+        let numbers = self.terms.iter().enumerate().flat_map(|(index, term)| {
+            let away = term.values.iter().zip(term.effect.unknowns()).map(|(value, unknown)| unknown.nominal - value);
+            away.map(move |away| (terms.contains(&index), away))
+        });
+        let (is_out, away): (Vec<bool>, Vec<f64>) = numbers.unzip();
+        let size = self.size();
+        let out: Vec<usize> = (0..size).filter(|i| is_out[*i]).collect();
+        let part = |rows: &[usize], columns: &[usize]| -> Vec<f64> {
+            rows.iter().flat_map(|i| columns.iter().map(move |j| self.covariance[i * size + j])).collect()
+        };
+        let apart = Cholesky::new(&regular(&part(&out, &out), out.len(), 0.0), out.len());
+        let weights = apart.map(|factor| factor.solve(&out.iter().map(|i| away[*i]).collect::<Vec<_>>()));
+        let all: Vec<usize> = (0..size).collect();
+        let step: Vec<f64> = match weights {
+            Some(weights) => part(&all, &out).chunks(out.len().max(1)).map(|row| dot(row, &weights)).collect(),
+            None => vec![0.0; size],
+        };
+        let moved = moved(&self.terms, &step);
+        let kept = moved.into_iter().enumerate().filter(|(index, _)| !terms.contains(index)).map(|(_, term)| term);
         let others = |matrix: &[f64]| -> Vec<f64> {
-            let is_other = |i: usize| !(before..before + own).contains(&i);
-            let kept = matrix.iter().enumerate().filter(|(k, _)| is_other(k / size) && is_other(k % size));
+            let kept = matrix.iter().enumerate().filter(|(k, _)| !is_out[k / size] && !is_out[k % size]);
             kept.map(|(_, value)| *value).collect()
         };
         Fit {
-            terms,
+            terms: kept.collect(),
             covariance: others(&self.covariance),
             scattered_covariance: others(&self.scattered_covariance),
             training: self.training,
