@@ -159,8 +159,8 @@ impl<'e> Judged<'e> {
         Judged { fit, errors }
     }
 
-    /// The model without some of its terms, all else where its covariance expects it then: much less work than a fit, and
-    /// nearly as good where a model is nearly linear in its numbers.
+    /// The model without some of its terms, all else where its covariance expects it then: much less work than a fit,
+    /// and nearly as good where a model is nearly linear in its numbers.
     fn expected_without(&self, search: &Search<'e>, set: &[usize]) -> Judged<'e> {
         Judged::of(search, self.fit.expected_without(set))
     }

@@ -1,5 +1,5 @@
-//! Can a log show anything? Where it lacks what a window's start depends on, even an exact model would miss by more than
-//! the vehicle ever moved. Whatever were found there would be about nothing: it is said what is missing instead.
+//! Can a log show anything? Where it lacks what a window's start depends on, even an exact model would miss by more
+//! than the vehicle ever moved. Whatever were found there would be about nothing: it is said what is missing instead.
 
 use super::fitting::fit::{Fit, model_of};
 use super::search::Search;

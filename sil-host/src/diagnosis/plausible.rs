@@ -4,7 +4,6 @@
 use crate::diagnosis::fitting::fit::{Nominal, Term, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Unknown;
-use crate::prediction::force_track::clipped;
 use crate::prediction::model::Model;
 
 /// Distance from a bound, as a share of the range, that is still at the bound.
@@ -37,7 +36,7 @@ fn leaves_input(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms: &[Term<'_>
     let commands = &shooting.log.commands.value;
     let variation = |model: &Model| -> f64 {
         let arrived: Vec<[f64; 4]> =
-            commands.iter().map(|row| clipped(*row, &model.changes.chain.path, &model.drive)).collect();
+            commands.iter().map(|row| model.drive.clipped(*row, &model.changes.chain.path)).collect();
         let of_motor = |motor: usize| {
             let mean = arrived.iter().map(|row| row[motor]).sum::<f64>() / arrived.len().max(1) as f64;
             arrived.iter().map(|row| (row[motor] - mean) * (row[motor] - mean)).sum::<f64>()

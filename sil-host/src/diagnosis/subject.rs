@@ -57,8 +57,8 @@ impl Subject<'_> {
     }
 }
 
-/// Separate axes whose command never changes while the motors run: it acts as a constant moment does, and no gain can be
-/// found.
+/// Separate axes whose command never changes while the motors run: it acts as a constant moment does, and no gain can
+/// be found.
 fn undriven_axes(log: &Log) -> Vec<Axis> {
     let log = log.commanding();
     let commands = axis_commands(log);

@@ -8,7 +8,8 @@
 //! On separate axes, as of a body on a ball joint whose rates are the body's, each has its own line of these alone:
 //! pitch that of pitch, roll `cos theta (C cos phi - S sin phi)`.
 //!
-//! Both of the gimbal's derive from a potential: `V = C sin theta - S cos theta` and `V = -cos theta (C sin phi + S cos phi)`.
+//! Both of the gimbal's derive from a potential: `V = C sin theta - S cos theta` and
+//! `V = -cos theta (C sin phi + S cos phi)`.
 //!
 //! In free flight gravity has no moment about the centre of gravity, but the lifts do: they meet in the
 //! geometric centre, so that with `C = m g y` (or `m g x`) the torque is `C F/(m g)` about roll and `-C F/(m g)`

@@ -52,8 +52,8 @@ fn a_wrong_short_form_says_what_was_expected() {
     }
 }
 
-/// On a ball joint gravity's torque is the cross product of the mass' place with gravity, both in body axes; on separate
-/// axes each takes its own component, and nothing of another's.
+/// On a ball joint gravity's torque is the cross product of the mass' place with gravity, both in body axes; on
+/// separate axes each takes its own component, and nothing of another's.
 #[test]
 fn an_offset_centre_pulls_each_separate_axis_by_itself() {
     for (roll, pitch) in [(0.0, 0.0), (0.4, 0.0), (-0.7, 0.3), (0.2, -0.9)] {

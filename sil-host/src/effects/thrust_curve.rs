@@ -1,5 +1,5 @@
-//! A curve from command to thrust that bends otherwise than the model's. Flight controllers know the share of the square
-//! in it as the thrust exponent.
+//! A curve from command to thrust that bends otherwise than the model's. Flight controllers know the share of the
+//! square in it as the thrust exponent.
 
 use super::{
     ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope, Unknown,

@@ -6,7 +6,8 @@
 //! | free | roll, pitch, yaw, p, q, r; then velocity north, east, down and height | [`FreeBody`], [`Air`] |
 //! | axes | angles and their derivatives | unit inertia, one input gain each |
 
-use super::force_track::{DirectInput, ForceAndSpin};
+use super::drive::DirectInput;
+use super::force_track::ForceAndSpin;
 use crate::vehicle::{Air, Airframe, Attitude, FreeBody, Gimbal, Onset, RigidBody, euler_rates_rad_s};
 pub(crate) use crate::vehicle::{Moment, Motion};
 

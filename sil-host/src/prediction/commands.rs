@@ -1,7 +1,8 @@
 //! The commands of a log: what the prediction is driven by.
 
+use super::drive::DirectInput;
 use super::error::NotPredictable;
-use super::force_track::{Commands, DirectInput};
+use super::force_track::Commands;
 use crate::axis::Axis;
 use crate::log::{Log, Quantity};
 

@@ -36,8 +36,8 @@ pub enum NotPredictable {
     },
     /// Even an exact model's predictions would be far from what was measured.
     #[error(
-        "the log can't show what turns the vehicle: even an exact model would miss {channel} by {floor}, which varies by \
-         {moved}; columns that it lacks: {lacking}"
+        "the log can't show what turns the vehicle: even an exact model would miss {channel} by {floor}, \
+         which varies by {moved}; columns that it lacks: {lacking}"
     )]
     Unseen {
         /// The channel that it shows least of.

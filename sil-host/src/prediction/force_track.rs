@@ -5,9 +5,10 @@
 //! ones; per coarse step the force's mean and first moment are kept, with which a rigid body's step is exact in impulse
 //! and in displacement whatever the force does within it. So are those of the rotors' net spin and of its change.
 
+use super::drive::{Drive, QUICKEST_S};
 use super::drive_curve::DriveCurve;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
-use crate::vehicle::{CommandPath, NetSpin, on_the_way, signed_sums, spin_sum};
+use crate::vehicle::{CommandPath, NetSpin, on_the_way, spin_sum};
 
 /// Longest step of the body, s.
 const BODY_STEP_MAX_S: f64 = 5e-3;
@@ -15,80 +16,11 @@ const BODY_STEP_MAX_S: f64 = 5e-3;
 /// the reciprocal of that in rad/s, and take 0.4 ms. Simpson's rule then errs by 2e-6 of an exponential, Runge-Kutta 4
 /// by 8e-6.
 const MOTOR_STEP_SHARE: f64 = 0.25;
-/// What is quickest in motors with windings, s, and the least that is followed of a lag.
-const QUICKEST_S: f64 = 1.6e-3;
 /// Of a longer interval between two rows only the end is followed, s: no motor remembers more, and no window holds such
 /// a gap.
 const INTERVAL_MAX_S: f64 = 10.0;
 /// A step shorter than this is rounding of a time.
 const TIME_ROUNDING_S: f64 = 1e-9;
-
-/// What turns commands into forces.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Drive {
-    /// Motors with propellers: the forces are their lifts, N.
-    Motors(Propulsion),
-    /// Nothing: the forces are the commands themselves.
-    Direct(DirectInput),
-}
-
-/// What drives separate axes, of whose motors nothing is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum DirectInput {
-    /// Commands of the axes (roll, pitch, yaw, 0), -1..1.
-    Axes,
-    /// Commands of four motors, 0..1.
-    Motors,
-}
-
-impl DirectInput {
-    /// What acts about roll, pitch and yaw: of motors half the signed sum, so that it lies in -1..1 too.
-    #[inline]
-    pub(crate) fn about_axes(self, force: [f64; 4]) -> [f64; 3] {
-        match self {
-            DirectInput::Axes => [force[0], force[1], force[2]],
-            DirectInput::Motors => signed_sums(force).map(|sum| 0.5 * sum),
-        }
-    }
-}
-
-impl Drive {
-    /// Forces once lag and motors have settled.
-    pub(crate) fn settled(&self, commands: &[f64; 4], path: &CommandPath) -> [f64; 4] {
-        let bent = self.bent(*commands, path);
-        match self {
-            Drive::Motors(propulsion) => bent.map(|command| propulsion.lift_n(command)),
-            Drive::Direct(_) => bent,
-        }
-    }
-
-    /// What is quickest in it, s.
-    fn quickest_s(&self) -> f64 {
-        match self {
-            Drive::Motors(Propulsion::Device(_)) => QUICKEST_S,
-            Drive::Motors(Propulsion::Generic(rotor)) => rotor.time_constant_s,
-            Drive::Motors(Propulsion::Box(_)) | Drive::Direct(_) => f64::INFINITY,
-        }
-    }
-
-    /// What commands act as behind the lag; those of axes have no curve.
-    #[inline]
-    fn bent(&self, commands: [f64; 4], path: &CommandPath) -> [f64; 4] {
-        match self {
-            Drive::Direct(DirectInput::Axes) => commands,
-            Drive::Motors(_) | Drive::Direct(DirectInput::Motors) => commands.map(|command| path.bent(command)),
-        }
-    }
-
-    /// What commands make the motors do, in the unit of [`Propulsion::derivative`]; without motors the commands
-    /// themselves.
-    fn of_commands(&self, commands: &[f64; 4]) -> [f64; 4] {
-        match self {
-            Drive::Motors(propulsion) => core::array::from_fn(|motor| propulsion.drive(commands[motor])),
-            Drive::Direct(_) => *commands,
-        }
-    }
-}
 
 /// Commands, each in force until the next.
 #[derive(Clone, Debug)]
@@ -218,7 +150,7 @@ struct Motors<'a> {
 
 impl<'a> Motors<'a> {
     fn settled(commands: &Commands, path: &'a CommandPath, drive: &'a Drive) -> Motors<'a> {
-        let arrived = clipped(commands.value.first().copied().unwrap_or_default(), path, drive);
+        let arrived = drive.clipped(commands.value.first().copied().unwrap_or_default(), path);
         let (mut rotors, mut curve) = ([0.0; 8], None);
         if let Drive::Motors(propulsion) = drive {
             curve = DriveCurve::of(propulsion);
@@ -321,7 +253,7 @@ impl<'a> Motors<'a> {
                 return arrival_s;
             }
             self.row += 1;
-            self.arrived = clipped(commands.value[self.row], self.path, self.drive);
+            self.arrived = self.drive.clipped(commands.value[self.row], self.path);
             if self.path.lag_s <= 0.0 {
                 self.lagged = self.arrived;
                 self.driving = self.driven(&self.arrived);
@@ -365,13 +297,6 @@ impl<'a> Motors<'a> {
             }
         }
     }
-}
-
-pub(crate) fn clipped(command: [f64; 4], path: &CommandPath, drive: &Drive) -> [f64; 4] {
-    core::array::from_fn(|i| match drive {
-        Drive::Motors(_) | Drive::Direct(DirectInput::Motors) => path.clipped(command[i]),
-        Drive::Direct(DirectInput::Axes) => path.clipped_about_zero(command[i]),
-    })
 }
 
 /// The four forces, then the rotors' net spin, rad/s.

@@ -26,6 +26,7 @@ pub(crate) mod accuracy;
 pub(crate) mod body;
 mod channel;
 pub(crate) mod commands;
+pub(crate) mod drive;
 mod drive_curve;
 mod error;
 pub(crate) mod force_track;

@@ -7,7 +7,8 @@ use crate::effects::Effect;
 use crate::model::VehicleModel;
 use crate::prediction::Channel;
 use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
-use crate::prediction::force_track::{Commands, DirectInput, Drive, ForceAndSpin, ForceTrack, Step};
+use crate::prediction::drive::{DirectInput, Drive};
+use crate::prediction::force_track::{Commands, ForceAndSpin, ForceTrack, Step};
 use crate::vehicle::{Airframe, Changes, NominalBody};
 
 /// Most parts of a step of the body in which dry friction turns round, a millisecond or two each.

@@ -116,7 +116,7 @@ pub(crate) fn slope(base: &Residuals, mut shifted: Residuals, step: f64) -> Resi
 mod tests {
     use super::*;
     use crate::log::Log;
-    use crate::prediction::force_track::DirectInput;
+    use crate::prediction::drive::DirectInput;
     use crate::prediction::model::Model;
     use crate::prediction::{MeasuredNoise, Subject};
     use crate::statistics::noise_source::NoiseSource;

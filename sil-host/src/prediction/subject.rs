@@ -2,8 +2,8 @@
 
 use super::Channel;
 use super::commands::{commands_of_axes, direct_input, motor_commands};
+use super::drive::DirectInput;
 use super::error::NotPredictable;
-use super::force_track::DirectInput;
 use super::model::Model;
 use super::noise::MeasuredNoise;
 use super::window::windows;

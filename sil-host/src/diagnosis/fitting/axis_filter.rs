@@ -1,6 +1,7 @@
 //! The Kalman filter of an axis over a window: a motion's departure from its prediction as a double integrator that
-//! white acceleration drives, and one that lasts for the window, measured by the log's angle and rate. It turns residuals, and their slopes, into
-//! innovations of unit variance. Its gains depend on rows and noise alone, so that it is made once a window.
+//! white acceleration drives, and one that lasts for the window, measured by the log's angle and rate. It turns
+//! residuals, and their slopes, into innovations of unit variance. Its gains depend on rows and noise alone, so that it
+//! is made once a window.
 
 use rayon::prelude::*;
 
@@ -13,8 +14,8 @@ use crate::prediction::windowed_log::WindowedLog;
 pub(in crate::diagnosis) struct AxisNoise {
     /// Root of the power density of the angular acceleration, rad/s^2 per root of Hz.
     pub(in crate::diagnosis) acceleration: f64,
-    /// Standard deviation of an acceleration that lasts for a window and is another in each, rad/s^2: of moments that no
-    /// model knows and that change slowly, the air's on a vehicle that flies now forward and now not.
+    /// Standard deviation of an acceleration that lasts for a window and is another in each, rad/s^2: of moments that
+    /// no model knows and that change slowly, the air's on a vehicle that flies now forward and now not.
     pub(in crate::diagnosis) lasting: f64,
     /// Sensors' noise over what the log's smoothness shows: an estimator's error lasts from row to row and cannot be
     /// seen there.

@@ -1,5 +1,5 @@
-//! Moments that no model knows (gusts, a cable, the air between the rotors and a bench), as angular acceleration that is
-//! white and such that lasts, and what becomes of a fit under them.
+//! Moments that no model knows (gusts, a cable, the air between the rotors and a bench), as angular acceleration that
+//! is white and such that lasts, and what becomes of a fit under them.
 //!
 //! The output error alone takes all that is missed for the sensors' noise. In a closed loop it is then wrong, and sure
 //! of it: the controller answers a disturbance with commands that work against it, so that motion and commands seem to
@@ -7,9 +7,9 @@
 //! revisited, Automatica 35, 1999). With the disturbance in the noise model, each row is predicted from the rows before
 //! it, and the estimate is that of the prediction-error method, which is consistent in a closed loop.
 //!
-//! What lasts must not be taken for white: of a slow moment that a controller holds against by a slow command, white noise
-//! says that motion and command have nothing to do with each other, row after row, and the gain comes out too small and
-//! too sure.
+//! What lasts must not be taken for white: of a slow moment that a controller holds against by a slow command, white
+//! noise says that motion and command have nothing to do with each other, row after row, and the gain comes out too
+//! small and too sure.
 //!
 //! Per axis the disturbance drives a double integrator (over a few milliseconds every vehicle is one), measured by the
 //! log's angle and rate. A Kalman filter on it (`axis_filter`) turns a window's residuals, and their slopes, into
@@ -194,8 +194,8 @@ mod tests {
         }
     }
 
-    /// Each window has an acceleration of its own, of 4 rad/s^2, beside a white one: both strengths are read off, and the
-    /// innovations under them are white.
+    /// Each window has an acceleration of its own, of 4 rad/s^2, beside a white one: both strengths are read off, and
+    /// the innovations under them are white.
     #[test]
     fn what_lasts_for_a_window_is_not_taken_for_white() {
         let mut random = RandomStream::new(9, "lasting");
