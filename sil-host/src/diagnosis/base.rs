@@ -63,15 +63,21 @@ pub(super) fn ordinary_of_any(scope: &Scope) -> Vec<Fitted> {
 /// The base model of a log, in the noise of a search: what its nominal model leaves open and what is ordinary, fitted
 /// from several starts.
 pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candidate<'e> {
-    let from = |start: &[f64; 2]| {
-        let mut terms = search.gains.clone();
-        terms.extend(ordinary.iter().map(|effect| Term { effect, values: values(effect, start) }));
-        search.settled(terms)
-    };
-    let fits = LAG_AND_DELAY_S.iter().map(from);
     // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
     let rank = |fit: &Candidate<'_>| (has_bound(&fit.fit.terms), fit.fit.training);
-    let best = fits.min_by(|a, b| rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1)));
+    let mut best: Option<Candidate<'e>> = None;
+    for start in &LAG_AND_DELAY_S {
+        let mut terms = search.gains.clone();
+        terms.extend(ordinary.iter().map(|effect| Term { effect, values: values(effect, start) }));
+        // a start that can't come near the best so far is given up
+        let to_reach = best.as_ref().filter(|best| !rank(best).0).map_or(f64::INFINITY, |best| best.fit.training);
+        let fit = search.settled(terms, to_reach);
+        let is_better =
+            |best: &Candidate<'_>| rank(&fit).0.cmp(&rank(best).0).then(rank(&fit).1.total_cmp(&rank(best).1));
+        if best.as_ref().is_none_or(|best| is_better(best).is_lt()) {
+            best = Some(fit);
+        }
+    }
     best.unwrap_or_else(|| search.nominal())
 }
 

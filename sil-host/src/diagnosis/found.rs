@@ -121,7 +121,8 @@ impl<'e> Search<'e> {
         let alternatives = terms.filter(|(term, _)| is_kept(term)).map(|(_, others)| others).collect();
         let chosen = self.fitted(kept.terms.clone(), &kept.starts, f64::INFINITY);
         let unusual = unusual_terms(self, &kept);
-        let refitted = Refitted { nominal: again(&self.settled(self.gains.clone())), base, chosen: kept };
+        let refitted =
+            Refitted { nominal: again(&self.settled(self.gains.clone(), f64::INFINITY)), base, chosen: kept };
         Found { nominal, chosen, alternatives, unusual, refitted }
     }
 

@@ -157,13 +157,14 @@ impl<'e> Search<'e> {
 
     /// The model without any effect, what it leaves to each log fitted.
     pub(super) fn nominal(&self) -> Candidate<'e> {
-        self.settled(self.always.clone())
+        self.settled(self.always.clone(), f64::INFINITY)
     }
 
-    /// The model with these effects at their values, all start states at their best.
-    pub(super) fn settled(&self, terms: Vec<Term<'e>>) -> Candidate<'e> {
+    /// The model with these effects fitted from their values on, all start states at their best; given up where it can't
+    /// come near a sum of squares.
+    pub(super) fn settled(&self, terms: Vec<Term<'e>>, to_reach: f64) -> Candidate<'e> {
         let starts = self.settled_starts(&terms);
-        self.fitted(terms, &starts, f64::INFINITY)
+        self.fitted(terms, &starts, to_reach)
     }
 
     /// The chosen effects fitted to all windows: the residual is then what no model of them explains.

@@ -78,6 +78,10 @@ impl Moment for CoulombFriction {
 /// Hyperbolic tangent, to 1e-16 of one: by a single exponential, for friction is asked for in every stage of a step.
 #[inline]
 fn tanh(x: f64) -> f64 {
+    const ONE_FROM: f64 = 20.0;
+    if x.abs() > ONE_FROM {
+        return 1f64.copysign(x);
+    }
     let left = libm::exp(-2.0 * x.abs());
     ((1.0 - left) / (1.0 + left)).copysign(x)
 }
