@@ -84,8 +84,9 @@ impl Setup {
     }
 }
 
-/// Throttle at which the vehicle loses height slowly: nine tenths of the lift that holds it. A rotor that sinks into its
-/// own wash gives more lift, so that a tenth too little ends as a steady speed of about 1 m/s, not as a fall.
+/// Throttle at which the vehicle loses height slowly: nine tenths of the lift that holds it. A rotor that sinks gives
+/// more lift at the same speed (Leishman, Principles of Helicopter Aerodynamics, 2nd ed., 2.13 and 3.3: blade elements
+/// and momentum), so that a tenth too little ends as a steady 1 to 2 m/s for rotors of 10 inches, not as a fall.
 fn sink_throttle(params: &Params, vehicle: &VehicleParameters) -> f32 {
     let hover = f32::from(params.hover_throttle_permille) / 1000.0;
     match params.rig {

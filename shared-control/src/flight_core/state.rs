@@ -4,6 +4,7 @@ use super::coasting::Coasting;
 use super::output::TorqueSource;
 use crate::attitude::angle::{AngleState, RateTarget};
 use crate::attitude::rate::RateState;
+use crate::frames::{EulerAngles, q_world_from_euler};
 use crate::mixer::MixResult;
 use crate::record::state_words::{STATE_WORDS, StateWords};
 use crate::sensing::estimator::EstimatorState;
@@ -81,6 +82,17 @@ impl State {
         words.numbers(torque_body_nm);
         last_mix.record(words);
         words.word(last_source.number());
+    }
+
+    /// What the controllers follow: the set-point that was demanded, or what stands in for it without a link.
+    pub fn flown_setpoint(&self) -> Setpoint {
+        self.setpoint.flown
+    }
+
+    /// The attitude is known to be another one, level in heading. For tests that begin in the middle of something.
+    pub fn set_attitude(&mut self, roll_rad: f32, pitch_rad: f32) {
+        let angles = EulerAngles { roll_rad, pitch_rad, yaw_rad: 0.0 };
+        self.estimator.set_attitude(q_world_from_euler(angles));
     }
 
     /// The shaped reference, rad (roll, pitch, yaw).

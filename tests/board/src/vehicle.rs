@@ -68,7 +68,7 @@ impl Vehicle {
         self.pulses = Pulses::new(pulses);
     }
 
-    /// Fits ESCs of another make beside the ideal ones that the plant follows; power comes to them now.
+    /// Fits ESCs of another make; power comes to them now.
     pub fn watch_with(&mut self, traits: EscTraits, now: Ticks) {
         self.escs = std::array::from_fn(|_| Esc::new(traits, now));
     }
@@ -85,7 +85,8 @@ impl Vehicle {
 
     /// Lets it go, the motors settled at what the ESCs were told last.
     pub fn release(&mut self, now: Ticks) {
-        self.plant.set_motor_equilibrium(self.commands);
+        let driven = std::array::from_fn(|motor| if self.escs[motor].turns(now) { self.commands[motor] } else { 0.0 });
+        self.plant.set_motor_equilibrium(driven);
         self.moved_to = now;
         self.held = false;
     }
@@ -168,13 +169,16 @@ impl World for Surroundings {
         if let Some(recorded) = &mut vehicle.recorded {
             recorded.push(pulse);
         }
-        let commands = vehicle.commands;
-        vehicle.plant.set_commands(commands);
+        // a motor follows its command while its ESC lets it
+        let Vehicle { plant, escs, commands, .. } = &mut *vehicle;
+        let driven = std::array::from_fn(|motor| if escs[motor].turns(end) { commands[motor] } else { 0.0 });
+        plant.set_commands(driven);
     }
 
     fn line_pulse(&mut self, pulse: Pulse) {
         let mut vehicle = self.0.borrow_mut();
-        vehicle.escs[MOTOR_OF_CHANNEL[pulse.channel]].pulse(pulse.rise + pulse.width, pulse.width);
+        let width_as_pwm = pulse.width * vehicle.pulses.parts_of_pwm();
+        vehicle.escs[MOTOR_OF_CHANNEL[pulse.channel]].pulse(pulse.rise + pulse.width, width_as_pwm);
         if vehicle.recorded.is_some() || pulse.width > LONG_PULSE {
             vehicle.line_recorded.push(pulse);
         }
