@@ -147,7 +147,8 @@ proptest! {
         let mut watch = flying();
         let mut down = false;
         for k in 0..1200u64 {
-            let shake = 60.0 * crate::elementary::sin_cos(2.0 * core::f32::consts::PI * ((k as f32 * hz / 400.0) % 1.0)).0;
+            let turns = (k as f32 * hz / 400.0) % 1.0;
+            let shake = 60.0 * crate::elementary::sin_cos(2.0 * core::f32::consts::PI * turns).0;
             let carried = if standing { G_M_S2 } else { 1.0 };
             let scene = Scene { throttle: 0.0, force_m_s2: UP * (carried + shake), ..HOVER };
             down |= fly(&mut watch, &scene, 1_000_000 + k * STEP_US, STEP_US).is_some();

@@ -426,7 +426,10 @@ fn idles_after_flight(traits: EscTraits, prepare: fn(&mut Flight)) -> Flight {
 }
 
 fn tipped_over() -> Evidence {
-    let on_its_side = |flight: &mut Flight| flight.vehicle.borrow_mut().lay_down(80_f64.to_radians(), 0.0);
+    let on_its_side = |flight: &mut Flight| {
+        flight.vehicle.borrow_mut().tip_over(80_f64.to_radians());
+        flight.run_for(600 * MILLISECOND);
+    };
     let mut flight = idles_after_flight(EscTraits::CAREFUL, on_its_side);
     let mut highest = 0.0_f64;
     for _ in 0..50 {

@@ -9,6 +9,9 @@ use crate::rows::{
     WATCH_LOST_LINK_MS, WATCHDOG_MS, break_code, no_second_imu,
 };
 
+/// Half a second until it lies, and as long for its filters; then two without an answer.
+const CRASH_MS: u64 = 500 + 500 + 2000 + PULSE_MS;
+
 const FLIES_ON: Row = Row { end: End::FliesOn, ..NOTHING };
 const BITTEN: Row =
     Row { within_ms: WATCHDOG_MS, may_cut: true, says: &["started by watchdog"], watch_ms: RESTART_MS, ..NOTHING };
@@ -150,21 +153,21 @@ pub const ELECTRIC_ROWS: &[Row] = &[
     Row { fault: "lines of 10 pF instead of 50", before: |flight| flight.machine.set_load(Load::Light), ..FLIES_ON },
     Row {
         fault: "tipped over, lies on its side",
-        within_ms: 2000 + 500 + PULSE_MS,
+        within_ms: CRASH_MS,
         says: &["disarmed: crashed"],
-        inject: |flight| flight.vehicle.borrow_mut().lay_down(80_f64.to_radians(), 0.0),
-        watch_ms: 3500,
+        inject: |flight| flight.vehicle.borrow_mut().tip_over(80_f64.to_radians()),
+        watch_ms: 4000,
         ..NOTHING
     },
     Row {
         fault: "tipped over, lies on its back, nobody on TELEM1",
-        within_ms: 2000 + 500 + PULSE_MS,
+        within_ms: CRASH_MS,
         says: &["disarmed: crashed"],
         inject: |flight| {
-            flight.vehicle.borrow_mut().lay_down(175_f64.to_radians(), 0.0);
+            flight.vehicle.borrow_mut().tip_over(175_f64.to_radians());
             flight.mute();
         },
-        watch_ms: 3500,
+        watch_ms: 4000,
         ..NOTHING
     },
     Row {

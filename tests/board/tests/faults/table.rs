@@ -23,10 +23,10 @@ loop, a fault is injected. The table shows what the motor outputs then do and wh
 `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes it.
 
 Outputs are those that last: *fly on* is as before the fault, *idle* is armed on the rig with all motors at idle,
-*disarmed* is the shortest pulse, at which no motor turns, *none* is no pulse at all. *Within* bounds the end of the last pulse at which a motor turns; *found* is the measured
-end, rounded up. *Longest pulse* is that of an AUX line behind the level shifter, from the fault on: 2 ms at most are
-promised, over resets too. No flight is cut short by the resets themselves: the board comes back disarmed, half a second
-to a second later, and without a pulse until then.
+*disarmed* is the shortest pulse, at which no motor turns, *none* is no pulse at all. *Within* bounds the end of the
+last pulse at which a motor turns; *found* is the measured end, rounded up. *Longest pulse* is that of an AUX line
+behind the level shifter, from the fault on: 2 ms at most are promised, over resets too. No flight is cut short by the
+resets themselves: the board comes back disarmed, half a second to a second later, and without a pulse until then.
 
 | fault | outputs | within | found | longest pulse | resets | reported to the ground |
 |---|---|---|---|---|---|---|
