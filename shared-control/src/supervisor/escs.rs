@@ -62,5 +62,5 @@ pub(super) fn next(stage: EscStage, since_us: u64, input: &StepInput, findings: 
 
 /// None where it is not measured. A voltage that is no number counts as connected.
 fn battery_is_connected(input: &StepInput) -> Option<bool> {
-    input.battery_v.map(|volts| !(volts < ABSENT_BELOW_V))
+    input.battery_v.map(|volts| volts >= ABSENT_BELOW_V || volts.is_nan())
 }

@@ -4,8 +4,8 @@
 //!   feels 1 g and does not turn: at idle the motors carry far less than that, so something else does. A vehicle that
 //!   falls feels nearly nothing.
 //! - It has crashed when for [`CRASHED_AFTER_US`] its thrust points more than 30 degrees off from where it should, it
-//!   is tilted itself, is not accelerated, and does not turn (ArduPilot, `crash_check.cpp`: 30 degrees, 15 degrees,
-//!   3 m/s^2, 2 s). One that turns is being flown out of an upset, whatever its attitude.
+//!   is tilted by 15 itself and is not accelerated by 3 m/s^2 (ArduPilot's `crash_check.cpp`, with its 2 s), and does
+//!   not turn, which ArduPilot does not ask. One that turns is being flown out of an upset, whatever its attitude.
 
 use nalgebra::Vector3;
 
