@@ -24,6 +24,7 @@ use crate::sensing::imu::ImuConfig;
 use crate::sensing::imu_select::SensingConfig;
 use crate::signals::IMU_SAMPLES_MAX;
 use crate::supervisor::SupervisorConfig;
+use crate::supervisor::flight_watch::WatchConfig;
 use crate::torque_observer::ObserverConfig;
 use crate::vehicle::VehicleParameters;
 
@@ -65,6 +66,10 @@ pub struct Config {
     pub output: OutputConfig,
     /// Arming.
     pub supervisor: SupervisorConfig,
+    /// In the air, on the ground, or crashed.
+    pub watch: WatchConfig,
+    /// Command of every motor that is armed on the ground.
+    pub ground_idle_command: f32,
 }
 
 impl Config {
@@ -82,13 +87,14 @@ impl Config {
     ) -> Result<Config, ConfigError> {
         validate_vehicle(vehicle)?;
         tuning.validate()?;
+        let (on_rig, vehicle) = (vehicle, &tuning.in_flight(vehicle));
         if !(50.0..=1000.0).contains(&loop_rate_hz) {
             return Err(ConfigError::OutOfRange("loop_rate_hz (50 to 1000)"));
         }
         if !(loop_rate_hz..=loop_rate_hz * IMU_SAMPLES_MAX as f32).contains(&imu_rate_hz) {
             return Err(ConfigError::OutOfRange("imu_rate_hz (1 to 16 samples a step)"));
         }
-        let mpc = mpc_settings(vehicle, tuning, loop_rate_hz);
+        let mpc = mpc_settings(on_rig, tuning, loop_rate_hz);
         Ok(Config {
             loop_rate_hz,
             controller,
@@ -111,6 +117,8 @@ impl Config {
             },
             output: OutputConfig::PWM_400_HZ,
             supervisor: SupervisorConfig::NOMINAL,
+            watch: WatchConfig::new(vehicle.gravity_m_s2, loop_rate_hz),
+            ground_idle_command: tuning.ground_idle_command,
         })
     }
 

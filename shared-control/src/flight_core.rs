@@ -8,27 +8,29 @@
 //! The order is the thesis' listing 4.1: what takes a varying time comes after the outputs, so that they don't jitter,
 //! at the price of one sample of delay.
 
+mod coasting;
 mod output;
 mod planning;
 mod state;
 
+pub use coasting::COAST_MAX_US;
 pub use output::{StepOutput, TorqueSource};
 pub use state::State;
 
 use crate::attitude::angle::{self, AngleState, RateTarget};
 use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
-use crate::elementary::{limit, magnitude};
+use crate::elementary::{larger, limit, magnitude};
 use crate::frames::euler_from_q;
 use crate::mixer::{self, MixResult};
 use crate::mpc::{Mpc, MpcState};
+use crate::sensing::battery::ABSENT_BELOW_V;
+use crate::sensing::imu_health::ImuHealth;
 use crate::sensing::imu_select;
 use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
-use crate::supervisor::{self, Arming, Findings};
+use crate::supervisor::flight_watch::Felt;
+use crate::supervisor::{self, Arming, EscStage, Findings};
 use crate::torque_observer::ObserverState;
-
-/// Throttle up to which an armed vehicle that has not flown yet counts as standing on the ground.
-const IDLE_THROTTLE_MAX: f32 = 0.02;
 
 /// The control core. It has no data of its own: configuration, state and input come in, the output goes out.
 pub struct FlightCore;
@@ -39,18 +41,27 @@ impl FlightCore {
         state.step = state.step.wrapping_add(1);
         let motors_turned = state.arming.motors_turn();
         let imu = imu_select::update(&config.sensing, &mut state.imus, &mut state.estimator, input, motors_turned);
-        let estimate = imu.estimate;
-        let setpoint_age_us = state.setpoint.take(input);
-        let findings = Findings::new(&estimate, imu.gyro_rest_s, imu.health, setpoint_age_us);
+        let airborne = state.watch.is_airborne();
+        let (estimate, health) = state.coasting.bridge(config, &state.observer, &imu, airborne, input.time_us);
+        state.watch.feel(
+            &config.watch,
+            &Felt {
+                time_us: input.time_us,
+                force_m_s2: imu.force_m_s2,
+                estimate: &estimate,
+                reference: &state.angle,
+                throttle: state.setpoint.flown.throttle,
+            },
+        );
+        let findings = findings(state, input, &estimate, imu.gyro_rest_s, health);
         state.arming = supervisor::update(&config.supervisor, state.arming, input, &findings);
-        state.setpoint.flown = state.arming.setpoint(&state.setpoint.good);
+        state.setpoint.fly(config.supervisor.sink_throttle, state.arming, input.time_us, config.step_s());
+        state.watch.fly(state.arming, state.setpoint.flown.throttle);
 
-        state.airborne =
-            state.arming.motors_turn() && (state.airborne || state.setpoint.flown.throttle > IDLE_THROTTLE_MAX);
         let cascade_nm = cascade_torque(config, state, &estimate);
         let (source, torque_body_nm) = choose(config, state, input, cascade_nm);
         let wrench = demand(config, &state.setpoint.flown, source, torque_body_nm);
-        let mix = mix(config, state.arming, &wrench);
+        let mix = mix(config, state, source, &wrench);
         state.last_wrench = wrench;
         state.last_mix = mix;
         state.last_source = source;
@@ -79,7 +90,7 @@ impl FlightCore {
     pub fn follow(config: &Config, state: &mut State, output: &StepOutput) -> Option<PlanRequest> {
         let motion = planning::EulerMotion::of(config, &output.estimate);
         match output.source {
-            TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => {
+            TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::EscCalibration | TorqueSource::Idle => {
                 state.angle = AngleState::at(&euler_from_q(&output.estimate.q_world_from_body));
                 state.rate = RateState::default();
                 state.rate_target = RateTarget::default();
@@ -92,7 +103,8 @@ impl FlightCore {
                 let setpoint = &state.setpoint.flown;
                 state.rate_target =
                     angle::update(&config.angle, &mut state.angle, setpoint, &output.estimate, config.step_s());
-                planning::observe(config, &mut state.observer, &motion, output);
+                let seen = !state.coasting.coasts;
+                planning::observe(config, &mut state.observer, &motion, output, seen);
             }
         }
         let request = match config.controller {
@@ -122,6 +134,27 @@ impl FlightCore {
     }
 }
 
+/// What the supervisor decides on.
+fn findings(
+    state: &mut State,
+    input: &StepInput,
+    estimate: &AttitudeEstimate,
+    gyro_rest_s: f32,
+    imu: ImuHealth,
+) -> Findings {
+    state.battery_seen |= input.battery_v.is_some_and(|volts| volts >= ABSENT_BELOW_V);
+    Findings {
+        attitude_valid: estimate.valid,
+        gyro_rest_s,
+        imu,
+        setpoint_age_us: state.setpoint.take(input),
+        airborne: state.watch.is_airborne(),
+        crashed: state.watch.has_crashed(input.time_us),
+        idle_us: state.watch.idle_us(input.time_us),
+        battery_seen: state.battery_seen,
+    }
+}
+
 /// Torque of the rate loop for the target that the last `follow` left, N m.
 fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimate) -> [f32; 3] {
     let gravity_nm = gravity_about_body_nm(config, estimate);
@@ -133,7 +166,11 @@ fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimat
         TorqueSource::Cascade | TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_) => {
             Delivery::Applied { unmet: state.last_mix.unmet_torque_nm }
         }
-        TorqueSource::Mpc | TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::Idle => {
+        TorqueSource::Mpc
+        | TorqueSource::Disarmed
+        | TorqueSource::MotorTest
+        | TorqueSource::EscCalibration
+        | TorqueSource::Idle => {
             let asked_nm = state.last_wrench.torque_body_nm;
             Delivery::NotApplied {
                 instead_rad_s2: core::array::from_fn(|axis| {
@@ -166,7 +203,8 @@ fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3
     match state.arming {
         Arming::Disarmed(_) => (TorqueSource::Disarmed, [0.0; 3]),
         Arming::MotorTest { .. } => (TorqueSource::MotorTest, [0.0; 3]),
-        Arming::Armed | Arming::LinkLost { .. } if !state.airborne => (TorqueSource::Idle, [0.0; 3]),
+        Arming::EscCalibration { .. } => (TorqueSource::EscCalibration, [0.0; 3]),
+        Arming::Armed | Arming::LinkLost { .. } if !state.watch.is_airborne() => (TorqueSource::Idle, [0.0; 3]),
         Arming::Armed | Arming::LinkLost { .. } => match (config.controller, plan) {
             (Controller::Cascade, _) => (TorqueSource::Cascade, cascade_nm),
             (Controller::Mpc, None) => (TorqueSource::CascadeNoPlan, cascade_nm),
@@ -201,20 +239,28 @@ fn is_admissible(config: &Config, plan: &Plan) -> bool {
         .all(|(torque_nm, max_nm)| magnitude(*torque_nm) <= 1.001 * max_nm)
 }
 
-/// Commands to the motors, by the mixer or, for a motor test, directly.
-fn mix(config: &Config, arming: Arming, wrench: &Wrench) -> MixResult {
-    match arming {
+/// Commands to the motors, by the mixer or, where no torque is requested, directly.
+fn mix(config: &Config, state: &State, source: TorqueSource, wrench: &Wrench) -> MixResult {
+    match state.arming {
         Arming::Disarmed(_) => MixResult::default(),
         Arming::MotorTest { motor, throttle_percent, .. } => {
             let command_of = |number| if number == motor { f32::from(throttle_percent) * 0.01 } else { 0.0 };
             MixResult { commands: MotorCommands([1, 2, 3, 4].map(command_of)), ..MixResult::default() }
+        }
+        Arming::EscCalibration { stage: EscStage::Battery | EscStage::High, .. } => {
+            MixResult { commands: MotorCommands([1.0; 4]), ..MixResult::default() }
+        }
+        Arming::EscCalibration { stage: EscStage::Low, .. } => MixResult::default(),
+        Arming::Armed | Arming::LinkLost { .. } if source == TorqueSource::Idle => {
+            let idle = larger(config.ground_idle_command, limit(state.setpoint.flown.throttle, 0.0, 1.0));
+            MixResult { commands: MotorCommands([idle; 4]), ..MixResult::default() }
         }
         Arming::Armed | Arming::LinkLost { .. } => mixer::mix(&config.mixer, wrench),
     }
 }
 
 fn demand(config: &Config, setpoint: &Setpoint, source: TorqueSource, mut torque_body_nm: [f32; 3]) -> Wrench {
-    if let TorqueSource::Disarmed | TorqueSource::MotorTest = source {
+    if let TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::EscCalibration = source {
         return Wrench::default();
     }
     if config.angle.yaw_locked {

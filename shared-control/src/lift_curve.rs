@@ -46,6 +46,26 @@ impl LiftCurve {
         self.lift_max_n
     }
 
+    /// The part of it from a command on, with its lifts equally spaced again: of a motor that must not turn slower.
+    /// All of it where that command is 0, or no number.
+    pub fn from_command(&self, command_min: f32) -> Self {
+        if !(command_min > 0.0 && command_min < 1.0) {
+            return *self;
+        }
+        let lift_min_n = self.lift(command_min);
+        let interval_n = (self.lift_max_n - lift_min_n) / LIFT_INTERVALS as f32;
+        let mut part = Self { lift_min_n, ..*self };
+        for (interval, command) in part.command_at.iter_mut().enumerate() {
+            // both ends exactly, whatever rounding makes of them
+            *command = match interval {
+                0 => command_min,
+                LIFT_INTERVALS => 1.0,
+                _ => self.command(lift_min_n + interval as f32 * interval_n),
+            };
+        }
+        part
+    }
+
     /// True if lift and command rise together over the whole table.
     pub fn is_increasing(&self) -> bool {
         self.lift_max_n > self.lift_min_n && self.command_at.windows(2).all(|pair| pair[1] > pair[0])
@@ -71,6 +91,28 @@ mod tests {
         fn lift_and_command_are_inverse(command in 0f32..=1.0) {
             let curve = square_root_curve();
             prop_assert!((curve.command(curve.lift(command)) - command).abs() < 1e-5);
+        }
+    }
+
+    proptest! {
+        /// The part from a command on begins there, and between is the same curve, to what a line between two points
+        /// of it differs from two lines: most near nought, where the curve is steepest.
+        #[test]
+        fn a_part_of_the_curve_is_the_curve(command_min in 0.01f32..0.5, share in 0f32..=1.0) {
+            let (whole, part) = (square_root_curve(), square_root_curve().from_command(command_min));
+            prop_assert!(part.is_increasing());
+            prop_assert_eq!((part.command_at[0], part.command_at[LIFT_INTERVALS]), (command_min, 1.0));
+            prop_assert_eq!((part.lift(0.0), part.lift_max_n), (whole.lift(command_min), whole.lift_max_n));
+            let command = command_min + share * (1.0 - command_min);
+            prop_assert!((part.lift(command) - whole.lift(command)).abs() < 0.02, "{command}");
+            prop_assert!((part.command(part.lift(command)) - command).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn without_a_least_command_the_curve_stays_whole() {
+        for command_min in [0.0, -1.0, f32::NAN, 1.0] {
+            assert_eq!(square_root_curve().from_command(command_min), square_root_curve());
         }
     }
 

@@ -129,7 +129,8 @@ impl Sign {
         }
         match status.arming {
             Arming::LinkLost { .. } => Sign::LinkLost,
-            Arming::MotorTest { .. } => Sign::MotorTest,
+            // full throttle for the asking: as loud as the other
+            Arming::MotorTest { .. } | Arming::EscCalibration { .. } => Sign::MotorTest,
             Arming::Armed if status.battery_low => Sign::BatteryLow,
             Arming::Armed => Sign::Armed,
             Arming::Disarmed(because) => Self::of_disarmed(status, because),
@@ -167,7 +168,7 @@ impl Sign {
             Sign::ImuFailed => "disarmed, no usable IMU",
             Sign::FaultUnread => "disarmed, fault record unread",
             Sign::ConfigurationUnconfirmed => "disarmed, configuration unconfirmed",
-            Sign::MotorTest => "motor test",
+            Sign::MotorTest => "motor test, ESC calibration",
             Sign::Armed => "armed",
             Sign::LinkLost => "armed, link lost",
         }
@@ -216,7 +217,7 @@ mod tests {
     use crate::config::Controller;
     use crate::sensing::imu_health::ImuFault;
     use crate::signals::ArmingBlocks;
-    use crate::supervisor::Refusal;
+    use crate::supervisor::{EscStage, Refusal};
     use std::{format, string::String, vec::Vec};
 
     fn table() -> String {
@@ -269,12 +270,15 @@ mod tests {
         assert_eq!(battery(12.0, false), Sign::Ready);
         let refused = Arming::Disarmed(DisarmedBecause::Refused(Refusal::BatteryLow));
         assert_eq!(Sign::of(&VehicleStatus { arming: refused, ..good }), Sign::Refused);
-        let blocks = ArmingBlocks { fault_record_unread: true, configuration_unconfirmed: true };
+        let blocks =
+            ArmingBlocks { fault_record_unread: true, configuration_unconfirmed: true, ..ArmingBlocks::default() };
         assert_eq!(Sign::of(&VehicleStatus { arming: refused, blocks, ..good }), Sign::FaultUnread);
         let armed = VehicleStatus { arming: Arming::Armed, ..good };
         assert_eq!(Sign::of(&armed), Sign::Armed);
         assert_eq!(Sign::of(&VehicleStatus { battery_low: true, ..armed }), Sign::BatteryLow);
         assert_eq!(Sign::of(&VehicleStatus { arming: Arming::LinkLost { since_us: 0 }, ..good }), Sign::LinkLost);
+        let calibrates = Arming::EscCalibration { stage: EscStage::High, since_us: 0 };
+        assert_eq!(Sign::of(&VehicleStatus { arming: calibrates, ..good }), Sign::MotorTest);
         // armed without an IMU: one step, then it is disarmed
         let armed_blind = VehicleStatus { imu_health: ImuHealth::Bad(ImuFault::Stale), ..armed };
         assert_eq!(Sign::of(&armed_blind), Sign::Armed);

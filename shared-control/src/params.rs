@@ -2,7 +2,7 @@
 //! [`table`] has each choice with its name and its range; [`crate::setup`] makes a configuration of them.
 //!
 //! ```text
-//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     24  CRC-32 of all before
+//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     28  CRC-32 of all before
 //! ```
 //! All little-endian. A record that is not whole and sensible gives the defaults and forbids arming until somebody
 //! confirms them ([`crate::signals::ArmingBlocks`]).
@@ -14,10 +14,10 @@ use crate::output::PulseKind;
 use table::Field;
 
 /// Length of a record, bytes.
-pub const RECORD_LEN: usize = 28;
+pub const RECORD_LEN: usize = 32;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 3;
+const VERSION: u16 = 4;
 const PAYLOAD_LEN: usize = RECORD_LEN - 12;
 
 /// What the vehicle hangs on.
@@ -55,10 +55,19 @@ pub struct Params {
     pub motor_limits: bool,
     /// Linearisations of the MPC's pitch axis, 1 to 4.
     pub linearisations: u8,
+    /// Command of every motor that is armed on the ground, percent.
+    pub ground_idle_percent: u8,
+    /// Least command of a motor in flight, percent.
+    pub flight_idle_percent: u8,
+    /// TELEM1, thousands of bits per second: 57 or 115.
+    pub telem1_kbaud: u8,
+    /// True: the board teaches the ESCs their range, propellers off, and does nothing else.
+    pub esc_calibration: bool,
 }
 
 impl Params {
-    /// What holds where nothing is stored: cascade at 400 Hz, PWM at 400 Hz, on the gimbal.
+    /// What holds where nothing is stored: cascade at 400 Hz, PWM at 400 Hz, on the gimbal. Idle commands are
+    /// ArduPilot's (MOT_SPIN_ARM, MOT_SPIN_MIN), TELEM1's rate that of PX4 and of telemetry radios.
     pub const DEFAULT: Params = Params {
         controller: Controller::Cascade,
         loop_rate_hz: 400,
@@ -71,6 +80,10 @@ impl Params {
         control_horizon: 5,
         motor_limits: false,
         linearisations: 1,
+        ground_idle_percent: 10,
+        flight_idle_percent: 15,
+        telem1_kbaud: 57,
+        esc_calibration: false,
     };
 }
 
@@ -109,14 +122,16 @@ pub fn encode(params: &Params) -> [u8; RECORD_LEN] {
     let [battery0, battery1] = params.battery_arming_min_mv.to_le_bytes();
     let [hover0, hover1] = params.hover_throttle_permille.to_le_bytes();
     // single bytes: the table keeps all of these below 256
-    let [controller, pulses, rig, hil, motor_limits] =
-        [Field::Controller, Field::Pulses, Field::Rig, Field::Hil, Field::MotorLimits].map(|f| params.get(f) as u8);
+    let [controller, pulses, rig, hil, motor_limits, escs] =
+        [Field::Controller, Field::Pulses, Field::Rig, Field::Hil, Field::MotorLimits, Field::EscCalibration]
+            .map(|f| params.get(f) as u8);
     let [m0, m1, m2, m3] = MAGIC;
     #[rustfmt::skip]
     let body = [
         m0, m1, m2, m3, version0, version1, length0, length1,
         controller, pulses, rig, hil, loop0, loop1, pwm0, pwm1,
-        battery0, battery1, hover0, hover1, params.control_horizon, motor_limits, params.linearisations, 0,
+        battery0, battery1, hover0, hover1, params.control_horizon, motor_limits, params.linearisations, escs,
+        params.ground_idle_percent, params.flight_idle_percent, params.telem1_kbaud, 0,
     ];
     let mut record = [0; RECORD_LEN];
     for (to, from) in record.iter_mut().zip(body.into_iter().chain(crc32(&body).to_le_bytes())) {
@@ -134,7 +149,8 @@ pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
     let [
         m0, m1, m2, m3, version0, version1, length0, length1,
         controller, pulses, rig, hil, loop0, loop1, pwm0, pwm1,
-        battery0, battery1, hover0, hover1, control_horizon, motor_limits, linearisations, _, crc @ ..
+        battery0, battery1, hover0, hover1, control_horizon, motor_limits, linearisations, escs,
+        ground_idle, flight_idle, telem1_kbaud, _, crc @ ..
     ] = *record;
     if [m0, m1, m2, m3] != MAGIC {
         return Err(RecordError::NoRecord);
@@ -159,6 +175,10 @@ pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
         (Field::ControlHorizon, u16::from(control_horizon)),
         (Field::MotorLimits, u16::from(motor_limits)),
         (Field::Linearisations, u16::from(linearisations)),
+        (Field::GroundIdle, u16::from(ground_idle)),
+        (Field::FlightIdle, u16::from(flight_idle)),
+        (Field::Telem1Rate, u16::from(telem1_kbaud)),
+        (Field::EscCalibration, u16::from(escs)),
     ];
     let mut params = Params::DEFAULT;
     for (field, value) in values {
@@ -200,19 +220,27 @@ pub(crate) mod tests {
 
     pub(crate) fn any_params() -> impl Strategy<Value = Params> {
         let inputs = (1u8..=30, 1u8..=4);
-        (any::<[bool; 6]>(), 50u16..=490, any::<u16>(), 0u16..=1000, inputs).prop_map(
-            |([mpc, one_shot, free, hil, slow, limits], pwm_rate_hz, battery_arming_min_mv, hover, inputs)| Params {
-                controller: if mpc { Controller::Mpc } else { Controller::Cascade },
-                loop_rate_hz: if slow { 100 } else { 400 },
-                pulses: if one_shot { PulseKind::OneShot125 } else { PulseKind::Pwm },
-                pwm_rate_hz,
-                rig: if free { Rig::Free } else { Rig::Gimbal },
-                hil,
-                battery_arming_min_mv,
-                hover_throttle_permille: hover,
-                control_horizon: inputs.0,
-                motor_limits: limits,
-                linearisations: inputs.1,
+        let idle = (0u8..=30, 0u8..=30);
+        (any::<[bool; 8]>(), 50u16..=490, any::<u16>(), 0u16..=1000, inputs, idle).prop_map(
+            |(switches, pwm_rate_hz, battery_arming_min_mv, hover, inputs, idle)| {
+                let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
+                Params {
+                    controller: if mpc { Controller::Mpc } else { Controller::Cascade },
+                    loop_rate_hz: if slow { 100 } else { 400 },
+                    pulses: if one_shot { PulseKind::OneShot125 } else { PulseKind::Pwm },
+                    pwm_rate_hz,
+                    rig: if free { Rig::Free } else { Rig::Gimbal },
+                    hil,
+                    battery_arming_min_mv,
+                    hover_throttle_permille: hover,
+                    control_horizon: inputs.0,
+                    motor_limits: limits,
+                    linearisations: inputs.1,
+                    ground_idle_percent: idle.0,
+                    flight_idle_percent: idle.1,
+                    telem1_kbaud: if fast { 115 } else { 57 },
+                    esc_calibration: escs,
+                }
             },
         )
     }
@@ -240,12 +268,12 @@ pub(crate) mod tests {
         assert_eq!(crc32(b""), 0);
     }
 
-    /// The head of a record: magic, version 3, and the length of what lies between head and CRC.
+    /// The head of a record: magic, version 4, and the length of what lies between head and CRC.
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x03\0\x10\0");
-        assert_eq!(record.len(), 8 + 16 + 4);
+        assert_eq!(record[..8], *b"QCFG\x04\0\x14\0");
+        assert_eq!(record.len(), 8 + 20 + 4);
     }
 
     #[test]

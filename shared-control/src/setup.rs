@@ -13,6 +13,9 @@ use crate::vehicle::VehicleParameters;
 /// Samples of the board's IMU per second.
 pub const IMU_RATE_HZ: u32 = 1000;
 
+/// Share of the hovering lift with which a vehicle that lost its link comes down.
+const SINK_LIFT_SHARE: f32 = 0.9;
+
 /// What a set of choices means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
@@ -50,6 +53,8 @@ impl Setup {
         let tuning = Tuning {
             mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
             mpc_linearisations: params.linearisations.into(),
+            ground_idle_command: f32::from(params.ground_idle_percent) / 100.0,
+            flight_idle_command: f32::from(params.flight_idle_percent) / 100.0,
             ..Tuning::for_vehicle(&vehicle)
         };
         let loop_timer = TimerPeriod::new(LOOP_TIMER_HZ, params.loop_rate_hz.into());
@@ -61,6 +66,7 @@ impl Setup {
             output: OutputConfig::new(params.pulses, PULSE_TIMER_HZ, &pulse_timer),
             supervisor: SupervisorConfig {
                 battery_arming_min_v: f32::from(params.battery_arming_min_mv) / 1000.0,
+                sink_throttle: sink_throttle(params, &vehicle),
                 ..SupervisorConfig::NOMINAL
             },
             ..Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?
@@ -75,6 +81,17 @@ impl Setup {
         let cycles_per_count = PULSE_TIMER_HZ / LOOP_TIMER_HZ;
         let (step, pulse) = (cycles_per_count * self.loop_timer.cycles(), self.pulse_timer.cycles());
         step.is_multiple_of(pulse) || pulse.is_multiple_of(step)
+    }
+}
+
+/// Throttle at which the vehicle loses height slowly: nine tenths of the lift that holds it. A rotor that sinks gives
+/// more lift at the same speed (Leishman, Principles of Helicopter Aerodynamics, 2nd ed., 2.13 and 3.3: blade elements
+/// and momentum), so that a tenth too little ends as a steady 1 to 2 m/s for rotors of 10 inches, not as a fall.
+fn sink_throttle(params: &Params, vehicle: &VehicleParameters) -> f32 {
+    let hover = f32::from(params.hover_throttle_permille) / 1000.0;
+    match params.rig {
+        Rig::Gimbal => 0.0,
+        Rig::Free => vehicle.lift_curve.command(SINK_LIFT_SHARE * vehicle.lift_curve.lift(hover)),
     }
 }
 
@@ -109,15 +126,29 @@ mod tests {
         }
     }
 
-    /// A bench of host code and the board before it had parameters: the same numbers.
+    /// What a bench of host code flies, with the idle commands of motors that have a dead band.
     #[test]
-    fn the_defaults_are_what_the_core_always_flew() {
+    fn the_defaults_are_what_the_core_flies_on_the_host_but_for_idling() {
         let vehicle = VehicleParameters::F450_GIMBAL;
-        let tuning = Tuning::for_vehicle(&vehicle);
+        let tuning = Tuning { ground_idle_command: 0.1, flight_idle_command: 0.15, ..Tuning::for_vehicle(&vehicle) };
         let config = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
         let setup = Setup::new(&Params::DEFAULT).unwrap();
         assert_eq!(setup.config, config);
         assert_eq!(setup.mpc, config::mpc_settings(&vehicle, &tuning, 400.0));
+        assert!((setup.config.mixer.lift_curve.command_at[0] - 0.15).abs() < 1e-6);
+    }
+
+    /// The rig holds its vehicle; the free one sinks with nine tenths of what holds it, to what the table of the lift
+    /// curve rounds.
+    #[test]
+    fn only_a_vehicle_that_could_fall_sinks() {
+        let throttle = |rig| {
+            let params = Params { rig, hover_throttle_permille: 540, ..Params::DEFAULT };
+            Setup::new(&params).unwrap().config.supervisor.sink_throttle
+        };
+        assert_eq!(throttle(Rig::Gimbal), 0.0);
+        let curve = VehicleParameters::F450_FREE.lift_curve;
+        assert!((curve.lift(throttle(Rig::Free)) / curve.lift(0.54) - 0.9).abs() < 1e-4);
     }
 
     #[test]

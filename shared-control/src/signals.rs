@@ -72,6 +72,8 @@ pub struct ArmingBlocks {
     pub fault_record_unread: bool,
     /// The stored configuration was bad, and nobody has confirmed what replaced it.
     pub configuration_unconfirmed: bool,
+    /// The board is set to calibrate ESCs, propellers off.
+    pub esc_calibration: bool,
 }
 
 /// A request to change the arming state; the supervisor decides.
@@ -86,6 +88,8 @@ pub enum ArmingRequest {
     Disarm,
     /// Turn one motor, if disarmed.
     MotorTest(MotorTest),
+    /// Teach the ESCs their range, if disarmed and they have no power.
+    CalibrateEscs,
 }
 
 /// All that a step may depend on besides configuration and state.

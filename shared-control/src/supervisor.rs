@@ -1,28 +1,36 @@
 //! Arming: the one place that decides whether the motors may turn.
 //!
 //! ```text
-//!                Arm, every check passed              link lost 1 s
-//!   Disarmed ------------------------------> Armed -----------------> LinkLost (level, idle)
-//!     ^  | ^------ Disarm, IMU failed, ------' ^------ no way back ------'  |
-//!     |  |         attitude unknown                                         | 1 s, or any of the causes on the left
-//!     |  '-- MotorTest --> MotorTest (one motor)                            |
-//!     '------ time is up, Disarm, Arm, link lost --'------------------------'
+//!                Arm, every check passed              link lost 3 s, in the air
+//!   Disarmed ------------------------------> Armed ----------------------------> LinkLost (level, then down)
+//!     ^  | ^-- Disarm, IMU failed, attitude --' ^--------- link back -------------'  |
+//!     |  | |   unknown, crashed, link lost                                          | on the ground, idle for 3 s,
+//!     |  | |   on the ground                                                        | or any of the causes on the left
+//!     |  | '------------------------------------------------------------------------'
+//!     |  '-- MotorTest ------> MotorTest (one motor)
+//!     |  '-- CalibrateEscs --> EscCalibration (all outputs full, then low)
+//!     '------ time is up, Disarm, Arm, link lost --'
 //! ```
+//! In the air nothing but a request, a failed IMU, an unknown attitude and a crash takes the motors away: no tilt
+//! does, and no lost link before the vehicle is down.
 
 mod arming;
+mod escs;
+pub mod flight_watch;
+pub mod throttle;
 
-pub use arming::{Arming, DisarmedBecause, Refusal};
+pub use arming::{Arming, DisarmedBecause, EscStage, Refusal};
 
 use crate::sensing::battery::ABSENT_BELOW_V;
 use crate::sensing::imu_health::ImuHealth;
-use crate::signals::{ArmingRequest, AttitudeEstimate, MotorTest, StepInput};
+use crate::signals::{ArmingRequest, MotorTest, StepInput};
 
-/// Largest throttle at which arming is allowed.
-const ARMING_THROTTLE_MAX: f32 = 0.02;
-/// Silence on the link after which it is lost, µs.
-pub const LINK_LOST_AFTER_US: u64 = 1_000_000;
-/// Time for which the motors idle once the link is lost, µs; the set-point is level at zero throttle.
-pub const LEVEL_AND_IDLE_US: u64 = 1_000_000;
+/// Largest throttle at which arming is allowed, and up to which a vehicle on the ground idles.
+pub const IDLE_THROTTLE_MAX: f32 = 0.02;
+/// Silence on the link after which it is lost, µs: three of the heartbeats that a ground station sends each second.
+pub const LINK_LOST_AFTER_US: u64 = 3_000_000;
+/// Once the link is lost, time at idle after which the vehicle counts as down, µs, whatever its sensors say.
+pub const LINK_IDLE_US: u64 = 3_000_000;
 /// Largest throttle of a motor test, percent; more is cut down to it.
 pub const MOTOR_TEST_PERCENT_MAX: u8 = 30;
 /// Longest motor test, ms; more is cut down to it.
@@ -35,11 +43,15 @@ pub struct SupervisorConfig {
     pub gyro_rest_min_s: f32,
     /// Battery voltage needed to arm, V; only looked at where it is measured.
     pub battery_arming_min_v: f32,
+    /// Throttle at which the vehicle sinks slowly when the link is lost; 0 on a rig that holds it.
+    pub sink_throttle: f32,
 }
 
 impl SupervisorConfig {
-    /// The gyro's bias to 3e-4 rad/s (0.01 rad/s of white noise at 1 kHz over a second); three lithium cells at 3.5 V.
-    pub const NOMINAL: SupervisorConfig = SupervisorConfig { gyro_rest_min_s: 1.0, battery_arming_min_v: 10.5 };
+    /// The gyro's bias to 3e-4 rad/s (0.01 rad/s of white noise at 1 kHz over a second); three lithium cells at 3.5 V;
+    /// a vehicle on its rig.
+    pub const NOMINAL: SupervisorConfig =
+        SupervisorConfig { gyro_rest_min_s: 1.0, battery_arming_min_v: 10.5, sink_throttle: 0.0 };
 
     /// Is the battery good enough to arm? One that is not measured is; one whose voltage is no number is not.
     pub fn battery_is_good(&self, battery_v: Option<f32>) -> bool {
@@ -54,17 +66,18 @@ pub struct Findings {
     pub attitude_valid: bool,
     /// Time at rest over which the gyro has been calibrated, s.
     pub gyro_rest_s: f32,
-    /// The IMU's health.
+    /// The IMU's health; good while the model stands in for missing samples.
     pub imu: ImuHealth,
     /// Time since the last set-point made of finite numbers, µs.
     pub setpoint_age_us: u64,
-}
-
-impl Findings {
-    /// Findings on an estimate.
-    pub fn new(estimate: &AttitudeEstimate, gyro_rest_s: f32, imu: ImuHealth, setpoint_age_us: u64) -> Findings {
-        Findings { attitude_valid: estimate.valid, gyro_rest_s, imu, setpoint_age_us }
-    }
+    /// Has it taken off, and not landed since?
+    pub airborne: bool,
+    /// It lies somewhere and does not answer to its motors.
+    pub crashed: bool,
+    /// Time for which it has been flown at idle, µs.
+    pub idle_us: u64,
+    /// A battery was connected at some time since start.
+    pub battery_seen: bool,
 }
 
 /// Next arming state. Disarming is obeyed at any time.
@@ -79,20 +92,24 @@ pub fn update(config: &SupervisorConfig, arming: Arming, input: &StepInput, find
         (Arming::Disarmed(_) | Arming::MotorTest { .. }, ArmingRequest::MotorTest(test)) => {
             motor_test_refusal(input, &test, findings).map_or_else(|| start_motor_test(input.time_us, &test), refused)
         }
-        (Arming::MotorTest { .. }, ArmingRequest::Arm) => refused(Refusal::MotorTestRunning),
+        (Arming::Disarmed(_), ArmingRequest::CalibrateEscs) => {
+            escs::refusal(input, findings).map_or_else(|| escs::start(input.time_us), refused)
+        }
+        (Arming::MotorTest { .. }, ArmingRequest::Arm | ArmingRequest::CalibrateEscs) => {
+            refused(Refusal::MotorTestRunning)
+        }
         (Arming::MotorTest { until_us, .. }, ArmingRequest::None) => {
             let over = input.time_us >= until_us || link_is_lost(input, findings);
             if over { Arming::Disarmed(DisarmedBecause::MotorTestOver) } else { arming }
         }
-        (Arming::Armed, ArmingRequest::None | ArmingRequest::Arm | ArmingRequest::MotorTest(_)) => {
-            let lost = link_is_lost(input, findings);
-            let stays = if lost { Arming::LinkLost { since_us: input.time_us } } else { Arming::Armed };
-            taken_away(findings).map_or(stays, Arming::Disarmed)
+        (Arming::EscCalibration { stage, since_us }, ArmingRequest::None) => {
+            escs::next(stage, since_us, input, findings)
         }
-        (Arming::LinkLost { since_us }, ArmingRequest::None | ArmingRequest::Arm | ArmingRequest::MotorTest(_)) => {
-            let over = input.time_us.saturating_sub(since_us) >= LEVEL_AND_IDLE_US;
-            let stays = if over { Arming::Disarmed(DisarmedBecause::LinkLost) } else { arming };
-            taken_away(findings).map_or(stays, Arming::Disarmed)
+        // whoever wants something else has lost sight of it
+        (Arming::EscCalibration { .. }, _) => refused(Refusal::EscCalibrationRunning),
+        (Arming::Armed, _) => taken_away(findings).map_or_else(|| if_link_is_lost(input, findings), Arming::Disarmed),
+        (Arming::LinkLost { since_us }, _) => {
+            taken_away(findings).map_or_else(|| without_link(since_us, input, findings), Arming::Disarmed)
         }
     }
 }
@@ -101,7 +118,28 @@ pub fn update(config: &SupervisorConfig, arming: Arming, input: &StepInput, find
 fn taken_away(findings: &Findings) -> Option<DisarmedBecause> {
     match findings.imu {
         ImuHealth::Bad(fault) => Some(DisarmedBecause::ImuFailed(fault)),
-        ImuHealth::Good => (!findings.attitude_valid).then_some(DisarmedBecause::AttitudeUnknown),
+        ImuHealth::Good if !findings.attitude_valid => Some(DisarmedBecause::AttitudeUnknown),
+        ImuHealth::Good => findings.crashed.then_some(DisarmedBecause::Crashed),
+    }
+}
+
+/// From armed: on the ground there is nothing to bring down.
+fn if_link_is_lost(input: &StepInput, findings: &Findings) -> Arming {
+    match (link_is_lost(input, findings), findings.airborne) {
+        (false, _) => Arming::Armed,
+        (true, true) => Arming::LinkLost { since_us: input.time_us },
+        (true, false) => Arming::Disarmed(DisarmedBecause::LinkLost),
+    }
+}
+
+/// The link is back, or the vehicle is down, or it goes on as it does.
+fn without_link(since_us: u64, input: &StepInput, findings: &Findings) -> Arming {
+    if !link_is_lost(input, findings) {
+        Arming::Armed
+    } else if !findings.airborne || findings.idle_us >= LINK_IDLE_US {
+        Arming::Disarmed(DisarmedBecause::LinkLost)
+    } else {
+        Arming::LinkLost { since_us }
     }
 }
 
@@ -112,9 +150,9 @@ fn link_is_lost(input: &StepInput, findings: &Findings) -> bool {
 
 /// The first reason against arming. Comparisons are such that a NaN counts as a reason.
 fn arming_refusal(config: &SupervisorConfig, input: &StepInput, findings: &Findings) -> Option<Refusal> {
-    let throttle_is_zero = input.setpoint.throttle <= ARMING_THROTTLE_MAX;
+    let throttle_is_zero = input.setpoint.throttle <= IDLE_THROTTLE_MAX;
     let gyro_is_calibrated = findings.gyro_rest_s >= config.gyro_rest_min_s;
-    if let Some(refusal) = standing_refusal(input, findings) {
+    if let Some(refusal) = turning_refusal(input, findings) {
         Some(refusal)
     } else if !throttle_is_zero {
         Some(Refusal::ThrottleNotZero)
@@ -132,7 +170,13 @@ fn arming_refusal(config: &SupervisorConfig, input: &StepInput, findings: &Findi
     }
 }
 
-/// Reasons against any motor turning.
+/// Reasons against any motor turning: a board that is set to calibrate ESCs does nothing else.
+fn turning_refusal(input: &StepInput, findings: &Findings) -> Option<Refusal> {
+    let set_to_calibrate = input.blocks.esc_calibration.then_some(Refusal::EscCalibrationSet);
+    standing_refusal(input, findings).or(set_to_calibrate)
+}
+
+/// Reasons against any pulse but the shortest.
 fn standing_refusal(input: &StepInput, findings: &Findings) -> Option<Refusal> {
     if input.blocks.configuration_unconfirmed {
         Some(Refusal::ConfigurationUnconfirmed)
@@ -148,7 +192,7 @@ fn standing_refusal(input: &StepInput, findings: &Findings) -> Option<Refusal> {
 }
 
 fn motor_test_refusal(input: &StepInput, test: &MotorTest, findings: &Findings) -> Option<Refusal> {
-    if let Some(refusal) = standing_refusal(input, findings) {
+    if let Some(refusal) = turning_refusal(input, findings) {
         Some(refusal)
     } else if !(1..=4).contains(&test.motor) {
         Some(Refusal::NoSuchMotor)

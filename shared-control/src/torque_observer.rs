@@ -118,6 +118,11 @@ impl ObserverState {
         self.axes.map(|axis| axis.disturbance_nm)
     }
 
+    /// Rates where it has brought them, rad/s (roll, pitch, heading).
+    pub fn rate_rad_s(&self) -> [f32; 3] {
+        self.axes.map(|axis| axis.rate_rad_s)
+    }
+
     /// One control step on, with the rates measured now (roll, pitch, heading, rad/s) and the torques that are
     /// delivered from now to the next step, N m; `known_nm` is the torque from outside that needs no estimate, such as
     /// gravity's on a mass off the axes. A rate that is no number says nothing: then only the model goes on.

@@ -186,6 +186,8 @@ tuning_fields! {
     mpc_motor_limits: bool,
     mpc_torque_reserve: f32,
     mpc_linearisations: usize,
+    ground_idle_command: f32,
+    flight_idle_command: f32,
 }
 
 /// [`ReferenceAhead`] by name: `setpoint`, `held` or `shaped`.

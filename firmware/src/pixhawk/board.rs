@@ -34,7 +34,5 @@ pub const SENSOR_RISE_US: u32 = 100;
 /// Sensor supply: first register access this long after it is on, ms (MPU6000 data sheet: 100 ms at most).
 pub const SENSOR_START_MS: u32 = 120;
 
-/// TELEM1, bits per second.
-pub const LINK_BAUD: u32 = 115_200;
 /// TELEM1 with hardware in the loop: 400 steps a second are 300 kbit/s there and 372 back.
 pub const HIL_BAUD: u32 = 921_600;

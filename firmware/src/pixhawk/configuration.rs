@@ -5,7 +5,7 @@ use core::mem::MaybeUninit;
 use shared_control::config::Controller;
 use shared_control::link::LinkSettings;
 use shared_control::mpc::{HORIZON, Mpc};
-use shared_control::params::{self, Params, RecordError};
+use shared_control::params::{self, Params, RecordError, Rig};
 use shared_control::sensing::imu::AxisMap;
 use shared_control::setup::Setup;
 use shared_control::signals::MotorCommands;
@@ -56,15 +56,21 @@ impl Configuration {
         self.setup.config.output.compare_counts(&MotorCommands::default(), false)[0]
     }
 
-    /// Identity and reach of the sticks, and the hover throttle that was chosen.
+    /// Identity and reach of the sticks, the hover throttle that was chosen, and whether the test sequence is for this
+    /// vehicle: one that could fly away has none, but in a simulation.
     pub fn link_settings(&self) -> LinkSettings {
         let hover_throttle = f32::from(self.params.hover_throttle_permille) / 1000.0;
-        LinkSettings { hover_throttle, ..LinkSettings::NOMINAL }
+        let has_test_sequence = self.params.rig == Rig::Gimbal || self.params.hil;
+        LinkSettings { hover_throttle, has_test_sequence, ..LinkSettings::NOMINAL }
     }
 
     /// Bits per second on the link.
     pub fn link_baud(&self) -> u32 {
-        if self.params.hil { board::HIL_BAUD } else { board::LINK_BAUD }
+        match (self.params.hil, self.params.telem1_kbaud) {
+            (true, _) => board::HIL_BAUD,
+            (false, 115) => 115_200,
+            (false, _) => 57_600,
+        }
     }
 
     /// The second IMU's gyro was found to sit like this.

@@ -80,7 +80,7 @@ impl Ground {
         self.telemetry.figures(figures);
     }
 
-    /// To be called at least every 20 ms, the period of the fastest message.
+    /// To be called at least every 40 ms, the period of the fastest message.
     pub fn update(&mut self, time_us: u64, status: &VehicleStatus) {
         while let Some(answer) = self.answers.dequeue() {
             self.telemetry.answer(answer);

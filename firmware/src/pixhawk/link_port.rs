@@ -1,9 +1,9 @@
 //! USART2, the connector TELEM1: bytes come and go by DMA, so that no byte interrupts the loop.
 //!
 //! What arrives goes round in a ring (DMA1 stream 5). The half and the end of the ring and an idle line raise an
-//! interrupt, so it is emptied at least every 256 bytes, 22 ms at 115200 baud, and at once when a message ends. A
-//! buffer of messages leaves as one transfer (stream 6); with hardware in the loop an answer goes before all that has
-//! not begun.
+//! interrupt, so it is emptied at least every 256 bytes, 22 ms at 115200 baud and 44 at 57600, and at once when a
+//! message ends. A buffer of messages leaves as one transfer (stream 6); with hardware in the loop an answer goes
+//! before all that has not begun.
 #![allow(unsafe_code)] // addresses and buffers of the DMA
 
 use core::ptr;

@@ -153,8 +153,9 @@ mod app {
         let battery = (!hil).then(|| Battery::start(adc, pins.battery, conversions, &mut rcc));
 
         let (fault_record_unread, configuration_unconfirmed) = (start.record.is_some(), configuration.fault.is_some());
-        let blocks = ArmingBlocks { fault_record_unread, configuration_unconfirmed };
-        let commander = Commander::new(settings.hover_throttle, blocks);
+        let esc_calibration = configuration.params.esc_calibration;
+        let blocks = ArmingBlocks { fault_record_unread, configuration_unconfirmed, esc_calibration };
+        let commander = Commander::new(&settings, blocks);
         let ticks = hil.then_some(ticks_out);
         #[rustfmt::skip]
         let ends = Ends {

@@ -13,6 +13,7 @@ use crate::vehicle::{Actuation, VehicleParameters};
 /// axis: roll or pitch alone can have sqrt 2 times as much, both together 1 / sqrt 2 of it; beyond that the mixer
 /// scales both down. [`Tuning::mpc_motor_limits`] puts what the motors really can do in place of these bounds.
 pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: f32) -> MpcSettings {
+    let vehicle = &tuning.in_flight(vehicle);
     let actuation = known_actuation(vehicle, tuning);
     MpcSettings {
         problem: ProblemSettings {

@@ -66,7 +66,14 @@ pub struct Tuning {
     pub mpc_torque_reserve: f32,
     /// Linearisations of the pitch axis along roll, 1 to [`LINEARISATIONS_MAX`].
     pub mpc_linearisations: usize,
+    /// Command of every motor that is armed on the ground; 0 where the motors of a simulation have no dead band.
+    pub ground_idle_command: f32,
+    /// Least command of a motor in flight, so that none stops; likewise.
+    pub flight_idle_command: f32,
 }
+
+/// Largest idle command: a vehicle that idles must not take off.
+const IDLE_COMMAND_MAX: f32 = 0.3;
 
 impl Tuning {
     /// The project's tuning for motors whose thrust follows a command with a lag (first-order time constant, s);
@@ -102,6 +109,8 @@ impl Tuning {
             mpc_motor_limits: false,
             mpc_torque_reserve: 0.5,
             mpc_linearisations: 1,
+            ground_idle_command: 0.0,
+            flight_idle_command: 0.0,
         }
     }
 
@@ -113,6 +122,11 @@ impl Tuning {
         let gains = mpc_input_gain(vehicle);
         tuning.mpc_increment_weight = core::array::from_fn(|axis| of_acceleration[axis] * gains[axis] * gains[axis]);
         tuning
+    }
+
+    /// The vehicle as it is flown: in the air no motor turns slower than at idle, so that the lift begins there.
+    pub(super) fn in_flight(&self, vehicle: &VehicleParameters) -> VehicleParameters {
+        VehicleParameters { lift_curve: vehicle.lift_curve.from_command(self.flight_idle_command), ..*vehicle }
     }
 
     /// Refuses what the core is not made for, by the name of the first such value.
@@ -138,6 +152,12 @@ impl Tuning {
         }
         if !(1..=LINEARISATIONS_MAX).contains(&self.mpc_linearisations) {
             return Err(ConfigError::OutOfRange("mpc_linearisations (1 to 4)"));
+        }
+        if !(0.0..=IDLE_COMMAND_MAX).contains(&self.ground_idle_command) {
+            return Err(ConfigError::OutOfRange("ground_idle_command (0 to 0.3)"));
+        }
+        if !(0.0..=IDLE_COMMAND_MAX).contains(&self.flight_idle_command) {
+            return Err(ConfigError::OutOfRange("flight_idle_command (0 to 0.3)"));
         }
         positive("gyro_cutoff_hz", self.gyro_cutoff_hz)
     }

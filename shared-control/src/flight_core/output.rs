@@ -16,8 +16,9 @@ pub enum TorqueSource {
     Disarmed,
     /// Nobody: one motor turns at the command of a test.
     MotorTest,
-    /// Nobody: armed on the ground, the throttle has not been raised yet; the motors turn at it and no torque is
-    /// requested.
+    /// Nobody: all motors at one end of their range, for the ESCs to learn it.
+    EscCalibration,
+    /// Nobody: armed on the ground, the throttle has not been raised; the motors idle and no torque is requested.
     Idle,
     /// The cascade, as configured.
     Cascade,
@@ -40,6 +41,7 @@ impl TorqueSource {
             TorqueSource::MotorTest => 4,
             TorqueSource::CascadeUnsolved(status) => 5 + status.number(),
             TorqueSource::Idle => 9,
+            TorqueSource::EscCalibration => 10,
         }
     }
 }

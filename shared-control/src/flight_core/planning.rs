@@ -1,10 +1,12 @@
 //! The request to the planner, and the observer that gives the state in it.
 
+use nalgebra::Vector3;
+
 use super::output::StepOutput;
 use super::state::State;
 use crate::config::Config;
 use crate::elementary::{magnitude, wrap_pi};
-use crate::frames::{euler_from_q, euler_rates};
+use crate::frames::{EulerAngles, euler_from_q, euler_rates, rate_body_from_euler_rates};
 use crate::signals::{AttitudeEstimate, PlanRequest};
 use crate::torque_observer::ObserverState;
 
@@ -12,6 +14,9 @@ use crate::torque_observer::ObserverState;
 const PITCH_MAX_RAD: f32 = 1.3;
 /// The same for roll: beyond, the pitch axis' motors turn it the other way round.
 const ROLL_MAX_RAD: f32 = core::f32::consts::FRAC_PI_2;
+
+/// Rates that nobody measured.
+const UNSEEN: [f32; 3] = [f32::NAN; 3];
 
 /// Euler angles and their rates (roll, pitch, heading). A heading that can't move stands still.
 pub(super) struct EulerMotion {
@@ -46,20 +51,38 @@ impl EulerMotion {
         config.gravity_moment.map_or([0.0; 3], |moment| moment.about_body_nm(roll_rad, pitch_rad))
     }
 
+    /// Rates about the body's axes a step later, by the torques that are under way. Where the vehicle is too steep for
+    /// the observer that has begun anew, and the rates are the last ones.
+    pub(super) fn predicted_rate_body_rad_s(&self, config: &Config, observer: &ObserverState) -> Vector3<f32> {
+        let [roll_rad, pitch_rad, yaw_rad] = self.angle_rad;
+        let known_nm = self.about_axes_nm(config, self.gravity_about_body_nm(config));
+        let mut ahead = *observer;
+        ahead.update(&config.observer, UNSEEN, [0.0; 3], known_nm);
+        rate_body_from_euler_rates(EulerAngles { roll_rad, pitch_rad, yaw_rad }, ahead.rate_rad_s())
+    }
+
     fn is_too_steep(&self) -> bool {
         let [roll_rad, pitch_rad, _] = self.angle_rad;
         magnitude(pitch_rad) > PITCH_MAX_RAD || magnitude(roll_rad) > ROLL_MAX_RAD
     }
 }
 
-/// One step of the observer. Where the vehicle is too steep or upside down it begins anew.
-pub(super) fn observe(config: &Config, observer: &mut ObserverState, motion: &EulerMotion, output: &StepOutput) {
+/// One step of the observer; by its model alone where the motion was not `seen`. Where the vehicle is too steep or
+/// upside down it begins anew.
+pub(super) fn observe(
+    config: &Config,
+    observer: &mut ObserverState,
+    motion: &EulerMotion,
+    output: &StepOutput,
+    seen: bool,
+) {
     if motion.is_too_steep() {
         *observer = ObserverState::at(motion.rate_rad_s);
     } else {
         let about_axes = |torque_nm| motion.about_axes_nm(config, torque_nm);
         let known_nm = about_axes(motion.gravity_about_body_nm(config));
-        observer.update(&config.observer, motion.rate_rad_s, about_axes(delivered_nm(output)), known_nm);
+        let measured_rad_s = if seen { motion.rate_rad_s } else { UNSEEN };
+        observer.update(&config.observer, measured_rad_s, about_axes(delivered_nm(output)), known_nm);
     }
 }
 

@@ -1,14 +1,18 @@
 //! What the core remembers between steps.
 
+use super::coasting::Coasting;
 use super::output::TorqueSource;
 use crate::attitude::angle::{AngleState, RateTarget};
 use crate::attitude::rate::RateState;
+use crate::frames::{EulerAngles, q_world_from_euler};
 use crate::mixer::MixResult;
 use crate::record::state_words::{STATE_WORDS, StateWords};
 use crate::sensing::estimator::EstimatorState;
 use crate::sensing::imu_select::ImuPairState;
 use crate::signals::{Plan, PlanReport, Setpoint, StepInput, Wrench};
 use crate::supervisor::Arming;
+use crate::supervisor::flight_watch::FlightWatch;
+use crate::supervisor::throttle::Handover;
 use crate::torque_observer::ObserverState;
 
 /// All that the core remembers between steps.
@@ -25,8 +29,10 @@ pub struct State {
     pub(super) rate_target: RateTarget,
     pub(super) observer: ObserverState,
     pub(super) planning: PlanningState,
-    /// The throttle has been raised since arming: there is something to control.
-    pub(super) airborne: bool,
+    pub(super) watch: FlightWatch,
+    pub(super) coasting: Coasting,
+    /// A battery was connected at some time since start.
+    pub(super) battery_seen: bool,
     pub(super) last_wrench: Wrench,
     pub(super) last_mix: MixResult,
     pub(super) last_source: TorqueSource,
@@ -52,7 +58,9 @@ impl State {
             rate_target,
             observer,
             planning,
-            airborne,
+            watch,
+            coasting,
+            battery_seen,
             last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
             last_mix,
             last_source,
@@ -67,11 +75,24 @@ impl State {
         rate_target.record(words);
         observer.record(words);
         planning.record(words);
-        words.word(u32::from(*airborne));
+        watch.record(words);
+        coasting.record(words);
+        words.word(u32::from(*battery_seen));
         words.number(*lift_per_motor_n);
         words.numbers(torque_body_nm);
         last_mix.record(words);
         words.word(last_source.number());
+    }
+
+    /// What the controllers follow: the set-point that was demanded, or what stands in for it without a link.
+    pub fn flown_setpoint(&self) -> Setpoint {
+        self.setpoint.flown
+    }
+
+    /// The attitude is known to be another one, level in heading. For tests that begin in the middle of something.
+    pub fn set_attitude(&mut self, roll_rad: f32, pitch_rad: f32) {
+        let angles = EulerAngles { roll_rad, pitch_rad, yaw_rad: 0.0 };
+        self.estimator.set_attitude(q_world_from_euler(angles));
     }
 
     /// The shaped reference, rad (roll, pitch, yaw).
@@ -101,15 +122,22 @@ pub(super) struct SetpointState {
     good_us: u64,
     /// Steps whose set-point was not.
     pub(super) rejected: u32,
+    handover: Handover,
 }
 
 impl SetpointState {
     fn record(&self, words: &mut StateWords) {
-        let Self { flown, good, good_us, rejected } = self;
+        let Self { flown, good, good_us, rejected, handover: Handover { pending } } = self;
         flown.record(words);
         good.record(words);
         words.time_us(*good_us);
         words.word(*rejected);
+        words.word(u32::from(*pending));
+    }
+
+    /// What is flown now.
+    pub(super) fn fly(&mut self, sink_throttle: f32, arming: Arming, time_us: u64, step_s: f32) {
+        self.flown = self.handover.setpoint(sink_throttle, arming, (&self.good, &self.flown), time_us, step_s);
     }
 
     /// Keeps the last good one while what comes is no number. Returns the good one's age, µs.

@@ -1,20 +1,24 @@
 //! What the vehicle is to do now: the last of the ground's orders, turned into the input of a step.
 //!
 //! Set-points come from the sticks, or from the test sequence once it is started; until either comes the set-point is
-//! level at zero throttle. While the sequence flies, the sticks are ignored and only show that somebody is there; when
-//! it is over the vehicle is disarmed. The link's age counts from the last `MANUAL_CONTROL` where the sticks fly, else
-//! from the last `MANUAL_CONTROL` or `HEARTBEAT`: as the link is lost after 1 s, heartbeats must come faster than the
-//! usual 1 Hz.
+//! level at zero throttle. The sequence is for a vehicle on its rig; when it is over the vehicle is disarmed, and any
+//! set-point from the sticks ends it: from then on they fly. Their throttle counts once it was low after arming, so
+//! that no vehicle takes off with a stick that stands in the middle. Sticks that fall silent for half a second leave
+//! the throttle as it is and mean level. The link's age counts from the last `MANUAL_CONTROL` where the sticks fly,
+//! else from the last `MANUAL_CONTROL` or `HEARTBEAT`.
 
 use mavlink::dialects::common::MavCmd;
 
 use super::orders_and_answers::{Answer, Chore, Order, ParameterRequest};
+use super::settings::LinkSettings;
 use crate::signals::{ArmingBlocks, ArmingRequest, Setpoint, StepInput};
-use crate::supervisor::{Arming, DisarmedBecause, Refusal};
+use crate::supervisor::{Arming, DisarmedBecause, IDLE_THROTTLE_MAX, Refusal};
 use crate::test_sequence;
 
 /// Orders that may wait for their step; what comes beyond that is answered as busy.
 const REQUESTS_MAX: usize = 4;
+/// Silence of the sticks after which their angles count no more, µs: PX4's COM_RC_LOSS_T.
+pub const STICKS_STALE_US: u64 = 500_000;
 
 /// The part of a [`StepInput`] that comes over the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +58,10 @@ enum Source {
 #[derive(Clone, Debug)]
 pub struct Commander {
     hover_throttle: f32,
+    has_test_sequence: bool,
     source: Source,
+    /// Low throttle was seen since arming.
+    throttle_counts: bool,
     heard_us: Option<u64>,
     blocks: ArmingBlocks,
     /// The board will start anew: nothing turns any more.
@@ -68,10 +75,12 @@ pub struct Commander {
 
 impl Commander {
     /// A commander that has heard nothing. `blocks` as found at start.
-    pub fn new(hover_throttle: f32, blocks: ArmingBlocks) -> Self {
+    pub fn new(settings: &LinkSettings, blocks: ArmingBlocks) -> Self {
         Self {
-            hover_throttle,
+            hover_throttle: settings.hover_throttle,
+            has_test_sequence: settings.has_test_sequence,
             source: Source::Nobody,
+            throttle_counts: false,
             heard_us: None,
             blocks,
             restarting: false,
@@ -92,9 +101,9 @@ impl Commander {
             }
             Order::Fly(setpoint) => {
                 self.heard_us = Some(time_us);
-                if !matches!(self.source, Source::TestSequence { .. }) {
-                    self.source = Source::Sticks { setpoint, heard_us: time_us };
-                }
+                let takes_over = matches!(self.source, Source::TestSequence { .. });
+                self.throttle_counts |= takes_over || self.is_armed() && setpoint.throttle <= IDLE_THROTTLE_MAX;
+                self.source = Source::Sticks { setpoint, heard_us: time_us };
                 (None, None)
             }
             Order::Arm => (self.request(ArmingRequest::Arm), None),
@@ -104,6 +113,7 @@ impl Commander {
                 (self.request(ArmingRequest::Disarm), None)
             }
             Order::TestMotor(test) => (self.request(ArmingRequest::MotorTest(test)), None),
+            Order::CalibrateEscs => (self.request(ArmingRequest::CalibrateEscs), None),
             Order::StartTestSequence => (Some(self.start_test_sequence(time_us)), None),
             Order::ConfirmConfiguration if disarmed => {
                 self.blocks.configuration_unconfirmed = false;
@@ -131,7 +141,7 @@ impl Commander {
         let mut arming = self.asked;
         let (setpoint, heard_us) = match self.source {
             Source::Nobody => (Setpoint::default(), self.heard_us),
-            Source::Sticks { setpoint, heard_us } => (setpoint, Some(heard_us)),
+            Source::Sticks { setpoint, heard_us } => (self.sticks(setpoint, heard_us, time_us), Some(heard_us)),
             Source::TestSequence { start_us } => {
                 let setpoint = test_sequence::at(time_us.saturating_sub(start_us), self.hover_throttle);
                 if setpoint.is_none() {
@@ -155,19 +165,18 @@ impl Commander {
         if !matches!(arming, Arming::Armed) {
             self.end_test_sequence();
         }
+        self.throttle_counts &= self.is_armed();
         let command = command_of(&self.asked);
         let answer = match (self.asked, arming) {
             (ArmingRequest::None, _) => None,
             (ArmingRequest::Disarm, _)
             | (ArmingRequest::Arm, Arming::Armed)
-            | (ArmingRequest::MotorTest(_), Arming::MotorTest { .. }) => Some(Answer::Accepted(command)),
+            | (ArmingRequest::MotorTest(_), Arming::MotorTest { .. })
+            | (ArmingRequest::CalibrateEscs, Arming::EscCalibration { .. }) => Some(Answer::Accepted(command)),
             (_, Arming::Disarmed(DisarmedBecause::Refused(refusal))) => Some(Answer::Refused(command, *refusal)),
-            (ArmingRequest::Arm | ArmingRequest::MotorTest(_), Arming::LinkLost { .. }) => {
-                Some(Answer::Refused(command, Refusal::LinkLost))
-            }
+            (_, Arming::LinkLost { .. }) => Some(Answer::Refused(command, Refusal::LinkLost)),
             // taken away in the very step that it was requested again
-            (ArmingRequest::Arm, Arming::Disarmed(_) | Arming::MotorTest { .. })
-            | (ArmingRequest::MotorTest(_), Arming::Armed | Arming::Disarmed(_)) => {
+            (ArmingRequest::Arm | ArmingRequest::MotorTest(_) | ArmingRequest::CalibrateEscs, _) => {
                 Some(Answer::Refused(command, Refusal::Armed))
             }
         };
@@ -211,13 +220,26 @@ impl Commander {
         }
     }
 
+    fn is_armed(&self) -> bool {
+        matches!(self.arming, Arming::Armed | Arming::LinkLost { .. })
+    }
+
+    fn sticks(&self, setpoint: Setpoint, heard_us: u64, time_us: u64) -> Setpoint {
+        let throttle = if self.is_armed() && !self.throttle_counts { 0.0 } else { setpoint.throttle };
+        let silent = time_us.saturating_sub(heard_us) >= STICKS_STALE_US;
+        if silent { Setpoint { throttle, ..Setpoint::default() } } else { Setpoint { throttle, ..setpoint } }
+    }
+
     fn start_test_sequence(&mut self, time_us: u64) -> Answer {
         match self.arming {
+            Arming::Armed if !self.has_test_sequence => {
+                Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::FliesFree)
+            }
             Arming::Armed => {
                 self.source = Source::TestSequence { start_us: time_us };
                 Answer::Accepted(MavCmd::MAV_CMD_MISSION_START)
             }
-            Arming::Disarmed(_) | Arming::MotorTest { .. } => {
+            Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => {
                 Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::NotArmed)
             }
             Arming::LinkLost { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::LinkLost),
@@ -236,5 +258,6 @@ fn command_of(request: &ArmingRequest) -> MavCmd {
     match request {
         ArmingRequest::None | ArmingRequest::Arm | ArmingRequest::Disarm => MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
         ArmingRequest::MotorTest(_) => MavCmd::MAV_CMD_DO_MOTOR_TEST,
+        ArmingRequest::CalibrateEscs => MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION,
     }
 }

@@ -12,18 +12,24 @@ use crate::frames::euler_from_q;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::AttitudeEstimate;
-use crate::supervisor::{Arming, DisarmedBecause};
+use crate::supervisor::{Arming, DisarmedBecause, EscStage};
 
 pub(super) fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str)> {
     use MavSeverity::{MAV_SEVERITY_CRITICAL as CRITICAL, MAV_SEVERITY_NOTICE as NOTICE};
     Some(match arming {
         Arming::Armed => (NOTICE, "armed"),
         Arming::MotorTest { .. } => (NOTICE, "motor test"),
-        Arming::LinkLost { .. } => (CRITICAL, "link lost: level and idle"),
+        Arming::EscCalibration { stage: EscStage::Battery, .. } => (CRITICAL, "full throttle: connect the battery now"),
+        Arming::EscCalibration { stage: EscStage::High, .. } => (NOTICE, "battery seen: full throttle for 4 s"),
+        Arming::EscCalibration { stage: EscStage::Low, .. } => (NOTICE, "low throttle for 4 s"),
+        Arming::LinkLost { .. } => (CRITICAL, "link lost: level, then down"),
         Arming::Disarmed(because) => match because {
             DisarmedBecause::Start | DisarmedBecause::Refused(_) => return None,
             DisarmedBecause::Requested => (NOTICE, "disarmed"),
             DisarmedBecause::MotorTestOver => (NOTICE, "motor test over"),
+            DisarmedBecause::Crashed => (CRITICAL, "disarmed: crashed"),
+            DisarmedBecause::EscsCalibrated => (NOTICE, "ESCs calibrated: set ESC_CALIBRATION to 0"),
+            DisarmedBecause::EscCalibrationEnded => (CRITICAL, "ESC calibration broken off: disconnect battery"),
             DisarmedBecause::LinkLost => (CRITICAL, "disarmed: link lost"),
             DisarmedBecause::AttitudeUnknown => (CRITICAL, "disarmed: attitude unknown"),
             DisarmedBecause::ImuFailed(ImuFault::Stale) => (CRITICAL, "disarmed: IMU sends nothing"),
@@ -50,15 +56,16 @@ pub(super) fn command_ack(answer: &Answer) -> Option<COMMAND_ACK_DATA> {
 pub(super) fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
     let armed = match status.arming {
         Arming::Armed | Arming::LinkLost { .. } => MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED,
-        Arming::Disarmed(_) | Arming::MotorTest { .. } => MavModeFlag::empty(),
+        Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => MavModeFlag::empty(),
     };
     let hil = if status.hil { MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED } else { MavModeFlag::empty() };
     let system_status = match status.arming {
         Arming::Armed | Arming::MotorTest { .. } => MavState::MAV_STATE_ACTIVE,
+        Arming::EscCalibration { .. } => MavState::MAV_STATE_CALIBRATING,
         Arming::LinkLost { .. } => MavState::MAV_STATE_CRITICAL,
-        Arming::Disarmed(DisarmedBecause::ImuFailed(_) | DisarmedBecause::AttitudeUnknown) => {
-            MavState::MAV_STATE_EMERGENCY
-        }
+        Arming::Disarmed(
+            DisarmedBecause::ImuFailed(_) | DisarmedBecause::AttitudeUnknown | DisarmedBecause::Crashed,
+        ) => MavState::MAV_STATE_EMERGENCY,
         Arming::Disarmed(_) => MavState::MAV_STATE_STANDBY,
     };
     HEARTBEAT_DATA {

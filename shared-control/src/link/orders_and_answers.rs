@@ -22,6 +22,8 @@ pub enum Order {
     StartTestSequence,
     /// Turn one motor.
     TestMotor(MotorTest),
+    /// Teach the ESCs their range.
+    CalibrateEscs,
     /// The configuration in use is right: store it.
     ConfirmConfiguration,
     /// The fault record has been read.

@@ -125,6 +125,8 @@ fn order_of(data: &COMMAND_LONG_DATA) -> Order {
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => wrong,
         MavCmd::MAV_CMD_MISSION_START => Order::StartTestSequence,
         MavCmd::MAV_CMD_DO_MOTOR_TEST => motor_test(data).map_or(wrong, Order::TestMotor),
+        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if calibrates_escs(data) => Order::CalibrateEscs,
+        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => wrong,
         MavCmd::MAV_CMD_PREFLIGHT_STORAGE if data.param1 == 1.0 => Order::ConfirmConfiguration,
         MavCmd::MAV_CMD_PREFLIGHT_STORAGE => wrong,
         MavCmd::MAV_CMD_USER_1 => Order::FaultRecordRead,
@@ -145,6 +147,12 @@ fn motor_test(data: &COMMAND_LONG_DATA) -> Option<MotorTest> {
         // `as` saturates
         duration_ms: (data.param4 * 1000.0) as u16,
     })
+}
+
+/// The ESCs (param7 1) and nothing else.
+fn calibrates_escs(data: &COMMAND_LONG_DATA) -> bool {
+    let others = [data.param1, data.param2, data.param3, data.param4, data.param5, data.param6];
+    data.param7 == 1.0 && others.iter().all(|param| *param == 0.0)
 }
 
 /// What a `PARAM_REQUEST_READ` requests: by index, or by name if the index is negative.

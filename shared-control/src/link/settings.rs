@@ -11,6 +11,8 @@ pub struct LinkSettings {
     pub stick_yaw_rate_rad_s: f32,
     /// Throttle at which the vehicle hovers, for the test sequence.
     pub hover_throttle: f32,
+    /// True where the test sequence may be flown: on a rig that holds the vehicle, or in a simulation.
+    pub has_test_sequence: bool,
 }
 
 impl LinkSettings {
@@ -20,6 +22,7 @@ impl LinkSettings {
         stick_tilt_rad: core::f32::consts::FRAC_PI_6,
         stick_yaw_rate_rad_s: 1.0,
         hover_throttle: 0.5,
+        has_test_sequence: true,
     };
 }
 

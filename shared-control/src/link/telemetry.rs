@@ -1,4 +1,4 @@
-//! What the vehicle says of itself, at rates that leave most of 115,200 baud free.
+//! What the vehicle says of itself, at rates that leave half of 57,600 baud free.
 
 use mavlink::dialects::common::{MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
 
@@ -15,7 +15,7 @@ use crate::supervisor::Arming;
 /// Period of `HEARTBEAT`, µs.
 pub const HEARTBEAT_PERIOD_US: u64 = 1_000_000;
 /// Period of `ATTITUDE`, µs.
-pub const ATTITUDE_PERIOD_US: u64 = 20_000;
+pub const ATTITUDE_PERIOD_US: u64 = 40_000;
 /// Period of `SERVO_OUTPUT_RAW`, µs.
 pub const SERVO_PERIOD_US: u64 = 100_000;
 /// Period of `SYS_STATUS`, µs.
@@ -174,7 +174,10 @@ impl Telemetry {
         if self.told == Some(*arming) {
             return;
         }
-        if let Some((severity, words)) = arming_words(arming) {
+        let link_is_back = matches!((self.told, arming), (Some(Arming::LinkLost { .. }), Arming::Armed));
+        if link_is_back {
+            self.text(MavSeverity::MAV_SEVERITY_NOTICE, "link back: armed");
+        } else if let Some((severity, words)) = arming_words(arming) {
             self.text(severity, words);
         }
         self.told = Some(*arming);

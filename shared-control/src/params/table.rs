@@ -8,6 +8,8 @@ use crate::output::PulseKind;
 
 /// Longest name, bytes: what a MAVLink parameter has room for.
 pub const NAME_MAX: usize = 16;
+/// Largest idle command, percent: a vehicle that idles must not take off.
+const IDLE_PERCENT_MAX: u16 = 30;
 
 /// One of the owner's choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +36,14 @@ pub enum Field {
     BatteryArmingMin,
     /// [`Params::hil`].
     Hil,
+    /// [`Params::ground_idle_percent`].
+    GroundIdle,
+    /// [`Params::flight_idle_percent`].
+    FlightIdle,
+    /// [`Params::telem1_kbaud`].
+    Telem1Rate,
+    /// [`Params::esc_calibration`].
+    EscCalibration,
 }
 
 /// Values that a field can take.
@@ -77,7 +87,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 11] = [
+    pub const ALL: [Field; 15] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -89,6 +99,10 @@ impl Field {
         Field::HoverThrottle,
         Field::BatteryArmingMin,
         Field::Hil,
+        Field::GroundIdle,
+        Field::FlightIdle,
+        Field::Telem1Rate,
+        Field::EscCalibration,
     ];
 
     /// Its name, range and meaning.
@@ -131,6 +145,22 @@ impl Field {
                 Allowed::Either(0, 1),
                 "1: hardware in the loop, the IMU is simulated on the link and the pulses stay disarmed",
             ),
+            Field::GroundIdle => (
+                "MOT_SPIN_ARM_PCT",
+                Allowed::Range(0, IDLE_PERCENT_MAX),
+                "command of all motors when armed on the ground, percent",
+            ),
+            Field::FlightIdle => {
+                ("MOT_SPIN_MIN_PCT", Allowed::Range(0, IDLE_PERCENT_MAX), "least command of a motor in flight, percent")
+            }
+            Field::Telem1Rate => {
+                ("TELEM1_KBAUD", Allowed::Either(57, 115), "TELEM1's rate: 57 is 57600 bits per second, 115 is 115200")
+            }
+            Field::EscCalibration => (
+                "ESC_CALIBRATION",
+                Allowed::Either(0, 1),
+                "1: propellers are off, the board calibrates ESCs on command and does not arm",
+            ),
         };
         Row { name, allowed, meaning }
     }
@@ -166,6 +196,10 @@ impl Params {
             Field::HoverThrottle => self.hover_throttle_permille,
             Field::BatteryArmingMin => self.battery_arming_min_mv,
             Field::Hil => u16::from(self.hil),
+            Field::GroundIdle => u16::from(self.ground_idle_percent),
+            Field::FlightIdle => u16::from(self.flight_idle_percent),
+            Field::Telem1Rate => u16::from(self.telem1_kbaud),
+            Field::EscCalibration => u16::from(self.esc_calibration),
         }
     }
 
@@ -187,6 +221,10 @@ impl Params {
             Field::HoverThrottle => params.hover_throttle_permille = value,
             Field::BatteryArmingMin => params.battery_arming_min_mv = value,
             Field::Hil => params.hil = value == 1,
+            Field::GroundIdle => params.ground_idle_percent = value as u8,
+            Field::FlightIdle => params.flight_idle_percent = value as u8,
+            Field::Telem1Rate => params.telem1_kbaud = value as u8,
+            Field::EscCalibration => params.esc_calibration = value == 1,
         }
         Some(params)
     }
@@ -234,6 +272,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(11)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(15)), (None, None, None));
     }
 }

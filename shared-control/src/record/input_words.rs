@@ -44,6 +44,7 @@ pub(super) fn words_of_request(request: &ArmingRequest) -> [u32; 4] {
         ArmingRequest::None => [0; 4],
         ArmingRequest::Arm => [1, 0, 0, 0],
         ArmingRequest::Disarm => [2, 0, 0, 0],
+        ArmingRequest::CalibrateEscs => [4, 0, 0, 0],
         ArmingRequest::MotorTest(MotorTest { motor, throttle_percent, duration_ms }) => {
             [3, u32::from(motor), u32::from(throttle_percent), u32::from(duration_ms)]
         }
@@ -55,6 +56,7 @@ pub(super) fn request_of_words(words: &[u32; 4]) -> ArmingRequest {
         [0, ..] => ArmingRequest::None,
         [1, ..] => ArmingRequest::Arm,
         [2, ..] => ArmingRequest::Disarm,
+        [4, ..] => ArmingRequest::CalibrateEscs,
         [_, motor, percent, ms] => ArmingRequest::MotorTest(MotorTest {
             motor: motor as u8,
             throttle_percent: percent as u8,

@@ -5,14 +5,14 @@ use crate::flight_core::TorqueSource;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::PlanStatus;
-use crate::supervisor::{Arming, DisarmedBecause, Refusal};
+use crate::supervisor::{Arming, DisarmedBecause, EscStage, Refusal};
 use std::collections::BTreeSet;
 use std::vec::Vec;
 
 const FAULTS: [ImuFault; 4] = [ImuFault::Stale, ImuFault::BusDead, ImuFault::Stuck, ImuFault::OutOfRange];
 const STATUSES: [PlanStatus; 4] =
     [PlanStatus::Solved, PlanStatus::IterationLimit, PlanStatus::Infeasible, PlanStatus::NumericalError];
-const REFUSALS: [Refusal; 13] = [
+const REFUSALS: [Refusal; 20] = [
     Refusal::SetpointNotFinite,
     Refusal::ThrottleNotZero,
     Refusal::AttitudeUnknown,
@@ -26,6 +26,13 @@ const REFUSALS: [Refusal; 13] = [
     Refusal::MotorTestRunning,
     Refusal::NoSuchMotor,
     Refusal::BatteryAbsent,
+    Refusal::FliesFree,
+    Refusal::EscCalibrationSet,
+    Refusal::EscCalibrationNotSet,
+    Refusal::EscCalibrationRunning,
+    Refusal::BatteryConnected,
+    Refusal::BatteryNeverSeen,
+    Refusal::BatteryUnmeasured,
 ];
 
 #[test]
@@ -41,8 +48,9 @@ fn units_healths_and_plans_count_from_nought() {
         Arming::default(),
         Arming::MotorTest { motor: 1, throttle_percent: 2, until_us: 3 },
         Arming::LinkLost { since_us: 4 },
+        Arming::EscCalibration { stage: EscStage::Low, since_us: 5 },
     ];
-    assert_eq!(armings.map(|arming| arming.number()), [0, 1, 2, 3]);
+    assert_eq!(armings.map(|arming| arming.number()), [0, 1, 2, 3, 4]);
 }
 
 #[test]
@@ -54,8 +62,9 @@ fn every_source_of_torque_has_its_number() {
         TorqueSource::CascadeNoPlan,
         TorqueSource::MotorTest,
         TorqueSource::Idle,
+        TorqueSource::EscCalibration,
     ];
-    assert_eq!(without_status.map(|source| source.number()), [0, 1, 2, 3, 4, 9]);
+    assert_eq!(without_status.map(|source| source.number()), [0, 1, 2, 3, 4, 9, 10]);
     assert_eq!(STATUSES.map(|status| TorqueSource::CascadeUnsolved(status).number()), [5, 6, 7, 8]);
 }
 
@@ -68,11 +77,14 @@ fn every_reason_to_stand_still_has_its_number() {
         DisarmedBecause::AttitudeUnknown,
         DisarmedBecause::LinkLost,
         DisarmedBecause::MotorTestOver,
+        DisarmedBecause::Crashed,
+        DisarmedBecause::EscsCalibrated,
+        DisarmedBecause::EscCalibrationEnded,
     ];
-    assert_eq!(causes.map(|because| because.number()), [0, 1, 2, 3, 4]);
+    assert_eq!(causes.map(|because| because.number()), [0, 1, 2, 3, 4, 5, 6, 7]);
     assert_eq!(FAULTS.map(|fault| DisarmedBecause::ImuFailed(fault).number()), [0x10, 0x11, 0x12, 0x13]);
     let refused = |refusal| DisarmedBecause::Refused(refusal).number();
-    assert!(REFUSALS.map(refused).into_iter().eq(0x100..0x10d));
+    assert!(REFUSALS.map(refused).into_iter().eq(0x100..0x114));
     assert_eq!(FAULTS.map(|fault| refused(Refusal::ImuUnhealthy(fault))), [0x120, 0x121, 0x122, 0x123]);
     let all: Vec<u32> = causes
         .into_iter()
@@ -96,6 +108,7 @@ fn an_arming_state_is_four_words() {
     let test = Arming::MotorTest { motor: 3, throttle_percent: 25, until_us: 0x7_0000_0009 };
     assert_eq!(words(test), [2, 0x0319, 9, 7]);
     assert_eq!(words(Arming::LinkLost { since_us: 11 }), [3, 0, 11, 0]);
+    assert_eq!(words(Arming::EscCalibration { stage: EscStage::Low, since_us: 12 }), [4, 2, 12, 0]);
     assert_eq!(words(Arming::Disarmed(DisarmedBecause::Requested)), [1, 1, 0, 0]);
     assert_eq!(words(Arming::Armed), [0; 4]);
 }

@@ -27,12 +27,12 @@ pub struct StepTrace {
     pub sample_second: [[u32; 8]; IMU_SAMPLES_MAX],
     /// Roll, pitch, yaw rate, throttle.
     pub setpoint: [u32; 4],
-    /// 0 none, 1 arm, 2 disarm, 3 motor test; then that test's motor, percent and ms.
+    /// 0 none, 1 arm, 2 disarm, 3 motor test, 4 calibrate ESCs; then that test's motor, percent and ms.
     pub arming_request: [u32; 4],
     /// 1 if there is a link, and its age, µs.
     pub link_age: [u32; 3],
-    /// 1 if a fault record is unread; 1 if the configuration is unconfirmed.
-    pub blocks: [u32; 2],
+    /// 1 if a fault record is unread; 1 if the configuration is unconfirmed; 1 if set to calibrate ESCs.
+    pub blocks: [u32; 3],
     /// 1 if a battery voltage is there, and the voltage.
     pub battery: [u32; 2],
     /// 1 if a plan is there, its step, status, iterations, duration, µs, and three torques.
@@ -79,7 +79,7 @@ impl StepTrace {
         setpoint: [0; 4],
         arming_request: [0; 4],
         link_age: [0; 3],
-        blocks: [0; 2],
+        blocks: [0; 3],
         battery: [0; 2],
         plan: [0; 8],
         compare_counts: [0; 4],
@@ -112,8 +112,8 @@ impl StepTrace {
             let [low, high] = halves(age_us);
             [1, low, high]
         });
-        let ArmingBlocks { fault_record_unread, configuration_unconfirmed } = input.blocks;
-        self.blocks = [fault_record_unread, configuration_unconfirmed].map(u32::from);
+        let ArmingBlocks { fault_record_unread, configuration_unconfirmed, esc_calibration } = input.blocks;
+        self.blocks = [fault_record_unread, configuration_unconfirmed, esc_calibration].map(u32::from);
         self.battery = input.battery_v.map_or([0; 2], |volts| [1, volts.to_bits()]);
         self.plan = input.plan.as_ref().map_or([0; 8], words_of_plan);
         self.record_output(output);
@@ -153,6 +153,7 @@ impl StepTrace {
             blocks: ArmingBlocks {
                 fault_record_unread: self.blocks[0] == 1,
                 configuration_unconfirmed: self.blocks[1] == 1,
+                esc_calibration: self.blocks[2] == 1,
             },
             battery_v: (battery_known == 1).then_some(f32::from_bits(battery)),
             plan: plan_of_words(&self.plan),
@@ -178,7 +179,8 @@ mod tests {
         let test = any::<(u8, u8, u16)>().prop_map(|(motor, throttle_percent, duration_ms)| {
             ArmingRequest::MotorTest(MotorTest { motor, throttle_percent, duration_ms })
         });
-        prop_oneof![Just(ArmingRequest::None), Just(ArmingRequest::Arm), Just(ArmingRequest::Disarm), test]
+        let escs = Just(ArmingRequest::CalibrateEscs);
+        prop_oneof![Just(ArmingRequest::None), Just(ArmingRequest::Arm), Just(ArmingRequest::Disarm), test, escs]
     }
 
     fn any_plan() -> impl Strategy<Value = Plan> {
@@ -200,11 +202,12 @@ mod tests {
             angle in -3f32..3.0,
             request in any_request(),
             link_age_us in proptest::option::of(any::<u64>()),
-            blocks in any::<(bool, bool)>(),
+            blocks in any::<(bool, bool, bool)>(),
             battery_v in proptest::option::of(0f32..20.0),
             plan in proptest::option::of(any_plan()),
         ) {
-            let blocks = ArmingBlocks { fault_record_unread: blocks.0, configuration_unconfirmed: blocks.1 };
+            let (fault_record_unread, configuration_unconfirmed, esc_calibration) = blocks;
+            let blocks = ArmingBlocks { fault_record_unread, configuration_unconfirmed, esc_calibration };
             let setpoint = Setpoint { roll_rad: angle, pitch_rad: -angle, yaw_rate_rad_s: 2.0 * angle, throttle: 0.5 };
             let (imu, imu_second) = (samples.into_iter().collect(), samples_second.into_iter().collect());
             let arming = request;
@@ -233,8 +236,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 9, battery 2, plan 8; outputs 33;
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 10, battery 2, plan 8; outputs 33;
         // state; no padding
-        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 23 + 33 + STATE_WORDS));
+        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 24 + 33 + STATE_WORDS));
     }
 }

@@ -9,7 +9,7 @@
 //! sign of it on a second attitude is kept beside, which goes on from the last good one by the standby's gyro; at the
 //! switch it becomes the attitude.
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::record::state_words::StateWords;
 use crate::sensing::estimator::{self, EstimatorConfig, EstimatorState, measured_down};
@@ -99,6 +99,8 @@ pub struct ImuFindings {
     pub standby_health: ImuHealth,
     /// Attitude from the unit in use.
     pub estimate: AttitudeEstimate,
+    /// Mean specific force of the unit in use, body, m/s^2; none where no sample came.
+    pub force_m_s2: Option<Vector3<f32>>,
     /// Time at rest over which its gyro has been calibrated, s.
     pub gyro_rest_s: f32,
 }
@@ -137,6 +139,7 @@ pub fn update(
         health: used.health,
         standby_health: standby.health,
         estimate,
+        force_m_s2: used.step.is_usable().then_some(used.step.specific_force_m_s2),
         gyro_rest_s: used_state.gyro.rest_s(),
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::record::state_words::StateWords;
 use crate::sensing::imu_health::ImuFault;
-use crate::signals::Setpoint;
 
 /// May the motors turn?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,12 +19,30 @@ pub enum Arming {
     },
     /// Yes.
     Armed,
-    /// Yes, level at idle, because nobody has been heard for [`LINK_LOST_AFTER_US`](super::LINK_LOST_AFTER_US); soon
-    /// disarmed.
+    /// Yes, level and on the way down ([`super::throttle`]), because nobody has been heard for
+    /// [`LINK_LOST_AFTER_US`](super::LINK_LOST_AFTER_US); armed again when somebody is.
     LinkLost {
         /// When the link was given up.
         since_us: u64,
     },
+    /// All at full or lowest pulse, propellers off, to teach the ESCs their range.
+    EscCalibration {
+        /// How far it is.
+        stage: EscStage,
+        /// When that stage began.
+        since_us: u64,
+    },
+}
+
+/// Stages of teaching the ESCs their range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EscStage {
+    /// Full throttle, and the ESCs still have no power.
+    Battery,
+    /// Full throttle, and they have.
+    High,
+    /// Lowest throttle.
+    Low,
 }
 
 impl Default for Arming {
@@ -42,6 +59,7 @@ impl Arming {
             Arming::Disarmed(_) => 1,
             Arming::MotorTest { .. } => 2,
             Arming::LinkLost { .. } => 3,
+            Arming::EscCalibration { .. } => 4,
         }
     }
 
@@ -53,6 +71,7 @@ impl Arming {
                 (u32::from(motor) << 8 | u32::from(throttle_percent), until_us)
             }
             Arming::LinkLost { since_us } => (0, since_us),
+            Arming::EscCalibration { stage, since_us } => (stage as u32, since_us),
         };
         words.word(self.number());
         words.word(detail);
@@ -63,15 +82,7 @@ impl Arming {
     pub fn motors_turn(&self) -> bool {
         match self {
             Arming::Disarmed(_) => false,
-            Arming::MotorTest { .. } | Arming::Armed | Arming::LinkLost { .. } => true,
-        }
-    }
-
-    /// What is demanded of the controllers: the given set-point, or level at idle once the link is lost.
-    pub fn setpoint(&self, setpoint: &Setpoint) -> Setpoint {
-        match self {
-            Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::Armed => *setpoint,
-            Arming::LinkLost { .. } => Setpoint::default(),
+            Arming::MotorTest { .. } | Arming::Armed | Arming::LinkLost { .. } | Arming::EscCalibration { .. } => true,
         }
     }
 }
@@ -93,6 +104,12 @@ pub enum DisarmedBecause {
     LinkLost,
     /// The motor test is over.
     MotorTestOver,
+    /// It lies somewhere and does not answer to its motors.
+    Crashed,
+    /// The ESCs were shown both ends of their range.
+    EscsCalibrated,
+    /// Showing them was broken off.
+    EscCalibrationEnded,
 }
 
 impl DisarmedBecause {
@@ -104,6 +121,9 @@ impl DisarmedBecause {
             DisarmedBecause::AttitudeUnknown => 2,
             DisarmedBecause::LinkLost => 3,
             DisarmedBecause::MotorTestOver => 4,
+            DisarmedBecause::Crashed => 5,
+            DisarmedBecause::EscsCalibrated => 6,
+            DisarmedBecause::EscCalibrationEnded => 7,
             DisarmedBecause::ImuFailed(fault) => 0x10 + fault.number(),
             DisarmedBecause::Refused(refusal) => 0x100 + refusal.number(),
         }
@@ -141,6 +161,20 @@ pub enum Refusal {
     MotorTestRunning,
     /// There is no such motor.
     NoSuchMotor,
+    /// The test sequence is for a vehicle on its rig.
+    FliesFree,
+    /// The board is set to calibrate ESCs, and does nothing else.
+    EscCalibrationSet,
+    /// The board is not set to calibrate ESCs.
+    EscCalibrationNotSet,
+    /// Not while ESCs are being calibrated.
+    EscCalibrationRunning,
+    /// The ESCs have power already: full throttle would be one.
+    BatteryConnected,
+    /// Whether the ESCs have power is not known: no battery was seen since start.
+    BatteryNeverSeen,
+    /// Whether the ESCs have power is not known: nobody measures.
+    BatteryUnmeasured,
 }
 
 impl Refusal {
@@ -160,6 +194,13 @@ impl Refusal {
             Refusal::MotorTestRunning => 10,
             Refusal::NoSuchMotor => 11,
             Refusal::BatteryAbsent => 12,
+            Refusal::FliesFree => 13,
+            Refusal::EscCalibrationSet => 14,
+            Refusal::EscCalibrationNotSet => 15,
+            Refusal::EscCalibrationRunning => 16,
+            Refusal::BatteryConnected => 17,
+            Refusal::BatteryNeverSeen => 18,
+            Refusal::BatteryUnmeasured => 19,
             Refusal::ImuUnhealthy(fault) => 0x20 + fault.number(),
         }
     }
@@ -177,13 +218,20 @@ impl Refusal {
             Refusal::GyroNotCalibrated => "refused: keep still until the gyro is calibrated",
             Refusal::BatteryLow => "refused: battery voltage is too low",
             Refusal::BatteryAbsent => "refused: no battery, USB power alone",
-            Refusal::LinkLost => "refused: no set-point or heartbeat for 1 s",
+            Refusal::LinkLost => "refused: no set-point or heartbeat for 3 s",
             Refusal::ConfigurationUnconfirmed => "refused: configuration was bad, confirm defaults",
             Refusal::FaultRecordUnread => "refused: fault record is unread",
             Refusal::Armed => "refused: only when disarmed",
             Refusal::NotArmed => "refused: only when armed",
             Refusal::MotorTestRunning => "refused: motor test was running, stopped it",
             Refusal::NoSuchMotor => "refused: motors are 1 to 4",
+            Refusal::FliesFree => "refused: test sequence is for the rig",
+            Refusal::EscCalibrationSet => "refused: set ESC_CALIBRATION to 0 and restart",
+            Refusal::EscCalibrationNotSet => "refused: props off, set ESC_CALIBRATION, restart",
+            Refusal::EscCalibrationRunning => "refused: ESC calibration was running, stopped it",
+            Refusal::BatteryConnected => "refused: disconnect the battery first",
+            Refusal::BatteryNeverSeen => "refused: connect battery once, then disconnect",
+            Refusal::BatteryUnmeasured => "refused: battery voltage is not measured",
         }
     }
 }

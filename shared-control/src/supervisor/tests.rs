@@ -4,13 +4,25 @@ extern crate std;
 use super::*;
 use crate::sensing::imu_health::ImuFault;
 use crate::signals::ArmingBlocks;
-use crate::signals::Setpoint;
 use std::vec::Vec;
 
 const CONFIG: SupervisorConfig = SupervisorConfig::NOMINAL;
 const NOW_US: u64 = 10_000_000;
 const MOTOR_TEST: MotorTest = MotorTest { motor: 3, throttle_percent: 20, duration_ms: 2000 };
+const BLOCKED: ArmingBlocks =
+    ArmingBlocks { fault_record_unread: true, configuration_unconfirmed: true, esc_calibration: true };
 const IMU_FAULTS: [ImuFault; 4] = [ImuFault::Stale, ImuFault::BusDead, ImuFault::Stuck, ImuFault::OutOfRange];
+
+const GOOD: Findings = Findings {
+    attitude_valid: true,
+    gyro_rest_s: 2.0,
+    imu: ImuHealth::Good,
+    setpoint_age_us: 0,
+    airborne: true,
+    crashed: false,
+    idle_us: 0,
+    battery_seen: true,
+};
 
 /// All is well, a link included.
 fn good(request: ArmingRequest) -> (StepInput, Findings) {
@@ -21,8 +33,7 @@ fn good(request: ArmingRequest) -> (StepInput, Findings) {
         battery_v: Some(12.0),
         ..StepInput::default()
     };
-    let findings = Findings { attitude_valid: true, gyro_rest_s: 2.0, imu: ImuHealth::Good, setpoint_age_us: 0 };
-    (input, findings)
+    (input, GOOD)
 }
 
 fn after(from: Arming, request: ArmingRequest, change: impl Fn(&mut StepInput, &mut Findings)) -> Arming {
@@ -35,13 +46,17 @@ fn testing(until_us: u64) -> Arming {
     Arming::MotorTest { motor: 3, throttle_percent: 20, until_us }
 }
 
+fn calibrating(stage: EscStage) -> Arming {
+    Arming::EscCalibration { stage, since_us: NOW_US }
+}
+
 fn refused(refusal: Refusal) -> Arming {
     Arming::Disarmed(DisarmedBecause::Refused(refusal))
 }
 
 /// One of each state, and every reason to be disarmed.
 fn states() -> Vec<Arming> {
-    let mut states = std::vec![Arming::Armed, Arming::LinkLost { since_us: NOW_US - 1 }, testing(NOW_US + 1)];
+    let mut states = std::vec![Arming::Armed, testing(NOW_US + 1)];
     states.extend([
         Arming::Disarmed(DisarmedBecause::Start),
         Arming::Disarmed(DisarmedBecause::Requested),
@@ -49,6 +64,9 @@ fn states() -> Vec<Arming> {
         Arming::Disarmed(DisarmedBecause::ImuFailed(ImuFault::Stuck)),
         Arming::Disarmed(DisarmedBecause::LinkLost),
         Arming::Disarmed(DisarmedBecause::MotorTestOver),
+        Arming::Disarmed(DisarmedBecause::Crashed),
+        Arming::Disarmed(DisarmedBecause::EscsCalibrated),
+        Arming::Disarmed(DisarmedBecause::EscCalibrationEnded),
         refused(Refusal::BatteryLow),
     ]);
     states
@@ -66,16 +84,19 @@ fn without_a_request_and_without_trouble_nothing_changes() {
 
 #[test]
 fn disarming_is_obeyed_in_every_state_whatever_is_wrong() {
-    for state in states() {
+    let others = [Arming::LinkLost { since_us: NOW_US }, calibrating(EscStage::High)];
+    for state in states().into_iter().chain(others) {
         let everything_wrong = |input: &mut StepInput, findings: &mut Findings| {
             input.setpoint.throttle = f32::NAN;
             input.link_age_us = Some(u64::MAX);
-            input.blocks = ArmingBlocks { fault_record_unread: true, configuration_unconfirmed: true };
+            input.blocks = BLOCKED;
             *findings = Findings {
                 attitude_valid: false,
                 gyro_rest_s: f32::NAN,
                 imu: ImuHealth::Bad(ImuFault::Stale),
                 setpoint_age_us: u64::MAX,
+                crashed: true,
+                ..GOOD
             };
         };
         let disarmed = Arming::Disarmed(DisarmedBecause::Requested);
@@ -96,7 +117,7 @@ fn every_disarmed_state_arms_if_all_is_well() {
 
 #[test]
 fn each_reason_against_arming_suffices() {
-    let cases: [(Refusal, Change); 17] = [
+    let cases: [(Refusal, Change); 18] = [
         (Refusal::ThrottleNotZero, |input, _| input.setpoint.throttle = 0.03),
         (Refusal::SetpointNotFinite, |input, _| input.setpoint.throttle = f32::NAN),
         (Refusal::SetpointNotFinite, |input, _| input.setpoint.pitch_rad = f32::INFINITY),
@@ -114,6 +135,7 @@ fn each_reason_against_arming_suffices() {
         (Refusal::LinkLost, |_, findings| findings.setpoint_age_us = LINK_LOST_AFTER_US),
         (Refusal::ConfigurationUnconfirmed, |input, _| input.blocks.configuration_unconfirmed = true),
         (Refusal::FaultRecordUnread, |input, _| input.blocks.fault_record_unread = true),
+        (Refusal::EscCalibrationSet, |input, _| input.blocks.esc_calibration = true),
     ];
     for (refusal, change) in cases {
         assert_eq!(after(Arming::default(), ArmingRequest::Arm, change), refused(refusal));
@@ -121,7 +143,7 @@ fn each_reason_against_arming_suffices() {
 }
 
 #[test]
-fn an_armed_vehicle_loses_its_arming_to_the_sensors_only() {
+fn an_armed_vehicle_loses_its_arming_to_the_sensors_and_a_crash_only() {
     for state in [Arming::Armed, Arming::LinkLost { since_us: NOW_US }] {
         for fault in IMU_FAULTS {
             let failed = |_: &mut StepInput, findings: &mut Findings| findings.imu = ImuHealth::Bad(fault);
@@ -131,6 +153,8 @@ fn an_armed_vehicle_loses_its_arming_to_the_sensors_only() {
         let unknown = |_: &mut StepInput, findings: &mut Findings| findings.attitude_valid = false;
         let because = DisarmedBecause::AttitudeUnknown;
         assert_eq!(after(state, ArmingRequest::None, unknown), Arming::Disarmed(because));
+        let crashed = |_: &mut StepInput, findings: &mut Findings| findings.crashed = true;
+        assert_eq!(after(state, ArmingRequest::None, crashed), Arming::Disarmed(DisarmedBecause::Crashed));
     }
     // what only forbids arming does not stop a flight
     let in_flight = |input: &mut StepInput, findings: &mut Findings| {
@@ -144,24 +168,132 @@ fn an_armed_vehicle_loses_its_arming_to_the_sensors_only() {
     }
 }
 
+type Silence = fn(&mut StepInput, &mut Findings);
+
+/// Either way in which nobody is heard.
+const SILENT: [Silence; 2] = [
+    |input, _| input.link_age_us = Some(LINK_LOST_AFTER_US),
+    |_, findings| findings.setpoint_age_us = LINK_LOST_AFTER_US,
+];
+
 #[test]
-fn a_lost_link_means_level_and_idle_then_disarmed_and_no_way_back() {
-    let silent = |input: &mut StepInput, _: &mut Findings| input.link_age_us = Some(LINK_LOST_AFTER_US);
+fn in_the_air_a_lost_link_takes_nothing_away_and_comes_back() {
     let nearly = |input: &mut StepInput, _: &mut Findings| input.link_age_us = Some(LINK_LOST_AFTER_US - 1);
     assert_eq!(after(Arming::Armed, ArmingRequest::None, nearly), Arming::Armed);
     let lost = Arming::LinkLost { since_us: NOW_US };
-    assert_eq!(after(Arming::Armed, ArmingRequest::None, silent), lost);
-    let unusable = |_: &mut StepInput, findings: &mut Findings| findings.setpoint_age_us = LINK_LOST_AFTER_US;
-    assert_eq!(after(Arming::Armed, ArmingRequest::None, unusable), lost);
-
-    let fly = Setpoint { roll_rad: 0.5, pitch_rad: 0.5, yaw_rate_rad_s: 1.0, throttle: 0.8 };
-    assert_eq!(lost.setpoint(&fly), Setpoint::default());
-    assert_eq!(Arming::Armed.setpoint(&fly), fly);
-    let later = |us: u64| move |input: &mut StepInput, _: &mut Findings| input.time_us = NOW_US + us;
-    for request in [ArmingRequest::None, ArmingRequest::Arm, ArmingRequest::MotorTest(MOTOR_TEST)] {
-        assert_eq!(after(lost, request, later(LEVEL_AND_IDLE_US - 1)), lost);
-        assert_eq!(after(lost, request, later(LEVEL_AND_IDLE_US)), Arming::Disarmed(DisarmedBecause::LinkLost));
+    for silent in SILENT {
+        assert_eq!(after(Arming::Armed, ArmingRequest::None, silent), lost);
+        for request in [ArmingRequest::None, ArmingRequest::Arm, ArmingRequest::MotorTest(MOTOR_TEST)] {
+            // however long it lasts
+            let later = |input: &mut StepInput, findings: &mut Findings| {
+                silent(input, findings);
+                input.time_us = NOW_US + 3_600_000_000;
+            };
+            assert_eq!(after(lost, request, later), lost);
+            assert_eq!(after(lost, request, nearly), Arming::Armed, "the link is back");
+        }
     }
+}
+
+#[test]
+fn a_vehicle_without_a_link_is_disarmed_once_it_is_down() {
+    let down = Arming::Disarmed(DisarmedBecause::LinkLost);
+    for silent in SILENT {
+        let landed = |input: &mut StepInput, findings: &mut Findings| {
+            silent(input, findings);
+            findings.airborne = false;
+        };
+        for state in [Arming::Armed, Arming::LinkLost { since_us: 0 }] {
+            assert_eq!(after(state, ArmingRequest::None, landed), down);
+        }
+        let idled = |idle_us: u64| {
+            move |input: &mut StepInput, findings: &mut Findings| {
+                silent(input, findings);
+                findings.idle_us = idle_us;
+            }
+        };
+        let lost = Arming::LinkLost { since_us: NOW_US };
+        assert_eq!(after(lost, ArmingRequest::None, idled(LINK_IDLE_US - 1)), lost);
+        assert_eq!(after(lost, ArmingRequest::None, idled(LINK_IDLE_US)), down);
+        // idling by a pilot's wish is not the end of a flight
+        let idle_pilot = |_: &mut StepInput, findings: &mut Findings| findings.idle_us = LINK_IDLE_US;
+        assert_eq!(after(Arming::Armed, ArmingRequest::None, idle_pilot), Arming::Armed);
+    }
+}
+
+/// Set to calibrate, the battery seen once and gone now.
+fn without_power(input: &mut StepInput, _: &mut Findings) {
+    input.blocks.esc_calibration = true;
+    input.battery_v = Some(0.1);
+}
+
+#[test]
+fn escs_are_calibrated_in_three_stages() {
+    let volts = |volts: f32, after_us: u64| {
+        move |input: &mut StepInput, findings: &mut Findings| {
+            without_power(input, findings);
+            (input.battery_v, input.time_us) = (Some(volts), NOW_US + after_us);
+        }
+    };
+    let next =
+        |stage, change: &dyn Fn(&mut StepInput, &mut Findings)| after(calibrating(stage), ArmingRequest::None, change);
+    assert_eq!(after(Arming::default(), ArmingRequest::CalibrateEscs, without_power), calibrating(EscStage::Battery));
+    assert_eq!(next(EscStage::Battery, &volts(0.1, escs::BATTERY_WITHIN_US - 1)), calibrating(EscStage::Battery));
+    let stage_at = |stage, since_us| Arming::EscCalibration { stage, since_us };
+    assert_eq!(next(EscStage::Battery, &volts(12.0, 7)), stage_at(EscStage::High, NOW_US + 7));
+    assert_eq!(next(EscStage::High, &volts(12.0, escs::HIGH_US - 1)), calibrating(EscStage::High));
+    let low_at = NOW_US + escs::HIGH_US;
+    assert_eq!(next(EscStage::High, &volts(12.0, escs::HIGH_US)), stage_at(EscStage::Low, low_at));
+    assert_eq!(next(EscStage::Low, &volts(12.0, escs::LOW_US - 1)), calibrating(EscStage::Low));
+    let done = Arming::Disarmed(DisarmedBecause::EscsCalibrated);
+    assert_eq!(next(EscStage::Low, &volts(12.0, escs::LOW_US)), done);
+}
+
+#[test]
+fn any_doubt_ends_the_calibration_of_escs() {
+    let ended = Arming::Disarmed(DisarmedBecause::EscCalibrationEnded);
+    let in_stage = |stage, change: Change| {
+        after(calibrating(stage), ArmingRequest::None, |input, findings| {
+            without_power(input, findings);
+            change(input, findings);
+        })
+    };
+    let too_long: Change = |input, _| input.time_us = NOW_US + escs::BATTERY_WITHIN_US;
+    assert_eq!(in_stage(EscStage::Battery, too_long), ended);
+    for stage in [EscStage::High, EscStage::Low] {
+        assert_eq!(in_stage(stage, |_, _| {}), ended, "the battery is gone");
+    }
+    for stage in [EscStage::Battery, EscStage::High, EscStage::Low] {
+        assert_eq!(in_stage(stage, |input, _| input.battery_v = None), ended);
+        assert_eq!(in_stage(stage, |input, _| input.link_age_us = Some(LINK_LOST_AFTER_US)), ended);
+        for request in [ArmingRequest::Arm, ArmingRequest::MotorTest(MOTOR_TEST), ArmingRequest::CalibrateEscs] {
+            assert_eq!(after(calibrating(stage), request, without_power), refused(Refusal::EscCalibrationRunning));
+        }
+    }
+}
+
+#[test]
+fn each_reason_against_calibrating_escs_suffices() {
+    let cases: [(Refusal, Change); 9] = [
+        (Refusal::EscCalibrationNotSet, |input, _| input.blocks.esc_calibration = false),
+        (Refusal::BatteryConnected, |input, _| input.battery_v = Some(ABSENT_BELOW_V)),
+        (Refusal::BatteryConnected, |input, _| input.battery_v = Some(f32::NAN)),
+        (Refusal::BatteryUnmeasured, |input, _| input.battery_v = None),
+        (Refusal::BatteryNeverSeen, |_, findings| findings.battery_seen = false),
+        (Refusal::LinkLost, |input, _| input.link_age_us = Some(LINK_LOST_AFTER_US)),
+        (Refusal::ConfigurationUnconfirmed, |input, _| input.blocks.configuration_unconfirmed = true),
+        (Refusal::FaultRecordUnread, |input, _| input.blocks.fault_record_unread = true),
+        (Refusal::SetpointNotFinite, |input, _| input.setpoint.roll_rad = f32::NAN),
+    ];
+    for (refusal, change) in cases {
+        let doubtful = |input: &mut StepInput, findings: &mut Findings| {
+            without_power(input, findings);
+            change(input, findings);
+        };
+        assert_eq!(after(Arming::default(), ArmingRequest::CalibrateEscs, doubtful), refused(refusal));
+    }
+    // nothing of it reaches a vehicle that is armed
+    assert_eq!(after(Arming::Armed, ArmingRequest::CalibrateEscs, without_power), Arming::Armed);
 }
 
 #[test]
@@ -188,11 +320,12 @@ fn a_motor_test_is_for_one_motor_within_limits_and_ends() {
 
 #[test]
 fn each_reason_against_a_motor_test_suffices() {
-    let cases: [(Refusal, Change); 4] = [
+    let cases: [(Refusal, Change); 5] = [
         (Refusal::SetpointNotFinite, |input, _| input.setpoint.roll_rad = f32::NAN),
         (Refusal::LinkLost, |input, _| input.link_age_us = Some(LINK_LOST_AFTER_US)),
         (Refusal::ConfigurationUnconfirmed, |input, _| input.blocks.configuration_unconfirmed = true),
         (Refusal::FaultRecordUnread, |input, _| input.blocks.fault_record_unread = true),
+        (Refusal::EscCalibrationSet, |input, _| input.blocks.esc_calibration = true),
     ];
     for (refusal, change) in cases {
         assert_eq!(after(Arming::default(), ArmingRequest::MotorTest(MOTOR_TEST), change), refused(refusal));
@@ -215,6 +348,13 @@ fn every_refusal_has_words_that_fit_into_a_status_text() {
         Refusal::NotArmed,
         Refusal::MotorTestRunning,
         Refusal::NoSuchMotor,
+        Refusal::FliesFree,
+        Refusal::EscCalibrationSet,
+        Refusal::EscCalibrationNotSet,
+        Refusal::EscCalibrationRunning,
+        Refusal::BatteryConnected,
+        Refusal::BatteryNeverSeen,
+        Refusal::BatteryUnmeasured,
     ];
     refusals.extend(IMU_FAULTS.map(Refusal::ImuUnhealthy));
     for refusal in &refusals {

@@ -25,7 +25,7 @@ const ASK_AGAIN_US: u64 = 500_000;
 /// Attempts at a command.
 const ASKED_MAX: u32 = 10;
 /// A motor's command above this is a hover's, below it an idle's.
-const HOVERS: f32 = 0.1;
+const HOVERS: f32 = 0.3;
 /// Signs of life per simulated second; the board gives up after one without.
 const HEARTBEATS_PER_S: u32 = 10;
 /// Reports of progress per simulated second.

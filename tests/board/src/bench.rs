@@ -40,7 +40,7 @@ impl Machine {
         self.board.borrow_mut().line_received(connector)
     }
 
-    /// The baud rate at a connector's far end from now on; 115200 at first.
+    /// The baud rate at a connector's far end from now on; 57600 at first.
     pub fn set_far_baud(&mut self, connector: Connector, baud: u64) {
         self.board.borrow_mut().usart(connector).set_far_baud(baud);
     }

@@ -24,6 +24,8 @@ use crate::vehicle::{Surroundings, Vehicle};
 pub const MILLISECOND: Ticks = 1000 * TICKS_PER_US;
 /// How often the image's memory is looked at; the shortest step takes 2.5 ms.
 pub const LOOK: Ticks = MILLISECOND / 2;
+/// As ground stations do with a joystick.
+const STICK_PERIOD: Ticks = 40 * MILLISECOND;
 const HEARTBEAT_PERIOD: Ticks = 200 * MILLISECOND;
 /// cortex-m-rt's `STACK_PAINT_VALUE`.
 const PAINT: [u8; 4] = [0xcc; 4];
@@ -47,6 +49,8 @@ pub struct Flight {
     next_heartbeat: Ticks,
     heartbeat_period: Ticks,
     muted: bool,
+    throttle_stick: Option<i16>,
+    next_stick: Ticks,
     deviation_sum_rad: [f64; 2],
     deviation_steps: u32,
     largest_tilt_rad: f64,
@@ -86,6 +90,8 @@ impl Flight {
             next_heartbeat: 0,
             heartbeat_period: HEARTBEAT_PERIOD,
             muted: false,
+            throttle_stick: None,
+            next_stick: 0,
             deviation_sum_rad: [0.0; 2],
             deviation_steps: 0,
             largest_tilt_rad: 0.0,
@@ -114,7 +120,8 @@ impl Flight {
         assert!(steps > 2 * u64::from(self.params.loop_rate_hz), "the loop does not run: {steps} steps");
         assert_eq!(self.vehicle.borrow().commands(), [0.0; 4]);
         self.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
-        self.run_for(100 * MILLISECOND);
+        // motors need their time to start
+        self.run_for(400 * MILLISECOND);
         assert!(self.is_armed(), "not armed: {:?}, {:?}", self.ground.texts(), self.last);
         self.command(MavCmd::MAV_CMD_MISSION_START, 0.0);
         self.run_for(60 * MILLISECOND);
@@ -130,8 +137,18 @@ impl Flight {
     }
 
     /// The ground goes away without a word.
-    pub fn mute_heartbeats(&mut self) {
+    pub fn mute(&mut self) {
         self.muted = true;
+    }
+
+    /// And comes back.
+    pub fn unmute(&mut self) {
+        self.muted = false;
+    }
+
+    /// Somebody holds the throttle stick there from now on, 0 to 1000, the others in their middle.
+    pub fn hold_throttle(&mut self, throttle: i16) {
+        self.throttle_stick = Some(throttle);
     }
 
     /// The ground sends a heartbeat so often; every 0.2 s at first.
@@ -149,6 +166,12 @@ impl Flight {
             if !self.muted && self.machine.now() >= self.next_heartbeat {
                 self.next_heartbeat = self.machine.now() + self.heartbeat_period;
                 self.ground.heartbeat(&mut self.machine);
+            }
+            if let (false, Some(throttle)) = (self.muted, self.throttle_stick)
+                && self.machine.now() >= self.next_stick
+            {
+                self.next_stick = self.machine.now() + STICK_PERIOD;
+                self.ground.sticks(&mut self.machine, throttle);
             }
             let until = (self.machine.now() + LOOK).min(end);
             self.machine.run_until(until).unwrap_or_else(|stop| panic!("{stop}"));

@@ -1,6 +1,6 @@
 //! The ground station on TELEM1.
 
-use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MavCmd, MavMessage, MavType};
+use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavType};
 use mavlink::{MavlinkVersion, Message, MessageData};
 use shared_control::link::frame::{FrameFinder, FrameWriter};
 
@@ -42,6 +42,11 @@ impl Ground {
     /// Shows that somebody is there.
     pub fn heartbeat(&mut self, machine: &mut Machine) {
         self.send(machine, &HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_GCS, ..HEARTBEAT_DATA::DEFAULT });
+    }
+
+    /// Moves the throttle stick, 0 to 1000; the others stand in their middle.
+    pub fn sticks(&mut self, machine: &mut Machine, throttle: i16) {
+        self.send(machine, &MANUAL_CONTROL_DATA { target: 1, z: throttle, ..MANUAL_CONTROL_DATA::DEFAULT });
     }
 
     /// Takes what the board has sent.

@@ -37,6 +37,11 @@ impl Pulses {
         (pulse.width as f64 / self.disarmed as f64 - 1.0).clamp(0.0, 1.0)
     }
 
+    /// How many of these pulses make one of PWM.
+    pub(crate) fn parts_of_pwm(&self) -> Ticks {
+        1000 * TICKS_PER_US / self.disarmed
+    }
+
     /// The last one of motors 1 to 4, once it has ended.
     pub fn last(&self) -> [Option<Pulse>; 4] {
         self.last

@@ -23,6 +23,16 @@ const MOTOR_OF_CHANNEL: [usize; 4] = [3, 2, 1, 0];
 /// Longer than any pulse that is meant.
 const LONG_PULSE: Ticks = 2500 * TICKS_PER_US;
 
+/// From upright to lying.
+const TIPPING_S: f64 = 0.5;
+
+/// On its way to lie somewhere.
+struct Tipping {
+    begins: Ticks,
+    from_rad: f64,
+    to_rad: f64,
+}
+
 /// The vehicle on its rig, which holds it until it is let go.
 pub struct Vehicle {
     plant: Plant,
@@ -31,6 +41,7 @@ pub struct Vehicle {
     /// Time up to which the plant has moved.
     moved_to: Ticks,
     held: bool,
+    tipping: Option<Tipping>,
     commands: [f64; 4],
     pulses: Pulses,
     recorded: Option<Vec<Pulse>>,
@@ -54,6 +65,7 @@ impl Vehicle {
             second_imu: SecondImu::new(gyro, &model.noise, seed),
             moved_to: 0,
             held: true,
+            tipping: None,
             commands: [0.0; 4],
             pulses: Pulses::new(PulseKind::Pwm),
             recorded: None,
@@ -68,7 +80,7 @@ impl Vehicle {
         self.pulses = Pulses::new(pulses);
     }
 
-    /// Fits ESCs of another make beside the ideal ones that the plant follows; power comes to them now.
+    /// Fits ESCs of another make; power comes to them now.
     pub fn watch_with(&mut self, traits: EscTraits, now: Ticks) {
         self.escs = std::array::from_fn(|_| Esc::new(traits, now));
     }
@@ -85,15 +97,28 @@ impl Vehicle {
 
     /// Lets it go, the motors settled at what the ESCs were told last.
     pub fn release(&mut self, now: Ticks) {
-        self.plant.set_motor_equilibrium(self.commands);
+        let driven = std::array::from_fn(|motor| if self.escs[motor].turns(now) { self.commands[motor] } else { 0.0 });
+        self.plant.set_motor_equilibrium(driven);
         self.moved_to = now;
         self.held = false;
     }
 
-    /// Lays it down somewhere: it lies still at these angles of roll and pitch until it is let go.
-    pub fn lay_down(&mut self, roll_rad: f64, pitch_rad: f64) {
+    /// Tips it over to this roll angle within half a second, whatever its motors do; there it lies until it is let go.
+    pub fn tip_over(&mut self, roll_rad: f64) {
         self.held = true;
-        self.plant.set_attitude([roll_rad, pitch_rad, 0.0], [0.0; 3]);
+        let from_rad = self.plant.truth().roll_rad;
+        self.tipping = Some(Tipping { begins: self.moved_to, from_rad, to_rad: roll_rad });
+    }
+
+    fn tip(&mut self, now: Ticks) {
+        let Some(Tipping { begins, from_rad, to_rad }) = self.tipping else { return };
+        let share = seconds(now - begins) / TIPPING_S;
+        let rate_rad_s = if share < 1.0 { (to_rad - from_rad) / TIPPING_S } else { 0.0 };
+        let roll_rad = from_rad + share.min(1.0) * (to_rad - from_rad);
+        self.plant.set_attitude([roll_rad, 0.0, 0.0], [rate_rad_s, 0.0, 0.0]);
+        if share >= 1.0 {
+            self.tipping = None;
+        }
     }
 
     /// True roll and pitch, rad.
@@ -131,6 +156,7 @@ impl Vehicle {
         if !self.held && now > self.moved_to {
             self.plant.advance(seconds(now - self.moved_to));
         }
+        self.tip(now);
         self.moved_to = now;
     }
 }
@@ -168,13 +194,16 @@ impl World for Surroundings {
         if let Some(recorded) = &mut vehicle.recorded {
             recorded.push(pulse);
         }
-        let commands = vehicle.commands;
-        vehicle.plant.set_commands(commands);
+        // a motor follows its command while its ESC lets it
+        let Vehicle { plant, escs, commands, .. } = &mut *vehicle;
+        let driven = std::array::from_fn(|motor| if escs[motor].turns(end) { commands[motor] } else { 0.0 });
+        plant.set_commands(driven);
     }
 
     fn line_pulse(&mut self, pulse: Pulse) {
         let mut vehicle = self.0.borrow_mut();
-        vehicle.escs[MOTOR_OF_CHANNEL[pulse.channel]].pulse(pulse.rise + pulse.width, pulse.width);
+        let width_as_pwm = pulse.width * vehicle.pulses.parts_of_pwm();
+        vehicle.escs[MOTOR_OF_CHANNEL[pulse.channel]].pulse(pulse.rise + pulse.width, width_as_pwm);
         if vehicle.recorded.is_some() || pulse.width > LONG_PULSE {
             vehicle.line_recorded.push(pulse);
         }

@@ -1,7 +1,8 @@
 //! The second IMU flies on when the first fails, and the motors stop when there is none left.
 
-use emulated_board::time::Ticks;
+use emulated_board::time::{TICKS_PER_US, Ticks};
 use emulated_board::{Flight, LOOK, MILLISECOND, SecondGyro, Sensor, SensorFault};
+use shared_control::flight_core::COAST_MAX_US;
 use shared_control::params::Params;
 use shared_control::sensing::imu_health::ImuHealth;
 use shared_control::sensing::imu_select::ImuUnit;
@@ -29,7 +30,8 @@ fn the_second_imu_takes_over_in_flight_and_without_it_the_motors_stop() {
         assert!(deviation_deg.iter().all(|mean| *mean < 5.0), "{fault:?}: {deviation_deg:?}");
 
         flight.machine.break_sensor(second, fault);
-        flight.run_for(NOTICED_WITHIN);
+        // missing samples are bridged first
+        flight.run_for(NOTICED_WITHIN + COAST_MAX_US * TICKS_PER_US);
         assert!(!flight.is_armed(), "{fault:?} of {second:?}");
         flight.run_for(5 * MILLISECOND);
         assert_eq!(flight.vehicle.borrow().commands(), [0.0; 4]);

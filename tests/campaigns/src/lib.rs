@@ -3,6 +3,7 @@
 //!
 //! | binary | question | page |
 //! |---|---|---|
+//! | `attitude_error` | how wrong is the attitude in vibration and with a gyro that drifts? | `docs/attitude-error.md` |
 //! | `blind_diagnosis` | does the diagnosis name and measure what is hidden in a log? | `docs/diagnosis.md` |
 //! | `closed_loop_table` | both controllers under each effect | `docs/closed-loop.md` |
 //! | `controller_blame` | does it name a changed number of the controller? | `docs/thesis-case.md` |
@@ -12,6 +13,7 @@
 //! | `thesis_case` | the thesis' case from the log to the better controller | `docs/thesis-case.md` |
 //! | `worst_case` | the most passes that the MPC's solver can take | `docs/solver.md` |
 
+pub mod attitude_error;
 pub mod blind;
 pub mod closed_loop_table;
 pub mod comparison;

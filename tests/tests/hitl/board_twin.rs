@@ -43,7 +43,7 @@ impl BoardTwin {
         let settings = LinkSettings::NOMINAL;
         Self {
             receiver: Receiver::new(settings),
-            commander: Commander::new(settings.hover_throttle, blocks),
+            commander: Commander::new(&settings, blocks),
             config: setup.config,
             state: State::default(),
             input: StepInput::default(),

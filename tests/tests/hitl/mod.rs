@@ -13,7 +13,7 @@ use shared_control::params::Params;
 use shared_control::sensing::imu_health::ImuFault;
 use shared_control::signals::ArmingBlocks;
 use shared_control::supervisor::{Arming, DisarmedBecause};
-use sil_host::controller_file::ControllerChoice;
+use sil_host::controller_file::{ControllerChoice, TuningChange};
 use sil_host::flight::{FlightSetup, RunSummary};
 use sil_host::hitl::{self, BoardPort, HitlError, HitlFlight, HitlSetup, Patience};
 use sil_host::model::{Rig, VehicleModel};
@@ -33,6 +33,16 @@ fn board() -> BoardTwin {
     BoardTwin::new(&HIL, ArmingBlocks::default())
 }
 
+/// The board's motors never turn slower than at idle.
+fn as_the_board_idles() -> TuningChange {
+    let command = |percent: u8| Some(f32::from(percent) / 100.0);
+    TuningChange {
+        ground_idle_command: command(HIL.ground_idle_percent),
+        flight_idle_command: command(HIL.flight_idle_percent),
+        ..TuningChange::default()
+    }
+}
+
 /// All figures but the computing time.
 fn figures(summary: &RunSummary) -> impl PartialEq + std::fmt::Debug {
     (summary.duration_s, summary.axes, summary.effort, summary.saturated_pct)
@@ -44,7 +54,7 @@ fn a_board_in_the_loop_flies_as_the_simulation_does() {
     let simulated = FlightSetup {
         model: setup().model,
         controller_model: None,
-        choice: ControllerChoice::nominal(Controller::Cascade),
+        choice: ControllerChoice { tuning: as_the_board_idles(), ..ControllerChoice::nominal(Controller::Cascade) },
         scenario: Scenario::test_sequence(),
         seed: 3,
     };

@@ -16,7 +16,8 @@ fn free_flight() -> (Config, State) {
 
 /// The output of a step in which the vehicle had this attitude and these Euler rates, and all of this torque was made.
 fn output(config: &Config, state: &mut State, angles: EulerAngles, rates: [f32; 3], torque: [f32; 3]) -> StepOutput {
-    let output = FlightCore::fast(config, state, &input(1, 0.5, ArmingRequest::None, None));
+    let step = u64::from(state.step) - REST_STEPS;
+    let output = FlightCore::fast(config, state, &input(step, 0.5, ArmingRequest::None, None));
     StepOutput {
         source: TorqueSource::Cascade,
         estimate: AttitudeEstimate {
@@ -121,7 +122,7 @@ fn the_state_shows_its_reference_and_takes_an_integral() {
     assert_eq!(shown, [0.1, -0.2, 0.3]);
     let torque = |by_rad_s2: [f32; 3]| {
         let mut state = state;
-        state.airborne = true;
+        state.watch.fly(Arming::Armed, 0.5);
         state.last_source = TorqueSource::Cascade;
         state.shift_rate_integral(by_rad_s2);
         FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, None)).wrench.torque_body_nm

@@ -36,7 +36,7 @@ fn set(name: &str, value: f32) -> PARAM_SET_DATA {
 
 /// The request of an order, as a disarmed vehicle with a good configuration takes it.
 fn accepted(order: Order) -> ParameterRequest {
-    let mut commander = Commander::new(0.5, ArmingBlocks::default());
+    let mut commander = Commander::new(&LinkSettings::NOMINAL, ArmingBlocks::default());
     let (None, Some(Chore::Parameters(request))) = commander.order(&order, 0) else { panic!("{order:?}") };
     request
 }
@@ -188,7 +188,7 @@ fn a_memory_that_fails_leaves_the_value_that_stands() {
 fn nothing_is_set_while_armed_or_before_a_bad_record_is_confirmed() {
     let order = order_of(&set("PULSES", 1.0));
     let refused = |because| (Some(Answer::ParameterRefused(Field::Pulses, because)), None);
-    let mut armed = Commander::new(0.5, ArmingBlocks::default());
+    let mut armed = Commander::new(&LinkSettings::NOMINAL, ArmingBlocks::default());
     armed.answer(&Arming::Armed);
     assert_eq!(armed.order(&order, 0), refused(Refusal::Armed));
     // reading is always allowed
@@ -197,7 +197,7 @@ fn nothing_is_set_while_armed_or_before_a_bad_record_is_confirmed() {
 
     // one good field must not vouch for defaults that nobody has looked at
     let blocks = ArmingBlocks { configuration_unconfirmed: true, ..ArmingBlocks::default() };
-    let mut unconfirmed = Commander::new(0.5, blocks);
+    let mut unconfirmed = Commander::new(&LinkSettings::NOMINAL, blocks);
     assert_eq!(unconfirmed.order(&order, 0), refused(Refusal::ConfigurationUnconfirmed));
     unconfirmed.order(&Order::ConfirmConfiguration, 0);
     assert!(matches!(unconfirmed.order(&order, 0), (None, Some(Chore::Parameters(ParameterRequest::Set { .. })))));

@@ -201,6 +201,11 @@ impl Bench {
     }
 }
 
+/// Most steps from a fault to the motors' end: five for wrong samples; missing ones are bridged for 40 ms.
+fn steps_to_disarm(failure: Failure) -> usize {
+    if failure == Failure::Silent { 17 } else { 5 }
+}
+
 fn disarmed_by_imu(output: &StepOutput) -> bool {
     matches!(output.arming, Arming::Disarmed(DisarmedBecause::ImuFailed(_)))
 }
@@ -283,20 +288,20 @@ fn a_second_that_fails_too_leaves_nothing_to_fly_with() {
                 assert_eq!(bench.advance().arming, Arming::Armed);
             }
             bench.sensors[1].failure = Some(second);
-            let (_, output) = bench.until(5, disarmed_by_imu);
+            let (_, output) = bench.until(steps_to_disarm(second), disarmed_by_imu);
             assert_eq!(output.compare_counts, [24_000; 4], "{first:?}, {second:?}");
         }
     }
 }
 
 #[test]
-fn both_failing_at_once_disarm_within_five_steps() {
+fn both_failing_at_once_disarm() {
     for failure in FAILURES {
         let mut bench = Bench::flying();
         for sensor in &mut bench.sensors {
             sensor.failure = Some(failure);
         }
-        bench.until(5, disarmed_by_imu);
+        bench.until(steps_to_disarm(failure), disarmed_by_imu);
     }
 }
 
@@ -310,7 +315,7 @@ fn a_second_that_is_not_calibrated_is_not_flown_with() {
         assert_eq!(bench.advance().imu_unit, ImuUnit::First);
     }
     bench.sensors[0].failure = Some(Failure::Silent);
-    let (_, output) = bench.until(5, disarmed_by_imu);
+    let (_, output) = bench.until(steps_to_disarm(Failure::Silent), disarmed_by_imu);
     // on the ground again it may be looked at
     assert_eq!(output.imu_unit, ImuUnit::First);
     assert_eq!(bench.advance().imu_unit, ImuUnit::Second);
@@ -419,7 +424,9 @@ proptest! {
                 prop_assert!(output.estimate.q_world_from_body.coords.iter().all(|part| part.is_finite()));
                 prop_assert!(output.mix.commands.0.iter().all(|command| (0.0..=1.0).contains(command)));
                 if output.arming == Arming::Armed {
-                    prop_assert_eq!(output.imu_health, ImuHealth::Good);
+                    // or the model stands in for what does not come
+                    let flown_with = [ImuHealth::Good, ImuHealth::Bad(ImuFault::Stale)];
+                    prop_assert!(flown_with.contains(&output.imu_health));
                     prop_assert!(unit == ImuUnit::First || output.imu_unit == ImuUnit::Second);
                     unit = output.imu_unit;
                 }

@@ -8,7 +8,7 @@ use crate::peripherals::usart::Usart;
 use crate::time::Ticks;
 
 /// Both connectors' usual baud rate.
-pub(super) const USUAL_BAUD: u64 = 115_200;
+pub(super) const USUAL_BAUD: u64 = 57_600;
 /// Transmitter and receiver on port D, alternate function 7.
 const TELEM1_PINS: [u32; 2] = [5, 6];
 const TELEM2_PINS: [u32; 2] = [8, 9];

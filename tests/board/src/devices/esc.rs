@@ -148,6 +148,11 @@ impl Esc {
         self.mode
     }
 
+    /// Does the motor turn?
+    pub fn turns(&mut self, now: Ticks) -> bool {
+        self.mode(now) == Mode::Turning
+    }
+
     /// What the motor turns with, 0 to 1 of the range from 1 to 2 ms.
     pub fn command(&mut self, now: Ticks) -> f64 {
         if self.mode(now) == Mode::Turning { (self.width_us / 1000.0 - 1.0).clamp(0.0, 1.0) } else { 0.0 }

@@ -5,9 +5,12 @@ use emulated_board::{Connector, Flight, LSI_RANGE_HZ, Load, MILLISECOND, Mpu6000
 use mavlink::dialects::common::MavCmd;
 
 use crate::rows::{
-    BRANCH_TO_SELF, End, HOUSEKEEPING, LINK_LOST_MS, LOOP, NOTHING, PULSE_MS, RESTART_MS, Row, WATCHDOG_MS, break_code,
-    no_second_imu,
+    BRANCH_TO_SELF, End, HOUSEKEEPING, LINK_LOST_MS, LOOP, NOTHING, PULSE_MS, RESTART_MS, Row, SILENCE_MS,
+    WATCH_LOST_LINK_MS, WATCHDOG_MS, break_code, no_second_imu,
 };
+
+/// Half a second until it lies, and as long for its filters; then two without an answer.
+const CRASH_MS: u64 = 500 + 500 + 2000 + PULSE_MS;
 
 const FLIES_ON: Row = Row { end: End::FliesOn, ..NOTHING };
 const BITTEN: Row =
@@ -99,20 +102,20 @@ pub const ELECTRIC_ROWS: &[Row] = &[
         within_ms: LINK_LOST_MS,
         says: &["link lost"],
         inject: |flight| flight.machine.telem1_noise(1000, 0),
-        watch_ms: 2700,
+        watch_ms: WATCH_LOST_LINK_MS,
         ..NOTHING
     },
     Row {
         fault: "far end of TELEM1 at 1.5 % less than its baud rate",
-        inject: |flight| flight.machine.set_far_baud(Connector::Telem1, 113_500),
+        inject: |flight| flight.machine.set_far_baud(Connector::Telem1, 56_740),
         watch_ms: 2500,
         ..FLIES_ON
     },
     Row {
         fault: "far end of TELEM1 at half its baud rate",
         within_ms: LINK_LOST_MS,
-        inject: |flight| flight.machine.set_far_baud(Connector::Telem1, 57_600),
-        watch_ms: 2700,
+        inject: |flight| flight.machine.set_far_baud(Connector::Telem1, 28_800),
+        watch_ms: WATCH_LOST_LINK_MS,
         ..NOTHING
     },
     Row { fault: "FRAM's blocks protected", inject: |flight| flight.machine.protect_fram(3), ..FLIES_ON },
@@ -149,18 +152,27 @@ pub const ELECTRIC_ROWS: &[Row] = &[
     },
     Row { fault: "lines of 10 pF instead of 50", before: |flight| flight.machine.set_load(Load::Light), ..FLIES_ON },
     Row {
-        fault: "link lost with the vehicle on its side (all motors idle)",
-        within_ms: 1000 + 200 + PULSE_MS,
-        says: &["link lost"],
+        fault: "tipped over, lies on its side",
+        within_ms: CRASH_MS,
+        says: &["disarmed: crashed"],
+        inject: |flight| flight.vehicle.borrow_mut().tip_over(80_f64.to_radians()),
+        watch_ms: 4000,
+        ..NOTHING
+    },
+    Row {
+        fault: "tipped over, lies on its back, nobody on TELEM1",
+        within_ms: CRASH_MS,
+        says: &["disarmed: crashed"],
         inject: |flight| {
-            flight.vehicle.borrow_mut().lay_down(80_f64.to_radians(), 0.0);
-            flight.mute_heartbeats();
+            flight.vehicle.borrow_mut().tip_over(175_f64.to_radians());
+            flight.mute();
         },
-        watch_ms: 2700,
+        watch_ms: 4000,
         ..NOTHING
     },
     Row {
         fault: "IMU's data line low, no second IMU",
+        within_ms: SILENCE_MS,
         before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::DeadBus(0)),
@@ -168,6 +180,7 @@ pub const ELECTRIC_ROWS: &[Row] = &[
     },
     Row {
         fault: "IMU gone and its data line low, no second IMU",
+        within_ms: SILENCE_MS,
         before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0)),

@@ -10,6 +10,8 @@ use shared_control::params::Params;
 pub enum End {
     /// As before the fault.
     FliesOn,
+    /// Armed on the rig, all motors at idle.
+    Idle,
     /// Shortest pulses.
     Disarmed,
     /// None.
@@ -44,8 +46,14 @@ pub const WATCHDOG_MS: u64 = 55 + PULSE_MS;
 /// From a reset to the loop, and as long again for the ground to hear of it.
 pub const RESTART_MS: u64 = 3500;
 
-/// The link is given up after 1 s, the motors after another; a message takes its time, the loop its detection.
-pub const LINK_LOST_MS: u64 = 2000 + 200 + DETECTION_MS;
+/// Missing samples are bridged for 40 ms and a step of the loop.
+pub const SILENCE_MS: u64 = 43 + PULSE_MS;
+
+/// The link is given up after 3 s; the throttle stays for 2 s and falls to idle within 2 s; the vehicle counts as down
+/// after 3 s at idle at most. A message takes its time, the loop its detection.
+pub const LINK_LOST_MS: u64 = 3000 + 2000 + 2000 + 3000 + 200 + DETECTION_MS;
+/// Longer than that.
+pub const WATCH_LOST_LINK_MS: u64 = 10_500;
 
 pub const NOTHING: Row = Row {
     fault: "",
@@ -83,6 +91,7 @@ pub const ROWS: &[Row] = &[
     },
     Row {
         fault: "IMU gone, no second IMU",
+        within_ms: SILENCE_MS,
         before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff)),
@@ -97,6 +106,7 @@ pub const ROWS: &[Row] = &[
     },
     Row {
         fault: "data-ready lost, no second IMU",
+        within_ms: SILENCE_MS,
         before: no_second_imu,
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::NoDataReady),
@@ -131,18 +141,72 @@ pub const ROWS: &[Row] = &[
         ..NOTHING
     },
     Row {
-        fault: "set-point not a number (kept: the last that was one; for 1 s as a lost link)",
-        within_ms: 2000 + DETECTION_MS,
+        fault: "test sequence's set-point not a number (kept for 3 s: the last that was one; then down to idle)",
+        end: End::Idle,
+        says: &["link lost", "link back"],
         inject: spoil_setpoint,
-        watch_ms: 2500,
+        watch_ms: 6500,
         ..NOTHING
     },
     Row {
-        fault: "nobody on TELEM1 any more (1 s on, 1 s at idle)",
+        fault: "nobody on TELEM1 any more",
         within_ms: LINK_LOST_MS,
-        says: &["link lost"],
-        inject: |flight| flight.mute_heartbeats(),
-        watch_ms: 2700,
+        says: &["link lost", "disarmed: link lost"],
+        inject: Flight::mute,
+        watch_ms: WATCH_LOST_LINK_MS,
+        ..NOTHING
+    },
+    Row {
+        fault: "nobody on TELEM1 for 4 s, sticks flying",
+        end: End::FliesOn,
+        says: &["link lost", "link back"],
+        inject: |flight| {
+            flight.hold_throttle(500);
+            flight.run_for(200 * MILLISECOND);
+            flight.mute();
+            flight.run_for(4000 * MILLISECOND);
+            flight.unmute();
+        },
+        watch_ms: 6000,
+        ..NOTHING
+    },
+    Row {
+        fault: "nobody on TELEM1 for 4 s in the test sequence (which ends)",
+        end: End::Idle,
+        says: &["link lost", "link back"],
+        inject: |flight| {
+            flight.mute();
+            flight.run_for(4000 * MILLISECOND);
+            flight.unmute();
+        },
+        watch_ms: 7000,
+        ..NOTHING
+    },
+    Row {
+        fault: "a stick moves in the test sequence (which ends)",
+        end: End::FliesOn,
+        inject: |flight| flight.hold_throttle(450),
+        watch_ms: 3000,
+        ..NOTHING
+    },
+    Row {
+        fault: "no samples for 10 ms, no second IMU",
+        end: End::FliesOn,
+        before: no_second_imu,
+        inject: |flight| silence_imu(flight, 10),
+        ..NOTHING
+    },
+    Row {
+        fault: "no samples for 30 ms, no second IMU, twice",
+        end: End::FliesOn,
+        before: no_second_imu,
+        inject: |flight| {
+            silence_imu(flight, 30);
+            // on the way to 30 degrees
+            flight.run_for(1300 * MILLISECOND);
+            silence_imu(flight, 30);
+        },
+        watch_ms: 2500,
         ..NOTHING
     },
     Row {
@@ -326,11 +390,18 @@ fn spoil_setpoint(flight: &mut Flight) {
     assert!(f32::from_bits(flight.last().setpoint[3]).is_nan());
 }
 
+/// The first IMU's samples stay away for a while.
+fn silence_imu(flight: &mut Flight, duration_ms: u64) {
+    flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::NoDataReady);
+    flight.run_for(duration_ms * MILLISECOND);
+    flight.machine.mend_sensor(Sensor::Mpu6000);
+}
+
 /// Heartbeats back to back, for two seconds.
 fn flood_with_messages(flight: &mut Flight) {
-    // 21 bytes of 87 us each: 5.5 in 10 ms
+    // 21 bytes of 174 us each: 2.7 in 10 ms
     for _ in 0..190 {
-        for _ in 0..6 {
+        for _ in 0..3 {
             flight.ground.heartbeat(&mut flight.machine);
         }
         flight.run_for(10 * MILLISECOND);

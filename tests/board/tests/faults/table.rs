@@ -8,6 +8,9 @@ use emulated_board::{Flight, MILLISECOND};
 
 use crate::rows::{End, Row};
 
+/// Above every idle command, below every flight's.
+const IDLE_COMMAND_MAX: f64 = 0.16;
+
 /// Set to write `FAULTS.md` anew.
 const RENEW: &str = "RENEW_BOARD_FIGURES";
 
@@ -19,11 +22,11 @@ loop, a fault is injected. The table shows what the motor outputs then do and wh
 `cargo xtask board-test` injects them all again, fails where a promise is broken, and compares this table;
 `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes it.
 
-Outputs are those that last: *fly on* is as before the fault, *disarmed* is the shortest pulse, at which no motor turns,
-*none* is no pulse at all. *Within* bounds the end of the last pulse at which a motor turns; *found* is the measured
-end, rounded up. *Longest pulse* is that of an AUX line behind the level shifter, from the fault on: 2 ms at most are
-promised, over resets too. No flight is cut short by the resets themselves: the board comes back disarmed, half a second
-to a second later, and without a pulse until then.
+Outputs are those that last: *fly on* is as before the fault, *idle* is armed on the rig with all motors at idle,
+*disarmed* is the shortest pulse, at which no motor turns, *none* is no pulse at all. *Within* bounds the end of the
+last pulse at which a motor turns; *found* is the measured end, rounded up. *Longest pulse* is that of an AUX line
+behind the level shifter, from the fault on: 2 ms at most are promised, over resets too. No flight is cut short by the
+resets themselves: the board comes back disarmed, half a second to a second later, and without a pulse until then.
 
 | fault | outputs | within | found | longest pulse | resets | reported to the ground |
 |---|---|---|---|---|---|---|
@@ -75,12 +78,13 @@ impl Outcome {
         // a pulse a step, and a step is at most 10 ms
         let recent = now - 20 * MILLISECOND;
         let end = match (pulses.last_live_end() > recent, pulses.last_end() > recent) {
+            (true, _) if vehicle.commands().iter().all(|command| *command < IDLE_COMMAND_MAX) => End::Idle,
             (true, _) => End::FliesOn,
             (false, true) => End::Disarmed,
             (false, false) => End::NoPulses,
         };
         let live = pulses.last_live_end().saturating_sub(fault_at);
-        let live_ms = (end != End::FliesOn).then_some(live.div_ceil(MILLISECOND));
+        let live_ms = matches!(end, End::Disarmed | End::NoPulses).then_some(live.div_ceil(MILLISECOND));
         let mut reports =
             flight.ground.texts()[heard..].iter().map(|(_, text)| without_addresses(text)).collect::<Vec<_>>();
         reports.dedup();
@@ -123,6 +127,7 @@ pub fn markdown(outcomes: &[Outcome]) -> String {
     for Outcome { row, live_ms, longest_us, resets, reports, .. } in outcomes {
         let outputs = match row.end {
             End::FliesOn => "fly on",
+            End::Idle => "idle",
             End::Disarmed => "disarmed",
             End::NoPulses => "none",
         };
