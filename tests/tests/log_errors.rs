@@ -217,10 +217,10 @@ fn files_that_are_no_text_are_named() {
         ),
         ("head.csv.gz", whole[..2].to_vec(), "the gzip stream is damaged or cut off ("),
         ("latin1.csv", latin1, "not UTF-8 text; expected a CSV file"),
-        ("flight.ulg", b"anything".to_vec(), "this is a ULog (PX4) log, which isn't read yet; convert it to CSV"),
-        ("renamed.csv", b"ULog\x01\x12\x35\x01".to_vec(), "this is a ULog (PX4) log, which isn't read yet"),
-        ("flight.BIN.gz", gzip(b"anything"), "this is a DataFlash (ArduPilot) log, which isn't read yet"),
-        ("renamed2.csv", vec![0xa3, 0x95, 0x80, 0x80], "this is a DataFlash (ArduPilot) log, which isn't read yet"),
+        ("flight.ulg", b"anything".to_vec(), "no ULog (PX4) log that can be read: its head is not that"),
+        ("renamed.csv", b"ULog\x01\x12\x35\x01".to_vec(), "no ULog (PX4) log that can be read: its head is not"),
+        ("flight.BIN.gz", gzip(b"anything"), "no DataFlash (ArduPilot) log that can be read: it does not begin"),
+        ("renamed2.csv", vec![0xa3, 0x95, 0x80, 0x80], "the log holds no body rates or angles; it holds: "),
     ];
     for (name, bytes, expected) in cases {
         let path = folder.path().join(name);

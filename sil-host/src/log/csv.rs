@@ -6,12 +6,14 @@
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
 use super::map::{Map, MappedColumn};
 use super::quantity::Quantity;
-use super::{Format, Log, source};
+use super::{Content, Format, Log, note_gaps, source};
 use crate::axis::Axis;
 
 /// Whatever is no other format is taken for CSV, so that its messages say what was expected.
-pub(super) const FORMAT: Format =
-    Format { recognises: |_, _| true, read: |file, bytes, map| parse(file, &source::text(file, bytes)?, map) };
+pub(super) const FORMAT: Format = Format {
+    recognises: |_, _| true,
+    read: |file, bytes, map| parse(file, &source::text(file, bytes)?, map).map(Content::Log),
+};
 
 /// Reads a log from text; `file` is for messages.
 ///
@@ -240,15 +242,4 @@ fn unquoted(field: &str) -> &str {
     let field = field.trim();
     let inner = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
     inner.unwrap_or(field)
-}
-
-/// One note for all gaps: they cut windows, so the reader of a report should know.
-fn note_gaps(log: &mut Log) {
-    let longest_regular_s = log.longest_regular_step_s();
-    let steps = log.time_s.windows(2).map(|t| t[1] - t[0]);
-    let gaps: Vec<f64> = steps.filter(|step| *step > longest_regular_s).collect();
-    if let Some(longest) = gaps.iter().copied().reduce(f64::max) {
-        let count = gaps.len();
-        log.notes.push(format!("{count} gap(s) in time, the longest of {longest:.3} s"));
-    }
 }

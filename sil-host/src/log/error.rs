@@ -41,8 +41,23 @@ pub enum LogErrorKind {
     Gzip { reason: String, bytes: usize },
     #[error("holds more than {0} bytes of text; cut the log into parts")]
     TooLarge(u64),
-    #[error("this is a {0} log, which isn't read yet; convert it to CSV with the columns of docs/log-format.md")]
-    NotReadYet(&'static str),
+    #[error("no {format} log that can be read: {reason}")]
+    Damaged { format: &'static str, reason: String },
+    #[error("{0}")]
+    NotThisVehicle(String),
+    #[error("its time runs back: reading {reading} at {now} s follows {before} s, {gone} readings are out of order")]
+    TimeRunsBack { reading: usize, before: f64, now: f64, gone: usize },
+    #[error(
+        "{outside} of {all} readings lie outside of {min}..{max} as {name}, the first {value} at {time_s} s: a wrong unit \
+         or a broken sensor"
+    )]
+    MostlyOutOfRange { outside: usize, all: usize, time_s: f64, value: f64, name: String, min: f64, max: f64 },
+    #[error("the log holds no {wanted}; it holds: {here}")]
+    NoReadings { wanted: &'static str, here: String },
+    #[error(
+        "expected at least {ROWS_MIN} rows at which rates, angles and commands are there, found {rows}; it holds {streams}"
+    )]
+    TooFewRowsInCommon { rows: usize, streams: String },
     #[error("not UTF-8 text; expected a CSV file")]
     NotText,
     #[error("the file is empty; expected a header line and at least {ROWS_MIN} rows")]
