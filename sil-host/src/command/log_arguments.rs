@@ -13,7 +13,8 @@ use super::{Failure, bad_input, vehicle_model};
 // A doc comment here would stand in the place of the command's own help.
 #[derive(Args)]
 pub struct LogArguments {
-    /// The log: CSV, ULog (PX4) or DataFlash (ArduPilot), compressed by gzip or not
+    /// The log: CSV, ULog (PX4), DataFlash (ArduPilot), Blackbox (Betaflight, INAV) or usdlog (Crazyflie), each
+    /// compressed by gzip or not
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller,
@@ -87,8 +88,8 @@ impl LogArguments {
         {
             let path = &log.path;
             return Err(bad_input(format!(
-                "{path}: a log of {flight_controller}'s does not say which vehicle flew: give its model with --model, or \
-                 take each axis by itself with --rig axis"
+                "{path}: a log of {flight_controller} does not say which vehicle flew: give its model with --model, \
+                 or take each axis by itself with --rig axis"
             )));
         }
         let foreign = self.map.is_some() || log.driven_by_axis_commands();

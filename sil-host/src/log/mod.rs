@@ -5,6 +5,7 @@
 //! in the frames of docs/rig.md (body forward-right-down, Euler angles Z-Y-X), whatever the file had. How a flight
 //! controller's streams of several rates become rows, `recording.rs` says.
 
+mod blackbox;
 mod csv;
 mod dataflash;
 mod error;
@@ -17,6 +18,7 @@ mod recording;
 mod source;
 mod time_base;
 mod ulog;
+mod usdlog;
 mod write;
 
 use std::path::Path;
@@ -42,13 +44,13 @@ type Reader = fn(&str, Vec<u8>, Option<&Map>) -> Result<Content, LogError>;
 /// What a format holds.
 enum Content {
     /// Rows.
-    Log(Log),
+    Log(Box<Log>),
     /// Streams of several rates.
     Recording(Recording),
 }
 
 /// All formats, in the order in which they are tried.
-const FORMATS: [Format; 3] = [ulog::FORMAT, dataflash::FORMAT, csv::FORMAT];
+const FORMATS: [Format; 5] = [ulog::FORMAT, dataflash::FORMAT, blackbox::FORMAT, usdlog::FORMAT, csv::FORMAT];
 
 /// Reads a log in any of the formats, compressed by gzip or not; a map says what the columns of a CSV mean whose names
 /// are not those of docs/log-format.md, or which fields of a flight controller's log are taken.
@@ -67,7 +69,7 @@ pub fn read(path: &Path, map: Option<&Map>) -> Result<Log, LogError> {
 pub fn parse_bytes(path: &Path, bytes: Vec<u8>, map: Option<&Map>) -> Result<Log, LogError> {
     let file = path.display().to_string();
     match content(path, &file, bytes, map)? {
-        Content::Log(log) => Ok(log),
+        Content::Log(log) => Ok(*log),
         Content::Recording(recording) => time_base::log_of(&file, recording, map),
     }
 }

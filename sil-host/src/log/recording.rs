@@ -12,8 +12,8 @@
 //! 3. **One time base** (`time_base/`): the rows are the gyro's readings, at the gyro's own times. Nothing is moved
 //!    to a row that was not there by then:
 //!    - a *command* or *reference* is held from its own time on until the next. A row has what had been sent by then.
-//!      Commands keep their own times besides ([`super::Log::sent_commands`]), and the prediction lets each act at its time,
-//!      also where it lies between two rows;
+//!      Commands keep their own times besides ([`super::Log::sent_commands`]), and the prediction lets each act at its
+//!      time, also where it lies between two rows;
 //!    - a *measurement* of another rate lies on the straight line between its neighbours in time; an attitude on the
 //!      cubic whose slopes are the gyro's rates at both, since 10 readings per second are far from straight;
 //!    - where a stream has a gap (five times its usual step) there are no rows: nothing is invented. The battery's
@@ -98,8 +98,7 @@ impl std::fmt::Display for FactValue {
 
 impl std::fmt::Display for Fact {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let how = if self.is_assumed { "assumed: " } else { "" };
-        write!(out, "{} = {} ({how}{})", self.name, self.value, self.source)
+        write!(out, "{} = {} ({})", self.name, self.value, self.source)
     }
 }
 

@@ -162,8 +162,8 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>) -> Result<[usize; 4],
             let frame = FRAMES.iter().find(|frame| frame.kind == kind);
             let unknown = || {
                 format!(
-                    "its parameter {name} is {kind}: a plus or another frame whose motors do not stand as an X, which the \
-                     motors of this project's logs do"
+                    "its parameter {name} is {kind}: a plus or another frame whose motors do not stand as an X, \
+                     which the motors of this project's logs do"
                 )
             };
             (format!("parameter {name} = {kind}"), frame.ok_or_else(unknown)?)

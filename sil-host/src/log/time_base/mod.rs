@@ -92,6 +92,10 @@ fn describe(log: &mut Log, quantities: &Quantities<'_>, rows_tried: usize, map: 
         log.notes.push(format!("read by the map {}", map.name));
     }
     log.notes.push(format!("readings per second: {}", quantities.in_words(false)));
+    let assumed: Vec<String> = log.facts.iter().filter(|fact| fact.is_assumed).map(|fact| fact.to_string()).collect();
+    if !assumed.is_empty() {
+        log.notes.push(format!("assumed: {}", assumed.join("; ")));
+    }
     if log.rows() < rows_tried {
         let left_out = rows_tried - log.rows();
         log.notes.push(format!("{left_out} rows left out, at which another stream has a gap"));

@@ -76,15 +76,10 @@ impl<'a> Readings<'a> {
         if outside as f64 > ACCIDENTS_MAX * all as f64 + 1.0 {
             let first = there.clone().find(|(_, value)| !range.contains(value));
             let (time_s, value) = first.map_or((0.0, 0.0), |(time_s, value)| (*time_s, *value));
-            return Err(LogErrorKind::MostlyOutOfRange {
-                outside,
-                all,
-                time_s,
-                value,
-                name: column.quantity.name(),
-                min: *range.start(),
-                max: *range.end(),
-            });
+            let (name, min, max) = (column.quantity.name(), range.start(), range.end());
+            return Err(LogErrorKind::MostlyOutOfRange(format!(
+                "{outside} of {all} readings lie outside of {min}..{max} as {name}, the first {value} at {time_s} s"
+            )));
         }
         if outside > 0 {
             notes.push(format!("{}: {outside} of {all} readings left out, outside of what they can be", column.source));

@@ -256,8 +256,10 @@ fn a_map_takes_the_fields_it_names() {
                time_us = { column = \"timestamp\" }\np_rad_s = { column = \"vehicle_angular_velocity.xyz[0]\" }\n\
                q_rad_s = { column = \"vehicle_angular_velocity.xyz[1]\" }\n\
                r_rad_s = { column = \"vehicle_angular_velocity.xyz[2]\" }\n\
-               motor1 = { column = \"actuator_motors.control[3]\" }\nmotor2 = { column = \"actuator_motors.control[2]\" }\n\
-               motor3 = { column = \"actuator_motors.control[1]\" }\nmotor4 = { column = \"actuator_motors.control[0]\" }\n";
+               motor1 = { column = \"actuator_motors.control[3]\" }\n\
+               motor2 = { column = \"actuator_motors.control[2]\" }\n\
+               motor3 = { column = \"actuator_motors.control[1]\" }\n\
+               motor4 = { column = \"actuator_motors.control[0]\" }\n";
     // a vehicle that is no quadrotor by its parameter
     let bytes = flight(|file| file.parameter("MAV_TYPE", 22.0)).0;
     let read = |text: &str| {

@@ -91,7 +91,8 @@ const TOPICS: [Topic; 7] = [
     },
     Topic {
         name: "vehicle_local_position",
-        fields: "uint64_t timestamp_sample;float z;float vx;float vy;float vz;bool z_valid;bool v_xy_valid;bool v_z_valid;",
+        fields: "uint64_t timestamp_sample;float z;float vx;float vy;float vz;bool z_valid;bool v_xy_valid;\
+                 bool v_z_valid;",
         is_there: |log| log.height_m.is_some() && log.velocity_ned_m_s.iter().all(Option::is_some),
         content: |log, row, message| {
             message.time(log, row).numbers(&[-value(log, row, Quantity::Height)]);
@@ -109,7 +110,7 @@ pub(in super::super) fn write(log: &Log, out: &mut dyn Write) -> io::Result<()> 
     if let Some(quantity) = Quantity::ALL.into_iter().find(|quantity| is_in_no_topic(log, *quantity)) {
         return Err(refused(format!("a ULog file has no place here for `{}`", quantity.name())));
     }
-    if log.time_s.iter().any(|time_s| !(*time_s >= 0.0)) {
+    if log.time_s.iter().any(|time_s| time_s.is_nan() || *time_s < 0.0) {
         return Err(refused("a ULog file's times are not before 0".to_owned()));
     }
     out.write_all(HEADER)?;
