@@ -9,7 +9,7 @@ use std::process::Command;
 use campaigns::real_logs::{TORQUE_SIGNS, folder};
 use flate2::read::GzDecoder;
 use sil_host::axis::Axis;
-use sil_host::log::{Log, Quantity, read, read_recording, write_file};
+use sil_host::log::{Log, Map, read, read_recording, write_file};
 
 /// A file of the real logs; none where these are absent.
 fn real_log(path: &str) -> Option<PathBuf> {
@@ -26,38 +26,39 @@ fn correlation(x: &[f64], y: &[f64]) -> f64 {
     sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
 }
 
-/// Correlation of the torque that the motors command, by docs/rig.md's signs, with the angular acceleration over the
-/// next two rows (40 ms), where all motors run.
-fn follows(log: &Log, axis: Axis) -> f64 {
-    let (motors, rate) = (log.motors().unwrap(), log.column(Quantity::Rate(axis)).unwrap());
-    let flies = |row: &usize| (0..4).all(|motor| motors[motor][*row] > 0.2);
-    let rows: Vec<usize> = (0..log.rows() - 2).filter(flies).collect();
-    let torque = |row: &usize| (0..4).map(|motor| TORQUE_SIGNS[axis.index()][motor] * motors[motor][*row]).sum();
-    let acceleration = |row: &usize| (rate[row + 2] - rate[*row]) / (log.time_s[row + 2] - log.time_s[*row]);
-    let torques: Vec<f64> = rows.iter().map(torque).collect();
-    correlation(&torques, &rows.iter().map(acceleration).collect::<Vec<_>>())
-}
+/// ArduPilot's own outputs of the rate controllers, which no convention of ours takes: right side down, nose up and
+/// nose right are positive (ArduPilot, "Onboard Message Log Messages").
+const RATE_CONTROLLERS: &str = "description = \"outputs of the rate controllers\"\nframe = \"FRD\"\n\
+    axes = [\"roll\", \"pitch\", \"yaw\"]\n[quantities]\ntime_ms = { column = \"TimeMS\" }\n\
+    p_rad_s = { column = \"IMU.GyrX\" }\nq_rad_s = { column = \"IMU.GyrY\" }\nr_rad_s = { column = \"IMU.GyrZ\" }\n\
+    roll_cmd = { column = \"RATE.ROut\", scale = 1e-4 }\npitch_cmd = { column = \"RATE.POut\", scale = 1e-4 }\n\
+    yaw_cmd = { column = \"RATE.YOut\", scale = 1e-4 }\n";
 
 #[test]
-fn an_ardupilot_copters_motors_and_angles_have_our_signs() {
+fn an_ardupilot_copters_motors_do_what_its_rate_controllers_say() {
     if let Some(path) = real_log("flight_ardupilot_log171/log171.bin.gz") {
         let log = read(&path, None).unwrap();
         assert_eq!(log.flight_controller.as_deref(), Some("ArduPilot"));
+        let map = Map::parse("rate_controllers", RATE_CONTROLLERS).unwrap();
+        let said = read(&path, Some(&map)).unwrap();
+        let motors = log.motors().unwrap();
+        let flies = |row: &usize| (0..4).all(|motor| motors[motor][*row] > 0.2);
+        let place = |row: usize| said.time_s.binary_search_by(|time_s| time_s.total_cmp(&log.time_s[row])).ok();
+        let pairs: Vec<(usize, usize)> =
+            (0..log.rows()).filter(flies).filter_map(|row| Some((row, place(row)?))).collect();
+        assert!(pairs.len() > 5000);
         for axis in Axis::ALL {
-            let (angle, rate) = (log.column(Quantity::Angle(axis)).unwrap(), log.column(Quantity::Rate(axis)).unwrap());
-            let change: Vec<f64> = angle
-                .windows(2)
-                .map(|pair| (pair[1] - pair[0] + 3.0).rem_euclid(std::f64::consts::TAU) - 3.0)
-                .collect();
-            let turned = correlation(&change, &rate[1..]);
-            let followed = follows(&log, axis);
-            println!("{}: angle to rate {turned:+.2}, motors to acceleration {followed:+.2}", axis.name());
-            assert!(turned > 0.5, "{}: {turned}", axis.name());
-            // a wrong order or sign gives a negative number about some axis. The log is closed loop and slow, 0.09 for
-            // roll; of 8000 rows without any relation one in a thousand gets beyond 3.1 / sqrt(8000) = 0.035
-            assert!(followed > 0.04, "{}: {followed}", axis.name());
+            let signs = TORQUE_SIGNS[axis.index()];
+            let torques: Vec<f64> =
+                pairs.iter().map(|(row, _)| (0..4).map(|motor| signs[motor] * motors[motor][*row]).sum()).collect();
+            let command = said.axis_command[axis.index()].as_ref().unwrap();
+            let commands: Vec<f64> = pairs.iter().map(|(_, row)| command[*row]).collect();
+            let agreement = correlation(&torques, &commands);
+            println!("{}: rate controller to motors {agreement:+.2}", axis.name());
+            // the controllers' outputs are logged at 10 Hz and held; another order or sign is near 0 or negative
+            assert!(agreement > 0.5, "{}: {agreement}", axis.name());
         }
-        // in the air the accelerometer shows about -g along the body's z, and its mean there is the weight's
+        // on the whole the accelerometer shows the weight
         let down = log.accel_body_m_s2[2].as_ref().unwrap();
         let mean = down.iter().sum::<f64>() / down.len() as f64;
         assert!((-10.5..-9.0).contains(&mean), "{mean}");

@@ -14,8 +14,9 @@
 //!    - a *command* or *reference* is held from its own time on until the next. A row has what had been sent by then.
 //!      Commands keep their own times besides ([`super::Log::sent_commands`]), and the prediction lets each act at its
 //!      time, also where it lies between two rows;
-//!    - a *measurement* of another rate lies on the straight line between its neighbours in time; an attitude on the
-//!      cubic whose slopes are the gyro's rates at both, since 10 readings per second are far from straight;
+//!    - a *measurement* of another rate lies on the straight line between its neighbours in time; an angle on the cubic
+//!      through two on each side, since 10 readings per second are far from straight. The gyro has no part in it: its
+//!      vibration and bias are not the attitude's;
 //!    - where a stream has a gap (five times its usual step) there are no rows: nothing is invented. The battery's
 //!      voltage alone is taken across gaps;
 //!    - a reading whose stamp is not after the one before it replaces that one, and an impossible value is no reading.

@@ -4,21 +4,16 @@ mod readings;
 #[cfg(test)]
 mod tests;
 
-use self::readings::{Between, Place, Readings, put_in_order};
+use self::readings::{Between, Readings, put_in_order};
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
 use super::map::{Map, Threshold};
 use super::quantity::Quantity;
 use super::recording::Recording;
 use super::{Log, note_gaps};
 use crate::axis::Axis;
-use crate::statistics::wrapped;
-use crate::vehicle::euler_rates_rad_s;
 
 /// A quantity that the rows need not have is left out if it covers less of them than this.
 const COVERS_MIN: f64 = 0.9;
-
-/// Nearer to straight up or down than this, Euler angles change too fast for their cubic: cosine of pitch.
-const COS_PITCH_MIN: f64 = 0.1;
 
 /// The log of a recording; `file` is for messages. A map says more of the axes, where one was given.
 ///
@@ -67,7 +62,7 @@ fn fill(log: &mut Log, quantities: &Quantities<'_>, rows_s: &[f64]) {
     let mut values = Vec::with_capacity(of.len());
     for time_s in rows_s {
         values.clear();
-        values.extend(of.iter().map_while(|readings| quantities.at(readings, *time_s)));
+        values.extend(of.iter().map_while(|readings| readings.at(*time_s)));
         if values.len() == of.len() {
             log.time_s.push(*time_s);
             columns.iter_mut().zip(&values).for_each(|(column, value)| column.push(*value));
@@ -158,30 +153,6 @@ impl<'a> Quantities<'a> {
         let ends = [rows_s.first(), rows_s.last()].map(|time_s| time_s.copied().unwrap_or(f64::NAN));
         let within = all_s.into_iter().filter(|time_s| (ends[0]..=ends[1]).contains(time_s)).collect();
         (self, within)
-    }
-
-    /// The value of a quantity at a row.
-    fn at(&self, readings: &Readings<'_>, time_s: f64) -> Option<f64> {
-        let (Quantity::Angle(axis), Some(place)) = (readings.quantity, readings.place(time_s)) else {
-            return readings.at(time_s);
-        };
-        let Place::Between { start_s, start, duration_s, change, share } = place else { return readings.at(time_s) };
-        // Hermite's cubic is the straight line and a bend, which is 0 where both slopes are the line's
-        let [from, to] = [start_s, start_s + duration_s].map(|time_s| self.angle_slope(axis, time_s));
-        let bend = match (from, to) {
-            (Some(from), Some(to)) => (1.0 - share) * (duration_s * from - change) - share * (duration_s * to - change),
-            _ => 0.0,
-        };
-        Some(wrapped(start + share * change + share * (1.0 - share) * bend))
-    }
-
-    /// How fast an Euler angle changes by the gyro, rad/s; none without all three rates, roll and pitch.
-    fn angle_slope(&self, axis: Axis, time_s: f64) -> Option<f64> {
-        let at = |quantity| self.find(quantity)?.at(time_s);
-        let [p, q, r] = Axis::ALL.map(|axis| at(Quantity::Rate(axis)));
-        let [roll, pitch] = [Axis::Roll, Axis::Pitch].map(|axis| at(Quantity::Angle(axis)).map(libm::sincos));
-        let slopes = euler_rates_rad_s(roll?, pitch?, [p?, q?, r?]);
-        (pitch?.1 > COS_PITCH_MIN).then_some(slopes[axis.index()])
     }
 
     /// The commands at their own times, the first the one in force at the first row; none where these are the rows'.

@@ -20,7 +20,7 @@ pub(super) enum Between {
     Line,
     /// On the straight line, however long it takes, and held beyond both ends.
     SlowLine,
-    /// On the straight line the short way round.
+    /// The short way round, on the cubic through the neighbours.
     Angle,
 }
 
@@ -34,15 +34,6 @@ impl Between {
             _ => Between::Line,
         }
     }
-}
-
-/// Where an instant lies among the readings.
-pub(super) enum Place {
-    /// At one of them, or held since it.
-    On(f64),
-    /// Between two: the earlier one's time and value, how long until the next and by how much it changes, and the share
-    /// of the way, 0 to 1.
-    Between { start_s: f64, start: f64, duration_s: f64, change: f64, share: f64 },
 }
 
 /// The readings of one quantity.
@@ -101,12 +92,12 @@ impl<'a> Readings<'a> {
         [self.time_s.first(), self.time_s.last()].map(|time_s| time_s.copied().unwrap_or_default())
     }
 
-    /// Where an instant lies; none before the first reading, after the last, or in a gap.
-    pub(super) fn place(&self, time_s: f64) -> Option<Place> {
+    /// Its value at an instant; none before the first reading, after the last, or in a gap.
+    pub(super) fn at(&self, time_s: f64) -> Option<f64> {
         let after = self.time_s.partition_point(|reading_s| *reading_s <= time_s);
         let is_slow = self.between == Between::SlowLine;
         let Some(before) = after.checked_sub(1) else {
-            return self.value.first().filter(|_| is_slow).map(|value| Place::On(*value));
+            return self.value.first().copied().filter(|_| is_slow);
         };
         let (start_s, start) = (self.time_s[before], self.value[before]);
         let is_held = match self.between {
@@ -115,28 +106,44 @@ impl<'a> Readings<'a> {
             _ => start_s == time_s,
         };
         if is_held {
-            return Some(Place::On(start));
+            return Some(start);
         }
         if self.between == Between::Held {
             return None;
         }
-        let Some((end_s, end)) = self.time_s.get(after).zip(self.value.get(after)) else {
-            return is_slow.then_some(Place::On(start));
+        let Some(end_s) = self.time_s.get(after) else {
+            return is_slow.then_some(start);
         };
-        let duration_s = end_s - start_s;
+        let (duration_s, change) = (end_s - start_s, self.change(before));
         if duration_s > self.gap_s && !is_slow {
             return None;
         }
-        let change = if self.between == Between::Angle { wrapped(end - start) } else { end - start };
-        Some(Place::Between { start_s, start, duration_s, change, share: (time_s - start_s) / duration_s })
+        let share = (time_s - start_s) / duration_s;
+        let line = start + share * change;
+        if self.between != Between::Angle {
+            return Some(line);
+        }
+        // Hermite's cubic is the straight line and a bend, which is 0 where both slopes are the line's
+        let bend = (1.0 - share) * (duration_s * self.slope(before, before) - change)
+            - share * (duration_s * self.slope(after, before) - change);
+        Some(wrapped(line + share * (1.0 - share) * bend))
     }
 
-    /// Its value at an instant.
-    pub(super) fn at(&self, time_s: f64) -> Option<f64> {
-        Some(match self.place(time_s)? {
-            Place::On(value) => value,
-            Place::Between { start, change, share, .. } => start + share * change,
-        })
+    /// From a reading to the next.
+    fn change(&self, reading: usize) -> f64 {
+        let change = self.value[reading + 1] - self.value[reading];
+        if self.between == Between::Angle { wrapped(change) } else { change }
+    }
+
+    /// Slope at a reading, by its neighbours on both sides; that of a step beside it where there is a gap or an end on
+    /// the other.
+    fn slope(&self, reading: usize, step: usize) -> f64 {
+        let is_regular =
+            |step: usize| self.time_s.get(step + 1).is_some_and(|end_s| end_s - self.time_s[step] <= self.gap_s);
+        let first = if reading > 0 && is_regular(reading - 1) { reading - 1 } else { step };
+        let last = if is_regular(reading) { reading } else { step };
+        let change: f64 = (first..=last).map(|step| self.change(step)).sum();
+        change / (self.time_s[last + 1] - self.time_s[first])
     }
 }
 

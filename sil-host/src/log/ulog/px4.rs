@@ -1,5 +1,6 @@
 //! What PX4's topics mean (PX4 user guide, "uORB Message Reference" and "Parameter Reference"): body axes
-//! forward-right-down, world north-east-down, quaternions world from body (w, x, y, z), SI units, time stamps in us since start.
+//! forward-right-down, world north-east-down, quaternions world from body (w, x, y, z), SI units, time stamps in us
+//! since start.
 
 use super::super::messages::{Messages, Table};
 use super::super::motor_order::{MotorOrder, Rotor};
