@@ -58,10 +58,10 @@ fn an_ardupilot_copters_motors_do_what_its_rate_controllers_say() {
             // the controllers' outputs are logged at 10 Hz and held; another order or sign is near 0 or negative
             assert!(agreement > 0.5, "{}: {agreement}", axis.name());
         }
-        // on the whole the accelerometer shows the weight
+        // sign and unit: on the whole the accelerometer shows the weight, less what vibration clips
         let down = log.accel_body_m_s2[2].as_ref().unwrap();
         let mean = down.iter().sum::<f64>() / down.len() as f64;
-        assert!((-10.5..-9.0).contains(&mean), "{mean}");
+        assert!((-10.5..-7.5).contains(&mean), "{mean}");
     }
 }
 
