@@ -9,6 +9,7 @@ mod configuration_page;
 mod controller_blame;
 mod controller_comparison;
 mod firmware_vehicle;
+mod flight_controllers;
 mod flight_safety;
 mod hitl;
 mod limits_and_switching;

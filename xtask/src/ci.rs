@@ -5,6 +5,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 
 use crate::board;
+use crate::decoders;
 use crate::firmware::Target;
 use crate::mutants;
 use crate::process;
@@ -20,11 +21,12 @@ const BUDGET_S: u32 = 35 * 60;
 const CAMPAIGNS_BUDGET_S: u32 = 5 * 60;
 
 /// Quick ones first.
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 13] = [
     ("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
     ("tidy", tidy::run),
     ("clippy", clippy),
     ("test", |workspace| process::run(&mut workspace.cargo("test"))),
+    ("other people's decoders", decoders::run),
     ("a tenth of the blind campaigns", campaigns),
     ("documentation", documentation),
     ("core for the target", |workspace| Target::find(workspace)?.build_core()),

@@ -4,6 +4,7 @@ mod bench_mcu;
 mod board;
 mod call_graph;
 mod ci;
+mod decoders;
 mod firmware;
 mod image;
 mod mutants;
@@ -52,6 +53,8 @@ enum Task {
     BenchMcu(bench_mcu::Arguments),
     /// Change the control core bit by bit and see whether its unit tests notice (cargo-mutants; hours for all of it)
     Mutants(mutants::Arguments),
+    /// Hold the readers of logs against pyulog and pymavlink (needs python3 with venv and pip)
+    Decoders,
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
     /// Run all that CI runs, in its order
@@ -79,6 +82,7 @@ fn run(task: &Task) -> Result<()> {
         Task::BoardTest => board::run(&workspace),
         Task::BenchMcu(arguments) => bench_mcu::run(&workspace, arguments),
         Task::Mutants(arguments) => mutants::run(&workspace, arguments),
+        Task::Decoders => decoders::run(&workspace),
         Task::Tidy => tidy::run(&workspace),
         Task::Ci => ci::run(&workspace),
     }

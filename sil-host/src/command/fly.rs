@@ -56,7 +56,7 @@ pub struct FlyArguments {
     /// Length of a prediction step of the MPC, s, whatever the rate [default: the file's, else 0.01]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     prediction_step: Option<f32>,
-    /// Write the flight as a log; with both controllers OUT-pid.csv and OUT-mpc.csv
+    /// Write the flight as a log, ULog if its name ends in .ulg; with both controllers OUT-pid.csv and OUT-mpc.csv
     #[arg(long, value_name = "OUT.csv")]
     log: Option<PathBuf>,
     /// Write a report with plots

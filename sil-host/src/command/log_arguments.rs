@@ -13,7 +13,8 @@ use super::{Failure, bad_input, vehicle_model};
 // A doc comment here would stand in the place of the command's own help.
 #[derive(Args)]
 pub struct LogArguments {
-    /// The log: CSV or CSV.gz
+    /// The log: CSV, ULog (PX4), DataFlash (ArduPilot), Blackbox (Betaflight, INAV) or usdlog (Crazyflie), each
+    /// compressed by gzip or not
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller,
@@ -79,8 +80,18 @@ impl LogArguments {
 
     /// The vehicle that the log is of; none for separate axes, with which an option that `wants_vehicle` can't be
     /// given. The rig is the one that was said; else the model's; else `axis` for a log in other people's columns,
-    /// which is of other people's vehicle, or without motors.
+    /// which is of other people's vehicle, or without motors. For a flight controller's own log there is no default:
+    /// nobody said what it is to be held against.
     pub fn vehicle(&self, log: &Log, wants_vehicle: Option<&str>) -> Result<Option<VehicleModel>, Failure> {
+        if let (Some(flight_controller), None, None, None) =
+            (&log.flight_controller, &self.map, &self.rig.map(|_| ()), &self.model)
+        {
+            let path = &log.path;
+            return Err(bad_input(format!(
+                "{path}: a log of {flight_controller} does not say which vehicle flew: give its model with --model, \
+                 or take each axis by itself with --rig axis"
+            )));
+        }
         let foreign = self.map.is_some() || log.driven_by_axis_commands();
         let rig = match self.rig {
             None if foreign && self.model.is_none() => Some(LogRig::Axis),

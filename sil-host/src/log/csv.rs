@@ -1,17 +1,25 @@
 //! From CSV text to a [`Log`]: the header decides what a column means, every field is checked.
 //!
-//! Lines are split by hand, not by a CSV library: the format has no field with a comma or a line end in it, and each
-//! message must name the very line that an editor shows.
+//! What is certain is read, with a note where something was left out: any of comma, semicolon and tab between fields,
+//! decimal commas where the comma does not separate fields, any line end, repeated lines, a last line that may be cut
+//! off. Blank fields are missing values, as logs have them that were merged from several rates: such a log is brought
+//! to rows as a flight controller's is (`recording.rs`).
+//!
+//! Lines are split by hand, not by a CSV library: the format has no field with a separator or a line end in it, and
+//! each message must name the very line that an editor shows.
 
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
 use super::map::{Map, MappedColumn};
 use super::quantity::Quantity;
-use super::{Format, Log, source};
+use super::recording::{Recording, Stream, StreamColumn};
+use super::{Content, Format, Log, note_gaps, source, time_base};
 use crate::axis::Axis;
 
 /// Whatever is no other format is taken for CSV, so that its messages say what was expected.
-pub(super) const FORMAT: Format =
-    Format { recognises: |_, _| true, read: |file, bytes, map| parse(file, &source::text(file, bytes)?, map) };
+pub(super) const FORMAT: Format = Format {
+    recognises: |_, _| true,
+    read: |file, bytes, map| parse(file, &source::text(file, bytes)?, map).map(|log| Content::Log(Box::new(log))),
+};
 
 /// Reads a log from text; `file` is for messages.
 ///
@@ -22,27 +30,127 @@ pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError>
     if text.trim().is_empty() {
         return Err(error_in(file, None, None, LogErrorKind::Empty));
     }
-    if !text.ends_with('\n') {
-        let last = text.lines().count();
-        return Err(error_in(file, Some(last), None, LogErrorKind::CutOff));
-    }
-    let mut lines = (1..).zip(text.lines().map(str::trim));
+    // without any line feed, carriage returns end lines
+    let line_end = if text.contains('\n') { '\n' } else { '\r' };
+    let (text, cut) = whole_lines(text, line_end);
+    let mut lines = (1..).zip(text.split_terminator(line_end).map(|line| line.trim_matches([' ', '\r'])));
+    let is_comment = |line: &&str| line.starts_with('#');
     let comments: Vec<String> =
-        text.lines().map_while(|line| line.strip_prefix('#')).map(|comment| comment.trim().to_owned()).collect();
+        lines.clone().map(|(_, line)| line).take_while(is_comment).map(|line| line[1..].trim().to_owned()).collect();
     let mut header = lines.by_ref().skip(comments.len());
     let Some((header_line, header)) = header.next() else {
         return Err(error_in(file, None, None, LogErrorKind::Empty));
     };
-    let names: Vec<&str> = header.split(',').map(unquoted).collect();
+    let mut style = Style::of(header);
+    let names: Vec<&str> = header.split(style.separator).map(unquoted).collect();
     let mut log = Log { path: file.to_owned(), comments, ..Log::default() };
     let fields = match map {
         Some(map) => mapped_fields(&names, map, &mut log),
         None => named_fields(&names, &mut log),
     };
     let fields = fields.map_err(|(column, kind)| error_in(file, Some(header_line), column, kind))?;
-    read_rows(file, lines, &names, &fields, &mut log)?;
+    let rows = read_rows(file, lines, &names, &fields, &mut style)?;
+    if let Some(cut) = cut {
+        log.notes.push(format!("line {cut} left out: it has no line end and may be cut off"));
+    }
+    log.notes.extend(rows.repeated.notes());
+    if rows.blanks > 0 {
+        if map.is_none()
+            && let Some((name, kind)) = all_blank(&names, &fields, &rows)
+        {
+            return Err(error_in(file, Some(header_line), Some(name), kind));
+        }
+        return merged(file, &names, &fields, rows, log);
+    }
+    for (field, column) in fields.iter().zip(rows.columns) {
+        log.set_column(field.quantity, column);
+    }
+    if log.rows() < ROWS_MIN {
+        return Err(error_in(file, None, None, LogErrorKind::TooFewRows(log.rows())));
+    }
     note_gaps(&mut log);
     Ok(log)
+}
+
+/// The text up to its last line end, and the number of the line that has none; the whole text if it is one line.
+fn whole_lines(text: &str, line_end: char) -> (&str, Option<usize>) {
+    match text.rfind(line_end) {
+        Some(last) if !text[last + 1..].trim().is_empty() => {
+            let whole = &text[..=last];
+            (whole, Some(1 + whole.matches(line_end).count()))
+        }
+        _ => (text, None),
+    }
+}
+
+/// How numbers and fields are written in a file.
+struct Style {
+    separator: char,
+    /// The first mark of a fraction that was found.
+    decimal: Option<char>,
+}
+
+impl Style {
+    /// The separator is whichever of three the header has most of.
+    fn of(header: &str) -> Style {
+        let separators = [',', ';', '\t'];
+        // the first of equals
+        let most = separators.into_iter().rev().max_by_key(|separator| header.matches(*separator).count());
+        Style { separator: most.unwrap_or(','), decimal: None }
+    }
+
+    /// A number, written with a point or, where commas do not separate fields, with a comma, the same in all the file.
+    fn number(&mut self, text: &str) -> Result<f64, LogErrorKind> {
+        let is_comma = self.separator != ',' && text.contains(',');
+        let mark = if is_comma { Some(',') } else { text.contains('.').then_some('.') };
+        if let (Some(before), Some(mark)) = (self.decimal, mark)
+            && before != mark
+        {
+            return Err(LogErrorKind::OtherDecimalMark { before, field: text.to_owned() });
+        }
+        self.decimal = self.decimal.or(mark);
+        let parsed = if is_comma && !text.contains('.') { text.replacen(',', ".", 1).parse() } else { text.parse() };
+        parsed.map_err(|_| LogErrorKind::NotANumber(text.to_owned()))
+    }
+}
+
+/// A required column without any value.
+fn all_blank(names: &[&str], fields: &[Field], rows: &Rows) -> Option<(String, LogErrorKind)> {
+    let by_axis = fields.iter().all(|field| !matches!(field.quantity, Quantity::Motor(_)));
+    let mut required = required(by_axis).into_iter();
+    let is_blank = |quantity: &Quantity| {
+        let column = fields.iter().position(|field| field.quantity == *quantity).map(|place| &rows.columns[place]);
+        column.is_some_and(|column| column.iter().all(|value| value.is_nan()))
+    };
+    let quantity = required.find(is_blank)?;
+    let reason = "required column has no value in any row".to_owned();
+    Some((quantity.name(), LogErrorKind::MissingColumn { reason, present: names.join(", ") }))
+}
+
+/// A log with missing values: each column has its own readings.
+fn merged(file: &str, names: &[&str], fields: &[Field], rows: Rows, log: Log) -> Result<Log, LogError> {
+    let note = format!("{} blank fields are missing values", rows.blanks);
+    let (mut stream, mut columns) = (Stream::at("rows", Vec::new()), Vec::new());
+    for (field, value) in fields.iter().zip(rows.columns) {
+        match field.quantity {
+            Quantity::Time => stream.time_s = value,
+            quantity => {
+                columns.push(StreamColumn { quantity, source: names[field.index].to_owned(), value });
+            }
+        }
+    }
+    stream.columns = columns;
+    let recording = Recording { streams: vec![stream], ..Recording::default() };
+    let merged = time_base::log_of(file, recording, None)?;
+    Ok(Log {
+        comments: log.comments,
+        notes: log.notes.into_iter().chain([note]).chain(merged.notes).collect(),
+        axes: log.axes,
+        active_when: log.active_when,
+        motor_per_axis_command: log.motor_per_axis_command,
+        flight_controller: None,
+        ..merged
+    })
 }
 
 fn error_in(file: &str, line: Option<usize>, column: Option<String>, kind: LogErrorKind) -> LogError {
@@ -142,11 +250,7 @@ fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Fiel
 }
 
 fn missing(quantity: Quantity, names: &[&str]) -> HeaderError {
-    let hint = if names.len() == 1 && names[0].contains([';', '\t']) {
-        " (fields must be separated by commas)"
-    } else {
-        " (for other names use --map)"
-    };
+    let hint = " (for other names use --map)";
     let kind =
         LogErrorKind::MissingColumn { reason: format!("required column is missing{hint}"), present: names.join(", ") };
     (Some(quantity.name()), kind)
@@ -158,34 +262,67 @@ fn note_ignored(log: &mut Log, ignored: &[&str]) {
     }
 }
 
-/// All rows into the columns of the log; empty lines at the end of the file are no rows.
+/// The fields of all rows, column by column.
+struct Rows {
+    columns: Vec<Vec<f64>>,
+    /// Fields without a value, which are NaN.
+    blanks: usize,
+    repeated: Repeated,
+}
+
+/// Lines that say the same as the one before, number of the first.
+#[derive(Default)]
+struct Repeated {
+    count: usize,
+    first: usize,
+}
+
+impl Repeated {
+    fn notes(&self) -> Option<String> {
+        (self.count > 0).then(|| format!("{} lines repeat the one before, the first line {}", self.count, self.first))
+    }
+}
+
+/// All rows; empty lines at the end of the file are no rows.
 fn read_rows<'a>(
     file: &str,
     lines: impl Iterator<Item = (usize, &'a str)>,
     names: &[&str],
     fields: &[Field],
-    log: &mut Log,
-) -> Result<(), LogError> {
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); fields.len()];
+    style: &mut Style,
+) -> Result<Rows, LogError> {
+    let mut rows = Rows { columns: vec![Vec::new(); fields.len()], blanks: 0, repeated: Repeated::default() };
     let time = fields.iter().position(|f| f.quantity == Quantity::Time);
     let mut lines = lines.peekable();
+    let mut before = "";
     while let Some((line, text)) = lines.next() {
         if text.is_empty() && lines.peek().is_none_or(|(_, next)| next.is_empty()) {
             continue;
         }
-        let row: Vec<&str> = text.split(',').map(unquoted).collect();
+        if text == before {
+            let first = if rows.repeated.count == 0 { line } else { rows.repeated.first };
+            rows.repeated = Repeated { count: rows.repeated.count + 1, first };
+            continue;
+        }
+        before = text;
+        let row: Vec<&str> = text.split(style.separator).map(unquoted).collect();
         if row.len() != names.len() {
             let kind =
                 LogErrorKind::RaggedRow { expected: names.len(), found: if text.is_empty() { 0 } else { row.len() } };
             return Err(error_in(file, Some(line), None, kind));
         }
-        for (field, column) in fields.iter().zip(&mut columns) {
-            let value = value_of(row[field.index], field)
+        for (field, column) in fields.iter().zip(&mut rows.columns) {
+            if row[field.index].is_empty() && field.quantity != Quantity::Time {
+                rows.blanks += 1;
+                column.push(f64::NAN);
+                continue;
+            }
+            let value = value_of(row[field.index], field, style)
                 .map_err(|kind| error_in(file, Some(line), Some(names[field.index].to_owned()), kind))?;
             column.push(value);
         }
         if let Some(time) = time
-            && let [.., before, now] = columns[time][..]
+            && let [.., before, now] = rows.columns[time][..]
             && now <= before
         {
             let name = names[fields[time].index].to_owned();
@@ -193,18 +330,11 @@ fn read_rows<'a>(
             return Err(error_in(file, Some(line), Some(name), kind));
         }
     }
-    let rows = columns.first().map_or(0, Vec::len);
-    if rows < ROWS_MIN {
-        return Err(error_in(file, None, None, LogErrorKind::TooFewRows(rows)));
-    }
-    for (field, column) in fields.iter().zip(columns) {
-        log.set_column(field.quantity, column);
-    }
-    Ok(())
+    Ok(rows)
 }
 
-fn value_of(text: &str, field: &Field) -> Result<f64, LogErrorKind> {
-    let raw: f64 = text.parse().map_err(|_| LogErrorKind::NotANumber(text.to_owned()))?;
+fn value_of(text: &str, field: &Field, style: &mut Style) -> Result<f64, LogErrorKind> {
+    let raw = style.number(text)?;
     let value = field.scale * raw + field.offset;
     if !value.is_finite() {
         return Err(LogErrorKind::NotFinite(text.to_owned()));
@@ -240,15 +370,4 @@ fn unquoted(field: &str) -> &str {
     let field = field.trim();
     let inner = field.strip_prefix('"').and_then(|f| f.strip_suffix('"'));
     inner.unwrap_or(field)
-}
-
-/// One note for all gaps: they cut windows, so the reader of a report should know.
-fn note_gaps(log: &mut Log) {
-    let longest_regular_s = log.longest_regular_step_s();
-    let steps = log.time_s.windows(2).map(|t| t[1] - t[0]);
-    let gaps: Vec<f64> = steps.filter(|step| *step > longest_regular_s).collect();
-    if let Some(longest) = gaps.iter().copied().reduce(f64::max) {
-        let count = gaps.len();
-        log.notes.push(format!("{count} gap(s) in time, the longest of {longest:.3} s"));
-    }
 }

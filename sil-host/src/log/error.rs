@@ -41,14 +41,22 @@ pub enum LogErrorKind {
     Gzip { reason: String, bytes: usize },
     #[error("holds more than {0} bytes of text; cut the log into parts")]
     TooLarge(u64),
-    #[error("this is a {0} log, which isn't read yet; convert it to CSV with the columns of docs/log-format.md")]
-    NotReadYet(&'static str),
+    #[error("no {format} log that can be read: {reason}")]
+    Damaged { format: &'static str, reason: String },
+    #[error("{0}")]
+    NotThisVehicle(String),
+    #[error("its time runs back: reading {reading} at {now} s follows {before} s, {gone} readings are out of order")]
+    TimeRunsBack { reading: usize, before: f64, now: f64, gone: usize },
+    #[error("{0}: a wrong unit or a broken sensor")]
+    MostlyOutOfRange(String),
+    #[error("the log holds no {wanted}; it holds: {here}")]
+    NoReadings { wanted: &'static str, here: String },
+    #[error("expected at least {ROWS_MIN} rows with rates, angles and commands, found {rows}; it holds {streams}")]
+    TooFewRowsInCommon { rows: usize, streams: String },
     #[error("not UTF-8 text; expected a CSV file")]
     NotText,
     #[error("the file is empty; expected a header line and at least {ROWS_MIN} rows")]
     Empty,
-    #[error("the last line has no line end: the file was cut off while it was written")]
-    CutOff,
     #[error("{reason}; the header has: {present}")]
     MissingColumn { reason: String, present: String },
     #[error("given twice: as `{first}` and as `{second}`")]
@@ -57,6 +65,8 @@ pub enum LogErrorKind {
     RaggedRow { expected: usize, found: usize },
     #[error("expected a number, found `{0}`")]
     NotANumber(String),
+    #[error("expected `{before}` before a fraction, as in the lines before, found `{field}`")]
+    OtherDecimalMark { before: char, field: String },
     #[error("expected a finite number, found `{0}`")]
     NotFinite(String),
     #[error("{value} is outside {min}..{max}{hint}")]

@@ -1,16 +1,24 @@
-//! Logs of flights and rigs as columns, read from CSV and written to it.
+//! Logs of flights and rigs as columns, read from CSV and from flight controllers' own formats, and written.
 //!
-//! The format, its names and its errors are docs/log-format.md's. [`read`] takes a file in that format, or any other
-//! CSV with a [`Map`] that says what its columns mean; [`write_file`] writes one. In memory everything is in SI units
-//! and in the frames of docs/rig.md (body forward-right-down, Euler angles Z-Y-X), whatever the file had.
+//! The formats, their names and errors are docs/log-format.md's. [`read`] takes a file in any of them, or any other CSV
+//! with a [`Map`] that says what its columns mean; [`write_file`] writes one. In memory everything is in SI units and
+//! in the frames of docs/rig.md (body forward-right-down, Euler angles Z-Y-X), whatever the file had. How a flight
+//! controller's streams of several rates become rows, `recording.rs` says.
 
+mod blackbox;
 mod csv;
+mod dataflash;
 mod error;
 mod map;
+mod messages;
+mod motor_order;
 mod part;
 mod quantity;
+mod recording;
 mod source;
-mod unread;
+mod time_base;
+mod ulog;
+mod usdlog;
 mod write;
 
 use std::path::Path;
@@ -19,6 +27,7 @@ pub use csv::parse;
 pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};
 pub use quantity::Quantity;
+pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
 pub use write::{write, write_file};
 
 /// A format that a file may have.
@@ -30,20 +39,74 @@ struct Format {
 }
 
 /// Reads the bytes of a file, whose name is for messages.
-type Reader = fn(&str, Vec<u8>, Option<&Map>) -> Result<Log, LogError>;
+type Reader = fn(&str, Vec<u8>, Option<&Map>) -> Result<Content, LogError>;
+
+/// What a format holds.
+enum Content {
+    /// Rows.
+    Log(Box<Log>),
+    /// Streams of several rates.
+    Recording(Recording),
+}
 
 /// All formats, in the order in which they are tried.
-const FORMATS: [Format; 3] = [unread::ULOG, unread::DATAFLASH, csv::FORMAT];
+const FORMATS: [Format; 5] = [ulog::FORMAT, dataflash::FORMAT, blackbox::FORMAT, usdlog::FORMAT, csv::FORMAT];
 
 /// Reads a log in any of the formats, compressed by gzip or not; a map says what the columns of a CSV mean whose names
-/// are not those of docs/log-format.md.
+/// are not those of docs/log-format.md, or which fields of a flight controller's log are taken.
 ///
 /// # Errors
 /// Whatever docs/log-format.md calls an error, with file, line and column.
 pub fn read(path: &Path, map: Option<&Map>) -> Result<Log, LogError> {
     let bytes = source::load(path)?;
+    parse_bytes(path, bytes, map)
+}
+
+/// The same of a file's bytes, decompressed; the path is for messages and for telling formats apart.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse_bytes(path: &Path, bytes: Vec<u8>, map: Option<&Map>) -> Result<Log, LogError> {
+    let file = path.display().to_string();
+    match content(path, &file, bytes, map)? {
+        Content::Log(log) => Ok(*log),
+        Content::Recording(recording) => time_base::log_of(&file, recording, map),
+    }
+}
+
+/// What a flight controller recorded, at its own rates, before it is brought to rows; `None` for a CSV, which is rows.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_recording(path: &Path) -> Result<Option<Recording>, LogError> {
+    let bytes = source::load(path)?;
+    match content(path, &path.display().to_string(), bytes, None)? {
+        Content::Log(_) => Ok(None),
+        Content::Recording(recording) => Ok(Some(recording)),
+    }
+}
+
+fn content(path: &Path, file: &str, bytes: Vec<u8>, map: Option<&Map>) -> Result<Content, LogError> {
     let format = FORMATS.iter().find(|format| (format.recognises)(path, &bytes)).unwrap_or(&csv::FORMAT);
-    (format.read)(&path.display().to_string(), bytes, map)
+    (format.read)(file, bytes, map)
+}
+
+/// True for a name that ends so, whatever its case, compressed or not.
+fn has_extension(path: &Path, extension: &str) -> bool {
+    let name = path.to_string_lossy().to_lowercase();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    name.ends_with(&format!(".{extension}"))
+}
+
+/// One note for all gaps: they cut windows, so the reader of a report should know.
+fn note_gaps(log: &mut Log) {
+    let longest_regular_s = log.longest_regular_step_s();
+    let steps = log.time_s.windows(2).map(|t| t[1] - t[0]);
+    let gaps: Vec<f64> = steps.filter(|step| *step > longest_regular_s).collect();
+    if let Some(longest) = gaps.iter().copied().reduce(f64::max) {
+        let count = gaps.len();
+        log.notes.push(format!("{count} gap(s) in time, the longest of {longest:.3} s"));
+    }
 }
 
 /// Single rows are dropped by many loggers and cost little; five in a row are an interruption.
@@ -62,6 +125,10 @@ pub struct Log {
     pub comments: Vec<String>,
     /// Remarks of the reader: ignored columns, gaps.
     pub notes: Vec<String>,
+    /// The flight controller in whose own format it was: its vehicle is not this project's. `None` for a CSV.
+    pub flight_controller: Option<String>,
+    /// What such a log's head and parameters say of vehicle and controller.
+    pub facts: Vec<Fact>,
     /// Which of roll, pitch and yaw the log has: by angle or rate, or as its map declares.
     pub axes: [bool; 3],
     /// Rows in which the motors run; `None` means all of them.
@@ -94,6 +161,9 @@ pub struct Log {
     /// The log of more rows whose commands act between the rows of this one ([`Log::thinned`]); `None` where its own
     /// do.
     pub commanded_by: Option<Box<Log>>,
+    /// The commands at their own times, where these are not the rows': a log of nothing but commands, the first of them
+    /// in force at the first row. The rows' own columns then hold what was in force at each.
+    pub sent_commands: Option<Box<Log>>,
     /// Velocity north, east, down, m/s.
     pub velocity_ned_m_s: [Column; 3],
     /// Height of the rotors above ground, m.

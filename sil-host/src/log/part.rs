@@ -36,7 +36,9 @@ impl Log {
             let kind = LogErrorKind::SpanTooShort { from_s, to_s, rows: rows.len(), has_s };
             return Err(LogError { file: self.path.clone(), line: None, column: None, kind });
         }
-        Ok(self.with_columns(|_, column| rows.iter().map(|row| column[*row]).collect()))
+        let mut part = self.with_columns(|_, column| rows.iter().map(|row| column[*row]).collect());
+        part.sent_commands = self.sent_commands.as_ref().map(|sent| Box::new(sent.since(part.time_s.first().copied())));
+        Ok(part)
     }
 
     /// A log of more than 600 rows per second in fewer of them, at least 200, under all of its commands
@@ -78,6 +80,18 @@ impl Log {
     /// The log that has this one's commands: itself, if it was not thinned.
     pub fn commanding(&self) -> &Log {
         self.commanded_by.as_deref().unwrap_or(self)
+    }
+
+    /// The log that has the commands at the times at which each began to act.
+    pub fn commands(&self) -> &Log {
+        let log = self.commanding();
+        log.sent_commands.as_deref().unwrap_or(log)
+    }
+
+    /// The rows from the last one on that is not after a time.
+    fn since(&self, from_s: Option<f64>) -> Log {
+        let after = self.time_s.partition_point(|time_s| from_s.is_some_and(|from_s| *time_s <= from_s));
+        self.with_columns(|_, column| column.get(after.saturating_sub(1)..).unwrap_or_default().to_vec())
     }
 
     /// The same log with other columns, each made of its quantity and its old values.

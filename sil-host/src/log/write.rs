@@ -1,4 +1,5 @@
-//! From a [`Log`] to CSV: the same log gives the same bytes, and reading them gives the same log to the bit.
+//! From a [`Log`] to a file: the same log gives the same bytes, and reading those of a CSV gives the same log to the
+//! bit.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -10,22 +11,24 @@ use super::Log;
 use super::error::{LogError, LogErrorKind};
 use super::quantity::Quantity;
 
-/// Writes a log to a file; compressed if its name ends in `.gz`.
+/// Writes a log to a file: as ULog if its name ends in `.ulg`, else as CSV; compressed with a further `.gz`.
 ///
 /// # Errors
-/// The file can't be written, or the log's columns differ in length.
+/// The file can't be written, the log's columns differ in length, or the format has no place for one.
 pub fn write_file(log: &Log, path: &Path) -> Result<(), LogError> {
     let fail = |kind| LogError { file: path.display().to_string(), line: None, column: None, kind };
     check_lengths(log).map_err(|(column, kind)| LogError { column: Some(column), ..fail(kind) })?;
+    let is_ulog = super::has_extension(path, "ulg");
+    let write_to = |out: &mut dyn Write| if is_ulog { super::ulog::write(log, out) } else { write(log, out) };
     let create = || -> io::Result<()> {
         let mut file = BufWriter::new(File::create(path)?);
         if path.extension().is_some_and(|extension| extension == "gz") {
             // no name and no time in the head, so that the bytes depend on the log alone
             let mut gzip = GzBuilder::new().write(&mut file, Compression::default());
-            write(log, &mut gzip)?;
+            write_to(&mut gzip)?;
             gzip.finish()?;
         } else {
-            write(log, &mut file)?;
+            write_to(&mut file)?;
         }
         file.flush()
     };
@@ -37,7 +40,7 @@ pub fn write_file(log: &Log, path: &Path) -> Result<(), LogError> {
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write(log: &Log, out: &mut impl Write) -> io::Result<()> {
+pub fn write(log: &Log, mut out: impl Write) -> io::Result<()> {
     for comment in log.comments.iter().flat_map(|comment| comment.split('\n')) {
         writeln!(out, "# {comment}")?;
     }

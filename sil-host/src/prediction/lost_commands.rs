@@ -30,7 +30,7 @@ const GAP_S: f64 = 10.0;
 
 /// True if a controller at this rate gives commands that the log's rows do not hold.
 pub(crate) fn are_lost(log: &Log, control_rate_hz: f64) -> bool {
-    control_rate_hz * log.commanding().mean_regular_step_s() >= STEPS_MIN
+    control_rate_hz * log.commands().mean_regular_step_s() >= STEPS_MIN
 }
 
 /// The commands of a controller at a rate that go from one logged value to the next on Hermite's cubic, its slopes the
@@ -67,12 +67,17 @@ pub(crate) fn unknown_acceleration(held: &WindowedLog<'_>, model: &Model, rate_h
     let mean: [f64; 4] =
         core::array::from_fn(|i| value.iter().map(|row| row[i]).sum::<f64>() / value.len().max(1) as f64);
     let per_command = model.acceleration_per_command(&mean);
+    // rows and commands are the same where the commands have no times of their own
+    let since = |row: usize| held.rows().get(row).map_or(time_s.len(), |row_s| time_s.partition_point(|s| s < row_s));
+    let stretches: Vec<(usize, usize)> =
+        held.stretches().iter().map(|(first, end)| (since(*first), since(*end).max(since(*first)))).collect();
+    let in_force = |row_s: &f64| time_s.partition_point(|s| s <= row_s).saturating_sub(1);
     core::array::from_fn(|axis| {
         let series: Vec<f64> =
             value.iter().map(|row| (0..4).map(|i| per_command[i][axis] * row[i]).sum::<f64>()).collect();
-        let white = white_noise_std(time_s, &series, &held.stretches()).unwrap_or_default();
+        let white = white_noise_std(time_s, &series, &stretches).unwrap_or_default();
         let mut roughness = vec![white; series.len()];
-        for (row, deviation) in deviations(time_s, &series, &held.stretches()) {
+        for (row, deviation) in deviations(time_s, &series, &stretches) {
             // it is as far from its neighbours as they are from it
             for near in &mut roughness[row - 1..=row + 1] {
                 *near = near.max(deviation.abs() / NOISE_WITHIN);
@@ -84,7 +89,8 @@ pub(crate) fn unknown_acceleration(held: &WindowedLog<'_>, model: &Model, rate_h
             let duration_s = to_s - from_s;
             roughness * mean_is_off(steps(duration_s, rate_hz)) * duration_s.sqrt()
         };
-        roughness.iter().zip(time_s).zip(next_s).map(density).collect()
+        let densities: Vec<f64> = roughness.iter().zip(time_s).zip(next_s).map(density).collect();
+        held.rows().iter().map(|row_s| densities.get(in_force(row_s)).copied().unwrap_or_default()).collect()
     })
 }
 

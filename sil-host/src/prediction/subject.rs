@@ -161,8 +161,8 @@ impl Subject<'_> {
         self.check_known_effects(log)?;
         let windows = windows(log)?;
         let commands = match self {
-            Subject::Vehicle(_) => motor_commands(log.commanding())?,
-            Subject::Axes => commands_of_axes(log.commanding())?,
+            Subject::Vehicle(_) => motor_commands(log.commands())?,
+            Subject::Axes => commands_of_axes(log.commands())?,
         };
         Ok(WindowedLog::new(log, commands, windows, noise, self.compared(log)))
     }

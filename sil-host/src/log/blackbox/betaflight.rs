@@ -1,0 +1,168 @@
+//! What the fields of Blackbox logs mean in Betaflight, Cleanflight and INAV (their `blackbox.c`, `mixer.c` and
+//! `imu.c`): body axes forward-left-up, so that nose down and nose left count positive; numbers in the units that the
+//! head gives.
+
+use std::f64::consts::PI;
+
+use super::super::messages::Messages;
+use super::super::motor_order::{MotorOrder, Rotor};
+use super::super::quantity::Quantity;
+use super::super::recording::{Fact, FactValue, Recording, Stream};
+use super::messages::{FRAMES, TIME};
+use crate::axis::Axis;
+use crate::statistics::wrapped;
+
+const DEGREE_RAD: f64 = PI / 180.0;
+const GRAVITY_M_S2: f64 = 9.80665;
+
+/// Lines of the head that are facts as they stand: line, name of the fact.
+const LINES: [(&str, &str); 19] = [
+    ("Firmware revision", "firmware"),
+    ("Board information", "board"),
+    ("Craft name", "craft"),
+    ("motor_pwm_protocol", "output_protocol"),
+    ("looptime", "gyro_loop_us"),
+    ("pid_process_denom", "gyro_loops_per_rate_loop"),
+    ("P interval", "loops_per_frame"),
+    ("rollPID", "roll_rate_pid"),
+    ("pitchPID", "pitch_rate_pid"),
+    ("yawPID", "yaw_rate_pid"),
+    ("d_min", "rate_d_min"),
+    ("gyro_lowpass_hz", "gyro_low_pass_hz"),
+    ("gyro_lowpass2_hz", "gyro_low_pass2_hz"),
+    ("gyro_notch_hz", "gyro_notch_hz"),
+    ("gyro_notch_cutoff", "gyro_notch_cutoff_hz"),
+    ("dterm_lowpass_hz", "rate_d_low_pass_hz"),
+    ("dterm_lowpass2_hz", "rate_d_low_pass2_hz"),
+    ("thrust_linear", "thrust_curve"),
+    ("motor_poles", "motor_poles"),
+];
+
+/// Motors 1 to 4 of the mixer QUADX: rear right, front right, rear left, front left, propellers turning inward at the
+/// nose.
+const ROTORS: [Rotor; 4] = [
+    Rotor { is_front: false, is_right: true, is_counter_clockwise: false },
+    Rotor { is_front: true, is_right: true, is_counter_clockwise: true },
+    Rotor { is_front: false, is_right: false, is_counter_clockwise: true },
+    Rotor { is_front: true, is_right: false, is_counter_clockwise: false },
+];
+
+/// What the frames of a log mean.
+///
+/// # Errors
+/// In words: the vehicle has another number of motors.
+pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
+    let mut recording = head(messages);
+    if messages.column(FRAMES, "motor[4]").is_some() {
+        return Err("the vehicle is no quadrotor: its log has a motor[4]".to_owned());
+    }
+    let stamps = messages.column(FRAMES, TIME).unwrap_or_default();
+    let mut stream = Stream::at(FRAMES, stamps.iter().map(|stamp_us| stamp_us * 1e-6).collect());
+    let gyro_rad_s = gyro_unit_rad_s(messages, &mut recording.facts);
+    let accelerometer = number(messages, "acc_1G").filter(|per_g| *per_g > 0.0).map(|per_g| GRAVITY_M_S2 / per_g);
+    for axis in Axis::ALL {
+        let place = axis.index();
+        // forward-left-up to forward-right-down
+        let sign = if axis == Axis::Roll { 1.0 } else { -1.0 };
+        stream = stream.with(messages, &format!("gyroADC[{place}]"), Quantity::Rate(axis), sign * gyro_rad_s);
+        if let Some(unit_m_s2) = accelerometer {
+            stream = stream.with(messages, &format!("accSmooth[{place}]"), Quantity::Accel(axis), sign * unit_m_s2);
+        }
+    }
+    stream = attitude(messages, stream);
+    stream = motors(messages, stream, &mut recording.facts)?;
+    if has_volts(messages) {
+        stream = stream.with(messages, "vbatLatest", Quantity::Battery, 0.01);
+    }
+    recording.streams.push(stream);
+    Ok(recording)
+}
+
+/// What the head says of itself, without frames.
+pub(super) fn head(messages: &Messages) -> Recording {
+    let revision = messages.texts.get("Firmware revision").map_or("", String::as_str);
+    let name = revision.split(' ').next().filter(|name| !name.is_empty()).unwrap_or("Cleanflight");
+    let said = |(line, name): &(&str, &str)| {
+        let text = messages.texts.get(*line).filter(|text| !text.is_empty())?;
+        let value = text.parse().map_or_else(|_| FactValue::Text(text.clone()), FactValue::Number);
+        Some(Fact::said(name, value, &format!("head, {line}")))
+    };
+    let facts = LINES.iter().filter_map(said).collect();
+    Recording { flight_controller: name.to_owned(), facts, notes: messages.notes.clone(), ..Recording::default() }
+}
+
+fn number(messages: &Messages, line: &str) -> Option<f64> {
+    messages.texts.get(line)?.parse().ok()
+}
+
+/// One of the gyro's numbers, rad/s: the head's number has the bits of a 32 bit float, in degrees per second, or in
+/// radians per us as Cleanflight's first versions wrote it.
+fn gyro_unit_rad_s(messages: &Messages, facts: &mut Vec<Fact>) -> f64 {
+    let lines = ["gyro_scale", "gyro.scale"].into_iter();
+    let text = lines.filter_map(|line| messages.texts.get(line)).find_map(|text| text.strip_prefix("0x"));
+    let scale = text.and_then(|text| u32::from_str_radix(text, 16).ok()).map(|bits| f64::from(f32::from_bits(bits)));
+    let (unit_rad_s, is_assumed) = match scale {
+        Some(scale) if scale > 0.0 && scale < 1e-3 => (scale * 1e6, false),
+        Some(scale) if (1e-3..1e3).contains(&scale) => (scale * DEGREE_RAD, false),
+        _ => (DEGREE_RAD, true),
+    };
+    let make = if is_assumed { Fact::assumed } else { Fact::said };
+    facts.push(make("gyro_unit_rad_s", FactValue::Number(unit_rad_s), "head, gyro_scale"));
+    unit_rad_s
+}
+
+/// INAV's angles, in tenths of a degree: nose down counts positive, yaw as a compass does.
+fn attitude(messages: &Messages, mut stream: Stream) -> Stream {
+    for (axis, sign) in [(Axis::Roll, 1.0), (Axis::Pitch, -1.0), (Axis::Yaw, 1.0)] {
+        let field = format!("attitude[{}]", axis.index());
+        if let Some(column) = messages.column(FRAMES, &field) {
+            let value = column.iter().map(|tenths| wrapped(sign * 0.1 * DEGREE_RAD * tenths)).collect();
+            stream.add(Quantity::Angle(axis), &field, value);
+        }
+    }
+    stream
+}
+
+/// Outputs between those of no and full thrust, and rotor speeds where the motors' controllers report them.
+fn motors(messages: &Messages, mut stream: Stream, facts: &mut Vec<Fact>) -> Result<Stream, String> {
+    /// DShot's throttle goes from here to 2047; the head's lower end is the idle speed.
+    const DSHOT_LEAST: f64 = 48.0;
+    let order = MotorOrder::of(&ROTORS)?;
+    let range = messages.texts.get("motorOutput").and_then(|text| text.split_once(','));
+    let most: Option<f64> = range.and_then(|(_, most)| most.trim().parse().ok()).or(number(messages, "maxthrottle"));
+    let (least, most) = match most {
+        Some(most) if most > 2000.0 => (DSHOT_LEAST, most),
+        Some(most) if most > 1000.0 => (1000.0, most),
+        _ => (1000.0, 2000.0),
+    };
+    facts.push(Fact::said("output_max", FactValue::Number(most), "head, motorOutput or maxthrottle"));
+    facts.push(Fact::assumed("output_min", FactValue::Number(least), "the protocol's, since output_max is its"));
+    let poles = number(messages, "motor_poles").filter(|poles| *poles >= 2.0).unwrap_or(14.0);
+    for (motor, given) in order.given.into_iter().enumerate() {
+        let text = format!("motor[{given}]: {}", ROTORS[given].in_words());
+        facts.push(Fact::assumed(
+            &format!("motor{}", motor + 1),
+            FactValue::Text(text),
+            "the mixer QUADX, motors not reversed",
+        ));
+        let field = format!("motor[{given}]");
+        if let Some(column) = messages.column(FRAMES, &field) {
+            let value = column.iter().map(|output| ((output - least) / (most - least)).clamp(0.0, 1.0)).collect();
+            stream.add(Quantity::Motor(motor), &field, value);
+        }
+        // hundreds of electrical revolutions per minute, one per pair of poles
+        stream = stream.with(messages, &format!("eRPM[{given}]"), Quantity::Rpm(motor), 200.0 / poles);
+    }
+    Ok(stream)
+}
+
+/// Voltage is in 0.01 V since Betaflight 4 and INAV 3; what older firmware logged depends on its board.
+fn has_volts(messages: &Messages) -> bool {
+    let mut words = messages.texts.get("Firmware revision").map_or("", String::as_str).split([' ', '.']);
+    let (name, major) = (words.next(), words.next().and_then(|major| major.parse::<u32>().ok()));
+    match (name, major) {
+        (Some("Betaflight"), Some(major)) => major >= 4,
+        (Some("INAV"), Some(major)) => major >= 3,
+        _ => false,
+    }
+}

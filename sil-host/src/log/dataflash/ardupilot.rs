@@ -1,0 +1,266 @@
+//! What ArduPilot's messages mean (ArduPilot, "Onboard Message Log Messages" and "Complete Parameter List"): body axes
+//! forward-right-down, world north-east-down, angles in degrees, rates in rad/s, outputs as pulse widths in us.
+
+use super::super::messages::Messages;
+use super::super::motor_order::{MotorOrder, Rotor};
+use super::super::quantity::Quantity;
+use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
+use crate::axis::Axis;
+use crate::statistics::wrapped;
+
+/// The messages that are read.
+pub(super) const MESSAGES: [&str; 9] = ["IMU", "ATT", "RCOU", "BAT", "CURR", "XKF1", "NKF1", "EKF1", "ESC"];
+
+const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
+
+/// Parameter, name of the fact, factor to its unit. Names have changed: the later ones are older.
+const PARAMETERS: [(&str, &str, f64); 38] = [
+    ("SCHED_LOOP_RATE", "rate_loop_hz", 1.0),
+    ("INS_GYRO_FILTER", "gyro_low_pass_hz", 1.0),
+    ("INS_ACCEL_FILTER", "accelerometer_low_pass_hz", 1.0),
+    ("INS_HNTCH_FREQ", "gyro_notch_hz", 1.0),
+    ("INS_HNTCH_BW", "gyro_notch_width_hz", 1.0),
+    ("MOT_PWM_TYPE", "output_protocol", 1.0),
+    ("RC_SPEED", "output_hz", 1.0),
+    ("MOT_THST_EXPO", "thrust_curve_expo", 1.0),
+    ("MOT_THST_HOVER", "hover_thrust", 1.0),
+    ("MOT_SPIN_ARM", "spin_armed", 1.0),
+    ("MOT_SPIN_MIN", "spin_min", 1.0),
+    ("MOT_SPIN_MAX", "spin_max", 1.0),
+    ("MOT_BAT_VOLT_MAX", "thrust_scaled_from_v", 1.0),
+    ("MOT_BAT_VOLT_MIN", "thrust_scaled_to_v", 1.0),
+    ("ATC_ANG_RLL_P", "roll_p_1_s", 1.0),
+    ("ATC_ANG_PIT_P", "pitch_p_1_s", 1.0),
+    ("ATC_ANG_YAW_P", "yaw_p_1_s", 1.0),
+    ("ATC_RAT_RLL_P", "roll_rate_p", 1.0),
+    ("ATC_RAT_RLL_I", "roll_rate_i", 1.0),
+    ("ATC_RAT_RLL_D", "roll_rate_d", 1.0),
+    ("ATC_RAT_RLL_FLTD", "roll_rate_d_low_pass_hz", 1.0),
+    ("ATC_RAT_PIT_P", "pitch_rate_p", 1.0),
+    ("ATC_RAT_PIT_I", "pitch_rate_i", 1.0),
+    ("ATC_RAT_PIT_D", "pitch_rate_d", 1.0),
+    ("ATC_RAT_PIT_FLTD", "pitch_rate_d_low_pass_hz", 1.0),
+    ("ATC_RAT_YAW_P", "yaw_rate_p", 1.0),
+    ("ATC_RAT_YAW_I", "yaw_rate_i", 1.0),
+    ("ATC_RAT_YAW_D", "yaw_rate_d", 1.0),
+    ("STB_RLL_P", "roll_p_1_s", 1.0),
+    ("STB_PIT_P", "pitch_p_1_s", 1.0),
+    ("STB_YAW_P", "yaw_p_1_s", 1.0),
+    ("RATE_RLL_P", "roll_rate_p", 1.0),
+    ("RATE_RLL_I", "roll_rate_i", 1.0),
+    ("RATE_RLL_D", "roll_rate_d", 1.0),
+    ("RATE_PIT_P", "pitch_rate_p", 1.0),
+    ("RATE_PIT_I", "pitch_rate_i", 1.0),
+    ("RATE_PIT_D", "pitch_rate_d", 1.0),
+    ("RATE_YAW_P", "yaw_rate_p", 1.0),
+];
+
+/// What the messages of an ArduPilot log mean.
+///
+/// # Errors
+/// In words: the vehicle is no quad-X.
+pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
+    let mut recording = head(messages);
+    let other = messages.texts.values().find(|text| ["Plane", "Rover", "Sub V"].iter().any(|kind| text.contains(kind)));
+    if let Some(text) = other {
+        return Err(format!("the vehicle is no quadrotor: \"{text}\"; name the columns in a --map"));
+    }
+    let order = motor_order(messages, &mut recording.facts)?;
+    recording.streams.extend(imu(messages));
+    recording.streams.extend(attitude(messages));
+    recording.streams.extend(outputs(messages, &order, &mut recording.facts));
+    recording.streams.extend(position(messages, &mut recording.facts));
+    recording.streams.extend(battery(messages, &mut recording.facts));
+    recording.streams.extend(rotor_speeds(messages, &order));
+    Ok(recording)
+}
+
+/// What the file says of itself, without readings.
+pub(super) fn head(messages: &Messages) -> Recording {
+    let firmware = messages.texts.values().find(|text| text.starts_with("Ardu") || text.starts_with("APM:"));
+    let said = |text: &String| Fact::said("firmware", FactValue::Text(text.clone()), "message MSG");
+    let mut facts: Vec<Fact> = firmware.map(said).into_iter().collect();
+    facts.extend(facts_of_parameters(messages, &PARAMETERS));
+    let notes = messages.notes.clone();
+    Recording { flight_controller: "ArduPilot".to_owned(), facts, notes, ..Recording::default() }
+}
+
+/// The stream of a kind of message; until 2014 times were in ms.
+fn stream(messages: &Messages, name: &str) -> Option<Stream> {
+    let table = messages.table(name)?;
+    let us = table.column("TimeUS").map(|stamps| (stamps, 1e-6));
+    let (stamps, unit_s) = us.or_else(|| table.column("TimeMS").map(|stamps| (stamps, 1e-3)))?;
+    Some(Stream::at(name, stamps.iter().map(|stamp| stamp * unit_s).collect()))
+}
+
+/// Gyro and accelerometer of the first IMU.
+fn imu(messages: &Messages) -> Option<Stream> {
+    let mut stream = stream(messages, "IMU")?;
+    for (axis, [gyro, accelerometer]) in
+        Axis::ALL.into_iter().zip([["GyrX", "AccX"], ["GyrY", "AccY"], ["GyrZ", "AccZ"]])
+    {
+        stream = stream.with(messages, gyro, Quantity::Rate(axis), 1.0);
+        stream = stream.with(messages, accelerometer, Quantity::Accel(axis), 1.0);
+    }
+    Some(stream)
+}
+
+/// Angles and what the controller was given, degrees; yaw counts from 0 to 360.
+fn attitude(messages: &Messages) -> Option<Stream> {
+    let mut stream = stream(messages, "ATT")?;
+    for (axis, [angle, reference]) in
+        Axis::ALL.into_iter().zip([["Roll", "DesRoll"], ["Pitch", "DesPitch"], ["Yaw", "DesYaw"]])
+    {
+        stream = stream.with(messages, angle, Quantity::Angle(axis), DEGREE_RAD);
+        stream = stream.with(messages, reference, Quantity::Reference(axis), DEGREE_RAD);
+    }
+    for column in &mut stream.columns {
+        column.value.iter_mut().for_each(|angle_rad| *angle_rad = wrapped(*angle_rad));
+    }
+    Some(stream)
+}
+
+/// Motors 1 to 4 of a frame, by its type.
+struct Frame {
+    kind: f64,
+    name: &'static str,
+    /// Corner and spin of each motor: front, right, counter-clockwise.
+    rotors: [(bool, bool, bool); 4],
+}
+
+/// The quadrotors whose motors stand as an X, with the numbering and the spins of AP_MotorsMatrix.
+const FRAMES: [Frame; 7] = {
+    const FR: (bool, bool, bool) = (true, true, true);
+    const RL: (bool, bool, bool) = (false, false, true);
+    const FL: (bool, bool, bool) = (true, false, false);
+    const RR: (bool, bool, bool) = (false, true, false);
+    const fn turned((front, right, spin): (bool, bool, bool)) -> (bool, bool, bool) {
+        (front, right, !spin)
+    }
+    [
+        Frame { kind: 1.0, name: "X", rotors: [FR, RL, FL, RR] },
+        Frame { kind: 2.0, name: "V", rotors: [FR, RL, FL, RR] },
+        Frame { kind: 3.0, name: "H", rotors: [turned(FR), turned(RL), turned(FL), turned(RR)] },
+        Frame { kind: 12.0, name: "Betaflight X", rotors: [RR, FR, RL, FL] },
+        Frame { kind: 13.0, name: "DJI X", rotors: [FR, FL, RL, RR] },
+        Frame { kind: 14.0, name: "clockwise X", rotors: [FR, RR, RL, FL] },
+        Frame { kind: 18.0, name: "Betaflight X reversed", rotors: [turned(RR), turned(FR), turned(RL), turned(FL)] },
+    ]
+};
+
+/// Which of ArduPilot's motors is which of ours.
+fn motor_order(messages: &Messages, facts: &mut Vec<Fact>) -> Result<[usize; 4], String> {
+    /// Quadrotor.
+    const QUAD: f64 = 1.0;
+    if let Some(class) = messages.parameter("FRAME_CLASS").filter(|class| *class != QUAD && *class != 0.0) {
+        return Err(format!("the vehicle is no quadrotor: its parameter FRAME_CLASS is {class}"));
+    }
+    // until 2016 one parameter was both
+    let kind = ["FRAME_TYPE", "FRAME"].into_iter().find_map(|name| Some((name, messages.parameter(name)?)));
+    let (source, frame) = match kind {
+        Some((name, kind)) => {
+            let frame = FRAMES.iter().find(|frame| frame.kind == kind);
+            let unknown = || {
+                format!(
+                    "its parameter {name} is {kind}: a plus or another frame whose motors do not stand as an X, \
+                     which the motors of this project's logs do"
+                )
+            };
+            (format!("parameter {name} = {kind}"), frame.ok_or_else(unknown)?)
+        }
+        None => ("no parameter FRAME_TYPE".to_owned(), &FRAMES[0]),
+    };
+    let make = if kind.is_some() { Fact::said } else { Fact::assumed };
+    facts.push(make("frame", FactValue::Text(frame.name.to_owned()), &source));
+    let rotors = frame.rotors.map(|(is_front, is_right, is_counter_clockwise)| Rotor {
+        is_front,
+        is_right,
+        is_counter_clockwise,
+    });
+    let order = MotorOrder::of(&rotors)?;
+    for (motor, given) in order.given.into_iter().enumerate() {
+        let text = format!("ArduPilot's motor {}: {}", given + 1, rotors[given].in_words());
+        facts.push(make(&format!("motor{}", motor + 1), FactValue::Text(text), &source));
+    }
+    if order.is_spin_reversed {
+        let text = "the rotors turn the other way than docs/rig.md's: yaw answers to the motors with the other sign";
+        facts.push(make("spin", FactValue::Text(text.to_owned()), &source));
+    }
+    Ok(order.given)
+}
+
+/// Pulse widths to the motors between those of no and full thrust, by the channel that drives each.
+fn outputs(messages: &Messages, order: &[usize; 4], facts: &mut Vec<Fact>) -> Option<Stream> {
+    /// `SERVOn_FUNCTION` of the first motor.
+    const FIRST_MOTOR: f64 = 33.0;
+    let name = "RCOU";
+    let mut stream = stream(messages, name)?;
+    let [least, most] = range_us(messages, facts);
+    let functions: Vec<Option<f64>> =
+        (1..=16).map(|channel| messages.parameter(&format!("SERVO{channel}_FUNCTION"))).collect();
+    for (motor, given) in order.iter().enumerate() {
+        let named = functions.iter().position(|function| *function == Some(FIRST_MOTOR + *given as f64));
+        let channel = named.unwrap_or(*given) + 1;
+        let (text, what) = (FactValue::Number(channel as f64), format!("motor{}_channel", motor + 1));
+        facts.push(match named {
+            Some(_) => Fact::said(&what, text, &format!("parameter SERVO{channel}_FUNCTION")),
+            None => Fact::assumed(&what, text, "no SERVOn_FUNCTION names the motor"),
+        });
+        let table = messages.table(name)?;
+        let field =
+            [format!("C{channel}"), format!("Ch{channel}")].into_iter().find(|field| table.column(field).is_some())?;
+        let command = |pulse_us: &f64| ((pulse_us - least) / (most - least)).clamp(0.0, 1.0);
+        let value = table.column(&field)?.iter().map(command).collect();
+        stream.add(Quantity::Motor(motor), &field, value);
+    }
+    Some(stream)
+}
+
+/// The pulse widths of no and full thrust: the motors' own, else the throttle channel's, else the usual ones.
+fn range_us(messages: &Messages, facts: &mut Vec<Fact>) -> [f64; 2] {
+    [("MIN", 1000.0), ("MAX", 2000.0)].map(|(end, default)| {
+        let names = [format!("MOT_PWM_{end}"), format!("RC3_{end}")];
+        // 0 stands for the throttle channel's
+        let said = names.into_iter().find_map(|name| {
+            messages.parameter(&name).filter(|pulse_us| *pulse_us > 0.0).map(|pulse_us| (name, pulse_us))
+        });
+        let fact = format!("output_{}_us", end.to_lowercase());
+        facts.push(match &said {
+            Some((name, pulse_us)) => Fact::said(&fact, FactValue::Number(*pulse_us), &format!("parameter {name}")),
+            None => Fact::assumed(&fact, FactValue::Number(default), "no parameter; ArduPilot's default"),
+        });
+        said.map_or(default, |(_, pulse_us)| pulse_us)
+    })
+}
+
+/// Velocity and height of the estimator that the log has, the newest kind.
+fn position(messages: &Messages, facts: &mut Vec<Fact>) -> Option<Stream> {
+    let mut stream = ["XKF1", "NKF1", "EKF1"].into_iter().find_map(|name| stream(messages, name))?;
+    for (axis, field) in Axis::ALL.into_iter().zip(["VN", "VE", "VD"]) {
+        stream = stream.with(messages, field, Quantity::Velocity(axis), 1.0);
+    }
+    let text = FactValue::Text("above where the estimator began".to_owned());
+    let why = format!("{}.PD; the ground's own height is not known", stream.name);
+    facts.push(Fact::assumed("height_m", text, &why));
+    Some(stream.with(messages, "PD", Quantity::Height, -1.0))
+}
+
+/// Battery voltage, in V; until 2016 in 0.01 V.
+fn battery(messages: &Messages, facts: &mut Vec<Fact>) -> Option<Stream> {
+    /// No battery of a quadrotor has more, V.
+    const VOLTS_MAX: f64 = 100.0;
+    let stream = ["BAT", "CURR"].into_iter().find_map(|name| stream(messages, name))?;
+    let is_high = messages.column(&stream.name, "Volt")?.iter().any(|volts| *volts > VOLTS_MAX);
+    let unit_v = if is_high { 0.01 } else { 1.0 };
+    facts.push(Fact::assumed("battery_unit_v", FactValue::Number(unit_v), "size of the numbers"));
+    Some(stream.with(messages, "Volt", Quantity::Battery, unit_v))
+}
+
+/// Rotor speeds that the motors' controllers report; the messages of each motor have their own times.
+fn rotor_speeds(messages: &Messages, order: &[usize; 4]) -> Vec<Stream> {
+    let of = |(motor, given): (usize, &usize)| {
+        let name = if *given == 0 { "ESC".to_owned() } else { format!("ESC.{given}") };
+        Some(stream(messages, &name)?.with(messages, "RPM", Quantity::Rpm(motor), 1.0))
+    };
+    order.iter().enumerate().filter_map(of).collect()
+}

@@ -1,0 +1,206 @@
+//! From a [`Recording`] of several rates to a [`Log`] of rows, by the rules of `recording.rs`.
+
+mod readings;
+#[cfg(test)]
+mod tests;
+
+use self::readings::{Between, Readings, put_in_order};
+use super::error::{LogError, LogErrorKind, ROWS_MIN};
+use super::map::{Map, Threshold};
+use super::quantity::Quantity;
+use super::recording::Recording;
+use super::{Log, note_gaps};
+use crate::axis::Axis;
+
+/// A quantity that the rows need not have is left out if it covers less of them than this.
+const COVERS_MIN: f64 = 0.9;
+
+/// The log of a recording; `file` is for messages. A map says more of the axes, where one was given.
+///
+/// # Errors
+/// A stream's time runs back, most of a quantity's readings are impossible, there are no rates or commands, or too few
+/// instants at which all is there.
+pub(super) fn log_of(file: &str, recording: Recording, map: Option<&Map>) -> Result<Log, LogError> {
+    let fail = |column: Option<&str>, kind| LogError {
+        file: file.to_owned(),
+        line: None,
+        column: column.map(str::to_owned),
+        kind,
+    };
+    let Recording { flight_controller, mut streams, facts, notes } = recording;
+    let mut log =
+        Log { path: file.to_owned(), flight_controller: Some(flight_controller), facts, notes, ..Log::default() };
+    for stream in &mut streams {
+        let gone = put_in_order(stream).map_err(|kind| fail(Some(&stream.name), kind))?;
+        if gone > 0 {
+            let name = &stream.name;
+            log.notes.push(format!("{name}: {gone} readings replaced by the next one, whose time is not later"));
+        }
+    }
+    let recording = Recording { streams, ..Recording::default() };
+    let mut all = Vec::new();
+    for (stream, column) in Quantity::ALL.into_iter().filter_map(|quantity| recording.find(quantity)) {
+        let readings = Readings::of(stream, column, &mut log.notes).map_err(|kind| fail(Some(&column.source), kind))?;
+        all.extend(readings);
+    }
+    let quantities = Quantities::of(all).map_err(|kind| fail(None, kind))?;
+    let (quantities, rows_s) = quantities.covering_rows(&mut log.notes);
+    fill(&mut log, &quantities, &rows_s);
+    if log.rows() < ROWS_MIN {
+        let kind = LogErrorKind::TooFewRowsInCommon { rows: log.rows(), streams: quantities.in_words(true) };
+        return Err(fail(None, kind));
+    }
+    log.sent_commands = quantities.sent_beside(&log.time_s).map(Box::new);
+    describe(&mut log, &quantities, rows_s.len(), map);
+    Ok(log)
+}
+
+/// The rows at which every quantity is there.
+fn fill(log: &mut Log, quantities: &Quantities<'_>, rows_s: &[f64]) {
+    let of = &quantities.of;
+    let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(rows_s.len()); of.len()];
+    let mut values = Vec::with_capacity(of.len());
+    for time_s in rows_s {
+        values.clear();
+        values.extend(of.iter().map_while(|readings| readings.at(*time_s)));
+        if values.len() == of.len() {
+            log.time_s.push(*time_s);
+            columns.iter_mut().zip(&values).for_each(|(column, value)| column.push(*value));
+        }
+    }
+    for (readings, column) in of.iter().zip(columns) {
+        log.set_column(readings.quantity, column);
+    }
+}
+
+/// What the log is about, when its motors run, and what its reader should know.
+fn describe(log: &mut Log, quantities: &Quantities<'_>, rows_tried: usize, map: Option<&Map>) {
+    let has = |quantity| quantities.find(quantity).is_some();
+    log.axes = Axis::ALL.map(|axis| has(Quantity::Rate(axis)) || has(Quantity::Angle(axis)));
+    // a controller stops its motors by 0
+    let running = [Quantity::Motor(0), Quantity::Thrust].into_iter().find(|quantity| has(*quantity));
+    log.active_when = running.map(|quantity| Threshold { quantity, above: 0.0 });
+    if let Some(map) = map {
+        log.axes = core::array::from_fn(|axis| log.axes[axis] && map.axes[axis]);
+        log.active_when = map.active_when.or(log.active_when);
+        log.motor_per_axis_command = map.motor_per_axis_command;
+        log.notes.push(format!("read by the map {}", map.name));
+    }
+    log.notes.push(format!("readings per second: {}", quantities.in_words(false)));
+    let assumed: Vec<String> = log.facts.iter().filter(|fact| fact.is_assumed).map(|fact| fact.to_string()).collect();
+    if !assumed.is_empty() {
+        log.notes.push(format!("assumed: {}", assumed.join("; ")));
+    }
+    if log.rows() < rows_tried {
+        let left_out = rows_tried - log.rows();
+        log.notes.push(format!("{left_out} rows left out, at which another stream has a gap"));
+    }
+    note_gaps(log);
+}
+
+/// The quantities that a log is made of.
+struct Quantities<'a> {
+    of: Vec<Readings<'a>>,
+    /// Place of the one whose times are the rows'.
+    rows: usize,
+}
+
+impl<'a> Quantities<'a> {
+    /// Of all that were recorded: motors if there are four, else axis commands.
+    fn of(mut all: Vec<Readings<'a>>) -> Result<Quantities<'a>, LogErrorKind> {
+        let is_motor = |quantity: Quantity| matches!(quantity, Quantity::Motor(_));
+        let is_axis_command = |quantity: Quantity| matches!(quantity, Quantity::Command(_));
+        let motors = all.iter().filter(|readings| is_motor(readings.quantity)).count();
+        all.retain(
+            |readings| !if motors == 4 { is_axis_command(readings.quantity) } else { is_motor(readings.quantity) },
+        );
+        let here: Vec<String> = all.iter().map(|readings| readings.quantity.name()).collect();
+        let missing = |wanted| LogErrorKind::NoReadings { wanted, here: here.join(", ") };
+        let rates = all.iter().position(|readings| matches!(readings.quantity, Quantity::Rate(_)));
+        let angles = all.iter().position(|readings| matches!(readings.quantity, Quantity::Angle(_)));
+        let Some(rows) = rates.or(angles) else { return Err(missing("body rates or angles")) };
+        if !all.iter().any(|readings| is_motor(readings.quantity) || is_axis_command(readings.quantity)) {
+            return Err(missing("outputs of four motors, or axis commands"));
+        }
+        Ok(Quantities { of: all, rows })
+    }
+
+    fn find(&self, quantity: Quantity) -> Option<&Readings<'a>> {
+        self.of.iter().find(|readings| readings.quantity == quantity)
+    }
+
+    /// The times at which all that is needed can be there, and the quantities that cover them.
+    fn covering_rows(mut self, notes: &mut Vec<String>) -> (Quantities<'a>, Vec<f64>) {
+        let is_there = |time_s: &&f64| {
+            self.of
+                .iter()
+                .filter(|readings| is_needed(readings.quantity))
+                .all(|readings| readings.at(**time_s).is_some())
+        };
+        let rows_s: Vec<f64> = self.of[self.rows].time_s.iter().filter(is_there).copied().collect();
+        let name_of_rows = self.of[self.rows].quantity;
+        self.of.retain(|readings| {
+            let covered = rows_s.iter().filter(|time_s| readings.at(**time_s).is_some()).count() as f64;
+            let is_kept = is_needed(readings.quantity) || covered >= COVERS_MIN * rows_s.len() as f64;
+            if !is_kept {
+                let share_pct = 100.0 * covered / rows_s.len() as f64;
+                notes.push(format!("{} left out: it is there in {share_pct:.0} % of the rows", readings.source));
+            }
+            is_kept
+        });
+        self.rows = self.of.iter().position(|readings| readings.quantity == name_of_rows).unwrap_or_default();
+        let all_s = self.of[self.rows].time_s.clone();
+        let ends = [rows_s.first(), rows_s.last()].map(|time_s| time_s.copied().unwrap_or(f64::NAN));
+        let within = all_s.into_iter().filter(|time_s| (ends[0]..=ends[1]).contains(time_s)).collect();
+        (self, within)
+    }
+
+    /// The commands at their own times, the first the one in force at the first row; none where these are the rows'.
+    fn sent_beside(&self, rows_s: &[f64]) -> Option<Log> {
+        let commands: Vec<&Readings<'_>> =
+            self.of.iter().filter(|readings| readings.between == Between::Held).collect();
+        let mut stamps: Vec<f64> = commands.iter().flat_map(|readings| readings.time_s.iter().copied()).collect();
+        stamps.sort_by(f64::total_cmp);
+        stamps.dedup();
+        let in_force = |row_s: Option<&f64>| stamps.partition_point(|stamp| row_s.is_some_and(|row_s| stamp <= row_s));
+        let first = in_force(rows_s.first()).saturating_sub(1);
+        let stamps = &stamps[first..in_force(rows_s.last()).max(first)];
+        if stamps == rows_s {
+            return None;
+        }
+        let mut sent = Log::default();
+        let held = |readings: &&Readings<'_>, stamp: f64| {
+            let before = readings.time_s.partition_point(|reading_s| *reading_s <= stamp).checked_sub(1)?;
+            readings.value.get(before).copied()
+        };
+        let is_whole = |stamp: &&f64| commands.iter().all(|readings| held(readings, **stamp).is_some());
+        sent.time_s = stamps.iter().filter(is_whole).copied().collect();
+        for readings in &commands {
+            let column = sent.time_s.iter().filter_map(|stamp| held(readings, *stamp)).collect();
+            sent.set_column(readings.quantity, column);
+        }
+        sent.axes = Axis::ALL.map(|axis| sent.axis_command[axis.index()].is_some());
+        Some(sent)
+    }
+
+    /// Source, readings per second and, if wanted, span of each quantity's readings, equal ones once.
+    fn in_words(&self, with_span: bool) -> String {
+        let mut words: Vec<String> = Vec::new();
+        for readings in &self.of {
+            let message = readings.source.split('.').next().unwrap_or(readings.source);
+            let [from_s, to_s] = readings.span_s();
+            let span = if with_span { format!(" from {from_s:.2} s to {to_s:.2} s") } else { String::new() };
+            let word = format!("{message} {:.0}{span}", readings.rate_hz());
+            if !words.contains(&word) {
+                words.push(word);
+            }
+        }
+        words.join(", ")
+    }
+}
+
+/// Whether rows without it are no rows.
+fn is_needed(quantity: Quantity) -> bool {
+    use Quantity::{Angle, Command, Motor, Rate, Thrust};
+    matches!(quantity, Rate(_) | Angle(_) | Motor(_) | Command(_) | Thrust)
+}
