@@ -19,7 +19,7 @@ use super::flown::fly_one;
 use super::progress_line::ProgressLine;
 use super::{
     Failure, bad_input, compare as compare_command, compare_report, diagnose_report, diagnose_text, failed,
-    flight_report, print, write_file,
+    flight_report, make_folder, print, write_file,
 };
 
 /// The rig log that ships: synthetic, flown by the thesis' MPC (100 Hz, M = 1) on a ring that is off balance.
@@ -34,6 +34,8 @@ const RIG_LOG_CONTROLLER: &str = include_str!("../../demonstration/thesis-mpc.to
 const REPORT: &str = "out/report.html";
 
 pub fn run() -> Result<(), Failure> {
+    // before some seconds of computing
+    make_folder(Path::new(REPORT))?;
     print("1. The thesis' test sequence on the simulated testbed, PID cascade against MPC\n\n")?;
     let model = VehicleModel::nominal(Rig::Gimbal);
     let flown = [Controller::Cascade, Controller::Mpc]

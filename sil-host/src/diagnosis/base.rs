@@ -12,7 +12,7 @@ use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
 use super::plausible::has_bound;
 use super::search::{Candidate, Search};
-use super::verdict::{Estimate, MODEL_ERROR, estimates};
+use super::verdict::{Estimate, MODEL_ERROR, count_half_row, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::Scope;
@@ -20,8 +20,13 @@ use crate::effects::Scope;
 /// The effects of the catalogue that are ordinary of any vehicle.
 const ORDINARY: [&str; 5] = ["torque_bias", "thrust_scale", "motor_lag", "actuation_delay", "gyro_bias"];
 /// Those that are ordinary of a bench whose vehicle no model knows: gravity pulls beside the bearing, the bearing
-/// brakes, with grease and without. A model of a vehicle on its testbed says that they are not there.
-const HELD: [&str; 3] = ["cg_offset", "viscous_friction", "coulomb_friction"];
+/// brakes, with grease and without. A model of a vehicle on its testbed says where gravity pulls.
+const HELD: [&str; 3] = ["cg_offset", BEARING, "coulomb_friction"];
+/// What is ordinary of whatever a bearing holds.
+const BEARING: &str = "viscous_friction";
+/// What is ordinary of a model file: its inertias are wrong axis by axis, so that a lift scale cannot serve all axes
+/// that lifts turn.
+const OF_THE_FILE: &str = "inertia_error";
 
 /// Where lag and delay begin, s. They look alike, and a fit that begins with one of them large stays there.
 const LAG_AND_DELAY_S: [[f64; 2]; 3] = [[0.01, 0.005], [0.1, 0.002], [0.002, 0.05]];
@@ -50,9 +55,16 @@ impl fmt::Display for BaseTerm {
 
 /// What is ordinary of what a log is about.
 pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
-    let of_held = |effect: &Fitted| !scope.is_vehicle && HELD.contains(&effect.name());
+    let of_held = |effect: &Fitted| match effect.name() {
+        BEARING => scope.is_held || !scope.is_vehicle,
+        name => !scope.is_vehicle && HELD.contains(&name),
+    };
     let held = Fitted::beside(scope, |_| true).into_iter().filter(of_held);
-    ordinary_of_any(scope).into_iter().chain(held).collect()
+    // without forces to be seen the first axis shows lift over inertia alone, and the lift scale is its own
+    let own_lift = usize::from(!scope.pushed);
+    let is_turned_by_lift = |effect: &Fitted| effect.name() == OF_THE_FILE && effect.axis() != Some(Axis::Yaw);
+    let inertias = Fitted::hypotheses(scope).into_iter().filter(is_turned_by_lift).skip(own_lift);
+    ordinary_of_any(scope).into_iter().chain(held).chain(inertias).collect()
 }
 
 /// What is ordinary of a vehicle whether anything holds it or not.
@@ -96,8 +108,9 @@ pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
     let of = |index: usize| {
         let effect = fit.terms[index].effect;
         let name = |name| if is_vehicle { name } else { per_unit_inertia(name) };
-        let parameters =
-            estimates(fit, index, MODEL_ERROR).into_iter().map(|(own, value)| (name(own), value)).collect();
+        let mut parameters = estimates(fit, index, MODEL_ERROR);
+        count_half_row(search, effect, &mut parameters);
+        let parameters = parameters.into_iter().map(|(own, value)| (name(own), value)).collect();
         let axis = effect.axis().map(Axis::name);
         BaseTerm { effect: effect.name(), axis, parameters, ordinary: !found.unusual.contains(&index) }
     };

@@ -160,8 +160,8 @@ impl<'e> Search<'e> {
         self.settled(self.always.clone(), f64::INFINITY)
     }
 
-    /// The model with these effects fitted from their values on, all start states at their best; given up where it can't
-    /// come near a sum of squares.
+    /// The model with these effects fitted from their values on, all start states at their best; given up where it
+    /// can't come near a sum of squares.
     pub(super) fn settled(&self, terms: Vec<Term<'e>>, to_reach: f64) -> Candidate<'e> {
         let starts = self.settled_starts(&terms);
         self.fitted(terms, &starts, to_reach)

@@ -8,14 +8,15 @@
 use super::drive::{Drive, QUICKEST_S};
 use super::drive_curve::DriveCurve;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
-use crate::vehicle::{CommandPath, NetSpin, on_the_way, spin_sum};
+use crate::vehicle::{CommandPath, NetSpin, StraightLine, on_the_way, spin_sum};
 
 /// Longest step of the body, s.
 const BODY_STEP_MAX_S: f64 = 5e-3;
 /// Longest step of the motors as a share of what is quickest in them: the thesis' motors ring with 98 Hz, 1.6 ms for
-/// the reciprocal of that in rad/s, and take 0.4 ms. Simpson's rule then errs by 2e-6 of an exponential, Runge-Kutta 4
-/// by 8e-6.
+/// the reciprocal of that in rad/s, and take 0.4 ms. Runge-Kutta 4 then errs by 8e-6 of an exponential.
 const MOTOR_STEP_SHARE: f64 = 0.25;
+/// The same of the lag before them, whose exponential is exact; Simpson's rule loses 2e-5 of it.
+const LAG_STEP_SHARE: f64 = 0.5;
 /// Of a longer interval between two rows only the end is followed, s: no motor remembers more, and no window holds such
 /// a gap.
 const INTERVAL_MAX_S: f64 = 10.0;
@@ -137,8 +138,9 @@ struct Motors<'a> {
     arrived: [f64; 4],
     /// Behind the lag.
     lagged: [f64; 4],
-    /// A step, s, and the share of its way that the lag has left after half of it.
+    /// A step, s, the share of its way that the lag has left after half of it, and that over the step as a line.
     half_left: (f64, f64),
+    line_left: StraightLine,
     /// What that makes the motors do: computed only where the command changes.
     driving: [f64; 4],
     /// The same over a command, where it is costly.
@@ -159,10 +161,11 @@ impl<'a> Motors<'a> {
                 (rotors[motor], rotors[4 + motor]) = (settled.speed_rad_s, settled.current_a);
             }
         }
-        let lag_s = if path.lag_s > 0.0 { path.lag_s } else { f64::INFINITY };
-        let step_max_s = MOTOR_STEP_SHARE * drive.quickest_s().min(lag_s).max(QUICKEST_S);
-        let driving = drive.of_commands(&drive.bent(arrived, path));
-        let half_left = (0.0, 1.0);
+        let lag_step_s = match drive {
+            Drive::Motors(_) if path.lag_s > 0.0 => LAG_STEP_SHARE * path.lag_s.max(QUICKEST_S),
+            _ => f64::INFINITY,
+        };
+        let step_max_s = lag_step_s.min(MOTOR_STEP_SHARE * drive.quickest_s().max(QUICKEST_S));
         Motors {
             path,
             drive,
@@ -170,8 +173,9 @@ impl<'a> Motors<'a> {
             row: 0,
             arrived,
             lagged: arrived,
-            half_left,
-            driving,
+            half_left: (0.0, 1.0),
+            line_left: StraightLine::default(),
+            driving: drive.of_commands(&drive.bent(arrived, path)),
             curve,
             rotors,
             change: None,
@@ -264,14 +268,15 @@ impl<'a> Motors<'a> {
 
     /// At the begin, in the middle and at the end of a step under one command.
     fn motor_step(&mut self, step_s: f64) -> [Tracked; 3] {
-        let begin = self.driving;
+        let (begin, behind) = (self.driving, self.lagged);
         let (middle, end) = if self.path.lag_s > 0.0 {
             if step_s != self.half_left.0 {
                 self.half_left = (step_s, self.path.left_after(0.5 * step_s));
+                self.line_left = self.path.line_left(step_s);
             }
             let (_, half_left) = self.half_left;
-            let behind = |left: f64| on_the_way(self.lagged, self.arrived, left);
-            let (middle, end) = (behind(half_left), behind(half_left * half_left));
+            let after = |left: f64| on_the_way(behind, self.arrived, left);
+            let (middle, end) = (after(half_left), after(half_left * half_left));
             self.lagged = end;
             (self.driven(&middle), self.driven(&end))
         } else {
@@ -279,6 +284,12 @@ impl<'a> Motors<'a> {
         };
         self.driving = end;
         match self.drive {
+            // Simpson's rule of a straight line is exact, so that one step serves however short the lag is
+            Drive::Direct(_) if self.path.lag_s > 0.0 => {
+                let StraightLine { mean, half_change } = self.line_left;
+                let left = [mean - half_change, mean, mean + half_change];
+                left.map(|left| tracked(self.driven(&on_the_way(behind, self.arrived, left)), 0.0))
+            }
             Drive::Direct(_) => [begin, middle, end].map(|force| tracked(force, 0.0)),
             Drive::Motors(propulsion) => {
                 let drives = [begin, middle, end];

@@ -20,7 +20,7 @@ mod rig;
 mod scale;
 mod sensor_chain;
 
-pub(crate) use actuator_chain::{ActuatorChain, CommandPath, on_the_way};
+pub(crate) use actuator_chain::{ActuatorChain, CommandPath, StraightLine, on_the_way};
 pub(crate) use air::Air;
 pub(crate) use airframe::{Airframe, NetSpin, signed_sums, spin_sum};
 pub(crate) use attitude::{Attitude, euler_rad, euler_rates_rad_s, quaternion_world_from_body};

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::json::assert_fits;
-use crate::sil::Folder;
+use crate::sil::{Folder, GENERIC_FREE_MODEL};
 
 /// Four seconds of roll alone: a weak thrust and a heavy body look alike.
 fn short_log(folder: &Folder) {
@@ -157,14 +157,15 @@ fn what_is_known_is_held_and_shown() {
 #[test]
 fn a_flight_is_compared_with_normal_ones_as_json_text_and_page() {
     let folder = Folder::new();
+    folder.write("free.toml", GENERIC_FREE_MODEL);
     let synth = |name: &str, seed: &str, effect: &[&str]| {
-        let flown = ["synth", "--rig", "free", "--rate", "100", "--control-rate", "100", "--duration", "8"];
+        let flown = ["synth", "--model", "free.toml", "--rate", "100", "--control-rate", "100", "--duration", "8"];
         folder.sil(&[&flown[..], &["--seed", seed, name], effect].concat()).assert_done();
     };
     synth("normal1.csv", "1", &[]);
     synth("normal2.csv", "2", &[]);
     synth("today.csv", "3", &["--effect", "weak_motor:motor=2,scale=0.6"]);
-    let against = ["--rig", "free", "--baseline", "normal1.csv", "--baseline", "normal2.csv"];
+    let against = ["--model", "free.toml", "--baseline", "normal1.csv", "--baseline", "normal2.csv"];
     let outputs = ["--json", "out.json", "--report", "out.html"];
     let outcome = folder.sil(&[&["diagnose", "today.csv"], &against[..], &outputs].concat()).assert_done();
     let json = folder.json("out.json");

@@ -45,6 +45,8 @@ impl BesideReality {
                     wrong_sizes.extend(sizes_beside((&case.vehicle, &truth, other), (&reality.given, &named, &own)));
                 }
                 None if OF_THE_FILE.contains(&own.effect.as_str()) => {}
+                // one of several, or nothing
+                None if !finding.one_of.is_empty() => {}
                 None if finding.confounded_with.iter().any(|name| is_there(name)) => {}
                 None => false_names.push(own.label()),
             }
