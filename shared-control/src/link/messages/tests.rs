@@ -74,10 +74,26 @@ fn a_heartbeat_says_who_flies_and_whether_motors_may_turn() {
 /// Each change has words of its own, which fit a STATUSTEXT; what nobody requested is critical.
 #[test]
 fn every_change_of_arming_has_its_words() {
-    let requested = [ARMED, TESTING, disarmed(DisarmedBecause::Requested), disarmed(DisarmedBecause::MotorTestOver)];
-    let unrequested = [LOST, disarmed(DisarmedBecause::LinkLost), disarmed(DisarmedBecause::AttitudeUnknown)]
-        .into_iter()
-        .chain(FAULTS.map(|fault| disarmed(DisarmedBecause::ImuFailed(fault))));
+    let calibrating = |stage| Arming::EscCalibration { stage, since_us: 5 };
+    let requested = [
+        ARMED,
+        TESTING,
+        calibrating(EscStage::High),
+        calibrating(EscStage::Low),
+        disarmed(DisarmedBecause::Requested),
+        disarmed(DisarmedBecause::MotorTestOver),
+        disarmed(DisarmedBecause::EscsCalibrated),
+    ];
+    let unrequested = [
+        LOST,
+        // a person has to act
+        calibrating(EscStage::Battery),
+        disarmed(DisarmedBecause::EscCalibrationEnded),
+        disarmed(DisarmedBecause::Crashed),
+        disarmed(DisarmedBecause::LinkLost),
+        disarmed(DisarmedBecause::AttitudeUnknown),
+    ];
+    let unrequested = unrequested.into_iter().chain(FAULTS.map(|fault| disarmed(DisarmedBecause::ImuFailed(fault))));
     let all: Vec<(Arming, MavSeverity)> = requested
         .map(|arming| (arming, MavSeverity::MAV_SEVERITY_NOTICE))
         .into_iter()

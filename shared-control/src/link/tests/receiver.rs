@@ -176,6 +176,24 @@ fn every_order_has_its_message() {
     assert_eq!(orders_of(&encoded(&HEARTBEAT_DATA::DEFAULT)), []);
 }
 
+/// The ESCs alone: whoever wants a gyro calibrated besides has something else in mind.
+#[test]
+fn escs_are_calibrated_by_the_seventh_parameter_alone() {
+    let calibration = command(MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, [0.0; 4]);
+    let escs = COMMAND_LONG_DATA { param7: 1.0, ..calibration.clone() };
+    assert_eq!(orders_of(&encoded(&escs)), [Order::CalibrateEscs]);
+    let senseless = Order::NotUnderstood { command: MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, known: true };
+    let others = [
+        calibration.clone(),
+        COMMAND_LONG_DATA { param7: 2.0, ..calibration },
+        COMMAND_LONG_DATA { param1: 1.0, ..escs.clone() },
+        COMMAND_LONG_DATA { param5: 1.0, ..escs },
+    ];
+    for other in others {
+        assert_eq!(orders_of(&encoded(&other)), [senseless]);
+    }
+}
+
 #[test]
 fn sticks_ask_for_what_a_pilot_expects() {
     // forward, right, half throttle, clockwise
