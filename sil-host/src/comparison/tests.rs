@@ -1,6 +1,7 @@
 use super::*;
 use crate::diagnosis::{Diagnosis, diagnose};
 use crate::effects::{BatterySag, BatterySagLaw, Effect};
+use crate::log::Column;
 use crate::model::{Rig, VehicleModel};
 use crate::sensors::random::RandomStream;
 use crate::synthesis::Synthesis;
@@ -58,6 +59,32 @@ fn worst_ratio(log: &Log, model: &VehicleModel) -> (f64, &'static str) {
     let errors = compare(log, &Subject::Vehicle(model), None).unwrap().prediction_error().channels;
     let ratios = errors.iter().map(|channel| (channel.nominal / channel.noise_floor, channel.quantity));
     ratios.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+}
+
+/// A log of fewer rows than commands: what it misses is the noise floor if each command acts at its own time, and the
+/// floor is that of the readings alone.
+#[test]
+fn commands_between_the_rows_act_at_their_own_times() {
+    let (fast, model) = log_with(Rig::Gimbal, &[], 400, 5);
+    let fourth = |column: &Column| -> Column { Some(column.as_ref()?.iter().step_by(4).copied().collect()) };
+    let mut slow = Log {
+        axes: fast.axes,
+        time_s: fast.time_s.iter().step_by(4).copied().collect(),
+        angle_rad: fast.angle_rad.each_ref().map(fourth),
+        rate_rad_s: fast.rate_rad_s.each_ref().map(fourth),
+        motor_command: fast.motor_command.each_ref().map(fourth),
+        sent_commands: Some(Box::new(fast)),
+        ..Log::default()
+    };
+    let (ratio, channel) = worst_ratio(&slow, &model);
+    assert!((0.85..1.2).contains(&ratio), "{ratio} in {channel}");
+    let floor = |log: &Log| {
+        let comparison = compare(log, &Subject::Vehicle(&model), None).unwrap();
+        comparison.prediction_error().noise_floor.q_deg_s.unwrap()
+    };
+    let with = floor(&slow);
+    slow.sent_commands = None;
+    assert!(with < 0.9 * floor(&slow), "{with} {}", floor(&slow));
 }
 
 /// A log with an effect held against the model that has it: what is missed is the noise floor, where the nominal model
