@@ -21,12 +21,11 @@ use crate::effects::Scope;
 const ORDINARY: [&str; 5] = ["torque_bias", "thrust_scale", "motor_lag", "actuation_delay", "gyro_bias"];
 /// Those that are ordinary of a bench whose vehicle no model knows: gravity pulls beside the bearing, the bearing
 /// brakes, with grease and without. A model of a vehicle on its testbed says where gravity pulls.
-const HELD: [&str; 3] = ["cg_offset", BEARING, "coulomb_friction"];
-/// What is ordinary of whatever a bearing holds.
+const BENCH: [&str; 2] = ["cg_offset", "coulomb_friction"];
+/// What is ordinary of whatever a bearing holds, its vehicle known or not.
 const BEARING: &str = "viscous_friction";
-/// What is ordinary of a model file: its inertias are wrong axis by axis, so that a lift scale cannot serve all axes
-/// that lifts turn.
-const OF_THE_FILE: &str = "inertia_error";
+/// What is ordinary of a testbed's model: its inertias are wrong axis by axis, so that a lift scale cannot serve all.
+const INERTIA: &str = "inertia_error";
 
 /// Where lag and delay begin, s. They look alike, and a fit that begins with one of them large stays there.
 const LAG_AND_DELAY_S: [[f64; 2]; 3] = [[0.01, 0.005], [0.1, 0.002], [0.002, 0.05]];
@@ -55,16 +54,15 @@ impl fmt::Display for BaseTerm {
 
 /// What is ordinary of what a log is about.
 pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
-    let of_held = |effect: &Fitted| match effect.name() {
+    let is_of_bench = |effect: &Fitted| match effect.name() {
         BEARING => scope.is_held || !scope.is_vehicle,
-        name => !scope.is_vehicle && HELD.contains(&name),
+        name => !scope.is_vehicle && BENCH.contains(&name),
     };
-    let held = Fitted::beside(scope, |_| true).into_iter().filter(of_held);
-    // without forces to be seen the first axis shows lift over inertia alone, and the lift scale is its own
-    let own_lift = usize::from(!scope.pushed);
-    let is_turned_by_lift = |effect: &Fitted| effect.name() == OF_THE_FILE && effect.axis() != Some(Axis::Yaw);
-    let inertias = Fitted::hypotheses(scope).into_iter().filter(is_turned_by_lift).skip(own_lift);
-    ordinary_of_any(scope).into_iter().chain(held).chain(inertias).collect()
+    let bench = Fitted::beside(scope, |_| true).into_iter().filter(is_of_bench);
+    // of the first axis only lift over inertia shows, which the lift scale has
+    let is_inertia = |effect: &Fitted| scope.is_vehicle && scope.is_held && effect.name() == INERTIA;
+    let inertias = Fitted::hypotheses(scope).into_iter().filter(is_inertia).skip(1);
+    ordinary_of_any(scope).into_iter().chain(bench).chain(inertias).collect()
 }
 
 /// What is ordinary of a vehicle whether anything holds it or not.
