@@ -30,6 +30,9 @@ const INERTIA: &str = "inertia_error";
 /// Where lag and delay begin, s. They look alike, and a fit that begins with one of them large stays there.
 const LAG_AND_DELAY_S: [[f64; 2]; 3] = [[0.01, 0.005], [0.1, 0.002], [0.002, 0.05]];
 
+/// No motor with a propeller follows its command within this time, s: those of the smallest racing quadrotors take 10 ms.
+const QUICKEST_MOTOR_S: f64 = 2e-3;
+
 /// A number of the base model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BaseTerm {
@@ -74,7 +77,10 @@ pub(super) fn ordinary_of_any(scope: &Scope) -> Vec<Fitted> {
 /// from several starts.
 pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candidate<'e> {
     // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
-    let rank = |fit: &Candidate<'_>| (has_bound(&fit.fit.terms), fit.fit.training);
+    let rank = |fit: &Candidate<'_>| {
+        let (terms, is_vehicle) = (&fit.fit.terms, search.shooting.log.is_vehicle());
+        (has_bound(terms) || !is_vehicle && acts_at_once(terms), fit.fit.training)
+    };
     let mut best: Option<Candidate<'e>> = None;
     for start in &LAG_AND_DELAY_S {
         let mut terms = search.gains.clone();
@@ -89,6 +95,13 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candida
         }
     }
     best.unwrap_or_else(|| search.nominal())
+}
+
+/// Do commands act quicker than motors can? Beside a model's own motors they may; separate axes have no other lag than
+/// this, and a fit without any has taken it for something else.
+fn acts_at_once(terms: &[Term<'_>]) -> bool {
+    let lag = terms.iter().find(|term| term.effect.name() == "motor_lag");
+    lag.is_some_and(|lag| lag.values.iter().all(|lag_s| *lag_s < QUICKEST_MOTOR_S))
 }
 
 fn values(effect: &Fitted, [lag_s, delay_s]: &[f64; 2]) -> Vec<f64> {

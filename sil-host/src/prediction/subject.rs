@@ -45,6 +45,11 @@ impl Subject<'_> {
         }
     }
 
+    /// True of a vehicle; false of separate axes.
+    pub(crate) fn is_vehicle(&self) -> bool {
+        matches!(self, Subject::Vehicle(_))
+    }
+
     /// True on the testbed, whose ring and rod hold the vehicle.
     pub(crate) fn is_held(&self) -> bool {
         matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Gimbal)
@@ -52,7 +57,7 @@ impl Subject<'_> {
 
     /// True where each motor's command drives the vehicle, and not those of its axes.
     fn has_motors(&self, log: &Log) -> bool {
-        matches!(self, Subject::Vehicle(_)) || direct_input(log) == DirectInput::Motors
+        self.is_vehicle() || direct_input(log) == DirectInput::Motors
     }
 
     fn base_command(&self) -> Option<f64> {
@@ -93,7 +98,7 @@ impl Subject<'_> {
         Compared {
             channels: Channel::ALL.into_iter().filter(is_compared).collect(),
             free_at_start: Channel::ALL.into_iter().filter(is_free).collect(),
-            is_vehicle: matches!(self, Subject::Vehicle(_)),
+            is_vehicle: self.is_vehicle(),
         }
     }
 
@@ -112,7 +117,7 @@ impl Subject<'_> {
         let has_velocity = log.velocity_ned_m_s.iter().all(Option::is_some);
         Scope {
             scale: self.scale(),
-            is_vehicle: matches!(self, Subject::Vehicle(_)),
+            is_vehicle: self.is_vehicle(),
             has_motors: self.has_motors(log),
             base_command: self.base_command(),
             has_rotors: self.has_rotors(),

@@ -62,7 +62,9 @@ fn numbers(fit: &Fit<'_>, subject: &Subject<'_>, shooting: &Shooting<'_>, nomina
         };
         numbers.extend(own.filter(|own| own.std.is_finite()).map(|own| Number { of, own }));
     }
-    numbers.extend(lateness(fit).map(|own| Number { of: NumberOf::Lateness, own }));
+    // separate axes have motors too: a fit that finds no lag of theirs has taken it for something else
+    let is_whole = subject.is_vehicle() || fit.terms.iter().any(|term| term.effect.name() == "motor_lag");
+    numbers.extend(lateness(fit).filter(|_| is_whole).map(|own| Number { of: NumberOf::Lateness, own }));
     numbers
 }
 

@@ -1,7 +1,6 @@
 //! The Kalman filter of an axis over a window: a motion's departure from its prediction as a double integrator that
-//! white acceleration drives, and one that lasts for the window, measured by the log's angle and rate. It turns
-//! residuals, and their slopes, into innovations of unit variance. Its gains depend on rows and noise alone, so that it
-//! is made once a window.
+//! white acceleration drives, measured by the log's angle and rate. It turns residuals, and their slopes, into
+//! innovations of unit variance. Its gains depend on rows and noise alone, so that it is made once a window.
 
 use rayon::prelude::*;
 
@@ -9,14 +8,11 @@ use crate::axis::Axis;
 use crate::prediction::Window;
 use crate::prediction::windowed_log::WindowedLog;
 
-/// Noise of an axis.
+/// White noise of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::diagnosis) struct AxisNoise {
     /// Root of the power density of the angular acceleration, rad/s^2 per root of Hz.
     pub(in crate::diagnosis) acceleration: f64,
-    /// Standard deviation of an acceleration that lasts for a window and is another in each, rad/s^2: of moments that
-    /// no model knows and that change slowly, the air's on a vehicle that flies now forward and now not.
-    pub(in crate::diagnosis) lasting: f64,
     /// Sensors' noise over what the log's smoothness shows: an estimator's error lasts from row to row and cannot be
     /// seen there.
     pub(in crate::diagnosis) sensors: f64,
@@ -26,45 +22,36 @@ pub(in crate::diagnosis) struct AxisNoise {
 
 impl AxisNoise {
     /// What remains of the sensors alone.
-    pub(in crate::diagnosis) const SENSORS: AxisNoise =
-        AxisNoise { acceleration: 0.0, lasting: 0.0, sensors: 1.0, lost: 1.0 };
+    pub(in crate::diagnosis) const SENSORS: AxisNoise = AxisNoise { acceleration: 0.0, sensors: 1.0, lost: 1.0 };
 }
 
-/// How uncertain a motion's departure from its prediction is, by the rows so far: covariance of (angle, rate, lasting
-/// acceleration), the lower triangle row by row.
+/// How uncertain a motion's departure from its prediction is, by the rows so far: covariance of (angle, rate), the
+/// angle's variance, both, the rate's.
 #[derive(Clone, Copy, Debug, Default)]
-struct Uncertainty([f64; 6]);
+struct Uncertainty([f64; 3]);
 
 impl Uncertainty {
     /// Takes a sensor's row, its slopes along (angle, rate) and its standard deviation in one unit: what of its
-    /// innovation goes to (angle, rate, lasting acceleration), and that one's variance.
-    fn correct(&mut self, [angle, rate]: [f64; 2], sensor: f64) -> ([f64; 3], f64) {
-        let [aa, ar, rr, al, rl, ll] = self.0;
+    /// innovation goes to (angle, rate), and that one's variance.
+    fn correct(&mut self, [angle, rate]: [f64; 2], sensor: f64) -> ([f64; 2], f64) {
+        let [aa, ar, rr] = self.0;
         let (with_angle, with_rate) = (aa * angle + ar * rate, ar * angle + rr * rate);
-        let with_lasting = al * angle + rl * rate;
         let variance = sensor * sensor + angle * with_angle + rate * with_rate;
         self.0 = [
             aa - with_angle * with_angle / variance,
             ar - with_angle * with_rate / variance,
             rr - with_rate * with_rate / variance,
-            al - with_angle * with_lasting / variance,
-            rl - with_rate * with_lasting / variance,
-            ll - with_lasting * with_lasting / variance,
         ];
-        ([with_angle / variance, with_rate / variance, with_lasting / variance], variance)
+        ([with_angle / variance, with_rate / variance], variance)
     }
 
     /// Lets time pass under a white acceleration of a power density.
     fn pass(&mut self, h: f64, density: f64) {
-        let [aa, ar, rr, al, rl, ll] = self.0;
-        let half = 0.5 * h * h;
+        let [aa, ar, rr] = self.0;
         self.0 = [
-            aa + h * (2.0 * ar + h * rr) + 2.0 * half * (al + h * rl) + half * half * ll + density * h * h * h / 3.0,
-            ar + h * (rr + al) + 3.0 * half * rl + half * h * ll + density * half,
-            rr + 2.0 * h * rl + 2.0 * half * ll + density * h,
-            al + h * rl + half * ll,
-            rl + h * ll,
-            ll,
+            aa + h * (2.0 * ar + h * rr) + density * h * h * h / 3.0,
+            ar + h * rr + density * h * h / 2.0,
+            rr + density * h,
         ];
     }
 }
@@ -99,8 +86,8 @@ struct Correction {
     at: usize,
     /// Slopes along (angle, rate).
     slope: [f64; 2],
-    /// What of the innovation goes to (angle, rate, lasting acceleration).
-    gain: [f64; 3],
+    /// What of the innovation goes to (angle, rate).
+    gain: [f64; 2],
     /// Standard deviation of the innovation.
     deviation: f64,
 }
@@ -110,7 +97,7 @@ impl AxisFilter {
     pub(in crate::diagnosis) fn new(passage: &Passage<'_>, noise: &AxisNoise) -> AxisFilter {
         let count = passage.time_s.len();
         let mut filter = AxisFilter { corrections: Vec::new(), rows: Vec::with_capacity(count), log_determinant: 0.0 };
-        let mut uncertainty = Uncertainty([0.0, 0.0, 0.0, 0.0, 0.0, noise.lasting * noise.lasting]);
+        let mut uncertainty = Uncertainty::default();
         for (row, seen) in passage.seen.iter().enumerate() {
             for (channel, slope) in seen {
                 let (gain, variance) = uncertainty.correct(*slope, noise.sensors);
@@ -132,18 +119,16 @@ impl AxisFilter {
     /// variance.
     pub(in crate::diagnosis) fn innovate(&self, residual: &mut [f64]) {
         // the motion's departure from its prediction, estimated from the rows so far
-        let (mut angle_rad, mut rate_rad_s, mut lasting_rad_s2) = (0.0, 0.0, 0.0);
+        let (mut angle_rad, mut rate_rad_s) = (0.0, 0.0);
         let mut first = 0;
         for (end, step_s) in &self.rows {
             for Correction { at, slope, gain, deviation } in &self.corrections[first..*end] {
                 let innovation = residual[*at] - slope[0] * angle_rad - slope[1] * rate_rad_s;
                 angle_rad += gain[0] * innovation;
                 rate_rad_s += gain[1] * innovation;
-                lasting_rad_s2 += gain[2] * innovation;
                 residual[*at] = innovation / deviation;
             }
-            angle_rad += step_s * (rate_rad_s + 0.5 * step_s * lasting_rad_s2);
-            rate_rad_s += step_s * lasting_rad_s2;
+            angle_rad += step_s * rate_rad_s;
             first = *end;
         }
     }

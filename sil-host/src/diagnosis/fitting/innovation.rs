@@ -7,7 +7,7 @@
 use crate::axis::Axis;
 use crate::diagnosis::fitting::axis_filter::{AxisNoise, passage};
 use crate::diagnosis::fitting::carried_noise::CarriedNoise;
-use crate::diagnosis::fitting::process_noise::{AxisWindow, most_likely, most_likely_lasting, unlikeliness};
+use crate::diagnosis::fitting::process_noise::{AxisWindow, most_likely, unlikeliness};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::Window;
 use crate::prediction::body::State;
@@ -60,7 +60,7 @@ impl Shooting<'_> {
         which: &[usize],
         starts: &[State],
     ) -> [AxisNoise; 3] {
-        self.axis_windows(driven, which, starts).map(|windows| most_likely_lasting(&windows, AxisNoise::SENSORS.lost))
+        self.axis_windows(driven, which, starts).map(|windows| most_likely(&windows, AxisNoise::SENSORS.lost))
     }
 
     /// Twice the negative logarithm of the likelihood of what a model leaves of some windows, start states quite free,

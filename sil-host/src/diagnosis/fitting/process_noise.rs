@@ -1,15 +1,11 @@
-//! Moments that no model knows (gusts, a cable, the air between the rotors and a bench), as angular acceleration that
-//! is white and such that lasts, and what becomes of a fit under them.
+//! Moments that no model knows (gusts, a cable, the air between the rotors and a bench), as white angular acceleration,
+//! and what becomes of a fit under them.
 //!
 //! The output error alone takes all that is missed for the sensors' noise. In a closed loop it is then wrong, and sure
 //! of it: the controller answers a disturbance with commands that work against it, so that motion and commands seem to
 //! contradict each other, and the fit believes in weak or late motors (Forssell and Ljung, Closed-loop identification
 //! revisited, Automatica 35, 1999). With the disturbance in the noise model, each row is predicted from the rows before
 //! it, and the estimate is that of the prediction-error method, which is consistent in a closed loop.
-//!
-//! What lasts must not be taken for white: of a slow moment that a controller holds against by a slow command, white
-//! noise says that motion and command have nothing to do with each other, row after row, and the gain comes out too
-//! small and too sure.
 //!
 //! Per axis the disturbance drives a double integrator (over a few milliseconds every vehicle is one), measured by the
 //! log's angle and rate. A Kalman filter on it (`axis_filter`) turns a window's residuals, and their slopes, into
@@ -25,10 +21,6 @@ use crate::statistics::dot;
 /// Strengths that are tried: a factor of two apart.
 const ACCELERATIONS: std::ops::Range<i32> = -10..7;
 const SENSORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-/// Lasting accelerations that are tried, the same.
-const LASTING: std::ops::Range<i32> = -6..8;
-/// Fall of twice the negative logarithm of the likelihood from which on there is a lasting acceleration.
-const LASTS: f64 = 10.0;
 
 /// One window of an axis, with the channels that show it: residuals, and slopes along the start state.
 pub(in crate::diagnosis) struct AxisWindow<'a> {
@@ -43,38 +35,16 @@ pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>], lost: f64) -
     let candidates = SENSORS.into_iter().flat_map(|sensors| {
         let white = ACCELERATIONS.map(move |exponent| AxisNoise {
             acceleration: libm::exp2(f64::from(exponent)),
-            lasting: 0.0,
             sensors,
             lost,
         });
         std::iter::once(AxisNoise { sensors, lost, ..AxisNoise::SENSORS }).chain(white)
     });
-    likeliest(windows, candidates.collect()).map_or(AxisNoise::SENSORS, |(_, noise)| noise)
-}
-
-/// The same with an acceleration that lasts, where there surely is one.
-pub(in crate::diagnosis) fn most_likely_lasting(windows: &[AxisWindow<'_>], lost: f64) -> AxisNoise {
-    let white = most_likely(windows, lost);
-    let lasting = |noise: AxisNoise| -> Vec<AxisNoise> {
-        LASTING.map(|exponent| AxisNoise { lasting: libm::exp2(f64::from(exponent)), ..noise }).collect()
-    };
-    let weaker = |noise: AxisNoise| -> Vec<AxisNoise> {
-        let white = ACCELERATIONS.map(|exponent| libm::exp2(f64::from(exponent)));
-        let white = white.filter(|acceleration| *acceleration <= noise.acceleration);
-        white.chain([0.0]).map(|acceleration| AxisNoise { acceleration, ..noise }).collect()
-    };
-    let Some((before, _)) = likeliest(windows, vec![white]) else { return white };
-    let lasting = likeliest(windows, lasting(white))
-        .and_then(|(_, noise)| likeliest(windows, weaker(noise)))
-        .and_then(|(_, noise)| likeliest(windows, lasting(noise)));
-    lasting.filter(|(after, _)| after + LASTS < before).map_or(white, |(_, noise)| noise)
-}
-
-/// The likeliest of some noises, and twice the negative logarithm of its likelihood.
-fn likeliest(windows: &[AxisWindow<'_>], candidates: Vec<AxisNoise>) -> Option<(f64, AxisNoise)> {
-    let of = |noise: AxisNoise| (windows.iter().map(|window| unlikeliness(window, &noise)).sum(), noise);
-    let all: Vec<(f64, AxisNoise)> = candidates.into_par_iter().map(of).collect();
-    all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))
+    let candidates: Vec<AxisNoise> = candidates.collect();
+    let unlikeliness: Vec<f64> =
+        candidates.par_iter().map(|noise| windows.iter().map(|window| unlikeliness(window, noise)).sum()).collect();
+    let best = unlikeliness.iter().zip(&candidates).min_by(|a, b| a.0.total_cmp(b.0));
+    best.map_or(AxisNoise::SENSORS, |(_, noise)| *noise)
 }
 
 /// Twice the negative logarithm of a window's likelihood, its start state quite free, up to a constant.
@@ -137,7 +107,7 @@ mod tests {
 
     #[test]
     fn innovations_are_white_and_of_unit_variance() {
-        let noise = AxisNoise { acceleration: 0.5, sensors: 2.0, ..AxisNoise::SENSORS };
+        let noise = AxisNoise { acceleration: 0.5, sensors: 2.0, lost: 1.0 };
         let (times, mut channels) = seen(0.5, 2.0, 4000, 1);
         AxisFilter::new(&passage(&times, &[(0, ANGLE), (1, RATE)]), &noise).innovate(&mut channels);
         let (angle, rate) = channels.split_at(4000);
@@ -188,51 +158,7 @@ mod tests {
                     AxisWindow { passage, residual: residual.clone(), slopes: vec![ones, ramp] }
                 })
                 .collect();
-            let white = AxisNoise { acceleration, sensors, ..AxisNoise::SENSORS };
-            assert_eq!(most_likely(&windows, 1.0), white);
-            assert_eq!(most_likely_lasting(&windows, 1.0), white);
+            assert_eq!(most_likely(&windows, 1.0), AxisNoise { acceleration, sensors, lost: 1.0 });
         }
-    }
-
-    /// Each window has an acceleration of its own, of 4 rad/s^2, beside a white one: both strengths are read off, and
-    /// the innovations under them are white.
-    #[test]
-    fn what_lasts_for_a_window_is_not_taken_for_white() {
-        let mut random = RandomStream::new(9, "lasting");
-        let made: Vec<_> = (0..40)
-            .map(|seed| {
-                let (times, mut residual) = seen(0.0625, 1.0, 125, seed);
-                let lasting = 4.0 * random.normal();
-                for (row, time_s) in times.iter().enumerate() {
-                    residual[row] += 0.5 * lasting * time_s * time_s / 1e-3;
-                    residual[125 + row] += lasting * time_s / 5e-3;
-                }
-                (times, residual)
-            })
-            .collect();
-        let windows: Vec<AxisWindow<'_>> = made
-            .iter()
-            .map(|(times, residual)| {
-                let ones = [vec![1.0 / 1e-3; 125], vec![0.0; 125]].concat();
-                let ramp = [times.iter().map(|time_s| time_s / 1e-3).collect(), vec![1.0 / 5e-3; 125]].concat();
-                let passage = passage(times, &[(0, ANGLE), (1, RATE)]);
-                AxisWindow { passage, residual: residual.clone(), slopes: vec![ones, ramp] }
-            })
-            .collect();
-        let noise = most_likely_lasting(&windows, 1.0);
-        assert_eq!(noise, AxisNoise { acceleration: 0.0625, lasting: 4.0, ..AxisNoise::SENSORS });
-        let (mut squares, mut next, mut count) = (0.0, 0.0, 0.0);
-        for AxisWindow { passage, residual, .. } in &windows {
-            let mut left = residual.clone();
-            AxisFilter::new(passage, &noise).innovate(&mut left);
-            // without the start state's rows, which it fits
-            for channel in [&left[5..125], &left[130..]] {
-                squares += dot(channel, channel);
-                next += dot(&channel[1..], &channel[..channel.len() - 1]);
-                count += channel.len() as f64;
-            }
-        }
-        assert!((squares / count - 1.0).abs() < 4.0 * f64::sqrt(2.0 / count), "{}", squares / count);
-        assert!((next / count).abs() < 4.0 / count.sqrt(), "{}", next / count);
     }
 }
