@@ -30,7 +30,8 @@ const INERTIA: &str = "inertia_error";
 /// Where lag and delay begin, s. They look alike, and a fit that begins with one of them large stays there.
 const LAG_AND_DELAY_S: [[f64; 2]; 3] = [[0.01, 0.005], [0.1, 0.002], [0.002, 0.05]];
 
-/// No motor with a propeller follows its command within this time, s: those of the smallest racing quadrotors take 10 ms.
+/// No motor with a propeller follows its command within this time, s: those of the smallest racing quadrotors take 10
+/// ms.
 const QUICKEST_MOTOR_S: f64 = 2e-3;
 
 /// A number of the base model.
