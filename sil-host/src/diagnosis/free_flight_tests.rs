@@ -7,7 +7,7 @@ use crate::vehicle::{Attitude, SensorChain};
 
 /// A log of 14 s of free flight with these effects hidden in it: 100 rows a second, as often as the controller runs.
 fn log(effects: &[&str], seed: u64) -> Log {
-    let mut model = VehicleModel::nominal(Rig::Free);
+    let mut model = VehicleModel::generic(Rig::Free);
     model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Free).unwrap()).collect();
     let mut synthesis = Synthesis { seed, blind: true, duration_s: 14.0, log_rate_hz: 100, ..Synthesis::of(model) };
     synthesis.choice.rate_hz = 100;
@@ -15,7 +15,7 @@ fn log(effects: &[&str], seed: u64) -> Log {
 }
 
 fn answer_to(log: &Log) -> Diagnosis {
-    diagnose(log, &Subject::Vehicle(&VehicleModel::nominal(Rig::Free))).unwrap()
+    diagnose(log, &Subject::Vehicle(&VehicleModel::generic(Rig::Free))).unwrap()
 }
 
 /// The only finding and one of its parameters, which has to be within four standard deviations of the truth, and those
@@ -47,7 +47,7 @@ fn another_bend_of_the_thrust_curve_is_neither_mass_nor_lift() {
 /// Half a second from an attitude and rates that nobody measured: whatever a model says of it is about nothing.
 #[test]
 fn a_log_that_shows_nothing_of_the_turning_is_refused_with_what_it_lacks() {
-    let (mut log, vehicle) = (log(&[], 6), VehicleModel::nominal(Rig::Free));
+    let (mut log, vehicle) = (log(&[], 6), VehicleModel::generic(Rig::Free));
     (log.rate_rad_s, log.angle_rad[1]) = ([None, None, None], None);
     let refused = diagnose(&log, &Subject::Vehicle(&vehicle)).unwrap_err().to_string();
     assert!(refused.contains("can't show") && refused.contains("p_rad_s, pitch_rad, q_rad_s, r_rad_s"), "{refused}");
@@ -100,7 +100,7 @@ fn in_hover_without_velocity_weight_and_lift_are_confounded() {
         duration_s: 10.0,
         waypoints: vec![crate::scenario::Waypoint::level(0.0)],
     };
-    let mut model = VehicleModel::nominal(Rig::Free);
+    let mut model = VehicleModel::generic(Rig::Free);
     model.effects = vec![Effect::parse("thrust_scale:scale=0.99", Rig::Free).unwrap()];
     let mut synthesis = Synthesis { scenario: level, duration_s: 10.0, blind: true, ..Synthesis::of(model) };
     synthesis.choice.rate_hz = 200;
@@ -121,7 +121,7 @@ fn a_known_effect_whose_cause_the_log_does_not_show_is_refused() {
     let without_height = Log { height_m: None, ..whole.clone() };
     let neither_force_nor_velocity = Log { accel_body_m_s2: Default::default(), ..without_velocity.clone() };
     let refusal = |short: &str, log: &Log| {
-        let mut vehicle = VehicleModel::nominal(Rig::Free);
+        let mut vehicle = VehicleModel::generic(Rig::Free);
         vehicle.effects.push(Effect::parse(short, Rig::Free).unwrap());
         let subject = Subject::Vehicle(&vehicle);
         subject.windowed(log, &subject.noise(log)).err().map(|error| error.to_string())
@@ -152,11 +152,11 @@ fn an_attitude_turns_vectors_as_rotation_matrices_do() {
 /// The results of a log do not change with one more column without information.
 #[test]
 fn a_gimbals_accelerometer_is_not_compared() {
-    let mut synthesis = Synthesis { duration_s: 10.0, ..Synthesis::of(VehicleModel::nominal(Rig::Gimbal)) };
+    let mut synthesis = Synthesis { duration_s: 10.0, ..Synthesis::of(VehicleModel::generic(Rig::Gimbal)) };
     synthesis.choice.rate_hz = 200;
     let whole = synthesis.log().unwrap();
     let without = Log { accel_body_m_s2: [const { None as Column }; 3], ..whole.clone() };
-    let subject = VehicleModel::nominal(Rig::Gimbal);
+    let subject = VehicleModel::generic(Rig::Gimbal);
     let answers = [whole, without].map(|log| diagnose(&log, &Subject::Vehicle(&subject)).unwrap());
     assert_eq!(answers[0].statistics, answers[1].statistics);
     assert!(answers[0].horizons[0].errors.iter().all(|error| error.quantity != "az"));
@@ -180,7 +180,7 @@ fn a_turned_sensor_reports_the_attitude_of_its_own_axes() {
 /// negligible drag makes the fit take those.
 #[test]
 fn slopes_along_a_start_that_acts_on_nothing_are_those_of_difference_quotients() {
-    let (log, vehicle) = (log(&[], 7), VehicleModel::nominal(Rig::Free));
+    let (log, vehicle) = (log(&[], 7), VehicleModel::generic(Rig::Free));
     let subject = Subject::Vehicle(&vehicle);
     let shooting = subject.shooting(&log, &subject.noise(&log)).unwrap();
     let slopes = |rotor_drag_ns_m: f64| {

@@ -85,6 +85,16 @@ impl VehicleModel {
         Self::parse(text, name).expect("a test reads every file under models/")
     }
 
+    /// The same without windings, whose currents are costly to follow.
+    #[cfg(test)]
+    pub(crate) fn generic(rig: Rig) -> Self {
+        let (text, name) = match rig {
+            Rig::Gimbal => (include_str!("../../../models/generic-gimbal.toml"), "models/generic-gimbal.toml"),
+            Rig::Free => (include_str!("../../../models/generic-free.toml"), "models/generic-free.toml"),
+        };
+        Self::parse(text, name).expect("a test reads every file under models/")
+    }
+
     /// The rig that it hangs in.
     pub fn rig(&self) -> Rig {
         match self.mounting {

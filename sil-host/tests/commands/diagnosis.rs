@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::json::assert_fits;
-use crate::sil::{Folder, GENERIC_FREE_MODEL};
+use crate::sil::{Folder, GENERIC_FREE_MODEL, GENERIC_GIMBAL_MODEL};
 
 /// Four seconds of roll alone: a weak thrust and a heavy body look alike.
 fn short_log(folder: &Folder) {
@@ -101,11 +101,13 @@ fn is_told_as_json_on_a_page_and_by_a_flight_that_can_be_flown() {
 #[test]
 fn other_cuts_of_the_log_are_searched_unless_it_is_to_be_quick() {
     let folder = Folder::new();
-    let rates = ["--rate", "100", "--control-rate", "100", "--duration", "6"];
+    folder.write("gimbal.toml", GENERIC_GIMBAL_MODEL);
+    let rates = ["--rate", "100", "--control-rate", "100", "--duration", "6", "--model", "gimbal.toml"];
     let effect = "torque_bias:axis=roll,torque_nm=0.05";
     folder.sil(&[&["synth", "--effect", effect, "log.csv"], &rates[..]].concat()).assert_done();
     let found = |effort: &[&str]| {
-        folder.sil(&[&["diagnose", "log.csv", "--json", "out.json"], effort].concat()).assert_done();
+        let asked = ["diagnose", "log.csv", "--model", "gimbal.toml", "--json", "out.json"];
+        folder.sil(&[&asked[..], effort].concat()).assert_done();
         folder.json("out.json")["findings"][0].clone()
     };
     let (quick, usual) = (found(&["--quick"]), found(&[]));

@@ -10,6 +10,8 @@ use tempfile::TempDir;
 pub const RIG_LOG: &str = include_str!("../../demonstration/rig-log.csv");
 /// The project's model of the testbed.
 pub const GIMBAL_MODEL: &str = include_str!("../../../models/f450-gimbal.toml");
+/// The same without windings to be followed.
+pub const GENERIC_GIMBAL_MODEL: &str = include_str!("../../../models/generic-gimbal.toml");
 /// A vehicle in free flight whose motors have no windings to be followed: quicker, where motors are not what matters.
 pub const GENERIC_FREE_MODEL: &str = include_str!("../../../models/generic-free.toml");
 

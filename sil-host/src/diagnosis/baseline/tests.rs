@@ -129,18 +129,9 @@ fn a_number_that_its_log_leaves_open_is_not_compared() {
     assert_eq!(refused.to_string(), "empty has no number in common with all logs of normal flights");
 }
 
-/// The generic vehicle: nothing here looks at windings, which cost five times as much.
-fn generic(rig: Rig) -> VehicleModel {
-    let (text, name) = match rig {
-        Rig::Free => (include_str!("../../../../models/generic-free.toml"), "generic-free.toml"),
-        Rig::Gimbal => (include_str!("../../../../models/generic-gimbal.toml"), "generic-gimbal.toml"),
-    };
-    VehicleModel::parse(text, name).unwrap()
-}
-
 /// 8 s of free flight with these effects.
 fn free_flight(effects: &[&str], seed: u64) -> Log {
-    let mut model = generic(Rig::Free);
+    let mut model = VehicleModel::generic(Rig::Free);
     model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Free).unwrap()).collect();
     let mut synthesis = Synthesis { seed, blind: true, duration_s: 8.0, log_rate_hz: 100, ..Synthesis::of(model) };
     synthesis.choice.rate_hz = 100;
@@ -153,7 +144,7 @@ fn what_all_flights_have_in_common_is_not_reported() {
     let airframe = ["torque_bias:axis=roll,torque_nm=0.03", "mass_error:scale=1.05"];
     let normal: Vec<Log> = (0..3).map(|seed| free_flight(&airframe, seed)).collect();
     let cut = free_flight(&[&airframe[..], &["weak_motor:motor=3,scale=0.65"]].concat(), 7);
-    let model = generic(Rig::Free);
+    let model = VehicleModel::generic(Rig::Free);
     let known = Known::default();
     let given = Given { known: &known, between: BetweenFlights::Serviced };
     let answer = |log: &Log| diagnose_against(log, &normal, &Subject::Vehicle(&model), given, &|_| ()).unwrap();
@@ -171,16 +162,16 @@ fn what_all_flights_have_in_common_is_not_reported() {
 #[test]
 fn on_the_testbed_a_weak_motor_and_a_delay_are_found() {
     let flown = |effects: &[&str], seed: u64| {
-        let mut model = generic(Rig::Gimbal);
+        let mut model = VehicleModel::generic(Rig::Gimbal);
         model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
         let mut synthesis = Synthesis { seed, blind: true, duration_s: 12.0, log_rate_hz: 100, ..Synthesis::of(model) };
         synthesis.choice.rate_hz = 100;
         let log = synthesis.log().unwrap();
-        FlightNumbers::of(&log, &Subject::Vehicle(&generic(Rig::Gimbal))).unwrap()
+        FlightNumbers::of(&log, &Subject::Vehicle(&VehicleModel::generic(Rig::Gimbal))).unwrap()
     };
     let bias = "torque_bias:axis=roll,torque_nm=0.02";
     let normal: Vec<FlightNumbers> = (0..3).map(|seed| flown(&[bias], seed)).collect();
-    let model = generic(Rig::Gimbal);
+    let model = VehicleModel::generic(Rig::Gimbal);
     let known = Known::default();
     let given = Given { known: &known, between: BetweenFlights::Serviced };
     let answer = |suspect: &FlightNumbers| compare_flights(suspect, &normal, &Subject::Vehicle(&model), given).unwrap();

@@ -9,7 +9,7 @@ use crate::synthesis::Synthesis;
 
 /// A log of the thesis' rig with an effect hidden in it: 200 rows a second, as often as the controller runs.
 fn log(effects: &[&str], scenario: Option<Scenario>, duration_s: f64, seed: u64) -> Log {
-    let mut model = VehicleModel::nominal(Rig::Gimbal);
+    let mut model = VehicleModel::generic(Rig::Gimbal);
     model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
     let mut synthesis = Synthesis { duration_s, seed, blind: true, ..Synthesis::of(model) };
     synthesis.scenario = scenario.unwrap_or(synthesis.scenario);
@@ -18,7 +18,7 @@ fn log(effects: &[&str], scenario: Option<Scenario>, duration_s: f64, seed: u64)
 }
 
 fn answer_to(log: &Log) -> Diagnosis {
-    diagnose(log, &Subject::Vehicle(&VehicleModel::nominal(Rig::Gimbal))).unwrap()
+    diagnose(log, &Subject::Vehicle(&VehicleModel::generic(Rig::Gimbal))).unwrap()
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn the_proposed_flight_tells_what_the_log_did_not() {
 #[test]
 fn the_extended_model_holds_the_findings() {
     let answer = answer_to(&log(&["weak_motor:motor=2,scale=0.9"], None, 15.0, 14));
-    let model = VehicleModel::nominal(Rig::Gimbal);
+    let model = VehicleModel::generic(Rig::Gimbal);
     let extended = extended_model(&model, &answer.findings).unwrap();
     assert_eq!(extended.effects.len(), model.effects.len() + answer.findings.len());
     assert_eq!(extended.effects[0].name(), answer.findings[0].effect);

@@ -7,7 +7,7 @@ use crate::model::Rig;
 use crate::synthesis::Synthesis;
 
 fn free() -> VehicleModel {
-    VehicleModel::nominal(Rig::Free)
+    VehicleModel::generic(Rig::Free)
 }
 
 /// 14 s of free flight at 100 Hz with one effect hidden in it.
