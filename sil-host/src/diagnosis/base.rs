@@ -10,12 +10,16 @@ use serde::Serialize;
 
 use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
+use super::noise::noise_beyond_sensors;
 use super::plausible::has_bound;
 use super::search::{Candidate, Search};
 use super::verdict::{Estimate, MODEL_ERROR, count_half_row, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term};
+use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Scope;
+use crate::log::Log;
+use crate::prediction::{NotPredictable, Subject};
 
 /// The effects of the catalogue that are ordinary of any vehicle.
 const ORDINARY: [&str; 5] = ["torque_bias", "thrust_scale", "motor_lag", "actuation_delay", "gyro_bias"];
@@ -96,6 +100,22 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candida
         }
     }
     best.unwrap_or_else(|| search.nominal())
+}
+
+/// A log in windows, in the noise of all that its base model does not know; `search` looked at it in that of sensors.
+///
+/// # Errors
+/// As [`Subject::windowed`].
+pub(super) fn disturbed<'l>(
+    log: &'l Log,
+    subject: &Subject<'_>,
+    search: &Search<'_>,
+    ordinary: &[Fitted],
+) -> Result<Shooting<'l>, NotPredictable> {
+    let base = fitted(search, ordinary);
+    let (moments, forces) = noise_beyond_sensors(search, &search.training, &base.fit);
+    let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
+    Ok(Shooting::new(windowed).with_noise(moments, forces))
 }
 
 /// Do commands act quicker than motors can? Beside a model's own motors they may; separate axes have no other lag than

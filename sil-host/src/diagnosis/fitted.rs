@@ -81,6 +81,11 @@ impl Fitted {
         }
     }
 
+    /// True of what every vehicle has between command and force: each of both is hard to tell from the other.
+    pub(super) fn is_late(&self) -> bool {
+        matches!(self.name(), "motor_lag" | "actuation_delay")
+    }
+
     /// Values at which fits begin.
     pub(super) fn starts(&self, hints: &Hints) -> Vec<Vec<f64>> {
         match self {

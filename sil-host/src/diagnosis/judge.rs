@@ -20,8 +20,6 @@ use crate::statistics::Cholesky;
 const HORIZONS_S: [f64; 2] = [0.1, 0.5];
 /// Share of the error that a finding must take away.
 const SHARE_MIN: f64 = 0.02;
-/// What every vehicle has between command and force.
-const LATE: [&str; 2] = ["motor_lag", "actuation_delay"];
 /// Standard deviations from which on a number of the base model is not zero.
 const SIGMAS: f64 = 2.0;
 /// Folds, and windows in a block of one: neighbours in time have errors in common.
@@ -43,7 +41,7 @@ struct Judged<'e> {
 pub(super) fn useful<'e>(search: &Search<'e>, base: Fit<'e>) -> Fit<'e> {
     let mut with = Judged::of(search, base);
     loop {
-        let may_go = |index: &usize| !LATE.contains(&with.fit.terms[*index].effect.name());
+        let may_go = |index: &usize| !with.fit.terms[*index].effect.is_late();
         let places: Vec<usize> = (search.gains.len()..with.fit.terms.len()).filter(may_go).collect();
         let expected = sets(&with.fit, &places).into_iter().map(|set| {
             let other = with.expected_without(search, &set);

@@ -68,13 +68,11 @@ use evidence::statistics::Judged;
 pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
 use fitted::Fitted;
-use fitting::fit::{Term, model_of};
+use fitting::fit::{as_terms, model_of};
 use fitting::sampling::Sampled;
-use fitting::shooting::Shooting;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
 pub use known::{Fact, Known, NotKnown};
-use noise::noise_beyond_sensors;
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};
 use search::Search;
@@ -219,20 +217,16 @@ fn diagnosed(
     let nominal = || subject.model(log);
     let catalogue = known.leaves(Fitted::hypotheses(&subject.scope(log)));
     let fitted_along = subject.fitted_along(log)?;
-    let gains: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let (search, found) =
-        sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, gains.clone(), observer));
+        sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, as_terms(&fitted_along), observer));
     observability::check(log, &search, &found.refitted.nominal)?;
     if !search.is_far(&found.chosen) {
         return concluded(log, subject, &search, found, effort);
     }
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
     let ordinary = known.leaves(base::ordinary(&subject.scope(log)));
-    let base = base::fitted(&search, &ordinary);
-    let (moments, forces) = noise_beyond_sensors(&search, &search.training, &base.fit);
-    let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
-    let shooting = Shooting::new(windowed).with_noise(moments, forces);
-    let search = Search::new(&shooting, &nominal, &catalogue, gains, observer);
+    let shooting = base::disturbed(log, subject, &search, &ordinary)?;
+    let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
     let base = base::fitted(&search, &ordinary).fit;
     let base = judge::useful(&search, search.refitted(base.terms, &base.starts));
     let beside = known.leaves(Fitted::beside(&subject.scope(log), |axis| base::is_trimmed(&base, axis)));

@@ -2,7 +2,7 @@
 //! model.
 
 use super::Subject;
-use super::fitting::fit::{Term, model_of};
+use super::fitting::fit::{as_terms, model_of};
 use super::fitting::sampling::Sampled;
 use super::search::Search;
 use crate::log::Log;
@@ -33,9 +33,9 @@ pub fn nominal_prediction(
     let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject, control_rate_hz)?;
     let fitted_along = subject.fitted_along(log)?;
-    let always: Vec<Term<'_>> = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let nominal = || subject.model(log);
-    let (search, fitted) = sampled.nominal(|shooting| Search::new(shooting, &nominal, &[], always.clone(), &|_| ()));
+    let (search, fitted) =
+        sampled.nominal(|shooting| Search::new(shooting, &nominal, &[], as_terms(&fitted_along), &|_| ()));
     let windowed = &search.shooting.log;
     let fit = search.refitted(fitted.fit.terms, &fitted.fit.starts);
     let driven = windowed.drive(model_of(&nominal, &fit.terms));

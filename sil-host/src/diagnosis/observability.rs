@@ -7,6 +7,7 @@ use crate::axis::Axis;
 use crate::log::Log;
 use crate::prediction::accuracy::{ErrorOf, predict, root_mean_square, tallies};
 use crate::prediction::{Channel, NotPredictable, Window};
+use crate::statistics::variance;
 
 /// Lengths of the predictions, s.
 const HORIZONS_S: [f64; 2] = [0.1, 0.5];
@@ -55,10 +56,7 @@ pub(super) fn check(log: &Log, search: &Search<'_>, nominal: &Fit<'_>) -> Result
 fn variation(search: &Search<'_>, channel: Channel) -> f64 {
     let Some(measured) = search.shooting.log.measured(channel) else { return 0.0 };
     let windows = search.windows(&search.report);
-    let rows = || windows.iter().flat_map(|window| &measured[window.start..window.end]);
-    let count = rows().count().max(1) as f64;
-    let mean = rows().sum::<f64>() / count;
-    (rows().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt()
+    variance(windows.iter().flat_map(|window| &measured[window.start..window.end]).copied()).sqrt()
 }
 
 /// Columns of angles and rates that the log has not.

@@ -9,7 +9,7 @@ use super::noise::noise_beyond_sensors;
 use super::search::Search;
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
-use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, fit, model_of};
+use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, as_terms, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Hints;
 use crate::log::Log;
@@ -32,8 +32,8 @@ pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Op
     let (nominal, catalogue) = (|| subject.model(log), Fitted::hypotheses(&subject.scope(log)));
     let shooting = subject.shooting(log, &subject.noise(log))?;
     let along = subject.fitted_along(log)?;
-    let terms = with_asked(gains(&along), &catalogue, asked);
-    let search = Search::new(&shooting, &nominal, &catalogue, gains(&along), &|_| ());
+    let terms = with_asked(as_terms(&along), &catalogue, asked);
+    let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&along), &|_| ());
     let under_sensors = fitted_to_all(&shooting, &nominal, terms);
     let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
     let (moments, forces) = noise_beyond_sensors(&search, &all, &under_sensors);
@@ -56,18 +56,12 @@ pub fn sizes_beside_base(
     let (catalogue, ordinary) = (Fitted::hypotheses(&scope), base::ordinary(&scope));
     let shooting = subject.shooting(log, &subject.noise(log))?;
     let along = subject.fitted_along(log)?;
-    let search = Search::new(&shooting, &nominal, &catalogue, gains(&along), &|_| ());
-    let base = base::fitted(&search, &ordinary).fit;
-    let (moments, forces) = noise_beyond_sensors(&search, &search.training, &base);
-    let disturbed = subject.shooting(log, &subject.noise(log))?.with_noise(moments, forces);
+    let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&along), &|_| ());
+    let disturbed = base::disturbed(log, subject, &search, &ordinary)?;
     let base = base::fitted(&Search { shooting: &disturbed, ..search }, &ordinary).fit;
     let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
     let terms = with_asked(base.terms, &beside, asked);
     Ok(fitted_to_all(&disturbed, &nominal, terms).sizes(asked))
-}
-
-fn gains(along: &[Fitted]) -> Vec<Term<'_>> {
-    along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect()
 }
 
 /// Some terms, and what is asked for beside them.

@@ -18,14 +18,11 @@ impl Subject<'_> {
     pub(super) fn fitted_along(&self, log: &Log) -> Result<Vec<Fitted>, NotPredictable> {
         let Subject::Axes = self else { return Ok(Vec::new()) };
         let undriven = undriven_axes(log);
-        match Axis::ALL.into_iter().find(|axis| log.axes[axis.index()]) {
-            Some(first) if Axis::ALL.into_iter().all(|axis| !log.axes[axis.index()] || undriven.contains(&axis)) => {
-                Err(NotPredictable::NoExcitation { axis: first.name() })
-            }
-            _ => {
-                let driven = |axis: &Axis| log.axes[axis.index()] && !undriven.contains(axis);
-                Ok(Axis::ALL.into_iter().filter(driven).map(Fitted::InputGain).collect())
-            }
+        let of_log: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| log.axes[axis.index()]).collect();
+        let driven: Vec<Axis> = of_log.iter().copied().filter(|axis| !undriven.contains(axis)).collect();
+        match of_log.first() {
+            Some(first) if driven.is_empty() => Err(NotPredictable::NoExcitation { axis: first.name() }),
+            _ => Ok(driven.into_iter().map(Fitted::InputGain).collect()),
         }
     }
 

@@ -1,4 +1,5 @@
-use super::fitting::{fit, shooting};
+use super::fitting::fit::{self, Term};
+use super::fitting::shooting;
 use super::*;
 use crate::effects::Effect;
 use crate::model::{Rig, SensorNoise, VehicleModel};

@@ -82,7 +82,6 @@ impl Forces<'_> {
             roll,
             force: lifts,
             spin: Propulsion::net_spin(&rotors, &rotors_change),
-            has_separate_axes: false,
             per_weight_1_n: None,
             ..extended.instant(after_s)
         });
@@ -190,7 +189,6 @@ impl Extended<'_> {
             roll: libm::sincos(angle_rad[0]),
             force: lifts_n,
             spin,
-            has_separate_axes: false,
             per_weight_1_n: Some(body.per_weight_1_n()),
             ..self.instant(after_s)
         };

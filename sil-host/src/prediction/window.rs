@@ -2,6 +2,7 @@
 
 use super::error::NotPredictable;
 use crate::log::Log;
+use crate::statistics::variance;
 
 /// Length of a window, s.
 pub const WINDOW_S: f64 = 0.5;
@@ -176,19 +177,14 @@ fn turning(log: &Log, windows: &[Window]) -> Vec<f64> {
     let mut turning = vec![0.0; windows.len()];
     for axis in 0..3 {
         let Some(column) = log.rate_rad_s[axis].as_ref().or(log.angle_rad[axis].as_ref()) else { continue };
-        let variances: Vec<f64> = windows.iter().map(|window| variance(&column[window.start..window.end])).collect();
+        let variances: Vec<f64> =
+            windows.iter().map(|window| variance(column[window.start..window.end].iter().copied())).collect();
         let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
         if mean > 0.0 {
             turning.iter_mut().zip(&variances).for_each(|(sum, variance)| *sum += variance / mean);
         }
     }
     turning
-}
-
-fn variance(values: &[f64]) -> f64 {
-    let count = values.len().max(1) as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count
 }
 
 impl Window {

@@ -1,4 +1,5 @@
-//! The thesis' measure of a simulated closed loop, table 5.1: the mean absolute deviation from the measured angle.
+//! How far series are off: the thesis' measure of a simulated closed loop, table 5.1 (the mean absolute deviation from
+//! the measured angle), and the variance.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,6 +11,13 @@ pub fn mean_absolute_deviation(a_rad: &[f64], b_rad: &[f64]) -> Option<f64> {
     }
     let sum: f64 = a_rad.iter().zip(b_rad).map(|(a, b)| wrapped(a - b).abs()).sum();
     Some(sum / a_rad.len() as f64)
+}
+
+/// Mean square of what values differ from their mean by; 0 of none.
+pub(crate) fn variance(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let count = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    values.map(|value| (value - mean) * (value - mean)).sum::<f64>() / count
 }
 
 /// The same angle in [-pi, pi).
@@ -30,6 +38,8 @@ mod tests {
         let across_the_cut = mean_absolute_deviation(&[PI - 0.1], &[-PI + 0.1]).unwrap();
         // 2 pi is rounded to 4.4e-16
         assert!((across_the_cut - 0.2).abs() < 1e-15);
+        assert_eq!(variance([1.0, 3.0, 1.0, 3.0].into_iter()), 1.0);
+        assert_eq!(variance(std::iter::empty()), 0.0);
         assert_eq!(mean_absolute_deviation(&[], &[]), None);
         assert_eq!(mean_absolute_deviation(&[1.0], &[1.0, 2.0]), None);
     }

@@ -15,7 +15,7 @@ mod whiteness;
 pub use agreement::{Agreement, TheilSplit};
 pub use condition::{Bin, ConditionalError};
 pub use deviation::mean_absolute_deviation;
-pub(crate) use deviation::wrapped;
+pub(crate) use deviation::{variance, wrapped};
 pub(crate) use f_distribution::{f_exceeded, student_95};
 pub(crate) use linear::{Cholesky, dot, dots};
 pub use spectrum::amplitude_spectrum;

@@ -4,17 +4,14 @@
 use super::numbers::{Number, NumberOf};
 use crate::axis::Axis;
 use crate::diagnosis::fitted::Fitted;
-use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of};
+use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, as_terms, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::diagnosis::noise::noise_beyond_sensors;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::verdict::{MODEL_ERROR, estimates};
 use crate::diagnosis::{Estimate, base};
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
 
-/// What makes commands act late.
-const LATE: [&str; 2] = ["motor_lag", "actuation_delay"];
 /// A lag or a delay that is less than this is none, s: near 0 the two are one, and their fit has no deviations.
 const NO_LATENESS_S: f64 = 1e-4;
 
@@ -31,14 +28,11 @@ pub(super) fn base_numbers(log: &Log, subject: &Subject<'_>) -> Result<Vec<Numbe
     let log = thinned.as_ref().unwrap_or(log);
     let nominal = || subject.model(log);
     let (catalogue, ordinary) = (Fitted::hypotheses(&subject.scope(log)), base::ordinary_of_any(&subject.scope(log)));
-    let noise = subject.noise(log);
-    let shooting = subject.shooting(log, &noise)?;
     let along = subject.fitted_along(log)?;
-    let gains: Vec<Term<'_>> = along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
-    let search = Search::new(&shooting, &nominal, &catalogue, gains.clone(), &|_| ());
-    let (moments, forces) = noise_beyond_sensors(&search, &search.training, &base::fitted(&search, &ordinary).fit);
-    let shooting = subject.shooting(log, &noise)?.with_noise(moments, forces);
-    let search = Search::new(&shooting, &nominal, &catalogue, gains, &|_| ());
+    let of_log = subject.shooting(log, &subject.noise(log))?;
+    let search = Search::new(&of_log, &nominal, &catalogue, as_terms(&along), &|_| ());
+    let shooting = base::disturbed(log, subject, &search, &ordinary)?;
+    let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&along), &|_| ());
     let base = base::fitted(&search, &ordinary).fit;
     let fit = search.refitted(distinct(base.terms), &base.starts);
     Ok(numbers(&fit, subject, &shooting, &nominal))
@@ -92,8 +86,8 @@ fn trim_per_moment(axis: Axis, shooting: &Shooting<'_>, nominal: Nominal<'_>, te
 
 /// The terms without a lag or a delay that is none; the delay stays where both are.
 fn distinct(mut terms: Vec<Term<'_>>) -> Vec<Term<'_>> {
-    let late = |term: &Term<'_>, name: &str| term.effect.name() == name && term.values[0] > NO_LATENESS_S;
-    let [has_lag, has_delay] = LATE.map(|name| terms.iter().any(|term| late(term, name)));
+    let has = |name: &str| terms.iter().any(|term| term.effect.name() == name && term.values[0] > NO_LATENESS_S);
+    let (has_lag, has_delay) = (has("motor_lag"), has("actuation_delay"));
     terms.retain(|term| match term.effect.name() {
         "motor_lag" => has_lag,
         "actuation_delay" => has_delay || !has_lag,
@@ -108,7 +102,7 @@ fn lateness(fit: &Fit<'_>) -> Option<Estimate> {
     let mut places = Vec::new();
     let (mut place, mut value) = (0, 0.0);
     for term in &fit.terms {
-        if LATE.contains(&term.effect.name()) {
+        if term.effect.is_late() {
             places.push(place);
             value += term.values.first().copied().unwrap_or_default();
         }

@@ -12,8 +12,7 @@ use crate::prediction::Channel;
 use crate::prediction::accuracy::{PredictedWindow, Series};
 use crate::prediction::body::State;
 use crate::prediction::windowed_log::{Driven, WindowedLog};
-use crate::statistics::dot;
-use crate::statistics::{Agreement, Correlogram, InputCorrelation, LjungBox, input_correlation};
+use crate::statistics::{Agreement, Correlogram, InputCorrelation, LjungBox, dot, input_correlation, variance};
 
 /// Rows apart up to which residuals are correlated with each other and with the input.
 const LAGS: usize = 20;
@@ -86,14 +85,8 @@ fn is_excited(log: &WindowedLog<'_>, predicted: &[PredictedWindow], channel: Cha
     let rows = || series.iter().flat_map(|series| &series.rows).copied();
     let floors = || series.iter().flat_map(|series| &series.floor);
     let floor = (floors().map(|floor| floor * floor).sum::<f64>() / floors().count().max(1) as f64).sqrt();
-    std(rows().map(|row| measured[row])) > VARIATION_MIN * floor
-        && std(rows().map(|row| commands[row][axis.index()])) > COMMAND_MIN
-}
-
-fn std(values: impl Iterator<Item = f64> + Clone) -> f64 {
-    let count = values.clone().count().max(1) as f64;
-    let mean = values.clone().sum::<f64>() / count;
-    (values.map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt()
+    variance(rows().map(|row| measured[row])).sqrt() > VARIATION_MIN * floor
+        && variance(rows().map(|row| commands[row][axis.index()])).sqrt() > COMMAND_MIN
 }
 
 /// Held-out windows by their first row.

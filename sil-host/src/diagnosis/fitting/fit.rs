@@ -31,6 +31,11 @@ pub(in crate::diagnosis) struct Term<'e> {
     pub(in crate::diagnosis) values: Vec<f64>,
 }
 
+/// What a nominal model leaves to each log, as terms of a fit at which nothing is commanded yet.
+pub(in crate::diagnosis) fn as_terms(along: &[Fitted]) -> Vec<Term<'_>> {
+    along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect()
+}
+
 /// A set of effects fitted to the training windows.
 #[derive(Clone)]
 pub(in crate::diagnosis) struct Fit<'e> {

@@ -6,7 +6,7 @@
 //! the faster controller is evidence for held ones. Beside a true delay or lag the likelihood may not decide: then
 //! commands that were held leave white residuals, and lost ones do not.
 
-use crate::diagnosis::fitting::fit::{Term, fit, model_of};
+use crate::diagnosis::fitting::fit::{Term, as_terms, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::found::Found;
 use crate::diagnosis::remainder::structure::{Whiteness, whiteness};
@@ -20,10 +20,6 @@ use crate::prediction::{NotPredictable, Part, Subject};
 
 /// Fall of twice the logarithm of the likelihood from which on a faster controller is taken to have flown.
 const MARGIN: f64 = 6.0;
-/// Effects by which commands that were held look like a faster controller's: they have to be better than none under
-/// held ones.
-const LATE: [&str; 2] = ["actuation_delay", "motor_lag"];
-
 /// Shares of the unknown acceleration under which the two hypotheses are held against each other. The search takes the
 /// whole: the likeliest share, about a half, is too small, for the noise in a row's command is that of the gyro in the
 /// same row, and the likelihood does not see their common part; the correlation from row to row does.
@@ -122,8 +118,8 @@ impl<'l> Sampled<'l> {
             return Some(faster);
         }
         let terms = &chosen.fit.terms;
-        let not_late: Vec<Term<'e>> =
-            terms.iter().filter(|term| !LATE.contains(&term.effect.name())).cloned().collect();
+        // late commands that were held look like a faster controller's: lateness has to be better than none
+        let not_late: Vec<Term<'e>> = terms.iter().filter(|term| !term.effect.is_late()).cloned().collect();
         let as_found = unlikeliness(&held, terms);
         let without = if not_late.len() < terms.len() { unlikeliness(&held, &not_late) } else { as_found };
         let under_faster = unlikeliness(&faster, terms);
@@ -137,9 +133,8 @@ impl<'l> Sampled<'l> {
 fn model_fitted_to(log: &Log, held: &Shooting<'_>, subject: &Subject<'_>) -> Result<Model, NotPredictable> {
     let nominal = || subject.model(log);
     let fitted_along = subject.fitted_along(log)?;
-    let terms = fitted_along.iter().map(|gain| Term { effect: gain, values: vec![0.0] }).collect();
     let starts = held.log.measured_starts(&nominal());
-    let fit = fit(held, &nominal, terms, &starts, &held.log.part(&[Part::Fit]));
+    let fit = fit(held, &nominal, as_terms(&fitted_along), &starts, &held.log.part(&[Part::Fit]));
     Ok(model_of(&nominal, &fit.terms))
 }
 
