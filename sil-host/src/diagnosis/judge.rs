@@ -92,6 +92,11 @@ pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) ->
     }
 }
 
+/// Does a larger model pay for what it has beyond a smaller one?
+pub(super) fn helps<'e>(search: &Search<'e>, smaller: &Fit<'e>, larger: &Fit<'e>) -> bool {
+    pays(&Judged::of(search, smaller.clone()), &Judged::of(search, larger.clone()))
+}
+
 /// Places of the base model's terms that are findings too: they pay as a finding must.
 pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<usize> {
     let with = Judged::of(search, chosen.clone());

@@ -116,8 +116,9 @@ impl<'e> Search<'e> {
         which.iter().map(|index| self.shooting.log.windows[*index]).collect()
     }
 
-    /// Chooses the effects of a log.
-    pub(super) fn choose(&self) -> Choice<'e> {
+    /// Chooses the effects of a log; beside a base model they must help what is reported, a smaller and a larger model
+    /// says.
+    pub(super) fn choose(&self, helps: impl Fn(&Fit<'e>, &Fit<'e>) -> bool) -> Choice<'e> {
         let nominal = self.nominal();
         let mut chosen = nominal.clone();
         let mut alternatives: Vec<Vec<Candidate<'e>>> = Vec::new();
@@ -128,12 +129,12 @@ impl<'e> Search<'e> {
                 break;
             }
             let mut extended = self.extensions(&chosen, 0.0);
-            let Some(best) = extended.first().cloned() else { break };
-            if !self.pays(&chosen, &best, &nominal) {
-                break;
-            }
-            chosen = best;
-            extended.remove(0);
+            let looked_at = if self.has_base() { extended.len() } else { 1 };
+            let pays = |larger: &Candidate<'e>| {
+                self.pays(&chosen, larger, &nominal) && (!self.has_base() || helps(&chosen.fit, &larger.fit))
+            };
+            let Some(place) = extended.iter().take(looked_at).position(pays) else { break };
+            chosen = extended.remove(place);
             alternatives.push(extended);
             if chosen.fit.terms.len() > self.always.len() + 1 {
                 (chosen, alternatives) = self.revised(chosen, &nominal);
