@@ -113,7 +113,7 @@ impl Figure {
         }
     }
 
-    /// Of a vehicle with its effects, `half_s` after the start.
+    /// Of a vehicle with its effects, `half_s` after the start: half of the log, for what sets in during it.
     pub fn of(self, vehicle: &VehicleModel, effects: &[Named], half_s: f64) -> f64 {
         let sum = |effect: &str, name: &str| -> f64 {
             effects.iter().filter(|named| named.effect == effect).map(|named| named.value(name)).sum()

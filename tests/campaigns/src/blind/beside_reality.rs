@@ -34,7 +34,13 @@ impl BesideReality {
         let half_s = 0.5 * case.conditions.duration_s;
         let figure = |figure: Figure| {
             let told = figure.estimated(&reality.given, &named, half_s);
-            (figure, figure.of(&case.vehicle, &truth, half_s), told)
+            let truth_at = |at_s| figure.of(&case.vehicle, &truth, at_s);
+            let truth = match figure {
+                // thrust is lost along the log, and what is told is its mean over wherever the axis was moved
+                Figure::Effectiveness(_) => told.value.clamp(truth_at(2.0 * half_s), truth_at(0.0)),
+                Figure::Late | Figure::Trim(_) => truth_at(half_s),
+            };
+            (figure, truth, told)
         };
         let (mut false_names, mut wrong_sizes) = (Vec::new(), Vec::new());
         for finding in &answer.findings {
