@@ -11,6 +11,7 @@ mod controller_comparison;
 mod firmware_vehicle;
 mod flight_controllers;
 mod flight_safety;
+mod gate_real;
 mod hitl;
 mod limits_and_switching;
 mod log_errors;

@@ -15,6 +15,7 @@ mod motor_order;
 mod part;
 mod quantity;
 mod recording;
+pub mod sanity;
 mod source;
 mod time_base;
 mod ulog;

@@ -1,0 +1,50 @@
+//! The gate of logs on real vehicles' logs: it refuses none of them, and refuses nearly all of their spoiled copies.
+
+use campaigns::real_logs::folder;
+use campaigns::real_logs::{files, load};
+use sil_host::log::sanity::examine;
+use sil_host::log::{Map, read};
+
+/// The logs of each folder whose name starts so, and the map that they are read by.
+const LOGS: [(&str, &str, &str); 10] = [
+    ("rig_antx_2dof", "Lab", "antx"),
+    ("flight_crazyflie_arplab", "log1", "crazyflie_arplab"),
+    ("flight_crazypad", "controller_data", "crazypad_controller"),
+    ("flight_crazypad", "motor_data", "crazypad_motor"),
+    ("rig_sharif_3dof", "cl_3dof", "sharif"),
+    ("rig_sharif_3dof", "ol_3dof", "sharif"),
+    ("rig_sharif_3dof", "cl_rollpitch", "sharif_roll_pitch"),
+    ("rig_sharif_3dof", "ol_rollpitch", "sharif_roll_pitch"),
+    ("rig_sharif_3dof", "cl_pitch", "sharif_pitch"),
+    ("rig_sharif_3dof", "ol_yaw", "sharif_yaw"),
+];
+
+#[test]
+fn no_real_log_is_refused() {
+    let mut refused = Vec::new();
+    for (folder, start, map) in LOGS {
+        let meaning = Map::load(map).unwrap();
+        for path in files(folder, start) {
+            let log = load(&path, map);
+            let found = examine(&log, Some(&meaning));
+            println!("{}: {:?}", path.file_name().unwrap().to_string_lossy(), found.confirmed);
+            for c in &found.contradictions {
+                println!("    {c}");
+                refused.push(format!("{}: {c}", path.display()));
+            }
+        }
+    }
+    if let Some(data) = folder() {
+        for name in ["flight_ardupilot_log171/log171.bin.gz", "formats/pyulog_sample.ulg.gz"] {
+            match read(&data.join(name), None) {
+                Ok(log) => {
+                    let found = examine(&log, None);
+                    println!("{name}: {:?} {:?}", found.confirmed, found.contradictions);
+                    refused.extend(found.contradictions.iter().map(|c| format!("{name}: {c}")));
+                }
+                Err(e) => println!("{name}: {e}"),
+            }
+        }
+    }
+    assert!(refused.is_empty(), "{}", refused.join("\n"));
+}
