@@ -2,6 +2,7 @@
 
 use campaigns::real_logs::folder;
 use campaigns::real_logs::{files, load};
+use sil_host::log::flown::Flown;
 use sil_host::log::sanity::examine;
 use sil_host::log::{Map, read};
 
@@ -47,4 +48,30 @@ fn no_real_log_is_refused() {
         }
     }
     assert!(refused.is_empty(), "{}", refused.join("\n"));
+}
+
+#[test]
+fn what_flew_of_real_logs() {
+    for (folder, start, map) in LOGS {
+        for path in files(folder, start) {
+            let log = load(&path, map);
+            let flown = Flown::of(&log);
+            let part = flown.part(&log, None).unwrap();
+            println!("{}: {}", path.file_name().unwrap().to_string_lossy(), part.notes[0]);
+            for note in flown.notes {
+                println!("    {note}");
+            }
+            let found = examine(&part, None);
+            assert!(found.contradictions.is_empty(), "{}: {:?}", path.display(), found.contradictions);
+        }
+    }
+    if let Some(data) = folder() {
+        for name in ["flight_ardupilot_log171/log171.bin.gz", "formats/pyulog_sample.ulg.gz"] {
+            let log = read(&data.join(name), None).unwrap();
+            let part = Flown::of(&log).part(&log, None).unwrap();
+            println!("{name}: {:?}", part.notes);
+            let found = examine(&part, None);
+            assert!(found.contradictions.is_empty(), "{name}: {:?}", found.contradictions);
+        }
+    }
 }

@@ -12,6 +12,7 @@ mod firmware_vehicle;
 mod flight_controllers;
 mod flight_safety;
 mod gate_real;
+mod gate_spoiled;
 mod hitl;
 mod limits_and_switching;
 mod log_errors;

@@ -9,6 +9,7 @@ mod blackbox;
 mod csv;
 mod dataflash;
 mod error;
+pub mod flown;
 mod map;
 mod messages;
 mod motor_order;

@@ -95,37 +95,39 @@ impl Driving {
         format!("the derivative of {rate} {how} {what}{instead}")
     }
 
-    /// The orders of motors that would answer as this log does; else signs of single axes.
+    /// What would answer as this log does: the motors in another order, or some axes' signs.
     fn motors_likely(&self, log: &Log, columns: &Columns<'_>) -> (String, Vec<String>) {
+        let own_sign = |axis: usize| self.by_axis[axis] == Answer::Instead { input: axis, sign: -1.0 };
+        let is_of_signs = (0..3).all(|axis| own_sign(axis) || !matches!(self.by_axis[axis], Answer::Instead { .. }));
         let orders: Vec<[usize; 4]> = orders().into_iter().filter(|order| self.is_explained_by(order)).collect();
+        let (mut likely, mut lines) = (Vec::new(), Vec::new());
         if let [order, others @ ..] = orders.as_slice() {
-            let line = |ours: usize| {
+            let more = if others.is_empty() { "" } else { " (more than one order would do)" };
+            likely.push(format!("the motors are likely in another order{more}"));
+            lines.extend((0..4).map(|ours| {
                 let theirs = (0..4).find(|theirs| order[*theirs] == ours).unwrap_or(ours);
                 columns.line(&Quantity::Motor(ours).name(), Quantity::Motor(theirs), 1.0)
-            };
-            let more = if others.is_empty() { "" } else { " (more than one order would do)" };
-            return (
-                format!("the motors are likely in another order{more}, or the gyro's axes are turned or swapped"),
-                (0..4).map(line).collect(),
-            );
+            }));
         }
-        let turned = |axis: &Axis| matches!(self.by_axis[axis.index()], Answer::Instead { sign, .. } if sign < 0.0);
-        let mut lines = Vec::new();
-        for axis in Axis::ALL.into_iter().filter(turned) {
+        if !is_of_signs {
+            likely.push("the gyro's axes are likely turned or swapped".to_owned());
+            return (likely.join(", or "), lines);
+        }
+        if own_sign(2) && !own_sign(0) && !own_sign(1) {
+            likely
+                .push("the rotors likely turn the other way than in docs/rig.md, or yaw counts to the left".to_owned());
+        } else {
+            let which = if lines.is_empty() { "" } else { " (the last lines)" };
+            likely.push(format!("the axis' rate and angle are likely of the other sign{which}"));
+        }
+        for axis in Axis::ALL.into_iter().filter(|axis| own_sign(axis.index())) {
             for quantity in [Quantity::Rate(axis), Quantity::Angle(axis), Quantity::Reference(axis)] {
                 if log.column(quantity).is_some() {
                     lines.push(columns.line(&quantity.name(), quantity, -1.0));
                 }
             }
         }
-        let yaw_alone =
-            !matches!(self.by_axis[0], Answer::Instead { .. }) && !matches!(self.by_axis[1], Answer::Instead { .. });
-        let likely = if yaw_alone {
-            "the rotors likely turn the other way than in docs/rig.md, or yaw counts to the left"
-        } else {
-            "the axis' rate (and its angle with it) is likely of the other sign"
-        };
-        (likely.to_owned(), lines)
+        (likely.join(", or "), lines)
     }
 
     /// True if motors of which label k is really motor `order[k]` give the answers that are known.

@@ -8,14 +8,15 @@ use super::answers::{Answer, Answers, Question};
 use super::bins::Bins;
 use super::finding::{Columns, Contradiction};
 use crate::axis::Axis;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Half of the span of differences, s.
 const HALF_SPAN_S: f64 = 0.05;
 /// An attitude may come so much earlier or later than its rates, s: filters, and estimators that wait.
-const LATER_S: [f64; 2] = [-0.1, 0.3];
+const LATER_S: [f64; 2] = [-0.05, 0.15];
 /// Cosine of the tilt beyond which rows are left out.
 const COS_TILT_MIN: f64 = 0.5;
-const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
+const DEGREE_RAD: f64 = PI / 180.0;
 
 /// The answers of the angles to the rates; `None` where the log has not both, or is too short.
 pub(super) fn answers(log: &Log, bins: &Bins) -> Option<Answers> {
@@ -128,21 +129,33 @@ fn unit(answers: &Answers, axis: Axis, columns: &Columns<'_>) -> Option<Contradi
 pub(super) fn out_of_range(log: &Log, columns: &Columns<'_>) -> Option<Contradiction> {
     let mut seen = Vec::new();
     let mut map_lines = Vec::new();
-    for (axis, most_rad) in [(Axis::Roll, std::f64::consts::PI), (Axis::Pitch, std::f64::consts::FRAC_PI_2)] {
+    let mut largest_rad: f64 = 0.0;
+    for (axis, most_rad) in [(Axis::Roll, PI), (Axis::Pitch, FRAC_PI_2)] {
         let quantity = Quantity::Angle(axis);
         let Some(angle_rad) = log.column(quantity) else { continue };
         // a hundredth for rounding at the very end of the range
         let beyond = angle_rad.iter().filter(|angle| angle.abs() > 1.01 * most_rad).count();
         // single readings are damage
         if 100 * beyond > log.rows() {
-            let largest = angle_rad.iter().fold(0.0, |largest: f64, angle| largest.max(angle.abs()));
-            seen.push(format!("{} reaches {largest:.2} rad", columns.called(quantity)));
+            let reached_rad = angle_rad.iter().fold(0.0, |largest: f64, angle| largest.max(angle.abs()));
+            largest_rad = largest_rad.max(reached_rad);
+            seen.push(format!("{} reaches {reached_rad:.2} rad", columns.called(quantity)));
             map_lines.push(columns.line(&format!("{}_deg", axis.name()), quantity, 1.0));
         }
     }
+    let is_pitch_beyond_quarter_turn = largest_rad <= 1.01 * PI;
+    let likely = if is_pitch_beyond_quarter_turn {
+        map_lines = vec![
+            columns.line("roll_rad", Quantity::Angle(Axis::Pitch), 1.0),
+            columns.line("pitch_rad", Quantity::Angle(Axis::Roll), 1.0),
+        ];
+        "roll and pitch are likely swapped, or the angles are not Euler angles Z-Y-X"
+    } else {
+        "likely degrees, labelled as radians"
+    };
     (!seen.is_empty()).then(|| Contradiction {
         seen: format!("{}, which no such Euler angle does", seen.join(" and ")),
-        likely: "likely degrees, labelled as radians".to_owned(),
+        likely: likely.to_owned(),
         map_lines,
     })
 }

@@ -75,7 +75,11 @@ pub(super) fn of_the_mean(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Opti
                 map_lines: Vec::new(),
             }
         } else {
-            Contradiction { seen: text, likely: "the unit is likely g".to_owned(), map_lines: lines("_g").into() }
+            Contradiction {
+                seen: text,
+                likely: "the unit is likely g (or gravity is taken off: then leave the columns out)".to_owned(),
+                map_lines: lines("_g").into(),
+            }
         });
     }
     if size.is_above(GRAVITY_M_S2 * between) {
