@@ -11,6 +11,7 @@ mod controller_comparison;
 mod firmware_vehicle;
 mod flight_controllers;
 mod flight_safety;
+mod gate_map;
 mod gate_real;
 mod gate_spoiled;
 mod hitl;

@@ -8,6 +8,7 @@
 mod blackbox;
 mod csv;
 mod dataflash;
+pub mod draft;
 mod error;
 pub mod flown;
 mod map;

@@ -75,9 +75,9 @@ impl Driving {
             return self.is_by_motors.then(|| self.turned_by_45_degrees()).flatten();
         }
         let seen: Vec<String> = wrong.iter().map(|axis| self.seen(*axis, columns)).collect();
-        let (likely, map_lines) =
+        let likely =
             if self.is_by_motors { self.motors_likely(log, columns) } else { commands_likely(&self.by_axis, columns) };
-        Some(Contradiction { seen: seen.join("; "), likely, map_lines })
+        Some(Contradiction { seen: seen.join("; "), ..likely })
     }
 
     fn seen(&self, axis: Axis, columns: &Columns<'_>) -> String {
@@ -96,38 +96,38 @@ impl Driving {
     }
 
     /// What would answer as this log does: the motors in another order, or some axes' signs.
-    fn motors_likely(&self, log: &Log, columns: &Columns<'_>) -> (String, Vec<String>) {
+    fn motors_likely(&self, log: &Log, columns: &Columns<'_>) -> Contradiction {
         let own_sign = |axis: usize| self.by_axis[axis] == Answer::Instead { input: axis, sign: -1.0 };
         let is_of_signs = (0..3).all(|axis| own_sign(axis) || !matches!(self.by_axis[axis], Answer::Instead { .. }));
         let orders: Vec<[usize; 4]> = orders().into_iter().filter(|order| self.is_explained_by(order)).collect();
-        let (mut likely, mut lines) = (Vec::new(), Vec::new());
+        let (mut likely, mut of_motors, mut of_signs) = (Vec::new(), Vec::new(), Vec::new());
         if let [order, others @ ..] = orders.as_slice() {
             let more = if others.is_empty() { "" } else { " (more than one order would do)" };
             likely.push(format!("the motors are likely in another order{more}"));
-            lines.extend((0..4).map(|ours| {
+            of_motors.extend((0..4).map(|ours| {
                 let theirs = (0..4).find(|theirs| order[*theirs] == ours).unwrap_or(ours);
                 columns.line(&Quantity::Motor(ours).name(), Quantity::Motor(theirs), 1.0)
             }));
         }
         if !is_of_signs {
             likely.push("the gyro's axes are likely turned or swapped".to_owned());
-            return (likely.join(", or "), lines);
+            return Contradiction { likely: likely.join(", or "), map_lines: of_motors, ..Contradiction::default() };
         }
         if own_sign(2) && !own_sign(0) && !own_sign(1) {
             likely
                 .push("the rotors likely turn the other way than in docs/rig.md, or yaw counts to the left".to_owned());
         } else {
-            let which = if lines.is_empty() { "" } else { " (the last lines)" };
-            likely.push(format!("the axis' rate and angle are likely of the other sign{which}"));
+            likely.push("the axis' rate and angle are likely of the other sign".to_owned());
         }
         for axis in Axis::ALL.into_iter().filter(|axis| own_sign(axis.index())) {
             for quantity in [Quantity::Rate(axis), Quantity::Angle(axis), Quantity::Reference(axis)] {
                 if log.column(quantity).is_some() {
-                    lines.push(columns.line(&quantity.name(), quantity, -1.0));
+                    of_signs.push(columns.line(&quantity.name(), quantity, -1.0));
                 }
             }
         }
-        (likely.join(", or "), lines)
+        let (map_lines, or_instead) = if of_motors.is_empty() { (of_signs, Vec::new()) } else { (of_motors, of_signs) };
+        Contradiction { likely: likely.join(", or "), map_lines, or_instead, ..Contradiction::default() }
     }
 
     /// True if motors of which label k is really motor `order[k]` give the answers that are known.
@@ -175,7 +175,7 @@ impl Driving {
                      `roll_cmd`, `pitch_cmd`, `yaw_cmd` of the motors (a plus frame: left - right, front - rear) and \
                      leave the motors out"
                 .to_owned(),
-            map_lines: Vec::new(),
+            ..Contradiction::default()
         })
     }
 }
@@ -186,7 +186,7 @@ fn orders() -> Vec<[usize; 4]> {
     all.filter(|order| (0..4).all(|motor| order.contains(&motor))).collect()
 }
 
-fn commands_likely(by_axis: &[Answer; 3], columns: &Columns<'_>) -> (String, Vec<String>) {
+fn commands_likely(by_axis: &[Answer; 3], columns: &Columns<'_>) -> Contradiction {
     let mut lines = Vec::new();
     let mut is_swapped = false;
     for axis in Axis::ALL {
@@ -200,5 +200,5 @@ fn commands_likely(by_axis: &[Answer; 3], columns: &Columns<'_>) -> (String, Vec
     } else {
         "the command's sign is likely turned, or the rate's with its angle"
     };
-    (likely.to_owned(), lines)
+    Contradiction { likely: likely.to_owned(), map_lines: lines, ..Contradiction::default() }
 }

@@ -6,14 +6,18 @@ use super::super::map::Map;
 use super::super::quantity::Quantity;
 
 /// Something in a log that can't be as it is labelled.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contradiction {
     /// What was seen, with its figures.
     pub seen: String,
     /// What it most likely is.
     pub likely: String,
     /// Lines of a map that would mend it; empty where none would.
-    pub map_lines: Vec<String>,
+    pub map_lines: Vec<MapLine>,
+    /// Lines that would mend it as well.
+    pub or_instead: Vec<MapLine>,
+    /// What a map had better leave out.
+    pub leave_out: Vec<Quantity>,
 }
 
 impl fmt::Display for Contradiction {
@@ -22,7 +26,35 @@ impl fmt::Display for Contradiction {
         if !self.map_lines.is_empty() {
             write!(out, "; in a --map:")?;
         }
-        self.map_lines.iter().try_for_each(|line| write!(out, "\n    {line}"))
+        self.map_lines.iter().try_for_each(|line| write!(out, "\n    {line}"))?;
+        if !self.or_instead.is_empty() {
+            write!(out, "\n  or instead:")?;
+        }
+        self.or_instead.iter().try_for_each(|line| write!(out, "\n    {line}"))
+    }
+}
+
+/// A line of a map: what a quantity is to be made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapLine {
+    /// The quantity's name and unit.
+    pub key: String,
+    /// What the column is taken for now.
+    pub from: Quantity,
+    /// -1 where its sign is to be turned.
+    pub sign: f64,
+    /// The column's name in the file.
+    pub column: String,
+    /// True where a map has a line for it already, which may have a sign.
+    pub is_mapped: bool,
+}
+
+impl fmt::Display for MapLine {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let is_turned = self.sign < 0.0;
+        let sign = if is_turned { ", sign = -1" } else { "" };
+        write!(out, "{} = {{ column = \"{}\"{sign} }}", self.key, self.column)?;
+        if is_turned && self.is_mapped { write!(out, "   # or 1, where it is -1 now") } else { Ok(()) }
     }
 }
 
@@ -53,16 +85,8 @@ impl Columns<'_> {
         if name == column { format!("`{name}`") } else { format!("`{name}` (column `{column}`)") }
     }
 
-    /// A line that gives `quantity`, in a unit that may be another than its first, from the column of `from`.
-    pub(super) fn line(&self, name: &str, from: Quantity, sign: f64) -> String {
-        let sign = match (sign < 0.0, self.map.is_some()) {
-            (false, _) => "",
-            (true, false) => ", sign = -1",
-            (true, true) => ", sign = -1   # or 1, where it is -1 now",
-        };
-        match sign.split_once("   ") {
-            Some((sign, remark)) => format!("{name} = {{ column = \"{}\"{sign} }}   {remark}", self.of(from)),
-            None => format!("{name} = {{ column = \"{}\"{sign} }}", self.of(from)),
-        }
+    /// A line that gives a key from the column of a quantity, or against it.
+    pub(super) fn line(&self, key: &str, from: Quantity, sign: f64) -> MapLine {
+        MapLine { key: key.to_owned(), from, sign, column: self.of(from), is_mapped: self.map.is_some() }
     }
 }

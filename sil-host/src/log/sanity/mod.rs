@@ -29,7 +29,7 @@ use self::answers::Answer;
 use self::bins::Bins;
 use self::driving::Driving;
 use self::finding::Columns;
-pub use self::finding::{Contradiction, Examination};
+pub use self::finding::{Contradiction, Examination, MapLine};
 use super::map::Map;
 use super::quantity::Quantity;
 use super::{Log, LogError, LogErrorKind};
@@ -126,5 +126,6 @@ fn time(log: &Log, columns: &Columns<'_>) -> Option<Contradiction> {
         seen: format!("{} gives {rate_hz:.4} rows per second", columns.called(Quantity::Time)),
         likely: likely.to_owned(),
         map_lines,
+        ..Contradiction::default()
     })
 }

@@ -58,7 +58,8 @@ fn one(log: &Log, stuck: Quantity, moving: Quantity, columns: &Columns<'_>) -> O
         } else {
             "the sensor or its logging likely stopped: cut the log there (--from, --to)".to_owned()
         },
-        map_lines: Vec::new(),
+        leave_out: if is_whole { vec![stuck] } else { Vec::new() },
+        ..Contradiction::default()
     })
 }
 
@@ -80,7 +81,7 @@ fn everything(log: &Log) -> Option<Contradiction> {
     Some(Contradiction {
         seen: format!("no angle, rate or acceleration changes from {from_s:.2} s to {to_s:.2} s"),
         likely: "the log likely froze: cut it there (--from, --to)".to_owned(),
-        map_lines: Vec::new(),
+        ..Contradiction::default()
     })
 }
 

@@ -58,6 +58,7 @@ pub(super) fn contradiction(
                 ),
                 likely: "the gyro's axes are likely swapped, or the angles' are".to_owned(),
                 map_lines: vec![columns.line(&Quantity::Rate(axis).name(), other, sign)],
+                ..Contradiction::default()
             })
         }
         Answer::AsLabelled => unit(answers, axis, columns),
@@ -68,18 +69,19 @@ pub(super) fn contradiction(
 fn sign_turned(axis: Axis, sign: f64, rate_is_right: Option<bool>, columns: &Columns<'_>) -> Contradiction {
     let (angle, rate) = (Quantity::Angle(axis), Quantity::Rate(axis));
     let (rate_line, angle_line) = (columns.line(&rate.name(), rate, sign), columns.line(&angle.name(), angle, sign));
-    let (likely, map_lines) = match rate_is_right {
-        Some(true) => ("the motors agree with the rate: the angle's sign is likely turned", vec![angle_line]),
-        Some(false) => ("the motors disagree with the rate: the rate's sign is likely turned", vec![rate_line]),
-        None => (
-            "one of the two signs is likely turned; nothing else in the log says which (else the second line)",
-            vec![rate_line, angle_line],
-        ),
+    let (likely, map_lines, or_instead) = match rate_is_right {
+        Some(true) => ("the motors agree with the rate: the angle's sign is likely turned", angle_line, None),
+        Some(false) => ("the motors disagree with the rate: the rate's sign is likely turned", rate_line, None),
+        None => {
+            ("one of the two signs is likely turned; nothing else in the log says which", rate_line, Some(angle_line))
+        }
     };
     Contradiction {
         seen: format!("{} turns against {}", columns.called(angle), columns.called(rate)),
         likely: likely.to_owned(),
-        map_lines,
+        map_lines: vec![map_lines],
+        or_instead: or_instead.into_iter().collect(),
+        ..Contradiction::default()
     }
 }
 
@@ -104,8 +106,13 @@ fn unit(answers: &Answers, axis: Axis, columns: &Columns<'_>) -> Option<Contradi
     let far = (1000.0 / DEGREE_RAD).sqrt();
     if slope.is_above(far) || most.is_below(1.0 / far) {
         let likely = "the time is likely in ms or us, or has another unit than its name says";
-        let lines = vec![columns.line("time_ms", Quantity::Time, 1.0), columns.line("time_us", Quantity::Time, 1.0)];
-        return Some(Contradiction { seen: seen("for 1"), likely: likely.to_owned(), map_lines: lines });
+        return Some(Contradiction {
+            seen: seen("for 1"),
+            likely: likely.to_owned(),
+            map_lines: vec![columns.line("time_ms", Quantity::Time, 1.0)],
+            or_instead: vec![columns.line("time_us", Quantity::Time, 1.0)],
+            ..Contradiction::default()
+        });
     }
     if slope.is_above(between) {
         return Some(Contradiction {
@@ -113,6 +120,7 @@ fn unit(answers: &Answers, axis: Axis, columns: &Columns<'_>) -> Option<Contradi
             likely: "the angle is likely in degrees, labelled as radians (or the rate in rad/s, labelled as deg/s)"
                 .to_owned(),
             map_lines: vec![columns.line(&format!("{angle_stem}_deg"), angle, 1.0)],
+            ..Contradiction::default()
         });
     }
     if most.is_below(1.0 / between) {
@@ -120,6 +128,7 @@ fn unit(answers: &Answers, axis: Axis, columns: &Columns<'_>) -> Option<Contradi
             seen: seen("for 1; 0.0175 is radians for degrees"),
             likely: "the rate is likely in deg/s, labelled as rad/s (or the angle in rad, labelled as deg)".to_owned(),
             map_lines: vec![columns.line(&format!("{rate_stem}_deg_s"), rate, 1.0)],
+            ..Contradiction::default()
         });
     }
     None
@@ -157,5 +166,6 @@ pub(super) fn out_of_range(log: &Log, columns: &Columns<'_>) -> Option<Contradic
         seen: format!("{}, which no such Euler angle does", seen.join(" and ")),
         likely: likely.to_owned(),
         map_lines,
+        ..Contradiction::default()
     })
 }

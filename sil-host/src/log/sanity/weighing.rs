@@ -56,7 +56,12 @@ pub(super) fn of_the_mean(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Opti
         } else {
             ("its axes are likely swapped".to_owned(), vec![columns.line("az_m_s2", quantity, -sign)])
         };
-        return Some(Contradiction { seen: format!("{seen_text}, not (0, 0, -9.81)"), likely, map_lines });
+        return Some(Contradiction {
+            seen: format!("{seen_text}, not (0, 0, -9.81)"),
+            likely,
+            map_lines,
+            ..Contradiction::default()
+        });
     }
     let size = estimate(&size)?;
     let text = format!("{seen_text}, of size {:.3}, not 9.81", size.value);
@@ -72,19 +77,26 @@ pub(super) fn of_the_mean(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Opti
                 seen: text,
                 likely: "gravity is likely taken off; what is wanted is the specific force: leave the columns out"
                     .to_owned(),
-                map_lines: Vec::new(),
+                leave_out: Axis::ALL.map(Quantity::Accel).into(),
+                ..Contradiction::default()
             }
         } else {
             Contradiction {
                 seen: text,
                 likely: "the unit is likely g (or gravity is taken off: then leave the columns out)".to_owned(),
                 map_lines: lines("_g").into(),
+                ..Contradiction::default()
             }
         });
     }
     if size.is_above(GRAVITY_M_S2 * between) {
         let likely = "the unit is likely another than its name says (m/s^2 labelled as g, or cm/s^2): give a scale";
-        return Some(Contradiction { seen: text, likely: likely.to_owned(), map_lines: lines("_m_s2").into() });
+        return Some(Contradiction {
+            seen: text,
+            likely: likely.to_owned(),
+            map_lines: lines("_m_s2").into(),
+            ..Contradiction::default()
+        });
     }
     None
 }
@@ -124,8 +136,10 @@ pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<
         found.push(if input == response {
             Contradiction {
                 seen: format!("{} shows gravity against {}", columns.called(force), columns.called(tilt)),
-                likely: "one of the two signs is likely turned (else the second line)".to_owned(),
-                map_lines: vec![columns.line(&force.name(), force, -1.0), columns.line(&tilt.name(), tilt, -1.0)],
+                likely: "one of the two signs is likely turned".to_owned(),
+                map_lines: vec![columns.line(&force.name(), force, -1.0)],
+                or_instead: vec![columns.line(&tilt.name(), tilt, -1.0)],
+                ..Contradiction::default()
             }
         } else {
             Contradiction {
@@ -137,6 +151,7 @@ pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<
                 ),
                 likely: "the axes of the accelerometer are likely turned, or the angles swapped".to_owned(),
                 map_lines: vec![columns.line(&force.name(), Quantity::Accel([Axis::Roll, Axis::Pitch][input]), sign)],
+                ..Contradiction::default()
             }
         });
     }
