@@ -3,8 +3,8 @@
 //!
 //! A *flight* is a stretch in which the motors lift. Where the log has a collective (motors, or a thrust command), that
 //! is where it lies above half of what it usually is while the motors run: lift goes with its square or less, so that
-//! below half no vehicle is held up; less than a second below is a manoeuvre. Where the motors are steered on as
-//! lively as ever, as on a bench, which needs no lift, a low collective is no idling. Take-off and landing, when the
+//! below half no vehicle is held up; less than a second below is a manoeuvre. Where the motors are steered on, as on a
+//! bench, which needs no lift, a low collective is no idling. Take-off and landing, when the
 //! collective has not yet reached nine tenths of the usual one, are left out. Without a collective nothing says more
 //! than the rows in which the motors run ([`Log::active_rows`]).
 //!
@@ -26,8 +26,8 @@ const SHORTEST_S: f64 = 1.0;
 const LIFTED: f64 = 0.9;
 /// Take-off and landing are so short, s: a bench may have no usual collective at all.
 const GROUND_MAX_S: f64 = 3.0;
-/// Commands this lively, as a share of their usual deviation, steer.
-const STEERED: f64 = 0.5;
+/// Commands this lively, as a share of their usual deviation, steer: idling motors are told one and the same.
+const STEERED: f64 = 0.1;
 /// A crash is looked for so long before a flight's end, s.
 const CRASH_WITHIN_S: f64 = 3.0;
 /// What happens before a crash belongs to it: the motors or the pilot gave up, s.
@@ -179,7 +179,7 @@ fn stretches(kinds: &[bool]) -> Vec<Range<usize>> {
 }
 
 /// A low collective between lifting stretches, or beside one, is part of the flight where the commands of the axes
-/// move as they do in it.
+/// move.
 fn keep_what_is_steered(log: &Log, active: &[bool], lifts: &mut [bool]) {
     let steering = steering(log);
     let lively = |rows: &mut dyn Iterator<Item = usize>| {

@@ -64,13 +64,21 @@ struct Drafting<'a> {
     entries: Vec<Entry>,
     unused: Vec<String>,
     remarks: Vec<String>,
+    /// What a log needs and no column's name says.
+    lacking: Vec<String>,
 }
 
 impl Drafting<'_> {
     fn of<'a>(file: &'a str, text: &str) -> Result<Drafting<'a>, LogError> {
         let table = csv::table(file, text)?;
-        let mut drafting =
-            Drafting { file, frame: "FRD", entries: Vec::new(), unused: Vec::new(), remarks: Vec::new() };
+        let mut drafting = Drafting {
+            file,
+            frame: "FRD",
+            entries: Vec::new(),
+            unused: Vec::new(),
+            remarks: Vec::new(),
+            lacking: Vec::new(),
+        };
         for name in table.fields().map(str::to_owned).collect::<Vec<_>>() {
             let values = numbers(&table, &name);
             let is_numbers = values.len() as f64 >= NUMBERS_MIN * table.rows() as f64;
@@ -81,6 +89,7 @@ impl Drafting<'_> {
         }
         drafting.take_command_by_elimination(&table);
         drafting.share_units(&table);
+        drafting.lacking = drafting.lacking();
         drafting.drop_what_is_not_needed();
         Ok(drafting)
     }
@@ -100,6 +109,25 @@ impl Drafting<'_> {
 
     fn has_motors(&self) -> bool {
         (0..4).all(|motor| self.has(Quantity::Motor(motor)))
+    }
+
+    /// All that a log needs and that no column was taken for.
+    fn lacking(&self) -> Vec<String> {
+        let has_any = |of: fn(Axis) -> Quantity| Axis::ALL.iter().any(|axis| self.has(of(*axis)));
+        let motors = (0..4).filter(|motor| self.has(Quantity::Motor(*motor))).count();
+        let mut lacking = Vec::new();
+        if !self.has(Quantity::Time) {
+            lacking.push("time (time_s) is missing".to_owned());
+        }
+        if !has_any(Quantity::Angle) && !has_any(Quantity::Rate) {
+            lacking.push("angles (roll_rad, pitch_rad) or body rates (p_rad_s, q_rad_s) are missing".to_owned());
+        }
+        if motors < 4 && !has_any(Quantity::Command) {
+            lacking.push(format!(
+                "commands are missing: motor1 to motor4 ({motors} of them recognised), or roll_cmd, pitch_cmd"
+            ));
+        }
+        lacking
     }
 
     /// A command that names no axis is that of the only axis with an angle.
@@ -169,7 +197,11 @@ impl Drafting<'_> {
 
     /// Reads the log by the draft and mends what contradicts, as often as something does.
     fn finish(mut self, text: &str) -> Draft {
-        let mut problems = Vec::new();
+        let mut problems = std::mem::take(&mut self.lacking);
+        if !problems.is_empty() {
+            let toml = self.toml(&problems);
+            return Draft { toml, problems };
+        }
         for round in 0..=ROUNDS_MAX {
             problems.clear();
             let map = match Map::parse("the draft", &self.toml(&[])) {

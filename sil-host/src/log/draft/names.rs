@@ -128,17 +128,13 @@ pub(super) fn named(name: &str) -> Option<Named> {
     Some(Named { quantity, unit: unit_of(&words, quantity), rank })
 }
 
-/// A motor's command or a rotor's speed: `m1`, `motor_1`, `motor[0]`, `rpm1`; numbers from 1.
+/// A motor's command or a rotor's speed: `m1`, `motor_1`, `rpm1`; numbers from 1.
 fn motor(words: &[String]) -> Option<Quantity> {
-    let is_motor = words.iter().any(|word| ["m", "motor", "motors"].contains(&word.as_str()));
-    let is_speed = words.iter().any(|word| ["rpm", "erpm"].contains(&word.as_str()));
-    let number: usize = words.iter().find_map(|word| word.parse().ok())?;
-    let index = number.checked_sub(1).filter(|index| *index < 4)?;
-    match (is_motor, is_speed) {
-        (_, true) => Some(Quantity::Rpm(index)),
-        (true, false) => Some(Quantity::Motor(index)),
-        _ => None,
-    }
+    let is = |word: &str, list: &[&str]| list.contains(&word);
+    let pair = words.windows(2).find(|pair| is(&pair[0], &["m", "motor", "motors", "rpm", "erpm"]))?;
+    let index = pair[1].parse::<usize>().ok()?.checked_sub(1).filter(|index| *index < 4)?;
+    let is_speed = words.iter().any(|word| is(word, &["rpm", "erpm"]));
+    Some(if is_speed { Quantity::Rpm(index) } else { Quantity::Motor(index) })
 }
 
 /// A command of an axis whose name does not say which: `M_cmd`.

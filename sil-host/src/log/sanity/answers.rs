@@ -124,6 +124,26 @@ impl Answers {
         }
     }
 
+    /// What a response answers to for the most part, where its own input hardly moves and so proves nothing: one of the
+    /// inputs that no other response has claimed.
+    pub(super) fn answer_by_elimination(&self, response: usize, unclaimed: &[usize]) -> Answer {
+        let others = unclaimed.iter().copied().filter(|input| *input != response);
+        let found = others.flat_map(|input| [(input, 1.0), (input, -1.0)]).find(|(input, sign)| {
+            let most = self.most_explained(response, *input, *sign);
+            most.is_some_and(|share| share.is_above(0.5)) && self.is_better(response, *input, *sign)
+        });
+        found.map_or(Answer::Unknown, |(input, sign)| Answer::Instead { input, sign })
+    }
+
+    /// The share that an input explains by a slope of this sign, at its best lag.
+    fn most_explained(&self, response: usize, input: usize, sign: f64) -> Option<Estimate> {
+        let (response, input) = (self.responses[response]?, self.inputs[input]?);
+        let share =
+            |products: &Products, left_out| products.without(left_out).explained_with_sign(response, input, sign);
+        let most = |left_out| Some(self.by_lag.iter().map(|products| share(products, left_out)).fold(0.0, f64::max));
+        jackknife(self.stretches, most)
+    }
+
     /// True if the slope on this input is larger than the one on its own, beyond chance.
     fn is_larger(&self, response: usize, input: usize, sign: f64) -> bool {
         let difference = |sums: &Sums| {

@@ -62,7 +62,20 @@ pub(super) fn driving(log: &Log, bins: &Bins) -> Option<Driving> {
     };
     let answers = question.ask(bins)?;
     // the little yaw that motors make is hidden by any crossing of the others: its sign alone can be told
-    let by_axis = [answers.answer(0, &[0, 1, 2]), answers.answer(1, &[0, 1, 2]), answers.answer(2, &[2])];
+    let mut by_axis = [answers.answer(0, &[0, 1, 2]), answers.answer(1, &[0, 1, 2]), answers.answer(2, &[2])];
+    for axis in 0..2 {
+        let is_unclaimed = |input: &usize| {
+            by_axis.iter().enumerate().all(|(other, answer)| match answer {
+                Answer::Unknown => true,
+                Answer::AsLabelled => *input != other,
+                Answer::Instead { input: claimed, .. } => input != claimed,
+            })
+        };
+        if by_axis[axis] == Answer::Unknown {
+            let unclaimed: Vec<usize> = (0..3).filter(is_unclaimed).collect();
+            by_axis[axis] = answers.answer_by_elimination(axis, &unclaimed);
+        }
+    }
     Some(Driving { answers, by_axis, is_by_motors })
 }
 

@@ -6,7 +6,7 @@
 //! | file | what is held against what | what it finds |
 //! |---|---|---|
 //! | `turning` | angles against rates | units, signs and axes of either; the unit of time |
-//! | `driving` | angular accelerations against motors or axis commands | order, spin and signs; frames turned by 45 or 90 degrees |
+//! | `driving` | angular accelerations against commands | order, spin, signs; frames turned by 45 or 90 degrees |
 //! | `weighing` | the accelerometer against gravity and the tilt | its unit, sign and axes |
 //! | `stuck` | each reading against what moves with it | frozen readings |
 //!
