@@ -11,8 +11,8 @@ use super::{Failure, bad_input, print, write_file};
 #[derive(Args)]
 #[command(after_help = "Example: sil map flight.csv --out flight.map.toml\n\
 Example: sil diagnose flight.csv --map flight.map.toml\n\n\
-Names say what a column may be, its values in which unit; then the log is held against itself: rates against angles,\n\
-commands against angular accelerations, the accelerometer against gravity. Each line of the draft says why it is there.")]
+Names say what a column may be, its values in which unit; then the log is held against itself: rates against\n\
+angles, commands against angular accelerations, the accelerometer against gravity. Each line says why it is there.")]
 pub struct MapArguments {
     /// The log
     #[arg(value_name = "LOG.csv")]

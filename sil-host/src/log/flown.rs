@@ -26,8 +26,9 @@ const SHORTEST_S: f64 = 1.0;
 const LIFTED: f64 = 0.9;
 /// Take-off and landing are so short, s: a bench may have no usual collective at all.
 const GROUND_MAX_S: f64 = 3.0;
-/// Commands this lively, as a share of their usual deviation, steer: idling motors are told one and the same.
-const STEERED: f64 = 0.1;
+/// Motors whose commands differ by this share of what they usually do, each as a share of the collective, steer: idling
+/// motors are told one and the same.
+const STEERED: f64 = 0.2;
 /// A crash is looked for so long before a flight's end, s.
 const CRASH_WITHIN_S: f64 = 3.0;
 /// What happens before a crash belongs to it: the motors or the pilot gave up, s.
@@ -77,7 +78,7 @@ impl Flown {
             collective.iter().zip(&active).map(|(value, active)| *active && *value > IDLE * usual).collect();
         fill(&log.time_s, &mut lifts, false);
         fill(&log.time_s, &mut lifts, true);
-        keep_what_is_steered(log, &active, &mut lifts);
+        keep_what_is_steered(log, &active, &collective, &mut lifts);
         let flights: Vec<Flight> = stretches(&lifts)
             .into_iter()
             .filter(|rows| lifts[rows.start])
@@ -178,23 +179,21 @@ fn stretches(kinds: &[bool]) -> Vec<Range<usize>> {
     .collect()
 }
 
-/// A low collective between lifting stretches, or beside one, is part of the flight where the commands of the axes
-/// move.
-fn keep_what_is_steered(log: &Log, active: &[bool], lifts: &mut [bool]) {
+/// A low collective between lifting stretches, or beside one, is part of the flight where the axes are steered.
+fn keep_what_is_steered(log: &Log, active: &[bool], collective: &[f64], lifts: &mut [bool]) {
     let steering = steering(log);
-    let lively = |rows: &mut dyn Iterator<Item = usize>| {
-        let rows: Vec<usize> = rows.collect();
-        let deviation = |values: &Vec<f64>| {
-            let count = rows.len().max(1) as f64;
-            let mean = rows.iter().map(|row| values[*row]).sum::<f64>() / count;
-            rows.iter().map(|row| (values[*row] - mean) * (values[*row] - mean)).sum::<f64>() / count
-        };
-        f64::sqrt(steering.iter().map(deviation).sum())
+    // root mean square of what turns the axes, as a share of the collective
+    let share = |rows: &[usize]| {
+        let square = |row: usize| steering.iter().map(|values| values[row] * values[row]).sum::<f64>();
+        let squares: f64 = rows.iter().map(|row| square(*row)).sum();
+        let collective: f64 = rows.iter().map(|row| collective[*row]).sum();
+        if collective > 0.0 { f64::sqrt(squares * rows.len() as f64) / collective } else { 0.0 }
     };
-    let usual = lively(&mut (0..lifts.len()).filter(|row| lifts[*row]));
+    let lifting: Vec<usize> = (0..lifts.len()).filter(|row| lifts[*row]).collect();
+    let usual = share(&lifting);
     for rows in stretches(lifts) {
-        let runs = rows.clone().all(|row| active[row]);
-        if !lifts[rows.start] && runs && usual > 0.0 && lively(&mut rows.clone()) > STEERED * usual {
+        let low: Vec<usize> = rows.clone().filter(|row| active[*row]).collect();
+        if !lifts[rows.start] && low.len() == rows.len() && usual > 0.0 && share(&low) > STEERED * usual {
             lifts[rows].fill(true);
         }
     }
@@ -358,6 +357,20 @@ mod tests {
             let message = flown.part(&log, Some(number)).unwrap_err().to_string();
             assert!(message.contains("no such flight") && message.contains("2: 18.00 s"), "{message}");
         }
+    }
+
+    #[test]
+    fn a_low_collective_is_idling_only_where_nothing_is_steered() {
+        let mut log = log_of(&[(2.0, 0.0), (8.0, 0.5), (5.0, 0.1), (2.0, 0.0)]);
+        log.motor_command[0]
+            .iter_mut()
+            .flatten()
+            .enumerate()
+            .for_each(|(row, command)| *command *= 1.0 + 0.1 * libm::sin(row as f64));
+        let steered = log.clone();
+        assert_eq!(spans(&steered), [[2.0, 15.0]]);
+        log.motor_command[0].as_mut().unwrap()[1000..1500].fill(0.1);
+        assert_eq!(spans(&log), [[2.0, 10.0]]);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Logs whose columns are not what they say, as a person gives them to `sil`: each is refused with what it likely is and
-//! the line of a map that mends it; with that map the log is read, and another flight of a file can be chosen.
+//! Logs whose columns are not what they say, as a person gives them to `sil`: each is refused with what it likely is
+//! and the line of a map that mends it. And the draft of a map, and what is said of the part that flew.
 
 use crate::sil::{Folder, RIG_LOG};
 

@@ -2,10 +2,12 @@
 //! unit; then the log is read by the draft and held against itself ([`super::sanity`]), and what contradicts is mended
 //! and tried again. Each line says why it is there; what nothing in the log can tell is said, too.
 
+mod entry;
 mod names;
 
 use std::path::Path;
 
+use self::entry::{Entry, entry};
 use self::names::{Named, is_command_of_some_axis, named};
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
@@ -27,19 +29,6 @@ pub struct Draft {
     pub toml: String,
     /// What the log lacks, or still contradicts; the map can't be used before that is mended.
     pub problems: Vec<String>,
-}
-
-/// A line of the map in the making.
-#[derive(Clone, Debug, PartialEq)]
-struct Entry {
-    quantity: Quantity,
-    key: String,
-    column: String,
-    sign: f64,
-    scale: f64,
-    offset: f64,
-    rank: usize,
-    why: Vec<String>,
 }
 
 /// Drafts the map of a CSV; `None` for a flight controller's own format, which needs none.
@@ -356,57 +345,6 @@ impl Drafting<'_> {
     }
 }
 
-impl Entry {
-    fn line(&self) -> String {
-        let mut fields = format!("column = \"{}\"", self.column.replace('\\', "\\\\").replace('"', "\\\""));
-        if self.sign < 0.0 {
-            fields.push_str(", sign = -1");
-        }
-        if self.scale != 1.0 {
-            fields.push_str(&format!(", scale = {:e}", self.scale));
-        }
-        if self.offset != 0.0 {
-            fields.push_str(&format!(", offset = {}", self.offset));
-        }
-        format!("{} = {{ {fields} }}   # {}\n", self.key, self.why.join("; ").replace('\n', " "))
-    }
-}
-
 fn numbers(table: &Table, name: &str) -> Vec<f64> {
     table.column(name).unwrap_or_default().iter().copied().filter(|value| value.is_finite()).collect()
-}
-
-/// The entry of a column by its name and values.
-fn entry(column: &str, said: &Named, values: &[f64]) -> Entry {
-    let quantity = said.quantity;
-    let mut why = vec![if said.rank == 0 { "by its name" } else { "likely by its name" }.to_owned()];
-    let key = match said.unit {
-        Some(unit) => {
-            why.push("unit by its name".to_owned());
-            format!("{}{unit}", quantity.stem())
-        }
-        None => quantity.name(),
-    };
-    let (scale, offset, about) = size_of_command(quantity, values);
-    why.extend(about);
-    Entry { quantity, key, column: column.to_owned(), sign: 1.0, scale, offset, rank: said.rank, why }
-}
-
-/// How a command becomes a number up to 1, by the largest of its values.
-fn size_of_command(quantity: Quantity, values: &[f64]) -> (f64, f64, Option<String>) {
-    let is_of_axis = matches!(quantity, Quantity::Command(_));
-    if !is_of_axis && !matches!(quantity, Quantity::Motor(_) | Quantity::Thrust) {
-        return (1.0, 0.0, None);
-    }
-    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let why = |what: &str| Some(format!("{what} (up to {largest:.4})"));
-    match largest {
-        _ if largest <= 1.05 => (1.0, 0.0, None),
-        _ if largest <= 105.0 => (0.01, 0.0, why("percent")),
-        _ if !is_of_axis && least >= 800.0 && largest <= 2200.0 => (1e-3, -1.0, why("pulse width in us, 1000 to 2000")),
-        _ if is_of_axis && largest <= 32768.0 => (1.0 / 32767.0, 0.0, why("16 bits with a sign")),
-        _ if largest <= 65536.0 => (1.0 / 65535.0, 0.0, why("16 bits")),
-        _ => (1.0 / largest, 0.0, why("not known: its range; the largest value is taken for 1")),
-    }
 }

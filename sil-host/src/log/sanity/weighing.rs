@@ -6,99 +6,104 @@ use super::super::quantity::Quantity;
 use super::answers::{Answer, Question};
 use super::bins::Bins;
 use super::finding::{Columns, Contradiction};
-use super::regression::jackknife;
+use super::regression::{Estimate, jackknife};
 use crate::axis::Axis;
 
 const GRAVITY_M_S2: f64 = 9.80665;
 /// The accelerometer may come so much later than the attitude, s: attitudes are late.
 const LATER_S: [f64; 2] = [-0.3, 0.1];
 
-/// What the mean of the accelerometer contradicts.
-pub(super) fn of_the_mean(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Option<Contradiction> {
-    let axes = Axis::ALL.map(|axis| log.column(Quantity::Accel(axis)));
-    let [Some(x), Some(y), Some(z)] = axes else { return None };
-    let stretches = bins.stretches(&vec![true; bins.means(x).len()]);
-    let means = [x, y, z].map(|column| bins.means(column));
-    let of_stretch = |values: &Vec<f64>, stretch: &Vec<usize>| {
-        stretch.iter().map(|at| values[*at]).sum::<f64>() / stretch.len() as f64
-    };
-    let by_stretch = means.each_ref().map(|values| stretches.iter().map(|s| of_stretch(values, s)).collect::<Vec<_>>());
-    let mean_without = |left_out: Option<usize>| -> [f64; 3] {
-        by_stretch.each_ref().map(|means| {
+/// The accelerometer's mean in each stretch of a log, by axis.
+struct Means([Vec<f64>; 3]);
+
+impl Means {
+    fn of(log: &Log, bins: &Bins) -> Option<Means> {
+        let [x, y, z] = Axis::ALL.map(|axis| log.column(Quantity::Accel(axis)));
+        let means = [x?, y?, z?].map(|column| bins.means(column));
+        let stretches = bins.stretches(&vec![true; means[0].len()]);
+        let of_stretch = |values: &Vec<f64>, stretch: &Vec<usize>| {
+            stretch.iter().map(|at| values[*at]).sum::<f64>() / stretch.len() as f64
+        };
+        let by_stretch = means.map(|values| stretches.iter().map(|stretch| of_stretch(&values, stretch)).collect());
+        (!stretches.is_empty()).then_some(Means(by_stretch))
+    }
+
+    fn without(&self, left_out: Option<usize>) -> [f64; 3] {
+        self.0.each_ref().map(|means| {
             let kept = means.iter().enumerate().filter(|(k, _)| Some(*k) != left_out).map(|(_, mean)| mean);
             kept.sum::<f64>() / (means.len() - usize::from(left_out.is_some())) as f64
         })
-    };
-    if stretches.is_empty() {
+    }
+
+    fn estimate(&self, figure: impl Fn([f64; 3]) -> f64) -> Option<Estimate> {
+        jackknife(self.0[0].len(), |left_out| Some(figure(self.without(left_out))))
+    }
+}
+
+fn size([x, y, z]: [f64; 3]) -> f64 {
+    f64::sqrt(x * x + y * y + z * z)
+}
+
+/// What the mean of the accelerometer contradicts.
+pub(super) fn of_the_mean(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Option<Contradiction> {
+    let means = Means::of(log, bins)?;
+    let mean = means.without(None);
+    let called = Axis::ALL.map(|axis| columns.of(Quantity::Accel(axis))).join(", ");
+    let seen = format!("the mean of {called} is ({:.2}, {:.2}, {:.2}) m/s^2", mean[0], mean[1], mean[2]);
+    direction(&means, &seen, columns).or_else(|| unit(&means, &seen, columns))
+}
+
+/// Gravity along another axis than -z.
+fn direction(means: &Means, seen: &str, columns: &Columns<'_>) -> Option<Contradiction> {
+    let mean = means.without(None);
+    let largest = (0..3).max_by(|a, b| mean[*a].abs().total_cmp(&mean[*b].abs()))?;
+    let sign = mean[largest].signum();
+    if (largest, sign) == (2, -1.0)
+        || !means.estimate(|mean| sign * mean[largest] + mean[2])?.is_above(0.0)
+        || !means.estimate(|mean| sign * mean[largest] - 0.5 * size(mean))?.is_above(0.0)
+    {
         return None;
     }
-    let estimate =
-        |figure: &dyn Fn([f64; 3]) -> f64| jackknife(stretches.len(), |without| Some(figure(mean_without(without))));
-    let size = |[x, y, z]: [f64; 3]| f64::sqrt(x * x + y * y + z * z);
-    let seen = mean_without(None);
-    let (largest, _) = (0..3).map(|i| (i, seen[i].abs())).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let sign = seen[largest].signum();
-    let called: Vec<String> = Axis::ALL.iter().map(|axis| columns.of(Quantity::Accel(*axis))).collect();
-    let seen_text =
-        format!("the mean of {} is ({:.2}, {:.2}, {:.2}) m/s^2", called.join(", "), seen[0], seen[1], seen[2]);
+    let (likely, turned) = if largest == 2 {
+        ("the accelerometer likely counts z upward (or all of it is of the other sign)", -1.0)
+    } else {
+        ("its axes are likely swapped", -sign)
+    };
+    Some(Contradiction {
+        seen: format!("{seen}, not (0, 0, -9.81)"),
+        likely: likely.to_owned(),
+        map_lines: vec![columns.line("az_m_s2", Quantity::Accel(Axis::ALL[largest]), turned)],
+        ..Contradiction::default()
+    })
+}
+
+/// A size that is not gravity's.
+fn unit(means: &Means, seen: &str, columns: &Columns<'_>) -> Option<Contradiction> {
     // as far from m/s^2 as from g
     let between = GRAVITY_M_S2.sqrt();
-    let is_direction_wrong = (largest, sign) != (2, -1.0)
-        && estimate(&|mean| sign * mean[largest] + mean[2])?.is_above(0.0)
-        && estimate(&|mean| sign * mean[largest] - 0.5 * size(mean))?.is_above(0.0);
-    if is_direction_wrong {
-        let quantity = Quantity::Accel(Axis::ALL[largest]);
-        let (likely, map_lines) = if largest == 2 {
-            (
-                "the accelerometer likely counts z upward (or all of it is of the other sign)".to_owned(),
-                vec![columns.line("az_m_s2", quantity, -1.0)],
-            )
-        } else {
-            ("its axes are likely swapped".to_owned(), vec![columns.line("az_m_s2", quantity, -sign)])
-        };
-        return Some(Contradiction {
-            seen: format!("{seen_text}, not (0, 0, -9.81)"),
-            likely,
-            map_lines,
-            ..Contradiction::default()
-        });
-    }
-    let size = estimate(&size)?;
-    let text = format!("{seen_text}, of size {:.3}, not 9.81", size.value);
+    let size = means.estimate(size)?;
     let lines = |unit: &str| {
-        Axis::ALL
-            .map(|axis| columns.line(&format!("{}{unit}", Quantity::Accel(axis).stem()), Quantity::Accel(axis), 1.0))
+        let line = |axis: Axis| {
+            let quantity = Quantity::Accel(axis);
+            columns.line(&format!("{}{unit}", quantity.stem()), quantity, 1.0)
+        };
+        Axis::ALL.map(line).into()
     };
-    if size.is_below(GRAVITY_M_S2 / between) {
+    let (likely, map_lines, leave_out) = if size.is_below(1.0 / between) {
         // nearer to nothing than to 1 g in g
-        let is_taken_off = size.is_below(1.0 / between);
-        return Some(if is_taken_off {
-            Contradiction {
-                seen: text,
-                likely: "gravity is likely taken off; what is wanted is the specific force: leave the columns out"
-                    .to_owned(),
-                leave_out: Axis::ALL.map(Quantity::Accel).into(),
-                ..Contradiction::default()
-            }
-        } else {
-            Contradiction {
-                seen: text,
-                likely: "the unit is likely g (or gravity is taken off: then leave the columns out)".to_owned(),
-                map_lines: lines("_g").into(),
-                ..Contradiction::default()
-            }
-        });
-    }
-    if size.is_above(GRAVITY_M_S2 * between) {
+        let likely = "gravity is likely taken off; what is wanted is the specific force: leave the columns out";
+        (likely, Vec::new(), Axis::ALL.map(Quantity::Accel).into())
+    } else if size.is_below(GRAVITY_M_S2 / between) {
+        let likely = "the unit is likely g (or gravity is taken off: then leave the columns out)";
+        (likely, lines("_g"), Vec::new())
+    } else if size.is_above(GRAVITY_M_S2 * between) {
         let likely = "the unit is likely another than its name says (m/s^2 labelled as g, or cm/s^2): give a scale";
-        return Some(Contradiction {
-            seen: text,
-            likely: likely.to_owned(),
-            map_lines: lines("_m_s2").into(),
-            ..Contradiction::default()
-        });
-    }
-    None
+        (likely, lines("_m_s2"), Vec::new())
+    } else {
+        return None;
+    };
+    let seen = format!("{seen}, of size {:.3}, not 9.81", size.value);
+    Some(Contradiction { seen, likely: likely.to_owned(), map_lines, leave_out, ..Contradiction::default() })
 }
 
 /// What the accelerometer's x and y contradict in the attitude, where they show gravity: on benches, and on the ground.
