@@ -169,7 +169,7 @@ fn usual(collective: &[f64], active: &[bool]) -> f64 {
 }
 
 /// Stretches of rows of one kind.
-fn stretches(kinds: &[bool]) -> Vec<Range<usize>> {
+fn stretches<T: PartialEq>(kinds: &[T]) -> Vec<Range<usize>> {
     let mut end = 0;
     let runs = kinds.chunk_by(|a, b| a == b);
     runs.map(|run| {
@@ -191,9 +191,12 @@ fn keep_what_is_steered(log: &Log, active: &[bool], collective: &[f64], lifts: &
     };
     let lifting: Vec<usize> = (0..lifts.len()).filter(|row| lifts[*row]).collect();
     let usual = share(&lifting);
-    for rows in stretches(lifts) {
-        let low: Vec<usize> = rows.clone().filter(|row| active[*row]).collect();
-        if !lifts[rows.start] && low.len() == rows.len() && usual > 0.0 && share(&low) > STEERED * usual {
+    // motors at nothing stand, whatever the log says of its active rows
+    let runs = (0..lifts.len()).map(|row| (lifts[row], active[row] && collective[row] > 0.0));
+    for rows in stretches(&runs.collect::<Vec<(bool, bool)>>()) {
+        let low: Vec<usize> = rows.clone().collect();
+        let runs = active[rows.start] && collective[rows.start] > 0.0;
+        if !lifts[rows.start] && runs && usual > 0.0 && share(&low) > STEERED * usual {
             lifts[rows].fill(true);
         }
     }
