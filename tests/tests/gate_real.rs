@@ -58,7 +58,7 @@ fn what_flew_of_real_logs() {
             let flown = Flown::of(&log);
             let part = flown.part(&log, None).unwrap();
             println!("{}: {}", path.file_name().unwrap().to_string_lossy(), part.notes[0]);
-            for note in flown.notes {
+            for note in &flown.notes {
                 println!("    {note}");
             }
             // the data's own pages: CrazyPAD flies twice, motors off from 11.5 to 16.5 s; the stand's motors obey from 5 s
