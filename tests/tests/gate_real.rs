@@ -61,8 +61,8 @@ fn what_flew_of_real_logs() {
             for note in &flown.notes {
                 println!("    {note}");
             }
-            // the data's own pages: CrazyPAD flies twice, motors off from 11.5 to 16.5 s; the stand's motors obey from 5 s
-            // to the end; the Crazyflie flies from 16 to 51 s in log15
+            // the data's own pages: CrazyPAD flies twice, motors off from 11.5 to 16.5 s; the stand's motors obey from
+            // 5 s to the end; the Crazyflie flies from 16 to 51 s in log15
             let [first, last] = [flown.flights[0].from_s, flown.flights[flown.flights.len() - 1].to_s];
             let name = path.display();
             match folder {

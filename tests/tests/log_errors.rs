@@ -400,8 +400,8 @@ fn malformed_maps_are_named_by_line_and_key() {
         (
             "[\"pitch\"]",
             "[\"roll\"]",
-            "bench.toml:5: `quantities`: roll_rad or p_rad_s is missing (axes has roll); roll_cmd is missing (or motor1 \
-             to motor4)",
+            "bench.toml:5: `quantities`: roll_rad or p_rad_s is missing (axes has roll); roll_cmd is missing (or \
+             motor1 to motor4)",
         ),
         (
             "thrust_cmd > 0.1",
