@@ -397,7 +397,12 @@ fn malformed_maps_are_named_by_line_and_key() {
         ("FRD\"", "NED\"", "bench.toml:2: `frame`: expected \"FRD\" or \"FLU\", found \"NED\""),
         ("[\"pitch\"]", "[\"pich\"]", "bench.toml:3: `axes`: expected roll, pitch or yaw, found `pich`"),
         ("[\"pitch\"]", "[]", "bench.toml:5: `quantities`: axes names no axis"),
-        ("[\"pitch\"]", "[\"roll\"]", "bench.toml:5: `quantities`: roll_rad or p_rad_s is missing (axes has roll)"),
+        (
+            "[\"pitch\"]",
+            "[\"roll\"]",
+            "bench.toml:5: `quantities`: roll_rad or p_rad_s is missing (axes has roll); roll_cmd is missing (or \
+             motor1 to motor4)",
+        ),
         (
             "thrust_cmd > 0.1",
             "thrust_cmd < 0.1",

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use sil_host::closed_loop::LogRefused;
 use sil_host::controller_file::ControllerChoice;
-use sil_host::log::{self, Log, Map};
+use sil_host::log::flown::Flown;
+use sil_host::log::{self, Log, Map, sanity};
 use sil_host::model::{Rig, VehicleModel};
 
 use super::{Failure, bad_input, vehicle_model};
@@ -27,6 +28,15 @@ pub struct LogArguments {
     /// Only the rows up to this time, s
     #[arg(long, value_name = "S")]
     to: Option<f64>,
+    /// Only this flight of a log that holds several, counted from 1 [default: all that flew]
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "to", "whole"])]
+    flight: Option<usize>,
+    /// All rows, also those on the ground or with idle motors; with --from or --to nothing else is cut
+    #[arg(long)]
+    whole: bool,
+    /// Compare even if the log contradicts its labels (a unit, a sign, an axis, the motors' order)
+    #[arg(long)]
+    unchecked: bool,
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
@@ -59,10 +69,31 @@ impl LogArguments {
     pub fn read_other(&self, path: &Path) -> Result<Log, Failure> {
         let map = self.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
         let log = log::read(path, map.as_ref()).map_err(bad_input)?;
-        if self.from.is_none() && self.to.is_none() {
+        let mut part = self.part(log)?;
+        if self.unchecked {
+            part.notes.push("not checked against itself (--unchecked)".to_owned());
+            return Ok(part);
+        }
+        let examination = sanity::gate(&part, map.as_ref()).map_err(|error| {
+            bad_input(format!("{error}\n(sil map {} drafts a map; --unchecked compares nevertheless)", path.display()))
+        })?;
+        part.notes.push(match examination.confirmed.as_slice() {
+            [] => "too short or too quiet to check units, signs and order of its columns".to_owned(),
+            confirmed => format!("checked: {}", confirmed.join("; ")),
+        });
+        Ok(part)
+    }
+
+    /// The rows that were requested, else what flew.
+    fn part(&self, log: Log) -> Result<Log, Failure> {
+        if self.from.is_some() || self.to.is_some() {
+            let (from_s, to_s) = (self.from.unwrap_or(f64::NEG_INFINITY), self.to.unwrap_or(f64::INFINITY));
+            return log.between(from_s, to_s).map_err(bad_input);
+        }
+        if self.whole {
             return Ok(log);
         }
-        log.between(self.from.unwrap_or(f64::NEG_INFINITY), self.to.unwrap_or(f64::INFINITY)).map_err(bad_input)
+        Flown::of(&log).part(&log, self.flight).map_err(|error| bad_input(format!("{}: {error}", log.path)))
     }
 
     /// What flew, where that was said.
@@ -127,6 +158,7 @@ impl LogArguments {
             ("--map", self.map.clone()),
             ("--from", number(self.from)),
             ("--to", number(self.to)),
+            ("--flight", self.flight.map(|flight| flight.to_string())),
             ("--model", model),
             ("--rig", rig),
             ("--controller", self.controller.clone()),
@@ -134,6 +166,11 @@ impl LogArguments {
         for (option, value) in said {
             if let Some(value) = value {
                 command.push_str(&format!(" {option} {}", quoted(&value)));
+            }
+        }
+        for (option, is_given) in [("--whole", self.whole), ("--unchecked", self.unchecked)] {
+            if is_given {
+                command.push_str(&format!(" {option}"));
             }
         }
         command

@@ -16,6 +16,7 @@ mod flown;
 mod fly;
 mod hitl;
 mod log_arguments;
+mod map;
 mod progress_line;
 mod synth;
 mod text_table;
@@ -67,6 +68,7 @@ commands! {
     Hitl(hitl::HitlArguments): hitl::run,
     Compare(compare::CompareArguments): compare::run,
     Diagnose(diagnose::DiagnoseArguments): diagnose::run,
+    Map(map::MapArguments): map::run,
     Synth(synth::SynthArguments): synth::run,
     BenchMpc(bench_mpc::BenchArguments): bench_mpc::run,
 }

@@ -10,6 +10,7 @@
 
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
 use super::map::{Map, MappedColumn};
+use super::messages::Table;
 use super::quantity::Quantity;
 use super::recording::{Recording, Stream, StreamColumn};
 use super::{Content, Format, Log, note_gaps, source, time_base};
@@ -70,6 +71,27 @@ pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError>
     }
     note_gaps(&mut log);
     Ok(log)
+}
+
+/// Every column that holds numbers, under its own name, whatever it means; a field that is no number is NaN.
+///
+/// # Errors
+/// There are no lines.
+pub(super) fn table(file: &str, text: &str) -> Result<Table, LogError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let line_end = if text.contains('\n') { '\n' } else { '\r' };
+    let (text, _) = whole_lines(text, line_end);
+    let mut lines = text.split_terminator(line_end).map(|line| line.trim_matches([' ', '\r']));
+    let header = lines.find(|line| !line.starts_with('#') && !line.is_empty());
+    let header = header.ok_or_else(|| error_in(file, None, None, LogErrorKind::Empty))?;
+    let mut style = Style::of(header);
+    let names = header.split(style.separator).map(|name| unquoted(name).to_owned());
+    let mut table = Table::with_fields(names);
+    for line in lines.filter(|line| !line.is_empty()) {
+        let separator = style.separator;
+        table.push(line.split(separator).map(|field| style.number(unquoted(field)).unwrap_or(f64::NAN)));
+    }
+    Ok(table)
 }
 
 /// The text up to its last line end, and the number of the line that has none; the whole text if it is one line.
@@ -186,10 +208,9 @@ fn named_fields(names: &[&str], log: &mut Log) -> Result<Vec<Field>, HeaderError
     let has = |quantity| fields.iter().any(|field| field.quantity == quantity);
     let by_axis =
         Axis::ALL.iter().any(|axis| has(Quantity::Command(*axis))) && !(0..4).any(|motor| has(Quantity::Motor(motor)));
-    for quantity in required(by_axis) {
-        if !has(quantity) {
-            return Err(missing(quantity, names));
-        }
+    let lacking: Vec<Quantity> = required(by_axis).into_iter().filter(|quantity| !has(*quantity)).collect();
+    if let [first, others @ ..] = lacking.as_slice() {
+        return Err(missing(*first, others, names));
     }
     let yaw = has(Quantity::Angle(Axis::Yaw)) || has(Quantity::Rate(Axis::Yaw));
     log.axes = [true, true, yaw];
@@ -249,10 +270,11 @@ fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Fiel
     Ok(Field { quantity: mapped.quantity, index, scale: mapped.scale, offset: mapped.offset })
 }
 
-fn missing(quantity: Quantity, names: &[&str]) -> HeaderError {
-    let hint = " (for other names use --map)";
-    let kind =
-        LogErrorKind::MissingColumn { reason: format!("required column is missing{hint}"), present: names.join(", ") };
+fn missing(quantity: Quantity, others: &[Quantity], names: &[&str]) -> HeaderError {
+    let others: Vec<String> = others.iter().map(|other| other.name()).collect();
+    let others = if others.is_empty() { String::new() } else { format!(", and so are {}", others.join(", ")) };
+    let reason = format!("required column is missing{others} (for other names use --map)");
+    let kind = LogErrorKind::MissingColumn { reason, present: names.join(", ") };
     (Some(quantity.name()), kind)
 }
 

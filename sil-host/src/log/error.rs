@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::sanity::Contradiction;
+
 /// A log or a map that can't be read: file, line, column, and what was expected.
 #[derive(Debug, thiserror::Error)]
 pub struct LogError {
@@ -83,10 +85,16 @@ pub enum LogErrorKind {
     SpanTooShort { from_s: f64, to_s: f64, rows: usize, has_s: [f64; 2] },
     #[error("expected columns of {expected} values, found {found}")]
     UnequalColumns { expected: usize, found: usize },
+    #[error("can't be what its columns say{}", listed(.0))]
+    Contradictory(Vec<Contradiction>),
     #[error("{0}")]
     MapSyntax(String),
     #[error("no such file, and no built-in map of that name; built in are: {0}")]
     NoSuchMap(String),
+}
+
+fn listed(contradictions: &[Contradiction]) -> String {
+    contradictions.iter().map(|contradiction| format!("\n  {contradiction}")).collect()
 }
 
 /// Fewer rows than this are not a log (docs/log-format.md).

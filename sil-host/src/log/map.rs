@@ -249,27 +249,28 @@ fn describes(axis: Axis, columns: &[MappedColumn]) -> bool {
     columns.iter().any(|column| of_axis.contains(&column.quantity))
 }
 
-/// What a log needs beyond what the map gives: time, angle or rate of each declared axis, and what drives it.
+/// All that a log needs beyond what the map gives: time, angle or rate of each declared axis, and what drives it.
 fn missing_quantity(axes: [bool; 3], columns: &[MappedColumn]) -> Option<String> {
     let given = |quantity| columns.iter().any(|column| column.quantity == quantity);
-    if !given(Quantity::Time) {
-        return Some("time_s is missing".to_owned());
-    }
     let motors = (0..4).all(|motor| given(Quantity::Motor(motor)));
+    let mut missing = Vec::new();
+    if !given(Quantity::Time) {
+        missing.push("time_s is missing".to_owned());
+    }
     if !axes.contains(&true) {
-        return Some("axes names no axis".to_owned());
+        missing.push("axes names no axis".to_owned());
     }
     for axis in Axis::ALL.into_iter().filter(|axis| axes[axis.index()]) {
         if !describes(axis, columns) {
             let (angle, rate) = (Quantity::Angle(axis).name(), Quantity::Rate(axis).name());
-            return Some(format!("{angle} or {rate} is missing (axes has {})", axis.name()));
+            missing.push(format!("{angle} or {rate} is missing (axes has {})", axis.name()));
         }
         if !motors && !given(Quantity::Command(axis)) {
             let command = Quantity::Command(axis).name();
-            return Some(format!("{command} is missing (or motor1 to motor4)"));
+            missing.push(format!("{command} is missing (or motor1 to motor4)"));
         }
     }
-    None
+    (!missing.is_empty()).then(|| missing.join("; "))
 }
 
 #[cfg(test)]

@@ -8,13 +8,16 @@
 mod blackbox;
 mod csv;
 mod dataflash;
+pub mod draft;
 mod error;
+pub mod flown;
 mod map;
 mod messages;
 mod motor_order;
 mod part;
 mod quantity;
 mod recording;
+pub mod sanity;
 mod source;
 mod time_base;
 mod ulog;

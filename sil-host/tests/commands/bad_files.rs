@@ -104,9 +104,11 @@ fn a_log_of_implausible_duration_is_refused() {
     let last = RIG_LOG.lines().count();
     folder.write("jump.csv", log_with_field(last, 0, |_| "1e9".into()));
     let compare = |log| folder.sil(&["compare", log, "--controller", "pid"]);
-    compare("slow.csv").assert_refused(&["slow.csv: rows every 10 s are too few"]);
+    compare("slow.csv").assert_refused(&["slow.csv: ", "0.1000 rows per second", "time_ms = { column = \"time_s\" }"]);
     compare("jump.csv").assert_refused(&["jump.csv: time_s spans 1000000000 s", "up to 3600 s"]);
     folder.sil(&["compare", "jump.csv"]).assert_done();
+    let unchecked = ["compare", "slow.csv", "--controller", "pid", "--unchecked"];
+    folder.sil(&unchecked).assert_refused(&["slow.csv: rows every 10 s are too few"]);
 }
 
 /// Every option that takes a file, with things in its place that are no such file.

@@ -7,6 +7,7 @@ mod demonstration;
 mod diagnosis;
 mod flights;
 mod json;
+mod labels;
 mod logs;
 mod pages;
 mod sil;

@@ -99,6 +99,12 @@ impl Outcome {
         self.assert_message(message_parts);
     }
 
+    /// It refused its input after it had done what it could: status 2, a message on stderr with all of these parts.
+    pub fn assert_message_of_status_2(&self, message_parts: &[&str]) {
+        assert_eq!(self.status, Some(2), "{self:?}");
+        self.assert_message(message_parts);
+    }
+
     /// It failed on its own: status 1, a message on stderr with all of these parts.
     pub fn assert_failed(&self, message_parts: &[&str]) {
         assert_eq!(self.status, Some(1), "{self:?}");

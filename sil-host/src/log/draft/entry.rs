@@ -1,0 +1,69 @@
+//! One line of a drafted map, from a column's name and values: key with its unit, scale, and the reason for each.
+
+use super::names::Named;
+use crate::log::Quantity;
+
+/// A line of the map in the making.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry {
+    pub(super) quantity: Quantity,
+    pub(super) key: String,
+    pub(super) column: String,
+    pub(super) sign: f64,
+    pub(super) scale: f64,
+    pub(super) offset: f64,
+    pub(super) rank: usize,
+    pub(super) why: Vec<String>,
+}
+
+impl Entry {
+    /// The line of the map, its reason as a comment.
+    pub(super) fn line(&self) -> String {
+        let mut fields = format!("column = \"{}\"", self.column.replace('\\', "\\\\").replace('"', "\\\""));
+        if self.sign < 0.0 {
+            fields.push_str(", sign = -1");
+        }
+        if self.scale != 1.0 {
+            fields.push_str(&format!(", scale = {:e}", self.scale));
+        }
+        if self.offset != 0.0 {
+            fields.push_str(&format!(", offset = {}", self.offset));
+        }
+        format!("{} = {{ {fields} }}   # {}\n", self.key, self.why.join("; ").replace('\n', " "))
+    }
+}
+
+/// The entry of a column by its name and values.
+pub(super) fn entry(column: &str, said: &Named, values: &[f64]) -> Entry {
+    let quantity = said.quantity;
+    let mut why = vec![if said.rank == 0 { "by its name" } else { "likely by its name" }.to_owned()];
+    let key = match said.unit {
+        Some(unit) => {
+            why.push("unit by its name".to_owned());
+            format!("{}{unit}", quantity.stem())
+        }
+        None => quantity.name(),
+    };
+    let (scale, offset, about) = size_of_command(quantity, values);
+    why.extend(about);
+    Entry { quantity, key, column: column.to_owned(), sign: 1.0, scale, offset, rank: said.rank, why }
+}
+
+/// How a command becomes a number up to 1, by the largest of its values.
+fn size_of_command(quantity: Quantity, values: &[f64]) -> (f64, f64, Option<String>) {
+    let is_of_axis = matches!(quantity, Quantity::Command(_));
+    if !is_of_axis && !matches!(quantity, Quantity::Motor(_) | Quantity::Thrust) {
+        return (1.0, 0.0, None);
+    }
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let why = |what: &str| Some(format!("{what} (up to {largest:.4})"));
+    match largest {
+        _ if largest <= 1.05 => (1.0, 0.0, None),
+        _ if largest <= 105.0 => (0.01, 0.0, why("percent")),
+        _ if !is_of_axis && least >= 800.0 && largest <= 2200.0 => (1e-3, -1.0, why("pulse width in us, 1000 to 2000")),
+        _ if is_of_axis && largest <= 32768.0 => (1.0 / 32767.0, 0.0, why("16 bits with a sign")),
+        _ if largest <= 65536.0 => (1.0 / 65535.0, 0.0, why("16 bits")),
+        _ => (1.0 / largest, 0.0, why("not known: its range; the largest value is taken for 1")),
+    }
+}

@@ -1,0 +1,350 @@
+//! `sil map`: a draft of the map of somebody else's CSV. Names say what a column may be (`names`), its values in which
+//! unit; then the log is read by the draft and held against itself ([`super::sanity`]), and what contradicts is mended
+//! and tried again. Each line says why it is there; what nothing in the log can tell is said, too.
+
+mod entry;
+mod names;
+
+use std::path::Path;
+
+use self::entry::{Entry, entry};
+use self::names::{Named, is_command_of_some_axis, named};
+use super::error::{LogError, LogErrorKind};
+use super::map::Map;
+use super::messages::Table;
+use super::quantity::Quantity;
+use super::sanity::{Contradiction, examine};
+use super::{FORMATS, csv, source};
+use crate::axis::Axis;
+
+/// Mended more often than this, something else is wrong.
+const ROUNDS_MAX: usize = 8;
+/// A column with fewer numbers holds something else.
+const NUMBERS_MIN: f64 = 0.5;
+
+/// A map as a text, to be looked through by its user.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draft {
+    /// The map, TOML with a reason for each line.
+    pub toml: String,
+    /// What the log lacks, or still contradicts; the map can't be used before that is mended.
+    pub problems: Vec<String>,
+}
+
+/// Drafts the map of a CSV; `None` for a flight controller's own format, which needs none.
+///
+/// # Errors
+/// The file can't be read, or is no table.
+pub fn draft(path: &Path) -> Result<Option<Draft>, LogError> {
+    let bytes = source::load(path)?;
+    let is_own_format = FORMATS[..FORMATS.len() - 1].iter().any(|format| (format.recognises)(path, &bytes));
+    if is_own_format {
+        return Ok(None);
+    }
+    let file = path.display().to_string();
+    let text = source::text(&file, bytes)?;
+    Drafting::of(&file, &text).map(|drafting| Some(drafting.finish(&text)))
+}
+
+/// A map in the making.
+struct Drafting<'a> {
+    file: &'a str,
+    frame: &'static str,
+    entries: Vec<Entry>,
+    unused: Vec<String>,
+    remarks: Vec<String>,
+    /// What a log needs and no column's name says.
+    lacking: Vec<String>,
+}
+
+impl Drafting<'_> {
+    fn of<'a>(file: &'a str, text: &str) -> Result<Drafting<'a>, LogError> {
+        let table = csv::table(file, text)?;
+        let mut drafting = Drafting {
+            file,
+            frame: "FRD",
+            entries: Vec::new(),
+            unused: Vec::new(),
+            remarks: Vec::new(),
+            lacking: Vec::new(),
+        };
+        for name in table.fields().map(str::to_owned).collect::<Vec<_>>() {
+            let values = numbers(&table, &name);
+            let is_numbers = values.len() as f64 >= NUMBERS_MIN * table.rows() as f64;
+            match named(&name).filter(|_| is_numbers) {
+                Some(said) => drafting.enter(entry(&name, &said, &values)),
+                None => drafting.unused.push(name),
+            }
+        }
+        drafting.take_command_by_elimination(&table);
+        drafting.share_units(&table);
+        drafting.lacking = drafting.lacking();
+        drafting.drop_what_is_not_needed();
+        Ok(drafting)
+    }
+
+    /// Puts an entry in its place; the surer of two has it.
+    fn enter(&mut self, entry: Entry) {
+        match self.entries.iter_mut().find(|other| other.quantity == entry.quantity) {
+            Some(other) if other.rank <= entry.rank => self.unused.push(entry.column),
+            Some(other) => self.unused.push(std::mem::replace(other, entry).column),
+            None => self.entries.push(entry),
+        }
+    }
+
+    fn has(&self, quantity: Quantity) -> bool {
+        self.entries.iter().any(|entry| entry.quantity == quantity)
+    }
+
+    fn has_motors(&self) -> bool {
+        (0..4).all(|motor| self.has(Quantity::Motor(motor)))
+    }
+
+    /// All that a log needs and that no column was taken for.
+    fn lacking(&self) -> Vec<String> {
+        let has_any = |of: fn(Axis) -> Quantity| Axis::ALL.iter().any(|axis| self.has(of(*axis)));
+        let motors = (0..4).filter(|motor| self.has(Quantity::Motor(*motor))).count();
+        let mut lacking = Vec::new();
+        if !self.has(Quantity::Time) {
+            lacking.push("time (time_s) is missing".to_owned());
+        }
+        if !has_any(Quantity::Angle) && !has_any(Quantity::Rate) {
+            lacking.push("angles (roll_rad, pitch_rad) or body rates (p_rad_s, q_rad_s) are missing".to_owned());
+        }
+        if motors < 4 && !has_any(Quantity::Command) {
+            lacking.push(format!(
+                "commands are missing: motor1 to motor4 ({motors} of them recognised), or roll_cmd, pitch_cmd"
+            ));
+        }
+        lacking
+    }
+
+    /// A command that names no axis is that of the only axis with an angle.
+    fn take_command_by_elimination(&mut self, table: &Table) {
+        let with_angle: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| self.has(Quantity::Angle(*axis))).collect();
+        let commands: Vec<String> = self.unused.iter().filter(|name| is_command_of_some_axis(name)).cloned().collect();
+        let has_command = Axis::ALL.iter().any(|axis| self.has(Quantity::Command(*axis))) || self.has_motors();
+        if let ([axis], [column], false) = (with_angle.as_slice(), commands.as_slice(), has_command) {
+            let said = Named { quantity: Quantity::Command(*axis), unit: None, rank: 3 };
+            let mut entry = entry(column, &said, &numbers(table, column));
+            entry.why = vec![format!("a command, and {} is the only axis with an angle", axis.name())];
+            self.unused.retain(|name| name != column);
+            self.entries.push(entry);
+        }
+    }
+
+    /// Columns of one kind have one unit: what the largest of them shows.
+    fn share_units(&mut self, table: &Table) {
+        let group = |quantity: Quantity| match quantity {
+            Quantity::Angle(_) => Some((0, 3.2, "_deg")),
+            Quantity::Reference(_) => Some((1, 3.2, "_deg")),
+            Quantity::Rate(_) => Some((2, 100.0, "_deg_s")),
+            _ => None,
+        };
+        for kind in 0..3 {
+            let of_kind = |entry: &&Entry| group(entry.quantity).is_some_and(|(of, ..)| of == kind);
+            let largest = self
+                .entries
+                .iter()
+                .filter(of_kind)
+                .flat_map(|entry| numbers(table, &entry.column))
+                .fold(0.0, |largest: f64, value| largest.max(value.abs()));
+            for entry in &mut self.entries {
+                let Some((of, limit, suffix)) = group(entry.quantity) else { continue };
+                let is_said = entry.why.iter().any(|why| why.contains("unit by its name"));
+                if of == kind && !is_said {
+                    let is_degrees = largest > limit;
+                    entry.key =
+                        if is_degrees { format!("{}{suffix}", entry.quantity.stem()) } else { entry.quantity.name() };
+                    let why = if is_degrees { "too large for radians" } else { "no unit in its name: radians" };
+                    entry.why.push(format!("{why} (up to {largest:.2} among its kind)"));
+                }
+            }
+        }
+    }
+
+    /// Half a set of motors is none, and beside motors axis commands are not used.
+    fn drop_what_is_not_needed(&mut self) {
+        let motors = self.has_motors();
+        let driven = Axis::ALL.map(|axis| motors || self.has(Quantity::Command(axis)));
+        let mut dropped = Vec::new();
+        self.entries.retain(|entry| {
+            let is_kept = match entry.quantity {
+                Quantity::Motor(_) => motors,
+                Quantity::Command(_) | Quantity::Thrust => !motors,
+                // an axis that nothing drives is not compared
+                Quantity::Angle(axis) | Quantity::Rate(axis) | Quantity::Reference(axis) => driven[axis.index()],
+                _ => true,
+            };
+            if !is_kept {
+                dropped.push(entry.column.clone());
+            }
+            is_kept
+        });
+        self.unused.extend(dropped);
+    }
+
+    /// Reads the log by the draft and mends what contradicts, as often as something does.
+    fn finish(mut self, text: &str) -> Draft {
+        let mut problems = std::mem::take(&mut self.lacking);
+        if !problems.is_empty() {
+            let toml = self.toml(&problems);
+            return Draft { toml, problems };
+        }
+        for round in 0..=ROUNDS_MAX {
+            problems.clear();
+            let map = match Map::parse("the draft", &self.toml(&[])) {
+                Ok(map) => map,
+                Err(error) => {
+                    problems.push(error.kind.to_string());
+                    break;
+                }
+            };
+            let log = match csv::parse(self.file, text, Some(&map)) {
+                Ok(log) => log,
+                Err(error) if round < ROUNDS_MAX && self.mend_range(&error) => continue,
+                Err(error) => {
+                    problems.push(error.to_string());
+                    break;
+                }
+            };
+            let examination = examine(&log, Some(&map));
+            let Some(first) = examination.contradictions.first() else {
+                self.remarks.extend(examination.confirmed);
+                break;
+            };
+            problems = examination.contradictions.iter().map(Contradiction::to_string).collect();
+            if round == ROUNDS_MAX || !self.mend(first) {
+                break;
+            }
+        }
+        let toml = self.toml(&problems);
+        Draft { toml, problems }
+    }
+
+    /// A value out of its range is of another unit.
+    fn mend_range(&mut self, error: &LogError) -> bool {
+        let LogErrorKind::OutOfRange { .. } = error.kind else { return false };
+        let Some(entry) = self.entries.iter_mut().find(|entry| Some(&entry.column) == error.column.as_ref()) else {
+            return false;
+        };
+        let other = match entry.quantity {
+            Quantity::Angle(_) | Quantity::Reference(_) => "_deg",
+            Quantity::Rate(_) => "_deg_s",
+            _ => return false,
+        };
+        let key = format!("{}{other}", entry.quantity.stem());
+        entry.why.push("too large for radians".to_owned());
+        std::mem::replace(&mut entry.key, key.clone()) != key
+    }
+
+    /// Does what a contradiction says; false where it says nothing that can be done.
+    fn mend(&mut self, contradiction: &Contradiction) -> bool {
+        let why = contradiction.seen.clone();
+        if self.turns_upright(contradiction) {
+            self.frame = "FLU";
+            self.remarks.push(format!("frame: {why}, so the body's z points upward"));
+            return true;
+        }
+        let before = self.entries.clone();
+        for line in &contradiction.map_lines {
+            let (Some((quantity, _)), Some(from)) =
+                (Quantity::from_name(&line.key), before.iter().find(|entry| entry.quantity == line.from))
+            else {
+                return false;
+            };
+            // the line is about the values after the frame was turned, a map's sign before
+            let frame = if self.frame == "FLU" { quantity.sign_from_flu() * line.from.sign_from_flu() } else { 1.0 };
+            let sign = frame * line.sign * from.sign;
+            let mut entry = Entry { quantity, key: line.key.clone(), sign, ..from.clone() };
+            if quantity == line.from && line.sign > 0.0 && line.key == from.key {
+                continue;
+            }
+            // a swap of columns of one unit keeps it
+            if quantity != line.from {
+                entry.key = line.key.replace(&quantity.name(), &from.key.replace(line.from.stem(), quantity.stem()));
+            } else if line.sign < 0.0 {
+                entry.key = from.key.clone();
+            }
+            entry.why.push(why.clone());
+            if let Some(other) = contradiction.or_instead.first() {
+                entry.why.push(format!("or instead: {other}"));
+            }
+            match self.entries.iter_mut().find(|entry| entry.quantity == quantity) {
+                Some(place) => *place = entry,
+                None => self.entries.push(entry),
+            }
+        }
+        let left_out = |entry: &Entry| contradiction.leave_out.contains(&entry.quantity);
+        for entry in self.entries.iter().filter(|entry| left_out(entry)) {
+            self.remarks.push(format!("left out: {} ({why})", entry.column));
+        }
+        self.entries.retain(|entry| !left_out(entry));
+        self.entries != before
+    }
+
+    /// True if the accelerometer says that the whole body frame counts z upward.
+    fn turns_upright(&self, contradiction: &Contradiction) -> bool {
+        let z = Quantity::Accel(Axis::Yaw);
+        let is_of_z = |entry: &Entry| entry.quantity == z && entry.sign > 0.0;
+        let turns_z = contradiction.map_lines.iter().any(|line| line.from == z && line.sign < 0.0);
+        turns_z && contradiction.map_lines.len() == 1 && self.frame == "FRD" && self.entries.iter().any(is_of_z)
+    }
+
+    fn axes(&self) -> Vec<Axis> {
+        let moves = |axis: &Axis| self.has(Quantity::Angle(*axis)) || self.has(Quantity::Rate(*axis));
+        Axis::ALL.into_iter().filter(moves).collect()
+    }
+
+    fn toml(&self, problems: &[String]) -> String {
+        let mut text = String::from("# A draft by sil map: check each line, above all those with \"not known\".\n");
+        for remark in self.remarks.iter().map(|remark| remark.replace('\n', " ")) {
+            text.push_str(&format!("# {remark}\n"));
+        }
+        for problem in problems {
+            text.push_str(&format!("# STILL WRONG: {}\n", problem.replace('\n', "\n#   ")));
+        }
+        if !self.unused.is_empty() {
+            text.push_str(&format!("# not used: {}\n", self.unused.join(", ")));
+        }
+        text.push_str(&self.not_known());
+        let axes: Vec<String> = self.axes().iter().map(|axis| format!("\"{}\"", axis.name())).collect();
+        text.push_str(&format!("description = \"drafted from {}\"\n", self.file.replace(['"', '\\'], "'")));
+        text.push_str(&format!("frame = \"{}\"\naxes = [{}]\n", self.frame, axes.join(", ")));
+        if self.has_motors() {
+            text.push_str("active_when = \"motor1 > 0\"   # put idle in place of 0 if the motors idle on the ground\n");
+        } else if self.has(Quantity::Thrust) {
+            text.push_str("active_when = \"thrust_cmd > 0\"\n");
+        }
+        text.push_str("\n[quantities]\n");
+        let mut entries: Vec<&Entry> = self.entries.iter().collect();
+        entries.sort_by_key(|entry| entry.quantity);
+        text.extend(entries.into_iter().map(Entry::line));
+        text
+    }
+
+    /// What nothing in such a log can tell.
+    fn not_known(&self) -> String {
+        let mut said = String::new();
+        let has_gyro = Axis::ALL.iter().any(|axis| self.has(Quantity::Rate(*axis)));
+        if has_gyro && !self.has(Quantity::Accel(Axis::Yaw)) {
+            said.push_str("# not known: the frame (no accelerometer): forward-right-down is taken\n");
+        }
+        for axis in self.axes() {
+            let agrees = self.remarks.iter().any(|remark| remark.contains(axis.name()));
+            if !agrees {
+                let name = axis.name();
+                said.push_str(&format!("# not known: the sign of {name} (too quiet, or nothing to hold it against)\n"));
+            }
+        }
+        let has_reference = |axis: &&Axis| self.has(Quantity::Reference(**axis));
+        if Axis::ALL.iter().any(|axis| has_reference(&axis)) {
+            said.push_str("# not known: the references' signs; they are taken as the angles' are named\n");
+        }
+        said
+    }
+}
+
+fn numbers(table: &Table, name: &str) -> Vec<f64> {
+    table.column(name).unwrap_or_default().iter().copied().filter(|value| value.is_finite()).collect()
+}

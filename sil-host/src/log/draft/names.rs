@@ -1,0 +1,184 @@
+//! What a column's name says that it is: words of many loggers, split at signs, digits and capitals.
+
+use super::super::quantity::Quantity;
+use crate::axis::Axis;
+
+/// What a name says.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Named {
+    pub(super) quantity: Quantity,
+    /// The end of a key that names the unit, where the name says one: `_deg`, `_rad_s`.
+    pub(super) unit: Option<&'static str>,
+    /// Lower is surer: where two columns claim a quantity the surer one has it.
+    pub(super) rank: usize,
+}
+
+const REFERENCE: [&str; 8] = ["sp", "ref", "des", "desired", "setpoint", "target", "tar", "reference"];
+const COMMAND: [&str; 7] = ["cmd", "command", "ctrl", "torque", "moment", "u", "out"];
+const RATE: [&str; 9] = ["gyro", "gyr", "rate", "rates", "speed", "angvel", "omega", "gyroadc", "rollspeed"];
+const ACCELEROMETER: [&str; 6] = ["acc", "accel", "accelerometer", "accelerometers", "specific", "accsmooth"];
+const THRUST: [&str; 5] = ["thrust", "throttle", "collective", "thr", "t"];
+
+/// The words of a name, in small letters.
+fn words(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut before = ' ';
+    for c in name.chars() {
+        let is_start = c.is_ascii_uppercase() && before.is_ascii_lowercase()
+            || c.is_ascii_digit() && before.is_ascii_alphabetic() && !before.is_ascii_uppercase();
+        if !c.is_alphanumeric() {
+            words.push(String::new());
+        } else {
+            if is_start || words.is_empty() {
+                words.push(String::new());
+            }
+            if let Some(word) = words.last_mut() {
+                word.extend(c.to_lowercase());
+            }
+        }
+        before = c;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+fn axis_of(words: &[String]) -> Option<(Axis, bool)> {
+    let by_angle = |word: &str| match word {
+        "roll" | "phi" => Some(Axis::Roll),
+        "pitch" | "theta" => Some(Axis::Pitch),
+        "yaw" | "psi" | "heading" => Some(Axis::Yaw),
+        _ => None,
+    };
+    let by_body = |word: &str| match word {
+        "x" | "p" | "gx" | "ax" | "wx" | "0" => Some(Axis::Roll),
+        "y" | "q" | "gy" | "ay" | "wy" | "1" => Some(Axis::Pitch),
+        "z" | "r" | "gz" | "az" | "wz" | "2" => Some(Axis::Yaw),
+        _ => None,
+    };
+    let angle = words.iter().find_map(|word| by_angle(word)).map(|axis| (axis, true));
+    angle.or_else(|| words.iter().find_map(|word| by_body(word)).map(|axis| (axis, false)))
+}
+
+fn unit_of(words: &[String], quantity: Quantity) -> Option<&'static str> {
+    let ends = |end: &[&str]| words.len() >= end.len() && words[words.len() - end.len()..].iter().eq(end.iter());
+    let has = |word: &str| words.iter().any(|here| here == word);
+    match quantity {
+        Quantity::Time if has("us") => Some("_us"),
+        Quantity::Time if has("ms") => Some("_ms"),
+        Quantity::Time if has("s") => Some("_s"),
+        Quantity::Rate(_) if has("deg") || has("dps") => Some("_deg_s"),
+        Quantity::Rate(_) if has("rad") => Some("_rad_s"),
+        Quantity::Angle(_) | Quantity::Reference(_) if has("deg") => Some("_deg"),
+        Quantity::Angle(_) | Quantity::Reference(_) if has("rad") => Some("_rad"),
+        Quantity::Accel(_) if ends(&["g"]) => Some("_g"),
+        Quantity::Accel(_) if has("s2") || ends(&["s", "2"]) => Some("_m_s2"),
+        Quantity::Battery if has("mv") => Some("_mv"),
+        _ => None,
+    }
+}
+
+/// What a name says that its column is; `None` where it says nothing known.
+pub(super) fn named(name: &str) -> Option<Named> {
+    if let Some((quantity, _)) = Quantity::from_name(name) {
+        let unit = quantity.names().find(|(own, _)| own == name);
+        let unit = unit.and_then(|_| unit_of(&words(name), quantity));
+        return Some(Named { quantity, unit, rank: 0 });
+    }
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let first_is = |list: &[&str]| words.first().is_some_and(|word| list.contains(&word.as_str()));
+    let axis = axis_of(&words);
+    // the Crazyflie's controller_roll is what is asked for, controller_r_roll the gyro
+    let of_controller = first_is(&["controller"]);
+    let quantity = if first_is(&["t", "time", "timestamp", "clock", "seconds"]) && !has(&COMMAND) {
+        Quantity::Time
+    } else if let Some(motor) = motor(&words) {
+        motor
+    } else if has(&["vbat", "vbatlatest", "battery", "voltage", "batt"]) {
+        Quantity::Battery
+    } else if has(&ACCELEROMETER) || first_is(&["ax", "ay", "az"]) {
+        Quantity::Accel(axis?.0)
+    } else if has(&THRUST) && (has(&COMMAND) || has(&REFERENCE) || axis.is_none()) && !has(&["actuator"]) {
+        Quantity::Thrust
+    } else if has(&REFERENCE) {
+        let (axis, is_angle) = axis?;
+        return (is_angle && !has(&RATE)).then(|| Named {
+            quantity: Quantity::Reference(axis),
+            unit: unit_of(&words, Quantity::Reference(axis)),
+            rank: 1,
+        });
+    } else if has(&COMMAND) {
+        Quantity::Command(axis?.0)
+    } else if of_controller {
+        match (words.len(), axis?) {
+            (2, (axis, true)) => Quantity::Reference(axis),
+            (3, (axis, true)) if words[1] == "r" => Quantity::Rate(axis),
+            _ => return None,
+        }
+    } else {
+        match axis? {
+            (axis, _) if has(&RATE) || first_is(&["p", "q", "r", "gx", "gy", "gz", "wx", "wy", "wz"]) => {
+                Quantity::Rate(axis)
+            }
+            (axis, true) => Quantity::Angle(axis),
+            _ => return None,
+        }
+    };
+    let rank = if quantity == Quantity::Thrust && !has(&COMMAND) { 2 } else { 1 };
+    Some(Named { quantity, unit: unit_of(&words, quantity), rank })
+}
+
+/// A motor's command or a rotor's speed: `m1`, `motor_1`, `rpm1`; numbers from 1.
+fn motor(words: &[String]) -> Option<Quantity> {
+    let is = |word: &str, list: &[&str]| list.contains(&word);
+    let pair = words.windows(2).find(|pair| is(&pair[0], &["m", "motor", "motors", "rpm", "erpm"]))?;
+    let index = pair[1].parse::<usize>().ok()?.checked_sub(1).filter(|index| *index < 4)?;
+    let is_speed = words.iter().any(|word| is(word, &["rpm", "erpm"]));
+    Some(if is_speed { Quantity::Rpm(index) } else { Quantity::Motor(index) })
+}
+
+/// A command of an axis whose name does not say which: `M_cmd`.
+pub(super) fn is_command_of_some_axis(name: &str) -> bool {
+    let words = words(name);
+    let is_command = words.iter().any(|word| COMMAND.contains(&word.as_str()));
+    is_command && axis_of(&words).is_none() && named(name).is_none()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_many_loggers_are_understood() {
+        use Axis::{Pitch, Roll, Yaw};
+        for (name, quantity, unit) in [
+            ("t_s", Quantity::Time, Some("_s")),
+            ("timestamp_us", Quantity::Time, Some("_us")),
+            ("gyro_x_rad_s", Quantity::Rate(Roll), Some("_rad_s")),
+            ("GyrY", Quantity::Rate(Pitch), None),
+            ("gz_dps", Quantity::Rate(Yaw), Some("_deg_s")),
+            ("controller_r_pitch", Quantity::Rate(Pitch), None),
+            ("controller_yaw", Quantity::Reference(Yaw), None),
+            ("theta_rad", Quantity::Angle(Pitch), Some("_rad")),
+            ("Roll", Quantity::Angle(Roll), None),
+            ("DesRoll", Quantity::Reference(Roll), None),
+            ("theta_sp_rad", Quantity::Reference(Pitch), Some("_rad")),
+            ("acc_z_m_s2", Quantity::Accel(Yaw), Some("_m_s2")),
+            ("m3_cmd_0_1", Quantity::Motor(2), None),
+            ("motor_4", Quantity::Motor(3), None),
+            ("rpm2", Quantity::Rpm(1), None),
+            ("controller_cmd_thrust", Quantity::Thrust, None),
+            ("T_cmd_norm", Quantity::Thrust, None),
+            ("controller_cmd_yaw", Quantity::Command(Yaw), None),
+            ("vbat_V", Quantity::Battery, None),
+            ("roll_deg", Quantity::Angle(Roll), Some("_deg")),
+        ] {
+            let said = named(name).unwrap_or_else(|| panic!("{name}"));
+            assert_eq!((said.quantity, said.unit), (quantity, unit), "{name}");
+        }
+        for name in ["x_m", "v_m_s", "q_sp_rad_s", "controller_rollRate", "stateEstimate_x", "motors_on", "note"] {
+            assert_eq!(named(name).map(|said| said.quantity), None, "{name}");
+        }
+        assert!(is_command_of_some_axis("M_cmd_norm") && !is_command_of_some_axis("roll_cmd"));
+    }
+}

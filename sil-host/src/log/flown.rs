@@ -1,0 +1,434 @@
+//! Which part of a log flew, found from the log alone: a log often begins long before the motors start and ends long
+//! after they stop, and what the ground does to a vehicle is not the vehicle's.
+//!
+//! A *flight* is a stretch in which the motors lift. Where the log has a collective (motors, or a thrust command), that
+//! is where it lies above half of what it usually is while the motors run: lift goes with its square or less, so that
+//! below half no vehicle is held up; less than a second below is a manoeuvre. Where the motors are steered on, as on a
+//! bench, which needs no lift, a low collective is no idling. Take-off and landing, when the
+//! collective has not yet reached nine tenths of the usual one, are left out. Without a collective nothing says more
+//! than the rows in which the motors run ([`Log::active_rows`]).
+//!
+//! A flight ends before a *crash*: within its last seconds the accelerometer shows a blow, or the vehicle lies on its
+//! side or back at the end. *Saturation* and *end stops* are shown, not cut: the diagnosis knows the former, and a
+//! stop is certain only to who sees the bench.
+
+use super::{Log, LogError, Quantity};
+use crate::axis::Axis;
+use crate::statistics::wrapped;
+use shared_control::airframe::TORQUE_SIGNS;
+use std::ops::Range;
+
+/// Share of the usual collective below which nothing is held up.
+const IDLE: f64 = 0.5;
+/// A shorter time below is a manoeuvre, and a shorter one above a test of the motors, s.
+const SHORTEST_S: f64 = 1.0;
+/// Share of the usual collective at which a vehicle leaves the ground: less a tenth for a battery that is still full.
+const LIFTED: f64 = 0.9;
+/// Take-off and landing are so short, s: a bench may have no usual collective at all.
+const GROUND_MAX_S: f64 = 3.0;
+/// Motors whose commands differ by this share of what they usually do, each as a share of the collective, steer: idling
+/// motors are told one and the same.
+const STEERED: f64 = 0.2;
+/// A crash is looked for so long before a flight's end, s.
+const CRASH_WITHIN_S: f64 = 3.0;
+/// What happens before a crash belongs to it: the motors or the pilot gave up, s.
+const BEFORE_CRASH_S: f64 = 0.5;
+/// No quadrotor's motors push so hard, m/s^2: 10 g.
+const BLOW_M_S2: f64 = 98.0;
+/// Cosine of a tilt from which no quadrotor is held up.
+const COS_LYING: f64 = 0.17;
+/// A command this near to its end is at it.
+const AT_LIMIT: f64 = 0.005;
+/// A turn that is stopped by so many times the usual deviation of angular accelerations is stopped by a thing.
+const STOPPED: f64 = 6.0;
+/// As near to its extreme as this share of its range an angle is at its end.
+const AT_END: f64 = 0.1;
+/// So many times at least an end stop is hit before it is called one.
+const STOPS_MIN: usize = 3;
+
+/// A stretch in which the vehicle flew, or a bench's motors ran.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flight {
+    /// Its first row, s.
+    pub from_s: f64,
+    /// Its last row, s.
+    pub to_s: f64,
+    /// Why it begins there.
+    pub began: &'static str,
+    /// Why it ends there.
+    pub ended: &'static str,
+}
+
+/// What flew.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Flown {
+    /// In the order of time; none where nothing was recognised as a flight.
+    pub flights: Vec<Flight>,
+    /// What else was seen in them: saturation, end stops.
+    pub notes: Vec<String>,
+}
+
+impl Flown {
+    /// Looks for it.
+    pub fn of(log: &Log) -> Flown {
+        let active = log.active_rows();
+        let collective = collective(log).unwrap_or_else(|| vec![1.0; log.rows()]);
+        let usual = usual(&collective, &active);
+        let mut lifts: Vec<bool> =
+            collective.iter().zip(&active).map(|(value, active)| *active && *value > IDLE * usual).collect();
+        fill(&log.time_s, &mut lifts, false);
+        fill(&log.time_s, &mut lifts, true);
+        keep_what_is_steered(log, &active, &collective, &mut lifts);
+        let flights: Vec<Flight> = stretches(&lifts)
+            .into_iter()
+            .filter(|rows| lifts[rows.start])
+            .map(|rows| flight(log, off_the_ground(log, &collective, usual, rows)))
+            .collect();
+        let mut notes: Vec<String> = saturation(log, &flights).into_iter().collect();
+        notes.extend([Axis::Roll, Axis::Pitch].into_iter().filter_map(|axis| end_stop(log, axis, &flights)));
+        Flown { flights, notes }
+    }
+
+    /// The part of a log that flew: all flights, or one of them counted from 1. The log says what was taken and why.
+    ///
+    /// # Errors
+    /// There is no such flight, in words that list them; or it has too few rows.
+    pub fn part(&self, log: &Log, flight: Option<usize>) -> Result<Log, FlownError> {
+        let chosen: Vec<&Flight> = match flight {
+            None => self.flights.iter().collect(),
+            Some(number) => {
+                let found = number.checked_sub(1).and_then(|index| self.flights.get(index));
+                vec![found.ok_or_else(|| FlownError::NoSuchFlight { number, list: self.list() })?]
+            }
+        };
+        let ends = [log.time_s.first(), log.time_s.last()].map(|time_s| time_s.copied().unwrap_or_default());
+        let spans: Vec<[f64; 2]> = chosen.iter().map(|flight| [flight.from_s, flight.to_s]).collect();
+        let mut part = match log.within(&spans) {
+            Ok(part) => part,
+            // nothing like a flight: better the whole log than none
+            Err(_) if flight.is_none() => {
+                let mut whole = log.clone();
+                whole.notes.insert(0, "no part was recognised as a flight: the whole log is taken".to_owned());
+                return Ok(whole);
+            }
+            Err(error) => return Err(FlownError::Log(error)),
+        };
+        let said = if part.rows() == log.rows() {
+            format!("flown: the whole log, {:.2} s", log.duration_s())
+        } else {
+            let which = match (flight, self.flights.len()) {
+                (Some(number), count) => format!("flight {number} of {count}"),
+                (None, 1) => "one flight".to_owned(),
+                (None, count) => format!("{count} flights (--flight N takes one)"),
+            };
+            let list: Vec<String> = chosen.iter().map(|flight| flight.to_string()).collect();
+            format!("flown: {which}: {}; of {:.2} s to {:.2} s (--whole takes all)", list.join("; "), ends[0], ends[1])
+        };
+        part.notes.splice(0..0, std::iter::once(said).chain(self.notes.iter().cloned()));
+        Ok(part)
+    }
+
+    /// All flights, a line each.
+    fn list(&self) -> String {
+        let line = |(index, flight): (usize, &Flight)| format!("\n  {}: {flight}", index + 1);
+        self.flights.iter().enumerate().map(line).collect()
+    }
+}
+
+impl std::fmt::Display for Flight {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "{:.2} s ({}) to {:.2} s ({})", self.from_s, self.began, self.to_s, self.ended)
+    }
+}
+
+/// Why there is no such part.
+#[derive(Debug, thiserror::Error)]
+pub enum FlownError {
+    /// The file has other flights.
+    #[error("--flight {number}: the log has no such flight; it has:{list}")]
+    NoSuchFlight {
+        /// As it was asked for.
+        number: usize,
+        /// What there is.
+        list: String,
+    },
+    /// It is too short.
+    #[error(transparent)]
+    Log(LogError),
+}
+
+/// The collective of flight: of what lies above half of the most there is, the middle, so that a long idle does not
+/// count.
+fn usual(collective: &[f64], active: &[bool]) -> f64 {
+    let mut running: Vec<f64> =
+        collective.iter().zip(active).filter(|(value, active)| **active && **value > 0.0).map(|(c, _)| *c).collect();
+    running.sort_by(f64::total_cmp);
+    let most = running.get(running.len() * 19 / 20).copied().unwrap_or_default();
+    let high = &running[running.partition_point(|value| *value <= IDLE * most)..];
+    high.get(high.len() / 2).copied().unwrap_or_default()
+}
+
+/// Stretches of rows of one kind.
+fn stretches<T: PartialEq>(kinds: &[T]) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let runs = kinds.chunk_by(|a, b| a == b);
+    runs.map(|run| {
+        end += run.len();
+        end - run.len()..end
+    })
+    .collect()
+}
+
+/// A low collective between lifting stretches, or beside one, is part of the flight where the axes are steered.
+fn keep_what_is_steered(log: &Log, active: &[bool], collective: &[f64], lifts: &mut [bool]) {
+    let steering = steering(log);
+    // root mean square of what turns the axes, as a share of the collective
+    let share = |rows: &[usize]| {
+        let square = |row: usize| steering.iter().map(|values| values[row] * values[row]).sum::<f64>();
+        let squares: f64 = rows.iter().map(|row| square(*row)).sum();
+        let collective: f64 = rows.iter().map(|row| collective[*row]).sum();
+        if collective > 0.0 { f64::sqrt(squares * rows.len() as f64) / collective } else { 0.0 }
+    };
+    let lifting: Vec<usize> = (0..lifts.len()).filter(|row| lifts[*row]).collect();
+    let usual = share(&lifting);
+    // motors at nothing stand, whatever the log says of its active rows
+    let runs = (0..lifts.len()).map(|row| (lifts[row], active[row] && collective[row] > 0.0));
+    for rows in stretches(&runs.collect::<Vec<(bool, bool)>>()) {
+        let low: Vec<usize> = rows.clone().collect();
+        let runs = active[rows.start] && collective[rows.start] > 0.0;
+        if !lifts[rows.start] && runs && usual > 0.0 && share(&low) > STEERED * usual {
+            lifts[rows].fill(true);
+        }
+    }
+}
+
+/// What turns the axes: their commands, or the parts that the motors' commands have in them.
+fn steering(log: &Log) -> Vec<Vec<f64>> {
+    let Some(motors) = log.motors() else {
+        return Axis::ALL.iter().filter_map(|axis| log.column(Quantity::Command(*axis))).map(<[f64]>::to_vec).collect();
+    };
+    let part = |signs: &[f32; 4]| {
+        let of_row = |row: usize| (0..4).map(|motor| f64::from(signs[motor]) * motors[motor][row]).sum();
+        (0..log.rows()).map(of_row).collect()
+    };
+    TORQUE_SIGNS.iter().map(part).collect()
+}
+
+/// A flight's rows without take-off and landing.
+fn off_the_ground(log: &Log, collective: &[f64], usual: f64, rows: Range<usize>) -> Range<usize> {
+    let is_up = |row: &usize| collective[*row] >= LIFTED * usual;
+    let is_short = |from: usize, to: usize| log.time_s[to] - log.time_s[from] <= GROUND_MAX_S;
+    let first = rows.clone().find(is_up).filter(|first| rows.start > 0 && is_short(rows.start, *first));
+    let last = rows.clone().rev().find(is_up).filter(|last| rows.end < log.rows() && is_short(*last, rows.end - 1));
+    first.unwrap_or(rows.start)..last.map_or(rows.end, |last| last + 1)
+}
+
+fn collective(log: &Log) -> Option<Vec<f64>> {
+    match log.motors() {
+        Some(motors) => Some((0..log.rows()).map(|row| 0.25 * motors.iter().map(|m| m[row]).sum::<f64>()).collect()),
+        None => log.column(Quantity::Thrust).map(<[f64]>::to_vec),
+    }
+}
+
+/// Turns stretches of one kind that are too short to mean it, at the ends of a log too, but for lifting ones there.
+fn fill(time_s: &[f64], kinds: &mut [bool], kind: bool) {
+    let mut from = 0;
+    while from < kinds.len() {
+        let end = (from..kinds.len()).find(|row| kinds[*row] != kinds[from]).unwrap_or(kinds.len());
+        let until_s = time_s[end.min(kinds.len() - 1)];
+        let is_inside = from > 0 && end < kinds.len();
+        if kinds[from] == kind && is_inside && until_s - time_s[from] < SHORTEST_S {
+            kinds[from..end].fill(!kind);
+        }
+        from = end;
+    }
+}
+
+/// The flight of some rows, without a crash at its end.
+fn flight(log: &Log, Range { start: from, end }: Range<usize>) -> Flight {
+    let began = if from == 0 { "the log begins" } else { "it lifts off, or the motors start" };
+    let ended = if end == log.rows() { "the log ends" } else { "it lands, or the motors stop" };
+    let (from_s, to_s) = (log.time_s[from], log.time_s[end - 1]);
+    let looked_at = log.time_s[from..end].partition_point(|time_s| *time_s < to_s - CRASH_WITHIN_S) + from;
+    let blow = (looked_at..end).find(|row| blow_m_s2(log, *row).is_some_and(|blow| blow > BLOW_M_S2));
+    let upright = (looked_at..end).rev().take_while(|row| is_lying(log, *row)).last();
+    match (blow, upright) {
+        (None, None) => Flight { from_s, to_s, began, ended },
+        (first, other) => {
+            let row = first.unwrap_or(end).min(other.unwrap_or(end));
+            let ended = if first.is_some() { "a crash: a blow" } else { "a crash: it lies" };
+            Flight { from_s, to_s: (log.time_s[row] - BEFORE_CRASH_S).max(from_s), began, ended }
+        }
+    }
+}
+
+/// The size of the specific force.
+fn blow_m_s2(log: &Log, row: usize) -> Option<f64> {
+    let part = |axis: Axis| Some(log.column(Quantity::Accel(axis))?[row]);
+    let squares: Option<f64> = Axis::ALL.into_iter().map(|axis| part(axis).map(|value| value * value)).sum();
+    squares.map(f64::sqrt)
+}
+
+fn is_lying(log: &Log, row: usize) -> bool {
+    let cos = |axis: Axis| log.column(Quantity::Angle(axis)).map_or(1.0, |angle| libm::cos(angle[row]));
+    cos(Axis::Roll) * cos(Axis::Pitch) < COS_LYING
+}
+
+fn is_in(flights: &[Flight], time_s: f64) -> bool {
+    flights.iter().any(|flight| (flight.from_s..=flight.to_s).contains(&time_s))
+}
+
+/// In how many of the flights' rows a motor is at an end of its range.
+fn saturation(log: &Log, flights: &[Flight]) -> Option<String> {
+    let motors = log.motors()?;
+    let rows: Vec<usize> = (0..log.rows()).filter(|row| is_in(flights, log.time_s[*row])).collect();
+    let share = |is_at: &dyn Fn(f64) -> bool| {
+        let at = rows.iter().filter(|row| motors.iter().any(|motor| is_at(motor[**row]))).count();
+        100.0 * at as f64 / rows.len().max(1) as f64
+    };
+    let (full, stopped) = (share(&|command| command > 1.0 - AT_LIMIT), share(&|command| command < AT_LIMIT));
+    (full + stopped >= 1.0)
+        .then(|| format!("in {full:.0} % of the flown rows a motor is at full command, in {stopped:.0} % at none"))
+}
+
+/// An end of an angle's range at which turns are stopped as no motor stops them.
+fn end_stop(log: &Log, axis: Axis, flights: &[Flight]) -> Option<String> {
+    let angle = log.column(Quantity::Angle(axis))?;
+    let rate = log.column(Quantity::Rate(axis))?;
+    let rows: Vec<usize> = (0..log.rows().saturating_sub(1)).filter(|row| is_in(flights, log.time_s[*row])).collect();
+    let acceleration = |row: usize| (rate[row + 1] - rate[row]) / (log.time_s[row + 1] - log.time_s[row]);
+    let mut sizes: Vec<f64> = rows.iter().map(|row| acceleration(*row).abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    // a normal deviation is 1.48 times the median of sizes
+    let usual = 1.48 * sizes.get(sizes.len() / 2).copied()?;
+    let (least, most) = rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), row| {
+        let angle_rad = wrapped(angle[*row]);
+        (least.min(angle_rad), most.max(angle_rad))
+    });
+    let hits_at = |end_rad: f64, outward: f64| {
+        let is_hit = |row: &&usize| {
+            let is_near = (wrapped(angle[**row]) - end_rad).abs() < AT_END * (most - least);
+            is_near && outward * rate[**row] > 0.0 && -outward * acceleration(**row) > STOPPED * usual
+        };
+        let hits: Vec<f64> = rows.iter().filter(is_hit).map(|row| log.time_s[*row]).collect();
+        // one hit may take several rows
+        hits.windows(2).filter(|pair| pair[1] - pair[0] > 0.1).count() + usize::from(!hits.is_empty())
+    };
+    let said: Vec<String> = [(least, -1.0), (most, 1.0)]
+        .into_iter()
+        .map(|(end_rad, outward)| (end_rad, hits_at(end_rad, outward)))
+        .filter(|(_, hits)| *hits >= STOPS_MIN)
+        .map(|(end_rad, hits)| format!("{:.0} deg ({hits} times)", end_rad.to_degrees()))
+        .collect();
+    (!said.is_empty()).then(|| {
+        format!("{} seems to hit an end stop at {}: cut it away with --from, --to", axis.name(), said.join(" and "))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows at 100 Hz of motors at one command each.
+    fn log_of(commands: &[(f64, f64)]) -> Log {
+        let mut log = Log { axes: [true, true, false], ..Log::default() };
+        let mut motors = Vec::new();
+        for (duration_s, command) in commands {
+            motors.extend(std::iter::repeat_n(*command, (100.0 * duration_s) as usize));
+        }
+        log.time_s = (0..motors.len()).map(|row| 0.01 * row as f64).collect();
+        log.motor_command = core::array::from_fn(|_| Some(motors.clone()));
+        log
+    }
+
+    fn spans(log: &Log) -> Vec<[f64; 2]> {
+        let round = |time_s: f64| (10.0 * time_s).round() / 10.0;
+        Flown::of(log).flights.iter().map(|flight| [round(flight.from_s), round(flight.to_s)]).collect()
+    }
+
+    #[test]
+    fn idle_and_stopped_motors_are_no_flight_and_several_flights_are_told_apart() {
+        let log = log_of(&[(2.0, 0.0), (3.0, 0.1), (8.0, 0.5), (5.0, 0.05), (4.0, 0.55), (6.0, 0.0)]);
+        assert_eq!(spans(&log), [[5.0, 13.0], [18.0, 22.0]]);
+        let flown = Flown::of(&log);
+        assert!(flown.flights[0].began.contains("lifts off"));
+        let both = flown.part(&log, None).unwrap();
+        assert_eq!(both.rows(), 1200);
+        assert!(both.notes[0].contains("2 flights") && both.notes[0].contains("--whole"), "{:?}", both.notes);
+        assert_eq!(flown.part(&log, Some(2)).unwrap().rows(), 400);
+        for number in [0, 3] {
+            let message = flown.part(&log, Some(number)).unwrap_err().to_string();
+            assert!(message.contains("no such flight") && message.contains("2: 18.00 s"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_low_collective_is_idling_only_where_nothing_is_steered() {
+        let mut log = log_of(&[(2.0, 0.0), (8.0, 0.5), (5.0, 0.1), (2.0, 0.0)]);
+        log.motor_command[0]
+            .iter_mut()
+            .flatten()
+            .enumerate()
+            .for_each(|(row, command)| *command *= 1.0 + 0.1 * libm::sin(row as f64));
+        let steered = log.clone();
+        assert_eq!(spans(&steered), [[2.0, 15.0]]);
+        log.motor_command[0].as_mut().unwrap()[1000..1500].fill(0.1);
+        assert_eq!(spans(&log), [[2.0, 10.0]]);
+    }
+
+    #[test]
+    fn a_dive_is_a_manoeuvre_and_a_test_of_the_motors_no_flight() {
+        let log = log_of(&[(1.0, 0.0), (0.3, 0.5), (3.0, 0.0), (5.0, 0.5), (0.6, 0.1), (5.0, 0.6), (2.0, 0.0)]);
+        assert_eq!(spans(&log), [[4.3, 14.9]]);
+    }
+
+    #[test]
+    fn a_bench_whose_motors_run_throughout_flies_from_end_to_end() {
+        let log = log_of(&[(3.0, 0.3), (3.0, 0.35), (3.0, 0.3)]);
+        let part = Flown::of(&log).part(&log, None).unwrap();
+        assert_eq!(part.time_s, log.time_s);
+        assert!(part.notes[0].contains("the whole log"), "{:?}", part.notes);
+        // without a collective nothing says when
+        let silent = Log { motor_command: [None, None, None, None], ..log.clone() };
+        assert_eq!(spans(&silent), [[0.0, 9.0]]);
+    }
+
+    #[test]
+    fn a_flight_ends_before_its_crash() {
+        let mut log = log_of(&[(10.0, 0.5), (5.0, 0.0)]);
+        let flying = |row: usize| if row == 880 { 150.0 } else { -9.8 };
+        log.accel_body_m_s2 = [Some(vec![0.0; 1500]), Some(vec![0.0; 1500]), Some((0..1500).map(flying).collect())];
+        assert_eq!(spans(&log), [[0.0, 8.3]]);
+        log.accel_body_m_s2 = [None, None, None];
+        log.angle_rad = [Some((0..1500).map(|row| if row < 940 { 0.1 } else { 1.7 }).collect()), None, None];
+        assert_eq!(spans(&log), [[0.0, 8.9]]);
+        assert_eq!(Flown::of(&log).flights[0].ended, "a crash: it lies");
+    }
+
+    #[test]
+    fn what_is_no_flight_at_all_is_taken_whole() {
+        let log = log_of(&[(5.0, 0.0)]);
+        let part = Flown::of(&log).part(&log, None).unwrap();
+        assert_eq!(part.rows(), 500);
+        assert!(part.notes[0].contains("no part was recognised"), "{:?}", part.notes);
+    }
+
+    #[test]
+    fn end_stops_and_saturation_are_shown() {
+        // a ball between two walls: a constant rate that turns around in one row
+        let mut log = log_of(&[(20.0, 1.0)]);
+        let phase = |row: usize| row % 200;
+        let rate = |row: usize| if phase(row) < 100 { 1.0 } else { -1.0 };
+        let angle = |row: usize| 0.01 * (if phase(row) < 100 { phase(row) } else { 200 - phase(row) }) as f64;
+        log.rate_rad_s[0] = Some((0..2000).map(|row| rate(row) + 1e-3 * libm::sin(row as f64)).collect());
+        log.angle_rad[0] = Some((0..2000).map(angle).collect());
+        let notes = Flown::of(&log).notes.join("; ");
+        assert!(notes.contains("100 % of the flown rows a motor is at full command"), "{notes}");
+        assert!(notes.contains("roll seems to hit an end stop at 0 deg") && notes.contains("57 deg"), "{notes}");
+        // the same turning smoothly
+        let swing = |of: fn(f64) -> f64| Some((0..2000).map(|row| of(0.05 * row as f64)).collect());
+        log.rate_rad_s[0] = swing(libm::cos);
+        log.angle_rad[0] = swing(|t| 0.2 * libm::sin(t));
+        assert!(!Flown::of(&log).notes.join("; ").contains("end stop"));
+    }
+}
