@@ -32,6 +32,7 @@ mod world;
 pub use board::serial::Connector;
 pub use delays::Delays;
 pub use devices::esc::{Esc, Mode as EscMode, Traits as EscTraits};
+pub use devices::io_chip::{CHANNELS, IoFault, IoFirmware};
 pub use devices::mpu6000::Mpu6000Revision;
 pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
 pub use entry::EntryState;
