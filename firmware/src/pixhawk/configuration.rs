@@ -6,6 +6,7 @@ use shared_control::config::Controller;
 use shared_control::link::LinkSettings;
 use shared_control::mpc::{HORIZON, Mpc};
 use shared_control::params::{self, Params, RecordError, Rig};
+use shared_control::radio::Pilot;
 use shared_control::sensing::imu::AxisMap;
 use shared_control::setup::Setup;
 use shared_control::signals::MotorCommands;
@@ -62,6 +63,14 @@ impl Configuration {
         let hover_throttle = f32::from(self.params.hover_throttle_permille) / 1000.0;
         let has_test_sequence = self.params.rig == Rig::Gimbal || self.params.hil;
         LinkSettings { hover_throttle, has_test_sequence, ..LinkSettings::NOMINAL }
+    }
+
+    /// The pilot at the transmitter, where the radio flies; and whether it should and can't.
+    pub fn pilot(&self) -> (Option<Pilot>, bool) {
+        match self.setup.radio {
+            Ok(radio) => (radio.map(Pilot::new), false),
+            Err(_) => (None, true),
+        }
     }
 
     /// Bits per second on the link.

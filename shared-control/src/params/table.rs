@@ -1,5 +1,6 @@
 //! The fields of [`Params`] by name, each as a whole number: what a ground station lists, reads and sets.
 
+use super::radio::{Stick, StickPart};
 use super::{Params, Rig};
 use crate::config::Controller;
 use crate::mpc::HORIZON;
@@ -44,6 +45,18 @@ pub enum Field {
     Telem1Rate,
     /// [`Params::esc_calibration`].
     EscCalibration,
+    /// [`Params::safety_button`].
+    SafetyButton,
+    /// [`RadioParams::flies`](super::radio::RadioParams::flies).
+    Radio,
+    /// [`RadioParams::kill_channel`](super::radio::RadioParams::kill_channel).
+    KillChannel,
+    /// [`RadioParams::kill_reversed`](super::radio::RadioParams::kill_reversed).
+    KillReversed,
+    /// [`RadioParams::fail_below_us`](super::radio::RadioParams::fail_below_us).
+    RadioFail,
+    /// A number of a stick.
+    Stick(Stick, StickPart),
 }
 
 /// Values that a field can take.
@@ -87,7 +100,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 15] = [
+    pub const ALL: [Field; 44] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -103,6 +116,35 @@ impl Field {
         Field::FlightIdle,
         Field::Telem1Rate,
         Field::EscCalibration,
+        Field::SafetyButton,
+        Field::Radio,
+        Field::KillChannel,
+        Field::KillReversed,
+        Field::RadioFail,
+        Field::Stick(Stick::Roll, StickPart::Channel),
+        Field::Stick(Stick::Roll, StickPart::Min),
+        Field::Stick(Stick::Roll, StickPart::Trim),
+        Field::Stick(Stick::Roll, StickPart::Max),
+        Field::Stick(Stick::Roll, StickPart::Reversed),
+        Field::Stick(Stick::Roll, StickPart::DeadZone),
+        Field::Stick(Stick::Pitch, StickPart::Channel),
+        Field::Stick(Stick::Pitch, StickPart::Min),
+        Field::Stick(Stick::Pitch, StickPart::Trim),
+        Field::Stick(Stick::Pitch, StickPart::Max),
+        Field::Stick(Stick::Pitch, StickPart::Reversed),
+        Field::Stick(Stick::Pitch, StickPart::DeadZone),
+        Field::Stick(Stick::Throttle, StickPart::Channel),
+        Field::Stick(Stick::Throttle, StickPart::Min),
+        Field::Stick(Stick::Throttle, StickPart::Trim),
+        Field::Stick(Stick::Throttle, StickPart::Max),
+        Field::Stick(Stick::Throttle, StickPart::Reversed),
+        Field::Stick(Stick::Throttle, StickPart::DeadZone),
+        Field::Stick(Stick::Yaw, StickPart::Channel),
+        Field::Stick(Stick::Yaw, StickPart::Min),
+        Field::Stick(Stick::Yaw, StickPart::Trim),
+        Field::Stick(Stick::Yaw, StickPart::Max),
+        Field::Stick(Stick::Yaw, StickPart::Reversed),
+        Field::Stick(Stick::Yaw, StickPart::DeadZone),
     ];
 
     /// Its name, range and meaning.
@@ -161,6 +203,26 @@ impl Field {
                 Allowed::Either(0, 1),
                 "1: propellers are off, the board calibrates ESCs on command and does not arm",
             ),
+            Field::SafetyButton => {
+                ("SAFETY_BUTTON", Allowed::Either(0, 1), "1: no arming before the safety button was held for a second")
+            }
+            Field::Radio => (
+                "RC",
+                Allowed::Either(0, 1),
+                "whose sticks fly: 0 the ground station's, 1 the radio's at the RC connector",
+            ),
+            Field::KillChannel => {
+                ("RC_KILL_CH", Allowed::Range(0, 16), "channel of the switch that stops the motors at once; 0 none")
+            }
+            Field::KillReversed => {
+                ("RC_KILL_REV", Allowed::Either(0, 1), "0: it stops them above 1750 us; 1: below 1250 us")
+            }
+            Field::RadioFail => (
+                "RC_FAIL_US",
+                Allowed::Range(0, 1500),
+                "throttle pulse below which the receiver has lost its transmitter, us; 0: it says so otherwise",
+            ),
+            Field::Stick(stick, part) => return stick_row(stick, part),
         };
         Row { name, allowed, meaning }
     }
@@ -177,8 +239,31 @@ impl Field {
 
     /// Its index on the link.
     pub fn index(self) -> u8 {
-        self as u8
+        Field::ALL.into_iter().position(|field| field == self).unwrap_or_default() as u8
     }
+}
+
+/// A stick's numbers, with names as PX4 has them for channels.
+const fn stick_row(stick: Stick, part: StickPart) -> Row {
+    const NAMES: [[&str; 6]; 4] = [
+        ["RC_ROLL_CH", "RC_ROLL_MIN", "RC_ROLL_TRIM", "RC_ROLL_MAX", "RC_ROLL_REV", "RC_ROLL_DZ"],
+        ["RC_PITCH_CH", "RC_PITCH_MIN", "RC_PITCH_TRIM", "RC_PITCH_MAX", "RC_PITCH_REV", "RC_PITCH_DZ"],
+        ["RC_THR_CH", "RC_THR_MIN", "RC_THR_TRIM", "RC_THR_MAX", "RC_THR_REV", "RC_THR_DZ"],
+        ["RC_YAW_CH", "RC_YAW_MIN", "RC_YAW_TRIM", "RC_YAW_MAX", "RC_YAW_REV", "RC_YAW_DZ"],
+    ];
+    let (allowed, meaning) = match part {
+        StickPart::Channel => (Allowed::Range(1, 16), "the stick's channel"),
+        StickPart::Min => (Allowed::Range(800, 2200), "its shortest pulse, us"),
+        StickPart::Trim => (Allowed::Range(800, 2200), "its pulse in the middle, us (not of the throttle)"),
+        StickPart::Max => (Allowed::Range(800, 2200), "its longest pulse, us"),
+        StickPart::Reversed => {
+            (Allowed::Either(0, 1), "1: the shorter pulse is right, nose up, more throttle, clockwise")
+        }
+        StickPart::DeadZone => {
+            (Allowed::Range(0, 200), "so near to the middle (the throttle: to its low end) it is there, us")
+        }
+    };
+    Row { name: NAMES[stick as usize][part as usize], allowed, meaning }
 }
 
 impl Params {
@@ -200,6 +285,12 @@ impl Params {
             Field::FlightIdle => u16::from(self.flight_idle_percent),
             Field::Telem1Rate => u16::from(self.telem1_kbaud),
             Field::EscCalibration => u16::from(self.esc_calibration),
+            Field::SafetyButton => u16::from(self.safety_button),
+            Field::Radio => u16::from(self.radio.flies),
+            Field::KillChannel => u16::from(self.radio.kill_channel),
+            Field::KillReversed => u16::from(self.radio.kill_reversed),
+            Field::RadioFail => self.radio.fail_below_us,
+            Field::Stick(stick, part) => self.radio.get(stick, part),
         }
     }
 
@@ -225,6 +316,12 @@ impl Params {
             Field::FlightIdle => params.flight_idle_percent = value as u8,
             Field::Telem1Rate => params.telem1_kbaud = value as u8,
             Field::EscCalibration => params.esc_calibration = value == 1,
+            Field::SafetyButton => params.safety_button = value == 1,
+            Field::Radio => params.radio.flies = value == 1,
+            Field::KillChannel => params.radio.kill_channel = value as u8,
+            Field::KillReversed => params.radio.kill_reversed = value == 1,
+            Field::RadioFail => params.radio.fail_below_us = value,
+            Field::Stick(stick, part) => params.radio.set(stick, part, value),
         }
         Some(params)
     }
@@ -272,6 +369,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(15)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(44)), (None, None, None));
     }
 }

@@ -9,8 +9,14 @@ use std::vec::Vec;
 const CONFIG: SupervisorConfig = SupervisorConfig::NOMINAL;
 const NOW_US: u64 = 10_000_000;
 const MOTOR_TEST: MotorTest = MotorTest { motor: 3, throttle_percent: 20, duration_ms: 2000 };
-const BLOCKED: ArmingBlocks =
-    ArmingBlocks { fault_record_unread: true, configuration_unconfirmed: true, esc_calibration: true };
+const BLOCKED: ArmingBlocks = ArmingBlocks {
+    fault_record_unread: true,
+    configuration_unconfirmed: true,
+    esc_calibration: true,
+    safety_on: true,
+    kill_switch: true,
+    radio_unusable: true,
+};
 const IMU_FAULTS: [ImuFault; 4] = [ImuFault::Stale, ImuFault::BusDead, ImuFault::Stuck, ImuFault::OutOfRange];
 
 const GOOD: Findings = Findings {

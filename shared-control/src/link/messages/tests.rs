@@ -32,6 +32,8 @@ fn status(arming: Arming) -> VehicleStatus {
         battery_v: Some(11.5),
         battery_low: false,
         blocks: ArmingBlocks::default(),
+        io: crate::io_chip::IoReport::default(),
+        radio_flies: false,
         load_permille: 321,
         setpoints_rejected: 7,
         overruns: 8,
