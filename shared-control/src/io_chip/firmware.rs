@@ -14,7 +14,10 @@ pub(super) const IDENTITY: Request = Request::Read { page: 0, offset: 0, count: 
 const DISARMED_US: u16 = 1000;
 const SETUP: u8 = 50;
 const ARMING: u8 = 1;
+const DIRECT_PAGE: u8 = 54;
 const FAILSAFE_PAGE: u8 = 55;
+/// MAIN outputs.
+const SERVOS: u8 = 8;
 /// Of protocol 4 and ArduPilot; with the magic number.
 const SAFETY_ON: u8 = 14;
 const SAFETY_MAGIC: u16 = 22027;
@@ -23,6 +26,35 @@ const BUTTON_SEEN: u8 = 14;
 const SAFETY_TOLD: u8 = 15;
 /// Lets protocol 4 take notice of its button; by itself it opens no gate.
 const IO_ARM_OK: u16 = 1;
+
+const DISARM: Request = write(SETUP, ARMING, 1, 0);
+const LEGACY_SAFETY_ON: Request = write(SETUP, SAFETY_ON, 1, SAFETY_MAGIC);
+const DRIVE_DISARMED: Request = write(DIRECT_PAGE, 0, SERVOS, DISARMED_US);
+const FAIL_TO_DISARMED: Request = write(FAILSAFE_PAGE, 0, SERVOS, DISARMED_US);
+
+const V4: [Request; 6] = [
+    DISARM,
+    LEGACY_SAFETY_ON,
+    write(108, 0, SERVOS, DISARMED_US),
+    FAIL_TO_DISARMED,
+    DRIVE_DISARMED,
+    write(SETUP, ARMING, 1, IO_ARM_OK),
+];
+const V5: [Request; 6] = [
+    DISARM,
+    write(SETUP, SAFETY_TOLD, 1, 0),
+    write(109, 0, SERVOS, DISARMED_US),
+    FAIL_TO_DISARMED,
+    DRIVE_DISARMED,
+    // a press from before counts no more
+    write(SETUP, BUTTON_SEEN, 1, 0),
+];
+const ARDUPILOT: [Request; 4] =
+    [DISARM, LEGACY_SAFETY_ON, write(FAILSAFE_PAGE, 0, CHANNELS as u8, DISARMED_US), DRIVE_DISARMED];
+
+const fn write(page: u8, offset: u8, count: u8, value: u16) -> Request {
+    Request::Write { page, offset, count, value }
+}
 
 /// A firmware that is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,33 +78,13 @@ impl Firmware {
         }
     }
 
-    /// What makes it safe, in this order: disarmed, safety on, then what MAIN does if anybody ever drives it.
+    /// What makes it safe, in this order: disarmed, safety on, then what MAIN carries if its gate is open. That may be
+    /// so: protocol 5 goes on with the pulses of whoever drove it last, the others do when the button is pressed.
     pub(super) fn set_up(self, step: usize) -> Option<Request> {
-        let write = |page, offset, count, value| Request::Write { page, offset, count, value };
-        let disarm = write(SETUP, ARMING, 1, 0);
-        let steps = match self {
-            Firmware::Px4V4 => [
-                disarm,
-                write(SETUP, SAFETY_ON, 1, SAFETY_MAGIC),
-                write(108, 0, 8, DISARMED_US),
-                write(FAILSAFE_PAGE, 0, 8, DISARMED_US),
-                write(SETUP, ARMING, 1, IO_ARM_OK),
-            ],
-            Firmware::Px4V5 => [
-                disarm,
-                write(SETUP, SAFETY_TOLD, 1, 0),
-                write(109, 0, 8, DISARMED_US),
-                write(FAILSAFE_PAGE, 0, 8, DISARMED_US),
-                // a press from before counts no more
-                write(SETUP, BUTTON_SEEN, 1, 0),
-            ],
-            Firmware::ArduPilot => [
-                disarm,
-                write(SETUP, SAFETY_ON, 1, SAFETY_MAGIC),
-                write(FAILSAFE_PAGE, 0, CHANNELS as u8, DISARMED_US),
-                disarm,
-                disarm,
-            ],
+        let steps: &[Request] = match self {
+            Firmware::Px4V4 => &V4,
+            Firmware::Px4V5 => &V5,
+            Firmware::ArduPilot => &ARDUPILOT,
         };
         steps.get(step).copied()
     }

@@ -6,7 +6,8 @@
 //! ```
 //! The chip carries any of three stock firmwares, whose registers differ (`firmware`). It is asked which (page 0), then
 //! disarmed and made safe, since it outlives a reset of the FMU with what it was told; then it is only read. A firmware
-//! that is not known is written nothing and asked for nothing. MAIN is never driven.
+//! that is not known is written nothing and asked for nothing. MAIN carries nothing but the
+//! disarmed pulse.
 //!
 //! Sources: PX4 `protocol.h` (protocol 4 at 00c514bc, 5 at 1bbd1168), ArduPilot `ioprotocol.h` (0065471b).
 

@@ -201,6 +201,11 @@ impl Machine {
         self.board.borrow().io.is_safety_off()
     }
 
+    /// Since the FMU started: is the chip known to it, disarmed and safe?
+    pub fn io_is_made_safe(&self) -> bool {
+        self.board.borrow().io.is_made_safe()
+    }
+
     /// Pulses on MAIN, us; 0 is none.
     pub fn main_outputs_us(&self) -> [u16; 8] {
         let board = self.board.borrow();

@@ -136,6 +136,34 @@ impl Flight {
         self.machine.restart_profile();
     }
 
+    /// From power-on by radio: armed by the sticks, half throttle, let go.
+    ///
+    /// # Panics
+    /// If any of it fails, or there is no transmitter.
+    pub fn take_off_by_radio(&mut self) {
+        const THROTTLE: usize = 3;
+        const YAW: usize = 4;
+        self.run_for(3500 * MILLISECOND);
+        self.set_stick(YAW, 2000);
+        self.run_for(1500 * MILLISECOND);
+        assert!(self.is_armed(), "not armed: {:?}, {:?}", self.ground.texts(), self.last);
+        self.set_stick(YAW, 1500);
+        self.set_stick(THROTTLE, 1500);
+        self.run_for(60 * MILLISECOND);
+        let now = self.machine.now();
+        self.vehicle.borrow_mut().release(now);
+        self.measure_anew();
+        self.machine.restart_profile();
+    }
+
+    /// Moves a stick or a switch of the transmitter; channels count from 1.
+    ///
+    /// # Panics
+    /// If there is no transmitter.
+    pub fn set_stick(&mut self, channel: usize, pulse_us: u16) {
+        self.transmitter.as_mut().expect("a transmitter").set(channel, pulse_us);
+    }
+
     /// The ground sends a command.
     pub fn command(&mut self, command: MavCmd, param1: f32) {
         self.ground.command(&mut self.machine, command, param1);

@@ -153,6 +153,11 @@ impl IoChip {
         self.safety_off
     }
 
+    /// Since the FMU started: was it asked who it is, then disarmed and made safe?
+    pub(crate) fn is_made_safe(&self) -> bool {
+        self.recognised && self.was_disarmed && self.was_made_safe
+    }
+
     /// Pulses on MAIN, us; 0 is none.
     pub(crate) fn main_outputs_us(&self, now: Ticks) -> [u16; SERVOS] {
         self.main_us(now)
