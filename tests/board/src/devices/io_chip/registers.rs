@@ -15,6 +15,8 @@ const FAILSAFE: u8 = 55;
 const ARMING: usize = 1;
 const SAFETY_OFF: usize = 12;
 const SAFETY_ON: usize = 14;
+/// IO_MCU.md, the sequence's third step.
+const DISARMED_US: u16 = 1000;
 const SAFETY_MAGIC: u16 = 22027;
 /// Of protocol 5: acknowledge of the button, and what the FMU says of its safety.
 const BUTTON_SEEN: usize = 14;
@@ -165,7 +167,10 @@ impl IoChip {
     }
 
     fn drive(&mut self, first: usize, values: &[u16]) -> bool {
-        if values.iter().zip(&self.disarmed_us[first.min(SERVOS)..]).any(|(value, disarmed)| value > disarmed) {
+        // ArduPilot has no disarmed page
+        let disarmed_us =
+            if self.firmware == IoFirmware::ArduPilot { &[DISARMED_US; SERVOS] } else { &self.disarmed_us };
+        if values.iter().zip(&disarmed_us[first.min(SERVOS)..]).any(|(value, disarmed)| value > disarmed) {
             self.broken.get_or_insert(MAIN_DRIVEN);
         }
         self.raw_pwm = true;
