@@ -4,9 +4,11 @@
 //! ```text
 //!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     96  CRC-32 of all before
 //! ```
-//! All little-endian; the payload is a word of 16 bits for each field of the table, in its order. A record that is not whole and sensible gives the defaults and forbids arming until somebody
-//! confirms them ([`crate::signals::ArmingBlocks`]).
+//! All little-endian; the payload is a word of 16 bits for each field of the table, in its order. A record that is not
+//! whole and sensible gives the defaults and forbids arming until somebody confirms them
+//! ([`crate::signals::ArmingBlocks`]).
 
+mod allowed;
 pub mod radio;
 pub mod table;
 

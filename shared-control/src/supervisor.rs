@@ -11,8 +11,8 @@
 //!     |  '-- CalibrateEscs --> EscCalibration (all outputs full, then low)
 //!     '------ time is up, Disarm, Arm, link lost --'
 //! ```
-//! In the air nothing but a request (the kill switch is one), a failed IMU, an unknown attitude and a crash takes the motors away: no tilt
-//! does, and no lost link before the vehicle is down.
+//! In the air nothing but a request (the kill switch is one), a failed IMU, an unknown attitude and a crash takes the
+//! motors away: no tilt does, and no lost link before the vehicle is down.
 
 mod arming;
 mod escs;

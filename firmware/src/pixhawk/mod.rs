@@ -50,9 +50,9 @@ mod app {
     use heapless::Vec;
     use shared_control::flight_core::FlightCore;
     use shared_control::light_and_tone::Sign;
-    use shared_control::link::{Commander, VehicleStatus};
+    use shared_control::link::VehicleStatus;
     use shared_control::mpc::{HORIZON, MpcState};
-    use shared_control::signals::{ArmingBlocks, Plan, PlanRequest};
+    use shared_control::signals::{Plan, PlanRequest};
     use stm32f4xx_hal::pac::Interrupt;
 
     use super::battery::{self, Battery};
@@ -160,15 +160,7 @@ mod app {
         let (adc, conversions) = ((device.ADC1, &device.ADC_COMMON), cx.local.conversions);
         let battery = (!hil).then(|| Battery::start(adc, pins.battery, conversions, &mut rcc));
 
-        let (fault_record_unread, configuration_unconfirmed) = (start.record.is_some(), configuration.fault.is_some());
-        let esc_calibration = configuration.params.esc_calibration;
-        let (pilot, radio_unusable) = configuration.pilot();
-        #[rustfmt::skip]
-        let blocks = ArmingBlocks {
-            fault_record_unread, configuration_unconfirmed, esc_calibration, radio_unusable, ..ArmingBlocks::default()
-        };
-        let safety_button = configuration.params.safety_button;
-        let commander = Commander::new(&settings, blocks).with_radio(pilot, safety_button);
+        let commander = configuration.commander(start.record.is_some());
         let ticks = hil.then_some(ticks_out);
         #[rustfmt::skip]
         let ends = Ends {

@@ -4,7 +4,6 @@
 //! in one and forces the failsafe in the next; ArduPilot wants page 55 whole.
 
 use super::packet::{Registers, Request};
-use super::session::Safety;
 use crate::radio::{CHANNELS, RadioFrame};
 
 /// Page 0: protocol, and another number.
@@ -54,6 +53,18 @@ const ARDUPILOT: [Request; 4] =
 
 const fn write(page: u8, offset: u8, count: u8, value: u16) -> Request {
     Request::Write { page, offset, count, value }
+}
+
+/// Is the safety button's state such that motors may turn?
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Safety {
+    /// Nobody knows.
+    #[default]
+    Unknown,
+    /// On: they may not.
+    On,
+    /// Off: they may.
+    Off,
 }
 
 /// A firmware that is known.

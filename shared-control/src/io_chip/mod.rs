@@ -15,7 +15,8 @@ pub mod firmware;
 pub mod packet;
 pub mod session;
 
-pub use session::{IoReport, IoSession, IoState, Safety};
+pub use firmware::Safety;
+pub use session::{IoReport, IoSession, IoState};
 
 /// Length of a slot, µs.
 pub const SLOT_US: u32 = 5000;

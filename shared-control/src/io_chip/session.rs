@@ -1,6 +1,6 @@
 //! Which request comes next, and what is known so far.
 
-use super::firmware::{Button, Firmware, IDENTITY};
+use super::firmware::{Button, Firmware, IDENTITY, Safety};
 use super::packet::{Bytes, Reply, Request};
 use crate::radio::RadioFrame;
 
@@ -15,18 +15,6 @@ const NEVER_HEARD_SLOTS: u16 = 400;
 const SAFETY_SLOTS: u16 = 10;
 /// A firmware that is not known is asked again in one slot of so many: every 100 ms.
 const UNKNOWN_SLOTS: u16 = 20;
-
-/// Is the safety button's state such that motors may turn?
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Safety {
-    /// Nobody knows.
-    #[default]
-    Unknown,
-    /// On: they may not.
-    On,
-    /// Off: they may.
-    Off,
-}
 
 /// Who is at the other end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -8,8 +8,8 @@
 //! else from the last `MANUAL_CONTROL` or `HEARTBEAT`.
 //!
 //! Where the radio flies ([`Commander::with_radio`]), it alone has sticks: `MANUAL_CONTROL` moves nothing, and the age
-//! is the radio's. A radio that is lost, by its receiver's own word or by the IO chip's silence, is a lost link at once.
-//! The ground's commands are obeyed as before.
+//! is the radio's. A radio that is lost, by its receiver's own word or by the IO chip's silence, is a lost link at
+//! once. The ground's commands are obeyed as before.
 
 use mavlink::dialects::common::MavCmd;
 
@@ -33,7 +33,7 @@ pub struct Commands {
     pub setpoint: Setpoint,
     /// Request to the supervisor.
     pub arming: ArmingRequest,
-    /// Time since whoever commands was last heard, µs; the largest value if never, or if the radio says that it is lost.
+    /// Time since whoever commands was last heard, µs; the largest value if never, or if the radio is lost.
     pub link_age_us: u64,
     /// What stands against arming.
     pub blocks: ArmingBlocks,

@@ -1,5 +1,7 @@
 //! The owner's choices for the radio: which channel is which stick, what its pulses mean, and the kill switch.
 
+use super::allowed::Allowed;
+
 /// A stick's function, in the order of [`RadioParams::sticks`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stick {
@@ -26,6 +28,19 @@ impl Stick {
             Stick::Yaw => "YAW",
         }
     }
+}
+
+/// One number that belongs to no stick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RadioPart {
+    /// [`RadioParams::flies`].
+    Flies,
+    /// [`RadioParams::kill_channel`].
+    KillChannel,
+    /// [`RadioParams::kill_reversed`].
+    KillReversed,
+    /// [`RadioParams::fail_below_us`].
+    FailBelow,
 }
 
 /// One number of a stick.
@@ -92,8 +107,28 @@ impl RadioParams {
         fail_below_us: 0,
     };
 
+    /// A number.
+    pub(super) fn get(&self, part: RadioPart) -> u16 {
+        match part {
+            RadioPart::Flies => u16::from(self.flies),
+            RadioPart::KillChannel => u16::from(self.kill_channel),
+            RadioPart::KillReversed => u16::from(self.kill_reversed),
+            RadioPart::FailBelow => self.fail_below_us,
+        }
+    }
+
+    /// Changes a number, to what the table allows.
+    pub(super) fn set(&mut self, part: RadioPart, value: u16) {
+        match part {
+            RadioPart::Flies => self.flies = value == 1,
+            RadioPart::KillChannel => self.kill_channel = value as u8,
+            RadioPart::KillReversed => self.kill_reversed = value == 1,
+            RadioPart::FailBelow => self.fail_below_us = value,
+        }
+    }
+
     /// A number of a stick.
-    pub(super) fn get(&self, stick: Stick, part: StickPart) -> u16 {
+    pub(super) fn stick(&self, stick: Stick, part: StickPart) -> u16 {
         let Some(range) = self.sticks.get(stick as usize) else { return 0 };
         match part {
             StickPart::Channel => u16::from(range.channel),
@@ -105,8 +140,8 @@ impl RadioParams {
         }
     }
 
-    /// Changes a number that the table allows.
-    pub(super) fn set(&mut self, stick: Stick, part: StickPart, value: u16) {
+    /// Changes a number of a stick, to what the table allows.
+    pub(super) fn set_stick(&mut self, stick: Stick, part: StickPart, value: u16) {
         let Some(range) = self.sticks.get_mut(stick as usize) else { return };
         match part {
             StickPart::Channel => range.channel = value as u8,
@@ -117,4 +152,47 @@ impl RadioParams {
             StickPart::DeadZone => range.dead_zone_us = value,
         }
     }
+}
+
+/// What a person is to know of a number.
+pub(super) const fn row(part: RadioPart) -> (&'static str, Allowed, &'static str) {
+    match part {
+        RadioPart::Flies => {
+            ("RC", Allowed::Either(0, 1), "whose sticks fly: 0 the ground station's, 1 the radio's at the RC connector")
+        }
+        RadioPart::KillChannel => {
+            ("RC_KILL_CH", Allowed::Range(0, 16), "channel of the switch that stops the motors at once; 0 none")
+        }
+        RadioPart::KillReversed => {
+            ("RC_KILL_REV", Allowed::Either(0, 1), "0: it stops them above 1750 us; 1: below 1250 us")
+        }
+        RadioPart::FailBelow => (
+            "RC_FAIL_US",
+            Allowed::Range(0, 1500),
+            "throttle pulse below which the receiver has lost its transmitter, us; 0: it says so otherwise",
+        ),
+    }
+}
+
+/// A stick's numbers, with names as PX4 has them for channels.
+pub(super) const fn stick_row(stick: Stick, part: StickPart) -> (&'static str, Allowed, &'static str) {
+    const NAMES: [[&str; 6]; 4] = [
+        ["RC_ROLL_CH", "RC_ROLL_MIN", "RC_ROLL_TRIM", "RC_ROLL_MAX", "RC_ROLL_REV", "RC_ROLL_DZ"],
+        ["RC_PITCH_CH", "RC_PITCH_MIN", "RC_PITCH_TRIM", "RC_PITCH_MAX", "RC_PITCH_REV", "RC_PITCH_DZ"],
+        ["RC_THR_CH", "RC_THR_MIN", "RC_THR_TRIM", "RC_THR_MAX", "RC_THR_REV", "RC_THR_DZ"],
+        ["RC_YAW_CH", "RC_YAW_MIN", "RC_YAW_TRIM", "RC_YAW_MAX", "RC_YAW_REV", "RC_YAW_DZ"],
+    ];
+    let (allowed, meaning) = match part {
+        StickPart::Channel => (Allowed::Range(1, 16), "the stick's channel"),
+        StickPart::Min => (Allowed::Range(800, 2200), "its shortest pulse, us"),
+        StickPart::Trim => (Allowed::Range(800, 2200), "its pulse in the middle, us (not of the throttle)"),
+        StickPart::Max => (Allowed::Range(800, 2200), "its longest pulse, us"),
+        StickPart::Reversed => {
+            (Allowed::Either(0, 1), "1: the shorter pulse is right, nose up, more throttle, clockwise")
+        }
+        StickPart::DeadZone => {
+            (Allowed::Range(0, 200), "so near to the middle (the throttle: to its low end) it is there, us")
+        }
+    };
+    (NAMES[stick as usize][part as usize], allowed, meaning)
 }

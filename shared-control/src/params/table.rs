@@ -1,6 +1,7 @@
 //! The fields of [`Params`] by name, each as a whole number: what a ground station lists, reads and sets.
 
-use super::radio::{Stick, StickPart};
+pub use super::allowed::Allowed;
+use super::radio::{self, RadioPart, Stick, StickPart};
 use super::{Params, Rig};
 use crate::config::Controller;
 use crate::mpc::HORIZON;
@@ -47,44 +48,10 @@ pub enum Field {
     EscCalibration,
     /// [`Params::safety_button`].
     SafetyButton,
-    /// [`RadioParams::flies`](super::radio::RadioParams::flies).
-    Radio,
-    /// [`RadioParams::kill_channel`](super::radio::RadioParams::kill_channel).
-    KillChannel,
-    /// [`RadioParams::kill_reversed`](super::radio::RadioParams::kill_reversed).
-    KillReversed,
-    /// [`RadioParams::fail_below_us`](super::radio::RadioParams::fail_below_us).
-    RadioFail,
+    /// One of the radio's numbers.
+    Radio(RadioPart),
     /// A number of a stick.
     Stick(Stick, StickPart),
-}
-
-/// Values that a field can take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Allowed {
-    /// All from the first to the second.
-    Range(u16, u16),
-    /// One or the other.
-    Either(u16, u16),
-}
-
-impl Allowed {
-    /// Is this one of them?
-    pub fn contains(self, value: u16) -> bool {
-        match self {
-            Allowed::Range(least, most) => (least..=most).contains(&value),
-            Allowed::Either(one, other) => value == one || value == other,
-        }
-    }
-}
-
-impl core::fmt::Display for Allowed {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Allowed::Range(least, most) => write!(f, "{least} to {most}"),
-            Allowed::Either(one, other) => write!(f, "{one} or {other}"),
-        }
-    }
 }
 
 /// What a person is to know of a field.
@@ -117,10 +84,10 @@ impl Field {
         Field::Telem1Rate,
         Field::EscCalibration,
         Field::SafetyButton,
-        Field::Radio,
-        Field::KillChannel,
-        Field::KillReversed,
-        Field::RadioFail,
+        Field::Radio(RadioPart::Flies),
+        Field::Radio(RadioPart::KillChannel),
+        Field::Radio(RadioPart::KillReversed),
+        Field::Radio(RadioPart::FailBelow),
         Field::Stick(Stick::Roll, StickPart::Channel),
         Field::Stick(Stick::Roll, StickPart::Min),
         Field::Stick(Stick::Roll, StickPart::Trim),
@@ -206,23 +173,8 @@ impl Field {
             Field::SafetyButton => {
                 ("SAFETY_BUTTON", Allowed::Either(0, 1), "1: no arming before the safety button was held for a second")
             }
-            Field::Radio => (
-                "RC",
-                Allowed::Either(0, 1),
-                "whose sticks fly: 0 the ground station's, 1 the radio's at the RC connector",
-            ),
-            Field::KillChannel => {
-                ("RC_KILL_CH", Allowed::Range(0, 16), "channel of the switch that stops the motors at once; 0 none")
-            }
-            Field::KillReversed => {
-                ("RC_KILL_REV", Allowed::Either(0, 1), "0: it stops them above 1750 us; 1: below 1250 us")
-            }
-            Field::RadioFail => (
-                "RC_FAIL_US",
-                Allowed::Range(0, 1500),
-                "throttle pulse below which the receiver has lost its transmitter, us; 0: it says so otherwise",
-            ),
-            Field::Stick(stick, part) => return stick_row(stick, part),
+            Field::Radio(part) => radio::row(part),
+            Field::Stick(stick, part) => radio::stick_row(stick, part),
         };
         Row { name, allowed, meaning }
     }
@@ -241,29 +193,6 @@ impl Field {
     pub fn index(self) -> u8 {
         Field::ALL.into_iter().position(|field| field == self).unwrap_or_default() as u8
     }
-}
-
-/// A stick's numbers, with names as PX4 has them for channels.
-const fn stick_row(stick: Stick, part: StickPart) -> Row {
-    const NAMES: [[&str; 6]; 4] = [
-        ["RC_ROLL_CH", "RC_ROLL_MIN", "RC_ROLL_TRIM", "RC_ROLL_MAX", "RC_ROLL_REV", "RC_ROLL_DZ"],
-        ["RC_PITCH_CH", "RC_PITCH_MIN", "RC_PITCH_TRIM", "RC_PITCH_MAX", "RC_PITCH_REV", "RC_PITCH_DZ"],
-        ["RC_THR_CH", "RC_THR_MIN", "RC_THR_TRIM", "RC_THR_MAX", "RC_THR_REV", "RC_THR_DZ"],
-        ["RC_YAW_CH", "RC_YAW_MIN", "RC_YAW_TRIM", "RC_YAW_MAX", "RC_YAW_REV", "RC_YAW_DZ"],
-    ];
-    let (allowed, meaning) = match part {
-        StickPart::Channel => (Allowed::Range(1, 16), "the stick's channel"),
-        StickPart::Min => (Allowed::Range(800, 2200), "its shortest pulse, us"),
-        StickPart::Trim => (Allowed::Range(800, 2200), "its pulse in the middle, us (not of the throttle)"),
-        StickPart::Max => (Allowed::Range(800, 2200), "its longest pulse, us"),
-        StickPart::Reversed => {
-            (Allowed::Either(0, 1), "1: the shorter pulse is right, nose up, more throttle, clockwise")
-        }
-        StickPart::DeadZone => {
-            (Allowed::Range(0, 200), "so near to the middle (the throttle: to its low end) it is there, us")
-        }
-    };
-    Row { name: NAMES[stick as usize][part as usize], allowed, meaning }
 }
 
 impl Params {
@@ -286,11 +215,8 @@ impl Params {
             Field::Telem1Rate => u16::from(self.telem1_kbaud),
             Field::EscCalibration => u16::from(self.esc_calibration),
             Field::SafetyButton => u16::from(self.safety_button),
-            Field::Radio => u16::from(self.radio.flies),
-            Field::KillChannel => u16::from(self.radio.kill_channel),
-            Field::KillReversed => u16::from(self.radio.kill_reversed),
-            Field::RadioFail => self.radio.fail_below_us,
-            Field::Stick(stick, part) => self.radio.get(stick, part),
+            Field::Radio(part) => self.radio.get(part),
+            Field::Stick(stick, part) => self.radio.stick(stick, part),
         }
     }
 
@@ -317,11 +243,8 @@ impl Params {
             Field::Telem1Rate => params.telem1_kbaud = value as u8,
             Field::EscCalibration => params.esc_calibration = value == 1,
             Field::SafetyButton => params.safety_button = value == 1,
-            Field::Radio => params.radio.flies = value == 1,
-            Field::KillChannel => params.radio.kill_channel = value as u8,
-            Field::KillReversed => params.radio.kill_reversed = value == 1,
-            Field::RadioFail => params.radio.fail_below_us = value,
-            Field::Stick(stick, part) => params.radio.set(stick, part, value),
+            Field::Radio(part) => params.radio.set(part, value),
+            Field::Stick(stick, part) => params.radio.set_stick(stick, part, value),
         }
         Some(params)
     }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::RadioFrame;
+use super::frame::RadioFrame;
 use crate::elementary::limit;
 use crate::params::radio::{RadioParams, STICKS, Stick, StickParams};
 

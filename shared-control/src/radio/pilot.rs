@@ -1,6 +1,7 @@
 //! The pilot at the transmitter: what is wanted now, and how long it has been known.
 
-use super::{RadioFrame, RadioSetup, Sticks};
+use super::calibration::{RadioSetup, Sticks};
+use super::frame::RadioFrame;
 
 /// A kill switch counts once it was seen on for so long, µs: longer than one frame of S.BUS (14 ms) that came wrong.
 pub const KILL_AFTER_US: u64 = 20_000;

@@ -27,7 +27,8 @@ pub struct StepTrace {
     pub sample_second: [[u32; 8]; IMU_SAMPLES_MAX],
     /// Roll, pitch, yaw rate, throttle.
     pub setpoint: [u32; 4],
-    /// 0 none, 1 arm, 2 disarm, 3 motor test, 4 calibrate ESCs, 5 kill, 6 disarm if landed; then a test's motor, percent and ms.
+    /// 0 none, 1 arm, 2 disarm, 3 motor test, 4 calibrate ESCs, 5 kill, 6 disarm if landed; then a test's motor,
+    /// percent and ms.
     pub arming_request: [u32; 4],
     /// 1 if there is a link, and its age, µs.
     pub link_age: [u32; 3],

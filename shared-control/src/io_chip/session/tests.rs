@@ -173,7 +173,9 @@ fn at_the_start_it_is_waited_for() {
 proptest! {
     /// Whatever comes over the wire, nothing is written to a chip that has not said who it is.
     #[test]
-    fn noise_brings_about_no_write(noise in proptest::collection::vec(proptest::collection::vec(any::<u8>(), 0..60), 0..50)) {
+    fn noise_brings_about_no_write(
+        noise in proptest::collection::vec(proptest::collection::vec(any::<u8>(), 0..60), 0..50),
+    ) {
         let mut session = IoSession::default();
         for bytes in noise {
             let mut request = session.begin_slot();

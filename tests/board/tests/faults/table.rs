@@ -19,8 +19,9 @@ const RENEW: &str = "RENEW_BOARD_FIGURES";
 const HEAD: &str = "\
 # Faults in flight, and what came of each
 
-The firmware's own image flies the test sequence on the emulated board, or by the radio's sticks where the row says so. Half a second into it, right after a step of the
-loop, a fault is injected. The table shows what the motor outputs then do and what the vehicle reports to the ground.
+The firmware's own image flies the test sequence on the emulated board, or by the radio's sticks where the row says so.
+Half a second into it, right after a step of the loop, a fault is injected. The table shows what the motor outputs then
+do and what the vehicle reports to the ground.
 `cargo xtask board-test` injects them all again, fails where a promise is broken, and compares this table;
 `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes it.
 

@@ -1,7 +1,8 @@
 //! The second processor (STM32F100) on USART6, with any of its three stock firmwares: receiver, safety button, MAIN.
 //!
-//! Written from IO_MCU.md and PIXHAWK_FACTS section 6. It has its own power-up and outlives a reset of the FMU, with
-//! arming and safety as they were. What the documents forbid is noted in `broken`; the board stops the run.
+//! Written from notes on the sources of the three (PX4 `registers.c` and `mixer.cpp` at 00e0a352 and 1bbd1168,
+//! ArduPilot `iofirmware.cpp` at 016ad353), before the driver was. It has its own power-up and outlives a reset of the
+//! FMU, with arming and safety as they were. What the documents forbid is noted in `broken`; the board stops the run.
 
 pub(crate) mod packet;
 mod radio;

@@ -1,6 +1,6 @@
 //! Packets of the IO chip's wire: count and code, CRC-8, page, offset, then 16-bit registers, low byte first.
 //!
-//! PIXHAWK_FACTS section 6: polynomial 0x07 over the whole packet, the CRC's own byte taken as zero.
+//! PX4 `protocol.h`: polynomial 0x07 over the whole packet, the CRC's own byte taken as zero.
 
 /// What a packet asks, or what came of it: the two upper bits of its first byte.
 pub(super) const READ: u8 = 0x00;

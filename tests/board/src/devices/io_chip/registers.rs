@@ -1,5 +1,6 @@
-//! What each of the stock firmwares makes of reads and writes. Register numbers and rules: IO_MCU.md; those of safety
-//! and RSSI from PX4's `protocol.h` (00c514bc, protocol 4) and ArduPilot's `ioprotocol.h` (0065471b).
+//! What each of the stock firmwares makes of reads and writes. Registers and rules: as in the
+//! module above; those of safety and RSSI from PX4's `protocol.h` (00c514bc, protocol 4) and ArduPilot's `ioprotocol.h`
+//! (0065471b).
 
 use super::{CHANNELS, IoChip, IoFirmware, SERVOS};
 use crate::time::Ticks;
@@ -15,7 +16,7 @@ const FAILSAFE: u8 = 55;
 const ARMING: usize = 1;
 const SAFETY_OFF: usize = 12;
 const SAFETY_ON: usize = 14;
-/// IO_MCU.md, the sequence's third step.
+/// What the disarmed pages are given.
 const DISARMED_US: u16 = 1000;
 const SAFETY_MAGIC: u16 = 22027;
 /// Of protocol 5: acknowledge of the button, and what the FMU says of its safety.
