@@ -2,23 +2,29 @@
 //! [`table`] has each choice with its name and its range; [`crate::setup`] makes a configuration of them.
 //!
 //! ```text
-//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     28  CRC-32 of all before
+//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     96  CRC-32 of all before
 //! ```
-//! All little-endian. A record that is not whole and sensible gives the defaults and forbids arming until somebody
-//! confirms them ([`crate::signals::ArmingBlocks`]).
+//! All little-endian; the payload is a word of 16 bits for each field of the table, in its order. A record that is not
+//! whole and sensible gives the defaults and forbids arming until somebody confirms them
+//! ([`crate::signals::ArmingBlocks`]).
 
+mod allowed;
+pub mod radio;
 pub mod table;
 
 use crate::config::Controller;
 use crate::output::PulseKind;
+use radio::RadioParams;
 use table::Field;
 
 /// Length of a record, bytes.
-pub const RECORD_LEN: usize = 32;
+pub const RECORD_LEN: usize = HEAD_LEN + PAYLOAD_LEN + CRC_LEN;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 4;
-const PAYLOAD_LEN: usize = RECORD_LEN - 12;
+const VERSION: u16 = 5;
+const HEAD_LEN: usize = 8;
+const PAYLOAD_LEN: usize = 2 * Field::ALL.len();
+const CRC_LEN: usize = 4;
 
 /// What the vehicle hangs on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +69,10 @@ pub struct Params {
     pub telem1_kbaud: u8,
     /// True: the board teaches the ESCs their range, propellers off, and does nothing else.
     pub esc_calibration: bool,
+    /// True: the safety button has to be held before anything arms.
+    pub safety_button: bool,
+    /// The radio.
+    pub radio: RadioParams,
 }
 
 impl Params {
@@ -84,6 +94,8 @@ impl Params {
         flight_idle_percent: 15,
         telem1_kbaud: 57,
         esc_calibration: false,
+        safety_button: false,
+        radio: RadioParams::DEFAULT,
     };
 }
 
@@ -115,26 +127,14 @@ impl core::error::Error for RecordError {}
 
 /// The record of a set of choices.
 pub fn encode(params: &Params) -> [u8; RECORD_LEN] {
-    let [version0, version1] = VERSION.to_le_bytes();
-    let [length0, length1] = (PAYLOAD_LEN as u16).to_le_bytes();
-    let [loop0, loop1] = params.loop_rate_hz.to_le_bytes();
-    let [pwm0, pwm1] = params.pwm_rate_hz.to_le_bytes();
-    let [battery0, battery1] = params.battery_arming_min_mv.to_le_bytes();
-    let [hover0, hover1] = params.hover_throttle_permille.to_le_bytes();
-    // single bytes: the table keeps all of these below 256
-    let [controller, pulses, rig, hil, motor_limits, escs] =
-        [Field::Controller, Field::Pulses, Field::Rig, Field::Hil, Field::MotorLimits, Field::EscCalibration]
-            .map(|f| params.get(f) as u8);
-    let [m0, m1, m2, m3] = MAGIC;
-    #[rustfmt::skip]
-    let body = [
-        m0, m1, m2, m3, version0, version1, length0, length1,
-        controller, pulses, rig, hil, loop0, loop1, pwm0, pwm1,
-        battery0, battery1, hover0, hover1, params.control_horizon, motor_limits, params.linearisations, escs,
-        params.ground_idle_percent, params.flight_idle_percent, params.telem1_kbaud, 0,
-    ];
+    let words = [VERSION, PAYLOAD_LEN as u16].into_iter().chain(Field::ALL.into_iter().map(|field| params.get(field)));
+    let body = MAGIC.into_iter().chain(words.flat_map(u16::to_le_bytes));
     let mut record = [0; RECORD_LEN];
-    for (to, from) in record.iter_mut().zip(body.into_iter().chain(crc32(&body).to_le_bytes())) {
+    for (to, from) in record.iter_mut().zip(body) {
+        *to = from;
+    }
+    let crc = crc32(record.get(..RECORD_LEN - CRC_LEN).unwrap_or_default());
+    for (to, from) in record.iter_mut().skip(RECORD_LEN - CRC_LEN).zip(crc.to_le_bytes()) {
         *to = from;
     }
     record
@@ -145,13 +145,7 @@ pub fn encode(params: &Params) -> [u8; RECORD_LEN] {
 /// # Errors
 /// What is wrong with it; the caller then takes [`Params::DEFAULT`] and requests confirmation.
 pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
-    #[rustfmt::skip]
-    let [
-        m0, m1, m2, m3, version0, version1, length0, length1,
-        controller, pulses, rig, hil, loop0, loop1, pwm0, pwm1,
-        battery0, battery1, hover0, hover1, control_horizon, motor_limits, linearisations, escs,
-        ground_idle, flight_idle, telem1_kbaud, _, crc @ ..
-    ] = *record;
+    let [m0, m1, m2, m3, version0, version1, length0, length1, ..] = *record;
     if [m0, m1, m2, m3] != MAGIC {
         return Err(RecordError::NoRecord);
     }
@@ -159,29 +153,15 @@ pub fn decode(record: &[u8; RECORD_LEN]) -> Result<Params, RecordError> {
     if version != VERSION {
         return Err(RecordError::Version(version));
     }
-    let body = record.get(..RECORD_LEN - 4).unwrap_or_default();
-    if crc32(body) != u32::from_le_bytes(crc) || usize::from(u16::from_le_bytes([length0, length1])) != PAYLOAD_LEN {
+    let (body, crc) = record.split_at(RECORD_LEN - CRC_LEN);
+    let length = usize::from(u16::from_le_bytes([length0, length1]));
+    if crc32(body).to_le_bytes() != *crc || length != PAYLOAD_LEN {
         return Err(RecordError::Damaged);
     }
-    let values = [
-        (Field::Controller, u16::from(controller)),
-        (Field::LoopRate, u16::from_le_bytes([loop0, loop1])),
-        (Field::Pulses, u16::from(pulses)),
-        (Field::PwmRate, u16::from_le_bytes([pwm0, pwm1])),
-        (Field::Rig, u16::from(rig)),
-        (Field::Hil, u16::from(hil)),
-        (Field::BatteryArmingMin, u16::from_le_bytes([battery0, battery1])),
-        (Field::HoverThrottle, u16::from_le_bytes([hover0, hover1])),
-        (Field::ControlHorizon, u16::from(control_horizon)),
-        (Field::MotorLimits, u16::from(motor_limits)),
-        (Field::Linearisations, u16::from(linearisations)),
-        (Field::GroundIdle, u16::from(ground_idle)),
-        (Field::FlightIdle, u16::from(flight_idle)),
-        (Field::Telem1Rate, u16::from(telem1_kbaud)),
-        (Field::EscCalibration, u16::from(escs)),
-    ];
+    let words = body.get(HEAD_LEN..).unwrap_or_default().chunks_exact(2);
     let mut params = Params::DEFAULT;
-    for (field, value) in values {
+    for (field, word) in Field::ALL.into_iter().zip(words) {
+        let value = word.iter().rev().fold(0, |value, byte| value << 8 | u16::from(*byte));
         params = params.with(field, value).ok_or(RecordError::Value(field.row().name))?;
     }
     Ok(params)
@@ -214,6 +194,7 @@ pub fn crc32(bytes: &[u8]) -> u32 {
 #[cfg(test)]
 pub(crate) mod tests {
     extern crate std;
+    use super::radio::StickParams;
     use super::*;
     use proptest::prelude::*;
     use std::string::ToString;
@@ -221,8 +202,8 @@ pub(crate) mod tests {
     pub(crate) fn any_params() -> impl Strategy<Value = Params> {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
-        (any::<[bool; 8]>(), 50u16..=490, any::<u16>(), 0u16..=1000, inputs, idle).prop_map(
-            |(switches, pwm_rate_hz, battery_arming_min_mv, hover, inputs, idle)| {
+        (any::<[bool; 8]>(), 50u16..=490, any::<u16>(), 0u16..=1000, inputs, idle, any_radio()).prop_map(
+            |(switches, pwm_rate_hz, battery_arming_min_mv, hover, inputs, idle, (safety_button, radio))| {
                 let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
                 Params {
                     controller: if mpc { Controller::Mpc } else { Controller::Cascade },
@@ -240,7 +221,26 @@ pub(crate) mod tests {
                     flight_idle_percent: idle.1,
                     telem1_kbaud: if fast { 115 } else { 57 },
                     esc_calibration: escs,
+                    safety_button,
+                    radio,
                 }
+            },
+        )
+    }
+
+    fn any_radio() -> impl Strategy<Value = (bool, RadioParams)> {
+        let range = (1u8..=16, 800u16..=2200, 800u16..=2200, 800u16..=2200, any::<bool>(), 0u16..=200);
+        let stick = range.prop_map(|(channel, min_us, trim_us, max_us, reversed, dead_zone_us)| StickParams {
+            channel,
+            min_us,
+            trim_us,
+            max_us,
+            reversed,
+            dead_zone_us,
+        });
+        (any::<[bool; 3]>(), [stick.clone(), stick.clone(), stick.clone(), stick], 0u8..=16, 0u16..=1500).prop_map(
+            |([button, flies, kill_reversed], sticks, kill_channel, fail_below_us)| {
+                (button, RadioParams { flies, sticks, kill_channel, kill_reversed, fail_below_us })
             },
         )
     }
@@ -268,12 +268,14 @@ pub(crate) mod tests {
         assert_eq!(crc32(b""), 0);
     }
 
-    /// The head of a record: magic, version 4, and the length of what lies between head and CRC.
+    /// The head of a record: magic, version 5, and the length of what lies between head and CRC.
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x04\0\x14\0");
-        assert_eq!(record.len(), 8 + 20 + 4);
+        assert_eq!(record[..8], *b"QCFG\x05\0\x58\0");
+        assert_eq!(record.len(), 8 + 88 + 4);
+        // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
+        assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::mpc::motor_limits::COUPLED_INPUTS_MAX;
 use crate::output::{LOOP_TIMER_HZ, OutputConfig, PULSE_TIMER_HZ, PulseKind, TimerPeriod};
 use crate::params::table::Field;
 use crate::params::{Params, Rig};
+use crate::radio::{RadioFault, RadioSetup};
 use crate::supervisor::SupervisorConfig;
 use crate::vehicle::VehicleParameters;
 
@@ -31,6 +32,8 @@ pub struct Setup {
     pub loop_timer: TimerPeriod,
     /// The pulses' timer, which counts [`PULSE_TIMER_HZ`].
     pub pulse_timer: TimerPeriod,
+    /// The radio, where it flies; or what makes no sense about its calibration.
+    pub radio: Result<Option<RadioSetup>, RadioFault>,
 }
 
 impl Setup {
@@ -72,7 +75,8 @@ impl Setup {
             ..Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?
         };
         let mpc = config::mpc_settings(&vehicle, &tuning, loop_rate_hz);
-        Ok(Setup { vehicle, tuning, config, mpc, loop_timer, pulse_timer })
+        let radio = if params.radio.flies { RadioSetup::new(&params.radio).map(Some) } else { Ok(None) };
+        Ok(Setup { vehicle, tuning, config, mpc, loop_timer, pulse_timer, radio })
     }
 
     /// Does every pulse begin at the same time after the step that computed it? Where one of the two rates is a whole

@@ -74,6 +74,12 @@ pub struct ArmingBlocks {
     pub configuration_unconfirmed: bool,
     /// The board is set to calibrate ESCs, propellers off.
     pub esc_calibration: bool,
+    /// The safety button is wanted, and not known to be off.
+    pub safety_on: bool,
+    /// The kill switch is on.
+    pub kill_switch: bool,
+    /// The radio is to fly, and its calibration makes no sense.
+    pub radio_unusable: bool,
 }
 
 /// A request to change the arming state; the supervisor decides.
@@ -90,6 +96,10 @@ pub enum ArmingRequest {
     MotorTest(MotorTest),
     /// Teach the ESCs their range, if disarmed and they have no power.
     CalibrateEscs,
+    /// Stop the motors at once, wherever the vehicle is; always obeyed.
+    Kill,
+    /// Disarm, if the vehicle is on the ground.
+    DisarmLanded,
 }
 
 /// All that a step may depend on besides configuration and state.

@@ -11,8 +11,8 @@
 //!     |  '-- CalibrateEscs --> EscCalibration (all outputs full, then low)
 //!     '------ time is up, Disarm, Arm, link lost --'
 //! ```
-//! In the air nothing but a request, a failed IMU, an unknown attitude and a crash takes the motors away: no tilt
-//! does, and no lost link before the vehicle is down.
+//! In the air nothing but a request (the kill switch is one), a failed IMU, an unknown attitude and a crash takes the
+//! motors away: no tilt does, and no lost link before the vehicle is down.
 
 mod arming;
 mod escs;
@@ -85,6 +85,12 @@ pub fn update(config: &SupervisorConfig, arming: Arming, input: &StepInput, find
     let refused = |refusal| Arming::Disarmed(DisarmedBecause::Refused(refusal));
     match (arming, input.arming) {
         (_, ArmingRequest::Disarm) => Arming::Disarmed(DisarmedBecause::Requested),
+        (Arming::Disarmed(because), ArmingRequest::Kill | ArmingRequest::DisarmLanded) => Arming::Disarmed(because),
+        (_, ArmingRequest::Kill) => Arming::Disarmed(DisarmedBecause::Killed),
+        // in the air sticks that happen to stand in the corner end nothing
+        (Arming::Armed | Arming::LinkLost { .. }, ArmingRequest::DisarmLanded) if !findings.airborne => {
+            Arming::Disarmed(DisarmedBecause::Requested)
+        }
         (Arming::Disarmed(because), ArmingRequest::None) => Arming::Disarmed(because),
         (Arming::Disarmed(_), ArmingRequest::Arm) => {
             arming_refusal(config, input, findings).map_or(Arming::Armed, refused)
@@ -98,6 +104,7 @@ pub fn update(config: &SupervisorConfig, arming: Arming, input: &StepInput, find
         (Arming::MotorTest { .. }, ArmingRequest::Arm | ArmingRequest::CalibrateEscs) => {
             refused(Refusal::MotorTestRunning)
         }
+        (Arming::MotorTest { .. }, ArmingRequest::DisarmLanded) => Arming::Disarmed(DisarmedBecause::Requested),
         (Arming::MotorTest { until_us, .. }, ArmingRequest::None) => {
             let over = input.time_us >= until_us || link_is_lost(input, findings);
             if over { Arming::Disarmed(DisarmedBecause::MotorTestOver) } else { arming }
@@ -182,6 +189,12 @@ fn standing_refusal(input: &StepInput, findings: &Findings) -> Option<Refusal> {
         Some(Refusal::ConfigurationUnconfirmed)
     } else if input.blocks.fault_record_unread {
         Some(Refusal::FaultRecordUnread)
+    } else if input.blocks.kill_switch {
+        Some(Refusal::KillSwitch)
+    } else if input.blocks.safety_on {
+        Some(Refusal::SafetyOn)
+    } else if input.blocks.radio_unusable {
+        Some(Refusal::RadioUnusable)
     } else if !input.setpoint.is_finite() {
         Some(Refusal::SetpointNotFinite)
     } else if link_is_lost(input, findings) {

@@ -149,7 +149,9 @@ fn release_clocks(rcc: &RCC, exti: &EXTI) {
         w.spi2rst().set_bit().usart2rst().set_bit().pwrrst().set_bit()
     });
     rcc.apb1rstr().reset();
-    rcc.apb2rstr().write(|w| w.tim1rst().set_bit().spi1rst().set_bit().adcrst().set_bit().syscfgrst().set_bit());
+    rcc.apb2rstr().write(|w| {
+        w.tim1rst().set_bit().usart6rst().set_bit().spi1rst().set_bit().adcrst().set_bit().syscfgrst().set_bit()
+    });
     rcc.apb2rstr().reset();
     // EXTI has no reset of its own
     exti.imr().reset();

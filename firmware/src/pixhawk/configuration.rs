@@ -3,12 +3,13 @@
 use core::mem::MaybeUninit;
 
 use shared_control::config::Controller;
-use shared_control::link::LinkSettings;
+use shared_control::link::{Commander, LinkSettings};
 use shared_control::mpc::{HORIZON, Mpc};
 use shared_control::params::{self, Params, RecordError, Rig};
+use shared_control::radio::Pilot;
 use shared_control::sensing::imu::AxisMap;
 use shared_control::setup::Setup;
-use shared_control::signals::MotorCommands;
+use shared_control::signals::{ArmingBlocks, MotorCommands};
 
 use super::board;
 use super::fram::Fram;
@@ -62,6 +63,19 @@ impl Configuration {
         let hover_throttle = f32::from(self.params.hover_throttle_permille) / 1000.0;
         let has_test_sequence = self.params.rig == Rig::Gimbal || self.params.hil;
         LinkSettings { hover_throttle, has_test_sequence, ..LinkSettings::NOMINAL }
+    }
+
+    /// Who takes the ground's and the pilot's wishes, with what stands against arming.
+    pub fn commander(&self, fault_record_unread: bool) -> Commander {
+        let blocks = ArmingBlocks {
+            fault_record_unread,
+            configuration_unconfirmed: self.fault.is_some(),
+            esc_calibration: self.params.esc_calibration,
+            radio_unusable: self.setup.radio.is_err(),
+            ..ArmingBlocks::default()
+        };
+        let pilot = self.setup.radio.ok().flatten().map(Pilot::new);
+        Commander::new(&self.link_settings(), blocks).with_radio(pilot, self.params.safety_button)
     }
 
     /// Bits per second on the link.

@@ -5,6 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use heapless::Vec;
 use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
+use shared_control::io_chip::IoReport;
 use shared_control::link::frame::{FRAME_MAX, FrameWriter};
 use shared_control::link::hil::{self, HilTick};
 use shared_control::link::{Answer, COMPONENT_ID, Chore, Commander, LinkSettings, Order, VehicleStatus};
@@ -14,6 +15,7 @@ use super::battery::Battery;
 use super::clock::TimeBase;
 use super::counters;
 use super::imu::TimedSample;
+use super::io_port::REPORTS;
 use super::queue::{Consumer, Producer, Queue};
 
 /// Room for orders that arrive within one step, and for what they bring about within one housekeeping.
@@ -43,6 +45,8 @@ pub struct Ends {
     pub battery: Option<Battery>,
     /// Ticks with their samples, with hardware in the loop.
     pub ticks: Option<Consumer<'static, HilTick>>,
+    /// What the IO chip has told.
+    pub reports: Consumer<'static, IoReport>,
     /// What the ground wants.
     pub orders: Consumer<'static, Order>,
     /// What came of it.
@@ -59,6 +63,8 @@ pub struct Control {
     commander: Commander,
     ends: Ends,
     input: StepInput,
+    io: IoReport,
+    radio_flies: bool,
     hil_answers: FrameWriter,
     hil_answer: HilAnswer,
     /// Beats of the timer since the last message, with hardware in the loop.
@@ -77,7 +83,8 @@ impl Control {
         let (state, clock, input) = (State::default(), TimeBase::START, StepInput::default());
         let hil_answers = FrameWriter::new(LinkSettings::NOMINAL.system_id, COMPONENT_ID);
         let hil_answer = HilAnswer::new();
-        Self { config, state, clock, commander, ends, input, hil_answers, hil_answer, waited: 0 }
+        let (io, radio_flies) = (IoReport::default(), commander.radio_flies());
+        Self { config, state, clock, commander, ends, input, io, radio_flies, hil_answers, hil_answer, waited: 0 }
     }
 
     /// Is it the timer that makes the steps?
@@ -118,7 +125,8 @@ impl Control {
 
     /// What telemetry may report of a step.
     pub fn status(&self, output: &StepOutput) -> VehicleStatus {
-        VehicleStatus { hil: !self.is_timed(), ..VehicleStatus::new(&self.config, &self.input, output) }
+        let (hil, io, radio_flies) = (!self.is_timed(), self.io, self.radio_flies);
+        VehicleStatus { hil, io, radio_flies, ..VehicleStatus::new(&self.config, &self.input, output) }
     }
 
     /// The answer to the step's tick, with hardware in the loop.
@@ -148,6 +156,7 @@ impl Control {
             }
         }
         self.obey();
+        self.listen_to_io();
         self.commander.commands(self.input.time_us).fill(&mut self.input);
         self.input.battery_v = self.ends.battery.as_ref().map(Battery::voltage_v);
         true
@@ -169,6 +178,14 @@ impl Control {
             let Some(order) = self.ends.orders.dequeue() else { break };
             let (answer, chore) = self.commander.order(&order, time_us);
             self.pass_on(answer, chore);
+        }
+    }
+
+    fn listen_to_io(&mut self) {
+        for _ in 0..REPORTS {
+            let Some(report) = self.ends.reports.dequeue() else { break };
+            self.commander.take_io(&report, self.input.time_us);
+            self.io = report;
         }
     }
 

@@ -65,6 +65,8 @@ pub static LOOP_OVERRUNS: Counter = Counter::new();
 pub static LATE_PLANS: Counter = Counter::new();
 /// Orders of the ground for which the loop had no room.
 pub static ORDERS_DROPPED: Counter = Counter::new();
+/// Replies of the IO chip that were damaged or came late.
+pub static IO_DAMAGED: Counter = Counter::new();
 /// Answers and chores for which there was no room.
 pub static ANSWERS_DROPPED: Counter = Counter::new();
 
@@ -73,10 +75,11 @@ pub fn report() {
     FIRST_IMU.report("first");
     SECOND_IMU.report("second");
     defmt::info!(
-        "overruns {=u32}, late plans {=u32}, orders dropped {=u32}, answers dropped {=u32}",
+        "overruns {=u32}, late plans {=u32}, orders dropped {=u32}, answers dropped {=u32}, IO damaged {=u32}",
         LOOP_OVERRUNS.get(),
         LATE_PLANS.get(),
         ORDERS_DROPPED.get(),
         ANSWERS_DROPPED.get(),
+        IO_DAMAGED.get(),
     );
 }

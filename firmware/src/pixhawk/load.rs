@@ -7,7 +7,7 @@ use cortex_m::peripheral::{DCB, DWT};
 use shared_control::link::telemetry::Figures;
 use shared_control::signals::PlanReport;
 
-use super::{board, clock};
+use super::{board, clock, counters};
 
 const CYCLES_PER_US: u32 = board::CORE_HZ / 1_000_000;
 
@@ -55,6 +55,8 @@ pub static FIRST_IMU: Meter = Meter::new();
 pub static SECOND_IMU: Meter = Meter::new();
 /// The end of a transfer from either.
 pub static IMU_RECEIVED: Meter = Meter::new();
+/// Requests to the IO chip and its replies, two tasks of one priority.
+pub static IO: Meter = Meter::new();
 /// Bytes from and to the ground, three tasks of one priority.
 pub static LINK: Meter = Meter::new();
 /// Housekeeping.
@@ -68,6 +70,7 @@ pub fn figures(planning: &PlanReport) -> Figures {
         ("cyc_imu1", FIRST_IMU.worst_cycles()),
         ("cyc_imu2", SECOND_IMU.worst_cycles()),
         ("cyc_imu_rx", IMU_RECEIVED.worst_cycles()),
+        ("cyc_io", IO.worst_cycles()),
         ("cyc_link", LINK.worst_cycles()),
         ("cyc_slow", HOUSEKEEPING.worst_cycles()),
         ("stack_b", stack_used_bytes()),
@@ -75,6 +78,7 @@ pub fn figures(planning: &PlanReport) -> Figures {
         ("plan_us", planning.duration_us),
         ("plan_late", planning.deadline_misses),
         ("fallbacks", planning.fallbacks),
+        ("io_damaged", counters::IO_DAMAGED.get()),
     ]
 }
 

@@ -6,6 +6,7 @@
 //!                              data-ready -> DMA -> sample queues
 //!  5  control_step             TIM3: samples since the last step -> fast -> pulses -> follow
 //!                              in HITL a HIL_SENSOR instead: its sample -> fast -> answer -> follow
+//!  4  io_slot, io_replied     IO chip: receiver and safety button -> reports for the loop
 //!  3  link_idle, link_ring     TELEM1: bytes -> orders
 //!     link_sent                TELEM1: what was waiting for the line
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
@@ -23,6 +24,7 @@ mod fault;
 mod fram;
 mod ground;
 mod imu;
+mod io_port;
 mod l3gd20;
 mod last_pulse;
 mod light_and_tone;
@@ -48,9 +50,9 @@ mod app {
     use heapless::Vec;
     use shared_control::flight_core::FlightCore;
     use shared_control::light_and_tone::Sign;
-    use shared_control::link::{Commander, VehicleStatus};
+    use shared_control::link::VehicleStatus;
     use shared_control::mpc::{HORIZON, MpcState};
-    use shared_control::signals::{ArmingBlocks, Plan, PlanRequest};
+    use shared_control::signals::{Plan, PlanRequest};
     use stm32f4xx_hal::pac::Interrupt;
 
     use super::battery::{self, Battery};
@@ -61,6 +63,7 @@ mod app {
     use super::fram::Fram;
     use super::ground::Ground;
     use super::imu::{Buffers, Checked, Imus, SampleQueue};
+    use super::io_port::{self, IoPort, ReportQueue};
     use super::light_and_tone::LightAndTone;
     use super::link_port::{self, LinkIn, LinkSender, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
@@ -75,6 +78,8 @@ mod app {
     struct Shared {
         #[lock_free]
         imus: Imus,
+        #[lock_free]
+        io: IoPort,
         #[lock_free]
         link: LinkIn,
         sender: LinkSender,
@@ -101,6 +106,7 @@ mod app {
     #[init(local = [
         samples: SampleQueue = SampleQueue::new(), samples_second: SampleQueue = SampleQueue::new(),
         orders: OrderQueue = OrderQueue::new(),
+        reports: ReportQueue = ReportQueue::new(), io_buffers: io_port::Buffers = io_port::Buffers::NEW,
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
         ticks: TickQueue = TickQueue::new(), conversions: battery::Ring = [0; battery::CONVERSIONS],
@@ -132,6 +138,7 @@ mod app {
         let (samples, samples_out) = cx.local.samples.split();
         let (samples_second, samples_second_out) = cx.local.samples_second.split();
         let (ticks, ticks_out) = cx.local.ticks.split();
+        let (reports, reports_out) = cx.local.reports.split();
         let (hil, baud) = (configuration.params.hil, configuration.link_baud());
         let buffers = (cx.local.ring, cx.local.buffer);
         let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, baud, buffers, &mut rcc);
@@ -148,31 +155,32 @@ mod app {
         if !hil {
             imus.start(&checked, &mut device.EXTI);
         }
+        let io = IoPort::open(device.USART6, pins.io, cx.local.io_buffers, reports, &mut rcc);
         // the simulated vehicle's battery is never low
         let (adc, conversions) = ((device.ADC1, &device.ADC_COMMON), cx.local.conversions);
         let battery = (!hil).then(|| Battery::start(adc, pins.battery, conversions, &mut rcc));
 
-        let (fault_record_unread, configuration_unconfirmed) = (start.record.is_some(), configuration.fault.is_some());
-        let esc_calibration = configuration.params.esc_calibration;
-        let blocks = ArmingBlocks { fault_record_unread, configuration_unconfirmed, esc_calibration };
-        let commander = Commander::new(&settings, blocks);
+        let commander = configuration.commander(start.record.is_some());
         let ticks = hil.then_some(ticks_out);
         #[rustfmt::skip]
         let ends = Ends {
-            samples: [samples_out, samples_second_out], battery, ticks, orders: orders_out, answers, chores,
+            samples: [samples_out, samples_second_out], battery, ticks, reports: reports_out, orders: orders_out,
+            answers, chores,
         };
         let control = Control::new(configuration.setup.config, commander, ends);
         let (trace, mpc_state) = (Trace::new(), MpcState::new());
         let light_and_tone = LightAndTone::new(device.TIM2, pins.light_and_tone, &mut rcc);
         let watchdog = Watchdog::start(device.IWDG);
         loop_timer.start();
+        io_port::start_slots(&mut core.SYST);
         let housekeeping_ticks = configuration.housekeeping_ticks();
-        let status = VehicleStatus { hil, ..VehicleStatus::at_start(configuration.params.controller) };
+        let radio_flies = configuration.params.radio.flies;
+        let status = VehicleStatus { hil, radio_flies, ..VehicleStatus::at_start(configuration.params.controller) };
         #[rustfmt::skip]
         let local = Local {
             control, outputs, loop_timer, trace, housekeeping_ticks, mpc, mpc_state, ground, light_and_tone, watchdog,
         };
-        (Shared { imus, link, sender, request: None, plan: None, status }, local)
+        (Shared { imus, io, link, sender, request: None, plan: None, status }, local)
     }
 
     /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up
@@ -245,6 +253,19 @@ mod app {
         if local.control.has_more() {
             rtic::pend(Interrupt::TIM3);
         }
+    }
+
+    /// Every 5 ms, done within 10 us; on a miss the receiver's channels are that much older. What the chip has not
+    /// answered is asked again.
+    #[task(binds = SysTick, priority = 4, shared = [io])]
+    fn io_slot(cx: io_slot::Context) {
+        load::IO.measure(|| cx.shared.io.begin_slot());
+    }
+
+    /// When the chip has replied, done within 4 ms. On a miss the reply counts as lost.
+    #[task(binds = USART6, priority = 4, shared = [io])]
+    fn io_replied(cx: io_replied::Context) {
+        load::IO.measure(|| cx.shared.io.line_is_idle());
     }
 
     /// When a message has arrived or the ring is half full, done within 22 ms. On a miss bytes are lost, and the CRC of

@@ -5,7 +5,7 @@ use stm32f4xx_hal::pac::{EXTI, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::{battery, fram, imu, light_and_tone, link_port, outputs, sensor_bus};
+use super::{battery, fram, imu, io_port, light_and_tone, link_port, outputs, sensor_bus};
 
 /// The ports that they belong to.
 pub type Ports = (GPIOA, GPIOB, GPIOC, GPIOD, GPIOE);
@@ -28,6 +28,8 @@ pub struct Pins {
     pub motors: outputs::Pins,
     /// TELEM1.
     pub link: link_port::Pins,
+    /// The IO chip.
+    pub io: io_port::Pins,
     /// LED and buzzer.
     pub light_and_tone: light_and_tone::Pins,
     /// The battery's voltage behind its divider.
@@ -83,6 +85,7 @@ impl Pins {
             ),
             motors,
             link: (d.pd5.into_alternate(), d.pd6.into_alternate().internal_resistor(Pull::Up)),
+            io: (c.pc6.into_alternate().speed(Speed::Medium), c.pc7.into_alternate().internal_resistor(Pull::Up)),
             light_and_tone: light_and_tone::Pins {
                 led: e.pe12.into_open_drain_output_in_state(high),
                 _buzzer: a.pa15.into_alternate(),

@@ -6,11 +6,17 @@
 //! that no vehicle takes off with a stick that stands in the middle. Sticks that fall silent for half a second leave
 //! the throttle as it is and mean level. The link's age counts from the last `MANUAL_CONTROL` where the sticks fly,
 //! else from the last `MANUAL_CONTROL` or `HEARTBEAT`.
+//!
+//! Where the radio flies ([`Commander::with_radio`]), it alone has sticks: `MANUAL_CONTROL` moves nothing, and the age
+//! is the radio's. A radio that is lost, by its receiver's own word or by the IO chip's silence, is a lost link at
+//! once. The ground's commands are obeyed as before.
 
 use mavlink::dialects::common::MavCmd;
 
 use super::orders_and_answers::{Answer, Chore, Order, ParameterRequest};
 use super::settings::LinkSettings;
+use crate::io_chip::{IoReport, Safety};
+use crate::radio::{Pilot, StickOrder, Sticks};
 use crate::signals::{ArmingBlocks, ArmingRequest, Setpoint, StepInput};
 use crate::supervisor::{Arming, DisarmedBecause, IDLE_THROTTLE_MAX, Refusal};
 use crate::test_sequence;
@@ -27,7 +33,7 @@ pub struct Commands {
     pub setpoint: Setpoint,
     /// Request to the supervisor.
     pub arming: ArmingRequest,
-    /// Time since whoever commands was last heard, µs; the largest value if never.
+    /// Time since whoever commands was last heard, µs; the largest value if never, or if the radio is lost.
     pub link_age_us: u64,
     /// What stands against arming.
     pub blocks: ArmingBlocks,
@@ -51,14 +57,31 @@ enum Source {
     /// From the sticks.
     Sticks { setpoint: Setpoint, heard_us: u64 },
     /// From the test sequence.
-    TestSequence { start_us: u64 },
+    TestSequence { start_us: u64, sticks: Option<Sticks> },
 }
+
+/// Who made a request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Asker {
+    /// Somebody on the link, who wants an answer.
+    Ground,
+    /// The pilot's sticks.
+    Radio,
+}
+
+/// A request, and whose it is.
+type Asked = (ArmingRequest, Asker);
+const NOTHING: Asked = (ArmingRequest::None, Asker::Ground);
 
 /// Keeps the ground's wishes between its messages and the loop's steps.
 #[derive(Clone, Debug)]
 pub struct Commander {
-    hover_throttle: f32,
-    has_test_sequence: bool,
+    settings: LinkSettings,
+    /// The pilot at the transmitter, where the radio flies.
+    pilot: Option<Pilot>,
+    /// Is the safety button wanted, and what does it say?
+    safety_button: bool,
+    safety: Safety,
     source: Source,
     /// Low throttle was seen since arming.
     throttle_counts: bool,
@@ -67,9 +90,9 @@ pub struct Commander {
     /// The board will start anew: nothing turns any more.
     restarting: bool,
     /// Requests that wait for a step, oldest first.
-    waiting: heapless::Deque<ArmingRequest, REQUESTS_MAX>,
+    waiting: heapless::Deque<Asked, REQUESTS_MAX>,
     /// The request that the last [`Commands`] carried.
-    asked: ArmingRequest,
+    asked: Asked,
     arming: Arming,
 }
 
@@ -77,16 +100,36 @@ impl Commander {
     /// A commander that has heard nothing. `blocks` as found at start.
     pub fn new(settings: &LinkSettings, blocks: ArmingBlocks) -> Self {
         Self {
-            hover_throttle: settings.hover_throttle,
-            has_test_sequence: settings.has_test_sequence,
+            settings: *settings,
+            pilot: None,
+            safety_button: false,
+            safety: Safety::Unknown,
             source: Source::Nobody,
             throttle_counts: false,
             heard_us: None,
             blocks,
             restarting: false,
             waiting: heapless::Deque::new(),
-            asked: ArmingRequest::None,
+            asked: NOTHING,
             arming: Arming::default(),
+        }
+    }
+
+    /// The same where a pilot's radio flies, if there is one, and the safety button is looked at, if it is wanted.
+    pub fn with_radio(self, pilot: Option<Pilot>, safety_button: bool) -> Self {
+        Self { pilot, safety_button, ..self }
+    }
+
+    /// Does the radio fly?
+    pub fn radio_flies(&self) -> bool {
+        self.pilot.is_some()
+    }
+
+    /// Takes what the IO chip has told.
+    pub fn take_io(&mut self, report: &IoReport, time_us: u64) {
+        self.safety = report.safety;
+        if let Some(pilot) = &mut self.pilot {
+            pilot.take(&report.radio, time_us);
         }
     }
 
@@ -101,6 +144,9 @@ impl Commander {
             }
             Order::Fly(setpoint) => {
                 self.heard_us = Some(time_us);
+                if self.pilot.is_some() {
+                    return (None, None);
+                }
                 let takes_over = matches!(self.source, Source::TestSequence { .. });
                 self.throttle_counts |= takes_over || self.is_armed() && setpoint.throttle <= IDLE_THROTTLE_MAX;
                 self.source = Source::Sticks { setpoint, heard_us: time_us };
@@ -137,26 +183,31 @@ impl Commander {
 
     /// What the next step is to do. Carries at most one request.
     pub fn commands(&mut self, time_us: u64) -> Commands {
-        self.asked = self.waiting.pop_front().unwrap_or_default();
-        let mut arming = self.asked;
+        self.take_radio(time_us);
+        let killed = self.pilot.as_ref().is_some_and(|pilot| pilot.kills(time_us));
+        let stops = killed && !matches!(self.arming, Arming::Disarmed(_));
+        // what waits is refused in the next step
+        self.asked = if stops { NOTHING } else { self.waiting.pop_front().unwrap_or(NOTHING) };
+        let mut arming = if stops { ArmingRequest::Kill } else { self.asked.0 };
         let (setpoint, heard_us) = match self.source {
             Source::Nobody => (Setpoint::default(), self.heard_us),
             Source::Sticks { setpoint, heard_us } => (self.sticks(setpoint, heard_us, time_us), Some(heard_us)),
-            Source::TestSequence { start_us } => {
-                let setpoint = test_sequence::at(time_us.saturating_sub(start_us), self.hover_throttle);
-                if setpoint.is_none() {
+            Source::TestSequence { start_us, .. } => {
+                let setpoint = test_sequence::at(time_us.saturating_sub(start_us), self.settings.hover_throttle);
+                if setpoint.is_none() && !stops {
                     // no request, hence no answer
                     arming = ArmingRequest::Disarm;
                 }
                 (setpoint.unwrap_or_default(), self.heard_us)
             }
         };
-        Commands {
-            setpoint,
-            arming,
-            link_age_us: heard_us.map_or(u64::MAX, |heard_us| time_us.saturating_sub(heard_us)),
-            blocks: self.blocks,
-        }
+        let age_us = match &self.pilot {
+            Some(pilot) => pilot.age_us(time_us),
+            None => heard_us.map(|heard_us| time_us.saturating_sub(heard_us)),
+        };
+        let safety_on = self.safety_button && self.safety != Safety::Off;
+        let blocks = ArmingBlocks { safety_on, kill_switch: killed, ..self.blocks };
+        Commands { setpoint, arming, link_age_us: age_us.unwrap_or(u64::MAX), blocks }
     }
 
     /// What came of the step that [`Self::commands`] was for; the answer to the request that it carried.
@@ -166,9 +217,18 @@ impl Commander {
             self.end_test_sequence();
         }
         self.throttle_counts &= self.is_armed();
-        let command = command_of(&self.asked);
-        let answer = match (self.asked, arming) {
-            (ArmingRequest::None, _) => None,
+        let (asked, asker) = core::mem::replace(&mut self.asked, NOTHING);
+        if asker == Asker::Radio {
+            return match (asked, arming) {
+                (ArmingRequest::Arm, Arming::Disarmed(DisarmedBecause::Refused(refusal))) => {
+                    Some(Answer::RadioRefused(*refusal))
+                }
+                _ => None,
+            };
+        }
+        let command = command_of(&asked);
+        match (asked, arming) {
+            (ArmingRequest::None | ArmingRequest::Kill | ArmingRequest::DisarmLanded, _) => None,
             (ArmingRequest::Disarm, _)
             | (ArmingRequest::Arm, Arming::Armed)
             | (ArmingRequest::MotorTest(_), Arming::MotorTest { .. })
@@ -179,9 +239,48 @@ impl Commander {
             (ArmingRequest::Arm | ArmingRequest::MotorTest(_) | ArmingRequest::CalibrateEscs, _) => {
                 Some(Answer::Refused(command, Refusal::Armed))
             }
+        }
+    }
+
+    /// The pilot's sticks and what they ask for, where the radio flies.
+    fn take_radio(&mut self, time_us: u64) {
+        let disarmed = matches!(self.arming, Arming::Disarmed(_));
+        let Some(pilot) = &mut self.pilot else { return };
+        let request = match pilot.stick_order(time_us) {
+            Some(StickOrder::Arm) if disarmed && !self.restarting => Some(ArmingRequest::Arm),
+            Some(StickOrder::Disarm) if !disarmed => Some(ArmingRequest::DisarmLanded),
+            _ => None,
         };
-        self.asked = ArmingRequest::None;
-        answer
+        let sticks = pilot.sticks(time_us);
+        if let Some(request) = request {
+            // held sticks that find no room are held again
+            let _ = self.waiting.push_back((request, Asker::Radio));
+        }
+        let Some(sticks) = sticks else { return };
+        match &mut self.source {
+            Source::TestSequence { sticks: before, .. } => {
+                let before = *before.get_or_insert(sticks);
+                if sticks.moved_since(&before) {
+                    self.throttle_counts = true;
+                    self.source = self.sticks_of(&sticks, time_us);
+                }
+            }
+            Source::Nobody | Source::Sticks { .. } => {
+                self.throttle_counts |= self.is_armed() && sticks.throttle <= IDLE_THROTTLE_MAX;
+                self.source = self.sticks_of(&sticks, time_us);
+            }
+        }
+    }
+
+    fn sticks_of(&self, sticks: &Sticks, time_us: u64) -> Source {
+        let LinkSettings { stick_tilt_rad, stick_yaw_rate_rad_s, .. } = self.settings;
+        let setpoint = Setpoint {
+            roll_rad: sticks.roll * stick_tilt_rad,
+            pitch_rad: sticks.pitch * stick_tilt_rad,
+            yaw_rate_rad_s: sticks.yaw * stick_yaw_rate_rad_s,
+            throttle: sticks.throttle,
+        };
+        Source::Sticks { setpoint, heard_us: time_us }
     }
 
     fn restart(&mut self, disarmed: bool) -> (Option<Answer>, Option<Chore>) {
@@ -214,9 +313,9 @@ impl Commander {
         if self.restarting && request != ArmingRequest::Disarm {
             return Some(Answer::Busy(command_of(&request)));
         }
-        match self.waiting.push_back(request) {
+        match self.waiting.push_back((request, Asker::Ground)) {
             Ok(()) => None,
-            Err(request) => Some(Answer::Busy(command_of(&request))),
+            Err((request, _)) => Some(Answer::Busy(command_of(&request))),
         }
     }
 
@@ -232,11 +331,11 @@ impl Commander {
 
     fn start_test_sequence(&mut self, time_us: u64) -> Answer {
         match self.arming {
-            Arming::Armed if !self.has_test_sequence => {
+            Arming::Armed if !self.settings.has_test_sequence => {
                 Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::FliesFree)
             }
             Arming::Armed => {
-                self.source = Source::TestSequence { start_us: time_us };
+                self.source = Source::TestSequence { start_us: time_us, sticks: None };
                 Answer::Accepted(MavCmd::MAV_CMD_MISSION_START)
             }
             Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => {
@@ -256,7 +355,11 @@ impl Commander {
 /// The command that a request came as. No request is nobody's command, and is never answered.
 fn command_of(request: &ArmingRequest) -> MavCmd {
     match request {
-        ArmingRequest::None | ArmingRequest::Arm | ArmingRequest::Disarm => MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
+        ArmingRequest::None
+        | ArmingRequest::Arm
+        | ArmingRequest::Disarm
+        | ArmingRequest::Kill
+        | ArmingRequest::DisarmLanded => MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
         ArmingRequest::MotorTest(_) => MavCmd::MAV_CMD_DO_MOTOR_TEST,
         ArmingRequest::CalibrateEscs => MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION,
     }

@@ -2,13 +2,15 @@
 
 use mavlink::dialects::common::{
     ATTITUDE_DATA, COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState,
-    MavSysStatusSensor, MavType, SERVO_OUTPUT_RAW_DATA, SYS_STATUS_DATA,
+    MavSysStatusSensor, MavType, RC_CHANNELS_DATA, SERVO_OUTPUT_RAW_DATA, SYS_STATUS_DATA,
 };
 
 use super::orders_and_answers::Answer;
 use super::vehicle_status::VehicleStatus;
 use crate::config::Controller;
 use crate::frames::euler_from_q;
+use crate::io_chip::IoState;
+use crate::radio::RadioFrame;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::AttitudeEstimate;
@@ -28,6 +30,7 @@ pub(super) fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str
             DisarmedBecause::Requested => (NOTICE, "disarmed"),
             DisarmedBecause::MotorTestOver => (NOTICE, "motor test over"),
             DisarmedBecause::Crashed => (CRITICAL, "disarmed: crashed"),
+            DisarmedBecause::Killed => (CRITICAL, "disarmed: kill switch"),
             DisarmedBecause::EscsCalibrated => (NOTICE, "ESCs calibrated: set ESC_CALIBRATION to 0"),
             DisarmedBecause::EscCalibrationEnded => (CRITICAL, "ESC calibration broken off: disconnect battery"),
             DisarmedBecause::LinkLost => (CRITICAL, "disarmed: link lost"),
@@ -48,7 +51,7 @@ pub(super) fn command_ack(answer: &Answer) -> Option<COMMAND_ACK_DATA> {
         Answer::Refused(command, _) | Answer::Busy(command) => (*command, MavResult::MAV_RESULT_TEMPORARILY_REJECTED),
         Answer::Senseless(command) => (*command, MavResult::MAV_RESULT_DENIED),
         Answer::Unknown(command) => (*command, MavResult::MAV_RESULT_UNSUPPORTED),
-        Answer::ParameterRefused(..) => return None,
+        Answer::ParameterRefused(..) | Answer::RadioRefused(_) => return None,
     };
     Some(COMMAND_ACK_DATA { command, result })
 }
@@ -115,6 +118,42 @@ pub(super) fn servo_output(time_us: u64, status: &VehicleStatus) -> SERVO_OUTPUT
     }
 }
 
+pub(super) fn radio_channels(time_us: u64, radio: &RadioFrame) -> RC_CHANNELS_DATA {
+    let [c1, c2, c3, c4, c5, c6, c7, c8, c9, c10, c11, c12, c13, c14, c15, c16] = radio.channels_us;
+    RC_CHANNELS_DATA {
+        time_boot_ms: wrapped_ms(time_us),
+        chan1_raw: c1,
+        chan2_raw: c2,
+        chan3_raw: c3,
+        chan4_raw: c4,
+        chan5_raw: c5,
+        chan6_raw: c6,
+        chan7_raw: c7,
+        chan8_raw: c8,
+        chan9_raw: c9,
+        chan10_raw: c10,
+        chan11_raw: c11,
+        chan12_raw: c12,
+        chan13_raw: c13,
+        chan14_raw: c14,
+        chan15_raw: c15,
+        chan16_raw: c16,
+        chancount: if radio.heard { radio.count } else { 0 },
+        // not known
+        rssi: u8::MAX,
+        ..RC_CHANNELS_DATA::DEFAULT
+    }
+}
+
+/// In words, who sits at the other end of the IO chip's line, where a person should know.
+pub(super) fn io_words(state: IoState) -> Option<&'static str> {
+    match state {
+        IoState::Unheard | IoState::Known(_) => None,
+        IoState::Unknown(..) => Some("IO chip: unknown firmware, no radio, no button"),
+        IoState::Silent => Some("IO chip is silent: no radio, no button"),
+    }
+}
+
 /// The counters that only this project has go into `errors_count`: set-points rejected, overruns, late plans.
 pub(super) fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
     let control = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ANGULAR_RATE_CONTROL
@@ -134,13 +173,21 @@ pub(super) fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
     let battery = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_BATTERY;
     let measured_battery = if status.battery_v.is_some() { battery } else { MavSysStatusSensor::empty() };
     let healthy_battery = if status.battery_low { MavSysStatusSensor::empty() } else { measured_battery };
-    let present = imu | second_imu | control | attitude | measured_battery;
+    let radio = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_RC_RECEIVER;
+    let fitted_radio = if status.radio_flies { radio } else { MavSysStatusSensor::empty() };
+    let healthy_radio = if status.io.radio.heard { fitted_radio } else { MavSysStatusSensor::empty() };
+    let present = imu | second_imu | control | attitude | measured_battery | fitted_radio;
     let healthy_attitude = if status.estimate.valid { attitude } else { MavSysStatusSensor::empty() };
     let count = |number: u32| number.min(u32::from(u16::MAX)) as u16;
     SYS_STATUS_DATA {
         onboard_control_sensors_present: present,
         onboard_control_sensors_enabled: present,
-        onboard_control_sensors_health: healthy_first | second_imu | healthy_attitude | control | healthy_battery,
+        onboard_control_sensors_health: healthy_first
+            | second_imu
+            | healthy_attitude
+            | control
+            | healthy_battery
+            | healthy_radio,
         load: status.load_permille,
         // `as` saturates, and makes 0 of NaN; the largest value says that nobody measures
         voltage_battery: status.battery_v.map_or(u16::MAX, |volts| (volts * 1000.0) as u16),

@@ -76,6 +76,8 @@ pub enum Answer {
     Busy(MavCmd),
     /// A parameter was not set, for a reason that has words.
     ParameterRefused(Field, Refusal),
+    /// The pilot's sticks did not arm it, for a reason that has words.
+    RadioRefused(Refusal),
 }
 
 /// What the board has to do outside the loop.

@@ -3,11 +3,14 @@
 use mavlink::dialects::common::{MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
 
 use super::frame::FrameWriter;
-use super::messages::{arming_words, attitude, command_ack, heartbeat, servo_output, sys_status, wrapped_ms};
+use super::messages::{
+    arming_words, attitude, command_ack, heartbeat, io_words, radio_channels, servo_output, sys_status, wrapped_ms,
+};
 use super::orders_and_answers::{Answer, ParameterRequest, Text};
 use super::parameters::Parameters;
 use super::settings::{COMPONENT_ID, LinkSettings};
 use super::vehicle_status::VehicleStatus;
+use crate::io_chip::IoState;
 use crate::params::{Params, RECORD_LEN};
 use crate::sensing::imu_select::ImuUnit;
 use crate::supervisor::Arming;
@@ -20,6 +23,8 @@ pub const ATTITUDE_PERIOD_US: u64 = 40_000;
 pub const SERVO_PERIOD_US: u64 = 100_000;
 /// Period of `SYS_STATUS`, µs.
 pub const SYS_STATUS_PERIOD_US: u64 = 500_000;
+/// Period of `RC_CHANNELS`, µs, once a receiver was heard.
+pub const RADIO_PERIOD_US: u64 = 250_000;
 /// Shortest time between two `STATUSTEXT`, µs.
 pub const TEXT_PERIOD_US: u64 = 100_000;
 
@@ -27,7 +32,7 @@ pub const TEXT_PERIOD_US: u64 = 100_000;
 pub const FIGURE_PERIOD_US: u64 = 250_000;
 
 /// Figures that there is room for.
-pub const FIGURES: usize = 12;
+pub const FIGURES: usize = 14;
 
 /// What a board measures of itself: names of at most 10 characters, and values.
 pub type Figures = [(&'static str, u32); FIGURES];
@@ -45,12 +50,16 @@ pub struct Telemetry {
     parameters: Parameters,
     told: Option<Arming>,
     told_unit: ImuUnit,
+    told_io: IoState,
+    /// Was the radio heard when that was told last?
+    told_radio: bool,
     figures: Figures,
     next_figure: usize,
     heartbeat: Due,
     attitude: Due,
     servo: Due,
     sys_status: Due,
+    radio: Due,
     text: Due,
     figure: Due,
     /// Texts and answers for which there was no room.
@@ -67,12 +76,15 @@ impl Telemetry {
             parameters: Parameters::new(params),
             told: None,
             told_unit: ImuUnit::default(),
+            told_io: IoState::default(),
+            told_radio: false,
             figures: [("", 0); FIGURES],
             next_figure: 0,
             heartbeat: Due::every(HEARTBEAT_PERIOD_US),
             attitude: Due::every(ATTITUDE_PERIOD_US),
             servo: Due::every(SERVO_PERIOD_US),
             sys_status: Due::every(SYS_STATUS_PERIOD_US),
+            radio: Due::every(RADIO_PERIOD_US),
             text: Due::every(TEXT_PERIOD_US),
             figure: Due::every(FIGURE_PERIOD_US),
             dropped: 0,
@@ -81,7 +93,9 @@ impl Telemetry {
 
     /// Takes an answer to be sent. A refusal is also put into words.
     pub fn answer(&mut self, answer: Answer) {
-        if let Answer::Refused(_, refusal) | Answer::ParameterRefused(_, refusal) = answer {
+        if let Answer::Refused(_, refusal) | Answer::ParameterRefused(_, refusal) | Answer::RadioRefused(refusal) =
+            answer
+        {
             self.text(MavSeverity::MAV_SEVERITY_WARNING, refusal.words());
         }
         if let Answer::ParameterRefused(field, _) = answer {
@@ -127,6 +141,7 @@ impl Telemetry {
     pub fn poll<const N: usize>(&mut self, time_us: u64, status: &VehicleStatus, out: &mut heapless::Vec<u8, N>) {
         self.tell_arming(&status.arming);
         self.tell_unit(status.imu_unit);
+        self.tell_io(status);
         while let Some(answer) = self.answers.front() {
             if command_ack(answer).is_some_and(|data| !self.writer.write(&data, out)) {
                 return;
@@ -151,6 +166,12 @@ impl Telemetry {
         }
         if self.sys_status.is(time_us) && self.writer.write(&sys_status(status), out) {
             self.sys_status.done(time_us);
+        }
+        if status.io.radio.count > 0
+            && self.radio.is(time_us)
+            && self.writer.write(&radio_channels(time_us, &status.io.radio), out)
+        {
+            self.radio.done(time_us);
         }
         if self.figure.is(time_us) && self.write_figure(time_us, out) {
             self.figure.done(time_us);
@@ -192,6 +213,23 @@ impl Telemetry {
             ImuUnit::Second => self.text(MavSeverity::MAV_SEVERITY_CRITICAL, "first IMU failed: second in use"),
         }
         self.told_unit = unit;
+    }
+
+    /// Who is at the IO chip's end where that is not as it should be, and who has the sticks.
+    fn tell_io(&mut self, status: &VehicleStatus) {
+        if self.told_io != status.io.state
+            && let Some(words) = io_words(status.io.state)
+        {
+            self.text(MavSeverity::MAV_SEVERITY_CRITICAL, words);
+        }
+        self.told_io = status.io.state;
+        let heard = status.radio_flies && status.io.radio.heard;
+        match (self.told_radio, heard) {
+            (false, true) => self.text(MavSeverity::MAV_SEVERITY_NOTICE, "radio heard: it has the sticks"),
+            (true, false) => self.text(MavSeverity::MAV_SEVERITY_CRITICAL, "radio lost"),
+            _ => {}
+        }
+        self.told_radio = heard;
     }
 
     fn count_dropped(&mut self, dropped: bool) {

@@ -3,6 +3,7 @@
 extern crate std;
 
 mod commander;
+mod radio;
 mod receiver;
 mod telemetry;
 

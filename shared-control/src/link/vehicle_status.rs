@@ -4,6 +4,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::config::{Config, Controller};
 use crate::flight_core::StepOutput;
+use crate::io_chip::IoReport;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, StepInput};
@@ -34,6 +35,10 @@ pub struct VehicleStatus {
     pub battery_low: bool,
     /// What stands against arming from outside the loop.
     pub blocks: ArmingBlocks,
+    /// What the IO chip tells of receiver and safety button.
+    pub io: IoReport,
+    /// True where the radio's sticks fly.
+    pub radio_flies: bool,
     /// Load of the processor, 1/1000.
     pub load_permille: u16,
     /// Steps whose set-point was no number.
@@ -64,6 +69,8 @@ impl VehicleStatus {
             battery_v: None,
             battery_low: false,
             blocks: ArmingBlocks::default(),
+            io: IoReport::default(),
+            radio_flies: false,
             load_permille: 0,
             setpoints_rejected: 0,
             overruns: 0,

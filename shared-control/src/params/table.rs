@@ -1,5 +1,7 @@
 //! The fields of [`Params`] by name, each as a whole number: what a ground station lists, reads and sets.
 
+pub use super::allowed::Allowed;
+use super::radio::{self, RadioPart, Stick, StickPart};
 use super::{Params, Rig};
 use crate::config::Controller;
 use crate::mpc::HORIZON;
@@ -44,34 +46,12 @@ pub enum Field {
     Telem1Rate,
     /// [`Params::esc_calibration`].
     EscCalibration,
-}
-
-/// Values that a field can take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Allowed {
-    /// All from the first to the second.
-    Range(u16, u16),
-    /// One or the other.
-    Either(u16, u16),
-}
-
-impl Allowed {
-    /// Is this one of them?
-    pub fn contains(self, value: u16) -> bool {
-        match self {
-            Allowed::Range(least, most) => (least..=most).contains(&value),
-            Allowed::Either(one, other) => value == one || value == other,
-        }
-    }
-}
-
-impl core::fmt::Display for Allowed {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Allowed::Range(least, most) => write!(f, "{least} to {most}"),
-            Allowed::Either(one, other) => write!(f, "{one} or {other}"),
-        }
-    }
+    /// [`Params::safety_button`].
+    SafetyButton,
+    /// One of the radio's numbers.
+    Radio(RadioPart),
+    /// A number of a stick.
+    Stick(Stick, StickPart),
 }
 
 /// What a person is to know of a field.
@@ -87,7 +67,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 15] = [
+    pub const ALL: [Field; 44] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -103,6 +83,35 @@ impl Field {
         Field::FlightIdle,
         Field::Telem1Rate,
         Field::EscCalibration,
+        Field::SafetyButton,
+        Field::Radio(RadioPart::Flies),
+        Field::Radio(RadioPart::KillChannel),
+        Field::Radio(RadioPart::KillReversed),
+        Field::Radio(RadioPart::FailBelow),
+        Field::Stick(Stick::Roll, StickPart::Channel),
+        Field::Stick(Stick::Roll, StickPart::Min),
+        Field::Stick(Stick::Roll, StickPart::Trim),
+        Field::Stick(Stick::Roll, StickPart::Max),
+        Field::Stick(Stick::Roll, StickPart::Reversed),
+        Field::Stick(Stick::Roll, StickPart::DeadZone),
+        Field::Stick(Stick::Pitch, StickPart::Channel),
+        Field::Stick(Stick::Pitch, StickPart::Min),
+        Field::Stick(Stick::Pitch, StickPart::Trim),
+        Field::Stick(Stick::Pitch, StickPart::Max),
+        Field::Stick(Stick::Pitch, StickPart::Reversed),
+        Field::Stick(Stick::Pitch, StickPart::DeadZone),
+        Field::Stick(Stick::Throttle, StickPart::Channel),
+        Field::Stick(Stick::Throttle, StickPart::Min),
+        Field::Stick(Stick::Throttle, StickPart::Trim),
+        Field::Stick(Stick::Throttle, StickPart::Max),
+        Field::Stick(Stick::Throttle, StickPart::Reversed),
+        Field::Stick(Stick::Throttle, StickPart::DeadZone),
+        Field::Stick(Stick::Yaw, StickPart::Channel),
+        Field::Stick(Stick::Yaw, StickPart::Min),
+        Field::Stick(Stick::Yaw, StickPart::Trim),
+        Field::Stick(Stick::Yaw, StickPart::Max),
+        Field::Stick(Stick::Yaw, StickPart::Reversed),
+        Field::Stick(Stick::Yaw, StickPart::DeadZone),
     ];
 
     /// Its name, range and meaning.
@@ -161,6 +170,11 @@ impl Field {
                 Allowed::Either(0, 1),
                 "1: propellers are off, the board calibrates ESCs on command and does not arm",
             ),
+            Field::SafetyButton => {
+                ("SAFETY_BUTTON", Allowed::Either(0, 1), "1: no arming before the safety button was held for a second")
+            }
+            Field::Radio(part) => radio::row(part),
+            Field::Stick(stick, part) => radio::stick_row(stick, part),
         };
         Row { name, allowed, meaning }
     }
@@ -177,7 +191,7 @@ impl Field {
 
     /// Its index on the link.
     pub fn index(self) -> u8 {
-        self as u8
+        Field::ALL.into_iter().position(|field| field == self).unwrap_or_default() as u8
     }
 }
 
@@ -200,6 +214,9 @@ impl Params {
             Field::FlightIdle => u16::from(self.flight_idle_percent),
             Field::Telem1Rate => u16::from(self.telem1_kbaud),
             Field::EscCalibration => u16::from(self.esc_calibration),
+            Field::SafetyButton => u16::from(self.safety_button),
+            Field::Radio(part) => self.radio.get(part),
+            Field::Stick(stick, part) => self.radio.stick(stick, part),
         }
     }
 
@@ -225,6 +242,9 @@ impl Params {
             Field::FlightIdle => params.flight_idle_percent = value as u8,
             Field::Telem1Rate => params.telem1_kbaud = value as u8,
             Field::EscCalibration => params.esc_calibration = value == 1,
+            Field::SafetyButton => params.safety_button = value == 1,
+            Field::Radio(part) => params.radio.set(part, value),
+            Field::Stick(stick, part) => params.radio.set_stick(stick, part, value),
         }
         Some(params)
     }
@@ -272,6 +292,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(15)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(44)), (None, None, None));
     }
 }

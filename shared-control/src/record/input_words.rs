@@ -1,6 +1,8 @@
 //! A step's input as words, and back.
 
-use crate::signals::{ArmingRequest, IMU_SAMPLES_MAX, ImuBatch, MotorTest, Plan, PlanStatus, RawImuSample};
+use crate::signals::{
+    ArmingBlocks, ArmingRequest, IMU_SAMPLES_MAX, ImuBatch, MotorTest, Plan, PlanStatus, RawImuSample,
+};
 
 pub(super) fn halves(value: u64) -> [u32; 2] {
     [value as u32, (value >> 32) as u32]
@@ -45,6 +47,8 @@ pub(super) fn words_of_request(request: &ArmingRequest) -> [u32; 4] {
         ArmingRequest::Arm => [1, 0, 0, 0],
         ArmingRequest::Disarm => [2, 0, 0, 0],
         ArmingRequest::CalibrateEscs => [4, 0, 0, 0],
+        ArmingRequest::Kill => [5, 0, 0, 0],
+        ArmingRequest::DisarmLanded => [6, 0, 0, 0],
         ArmingRequest::MotorTest(MotorTest { motor, throttle_percent, duration_ms }) => {
             [3, u32::from(motor), u32::from(throttle_percent), u32::from(duration_ms)]
         }
@@ -57,6 +61,8 @@ pub(super) fn request_of_words(words: &[u32; 4]) -> ArmingRequest {
         [1, ..] => ArmingRequest::Arm,
         [2, ..] => ArmingRequest::Disarm,
         [4, ..] => ArmingRequest::CalibrateEscs,
+        [5, ..] => ArmingRequest::Kill,
+        [6, ..] => ArmingRequest::DisarmLanded,
         [_, motor, percent, ms] => ArmingRequest::MotorTest(MotorTest {
             motor: motor as u8,
             throttle_percent: percent as u8,
@@ -84,4 +90,30 @@ pub(super) fn plan_of_words(words: &[u32; 8]) -> Option<Plan> {
         iterations: iterations as u16,
         duration_us,
     })
+}
+
+pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 6] {
+    let ArmingBlocks {
+        fault_record_unread,
+        configuration_unconfirmed,
+        esc_calibration,
+        safety_on,
+        kill_switch,
+        radio_unusable,
+    } = *blocks;
+    [fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable]
+        .map(u32::from)
+}
+
+pub(super) fn blocks_of_words(words: &[u32; 6]) -> ArmingBlocks {
+    let [fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable] =
+        words.map(|word| word == 1);
+    ArmingBlocks {
+        fault_record_unread,
+        configuration_unconfirmed,
+        esc_calibration,
+        safety_on,
+        kill_switch,
+        radio_unusable,
+    }
 }

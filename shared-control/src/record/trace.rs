@@ -1,12 +1,12 @@
 //! One step as plain words: what a running image shows of itself, so that a host can repeat the step and compare bits.
 
 use super::input_words::{
-    batch_of_words, halves, link_of_words, plan_of_words, record_batch, request_of_words, whole, words_of_plan,
-    words_of_request,
+    batch_of_words, blocks_of_words, halves, link_of_words, plan_of_words, record_batch, request_of_words, whole,
+    words_of_blocks, words_of_plan, words_of_request,
 };
 use super::state_words::STATE_WORDS;
 use crate::flight_core::{State, StepOutput};
-use crate::signals::{ArmingBlocks, IMU_SAMPLES_MAX, Setpoint, StepInput};
+use crate::signals::{IMU_SAMPLES_MAX, Setpoint, StepInput};
 
 /// Input and output of a step. All words are `u32`, so that every target lays it out alike; `f32` as bits, 64-bit times
 /// low word first, enums as their `number()`.
@@ -27,12 +27,14 @@ pub struct StepTrace {
     pub sample_second: [[u32; 8]; IMU_SAMPLES_MAX],
     /// Roll, pitch, yaw rate, throttle.
     pub setpoint: [u32; 4],
-    /// 0 none, 1 arm, 2 disarm, 3 motor test, 4 calibrate ESCs; then that test's motor, percent and ms.
+    /// 0 none, 1 arm, 2 disarm, 3 motor test, 4 calibrate ESCs, 5 kill, 6 disarm if landed; then a test's motor,
+    /// percent and ms.
     pub arming_request: [u32; 4],
     /// 1 if there is a link, and its age, µs.
     pub link_age: [u32; 3],
-    /// 1 if a fault record is unread; 1 if the configuration is unconfirmed; 1 if set to calibrate ESCs.
-    pub blocks: [u32; 3],
+    /// 1 each: fault record unread, configuration unconfirmed, set to calibrate ESCs, safety on, kill switch on, radio
+    /// unusable.
+    pub blocks: [u32; 6],
     /// 1 if a battery voltage is there, and the voltage.
     pub battery: [u32; 2],
     /// 1 if a plan is there, its step, status, iterations, duration, µs, and three torques.
@@ -79,7 +81,7 @@ impl StepTrace {
         setpoint: [0; 4],
         arming_request: [0; 4],
         link_age: [0; 3],
-        blocks: [0; 3],
+        blocks: [0; 6],
         battery: [0; 2],
         plan: [0; 8],
         compare_counts: [0; 4],
@@ -112,8 +114,7 @@ impl StepTrace {
             let [low, high] = halves(age_us);
             [1, low, high]
         });
-        let ArmingBlocks { fault_record_unread, configuration_unconfirmed, esc_calibration } = input.blocks;
-        self.blocks = [fault_record_unread, configuration_unconfirmed, esc_calibration].map(u32::from);
+        self.blocks = words_of_blocks(&input.blocks);
         self.battery = input.battery_v.map_or([0; 2], |volts| [1, volts.to_bits()]);
         self.plan = input.plan.as_ref().map_or([0; 8], words_of_plan);
         self.record_output(output);
@@ -150,11 +151,7 @@ impl StepTrace {
             setpoint: Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle },
             arming: request_of_words(&self.arming_request),
             link_age_us: link_of_words(self.link_age),
-            blocks: ArmingBlocks {
-                fault_record_unread: self.blocks[0] == 1,
-                configuration_unconfirmed: self.blocks[1] == 1,
-                esc_calibration: self.blocks[2] == 1,
-            },
+            blocks: blocks_of_words(&self.blocks),
             battery_v: (battery_known == 1).then_some(f32::from_bits(battery)),
             plan: plan_of_words(&self.plan),
         }
@@ -180,7 +177,8 @@ mod tests {
             ArmingRequest::MotorTest(MotorTest { motor, throttle_percent, duration_ms })
         });
         let escs = Just(ArmingRequest::CalibrateEscs);
-        prop_oneof![Just(ArmingRequest::None), Just(ArmingRequest::Arm), Just(ArmingRequest::Disarm), test, escs]
+        let radio = prop_oneof![Just(ArmingRequest::Kill), Just(ArmingRequest::DisarmLanded)];
+        prop_oneof![Just(ArmingRequest::None), Just(ArmingRequest::Arm), Just(ArmingRequest::Disarm), test, escs, radio]
     }
 
     fn any_plan() -> impl Strategy<Value = Plan> {
@@ -202,12 +200,11 @@ mod tests {
             angle in -3f32..3.0,
             request in any_request(),
             link_age_us in proptest::option::of(any::<u64>()),
-            blocks in any::<(bool, bool, bool)>(),
+            blocks in any::<[bool; 6]>(),
             battery_v in proptest::option::of(0f32..20.0),
             plan in proptest::option::of(any_plan()),
         ) {
-            let (fault_record_unread, configuration_unconfirmed, esc_calibration) = blocks;
-            let blocks = ArmingBlocks { fault_record_unread, configuration_unconfirmed, esc_calibration };
+            let blocks = blocks_of_words(&blocks.map(u32::from));
             let setpoint = Setpoint { roll_rad: angle, pitch_rad: -angle, yaw_rate_rad_s: 2.0 * angle, throttle: 0.5 };
             let (imu, imu_second) = (samples.into_iter().collect(), samples_second.into_iter().collect());
             let arming = request;
@@ -236,8 +233,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 10, battery 2, plan 8; outputs 33;
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 13, battery 2, plan 8; outputs 33;
         // state; no padding
-        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 24 + 33 + STATE_WORDS));
+        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 27 + 33 + STATE_WORDS));
     }
 }

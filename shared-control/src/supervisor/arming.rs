@@ -110,6 +110,8 @@ pub enum DisarmedBecause {
     EscsCalibrated,
     /// Showing them was broken off.
     EscCalibrationEnded,
+    /// The kill switch is on.
+    Killed,
 }
 
 impl DisarmedBecause {
@@ -124,6 +126,7 @@ impl DisarmedBecause {
             DisarmedBecause::Crashed => 5,
             DisarmedBecause::EscsCalibrated => 6,
             DisarmedBecause::EscCalibrationEnded => 7,
+            DisarmedBecause::Killed => 8,
             DisarmedBecause::ImuFailed(fault) => 0x10 + fault.number(),
             DisarmedBecause::Refused(refusal) => 0x100 + refusal.number(),
         }
@@ -175,6 +178,12 @@ pub enum Refusal {
     BatteryNeverSeen,
     /// Whether the ESCs have power is not known: nobody measures.
     BatteryUnmeasured,
+    /// The kill switch is on.
+    KillSwitch,
+    /// The safety button was not held, or nobody knows whether it was.
+    SafetyOn,
+    /// The radio is to fly, and its calibration makes no sense.
+    RadioUnusable,
 }
 
 impl Refusal {
@@ -201,6 +210,9 @@ impl Refusal {
             Refusal::BatteryConnected => 17,
             Refusal::BatteryNeverSeen => 18,
             Refusal::BatteryUnmeasured => 19,
+            Refusal::KillSwitch => 20,
+            Refusal::SafetyOn => 21,
+            Refusal::RadioUnusable => 22,
             Refusal::ImuUnhealthy(fault) => 0x20 + fault.number(),
         }
     }
@@ -232,6 +244,9 @@ impl Refusal {
             Refusal::BatteryConnected => "refused: disconnect the battery first",
             Refusal::BatteryNeverSeen => "refused: connect battery once, then disconnect",
             Refusal::BatteryUnmeasured => "refused: battery voltage is not measured",
+            Refusal::KillSwitch => "refused: kill switch is on",
+            Refusal::SafetyOn => "refused: hold the safety button for a second",
+            Refusal::RadioUnusable => "refused: radio calibration makes no sense",
         }
     }
 }

@@ -9,8 +9,14 @@ use std::vec::Vec;
 const CONFIG: SupervisorConfig = SupervisorConfig::NOMINAL;
 const NOW_US: u64 = 10_000_000;
 const MOTOR_TEST: MotorTest = MotorTest { motor: 3, throttle_percent: 20, duration_ms: 2000 };
-const BLOCKED: ArmingBlocks =
-    ArmingBlocks { fault_record_unread: true, configuration_unconfirmed: true, esc_calibration: true };
+const BLOCKED: ArmingBlocks = ArmingBlocks {
+    fault_record_unread: true,
+    configuration_unconfirmed: true,
+    esc_calibration: true,
+    safety_on: true,
+    kill_switch: true,
+    radio_unusable: true,
+};
 const IMU_FAULTS: [ImuFault; 4] = [ImuFault::Stale, ImuFault::BusDead, ImuFault::Stuck, ImuFault::OutOfRange];
 
 const GOOD: Findings = Findings {
@@ -67,6 +73,7 @@ fn states() -> Vec<Arming> {
         Arming::Disarmed(DisarmedBecause::Crashed),
         Arming::Disarmed(DisarmedBecause::EscsCalibrated),
         Arming::Disarmed(DisarmedBecause::EscCalibrationEnded),
+        Arming::Disarmed(DisarmedBecause::Killed),
         refused(Refusal::BatteryLow),
     ]);
     states
@@ -106,6 +113,29 @@ fn disarming_is_obeyed_in_every_state_whatever_is_wrong() {
 }
 
 #[test]
+fn the_kill_switch_stops_whatever_turns_and_changes_nothing_else() {
+    let others = [Arming::LinkLost { since_us: NOW_US }, calibrating(EscStage::High)];
+    for state in states().into_iter().chain(others) {
+        let killed = if state.motors_turn() { Arming::Disarmed(DisarmedBecause::Killed) } else { state };
+        assert_eq!(after(state, ArmingRequest::Kill, |input, _| input.blocks = BLOCKED), killed);
+    }
+}
+
+#[test]
+fn sticks_disarm_on_the_ground_only() {
+    let on_the_ground = |_: &mut StepInput, findings: &mut Findings| findings.airborne = false;
+    let disarmed = Arming::Disarmed(DisarmedBecause::Requested);
+    assert_eq!(after(Arming::Armed, ArmingRequest::DisarmLanded, on_the_ground), disarmed);
+    assert_eq!(after(Arming::Armed, ArmingRequest::DisarmLanded, |_, _| {}), Arming::Armed);
+    let lost = Arming::LinkLost { since_us: 5 };
+    let still_lost = |input: &mut StepInput, _: &mut Findings| input.link_age_us = Some(u64::MAX);
+    assert_eq!(after(lost, ArmingRequest::DisarmLanded, still_lost), lost);
+    assert_eq!(after(testing(NOW_US + 1), ArmingRequest::DisarmLanded, |_, _| {}), disarmed);
+    let killed = Arming::Disarmed(DisarmedBecause::Killed);
+    assert_eq!(after(killed, ArmingRequest::DisarmLanded, on_the_ground), killed);
+}
+
+#[test]
 fn every_disarmed_state_arms_if_all_is_well() {
     for state in states().into_iter().filter(|state| matches!(state, Arming::Disarmed(_))) {
         assert_eq!(after(state, ArmingRequest::Arm, |_, _| {}), Arming::Armed);
@@ -117,7 +147,7 @@ fn every_disarmed_state_arms_if_all_is_well() {
 
 #[test]
 fn each_reason_against_arming_suffices() {
-    let cases: [(Refusal, Change); 18] = [
+    let cases: [(Refusal, Change); 21] = [
         (Refusal::ThrottleNotZero, |input, _| input.setpoint.throttle = 0.03),
         (Refusal::SetpointNotFinite, |input, _| input.setpoint.throttle = f32::NAN),
         (Refusal::SetpointNotFinite, |input, _| input.setpoint.pitch_rad = f32::INFINITY),
@@ -136,6 +166,9 @@ fn each_reason_against_arming_suffices() {
         (Refusal::ConfigurationUnconfirmed, |input, _| input.blocks.configuration_unconfirmed = true),
         (Refusal::FaultRecordUnread, |input, _| input.blocks.fault_record_unread = true),
         (Refusal::EscCalibrationSet, |input, _| input.blocks.esc_calibration = true),
+        (Refusal::KillSwitch, |input, _| input.blocks.kill_switch = true),
+        (Refusal::SafetyOn, |input, _| input.blocks.safety_on = true),
+        (Refusal::RadioUnusable, |input, _| input.blocks.radio_unusable = true),
     ];
     for (refusal, change) in cases {
         assert_eq!(after(Arming::default(), ArmingRequest::Arm, change), refused(refusal));
@@ -161,6 +194,8 @@ fn an_armed_vehicle_loses_its_arming_to_the_sensors_and_a_crash_only() {
         input.setpoint.throttle = 0.7;
         input.battery_v = Some(9.0);
         input.blocks.fault_record_unread = true;
+        // the button is pressed, or the IO chip falls silent
+        input.blocks.safety_on = true;
         findings.gyro_rest_s = 0.0;
     };
     for request in [ArmingRequest::None, ArmingRequest::Arm, ArmingRequest::MotorTest(MOTOR_TEST)] {

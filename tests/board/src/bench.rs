@@ -3,6 +3,7 @@
 use shared_control::params::{self, Params};
 
 use crate::board::serial::Connector;
+use crate::devices::io_chip::{CHANNELS, IoChip, IoFault, IoFirmware};
 use crate::devices::mpu6000::Mpu6000Revision;
 use crate::devices::mpu6000_start::START_UP;
 use crate::devices::{Sensor, SensorFault};
@@ -155,6 +156,60 @@ impl Machine {
     /// The FRAM's block protection: none, the upper quarter, the upper half, all of it (0 to 3).
     pub fn protect_fram(&mut self, blocks: u8) {
         self.board.borrow_mut().fram.protect(blocks);
+    }
+
+    /// The firmware in the IO chip, from now on; PX4's protocol 4 at first. The chip starts anew.
+    pub fn set_io_firmware(&mut self, firmware: IoFirmware) {
+        let mut board = self.board.borrow_mut();
+        let now = board.now;
+        board.io = IoChip::new(firmware, now);
+    }
+
+    /// The IO chip or its line fails from now on, or no longer.
+    pub fn set_io_fault(&mut self, fault: Option<IoFault>) {
+        self.board.borrow_mut().io.set_fault(fault);
+    }
+
+    /// The IO chip starts anew by itself.
+    pub fn restart_io(&mut self) {
+        let mut board = self.board.borrow_mut();
+        let now = board.now;
+        board.io.restart(now);
+    }
+
+    /// The IO chip is as an autopilot before left it: armed, safety off, MAIN driven.
+    pub fn leave_io_armed(&mut self) {
+        self.board.borrow_mut().io.leave_armed();
+    }
+
+    /// The receiver at the IO chip has heard a frame.
+    pub fn radio_frame(&mut self, channels_us: &[u16; CHANNELS], failsafe: bool) {
+        let mut board = self.board.borrow_mut();
+        let now = board.now;
+        board.io.radio_frame(channels_us, failsafe, now);
+    }
+
+    /// Somebody holds the safety button, or lets it go; what takes a second counts.
+    pub fn press_safety_button(&mut self, pressed: bool) {
+        let mut board = self.board.borrow_mut();
+        let now = board.now;
+        board.io.press(pressed, now);
+    }
+
+    /// Is safety off, as the button's light says?
+    pub fn io_safety_is_off(&self) -> bool {
+        self.board.borrow().io.is_safety_off()
+    }
+
+    /// Since the FMU started: is the chip known to it, disarmed and safe?
+    pub fn io_is_made_safe(&self) -> bool {
+        self.board.borrow().io.is_made_safe()
+    }
+
+    /// Pulses on MAIN, us; 0 is none.
+    pub fn main_outputs_us(&self) -> [u16; 8] {
+        let board = self.board.borrow();
+        board.io.main_outputs_us(board.now)
     }
 
     /// The line towards TELEM1 loses and damages so many bytes of a thousand; 0 and 0 for none.

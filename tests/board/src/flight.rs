@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use mavlink::dialects::common::MavCmd;
-use shared_control::params::Params;
+use shared_control::params::{self, Params};
 use shared_control::record::trace::StepTrace;
 use shared_control::supervisor::Arming;
 use sil_host::model::{Rig, VehicleModel};
@@ -17,6 +17,7 @@ use crate::machine::Machine;
 use crate::memory::CCM;
 use crate::time::{TICKS_PER_US, Ticks};
 use crate::trace::step_trace;
+use crate::transmitter::Transmitter;
 use crate::twin::Twin;
 use crate::vehicle::{Surroundings, Vehicle};
 
@@ -42,6 +43,8 @@ pub struct Flight {
     pub ground: Ground,
     /// The host's core.
     pub twin: Twin,
+    /// The pilot's, where there is one.
+    pub transmitter: Option<Transmitter>,
     params: Params,
     trace_address: u32,
     last: StepTrace,
@@ -72,7 +75,8 @@ impl Flight {
     /// As [`Flight::new`].
     pub fn with_second_gyro(params: &Params, gyro: SecondGyro, seed: u64) -> Self {
         let image = firmware();
-        let vehicle = Vehicle::with_second_gyro(&VehicleModel::nominal(Rig::Gimbal), gyro, seed);
+        let rig = if params.rig == params::Rig::Free { Rig::Free } else { Rig::Gimbal };
+        let vehicle = Vehicle::with_second_gyro(&VehicleModel::nominal(rig), gyro, seed);
         vehicle.borrow_mut().fit_escs(params.pulses);
         let mut machine = Machine::new(&image, Box::new(Surroundings(Rc::clone(&vehicle))), seed).unwrap();
         machine.configure(params);
@@ -83,6 +87,7 @@ impl Flight {
             vehicle,
             ground: Ground::default(),
             twin: Twin::new(params, gyro),
+            transmitter: None,
             params: *params,
             trace_address,
             last: StepTrace::EMPTY,
@@ -131,6 +136,34 @@ impl Flight {
         self.machine.restart_profile();
     }
 
+    /// From power-on by radio: armed by the sticks, half throttle, let go.
+    ///
+    /// # Panics
+    /// If any of it fails, or there is no transmitter.
+    pub fn take_off_by_radio(&mut self) {
+        const THROTTLE: usize = 3;
+        const YAW: usize = 4;
+        self.run_for(3500 * MILLISECOND);
+        self.set_stick(YAW, 2000);
+        self.run_for(1500 * MILLISECOND);
+        assert!(self.is_armed(), "not armed: {:?}, {:?}", self.ground.texts(), self.last);
+        self.set_stick(YAW, 1500);
+        self.set_stick(THROTTLE, 1500);
+        self.run_for(60 * MILLISECOND);
+        let now = self.machine.now();
+        self.vehicle.borrow_mut().release(now);
+        self.measure_anew();
+        self.machine.restart_profile();
+    }
+
+    /// Moves a stick or a switch of the transmitter; channels count from 1.
+    ///
+    /// # Panics
+    /// If there is no transmitter.
+    pub fn set_stick(&mut self, channel: usize, pulse_us: u16) {
+        self.transmitter.as_mut().expect("a transmitter").set(channel, pulse_us);
+    }
+
     /// The ground sends a command.
     pub fn command(&mut self, command: MavCmd, param1: f32) {
         self.ground.command(&mut self.machine, command, param1);
@@ -172,6 +205,9 @@ impl Flight {
             {
                 self.next_stick = self.machine.now() + STICK_PERIOD;
                 self.ground.sticks(&mut self.machine, throttle);
+            }
+            if let Some(transmitter) = &mut self.transmitter {
+                transmitter.send(&mut self.machine);
             }
             let until = (self.machine.now() + LOOK).min(end);
             self.machine.run_until(until).unwrap_or_else(|stop| panic!("{stop}"));

@@ -61,6 +61,12 @@ impl Profile {
         of(&self.cycles, interrupt)
     }
 
+    /// Instructions and cycles of each activation of SysTick.
+    pub fn of_sys_tick(&self) -> [&[u32]; 2] {
+        let exception = crate::cortex::exceptions::SYS_TICK;
+        [&self.instructions, &self.cycles].map(|ended| ended.get(&exception).map_or(&[][..], Vec::as_slice))
+    }
+
     /// Interrupts that ran, in ascending order.
     pub fn interrupts(&self) -> impl Iterator<Item = u8> {
         let first = crate::cortex::exceptions::FIRST_INTERRUPT;

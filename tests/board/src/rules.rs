@@ -5,13 +5,16 @@
 use crate::time::Ticks;
 
 pub use crate::devices::fram_select::DESELECT_TOO_SHORT;
+pub use crate::devices::io_chip::registers::{
+    AMBIGUOUS_ARMING, MAIN_DRIVEN, NO_SUCH_REGISTER, NOT_SAFE_FIRST, WRITE_UNRECOGNISED,
+};
 pub use crate::devices::mpu6000::SELECT_HOLD_TOO_SHORT;
 pub use crate::devices::mpu6000_start::PATHS_NOT_RESET;
 pub use crate::devices::sensor_rail::{BACK_FED, RAMP_NOT_FROM_ZERO, SOURCES_CURRENT};
 pub use crate::peripherals::spi_clock::{CLOCK_FLOATS, LAST_BIT_LATE, PIN_TOO_SLOW};
 
 /// Every one of them.
-pub const ALL: [&str; 9] = [
+pub const ALL: [&str; 14] = [
     DESELECT_TOO_SHORT,
     SELECT_HOLD_TOO_SHORT,
     PATHS_NOT_RESET,
@@ -21,6 +24,11 @@ pub const ALL: [&str; 9] = [
     CLOCK_FLOATS,
     LAST_BIT_LATE,
     PIN_TOO_SLOW,
+    WRITE_UNRECOGNISED,
+    NOT_SAFE_FIRST,
+    MAIN_DRIVEN,
+    AMBIGUOUS_ARMING,
+    NO_SUCH_REGISTER,
 ];
 
 /// A rule that was broken without stopping the run.

@@ -14,6 +14,7 @@ use crate::devices::{Counts, SecondGyro};
 use crate::peripherals::timer::Pulse;
 use crate::pulses::Pulses;
 use crate::second_imu::SecondImu;
+use crate::standing::{Standing, TouchDown};
 use crate::time::{TICKS_PER_US, Ticks, seconds};
 use crate::world::World;
 
@@ -41,6 +42,8 @@ pub struct Vehicle {
     /// Time up to which the plant has moved.
     moved_to: Ticks,
     held: bool,
+    /// Where nothing holds it but the ground.
+    standing: Option<Standing>,
     tipping: Option<Tipping>,
     commands: [f64; 4],
     pulses: Pulses,
@@ -65,6 +68,7 @@ impl Vehicle {
             second_imu: SecondImu::new(gyro, &model.noise, seed),
             moved_to: 0,
             held: true,
+            standing: Plant::new(model).flies_free().then(|| Standing::new(model)),
             tipping: None,
             commands: [0.0; 4],
             pulses: Pulses::new(PulseKind::Pwm),
@@ -116,6 +120,9 @@ impl Vehicle {
         let rate_rad_s = if share < 1.0 { (to_rad - from_rad) / TIPPING_S } else { 0.0 };
         let roll_rad = from_rad + share.min(1.0) * (to_rad - from_rad);
         self.plant.set_attitude([roll_rad, 0.0, 0.0], [rate_rad_s, 0.0, 0.0]);
+        if let Some(standing) = &mut self.standing {
+            standing.lay([roll_rad, 0.0], rate_rad_s);
+        }
         if share >= 1.0 {
             self.tipping = None;
         }
@@ -125,6 +132,27 @@ impl Vehicle {
     pub fn tilt_rad(&self) -> [f64; 2] {
         let truth = self.plant.truth();
         [truth.roll_rad, truth.pitch_rad]
+    }
+
+    /// Height of a free vehicle above where it stood, m, and its speed upwards, m/s.
+    pub fn height(&self) -> (f64, f64) {
+        let truth = self.plant.truth();
+        (-truth.position_ned_m[2], -truth.velocity_ned_m_s[2])
+    }
+
+    /// Does it stand, or lie, or is it held?
+    pub fn is_down(&self) -> bool {
+        self.held
+    }
+
+    /// How a free vehicle met the ground, each time.
+    pub fn touched_down(&self) -> &[TouchDown] {
+        self.standing.as_ref().map_or(&[], |standing| &standing.touched_down)
+    }
+
+    /// A gust pushes: torque about the body axes from now on, N m.
+    pub fn push(&mut self, torque_body_nm: [f64; 3]) {
+        self.plant.set_disturbance_torque_body_nm(torque_body_nm);
     }
 
     /// What the ESCs were told last, motors 1 to 4, 0..1.
@@ -155,10 +183,18 @@ impl Vehicle {
     fn move_to(&mut self, now: Ticks) {
         if !self.held && now > self.moved_to {
             self.plant.advance(seconds(now - self.moved_to));
+            if let Some(landed) = self.standing.as_mut().and_then(|standing| standing.meet(&self.plant)) {
+                (self.plant, self.held) = (landed, true);
+            }
         }
         self.tip(now);
         self.moved_to = now;
     }
+}
+
+/// What its sensors are in: the air, or at rest on the ground.
+fn felt<'a>(plant: &'a Plant, standing: Option<&'a Standing>, held: bool) -> &'a Plant {
+    standing.filter(|_| held).map_or(plant, Standing::rest)
 }
 
 /// The vehicle as the board's world; whoever keeps another handle can look at it meanwhile.
@@ -168,8 +204,8 @@ impl World for Surroundings {
     fn imu(&mut self, now: Ticks) -> Counts {
         let mut vehicle = self.0.borrow_mut();
         vehicle.move_to(now);
-        let Vehicle { plant, sensors, .. } = &mut *vehicle;
-        let sample = sensors.imu(plant, now / TICKS_PER_US);
+        let Vehicle { plant, sensors, standing, held, .. } = &mut *vehicle;
+        let sample = sensors.imu(felt(plant, standing.as_ref(), *held), now / TICKS_PER_US);
         Counts { gyro: sample.gyro_counts, accel: sample.accel_counts }
     }
 
@@ -180,8 +216,8 @@ impl World for Surroundings {
     fn second_imu(&mut self, now: Ticks) -> Counts {
         let mut vehicle = self.0.borrow_mut();
         vehicle.move_to(now);
-        let Vehicle { plant, second_imu, .. } = &mut *vehicle;
-        second_imu.measure(plant)
+        let Vehicle { plant, second_imu, standing, held, .. } = &mut *vehicle;
+        second_imu.measure(felt(plant, standing.as_ref(), *held))
     }
 
     /// An ESC knows its command when the pulse ends.
@@ -195,8 +231,12 @@ impl World for Surroundings {
             recorded.push(pulse);
         }
         // a motor follows its command while its ESC lets it
-        let Vehicle { plant, escs, commands, .. } = &mut *vehicle;
+        let Vehicle { plant, escs, commands, standing, held, tipping, .. } = &mut *vehicle;
         let driven = std::array::from_fn(|motor| if escs[motor].turns(end) { commands[motor] } else { 0.0 });
+        if let (true, Some(standing)) = (*held && tipping.is_none(), standing) {
+            plant.set_motor_equilibrium(driven);
+            *held = !standing.leaves(plant);
+        }
         plant.set_commands(driven);
     }
 

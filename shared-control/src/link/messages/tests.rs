@@ -32,6 +32,8 @@ fn status(arming: Arming) -> VehicleStatus {
         battery_v: Some(11.5),
         battery_low: false,
         blocks: ArmingBlocks::default(),
+        io: crate::io_chip::IoReport::default(),
+        radio_flies: false,
         load_permille: 321,
         setpoints_rejected: 7,
         overruns: 8,
@@ -90,6 +92,7 @@ fn every_change_of_arming_has_its_words() {
         calibrating(EscStage::Battery),
         disarmed(DisarmedBecause::EscCalibrationEnded),
         disarmed(DisarmedBecause::Crashed),
+        disarmed(DisarmedBecause::Killed),
         disarmed(DisarmedBecause::LinkLost),
         disarmed(DisarmedBecause::AttitudeUnknown),
     ];
@@ -186,4 +189,26 @@ fn numbers_are_the_statuses_and_do_not_overflow() {
     let sent = sys_status(&VehicleStatus { battery_v: None, ..often });
     assert_eq!([sent.errors_count1, sent.errors_count2, sent.errors_count3], [u16::MAX; 3]);
     assert_eq!(sent.voltage_battery, u16::MAX);
+}
+
+#[test]
+fn the_radio_is_told_channel_by_channel() {
+    let channels_us = core::array::from_fn(|place| 1000 + place as u16);
+    let heard = RadioFrame { channels_us, count: 12, heard: true };
+    let sent = radio_channels(1_234_567, &heard);
+    let channels = [sent.chan1_raw, sent.chan2_raw, sent.chan8_raw, sent.chan9_raw, sent.chan16_raw];
+    assert_eq!((sent.time_boot_ms, channels, sent.chancount), (1234, [1000, 1001, 1007, 1008, 1015], 12));
+    // no channels are valid while it is lost
+    assert_eq!(radio_channels(0, &RadioFrame { heard: false, ..heard }).chancount, 0);
+
+    let receiver = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_RC_RECEIVER;
+    let io = crate::io_chip::IoReport { radio: heard, ..Default::default() };
+    for (radio_flies, radio, fitted, healthy) in
+        [(false, heard, false, false), (true, heard, true, true), (true, RadioFrame::default(), true, false)]
+    {
+        let io = crate::io_chip::IoReport { radio, ..io };
+        let sent = sys_status(&VehicleStatus { io, radio_flies, ..status(ARMED) });
+        assert_eq!(sent.onboard_control_sensors_present.contains(receiver), fitted);
+        assert_eq!(sent.onboard_control_sensors_health.contains(receiver), healthy);
+    }
 }

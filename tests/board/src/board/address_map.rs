@@ -21,7 +21,7 @@ const RCC: u32 = 0x4002_3800;
 type Reset = fn(&mut Board);
 
 /// What a reset by RCC puts back, besides ports and DMA.
-const RESETS: [(ClockGate, Reset); 11] = [
+const RESETS: [(ClockGate, Reset); 12] = [
     (ClockGate::apb1(0), |board| board.tim2 = Timer::general(u32::MAX)),
     (ClockGate::apb1(1), |board| board.tim3 = Timer::general(0xffff)),
     (ClockGate::apb1(3), |board| board.tim5 = Timer::general(u32::MAX)),
@@ -30,6 +30,7 @@ const RESETS: [(ClockGate, Reset); 11] = [
     (ClockGate::apb1(18), |board| board.usart3.reset()),
     (ClockGate::apb1(28), |board| board.pwr.reset()),
     (ClockGate::apb2(0), |board| board.tim1 = Timer::advanced()),
+    (ClockGate::apb2(5), |board| board.usart6.reset()),
     // all three converters together
     (ClockGate::apb2(8), |board| board.adc1 = Adc::default()),
     (ClockGate::apb2(12), |board| board.spi1 = Spi::default()),
@@ -50,6 +51,7 @@ impl Board {
             0x4000_4800 => (&mut self.usart3, gate(ClockGate::apb1(18))),
             0x4000_7000 => (&mut self.pwr, gate(ClockGate::apb1(28))),
             0x4001_0000 => (&mut self.tim1, gate(ClockGate::apb2(0))),
+            0x4001_1400 => (&mut self.usart6, gate(ClockGate::apb2(5))),
             0x4001_2000 => (&mut self.adc1, gate(ClockGate::apb2(8))),
             0x4001_3000 => (&mut self.spi1, gate(ClockGate::apb2(12))),
             0x4001_3800 => (&mut self.syscfg, gate(ClockGate::apb2(14))),
@@ -100,6 +102,7 @@ impl Board {
         self.spi2.set_bus_cycle(self.clocks.apb1);
         self.usart2.set_bus_cycle(self.clocks.apb1);
         self.usart3.set_bus_cycle(self.clocks.apb1);
+        self.usart6.set_bus_cycle(self.clocks.apb2);
         self.adc1.set_bus_cycle(self.clocks.apb2);
         self.tim1.set_cycle(self.clocks.apb2_timers, self.now);
         self.tim2.set_cycle(self.clocks.apb1_timers, self.now);

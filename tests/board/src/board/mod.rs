@@ -8,18 +8,21 @@
 //!  TIM3 -- trigger output (update) --> TIM1 --> PE14, 13, 11, 9 --> world: pulses
 //!  USART2 <----> TELEM1       DMA1 S5 <-- received    S6 --> to send
 //!  USART3 <----> TELEM2       DMA1 S1 <-- received    S3, S4 --> to send
+//!  USART6 <----> IO chip      DMA2 S1, S2 <-- received    S6, S7 --> to send
 //!  PA2 (battery) -> ADC1      DMA2 S4 <-- conversions
 //!  PA15 (buzzer) <- TIM2      TIM5: time base      RCC: clocks of all of them
 //! ```
 //!
 //! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults,
-//! `electrics` what lies between pins and parts, `analog` battery and buzzer, `serial` the connectors, `wiring` DMA
+//! `electrics` what lies between pins and parts, `analog` battery and buzzer, `serial` the connectors, `io_chip` the
+//! second processor, `wiring` DMA
 //! requests and interrupt lines.
 
 mod address_map;
 mod analog;
 mod buses;
 mod electrics;
+mod io_chip;
 mod sensors;
 pub(crate) mod serial;
 mod wiring;
@@ -30,6 +33,7 @@ use serial::USUAL_BAUD;
 use crate::cortex::private_bus::PrivateBus;
 use crate::devices::aux_line::AuxLine;
 use crate::devices::fram::Fram;
+use crate::devices::io_chip::{self as io, IoChip, IoFirmware};
 use crate::devices::l3gd20::{L3GD20, L3GD20H};
 use crate::devices::level_shifter::FLOATS_LOW;
 use crate::devices::lsm303d::LSM303D;
@@ -91,6 +95,8 @@ pub(crate) struct Board {
     tim5: Timer,
     usart2: Usart,
     usart3: Usart,
+    usart6: Usart,
+    pub(crate) io: IoChip,
     iwdg: Iwdg,
     dbgmcu: DbgMcu,
     backup_ram: Vec<u8>,
@@ -146,6 +152,8 @@ impl Board {
             tim5: Timer::general(u32::MAX),
             usart2: Usart::new(USUAL_BAUD),
             usart3: Usart::new(USUAL_BAUD),
+            usart6: Usart::new(io::BAUD),
+            io: IoChip::new(IoFirmware::Px4V4, 0),
             iwdg: Iwdg::new(LSI_HZ),
             dbgmcu: DbgMcu::default(),
             backup_ram: memory::noise(0x1000, seed ^ 0xbac),
@@ -186,6 +194,8 @@ impl Board {
         std::mem::swap(&mut fresh.aux, &mut self.aux);
         std::mem::swap(&mut fresh.rail, &mut self.rail);
         std::mem::swap(&mut fresh.pwr, &mut self.pwr);
+        std::mem::swap(&mut fresh.io, &mut self.io);
+        fresh.io.fmu_restarted();
         fresh.pwr.reset();
         (fresh.rail_state, fresh.dip_end) = (self.rail_state, self.dip_end);
         fresh.rcc = Rcc::new(self.rcc.reset_flags() | flags, self.rcc.crystal_oscillates());
@@ -223,8 +233,12 @@ impl Board {
         fresh.iwdg = Iwdg::new(self.iwdg.lsi_hz());
         std::mem::swap(&mut fresh.usart2, &mut self.usart2);
         std::mem::swap(&mut fresh.usart3, &mut self.usart3);
+        std::mem::swap(&mut fresh.usart6, &mut self.usart6);
         fresh.usart2.reset();
         fresh.usart3.reset();
+        fresh.usart6.reset();
+        fresh.io = self.io.clone();
+        fresh.io.restart(self.now);
         fresh.sensor_faults = self.sensor_faults;
         fresh.battery_v = self.battery_v;
         fresh.pwr = Pwr::new(self.pwr.supply_v());
@@ -266,6 +280,7 @@ impl Board {
         self.tick_spi1(now, memory);
         self.tick_spi2(now);
         self.tick_serial(now, memory);
+        self.tick_io(now, memory);
         self.tick_adc1(now, memory);
         self.refresh_lines(now);
     }
@@ -280,6 +295,8 @@ impl Board {
             self.spi2.next_event(),
             self.usart2.next_event(),
             self.usart3.next_event(),
+            self.usart6.next_event(),
+            self.io.next_event(),
             self.mpu6000.next_event(),
             self.l3gd20.next_event(),
             self.lsm303d.next_event(),

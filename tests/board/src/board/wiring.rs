@@ -51,6 +51,13 @@ pub(super) const USART3_DMA: [DmaWire; 3] = [
 ];
 pub(super) const ADC1_DMA: [DmaWire; 1] = [DmaWire::new(1, 4, 0, false, |board| board.adc1.requests_dma())];
 
+pub(super) const USART6_DMA: [DmaWire; 4] = [
+    DmaWire::new(1, 1, 5, false, |board| board.usart6.requests_receive_dma()),
+    DmaWire::new(1, 2, 5, false, |board| board.usart6.requests_receive_dma()),
+    DmaWire::new(1, 6, 5, true, |board| board.usart6.requests_transmit_dma()),
+    DmaWire::new(1, 7, 5, true, |board| board.usart6.requests_transmit_dma()),
+];
+
 /// Interrupts of the streams (RM0090 table 62).
 const DMA1_INTERRUPTS: [u8; 8] = [11, 12, 13, 14, 15, 16, 17, 47];
 const DMA2_INTERRUPTS: [u8; 8] = [56, 57, 58, 59, 60, 68, 69, 70];
@@ -154,5 +161,6 @@ impl Board {
             | interrupt_line(36, self.spi2.interrupt())
             | interrupt_line(38, self.usart2.interrupt())
             | interrupt_line(39, self.usart3.interrupt())
+            | interrupt_line(71, self.usart6.interrupt())
     }
 }

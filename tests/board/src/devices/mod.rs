@@ -4,6 +4,7 @@ pub(crate) mod aux_line;
 pub(crate) mod esc;
 pub(crate) mod fram;
 pub(crate) mod fram_select;
+pub mod io_chip;
 pub(crate) mod l3gd20;
 pub(crate) mod level_shifter;
 pub(crate) mod lsm303d;

@@ -4,6 +4,7 @@ use emulated_board::{Flight, MILLISECOND, Sensor, SensorFault};
 use mavlink::dialects::common::MavCmd;
 use shared_control::config::Controller;
 use shared_control::params::Params;
+use shared_control::params::radio::RadioParams;
 
 /// How the outputs end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +32,8 @@ pub struct Row {
     /// What the ground must hear.
     pub says: &'static [&'static str],
     pub mpc: bool,
+    /// By the radio's sticks instead of the test sequence.
+    pub radio: bool,
     pub before: fn(&mut Flight),
     pub inject: fn(&mut Flight),
     /// For how long it is looked at, ms.
@@ -63,6 +66,7 @@ pub const NOTHING: Row = Row {
     may_cut: false,
     says: &[],
     mpc: false,
+    radio: false,
     before: |_| {},
     inject: |_| {},
     watch_ms: 600,
@@ -72,7 +76,8 @@ impl Row {
     pub fn params(&self) -> Params {
         let controller = if self.mpc { Controller::Mpc } else { Controller::Cascade };
         // a throttle that is found again in memory
-        Params { controller, hover_throttle_permille: HOVER_PERMILLE, ..Params::DEFAULT }
+        let radio = RadioParams { flies: self.radio, kill_channel: 5, ..RadioParams::DEFAULT };
+        Params { controller, hover_throttle_permille: HOVER_PERMILLE, radio, ..Params::DEFAULT }
     }
 }
 

@@ -4,10 +4,12 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use emulated_board::time::TICKS_PER_US;
-use emulated_board::{Flight, MILLISECOND};
+use emulated_board::{Flight, MILLISECOND, Transmitter};
 
 use crate::rows::{End, Row};
 
+/// What MAIN may carry: the disarmed pulse.
+const MAIN_MAX_US: u16 = 1000;
 /// Above every idle command, below every flight's.
 const IDLE_COMMAND_MAX: f64 = 0.16;
 
@@ -17,8 +19,9 @@ const RENEW: &str = "RENEW_BOARD_FIGURES";
 const HEAD: &str = "\
 # Faults in flight, and what came of each
 
-The firmware's own image flies the test sequence on the emulated board. Half a second into it, right after a step of the
-loop, a fault is injected. The table shows what the motor outputs then do and what the vehicle reports to the ground.
+The firmware's own image flies the test sequence on the emulated board, or by the radio's sticks where the row says so.
+Half a second into it, right after a step of the loop, a fault is injected. The table shows what the motor outputs then
+do and what the vehicle reports to the ground.
 `cargo xtask board-test` injects them all again, fails where a promise is broken, and compares this table;
 `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes it.
 
@@ -40,6 +43,8 @@ pub struct Outcome {
     longest_us: u64,
     resets: u64,
     cut: bool,
+    /// Longest pulse on MAIN at the end, us.
+    main_us: u16,
     overruns: u32,
     tilt_deg: f64,
     reports: Vec<String>,
@@ -49,8 +54,13 @@ impl Outcome {
     /// Flies, injects, watches.
     pub fn of(row: &'static Row) -> Self {
         let mut flight = Flight::new(&row.params(), 1);
+        flight.transmitter = row.radio.then(Transmitter::new);
         (row.before)(&mut flight);
-        flight.take_off();
+        if row.radio {
+            flight.take_off_by_radio();
+        } else {
+            flight.take_off();
+        }
         flight.run_for(500 * MILLISECOND);
         assert!(
             flight.vehicle.borrow().commands().iter().all(|command| *command > 0.2),
@@ -90,7 +100,8 @@ impl Outcome {
         reports.dedup();
         let resets = flight.machine.counters().resets - resets;
         let longest_us = longest / TICKS_PER_US;
-        Self { row, end, live_ms, longest_us, resets, cut: pulses.cut(), overruns, tilt_deg, reports }
+        let main_us = flight.machine.main_outputs_us().into_iter().max().unwrap_or(0);
+        Self { row, end, live_ms, longest_us, resets, cut: pulses.cut(), main_us, overruns, tilt_deg, reports }
     }
 
     /// What differs from the promise.
@@ -101,12 +112,20 @@ impl Outcome {
         // nothing tips the vehicle over while it flies, and no step takes longer than its period
         let disturbed = *end == End::FliesOn && (self.tilt_deg > 45.0 || self.overruns > 0);
         let wide = self.longest_us > *longest_us;
-        let wrong = self.end != *end || late || wide || missing.is_some() || disturbed || self.cut && !self.row.may_cut;
+        let main_driven = self.main_us > MAIN_MAX_US;
+        let wrong = main_driven
+            || self.end != *end
+            || late
+            || wide
+            || missing.is_some()
+            || disturbed
+            || self.cut && !self.row.may_cut;
         wrong.then(|| {
             let Self { end, live_ms, longest_us, cut, reports, .. } = self;
             format!(
                 "{fault}: ends {end:?}, live for {live_ms:?} of {within_ms} ms, longest pulse {longest_us} us, \
-                 cut {cut}, reports {reports:?}, missing {missing:?}"
+                 cut {cut}, MAIN {} us, reports {reports:?}, missing {missing:?}",
+                self.main_us
             )
         })
     }

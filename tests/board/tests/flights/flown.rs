@@ -8,11 +8,12 @@ use emulated_board::{Flight, MILLISECOND, Planned, Profile};
 use shared_control::params::Params;
 
 /// Interrupts and the tasks behind them.
-const TASKS: [(u8, &str); 9] = [
+const TASKS: [(u8, &str); 10] = [
     (29, "loop"),
     (40, "first IMU ready"),
     (6, "second IMU ready"),
     (56, "IMU received"),
+    (71, "IO replied"),
     (38, "link idle"),
     (16, "link ring"),
     (17, "link sent"),
@@ -119,13 +120,18 @@ fn tasks(profile: &Profile) -> BTreeMap<&'static str, Task> {
     let mut tasks = BTreeMap::new();
     for interrupt in profile.interrupts() {
         let (_, name) = TASKS.iter().find(|(number, _)| *number == interrupt).expect("a task of the table");
-        let mut counts = profile.of_interrupt(interrupt).to_vec();
-        counts.sort_unstable();
-        let (median, worst) = (counts[counts.len() / 2], counts[counts.len() - 1]);
-        let worst_cycles = profile.cycles_of_interrupt(interrupt).iter().copied().max().unwrap_or(0);
-        tasks.insert(*name, Task { median, worst, worst_cycles });
+        tasks.insert(*name, task([profile.of_interrupt(interrupt), profile.cycles_of_interrupt(interrupt)]));
     }
+    tasks.insert("IO slot", task(profile.of_sys_tick()));
     tasks
+}
+
+/// Of its activations' instructions and cycles.
+fn task([instructions, cycles]: [&[u32]; 2]) -> Task {
+    let mut counts = instructions.to_vec();
+    counts.sort_unstable();
+    let (median, worst) = (counts[counts.len() / 2], counts[counts.len() - 1]);
+    Task { median, worst, worst_cycles: cycles.iter().copied().max().unwrap_or(0) }
 }
 
 /// What this thread has spent, where the system tells (Linux): others on the machine do not count.
