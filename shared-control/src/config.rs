@@ -7,6 +7,7 @@ mod tuning;
 
 pub use error::ConfigError;
 pub use prediction::mpc_settings;
+pub(crate) use tuning::IDLE_PERCENT_MAX;
 pub use tuning::Tuning;
 
 use cascade::{angle_config, gyro_cutoff, rate_gains};

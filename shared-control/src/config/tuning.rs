@@ -72,8 +72,9 @@ pub struct Tuning {
     pub flight_idle_command: f32,
 }
 
-/// Largest idle command: a vehicle that idles must not take off.
-const IDLE_COMMAND_MAX: f32 = 0.3;
+/// Largest idle command, percent: a vehicle that idles must not take off.
+pub(crate) const IDLE_PERCENT_MAX: u16 = 30;
+const IDLE_COMMAND_MAX: f32 = IDLE_PERCENT_MAX as f32 / 100.0;
 
 impl Tuning {
     /// The project's tuning for motors whose thrust follows a command with a lag (first-order time constant, s);

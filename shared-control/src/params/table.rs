@@ -3,15 +3,13 @@
 pub use super::allowed::Allowed;
 use super::radio::{self, RadioPart, Stick, StickPart};
 use super::{Params, Rig};
-use crate::config::Controller;
+use crate::config::{Controller, IDLE_PERCENT_MAX};
 use crate::mpc::HORIZON;
 use crate::mpc::schedule::LINEARISATIONS_MAX;
 use crate::output::PulseKind;
 
 /// Longest name, bytes: what a MAVLink parameter has room for.
 pub const NAME_MAX: usize = 16;
-/// Largest idle command, percent: a vehicle that idles must not take off.
-const IDLE_PERCENT_MAX: u16 = 30;
 
 /// One of the owner's choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

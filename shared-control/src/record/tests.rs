@@ -9,37 +9,14 @@ use crate::supervisor::{Arming, DisarmedBecause, EscStage, Refusal};
 use std::collections::BTreeSet;
 use std::vec::Vec;
 
-const FAULTS: [ImuFault; 4] = [ImuFault::Stale, ImuFault::BusDead, ImuFault::Stuck, ImuFault::OutOfRange];
 const STATUSES: [PlanStatus; 4] =
     [PlanStatus::Solved, PlanStatus::IterationLimit, PlanStatus::Infeasible, PlanStatus::NumericalError];
-const REFUSALS: [Refusal; 20] = [
-    Refusal::SetpointNotFinite,
-    Refusal::ThrottleNotZero,
-    Refusal::AttitudeUnknown,
-    Refusal::GyroNotCalibrated,
-    Refusal::BatteryLow,
-    Refusal::LinkLost,
-    Refusal::ConfigurationUnconfirmed,
-    Refusal::FaultRecordUnread,
-    Refusal::Armed,
-    Refusal::NotArmed,
-    Refusal::MotorTestRunning,
-    Refusal::NoSuchMotor,
-    Refusal::BatteryAbsent,
-    Refusal::FliesFree,
-    Refusal::EscCalibrationSet,
-    Refusal::EscCalibrationNotSet,
-    Refusal::EscCalibrationRunning,
-    Refusal::BatteryConnected,
-    Refusal::BatteryNeverSeen,
-    Refusal::BatteryUnmeasured,
-];
 
 #[test]
 fn units_healths_and_plans_count_from_nought() {
     assert_eq!([ImuUnit::First, ImuUnit::Second].map(|unit| unit.number()), [0, 1]);
     assert_eq!(ImuHealth::Good.number(), 0);
-    assert_eq!(FAULTS.map(|fault| ImuHealth::Bad(fault).number()), [1, 2, 3, 4]);
+    assert_eq!(ImuFault::ALL.map(|fault| ImuHealth::Bad(fault).number()), [1, 2, 3, 4]);
     assert_eq!(STATUSES.map(|status| status.number()), [0, 1, 2, 3]);
     assert_eq!(STATUSES.map(|status| PlanStatus::of_number(status.number())), STATUSES);
     assert_eq!(PlanStatus::of_number(4), PlanStatus::NumericalError);
@@ -80,16 +57,17 @@ fn every_reason_to_stand_still_has_its_number() {
         DisarmedBecause::Crashed,
         DisarmedBecause::EscsCalibrated,
         DisarmedBecause::EscCalibrationEnded,
+        DisarmedBecause::Killed,
     ];
-    assert_eq!(causes.map(|because| because.number()), [0, 1, 2, 3, 4, 5, 6, 7]);
-    assert_eq!(FAULTS.map(|fault| DisarmedBecause::ImuFailed(fault).number()), [0x10, 0x11, 0x12, 0x13]);
+    assert_eq!(causes.map(|because| because.number()), [0, 1, 2, 3, 4, 5, 6, 7, 8]);
+    assert_eq!(ImuFault::ALL.map(|fault| DisarmedBecause::ImuFailed(fault).number()), [0x10, 0x11, 0x12, 0x13]);
     let refused = |refusal| DisarmedBecause::Refused(refusal).number();
-    assert!(REFUSALS.map(refused).into_iter().eq(0x100..0x114));
-    assert_eq!(FAULTS.map(|fault| refused(Refusal::ImuUnhealthy(fault))), [0x120, 0x121, 0x122, 0x123]);
+    assert!(Refusal::WITHOUT_DETAIL.map(refused).into_iter().eq(0x100..0x117));
+    assert_eq!(ImuFault::ALL.map(|fault| refused(Refusal::ImuUnhealthy(fault))), [0x120, 0x121, 0x122, 0x123]);
     let all: Vec<u32> = causes
         .into_iter()
-        .chain(FAULTS.map(DisarmedBecause::ImuFailed))
-        .chain(REFUSALS.map(DisarmedBecause::Refused))
+        .chain(ImuFault::ALL.map(DisarmedBecause::ImuFailed))
+        .chain(Refusal::WITHOUT_DETAIL.map(DisarmedBecause::Refused))
         .map(|because| because.number())
         .collect();
     assert_eq!(all.iter().collect::<BTreeSet<_>>().len(), all.len());

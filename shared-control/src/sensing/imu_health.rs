@@ -47,6 +47,10 @@ pub enum ImuFault {
 }
 
 impl ImuFault {
+    /// All of them, in the order of their numbers.
+    #[cfg(test)]
+    pub(crate) const ALL: [ImuFault; 4] = [ImuFault::Stale, ImuFault::BusDead, ImuFault::Stuck, ImuFault::OutOfRange];
+
     /// Its number in the words of a state.
     pub fn number(&self) -> u32 {
         match self {

@@ -187,6 +187,34 @@ pub enum Refusal {
 }
 
 impl Refusal {
+    /// All that say everything by themselves, in the order of their numbers.
+    #[cfg(test)]
+    pub(crate) const WITHOUT_DETAIL: [Refusal; 23] = [
+        Refusal::SetpointNotFinite,
+        Refusal::ThrottleNotZero,
+        Refusal::AttitudeUnknown,
+        Refusal::GyroNotCalibrated,
+        Refusal::BatteryLow,
+        Refusal::LinkLost,
+        Refusal::ConfigurationUnconfirmed,
+        Refusal::FaultRecordUnread,
+        Refusal::Armed,
+        Refusal::NotArmed,
+        Refusal::MotorTestRunning,
+        Refusal::NoSuchMotor,
+        Refusal::BatteryAbsent,
+        Refusal::FliesFree,
+        Refusal::EscCalibrationSet,
+        Refusal::EscCalibrationNotSet,
+        Refusal::EscCalibrationRunning,
+        Refusal::BatteryConnected,
+        Refusal::BatteryNeverSeen,
+        Refusal::BatteryUnmeasured,
+        Refusal::KillSwitch,
+        Refusal::SafetyOn,
+        Refusal::RadioUnusable,
+    ];
+
     /// Its number in the words of a state.
     pub fn number(&self) -> u32 {
         match self {

@@ -17,7 +17,6 @@ const BLOCKED: ArmingBlocks = ArmingBlocks {
     kill_switch: true,
     radio_unusable: true,
 };
-const IMU_FAULTS: [ImuFault; 4] = [ImuFault::Stale, ImuFault::BusDead, ImuFault::Stuck, ImuFault::OutOfRange];
 
 const GOOD: Findings = Findings {
     attitude_valid: true,
@@ -178,7 +177,7 @@ fn each_reason_against_arming_suffices() {
 #[test]
 fn an_armed_vehicle_loses_its_arming_to_the_sensors_and_a_crash_only() {
     for state in [Arming::Armed, Arming::LinkLost { since_us: NOW_US }] {
-        for fault in IMU_FAULTS {
+        for fault in ImuFault::ALL {
             let failed = |_: &mut StepInput, findings: &mut Findings| findings.imu = ImuHealth::Bad(fault);
             let because = DisarmedBecause::ImuFailed(fault);
             assert_eq!(after(state, ArmingRequest::None, failed), Arming::Disarmed(because));
@@ -369,29 +368,8 @@ fn each_reason_against_a_motor_test_suffices() {
 
 #[test]
 fn every_refusal_has_words_that_fit_into_a_status_text() {
-    let mut refusals = std::vec![
-        Refusal::SetpointNotFinite,
-        Refusal::ThrottleNotZero,
-        Refusal::AttitudeUnknown,
-        Refusal::GyroNotCalibrated,
-        Refusal::BatteryLow,
-        Refusal::BatteryAbsent,
-        Refusal::LinkLost,
-        Refusal::ConfigurationUnconfirmed,
-        Refusal::FaultRecordUnread,
-        Refusal::Armed,
-        Refusal::NotArmed,
-        Refusal::MotorTestRunning,
-        Refusal::NoSuchMotor,
-        Refusal::FliesFree,
-        Refusal::EscCalibrationSet,
-        Refusal::EscCalibrationNotSet,
-        Refusal::EscCalibrationRunning,
-        Refusal::BatteryConnected,
-        Refusal::BatteryNeverSeen,
-        Refusal::BatteryUnmeasured,
-    ];
-    refusals.extend(IMU_FAULTS.map(Refusal::ImuUnhealthy));
+    let mut refusals = Refusal::WITHOUT_DETAIL.to_vec();
+    refusals.extend(ImuFault::ALL.map(Refusal::ImuUnhealthy));
     for refusal in &refusals {
         let words = refusal.words();
         assert!(words.starts_with("refused: ") && words.len() <= 50, "{words}");

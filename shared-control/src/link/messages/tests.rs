@@ -44,7 +44,6 @@ fn status(arming: Arming) -> VehicleStatus {
 const ARMED: Arming = Arming::Armed;
 const TESTING: Arming = Arming::MotorTest { motor: 1, throttle_percent: 5, until_us: 9 };
 const LOST: Arming = Arming::LinkLost { since_us: 5 };
-const FAULTS: [ImuFault; 4] = [ImuFault::Stale, ImuFault::BusDead, ImuFault::Stuck, ImuFault::OutOfRange];
 
 fn disarmed(because: DisarmedBecause) -> Arming {
     Arming::Disarmed(because)
@@ -96,7 +95,8 @@ fn every_change_of_arming_has_its_words() {
         disarmed(DisarmedBecause::LinkLost),
         disarmed(DisarmedBecause::AttitudeUnknown),
     ];
-    let unrequested = unrequested.into_iter().chain(FAULTS.map(|fault| disarmed(DisarmedBecause::ImuFailed(fault))));
+    let unrequested =
+        unrequested.into_iter().chain(ImuFault::ALL.map(|fault| disarmed(DisarmedBecause::ImuFailed(fault))));
     let all: Vec<(Arming, MavSeverity)> = requested
         .map(|arming| (arming, MavSeverity::MAV_SEVERITY_NOTICE))
         .into_iter()
