@@ -41,7 +41,7 @@ pub(super) fn parse(bytes: &[u8], short_reads: bool) -> Arrived {
     if bytes.len() < whole && !head_only {
         return Arrived::Short;
     }
-    if !good(whole) && !(head_only && good(HEAD_BYTES)) {
+    if !(good(whole) || head_only && good(HEAD_BYTES)) {
         return Arrived::Damaged;
     }
     let registers = bytes[HEAD_BYTES..].chunks_exact(2).take(usize::from(count));

@@ -134,7 +134,7 @@ impl IoChip {
             (SETUP, SAFETY_ON | SAFETY_TOLD) => true,
             _ => false,
         };
-        if !safe && !(self.was_disarmed && self.was_made_safe) {
+        if !(safe || self.was_disarmed && self.was_made_safe) {
             self.broken.get_or_insert(NOT_SAFE_FIRST);
         }
         let known = match (self.firmware, page) {
