@@ -1,7 +1,7 @@
 //! What a search found, from the choice of effects to what is reported of it: most important first, judged beside a
 //! base model, fitted to all windows but those of the report.
 
-use super::judge::{floors, helps, judged, losses, unusual_terms};
+use super::judge::{first_that_helps, floors, judged, losses, unusual_terms};
 use super::search::{Candidate, Choice, Search};
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of};
 use crate::prediction::body::State;
@@ -54,7 +54,7 @@ impl<'e> Search<'e> {
 
     /// Looks for the effects in a log.
     pub(super) fn run(&self) -> Found<'e> {
-        self.found(self.choose(|smaller, larger| helps(self, smaller, larger)))
+        self.found(self.choose(|smaller, larger| first_that_helps(self, smaller, larger)))
     }
 
     /// What is reported of a choice, the effect first whose loss would cost most on the windows of choice.

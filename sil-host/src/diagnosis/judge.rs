@@ -92,9 +92,13 @@ pub(super) fn judged<'e>(search: &Search<'e>, base: Fit<'e>, chosen: Fit<'e>) ->
     }
 }
 
-/// Does a larger model pay for what it has beyond a smaller one?
-pub(super) fn helps<'e>(search: &Search<'e>, smaller: &Fit<'e>, larger: &Fit<'e>) -> bool {
-    pays(&Judged::of(search, smaller.clone()), &Judged::of(search, larger.clone()))
+/// The first of some larger models that pays for what it has beyond a smaller one.
+pub(super) fn first_that_helps<'e>(search: &Search<'e>, smaller: &Fit<'e>, larger: &[&Fit<'e>]) -> Option<usize> {
+    if larger.is_empty() {
+        return None;
+    }
+    let without = Judged::of(search, smaller.clone());
+    larger.iter().position(|larger| pays(&without, &Judged::of(search, (*larger).clone())))
 }
 
 /// Places of the base model's terms that are findings too: they pay as a finding must.

@@ -283,7 +283,7 @@ fn answer<'e>(
         &shooting.log,
         [nominal_model, extended_model],
         &commands,
-        throttle(log).as_deref(),
+        log.collective().as_deref(),
     );
     Diagnosis {
         log: LogSummary::of(log.commanding()),
@@ -305,12 +305,4 @@ fn answer<'e>(
         excitation: evidence::excitation::excitation(search, found),
         residuals: evidence::residuals::of_models(&shooting.log, &predicted),
     }
-}
-
-/// Mean command of the motors, or the log's own throttle.
-fn throttle(log: &Log) -> Option<Vec<f64>> {
-    let mean = |motors: [&[f64]; 4]| -> Vec<f64> {
-        (0..log.rows()).map(|row| 0.25 * motors.iter().map(|motor| motor[row]).sum::<f64>()).collect()
-    };
-    log.motors().map(mean).or_else(|| log.thrust_command.clone())
 }

@@ -116,9 +116,9 @@ impl<'e> Search<'e> {
         which.iter().map(|index| self.shooting.log.windows[*index]).collect()
     }
 
-    /// Chooses the effects of a log; beside a base model they must help what is reported, a smaller and a larger model
-    /// says.
-    pub(super) fn choose(&self, helps: impl Fn(&Fit<'e>, &Fit<'e>) -> bool) -> Choice<'e> {
+    /// Chooses the effects of a log. Beside a base model they must help what is reported: the caller knows which of
+    /// some larger models is the first that does.
+    pub(super) fn choose(&self, helping: impl Fn(&Fit<'e>, &[&Fit<'e>]) -> Option<usize>) -> Choice<'e> {
         let nominal = self.nominal();
         let mut chosen = nominal.clone();
         let mut alternatives: Vec<Vec<Candidate<'e>>> = Vec::new();
@@ -129,11 +129,15 @@ impl<'e> Search<'e> {
                 break;
             }
             let mut extended = self.extensions(&chosen, 0.0);
-            let looked_at = if self.has_base() { extended.len() } else { 1 };
-            let pays = |larger: &Candidate<'e>| {
-                self.pays(&chosen, larger, &nominal) && (!self.has_base() || helps(&chosen.fit, &larger.fit))
+            let place = if self.has_base() {
+                let pays = |place: &usize| self.pays(&chosen, &extended[*place], &nominal);
+                let paying: Vec<usize> = (0..extended.len()).filter(pays).collect();
+                let larger: Vec<&Fit<'e>> = paying.iter().map(|place| &extended[*place].fit).collect();
+                helping(&chosen.fit, &larger).map(|helping| paying[helping])
+            } else {
+                extended.first().filter(|best| self.pays(&chosen, best, &nominal)).map(|_| 0)
             };
-            let Some(place) = extended.iter().take(looked_at).position(pays) else { break };
+            let Some(place) = place else { break };
             chosen = extended.remove(place);
             alternatives.push(extended);
             if chosen.fit.terms.len() > self.always.len() + 1 {

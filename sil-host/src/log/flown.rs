@@ -15,7 +15,7 @@
 use super::{Log, LogError, Quantity};
 use crate::axis::Axis;
 use crate::statistics::wrapped;
-use shared_control::airframe::TORQUE_SIGNS;
+use crate::vehicle::signed_sums;
 use std::ops::Range;
 
 /// Share of the usual collective below which nothing is held up.
@@ -72,7 +72,7 @@ impl Flown {
     /// Looks for it.
     pub fn of(log: &Log) -> Flown {
         let active = log.active_rows();
-        let collective = collective(log).unwrap_or_else(|| vec![1.0; log.rows()]);
+        let collective = log.collective().unwrap_or_else(|| vec![1.0; log.rows()]);
         let usual = usual(&collective, &active);
         let mut lifts: Vec<bool> =
             collective.iter().zip(&active).map(|(value, active)| *active && *value > IDLE * usual).collect();
@@ -207,11 +207,9 @@ fn steering(log: &Log) -> Vec<Vec<f64>> {
     let Some(motors) = log.motors() else {
         return Axis::ALL.iter().filter_map(|axis| log.column(Quantity::Command(*axis))).map(<[f64]>::to_vec).collect();
     };
-    let part = |signs: &[f32; 4]| {
-        let of_row = |row: usize| (0..4).map(|motor| f64::from(signs[motor]) * motors[motor][row]).sum();
-        (0..log.rows()).map(of_row).collect()
-    };
-    TORQUE_SIGNS.iter().map(part).collect()
+    let part =
+        |axis: &Axis| (0..log.rows()).map(|row| signed_sums(motors.map(|motor| motor[row]))[axis.index()]).collect();
+    Axis::ALL.iter().map(part).collect()
 }
 
 /// A flight's rows without take-off and landing.
@@ -221,13 +219,6 @@ fn off_the_ground(log: &Log, collective: &[f64], usual: f64, rows: Range<usize>)
     let first = rows.clone().find(is_up).filter(|first| rows.start > 0 && is_short(rows.start, *first));
     let last = rows.clone().rev().find(is_up).filter(|last| rows.end < log.rows() && is_short(*last, rows.end - 1));
     first.unwrap_or(rows.start)..last.map_or(rows.end, |last| last + 1)
-}
-
-fn collective(log: &Log) -> Option<Vec<f64>> {
-    match log.motors() {
-        Some(motors) => Some((0..log.rows()).map(|row| 0.25 * motors.iter().map(|m| m[row]).sum::<f64>()).collect()),
-        None => log.column(Quantity::Thrust).map(<[f64]>::to_vec),
-    }
 }
 
 /// Turns stretches of one kind that are too short to mean it, at the ends of a log too, but for lifting ones there.

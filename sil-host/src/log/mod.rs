@@ -224,6 +224,14 @@ impl Log {
         Some([m1, m2, m3, m4])
     }
 
+    /// Per row the mean command of the motors, or the log's own throttle.
+    pub(crate) fn collective(&self) -> Option<Vec<f64>> {
+        let mean = |motors: [&[f64]; 4]| -> Vec<f64> {
+            (0..self.rows()).map(|row| 0.25 * motors.iter().map(|motor| motor[row]).sum::<f64>()).collect()
+        };
+        self.motors().map(mean).or_else(|| self.thrust_command.clone())
+    }
+
     /// True if the plant is to be driven by axis commands because there are no motor commands.
     pub fn driven_by_axis_commands(&self) -> bool {
         self.motors().is_none()

@@ -46,7 +46,9 @@ const VOLTAGE: &[Unit] = &[("_v", "V", 1.0), ("_mv", "mV", 1e-3)];
 const SPEED: &[Unit] = &[("", "1/min", 1.0)];
 const VELOCITY: &[Unit] = &[("_m_s", "m/s", 1.0), ("_cm_s", "cm/s", 0.01)];
 const LENGTH: &[Unit] = &[("_m", "m", 1.0), ("_cm", "cm", 0.01)];
-const ACCELERATION: &[Unit] = &[("_m_s2", "m/s^2", 1.0), ("_g", "g", 9.80665)];
+/// Standard gravity, the unit g.
+pub(super) const GRAVITY_M_S2: f64 = 9.80665;
+const ACCELERATION: &[Unit] = &[("_m_s2", "m/s^2", 1.0), ("_g", "g", GRAVITY_M_S2)];
 
 impl Quantity {
     /// Every quantity, in the order in which a file is written.

@@ -9,7 +9,7 @@
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
 use super::messages::{Messages, Table};
-use super::quantity::Quantity;
+use super::quantity::{GRAVITY_M_S2, Quantity};
 use super::recording::{Fact, FactValue, Recording, Stream};
 use super::{Content, Format};
 use crate::axis::Axis;
@@ -24,7 +24,6 @@ const MOTORS: [&str; 4] = ["m1", "m3", "m4", "m2"];
 const TIMESTAMP: &str = "timestamp";
 
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
-const GRAVITY_M_S2: f64 = 9.80665;
 
 /// Recognised by its first bytes alone: such files have no extension.
 pub(super) const FORMAT: Format = Format {

@@ -40,11 +40,7 @@ pub(super) fn steady(log: &Log, subject: &Subject<'_>) -> Result<Steady, NotPred
         around_median(windows.iter().map(|window| mean(window.start, window.end)).collect())
     };
     let motors = log.motors();
-    let collective = match (motors, &log.thrust_command) {
-        (Some(motors), _) => Some(median_of(&|row| 0.25 * motors.iter().map(|motor| motor[row]).sum::<f64>())),
-        (None, Some(thrust)) => Some(median_of(&|row| thrust[row])),
-        (None, None) => None,
-    };
+    let collective = log.collective().map(|collective| median_of(&|row| collective[row]));
     let trim = |axis: Axis| match (motors, &log.axis_command[axis.index()]) {
         (Some(motors), _) => Some(median_of(&|row| 0.25 * signed_sums(motors.map(|motor| motor[row]))[axis.index()])),
         (None, Some(command)) => {

@@ -6,14 +6,13 @@ use std::f64::consts::PI;
 
 use super::super::messages::Messages;
 use super::super::motor_order::{MotorOrder, Rotor};
-use super::super::quantity::Quantity;
+use super::super::quantity::{GRAVITY_M_S2, Quantity};
 use super::super::recording::{Fact, FactValue, Recording, Stream};
 use super::messages::{FRAMES, TIME};
 use crate::axis::Axis;
 use crate::statistics::wrapped;
 
 const DEGREE_RAD: f64 = PI / 180.0;
-const GRAVITY_M_S2: f64 = 9.80665;
 
 /// Lines of the head that are facts as they stand: line, name of the fact.
 const LINES: [(&str, &str); 19] = [

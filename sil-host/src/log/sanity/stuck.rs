@@ -7,6 +7,7 @@ use super::super::Log;
 use super::super::quantity::Quantity;
 use super::finding::{Columns, Contradiction};
 use crate::axis::Axis;
+use crate::statistics::variance;
 
 /// A shorter stretch is a radio's or a logger's hiccup, s.
 const STRETCH_MIN_S: f64 = 0.5;
@@ -41,8 +42,8 @@ fn one(log: &Log, stuck: Quantity, moving: Quantity, columns: &Columns<'_>) -> O
         return None;
     }
     let is_whole = longest.len() == log.rows();
-    let inside = deviation(&other[longest.clone()]);
-    let outside = deviation(&[&other[..longest.start], &other[longest.end..]].concat());
+    let inside = variance(other[longest.clone()].iter().copied()).sqrt();
+    let outside = variance(other[..longest.start].iter().chain(&other[longest.end..]).copied()).sqrt();
     let moves = inside > 0.0 && (is_whole || inside > MOVES * outside);
     moves.then(|| Contradiction {
         seen: format!(
@@ -96,10 +97,4 @@ fn runs(rows: usize, is_like_before: impl Fn(usize) -> bool) -> Vec<Range<usize>
         }
     }
     runs
-}
-
-fn deviation(values: &[f64]) -> f64 {
-    let count = values.len().max(1) as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    f64::sqrt(values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count)
 }

@@ -2,14 +2,13 @@
 //! flies; and where it hangs or stands tilted, the part of gravity that its attitude says.
 
 use super::super::Log;
-use super::super::quantity::Quantity;
+use super::super::quantity::{GRAVITY_M_S2, Quantity};
 use super::answers::{Answer, Question};
 use super::bins::Bins;
 use super::finding::{Columns, Contradiction};
 use super::regression::{Estimate, jackknife};
 use crate::axis::Axis;
 
-const GRAVITY_M_S2: f64 = 9.80665;
 /// The accelerometer may come so much later than the attitude, s: attitudes are late.
 const LATER_S: [f64; 2] = [-0.3, 0.1];
 
