@@ -69,6 +69,11 @@ impl Sensors {
         self.imu_sample(time_us, plant.rate_body_rad_s(), plant.specific_force_body_m_s2())
     }
 
+    /// The same of a vehicle that stands level and still, under that gravity (m/s²).
+    pub fn imu_at_rest(&mut self, gravity_m_s2: f64, time_us: u64) -> RawImuSample {
+        self.imu_sample(time_us, [0.0; 3], [0.0, 0.0, -gravity_m_s2])
+    }
+
     /// The same of a motion that was seen.
     pub fn imu_of(&mut self, truth: &Truth) -> RawImuSample {
         self.imu_sample((truth.time_s * 1e6).round() as u64, truth.rate_body_rad_s, truth.specific_force_body_m_s2)
