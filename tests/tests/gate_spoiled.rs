@@ -15,7 +15,7 @@ fn synthetic(rig: Rig, effects: &[&str], seed: u64) -> Log {
     let mut model = VehicleModel::nominal(rig);
     let inertia_kg_m2 = model.inertia_kg_m2;
     model.effects = effects.iter().map(|short| Effect::parse_for(short, rig, inertia_kg_m2).unwrap()).collect();
-    Synthesis { seed, ..Synthesis::of(model) }.log().unwrap()
+    Synthesis { seed, duration_s: 10.0, ..Synthesis::of(model) }.log().unwrap()
 }
 
 fn refusals(log: &Log) -> String {

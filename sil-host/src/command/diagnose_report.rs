@@ -119,7 +119,8 @@ fn base_model(answer: &Diagnosis) -> Option<Section> {
         "What is ordinary about a vehicle is fitted along with the findings: how hard it answers to commands, how \
          late, and what holds it level.",
     );
-    (!answer.base.is_empty()).then(|| section.list(answer.base.iter().map(base_text)))
+    let together = answer.lateness_s.map(|together| format!("lag and delay together: {together} s"));
+    (!answer.base.is_empty()).then(|| section.list(answer.base.iter().map(base_text).chain(together)))
 }
 
 fn causes(log: &Log, answer: &Diagnosis) -> Section {

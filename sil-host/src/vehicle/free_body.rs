@@ -13,7 +13,8 @@ pub(crate) struct FreeBody {
     /// P
     product_xy: f64,
     per_mass: f64,
-    /// Divided once: a compiler that divides ahead, by what another rig has in its place, makes a fit half as slow again.
+    /// Divided once: compilers divide ahead, in a rig by whatever it has in gravity's place, and a fit takes half as
+    /// long again.
     per_weight_1_n: f64,
     /// Acceleration of gravity, m/s².
     pub(crate) gravity_m_s2: f64,
