@@ -184,11 +184,6 @@ impl ImuState {
         }
     }
 
-    /// Root mean square of what shakes each axis, body, m/s^2.
-    pub fn vibration_m_s2(&self) -> Vector3<f32> {
-        self.vibration.map(sqrt)
-    }
-
     fn feel(&mut self, config: &ImuConfig, force_m_s2: &Vector3<f32>, anew: bool) {
         for axis in 0..3 {
             if anew {
@@ -219,6 +214,8 @@ pub struct ImuStep {
     pub specific_force_m_s2: Vector3<f32>,
     /// Low-passed specific force at the last sample, m/s^2, late by [`STEADY_LAG_S`]; the last known without new ones.
     pub steady_force_m_s2: Vector3<f32>,
+    /// Root mean square of what shakes each axis, m/s^2.
+    pub vibration_m_s2: Vector3<f32>,
 }
 
 impl ImuStep {
@@ -246,6 +243,7 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
         rate_body_rad_s: state.rate_body_rad_s,
         specific_force_m_s2: Vector3::zeros(),
         steady_force_m_s2: state.steady_force_m_s2,
+        vibration_m_s2: state.vibration.map(sqrt),
     };
     for sample in samples {
         if sample.time_us > latest_us {
@@ -284,6 +282,7 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
         step.specific_force_m_s2 *= 1.0 / f32::from(step.samples);
         state.rate_body_rad_s = step.rate_body_rad_s;
         step.steady_force_m_s2 = state.steady_force_m_s2;
+        step.vibration_m_s2 = state.vibration.map(sqrt);
     }
     step
 }

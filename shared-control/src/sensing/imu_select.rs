@@ -145,7 +145,7 @@ pub fn update(
         estimate,
         force_m_s2: used.step.is_usable().then_some(used.step.specific_force_m_s2),
         gyro_rest_s: used_state.gyro.rest_s(),
-        vibration_m_s2: used_state.conditioning.vibration_m_s2(),
+        vibration_m_s2: used.step.vibration_m_s2,
     }
 }
 

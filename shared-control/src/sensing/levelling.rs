@@ -29,7 +29,7 @@ mod covariance;
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::elementary::{limit, magnitude};
+use crate::elementary::{limit, magnitude, sqrt};
 use crate::record::state_words::StateWords;
 use crate::sensing::imu::{ImuStep, STEADY_LAG_S, all_finite};
 use covariance::{BIAS, Covariance, DRAG, STATES, TILT, VELOCITY};
@@ -44,6 +44,9 @@ const DRAG_1_S: [f32; 2] = [0.01, 2.0];
 /// How far the drag is from being proportional, of itself, and for how long at a time, s.
 const DRAG_BENDS: f32 = 0.1;
 const DRAG_BENDS_FOR_S: f32 = 0.3;
+/// Of a vibration that rectifies, as sensors at full scale and rotors that speed up once a turn make it: noise that it
+/// leaves at low frequencies, over its root mean square, per root of Hz.
+const SHAKEN_NOISE: f32 = 0.003;
 /// A vehicle climbs and sinks as it likes; but for ever it does not. Variance of one window's comparison.
 const CLIMB_VARIANCE_M2_S2: f32 = 1e4;
 /// Tilt after numbers that made no sense, rad.
@@ -110,6 +113,8 @@ pub struct Levelling {
     covariance: Covariance,
     /// Integral of the specific force over the window so far, world, m/s.
     window_m_s: Vector3<f32>,
+    /// Integral of the velocity over it, m.
+    window_m: Vector3<f32>,
     window_s: f32,
 }
 
@@ -135,17 +140,19 @@ impl Levelling {
             drag_1_s: config.rotor_drag_1_s,
             covariance: Covariance::of(variances),
             window_m_s: Vector3::zeros(),
+            window_m: Vector3::zeros(),
             window_s: 0.0,
         }
     }
 
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { support, velocity_m_s, drag_1_s, covariance, window_m_s, window_s } = self;
+        let Self { support, velocity_m_s, drag_1_s, covariance, window_m_s, window_m, window_s } = self;
         words.word(*support as u32);
         words.vector(velocity_m_s);
         words.number(*drag_1_s);
         covariance.record(words);
         words.vector(window_m_s);
+        words.vector(window_m);
         words.number(*window_s);
     }
 
@@ -172,6 +179,7 @@ impl Levelling {
         self.velocity_m_s += gained_m_s;
         self.velocity_m_s.z += gravity_m_s2 * imu.duration_s;
         self.window_m_s += gained_m_s;
+        self.window_m += self.velocity_m_s * imu.duration_s;
         self.window_s += imu.duration_s;
         if support != self.support {
             self.change_support(config, support);
@@ -180,20 +188,24 @@ impl Levelling {
             return None;
         }
         let body_axes_in_world = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| q_world_from_body * axis);
-        self.covariance.predict(config, &body_axes_in_world, &self.window_m_s, self.window_s);
+        let vibration_m_s2 = sqrt(imu.vibration_m_s2.dot(&imu.vibration_m_s2));
+        let noise = config.gust_noise + SHAKEN_NOISE * vibration_m_s2;
+        self.covariance.predict(config, noise, &body_axes_in_world, &self.window_m_s, self.window_s);
+        // the mean of a window, as what rotors leave in the velocity would fold down to anything at one look a window
+        let mean_m_s = self.window_m * (1.0 / self.window_s);
         let mut errors = [0.0; STATES];
         match support {
-            Support::Held => self.compare_with_rest(config, &mut errors),
+            Support::Held => self.compare_with_rest(config, &mut errors, &mean_m_s),
             Support::Air => {
                 let [body_x, body_y, _] = &body_axes_in_world;
                 let acceleration_m_s2 = self.window_m_s * (1.0 / self.window_s) + Vector3::z() * gravity_m_s2;
-                let then_m_s = self.velocity_m_s - acceleration_m_s2 * STEADY_LAG_S;
+                let then_m_s = mean_m_s - acceleration_m_s2 * (STEADY_LAG_S - 0.5 * self.window_s);
                 self.compare_with_drag(config, &mut errors, &then_m_s, body_x, imu.steady_force_m_s2.x);
                 self.compare_with_drag(config, &mut errors, &then_m_s, body_y, imu.steady_force_m_s2.y);
                 self.compare_with_level_flight(&mut errors);
             }
         }
-        (self.window_m_s, self.window_s) = (Vector3::zeros(), 0.0);
+        (self.window_m_s, self.window_m, self.window_s) = (Vector3::zeros(), Vector3::zeros(), 0.0);
         Some(self.take(config, &errors))
     }
 
@@ -210,12 +222,12 @@ impl Levelling {
         self.covariance.forget(VELOCITY..BIAS, std_m_s * std_m_s);
     }
 
-    fn compare_with_rest(&mut self, config: &LevellingConfig, errors: &mut [f32; STATES]) {
+    fn compare_with_rest(&mut self, config: &LevellingConfig, errors: &mut [f32; STATES], velocity_m_s: &Vector3<f32>) {
         let variance = config.held_noise * config.held_noise / self.window_s;
         for axis in 0..3 {
             let mut sees = [0.0; STATES];
             sees[VELOCITY + axis] = 1.0;
-            self.covariance.compare(errors, &sees, -self.velocity_m_s[axis], variance);
+            self.covariance.compare(errors, &sees, -velocity_m_s[axis], variance);
         }
     }
 
@@ -238,7 +250,7 @@ impl Levelling {
             sees[VELOCITY + i] = -self.drag_1_s * component;
         }
         sees[DRAG] = -along_m_s;
-        let bent_m_s2 = DRAG_BENDS * drag_m_s2;
+        let bent_m_s2 = DRAG_BENDS * config.rotor_drag_1_s * along_m_s;
         let noise = config.drag_noise * config.drag_noise + bent_m_s2 * bent_m_s2 * DRAG_BENDS_FOR_S;
         self.covariance.compare(errors, &sees, force_m_s2 + drag_m_s2, noise / self.window_s);
     }

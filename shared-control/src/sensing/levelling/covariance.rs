@@ -63,10 +63,11 @@ impl Covariance {
     }
 
     /// A window on: P <- F P F^T + Q with F = 1 + A dt. `body_axes_in_world` are the columns of R, `window_m_s` is the
-    /// integral of the specific force over the window, world.
+    /// integral of the specific force over the window, world, `force_noise` its noise, m/s^2 per root of Hz.
     pub(super) fn predict(
         &mut self,
         config: &LevellingConfig,
+        force_noise: f32,
         body_axes_in_world: &[Vector3<f32>; 3],
         window_m_s: &Vector3<f32>,
         window_s: f32,
@@ -97,7 +98,7 @@ impl Covariance {
         for i in 0..STATES {
             rows[i][i] += match i {
                 0..VELOCITY => grown(config.gyro_noise),
-                VELOCITY..BIAS => grown(config.gust_noise),
+                VELOCITY..BIAS => grown(force_noise),
                 BIAS..DRAG => grown(config.bias_walk),
                 _ => DRAG_WALK_SQUARED * window_s,
             };

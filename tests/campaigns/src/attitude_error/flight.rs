@@ -5,7 +5,7 @@ use shared_control::flight_core::{FlightCore, State};
 use shared_control::params::{Params, Rig};
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingRequest, RawImuSample, Setpoint, StepInput};
-use sil_host::effects::{RotorDrag, RotorVibration};
+use sil_host::effects::{RotorDrag, RotorVibration, WeakMotor};
 use sil_host::model::{self, VehicleModel};
 use sil_host::plant::Plant;
 use sil_host::sensors::Sensors;
@@ -88,6 +88,10 @@ impl ShakenFlight {
         let peak_m_s2 = trouble.vibration_m_s2;
         let peak_rad_s = RATE_PER_ACCELERATION_S_M * peak_m_s2;
         model.effects.push(RotorVibration { peak_m_s2, peak_rad_s, at_rad_s: hover_rad_s }.into());
+        // no two motors lift alike, else their rotors would turn at one speed and stand to one another as they began
+        for motor in 1..=4 {
+            model.effects.push(WeakMotor { motor, scale: 1.0 + 0.03 * draws.normal() }.into());
+        }
         let mut sign = || if draws.uniform() < 0.5 { -1.0 } else { 1.0 };
         let drift_counts = trouble.drift_deg_s.to_radians() * GYRO_COUNTS_PER_RAD_S;
         Self {
@@ -119,6 +123,11 @@ impl ShakenFlight {
                 self.plant.set_commands(output.mix.commands.0.map(f64::from));
                 if now_us >= RELEASE_US {
                     let q = output.estimate.q_world_from_body;
+                    if std::env::var("DBG").is_ok() && now_us.is_multiple_of(500_000) {
+                        let t = self.plant.truth();
+                        let e = shared_control::frames::euler_from_q(&q);
+                        eprintln!("{:.1} roll {:.2} {:.2} pitch {:.2} {:.2} bias {:.4} {:.4} {:.4} vib {:.1} {:.1} {:.1} w {:.0?} f {:?}", now_us as f64*1e-6, t.roll_rad.to_degrees(), e.roll_rad.to_degrees(), t.pitch_rad.to_degrees(), e.pitch_rad.to_degrees(), output.estimate.gyro_bias_rad_s.x, output.estimate.gyro_bias_rad_s.y, output.estimate.gyro_bias_rad_s.z, output.vibration_m_s2.x,output.vibration_m_s2.y,output.vibration_m_s2.z, t.motor_speed_rad_s, output.source);
+                    }
                     errors_deg.push(tilt_between_deg(self.plant.truth().q_world_from_body, [q.w, q.i, q.j, q.k]));
                 }
             }
