@@ -123,11 +123,6 @@ impl ShakenFlight {
                 self.plant.set_commands(output.mix.commands.0.map(f64::from));
                 if now_us >= RELEASE_US {
                     let q = output.estimate.q_world_from_body;
-                    if std::env::var("DBG").is_ok() && now_us.is_multiple_of(500_000) {
-                        let t = self.plant.truth();
-                        let e = shared_control::frames::euler_from_q(&q);
-                        eprintln!("{:.1} roll {:.2} {:.2} pitch {:.2} {:.2} bias {:.4} {:.4} {:.4} vib {:.1} {:.1} {:.1} w {:.0?} f {:?}", now_us as f64*1e-6, t.roll_rad.to_degrees(), e.roll_rad.to_degrees(), t.pitch_rad.to_degrees(), e.pitch_rad.to_degrees(), output.estimate.gyro_bias_rad_s.x, output.estimate.gyro_bias_rad_s.y, output.estimate.gyro_bias_rad_s.z, output.vibration_m_s2.x,output.vibration_m_s2.y,output.vibration_m_s2.z, t.motor_speed_rad_s, output.source);
-                    }
                     errors_deg.push(tilt_between_deg(self.plant.truth().q_world_from_body, [q.w, q.i, q.j, q.k]));
                 }
             }

@@ -102,8 +102,3 @@ pub fn table(rows: &[Row]) -> String {
     }
     text
 }
-
-pub fn debug(rig: usize, vibration_m_s2: f64, drift_deg_s: f64, seed: u64) {
-    let (_, rig, manoeuvre) = RIGS[rig];
-    ShakenFlight::new(rig, manoeuvre, &Trouble { vibration_m_s2, drift_deg_s, seed }).errors_deg();
-}
