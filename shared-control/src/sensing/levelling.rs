@@ -32,7 +32,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use crate::elementary::{limit, magnitude, sqrt};
 use crate::record::state_words::StateWords;
 use crate::sensing::imu::{ImuStep, STEADY_LAG_S, all_finite};
-use covariance::{BIAS, Covariance, DRAG, STATES, TILT, VELOCITY};
+use covariance::{BIAS, Covariance, DRAG, Noises, STATES, TILT, VELOCITY};
 
 /// Time over which the force is summed before it is compared, s.
 const WINDOW_S: f32 = 0.02;
@@ -47,6 +47,9 @@ const DRAG_BENDS_FOR_S: f32 = 0.3;
 /// Of a vibration that rectifies, as sensors at full scale and rotors that speed up once a turn make it: noise that it
 /// leaves at low frequencies, over its root mean square, per root of Hz.
 const SHAKEN_NOISE: f32 = 0.003;
+/// What a gyro whose scale is off by 2 % (MPU-6000 product specification 6.1: up to 3 %, and 2 % from axis to axis) gets
+/// wrong of a turn that lasts a third of a second, over the rate, per root of Hz.
+const TURNING_NOISE: f32 = 0.012;
 /// A vehicle climbs and sinks as it likes; but for ever it does not. Variance of one window's comparison.
 const CLIMB_VARIANCE_M2_S2: f32 = 1e4;
 /// Tilt after numbers that made no sense, rad.
@@ -189,8 +192,13 @@ impl Levelling {
         }
         let body_axes_in_world = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| q_world_from_body * axis);
         let vibration_m_s2 = sqrt(imu.vibration_m_s2.dot(&imu.vibration_m_s2));
-        let noise = config.gust_noise + SHAKEN_NOISE * vibration_m_s2;
-        self.covariance.predict(config, noise, &body_axes_in_world, &self.window_m_s, self.window_s);
+        let rate_rad_s = sqrt(imu.rate_body_rad_s.dot(&imu.rate_body_rad_s));
+        let noises = Noises {
+            gyro: config.gyro_noise + TURNING_NOISE * rate_rad_s,
+            force: config.gust_noise + SHAKEN_NOISE * vibration_m_s2,
+            bias: config.bias_walk,
+        };
+        self.covariance.predict(&noises, &body_axes_in_world, &self.window_m_s, self.window_s);
         // the mean of a window, as what rotors leave in the velocity would fold down to anything at one look a window
         let mean_m_s = self.window_m * (1.0 / self.window_s);
         let mut errors = [0.0; STATES];

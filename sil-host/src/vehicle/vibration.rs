@@ -66,7 +66,12 @@ impl Vibration {
 pub(crate) const FIRST_PHASES_RAD: [f64; 4] = [0.0, 1.3, 2.9, 4.4];
 
 /// The phases after a stretch of time over which speeds changed steadily, rad.
-pub(crate) fn turned_on(phase_rad: [f64; 4], before_rad_s: [f64; 4], after_rad_s: [f64; 4], duration_s: f64) -> [f64; 4] {
+pub(crate) fn turned_on(
+    phase_rad: [f64; 4],
+    before_rad_s: [f64; 4],
+    after_rad_s: [f64; 4],
+    duration_s: f64,
+) -> [f64; 4] {
     core::array::from_fn(|rotor| {
         let mean_rad_s = 0.5 * (before_rad_s[rotor] + after_rad_s[rotor]);
         (phase_rad[rotor] + mean_rad_s * duration_s) % (4.0 * FRAC_PI_2)

@@ -3,7 +3,8 @@
 //!
 //! - ANT-X: PX4 on a bench; pitch is free, and the bench slides along a rail, so that it is neither held nor flies free:
 //!   both are tried. Against PX4's own pitch while motors run.
-//! - ArduPilot's log 171: outdoors, an IMU logged 49 times a second, aliases and all. Against its own roll and pitch.
+//! - ArduPilot's log 171: outdoors, an IMU logged 49 times a second as it was at that instant, in manoeuvres of 100 deg/s:
+//!   what is between the rows is lost, and the integral with it. Against its own roll and pitch, until it crashes.
 //! - ARP lab's Crazyflie: no attitude, but it stands on the ground before and after its flight, so that what the
 //!   estimate has become by landing shows against the accelerometer at rest.
 
@@ -14,8 +15,7 @@ use shared_control::sensing::gyro_bias::GyroBias;
 use shared_control::sensing::imu::{ImuConfig, ImuState, condition};
 use shared_control::sensing::levelling::Support;
 use shared_control::signals::RawImuSample;
-use sil_host::log::Log;
-use sil_host::log::read;
+use sil_host::log::{Log, read};
 
 use crate::real_logs::{files, folder, load};
 
@@ -23,6 +23,8 @@ use crate::real_logs::{files, folder, load};
 const TURNING: f64 = 0.02;
 /// Time after the motors' start that counts as take-off, s.
 const TAKE_OFF_S: f64 = 2.0;
+/// When ArduPilot's log 171 crashes, s.
+const CRASHED_S: f64 = 238.0;
 /// Time at rest after landing over which the accelerometer is averaged, s.
 const LANDED_S: f64 = 1.0;
 
@@ -98,14 +100,13 @@ fn flown(log: &Log, support: Support) -> Vec<Row> {
             gyro_counts: counts(&config.gyro_axes, rate, config.gyro_rad_s_per_count),
             accel_counts: counts(&config.accel_axes, force_m_s2.map(|f| f as f32), config.accel_m_s2_per_count),
         };
-        let motors = log.motors().map_or(at(&log.thrust_command, row), |motors| {
-            motors.iter().map(|motor| motor[row]).sum::<f64>() / 4.0
-        });
+        let motors = log
+            .motors()
+            .map_or(at(&log.thrust_command, row), |motors| motors.iter().map(|motor| motor[row]).sum::<f64>() / 4.0);
         let turning = motors > TURNING;
         let step = condition(&config, &mut imu, &[sample], sample.time_us);
         let carried = turning.then_some(support);
-        let estimate =
-            estimator::update(&estimator_config, &mut state, &mut gyro, &step, sample.time_us, carried);
+        let estimate = estimator::update(&estimator_config, &mut state, &mut gyro, &step, sample.time_us, carried);
         let q_world_from_body = estimate.q_world_from_body;
         let down_body = down_in_body(&q_world_from_body);
         rows.push(Row { time_s: log.time_s[row], turning, down_body, q_world_from_body, force_m_s2 });
@@ -118,7 +119,9 @@ fn against_its_own(log: &Log, name: &str, support: Support) -> Option<Replayed> 
     let rows = flown(log, support);
     let begun_s = rows.iter().find(|row| row.turning)?.time_s + TAKE_OFF_S;
     let mut errors_deg = Vec::new();
-    for (row, at) in rows.iter().enumerate().filter(|(_, row)| row.turning && row.time_s > begun_s) {
+    for (row, at) in
+        rows.iter().enumerate().filter(|(_, row)| row.turning && (begun_s..CRASHED_S).contains(&row.time_s))
+    {
         let angles = euler_from_q(&at.q_world_from_body);
         let pitch_deg = (f64::from(angles.pitch_rad) - pitch_rad[row]).to_degrees();
         let roll_deg = log.angle_rad[0].as_ref().map_or(0.0, |roll_rad| {
@@ -140,13 +143,10 @@ fn against_rest(log: &Log, name: &str) -> Option<Replayed> {
     let rows = flown(log, Support::Air);
     let first = rows.iter().find(|row| row.turning)?.time_s;
     let landed = rows.iter().rfind(|row| row.turning)?;
-    let at_rest: Vec<&Row> = rows
-        .iter()
-        .filter(|row| (landed.time_s + 0.5..landed.time_s + 0.5 + LANDED_S).contains(&row.time_s))
-        .collect();
-    let mean: [f64; 3] = core::array::from_fn(|axis| {
-        at_rest.iter().map(|row| row.force_m_s2[axis]).sum::<f64>() / at_rest.len() as f64
-    });
+    let at_rest: Vec<&Row> =
+        rows.iter().filter(|row| (landed.time_s + 0.5..landed.time_s + 0.5 + LANDED_S).contains(&row.time_s)).collect();
+    let mean: [f64; 3] =
+        core::array::from_fn(|axis| at_rest.iter().map(|row| row.force_m_s2[axis]).sum::<f64>() / at_rest.len() as f64);
     let down = -Vector3::from(mean.map(|f| f as f32)).normalize();
     let left_deg = f64::from(down.cross(&landed.down_body).norm().asin()).to_degrees();
     let name = format!("{name}, left at landing ({} rows of rest)", at_rest.len());

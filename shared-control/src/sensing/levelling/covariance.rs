@@ -4,7 +4,6 @@ use core::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::LevellingConfig;
 use crate::elementary::larger;
 use crate::record::state_words::StateWords;
 
@@ -21,6 +20,17 @@ const BELIEVED_DEVIATIONS: f32 = 3.0;
 const DRAG_WALK_SQUARED: f32 = 1e-5;
 /// No variance is beyond this: nothing is left that could be trusted.
 const VARIANCE_MAX: f32 = 1e6;
+
+/// What comes in between comparisons, per root of Hz.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Noises {
+    /// Of the rate, rad/s.
+    pub(super) gyro: f32,
+    /// Of the specific force, m/s^2.
+    pub(super) force: f32,
+    /// Of the bias' change, rad/s^2.
+    pub(super) bias: f32,
+}
 
 type Row = [f32; STATES];
 
@@ -63,11 +73,10 @@ impl Covariance {
     }
 
     /// A window on: P <- F P F^T + Q with F = 1 + A dt. `body_axes_in_world` are the columns of R, `window_m_s` is the
-    /// integral of the specific force over the window, world, `force_noise` its noise, m/s^2 per root of Hz.
+    /// integral of the specific force over the window, world.
     pub(super) fn predict(
         &mut self,
-        config: &LevellingConfig,
-        force_noise: f32,
+        noises: &Noises,
         body_axes_in_world: &[Vector3<f32>; 3],
         window_m_s: &Vector3<f32>,
         window_s: f32,
@@ -97,9 +106,9 @@ impl Covariance {
         let grown = |noise: f32| noise * noise * window_s;
         for i in 0..STATES {
             rows[i][i] += match i {
-                0..VELOCITY => grown(config.gyro_noise),
-                VELOCITY..BIAS => grown(force_noise),
-                BIAS..DRAG => grown(config.bias_walk),
+                0..VELOCITY => grown(noises.gyro),
+                VELOCITY..BIAS => grown(noises.force),
+                BIAS..DRAG => grown(noises.bias),
                 _ => DRAG_WALK_SQUARED * window_s,
             };
             for j in 0..i {

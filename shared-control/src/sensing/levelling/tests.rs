@@ -125,7 +125,8 @@ fn a_tilt_that_is_held_in_still_air_stays() {
 /// In the air and held: a drift of half a degree a second is found within seconds, and its error with it.
 #[test]
 fn a_drifting_gyro_is_found_out() {
-    for (support, shaken_m_s2) in [(Support::Air, 0.0), (Support::Air, 30.0), (Support::Held, 0.0), (Support::Held, 30.0)]
+    for (support, shaken_m_s2) in
+        [(Support::Air, 0.0), (Support::Air, 30.0), (Support::Held, 0.0), (Support::Held, 30.0)]
     {
         let mut flight = Flight::new(support);
         flight.shaken_m_s2 = shaken_m_s2;
@@ -199,10 +200,11 @@ fn the_covariance_is_that_of_whole_matrices() {
     for i in 0..STATES {
         whole[(i, i)] = f64::from(ours.variance(i));
     }
+    let noises = Noises { gyro: CONFIG.gyro_noise, force: 0.1, bias: CONFIG.bias_walk };
     let sees_first: [f32; STATES] = [0.3, -0.2, -0.4, 0.1, 0.0, 0.0, 0.0, 0.0, -2.0];
     let sees_second: [f32; STATES] = [-0.1, 0.4, 0.2, -0.45, 0.05, 0.0, 0.0, 0.0, 1.0];
     for _ in 0..50 {
-        ours.predict(&CONFIG, 0.1, &axes, &window_m_s, 0.02);
+        ours.predict(&noises, &axes, &window_m_s, 0.02);
         let mut f = Matrix::identity();
         for (j, axis) in axes.iter().enumerate() {
             f[(TILT, BIAS + j)] = f64::from(-axis.x * 0.02);
@@ -250,7 +252,9 @@ fn a_comparison_counts_by_how_far_it_misses() {
         assert!((found(residual) - gain * residual).abs() < 1e-7, "{residual}");
     }
     // beyond three deviations the variance counts (r / 3)^2 times, so that what is found falls as 9 / r
-    assert!((found(30.0) / (1e-4 * 9.0 / 30.0) - 1.0).abs() < 1e-3 && (found(-300.0) + 1e-4 * 9.0 / 300.0).abs() < 1e-9);
+    assert!(
+        (found(30.0) / (1e-4 * 9.0 / 30.0) - 1.0).abs() < 1e-3 && (found(-300.0) + 1e-4 * 9.0 / 300.0).abs() < 1e-9
+    );
 }
 
 /// Ten minutes of manoeuvres: no variance is lost or grows beyond all bounds, and the attitude stays right.
