@@ -44,9 +44,9 @@ const DRAG_1_S: [f32; 2] = [0.01, 2.0];
 /// How far the drag is from being proportional, of itself, and for how long at a time, s.
 const DRAG_BENDS: f32 = 0.1;
 const DRAG_BENDS_FOR_S: f32 = 0.3;
-/// Of a vibration that rectifies, as sensors at full scale and rotors that speed up once a turn make it: noise that it
-/// leaves at low frequencies, over its root mean square, per root of Hz.
-const SHAKEN_NOISE: f32 = 0.003;
+/// Velocity that a vibration leaves at low frequencies in a vehicle that is held, over its root mean square: sensors at
+/// full scale and rotors that speed up once a turn rectify it. m/s per root of Hz, per m/s^2.
+const SHAKEN_NOISE: f32 = 0.001;
 /// What a gyro whose scale is off by 2 % (MPU-6000 product specification 6.1: up to 3 %, and 2 % from axis to axis) gets
 /// wrong of a turn that lasts a third of a second, over the rate, per root of Hz.
 const TURNING_NOISE: f32 = 0.012;
@@ -118,6 +118,8 @@ pub struct Levelling {
     window_m_s: Vector3<f32>,
     /// Integral of the velocity over it, m.
     window_m: Vector3<f32>,
+    /// And of the rate, body, rad.
+    window_rad: Vector3<f32>,
     window_s: f32,
 }
 
@@ -144,18 +146,20 @@ impl Levelling {
             covariance: Covariance::of(variances),
             window_m_s: Vector3::zeros(),
             window_m: Vector3::zeros(),
+            window_rad: Vector3::zeros(),
             window_s: 0.0,
         }
     }
 
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { support, velocity_m_s, drag_1_s, covariance, window_m_s, window_m, window_s } = self;
+        let Self { support, velocity_m_s, drag_1_s, covariance, window_m_s, window_m, window_rad, window_s } = self;
         words.word(*support as u32);
         words.vector(velocity_m_s);
         words.number(*drag_1_s);
         covariance.record(words);
         words.vector(window_m_s);
         words.vector(window_m);
+        words.vector(window_rad);
         words.number(*window_s);
     }
 
@@ -183,6 +187,7 @@ impl Levelling {
         self.velocity_m_s.z += gravity_m_s2 * imu.duration_s;
         self.window_m_s += gained_m_s;
         self.window_m += self.velocity_m_s * imu.duration_s;
+        self.window_rad += imu.rotation_rad;
         self.window_s += imu.duration_s;
         if support != self.support {
             self.change_support(config, support);
@@ -191,11 +196,10 @@ impl Levelling {
             return None;
         }
         let body_axes_in_world = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| q_world_from_body * axis);
-        let vibration_m_s2 = sqrt(imu.vibration_m_s2.dot(&imu.vibration_m_s2));
-        let rate_rad_s = sqrt(imu.rate_body_rad_s.dot(&imu.rate_body_rad_s));
+        let turned_rad = sqrt(self.window_rad.dot(&self.window_rad));
         let noises = Noises {
-            gyro: config.gyro_noise + TURNING_NOISE * rate_rad_s,
-            force: config.gust_noise + SHAKEN_NOISE * vibration_m_s2,
+            gyro: config.gyro_noise + TURNING_NOISE * turned_rad / self.window_s,
+            force: config.gust_noise,
             bias: config.bias_walk,
         };
         self.covariance.predict(&noises, &body_axes_in_world, &self.window_m_s, self.window_s);
@@ -203,7 +207,11 @@ impl Levelling {
         let mean_m_s = self.window_m * (1.0 / self.window_s);
         let mut errors = [0.0; STATES];
         match support {
-            Support::Held => self.compare_with_rest(config, &mut errors, &mean_m_s),
+            Support::Held => {
+                let vibration_m_s2 = sqrt(imu.vibration_m_s2.dot(&imu.vibration_m_s2));
+                let noise = config.held_noise + SHAKEN_NOISE * vibration_m_s2;
+                self.compare_with_rest(&mut errors, &mean_m_s, noise * noise / self.window_s);
+            }
             Support::Air => {
                 let [body_x, body_y, _] = &body_axes_in_world;
                 let acceleration_m_s2 = self.window_m_s * (1.0 / self.window_s) + Vector3::z() * gravity_m_s2;
@@ -213,7 +221,8 @@ impl Levelling {
                 self.compare_with_level_flight(&mut errors);
             }
         }
-        (self.window_m_s, self.window_m, self.window_s) = (Vector3::zeros(), Vector3::zeros(), 0.0);
+        (self.window_m_s, self.window_m, self.window_rad) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        self.window_s = 0.0;
         Some(self.take(config, &errors))
     }
 
@@ -230,8 +239,7 @@ impl Levelling {
         self.covariance.forget(VELOCITY..BIAS, std_m_s * std_m_s);
     }
 
-    fn compare_with_rest(&mut self, config: &LevellingConfig, errors: &mut [f32; STATES], velocity_m_s: &Vector3<f32>) {
-        let variance = config.held_noise * config.held_noise / self.window_s;
+    fn compare_with_rest(&mut self, errors: &mut [f32; STATES], velocity_m_s: &Vector3<f32>, variance: f32) {
         for axis in 0..3 {
             let mut sees = [0.0; STATES];
             sees[VELOCITY + axis] = 1.0;

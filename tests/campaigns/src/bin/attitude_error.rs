@@ -4,7 +4,7 @@
 
 use std::process::ExitCode;
 
-use campaigns::attitude_error::{rows, table};
+use campaigns::attitude_error::{beside_the_former, rows, table};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -18,7 +18,7 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let rows = rows(design);
+    let rows = beside_the_former(rows(design));
     print!("{}", table(&rows));
     if let Some(file) = file
         && let Err(error) = std::fs::write(&file, serde_json::to_string_pretty(&rows).expect("plain numbers"))
