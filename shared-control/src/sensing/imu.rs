@@ -2,10 +2,12 @@
 //!
 //! The sensor samples faster than the loop runs. Attitude gets the whole rotation since the last step (the sum over
 //! all samples, so that nothing is lost between steps); the rate loop gets the low-passed rate, so that noise above
-//! half the loop's rate does not fold down. Of the specific force levelling gets the mean, whose sum over the steps is
-//! its integral, and what a low-pass of 5 Hz at the sensor's own rate leaves, in which no rotor is seen. What that takes
-//! away is the vibration, measured as ArduPilot does (its `AP_InertialSensor`, calc_vibration_and_clipping: deviation
-//! from 5 Hz, squared, 2 Hz, root), so that its limits hold: below 30 m/s^2 good, beyond 60 bad.
+//! half the loop's rate does not fold down.
+//!
+//! Of the specific force levelling gets the mean, whose sum over the steps is its integral, and what a low-pass of 5 Hz
+//! at the sensor's own rate leaves, in which no rotor is seen. What that takes away is the vibration, measured as
+//! ArduPilot does (`AP_InertialSensor::calc_vibration_and_clipping`: deviation from 5 Hz, squared, 2 Hz, root), so that
+//! its limits hold: below 30 m/s^2 good, beyond 60 bad.
 
 use nalgebra::Vector3;
 

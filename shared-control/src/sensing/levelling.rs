@@ -47,7 +47,7 @@ const DRAG_BENDS_FOR_S: f32 = 0.3;
 /// Velocity that a vibration leaves at low frequencies in a vehicle that is held, over its root mean square: sensors at
 /// full scale and rotors that speed up once a turn rectify it. m/s per root of Hz, per m/s^2.
 const SHAKEN_NOISE: f32 = 0.001;
-/// What a gyro whose scale is off by 2 % (MPU-6000 product specification 6.1: up to 3 %, and 2 % from axis to axis) gets
+/// What a gyro whose scale is off by 2 % (MPU-6000 product specification 6.1: up to 3 %, 2 % from axis to axis) gets
 /// wrong of a turn that lasts a third of a second, over the rate, per root of Hz.
 const TURNING_NOISE: f32 = 0.012;
 /// A vehicle climbs and sinks as it likes; but for ever it does not. Variance of one window's comparison.

@@ -27,13 +27,14 @@ fn a_log_of_the_nominal_vehicle_shows_nothing() {
     assert!(answer.unexplained.white, "{:?}", answer.unexplained);
 }
 
-/// Rotors that shake the IMU by 10 m/s^2 and 4 deg/s: to a log they are noise. Nothing else is named for them, and what
-/// there is beside them still is.
+/// Rotors that shake the IMU by 10 m/s^2 and 4 deg/s: to a log they are noise, or lines of no known origin. Nothing is
+/// named for them, and what there is beside them still is.
 #[test]
 fn rotors_that_shake_the_imu_are_taken_for_no_effect() {
     let shaken = "rotor_vibration:peak_m_s2=10,peak_rad_s=0.07,at_rad_s=911";
     let answer = answer_to(&log(&[shaken], None, 4));
-    assert_eq!((answer.verdict, answer.findings.len()), (Verdict::NoDiscrepancy, 0), "{:?}", answer.findings);
+    assert!(answer.findings.is_empty(), "{:?}", answer.findings);
+    assert!(matches!(answer.verdict, Verdict::NoDiscrepancy | Verdict::UnknownEffect), "{:?}", answer.verdict);
     let answer = answer_to(&log(&[shaken, "weak_motor:motor=3,scale=0.9"], None, 4));
     let [finding] = &answer.findings[..] else { panic!("{:?}", answer.findings) };
     let scale = finding.parameters["scale"];

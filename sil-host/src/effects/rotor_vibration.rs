@@ -3,8 +3,8 @@
 //! folds what is left.
 //!
 //! Nothing of it can be found in a log of 100 to 400 rows a second: lines of 80 to 600 Hz appear there as lines of any
-//! lower frequency, which change as the speeds do, and each row's share is noise to the next. A diagnosis measures it
-//! as the noise of the readings, so that it has no hypothesis of its own.
+//! lower frequency, which change as the speeds do. So it has no hypothesis of its own: a diagnosis measures it as noise
+//! of the readings, or says that something is there that it does not know.
 
 use super::{ANY_RIG, ActsOn, CatalogueEntry, Catalogued, Extension, Given, Hypothesis, Origin, Parameter, Scope};
 use crate::document::ModelError;

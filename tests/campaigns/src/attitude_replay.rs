@@ -1,9 +1,9 @@
 //! The estimator on flights that were measured: gyro and accelerometer of other people's logs, row by row through the
 //! core, beside the attitude that the vehicle itself reported. Nothing is tuned on these.
 //!
-//! - ANT-X: PX4 on a bench; pitch is free, and the bench slides along a rail, so that it is neither held nor flies free:
-//!   both are tried. Against PX4's own pitch while motors run.
-//! - ArduPilot's log 171: outdoors, an IMU logged 49 times a second as it was at that instant, in manoeuvres of 100 deg/s:
+//! - ANT-X: PX4 on a bench; pitch is free, and the bench slides along a rail, so that it is neither held nor flies
+//!   free: both are tried. Against PX4's own pitch while motors run.
+//! - ArduPilot's log 171: outdoors, an IMU logged 49 times a second as it was at that instant, in turns of 100 deg/s:
 //!   what is between the rows is lost, and the integral with it. Against its own roll and pitch, until it crashes.
 //! - ARP lab's Crazyflie: no attitude, but it stands on the ground before and after its flight, so that what the
 //!   estimate has become by landing shows against the accelerometer at rest.

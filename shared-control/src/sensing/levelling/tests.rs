@@ -173,8 +173,8 @@ fn a_steady_wind_is_no_tilt() {
     assert!((flight.levelling.velocity_m_s().cast() - flight.velocity_m_s).xy().norm() < 0.3);
 }
 
-/// No drag at all leaves nothing to see. That is found out, and from then on the gyro is believed: 20 degrees, held again
-/// and again, would be a third of that after one of them if the accelerometer were followed.
+/// No drag at all leaves nothing to see. That is found out, and from then on the gyro is believed: 20 degrees, held
+/// again and again, would be a third of that after one of them if the accelerometer were followed.
 #[test]
 fn without_drag_the_gyro_is_believed() {
     let mut flight = Flight::new(Support::Air);
@@ -278,7 +278,8 @@ proptest! {
     /// Whatever an accelerometer says, finite numbers come out of it, and a tilt that can be.
     #[test]
     fn nonsense_stays_finite(
-        forces in proptest::collection::vec((-1e30f32..1e30, -1e3f32..1e3, -1e30f32..1e30), 1..60), flies in any::<bool>(),
+        forces in proptest::collection::vec((-1e30f32..1e30, -1e3f32..1e3, -1e30f32..1e30), 1..60),
+        flies in any::<bool>(),
     ) {
         let mut flight = Flight::new(if flies { Support::Air } else { Support::Held });
         for (x, y, z) in forces {

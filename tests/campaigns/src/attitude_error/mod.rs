@@ -119,7 +119,7 @@ pub fn table(rows: &[Row]) -> String {
 mod tests {
     use super::*;
 
-    /// The goals of 1 degree at 30 m/s^2 and 3 at 60, RMS, at the largest drift; in all rows that is the command's table.
+    /// The goals of 1 degree at 30 m/s^2 and 3 at 60, RMS, at the largest drift; the command flies all rows.
     #[test]
     fn the_goals_are_met_under_vibration_and_drift() {
         for (rig, vibration_m_s2, goal_deg) in [
