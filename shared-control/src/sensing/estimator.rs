@@ -9,7 +9,8 @@
 //! ```
 //! where w falls to zero as |f| leaves g, and the bias b is the gyro's mean. The first usable sample sets roll and
 //! pitch outright. While motors turn the accelerometer feels what they do, so that tilt and bias come from what it
-//! should feel: [`crate::sensing::levelling`]. Heading has no reference here and drifts with the bias about the vertical.
+//! should feel: [`crate::sensing::levelling`]. Heading has no reference here and drifts with the bias about the
+//! vertical.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
