@@ -90,7 +90,7 @@ fn row(
     Row { rig: name.to_owned(), vibration_m_s2, drift_deg_s, estimator: ESTIMATOR.to_owned(), rms_deg, max_deg }
 }
 
-/// What these flights were with the estimator that flew before, at every rig and vibration before the present one's:
+/// What these flights were with the estimator that flew before, at every rig and vibration before the present's:
 /// a complementary filter whose accelerometer was believed by its distance from 1 g. Its code is gone; flown with commit
 /// 372ab4d of the core, on 2026-11-22, before the motors' lifts were made to scatter.
 ///
