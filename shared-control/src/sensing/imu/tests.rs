@@ -227,7 +227,8 @@ fn a_rotors_line_is_vibration_and_no_force() {
         let samples: heapless::Vec<_, 16> = (0..3)
             .map(|k| {
                 let time_us = (3 * step + k) * 1000;
-                let (sin, _) = crate::elementary::sin_cos((time_us % 100_000) as f32 * 1e-6 * 2.0 * 90.0 * 3.141_592_7);
+                let turns = (time_us % 100_000) as f32 * 1e-6 * 90.0;
+                let (sin, _) = crate::elementary::sin_cos(turns * core::f32::consts::TAU);
                 let counts = (peak_m_s2 * sin / config.accel_m_s2_per_count) as i16;
                 // the sensor's x axis is -y of the body
                 RawImuSample { accel_counts: [-counts, 0, -4096], ..sample(time_us, [0; 3]) }

@@ -1,5 +1,7 @@
 //! The covariance of what the levelling does not know: prediction and comparison, in single precision.
 
+#![allow(clippy::needless_range_loop, reason = "sums over rows and columns read best by their indices")]
+
 use core::ops::Range;
 
 use nalgebra::Vector3;

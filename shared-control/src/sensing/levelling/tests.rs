@@ -1,5 +1,7 @@
 //! The levelling against vehicles whose motion is integrated here, in double precision.
 
+#![allow(clippy::disallowed_methods, reason = "the truth is integrated in double precision on the host")]
+
 use nalgebra::{UnitQuaternion as Rotation, Vector3 as Vector};
 use proptest::prelude::*;
 

@@ -91,8 +91,8 @@ fn row(
 }
 
 /// What these flights were with the estimator that flew before, at every rig and vibration before the present's:
-/// a complementary filter whose accelerometer was believed by its distance from 1 g. Its code is gone; flown with commit
-/// 372ab4d of the core, on 2026-11-22, before the motors' lifts were made to scatter.
+/// a complementary filter whose accelerometer was believed by its distance from 1 g. Its code is gone; flown with
+/// commit 372ab4d of the core, on 2026-11-22, before the motors' lifts were made to scatter.
 ///
 /// # Panics
 /// If the committed rows are none.
