@@ -65,7 +65,7 @@ fn worst_ratio(log: &Log, model: &VehicleModel) -> (f64, &'static str) {
 /// floor is that of the readings alone.
 #[test]
 fn commands_between_the_rows_act_at_their_own_times() {
-    let logs = [5, 6, 7].map(|seed| slow_log(seed));
+    let logs = [5, 6, 7].map(slow_log);
     // one log's ratio scatters by a tenth with its noise
     let ratio = logs.each_ref().map(|(log, model)| worst_ratio(log, model).0).iter().sum::<f64>() / 3.0;
     assert!((0.85..1.2).contains(&ratio), "{ratio}");

@@ -72,7 +72,7 @@ impl Sensors {
 
     /// The same of a vehicle that stands level and still, under that gravity (m/s²).
     pub fn imu_at_rest(&mut self, gravity_m_s2: f64, time_us: u64) -> RawImuSample {
-        self.imu_sample(time_us, [0.0; 3], [0.0, 0.0, -gravity_m_s2])
+        self.imu_sample(time_us, [0.0; 3], [0.0, 0.0, -gravity_m_s2], None)
     }
 
     /// The same of a motion that was seen.
