@@ -11,11 +11,11 @@ use sil_host::model::{Rig, VehicleModel};
 use sil_host::sensors::random::RandomStream;
 use sil_host::synthesis::Synthesis;
 
-fn synthetic(rig: Rig, effects: &[&str], seed: u64) -> Log {
+fn synthetic(rig: Rig, effects: &[&str], seed: u64, duration_s: f64) -> Log {
     let mut model = VehicleModel::nominal(rig);
     let inertia_kg_m2 = model.inertia_kg_m2;
     model.effects = effects.iter().map(|short| Effect::parse_for(short, rig, inertia_kg_m2).unwrap()).collect();
-    Synthesis { seed, duration_s: 10.0, ..Synthesis::of(model) }.log().unwrap()
+    Synthesis { seed, duration_s, ..Synthesis::of(model) }.log().unwrap()
 }
 
 fn refusals(log: &Log) -> String {
@@ -60,10 +60,10 @@ fn large_effects_pass() {
     ];
     for rig in [Rig::Gimbal, Rig::Free] {
         for effect in large {
-            let log = synthetic(rig, &[effect], 1);
+            let log = synthetic(rig, &[effect], 1, 10.0);
             assert_eq!(refusals(&log), "", "{effect}");
         }
-        let log = synthetic(rig, &[], 2);
+        let log = synthetic(rig, &[], 2, 10.0);
         println!("{:?}", examine(&log, None).confirmed);
     }
 }
@@ -278,10 +278,10 @@ fn missed(of: &str, log: &Log, ways: &[&[Spoiled]], tried: &mut usize) -> String
 fn spoiled_simulated_logs_are_refused() {
     let mut tried = 0;
     let mut all = String::new();
-    let gimbal = synthetic(Rig::Gimbal, &["weak_motor:motor=2,scale=0.8", "motor_lag:time_constant_s=0.03"], 3);
+    let gimbal = synthetic(Rig::Gimbal, &["weak_motor:motor=2,scale=0.8", "motor_lag:time_constant_s=0.03"], 3, 30.0);
     let of_rig: [&[Spoiled]; 5] = [&OF_ANGLES_AND_RATES, &OF_TWO_AXES, &OF_MOTORS, &OF_THE_ACCELEROMETER, &OF_THE_TILT];
     all += &missed("gimbal", &gimbal, &of_rig, &mut tried);
-    let free = synthetic(Rig::Free, &["gyro_scale:axis=pitch,scale=1.3"], 4);
+    let free = synthetic(Rig::Free, &["gyro_scale:axis=pitch,scale=1.3"], 4, 30.0);
     let of_flight: [&[Spoiled]; 5] =
         [&OF_ANGLES_AND_RATES, &OF_TWO_AXES, &OF_MOTORS, &OF_THE_FRAME, &OF_THE_ACCELEROMETER];
     all += &missed("free", &free, &of_flight, &mut tried);
