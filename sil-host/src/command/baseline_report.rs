@@ -3,8 +3,8 @@
 use sil_host::diagnosis::{BaselineDiagnosis, BetweenFlights, Compared, Difference, Verdict};
 use sil_host::report::{Cell, Page, Section, Table};
 
-use super::diagnose_evidence::capitalised;
 use super::diagnose_report::fact_text;
+use super::plain_words::capitalised;
 use super::text_table::{TextTable, number};
 
 /// Columns of the table of numbers.

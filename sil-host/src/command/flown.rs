@@ -33,6 +33,16 @@ pub fn eigenvalues_title(flown: &FlownController) -> String {
     format!("Closed-loop eigenvalues of the unconstrained MPC, one step = {period_ms} ms")
 }
 
+/// True if the flight fell apart, the loop oscillates by itself, or an eigenvalue lies outside of the unit circle.
+pub fn is_unstable(flown: &FlownController) -> bool {
+    flown.flight.record.ended_early || flown.margins.is_none() || has_unstable_eigenvalue(flown)
+}
+
+fn has_unstable_eigenvalue(flown: &FlownController) -> bool {
+    let unstable = |axes: &[[[f64; 2]; 4]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
+    flown.eigenvalues.as_ref().is_some_and(unstable)
+}
+
 /// What somebody who reads the figures must know.
 pub fn remarks(flown: &FlownController) -> Vec<String> {
     let name = flown.setup.choice.name();
@@ -47,8 +57,7 @@ pub fn remarks(flown: &FlownController) -> Vec<String> {
     if flown.margins.is_none() {
         remarks.push(format!("{name}: at hover the loop oscillates by itself, so it has no margins."));
     }
-    let unstable = |axes: &[[[f64; 2]; 4]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
-    if flown.eigenvalues.as_ref().is_some_and(unstable) {
+    if has_unstable_eigenvalue(flown) {
         remarks.push(format!("{name}: without active bounds this loop is unstable, an eigenvalue has |z| >= 1."));
     }
     let axes = [summary.axes.roll, summary.axes.pitch];
