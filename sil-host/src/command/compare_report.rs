@@ -22,9 +22,9 @@ pub fn lead(comparison: &Comparison, subject: &Subject<'_>) -> String {
     };
     match error.channels.iter().max_by(|a, b| times_floor(a).total_cmp(&times_floor(b))) {
         Some(worst) => format!(
-            "{model} is off in the {} by {} {} (RMSE over open-loop predictions of {} s). An exact model would be off by \
-             {}: sensor noise, the uncertain start of each window, and commands between rows that the log does not \
-             hold.",
+            "{model} is off in the {} by {} {} (RMSE over open-loop predictions of {} s). An exact model would be \
+             off by {}: sensor noise, the uncertain start of each window, and commands between rows that the log \
+             does not hold.",
             quantity(worst.quantity),
             rough(worst.nominal),
             unit(worst.unit),
@@ -51,7 +51,7 @@ pub fn headline(comparison: &Comparison) -> String {
     format!(
         "The model misses the {name} by {} within {}; noise alone makes {}",
         with_unit(worst.nominal, &unit),
-        with_unit(error.window_s, "s"),
+        format_args!("{}\u{a0}s", error.window_s),
         with_unit(worst.noise_floor, &unit)
     )
 }

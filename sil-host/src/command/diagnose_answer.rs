@@ -7,7 +7,7 @@ use sil_host::prediction::Channel;
 use sil_host::report::{Card, Chart, Page, Tone};
 
 use super::key_window::Predicted;
-use super::plain_words::{axis_of, capitalised, cause, main_parameter, quantity, rough, sentence, unit, with_unit};
+use super::plain_words::{axis_of, capitalised, cause, main_parameter, parameter, quantity, sentence, unit, with_unit};
 
 /// An angle is shown rather than a rate if its error, in units of the noise, is at least this share of the rate's.
 const ANGLE_PREFERRED: f64 = 0.5;
@@ -69,6 +69,9 @@ fn improvement(answer: &Diagnosis) -> Option<String> {
     let with = match (answer.findings.is_empty(), answer.base.is_empty()) {
         (true, true) => String::new(),
         (true, false) => format!("; with its ordinary numbers fitted by {base}"),
+        (false, _) if answer.verdict == Verdict::NotAModel => {
+            format!("; with the best of what was tried by {extended}")
+        }
         (false, _) => format!("; with this in it by {extended}"),
     };
     Some(format!("{start}{with}. Noise alone makes {exact}."))
@@ -119,8 +122,11 @@ fn card(answer: &Diagnosis) -> Card {
     };
     let card = Card::new(tone).line("Verdict", verdict);
     let card = match answer.findings.first() {
+        Some(first) if answer.verdict == Verdict::NotAModel => card.line("Best of what was tried", sentence(first)),
         Some(first) => {
-            let size = main_parameter(first).map(|(_, size)| size.exact()).unwrap_or_default();
+            let size = main_parameter(first)
+                .map(|(name, size)| format!("{} ({})", size.exact(), parameter(first.effect, name)))
+                .unwrap_or_default();
             card.line("Cause", cause(first)).line("Size", size).line("Certainty", certainty(first))
         }
         None => card.line("What remains", capitalised(&answer.unexplained.signature)),
@@ -141,9 +147,9 @@ fn certainty(finding: &Finding) -> String {
     let mut others: Vec<String> = others.collect();
     others.extend(confounded.filter(|other| !others.contains(other)).collect::<Vec<_>>());
     let or = (!others.is_empty()).then(|| format!("it may as well be {}", others.join(" or ")));
-    let gain = format!("removing it loses {} % of the improvement", rough(finding.gain_pct));
-    let said: Vec<String> = cuts.into_iter().chain(or).collect();
-    if said.is_empty() { capitalised(&gain) } else { capitalised(&said.join("; ")) }
+    let gain = format!("without it {} of the improvement is lost", with_unit(finding.gain_pct, "%"));
+    let said: Vec<String> = std::iter::once(gain).chain(cuts).chain(or).collect();
+    capitalised(&said.join("; "))
 }
 
 /// Share of a log's rows in which any motor's command is at an end of its range.

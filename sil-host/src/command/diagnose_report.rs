@@ -111,6 +111,12 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
         let known: Vec<String> = answer.known.iter().map(fact_text).collect();
         section = section.paragraph(format!("Known beside the log, and held: {}.", known.join(", ")));
     }
+    if answer.verdict == Verdict::NotAModel {
+        section = section.warning(
+            "Whatever is added, the model predicts no better than the measurements' mean: what stands below is the \
+             best of what was tried, not a cause.",
+        );
+    }
     if answer.findings.is_empty() {
         return section.paragraph("No effect of the catalogue lowers the error by more than chance would.");
     }
@@ -128,9 +134,10 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
             table = table.row(parameter_row(finding, name, *estimate, index == 0));
         }
     }
-    let between = gain.total_interval_pct.map(|interval| format!(" ({} %)", interval_text(interval)));
+    let shown = |interval: &[f64; 2]| format!("{:.1}", interval[0]) != format!("{:.1}", interval[1]);
+    let between = gain.total_interval_pct.filter(shown).map(|interval| format!(" ({} %)", interval_text(interval)));
     section
-        .bars(bars.bar("What remains unexplained", left, None))
+        .bars(bars.rest("What remains unexplained", left))
         .table(table)
         .list(
             answer

@@ -6,7 +6,7 @@ use sil_host::report::{Better, Card, Cell, Chart, Page, Section, Table, Tone};
 use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
 use super::flown::{FlownController, eigenvalues_title, is_unstable, margin_values, remarks};
 use super::key_window::{cut, largest_step};
-use super::plain_words::{MOTOR_PLACES, with_unit};
+use super::plain_words::{MOTOR_PLACES, capitalised, with_unit};
 
 /// Share of the time with a motor at its limit that belongs into the headline, %.
 const SATURATED_MIN_PCT: f64 = 5.0;
@@ -75,7 +75,7 @@ fn card(flown: &[FlownController]) -> Card {
     };
     flown.iter().fold(Card::new(tone).line("Verdict", verdict), |card, one| {
         let axes = &one.flight.summary.axes;
-        let of_axes = [("Roll", axes.roll), ("Pitch", axes.pitch)].map(|(name, axis)| {
+        let of_axes = [("roll", axes.roll), ("pitch", axes.pitch)].map(|(name, axis)| {
             let rise = axis.rise_time_s.map(|rise_s| format!("{name} rises in {}", with_unit(1e3 * rise_s, "ms")));
             let past = axis.overshoot_pct.filter(|past| *past >= OVERSHOOT_MIN_PCT);
             let past = past.map(|past| format!(", {} past its target", with_unit(past, "%")));
@@ -85,7 +85,7 @@ fn card(flown: &[FlownController]) -> Card {
         said.push(format!("motors at a limit {} of the time", with_unit(one.flight.summary.saturated_pct, "%")));
         let unstable = if is_unstable(one) { ", unstable" } else { "" };
         let name = format!("{} at {} Hz{unstable}", label(one), one.flight.summary.rate_hz);
-        card.line(name, said.join("; "))
+        card.line(name, capitalised(&said.join("; ")))
     })
 }
 

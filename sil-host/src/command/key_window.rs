@@ -91,7 +91,7 @@ pub fn largest_step(time_s: &[f64], references: &[&[f64]]) -> Option<(usize, [f6
 
 /// The rows of a series within times.
 pub fn cut(time_s: &[f64], values: &[f64], [from_s, to_s]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
-    let pairs = time_s.iter().zip(values).filter(|(time, _)| (from_s..=to_s).contains(*time));
+    let pairs = time_s.iter().zip(values).filter(|(time, _)| (from_s..to_s).contains(*time));
     pairs.map(|(time, value)| (*time, *value)).unzip()
 }
 

@@ -15,6 +15,7 @@ struct Bar {
     name: String,
     percent: f64,
     interval: Option<[f64; 2]>,
+    is_rest: bool,
 }
 
 impl Bars {
@@ -25,7 +26,13 @@ impl Bars {
 
     /// Adds a bar; what lies outside of 0 to 100 % is drawn to the nearer end, its number is not changed.
     pub fn bar(mut self, name: impl Into<String>, percent: f64, interval: Option<[f64; 2]>) -> Self {
-        self.bars.push(Bar { name: name.into(), percent, interval });
+        self.bars.push(Bar { name: name.into(), percent, interval, is_rest: false });
+        self
+    }
+
+    /// Adds a bar of another colour for what no other bar stands for.
+    pub fn rest(mut self, name: impl Into<String>, percent: f64) -> Self {
+        self.bars.push(Bar { name: name.into(), percent, interval: None, is_rest: true });
         self
     }
 
@@ -46,7 +53,7 @@ impl Bar {
             li {
                 span.name { (self.name) }
                 span.track aria-hidden="true" {
-                    span.fill style=(format!("width:{:.1}%", place(self.percent))) {}
+                    span.fill.rest[self.is_rest] style=(format!("width:{:.1}%", place(self.percent))) {}
                     @if let Some([low, high]) = self.interval {
                         @let (from, to) = (place(low), place(high));
                         span.interval style=(format!("left:{from:.1}%;width:{:.1}%", (to - from).max(0.0))) {}
@@ -89,7 +96,7 @@ mod tests {
 
     #[test]
     fn digits_end_where_they_say_nothing() {
-        let text = |percent, interval| Bar { name: String::new(), percent, interval }.text();
+        let text = |percent, interval| Bar { name: String::new(), percent, interval, is_rest: false }.text();
         assert_eq!(text(62.34, Some([55.2, 70.9])), "62 % (55 to 71)");
         assert_eq!(text(99.97, Some([99.96, 99.98])), "100.0 %");
         assert_eq!(text(0.31, None), "0.3 %");

@@ -120,7 +120,9 @@
     if (series.length === 0) return;
     const spans = shades(drawing);
     const size = drawing.getBoundingClientRect();
-    const axis = { stroke: colour("--quiet"), grid: { stroke: colour("--grid"), width: 1 }, ticks: { show: false } };
+    const values = (_, ticks) => ticks.map((tick) => String(+tick.toPrecision(6)).replace("-", "\u2212"));
+    const grid = { stroke: colour("--grid"), width: 1 };
+    const axis = { stroke: colour("--quiet"), grid, values, ticks: { show: false }, font: "12px system-ui" };
     const span = `${chart.dataset.over} ${chart.dataset.x}`;
     const isWhole = (plot) => plot.scales.x.min <= x[0] && plot.scales.x.max >= x[1];
     const range = (plot, low, high) => {
@@ -136,7 +138,10 @@
         x: { time: false, range: (_, low, high) => (low === null || high === low ? x : [low, high]) },
         y: { range },
       },
-      axes: [{ ...axis, size: 44, label: chart.dataset.over, labelSize: 18, gap: 2 }, { ...axis, size: 52 }],
+      axes: [
+        { ...axis, size: 28, gap: 4, label: chart.dataset.over, labelSize: 18, labelGap: 0, labelFont: "12px system-ui" },
+        { ...axis, size: 52, gap: 6 },
+      ],
       cursor: { y: false, points: { show: false }, sync: { key: span }, drag: { x: true, y: false } },
       series: [{}, ...series.map((one) => (
         { label: one.name, stroke: one.stroke, dash: one.dash, width: 1.6, points: { show: false } }))],
@@ -149,7 +154,9 @@
             if (end > start) plot.ctx.fillRect(start, plot.bbox.top, end - start, plot.bbox.height);
           }
         }],
-        setScale: [(plot, key) => { if (key === "x") zoomed.set(span, [plot.scales.x.min, plot.scales.x.max]); }],
+        setScale: [(plot, key) => {
+          if (key === "x" && box) zoomed.set(span, [plot.scales.x.min, plot.scales.x.max]);
+        }],
         setCursor: [(plot) => { if (box) showValues(plot, box, series, chart, x); }],
       },
     }, uPlot.join(series.map((one) => one.samples)), chart);
@@ -159,8 +166,8 @@
     plot.root.setAttribute("aria-label", drawing.getAttribute("aria-label"));
     chart.classList.add("live");
     live.set(chart, plot);
-    const range_now = zoomed.get(span);
-    if (range_now) plot.setScale("x", { min: range_now[0], max: range_now[1] });
+    const shown = zoomed.get(span);
+    if (shown) plot.setScale("x", { min: shown[0], max: shown[1] });
     for (const hidden of chart.closest("[data-figure]").querySelectorAll(".legend [aria-pressed=false]")) {
       show(plot, hidden.dataset.name, false);
     }
