@@ -28,7 +28,7 @@ pub struct CompareArguments {
     /// The report with plots
     #[arg(long, value_name = "OUT.html", default_value = "out/compare.html")]
     report: PathBuf,
-    /// Write the figures as JSON
+    /// Write the figures as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
 }

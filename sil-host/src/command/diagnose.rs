@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use sil_host::closed_loop::LogRefused;
 use sil_host::diagnosis::{
-    BetweenFlights, Effort, Fact, Given, Known, Subject, diagnose_against, diagnose_flown_by, diagnose_observed,
-    extended_model,
+    BetweenFlights, Effort, Fact, Given, Known, Subject, Verdict, diagnose_against, diagnose_flown_by,
+    diagnose_observed, extended_model,
 };
 use sil_host::log::Log;
 use sil_host::model::VehicleModel;
@@ -52,12 +52,24 @@ pub struct DiagnoseArguments {
     /// Write the flight that would separate effects which this log cannot, for `sil fly --script`
     #[arg(long, value_name = "OUT.toml")]
     experiment: Option<PathBuf>,
+    /// End with exit status 3 on such an answer: discrepancy for any, unexplained where the findings don't explain it
+    #[arg(long, value_name = "WHAT", value_enum)]
+    fail_on: Option<FailOn>,
     /// Write a report for the browser
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
-    /// Write the answer as JSON
+    /// Write the answer as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
+}
+
+/// Answers that a script may want to stop at.
+#[derive(Clone, Copy, ValueEnum)]
+enum FailOn {
+    /// Anything but "no discrepancy".
+    Discrepancy,
+    /// What the findings do not explain.
+    Unexplained,
 }
 
 impl DiagnoseArguments {
@@ -95,7 +107,22 @@ impl DiagnoseArguments {
             write_file(path, page.to_html().as_bytes())?;
             print(format!("report          {}\n", path.display()))?;
         }
-        write_json(self.json.as_deref(), &answer)
+        write_json(self.json.as_deref(), &answer)?;
+        self.judged(answer.verdict)
+    }
+
+    /// A failure where scripts wanted one.
+    fn judged(&self, verdict: Verdict) -> Result<(), Failure> {
+        let is_bad = match self.fail_on {
+            None => false,
+            Some(FailOn::Discrepancy) => verdict != Verdict::NoDiscrepancy,
+            Some(FailOn::Unexplained) => !matches!(verdict, Verdict::NoDiscrepancy | Verdict::Explained),
+        };
+        if is_bad {
+            Err(Failure { status: 3, message: "the log is not as the simulation (--fail-on)".into() })
+        } else {
+            Ok(())
+        }
     }
 
     /// How it was called, for the page.
@@ -164,5 +191,6 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         write_file(path, page.to_html().as_bytes())?;
         print(format!("report          {}\n", path.display()))?;
     }
-    write_json(arguments.json.as_deref(), &answer)
+    write_json(arguments.json.as_deref(), &answer)?;
+    arguments.judged(answer.verdict)
 }

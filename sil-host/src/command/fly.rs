@@ -54,7 +54,7 @@ pub struct FlyArguments {
     #[arg(long, value_name = "M", value_parser = control_horizon())]
     control_horizon: Option<usize>,
     /// Length of a prediction step of the MPC, s, whatever the rate [default: the file's, else 0.01]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     prediction_step: Option<f32>,
     /// Write the flight as a log, ULog if its name ends in .ulg; with both controllers OUT-pid.csv and OUT-mpc.csv
     #[arg(long, value_name = "OUT.csv")]
@@ -62,7 +62,7 @@ pub struct FlyArguments {
     /// Write a report with plots
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
-    /// Write the figures as JSON
+    /// Write the figures as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
 }

@@ -9,13 +9,14 @@ use sil_host::log::flown::Flown;
 use sil_host::log::{self, Log, Map, sanity};
 use sil_host::model::{Rig, VehicleModel};
 
+use super::output::STANDARD_STREAM;
 use super::{Failure, bad_input, vehicle_model};
 
 // A doc comment here would stand in the place of the command's own help.
 #[derive(Args)]
 pub struct LogArguments {
     /// The log: CSV, ULog (PX4), DataFlash (ArduPilot), Blackbox (Betaflight, INAV) or usdlog (Crazyflie), each
-    /// compressed by gzip or not
+    /// compressed by gzip or not; - reads it from stdin
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller,
@@ -68,7 +69,12 @@ impl LogArguments {
     /// Reads another log of the same kind, the same part of it.
     pub fn read_other(&self, path: &Path) -> Result<Log, Failure> {
         let map = self.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
-        let log = log::read(path, map.as_ref()).map_err(bad_input)?;
+        let log = if path == Path::new(STANDARD_STREAM) {
+            log::read_from(Path::new("stdin"), &mut std::io::stdin().lock(), map.as_ref())
+        } else {
+            log::read(path, map.as_ref())
+        };
+        let log = log.map_err(bad_input)?;
         let mut part = self.part(log)?;
         if self.unchecked {
             part.notes.push("not checked against itself (--unchecked)".to_owned());

@@ -65,6 +65,14 @@ pub fn read(path: &Path, map: Option<&Map>) -> Result<Log, LogError> {
     parse_bytes(path, bytes, map)
 }
 
+/// The same of a stream that is no file; the name is for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_from(name: &Path, from: &mut impl std::io::Read, map: Option<&Map>) -> Result<Log, LogError> {
+    parse_bytes(name, source::load_from(name, from)?, map)
+}
+
 /// The same of a file's bytes, decompressed; the path is for messages and for telling formats apart.
 ///
 /// # Errors

@@ -44,6 +44,20 @@ fn a_single_controller_writes_the_very_file() {
     }
 }
 
+/// What a reader must know first stands in the headline: at 50 Hz the MPC without constraints is unstable.
+#[test]
+fn an_unstable_flight_is_the_reports_headline() {
+    let folder = Folder::new();
+    let headline = |extra: &[&str]| {
+        folder.sil(&[&["fly", "--controller", "mpc", "--report", "out.html"], extra].concat()).assert_done();
+        let page = String::from_utf8(folder.bytes("out.html")).unwrap();
+        let (_, rest) = page.split_once("<h1>").unwrap();
+        rest.split_once("</h1>").unwrap().0.to_owned()
+    };
+    assert_eq!(headline(&["--rate", "50"]), "Unstable under MPC");
+    assert!(headline(&[]).starts_with("MPC settles in "));
+}
+
 /// The report names the command that repeats its run.
 #[test]
 fn the_command_in_a_report_makes_the_same_report() {
