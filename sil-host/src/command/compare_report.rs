@@ -8,7 +8,7 @@ use sil_host::report::{Cell, Chart, Section, Table};
 
 use super::flight_report::{degrees, motor_chart};
 use super::key_window::{Predicted, cut, largest_step};
-use super::plain_words::{capitalised, quantity, rough, unit, with_unit};
+use super::plain_words::{capitalised, quantity, rough, table_decimals, unit, with_unit};
 
 /// Mean absolute deviations of the thesis' table 5.1: controller, roll, pitch, degrees.
 pub const THESIS_TABLE_5_1: [(&str, f64, f64); 2] = [("MPC", 1.84, 8.08), ("PID", 2.26, 5.80)];
@@ -182,9 +182,8 @@ fn prediction(comparison: &Comparison) -> Section {
     let table = error.channels.iter().fold(
         Table::new("RMSE at all samples of the held-out windows", &heads),
         |table, channel| {
-            let cell = |value: f64| Cell::number(value, 3);
             let (name, unit) = (quantity(channel.quantity), unit(channel.unit));
-            table.row([name.into(), unit.into(), cell(channel.nominal), cell(channel.noise_floor)])
+            table.row([name.into(), unit.into(), significant(channel.nominal), significant(channel.noise_floor)])
         },
     );
     let gains = Axis::ALL.into_iter().filter_map(|axis| {
@@ -197,9 +196,14 @@ fn prediction(comparison: &Comparison) -> Section {
     if gains.is_empty() { section } else { section.list(gains) }
 }
 
+/// An error with the digits that mean something.
+fn significant(value: f64) -> Cell {
+    Cell::number(value, table_decimals(value))
+}
+
 /// A row of prediction errors.
 pub fn error_cells(name: &str, errors: &ChannelErrors) -> [Cell; 5] {
-    let cell = |value: Option<f64>| Cell::number(value.unwrap_or(f64::NAN), 3);
+    let cell = |value: Option<f64>| significant(value.unwrap_or(f64::NAN));
     [Cell::from(name), cell(errors.roll_deg), cell(errors.pitch_deg), cell(errors.p_deg_s), cell(errors.q_deg_s)]
 }
 

@@ -41,13 +41,10 @@ pub fn run() -> Result<(), Failure> {
     let flown = [Controller::Cascade, Controller::Mpc]
         .into_iter()
         .map(|controller| {
-            fly_one(FlightSetup {
-                model: model.clone(),
-                controller_model: None,
-                choice: ControllerChoice::nominal(controller),
-                scenario: Scenario::test_sequence(),
-                seed: 0,
-            })
+            let choice = ControllerChoice::nominal(controller);
+            let scenario = Scenario::test_sequence();
+            let setup = FlightSetup { model: model.clone(), controller_model: None, choice, scenario, seed: 0 };
+            fly_one(choice.name(), setup)
         })
         .collect::<Result<Vec<_>, _>>()?;
     print(summary_text(&flown))?;

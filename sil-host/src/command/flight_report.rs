@@ -115,7 +115,10 @@ fn enlarged_step(flown: &[FlownController]) -> Option<[Chart; 2]> {
 }
 
 fn label(flown: &FlownController) -> String {
-    flown.setup.choice.name().to_uppercase()
+    match flown.name.as_str() {
+        name @ ("pid" | "mpc") => name.to_uppercase(),
+        file => file.to_owned(),
+    }
 }
 
 fn angles(flown: &[FlownController]) -> Section {

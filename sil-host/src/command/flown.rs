@@ -9,6 +9,8 @@ use super::{Failure, bad_input};
 
 /// A flight with what was measured around it.
 pub struct FlownController {
+    /// What it is called beside others: pid, mpc, or the name of its file.
+    pub name: String,
     /// How it was set up.
     pub setup: FlightSetup,
     /// Series and figures.
@@ -20,11 +22,11 @@ pub struct FlownController {
 }
 
 /// Flies one controller and measures its margins.
-pub fn fly_one(setup: FlightSetup) -> Result<FlownController, Failure> {
+pub fn fly_one(name: &str, setup: FlightSetup) -> Result<FlownController, Failure> {
     let flight = setup.fly().map_err(bad_input)?;
     let margins = setup.margins().map_err(bad_input)?;
     let eigenvalues = setup.mpc_eigenvalues().map_err(bad_input)?;
-    Ok(FlownController { setup, flight, margins, eigenvalues })
+    Ok(FlownController { name: name.to_owned(), setup, flight, margins, eigenvalues })
 }
 
 /// What the eigenvalues are of.
@@ -45,7 +47,7 @@ fn has_unstable_eigenvalue(flown: &FlownController) -> bool {
 
 /// What somebody who reads the figures must know.
 pub fn remarks(flown: &FlownController) -> Vec<String> {
-    let name = flown.setup.choice.name();
+    let name = &flown.name;
     let summary = &flown.flight.summary;
     let mut remarks = Vec::new();
     if flown.flight.record.ended_early {

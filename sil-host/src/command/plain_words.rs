@@ -63,6 +63,15 @@ pub fn rough(value: f64) -> String {
     format!("{value:.*}", decimals(rounded)).replace('-', "\u{2212}")
 }
 
+/// Decimals with which a number of a table has three significant digits, or all that stand before the point.
+pub fn table_decimals(value: f64) -> usize {
+    if value == 0.0 || !value.is_finite() {
+        0
+    } else {
+        (2.0 - libm::floor(libm::log10(value.abs()))).clamp(0.0, 9.0) as usize
+    }
+}
+
 /// A number with two significant digits and its unit.
 pub fn with_unit(value: f64, unit: &str) -> String {
     let unit = unit.replace(' ', "\u{a0}");

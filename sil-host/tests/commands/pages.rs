@@ -142,7 +142,7 @@ fn pages_list_every_key_of_a_tuning() {
                     "bool" => "true or false",
                     _ => "text",
                 };
-                let meaning = meaning.drain(..).collect::<Vec<_>>().join(" ").replace(['[', ']'], "");
+                let meaning = std::mem::take(&mut meaning).join(" ").replace(['[', ']'], "");
                 keys.push([format!("`{name}`"), kind.to_owned(), meaning]);
             }
             None => meaning.push(line.trim_start_matches("///").trim()),
