@@ -4,7 +4,7 @@ use sil_host::diagnosis::{BaselineDiagnosis, BetweenFlights, Compared, Differenc
 use sil_host::report::{Card, Cell, Page, Section, Table, Tone};
 
 use super::diagnose_report::fact_text;
-use super::plain_words::capitalised;
+use super::plain_words::on_a_page;
 use super::text_table::{TextTable, number};
 
 /// Columns of the table of numbers.
@@ -109,7 +109,7 @@ fn card(answer: &BaselineDiagnosis) -> Card {
         answer.findings.iter().flat_map(|of| &of.one_of).map(|other| other.statement.as_str()).collect();
     Card::new(tone)
         .line("Verdict", verdict)
-        .line("Or", capitalised(&others.join("; ")))
+        .line("Or", on_a_page(&others.join("; ")))
         .line("Chance of as much in a normal flight", chance_text(answer.baseline.chance))
 }
 
@@ -117,7 +117,7 @@ fn card(answer: &BaselineDiagnosis) -> Card {
 pub fn page(answer: &BaselineDiagnosis, command: &str) -> Page {
     let mut causes = Section::new("The difference");
     for difference in &answer.findings {
-        causes = causes.list(with_chance(difference).iter().map(|line| capitalised(line)));
+        causes = causes.list(with_chance(difference).iter().map(|line| on_a_page(line)));
     }
     if let Some(nearest) = &answer.nearest {
         causes = causes.paragraph(nearest_text(nearest));
@@ -139,7 +139,8 @@ pub fn page(answer: &BaselineDiagnosis, command: &str) -> Page {
     );
     let logs = Section::new("Normal flights").paragraph(basis(answer)).list(answer.baseline.logs.clone());
     let title = match answer.findings.first() {
-        Some(first) => capitalised(first.statement.trim_end_matches('.')),
+        // the interval stands below
+        Some(first) => on_a_page(first.statement.split(" (95 %").next().unwrap_or_default().trim_end_matches('.')),
         None => headline(answer.verdict).trim_end_matches([':', '.']).to_owned(),
     };
     Page::new(title)

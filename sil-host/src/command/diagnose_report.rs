@@ -9,7 +9,7 @@ use sil_host::prediction::ChannelErrors;
 use sil_host::report::{Bars, Cell, Chart, Page, Section, Table};
 
 use super::compare_report::error_cells;
-use super::plain_words::{self, Size, capitalised, rough};
+use super::plain_words::{self, Size, capitalised, on_a_page, rough};
 use super::{diagnose_answer, diagnose_evidence};
 
 /// More effects than these with the same reason share one line.
@@ -99,7 +99,7 @@ fn base_model(answer: &Diagnosis) -> Option<Section> {
         "What is ordinary about a vehicle is fitted along with the findings: how hard it answers to commands, how \
          late, and what holds it level.",
     );
-    (!answer.base.is_empty()).then(|| section.list(answer.base.iter().map(base_text)))
+    (!answer.base.is_empty()).then(|| section.list(answer.base.iter().map(|term| on_a_page(&base_text(term)))))
 }
 
 fn causes(log: &Log, answer: &Diagnosis) -> Section {
@@ -144,7 +144,7 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
                 .findings
                 .iter()
                 .filter(|finding| diagnose_answer::is_doubtful(finding))
-                .map(|of| capitalised(&of.statement)),
+                .map(|of| on_a_page(&of.statement)),
         )
         .paragraph(format!(
             "Effects were fitted to half of the log's windows, chosen by a quarter, and are judged by the rest, held \

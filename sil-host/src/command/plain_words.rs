@@ -263,6 +263,11 @@ pub fn file_name(log: &Log) -> &str {
     log.path.rsplit(['/', '\\']).next().unwrap_or(&log.path)
 }
 
+/// A statement of the terminal as a page shows it: its first letter a capital, ± for +-.
+pub fn on_a_page(statement: &str) -> String {
+    capitalised(&statement.replace(" +- ", " ± "))
+}
+
 /// A text with a capital first letter.
 pub fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
