@@ -71,6 +71,8 @@ pub struct Config {
     pub watch: WatchConfig,
     /// Command of every motor that is armed on the ground.
     pub ground_idle_command: f32,
+    /// True where a rig carries the vehicle, in flight too.
+    pub held_by_rig: bool,
 }
 
 impl Config {
@@ -120,6 +122,7 @@ impl Config {
             supervisor: SupervisorConfig::NOMINAL,
             watch: WatchConfig::new(vehicle.gravity_m_s2, loop_rate_hz),
             ground_idle_command: tuning.ground_idle_command,
+            held_by_rig: vehicle.yaw_locked,
         })
     }
 

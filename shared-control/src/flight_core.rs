@@ -27,6 +27,7 @@ use crate::mpc::{Mpc, MpcState};
 use crate::sensing::battery::ABSENT_BELOW_V;
 use crate::sensing::imu_health::ImuHealth;
 use crate::sensing::imu_select;
+use crate::sensing::levelling::Support;
 use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
 use crate::supervisor::flight_watch::Felt;
 use crate::supervisor::{self, Arming, EscStage, Findings};
@@ -39,9 +40,9 @@ impl FlightCore {
     /// From the samples since the last step to the motor outputs. Cheap, and always equally long.
     pub fn fast(config: &Config, state: &mut State, input: &StepInput) -> StepOutput {
         state.step = state.step.wrapping_add(1);
-        let motors_turned = state.arming.motors_turn();
-        let imu = imu_select::update(&config.sensing, &mut state.imus, &mut state.estimator, input, motors_turned);
         let airborne = state.watch.is_airborne();
+        let support = state.arming.motors_turn().then(|| support(config, airborne));
+        let imu = imu_select::update(&config.sensing, &mut state.imus, &mut state.estimator, input, support);
         let (estimate, health) = state.coasting.bridge(config, &state.observer, &imu, airborne, input.time_us);
         state.watch.feel(
             &config.watch,
@@ -80,6 +81,7 @@ impl FlightCore {
             standby_health: imu.standby_health,
             setpoints_rejected: state.setpoint.rejected,
             estimate,
+            vibration_m_s2: imu.vibration_m_s2,
             planning,
             rate_target_rad_s: state.rate_target.rate_rad_s,
         }
@@ -132,6 +134,11 @@ impl FlightCore {
         let request = Self::follow(config, state, &output);
         (output, request.map(|request| Self::plan(mpc, plan_state, &request)))
     }
+}
+
+/// What carries a vehicle whose motors turn.
+fn support(config: &Config, airborne: bool) -> Support {
+    if airborne && !config.held_by_rig { Support::Air } else { Support::Held }
 }
 
 /// What the supervisor decides on.

@@ -1,36 +1,47 @@
 //! The gate of logs on simulated ones: whatever effect is in them they pass, and spoiled copies are refused with the
 //! line of the map that mends them. The copies of real logs are spoiled alike.
 
-use campaigns::blind::Case;
+use campaigns::blind::{Conditions, EFFECTS, EFFECTS_IN_FREE_FLIGHT, Hidden};
 use campaigns::real_logs::{files, folder, load};
 use sil_host::axis::Axis;
 use sil_host::effects::Effect;
 use sil_host::log::sanity::examine;
 use sil_host::log::{Column, Log, read};
 use sil_host::model::{Rig, VehicleModel};
+use sil_host::sensors::random::RandomStream;
 use sil_host::synthesis::Synthesis;
 
-fn synthetic(rig: Rig, effects: &[&str], seed: u64) -> Log {
+fn synthetic(rig: Rig, effects: &[&str], seed: u64, duration_s: f64) -> Log {
     let mut model = VehicleModel::nominal(rig);
     let inertia_kg_m2 = model.inertia_kg_m2;
     model.effects = effects.iter().map(|short| Effect::parse_for(short, rig, inertia_kg_m2).unwrap()).collect();
-    Synthesis { seed, ..Synthesis::of(model) }.log().unwrap()
+    Synthesis { seed, duration_s, ..Synthesis::of(model) }.log().unwrap()
 }
 
 fn refusals(log: &Log) -> String {
     examine(log, None).contradictions.iter().map(|c| format!("{c}\n")).collect()
 }
 
+/// Refusals of an effect that is clearly there, in a log of 15 s.
+fn refusals_of(name: &'static str, conditions: Conditions, draws: &mut RandomStream) -> String {
+    let effect = Hidden::draw(name, conditions.duration_s, conditions.rig, draws);
+    let short = effect.short(4.0 * effect.first_size);
+    let refused = refusals(&conditions.synthesised(std::slice::from_ref(&short)));
+    refused.lines().map(|line| format!("{short}: {line}\n")).collect()
+}
+
+// the blind campaigns have the same gate before them, with sizes that are only just to be seen
 #[test]
 fn every_effect_passes() {
+    let mut draws = RandomStream::new(1, "gate");
     let mut refused = String::new();
-    for seed in 0..19 {
-        let case = Case::single(seed, 15.0);
-        refused += &refusals(&case.log()).lines().map(|line| format!("{}: {line}\n", case.label())).collect::<String>();
+    for (seed, name) in (0..).zip(EFFECTS) {
+        let conditions = Conditions::draw(seed, 15.0, &mut draws);
+        refused += &refusals_of(name, conditions, &mut draws);
     }
-    for seed in 0..23 {
-        let case = Case::free(seed, 15.0);
-        refused += &refusals(&case.log()).lines().map(|line| format!("{}: {line}\n", case.label())).collect::<String>();
+    for (seed, name) in (0..).zip(EFFECTS_IN_FREE_FLIGHT) {
+        let conditions = Conditions::draw_free(seed, 15.0, &mut draws);
+        refused += &refusals_of(name, conditions, &mut draws);
     }
     assert!(refused.is_empty(), "{refused}");
 }
@@ -49,10 +60,10 @@ fn large_effects_pass() {
     ];
     for rig in [Rig::Gimbal, Rig::Free] {
         for effect in large {
-            let log = synthetic(rig, &[effect], 1);
+            let log = synthetic(rig, &[effect], 1, 10.0);
             assert_eq!(refusals(&log), "", "{effect}");
         }
-        let log = synthetic(rig, &[], 2);
+        let log = synthetic(rig, &[], 2, 10.0);
         println!("{:?}", examine(&log, None).confirmed);
     }
 }
@@ -267,10 +278,10 @@ fn missed(of: &str, log: &Log, ways: &[&[Spoiled]], tried: &mut usize) -> String
 fn spoiled_simulated_logs_are_refused() {
     let mut tried = 0;
     let mut all = String::new();
-    let gimbal = synthetic(Rig::Gimbal, &["weak_motor:motor=2,scale=0.8", "motor_lag:time_constant_s=0.03"], 3);
+    let gimbal = synthetic(Rig::Gimbal, &["weak_motor:motor=2,scale=0.8", "motor_lag:time_constant_s=0.03"], 3, 30.0);
     let of_rig: [&[Spoiled]; 5] = [&OF_ANGLES_AND_RATES, &OF_TWO_AXES, &OF_MOTORS, &OF_THE_ACCELEROMETER, &OF_THE_TILT];
     all += &missed("gimbal", &gimbal, &of_rig, &mut tried);
-    let free = synthetic(Rig::Free, &["gyro_scale:axis=pitch,scale=1.3"], 4);
+    let free = synthetic(Rig::Free, &["gyro_scale:axis=pitch,scale=1.3"], 4, 30.0);
     let of_flight: [&[Spoiled]; 5] =
         [&OF_ANGLES_AND_RATES, &OF_TWO_AXES, &OF_MOTORS, &OF_THE_FRAME, &OF_THE_ACCELEROMETER];
     all += &missed("free", &free, &of_flight, &mut tried);

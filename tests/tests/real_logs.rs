@@ -9,7 +9,7 @@ use campaigns::real_logs::crazyflie_yaw::yaw_sizes;
 use campaigns::real_logs::crazypad::{self, Change, MOTOR_3, MOTOR_4};
 use campaigns::real_logs::{TORQUE_SIGNS, files, load};
 use sil_host::axis::Axis;
-use sil_host::diagnosis::{Diagnosis, Subject, Verdict, diagnose, nominal_prediction};
+use sil_host::diagnosis::{Diagnosis, Estimate, Subject, Verdict, diagnose, nominal_prediction};
 use sil_host::log::{Log, Quantity};
 use sil_host::prediction::Channel;
 use sil_host::vehicle::propulsion::Propulsion;
@@ -163,10 +163,10 @@ fn value(diagnosis: &Diagnosis, effect: &str, parameter: &str) -> f64 {
     finding.map_or(0.0, |finding| finding.parameters[parameter].value)
 }
 
-/// Value of a number of the base model; 0 where it has none.
-fn base_value(diagnosis: &Diagnosis, effect: &str, parameter: &str) -> f64 {
+/// A number of the base model.
+fn base_estimate(diagnosis: &Diagnosis, effect: &str, parameter: &str) -> Estimate {
     let term = diagnosis.base.iter().find(|term| term.effect == effect);
-    term.map_or(0.0, |term| term.parameters[parameter].value)
+    term.unwrap_or_else(|| panic!("no {effect} in {:?}", diagnosis.base)).parameters[parameter]
 }
 
 /// What the bench's model lacks is fitted to one of the two shortest runs (docs/real-logs.md has all five): motors that
@@ -183,9 +183,13 @@ fn bench_with_free_pitch_is_diagnosed() {
         {
             assert!(extended.unwrap() < nominal.unwrap(), "{errors:?}");
         }
-        let late_s = base_value(&diagnosis, "motor_lag", "time_constant_s")
-            + base_value(&diagnosis, "actuation_delay", "delay_s");
-        assert!((0.014..0.032).contains(&late_s), "{late_s}");
+        let late_s = diagnosis.lateness_s.unwrap();
+        assert!((0.014..0.032).contains(&late_s.value) && late_s.std < 3e-3, "{late_s}");
+        let parts = [("motor_lag", "time_constant_s"), ("actuation_delay", "delay_s")];
+        let parts = parts.map(|(effect, name)| base_estimate(&diagnosis, effect, name));
+        assert!((parts[0].value + parts[1].value - late_s.value).abs() < 1e-12, "{parts:?}");
+        // neither is below 0, so that neither can be more than both
+        assert!(parts.iter().all(|part| part.std <= late_s.value + late_s.std), "{parts:?}");
         assert!(matches!(diagnosis.verdict, Verdict::PartlyExplained | Verdict::UnknownEffect));
     }
 }

@@ -71,6 +71,8 @@ pub struct StepOutput {
     pub setpoints_rejected: u32,
     /// Where the vehicle is.
     pub estimate: AttitudeEstimate,
+    /// Root mean square of what shakes each axis of the IMU in use, body, m/s^2.
+    pub vibration_m_s2: Vector3<f32>,
     /// How the MPC's plans fare.
     pub planning: PlanReport,
     /// Rate that the cascade requested, body frame, rad/s.

@@ -1,17 +1,16 @@
-//! Attitude and gyro bias from gyro and accelerometer: a complementary filter on the rotation group.
+//! Attitude and gyro bias from gyro and accelerometer.
 //!
-//! Mahony, Hamel, Pflimlin, "Nonlinear complementary filters on the special orthogonal group", IEEE TAC 53(5), 2008,
-//! equation 32 (explicit filter with bias): with the down direction measured (d = -f / |f|) and predicted
-//! (d^ = R^T z), e = d x d^,
+//! The gyro turns the attitude; the accelerometer says where down is. At rest, motors off, that is a complementary
+//! filter on the rotation group (Mahony, Hamel, Pflimlin, IEEE TAC 53(5), 2008, equation 32): with the down direction
+//! measured (d = -f / |f|) and predicted (d^ = R^T z), e = d x d^,
 //!
 //! ```text
-//!   R' = R [gyro - b + k_P w e]x          b' = -k_I w e
+//!   R' = R [gyro - b + k_P w e]x
 //! ```
-//! Departures: w falls to zero as |f| leaves g (a vehicle that accelerates says nothing about down), the bias is
-//! bounded, and the first usable sample sets roll and pitch outright. In flight the accelerometer feels the thrust,
-//! which points along the body's own z axis whatever the tilt, so it is followed only as fast as drift needs. At rest,
-//! motors off and the gyro quiet, the gyro reads its bias and nothing else: the bias is its mean, and level is followed
-//! quickly. Heading has no reference here and drifts with the bias about the vertical.
+//! where w falls to zero as |f| leaves g, and the bias b is the gyro's mean. The first usable sample sets roll and
+//! pitch outright. While motors turn the accelerometer feels what they do, so that tilt and bias come from what it
+//! should feel: [`crate::sensing::levelling`]. Heading has no reference here and drifts with the bias about the
+//! vertical.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -20,6 +19,7 @@ use crate::frames::{EulerAngles, down_in_body, normalized, q_from_rotation_vecto
 use crate::record::state_words::StateWords;
 use crate::sensing::gyro_bias::{GyroBias, GyroBiasConfig};
 use crate::sensing::imu::{ImuStep, all_finite, seconds_between};
+use crate::sensing::levelling::{Levelling, LevellingConfig, Support};
 use crate::signals::AttitudeEstimate;
 
 /// Gains and limits of the filter.
@@ -27,28 +27,23 @@ use crate::signals::AttitudeEstimate;
 pub struct EstimatorConfig {
     /// Gravity, m/s^2.
     pub gravity_m_s2: f32,
-    /// k_P in flight: how fast the accelerometer pulls the attitude, 1/s.
-    pub flight_attitude_1_s: f32,
-    /// k_I in flight: how fast the bias is learnt, 1/s^2.
-    pub flight_bias_1_s2: f32,
+    /// What is expected of a flight.
+    pub levelling: LevellingConfig,
     /// k_P at rest, 1/s.
     pub rest_attitude_1_s: f32,
     /// The gyro's bias.
     pub gyro_bias: GyroBiasConfig,
-    /// Relative deviation of |f| from g at which the accelerometer is ignored.
+    /// Relative deviation of |f| from g at which the accelerometer is ignored at rest.
     pub accel_gate: f32,
     /// The estimate is invalid when no sample came for this long, s.
     pub stale_after_s: f32,
 }
 
 impl EstimatorConfig {
-    /// In flight critically damped with 20 s (k_P = 2 / T, k_I = 1 / T^2): a tilt of 30 degrees held for 2 s, all of it
-    /// seen as level by the accelerometer, costs 5 degrees at worst; integrated gyro noise of 0.01 rad/s at 1 kHz stays
-    /// below 1 mrad. At rest half a second.
+    /// At rest half a second.
     pub const NOMINAL: EstimatorConfig = EstimatorConfig {
         gravity_m_s2: 9.806_65,
-        flight_attitude_1_s: 0.1,
-        flight_bias_1_s2: 0.0025,
+        levelling: LevellingConfig::NOMINAL,
         rest_attitude_1_s: 2.0,
         gyro_bias: GyroBiasConfig::NOMINAL,
         accel_gate: 0.15,
@@ -56,16 +51,28 @@ impl EstimatorConfig {
     };
 }
 
+/// How well the tilt is known after a gap in flight that nothing bridged, rad.
+const GAP_TILT_STD_RAD: f32 = 0.1;
+
 /// What the filter remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorState {
     q_world_from_body: UnitQuaternion<f32>,
     last_sample_us: Option<u64>,
+    /// Since motors turn.
+    levelling: Levelling,
+    /// Do they?
+    carried: bool,
 }
 
 impl Default for EstimatorState {
     fn default() -> Self {
-        Self { q_world_from_body: UnitQuaternion::identity(), last_sample_us: None }
+        Self {
+            q_world_from_body: UnitQuaternion::identity(),
+            last_sample_us: None,
+            levelling: Levelling::begin(&LevellingConfig::NOMINAL, LevellingConfig::NOMINAL.tilt_std_rad),
+            carried: false,
+        }
     }
 }
 
@@ -75,53 +82,61 @@ impl EstimatorState {
         self.last_sample_us = None;
     }
 
-    /// Goes on from another attitude.
+    /// Goes on from another attitude, by another gyro.
     pub fn set_attitude(&mut self, q_world_from_body: UnitQuaternion<f32>) {
         self.q_world_from_body = q_world_from_body;
+        self.carried = false;
+    }
+
+    /// What the levelling knows of the flight.
+    pub fn levelling(&self) -> &Levelling {
+        &self.levelling
     }
 
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { q_world_from_body, last_sample_us } = self;
+        let Self { q_world_from_body, last_sample_us, levelling, carried } = self;
         words.rotation(q_world_from_body);
         words.optional_time_us(*last_sample_us);
+        levelling.record(words);
+        words.word(u32::from(*carried));
     }
 }
 
 /// One step of the filter with an IMU and that IMU's gyro bias. `time_us` is the step's time; it only decides whether
-/// samples stay away.
+/// samples stay away. `support` is what carries a vehicle whose motors turn; none at rest.
 pub fn update(
     config: &EstimatorConfig,
     state: &mut EstimatorState,
     gyro: &mut GyroBias,
     imu: &ImuStep,
     time_us: u64,
-    in_flight: bool,
+    support: Option<Support>,
 ) -> AttitudeEstimate {
     if imu.is_usable() {
         let down = measured_down(config, &imu.specific_force_m_s2);
-        match (state.last_sample_us, imu.after_gap, down) {
-            (None, _, None) => {}
-            (None, _, Some((down_body, _))) => {
+        match (state.last_sample_us, imu.after_gap, down, support) {
+            (None, _, None, _) => {}
+            (None, _, Some((down_body, _)), _) => {
                 state.q_world_from_body = level_attitude(&down_body, state);
                 state.last_sample_us = Some(time_us);
             }
             // only on the ground: in flight the accelerometer would call the thrust's direction down
-            (Some(_), true, Some((down_body, _))) if !in_flight => {
+            (Some(_), true, Some((down_body, _)), None) => {
                 state.q_world_from_body = level_attitude(&down_body, state);
                 gyro.moved();
                 state.last_sample_us = Some(time_us);
             }
-            (Some(_), _, down) => {
-                if in_flight {
-                    gyro.moved();
-                } else {
-                    gyro.average_at_rest(&config.gyro_bias, imu, down.map(|(down_body, _)| down_body));
-                }
-                predict_and_correct(config, state, gyro, imu, down, in_flight);
+            (Some(_), _, _, Some(support)) => {
+                fly(config, state, gyro, imu, support);
+                state.last_sample_us = Some(time_us);
+            }
+            (Some(_), _, down, None) => {
+                rest(config, state, gyro, imu, down);
                 state.last_sample_us = Some(time_us);
             }
         }
     }
+    state.carried &= support.is_some();
     let fresh = match state.last_sample_us {
         // a clock that ran back makes nothing fresh
         Some(last) => time_us >= last && seconds_between(last, time_us) <= config.stale_after_s,
@@ -136,25 +151,38 @@ pub fn update(
     }
 }
 
-fn predict_and_correct(
+fn rest(
     config: &EstimatorConfig,
     state: &mut EstimatorState,
     gyro: &mut GyroBias,
     imu: &ImuStep,
     down: Option<(Vector3<f32>, f32)>,
-    in_flight: bool,
 ) {
-    let dt_s = imu.duration_s;
-    let mut rotation = imu.rotation_rad - gyro.bias_rad_s() * dt_s;
+    gyro.average_at_rest(&config.gyro_bias, imu, down.map(|(down_body, _)| down_body));
+    let mut rotation_rad = imu.rotation_rad - gyro.bias_rad_s() * imu.duration_s;
     if let Some((down_body, weight)) = down {
         let error = down_body.cross(&down_in_body(&state.q_world_from_body));
-        let gain_1_s = if in_flight { config.flight_attitude_1_s } else { config.rest_attitude_1_s };
-        rotation += error * (gain_1_s * weight * dt_s);
-        if in_flight {
-            gyro.correct(&config.gyro_bias, error * (-config.flight_bias_1_s2 * weight * dt_s));
-        }
+        rotation_rad += error * (config.rest_attitude_1_s * weight * imu.duration_s);
     }
-    state.q_world_from_body = turned(&state.q_world_from_body, &rotation);
+    state.q_world_from_body = turned(&state.q_world_from_body, &rotation_rad);
+}
+
+fn fly(config: &EstimatorConfig, state: &mut EstimatorState, gyro: &mut GyroBias, imu: &ImuStep, support: Support) {
+    gyro.moved();
+    if imu.after_gap {
+        state.levelling = Levelling::begin(&config.levelling, GAP_TILT_STD_RAD);
+    } else if !state.carried {
+        state.levelling = Levelling::begin(&config.levelling, config.levelling.tilt_std_rad);
+    }
+    state.carried = true;
+    let before = state.q_world_from_body;
+    let found = state.levelling.update(&config.levelling, config.gravity_m_s2, &before, imu, support);
+    state.q_world_from_body = turned(&before, &(imu.rotation_rad - gyro.bias_rad_s() * imu.duration_s));
+    if let Some(found) = found {
+        let correction = q_from_rotation_vector(&found.tilt_rad);
+        state.q_world_from_body = normalized((correction * state.q_world_from_body).into_inner());
+        gyro.correct(&config.gyro_bias, found.bias_rad_s);
+    }
 }
 
 /// An attitude after a rotation, rad, about the body's axes.

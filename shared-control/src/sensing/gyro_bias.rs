@@ -146,6 +146,8 @@ mod tests {
             rotation_rad: rate_rad_s * STEP_S,
             rate_body_rad_s: rate_rad_s,
             specific_force_m_s2: DOWN * -9.8,
+            steady_force_m_s2: DOWN * -9.8,
+            vibration_m_s2: Vector3::zeros(),
         }
     }
 

@@ -3,10 +3,16 @@
 //! The sensor samples faster than the loop runs. Attitude gets the whole rotation since the last step (the sum over
 //! all samples, so that nothing is lost between steps); the rate loop gets the low-passed rate, so that noise above
 //! half the loop's rate does not fold down.
+//!
+//! Of the specific force levelling gets the mean, whose sum over the steps is its integral, and what a low-pass of 5 Hz
+//! at the sensor's own rate leaves, in which no rotor is seen. What that takes away is the vibration, measured as
+//! ArduPilot does (`AP_InertialSensor::calc_vibration_and_clipping`: deviation from 5 Hz, squared, 2 Hz, root), so that
+//! its limits hold: below 30 m/s^2 good, beyond 60 bad.
 
 use nalgebra::Vector3;
 
-use crate::filter::{LowPass2, LowPass2State};
+use crate::elementary::sqrt;
+use crate::filter::{LowPass1, LowPass2, LowPass2State};
 use crate::record::state_words::StateWords;
 use crate::signals::RawImuSample;
 
@@ -18,6 +24,11 @@ pub const L3GD20_RATE_HZ: f32 = 760.0;
 const SAMPLE_GAP_MAX_S: f32 = 0.05;
 /// Longest gap that is bridged, at the mean of the rates on both sides, s.
 const BRIDGED_GAP_MAX_S: f32 = 0.5;
+/// Cut-off of the steady force, Hz, and of the mean square of the vibration.
+const STEADY_HZ: f32 = 5.0;
+const VIBRATION_MEAN_HZ: f32 = 2.0;
+/// By how much the steady force is late, s: a Butterworth low-pass of second order delays slow changes by sqrt(2)/w.
+pub const STEADY_LAG_S: f32 = core::f32::consts::SQRT_2 / (2.0 * core::f32::consts::PI * STEADY_HZ);
 /// How far ahead of the step a sample may be stamped, us; a stamp beyond is no time.
 const STAMP_AHEAD_MAX_US: u64 = 5_000;
 
@@ -102,6 +113,10 @@ pub struct ImuConfig {
     pub accel_axes: AxisMap,
     /// Low-pass on each gyro axis at the sensor's sample rate.
     pub gyro_lowpass: LowPass2,
+    /// On each accelerometer axis, for the steady force.
+    pub force_lowpass: LowPass2,
+    /// For the mean square of the vibration.
+    pub vibration_mean: LowPass1,
 }
 
 impl ImuConfig {
@@ -115,6 +130,8 @@ impl ImuConfig {
             gyro_axes: AxisMap::PIXHAWK1_MPU6000,
             accel_axes: AxisMap::PIXHAWK1_MPU6000,
             gyro_lowpass: LowPass2::new(gyro_cutoff_hz, sample_rate_hz),
+            force_lowpass: LowPass2::new(STEADY_HZ, sample_rate_hz),
+            vibration_mean: LowPass1::new(VIBRATION_MEAN_HZ, sample_rate_hz),
         }
     }
 
@@ -129,6 +146,8 @@ impl ImuConfig {
             gyro_axes: AxisMap::PIXHAWK1_L3GD20,
             accel_axes: AxisMap::PIXHAWK1_LSM303D,
             gyro_lowpass: LowPass2::new(gyro_cutoff_hz, L3GD20_RATE_HZ),
+            force_lowpass: LowPass2::new(STEADY_HZ, L3GD20_RATE_HZ),
+            vibration_mean: LowPass1::new(VIBRATION_MEAN_HZ, L3GD20_RATE_HZ),
         }
     }
 
@@ -149,16 +168,34 @@ pub struct ImuState {
     last_time_us: Option<u64>,
     lowpass: [LowPass2State; 3],
     rate_body_rad_s: Vector3<f32>,
+    force_lowpass: [LowPass2State; 3],
+    steady_force_m_s2: Vector3<f32>,
+    /// Mean square of the deviation from the steady force, m^2/s^4.
+    vibration: Vector3<f32>,
 }
 
 impl ImuState {
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { last_time_us, lowpass, rate_body_rad_s } = self;
+        let Self { last_time_us, lowpass, rate_body_rad_s, force_lowpass, steady_force_m_s2, vibration } = self;
         words.optional_time_us(*last_time_us);
-        for axis in lowpass {
+        for axis in lowpass.iter().chain(force_lowpass) {
             axis.record(words);
         }
-        words.vector(rate_body_rad_s);
+        for vector in [rate_body_rad_s, steady_force_m_s2, vibration] {
+            words.vector(vector);
+        }
+    }
+
+    fn feel(&mut self, config: &ImuConfig, force_m_s2: &Vector3<f32>, anew: bool) {
+        for axis in 0..3 {
+            if anew {
+                self.force_lowpass[axis] = config.force_lowpass.settled(force_m_s2[axis]);
+            }
+            let steady = config.force_lowpass.update(&mut self.force_lowpass[axis], force_m_s2[axis]);
+            let shaken = force_m_s2[axis] - steady;
+            config.vibration_mean.update(&mut self.vibration[axis], shaken * shaken);
+            self.steady_force_m_s2[axis] = steady;
+        }
     }
 }
 
@@ -177,6 +214,10 @@ pub struct ImuStep {
     pub rate_body_rad_s: Vector3<f32>,
     /// Mean specific force, m/s^2; zero without samples.
     pub specific_force_m_s2: Vector3<f32>,
+    /// Low-passed specific force at the last sample, m/s^2, late by [`STEADY_LAG_S`]; the last known without new ones.
+    pub steady_force_m_s2: Vector3<f32>,
+    /// Root mean square of what shakes each axis, m/s^2.
+    pub vibration_m_s2: Vector3<f32>,
 }
 
 impl ImuStep {
@@ -203,6 +244,8 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
         rotation_rad: Vector3::zeros(),
         rate_body_rad_s: state.rate_body_rad_s,
         specific_force_m_s2: Vector3::zeros(),
+        steady_force_m_s2: state.steady_force_m_s2,
+        vibration_m_s2: state.vibration.map(sqrt),
     };
     for sample in samples {
         if sample.time_us > latest_us {
@@ -226,9 +269,11 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
             step.rotation_rad += gyro * interval_s;
             step.duration_s += interval_s;
         }
-        if first || interval_s > SAMPLE_GAP_MAX_S {
+        let anew = first || interval_s > SAMPLE_GAP_MAX_S;
+        if anew {
             state.lowpass = core::array::from_fn(|i| config.gyro_lowpass.settled(gyro[i]));
         }
+        state.feel(config, &force, anew);
         for i in 0..3 {
             step.rate_body_rad_s[i] = config.gyro_lowpass.update(&mut state.lowpass[i], gyro[i]);
         }
@@ -238,6 +283,8 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
     if step.samples > 0 {
         step.specific_force_m_s2 *= 1.0 / f32::from(step.samples);
         state.rate_body_rad_s = step.rate_body_rad_s;
+        step.steady_force_m_s2 = state.steady_force_m_s2;
+        step.vibration_m_s2 = state.vibration.map(sqrt);
     }
     step
 }

@@ -16,6 +16,7 @@ use crate::sensing::estimator::{self, EstimatorConfig, EstimatorState, measured_
 use crate::sensing::gyro_bias::GyroBias;
 use crate::sensing::imu::{self, ImuConfig, ImuState, ImuStep};
 use crate::sensing::imu_health::{ImuHealth, ImuHealthState};
+use crate::sensing::levelling::Support;
 use crate::signals::{AttitudeEstimate, RawImuSample, StepInput};
 
 /// One of the IMUs.
@@ -103,16 +104,20 @@ pub struct ImuFindings {
     pub force_m_s2: Option<Vector3<f32>>,
     /// Time at rest over which its gyro has been calibrated, s.
     pub gyro_rest_s: f32,
+    /// Root mean square of what shakes each of its axes, body, m/s^2.
+    pub vibration_m_s2: Vector3<f32>,
 }
 
-/// Takes the samples of a step, chooses the unit, and brings the attitude up to date. `motors_turned` until now.
+/// Takes the samples of a step, chooses the unit, and brings the attitude up to date. `support` is what has carried the
+/// vehicle while motors turned; none where they did not.
 pub fn update(
     config: &SensingConfig,
     pair: &mut ImuPairState,
     attitude: &mut EstimatorState,
     input: &StepInput,
-    motors_turned: bool,
+    support: Option<Support>,
 ) -> ImuFindings {
+    let motors_turned = support.is_some();
     let first = pair.first.take(&config.imu, &input.imu, input.time_us, motors_turned);
     let second = pair.second.take(&config.imu_second, &input.imu_second, input.time_us, motors_turned);
     let unit = choose(pair, motors_turned, first.health, second.health);
@@ -125,8 +130,7 @@ pub fn update(
         ImuUnit::Second => (second, &mut pair.second, first, &mut pair.first),
     };
     let estimator = &config.estimator;
-    let estimate =
-        estimator::update(estimator, attitude, &mut used_state.gyro, &used.step, input.time_us, motors_turned);
+    let estimate = estimator::update(estimator, attitude, &mut used_state.gyro, &used.step, input.time_us, support);
     calibrate_standby(estimator, &mut standby_state.gyro, &standby, motors_turned);
     pair.q_by_standby = if used.suspect {
         let bias_rad = standby_state.gyro.bias_rad_s() * standby.step.duration_s;
@@ -141,6 +145,7 @@ pub fn update(
         estimate,
         force_m_s2: used.step.is_usable().then_some(used.step.specific_force_m_s2),
         gyro_rest_s: used_state.gyro.rest_s(),
+        vibration_m_s2: used.step.vibration_m_s2,
     }
 }
 

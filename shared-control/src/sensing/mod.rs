@@ -5,7 +5,7 @@
 //!     --imu: SI units, body axes, low-pass before decimation--> ImuStep ---.
 //!     --imu_health: are the raw words to be believed?--> ImuHealth --------+--> imu_select: one of the two
 //!     --gyro_bias: what its gyro reads at rest--> bias --------------------'         |
-//!                                                  AttitudeEstimate <--estimator-----'
+//!          AttitudeEstimate <--estimator, in flight with levelling: what should be felt--'
 //! ```
 
 pub mod battery;
@@ -14,3 +14,4 @@ pub mod gyro_bias;
 pub mod imu;
 pub mod imu_health;
 pub mod imu_select;
+pub mod levelling;

@@ -99,7 +99,9 @@ fn base_model(answer: &Diagnosis) -> Option<Section> {
         "What is ordinary about a vehicle is fitted along with the findings: how hard it answers to commands, how \
          late, and what holds it level.",
     );
-    (!answer.base.is_empty()).then(|| section.list(answer.base.iter().map(|term| on_a_page(&base_text(term)))))
+    let terms = answer.base.iter().map(base_text);
+    let together = answer.lateness_s.map(|together| format!("lag and delay together: {together} s"));
+    (!answer.base.is_empty()).then(|| section.list(terms.chain(together).map(|line| on_a_page(&line))))
 }
 
 fn causes(log: &Log, answer: &Diagnosis) -> Section {

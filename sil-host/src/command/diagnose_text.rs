@@ -43,6 +43,7 @@ pub fn verdict_text(answer: &Diagnosis) -> String {
     if !answer.base.is_empty() {
         text.push_str("  fitted along with the above (the base model):\n");
         text.extend(answer.base.iter().map(|term| format!("    {}\n", base_text(term))));
+        text.extend(answer.lateness_s.map(|together| format!("    lag and delay together: {together} s\n")));
     }
     let of_controller =
         |rejected: &&Rejected| rejected.effect == "controller_mismatch" && rejected.reason != NO_CONTROLLER;

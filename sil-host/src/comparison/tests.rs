@@ -65,9 +65,25 @@ fn worst_ratio(log: &Log, model: &VehicleModel) -> (f64, &'static str) {
 /// floor is that of the readings alone.
 #[test]
 fn commands_between_the_rows_act_at_their_own_times() {
-    let (fast, model) = log_with(Rig::Gimbal, &[], 400, 5);
+    let logs = [5, 6, 7].map(slow_log);
+    // one log's ratio scatters by a tenth with its noise
+    let ratio = logs.each_ref().map(|(log, model)| worst_ratio(log, model).0).iter().sum::<f64>() / 3.0;
+    assert!((0.85..1.2).contains(&ratio), "{ratio}");
+    let [(mut slow, model), ..] = logs;
+    let floor = |log: &Log| {
+        let comparison = compare(log, &Subject::Vehicle(&model), None).unwrap();
+        comparison.prediction_error().noise_floor.q_deg_s.unwrap()
+    };
+    let with = floor(&slow);
+    slow.sent_commands = None;
+    assert!(with < 0.9 * floor(&slow), "{with} {}", floor(&slow));
+}
+
+/// One row in four of a nominal flight, all of its commands kept beside.
+fn slow_log(seed: u64) -> (Log, VehicleModel) {
+    let (fast, model) = log_with(Rig::Gimbal, &[], 400, seed);
     let fourth = |column: &Column| -> Column { Some(column.as_ref()?.iter().step_by(4).copied().collect()) };
-    let mut slow = Log {
+    let slow = Log {
         axes: fast.axes,
         time_s: fast.time_s.iter().step_by(4).copied().collect(),
         angle_rad: fast.angle_rad.each_ref().map(fourth),
@@ -76,15 +92,7 @@ fn commands_between_the_rows_act_at_their_own_times() {
         sent_commands: Some(Box::new(fast)),
         ..Log::default()
     };
-    let (ratio, channel) = worst_ratio(&slow, &model);
-    assert!((0.85..1.2).contains(&ratio), "{ratio} in {channel}");
-    let floor = |log: &Log| {
-        let comparison = compare(log, &Subject::Vehicle(&model), None).unwrap();
-        comparison.prediction_error().noise_floor.q_deg_s.unwrap()
-    };
-    let with = floor(&slow);
-    slow.sent_commands = None;
-    assert!(with < 0.9 * floor(&slow), "{with} {}", floor(&slow));
+    (slow, model)
 }
 
 /// A log with an effect held against the model that has it: what is missed is the noise floor, where the nominal model

@@ -91,7 +91,12 @@ fn run(
                 let torque_body_nm = probe(plant);
                 plant.set_disturbance_torque_body_nm(torque_body_nm);
             }
-            last_sample = sensors.imu(plant, now_us);
+            // what holds the vehicle carries its weight, whatever the motors would lift
+            last_sample = if now_us < HELD_US {
+                sensors.imu_at_rest(parameters.gravity_m_s2, now_us)
+            } else {
+                sensors.imu(plant, now_us)
+            };
             // the contract's rates are such that a batch never overflows
             let _ = monitored.imu.push(last_sample);
         }

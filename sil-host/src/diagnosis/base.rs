@@ -10,10 +10,11 @@ use serde::Serialize;
 
 use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
+use super::lateness::count_lateness;
 use super::noise::noise_beyond_sensors;
 use super::plausible::has_bound;
 use super::search::{Candidate, Search};
-use super::verdict::{Estimate, MODEL_ERROR, count_half_row, estimates};
+use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::diagnosis::fitting::shooting::Shooting;
@@ -141,7 +142,7 @@ pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
         let effect = fit.terms[index].effect;
         let name = |name| if is_vehicle { name } else { per_unit_inertia(name) };
         let mut parameters = estimates(fit, index, MODEL_ERROR);
-        count_half_row(search, effect, &mut parameters);
+        count_lateness(search, fit, effect, &mut parameters);
         let parameters = parameters.into_iter().map(|(own, value)| (name(own), value)).collect();
         let axis = effect.axis().map(Axis::name);
         BaseTerm { effect: effect.name(), axis, parameters, ordinary: !found.unusual.contains(&index) }

@@ -28,6 +28,7 @@ mod flown_by;
 mod found;
 mod judge;
 mod known;
+mod lateness;
 mod noise;
 mod nominal;
 mod observability;
@@ -95,6 +96,9 @@ pub struct Diagnosis {
     pub known: Vec<Fact>,
     /// The base model: what is fitted along with whatever is found; empty where the model's own numbers serve.
     pub base: Vec<BaseTerm>,
+    /// Motors' lag and the delay before them together, s, which a log shows far better than either; none where not
+    /// both are fitted.
+    pub lateness_s: Option<Estimate>,
     /// Most important first.
     pub findings: Vec<Finding>,
     /// What was tested and rejected.
@@ -290,6 +294,7 @@ fn answer<'e>(
         verdict,
         known: Vec::new(),
         base: base::terms(search, found),
+        lateness_s: lateness::together_s(search, &found.refitted.chosen),
         findings,
         rejected,
         prediction_error: PredictionErrors { window_s: WINDOW_S, nominal, base, extended, noise_floor },

@@ -28,6 +28,21 @@ fn a_log_of_the_nominal_vehicle_shows_nothing() {
     assert!(answer.unexplained.white, "{:?}", answer.unexplained);
 }
 
+/// Rotors that shake the IMU by 10 m/s^2 and 4 deg/s: to a log they are noise, or lines of no known origin. Nothing is
+/// named for them, and what there is beside them still is.
+#[test]
+fn rotors_that_shake_the_imu_are_taken_for_no_effect() {
+    let shaken = "rotor_vibration:peak_m_s2=10,peak_rad_s=0.07,at_rad_s=911";
+    let answer = answer_to(&log(&[shaken], None, 4));
+    assert!(answer.findings.is_empty(), "{:?}", answer.findings);
+    assert!(matches!(answer.verdict, Verdict::NoDiscrepancy | Verdict::UnknownEffect), "{:?}", answer.verdict);
+    let answer = answer_to(&log(&[shaken, "weak_motor:motor=3,scale=0.9"], None, 4));
+    let [finding] = &answer.findings[..] else { panic!("{:?}", answer.findings) };
+    let scale = finding.parameters["scale"];
+    assert_eq!(finding.effect, "weak_motor");
+    assert!((scale.value - 0.9).abs() < 4.0 * scale.std && scale.std < 0.02, "{scale:?}");
+}
+
 #[test]
 fn two_effects_are_both_named_with_their_sizes() {
     let hidden = ["weak_motor:motor=3,scale=0.96", "viscous_friction:axis=pitch,coefficient_nms=0.02"];

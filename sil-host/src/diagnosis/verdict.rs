@@ -8,13 +8,13 @@ use serde::Serialize;
 
 use super::fitted::{Fitted, per_unit_inertia};
 use super::found::Found;
+use super::lateness::count_lateness;
 use super::search::{SEPARABLE, Search};
 use super::stability::Stability;
 use super::{ChannelStatistics, Unexplained};
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::{Effect, Origin};
-use crate::prediction::lost_commands::lateness_of_held_s;
 use crate::statistics::dot;
 
 /// The accuracy of the integration, as a share of an effect.
@@ -179,7 +179,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
     let effect = term.effect;
     let model_error = if search.shooting.log.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
     let mut parameters = estimates(refitted, index, model_error);
-    count_half_row(search, effect, &mut parameters);
+    count_lateness(search, refitted, effect, &mut parameters);
     let mut names = effect.reported_names();
     // separate axes have a gain each that is fitted along, and no inertia
     if !search.shooting.log.is_vehicle() {
@@ -244,15 +244,6 @@ pub(super) fn estimates(fit: &Fit<'_>, index: usize, model_error: f64) -> BTreeM
         estimates.insert("motor", Estimate { value: f64::from(motor), std: 0.0 });
     }
     estimates
-}
-
-/// Counts in a delay's interval that nobody knows whether commands acted from row to row or between rows too: beside a
-/// base model lag and delay make up for either, and the likelihood decides nothing.
-pub(super) fn count_half_row(search: &Search<'_>, effect: &Fitted, parameters: &mut BTreeMap<&'static str, Estimate>) {
-    let Some(delay) = parameters.get_mut("delay_s").filter(|_| effect.name() == "actuation_delay") else { return };
-    let unknown_s = if search.has_base() { lateness_of_held_s(&search.shooting.log.commands) } else { 0.0 };
-    // uniform: as much too late as too early
-    delay.std = libm::hypot(delay.std, unknown_s / 3f64.sqrt());
 }
 
 /// One plain sentence.

@@ -27,6 +27,7 @@ mod motor_lag;
 mod periodic_disturbance;
 mod rotor_drag;
 mod rotor_inertia;
+mod rotor_vibration;
 mod scope;
 mod spring;
 mod step_disturbance;
@@ -34,6 +35,7 @@ mod text;
 mod thrust_curve;
 mod thrust_scale;
 mod torque_bias;
+
 mod viscous_friction;
 mod weak_motor;
 mod wind;
@@ -100,7 +102,7 @@ trait Catalogued: Extension + Sized {
     /// Reads its parameters.
     fn read(given: &Given<'_, '_>) -> Result<Self, ModelError>;
 
-    /// The effects of this kind and of unknown size that a log can be tested for.
+    /// The effects of this kind and of unknown size that a log can be tested for; none where no log could show them.
     fn hypotheses(scope: &Scope) -> Vec<Hypothesis>;
 }
 
@@ -204,6 +206,8 @@ catalogue! {
     mass_error::MassError,
     /// Another bend of the curve from command to thrust.
     thrust_curve::ThrustCurve,
+    /// Rotors that shake the IMU.
+    rotor_vibration::RotorVibration,
 }
 
 pub use battery_sag::BatterySagLaw;

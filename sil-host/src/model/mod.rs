@@ -11,7 +11,7 @@ mod read;
 mod write;
 
 pub use crate::document::{ModelError, Position, Problem};
-use crate::effects::Effect;
+use crate::effects::{Effect, RotorDrag};
 use crate::vehicle::propulsion::{Level, Propulsion};
 pub use crate::vehicle::{Mounting, Rig};
 
@@ -93,6 +93,18 @@ impl VehicleModel {
             Rig::Free => (include_str!("../../../models/generic-free.toml"), "models/generic-free.toml"),
         };
         Self::parse(text, name).expect("a test reads every file under models/")
+    }
+
+    /// A free vehicle with rotors' drag over its mass, 1/s (0.3 to 0.5: Faessler, Franchi, Scaramuzza, RA-L 3(2), 2018),
+    /// by which its core levels itself: without any, nothing that it feels tells a slide from level flight. One in a
+    /// rig stays as it is.
+    #[must_use]
+    pub fn with_rotor_drag(mut self, drag_1_s: f64) -> Self {
+        if let Mounting::Free { mass_kg } = self.mounting {
+            let coefficient_ns_m = drag_1_s * mass_kg;
+            self.effects.push(Effect::RotorDrag(RotorDrag { coefficient_ns_m }));
+        }
+        self
     }
 
     /// The rig that it hangs in.

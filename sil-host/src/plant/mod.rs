@@ -21,7 +21,7 @@ use std::collections::VecDeque;
 use crate::effects::{self, Effect};
 use crate::model::VehicleModel;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
-use crate::vehicle::{Airframe, Changes, FreeBody, Gimbal, RigidBody};
+use crate::vehicle::{Airframe, Changes, FIRST_PHASES_RAD, FreeBody, Gimbal, RigidBody, Vibration, turned_on};
 use actuation::Actuation;
 use forces::{Extended, Forces, GimbalState, join, split};
 use free_flight::FreeState;
@@ -55,6 +55,8 @@ pub struct Plant {
     gravity_m_s2: f64,
     body: Body,
     rotors: RotorState,
+    /// Angle of each rotor, rad, where it matters; none before time goes on.
+    rotor_phase_rad: Option<[f64; 4]>,
     /// What the commands in force make the motors do, see [`Propulsion::drive`].
     drive: [f64; 4],
     disturbance_torque_body_nm: [f64; 3],
@@ -101,6 +103,7 @@ impl Plant {
             gravity_m_s2: model.gravity_m_s2,
             body,
             rotors: [0.0; 8],
+            rotor_phase_rad: None,
             drive: [0.0; 4],
             disturbance_torque_body_nm: [0.0; 3],
             start_height_m: changes.air.start_height_m.unwrap_or(START_HEIGHT_M),
@@ -266,9 +269,15 @@ impl Plant {
 
     /// Integrates over a stretch of time in which nothing sets in.
     fn integrate(&mut self, duration_s: f64) {
+        let before_rad_s = self.motor_speed_rad_s();
         match self.method {
             Method::FixedStep { step_s } if !self.extended => self.integrate_nominal(duration_s, step_s),
             _ => self.integrate_any(duration_s),
+        }
+        if self.changes.sensors.vibration != Vibration::default() {
+            let phase_rad = self.rotor_phase_rad.unwrap_or(FIRST_PHASES_RAD);
+            let after_rad_s = self.motor_speed_rad_s();
+            self.rotor_phase_rad = Some(turned_on(phase_rad, before_rad_s, after_rad_s, duration_s));
         }
     }
 

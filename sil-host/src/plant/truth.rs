@@ -31,6 +31,8 @@ pub struct Truth {
     pub height_m: f64,
     /// Speed of motors 1 to 4, rad/s; 0 where the propulsion model has no rotors.
     pub motor_speed_rad_s: [f64; 4],
+    /// Angle of rotors 1 to 4, rad, of a vehicle that they shake; none while its clock stands still.
+    pub rotor_phase_rad: Option<[f64; 4]>,
     /// Lift of motors 1 to 4, N.
     pub lift_n: [f64; 4],
 }
@@ -65,6 +67,7 @@ impl Plant {
             velocity_ned_m_s: velocity,
             height_m: self.start_height_m - position[2],
             motor_speed_rad_s: self.motor_speed_rad_s(),
+            rotor_phase_rad: self.rotor_phase_rad,
             lift_n: self.lifts_n(),
         }
     }
@@ -95,6 +98,11 @@ impl Plant {
     pub fn motor_speed_rad_s(&self) -> [f64; 4] {
         let [s1, s2, s3, s4, ..] = self.rotors;
         [s1, s2, s3, s4]
+    }
+
+    /// Angle of rotors 1 to 4, rad, of a vehicle that they shake; none while its clock stands still.
+    pub fn rotor_phase_rad(&self) -> Option<[f64; 4]> {
+        self.rotor_phase_rad
     }
 
     /// Lift of motors 1 to 4, N.

@@ -15,6 +15,28 @@ const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;
 /// Accelerometer counts per m/s².
 pub const ACCEL_COUNTS_PER_M_S2: f64 = 4096.0 / STANDARD_GRAVITY_M_S2;
 
+/// Low-pass of the accelerometer and of the gyro, Hz, with CONFIG 0, as the firmware sets it (register map 4.3). The
+/// order is not documented; the second is taken. What it leaves is read at the chip's own rate, so that whatever lies
+/// above half of that folds down.
+const ACCEL_LOWPASS_HZ: f64 = 260.0;
+const GYRO_LOWPASS_HZ: f64 = 256.0;
+
+/// Share of a line of so many rad/s that the accelerometer's low-pass leaves.
+pub(crate) fn accel_passes(line_rad_s: f64) -> f64 {
+    second_order_passes(line_rad_s, ACCEL_LOWPASS_HZ)
+}
+
+/// The same of the gyro's.
+pub(crate) fn gyro_passes(line_rad_s: f64) -> f64 {
+    second_order_passes(line_rad_s, GYRO_LOWPASS_HZ)
+}
+
+/// Butterworth.
+fn second_order_passes(line_rad_s: f64, cutoff_hz: f64) -> f64 {
+    let ratio = line_rad_s / (core::f64::consts::TAU * cutoff_hz);
+    1.0 / (1.0 + ratio * ratio * ratio * ratio).sqrt()
+}
+
 /// A body vector in the sensor's axes.
 pub fn sensor_from_body([x, y, z]: [f64; 3]) -> [f64; 3] {
     [-y, x, z]

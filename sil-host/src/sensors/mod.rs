@@ -8,7 +8,7 @@ use shared_control::signals::RawImuSample;
 use crate::effects::{self, Effect};
 use crate::model::SensorNoise;
 use crate::plant::{Plant, Truth};
-use crate::vehicle::SensorChain;
+use crate::vehicle::{SensorChain, Turning};
 use random::RandomStream;
 
 /// The sensors of one vehicle. Each has a random stream of its own, so that none disturbs another.
@@ -66,17 +66,35 @@ impl Sensors {
 
     /// One reading of the IMU, which sits at the centre of gravity (on the gimbal: at the pivot), stamped `time_us`.
     pub fn imu(&mut self, plant: &Plant, time_us: u64) -> RawImuSample {
-        self.imu_sample(time_us, plant.rate_body_rad_s(), plant.specific_force_body_m_s2())
+        let rotors = turning(plant.motor_speed_rad_s(), plant.rotor_phase_rad());
+        self.imu_sample(time_us, plant.rate_body_rad_s(), plant.specific_force_body_m_s2(), rotors)
+    }
+
+    /// The same of a vehicle that stands level and still, under that gravity (m/s²).
+    pub fn imu_at_rest(&mut self, gravity_m_s2: f64, time_us: u64) -> RawImuSample {
+        self.imu_sample(time_us, [0.0; 3], [0.0, 0.0, -gravity_m_s2], None)
     }
 
     /// The same of a motion that was seen.
     pub fn imu_of(&mut self, truth: &Truth) -> RawImuSample {
-        self.imu_sample((truth.time_s * 1e6).round() as u64, truth.rate_body_rad_s, truth.specific_force_body_m_s2)
+        let (rate_rad_s, force_m_s2) = (truth.rate_body_rad_s, truth.specific_force_body_m_s2);
+        let rotors = turning(truth.motor_speed_rad_s, truth.rotor_phase_rad);
+        self.imu_sample((truth.time_s * 1e6).round() as u64, rate_rad_s, force_m_s2, rotors)
     }
 
     #[inline]
-    fn imu_sample(&mut self, time_us: u64, mut rate_rad_s: [f64; 3], mut force_m_s2: [f64; 3]) -> RawImuSample {
+    fn imu_sample(
+        &mut self,
+        time_us: u64,
+        mut rate_rad_s: [f64; 3],
+        mut force_m_s2: [f64; 3],
+        rotors: Option<Turning>,
+    ) -> RawImuSample {
         if let Some(chain) = &self.chain {
+            if let Some(rotors) = rotors {
+                let (rate, force) = chain.vibration.felt(&rotors, imu::gyro_passes, imu::accel_passes);
+                (rate_rad_s, force_m_s2) = (sum(rate_rad_s, rate), sum(force_m_s2, force));
+            }
             (rate_rad_s, force_m_s2) = (chain.gyro_rad_s(rate_rad_s), chain.turned(force_m_s2));
         }
         let rate = disturbed(rate_rad_s, &self.gyro_bias_rad_s, self.noise.gyro_rad_s, &mut self.gyro_stream);
@@ -100,6 +118,14 @@ impl Sensors {
         }
         [north, east, down, height_m]
     }
+}
+
+fn turning(speed_rad_s: [f64; 4], phase_rad: Option<[f64; 4]>) -> Option<Turning> {
+    phase_rad.map(|phase_rad| Turning { speed_rad_s, phase_rad })
+}
+
+fn sum(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    core::array::from_fn(|axis| a[axis] + b[axis])
 }
 
 /// Truth, bias and noise; a sensor without noise draws nothing.

@@ -160,3 +160,15 @@ fn every_effect_shows_in_a_flight() {
         }
     }
 }
+
+/// What holds a free vehicle before the flight carries it, so that the core finds level and arms whatever the motors
+/// lift.
+#[test]
+fn a_free_vehicle_flies_however_much_its_motors_lift() {
+    for effect in ["thrust_scale:scale=0.6", "mass_error:scale=0.7", "mass_error:scale=1.5"] {
+        let mut model = VehicleModel::nominal(Rig::Free);
+        model.effects = vec![Effect::parse(effect, Rig::Free).unwrap()];
+        let log = Synthesis { duration_s: 1.0, ..Synthesis::of(model) }.log().unwrap();
+        assert!(log.motor_command.iter().all(|motor| column(motor).iter().all(|command| *command > 0.3)), "{effect}");
+    }
+}

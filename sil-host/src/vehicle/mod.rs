@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! command -> actuator_chain -> propulsion -> lifts -> airframe: torque -> gimbal | free_body -> motion -> sensor_chain
-//!                                              ^-- air: ground              ^-- air: drag
+//!                                              ^-- air: ground              ^-- air: drag        ^-- vibration
 //! ```
 //! Nothing here holds a state or integrates: whoever calls does, the plant in steps of its own, the prediction row by
 //! row of a log. What effects may change of it stands in `Changes`.
@@ -19,6 +19,7 @@ pub mod propulsion;
 mod rig;
 mod scale;
 mod sensor_chain;
+mod vibration;
 
 pub(crate) use actuator_chain::{ActuatorChain, CommandPath, StraightLine, on_the_way};
 pub(crate) use air::Air;
@@ -32,3 +33,4 @@ pub use rig::{Mounting, Rig};
 pub(crate) use rig::{NominalBody, RigidBody};
 pub(crate) use scale::Scale;
 pub(crate) use sensor_chain::SensorChain;
+pub(crate) use vibration::{FIRST_PHASES_RAD, Turning, Vibration, turned_on};

@@ -1,6 +1,7 @@
 //! What effects make of a motion before bias, noise and counts.
 
 use super::attitude::{euler_rad, quaternion_world_from_body};
+use super::vibration::Vibration;
 
 /// The links from motion to reading that effects can change: misalignment, then the gyro's scale, then its bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,11 +14,19 @@ pub(crate) struct SensorChain {
     pub(crate) gyro_bias_rad_s: [f64; 3],
     /// By how much reported attitude lags, s.
     pub(crate) attitude_delay_s: f64,
+    /// What the rotors do to the IMU; of the whole chip, before it is turned.
+    pub(crate) vibration: Vibration,
 }
 
 impl Default for SensorChain {
     fn default() -> Self {
-        Self { yaw_rad: 0.0, gyro_scale: [1.0; 3], gyro_bias_rad_s: [0.0; 3], attitude_delay_s: 0.0 }
+        Self {
+            yaw_rad: 0.0,
+            gyro_scale: [1.0; 3],
+            gyro_bias_rad_s: [0.0; 3],
+            attitude_delay_s: 0.0,
+            vibration: Vibration::default(),
+        }
     }
 }
 

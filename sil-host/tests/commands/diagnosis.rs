@@ -32,6 +32,7 @@ fn answer() -> Value {
         "verdict": "explained",
         "known": "anything",
         "base": "anything",
+        "lateness_s": "anything",
         "findings": [{
             "effect": "string", "axis": "anything", "where": "string",
             "parameters": { "scale": { "value": "number", "std": "number" } },

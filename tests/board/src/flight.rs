@@ -28,6 +28,8 @@ pub const LOOK: Ticks = MILLISECOND / 2;
 /// As ground stations do with a joystick.
 const STICK_PERIOD: Ticks = 40 * MILLISECOND;
 const HEARTBEAT_PERIOD: Ticks = 200 * MILLISECOND;
+/// Rotors' drag over the mass, 1/s: a third less than the core takes it for.
+const ROTOR_DRAG_1_S: f64 = 0.3;
 /// cortex-m-rt's `STACK_PAINT_VALUE`.
 const PAINT: [u8; 4] = [0xcc; 4];
 
@@ -76,7 +78,8 @@ impl Flight {
     pub fn with_second_gyro(params: &Params, gyro: SecondGyro, seed: u64) -> Self {
         let image = firmware();
         let rig = if params.rig == params::Rig::Free { Rig::Free } else { Rig::Gimbal };
-        let vehicle = Vehicle::with_second_gyro(&VehicleModel::nominal(rig), gyro, seed);
+        let vehicle =
+            Vehicle::with_second_gyro(&VehicleModel::nominal(rig).with_rotor_drag(ROTOR_DRAG_1_S), gyro, seed);
         vehicle.borrow_mut().fit_escs(params.pulses);
         let mut machine = Machine::new(&image, Box::new(Surroundings(Rc::clone(&vehicle))), seed).unwrap();
         machine.configure(params);

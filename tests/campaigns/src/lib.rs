@@ -14,6 +14,7 @@
 //! | `worst_case` | the most passes that the MPC's solver can take | `docs/solver.md` |
 
 pub mod attitude_error;
+pub mod attitude_replay;
 pub mod blind;
 pub mod closed_loop_table;
 pub mod comparison;

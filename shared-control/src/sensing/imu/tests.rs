@@ -215,3 +215,54 @@ fn spans_are_exact_to_the_microsecond_and_end_somewhere() {
         assert_eq!(seconds_between(0, longest), 4_294.967_3);
     }
 }
+
+/// A line of a rotor under 1 g: the steady force has a hundredth of it, the mean of all steps none, and the vibration
+/// is its root mean square, peak / sqrt 2.
+#[test]
+fn a_rotors_line_is_vibration_and_no_force() {
+    let config = config();
+    let mut state = ImuState::default();
+    let (peak_m_s2, mut sum, mut last) = (30.0f32, Vector3::zeros(), None);
+    for step in 0..1200u64 {
+        let samples: heapless::Vec<_, 16> = (0..3)
+            .map(|k| {
+                let time_us = (3 * step + k) * 1000;
+                let turns = (time_us % 100_000) as f32 * 1e-6 * 90.0;
+                let (sin, _) = crate::elementary::sin_cos(turns * core::f32::consts::TAU);
+                let counts = (peak_m_s2 * sin / config.accel_m_s2_per_count) as i16;
+                // the sensor's x axis is -y of the body
+                RawImuSample { accel_counts: [-counts, 0, -4096], ..sample(time_us, [0; 3]) }
+            })
+            .collect();
+        let news = condition(&config, &mut state, &samples, 3000 * step + 2000);
+        // ninety whole turns from here on
+        sum += if step >= 200 { news.specific_force_m_s2 } else { Vector3::zeros() };
+        last = Some(news);
+    }
+    let news = last.unwrap();
+    assert!((news.vibration_m_s2.y / (peak_m_s2 * 0.5f32.sqrt()) - 1.0).abs() < 0.02, "{}", news.vibration_m_s2);
+    assert!(news.vibration_m_s2.x < 0.01 && news.vibration_m_s2.z < 0.01);
+    // (5 Hz / 90 Hz)^2 is 0.0031
+    assert!(news.steady_force_m_s2.y.abs() < 0.0032 * peak_m_s2);
+    // single precision rounds by 6e-7 a sample, over some hundred that the low-pass remembers
+    assert!((news.steady_force_m_s2.z + 9.806_65).abs() < 5e-3);
+    assert!((sum.y / 1000.0).abs() < 0.01, "{sum}");
+}
+
+/// The steady force is late by what its constant says.
+#[test]
+fn the_steady_force_is_late_by_its_lag() {
+    let config = config();
+    let mut state = ImuState::default();
+    // 2 m/s^2 more each second, along the sensor's y axis, the body's x
+    let force_m_s2 = |time_s: f32| 2.0 * time_s;
+    let mut news = None;
+    for k in 0..2000u64 {
+        let time_us = k * 1000;
+        let counts = (force_m_s2(time_us as f32 * 1e-6) / config.accel_m_s2_per_count) as i16;
+        let sample = RawImuSample { accel_counts: [0, counts, -4096], ..sample(time_us, [0; 3]) };
+        news = Some(condition(&config, &mut state, &[sample], time_us));
+    }
+    let late_s = 1.999 - news.unwrap().steady_force_m_s2.x / 2.0;
+    assert!((late_s - STEADY_LAG_S).abs() < 2e-3, "{late_s} for {STEADY_LAG_S}");
+}

@@ -18,9 +18,8 @@ const STEP_US: u64 = 2500;
 const REST_STEPS: u64 = 1200;
 /// Sample times in us: 1 kHz and 760 Hz.
 const PERIOD_US: [u64; 2] = [1000, 1316];
-/// What the estimator may be off by after a second of rolling through 0.33 rad, all of it felt as level: followed at
-/// 0.1 1/s and back again in the other half, that makes 0.02 rad at most; the rest is noise and the time from sample to
-/// step.
+/// What the estimator may be off by after a second of rolling through 0.33 rad without a drag that shows it: half of it
+/// is the time from sample to step, the rest what an unknown wind allows.
 const TILT_ERROR_MAX_RAD: f32 = 0.03;
 const BIAS_RAD_S: [[f32; 3]; 2] = [[0.02, -0.03, 0.01], [-0.1, 0.05, -0.04]];
 
@@ -111,7 +110,7 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let tuning = Tuning::for_motor_lag(0.0);
-        let config = Config::new(&VehicleParameters::F450_GIMBAL, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
+        let config = Config::new(&VehicleParameters::F450_FREE, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
         let sensor = |unit: usize, config| Sensor {
             unit,
             config,

@@ -8,7 +8,7 @@ use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, as_terms, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::verdict::{MODEL_ERROR, estimates};
-use crate::diagnosis::{Estimate, base};
+use crate::diagnosis::{Estimate, base, lateness};
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
 
@@ -58,7 +58,7 @@ fn numbers(fit: &Fit<'_>, subject: &Subject<'_>, shooting: &Shooting<'_>, nomina
     }
     // separate axes have motors too: a fit that finds no lag of theirs has taken it for something else
     let is_whole = subject.is_vehicle() || fit.terms.iter().any(|term| term.effect.name() == "motor_lag");
-    numbers.extend(lateness(fit).filter(|_| is_whole).map(|own| Number { of: NumberOf::Lateness, own }));
+    numbers.extend(lateness::summed_s(fit).filter(|_| is_whole).map(|own| Number { of: NumberOf::Lateness, own }));
     numbers
 }
 
@@ -94,21 +94,4 @@ fn distinct(mut terms: Vec<Term<'_>>) -> Vec<Term<'_>> {
         _ => true,
     });
     terms
-}
-
-/// Lag and delay together, each of which alone the other can nearly replace.
-fn lateness(fit: &Fit<'_>) -> Option<Estimate> {
-    let size = fit.size();
-    let mut places = Vec::new();
-    let (mut place, mut value) = (0, 0.0);
-    for term in &fit.terms {
-        if term.effect.is_late() {
-            places.push(place);
-            value += term.values.first().copied().unwrap_or_default();
-        }
-        place += term.values.len();
-    }
-    let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * size + j));
-    let variance: f64 = pairs.filter_map(|at| fit.scattered_covariance.get(at)).sum();
-    (!places.is_empty() && variance.is_finite()).then(|| Estimate { value, std: variance.max(0.0).sqrt() })
 }

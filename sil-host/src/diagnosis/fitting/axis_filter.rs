@@ -98,13 +98,19 @@ impl AxisFilter {
         let count = passage.time_s.len();
         let mut filter = AxisFilter { corrections: Vec::new(), rows: Vec::with_capacity(count), log_determinant: 0.0 };
         let mut uncertainty = Uncertainty::default();
+        let mut determinant = 1.0;
         for (row, seen) in passage.seen.iter().enumerate() {
             for (channel, slope) in seen {
                 let (gain, variance) = uncertainty.correct(*slope, noise.sensors);
                 let correction =
                     Correction { at: channel * count + row, slope: *slope, gain, deviation: variance.sqrt() };
                 filter.corrections.push(correction);
-                filter.log_determinant += libm::log(variance);
+                determinant *= variance;
+                // one logarithm for many variances, long before their product leaves the numbers' range
+                if !(1e-100..1e100).contains(&determinant) {
+                    filter.log_determinant += libm::log(determinant);
+                    determinant = 1.0;
+                }
             }
             let next_s = passage.time_s.get(row + 1).unwrap_or(&passage.time_s[row]);
             let step_s = next_s - passage.time_s[row];
@@ -112,6 +118,7 @@ impl AxisFilter {
             uncertainty.pass(step_s, noise.acceleration * noise.acceleration + lost * lost);
             filter.rows.push((filter.corrections.len(), step_s));
         }
+        filter.log_determinant += libm::log(determinant);
         filter
     }
 

@@ -18,9 +18,21 @@ use crate::diagnosis::fitting::axis_filter::{AxisFilter, AxisNoise, Passage};
 use crate::prediction::windowed_log::Residuals;
 use crate::statistics::dot;
 
-/// Strengths that are tried: a factor of two apart.
-const ACCELERATIONS: std::ops::Range<i32> = -10..7;
+/// Strengths that are tried: none, and white ones a factor of two apart.
+const STRENGTHS: [f64; 18] = {
+    let mut strengths = [0.0; 18];
+    let mut acceleration = 1.0 / 1024.0;
+    let mut index = 1;
+    while index < strengths.len() {
+        strengths[index] = acceleration;
+        acceleration *= 2.0;
+        index += 1;
+    }
+    strengths
+};
 const SENSORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+/// Where the search for the likeliest begins.
+const COARSE: ([usize; 6], [usize; 3]) = ([0, 2, 6, 10, 14, 17], [0, 2, 4]);
 
 /// One window of an axis, with the channels that show it: residuals, and slopes along the start state.
 pub(in crate::diagnosis) struct AxisWindow<'a> {
@@ -30,21 +42,38 @@ pub(in crate::diagnosis) struct AxisWindow<'a> {
 }
 
 /// The noise under which what a model leaves of an axis is most likely, if that share counts of what lost commands
-/// leave unknown.
+/// leave unknown: of a coarse grid the best, and from there to the best neighbour until none is better.
 pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>], lost: f64) -> AxisNoise {
-    let candidates = SENSORS.into_iter().flat_map(|sensors| {
-        let white = ACCELERATIONS.map(move |exponent| AxisNoise {
-            acceleration: libm::exp2(f64::from(exponent)),
-            sensors,
-            lost,
-        });
-        std::iter::once(AxisNoise { sensors, lost, ..AxisNoise::SENSORS }).chain(white)
-    });
-    let candidates: Vec<AxisNoise> = candidates.collect();
-    let unlikeliness: Vec<f64> =
-        candidates.par_iter().map(|noise| windows.iter().map(|window| unlikeliness(window, noise)).sum()).collect();
-    let best = unlikeliness.iter().zip(&candidates).min_by(|a, b| a.0.total_cmp(b.0));
-    best.map_or(AxisNoise::SENSORS, |(_, noise)| *noise)
+    let noise = |(strength, sensors): (usize, usize)| AxisNoise {
+        acceleration: STRENGTHS[strength],
+        sensors: SENSORS[sensors],
+        lost,
+    };
+    let judged = |at: (usize, usize)| {
+        let noise = noise(at);
+        (at, windows.iter().map(|window| unlikeliness(window, &noise)).sum::<f64>())
+    };
+    let mut tried: Vec<((usize, usize), f64)> = Vec::new();
+    let mut next: Vec<(usize, usize)> =
+        COARSE.1.into_iter().flat_map(|sensors| COARSE.0.map(|strength| (strength, sensors))).collect();
+    let mut best = (0, 0);
+    // each round tries at least one more, and there are only so many
+    while !next.is_empty() {
+        tried.extend(next.par_iter().map(|at| judged(*at)).collect::<Vec<_>>());
+        best = tried.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(best, |(at, _)| *at);
+        next = neighbours(best).into_iter().filter(|at| tried.iter().all(|(known, _)| known != at)).collect();
+    }
+    noise(best)
+}
+
+/// The places beside one in the grid of strengths and sensors.
+fn neighbours((strength, sensors): (usize, usize)) -> Vec<(usize, usize)> {
+    let strengths = strength.saturating_sub(1)..=(strength + 1).min(STRENGTHS.len() - 1);
+    strengths
+        .flat_map(|strength| {
+            (sensors.saturating_sub(1)..=(sensors + 1).min(SENSORS.len() - 1)).map(move |sensors| (strength, sensors))
+        })
+        .collect()
 }
 
 /// Twice the negative logarithm of a window's likelihood, its start state quite free, up to a constant.

@@ -73,7 +73,7 @@ pub struct Hidden {
     /// Value of the parameter and everything after the axis or motor, of a size.
     text: fn(f64, &Extra) -> (f64, String),
     /// A size to begin with.
-    pub(super) first_size: f64,
+    pub first_size: f64,
     extra: Extra,
 }
 

@@ -4,6 +4,7 @@ use sil_host::diagnosis::{
     Diagnosis, Finding, Subject, Verdict, channel_prediction_errors, diagnose, extended_model, nominal_prediction,
 };
 use sil_host::log::Log;
+use sil_host::log::sanity::examine;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::prediction::ChannelErrors;
 
@@ -71,14 +72,16 @@ pub struct Gain {
 }
 
 impl Outcome {
-    /// Has a case diagnosed: by its CSV alone.
+    /// Has a case diagnosed: by its CSV alone, through the gate that `sil diagnose` has before it.
     ///
     /// # Panics
-    /// If the log can't be diagnosed.
+    /// If the gate refuses the log, or it can't be diagnosed.
     pub fn of(case: &Case) -> Outcome {
         let nominal = VehicleModel::nominal(case.conditions.rig);
         let given = case.reality.as_ref().map_or(&nominal, |reality| &reality.given);
         let log = case.log();
+        let refused = examine(&log, None).contradictions;
+        assert!(refused.is_empty(), "seed {}, {}: refused, {refused:?}", case.seed, case.label());
         let answer = diagnose(&log, &Subject::Vehicle(given)).expect("a whole log");
         // gusts make a true model's error as large as any
         let gain = (case.outside.is_none() && case.reality.is_none()).then(|| {
