@@ -96,6 +96,16 @@ impl LogArguments {
         Flown::of(&log).part(&log, self.flight).map_err(|error| bad_input(format!("{}: {error}", log.path)))
     }
 
+    /// Refuses what says how the vehicle is, where that is to be found out.
+    pub fn is_identified_from(&self) -> Result<(), Failure> {
+        let model = self.model.as_ref().map(|_| "--model");
+        let rig = self.rig.filter(|rig| *rig != LogRig::Free).map(|_| "--rig (a vehicle in free flight is identified)");
+        match model.or(self.controller_option()).or(rig) {
+            Some(option) => Err(bad_input(format!("identify finds the vehicle by its log: leave out {option}"))),
+            None => Ok(()),
+        }
+    }
+
     /// What flew, where that was said.
     pub fn controller(&self) -> Result<Option<ControllerChoice>, Failure> {
         self.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)

@@ -15,6 +15,7 @@ mod flight_text;
 mod flown;
 mod fly;
 mod hitl;
+mod identify;
 mod log_arguments;
 mod map;
 mod progress_line;
@@ -68,6 +69,7 @@ commands! {
     Hitl(hitl::HitlArguments): hitl::run,
     Compare(compare::CompareArguments): compare::run,
     Diagnose(diagnose::DiagnoseArguments): diagnose::run,
+    Identify(identify::IdentifyArguments): identify::run,
     Map(map::MapArguments): map::run,
     Synth(synth::SynthArguments): synth::run,
     BenchMpc(bench_mpc::BenchArguments): bench_mpc::run,

@@ -112,8 +112,20 @@ pub(super) fn disturbed<'l>(
     search: &Search<'_>,
     ordinary: &[Fitted],
 ) -> Result<Shooting<'l>, NotPredictable> {
-    let base = fitted(search, ordinary);
-    let (moments, forces) = noise_beyond_sensors(search, &search.training, &base.fit);
+    in_noise_of(log, subject, search, &fitted(search, ordinary).fit)
+}
+
+/// A log in windows, in the noise of all that a model does not know.
+///
+/// # Errors
+/// As [`Subject::windowed`].
+pub(super) fn in_noise_of<'l>(
+    log: &'l Log,
+    subject: &Subject<'_>,
+    search: &Search<'_>,
+    model: &Fit<'_>,
+) -> Result<Shooting<'l>, NotPredictable> {
+    let (moments, forces) = noise_beyond_sensors(search, &search.training, model);
     let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
     Ok(Shooting::new(windowed).with_noise(moments, forces))
 }

@@ -11,6 +11,7 @@ mod dataflash;
 pub mod draft;
 mod error;
 pub mod flown;
+mod joined;
 mod map;
 mod messages;
 mod motor_order;

@@ -254,10 +254,7 @@ impl Model {
     pub(crate) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
         const STEP: f64 = 0.01;
         let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
-            let settled = ForceAndSpin {
-                force: self.drive.settled(commands, &self.changes.chain.path),
-                ..ForceAndSpin::default()
-            };
+            let settled = ForceAndSpin { force: self.settled_lifts(commands), ..ForceAndSpin::default() };
             let change = self.body.derivative(0.0, &[0.0; TURNING], &settled, &[]);
             [change[3], change[4], change[5]]
         };
@@ -267,6 +264,12 @@ impl Model {
             let (less, more) = (acceleration(&less), acceleration(&more));
             core::array::from_fn(|axis| (more[axis] - less[axis]) / (2.0 * STEP))
         })
+    }
+
+    /// The four forces once lag and motors have settled, each motor's own factor in them; a battery is as at the start.
+    pub(crate) fn settled_lifts(&self, commands: &[f64; 4]) -> [f64; 4] {
+        let settled = self.drive.settled(commands, &self.changes.chain.path);
+        core::array::from_fn(|motor| self.changes.chain.lift.scale[motor] * settled[motor])
     }
 
     /// Factors on the lifts at a time, the battery's voltage read at another.

@@ -32,6 +32,7 @@ use causes::Departures;
 pub use normal::BetweenFlights;
 use normal::{Normal, USUAL_FLIGHTS};
 pub use numbers::{FlightNumbers, NumberOf};
+pub(super) use steady::steady_collective;
 use wording::Wording;
 
 /// Commands around which nothing but its proportion to lift is known, where no model says more.

@@ -80,6 +80,27 @@ pub fn examine(log: &Log, map: Option<&Map>) -> Examination {
     found
 }
 
+/// Angular acceleration of roll, pitch and yaw per unit of each motor's command, with the signs of docs/rig.md, rad/s^2,
+/// by the same regression; `None` where chance may have made it. Lags make it too small, by some tens of percent.
+pub(crate) fn accelerations_per_command(log: &Log) -> [Option<f64>; 3] {
+    let driving = driving::driving(log, &Bins::of(log));
+    Axis::ALL.map(|axis| {
+        let slope = driving.as_ref()?.answers.slope(axis.index(), axis.index())?;
+        (slope.is_above(0.0) || slope.is_below(0.0)).then_some(slope.value)
+    })
+}
+
+/// True if a log says that all rotors turn the other way than in docs/rig.md.
+pub(crate) fn has_reversed_spin(log: &Log) -> bool {
+    log.facts.iter().any(|fact| fact.name == "spin")
+}
+
+/// Is the vehicle held by a rig? Where something carries it, the accelerometer shows gravity when it tilts; where it
+/// flies, thrust alone. `None` where the log does not tell.
+pub fn is_held(log: &Log) -> Option<bool> {
+    weighing::shows_tilt(log, &Bins::of(log))
+}
+
 /// Angles against rates, axis by axis.
 fn turning(log: &Log, bins: &Bins, driving: Option<&Driving>, columns: &Columns<'_>, found: &mut Examination) {
     let Some(answers) = turning::answers(log, bins) else { return };

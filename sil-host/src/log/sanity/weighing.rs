@@ -3,7 +3,7 @@
 
 use super::super::Log;
 use super::super::quantity::{GRAVITY_M_S2, Quantity};
-use super::answers::{Answer, Question};
+use super::answers::{Answer, Answers, Question};
 use super::bins::Bins;
 use super::finding::{Columns, Contradiction};
 use super::regression::{Estimate, jackknife};
@@ -105,8 +105,8 @@ fn unit(means: &Means, seen: &str, columns: &Columns<'_>) -> Option<Contradictio
     Some(Contradiction { seen, likely: likely.to_owned(), map_lines, leave_out, ..Contradiction::default() })
 }
 
-/// What the accelerometer's x and y contradict in the attitude, where they show gravity: on benches, and on the ground.
-pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<Contradiction> {
+/// What gravity's part along x and y is by the attitude, and what the accelerometer shows there.
+fn tilt(log: &Log, bins: &Bins) -> Option<Answers> {
     let angle = |axis: Axis| log.column(Quantity::Angle(axis));
     let part = |of: &dyn Fn(usize) -> Option<f64>| -> Option<Vec<f64>> {
         Some(bins.means(&(0..log.rows()).map(of).collect::<Option<Vec<f64>>>()?))
@@ -123,7 +123,21 @@ pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<
         later_s: LATER_S,
         is_usable: bins.all(&vec![true; log.rows()]),
     };
-    let Some(answers) = question.ask(bins) else { return Vec::new() };
+    question.ask(bins)
+}
+
+/// Does the accelerometer show gravity as the vehicle tilts? `None` where it hardly tilts, or the log has no answer.
+pub(super) fn shows_tilt(log: &Log, bins: &Bins) -> Option<bool> {
+    let answers = tilt(log, bins)?;
+    let slopes: Vec<Estimate> = (0..2).filter_map(|axis| answers.slope(axis, axis)).collect();
+    let shows = slopes.iter().any(|slope| slope.is_above(0.5));
+    let does_not = slopes.iter().any(|slope| slope.is_below(0.5));
+    (shows != does_not).then_some(shows)
+}
+
+/// What the accelerometer's x and y contradict in the attitude, where they show gravity: on benches, and on the ground.
+pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<Contradiction> {
+    let Some(answers) = tilt(log, bins) else { return Vec::new() };
     let mut found = Vec::new();
     for (response, axis) in [(0, Axis::Roll), (1, Axis::Pitch)] {
         let Answer::Instead { input, sign } = answers.answer(response, &[0, 1]) else { continue };

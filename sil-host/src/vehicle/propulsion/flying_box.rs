@@ -9,7 +9,7 @@ pub struct FlyingBox {
     pub lift_offset_n: f64,
     /// Lift per unit of command, N.
     pub lift_slope_n: f64,
-    /// Reaction torque over lift, m.
+    /// Reaction torque over lift, m; negative where all rotors turn the other way than in docs/rig.md.
     pub reaction_torque_per_lift_m: f64,
 }
 
@@ -21,7 +21,7 @@ impl FlyingBox {
     pub(super) fn read(section: &Section<'_>) -> Result<Self, ModelError> {
         let offset = admissible(-100.0, 100.0, "the lift line's value at command 0 in newton");
         let slope = admissible(1e-3, 500.0, "the lift per unit of command in newton");
-        let ratio = admissible(0.0, 1.0, "reaction torque over lift in metres");
+        let ratio = admissible(-1.0, 1.0, "reaction torque over lift in metres");
         Ok(Self {
             lift_offset_n: section.number("lift_offset_n", offset)?,
             lift_slope_n: section.number("lift_slope_n", slope)?,
