@@ -12,8 +12,11 @@ use sil_host::log::Log;
 use sil_host::model::VehicleModel;
 
 use super::log_arguments::{LogArguments, quoted};
+use super::log_subject::chosen;
 use super::progress_line::ProgressLine;
-use super::{Failure, bad_input, baseline_report, diagnose_report, diagnose_text, print, write_file, write_json};
+use super::{
+    Failure, bad_input, baseline_report, diagnose_report, diagnose_text, identify, print, write_file, write_json,
+};
 
 /// Find what the simulation gets wrong in a measured log, and name the cause
 #[derive(Args)]
@@ -126,11 +129,19 @@ impl DiagnoseArguments {
 pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
     let controller = arguments.log.controller()?;
-    let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
-    let (model, known) = arguments.with_known(model)?;
     if !arguments.baseline.is_empty() {
+        let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
+        let (model, known) = arguments.with_known(model)?;
         return arguments.against_baseline(&log, model.as_ref(), &known);
     }
+    let chosen = chosen(&arguments.log, &log, arguments.wants_vehicle())?;
+    if !chosen.said.is_empty() {
+        print(format!("{}\n", chosen.said))?;
+    }
+    if let Some(identified) = &chosen.identified {
+        print(format!("{}\n", identify::table(identified)))?;
+    }
+    let (model, known) = arguments.with_known(chosen.vehicle)?;
     let effort = arguments.effort();
     let answer = {
         let line = ProgressLine::new();

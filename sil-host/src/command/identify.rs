@@ -68,7 +68,7 @@ fn scale(known: &[String]) -> Result<KnownScale, Failure> {
 }
 
 /// What the terminal shows beside the file.
-pub fn text(logs: &[Log], identified: &Identification) -> String {
+fn text(logs: &[Log], identified: &Identification) -> String {
     let mut text = String::new();
     for log in logs {
         text.push_str(&format!(
@@ -80,6 +80,12 @@ pub fn text(logs: &[Log], identified: &Identification) -> String {
         ));
         log.notes.iter().for_each(|note| text.push_str(&format!("  {note}\n")));
     }
+    text.push_str(&format!("\n{}", table(identified)));
+    text
+}
+
+/// The numbers, and what to fly for those that the logs do not show.
+pub fn table(identified: &Identification) -> String {
     let mut table = TextTable::new(["identified", "value", "95 % interval"]);
     for number in identified.numbers.iter().filter(|number| !is_of_one_motor_and_axis(&number.name)) {
         let digits = number.own.decimals().unwrap_or(6);
@@ -95,7 +101,7 @@ pub fn text(logs: &[Log], identified: &Identification) -> String {
             format!("{low:.digits$} to {high:.digits$}{mark}"),
         ]);
     }
-    text.push_str(&format!("\n{table}"));
+    let mut text = table.to_string();
     for to_fly in identified.suggestions() {
         text.push_str(&format!("to know what is not excited: {to_fly}\n"));
     }

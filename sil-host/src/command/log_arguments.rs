@@ -106,6 +106,16 @@ impl LogArguments {
         }
     }
 
+    /// True where a model, a rig or a controller was named: then nothing is to be guessed.
+    pub fn says_what_flew(&self) -> bool {
+        self.model.is_some() || self.rig.is_some() || self.controller.is_some()
+    }
+
+    /// Is the log in other people's columns or format, so that its vehicle is other people's?
+    pub fn is_foreign(&self, log: &Log) -> bool {
+        self.map.is_some() || log.flight_controller.is_some() || log.driven_by_axis_commands()
+    }
+
     /// What flew, where that was said.
     pub fn controller(&self) -> Result<Option<ControllerChoice>, Failure> {
         self.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)

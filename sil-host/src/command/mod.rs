@@ -17,6 +17,7 @@ mod fly;
 mod hitl;
 mod identify;
 mod log_arguments;
+mod log_subject;
 mod map;
 mod progress_line;
 mod synth;

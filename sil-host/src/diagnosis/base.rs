@@ -83,8 +83,8 @@ pub(super) fn ordinary_of_any(scope: &Scope) -> Vec<Fitted> {
 pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candidate<'e> {
     // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
     let rank = |fit: &Candidate<'_>| {
-        let (terms, is_vehicle) = (&fit.fit.terms, search.shooting.log.is_vehicle());
-        (has_bound(terms) || !is_vehicle && acts_at_once(terms), fit.fit.training)
+        let (terms, has_own_lag) = (&fit.fit.terms, (search.nominal)().drive.quickest_s().is_finite());
+        (has_bound(terms) || !has_own_lag && acts_at_once(terms), fit.fit.training)
     };
     let mut best: Option<Candidate<'e>> = None;
     for start in &LAG_AND_DELAY_S {
@@ -130,9 +130,9 @@ pub(super) fn in_noise_of<'l>(
     Ok(Shooting::new(windowed).with_noise(moments, forces))
 }
 
-/// Do commands act quicker than motors can? Beside a model's own motors they may; separate axes have no other lag than
-/// this, and a fit without any has taken it for something else.
-fn acts_at_once(terms: &[Term<'_>]) -> bool {
+/// Do commands act quicker than motors can? Beside a model's own motors they may; separate axes and level `box` have no
+/// other lag than this, and a fit without any has taken it for something else.
+pub(super) fn acts_at_once(terms: &[Term<'_>]) -> bool {
     let lag = terms.iter().find(|term| term.effect.name() == "motor_lag");
     lag.is_some_and(|lag| lag.values.iter().all(|lag_s| *lag_s < QUICKEST_MOTOR_S))
 }

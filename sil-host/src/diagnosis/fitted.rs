@@ -12,7 +12,16 @@ pub(super) enum Fitted {
     /// How much a separate axis accelerates per unit of its command: no effect, for its nominal value is fitted to each
     /// log, along with whatever else is in the model.
     InputGain(Axis),
+    /// The lift at no command where the line of lift over command goes on, as a share of that at a command, at which
+    /// lift stays as it is: a number of level `box`, which an identification finds with the rest.
+    LiftOffset {
+        /// Where lift stays as it is.
+        at_command: f64,
+    },
 }
+
+/// Lift at no command over that of hover; motors that only start at some command have less than none.
+const LIFT_OFFSET: [Unknown; 1] = [Unknown::free("lift_offset", 0.0, 1e-4, [-1.0, 0.8]).expected_near(0.0, 0.1)];
 
 /// Acceleration of a separate axis per unit of its command.
 const INPUT_GAIN: [Unknown; 1] = [Unknown::free("gain_rad_s2", 1.0, 1e-3, [-1e4, 1e4])];
@@ -37,7 +46,7 @@ impl Fitted {
     pub(super) fn expected(self, prior: Prior) -> Fitted {
         match self {
             Fitted::Effect(hypothesis) => Fitted::Effect(Box::new(hypothesis.expected(prior))),
-            Fitted::InputGain(axis) => Fitted::InputGain(axis),
+            other => other,
         }
     }
 
@@ -46,6 +55,7 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.entry().name,
             Fitted::InputGain(_) => "input_gain",
+            Fitted::LiftOffset { .. } => "lift_offset",
         }
     }
 
@@ -53,7 +63,7 @@ impl Fitted {
     pub(super) fn origin(&self) -> Origin {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.entry().origin,
-            Fitted::InputGain(_) => Origin::Actuator,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => Origin::Actuator,
         }
     }
 
@@ -62,6 +72,7 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.axis(),
             Fitted::InputGain(axis) => Some(*axis),
+            Fitted::LiftOffset { .. } => None,
         }
     }
 
@@ -69,7 +80,7 @@ impl Fitted {
     pub(super) fn motor(&self) -> Option<u8> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.motor(),
-            Fitted::InputGain(_) => None,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => None,
         }
     }
 
@@ -78,6 +89,7 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.unknowns(),
             Fitted::InputGain(_) => &INPUT_GAIN,
+            Fitted::LiftOffset { .. } => &LIFT_OFFSET,
         }
     }
 
@@ -90,7 +102,7 @@ impl Fitted {
     pub(super) fn starts(&self, hints: &Hints) -> Vec<Vec<f64>> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.starts(hints),
-            Fitted::InputGain(_) => vec![vec![INPUT_GAIN[0].nominal]],
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => vec![vec![self.unknowns()[0].nominal]],
         }
     }
 
@@ -99,6 +111,9 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => model.add(&hypothesis.effect(values)),
             Fitted::InputGain(axis) => model.set_input_gain(*axis, values.first().copied().unwrap_or_default()),
+            Fitted::LiftOffset { at_command } => {
+                model.set_lift_offset(values.first().copied().unwrap_or_default(), *at_command);
+            }
         }
     }
 
@@ -106,7 +121,7 @@ impl Fitted {
     pub(super) fn effect(&self, values: &[f64]) -> Option<Effect> {
         match self {
             Fitted::Effect(hypothesis) => Some(hypothesis.effect(values)),
-            Fitted::InputGain(_) => None,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => None,
         }
     }
 
@@ -114,7 +129,7 @@ impl Fitted {
     pub(super) fn is_void(&self, values: &[f64]) -> bool {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.is_void(values),
-            Fitted::InputGain(_) => false,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => false,
         }
     }
 
@@ -122,7 +137,7 @@ impl Fitted {
     pub(super) fn reported_names(&self) -> Vec<&'static str> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.reported_names().into(),
-            Fitted::InputGain(_) => vec![INPUT_GAIN[0].name],
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => vec![self.unknowns()[0].name],
         }
     }
 
@@ -130,7 +145,9 @@ impl Fitted {
     pub(super) fn reported(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.reported(values),
-            Fitted::InputGain(_) => values.iter().map(|value| (INPUT_GAIN[0].name, *value)).collect(),
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => {
+                values.iter().map(|value| (self.unknowns()[0].name, *value)).collect()
+            }
         }
     }
 
@@ -141,7 +158,7 @@ impl Fitted {
                 let parameter = hypothesis.entry().parameters.iter().find(|parameter| parameter.name == name);
                 parameter.map_or(0.0, |parameter| parameter.nominal)
             }
-            Fitted::InputGain(_) => INPUT_GAIN[0].nominal,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => self.unknowns()[0].nominal,
         }
     }
 
@@ -150,6 +167,7 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.statement(),
             Fitted::InputGain(_) => "acceleration per command",
+            Fitted::LiftOffset { .. } => "lift at no command",
         }
     }
 

@@ -73,7 +73,9 @@ use fitting::fit::{as_terms, model_of};
 use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
-pub use identification::{Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify};
+pub use identification::{
+    Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify, mismatch,
+};
 pub use known::{Fact, Known, NotKnown};
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};

@@ -18,6 +18,7 @@ mod motor_order;
 mod part;
 mod quantity;
 mod recording;
+mod rig_shown;
 pub mod sanity;
 mod source;
 mod time_base;
@@ -32,6 +33,7 @@ pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};
 pub use quantity::Quantity;
 pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
+pub use rig_shown::RigShown;
 pub use write::{write, write_file};
 
 /// A format that a file may have.

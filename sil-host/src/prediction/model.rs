@@ -9,6 +9,7 @@ use crate::prediction::Channel;
 use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
 use crate::prediction::drive::{DirectInput, Drive};
 use crate::prediction::force_track::{Commands, ForceAndSpin, ForceTrack, Step};
+use crate::vehicle::propulsion::Propulsion;
 use crate::vehicle::{Airframe, Changes, NominalBody};
 
 /// Most parts of a step of the body in which dry friction turns round, a millisecond or two each.
@@ -116,6 +117,14 @@ impl Model {
     pub(crate) fn set_input_gain(&mut self, axis: Axis, own_rad_s2: f64) {
         if let Body::Axes { gain_rad_s2, .. } = &mut self.body {
             gain_rad_s2[axis.index()] = own_rad_s2;
+        }
+    }
+
+    /// Sets where the line of lift over command meets no command, as a share of the lift at a command, which stays; on
+    /// level `box` alone.
+    pub(crate) fn set_lift_offset(&mut self, share: f64, at_command: f64) {
+        if let Drive::Motors(Propulsion::Box(motor)) = &mut self.drive {
+            *motor = motor.with_offset(share, at_command);
         }
     }
 

@@ -87,7 +87,9 @@ impl Identification {
             ("[propulsion]", "lift_slope_n") => {
                 format!("{of_scale}; specific lift at base_command {}", self.said("hover_lift"))
             }
-            ("[propulsion]", "lift_offset_n") => "lift goes through 0; its bend is the effect thrust_curve".to_owned(),
+            ("[propulsion]", "lift_offset_n") => {
+                format!("{of_scale}; {}; the bend is the effect thrust_curve", self.said("lift_at_no_command"))
+            }
             ("[propulsion]", "reaction_torque_per_lift_m") => "by yaw's effectiveness and izz_kg_m2".to_owned(),
             ("[noise]", "gyro_rad_s" | "attitude_rad") => "the white part of the log's own".to_owned(),
             ("[noise]", "accel_m_s2") => "assumed".to_owned(),

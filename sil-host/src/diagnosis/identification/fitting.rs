@@ -3,6 +3,7 @@
 
 use super::NotIdentified;
 use super::numbers::{self, Identified};
+use super::seen;
 use super::start::YAW_SHARE;
 use crate::axis::Axis;
 use crate::diagnosis::base;
@@ -38,7 +39,9 @@ pub(super) struct Rough {
 }
 
 /// The effects that are fitted, the curve of thrust first.
-fn unknowns(scope: &Scope) -> Vec<Fitted> {
+fn unknowns(scope: &Scope, at_command: f64) -> Vec<Fitted> {
+    // how lift grows with the command shows where the accelerometer or the velocity shows lift
+    let offset = scope.pushed.then_some(Fitted::LiftOffset { at_command });
     let of_name = |(name, prior): &(&'static str, Option<(f64, f64)>)| -> Vec<Fitted> {
         let all = Fitted::hypotheses(scope).into_iter().filter(|effect| effect.name() == *name);
         match prior {
@@ -46,7 +49,7 @@ fn unknowns(scope: &Scope) -> Vec<Fitted> {
             None => all.collect(),
         }
     };
-    UNKNOWN.iter().flat_map(of_name).collect()
+    UNKNOWN.iter().flat_map(of_name).chain(offset).collect()
 }
 
 /// Where a number was expected before the log was seen.
@@ -57,7 +60,7 @@ pub(super) fn expected(effect: &Fitted) -> Option<Prior> {
 /// A first fit from several lags and delays, in the sensors' noise.
 pub(super) fn rough(log: &Log, start: &VehicleModel) -> Result<Rough, NotIdentified> {
     let subject = Subject::Vehicle(start);
-    let unknowns = unknowns(&subject.scope(log));
+    let unknowns = unknowns(&subject.scope(log), start.base_command);
     let (curve, others) = unknowns.split_at(unknowns.iter().take_while(|one| one.name() == "thrust_curve").count());
     let curve =
         curve.iter().map(|effect| Term { effect, values: expected(effect).map_or(vec![0.0], |p| vec![p.mean]) });
@@ -73,7 +76,7 @@ pub(super) fn rough(log: &Log, start: &VehicleModel) -> Result<Rough, NotIdentif
 /// with everything in it, and its numbers.
 pub(super) fn fine(log: &Log, rough: &Rough) -> Result<(VehicleModel, Vec<Identified>), NotIdentified> {
     let subject = Subject::Vehicle(&rough.model);
-    let unknowns = unknowns(&subject.scope(log));
+    let unknowns = unknowns(&subject.scope(log), rough.model.base_command);
     let terms = || -> Vec<Term<'_>> {
         let pairs = unknowns.iter().zip(&rough.values);
         pairs.map(|(effect, values)| Term { effect, values: values.clone() }).collect()
@@ -84,7 +87,11 @@ pub(super) fn fine(log: &Log, rough: &Rough) -> Result<(VehicleModel, Vec<Identi
     let shooting = base::in_noise_of(log, &subject, &search, &found.fit)?;
     let search = Search::new(&shooting, &nominal, &[], terms(), &|_| ());
     let fit = search.refitted(found.fit.terms, &found.fit.starts);
-    let numbers = numbers::of(&fit, &shooting, &nominal, rough.model.base_command);
+    let seen = seen::axes(&search, &fit);
+    if seen == [false; 3] || base::acts_at_once(&fit.terms) {
+        return Err(NotIdentified::Quiet);
+    }
+    let numbers = numbers::of(&fit, &shooting, &nominal, rough.model.base_command, seen);
     let others: Vec<Term<'_>> =
         fit.terms.iter().filter(|term| !is_own(term.effect)).map(|term| even(term, &fit.terms)).collect();
     let model = folded(&rough.model, &fit.terms);
@@ -142,6 +149,8 @@ fn folded(model: &VehicleModel, terms: &[Term<'_>]) -> VehicleModel {
     let new_izz = YAW_SHARE * (new_ixx + new_iyy);
     let mut folded = VehicleModel { inertia_kg_m2: [new_ixx, new_iyy, new_izz], ..model.clone() };
     if let (Propulsion::Box(motor), Mounting::Free { .. }) = (&mut folded.propulsion, model.mounting) {
+        *motor = motor.with_offset(value_of(terms, "lift_offset", None).unwrap_or_default(), model.base_command);
+        motor.lift_offset_n *= lift / mass;
         motor.lift_slope_n *= lift / mass;
         motor.reaction_torque_per_lift_m *= mass * new_izz / (izz * inertia(Axis::Yaw));
     }

@@ -16,13 +16,16 @@
 
 mod file;
 mod fitting;
+mod mismatch;
 mod numbers;
+mod seen;
 mod start;
 
 use super::verdict::Estimate;
 use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
+pub use mismatch::mismatch;
 pub use numbers::{Identified, effectiveness_rad_s2};
 
 /// What gives the ratios that a log shows a scale.
@@ -51,8 +54,9 @@ pub enum NotIdentified {
     NoMotors,
     /// No window shows what the motors do about roll or pitch.
     #[error(
-        "neither roll nor pitch answers to the motors beyond chance: too short or too quiet to identify a vehicle; \
-         fly steps of roll and pitch to 20 degrees for 15 s"
+        "what the motors do about roll or pitch does not show: the log is too short, too quiet or too slow to identify a \
+         vehicle, or something else moves it more; fly steps of roll and pitch to 20 degrees for 15 s, logged at 100 \
+         rows/s or more"
     )]
     Quiet,
     /// The numbers fit no vehicle.
@@ -84,6 +88,9 @@ pub fn identify(logs: &[Log], scale: KnownScale) -> Result<Identification, NotId
     let start = start::vehicle(log, scale)?;
     let rough = fitting::rough(log, &start)?;
     let (model, numbers) = fitting::fine(log, &rough)?;
+    if numbers.iter().filter(|number| number.is_of_tilt()).all(|number| number.to_fly.is_some()) {
+        return Err(NotIdentified::Quiet);
+    }
     let model = VehicleModel::parse(&model.to_toml(), "the identified model")
         .map_err(|error| NotIdentified::Impossible(error.to_string()))?;
     let names: Vec<&str> = logs.iter().map(|log| log.path.as_str()).collect();

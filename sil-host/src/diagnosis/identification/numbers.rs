@@ -32,6 +32,13 @@ impl Identified {
     }
 }
 
+impl Identified {
+    /// Is it how roll or pitch answers to the motors?
+    pub(super) fn is_of_tilt(&self) -> bool {
+        ["roll_effectiveness", "pitch_effectiveness"].contains(&self.name.as_str())
+    }
+}
+
 /// Share of what was known before the log from which on the log has shown nothing.
 const UNSEEN: f64 = 0.7;
 /// Relative deviation of an effectiveness from which on it is not known.
@@ -52,7 +59,13 @@ pub fn effectiveness_rad_s2(model: &VehicleModel, command: f64) -> [[f64; 3]; 4]
 }
 
 /// All numbers of a fit around a command.
-pub(super) fn of(fit: &Fit<'_>, shooting: &Shooting<'_>, nominal: Nominal<'_>, command: f64) -> Vec<Identified> {
+pub(super) fn of(
+    fit: &Fit<'_>,
+    shooting: &Shooting<'_>,
+    nominal: Nominal<'_>,
+    command: f64,
+    seen: [bool; 3],
+) -> Vec<Identified> {
     let values = |terms: &[Term<'_>]| derived(terms, &model_of(nominal, terms), command);
     let here = values(&fit.terms);
     let numbers = fit.terms.iter().flat_map(|term| term.effect.unknowns());
@@ -74,11 +87,15 @@ pub(super) fn of(fit: &Fit<'_>, shooting: &Shooting<'_>, nominal: Nominal<'_>, c
         let carried: Vec<f64> = fit.scattered_covariance.chunks(steps.len()).map(|row| dot(row, &slope)).collect();
         let late_s = if one.is_late { half_row_s } else { 0.0 };
         let own = MODEL_ERROR * one.value;
-        let std = (dot(&slope, &carried).max(0.0) + late_s * late_s + own * own).sqrt();
+        let variance = dot(&slope, &carried);
+        let std = (variance.max(0.0) + late_s * late_s + own * own).sqrt();
+        // a fit without a covariance knows nothing
+        let std = if variance.is_finite() { std } else { f64::INFINITY };
         let own = Estimate { value: one.value, std };
-        let is_unseen = match one.prior_std {
-            Some(prior) => std > UNSEEN * prior,
-            None => one.is_gain && std > UNKNOWN_FROM * one.value.abs(),
+        let is_unseen = match (one.of_axis, one.prior_std) {
+            (Some(axis), _) => !seen[axis.index()] || std > UNKNOWN_FROM * one.value.abs(),
+            (None, Some(prior)) => std > UNSEEN * prior,
+            (None, None) => !std.is_finite(),
         };
         Identified { name: one.name, unit: one.unit, own, to_fly: is_unseen.then_some(one.to_fly) }
     };
@@ -91,14 +108,14 @@ struct Derived {
     unit: &'static str,
     value: f64,
     prior_std: Option<f64>,
-    is_gain: bool,
+    of_axis: Option<Axis>,
     is_late: bool,
     to_fly: &'static str,
 }
 
 impl Derived {
     fn new(name: String, unit: &'static str, value: f64, to_fly: &'static str) -> Derived {
-        Derived { name, unit, value, prior_std: None, is_gain: false, is_late: false, to_fly }
+        Derived { name, unit, value, prior_std: None, of_axis: None, is_late: false, to_fly }
     }
 }
 
@@ -109,7 +126,7 @@ fn derived(terms: &[Term<'_>], model: &Model, command: f64) -> Vec<Derived> {
     for axis in Axis::ALL {
         let name = format!("{}_effectiveness", axis.name());
         let gain = Derived::new(name, "rad/s2 per motor command", mean(axis), STEPS[axis.index()]);
-        all.push(Derived { is_gain: true, ..gain });
+        all.push(Derived { of_axis: Some(axis), ..gain });
     }
     for (motor, of) in by_motor.iter().enumerate() {
         for axis in Axis::ALL {
@@ -147,6 +164,7 @@ fn of_terms(terms: &[Term<'_>], model: &Model) -> Vec<Derived> {
         let of = |axis: Axis, what: &str| format!("{}_{what}", axis.name());
         let one = match (term.effect.name(), axis) {
             ("thrust_curve", _) => Derived::new("thrust_expo".to_owned(), "", value, CLIMBS),
+            ("lift_offset", _) => Derived::new("lift_at_no_command".to_owned(), "of hover's", value, CLIMBS),
             ("motor_lag", _) => Derived::new("motor_lag_s".to_owned(), "s", value, STEPS[0]),
             ("actuation_delay", _) => {
                 Derived { is_late: true, ..Derived::new("delay_s".to_owned(), "s", value, STEPS[0]) }

@@ -16,6 +16,8 @@ const ARM_M: f64 = 0.2;
 /// Inertia about yaw over the sum of the other two, which a flat plate has: F450 0.87, Crazyflie 0.88. A log hardly
 /// shows it, for what turns a vehicle about yaw goes with the propellers' drag, which nobody knows either.
 pub(super) const YAW_SHARE: f64 = 0.88;
+/// Angular acceleration about roll and pitch per unit of a motor's command, rad/s^2: F450 139, Crazyflie 300.
+const TILT_ANSWER: f64 = 150.0;
 /// Angular acceleration about yaw per command over that about roll: F450 0.058, Crazyflie 0.12.
 const YAW_ANSWER: f64 = 0.08;
 /// Motors of a free vehicle hover within these commands; else the log's part in the air was not found.
@@ -27,13 +29,13 @@ pub(super) fn vehicle(log: &Log, scale: KnownScale) -> Result<VehicleModel, NotI
         return Err(NotIdentified::NoMotors);
     }
     let base_command = steady_collective(log)?.unwrap_or(0.5).clamp(HOVER[0], HOVER[1]);
-    let [roll, pitch, yaw] = sanity::accelerations_per_command(log);
-    let positive = |answer: Option<f64>| answer.filter(|answer| *answer > 0.0);
-    let (roll, pitch) = (positive(roll), positive(pitch));
-    let (Some(roll), Some(pitch)) = (roll.or(pitch), pitch.or(roll)) else { return Err(NotIdentified::Quiet) };
+    let shown = sanity::accelerations_per_command(log);
+    // a start need not be sure: what the fit makes of it is
+    let [roll, pitch, yaw] = shown.map(|answer| answer.map(|answer| answer.value).filter(|answer| *answer > 0.0));
+    let (roll, pitch) = (roll.or(pitch).unwrap_or(TILT_ANSWER), pitch.or(roll).unwrap_or(TILT_ANSWER));
     // propellers that turn the other way turn the vehicle the other way
     let spin = if sanity::has_reversed_spin(log) { -1.0 } else { 1.0 };
-    let yaw = spin * positive(yaw).unwrap_or(YAW_ANSWER * roll.min(pitch));
+    let yaw = spin * yaw.unwrap_or(YAW_ANSWER * roll.min(pitch));
     let (mass_kg, arm_m) = (scale.mass_kg.unwrap_or(MASS_KG), scale.arm_m.unwrap_or(ARM_M));
     let lift_slope_n = mass_kg * GRAVITY_M_S2 / (4.0 * base_command);
     let turning_nm = arm_m * core::f64::consts::FRAC_1_SQRT_2 * lift_slope_n;

@@ -80,13 +80,22 @@ pub fn examine(log: &Log, map: Option<&Map>) -> Examination {
     found
 }
 
-/// Angular acceleration of roll, pitch and yaw per unit of each motor's command, with the signs of docs/rig.md, rad/s^2,
-/// by the same regression; `None` where chance may have made it. Lags make it too small, by some tens of percent.
-pub(crate) fn accelerations_per_command(log: &Log) -> [Option<f64>; 3] {
+/// How an axis answers to the motors, as the gate's regression has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AxisAnswer {
+    /// Angular acceleration per unit of each motor's command, with the signs of docs/rig.md, rad/s^2. Lags make it too
+    /// small, by some tens of percent.
+    pub(crate) value: f64,
+    /// True where chance has not made it.
+    pub(crate) is_sure: bool,
+}
+
+/// The answers of roll, pitch and yaw, where the log is long enough.
+pub(crate) fn accelerations_per_command(log: &Log) -> [Option<AxisAnswer>; 3] {
     let driving = driving::driving(log, &Bins::of(log));
     Axis::ALL.map(|axis| {
         let slope = driving.as_ref()?.answers.slope(axis.index(), axis.index())?;
-        (slope.is_above(0.0) || slope.is_below(0.0)).then_some(slope.value)
+        Some(AxisAnswer { value: slope.value, is_sure: slope.is_above(0.0) || slope.is_below(0.0) })
     })
 }
 
@@ -96,9 +105,10 @@ pub(crate) fn has_reversed_spin(log: &Log) -> bool {
 }
 
 /// Is the vehicle held by a rig? Where something carries it, the accelerometer shows gravity when it tilts; where it
-/// flies, thrust alone. `None` where the log does not tell.
+/// flies, the motors' lift alone. `None` where the log does not tell.
 pub fn is_held(log: &Log) -> Option<bool> {
-    weighing::shows_tilt(log, &Bins::of(log))
+    let bins = Bins::of(log);
+    weighing::shows_tilt(log, &bins).or_else(|| weighing::shows_lift(log, &bins).map(|lift| !lift))
 }
 
 /// Angles against rates, axis by axis.

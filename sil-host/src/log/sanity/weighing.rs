@@ -12,6 +12,9 @@ use crate::axis::Axis;
 /// The accelerometer may come so much later than the attitude, s: attitudes are late.
 const LATER_S: [f64; 2] = [-0.3, 0.1];
 
+/// And so much later than the motors' commands.
+const COMMANDED_LATER_S: [f64; 2] = [0.0, 0.25];
+
 /// The accelerometer's mean in each stretch of a log, by axis.
 struct Means([Vec<f64>; 3]);
 
@@ -124,6 +127,28 @@ fn tilt(log: &Log, bins: &Bins) -> Option<Answers> {
         is_usable: bins.all(&vec![true; log.rows()]),
     };
     question.ask(bins)
+}
+
+/// Does the accelerometer show lift that grows with the motors' commands? Where something carries the vehicle it shows
+/// gravity alone. `None` where the motors all but keep their commands, or the log has no answer.
+pub(super) fn shows_lift(log: &Log, bins: &Bins) -> Option<bool> {
+    let collective = log.collective()?;
+    let (lift, command) = (log.column(Quantity::Accel(Axis::Yaw))?, bins.means(&collective));
+    let mean = collective.iter().sum::<f64>() / collective.len().max(1) as f64;
+    let question = Question {
+        inputs: vec![Some(command)],
+        responses: vec![Some(bins.means(lift))],
+        later_s: COMMANDED_LATER_S,
+        is_usable: bins.all(&log.active_rows()),
+    };
+    // lift grows with the command or with its square; the half of the lesser lies between flight and rig
+    let slope = question.ask(bins)?.slope(0, 0)?;
+    let half = 0.5 * GRAVITY_M_S2 / mean;
+    match (slope.is_below(-half), slope.is_above(-half)) {
+        (true, _) => Some(true),
+        (_, true) => Some(false),
+        _ => None,
+    }
 }
 
 /// Does the accelerometer show gravity as the vehicle tilts? `None` where it hardly tilts, or the log has no answer.

@@ -14,6 +14,13 @@ pub struct FlyingBox {
 }
 
 impl FlyingBox {
+    /// The same lift at a command, another share of it at none.
+    pub(crate) fn with_offset(&self, share: f64, at_command: f64) -> Self {
+        let lift_n = self.lift_offset_n + self.lift_slope_n * at_command;
+        let lift_slope_n = (1.0 - share) * lift_n / at_command;
+        Self { lift_offset_n: share * lift_n, lift_slope_n, ..*self }
+    }
+
     pub(super) fn lift_n(&self, command: f64) -> f64 {
         (self.lift_offset_n + self.lift_slope_n * command).max(0.0)
     }
