@@ -16,6 +16,7 @@ pub fn lead(comparison: &Comparison, subject: &Subject<'_>) -> String {
     let error = comparison.prediction_error();
     let model = match subject {
         Subject::Axes => "A rigid body per axis with one fitted input gain".to_owned(),
+        Subject::Bench(bench) => format!("The bench \"{}\"", bench.name),
         Subject::Vehicle(model) => format!("The model \"{}\"", model.name),
     };
     let ratio = |channel: &&ChannelError| channel.nominal / channel.noise_floor;

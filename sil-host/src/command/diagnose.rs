@@ -151,7 +151,10 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
             (Some(model), None) => {
                 diagnose_observed(&log, &Subject::Vehicle(model), &known, effort, &observer).map_err(LogRefused::from)
             }
-            (None, _) => diagnose_observed(&log, &Subject::Axes, &known, effort, &observer).map_err(LogRefused::from),
+            (None, _) => {
+                let axes = chosen.bench.as_ref().map_or(Subject::Axes, Subject::Bench);
+                diagnose_observed(&log, &axes, &known, effort, &observer).map_err(LogRefused::from)
+            }
         }
     };
     let answer = answer.map_err(|error| arguments.log.refused(&log, &error))?;

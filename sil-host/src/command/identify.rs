@@ -1,9 +1,9 @@
-//! `sil identify`: a model of the vehicle from its own logs.
+//! `sil identify`: a model of the vehicle, or of the bench, from its own logs.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use sil_host::diagnosis::{Identification, KnownScale, identify};
+use sil_host::diagnosis::{Identification, Identified, KnownScale, identify, identify_axes};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
@@ -14,10 +14,11 @@ use super::{Failure, bad_input, print, write_file};
 #[derive(Args)]
 #[command(after_help = "Example: sil identify flight.ulg -o vehicle.toml\n\
 Example: sil identify flight1.bin flight2.bin --known mass_kg=1.35 --known arm_m=0.225 -o vehicle.toml\n\
+Example: sil identify bench.csv.gz --map antx -o bench.toml\n\
 Example: sil diagnose other.ulg --model vehicle.toml\n\n\
-The logs are of one vehicle in free flight, with the commands of its four motors. Each number of the file says how\n\
-sure it is and where it is from; what the logs do not show is marked, with what to fly to know it.\n\
-docs/identification.md explains it.")]
+All logs are of one vehicle. A free flight with the commands of four motors gives a vehicle; any other log gives\n\
+separate axes. Each number of the file says how sure it is; what the logs do not show is marked, with what to fly to\n\
+know it. docs/identification.md explains it.")]
 pub struct IdentifyArguments {
     #[command(flatten)]
     log: LogArguments,
@@ -34,19 +35,27 @@ pub struct IdentifyArguments {
 
 pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let scale = scale(&arguments.known)?;
-    arguments.log.is_identified_from()?;
     let mut logs = vec![arguments.log.read()?];
     for path in &arguments.more {
         logs.push(arguments.log.read_other(path)?);
     }
-    let identified = identify(&logs, scale).map_err(|error| bad_input(format!("{}: {error}", logs[0].path)))?;
+    let refused = |error: sil_host::diagnosis::NotIdentified| bad_input(format!("{}: {error}", logs[0].path));
+    let (numbers, toml) = if arguments.log.is_of_vehicle(&logs)? {
+        let identified = identify(&logs, scale).map_err(refused)?;
+        (table(&identified), identified.to_toml())
+    } else if let Some(known) = arguments.known.first() {
+        return Err(bad_input(format!("--known {known}: separate axes have neither mass nor arm: leave it out")));
+    } else {
+        let identified = identify_axes(&logs).map_err(refused)?;
+        (table_of(&identified.numbers), identified.to_toml())
+    };
     match &arguments.out {
         Some(out) => {
-            print(text(&logs, &identified))?;
-            write_file(out, identified.to_toml().as_bytes())?;
+            print(format!("{}\n{numbers}", heads(&logs)))?;
+            write_file(out, toml.as_bytes())?;
             print(format!("model           {}\n", out.display()))
         }
-        None => print(identified.to_toml()),
+        None => print(toml),
     }
 }
 
@@ -67,48 +76,41 @@ fn scale(known: &[String]) -> Result<KnownScale, Failure> {
     Ok(scale)
 }
 
-/// What the terminal shows beside the file.
-fn text(logs: &[Log], identified: &Identification) -> String {
+/// The logs, and what was taken of each.
+fn heads(logs: &[Log]) -> String {
     let mut text = String::new();
     for log in logs {
-        text.push_str(&format!(
-            "{}: {} rows, {:.2} s, {:.1} Hz\n",
-            log.path,
-            log.rows(),
-            log.duration_s(),
-            log.rate_hz()
-        ));
+        let (rows, duration_s, rate_hz) = (log.rows(), log.duration_s(), log.rate_hz());
+        text.push_str(&format!("{}: {rows} rows, {duration_s:.2} s, {rate_hz:.1} Hz\n", log.path));
         log.notes.iter().for_each(|note| text.push_str(&format!("  {note}\n")));
     }
-    text.push_str(&format!("\n{}", table(identified)));
     text
 }
 
-/// The numbers, and what to fly for those that the logs do not show.
+/// The numbers of a vehicle, but for the twelve of single motors about single axes, which stand in the file.
 pub fn table(identified: &Identification) -> String {
+    let is_single =
+        |name: &str| name.starts_with("motor") && ["roll", "pitch", "yaw"].iter().any(|a| name.ends_with(a));
+    let shown: Vec<Identified> = identified.numbers.iter().filter(|one| !is_single(&one.name)).cloned().collect();
+    table_of(&shown)
+}
+
+/// Numbers, and what to fly for those that the logs do not show.
+fn table_of(numbers: &[Identified]) -> String {
     let mut table = TextTable::new(["identified", "value", "95 % interval"]);
-    for number in identified.numbers.iter().filter(|number| !is_of_one_motor_and_axis(&number.name)) {
+    for number in numbers {
         let digits = number.own.decimals().unwrap_or(6);
         let [low, high] = number.interval();
+        let unit = if number.unit.is_empty() { String::new() } else { format!(", {}", number.unit) };
         let mark = if number.to_fly.is_some() { "   not excited" } else { "" };
         table.row([
-            format!(
-                "{}{}",
-                number.name,
-                if number.unit.is_empty() { String::new() } else { format!(", {}", number.unit) }
-            ),
+            format!("{}{unit}", number.name),
             format!("{:.digits$}", number.own.value),
             format!("{low:.digits$} to {high:.digits$}{mark}"),
         ]);
     }
-    let mut text = table.to_string();
-    for to_fly in identified.suggestions() {
-        text.push_str(&format!("to know what is not excited: {to_fly}\n"));
-    }
-    text
-}
-
-/// True of the twelve numbers of single motors about single axes, which stand in the file.
-fn is_of_one_motor_and_axis(name: &str) -> bool {
-    name.starts_with("motor") && ["roll", "pitch", "yaw"].iter().any(|axis| name.ends_with(axis))
+    let mut to_fly: Vec<&str> = numbers.iter().filter_map(|number| number.to_fly).collect();
+    to_fly.dedup();
+    let more: String = to_fly.iter().map(|to_fly| format!("to know what is not excited: {to_fly}\n")).collect();
+    table.to_string() + &more
 }

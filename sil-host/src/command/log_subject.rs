@@ -3,7 +3,7 @@
 
 use sil_host::diagnosis::{Identification, KnownScale, identify, mismatch};
 use sil_host::log::Log;
-use sil_host::model::{Rig, VehicleModel};
+use sil_host::model::{BenchModel, Rig, VehicleModel};
 
 use super::Failure;
 use super::log_arguments::LogArguments;
@@ -12,6 +12,8 @@ use super::log_arguments::LogArguments;
 pub struct Chosen {
     /// None for separate axes.
     pub vehicle: Option<VehicleModel>,
+    /// What is known of separate axes, where a model says it.
+    pub bench: Option<BenchModel>,
     /// The first line of the answer; empty where there is nothing to say.
     pub said: String,
     /// The identification that the vehicle is from.
@@ -20,12 +22,18 @@ pub struct Chosen {
 
 impl Chosen {
     fn new(vehicle: Option<VehicleModel>, said: String) -> Chosen {
-        Chosen { vehicle, said, identified: None }
+        Chosen { vehicle, bench: None, said, identified: None }
     }
 }
 
 /// The vehicle that was named, with what speaks against it; else one that the log itself shows.
 pub fn chosen(arguments: &LogArguments, log: &Log, wants_vehicle: Option<&str>) -> Result<Chosen, Failure> {
+    if let Some(bench) = arguments.bench()? {
+        return match wants_vehicle {
+            Some(option) => Err(super::bad_input(format!("--rig axis has no vehicle model: leave out {option}"))),
+            None => Ok(Chosen { bench: Some(bench), ..Chosen::new(None, String::new()) }),
+        };
+    }
     if arguments.says_what_flew() {
         let vehicle = arguments.vehicle(log, wants_vehicle)?;
         let against = vehicle.as_ref().and_then(|model| mismatch(log, model));
@@ -58,6 +66,7 @@ pub fn chosen(arguments: &LogArguments, log: &Log, wants_vehicle: Option<&str>) 
     match identify(std::slice::from_ref(log), KnownScale::default()) {
         Ok(identified) => Ok(Chosen {
             vehicle: Some(identified.model.clone()),
+            bench: None,
             said:
                 "No --model: the vehicle was identified from this log first (sil identify); what follows is what that \
                    model lacks."

@@ -74,7 +74,8 @@ use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
 pub use identification::{
-    Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify, mismatch,
+    BenchIdentification, Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify,
+    identify_axes, mismatch,
 };
 pub use known::{Fact, Known, NotKnown};
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};

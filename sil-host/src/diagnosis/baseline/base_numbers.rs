@@ -97,7 +97,7 @@ fn distinct(mut terms: Vec<Term<'_>>) -> Vec<Term<'_>> {
 }
 
 /// Lag and delay together, each of which alone the other can nearly replace.
-fn lateness(fit: &Fit<'_>) -> Option<Estimate> {
+pub(in crate::diagnosis) fn lateness(fit: &Fit<'_>) -> Option<Estimate> {
     let size = fit.size();
     let mut places = Vec::new();
     let (mut place, mut value) = (0, 0.0);

@@ -28,6 +28,7 @@ use super::{Subject, Verdict};
 use crate::log::Log;
 use crate::prediction::NotPredictable;
 pub use answer::{Baseline, BaselineDiagnosis, Compared, Difference};
+pub(super) use base_numbers::lateness;
 use causes::Departures;
 pub use normal::BetweenFlights;
 use normal::{Normal, USUAL_FLIGHTS};
@@ -118,7 +119,7 @@ pub fn compare_flights(
     let choice = choice::choose(&departures, given.known);
     let of_model = |command: f64| match subject {
         Subject::Vehicle(model) => model.propulsion.lift_n(command.min(1.0)),
-        Subject::Axes => PROPORTIONAL(command),
+        Subject::Axes | Subject::Bench(_) => PROPORTIONAL(command),
     };
     let wording = Wording { departures: &departures, lift: &of_model };
     let findings: Vec<Difference> = choice.found.iter().map(|chosen| wording.difference(chosen)).collect();

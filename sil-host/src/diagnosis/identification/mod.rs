@@ -14,6 +14,7 @@
 //! A log shows ratios only: angular acceleration per command, lift over weight. Mass and arm give them a scale; where
 //! neither is known both are set, and all forces and moments of the file go with them.
 
+mod bench;
 mod file;
 mod fitting;
 mod mismatch;
@@ -25,6 +26,7 @@ use super::verdict::Estimate;
 use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
+pub use bench::{BenchIdentification, identify_axes};
 pub use mismatch::mismatch;
 pub use numbers::{Identified, effectiveness_rad_s2};
 
@@ -93,14 +95,23 @@ pub fn identify(logs: &[Log], scale: KnownScale) -> Result<Identification, NotId
     }
     let model = VehicleModel::parse(&model.to_toml(), "the identified model")
         .map_err(|error| NotIdentified::Impossible(error.to_string()))?;
+    Ok(Identification { model, numbers, scale, source: source(logs, &joined) })
+}
+
+/// What a model is called whose log is this.
+fn name_of(log: &Log) -> String {
+    format!("identified from {}", log.path.rsplit(['/', '\\']).next().unwrap_or(&log.path))
+}
+
+/// The logs, and what was used of them.
+fn source(logs: &[Log], joined: &Log) -> String {
     let names: Vec<&str> = logs.iter().map(|log| log.path.as_str()).collect();
-    let source = format!(
+    format!(
         "{}: {:.1} s at {:.0} rows/s, three quarters of the windows of 0.5 s (the fourth is left to judge by)",
         names.join(", "),
         logs.iter().map(Log::duration_s).sum::<f64>(),
         joined.rate_hz_without_gaps(),
-    );
-    Ok(Identification { model, numbers, scale, source })
+    )
 }
 
 impl Identification {

@@ -42,9 +42,9 @@ impl Identified {
 /// Share of what was known before the log from which on the log has shown nothing.
 const UNSEEN: f64 = 0.7;
 /// Relative deviation of an effectiveness from which on it is not known.
-const UNKNOWN_FROM: f64 = 0.2;
+pub(super) const UNKNOWN_FROM: f64 = 0.2;
 
-const STEPS: [&str; 3] = [
+pub(super) const STEPS: [&str; 3] = [
     "fly steps of roll to 20 degrees to either side for 15 s",
     "fly steps of pitch to 20 degrees up and down for 15 s",
     "fly turns of the heading to either side, 60 degrees a second, for 15 s",

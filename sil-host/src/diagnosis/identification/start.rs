@@ -42,7 +42,7 @@ pub(super) fn vehicle(log: &Log, scale: KnownScale) -> Result<VehicleModel, NotI
     let [ixx, iyy] = [roll, pitch].map(|answer| turning_nm / answer);
     let izz = YAW_SHARE * (ixx + iyy);
     Ok(VehicleModel {
-        name: format!("identified from {}", file_name(&log.path)),
+        name: super::name_of(log),
         gravity_m_s2: GRAVITY_M_S2,
         arm_m,
         base_command,
@@ -56,10 +56,6 @@ pub(super) fn vehicle(log: &Log, scale: KnownScale) -> Result<VehicleModel, NotI
         noise: noise(log),
         effects: Vec::new(),
     })
-}
-
-fn file_name(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// The sensors' white noise as the log shows it, the largest of the three axes.
