@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 use sil_host::diagnosis::{Identification, Identified, KnownScale, identify, identify_axes};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
 use super::text_table::TextTable;
-use super::{Failure, bad_input, print, write_file};
+use super::{Failure, bad_input, print, write_file, write_json};
 
 /// Make a model of a vehicle from its own logs: what each motor does, how late, how lift grows with the command
 #[derive(Args)]
@@ -31,6 +32,18 @@ pub struct IdentifyArguments {
     /// Write the model here instead of on the terminal
     #[arg(short, long, value_name = "OUT.toml")]
     out: Option<PathBuf>,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
+}
+
+/// What stands in the JSON.
+#[derive(Serialize)]
+struct Answer {
+    /// The logs, and what was used of them.
+    source: String,
+    /// What they show.
+    numbers: Vec<Identified>,
 }
 
 pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
@@ -40,23 +53,26 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
         logs.push(arguments.log.read_other(path)?);
     }
     let refused = |error: sil_host::diagnosis::NotIdentified| bad_input(format!("{}: {error}", logs[0].path));
-    let (numbers, toml) = if arguments.log.is_of_vehicle(&logs)? {
+    let (shown, toml, answer) = if arguments.log.is_of_vehicle(&logs)? {
         let identified = identify(&logs, scale).map_err(refused)?;
-        (table(&identified), identified.to_toml())
+        let (shown, toml) = (table(&identified), identified.to_toml());
+        (shown, toml, Answer { source: identified.source, numbers: identified.numbers })
     } else if let Some(known) = arguments.known.first() {
         return Err(bad_input(format!("--known {known}: separate axes have neither mass nor arm: leave it out")));
     } else {
         let identified = identify_axes(&logs).map_err(refused)?;
-        (table_of(&identified.numbers), identified.to_toml())
+        let (shown, toml) = (table_of(&identified.numbers), identified.to_toml());
+        (shown, toml, Answer { source: identified.source, numbers: identified.numbers })
     };
     match &arguments.out {
         Some(out) => {
-            print(format!("{}\n{numbers}", heads(&logs)))?;
+            print(format!("{}\n{shown}", heads(&logs)))?;
             write_file(out, toml.as_bytes())?;
-            print(format!("model           {}\n", out.display()))
+            print(format!("model           {}\n", out.display()))?;
         }
-        None => print(toml),
+        None => print(toml)?,
     }
+    write_json(arguments.json.as_deref(), &answer)
 }
 
 /// What gives the numbers a scale.

@@ -37,7 +37,8 @@ pub struct LogArguments {
     /// Compare even if the log contradicts its labels (a unit, a sign, an axis, the motors' order)
     #[arg(long)]
     unchecked: bool,
-    /// Vehicle model [default: the project's F450 on that rig]
+    /// Model of the vehicle or of the bench [default: diagnose identifies a foreign log's vehicle first, and takes the
+    /// project's F450 for the project's own logs where that fits]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
     /// Which rig held the vehicle [default: axis for a log read by a map or without motors, else the model's]

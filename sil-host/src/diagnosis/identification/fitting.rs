@@ -95,7 +95,7 @@ pub(super) fn fine(log: &Log, rough: &Rough) -> Result<(VehicleModel, Vec<Identi
     let others: Vec<Term<'_>> =
         fit.terms.iter().filter(|term| !is_own(term.effect)).map(|term| even(term, &fit.terms)).collect();
     let model = folded(&rough.model, &fit.terms);
-    let model = model_with_terms(&model, &in_unit_of(&model_mass(&fit.terms), others))
+    let model = model_with_terms(&model, &in_unit_of(model_mass(&fit.terms), others))
         .map_err(|problem| NotIdentified::Impossible(problem.to_string()))?;
     Ok((model, numbers))
 }
@@ -132,7 +132,7 @@ fn even<'e>(term: &Term<'e>, all: &[Term<'e>]) -> Term<'e> {
 }
 
 /// Moments beside a mass that is held where it was.
-fn in_unit_of<'e>(mass: &f64, mut terms: Vec<Term<'e>>) -> Vec<Term<'e>> {
+fn in_unit_of<'e>(mass: f64, mut terms: Vec<Term<'e>>) -> Vec<Term<'e>> {
     for term in terms.iter_mut().filter(|term| term.effect.name() == "torque_bias") {
         term.values[0] /= mass;
     }

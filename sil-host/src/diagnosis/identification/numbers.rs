@@ -1,6 +1,8 @@
 //! What a fit says of a vehicle, in numbers that do not hang on the scale: accelerations per command, ratios, times.
 //! Each is computed from the model; its deviation follows from those of the fit's own numbers.
 
+use serde::Serialize;
+
 use super::fitting::expected;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of, moved};
@@ -12,7 +14,7 @@ use crate::prediction::model::Model;
 use crate::statistics::dot;
 
 /// A number of an identified vehicle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Identified {
     /// What it is: `roll_effectiveness`, `motor1_lift`, `motor_lag_s`, ...
     pub name: String,
