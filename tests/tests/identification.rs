@@ -1,5 +1,5 @@
-//! Vehicles identified from their logs alone: a part of `cargo run --release -p campaigns --bin identification`, and real
-//! logs.
+//! Vehicles identified from their logs alone: a part of `cargo run --release -p campaigns --bin identification`, and
+//! real logs.
 
 use campaigns::identification::{Drawn, Outcome, Total};
 use campaigns::real_logs::{files, load};

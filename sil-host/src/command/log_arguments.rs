@@ -97,7 +97,8 @@ impl LogArguments {
         Flown::of(&log).part(&log, self.flight).map_err(|error| bad_input(format!("{}: {error}", log.path)))
     }
 
-    /// Are logs to be identified as a vehicle's, and not as separate axes? The rig that was said decides, else the logs.
+    /// Are logs to be identified as a vehicle's, and not as separate axes? The rig that was said decides, else the
+    /// logs.
     pub fn is_of_vehicle(&self, logs: &[Log]) -> Result<bool, Failure> {
         if let Some(option) = self.model.as_ref().map(|_| "--model").or(self.controller_option()) {
             return Err(bad_input(format!("identify finds the vehicle by its log: leave out {option}")));

@@ -18,7 +18,13 @@ pub(super) enum Fitted {
         /// Where lift stays as it is.
         at_command: f64,
     },
+    /// Reaction torque over the model's, lift as it is: what an identification needs beside the inertia about yaw.
+    ReactionTorque,
 }
+
+/// Reaction torque over that of a regression.
+const REACTION_TORQUE: [Unknown; 1] =
+    [Unknown::free("reaction_torque", 1.0, 1e-4, [0.02, 50.0]).expected_near(1.0, 0.5)];
 
 /// Lift at no command over that of hover; motors that only start at some command have less than none.
 const LIFT_OFFSET: [Unknown; 1] = [Unknown::free("lift_offset", 0.0, 1e-4, [-1.0, 0.8]).expected_near(0.0, 0.1)];
@@ -56,6 +62,7 @@ impl Fitted {
             Fitted::Effect(hypothesis) => hypothesis.entry().name,
             Fitted::InputGain(_) => "input_gain",
             Fitted::LiftOffset { .. } => "lift_offset",
+            Fitted::ReactionTorque => "reaction_torque",
         }
     }
 
@@ -63,7 +70,7 @@ impl Fitted {
     pub(super) fn origin(&self) -> Origin {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.entry().origin,
-            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => Origin::Actuator,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => Origin::Actuator,
         }
     }
 
@@ -72,7 +79,7 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.axis(),
             Fitted::InputGain(axis) => Some(*axis),
-            Fitted::LiftOffset { .. } => None,
+            Fitted::LiftOffset { .. } | Fitted::ReactionTorque => None,
         }
     }
 
@@ -80,7 +87,7 @@ impl Fitted {
     pub(super) fn motor(&self) -> Option<u8> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.motor(),
-            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => None,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => None,
         }
     }
 
@@ -90,6 +97,7 @@ impl Fitted {
             Fitted::Effect(hypothesis) => hypothesis.unknowns(),
             Fitted::InputGain(_) => &INPUT_GAIN,
             Fitted::LiftOffset { .. } => &LIFT_OFFSET,
+            Fitted::ReactionTorque => &REACTION_TORQUE,
         }
     }
 
@@ -102,7 +110,9 @@ impl Fitted {
     pub(super) fn starts(&self, hints: &Hints) -> Vec<Vec<f64>> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.starts(hints),
-            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => vec![vec![self.unknowns()[0].nominal]],
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => {
+                vec![vec![self.unknowns()[0].nominal]]
+            }
         }
     }
 
@@ -111,6 +121,7 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => model.add(&hypothesis.effect(values)),
             Fitted::InputGain(axis) => model.set_input_gain(*axis, values.first().copied().unwrap_or_default()),
+            Fitted::ReactionTorque => model.scale_reaction_torque(values.first().copied().unwrap_or(1.0)),
             Fitted::LiftOffset { at_command } => {
                 model.set_lift_offset(values.first().copied().unwrap_or_default(), *at_command);
             }
@@ -121,7 +132,7 @@ impl Fitted {
     pub(super) fn effect(&self, values: &[f64]) -> Option<Effect> {
         match self {
             Fitted::Effect(hypothesis) => Some(hypothesis.effect(values)),
-            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => None,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => None,
         }
     }
 
@@ -129,7 +140,7 @@ impl Fitted {
     pub(super) fn is_void(&self, values: &[f64]) -> bool {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.is_void(values),
-            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => false,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => false,
         }
     }
 
@@ -137,7 +148,7 @@ impl Fitted {
     pub(super) fn reported_names(&self) -> Vec<&'static str> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.reported_names().into(),
-            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => vec![self.unknowns()[0].name],
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => vec![self.unknowns()[0].name],
         }
     }
 
@@ -145,7 +156,7 @@ impl Fitted {
     pub(super) fn reported(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.reported(values),
-            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => {
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => {
                 values.iter().map(|value| (self.unknowns()[0].name, *value)).collect()
             }
         }
@@ -158,7 +169,7 @@ impl Fitted {
                 let parameter = hypothesis.entry().parameters.iter().find(|parameter| parameter.name == name);
                 parameter.map_or(0.0, |parameter| parameter.nominal)
             }
-            Fitted::InputGain(_) | Fitted::LiftOffset { .. } => self.unknowns()[0].nominal,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => self.unknowns()[0].nominal,
         }
     }
 
@@ -168,6 +179,7 @@ impl Fitted {
             Fitted::Effect(hypothesis) => hypothesis.statement(),
             Fitted::InputGain(_) => "acceleration per command",
             Fitted::LiftOffset { .. } => "lift at no command",
+            Fitted::ReactionTorque => "reaction torque over lift",
         }
     }
 

@@ -128,6 +128,14 @@ impl Model {
         }
     }
 
+    /// Multiplies the reaction torque over lift; separate axes have none.
+    pub(crate) fn scale_reaction_torque(&mut self, scale: f64) {
+        if let Some((airframe, nominal)) = &mut self.vehicle {
+            airframe.reaction_torque_per_lift_m *= scale;
+            self.body = Body::of(*airframe, nominal.changed(&self.changes.body));
+        }
+    }
+
     /// The reports at the rows `first..end` from a state at the first of them.
     pub(crate) fn predict(&self, scene: &Scene<'_>, start: &State, first: usize, end: usize) -> Reports {
         let mut flying = Vec::new();

@@ -33,9 +33,9 @@ impl Identification {
         text.push_str("# Intervals hold the truth in 95 of 100 logs, if the noise is what it was taken for.\n");
         if self.scale.mass_kg.is_none() || self.scale.arm_m.is_none() {
             text.push_str(
-                "# A log shows ratios only: angular acceleration and lift over weight per command. What is set below is a\n\
-                 # scale, with which forces, moments and inertias go; no prediction of a log depends on it. Give it by\n\
-                 # --known mass_kg=... and --known arm_m=...\n",
+                "# A log shows ratios only: angular acceleration and lift over weight per command. What is set below\n\
+                 # is a scale, with which forces, moments and inertias go; no prediction of a log depends on it. Give\n\
+                 # it by --known mass_kg=... and --known arm_m=...\n",
             );
         }
         let [roll, pitch, yaw] = ["roll", "pitch", "yaw"].map(|axis| self.said(&format!("{axis}_effectiveness")));
@@ -83,7 +83,9 @@ impl Identification {
             ("[body]", "iyy_kg_m2") => {
                 format!("{of_scale}; inertia of pitch over that of roll {}", self.said("pitch_inertia_over_roll"))
             }
-            ("[body]", "izz_kg_m2") => "assumed: 0.88 of the sum of the other two; no log shows it".to_owned(),
+            ("[body]", "izz_kg_m2") => {
+                format!("expected: 0.88 of the sum of the other two; of that here {}", self.said("yaw_inertia"))
+            }
             ("[propulsion]", "lift_slope_n") => {
                 format!("{of_scale}; specific lift at base_command {}", self.said("hover_lift"))
             }

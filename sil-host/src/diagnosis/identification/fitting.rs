@@ -19,8 +19,8 @@ use crate::prediction::Subject;
 use crate::vehicle::propulsion::Propulsion;
 
 /// What is unknown of every vehicle, and where it is expected: (effect, mean, standard deviation) of those that a log
-/// may leave open. A start that a regression gave may be wrong by half; propellers differ by a fifth; the thrust of most
-/// motors lies between the line (0) and the square (1) of the command.
+/// may leave open. A start that a regression gave may be wrong by half; propellers differ by a fifth; the thrust of
+/// most motors lies between the line (0) and the square (1) of the command.
 const UNKNOWN: [(&str, Option<(f64, f64)>); 8] = [
     ("thrust_curve", Some((0.6, 0.4))),
     ("inertia_error", Some((1.0, 0.5))),
@@ -32,6 +32,13 @@ const UNKNOWN: [(&str, Option<(f64, f64)>); 8] = [
     ("actuation_delay", Some((0.005, 0.03))),
 ];
 
+/// Inertia about yaw over what is assumed of it: it shows where a vehicle turns about two axes at once.
+const YAW_INERTIA: Prior = Prior { mean: 1.0, std: 0.08 };
+
+fn is_inertia(effect: &Fitted, axis: Axis) -> bool {
+    effect.name() == "inertia_error" && effect.axis() == Some(axis)
+}
+
 /// A vehicle's model and the numbers beside it that are not its own, in the order of [`unknowns`].
 pub(super) struct Rough {
     model: VehicleModel,
@@ -42,14 +49,17 @@ pub(super) struct Rough {
 fn unknowns(scope: &Scope, at_command: f64) -> Vec<Fitted> {
     // how lift grows with the command shows where the accelerometer or the velocity shows lift
     let offset = scope.pushed.then_some(Fitted::LiftOffset { at_command });
+    let yaw = Fitted::hypotheses(scope).into_iter().find(|effect| is_inertia(effect, Axis::Yaw));
+    let yaw = yaw.map(|effect| effect.expected(YAW_INERTIA)).into_iter().chain([Fitted::ReactionTorque]);
     let of_name = |(name, prior): &(&'static str, Option<(f64, f64)>)| -> Vec<Fitted> {
-        let all = Fitted::hypotheses(scope).into_iter().filter(|effect| effect.name() == *name);
+        let is_of_name = |effect: &Fitted| effect.name() == *name && !is_inertia(effect, Axis::Yaw);
+        let all = Fitted::hypotheses(scope).into_iter().filter(is_of_name);
         match prior {
             Some((mean, std)) => all.map(|effect| effect.expected(Prior { mean: *mean, std: *std })).collect(),
             None => all.collect(),
         }
     };
-    UNKNOWN.iter().flat_map(of_name).chain(offset).collect()
+    UNKNOWN.iter().flat_map(of_name).chain(offset).chain(yaw).collect()
 }
 
 /// Where a number was expected before the log was seen.
@@ -69,7 +79,7 @@ pub(super) fn rough(log: &Log, start: &VehicleModel) -> Result<Rough, NotIdentif
     let search = Search::new(&shooting, &nominal, &[], curve.collect(), &|_| ());
     let fit = base::fitted(&search, others).fit;
     let values = fit.terms.iter().map(|term| if is_own(term.effect) { vec![1.0] } else { term.values.clone() });
-    Ok(Rough { model: folded(start, &fit.terms), values: values.collect() })
+    Ok(Rough { model: with_assumed_yaw(folded(start, &fit.terms)), values: values.collect() })
 }
 
 /// The fit in the noise of all that the model does not know, the commands between rows as the log shows them; the model
@@ -102,7 +112,7 @@ pub(super) fn fine(log: &Log, rough: &Rough) -> Result<(VehicleModel, Vec<Identi
 
 /// Is an effect nothing but another value of one of the model's numbers?
 fn is_own(effect: &Fitted) -> bool {
-    matches!(effect.name(), "inertia_error" | "mass_error")
+    matches!(effect.name(), "inertia_error" | "mass_error" | "reaction_torque")
 }
 
 fn value_of(terms: &[Term<'_>], name: &str, axis: Option<Axis>) -> Option<f64> {
@@ -146,13 +156,27 @@ fn folded(model: &VehicleModel, terms: &[Term<'_>]) -> VehicleModel {
     let (mass, lift) = (model_mass(terms), mean_lift(terms));
     let [ixx, iyy, izz] = model.inertia_kg_m2;
     let (new_ixx, new_iyy) = (ixx * inertia(Axis::Roll) / mass, iyy * inertia(Axis::Pitch) / mass);
-    let new_izz = YAW_SHARE * (new_ixx + new_iyy);
+    // a flat plate has the most inertia about yaw, a rod along one axis the least
+    let fitted_izz = izz * inertia(Axis::Yaw) / mass;
+    let new_izz = fitted_izz.clamp((new_ixx - new_iyy).abs(), new_ixx + new_iyy);
     let mut folded = VehicleModel { inertia_kg_m2: [new_ixx, new_iyy, new_izz], ..model.clone() };
     if let (Propulsion::Box(motor), Mounting::Free { .. }) = (&mut folded.propulsion, model.mounting) {
         *motor = motor.with_offset(value_of(terms, "lift_offset", None).unwrap_or_default(), model.base_command);
         motor.lift_offset_n *= lift / mass;
         motor.lift_slope_n *= lift / mass;
-        motor.reaction_torque_per_lift_m *= mass * new_izz / (izz * inertia(Axis::Yaw));
+        motor.reaction_torque_per_lift_m *=
+            value_of(terms, "reaction_torque", None).unwrap_or(1.0) * new_izz / fitted_izz;
     }
     folded
+}
+
+/// The same with the assumed inertia about yaw, and as quick about it.
+fn with_assumed_yaw(mut model: VehicleModel) -> VehicleModel {
+    let [ixx, iyy, izz] = model.inertia_kg_m2;
+    let assumed = YAW_SHARE * (ixx + iyy);
+    model.inertia_kg_m2[2] = assumed;
+    if let Propulsion::Box(motor) = &mut model.propulsion {
+        motor.reaction_torque_per_lift_m *= assumed / izz;
+    }
+    model
 }

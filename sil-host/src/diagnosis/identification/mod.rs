@@ -7,9 +7,9 @@
 //!      -> numbers with intervals (numbers) -> model file (file)
 //! ```
 //!
-//! The fit is the diagnosis': multiple shooting, innovations, priors. The unknowns are effects of the catalogue, so that
-//! there is nothing in a file that a diagnosis could not find, and nothing is identified in two ways. What a log does
-//! not excite stays where such vehicles usually are, as far as a prior allows, and is marked.
+//! The fit is the diagnosis': multiple shooting, innovations, priors. The unknowns are effects of the catalogue
+//! and two numbers of level `box`, so that nothing is identified in two ways. What a log does not excite stays where
+//! such vehicles usually are, as far as a prior allows, and is marked.
 //!
 //! A log shows ratios only: angular acceleration per command, lift over weight. Mass and arm give them a scale; where
 //! neither is known both are set, and all forces and moments of the file go with them.
@@ -56,8 +56,8 @@ pub enum NotIdentified {
     NoMotors,
     /// No window shows what the motors do about roll or pitch.
     #[error(
-        "what the motors do about roll or pitch does not show: the log is too short, too quiet or too slow to identify a \
-         vehicle, or something else moves it more; fly steps of roll and pitch to 20 degrees for 15 s, logged at 100 \
+        "what the motors do about roll or pitch does not show: the log is too short, too quiet or too slow to identify \
+         a vehicle, or something else moves it more; fly steps of roll and pitch to 20 degrees for 15 s, logged at 100 \
          rows/s or more"
     )]
     Quiet,

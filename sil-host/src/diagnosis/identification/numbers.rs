@@ -7,7 +7,7 @@ use super::fitting::expected;
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of, moved};
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::diagnosis::verdict::{Estimate, MODEL_ERROR};
+use crate::diagnosis::verdict::{Estimate, MODEL_ERROR, MODEL_ERROR_WITH_LOST_COMMANDS};
 use crate::model::VehicleModel;
 use crate::prediction::lost_commands::lateness_of_held_s;
 use crate::prediction::model::Model;
@@ -52,6 +52,7 @@ pub(super) const STEPS: [&str; 3] = [
     "fly turns of the heading to either side, 60 degrees a second, for 15 s",
 ];
 const CLIMBS: &str = "fly quick climbs and descents for 15 s";
+const BOTH_AND_YAW: &str = "turn the heading while roll and pitch step to 20 degrees, for 30 s";
 const BOTH: &str = "fly steps of roll and pitch together, and climbs, for 30 s";
 
 /// Angular accelerations about roll, pitch and yaw per unit of each motor's command around a command of all four,
@@ -83,12 +84,13 @@ pub(super) fn of(
             less.iter().zip(&more).map(|(less, more)| (more.value - less.value) / (2.0 * steps[place])).collect()
         })
         .collect();
+    let model_error = if shooting.log.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
     let half_row_s = lateness_of_held_s(&shooting.log.commands) / 3f64.sqrt();
     let finish = |(at, one): (usize, Derived)| {
         let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[at]).collect();
         let carried: Vec<f64> = fit.scattered_covariance.chunks(steps.len()).map(|row| dot(row, &slope)).collect();
         let late_s = if one.is_late { half_row_s } else { 0.0 };
-        let own = MODEL_ERROR * one.value;
+        let own = model_error * one.value;
         let variance = dot(&slope, &carried);
         let std = (variance.max(0.0) + late_s * late_s + own * own).sqrt();
         // a fit without a covariance knows nothing
@@ -166,6 +168,9 @@ fn of_terms(terms: &[Term<'_>], model: &Model) -> Vec<Derived> {
         let of = |axis: Axis, what: &str| format!("{}_{what}", axis.name());
         let one = match (term.effect.name(), axis) {
             ("thrust_curve", _) => Derived::new("thrust_expo".to_owned(), "", value, CLIMBS),
+            ("inertia_error", Some(Axis::Yaw)) => {
+                Derived::new("yaw_inertia".to_owned(), "of the assumed", value, BOTH_AND_YAW)
+            }
             ("lift_offset", _) => Derived::new("lift_at_no_command".to_owned(), "of hover's", value, CLIMBS),
             ("motor_lag", _) => Derived::new("motor_lag_s".to_owned(), "s", value, STEPS[0]),
             ("actuation_delay", _) => {

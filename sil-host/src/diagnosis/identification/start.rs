@@ -1,5 +1,5 @@
-//! Where the identification of a vehicle begins: numbers that are read off a log without any model, good to some tens of
-//! percent, and for what it does not show those of usual vehicles.
+//! Where the identification of a vehicle begins: numbers that are read off a log without any model, good to some tens
+//! of percent, and for what it does not show those of usual vehicles.
 
 use super::{KnownScale, NotIdentified};
 use crate::axis::Axis;

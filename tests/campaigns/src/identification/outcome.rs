@@ -154,8 +154,8 @@ impl fmt::Display for Total<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             out,
-            "| vehicle | mass, kg | frame | motors | rows/s | columns | largest error of an effectiveness: roll, pitch, yaw, % \
-             | lag, ms | intervals right |\n|---|---|---|---|---|---|---|---|---|"
+            "| vehicle | mass, kg | frame | motors | rows/s | columns | largest error of an effectiveness: roll, \
+             pitch, yaw, % | lag, ms | intervals right |\n|---|---|---|---|---|---|---|---|---|"
         )?;
         self.0.iter().try_for_each(|outcome| write!(out, "{outcome}"))?;
         let columns = self.0.iter().filter(|outcome| outcome.has_right_columns).count();

@@ -1,5 +1,5 @@
-//! A log as somebody else would have written it: motors in another order, perhaps axes that count the other way, nothing
-//! but gyro, attitude, accelerometer and motors.
+//! A log as somebody else would have written it: motors in another order, perhaps axes that count the other way,
+//! nothing but gyro, attitude, accelerometer and motors.
 
 use sil_host::axis::Axis;
 use sil_host::log::{self, Log, Map, Quantity, draft};
