@@ -135,13 +135,13 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
         return arguments.against_baseline(&log, model.as_ref(), &known);
     }
     let chosen = chosen(&arguments.log, &log, arguments.wants_vehicle())?;
+    let (model, known) = arguments.with_known(chosen.vehicle)?;
     if !chosen.said.is_empty() {
         print(format!("{}\n", chosen.said))?;
     }
     if let Some(identified) = &chosen.identified {
         print(format!("{}\n", identify::table(identified)))?;
     }
-    let (model, known) = arguments.with_known(chosen.vehicle)?;
     let effort = arguments.effort();
     let answer = {
         let line = ProgressLine::new();
