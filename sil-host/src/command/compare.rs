@@ -36,8 +36,10 @@ pub struct CompareArguments {
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
     let controller = arguments.log.controller()?;
-    let vehicle = arguments.log.vehicle(&log, None)?;
-    let subject = vehicle.as_ref().map_or(Subject::Axes, Subject::Vehicle);
+    let bench = arguments.log.bench()?;
+    let vehicle = if bench.is_none() { arguments.log.vehicle(&log, None)? } else { None };
+    let against = vehicle.as_ref().map(Subject::Vehicle).or(bench.as_ref().map(Subject::Bench));
+    let subject = against.unwrap_or(Subject::Axes);
     let comparison = compare(&log, &subject, controller).map_err(|error| arguments.log.refused(&log, &error))?;
     print(summary_text(&log, &comparison, &subject))?;
     let page = Page::new(compare_report::headline(&comparison))

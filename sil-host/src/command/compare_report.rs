@@ -18,6 +18,7 @@ pub fn lead(comparison: &Comparison, subject: &Subject<'_>) -> String {
     let error = comparison.prediction_error();
     let model = match subject {
         Subject::Axes => "A rigid body per axis with one fitted input gain".to_owned(),
+        Subject::Bench(bench) => format!("The bench \"{}\"", bench.name),
         Subject::Vehicle(model) => format!("The model \"{}\"", model.name),
     };
     match error.channels.iter().max_by(|a, b| times_floor(a).total_cmp(&times_floor(b))) {

@@ -12,8 +12,11 @@ use sil_host::log::Log;
 use sil_host::model::VehicleModel;
 
 use super::log_arguments::{LogArguments, quoted};
+use super::log_subject::chosen;
 use super::progress_line::ProgressLine;
-use super::{Failure, bad_input, baseline_report, diagnose_report, diagnose_text, print, write_file, write_json};
+use super::{
+    Failure, bad_input, baseline_report, diagnose_report, diagnose_text, identify, print, write_file, write_json,
+};
 
 /// Find what the simulation gets wrong in a measured log, and name the cause
 #[derive(Args)]
@@ -153,10 +156,18 @@ impl DiagnoseArguments {
 pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
     let controller = arguments.log.controller()?;
-    let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
-    let (model, known) = arguments.with_known(model)?;
     if !arguments.baseline.is_empty() {
+        let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
+        let (model, known) = arguments.with_known(model)?;
         return arguments.against_baseline(&log, model.as_ref(), &known);
+    }
+    let chosen = chosen(&arguments.log, &log, arguments.wants_vehicle())?;
+    let (model, known) = arguments.with_known(chosen.vehicle)?;
+    if !chosen.said.is_empty() {
+        print(format!("{}\n", chosen.said))?;
+    }
+    if let Some(identified) = &chosen.identified {
+        print(format!("{}\n", identify::table(identified)))?;
     }
     let effort = arguments.effort();
     let answer = {
@@ -167,7 +178,10 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
             (Some(model), None) => {
                 diagnose_observed(&log, &Subject::Vehicle(model), &known, effort, &observer).map_err(LogRefused::from)
             }
-            (None, _) => diagnose_observed(&log, &Subject::Axes, &known, effort, &observer).map_err(LogRefused::from),
+            (None, _) => {
+                let axes = chosen.bench.as_ref().map_or(Subject::Axes, Subject::Bench);
+                diagnose_observed(&log, &axes, &known, effort, &observer).map_err(LogRefused::from)
+            }
         }
     };
     let answer = answer.map_err(|error| arguments.log.refused(&log, &error))?;
@@ -188,6 +202,7 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     }
     if let Some(path) = &arguments.report {
         let page = diagnose_report::page(&log, &answer, &arguments.command());
+        let page = if chosen.said.is_empty() { page } else { page.lead(&chosen.said) };
         write_file(path, page.to_html().as_bytes())?;
         print(format!("report          {}\n", path.display()))?;
     }

@@ -16,8 +16,10 @@ mod flight_text;
 mod flown;
 mod fly;
 mod hitl;
+mod identify;
 mod key_window;
 mod log_arguments;
+mod log_subject;
 mod map;
 mod output;
 mod plain_words;
@@ -92,6 +94,7 @@ commands! {
     Hitl(hitl::HitlArguments): hitl::run,
     Compare(compare::CompareArguments): compare::run,
     Diagnose(diagnose::DiagnoseArguments): diagnose::run,
+    Identify(identify::IdentifyArguments): identify::run,
     Map(map::MapArguments): map::run,
     Synth(synth::SynthArguments): synth::run,
     BenchMpc(bench_mpc::BenchArguments): bench_mpc::run,

@@ -162,6 +162,11 @@ impl<'a> Section<'a> {
         Ok(Section::new(self.source, path, value.span(), table))
     }
 
+    /// The table at `key`, or none if there is no such key.
+    pub(crate) fn optional_section(&self, key: &'static str) -> Result<Option<Section<'a>>, ModelError> {
+        if self.get(key).is_some() { self.section(key).map(Some) } else { Ok(None) }
+    }
+
     /// The tables at `key`, written `[[key]]`; none if there is no such key.
     pub(crate) fn sections(&self, key: &'static str) -> Result<Vec<Section<'a>>, ModelError> {
         let Some(value) = self.get(key) else {

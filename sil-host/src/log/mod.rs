@@ -11,12 +11,14 @@ mod dataflash;
 pub mod draft;
 mod error;
 pub mod flown;
+mod joined;
 mod map;
 mod messages;
 mod motor_order;
 mod part;
 mod quantity;
 mod recording;
+mod rig_shown;
 pub mod sanity;
 mod source;
 mod time_base;
@@ -31,6 +33,7 @@ pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};
 pub use quantity::Quantity;
 pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
+pub use rig_shown::RigShown;
 pub use write::{write, write_file};
 
 /// A format that a file may have.

@@ -5,6 +5,7 @@
 //! how the diagnosis writes down a model that it has extended: [`VehicleModel::to_toml`] gives back what
 //! [`VehicleModel::parse`] reads.
 
+mod bench;
 mod effects;
 mod parts;
 mod read;
@@ -14,6 +15,7 @@ pub use crate::document::{ModelError, Position, Problem};
 use crate::effects::{Effect, RotorDrag};
 use crate::vehicle::propulsion::{Level, Propulsion};
 pub use crate::vehicle::{Mounting, Rig};
+pub use bench::{BenchAxis, BenchModel};
 
 /// All that is known of a vehicle and of the rig it hangs in.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use crate::sil::{Folder, GIMBAL_MODEL, Outcome, RIG_LOG, instance_files};
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = Folder::new();
-    for command in ["", "fly", "compare", "diagnose", "synth", "hitl", "bench-mpc"] {
+    for command in ["", "fly", "compare", "diagnose", "identify", "synth", "hitl", "bench-mpc"] {
         let arguments: Vec<&str> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
         let help = folder.sil(&arguments).assert_done().stdout;
         let example = format!("Example: {}", format!("sil {command}").trim());
