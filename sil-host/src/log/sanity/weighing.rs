@@ -154,7 +154,9 @@ pub(super) fn shows_lift(log: &Log, bins: &Bins) -> Option<bool> {
 /// Does the accelerometer show gravity as the vehicle tilts? `None` where it hardly tilts, or the log has no answer.
 pub(super) fn shows_tilt(log: &Log, bins: &Bins) -> Option<bool> {
     let answers = tilt(log, bins)?;
-    let slopes: Vec<Estimate> = (0..2).filter_map(|axis| answers.slope(axis, axis)).collect();
+    // an axis that never tilts has the slope 0 without any scatter, and no say
+    let tilts = |slope: &Estimate| slope.std > 0.0;
+    let slopes: Vec<Estimate> = (0..2).filter_map(|axis| answers.slope(axis, axis)).filter(tilts).collect();
     let shows = slopes.iter().any(|slope| slope.is_above(0.5));
     let does_not = slopes.iter().any(|slope| slope.is_below(0.5));
     (shows != does_not).then_some(shows)
