@@ -97,9 +97,9 @@ impl VehicleModel {
         Self::parse(text, name).expect("a test reads every file under models/")
     }
 
-    /// A free vehicle with rotors' drag over its mass, 1/s (0.3 to 0.5: Faessler, Franchi, Scaramuzza, RA-L 3(2), 2018),
-    /// by which its core levels itself: without any, nothing that it feels tells a slide from level flight. One in a
-    /// rig stays as it is.
+    /// A free vehicle with rotors' drag over its mass, 1/s (0.3 to 0.5: Faessler, Franchi, Scaramuzza, RA-L 3(2),
+    /// 2018), by which its core levels itself: without any, nothing that it feels tells a slide from level flight. One
+    /// in a rig stays as it is.
     #[must_use]
     pub fn with_rotor_drag(mut self, drag_1_s: f64) -> Self {
         if let Mounting::Free { mass_kg } = self.mounting {
