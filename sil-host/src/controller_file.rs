@@ -14,6 +14,8 @@ use serde::{Deserialize, Deserializer, de::Error};
 use shared_control::config::{Controller, Tuning};
 use shared_control::mpc::{HORIZON, ReferenceAhead};
 
+use crate::document::with_hint;
+
 /// A controller with everything that can be chosen about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControllerChoice {
@@ -77,8 +79,10 @@ impl ControllerChoice {
     /// # Errors
     /// [`ControllerFileError::Malformed`].
     pub fn parse(text: &str, file: &str) -> Result<Self, ControllerFileError> {
-        let document: Document = toml::from_str(text)
-            .map_err(|error| ControllerFileError::Malformed { file: file.into(), message: error.to_string() })?;
+        let document: Document = toml::from_str(text).map_err(|error| ControllerFileError::Malformed {
+            file: file.into(),
+            message: with_hint(&error.to_string()),
+        })?;
         let controller = match document.controller {
             Kind::Pid => Controller::Cascade,
             Kind::Mpc => Controller::Mpc,

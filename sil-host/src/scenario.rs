@@ -5,6 +5,8 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::document::with_hint;
+
 /// Duration of each hover and each position of the test sequence, s (the thesis gives no times; docs/rig.md does).
 const TEST_SEGMENT_S: f64 = 1.75;
 
@@ -154,7 +156,7 @@ impl Scenario {
     /// [`ScriptError`], with the place.
     pub fn parse(text: &str, file: &str) -> Result<Self, ScriptError> {
         let script: ScriptFile = toml::from_str(text)
-            .map_err(|error| ScriptError::Malformed { file: file.into(), message: error.to_string() })?;
+            .map_err(|error| ScriptError::Malformed { file: file.into(), message: with_hint(&error.to_string()) })?;
         let mut waypoints = vec![Waypoint::level(0.0)];
         for (index, step) in script.steps.iter().enumerate() {
             let line = 1 + text[..step.span().start].matches('\n').count();

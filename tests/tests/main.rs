@@ -15,6 +15,7 @@ mod gate_map;
 mod gate_real;
 mod gate_spoiled;
 mod hitl;
+mod identification;
 mod limits_and_switching;
 mod log_errors;
 mod qp_reference;

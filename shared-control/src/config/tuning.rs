@@ -48,7 +48,7 @@ pub struct Tuning {
     pub mpc_horizon: usize,
     /// Step of the MPC's prediction, s, whatever the loop's rate.
     pub mpc_prediction_step_s: f32,
-    /// Bound on predicted roll and pitch, rad; none leaves them free. Not beside the motors\' limits.
+    /// Bound on predicted roll and pitch, rad; none leaves them free. Not beside the motors' limits.
     pub mpc_tilt_max_rad: Option<f32>,
     /// Time constant with which the MPC's cost requires an error to vanish, s; 0 weighs the angle alone.
     pub mpc_lead_s: [f32; 3],

@@ -1,10 +1,10 @@
 //! A flight against normal flights, on the terminal and as a page.
 
 use sil_host::diagnosis::{BaselineDiagnosis, BetweenFlights, Compared, Difference, Verdict};
-use sil_host::report::{Cell, Page, Section, Table};
+use sil_host::report::{Card, Cell, Page, Section, Table, Tone};
 
-use super::diagnose_evidence::capitalised;
 use super::diagnose_report::fact_text;
+use super::plain_words::on_a_page;
 use super::text_table::{TextTable, number};
 
 /// Columns of the table of numbers.
@@ -98,11 +98,26 @@ pub fn text(answer: &BaselineDiagnosis) -> String {
     format!("{text}\n{table}\n{}\n", basis(answer))
 }
 
+fn card(answer: &BaselineDiagnosis) -> Card {
+    let (tone, verdict) = match answer.verdict {
+        Verdict::NoDiscrepancy => (Tone::Good, "A normal flight"),
+        Verdict::Explained => (Tone::Doubtful, "Different, for one reason"),
+        Verdict::PartlyExplained => (Tone::Bad, "Different, for more than this reason"),
+        Verdict::UnknownEffect | Verdict::NotAModel => (Tone::Bad, "Different, and no single cause explains it"),
+    };
+    let others: Vec<&str> =
+        answer.findings.iter().flat_map(|of| &of.one_of).map(|other| other.statement.as_str()).collect();
+    Card::new(tone)
+        .line("Verdict", verdict)
+        .line("Or", on_a_page(&others.join("; ")))
+        .line("Chance of as much in a normal flight", chance_text(answer.baseline.chance))
+}
+
 /// A page of its own.
 pub fn page(answer: &BaselineDiagnosis, command: &str) -> Page {
     let mut causes = Section::new("The difference");
     for difference in &answer.findings {
-        causes = causes.list(with_chance(difference).iter().map(|line| capitalised(line)));
+        causes = causes.list(with_chance(difference).iter().map(|line| on_a_page(line)));
     }
     if let Some(nearest) = &answer.nearest {
         causes = causes.paragraph(nearest_text(nearest));
@@ -123,12 +138,22 @@ pub fn page(answer: &BaselineDiagnosis, command: &str) -> Page {
          The spread is the standard deviation between normal flights.",
     );
     let logs = Section::new("Normal flights").paragraph(basis(answer)).list(answer.baseline.logs.clone());
-    Page::new("What is different in this flight?")
-        .lead(headline(answer.verdict).trim_end_matches(':').to_owned())
-        .lead(format!("{}: {} rows over {:.1} s.", answer.log.path, answer.log.rows, answer.log.duration_s))
+    let title = match answer.findings.first() {
+        // the interval stands below
+        Some(first) => on_a_page(first.statement.split(" (95 %").next().unwrap_or_default().trim_end_matches('.')),
+        None => headline(answer.verdict).trim_end_matches([':', '.']).to_owned(),
+    };
+    Page::new(title)
+        .about(format!(
+            "{}, {:.1} s, against {} normal flights",
+            answer.log.path,
+            answer.log.duration_s,
+            answer.baseline.logs.len()
+        ))
+        .card(card(answer))
         .section(causes)
         .section(numbers)
-        .section(logs)
+        .section(logs.folded())
         .provenance("Command", command)
         .provenance("Version", env!("CARGO_PKG_VERSION"))
 }

@@ -16,7 +16,7 @@ pub struct BenchArguments {
     /// Instance files
     #[arg(required = true, value_name = "FILE.json[.gz]")]
     files: Vec<PathBuf>,
-    /// Write the figures as JSON
+    /// Write the figures as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
 }

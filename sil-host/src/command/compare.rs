@@ -10,6 +10,7 @@ use sil_host::prediction::Subject;
 use sil_host::report::Page;
 
 use super::log_arguments::LogArguments;
+use super::plain_words::file_name;
 use super::text_table::{TextTable, number};
 use super::{Failure, compare_report, print, write_file, write_json};
 
@@ -27,7 +28,7 @@ pub struct CompareArguments {
     /// The report with plots
     #[arg(long, value_name = "OUT.html", default_value = "out/compare.html")]
     report: PathBuf,
-    /// Write the figures as JSON
+    /// Write the figures as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
 }
@@ -35,26 +36,25 @@ pub struct CompareArguments {
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
     let controller = arguments.log.controller()?;
-    let vehicle = arguments.log.vehicle(&log, None)?;
-    let subject = vehicle.as_ref().map_or(Subject::Axes, Subject::Vehicle);
+    let bench = arguments.log.bench()?;
+    let vehicle = if bench.is_none() { arguments.log.vehicle(&log, None)? } else { None };
+    let against = vehicle.as_ref().map(Subject::Vehicle).or(bench.as_ref().map(Subject::Bench));
+    let subject = against.unwrap_or(Subject::Axes);
     let comparison = compare(&log, &subject, controller).map_err(|error| arguments.log.refused(&log, &error))?;
     print(summary_text(&log, &comparison, &subject))?;
-    let mut page = Page::new(format!("Measured against simulated: {}", file_name(&log)))
+    let page = Page::new(compare_report::headline(&comparison))
+        .about(format!("Measured against simulated: {}", file_name(&log)))
         .lead(compare_report::lead(&comparison, &subject));
-    for section in compare_report::sections(&log, &comparison) {
-        page = page.section(section);
-    }
-    page =
+    let page = match compare_report::picture(&log, &comparison) {
+        Some(picture) => page.picture(picture),
+        None => page,
+    };
+    let page = compare_report::sections(&log, &comparison).into_iter().fold(page, Page::section);
+    let page =
         page.provenance("Command", arguments.log.command("compare")).provenance("Version", env!("CARGO_PKG_VERSION"));
     write_file(&arguments.report, page.to_html().as_bytes())?;
     print(format!("report  {}\n", arguments.report.display()))?;
     write_json(arguments.json.as_deref(), &comparison.summary())
-}
-
-fn file_name(log: &Log) -> String {
-    std::path::Path::new(&log.path)
-        .file_name()
-        .map_or_else(|| log.path.clone(), |name| name.to_string_lossy().into_owned())
 }
 
 /// What the terminal shows.

@@ -11,15 +11,15 @@ use sil_host::flight::FlightSetup;
 use sil_host::log;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::prediction::Subject;
-use sil_host::report::Page;
+use sil_host::report::{Page, Section};
 use sil_host::scenario::Scenario;
 
 use super::flight_text::summary_text;
 use super::flown::fly_one;
 use super::progress_line::ProgressLine;
 use super::{
-    Failure, bad_input, compare as compare_command, compare_report, diagnose_report, diagnose_text, failed,
-    flight_report, make_folder, print, write_file,
+    Failure, bad_input, compare as compare_command, compare_report, diagnose_answer, diagnose_report, diagnose_text,
+    failed, flight_report, make_folder, print, write_file,
 };
 
 /// The rig log that ships: synthetic, flown by the thesis' MPC (100 Hz, M = 1) on a ring that is off balance.
@@ -41,13 +41,10 @@ pub fn run() -> Result<(), Failure> {
     let flown = [Controller::Cascade, Controller::Mpc]
         .into_iter()
         .map(|controller| {
-            fly_one(FlightSetup {
-                model: model.clone(),
-                controller_model: None,
-                choice: ControllerChoice::nominal(controller),
-                scenario: Scenario::test_sequence(),
-                seed: 0,
-            })
+            let choice = ControllerChoice::nominal(controller);
+            let scenario = Scenario::test_sequence();
+            let setup = FlightSetup { model: model.clone(), controller_model: None, choice, scenario, seed: 0 };
+            fly_one(choice.name(), setup)
         })
         .collect::<Result<Vec<_>, _>>()?;
     print(summary_text(&flown))?;
@@ -68,20 +65,17 @@ pub fn run() -> Result<(), Failure> {
     };
     print(diagnose_text::verdict_text(&answer))?;
 
-    let mut page = Page::new("A quadrotor on its testbed: flown, and compared with a log")
-        .lead(
-            "First the thesis' experiment in simulation: a DJI F450 on a gimbal flies nine positions under the PID \
-             cascade of APM:Copter and under model predictive control. Then a rig log is compared with the simulation, \
-             and the cause of the disagreement is found. The log is synthetic: it was made with a ring that is off \
-             balance, as the thesis suspected of its own.",
-        )
-        .lead(diagnose_report::lead(&answer));
-    let flights = flight_report::sections(&flown);
-    let log_sections = compare_report::sections(&log, &comparison);
-    for section in flights.into_iter().chain(log_sections).chain(diagnose_report::sections(&log, &answer)) {
-        page = page.section(section);
-    }
-    page = page.provenance("Command", "sil").provenance("Seed", "0").provenance("Version", env!("CARGO_PKG_VERSION"));
+    let page = Page::new(diagnose_answer::headline(&answer)).about(
+        "Demonstration: a rig log compared with the simulation, and the cause of the disagreement. The log is \
+         synthetic: it was made with a ring that is off balance, as the thesis suspected of its own.",
+    );
+    let page = diagnose_answer::first_screen(page, &log, &answer);
+    let diagnosis = diagnose_report::sections(&log, &answer);
+    let comparison = compare_report::sections(&log, &comparison).into_iter().map(Section::folded);
+    let flights = flight_report::sections(&flown).into_iter();
+    let page = diagnosis.into_iter().chain(comparison).chain(flights).fold(page, Page::section);
+    let page =
+        page.provenance("Command", "sil").provenance("Seed", "0").provenance("Version", env!("CARGO_PKG_VERSION"));
     write_file(Path::new(REPORT), page.to_html().as_bytes())?;
     show(Path::new(REPORT))
 }

@@ -2,18 +2,21 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use sil_host::closed_loop::LogRefused;
 use sil_host::diagnosis::{
-    BetweenFlights, Effort, Fact, Given, Known, Subject, diagnose_against, diagnose_flown_by, diagnose_observed,
-    extended_model,
+    BetweenFlights, Effort, Fact, Given, Known, Subject, Verdict, diagnose_against, diagnose_flown_by,
+    diagnose_observed, extended_model,
 };
 use sil_host::log::Log;
 use sil_host::model::VehicleModel;
 
 use super::log_arguments::{LogArguments, quoted};
+use super::log_subject::chosen;
 use super::progress_line::ProgressLine;
-use super::{Failure, bad_input, baseline_report, diagnose_report, diagnose_text, print, write_file, write_json};
+use super::{
+    Failure, bad_input, baseline_report, diagnose_report, diagnose_text, identify, print, write_file, write_json,
+};
 
 /// Find what the simulation gets wrong in a measured log, and name the cause
 #[derive(Args)]
@@ -52,12 +55,24 @@ pub struct DiagnoseArguments {
     /// Write the flight that would separate effects which this log cannot, for `sil fly --script`
     #[arg(long, value_name = "OUT.toml")]
     experiment: Option<PathBuf>,
+    /// End with exit status 3 on such an answer: discrepancy for any, unexplained where the findings don't explain it
+    #[arg(long, value_name = "WHAT", value_enum)]
+    fail_on: Option<FailOn>,
     /// Write a report for the browser
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
-    /// Write the answer as JSON
+    /// Write the answer as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
+}
+
+/// Answers that a script may want to stop at.
+#[derive(Clone, Copy, ValueEnum)]
+enum FailOn {
+    /// Anything but "no discrepancy".
+    Discrepancy,
+    /// What the findings do not explain.
+    Unexplained,
 }
 
 impl DiagnoseArguments {
@@ -95,7 +110,22 @@ impl DiagnoseArguments {
             write_file(path, page.to_html().as_bytes())?;
             print(format!("report          {}\n", path.display()))?;
         }
-        write_json(self.json.as_deref(), &answer)
+        write_json(self.json.as_deref(), &answer)?;
+        self.judged(answer.verdict)
+    }
+
+    /// A failure where scripts wanted one.
+    fn judged(&self, verdict: Verdict) -> Result<(), Failure> {
+        let is_bad = match self.fail_on {
+            None => false,
+            Some(FailOn::Discrepancy) => verdict != Verdict::NoDiscrepancy,
+            Some(FailOn::Unexplained) => !matches!(verdict, Verdict::NoDiscrepancy | Verdict::Explained),
+        };
+        if is_bad {
+            Err(Failure { status: 3, message: "the log is not as the simulation (--fail-on)".into() })
+        } else {
+            Ok(())
+        }
     }
 
     /// How it was called, for the page.
@@ -126,10 +156,18 @@ impl DiagnoseArguments {
 pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     let log = arguments.log.read()?;
     let controller = arguments.log.controller()?;
-    let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
-    let (model, known) = arguments.with_known(model)?;
     if !arguments.baseline.is_empty() {
+        let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
+        let (model, known) = arguments.with_known(model)?;
         return arguments.against_baseline(&log, model.as_ref(), &known);
+    }
+    let chosen = chosen(&arguments.log, &log, arguments.wants_vehicle())?;
+    let (model, known) = arguments.with_known(chosen.vehicle)?;
+    if !chosen.said.is_empty() {
+        print(format!("{}\n", chosen.said))?;
+    }
+    if let Some(identified) = &chosen.identified {
+        print(format!("{}\n", identify::table(identified)))?;
     }
     let effort = arguments.effort();
     let answer = {
@@ -140,7 +178,10 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
             (Some(model), None) => {
                 diagnose_observed(&log, &Subject::Vehicle(model), &known, effort, &observer).map_err(LogRefused::from)
             }
-            (None, _) => diagnose_observed(&log, &Subject::Axes, &known, effort, &observer).map_err(LogRefused::from),
+            (None, _) => {
+                let axes = chosen.bench.as_ref().map_or(Subject::Axes, Subject::Bench);
+                diagnose_observed(&log, &axes, &known, effort, &observer).map_err(LogRefused::from)
+            }
         }
     };
     let answer = answer.map_err(|error| arguments.log.refused(&log, &error))?;
@@ -161,8 +202,10 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     }
     if let Some(path) = &arguments.report {
         let page = diagnose_report::page(&log, &answer, &arguments.command());
+        let page = if chosen.said.is_empty() { page } else { page.lead(&chosen.said) };
         write_file(path, page.to_html().as_bytes())?;
         print(format!("report          {}\n", path.display()))?;
     }
-    write_json(arguments.json.as_deref(), &answer)
+    write_json(arguments.json.as_deref(), &answer)?;
+    arguments.judged(answer.verdict)
 }

@@ -4,6 +4,8 @@ use sil_host::diagnosis::{Condition, Diagnosis, ModelStatistics};
 use sil_host::log::Log;
 use sil_host::report::{Cell, Chart, Section, Table};
 
+use super::plain_words::{capitalised, quantity, unit};
+
 /// Conditions drawn per axis: the strongest ones.
 const DRAWN_PER_AXIS: usize = 2;
 
@@ -122,7 +124,7 @@ fn statistics<const N: usize>(
     let header: Vec<&str> = ["", "model"].into_iter().chain(header).collect();
     let mut table = Table::new(caption, &header);
     for channel in &answer.statistics {
-        let name = format!("{}, {}", channel.quantity, channel.unit);
+        let name = format!("{}, {}", quantity(channel.quantity), unit(channel.unit));
         table = table.row([Cell::from(name), "nominal".into()].into_iter().chain(cells(&channel.nominal)));
         if !answer.findings.is_empty() {
             table = table.row([Cell::from(""), "findings".into()].into_iter().chain(cells(&channel.extended)));
@@ -215,10 +217,4 @@ fn excitation(answer: &Diagnosis) -> Table {
 fn deviation(std: Option<f64>) -> Cell {
     let decimals = std.map_or(0, |std| (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize);
     Cell::number(std.unwrap_or(f64::NAN), decimals)
-}
-
-/// A text with a capital first letter.
-pub fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

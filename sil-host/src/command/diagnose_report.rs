@@ -1,35 +1,36 @@
-//! The page about a diagnosis: the sentence, the sizes, the picture before and after, what was rejected.
+//! The page about a diagnosis, behind its first screen (`diagnose_answer`): the ranking and the sizes, before and
+//! after, what was rejected.
 
 use sil_host::diagnosis::{
-    BaseTerm, ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Fact, Finding, HorizonError, PredictionErrors,
-    Verdict,
+    BaseTerm, ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Fact, Finding, PredictionErrors, Verdict,
 };
 use sil_host::log::Log;
 use sil_host::prediction::ChannelErrors;
-use sil_host::report::{Cell, Chart, Page, Section, Table};
+use sil_host::report::{Bars, Cell, Chart, Page, Section, Table};
 
 use super::compare_report::error_cells;
-use super::diagnose_evidence::{self, capitalised};
+use super::plain_words::{self, Size, capitalised, on_a_page, rough};
+use super::{diagnose_answer, diagnose_evidence};
 
 /// More effects than these with the same reason share one line.
 const REJECTED_ALIKE: usize = 3;
 
 /// A page of its own.
 pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
-    let mut page = Page::new("Why does the simulation disagree?").lead(lead(answer)).lead(format!(
-        "{}: {} rows over {:.1} s, {:.0} Hz.",
-        log.path,
+    let about = format!(
+        "Diagnosis of {}: {} rows over {:.1} s, {:.0} Hz",
+        plain_words::file_name(log),
         log.rows(),
         log.duration_s(),
         log.rate_hz()
-    ));
-    for section in sections(log, answer) {
-        page = page.section(section);
-    }
+    );
+    let page = Page::new(diagnose_answer::headline(answer)).about(about);
+    let page = diagnose_answer::first_screen(page, log, answer);
+    let page = sections(log, answer).into_iter().fold(page, Page::section);
     page.provenance("Command", command).provenance("Version", env!("CARGO_PKG_VERSION"))
 }
 
-/// The verdict in a sentence, on the terminal and on the page; where effects are named, they follow.
+/// The verdict in a sentence, on the terminal; where effects are named, they follow.
 pub fn headline(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NoDiscrepancy => "The simulation agrees with this log: nothing but noise remains.",
@@ -42,29 +43,6 @@ pub fn headline(verdict: Verdict) -> &'static str {
             "Not a model of this vehicle yet: whatever is added, it predicts no better than the measurements' mean."
         }
     }
-}
-
-/// The answer in a few sentences.
-pub fn lead(answer: &Diagnosis) -> String {
-    let causes: Vec<&str> = answer.findings.iter().map(|finding| finding.statement.trim_end_matches('.')).collect();
-    let causes = if causes.is_empty() { String::new() } else { format!(" {}.", causes.join("; ")) };
-    format!("{}{causes}{}", headline(answer.verdict), improvement(answer).unwrap_or_default())
-}
-
-/// How much that improves the prediction, for the channel with the largest error relative to the noise floor.
-fn improvement(answer: &Diagnosis) -> Option<String> {
-    let window_s = answer.prediction_error.window_s;
-    let horizon = answer.horizons.iter().find(|horizon| horizon.horizon_s == window_s)?;
-    let states = horizon.errors.iter().filter(|error| !error.quantity.ends_with("_dot"));
-    let ratio = |error: &HorizonError| error.nominal / error.noise_floor;
-    let most = states.max_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
-    let with =
-        if answer.findings.is_empty() { String::new() } else { format!(", with the findings by {:.2}", most.extended) };
-    Some(format!(
-        " Predicting {window_s} s from the logged commands alone, the model is off in {} by {:.2} {}{with}; an exact \
-         model would be off by {:.2}.",
-        most.quantity, most.nominal, most.unit, most.noise_floor
-    ))
 }
 
 /// True for the log of a free vehicle in which more is compared than the rotation: the table of horizons has all of it.
@@ -101,15 +79,17 @@ pub fn base_text(term: &BaseTerm) -> String {
 /// The sections, for a page of its own and for the demonstration's.
 pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
     let mut sections = vec![causes(log, answer)];
-    sections.extend(base_model(answer));
-    sections.push(before_and_after(answer));
-    sections.extend(answer.closed_loop.as_ref().map(closed_loop));
-    sections.extend([
-        rejected(answer),
-        diagnose_evidence::where_it_arises(answer),
-        diagnose_evidence::unexplained(log, answer),
-        diagnose_evidence::what_cannot_be_shown(answer),
-    ]);
+    let details = base_model(answer)
+        .into_iter()
+        .chain([before_and_after(answer)])
+        .chain(answer.closed_loop.as_ref().map(closed_loop))
+        .chain([
+            rejected(answer),
+            diagnose_evidence::where_it_arises(answer),
+            diagnose_evidence::unexplained(log, answer),
+            diagnose_evidence::what_cannot_be_shown(answer),
+        ]);
+    sections.extend(details.map(Section::folded));
     sections
 }
 
@@ -119,8 +99,9 @@ fn base_model(answer: &Diagnosis) -> Option<Section> {
         "What is ordinary about a vehicle is fitted along with the findings: how hard it answers to commands, how \
          late, and what holds it level.",
     );
+    let terms = answer.base.iter().map(base_text);
     let together = answer.lateness_s.map(|together| format!("lag and delay together: {together} s"));
-    (!answer.base.is_empty()).then(|| section.list(answer.base.iter().map(base_text).chain(together)))
+    (!answer.base.is_empty()).then(|| section.list(terms.chain(together).map(|line| on_a_page(&line))))
 }
 
 fn causes(log: &Log, answer: &Diagnosis) -> Section {
@@ -132,47 +113,55 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
         let known: Vec<String> = answer.known.iter().map(fact_text).collect();
         section = section.paragraph(format!("Known beside the log, and held: {}.", known.join(", ")));
     }
+    if answer.verdict == Verdict::NotAModel {
+        section = section.warning(
+            "Whatever is added, the model predicts no better than the measurements' mean: what stands below is the \
+             best of what was tried, not a cause.",
+        );
+    }
     if answer.findings.is_empty() {
         return section.paragraph("No effect of the catalogue lowers the error by more than chance would.");
     }
-    let mut table = Table::new(
-        "Sizes with one standard deviation; gains with a 95 % interval",
-        &["effect", "parameter", "value", "±", "gain, %", "95 % interval"],
-    );
-    for (finding, interval) in answer.findings.iter().zip(&answer.gain.findings_interval_pct) {
+    let gain = &answer.gain;
+    let left = answer.unexplained.variance_pct;
+    let caption = "How much of the improvement is lost without each effect, with its 95 % interval";
+    let ranked = answer.findings.iter().zip(&gain.findings_interval_pct);
+    let bars = ranked.fold(Bars::new(caption), |bars, (finding, interval)| {
+        bars.bar(plain_words::sentence(finding), finding.gain_pct, *interval)
+    });
+    let mut table =
+        Table::new("Sizes, each with one standard deviation", &["effect", "parameter", "size", "name in a model file"]);
+    for finding in &answer.findings {
         for (index, (name, estimate)) in finding.parameters.iter().enumerate() {
-            table = table.row(parameter_row(finding, *interval, name, estimate, index == 0));
+            table = table.row(parameter_row(finding, name, *estimate, index == 0));
         }
     }
-    let gain = &answer.gain;
-    let between = gain.total_interval_pct.map(|interval| format!(" ({} %)", interval_text(interval)));
-    section.list(answer.findings.iter().map(|finding| capitalised(&finding.statement))).table(table).paragraph(format!(
-        "Effects were fitted to half of the log's windows, chosen by a quarter, and are judged by the rest, held out. \
-             There the findings together remove {:.1} %{} of the squared error. The gain of an effect is how much of \
-             that improvement is lost when this effect alone is taken out; where effects can replace each other, gains \
-             do not add up to 100 %.",
-        gain.total_pct,
-        between.unwrap_or_default()
-    ))
+    let shown = |interval: &[f64; 2]| format!("{:.1}", interval[0]) != format!("{:.1}", interval[1]);
+    let between = gain.total_interval_pct.filter(shown).map(|interval| format!(" ({} %)", interval_text(interval)));
+    section
+        .bars(bars.rest("What remains unexplained", left))
+        .table(table)
+        .list(
+            answer
+                .findings
+                .iter()
+                .filter(|finding| diagnose_answer::is_doubtful(finding))
+                .map(|of| on_a_page(&of.statement)),
+        )
+        .paragraph(format!(
+            "Effects were fitted to half of the log's windows, chosen by a quarter, and are judged by the rest, held \
+             out. There the findings together remove {:.1} %{} of the squared error. Where effects can replace each \
+             other, gains do not add up to 100 %.",
+            gain.total_pct,
+            between.unwrap_or_default()
+        ))
 }
 
-fn parameter_row(
-    finding: &Finding,
-    interval: Option<[f64; 2]>,
-    name: &str,
-    estimate: &Estimate,
-    is_first: bool,
-) -> [Cell; 6] {
+fn parameter_row(finding: &Finding, name: &'static str, estimate: Estimate, is_first: bool) -> [Cell; 4] {
     let axis = finding.axis.map(|axis| format!(", {axis}")).unwrap_or_default();
-    let (effect, gain, between) = if is_first {
-        let between = interval.map_or_else(String::new, interval_text);
-        (format!("{}{axis}", finding.effect), Cell::number(finding.gain_pct, 1), between)
-    } else {
-        (String::new(), Cell::from(""), String::new())
-    };
-    let decimals = estimate.decimals().unwrap_or(0);
-    let spread = if estimate.std > 0.0 { Cell::number(estimate.std, decimals) } else { Cell::number(f64::NAN, 0) };
-    [effect.into(), name.into(), Cell::number(estimate.value, decimals), spread, gain, between.into()]
+    let effect = if is_first { format!("{}{axis}", finding.effect.replace('_', " ")) } else { String::new() };
+    let meaning = plain_words::parameter(finding.effect, name);
+    [effect.into(), meaning.into(), Size::new(name, estimate).exact().into(), name.into()]
 }
 
 fn before_and_after(answer: &Diagnosis) -> Section {
@@ -184,7 +173,7 @@ fn before_and_after(answer: &Diagnosis) -> Section {
         errors.window_s
     ));
     if !compares_more_than_turning(answer) {
-        let heads = ["", "roll, deg", "pitch, deg", "p, deg/s", "q, deg/s"];
+        let heads = ["", "roll, deg", "pitch, deg", "roll rate, deg/s", "pitch rate, deg/s"];
         let table = Table::new("RMSE over the held-out windows", &heads);
         section =
             section.table(error_rows(errors).iter().fold(table, |table, (name, of)| table.row(error_cells(name, of))));
@@ -211,7 +200,8 @@ fn closed_loop(closed_loop: &ClosedLoops) -> Section {
 }
 
 fn residual_chart(channel: &ChannelResiduals, is_alone: bool) -> Chart {
-    let chart = Chart::time_series(format!("{}, measured minus predicted", channel.name), channel.unit).series(
+    let title = capitalised(&format!("{}, measured minus predicted", plain_words::quantity(channel.name)));
+    let chart = Chart::time_series(title, plain_words::unit(channel.unit)).series(
         "nominal model",
         &channel.time_s,
         &channel.nominal,
@@ -231,10 +221,11 @@ fn horizons(answer: &Diagnosis) -> Table {
         let cells = answer.horizons.iter().map(|horizon| {
             let found = horizon.errors.iter().find(|other| other.quantity == error.quantity);
             found.map_or(Cell::from(""), |e| {
-                Cell::from(format!("{:.2} → {:.2} ({:.2})", e.nominal, e.extended, e.noise_floor))
+                let [nominal, extended, exact] = [e.nominal, e.extended, e.noise_floor].map(rough);
+                Cell::from(format!("{nominal} → {extended} ({exact})"))
             })
         });
-        let name = Cell::from(format!("{}, {}", error.quantity, error.unit));
+        let name = Cell::from(format!("{}, {}", plain_words::quantity(error.quantity), plain_words::unit(error.unit)));
         table = table.row(std::iter::once(name).chain(cells));
     }
     table

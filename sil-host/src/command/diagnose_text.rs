@@ -4,6 +4,7 @@ use sil_host::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStati
 use sil_host::log::Log;
 
 use super::diagnose_report::{base_text, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
+use super::output::emphasised;
 use super::text_table::{TextTable, error_table, number};
 
 /// Everything that `sil diagnose` prints of the answer.
@@ -27,7 +28,7 @@ pub fn answer_text(log: &Log, answer: &Diagnosis) -> String {
 
 /// What was found, and how much better the model predicts with it.
 pub fn verdict_text(answer: &Diagnosis) -> String {
-    let mut text = format!("\n{}\n", headline(answer.verdict));
+    let mut text = format!("\n{}\n", emphasised(headline(answer.verdict)));
     for (finding, interval) in answer.findings.iter().zip(&answer.gain.findings_interval_pct) {
         let interval = interval.map(|interval| format!(" ({})", interval_text(interval))).unwrap_or_default();
         text.push_str(&format!("  {:5.1} %{interval}  {}\n", finding.gain_pct, finding.statement));

@@ -1,32 +1,124 @@
 //! The page about simulated flights: angles against the reference as in the thesis' figures 5.3 to 5.6, motor commands,
 //! and the tables that the terminal shows.
 
-use sil_host::report::{Better, Cell, Chart, Page, Section, Table};
+use sil_host::report::{Better, Card, Cell, Chart, Page, Section, Table, Tone};
 
 use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
-use super::flown::{FlownController, eigenvalues_title, margin_values, remarks};
+use super::flown::{FlownController, eigenvalues_title, is_unstable, margin_values, remarks};
+use super::key_window::{cut, largest_step};
+use super::plain_words::{MOTOR_PLACES, capitalised, with_unit};
+
+/// Share of the time with a motor at its limit that belongs into the headline, %.
+const SATURATED_MIN_PCT: f64 = 5.0;
+/// An overshoot below this share of a step is none, %.
+const OVERSHOOT_MIN_PCT: f64 = 0.5;
 
 /// A page of its own for one or more flights.
 pub fn page(flown: &[FlownController], command: &str) -> Page {
     let Some(first) = flown.first() else { return Page::new("No flight") };
     let scenario = &first.setup.scenario;
-    let mut page = Page::new(first.setup.model.name.clone())
-        .lead(format!("A simulated flight: {}, {} s.", scenario.name, scenario.duration_s));
-    for section in sections(flown) {
-        page = page.section(section);
-    }
+    let model = &first.setup.model.name;
+    let about = format!("A simulated flight of {model}: {}, {} s", scenario.name, scenario.duration_s);
+    let page = Page::new(headline(flown)).about(about).card(card(flown));
+    let page = match enlarged_step(flown) {
+        Some([step, _]) => page.picture(step),
+        None => page,
+    };
+    let page = sections(flown).into_iter().fold(page, Page::section);
     page.provenance("Command", command)
         .provenance("Seed", first.setup.seed.to_string())
         .provenance("Version", env!("CARGO_PKG_VERSION"))
 }
 
+/// How well each controller followed; first of all, whether it was stable.
+fn headline(flown: &[FlownController]) -> String {
+    let bad: Vec<String> = flown.iter().filter(|one| is_unstable(one)).map(label).collect();
+    if !bad.is_empty() {
+        return format!("Unstable under {}", bad.join(" and "));
+    }
+    let settled = |one: &FlownController| match settling_times(one)[..] {
+        [] => format!("{} holds the attitude within {}", label(one), with_unit(largest_rms(one), "deg")),
+        ref times => match times.iter().copied().reduce(|a, b| Some(a?.max(b?))).flatten() {
+            Some(slowest_s) => format!("{} settles in {}", label(one), with_unit(slowest_s, "s")),
+            None => format!("{} does not settle after every step", label(one)),
+        },
+    };
+    let followed: Vec<String> = flown.iter().map(settled).collect();
+    let saturated = flown.iter().map(|one| one.flight.summary.saturated_pct).fold(0.0, f64::max);
+    let limits = if saturated >= SATURATED_MIN_PCT {
+        format!("; a motor is at its limit up to {} of the time", with_unit(saturated, "%"))
+    } else {
+        String::new()
+    };
+    format!("{}{limits}", followed.join(", "))
+}
+
+fn largest_rms(one: &FlownController) -> f64 {
+    let axes = &one.flight.summary.axes;
+    axes.roll.rms_error_deg.max(axes.pitch.rms_error_deg)
+}
+
+/// Of the axes whose reference changes.
+fn settling_times(one: &FlownController) -> Vec<Option<f64>> {
+    let axes = &one.flight.summary.axes;
+    let steps = |axis: usize| one.flight.record.reference_rad.windows(2).any(|pair| pair[0][axis] != pair[1][axis]);
+    let times = [axes.roll.settling_time_s, axes.pitch.settling_time_s];
+    times.into_iter().enumerate().filter(|(axis, _)| steps(*axis)).map(|(_, time_s)| time_s).collect()
+}
+
+fn card(flown: &[FlownController]) -> Card {
+    let is_saturated = flown.iter().any(|one| one.flight.summary.saturated_pct >= SATURATED_MIN_PCT);
+    let (tone, verdict) = match (flown.iter().any(is_unstable), is_saturated) {
+        (true, _) => (Tone::Bad, "Unstable"),
+        (_, true) => (Tone::Doubtful, "Stable, with motors at their limits"),
+        _ => (Tone::Good, "Stable"),
+    };
+    flown.iter().fold(Card::new(tone).line("Verdict", verdict), |card, one| {
+        let axes = &one.flight.summary.axes;
+        let of_axes = [("roll", axes.roll), ("pitch", axes.pitch)].map(|(name, axis)| {
+            let rise = axis.rise_time_s.map(|rise_s| format!("{name} rises in {}", with_unit(1e3 * rise_s, "ms")));
+            let past = axis.overshoot_pct.filter(|past| *past >= OVERSHOOT_MIN_PCT);
+            let past = past.map(|past| format!(", {} past its target", with_unit(past, "%")));
+            rise.map(|rise| rise + &past.unwrap_or_default())
+        });
+        let mut said: Vec<String> = of_axes.into_iter().flatten().collect();
+        said.push(format!("motors at a limit {} of the time", with_unit(one.flight.summary.saturated_pct, "%")));
+        let unstable = if is_unstable(one) { ", unstable" } else { "" };
+        let name = format!("{} at {} Hz{unstable}", label(one), one.flight.summary.rate_hz);
+        card.line(name, capitalised(&said.join("; ")))
+    })
+}
+
 /// The sections about the flights, for this page and for the demonstration's.
 pub fn sections(flown: &[FlownController]) -> Vec<Section> {
-    vec![angles(flown), motors(flown), figures(flown), robustness(flown)]
+    vec![angles(flown), motors(flown), figures(flown).folded(), robustness(flown).folded()]
+}
+
+/// The largest step of roll or pitch and the error beside it, where 30 s on one screen show no difference.
+fn enlarged_step(flown: &[FlownController]) -> Option<[Chart; 2]> {
+    let first = &flown.first()?.flight.record;
+    let references = [0, 1].map(|axis| first.reference_of(axis));
+    let (axis, range_s) = largest_step(&first.time_s, &[&references[0], &references[1]])?;
+    let name = ["Roll", "Pitch"][axis];
+    let (time_s, reference) = cut(&first.time_s, &degrees(&references[axis]), range_s);
+    let step = Chart::time_series(format!("{name} angle, the largest step"), "deg");
+    let step = step.step_series("reference", &time_s, &reference);
+    let error = Chart::time_series(format!("{name}, error of the same step"), "deg");
+    let charts = flown.iter().fold([step, error], |[step, error], one| {
+        let record = &one.flight.record;
+        let (time_s, angle) = cut(&record.time_s, &degrees(&record.angle_of(axis)), range_s);
+        let (_, reference) = cut(&record.time_s, &degrees(&record.reference_of(axis)), range_s);
+        let errors: Vec<f64> = angle.iter().zip(&reference).map(|(angle, reference)| angle - reference).collect();
+        [step.series(label(one), &time_s, &angle), error.series(label(one), &time_s, &errors)]
+    });
+    Some(charts)
 }
 
 fn label(flown: &FlownController) -> String {
-    flown.setup.choice.name().to_uppercase()
+    match flown.name.as_str() {
+        name @ ("pid" | "mpc") => name.to_uppercase(),
+        file => file.to_owned(),
+    }
 }
 
 fn angles(flown: &[FlownController]) -> Section {
@@ -45,7 +137,10 @@ fn angles(flown: &[FlownController]) -> Section {
         }
         section = section.chart(chart);
     }
-    section
+    match enlarged_step(flown) {
+        Some(charts) => section.side_by_side("One step enlarged, and its error", charts),
+        None => section,
+    }
 }
 
 fn motors(flown: &[FlownController]) -> Section {
@@ -55,16 +150,26 @@ fn motors(flown: &[FlownController]) -> Section {
     );
     for one in flown {
         let record = &one.flight.record;
-        let charts =
-            ["front right", "rear left", "front left", "rear right"].iter().enumerate().map(|(motor, place)| {
-                let commands: Vec<f64> = record.commands.iter().map(|commands| commands[motor]).collect();
-                Chart::time_series(format!("Motor {}, {place}", motor + 1), "")
-                    .series(label(one), &record.time_s, &commands)
-                    .value_range(0.0, 1.0)
-            });
-        section = section.small_multiples(format!("{} at {} Hz", label(one), one.setup.choice.rate_hz), charts);
+        let motor = |motor: usize| record.commands.iter().map(move |commands| commands[motor]).collect();
+        let commands: [Vec<f64>; 4] = [0, 1, 2, 3].map(motor);
+        let title = format!("Motors under {} at {} Hz", label(one), one.setup.choice.rate_hz);
+        section = section.chart(motor_chart(title, &record.time_s, commands.each_ref().map(Vec::as_slice)));
     }
     section
+}
+
+/// All four motors in one picture, and when one of them is at an end of its range.
+pub fn motor_chart(title: String, time_s: &[f64], commands: [&[f64]; 4]) -> Chart {
+    let chart = Chart::time_series(title, "").value_range(0.0, 1.0);
+    let chart = commands.iter().zip(MOTOR_PLACES).enumerate().fold(chart, |chart, (index, (motor, place))| {
+        chart.series(format!("motor {}, {place}", index + 1), time_s, motor)
+    });
+    let is_at_limit = |row: &usize| commands.iter().any(|motor| motor[*row] <= 0.0 || motor[*row] >= 1.0);
+    let rows: Vec<usize> = (0..time_s.len()).filter(is_at_limit).collect();
+    rows.chunk_by(|row, next| row + 1 == *next).fold(chart, |chart, stretch| {
+        let last = (stretch[stretch.len() - 1] + 1).min(time_s.len() - 1);
+        chart.span(time_s[stretch[0]], time_s[last], "a motor at its limit")
+    })
 }
 
 fn figures(flown: &[FlownController]) -> Section {

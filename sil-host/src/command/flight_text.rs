@@ -30,8 +30,7 @@ pub fn summary_text(flown: &[FlownController]) -> String {
 }
 
 fn axis_table(flown: &[FlownController]) -> TextTable {
-    let columns =
-        flown.iter().flat_map(|one| ["roll", "pitch"].map(|axis| format!("{} {axis}", one.setup.choice.name())));
+    let columns = flown.iter().flat_map(|one| ["roll", "pitch"].map(|axis| format!("{} {axis}", one.name)));
     let mut table = TextTable::new([String::new()].into_iter().chain(columns));
     for figure in FOLLOWING {
         let axes = flown.iter().flat_map(|one| [one.flight.summary.axes.roll, one.flight.summary.axes.pitch]);
@@ -47,7 +46,7 @@ fn axis_table(flown: &[FlownController]) -> TextTable {
 }
 
 fn flight_table(flown: &[FlownController]) -> TextTable {
-    let names = flown.iter().map(|one| one.setup.choice.name().to_owned());
+    let names = flown.iter().map(|one| one.name.clone());
     let mut table = TextTable::new([String::new()].into_iter().chain(names));
     for figure in WHOLE_FLIGHT {
         let cells = flown.iter().map(|one| (figure.text)(&one.flight.summary));

@@ -9,6 +9,8 @@ use super::{Failure, bad_input};
 
 /// A flight with what was measured around it.
 pub struct FlownController {
+    /// What it is called beside others: pid, mpc, or the name of its file.
+    pub name: String,
     /// How it was set up.
     pub setup: FlightSetup,
     /// Series and figures.
@@ -20,11 +22,11 @@ pub struct FlownController {
 }
 
 /// Flies one controller and measures its margins.
-pub fn fly_one(setup: FlightSetup) -> Result<FlownController, Failure> {
+pub fn fly_one(name: &str, setup: FlightSetup) -> Result<FlownController, Failure> {
     let flight = setup.fly().map_err(bad_input)?;
     let margins = setup.margins().map_err(bad_input)?;
     let eigenvalues = setup.mpc_eigenvalues().map_err(bad_input)?;
-    Ok(FlownController { setup, flight, margins, eigenvalues })
+    Ok(FlownController { name: name.to_owned(), setup, flight, margins, eigenvalues })
 }
 
 /// What the eigenvalues are of.
@@ -33,9 +35,19 @@ pub fn eigenvalues_title(flown: &FlownController) -> String {
     format!("Closed-loop eigenvalues of the unconstrained MPC, one step = {period_ms} ms")
 }
 
+/// True if the flight fell apart, the loop oscillates by itself, or an eigenvalue lies outside of the unit circle.
+pub fn is_unstable(flown: &FlownController) -> bool {
+    flown.flight.record.ended_early || flown.margins.is_none() || has_unstable_eigenvalue(flown)
+}
+
+fn has_unstable_eigenvalue(flown: &FlownController) -> bool {
+    let unstable = |axes: &[[[f64; 2]; 4]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
+    flown.eigenvalues.as_ref().is_some_and(unstable)
+}
+
 /// What somebody who reads the figures must know.
 pub fn remarks(flown: &FlownController) -> Vec<String> {
-    let name = flown.setup.choice.name();
+    let name = &flown.name;
     let summary = &flown.flight.summary;
     let mut remarks = Vec::new();
     if flown.flight.record.ended_early {
@@ -47,8 +59,7 @@ pub fn remarks(flown: &FlownController) -> Vec<String> {
     if flown.margins.is_none() {
         remarks.push(format!("{name}: at hover the loop oscillates by itself, so it has no margins."));
     }
-    let unstable = |axes: &[[[f64; 2]; 4]; 2]| axes.iter().any(|axis| axis[0][0] >= 1.0);
-    if flown.eigenvalues.as_ref().is_some_and(unstable) {
+    if has_unstable_eigenvalue(flown) {
         remarks.push(format!("{name}: without active bounds this loop is unstable, an eigenvalue has |z| >= 1."));
     }
     let axes = [summary.axes.roll, summary.axes.pitch];

@@ -26,9 +26,9 @@ flight) climb_m. A controller file is TOML: controller, rate_hz, control_horizon
 the tuning that follows from the vehicle. docs/commands.md has both.")]
 pub struct FlyArguments {
     /// Which controller flies: the PID cascade of APM:Copter, model predictive control with the cascade as fallback,
-    /// one after the other, or what a file says
+    /// one after the other, or what a file says; may be given several times, to compare what they do
     #[arg(long, value_name = "pid|mpc|both|C.toml", default_value = BOTH)]
-    controller: String,
+    controller: Vec<String>,
     /// Which rig holds the vehicle [default: that of the model, else gimbal]
     #[arg(long, value_enum)]
     rig: Option<RigArgument>,
@@ -54,7 +54,7 @@ pub struct FlyArguments {
     #[arg(long, value_name = "M", value_parser = control_horizon())]
     control_horizon: Option<usize>,
     /// Length of a prediction step of the MPC, s, whatever the rate [default: the file's, else 0.01]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S")]
     prediction_step: Option<f32>,
     /// Write the flight as a log, ULog if its name ends in .ulg; with both controllers OUT-pid.csv and OUT-mpc.csv
     #[arg(long, value_name = "OUT.csv")]
@@ -62,7 +62,7 @@ pub struct FlyArguments {
     /// Write a report with plots
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
-    /// Write the figures as JSON
+    /// Write the figures as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
 }
@@ -95,20 +95,17 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     };
     let flown: Vec<FlownController> = choices(arguments)?
         .into_iter()
-        .map(|choice| {
-            fly_one(FlightSetup {
-                model: model.clone(),
-                controller_model: controller_model.clone(),
-                choice,
-                scenario: scenario.clone(),
-                seed: arguments.seed,
-            })
+        .map(|(name, choice)| {
+            let (model, controller_model) = (model.clone(), controller_model.clone());
+            let setup =
+                FlightSetup { model, controller_model, choice, scenario: scenario.clone(), seed: arguments.seed };
+            fly_one(&name, setup)
         })
         .collect::<Result<_, _>>()?;
     print(summary_text(&flown))?;
     for one in &flown {
         if let Some(path) = &arguments.log {
-            let path = log_path(path, one.setup.choice.name(), flown.len() > 1);
+            let path = log_path(path, &one.name, flown.len() > 1);
             write_log(&path, one)?;
             print(format!("log     {}\n", path.display()))?;
         }
@@ -120,13 +117,24 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     write_json(arguments.json.as_deref(), &FlyJson { runs: flown.iter().map(|one| &one.flight.summary).collect() })
 }
 
-/// The controllers requested, with what the command line says of them.
-fn choices(arguments: &FlyArguments) -> Result<Vec<ControllerChoice>, Failure> {
-    let mut choices = match arguments.controller.as_str() {
-        BOTH => [Controller::Cascade, Controller::Mpc].map(ControllerChoice::nominal).to_vec(),
-        argument => vec![ControllerChoice::from_argument(argument).map_err(bad_input)?],
-    };
-    for choice in &mut choices {
+/// The controllers requested, with what the command line says of them, each by a name of its own.
+fn choices(arguments: &FlyArguments) -> Result<Vec<(String, ControllerChoice)>, Failure> {
+    let mut choices: Vec<(String, ControllerChoice)> = Vec::new();
+    for argument in &arguments.controller {
+        let given = match argument.as_str() {
+            BOTH => [Controller::Cascade, Controller::Mpc].map(ControllerChoice::nominal).to_vec(),
+            argument => vec![ControllerChoice::from_argument(argument).map_err(bad_input)?],
+        };
+        for choice in given {
+            let file = Path::new(argument).file_stem().filter(|_| arguments.controller.len() > 1 && argument != BOTH);
+            let name = file.map_or_else(|| choice.name().into(), |stem| stem.to_string_lossy().into_owned());
+            if choices.iter().any(|(other, _)| *other == name) {
+                return Err(bad_input(format!("--controller {argument}: {name} was given before")));
+            }
+            choices.push((name, choice));
+        }
+    }
+    for (_, choice) in &mut choices {
         choice.rate_hz = arguments.rate.unwrap_or(choice.rate_hz);
         choice.control_horizon = arguments.control_horizon.unwrap_or(choice.control_horizon);
         choice.tuning.mpc_horizon = arguments.horizon.or(choice.tuning.mpc_horizon);
@@ -154,7 +162,8 @@ fn check(choice: &ControllerChoice) -> Result<(), Failure> {
 
 /// The command that repeats this run.
 fn command_line(arguments: &FlyArguments) -> String {
-    let mut line = format!("sil fly --controller {} --seed {}", arguments.controller, arguments.seed);
+    let controllers: String = arguments.controller.iter().map(|one| format!(" --controller {one}")).collect();
+    let mut line = format!("sil fly{controllers} --seed {}", arguments.seed);
     let numbers = [
         ("--rate", arguments.rate.map(|rate_hz| rate_hz.to_string())),
         ("--horizon", arguments.horizon.map(|steps| steps.to_string())),

@@ -36,7 +36,7 @@ pub struct HitlArguments {
     /// Seed of the sensors' noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Write the figures as JSON
+    /// Write the figures as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
 }

@@ -7,15 +7,16 @@ use sil_host::closed_loop::LogRefused;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::log::flown::Flown;
 use sil_host::log::{self, Log, Map, sanity};
-use sil_host::model::{Rig, VehicleModel};
+use sil_host::model::{BenchModel, Rig, VehicleModel};
 
+use super::output::STANDARD_STREAM;
 use super::{Failure, bad_input, vehicle_model};
 
 // A doc comment here would stand in the place of the command's own help.
 #[derive(Args)]
 pub struct LogArguments {
     /// The log: CSV, ULog (PX4), DataFlash (ArduPilot), Blackbox (Betaflight, INAV) or usdlog (Crazyflie), each
-    /// compressed by gzip or not
+    /// compressed by gzip or not; - reads it from stdin
     #[arg(value_name = "LOG")]
     log: PathBuf,
     /// What the log's columns mean: a file, or a map that ships (antx, crazyflie_arplab, crazypad_controller,
@@ -37,7 +38,8 @@ pub struct LogArguments {
     /// Compare even if the log contradicts its labels (a unit, a sign, an axis, the motors' order)
     #[arg(long)]
     unchecked: bool,
-    /// Vehicle model [default: the project's F450 on that rig]
+    /// Model of the vehicle or of the bench [default: diagnose identifies a foreign log's vehicle first, and takes the
+    /// project's F450 for the project's own logs where that fits]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
     /// Which rig held the vehicle [default: axis for a log read by a map or without motors, else the model's]
@@ -68,7 +70,12 @@ impl LogArguments {
     /// Reads another log of the same kind, the same part of it.
     pub fn read_other(&self, path: &Path) -> Result<Log, Failure> {
         let map = self.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
-        let log = log::read(path, map.as_ref()).map_err(bad_input)?;
+        let log = if path == Path::new(STANDARD_STREAM) {
+            log::read_from(Path::new("stdin"), &mut std::io::stdin().lock(), map.as_ref())
+        } else {
+            log::read(path, map.as_ref())
+        };
+        let log = log.map_err(bad_input)?;
         let mut part = self.part(log)?;
         if self.unchecked {
             part.notes.push("not checked against itself (--unchecked)".to_owned());
@@ -94,6 +101,50 @@ impl LogArguments {
             return Ok(log);
         }
         Flown::of(&log).part(&log, self.flight).map_err(|error| bad_input(format!("{}: {error}", log.path)))
+    }
+
+    /// Are logs to be identified as a vehicle's, and not as separate axes? The rig that was said decides, else the
+    /// logs.
+    pub fn is_of_vehicle(&self, logs: &[Log]) -> Result<bool, Failure> {
+        if let Some(option) = self.model.as_ref().map(|_| "--model").or(self.controller_option()) {
+            return Err(bad_input(format!("identify finds the vehicle by its log: leave out {option}")));
+        }
+        match self.rig {
+            Some(LogRig::Gimbal) => Err(bad_input(
+                "--rig gimbal: a vehicle on the gimbal has the project's model; `sil diagnose LOG --extended OUT.toml` \
+                 gives its numbers, --rig axis those of any bench",
+            )),
+            Some(rig) => Ok(rig == LogRig::Free),
+            None => {
+                let is_free = |log: &Log| log.motors().is_some() && log.rig_shown().is_some_and(|shown| shown.is_free);
+                Ok(logs.iter().all(is_free))
+            }
+        }
+    }
+
+    /// The model of a bench that was named; none where it is of another rig, or none was.
+    pub fn bench(&self) -> Result<Option<BenchModel>, Failure> {
+        let Some(file) = &self.model else { return Ok(None) };
+        let bench = BenchModel::load(file).map_err(bad_input)?;
+        match self.rig {
+            Some(rig) if bench.is_some() && rig != LogRig::Axis => {
+                Err(bad_input(format!("{} is a model for the rig axis, but --rig says another", file.display())))
+            }
+            _ if bench.is_some() && self.controller.is_some() => {
+                Err(bad_input("the rig axis has no controller to simulate: leave out --controller"))
+            }
+            _ => Ok(bench),
+        }
+    }
+
+    /// True where a model, a rig or a controller was named: then nothing is to be guessed.
+    pub fn says_what_flew(&self) -> bool {
+        self.model.is_some() || self.rig.is_some() || self.controller.is_some()
+    }
+
+    /// Is the log in other people's columns or format, so that its vehicle is other people's?
+    pub fn is_foreign(&self, log: &Log) -> bool {
+        self.map.is_some() || log.flight_controller.is_some() || log.driven_by_axis_commands()
     }
 
     /// What flew, where that was said.

@@ -6,6 +6,7 @@ mod compare;
 mod compare_report;
 mod demonstration;
 mod diagnose;
+mod diagnose_answer;
 mod diagnose_evidence;
 mod diagnose_report;
 mod diagnose_text;
@@ -15,17 +16,23 @@ mod flight_text;
 mod flown;
 mod fly;
 mod hitl;
+mod identify;
+mod key_window;
 mod log_arguments;
+mod log_subject;
 mod map;
+mod output;
+mod plain_words;
 mod progress_line;
+mod shell;
 mod synth;
 mod text_table;
 
 use std::fmt::Display;
-use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use output::{make_folder, print, write_file, write_json};
 use sil_host::model::{Rig, VehicleModel};
 
 /// Quadrotor attitude control in simulation: fly the thesis' testbed, compare the simulation with measured logs.
@@ -35,11 +42,30 @@ use sil_host::model::{Rig, VehicleModel};
 #[derive(Parser)]
 #[command(name = "sil", version, after_help = "Example: sil fly --controller both --report out/flight.html")]
 pub struct Arguments {
+    /// Print nothing but errors; files are written as ever
+    #[arg(long, short, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Option<Command>,
 }
 
-/// Why a command stopped: exit status 2 for bad usage or bad input, 1 for a failure of its own.
+impl Arguments {
+    /// Those of the process. Values may begin with a minus sign; JSON on stdout stands there alone.
+    pub fn of_process() -> Arguments {
+        let takes_value = |arg: &clap::Arg| arg.get_action().takes_values() && !arg.is_positional();
+        let negative = |arg: clap::Arg| if takes_value(&arg) { arg.allow_negative_numbers(true) } else { arg };
+        let matches = Arguments::command().mut_subcommands(|command| command.mut_args(negative)).get_matches();
+        let json = matches.subcommand().and_then(|(_, of)| of.try_get_one::<PathBuf>("json").ok().flatten());
+        let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+        if arguments.quiet || json.is_some_and(|path| path == Path::new(output::STANDARD_STREAM)) {
+            output::be_quiet();
+        }
+        arguments
+    }
+}
+
+/// Why a command stopped: exit status 2 for bad usage or bad input, 1 for a failure of its own, 3 for an answer that it
+/// was to fail on.
 pub struct Failure {
     /// Exit status.
     pub status: u8,
@@ -68,9 +94,12 @@ commands! {
     Hitl(hitl::HitlArguments): hitl::run,
     Compare(compare::CompareArguments): compare::run,
     Diagnose(diagnose::DiagnoseArguments): diagnose::run,
+    Identify(identify::IdentifyArguments): identify::run,
     Map(map::MapArguments): map::run,
     Synth(synth::SynthArguments): synth::run,
     BenchMpc(bench_mpc::BenchArguments): bench_mpc::run,
+    Completions(shell::CompletionsArguments): shell::completions,
+    Man(shell::ManArguments): shell::man,
 }
 
 /// Bad usage or bad input.
@@ -81,17 +110,6 @@ fn bad_input(error: impl Display) -> Failure {
 /// A failure of the command's own.
 fn failed(error: impl Display) -> Failure {
     Failure { status: 1, message: error.to_string() }
-}
-
-/// Prints to stdout. Who closed it (`sil fly | head`) has seen enough; the files are still written.
-fn print(text: impl Display) -> Result<(), Failure> {
-    let mut stdout = std::io::stdout().lock();
-    match write!(stdout, "{text}").and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(failed(format!("the output: cannot be written: {error}")))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// The rigs on the command line that a whole vehicle can hang in.
@@ -127,27 +145,4 @@ fn vehicle_model(file: Option<&Path>, rig: Option<Rig>) -> Result<VehicleModel, 
         ))),
         _ => Ok(model),
     }
-}
-
-/// Writes a file, making its folder; a failure names it.
-fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    make_folder(path)?;
-    std::fs::write(path, bytes).map_err(|error| failed(format!("{}: cannot be written: {error}", path.display())))
-}
-
-/// Makes the folder that a file will lie in.
-fn make_folder(path: &Path) -> Result<(), Failure> {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => std::fs::create_dir_all(folder)
-            .map_err(|error| failed(format!("{}: cannot be made: {error}", folder.display()))),
-        _ => Ok(()),
-    }
-}
-
-/// Writes a value as JSON, if a file was requested.
-fn write_json(path: Option<&Path>, value: &impl serde::Serialize) -> Result<(), Failure> {
-    let Some(path) = path else { return Ok(()) };
-    let mut text = serde_json::to_string_pretty(value).map_err(failed)?;
-    text.push('\n');
-    write_file(path, text.as_bytes())
 }

@@ -9,7 +9,7 @@ pub struct ProgressLine(ProgressBar);
 impl ProgressLine {
     pub fn new() -> Self {
         let bar = ProgressBar::new(1);
-        if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {elapsed} {msg}") {
+        if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {elapsed}, about {eta} left: {msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
         Self(bar)

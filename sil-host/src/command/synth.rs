@@ -19,7 +19,7 @@ pub struct SynthArguments {
     #[arg(long, value_name = "EFFECT")]
     effect: Vec<String>,
     /// Length of the log, s
-    #[arg(long, value_name = "S", default_value_t = 29.75, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 29.75)]
     duration: f64,
     /// Rows per second
     #[arg(long, value_name = "HZ", default_value_t = 200, value_parser = clap::value_parser!(u32).range(10..=1000))]
@@ -29,16 +29,16 @@ pub struct SynthArguments {
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(50..=1000))]
     control_rate: Option<u32>,
     /// Collective command at hover, 0..1 [default: the model's]
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    #[arg(long, value_name = "C")]
     throttle: Option<f64>,
     /// Standard deviations of attitude and gyro [default: the model's]
     #[arg(long, value_name = "ANGLE_RAD,RATE_RAD_S")]
     noise: Option<String>,
     /// Delay each row by |N(0, S)|, s
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
     jitter: f64,
     /// Leave out this share of the rows, at random
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     drop_out: f64,
     /// Log the battery's voltage even where no effect depends on it
     #[arg(long)]
@@ -58,7 +58,7 @@ pub struct SynthArguments {
     /// Vehicle model [default: the project's F450 on that rig]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
-    /// Write rows, length and rate as JSON
+    /// Write rows, length and rate as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
     /// The log to write

@@ -84,8 +84,8 @@ pub(super) fn ordinary_of_any(scope: &Scope) -> Vec<Fitted> {
 pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candidate<'e> {
     // a delay at the end of its range has lost its command: whatever it explains is no vehicle's
     let rank = |fit: &Candidate<'_>| {
-        let (terms, is_vehicle) = (&fit.fit.terms, search.shooting.log.is_vehicle());
-        (has_bound(terms) || !is_vehicle && acts_at_once(terms), fit.fit.training)
+        let (terms, has_own_lag) = (&fit.fit.terms, (search.nominal)().drive.quickest_s().is_finite());
+        (has_bound(terms) || !has_own_lag && acts_at_once(terms), fit.fit.training)
     };
     let mut best: Option<Candidate<'e>> = None;
     for start in &LAG_AND_DELAY_S {
@@ -113,15 +113,27 @@ pub(super) fn disturbed<'l>(
     search: &Search<'_>,
     ordinary: &[Fitted],
 ) -> Result<Shooting<'l>, NotPredictable> {
-    let base = fitted(search, ordinary);
-    let (moments, forces) = noise_beyond_sensors(search, &search.training, &base.fit);
+    in_noise_of(log, subject, search, &fitted(search, ordinary).fit)
+}
+
+/// A log in windows, in the noise of all that a model does not know.
+///
+/// # Errors
+/// As [`Subject::windowed`].
+pub(super) fn in_noise_of<'l>(
+    log: &'l Log,
+    subject: &Subject<'_>,
+    search: &Search<'_>,
+    model: &Fit<'_>,
+) -> Result<Shooting<'l>, NotPredictable> {
+    let (moments, forces) = noise_beyond_sensors(search, &search.training, model);
     let windowed = subject.windowed(log, &subject.noise(log))?.commanded_as(&search.shooting.log);
     Ok(Shooting::new(windowed).with_noise(moments, forces))
 }
 
-/// Do commands act quicker than motors can? Beside a model's own motors they may; separate axes have no other lag than
-/// this, and a fit without any has taken it for something else.
-fn acts_at_once(terms: &[Term<'_>]) -> bool {
+/// Do commands act quicker than motors can? Beside a model's own motors they may; separate axes and level `box` have no
+/// other lag than this, and a fit without any has taken it for something else.
+pub(super) fn acts_at_once(terms: &[Term<'_>]) -> bool {
     let lag = terms.iter().find(|term| term.effect.name() == "motor_lag");
     lag.is_some_and(|lag| lag.values.iter().all(|lag_s| *lag_s < QUICKEST_MOTOR_S))
 }

@@ -12,7 +12,22 @@ pub(super) enum Fitted {
     /// How much a separate axis accelerates per unit of its command: no effect, for its nominal value is fitted to each
     /// log, along with whatever else is in the model.
     InputGain(Axis),
+    /// The lift at no command where the line of lift over command goes on, as a share of that at a command, at which
+    /// lift stays as it is: a number of level `box`, which an identification finds with the rest.
+    LiftOffset {
+        /// Where lift stays as it is.
+        at_command: f64,
+    },
+    /// Reaction torque over the model's, lift as it is: what an identification needs beside the inertia about yaw.
+    ReactionTorque,
 }
+
+/// Reaction torque over that of a regression.
+const REACTION_TORQUE: [Unknown; 1] =
+    [Unknown::free("reaction_torque", 1.0, 1e-4, [0.02, 50.0]).expected_near(1.0, 0.5)];
+
+/// Lift at no command over that of hover; motors that only start at some command have less than none.
+const LIFT_OFFSET: [Unknown; 1] = [Unknown::free("lift_offset", 0.0, 1e-4, [-1.0, 0.8]).expected_near(0.0, 0.1)];
 
 /// Acceleration of a separate axis per unit of its command.
 const INPUT_GAIN: [Unknown; 1] = [Unknown::free("gain_rad_s2", 1.0, 1e-3, [-1e4, 1e4])];
@@ -37,7 +52,7 @@ impl Fitted {
     pub(super) fn expected(self, prior: Prior) -> Fitted {
         match self {
             Fitted::Effect(hypothesis) => Fitted::Effect(Box::new(hypothesis.expected(prior))),
-            Fitted::InputGain(axis) => Fitted::InputGain(axis),
+            other => other,
         }
     }
 
@@ -46,6 +61,8 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.entry().name,
             Fitted::InputGain(_) => "input_gain",
+            Fitted::LiftOffset { .. } => "lift_offset",
+            Fitted::ReactionTorque => "reaction_torque",
         }
     }
 
@@ -53,7 +70,7 @@ impl Fitted {
     pub(super) fn origin(&self) -> Origin {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.entry().origin,
-            Fitted::InputGain(_) => Origin::Actuator,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => Origin::Actuator,
         }
     }
 
@@ -62,6 +79,7 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.axis(),
             Fitted::InputGain(axis) => Some(*axis),
+            Fitted::LiftOffset { .. } | Fitted::ReactionTorque => None,
         }
     }
 
@@ -69,7 +87,7 @@ impl Fitted {
     pub(super) fn motor(&self) -> Option<u8> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.motor(),
-            Fitted::InputGain(_) => None,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => None,
         }
     }
 
@@ -78,6 +96,8 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.unknowns(),
             Fitted::InputGain(_) => &INPUT_GAIN,
+            Fitted::LiftOffset { .. } => &LIFT_OFFSET,
+            Fitted::ReactionTorque => &REACTION_TORQUE,
         }
     }
 
@@ -90,7 +110,9 @@ impl Fitted {
     pub(super) fn starts(&self, hints: &Hints) -> Vec<Vec<f64>> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.starts(hints),
-            Fitted::InputGain(_) => vec![vec![INPUT_GAIN[0].nominal]],
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => {
+                vec![vec![self.unknowns()[0].nominal]]
+            }
         }
     }
 
@@ -99,6 +121,10 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => model.add(&hypothesis.effect(values)),
             Fitted::InputGain(axis) => model.set_input_gain(*axis, values.first().copied().unwrap_or_default()),
+            Fitted::ReactionTorque => model.scale_reaction_torque(values.first().copied().unwrap_or(1.0)),
+            Fitted::LiftOffset { at_command } => {
+                model.set_lift_offset(values.first().copied().unwrap_or_default(), *at_command);
+            }
         }
     }
 
@@ -106,7 +132,7 @@ impl Fitted {
     pub(super) fn effect(&self, values: &[f64]) -> Option<Effect> {
         match self {
             Fitted::Effect(hypothesis) => Some(hypothesis.effect(values)),
-            Fitted::InputGain(_) => None,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => None,
         }
     }
 
@@ -114,7 +140,7 @@ impl Fitted {
     pub(super) fn is_void(&self, values: &[f64]) -> bool {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.is_void(values),
-            Fitted::InputGain(_) => false,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => false,
         }
     }
 
@@ -122,7 +148,7 @@ impl Fitted {
     pub(super) fn reported_names(&self) -> Vec<&'static str> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.reported_names().into(),
-            Fitted::InputGain(_) => vec![INPUT_GAIN[0].name],
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => vec![self.unknowns()[0].name],
         }
     }
 
@@ -130,7 +156,9 @@ impl Fitted {
     pub(super) fn reported(&self, values: &[f64]) -> Vec<(&'static str, f64)> {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.reported(values),
-            Fitted::InputGain(_) => values.iter().map(|value| (INPUT_GAIN[0].name, *value)).collect(),
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => {
+                values.iter().map(|value| (self.unknowns()[0].name, *value)).collect()
+            }
         }
     }
 
@@ -141,7 +169,7 @@ impl Fitted {
                 let parameter = hypothesis.entry().parameters.iter().find(|parameter| parameter.name == name);
                 parameter.map_or(0.0, |parameter| parameter.nominal)
             }
-            Fitted::InputGain(_) => INPUT_GAIN[0].nominal,
+            Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => self.unknowns()[0].nominal,
         }
     }
 
@@ -150,6 +178,8 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => hypothesis.statement(),
             Fitted::InputGain(_) => "acceleration per command",
+            Fitted::LiftOffset { .. } => "lift at no command",
+            Fitted::ReactionTorque => "reaction torque over lift",
         }
     }
 

@@ -7,6 +7,7 @@ use super::fitted::Fitted;
 use super::search::Search;
 use super::verdict::Estimate;
 use crate::diagnosis::fitting::fit::Fit;
+use crate::prediction::force_track::Commands;
 use crate::prediction::lost_commands::lateness_of_held_s;
 
 /// Lag and delay together, s; none where the fit has not both.
@@ -52,7 +53,11 @@ pub(super) fn count_lateness(
     }
 }
 
-/// Standard deviation of what held commands may be late by, s: uniform, as much too late as too early.
 fn held_s(search: &Search<'_>) -> f64 {
-    if search.has_base() { lateness_of_held_s(&search.shooting.log.commands) / 3f64.sqrt() } else { 0.0 }
+    if search.has_base() { held_std_s(&search.shooting.log.commands) } else { 0.0 }
+}
+
+/// Standard deviation of what held commands may be late by, s: uniform, as much too late as too early.
+pub(super) fn held_std_s(commands: &Commands) -> f64 {
+    lateness_of_held_s(commands) / 3f64.sqrt()
 }

@@ -26,6 +26,7 @@ mod fitted;
 mod fitting;
 mod flown_by;
 mod found;
+mod identification;
 mod judge;
 mod known;
 mod lateness;
@@ -73,6 +74,10 @@ use fitting::fit::{as_terms, model_of};
 use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
+pub use identification::{
+    BenchIdentification, Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify,
+    identify_axes, mismatch,
+};
 pub use known::{Fact, Known, NotKnown};
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};

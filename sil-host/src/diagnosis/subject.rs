@@ -16,7 +16,7 @@ impl Subject<'_> {
     /// # Errors
     /// None of them is.
     pub(super) fn fitted_along(&self, log: &Log) -> Result<Vec<Fitted>, NotPredictable> {
-        let Subject::Axes = self else { return Ok(Vec::new()) };
+        let (Subject::Axes | Subject::Bench(_)) = self else { return Ok(Vec::new()) };
         let undriven = undriven_axes(log);
         let of_log: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| log.axes[axis.index()]).collect();
         let driven: Vec<Axis> = of_log.iter().copied().filter(|axis| !undriven.contains(axis)).collect();
@@ -28,7 +28,7 @@ impl Subject<'_> {
 
     /// What a log can't be tested for: for want of columns in free flight, of commands on separate axes.
     pub(super) fn not_tested(&self, log: &Log) -> Vec<Rejected> {
-        if let Subject::Axes = self {
+        if let Subject::Axes | Subject::Bench(_) = self {
             let without_gain = |axis: Axis| Rejected {
                 effect: "input_gain",
                 axis: axis.name().to_owned(),

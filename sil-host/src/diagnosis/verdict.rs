@@ -21,7 +21,7 @@ use crate::statistics::dot;
 pub(super) const MODEL_ERROR: f64 = 5e-4;
 /// The same where commands are lost between rows: what they were is an assumption (`sampling`), and what it does to a
 /// size is no noise that averages out.
-const MODEL_ERROR_WITH_LOST_COMMANDS: f64 = 1e-2;
+pub(super) const MODEL_ERROR_WITH_LOST_COMMANDS: f64 = 1e-2;
 /// Names beside a finding that it may be confounded with.
 const CONFOUNDED_MAX: usize = 2;
 

@@ -2,8 +2,10 @@
 
 mod error;
 mod section;
+mod spelling;
 mod table;
 
 pub use error::{ModelError, Position, Problem};
 pub(crate) use section::{Admissible, Section, Source, admissible};
+pub(crate) use spelling::with_hint;
 pub(crate) use table::Table;

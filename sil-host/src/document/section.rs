@@ -10,6 +10,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{ModelError, Position, Problem};
+use super::spelling::did_you_mean;
 
 /// The numbers that a key admits, and how to say so.
 #[derive(Clone, Copy, Debug)]
@@ -146,6 +147,7 @@ impl<'a> Section<'a> {
         };
         let chosen = choices.iter().find(|(name, _)| *name == found);
         chosen.map(|(_, thing)| *thing).ok_or_else(|| {
+            let expected = format!("{expected}{}", did_you_mean(found, choices.iter().map(|(name, _)| *name)));
             let problem = Problem::UnknownName { key: key.to_owned(), found: found.to_owned(), expected };
             self.source.error(value.span(), problem)
         })
@@ -158,6 +160,11 @@ impl<'a> Section<'a> {
             value.get_ref().as_table().ok_or_else(|| self.wrong_type(key, value, format!("a table [{key}]")))?;
         let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
         Ok(Section::new(self.source, path, value.span(), table))
+    }
+
+    /// The table at `key`, or none if there is no such key.
+    pub(crate) fn optional_section(&self, key: &'static str) -> Result<Option<Section<'a>>, ModelError> {
+        if self.get(key).is_some() { self.section(key).map(Some) } else { Ok(None) }
     }
 
     /// The tables at `key`, written `[[key]]`; none if there is no such key.
@@ -182,8 +189,9 @@ impl<'a> Section<'a> {
         let stranger =
             self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).min_by_key(|key| key.span().start);
         let Some(key) = stranger else { return Ok(()) };
-        let problem =
-            Problem::UnknownKey { section: self.title(), key: key.get_ref().to_string(), expected: known.join(", ") };
+        let name = key.get_ref().to_string();
+        let expected = format!("{}{}", known.join(", "), did_you_mean(&name, known.iter().copied()));
+        let problem = Problem::UnknownKey { section: self.title(), key: name, expected };
         Err(self.source.error(key.span(), problem))
     }
 

@@ -44,6 +44,11 @@ impl Unknown {
         Self { name, nominal, step, min, max, is_amplitude: false, constant_moment: None, prior: None }
     }
 
+    /// The same, expected somewhere before a log is seen.
+    pub(crate) const fn expected_near(self, mean: f64, std: f64) -> Self {
+        Self { prior: Some(Prior { mean, std }), ..self }
+    }
+
     /// A moment: its step and its range go with the vehicle's lift times its arm.
     pub(super) fn moment(name: &'static str, scale: &Scale) -> Self {
         Self::amplitude(name, 1e-4 * scale.moment_nm, [-50.0 * scale.moment_nm, 50.0 * scale.moment_nm])

@@ -22,6 +22,7 @@ use toml::Spanned;
 use super::error::{LogError, LogErrorKind};
 use super::quantity::Quantity;
 use crate::axis::Axis;
+use crate::document::with_hint;
 
 /// The maps that ship with the project, by name.
 pub const BUILT_IN_MAPS: [(&str, &str); 8] = [
@@ -126,8 +127,8 @@ impl Map {
     /// It is no TOML, a key is unknown, or what it says is not enough to read a log by.
     pub fn parse(name: &str, text: &str) -> Result<Map, LogError> {
         let source = MapText { name, text };
-        let file: MapFile =
-            toml::from_str(text).map_err(|e| source.error(e.span().map(|span| span.start), None, e.message()))?;
+        let file: MapFile = toml::from_str(text)
+            .map_err(|e| source.error(e.span().map(|span| span.start), None, &with_hint(e.message())))?;
         let sign_of_frame: fn(Quantity) -> f64 = match file.frame.get_ref().as_str() {
             "FRD" => |_| 1.0,
             "FLU" => Quantity::sign_from_flu,

@@ -11,12 +11,14 @@ mod dataflash;
 pub mod draft;
 mod error;
 pub mod flown;
+mod joined;
 mod map;
 mod messages;
 mod motor_order;
 mod part;
 mod quantity;
 mod recording;
+mod rig_shown;
 pub mod sanity;
 mod source;
 mod time_base;
@@ -31,6 +33,7 @@ pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};
 pub use quantity::Quantity;
 pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
+pub use rig_shown::RigShown;
 pub use write::{write, write_file};
 
 /// A format that a file may have.
@@ -63,6 +66,14 @@ const FORMATS: [Format; 5] = [ulog::FORMAT, dataflash::FORMAT, blackbox::FORMAT,
 pub fn read(path: &Path, map: Option<&Map>) -> Result<Log, LogError> {
     let bytes = source::load(path)?;
     parse_bytes(path, bytes, map)
+}
+
+/// The same of a stream that is no file; the name is for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_from(name: &Path, from: &mut impl std::io::Read, map: Option<&Map>) -> Result<Log, LogError> {
+    parse_bytes(name, source::load_from(name, from)?, map)
 }
 
 /// The same of a file's bytes, decompressed; the path is for messages and for telling formats apart.

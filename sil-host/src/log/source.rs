@@ -18,10 +18,18 @@ const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
 /// # Errors
 /// The file can't be read, holds too much, or its gzip stream is damaged or cut.
 pub(super) fn load(path: &Path) -> Result<Vec<u8>, LogError> {
-    let fail = |kind| LogError { file: path.display().to_string(), line: None, column: None, kind };
-    let mut opened = File::open(path).map_err(|e| fail(LogErrorKind::Unreadable(e)))?;
+    let mut opened = File::open(path).map_err(|e| failure(path, LogErrorKind::Unreadable(e)))?;
+    load_from(path, &mut opened)
+}
+
+/// The same of a stream of this name.
+///
+/// # Errors
+/// As [`load`].
+pub(super) fn load_from(name: &Path, from: &mut impl Read) -> Result<Vec<u8>, LogError> {
+    let fail = |kind| failure(name, kind);
     let mut bytes = Vec::new();
-    read_limited(&mut opened, &mut bytes).map_err(|e| fail(LogErrorKind::Unreadable(e)))?;
+    read_limited(from, &mut bytes).map_err(|e| fail(LogErrorKind::Unreadable(e)))?;
     if bytes.starts_with(GZIP_MAGIC) {
         bytes = decompress(&bytes).map_err(&fail)?;
     }
@@ -29,6 +37,10 @@ pub(super) fn load(path: &Path) -> Result<Vec<u8>, LogError> {
         return Err(fail(LogErrorKind::TooLarge(TEXT_BYTES_MAX)));
     }
     Ok(bytes)
+}
+
+fn failure(name: &Path, kind: LogErrorKind) -> LogError {
+    LogError { file: name.display().to_string(), line: None, column: None, kind }
 }
 
 /// A file's bytes as text.

@@ -5,6 +5,7 @@
 //! how the diagnosis writes down a model that it has extended: [`VehicleModel::to_toml`] gives back what
 //! [`VehicleModel::parse`] reads.
 
+mod bench;
 mod effects;
 mod parts;
 mod read;
@@ -14,6 +15,7 @@ pub use crate::document::{ModelError, Position, Problem};
 use crate::effects::{Effect, RotorDrag};
 use crate::vehicle::propulsion::{Level, Propulsion};
 pub use crate::vehicle::{Mounting, Rig};
+pub use bench::{BenchAxis, BenchModel};
 
 /// All that is known of a vehicle and of the rig it hangs in.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,9 +97,9 @@ impl VehicleModel {
         Self::parse(text, name).expect("a test reads every file under models/")
     }
 
-    /// A free vehicle with rotors' drag over its mass, 1/s (0.3 to 0.5: Faessler, Franchi, Scaramuzza, RA-L 3(2), 2018),
-    /// by which its core levels itself: without any, nothing that it feels tells a slide from level flight. One in a
-    /// rig stays as it is.
+    /// A free vehicle with rotors' drag over its mass, 1/s (0.3 to 0.5: Faessler, Franchi, Scaramuzza, RA-L 3(2),
+    /// 2018), by which its core levels itself: without any, nothing that it feels tells a slide from level flight. One
+    /// in a rig stays as it is.
     #[must_use]
     pub fn with_rotor_drag(mut self, drag_1_s: f64) -> Self {
         if let Mounting::Free { mass_kg } = self.mounting {

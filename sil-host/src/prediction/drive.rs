@@ -46,7 +46,7 @@ impl Drive {
     }
 
     /// What is quickest in it, s.
-    pub(super) fn quickest_s(&self) -> f64 {
+    pub(crate) fn quickest_s(&self) -> f64 {
         match self {
             Drive::Motors(Propulsion::Device(_)) => QUICKEST_S,
             Drive::Motors(Propulsion::Generic(rotor)) => rotor.time_constant_s,

@@ -9,6 +9,7 @@ use crate::prediction::Channel;
 use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
 use crate::prediction::drive::{DirectInput, Drive};
 use crate::prediction::force_track::{Commands, ForceAndSpin, ForceTrack, Step};
+use crate::vehicle::propulsion::Propulsion;
 use crate::vehicle::{Airframe, Changes, NominalBody};
 
 /// Most parts of a step of the body in which dry friction turns round, a millisecond or two each.
@@ -116,6 +117,22 @@ impl Model {
     pub(crate) fn set_input_gain(&mut self, axis: Axis, own_rad_s2: f64) {
         if let Body::Axes { gain_rad_s2, .. } = &mut self.body {
             gain_rad_s2[axis.index()] = own_rad_s2;
+        }
+    }
+
+    /// Sets where the line of lift over command meets no command, as a share of the lift at a command, which stays; on
+    /// level `box` alone.
+    pub(crate) fn set_lift_offset(&mut self, share: f64, at_command: f64) {
+        if let Drive::Motors(Propulsion::Box(motor)) = &mut self.drive {
+            *motor = motor.with_offset(share, at_command);
+        }
+    }
+
+    /// Multiplies the reaction torque over lift; separate axes have none.
+    pub(crate) fn scale_reaction_torque(&mut self, scale: f64) {
+        if let Some((airframe, nominal)) = &mut self.vehicle {
+            airframe.reaction_torque_per_lift_m *= scale;
+            self.body = Body::of(*airframe, nominal.changed(&self.changes.body));
         }
     }
 
@@ -254,10 +271,7 @@ impl Model {
     pub(crate) fn acceleration_per_command(&self, commands: &[f64; 4]) -> [[f64; 3]; 4] {
         const STEP: f64 = 0.01;
         let acceleration = |commands: &[f64; 4]| -> [f64; 3] {
-            let settled = ForceAndSpin {
-                force: self.drive.settled(commands, &self.changes.chain.path),
-                ..ForceAndSpin::default()
-            };
+            let settled = ForceAndSpin { force: self.settled_lifts(commands), ..ForceAndSpin::default() };
             let change = self.body.derivative(0.0, &[0.0; TURNING], &settled, &[]);
             [change[3], change[4], change[5]]
         };
@@ -267,6 +281,12 @@ impl Model {
             let (less, more) = (acceleration(&less), acceleration(&more));
             core::array::from_fn(|axis| (more[axis] - less[axis]) / (2.0 * STEP))
         })
+    }
+
+    /// The four forces once lag and motors have settled, each motor's own factor in them; a battery is as at the start.
+    pub(crate) fn settled_lifts(&self, commands: &[f64; 4]) -> [f64; 4] {
+        let settled = self.drive.settled(commands, &self.changes.chain.path);
+        core::array::from_fn(|motor| self.changes.chain.lift.scale[motor] * settled[motor])
     }
 
     /// Factors on the lifts at a time, the battery's voltage read at another.

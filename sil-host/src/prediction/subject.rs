@@ -11,7 +11,7 @@ use super::windowed_log::{Compared, WindowedLog};
 use crate::axis::Axis;
 use crate::effects::{Effect, Needs, Scope};
 use crate::log::{Log, Quantity};
-use crate::model::{Rig, VehicleModel};
+use crate::model::{BenchModel, Rig, VehicleModel};
 use crate::vehicle::Scale;
 use crate::vehicle::propulsion::Level;
 
@@ -25,6 +25,8 @@ pub enum Subject<'a> {
     Vehicle(&'a VehicleModel),
     /// Separate rigid axes of unit inertia, with input gains that are fitted along.
     Axes,
+    /// Separate axes of which all is known.
+    Bench(&'a BenchModel),
 }
 
 impl Subject<'_> {
@@ -33,6 +35,11 @@ impl Subject<'_> {
         match self {
             Subject::Vehicle(vehicle) => Model::of(vehicle),
             Subject::Axes => Model::of_axes([0.0; 3], direct_input(log)),
+            Subject::Bench(bench) => {
+                let mut model = Model::of_axes(bench.gains_rad_s2(), direct_input(log));
+                bench.effects().iter().for_each(|effect| model.add(effect));
+                model
+            }
         }
     }
 
@@ -41,7 +48,7 @@ impl Subject<'_> {
         match self {
             Subject::Vehicle(model) if model.rig() == Rig::Gimbal => [true, true, false],
             Subject::Vehicle(_) => [true; 3],
-            Subject::Axes => log.axes,
+            Subject::Axes | Subject::Bench(_) => log.axes,
         }
     }
 
@@ -63,7 +70,7 @@ impl Subject<'_> {
     fn base_command(&self) -> Option<f64> {
         match self {
             Subject::Vehicle(model) => Some(model.base_command),
-            Subject::Axes => None,
+            Subject::Axes | Subject::Bench(_) => None,
         }
     }
 
@@ -136,7 +143,7 @@ impl Subject<'_> {
     fn scale(&self) -> Scale {
         match self {
             Subject::Vehicle(model) => model.scale(),
-            Subject::Axes => Scale::SEPARATE_AXES,
+            Subject::Axes | Subject::Bench(_) => Scale::SEPARATE_AXES,
         }
     }
 
@@ -167,7 +174,7 @@ impl Subject<'_> {
         let windows = windows(log)?;
         let commands = match self {
             Subject::Vehicle(_) => motor_commands(log.commands())?,
-            Subject::Axes => commands_of_axes(log.commands())?,
+            Subject::Axes | Subject::Bench(_) => commands_of_axes(log.commands())?,
         };
         Ok(WindowedLog::new(log, commands, windows, noise, self.compared(log)))
     }

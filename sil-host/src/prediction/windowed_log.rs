@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Channel;
 use super::body::State;
+use super::drive::Drive;
 use super::error::NotPredictable;
 use super::force_track::{Commands, ForceTrack};
 use super::model::{Model, Scene, track};
@@ -61,9 +62,12 @@ pub(crate) struct WindowedLog<'a> {
     /// Channels whose number of the state a window's start may choose.
     pub(crate) free_at_start: Vec<Channel>,
     is_vehicle: bool,
-    /// Forces by what lies between command and motor, all of one drive.
-    tracks: Mutex<Vec<(CommandPath, Arc<ForceTrack>)>>,
+    /// Forces by what lies between command and motor, and the motors.
+    tracks: Mutex<Vec<(Way, Arc<ForceTrack>)>>,
 }
+
+/// From a command to its force.
+type Way = (CommandPath, Drive);
 
 /// A model with the forces that the log's commands make in it.
 pub(crate) struct Driven {
@@ -121,24 +125,24 @@ impl<'a> WindowedLog<'a> {
 
     /// Puts a log's forces beside a model. They are kept, because most models send the commands the same way.
     pub(crate) fn drive(&self, model: Model) -> Driven {
-        let path = model.changes.chain.path;
-        let track = self.kept_track(&path).unwrap_or_else(|| Arc::new(track(&model, self.rows(), &self.commands)));
-        self.keep(path, Arc::clone(&track));
+        let way = (model.changes.chain.path, model.drive);
+        let track = self.kept_track(&way).unwrap_or_else(|| Arc::new(track(&model, self.rows(), &self.commands)));
+        self.keep(way, Arc::clone(&track));
         Driven { model, track }
     }
 
-    /// The forces behind a path, where they are kept.
-    fn kept_track(&self, path: &CommandPath) -> Option<Arc<ForceTrack>> {
+    /// The forces of a way, where they are kept.
+    fn kept_track(&self, way: &Way) -> Option<Arc<ForceTrack>> {
         // whoever died with the lock held has left whole tracks behind
         let kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.iter().find(|(other, _)| other == path).map(|(_, track)| Arc::clone(track))
+        kept.iter().find(|(other, _)| other == way).map(|(_, track)| Arc::clone(track))
     }
 
     /// Keeps forces; those used last are forgotten last.
-    fn keep(&self, path: CommandPath, track: Arc<ForceTrack>) {
+    fn keep(&self, way: Way, track: Arc<ForceTrack>) {
         let mut kept = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.retain(|(other, _)| *other != path);
-        kept.push((path, track));
+        kept.retain(|(other, _)| *other != way);
+        kept.push((way, track));
         let most = kept.last().map_or(0, |(_, track)| STEPS_KEPT / track.len().max(1));
         let surplus = kept.len().saturating_sub(most.max(TRACKS_KEPT_MIN));
         kept.drain(..surplus);

@@ -86,6 +86,10 @@ impl Chart {
         self
     }
 
+    pub(super) fn has_chosen_range(&self) -> bool {
+        self.value_range.is_some()
+    }
+
     /// Sentences below the title: what is to be seen here.
     pub fn caption(mut self, caption: impl Into<String>) -> Self {
         self.caption = caption.into();

@@ -21,7 +21,7 @@ pub(super) fn single(chart: &Chart, palette: &mut Palette) -> Markup {
     let charts = std::slice::from_ref(chart);
     let legend = Legend::new(charts, palette);
     html! {
-        figure {
+        figure data-figure="" {
             figcaption {
                 (heading(&chart.title, &chart.unit))
                 @if !chart.caption.is_empty() { p { (chart.caption) } }
@@ -51,7 +51,7 @@ fn group(
 ) -> Markup {
     let legend = Legend::new(charts, palette);
     html! {
-        figure.group {
+        figure.group data-figure="" {
             figcaption { p { (caption) } }
             (legend.render())
             div.multiples {
@@ -104,7 +104,7 @@ impl<'a> Legend<'a> {
             @if !self.entries.is_empty() {
                 ul.legend aria-label="Legend" {
                     @for ((mark, name), class) in &self.entries {
-                        li {
+                        li data-name=[(*mark != Mark::Shade).then_some(name)] {
                             svg width="32" height="12" aria-hidden="true" {
                                 @let shape = if *mark == Mark::Shade { "M0 0H32V12H0z" } else { "M0 6H32" };
                                 path class=(class) d=(shape) {}
@@ -126,19 +126,31 @@ fn plot(chart: &Chart, axes: Option<(Axis, Axis)>, legend: &Legend<'_>) -> Marku
     // No less than four characters, so that the time axes of most charts are in line.
     let margin = format!("--label-width:{}ch", label_width.unwrap_or(0).max(4));
     let view_box = format!("0 0 {WIDTH} {HEIGHT}");
+    // for plots.js, which reads the samples back from the paths
+    let ends = |axis: &Axis| format!("{} {}", axis.range().start(), axis.range().end());
+    let fixed = chart.has_chosen_range().then_some("");
     html! {
-        svg.plot role="img" aria-label=(description(chart, &time, &value)) style=(margin) {
-            (ticks(&chart.over, &time, &value))
-            svg width="100%" height="100%" viewBox=(view_box) preserveAspectRatio="none" {
-                @for ((mark, label), class) in &legend.entries {
-                    @if *mark == Mark::Shade {
-                        @let spans = chart.spans.iter().filter(|span| span.label == *label);
-                        path class=(class) d=(shade_path(spans, &time)) {}
+        div.chart data-x=(ends(&time)) data-y=(ends(&value)) data-over=(chart.over) data-unit=(chart.unit)
+            data-fixed=[fixed] {
+            svg.plot role="img" aria-label=(description(chart, &time, &value)) style=(margin) {
+                (ticks(&chart.over, &time, &value))
+                svg width="100%" height="100%" viewBox=(view_box) preserveAspectRatio="none" {
+                    (shades(chart, &time, legend))
+                    @for series in &chart.series {
+                        (curve(series, &time, &value, legend.class(series.mark(), &series.name)))
                     }
                 }
-                @for series in &chart.series {
-                    (curve(series, &time, &value, legend.class(series.mark(), &series.name)))
-                }
+            }
+        }
+    }
+}
+
+fn shades(chart: &Chart, time: &Axis, legend: &Legend<'_>) -> Markup {
+    html! {
+        @for ((mark, label), class) in &legend.entries {
+            @if *mark == Mark::Shade {
+                @let spans = chart.spans.iter().filter(|span| span.label == *label);
+                path class=(class) data-shade="" d=(shade_path(spans, time)) {}
             }
         }
     }
@@ -187,8 +199,8 @@ fn ticks(over: &str, time: &Axis, value: &Axis) -> Markup {
 fn curve(series: &Series, time: &Axis, value: &Axis, class: &str) -> Markup {
     let trace = Trace::new(&series.samples, series.interpolation, time, value);
     html! {
-        @if !trace.line.is_empty() { path class=(class) d=(trace.line) {} }
-        @if !trace.dots.is_empty() { path class=(format!("dots {class}")) d=(trace.dots) {} }
+        @if !trace.line.is_empty() { path class=(class) data-name=(series.name) d=(trace.line) {} }
+        @if !trace.dots.is_empty() { path class=(format!("dots {class}")) data-name=(series.name) d=(trace.dots) {} }
     }
 }
 

@@ -1,7 +1,8 @@
 //! The report: one HTML file that needs nothing else, for a screen of any width, light or dark, and for paper.
 //!
-//! A [`Page`] holds [`Section`]s, a section holds text, [`Chart`]s and [`Table`]s in reading order. Everything is built
-//! in memory, and the same calls give the same bytes: no clock, no random identifiers.
+//! A [`Page`] begins with its answer: a headline, one picture, a [`Card`]. Then come [`Section`]s, open or folded, with
+//! text, [`Chart`]s, [`Bars`] and [`Table`]s in reading order. Everything is built in memory, and the same calls give
+//! the same bytes: no clock, no random identifiers.
 //!
 //! ```
 //! use sil_host::report::{Better, Chart, Page, Section, Table};
@@ -30,6 +31,8 @@
 //! dash pattern and sizes its text for one width, so that a phone shows it at a third of the size.
 
 mod axis;
+mod bars;
+mod card;
 mod chart;
 mod figure;
 mod page;
@@ -37,6 +40,8 @@ mod palette;
 mod table;
 mod trace;
 
+pub use bars::Bars;
+pub use card::{Card, Tone};
 pub use chart::Chart;
 pub use page::{Page, Section};
 pub use table::{Better, Cell, Table};

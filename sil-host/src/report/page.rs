@@ -1,7 +1,9 @@
-//! The page: title, lead, sections of text, charts and tables, and where it all comes from.
+//! The page: headline, lead, one picture and a card, sections of text, charts and tables, and where it all comes from.
 //!
-//! `maud` escapes all text and attributes; what it does not escape is only this module's own style sheet.
+//! `maud` escapes all text and attributes; what it does not escape are this module's own style sheets and scripts.
 
+use super::bars::Bars;
+use super::card::Card;
 use super::chart::Chart;
 use super::figure;
 use super::palette::Palette;
@@ -10,6 +12,12 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("style.css");
 
+/// The plotting library with its licence, and what feeds it from the drawings.
+const UPLOT: &str = include_str!("uplot/uPlot.iife.min.js");
+const UPLOT_STYLE: &str = include_str!("uplot/uPlot.min.css");
+const UPLOT_LICENCE: &str = include_str!("uplot/LICENSE");
+const PLOTS: &str = include_str!("plots.js");
+
 /// Fewer sections need no list of contents.
 const LEAST_SECTIONS_WITH_CONTENTS: usize = 3;
 
@@ -17,7 +25,10 @@ const LEAST_SECTIONS_WITH_CONTENTS: usize = 3;
 #[derive(Clone, Debug)]
 pub struct Page {
     title: String,
+    about: String,
     lead: Vec<String>,
+    card: Option<Card>,
+    picture: Option<Chart>,
     sections: Vec<Section>,
     provenance: Vec<(String, String)>,
 }
@@ -26,6 +37,7 @@ pub struct Page {
 #[derive(Clone, Debug)]
 pub struct Section {
     title: String,
+    is_folded: bool,
     blocks: Vec<Block>,
 }
 
@@ -39,16 +51,40 @@ enum Block {
     Chart(Chart),
     SmallMultiples { caption: String, charts: Vec<Chart> },
     SideBySide { caption: String, charts: Vec<Chart> },
+    Bars(Bars),
     Table(Table),
 }
 
 impl Page {
-    /// A page without content.
+    /// A page without content; its title is its headline: what came out, in a sentence.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), lead: Vec::new(), sections: Vec::new(), provenance: Vec::new() }
+        Self {
+            title: title.into(),
+            about: String::new(),
+            lead: Vec::new(),
+            card: None,
+            picture: None,
+            sections: Vec::new(),
+            provenance: Vec::new(),
+        }
     }
 
-    /// Adds a paragraph below the title: what this is, and what came out.
+    /// Says above the headline what the page is about: which log, which flight.
+    pub fn about(self, text: impl Into<String>) -> Self {
+        Self { about: text.into(), ..self }
+    }
+
+    /// Puts the answer in named lines beside the picture.
+    pub fn card(self, card: Card) -> Self {
+        Self { card: Some(card), ..self }
+    }
+
+    /// The one picture that shows it, on the first screen.
+    pub fn picture(self, chart: Chart) -> Self {
+        Self { picture: Some(chart), ..self }
+    }
+
+    /// Adds a paragraph below the headline.
     pub fn lead(mut self, text: impl Into<String>) -> Self {
         self.lead.push(text.into());
         self
@@ -66,7 +102,8 @@ impl Page {
         self
     }
 
-    /// The whole file: style and drawings inside, no script, no reference to anything outside.
+    /// The whole file: style, drawings and scripts inside, no reference to anything outside. Without scripts all of it
+    /// can be read too.
     pub fn to_html(&self) -> String {
         let mut palette = Palette::default();
         let page = html! {
@@ -77,24 +114,38 @@ impl Page {
                     meta name="viewport" content="width=device-width, initial-scale=1";
                     meta name="color-scheme" content="light dark";
                     title { (self.title) }
-                    style { (PreEscaped(STYLE)) }
+                    style { (PreEscaped(STYLE)) (PreEscaped(UPLOT_STYLE)) }
                 }
                 body {
                     header {
+                        @if !self.about.is_empty() { p.about { (self.about) } }
                         h1 { (self.title) }
                         @for text in &self.lead { p.lead { (text) } }
+                        (self.first_screen(&mut palette))
                     }
                     (self.contents())
                     main {
                         @for (index, section) in self.sections.iter().enumerate() {
-                            section id=(format!("section-{}", index + 1)) { (section.render(&mut palette)) }
+                            (section.render(&format!("section-{}", index + 1), &mut palette))
                         }
                     }
                     (self.footer())
+                    (scripts())
                 }
             }
         };
         page.into_string()
+    }
+
+    fn first_screen(&self, palette: &mut Palette) -> Markup {
+        html! {
+            @if self.card.is_some() || self.picture.is_some() {
+                div.answer {
+                    @if let Some(chart) = &self.picture { (figure::single(chart, palette)) }
+                    @if let Some(card) = &self.card { (card.render()) }
+                }
+            }
+        }
     }
 
     fn contents(&self) -> Markup {
@@ -127,10 +178,19 @@ impl Page {
     }
 }
 
+fn scripts() -> Markup {
+    html! { script { (PreEscaped(format!("/*\nuPlot: {UPLOT_LICENCE}*/\n{UPLOT}\n{PLOTS}"))) } }
+}
+
 impl Section {
     /// A section without content.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), blocks: Vec::new() }
+        Self { title: title.into(), is_folded: false, blocks: Vec::new() }
+    }
+
+    /// Shows its heading alone until the reader opens it: details, evidence.
+    pub fn folded(self) -> Self {
+        Self { is_folded: true, ..self }
     }
 
     /// Adds a paragraph.
@@ -173,6 +233,11 @@ impl Section {
         self.with(Block::SideBySide { caption: caption.into(), charts: charts.into_iter().collect() })
     }
 
+    /// Adds a ranking.
+    pub fn bars(self, bars: Bars) -> Self {
+        self.with(Block::Bars(bars))
+    }
+
     /// Adds a table.
     pub fn table(self, table: Table) -> Self {
         self.with(Block::Table(table))
@@ -183,10 +248,17 @@ impl Section {
         self
     }
 
-    fn render(&self, palette: &mut Palette) -> Markup {
+    /// A browser opens a fold for a link to what lies inside of it: the identifier stands there.
+    fn render(&self, id: &str, palette: &mut Palette) -> Markup {
+        let content = html! { @for block in &self.blocks { (block.render(palette)) } };
         html! {
-            h2 { (self.title) }
-            @for block in &self.blocks { (block.render(palette)) }
+            @if self.is_folded {
+                section.folded {
+                    details { summary { h2 { (self.title) } } div id=(id) { (content) } }
+                }
+            } @else {
+                section id=(id) { h2 { (self.title) } (content) }
+            }
         }
     }
 }
@@ -202,6 +274,7 @@ impl Block {
             Self::Chart(chart) => figure::single(chart, palette),
             Self::SmallMultiples { caption, charts } => figure::small_multiples(caption, charts, palette),
             Self::SideBySide { caption, charts } => figure::side_by_side(caption, charts, palette),
+            Self::Bars(bars) => bars.render(),
             Self::Table(table) => table.render(),
         }
     }
@@ -209,11 +282,13 @@ impl Block {
 
 #[cfg(test)]
 mod tests {
+    use super::super::card::Tone;
     use super::super::table::Better;
     use super::*;
 
     /// The page as XML: its only elements without an end tag are the `meta`s, which are left out.
     fn as_xml(html: &str) -> String {
+        let html = &without_scripts(html);
         let (doctype, rest) = html.split_at("<!DOCTYPE html>".len());
         assert_eq!(doctype, "<!DOCTYPE html>");
         let mut parts = rest.split("<meta ");
@@ -222,6 +297,13 @@ mod tests {
             xml.push_str(part.split_once('>').map_or("", |(_, after)| after));
         }
         xml
+    }
+
+    /// The page without the one script that every page has.
+    fn without_scripts(html: &str) -> String {
+        let script = scripts().into_string();
+        assert_eq!(html.matches(&script).count(), 1);
+        html.replace(&script, "")
     }
 
     /// One of everything, with this text wherever text goes.
@@ -239,14 +321,16 @@ mod tests {
             .warning(text)
             .chart(chart.clone())
             .small_multiples(text, [chart.clone(), chart.clone()])
-            .side_by_side(text, [Chart::over(text, text, text).series(text, &[0.0, 1.0], &[2.0, 3.0]), chart])
+            .side_by_side(text, [Chart::over(text, text, text).series(text, &[0.0, 1.0], &[2.0, 3.0]), chart.clone()])
+            .bars(Bars::new(text).bar(text, 30.0, Some([20.0, 40.0])).rest(text, 70.0))
             .table(
                 Table::new(text, &[text, "PID", "MPC"])
                     .comparison(text, &[1.0, 2.0], 1, Better::Lower)
                     .row([text.into()]),
             );
-        let page = Page::new(text).lead(text).provenance(text, text);
-        page.section(section.clone()).section(section.clone()).section(section)
+        let page = Page::new(text).about(text).lead(text).picture(chart).provenance(text, text);
+        let page = page.card(Card::new(Tone::Doubtful).line(text, text));
+        page.section(section.clone()).section(section.clone().folded()).section(section)
     }
 
     /// All elements with their attributes and texts.
@@ -263,19 +347,25 @@ mod tests {
     #[test]
     fn all_text_is_escaped() {
         let hostile = r#"</style><script>alert("1 & 2")</script>'<!--"#;
-        let html = page_saying(hostile).to_html();
+        let html = without_scripts(&page_saying(hostile).to_html());
         assert!(!html.contains("<script") && !html.contains("<!--"));
         // The reader sees the very text, and around it what surrounds any other text.
         let plain: Vec<String> =
             content(&page_saying("PLAIN").to_html()).iter().map(|line| line.replace("PLAIN", hostile)).collect();
-        assert_eq!(content(&html), plain);
+        assert_eq!(content(&page_saying(hostile).to_html()), plain);
     }
 
     #[test]
     fn the_file_refers_to_nothing_outside() {
-        let html = page_saying("text").to_html();
+        let html = without_scripts(&page_saying("text").to_html());
         for reference in ["http", "//", "url(", "@import", "src=", "<link", "<script"] {
             assert!(!html.contains(reference), "{reference}");
+        }
+        // the library's script has its own address in a comment and nothing else
+        let script = scripts().into_string();
+        assert_eq!(script.matches("//").count() - PLOTS.matches("//").count(), 1);
+        for word in ["fetch(", "XMLHttpRequest", "import(", "WebSocket", "sendBeacon", "eval("] {
+            assert!(!script.contains(word), "{word}");
         }
         let links = html.matches("href=").count();
         assert_eq!(html.matches("href=\"#section-").count(), links, "links lead to the page's own sections");

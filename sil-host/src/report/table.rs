@@ -97,7 +97,7 @@ impl Table {
                 figcaption { strong { (self.caption) } }
                 // Focusable, so that it can be scrolled with the keyboard.
                 div.scroll role="region" tabindex="0" aria-label=(self.caption) {
-                    table aria-label=(self.caption) {
+                    table.stacked[columns > COLUMNS_ON_A_PHONE] aria-label=(self.caption) {
                         thead { tr {
                             @for (column, &class) in alignment.iter().enumerate() {
                                 th scope="col" class=(class) { (self.header.get(column).map_or("", String::as_str)) }
@@ -106,7 +106,7 @@ impl Table {
                         tbody {
                             @for row in &self.rows { tr {
                                 @for (column, &class) in alignment.iter().enumerate() {
-                                    (render_cell(row.get(column), column == 0, class))
+                                    (render_cell(row.get(column), self.header.get(column), column == 0, class))
                                 }
                             } }
                         }
@@ -117,7 +117,10 @@ impl Table {
     }
 }
 
-fn render_cell(cell: Option<&Cell>, names_row: bool, alignment: &str) -> Markup {
+/// A table of more columns becomes a block per row on a narrow screen, each cell beside the name of its column.
+const COLUMNS_ON_A_PHONE: usize = 3;
+
+fn render_cell(cell: Option<&Cell>, column: Option<&String>, names_row: bool, alignment: &str) -> Markup {
     let content = cell.map(Cell::content).unwrap_or_default();
     let class =
         if cell.is_some_and(|cell| cell.is_better) { format!("{alignment} better") } else { alignment.to_owned() };
@@ -125,7 +128,7 @@ fn render_cell(cell: Option<&Cell>, names_row: bool, alignment: &str) -> Markup 
         @if names_row {
             th scope="row" class=(class) { (content) }
         } @else {
-            td class=(class) { (content) }
+            td class=(class) data-column=(column.map_or("", String::as_str)) { (content) }
         }
     }
 }
@@ -173,8 +176,8 @@ mod tests {
             .into_string();
         assert!(html.contains(r#"<th scope="col" class="number">error</th>"#), "{html}");
         assert!(html.contains(r#"<th scope="row" class="text">pitch</th>"#), "{html}");
-        assert!(html.contains(r#"<td class="number">0.00</td>"#), "{html}");
-        assert!(html.contains(r#"<td class="number better"><strong>−8.08</strong>"#), "{html}");
-        assert!(html.contains(r#"<td class="text"></td>"#), "a missing cell stays empty: {html}");
+        assert!(html.contains(r#"<td class="number" data-column="error">0.00</td>"#), "{html}");
+        assert!(html.contains(r#"<td class="number better" data-column="error"><strong>−8.08</strong>"#), "{html}");
+        assert!(html.contains(r#"<td class="text" data-column="note"></td>"#), "a missing cell stays empty: {html}");
     }
 }

@@ -17,6 +17,13 @@ fn it_writes_the_same_report_says_where_and_opens_nothing() {
     let page = String::from_utf8(folder.bytes("out/report.html")).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
     assert!(page.contains("<svg"));
+    // the answer stands before everything else, with the size that the log was made with: 0.2 N m
+    let (head, _) = page.split_once("<main>").unwrap();
+    assert!(head.contains("<h1>Pitch is out of balance by 0.20\u{a0}N\u{a0}m"), "{head}");
+    for part in ["Explained: nothing but noise remains", "measured", "nominal model", "with the findings"] {
+        assert!(head.contains(part), "no \"{part}\" on the first screen");
+    }
+    assert!(page.len() < 2_000_000, "{} bytes", page.len());
     // nothing else is left behind
     let names = |path: &str| std::fs::read_dir(folder.path(path)).unwrap().map(|entry| entry.unwrap().file_name());
     assert_eq!(names("").collect::<Vec<_>>(), ["out"]);

@@ -44,6 +44,38 @@ fn a_single_controller_writes_the_very_file() {
     }
 }
 
+#[test]
+fn several_controllers_fly_in_one_report_each_by_its_name() {
+    let folder = Folder::new();
+    folder.write("script.toml", "duration_s = 2\n[[step]]\nat_s = 0.5\nroll_deg = 10\n");
+    folder.write("soft.toml", "controller = \"pid\"\n[tuning]\nrate_max_rad_s = [0.3, 0.3, 0.3]\n");
+    let fly = ["fly", "--script", "script.toml", "--controller", "pid", "--controller", "soft.toml"];
+    let outputs = ["--report", "out.html", "--json", "out.json", "--log", "log.csv"];
+    let outcome = folder.sil(&[&fly[..], &outputs].concat()).assert_done();
+    assert!(outcome.stdout.contains("pid roll") && outcome.stdout.contains("soft roll"), "{outcome:?}");
+    let rise_s = |run: usize| folder.json("out.json")["runs"][run]["axes"]["roll"]["rise_time_s"].as_f64().unwrap();
+    // 80 % of 10 degrees at 0.3 rad/s take 0.47 s
+    assert!(rise_s(0) < 0.3 && rise_s(1) > 0.4, "{} {}", rise_s(0), rise_s(1));
+    assert!(folder.path("log-pid.csv").exists() && folder.path("log-soft.csv").exists());
+    let page = String::from_utf8(folder.bytes("out.html")).unwrap();
+    assert!(page.contains(r#"data-name="soft""#) && page.contains(r#"data-name="PID""#));
+    folder.sil(&["fly", "--controller", "pid", "--controller", "both"]).assert_refused(&["pid was given before"]);
+}
+
+/// What a reader must know first stands in the headline: at 50 Hz the MPC without constraints is unstable.
+#[test]
+fn an_unstable_flight_is_the_reports_headline() {
+    let folder = Folder::new();
+    let headline = |extra: &[&str]| {
+        folder.sil(&[&["fly", "--controller", "mpc", "--report", "out.html"], extra].concat()).assert_done();
+        let page = String::from_utf8(folder.bytes("out.html")).unwrap();
+        let (_, rest) = page.split_once("<h1>").unwrap();
+        rest.split_once("</h1>").unwrap().0.to_owned()
+    };
+    assert_eq!(headline(&["--rate", "50"]), "Unstable under MPC");
+    assert!(headline(&[]).starts_with("MPC settles in "));
+}
+
 /// The report names the command that repeats its run.
 #[test]
 fn the_command_in_a_report_makes_the_same_report() {

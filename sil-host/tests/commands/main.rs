@@ -6,6 +6,7 @@ mod damage;
 mod demonstration;
 mod diagnosis;
 mod flights;
+mod identify;
 mod json;
 mod labels;
 mod logs;

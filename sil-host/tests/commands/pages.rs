@@ -8,7 +8,8 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use shared_control::airframe::{MOTORS, TORQUE_SIGNS};
-use shared_control::config::Controller;
+use shared_control::config::{Controller, Tuning};
+use sil_host::control_setup::vehicle_parameters;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::diagnosis::{BaseTerm, Difference, Estimate, Fact};
 use sil_host::effects::{Effect, Origin};
@@ -122,6 +123,44 @@ fn pages_list_every_column_of_a_log() {
     });
     let head = ["columns", "unit", "other units that are read", "range", "meaning"];
     assert_generated("log-format.md", "columns", &table(&head, rows));
+}
+
+/// Names, types and meanings from where the core declares them, defaults from the core at work.
+#[test]
+fn pages_list_every_key_of_a_tuning() {
+    let source = include_str!("../../../shared-control/src/config/tuning.rs");
+    let declared = source.split_once("pub struct Tuning {\n").unwrap().1.split_once("\n}").unwrap().0;
+    let mut keys: Vec<[String; 3]> = Vec::new();
+    let mut meaning: Vec<&str> = Vec::new();
+    for line in declared.lines().map(str::trim) {
+        match line.strip_prefix("pub ").and_then(|field| field.trim_end_matches(',').split_once(": ")) {
+            Some((name, kind)) => {
+                let kind = match kind {
+                    "[f32; 3]" => "3 numbers",
+                    "f32" | "Option<f32>" => "number",
+                    "usize" => "whole number",
+                    "bool" => "true or false",
+                    _ => "text",
+                };
+                let meaning = std::mem::take(&mut meaning).join(" ").replace(['[', ']'], "");
+                keys.push([format!("`{name}`"), kind.to_owned(), meaning]);
+            }
+            None => meaning.push(line.trim_start_matches("///").trim()),
+        }
+    }
+    let model = VehicleModel::nominal(Rig::Gimbal);
+    let tuning = format!("{:?}", Tuning::for_vehicle(&vehicle_parameters(&model)));
+    let rows = keys.into_iter().map(|[name, kind, meaning]| {
+        let (_, rest) = tuning.split_once(&format!("{}: ", name.trim_matches('`'))).unwrap();
+        let end = if rest.starts_with('[') { "]" } else { "," };
+        let value = rest.split(end).next().unwrap().trim_matches(['[', ' ', '}']);
+        let short = |number: &str| match number.parse::<f32>() {
+            Ok(number) => format!("{}", format!("{number:.3e}").parse::<f32>().unwrap()),
+            Err(_) => number.to_lowercase(),
+        };
+        vec![name, kind, value.split(", ").map(short).collect::<Vec<_>>().join(", "), meaning]
+    });
+    assert_generated("commands.md", "tuning keys", &table(&["key", "type", "default", "meaning"], rows));
 }
 
 #[test]

@@ -7,13 +7,91 @@ use crate::sil::{Folder, GIMBAL_MODEL, Outcome, RIG_LOG, instance_files};
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = Folder::new();
-    for command in ["", "fly", "compare", "diagnose", "synth", "hitl", "bench-mpc"] {
+    for command in ["", "fly", "compare", "diagnose", "identify", "synth", "hitl", "bench-mpc"] {
         let arguments: Vec<&str> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
         let help = folder.sil(&arguments).assert_done().stdout;
         let example = format!("Example: {}", format!("sil {command}").trim());
         assert!(help.contains(&example), "no \"{example}\" in\n{help}");
         assert!(command.is_empty() || help.contains("--json <"), "{help}");
     }
+}
+
+#[test]
+fn json_on_stdout_stands_there_alone_and_quiet_is_quiet() {
+    let folder = Folder::new();
+    folder.write("log.csv", first_seconds());
+    folder.sil(&["compare", "log.csv", "--json", "out.json"]).assert_done();
+    let piped = folder.sil(&["compare", "log.csv", "--json", "-"]).assert_done().stdout;
+    assert_eq!(piped.as_bytes(), folder.bytes("out.json"));
+    std::fs::remove_file(folder.path("out.json")).unwrap();
+    let quiet = folder.sil(&["compare", "log.csv", "--quiet", "--json", "out.json"]).assert_done();
+    assert_eq!(quiet.stdout, "");
+    assert_eq!(piped.as_bytes(), folder.bytes("out.json"));
+}
+
+#[test]
+fn a_log_is_read_from_a_pipe() {
+    let folder = Folder::new();
+    folder.write("log.csv", first_seconds());
+    let json = |log: &str, stdin: Stdio| {
+        let mut command = folder.command(&["compare", log, "--json", "-"]);
+        command.stdin(stdin);
+        Outcome::of(&["compare", log], command).assert_done().stdout
+    };
+    let of_pipe = json("-", std::fs::File::open(folder.path("log.csv")).unwrap().into());
+    assert_eq!(of_pipe, json("log.csv", Stdio::null()));
+    folder.sil(&["compare", "-"]).assert_refused(&["stdin"]);
+}
+
+/// The rig log's first five seconds.
+fn first_seconds() -> String {
+    RIG_LOG.lines().take(500).map(|line| format!("{line}\n")).collect()
+}
+
+#[test]
+fn scripts_can_fail_on_a_discrepancy() {
+    let folder = Folder::new();
+    folder.write("log.csv", RIG_LOG);
+    let diagnose = |extra: &[&str]| folder.sil(&[&["diagnose", "log.csv", "--quick"], extra].concat());
+    diagnose(&[]).assert_done();
+    diagnose(&["--fail-on", "unexplained"]).assert_done();
+    let outcome = diagnose(&["--fail-on", "discrepancy", "--json", "out.json"]);
+    assert_eq!(outcome.status, Some(3), "{outcome:?}");
+    assert_eq!(folder.json("out.json")["verdict"], "explained", "the answer is written before");
+}
+
+#[test]
+fn slips_of_the_pen_are_pointed_out() {
+    let folder = Folder::new();
+    folder.write("log.csv", RIG_LOG);
+    folder.write("mpc.toml", "controller = \"mpc\"\ncontrol_horizn = 3\n");
+    folder.write("script.toml", "duration = 3\n");
+    let fly = |flag: &str, file: &str| folder.sil(&["fly", flag, file]);
+    fly("--controller", "mpc.toml").assert_refused(&["mpc.toml", "did you mean `control_horizon`?"]);
+    fly("--script", "script.toml").assert_refused(&["script.toml", "did you mean `duration_s`?"]);
+    let effect = ["synth", "--effect", "cg_ofset:axis=pitch,cos_moment_nm=0.1", "out.csv"];
+    folder.sil(&effect).assert_refused(&["did you mean `cg_offset`?"]);
+}
+
+#[test]
+fn values_may_begin_with_a_minus_sign() {
+    let folder = Folder::new();
+    folder.write("log.csv", RIG_LOG);
+    folder.sil(&["compare", "log.csv", "--from", "-5", "--to", "20"]).assert_done();
+    folder.sil(&["fly", "--seed", "-1"]).assert_refused(&["invalid value '-1' for '--seed <SEED>'"]);
+}
+
+#[test]
+fn shells_and_man_learn_the_commands() {
+    let folder = Folder::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = folder.sil(&["completions", shell]).assert_done().stdout;
+        assert!(script.contains("diagnose") && script.contains("baseline"), "{shell}: {script}");
+    }
+    assert!(folder.sil(&["man"]).assert_done().stdout.starts_with(".ie"));
+    folder.sil(&["man", "--out", "man"]).assert_done();
+    let page = String::from_utf8(folder.bytes("man/sil-diagnose.1")).unwrap();
+    assert!(page.contains("fail\\-on"), "{page}");
 }
 
 #[test]
@@ -134,8 +212,7 @@ fn an_output_that_cannot_be_written_is_a_failure_of_its_own() {
     let instances = instance_files().remove(0);
     folder.write("file", "in the way");
     folder.write("short.toml", "duration_s = 0.1\n");
-    // its first five seconds
-    folder.write("log.csv", RIG_LOG.lines().take(500).map(|line| format!("{line}\n")).collect::<String>());
+    folder.write("log.csv", first_seconds());
     std::fs::create_dir(folder.path("folder")).unwrap();
     for out in ["folder", "file/out"] {
         for arguments in [

@@ -8,6 +8,7 @@
 //! | `closed_loop_table` | both controllers under each effect | `docs/closed-loop.md` |
 //! | `controller_blame` | does it name a changed number of the controller? | `docs/thesis-case.md` |
 //! | `controller_comparison` | MPC against cascade on vehicles that neither expects | `docs/mpc-against-cascade.md` |
+//! | `identification` | is a vehicle known from its log alone? | `docs/identification.md` |
 //! | `limits_and_switching` | motors' limits, several linearisations | `docs/motor-limits.md`, `docs/switching-mpc.md` |
 //! | `real_logs` | what other people's logs show, and how right the diagnosis is on them | `docs/real-logs.md` |
 //! | `thesis_case` | the thesis' case from the log to the better controller | `docs/thesis-case.md` |
@@ -19,6 +20,7 @@ pub mod blind;
 pub mod closed_loop_table;
 pub mod comparison;
 pub mod controller_blame;
+pub mod identification;
 pub mod limits_and_switching;
 pub mod real_logs;
 pub mod thesis_case;

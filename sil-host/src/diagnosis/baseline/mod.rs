@@ -32,6 +32,7 @@ use causes::Departures;
 pub use normal::BetweenFlights;
 use normal::{Normal, USUAL_FLIGHTS};
 pub use numbers::{FlightNumbers, NumberOf};
+pub(super) use steady::steady_collective;
 use wording::Wording;
 
 /// Commands around which nothing but its proportion to lift is known, where no model says more.
@@ -117,7 +118,7 @@ pub fn compare_flights(
     let choice = choice::choose(&departures, given.known);
     let of_model = |command: f64| match subject {
         Subject::Vehicle(model) => model.propulsion.lift_n(command.min(1.0)),
-        Subject::Axes => PROPORTIONAL(command),
+        Subject::Axes | Subject::Bench(_) => PROPORTIONAL(command),
     };
     let wording = Wording { departures: &departures, lift: &of_model };
     let findings: Vec<Difference> = choice.found.iter().map(|chosen| wording.difference(chosen)).collect();

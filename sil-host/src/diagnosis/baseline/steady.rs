@@ -64,6 +64,14 @@ pub(super) fn steady(log: &Log, subject: &Subject<'_>) -> Result<Steady, NotPred
     })
 }
 
+/// Mean command of the motors in steady flight; `None` for a log that has none.
+///
+/// # Errors
+/// The log has no window.
+pub(in crate::diagnosis) fn steady_collective(log: &Log) -> Result<Option<f64>, NotPredictable> {
+    Ok(steady(log, &Subject::Axes)?.collective)
+}
+
 /// The median with its standard deviation, as windows scatter from one to the next: what changes slowly over a mission
 /// changes so in every flight of it.
 fn around_median(values: Vec<f64>) -> Estimate {

@@ -17,6 +17,8 @@ pub struct ChannelResiduals {
     pub unit: &'static str,
     /// Times of the rows, s; between two windows a NaN, where a picture has a gap.
     pub time_s: Vec<f64>,
+    /// Measured values, in the same unit; NaN in a gap.
+    pub measured: Vec<f64>,
     /// Of the nominal model; NaN in a gap.
     pub nominal: Vec<f64>,
     /// Of the base model.
@@ -30,18 +32,23 @@ pub(in crate::diagnosis) fn of_models(
     log: &WindowedLog<'_>,
     predicted: &[Vec<PredictedWindow>; 3],
 ) -> Vec<ChannelResiduals> {
-    let of_channel = |channel: Channel| {
+    let of_channel = |(channel, measured): (Channel, &[f64])| {
         let error = |windows: &Vec<PredictedWindow>| -> Vec<f64> {
             let series = windows.iter().filter_map(|window| window.of(channel));
             series.flat_map(|series| with_gap(series.error.iter().map(|error| channel.in_unit(*error)))).collect()
         };
-        let series = predicted[0].iter().filter_map(|window| window.of(channel));
-        let time_s = series.flat_map(|series| with_gap(series.rows.iter().map(|row| log.rows()[*row]))).collect();
+        let of_rows = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let series = predicted[0].iter().filter_map(|window| window.of(channel));
+            series.flat_map(|series| with_gap(series.rows.iter().map(|row| value(*row)))).collect()
+        };
+        let time_s = of_rows(&|row| log.rows()[row]);
+        let measured = of_rows(&|row| channel.in_unit(measured[row]));
         let [nominal, base, extended] = predicted.each_ref().map(error);
         let (name, kind, unit) = (channel.name(), channel.kind(), channel.unit());
-        ChannelResiduals { name, kind, unit, time_s, nominal, base, extended }
+        ChannelResiduals { name, kind, unit, time_s, measured, nominal, base, extended }
     };
-    log.compared().map(|(channel, _)| of_channel(channel)).collect()
+    let measured = |(channel, _)| Some((channel, log.measured(channel)?));
+    log.compared().filter_map(measured).map(of_channel).collect()
 }
 
 fn with_gap(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {

@@ -36,7 +36,7 @@ fn inputs(log: &Log) -> [Option<Vec<f64>>; 4] {
         Some((0..log.rows()).map(of_row).collect::<Vec<f64>>())
     };
     let [roll, pitch, mut yaw] = TORQUE_SIGNS.map(|signs| signs.map(f64::from));
-    if log.facts.iter().any(|fact| fact.name == "spin") {
+    if super::has_reversed_spin(log) {
         yaw = yaw.map(|sign| -sign);
     }
     [sum(roll), sum(pitch), sum(yaw), sum([1.0; 4])]

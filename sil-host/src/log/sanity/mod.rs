@@ -80,6 +80,37 @@ pub fn examine(log: &Log, map: Option<&Map>) -> Examination {
     found
 }
 
+/// How an axis answers to the motors, as the gate's regression has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AxisAnswer {
+    /// Angular acceleration per unit of each motor's command, with the signs of docs/rig.md, rad/s^2. Lags make it too
+    /// small, by some tens of percent.
+    pub(crate) value: f64,
+    /// True where chance has not made it.
+    pub(crate) is_sure: bool,
+}
+
+/// The answers of roll, pitch and yaw, where the log is long enough.
+pub(crate) fn accelerations_per_command(log: &Log) -> [Option<AxisAnswer>; 3] {
+    let driving = driving::driving(log, &Bins::of(log));
+    Axis::ALL.map(|axis| {
+        let slope = driving.as_ref()?.answers.slope(axis.index(), axis.index())?;
+        Some(AxisAnswer { value: slope.value, is_sure: slope.is_above(0.0) || slope.is_below(0.0) })
+    })
+}
+
+/// True if a log says that all rotors turn the other way than in docs/rig.md.
+pub(crate) fn has_reversed_spin(log: &Log) -> bool {
+    log.facts.iter().any(|fact| fact.name == "spin")
+}
+
+/// Is the vehicle held by a rig? Where something carries it, the accelerometer shows gravity when it tilts; where it
+/// flies, the motors' lift alone. `None` where the log does not tell.
+pub fn is_held(log: &Log) -> Option<bool> {
+    let bins = Bins::of(log);
+    weighing::shows_tilt(log, &bins).or_else(|| weighing::shows_lift(log, &bins).map(|lift| !lift))
+}
+
 /// Angles against rates, axis by axis.
 fn turning(log: &Log, bins: &Bins, driving: Option<&Driving>, columns: &Columns<'_>, found: &mut Examination) {
     let Some(answers) = turning::answers(log, bins) else { return };

@@ -3,7 +3,7 @@
 
 use super::super::Log;
 use super::super::quantity::{GRAVITY_M_S2, Quantity};
-use super::answers::{Answer, Question};
+use super::answers::{Answer, Answers, Question};
 use super::bins::Bins;
 use super::finding::{Columns, Contradiction};
 use super::regression::{Estimate, jackknife};
@@ -11,6 +11,9 @@ use crate::axis::Axis;
 
 /// The accelerometer may come so much later than the attitude, s: attitudes are late.
 const LATER_S: [f64; 2] = [-0.3, 0.1];
+
+/// And so much later than the motors' commands.
+const COMMANDED_LATER_S: [f64; 2] = [0.0, 0.25];
 
 /// The accelerometer's mean in each stretch of a log, by axis.
 struct Means([Vec<f64>; 3]);
@@ -105,8 +108,8 @@ fn unit(means: &Means, seen: &str, columns: &Columns<'_>) -> Option<Contradictio
     Some(Contradiction { seen, likely: likely.to_owned(), map_lines, leave_out, ..Contradiction::default() })
 }
 
-/// What the accelerometer's x and y contradict in the attitude, where they show gravity: on benches, and on the ground.
-pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<Contradiction> {
+/// What gravity's part along x and y is by the attitude, and what the accelerometer shows there.
+fn tilt(log: &Log, bins: &Bins) -> Option<Answers> {
     let angle = |axis: Axis| log.column(Quantity::Angle(axis));
     let part = |of: &dyn Fn(usize) -> Option<f64>| -> Option<Vec<f64>> {
         Some(bins.means(&(0..log.rows()).map(of).collect::<Option<Vec<f64>>>()?))
@@ -123,7 +126,45 @@ pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<
         later_s: LATER_S,
         is_usable: bins.all(&vec![true; log.rows()]),
     };
-    let Some(answers) = question.ask(bins) else { return Vec::new() };
+    question.ask(bins)
+}
+
+/// Does the accelerometer show lift that grows with the motors' commands? Where something carries the vehicle it shows
+/// gravity alone. `None` where the motors all but keep their commands, or the log has no answer.
+pub(super) fn shows_lift(log: &Log, bins: &Bins) -> Option<bool> {
+    let collective = log.collective()?;
+    let (lift, command) = (log.column(Quantity::Accel(Axis::Yaw))?, bins.means(&collective));
+    let mean = collective.iter().sum::<f64>() / collective.len().max(1) as f64;
+    let question = Question {
+        inputs: vec![Some(command)],
+        responses: vec![Some(bins.means(lift))],
+        later_s: COMMANDED_LATER_S,
+        is_usable: bins.all(&log.active_rows()),
+    };
+    // lift grows with the command or with its square; the half of the lesser lies between flight and rig
+    let slope = question.ask(bins)?.slope(0, 0)?;
+    let half = 0.5 * GRAVITY_M_S2 / mean;
+    match (slope.is_below(-half), slope.is_above(-half)) {
+        (true, _) => Some(true),
+        (_, true) => Some(false),
+        _ => None,
+    }
+}
+
+/// Does the accelerometer show gravity as the vehicle tilts? `None` where it hardly tilts, or the log has no answer.
+pub(super) fn shows_tilt(log: &Log, bins: &Bins) -> Option<bool> {
+    let answers = tilt(log, bins)?;
+    // an axis that never tilts has the slope 0 without any scatter, and no say
+    let tilts = |slope: &Estimate| slope.std > 0.0;
+    let slopes: Vec<Estimate> = (0..2).filter_map(|axis| answers.slope(axis, axis)).filter(tilts).collect();
+    let shows = slopes.iter().any(|slope| slope.is_above(0.5));
+    let does_not = slopes.iter().any(|slope| slope.is_below(0.5));
+    (shows != does_not).then_some(shows)
+}
+
+/// What the accelerometer's x and y contradict in the attitude, where they show gravity: on benches, and on the ground.
+pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<Contradiction> {
+    let Some(answers) = tilt(log, bins) else { return Vec::new() };
     let mut found = Vec::new();
     for (response, axis) in [(0, Axis::Roll), (1, Axis::Pitch)] {
         let Answer::Instead { input, sign } = answers.answer(response, &[0, 1]) else { continue };

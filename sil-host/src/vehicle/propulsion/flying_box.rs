@@ -9,11 +9,18 @@ pub struct FlyingBox {
     pub lift_offset_n: f64,
     /// Lift per unit of command, N.
     pub lift_slope_n: f64,
-    /// Reaction torque over lift, m.
+    /// Reaction torque over lift, m; negative where all rotors turn the other way than in docs/rig.md.
     pub reaction_torque_per_lift_m: f64,
 }
 
 impl FlyingBox {
+    /// The same lift at a command, another share of it at none.
+    pub(crate) fn with_offset(&self, share: f64, at_command: f64) -> Self {
+        let lift_n = self.lift_offset_n + self.lift_slope_n * at_command;
+        let lift_slope_n = (1.0 - share) * lift_n / at_command;
+        Self { lift_offset_n: share * lift_n, lift_slope_n, ..*self }
+    }
+
     pub(super) fn lift_n(&self, command: f64) -> f64 {
         (self.lift_offset_n + self.lift_slope_n * command).max(0.0)
     }
@@ -21,7 +28,7 @@ impl FlyingBox {
     pub(super) fn read(section: &Section<'_>) -> Result<Self, ModelError> {
         let offset = admissible(-100.0, 100.0, "the lift line's value at command 0 in newton");
         let slope = admissible(1e-3, 500.0, "the lift per unit of command in newton");
-        let ratio = admissible(0.0, 1.0, "reaction torque over lift in metres");
+        let ratio = admissible(-1.0, 1.0, "reaction torque over lift in metres");
         Ok(Self {
             lift_offset_n: section.number("lift_offset_n", offset)?,
             lift_slope_n: section.number("lift_slope_n", slope)?,

@@ -189,6 +189,7 @@ mod tests {
             kind: "Body rates",
             unit: "deg/s",
             time_s: Vec::new(),
+            measured: Vec::new(),
             nominal: Vec::new(),
             base: Vec::new(),
             extended: Vec::new(),

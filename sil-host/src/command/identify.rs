@@ -1,0 +1,132 @@
+//! `sil identify`: a model of the vehicle, or of the bench, from its own logs.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use sil_host::diagnosis::{Identification, Identified, KnownScale, identify, identify_axes};
+use sil_host::log::Log;
+
+use super::log_arguments::LogArguments;
+use super::text_table::TextTable;
+use super::{Failure, bad_input, print, write_file, write_json};
+
+/// Make a model of a vehicle from its own logs: what each motor does, how late, how lift grows with the command
+#[derive(Args)]
+#[command(after_help = "Example: sil identify flight.ulg -o vehicle.toml\n\
+Example: sil identify flight1.bin flight2.bin --known mass_kg=1.35 --known arm_m=0.225 -o vehicle.toml\n\
+Example: sil identify bench.csv.gz --map antx -o bench.toml\n\
+Example: sil diagnose other.ulg --model vehicle.toml\n\n\
+All logs are of one vehicle. A free flight with the commands of four motors gives a vehicle; any other log gives\n\
+separate axes. Each number of the file says how sure it is; what the logs do not show is marked, with what to fly to\n\
+know it. docs/identification.md explains it.")]
+pub struct IdentifyArguments {
+    #[command(flatten)]
+    log: LogArguments,
+    /// More logs of the same vehicle, fitted together with the first
+    #[arg(value_name = "MORE")]
+    more: Vec<PathBuf>,
+    /// What was weighed or measured, so that the numbers are absolute: mass_kg=VALUE, arm_m=VALUE (motor to centre)
+    #[arg(long, value_name = "NAME=VALUE")]
+    known: Vec<String>,
+    /// Write the model here instead of on the terminal
+    #[arg(short, long, value_name = "OUT.toml")]
+    out: Option<PathBuf>,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "OUT.json")]
+    json: Option<PathBuf>,
+}
+
+/// What stands in the JSON.
+#[derive(Serialize)]
+struct Answer {
+    /// The logs, and what was used of them.
+    source: String,
+    /// What they show.
+    numbers: Vec<Identified>,
+}
+
+pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
+    let scale = scale(&arguments.known)?;
+    let mut logs = vec![arguments.log.read()?];
+    for path in &arguments.more {
+        logs.push(arguments.log.read_other(path)?);
+    }
+    let refused = |error: sil_host::diagnosis::NotIdentified| bad_input(format!("{}: {error}", logs[0].path));
+    let (shown, toml, answer) = if arguments.log.is_of_vehicle(&logs)? {
+        let identified = identify(&logs, scale).map_err(refused)?;
+        let (shown, toml) = (table(&identified), identified.to_toml());
+        (shown, toml, Answer { source: identified.source, numbers: identified.numbers })
+    } else if let Some(known) = arguments.known.first() {
+        return Err(bad_input(format!("--known {known}: separate axes have neither mass nor arm: leave it out")));
+    } else {
+        let identified = identify_axes(&logs).map_err(refused)?;
+        let (shown, toml) = (table_of(&identified.numbers), identified.to_toml());
+        (shown, toml, Answer { source: identified.source, numbers: identified.numbers })
+    };
+    match &arguments.out {
+        Some(out) => {
+            print(format!("{}\n{shown}", heads(&logs)))?;
+            write_file(out, toml.as_bytes())?;
+            print(format!("model           {}\n", out.display()))?;
+        }
+        None => print(toml)?,
+    }
+    write_json(arguments.json.as_deref(), &answer)
+}
+
+/// What gives the numbers a scale.
+fn scale(known: &[String]) -> Result<KnownScale, Failure> {
+    let mut scale = KnownScale::default();
+    for text in known {
+        let wrong = || bad_input(format!("--known {text}: expected mass_kg=VALUE (kg) or arm_m=VALUE (m), above 0"));
+        let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+        let value = value.trim().parse::<f64>().ok().filter(|value| value.is_finite() && *value > 0.0);
+        let place = match name.trim() {
+            "mass_kg" => &mut scale.mass_kg,
+            "arm_m" => &mut scale.arm_m,
+            _ => return Err(wrong()),
+        };
+        *place = Some(value.ok_or_else(wrong)?);
+    }
+    Ok(scale)
+}
+
+/// The logs, and what was taken of each.
+fn heads(logs: &[Log]) -> String {
+    let mut text = String::new();
+    for log in logs {
+        let (rows, duration_s, rate_hz) = (log.rows(), log.duration_s(), log.rate_hz());
+        text.push_str(&format!("{}: {rows} rows, {duration_s:.2} s, {rate_hz:.1} Hz\n", log.path));
+        log.notes.iter().for_each(|note| text.push_str(&format!("  {note}\n")));
+    }
+    text
+}
+
+/// The numbers of a vehicle, but for the twelve of single motors about single axes, which stand in the file.
+pub fn table(identified: &Identification) -> String {
+    let is_single =
+        |name: &str| name.starts_with("motor") && ["roll", "pitch", "yaw"].iter().any(|a| name.ends_with(a));
+    let shown: Vec<Identified> = identified.numbers.iter().filter(|one| !is_single(&one.name)).cloned().collect();
+    table_of(&shown)
+}
+
+/// Numbers, and what to fly for those that the logs do not show.
+fn table_of(numbers: &[Identified]) -> String {
+    let mut table = TextTable::new(["identified", "value", "95 % interval"]);
+    for number in numbers {
+        let digits = number.own.decimals().unwrap_or(6);
+        let [low, high] = number.interval();
+        let unit = if number.unit.is_empty() { String::new() } else { format!(", {}", number.unit) };
+        let mark = if number.to_fly.is_some() { "   not excited" } else { "" };
+        table.row([
+            format!("{}{unit}", number.name),
+            format!("{:.digits$}", number.own.value),
+            format!("{low:.digits$} to {high:.digits$}{mark}"),
+        ]);
+    }
+    let mut to_fly: Vec<&str> = numbers.iter().filter_map(|number| number.to_fly).collect();
+    to_fly.dedup();
+    let more: String = to_fly.iter().map(|to_fly| format!("to know what is not excited: {to_fly}\n")).collect();
+    table.to_string() + &more
+}

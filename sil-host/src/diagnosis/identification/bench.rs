@@ -1,0 +1,115 @@
+//! A bench's model from its log: the base model of the diagnosis of separate axes, made a file.
+
+use super::NotIdentified;
+use super::numbers::{Identified, STEPS, UNKNOWN_FROM};
+use super::seen;
+use crate::axis::Axis;
+use crate::diagnosis::base;
+use crate::diagnosis::fitted::per_unit_inertia;
+use crate::diagnosis::fitting::fit::{Term, as_terms};
+use crate::diagnosis::lateness::{held_std_s, summed_s};
+use crate::diagnosis::search::Search;
+use crate::diagnosis::verdict::{Estimate, MODEL_ERROR, estimates};
+use crate::log::Log;
+use crate::model::BenchModel;
+use crate::prediction::Subject;
+
+/// An identified bench.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BenchIdentification {
+    /// The model.
+    pub model: BenchModel,
+    /// What the logs showed.
+    pub numbers: Vec<Identified>,
+    /// The logs, and what was used of them.
+    pub source: String,
+}
+
+/// Identifies separate axes from the logs of one bench.
+///
+/// # Errors
+/// No window, no commands, or axes whose commands never change.
+pub fn identify_axes(logs: &[Log]) -> Result<BenchIdentification, NotIdentified> {
+    let joined = Log::joined(logs)?;
+    let thinned = joined.thinned();
+    let log = thinned.as_ref().unwrap_or(&joined);
+    let subject = Subject::Axes;
+    let nominal = || subject.model(log);
+    let along = subject.fitted_along(log)?;
+    let ordinary = base::ordinary(&subject.scope(log));
+    let shooting = subject.shooting(log, &subject.noise(log))?;
+    let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
+    let shooting = base::disturbed(log, &subject, &search, &ordinary)?;
+    let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
+    let base = base::fitted(&search, &ordinary).fit;
+    let fit = search.refitted(base.terms, &base.starts);
+    let seen = seen::axes(&search, &fit);
+    let half_row_s = held_std_s(&shooting.log.commands);
+    let mut model = BenchModel { name: super::name_of(log), ..BenchModel::default() };
+    let mut numbers = Vec::new();
+    for (index, term) in fit.terms.iter().enumerate() {
+        for (name, mut own) in estimates(&fit, index, MODEL_ERROR) {
+            take(&mut model, term, name, own.value);
+            if name == "delay_s" {
+                own.std = libm::hypot(own.std, half_row_s);
+            }
+            numbers.push(number(term, per_unit_inertia(name), own, seen));
+        }
+    }
+    let lateness = summed_s(&fit).map(|own| Estimate { std: libm::hypot(own.std, half_row_s), ..own });
+    numbers.extend(lateness.map(|own| Identified { name: "lag_and_delay_s".to_owned(), unit: "s", own, to_fly: None }));
+    Ok(BenchIdentification { model, numbers, source: super::source(logs, &joined) })
+}
+
+/// Puts a fitted number in its place.
+fn take(model: &mut BenchModel, term: &Term<'_>, name: &str, value: f64) {
+    match term.effect.name() {
+        "motor_lag" => model.motor_lag_s = value,
+        "actuation_delay" => model.delay_s = value,
+        effect => {
+            let Some(axis) = term.effect.axis() else { return };
+            let numbers = model.axes[axis.index()].get_or_insert_default();
+            match (effect, name) {
+                ("input_gain", _) => numbers.gain_rad_s2 = value,
+                ("torque_bias", _) => numbers.trim_rad_s2 = value,
+                ("cg_offset", "sin_moment_nm") => numbers.gravity_sin_rad_s2 = value,
+                ("viscous_friction", _) => numbers.viscous_1_s = value,
+                ("coulomb_friction", _) => numbers.dry_rad_s2 = value,
+                ("gyro_bias", _) => numbers.gyro_bias_rad_s = value,
+                _ => (),
+            }
+        }
+    }
+}
+
+fn number(term: &Term<'_>, name: &str, own: Estimate, seen: [bool; 3]) -> Identified {
+    let effect = term.effect.name();
+    let axis = term.effect.axis();
+    let full = match (axis, effect) {
+        (Some(axis), _) => format!("{}_{effect}", axis.name()),
+        (None, "motor_lag") => "motor_lag_s".to_owned(),
+        (None, _) => name.to_owned(),
+    };
+    let unit = match name {
+        "gain_rad_s2" => "rad/s2 per command",
+        name if name.ends_with("_rad_s2") => "rad/s2",
+        name if name.ends_with("_rad_s") => "rad/s",
+        name if name.ends_with("_1_s") => "1/s",
+        _ => "s",
+    };
+    let is_unseen = |axis: Axis| !seen[axis.index()] || own.std > UNKNOWN_FROM * own.value.abs();
+    let axis = axis.filter(|axis| effect == "input_gain" && is_unseen(*axis));
+    Identified { name: full, unit, own, to_fly: axis.map(|axis| STEPS[axis.index()]) }
+}
+
+impl BenchIdentification {
+    /// The model as text that reads back to the same numbers, with what is known of each above it.
+    pub fn to_toml(&self) -> String {
+        let mut text = format!("# Identified by `sil identify` from {}.\n", self.source);
+        text.push_str("# Intervals hold the truth in 95 of 100 logs, if the noise is what it was taken for.\n");
+        for number in &self.numbers {
+            text.push_str(&format!("#   {}: {}\n", number.name, number.in_words()));
+        }
+        text + "\n" + &self.model.to_toml()
+    }
+}

@@ -1,0 +1,129 @@
+//! A vehicle's model from its logs: what the diagnosis calls the base model, made a file.
+//!
+//! ```text
+//! logs -> one log (Log::joined) -> start: angular accelerations per command (log::sanity), weight against hover
+//!      -> rough fit from several lags and delays -> folded into the model's own numbers
+//!      -> fit in the noise of all that the model does not know, on the windows that are not the report's
+//!      -> numbers with intervals (numbers) -> model file (file)
+//! ```
+//!
+//! The fit is the diagnosis': multiple shooting, innovations, priors. The unknowns are effects of the catalogue
+//! and two numbers of level `box`, so that nothing is identified in two ways. What a log does not excite stays where
+//! such vehicles usually are, as far as a prior allows, and is marked.
+//!
+//! A log shows ratios only: angular acceleration per command, lift over weight. Mass and arm give them a scale; where
+//! neither is known both are set, and all forces and moments of the file go with them.
+
+mod bench;
+mod file;
+mod fitting;
+mod mismatch;
+mod numbers;
+mod seen;
+mod start;
+
+use super::verdict::Estimate;
+use crate::log::{Log, LogError};
+use crate::model::VehicleModel;
+use crate::prediction::NotPredictable;
+pub use bench::{BenchIdentification, identify_axes};
+pub use mismatch::mismatch;
+pub use numbers::{Identified, effectiveness_rad_s2};
+
+/// What gives the ratios that a log shows a scale.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct KnownScale {
+    /// Mass, kg.
+    pub mass_kg: Option<f64>,
+    /// Distance from a motor's axis to the centre, m.
+    pub arm_m: Option<f64>,
+}
+
+/// Why a vehicle can't be identified.
+#[derive(Debug, thiserror::Error)]
+pub enum NotIdentified {
+    /// The log can't be predicted by any model.
+    #[error(transparent)]
+    NotPredictable(#[from] NotPredictable),
+    /// The logs can't be taken as one.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// Four motors' commands are what a vehicle's model is about.
+    #[error(
+        "a vehicle's model needs the commands of four motors, and the log has none (a log of axis commands: \
+         `sil diagnose LOG --rig axis` fits each axis)"
+    )]
+    NoMotors,
+    /// No window shows what the motors do about roll or pitch.
+    #[error(
+        "what the motors do about roll or pitch does not show: the log is too short, too quiet or too slow to identify \
+         a vehicle, or something else moves it more; fly steps of roll and pitch to 20 degrees for 15 s, logged at 100 \
+         rows/s or more"
+    )]
+    Quiet,
+    /// The numbers fit no vehicle.
+    #[error("what was fitted is no vehicle: {0}")]
+    Impossible(String),
+}
+
+/// An identified vehicle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identification {
+    /// The model, its deviations from four equal motors on a balanced body as effects.
+    pub model: VehicleModel,
+    /// What the logs showed, with intervals.
+    pub numbers: Vec<Identified>,
+    /// Scale that was given.
+    pub scale: KnownScale,
+    /// The logs, and what was used of them.
+    pub source: String,
+}
+
+/// Identifies a free vehicle from its logs.
+///
+/// # Errors
+/// No motors, too quiet, or numbers that no vehicle has.
+pub fn identify(logs: &[Log], scale: KnownScale) -> Result<Identification, NotIdentified> {
+    let joined = Log::joined(logs)?;
+    let thinned = joined.thinned();
+    let log = thinned.as_ref().unwrap_or(&joined);
+    let start = start::vehicle(log, scale)?;
+    let rough = fitting::rough(log, &start)?;
+    let (model, numbers) = fitting::fine(log, &rough)?;
+    if numbers.iter().filter(|number| number.is_of_tilt()).all(|number| number.to_fly.is_some()) {
+        return Err(NotIdentified::Quiet);
+    }
+    let model = VehicleModel::parse(&model.to_toml(), "the identified model")
+        .map_err(|error| NotIdentified::Impossible(error.to_string()))?;
+    Ok(Identification { model, numbers, scale, source: source(logs, &joined) })
+}
+
+/// What a model is called whose log is this.
+fn name_of(log: &Log) -> String {
+    format!("identified from {}", log.path.rsplit(['/', '\\']).next().unwrap_or(&log.path))
+}
+
+/// The logs, and what was used of them.
+fn source(logs: &[Log], joined: &Log) -> String {
+    let names: Vec<&str> = logs.iter().map(|log| log.path.as_str()).collect();
+    format!(
+        "{}: {:.1} s at {:.0} rows/s, three quarters of the windows of 0.5 s (the fourth is left to judge by)",
+        names.join(", "),
+        logs.iter().map(Log::duration_s).sum::<f64>(),
+        joined.rate_hz_without_gaps(),
+    )
+}
+
+impl Identification {
+    /// A number by its name.
+    pub fn number(&self, name: &str) -> Option<Estimate> {
+        self.numbers.iter().find(|number| number.name == name).map(|number| number.own)
+    }
+
+    /// Manoeuvres for what the logs did not excite, each once.
+    pub fn suggestions(&self) -> Vec<&'static str> {
+        let mut all: Vec<&'static str> = self.numbers.iter().filter_map(|number| number.to_fly).collect();
+        all.dedup();
+        all
+    }
+}

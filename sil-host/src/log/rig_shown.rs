@@ -1,0 +1,82 @@
+//! Does a log say that nothing held its vehicle? A model of the testbed says nothing of a free flight, and the reverse.
+
+use super::{Log, Quantity, sanity};
+use crate::axis::Axis;
+
+/// What a log says of its rig, and by what it says so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RigShown {
+    /// True of a free flight; false where something carried the vehicle.
+    pub is_free: bool,
+    /// "its height", ...
+    pub by: &'static str,
+}
+
+impl Log {
+    /// What the head of the file says, else its columns, else its accelerometer, else that it is a flight controller's
+    /// own; `None` where nothing tells.
+    pub fn rig_shown(&self) -> Option<RigShown> {
+        let says = |words: &str| self.comments.iter().any(|comment| comment.to_lowercase().contains(words));
+        let has = |quantity: Quantity| self.column(quantity).is_some();
+        let shown = |is_free, by| Some(RigShown { is_free, by });
+        if says("free flight") {
+            return shown(true, "its head");
+        }
+        if says("gimbal") {
+            return shown(false, "its head");
+        }
+        if has(Quantity::Height) {
+            return shown(true, "its height");
+        }
+        if Axis::ALL.into_iter().any(|axis| has(Quantity::Velocity(axis))) {
+            return shown(true, "its velocity");
+        }
+        match sanity::is_held(self) {
+            Some(true) => shown(false, "its accelerometer, which shows gravity whatever the motors do"),
+            Some(false) => shown(true, "its accelerometer, which shows the motors' lift alone"),
+            None if self.flight_controller.is_some() => shown(true, "the flight controller that wrote it"),
+            None => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 20 s of roll swinging by 0.3 rad, with what an accelerometer shows along y.
+    fn swinging(along_y: impl Fn(f64) -> f64) -> Log {
+        let time_s: Vec<f64> = (0..2000).map(|row| 0.01 * f64::from(row)).collect();
+        let roll: Vec<f64> = time_s.iter().map(|t| 0.3 * libm::sin(4.0 * t + 0.1 * t * t)).collect();
+        let noise = |row: usize| 0.05 * libm::sin(37.0 * row as f64);
+        let y = roll.iter().enumerate().map(|(row, roll)| along_y(*roll) + noise(row)).collect();
+        let rows = time_s.len();
+        Log {
+            axes: [true, true, false],
+            angle_rad: [Some(roll), Some(vec![0.0; rows]), None],
+            accel_body_m_s2: [Some((0..rows).map(noise).collect()), Some(y), Some(vec![-9.81; rows])],
+            time_s,
+            ..Log::default()
+        }
+    }
+
+    #[test]
+    fn the_accelerometer_tells_a_rig_from_a_flight() {
+        let held = swinging(|roll| -9.81 * libm::sin(roll));
+        assert!(!held.rig_shown().unwrap().is_free);
+        let free = swinging(|_| 0.0);
+        assert!(free.rig_shown().unwrap().is_free);
+        // what the file's head says stands above
+        let said = Log { comments: vec!["model: F450 on the gimbal, specific device".to_owned()], ..free.clone() };
+        assert_eq!(said.rig_shown(), Some(RigShown { is_free: false, by: "its head" }));
+    }
+
+    #[test]
+    fn height_or_velocity_mean_free_flight_and_silence_means_nothing() {
+        assert_eq!(Log::default().rig_shown(), None);
+        let height = Log { height_m: Some(vec![1.0]), ..Log::default() };
+        assert_eq!(height.rig_shown(), Some(RigShown { is_free: true, by: "its height" }));
+        let own = Log { flight_controller: Some("PX4".to_owned()), ..Log::default() };
+        assert!(own.rig_shown().unwrap().is_free);
+    }
+}
