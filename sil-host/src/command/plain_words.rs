@@ -1,8 +1,8 @@
 //! Quantities, sizes and findings in the words of a person who flies: "pitch rate" for `q`, 8 ms for 0.008 s.
 
-use sil_host::diagnosis::{Estimate, Finding};
-use sil_host::effects::Effect;
-use sil_host::log::Log;
+use sil_host::diagnosis::{Estimate, Finding, per_unit_inertia};
+use sil_host::effects::{Effect, Parameter};
+use sil_host::log::{GRAVITY_M_S2, Log};
 
 /// Between a number and its unit, so that no line ends there.
 const NO_BREAK: char = '\u{a0}';
@@ -10,8 +10,6 @@ const NO_BREAK: char = '\u{a0}';
 /// Places of motors 1 to 4 (docs/rig.md).
 pub const MOTOR_PLACES: [&str; 4] = ["front right", "rear left", "front left", "rear right"];
 
-/// Gravity, m/s²: for the mass that a moment stands for.
-const GRAVITY_M_S2: f64 = 9.81;
 /// The lever that such a mass is given at, m.
 const LEVER_M: f64 = 0.1;
 
@@ -157,16 +155,21 @@ pub fn main_parameter(finding: &Finding) -> Option<(&'static str, Size)> {
         .max_by(|a, b| a.1.value.abs().total_cmp(&b.1.value.abs()));
     let entry = Effect::CATALOGUE.iter().find(|entry| entry.name == finding.effect);
     let first = entry.into_iter().flat_map(|entry| entry.parameters);
-    let first = first.filter_map(|parameter| sizes().find(|(name, _)| *name == parameter.name)).next();
+    let first = first.filter_map(|parameter| sizes().find(|(name, _)| is_named(parameter, name))).next();
     let any = || sizes().find(|(name, estimate)| *name != "motor" && estimate.std > 0.0);
     largest_moment.or(first).or_else(any).map(|(name, estimate)| (name, Size::new(name, estimate)))
+}
+
+/// Is this a name of the parameter, on a vehicle or on separate axes?
+fn is_named(parameter: &Parameter, name: &str) -> bool {
+    parameter.name == name || per_unit_inertia(parameter.name) == name
 }
 
 /// What a parameter of an effect is.
 pub fn parameter(effect: &str, name: &'static str) -> &'static str {
     let entry = Effect::CATALOGUE.iter().find(|entry| entry.name == effect);
     let parameters = entry.map_or(&[][..], |entry| entry.parameters);
-    match parameters.iter().find(|parameter| parameter.name == name) {
+    match parameters.iter().find(|parameter| is_named(parameter, name)) {
         // shown as the difference from the nominal value
         Some(parameter) if name == "scale" => match parameter.meaning {
             "true lift over nominal" => "change of lift",
@@ -300,7 +303,7 @@ mod tests {
     fn findings_are_said_in_units_that_people_use() {
         let said = |effect, axis, parameters: &[_]| sentence(&finding(effect, axis, parameters)).replace(NO_BREAK, " ");
         let moment = [("cos_moment_nm", -0.166928, 9e-5), ("sin_moment_nm", 0.002, 1e-4)];
-        // 0.166928 N m / (9.81 m/s^2 * 0.1 m) = 0.1702 kg
+        // 0.166928 N m / (9.80665 m/s^2 * 0.1 m) = 0.1702 kg
         assert_eq!(
             said("cg_offset", Some("pitch"), &moment),
             "Pitch is out of balance by 0.17 N m, as 170 g would at 10 cm"
@@ -309,6 +312,10 @@ mod tests {
             said("cg_offset", Some("roll"), &[("sin_moment_rad_s2", 2.4, 1.0)]),
             "The centre of gravity lies below the roll axis: 138 deg/s² when turned by 90 degrees"
         );
+        // on separate axes numbers have other names, and mean the same
+        let friction = finding("coulomb_friction", Some("pitch"), &[("torque_rad_s2", 1.33, 0.22)]);
+        let (name, _) = main_parameter(&friction).unwrap();
+        assert_eq!(parameter("coulomb_friction", name), parameter("coulomb_friction", "torque_nm"));
         let weak = [("motor", 3.0, 0.0), ("scale", 0.9, 0.004)];
         assert_eq!(said("weak_motor", None, &weak), "Motor 3 (front left) lifts 10 % less than the others");
         assert_eq!(

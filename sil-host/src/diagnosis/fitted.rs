@@ -194,7 +194,7 @@ impl Fitted {
 }
 
 /// The name of a parameter where all is per unit of inertia, on separate axes (docs/log-format.md).
-pub(super) fn per_unit_inertia(name: &'static str) -> &'static str {
+pub fn per_unit_inertia(name: &'static str) -> &'static str {
     match name {
         "torque_nm" => "torque_rad_s2",
         "cos_moment_nm" => "cos_moment_rad_s2",

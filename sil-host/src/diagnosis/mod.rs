@@ -70,6 +70,7 @@ use evidence::statistics::Judged;
 pub use evidence::statistics::{ChannelStatistics, ModelStatistics};
 pub use extension::{NotExtended, extended_model};
 use fitted::Fitted;
+pub use fitted::per_unit_inertia;
 use fitting::fit::{as_terms, model_of};
 use fitting::sampling::Sampled;
 pub use flown_by::{ClosedLoops, diagnose_flown_by};

@@ -31,7 +31,7 @@ use std::path::Path;
 pub use csv::parse;
 pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};
-pub use quantity::Quantity;
+pub use quantity::{GRAVITY_M_S2, Quantity};
 pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
 pub use rig_shown::RigShown;
 pub use write::{write, write_file};

@@ -47,7 +47,7 @@ const SPEED: &[Unit] = &[("", "1/min", 1.0)];
 const VELOCITY: &[Unit] = &[("_m_s", "m/s", 1.0), ("_cm_s", "cm/s", 0.01)];
 const LENGTH: &[Unit] = &[("_m", "m", 1.0), ("_cm", "cm", 0.01)];
 /// Standard gravity, the unit g.
-pub(super) const GRAVITY_M_S2: f64 = 9.80665;
+pub const GRAVITY_M_S2: f64 = 9.80665;
 const ACCELERATION: &[Unit] = &[("_m_s2", "m/s^2", 1.0), ("_g", "g", GRAVITY_M_S2)];
 
 impl Quantity {
