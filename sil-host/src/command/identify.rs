@@ -9,7 +9,7 @@ use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
 use super::text_table::TextTable;
-use super::{Failure, bad_input, print, write_file, write_json};
+use super::{Failure, bad_input, print, to_stdout, write_file, write_json};
 
 /// Make a model of a vehicle from its own logs: what each motor does, how late, how lift grows with the command
 #[derive(Args)]
@@ -70,6 +70,8 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
             write_file(out, toml.as_bytes())?;
             print(format!("model           {}\n", out.display()))?;
         }
+        // the model is the result, unless its numbers were requested
+        None if arguments.json.is_none() => to_stdout(toml)?,
         None => print(toml)?,
     }
     write_json(arguments.json.as_deref(), &answer)

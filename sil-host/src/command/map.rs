@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use sil_host::log::draft::draft;
 
-use super::{Failure, bad_input, print, write_file};
+use super::{Failure, bad_input, print, to_stdout, write_file};
 
 /// Draft the map of a CSV with other people's columns: which column is what, in which unit, with which sign
 #[derive(Args)]
@@ -32,7 +32,7 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
             write_file(out, draft.toml.as_bytes())?;
             print(format!("map             {}\n", out.display()))?;
         }
-        None => print(&draft.toml)?,
+        None => to_stdout(&draft.toml)?,
     }
     if draft.problems.is_empty() {
         return Ok(());

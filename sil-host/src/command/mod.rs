@@ -32,7 +32,7 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
-use output::{make_folder, print, write_file, write_json};
+use output::{make_folder, print, to_stdout, write_file, write_json};
 use sil_host::model::{Rig, VehicleModel};
 
 /// Quadrotor attitude control in simulation: fly the thesis' testbed, compare the simulation with measured logs.

@@ -13,7 +13,7 @@ pub const STANDARD_STREAM: &str = "-";
 /// Set once, before a command runs.
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 
-/// From now on nothing but what was requested as `-` goes to stdout.
+/// From now on nothing but what was requested of stdout goes there.
 pub fn be_quiet() {
     IS_QUIET.store(true, Ordering::Relaxed);
 }
@@ -23,8 +23,9 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
     if IS_QUIET.load(Ordering::Relaxed) { Ok(()) } else { to_stdout(text) }
 }
 
-/// Who closed stdout (`sil fly | head`) has seen enough; the files are still written.
-fn to_stdout(text: impl Display) -> Result<(), Failure> {
+/// Prints what was requested of stdout, quiet or not: a draft, a page, JSON for `-`. Who closed stdout (`sil fly | head`)
+/// has seen enough; the files are still written.
+pub fn to_stdout(text: impl Display) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match write!(stdout, "{text}").and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
-use super::{Arguments, Failure, failed, print};
+use super::{Arguments, Failure, failed, print, to_stdout};
 
 /// Print the completions for a shell
 #[derive(Args)]
@@ -28,14 +28,14 @@ pub struct ManArguments {
 pub fn completions(arguments: &CompletionsArguments) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Arguments::command(), "sil", &mut script);
-    print(String::from_utf8_lossy(&script))
+    to_stdout(String::from_utf8_lossy(&script))
 }
 
 pub fn man(arguments: &ManArguments) -> Result<(), Failure> {
     let Some(folder) = &arguments.out else {
         let mut page = Vec::new();
         clap_mangen::Man::new(Arguments::command()).render(&mut page).map_err(failed)?;
-        return print(String::from_utf8_lossy(&page));
+        return to_stdout(String::from_utf8_lossy(&page));
     };
     let cannot = |error| failed(format!("{}: cannot be written: {error}", folder.display()));
     std::fs::create_dir_all(folder).map_err(cannot)?;

@@ -27,6 +27,10 @@ fn json_on_stdout_stands_there_alone_and_quiet_is_quiet() {
     let quiet = folder.sil(&["compare", "log.csv", "--quiet", "--json", "out.json"]).assert_done();
     assert_eq!(quiet.stdout, "");
     assert_eq!(piped.as_bytes(), folder.bytes("out.json"));
+    // what a command is for is no chatter
+    for command in [&["completions", "bash"][..], &["man"]] {
+        assert_eq!(folder.sil(&[command, &["--quiet"]].concat()).stdout, folder.sil(command).assert_done().stdout);
+    }
 }
 
 #[test]
