@@ -23,8 +23,8 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
     if IS_QUIET.load(Ordering::Relaxed) { Ok(()) } else { to_stdout(text) }
 }
 
-/// Prints what was requested of stdout, quiet or not: a draft, a page, JSON for `-`. Who closed stdout (`sil fly | head`)
-/// has seen enough; the files are still written.
+/// Prints what was requested of stdout, quiet or not: a draft, a page, JSON for `-`. Who closed stdout
+/// (`sil fly | head`) has seen enough; the files are still written.
 pub fn to_stdout(text: impl Display) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match write!(stdout, "{text}").and_then(|()| stdout.flush()) {
