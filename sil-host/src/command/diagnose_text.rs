@@ -1,6 +1,8 @@
 //! A diagnosis on the terminal.
 
-use sil_host::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected};
+use sil_host::diagnosis::{
+    ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected, Verdict,
+};
 use sil_host::log::Log;
 
 use super::diagnose_report::{base_text, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
@@ -29,6 +31,9 @@ pub fn answer_text(log: &Log, answer: &Diagnosis) -> String {
 /// What was found, and how much better the model predicts with it.
 pub fn verdict_text(answer: &Diagnosis) -> String {
     let mut text = format!("\n{}\n", emphasised(headline(answer.verdict)));
+    if answer.verdict == Verdict::NotAModel && !answer.findings.is_empty() {
+        text.push_str("  the best of what was tried, not a cause:\n");
+    }
     for (finding, interval) in answer.findings.iter().zip(&answer.gain.findings_interval_pct) {
         let interval = interval.map(|interval| format!(" ({})", interval_text(interval))).unwrap_or_default();
         text.push_str(&format!("  {:5.1} %{interval}  {}\n", finding.gain_pct, finding.statement));
