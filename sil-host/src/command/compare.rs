@@ -10,7 +10,6 @@ use sil_host::prediction::Subject;
 use sil_host::report::Page;
 
 use super::log_arguments::LogArguments;
-use super::plain_words::file_name;
 use super::text_table::{TextTable, number};
 use super::{Failure, compare_report, print, write_file, write_json};
 
@@ -43,7 +42,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let comparison = compare(&log, &subject, controller).map_err(|error| arguments.log.refused(&log, &error))?;
     print(summary_text(&log, &comparison, &subject))?;
     let page = Page::new(compare_report::headline(&comparison))
-        .about(format!("Measured against simulated: {}", file_name(&log)))
+        .about(format!("Measured against simulated: {}", log.file_name()))
         .lead(compare_report::lead(&comparison, &subject));
     let page = match compare_report::picture(&log, &comparison) {
         Some(picture) => page.picture(picture),
@@ -60,7 +59,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
 /// What the terminal shows.
 pub fn summary_text(log: &Log, comparison: &Comparison, subject: &Subject<'_>) -> String {
     let mut text =
-        format!("{}: {} rows, {:.2} s, {:.1} Hz\n", file_name(log), log.rows(), log.duration_s(), log.rate_hz());
+        format!("{}: {} rows, {:.2} s, {:.1} Hz\n", log.file_name(), log.rows(), log.duration_s(), log.rate_hz());
     for line in log.comments.iter().chain(&log.notes).chain(&comparison.notes) {
         text.push_str(&format!("  {line}\n"));
     }

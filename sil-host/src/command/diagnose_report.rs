@@ -19,7 +19,7 @@ const REJECTED_ALIKE: usize = 3;
 pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
     let about = format!(
         "Diagnosis of {}: {} rows over {:.1} s, {:.0} Hz",
-        plain_words::file_name(log),
+        log.file_name(),
         log.rows(),
         log.duration_s(),
         log.rate_hz()

@@ -1,12 +1,13 @@
 //! The page about simulated flights: angles against the reference as in the thesis' figures 5.3 to 5.6, motor commands,
 //! and the tables that the terminal shows.
 
+use sil_host::diagnosis::motor_place;
 use sil_host::report::{Better, Card, Cell, Chart, Page, Section, Table, Tone};
 
 use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
 use super::flown::{FlownController, eigenvalues_title, is_unstable, margin_values, remarks};
 use super::key_window::{cut, largest_step};
-use super::plain_words::{MOTOR_PLACES, capitalised, with_unit};
+use super::plain_words::{capitalised, with_unit};
 
 /// Share of the time with a motor at its limit that belongs into the headline, %.
 const SATURATED_MIN_PCT: f64 = 5.0;
@@ -161,8 +162,8 @@ fn motors(flown: &[FlownController]) -> Section {
 /// All four motors in one picture, and when one of them is at an end of its range.
 pub fn motor_chart(title: String, time_s: &[f64], commands: [&[f64]; 4]) -> Chart {
     let chart = Chart::time_series(title, "").value_range(0.0, 1.0);
-    let chart = commands.iter().zip(MOTOR_PLACES).enumerate().fold(chart, |chart, (index, (motor, place))| {
-        chart.series(format!("motor {}, {place}", index + 1), time_s, motor)
+    let chart = commands.iter().enumerate().fold(chart, |chart, (index, motor)| {
+        chart.series(format!("motor {}, {}", index + 1, motor_place(index)), time_s, motor)
     });
     let is_at_limit = |row: &usize| commands.iter().any(|motor| motor[*row] <= 0.0 || motor[*row] >= 1.0);
     let rows: Vec<usize> = (0..time_s.len()).filter(is_at_limit).collect();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use sil_host::diagnosis::{Identification, Identified, KnownScale, identify, identify_axes};
+use sil_host::diagnosis::{Identification, Identified, KnownScale, identify, identify_axes, manoeuvres_for};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
@@ -127,8 +127,7 @@ fn table_of(numbers: &[Identified]) -> String {
             format!("{low:.digits$} to {high:.digits$}{mark}"),
         ]);
     }
-    let mut to_fly: Vec<&str> = numbers.iter().filter_map(|number| number.to_fly).collect();
-    to_fly.dedup();
-    let more: String = to_fly.iter().map(|to_fly| format!("to know what is not excited: {to_fly}\n")).collect();
+    let to_fly = manoeuvres_for(numbers).into_iter();
+    let more: String = to_fly.map(|to_fly| format!("to know what is not excited: {to_fly}\n")).collect();
     table.to_string() + &more
 }

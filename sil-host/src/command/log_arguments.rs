@@ -115,10 +115,7 @@ impl LogArguments {
                  gives its numbers, --rig axis those of any bench",
             )),
             Some(rig) => Ok(rig == LogRig::Free),
-            None => {
-                let is_free = |log: &Log| log.motors().is_some() && log.rig_shown().is_some_and(|shown| shown.is_free);
-                Ok(logs.iter().all(is_free))
-            }
+            None => Ok(logs.iter().all(Log::shows_a_vehicle)),
         }
     }
 

@@ -40,8 +40,8 @@ pub fn chosen(arguments: &LogArguments, log: &Log, wants_vehicle: Option<&str>) 
         let said = against.map(|why| format!("MISMATCH: {why}. What follows is about the difference."));
         return Ok(Chosen::new(vehicle, said.unwrap_or_default()));
     }
-    let is_free = log.rig_shown().is_some_and(|shown| shown.is_free);
     if !arguments.is_foreign(log) {
+        let is_free = log.rig_shown().is_some_and(|shown| shown.is_free);
         let rig = if is_free { Rig::Free } else { Rig::Gimbal };
         let model = VehicleModel::nominal(rig);
         match mismatch(log, &model) {
@@ -49,7 +49,7 @@ pub fn chosen(arguments: &LogArguments, log: &Log, wants_vehicle: Option<&str>) 
                 let said = format!("No --model: held against the project's \"{}\", which fits roughly.", model.name);
                 return Ok(Chosen::new(Some(model), said));
             }
-            Some(why) if log.motors().is_none() || !is_free => {
+            Some(why) if !log.shows_a_vehicle() => {
                 let said = format!(
                     "No --model, and the project's \"{}\" does not fit: {why}. Each axis by itself.",
                     model.name
@@ -59,7 +59,7 @@ pub fn chosen(arguments: &LogArguments, log: &Log, wants_vehicle: Option<&str>) 
             Some(_) => (),
         }
     }
-    if log.motors().is_none() || !is_free {
+    if !log.shows_a_vehicle() {
         let said = "No --model, and the log is not known to be a free flight with motors: each axis by itself.";
         return axes(log, wants_vehicle, said.to_owned());
     }

@@ -1,14 +1,11 @@
 //! Quantities, sizes and findings in the words of a person who flies: "pitch rate" for `q`, 8 ms for 0.008 s.
 
-use sil_host::diagnosis::{Estimate, Finding, per_unit_inertia};
-use sil_host::effects::{Effect, Parameter};
-use sil_host::log::{GRAVITY_M_S2, Log};
+use sil_host::diagnosis::{Estimate, Finding, motor_place, per_unit_inertia};
+use sil_host::effects::{CatalogueEntry, Effect, Parameter};
+use sil_host::log::GRAVITY_M_S2;
 
 /// Between a number and its unit, so that no line ends there.
 const NO_BREAK: char = '\u{a0}';
-
-/// Places of motors 1 to 4 (docs/rig.md).
-pub const MOTOR_PLACES: [&str; 4] = ["front right", "rear left", "front left", "rear right"];
 
 /// The lever that such a mass is given at, m.
 const LEVER_M: f64 = 0.1;
@@ -146,6 +143,11 @@ impl Size {
     }
 }
 
+/// What the catalogue says of an effect; the controller's part is not in it.
+fn entry_of(effect: &str) -> Option<&'static CatalogueEntry> {
+    Effect::CATALOGUE.iter().find(|entry| entry.name == effect)
+}
+
 /// The parameter that says how large a finding is.
 pub fn main_parameter(finding: &Finding) -> Option<(&'static str, Size)> {
     let sizes = || finding.parameters.iter().map(|(name, estimate)| (*name, *estimate));
@@ -153,7 +155,7 @@ pub fn main_parameter(finding: &Finding) -> Option<(&'static str, Size)> {
     let largest_moment = sizes()
         .filter(|(name, _)| name.contains("_moment_"))
         .max_by(|a, b| a.1.value.abs().total_cmp(&b.1.value.abs()));
-    let entry = Effect::CATALOGUE.iter().find(|entry| entry.name == finding.effect);
+    let entry = entry_of(finding.effect);
     let first = entry.into_iter().flat_map(|entry| entry.parameters);
     let first = first.filter_map(|parameter| sizes().find(|(name, _)| is_named(parameter, name))).next();
     let any = || sizes().find(|(name, estimate)| *name != "motor" && estimate.std > 0.0);
@@ -167,7 +169,7 @@ fn is_named(parameter: &Parameter, name: &str) -> bool {
 
 /// What a parameter of an effect is.
 pub fn parameter(effect: &str, name: &'static str) -> &'static str {
-    let entry = Effect::CATALOGUE.iter().find(|entry| entry.name == effect);
+    let entry = entry_of(effect);
     let parameters = entry.map_or(&[][..], |entry| entry.parameters);
     match parameters.iter().find(|parameter| is_named(parameter, name)) {
         // shown as the difference from the nominal value
@@ -186,7 +188,7 @@ pub fn parameter(effect: &str, name: &'static str) -> &'static str {
 
 /// What a finding is, without its size: "the centre of gravity lies off the axis (pitch)".
 pub fn cause(finding: &Finding) -> String {
-    let entry = Effect::CATALOGUE.iter().find(|entry| entry.name == finding.effect);
+    let entry = entry_of(finding.effect);
     let place = match finding.axis {
         Some(axis) => format!(" ({axis})"),
         None if finding.parameters.contains_key("motor") => format!(" ({})", motor(finding)),
@@ -237,8 +239,7 @@ pub fn sentence(finding: &Finding) -> String {
         "imu_misalignment" => format!("the IMU is turned about the vertical axis by {rough}"),
         _ => {
             let place = finding.axis.map(|axis| format!(" ({axis})")).unwrap_or_default();
-            let statement = Effect::CATALOGUE.iter().find(|entry| entry.name == finding.effect);
-            format!("{}{place}: {rough}", statement.map_or(finding.effect, |entry| entry.statement))
+            format!("{}{place}: {rough}", entry_of(finding.effect).map_or(finding.effect, |entry| entry.statement))
         }
     };
     capitalised(&text)
@@ -255,15 +256,10 @@ fn as_mass(name: &str, size: Size) -> String {
 
 fn motor(finding: &Finding) -> String {
     let number = finding.parameters.get("motor").map_or(0, |motor| motor.value as usize);
-    match number.checked_sub(1).and_then(|index| MOTOR_PLACES.get(index)) {
+    match number.checked_sub(1).filter(|index| *index < 4).map(motor_place) {
         Some(place) => format!("motor {number} ({place})"),
         None => "one motor".to_owned(),
     }
-}
-
-/// The log's file without its folder.
-pub fn file_name(log: &Log) -> &str {
-    log.path.rsplit(['/', '\\']).next().unwrap_or(&log.path)
 }
 
 /// A statement of the terminal as a page shows it: its first letter a capital, ± for +-.

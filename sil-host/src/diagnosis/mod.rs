@@ -58,7 +58,7 @@ use crate::prediction::{ChannelErrors, NotPredictable, WINDOW_S};
 pub use base::BaseTerm;
 pub use baseline::{
     Baseline, BaselineDiagnosis, BetweenFlights, Compared, Difference, FlightNumbers, Given, NotComparable, NumberOf,
-    compare_flights, diagnose_against,
+    compare_flights, diagnose_against, motor_place,
 };
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
@@ -77,7 +77,7 @@ pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
 pub use identification::{
     BenchIdentification, Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify,
-    identify_axes, mismatch,
+    identify_axes, manoeuvres_for, mismatch,
 };
 pub use known::{Fact, Known, NotKnown};
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};

@@ -15,13 +15,14 @@ use super::{ChannelStatistics, Unexplained};
 use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::{Effect, Origin};
+use crate::prediction::windowed_log::WindowedLog;
 use crate::statistics::dot;
 
 /// The accuracy of the integration, as a share of an effect.
 pub(super) const MODEL_ERROR: f64 = 5e-4;
 /// The same where commands are lost between rows: what they were is an assumption (`sampling`), and what it does to a
 /// size is no noise that averages out.
-pub(super) const MODEL_ERROR_WITH_LOST_COMMANDS: f64 = 1e-2;
+const MODEL_ERROR_WITH_LOST_COMMANDS: f64 = 1e-2;
 /// Names beside a finding that it may be confounded with.
 const CONFOUNDED_MAX: usize = 2;
 
@@ -177,8 +178,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
     let refitted = &found.refitted.chosen;
     let term = &refitted.terms[index];
     let effect = term.effect;
-    let model_error = if search.shooting.log.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
-    let mut parameters = estimates(refitted, index, model_error);
+    let mut parameters = estimates(refitted, index, model_error(&search.shooting.log));
     count_lateness(search, refitted, effect, &mut parameters);
     let mut names = effect.reported_names();
     // separate axes have a gain each that is fitted along, and no inertia
@@ -244,6 +244,11 @@ pub(super) fn estimates(fit: &Fit<'_>, index: usize, model_error: f64) -> BTreeM
         estimates.insert("motor", Estimate { value: f64::from(motor), std: 0.0 });
     }
     estimates
+}
+
+/// The accuracy of a model's sizes by what a log has of its commands, as a share of each.
+pub(super) fn model_error(log: &WindowedLog<'_>) -> f64 {
+    if log.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR }
 }
 
 /// One plain sentence.

@@ -10,7 +10,7 @@ impl Log {
     /// first one's. Windows do not cross from one to the next.
     ///
     /// # Errors
-    /// There is none.
+    /// Without any log.
     pub fn joined(logs: &[Log]) -> Result<Log, LogError> {
         let Some(first) = logs.first() else {
             let kind = LogErrorKind::TooFewRows(0);

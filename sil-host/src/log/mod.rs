@@ -190,6 +190,11 @@ impl Log {
         self.time_s.len()
     }
 
+    /// Its file without the folder.
+    pub fn file_name(&self) -> &str {
+        self.path.rsplit(['/', '\\']).next().unwrap_or(&self.path)
+    }
+
     /// Time from the first row to the last, s.
     pub fn duration_s(&self) -> f64 {
         match (self.time_s.first(), self.time_s.last()) {

@@ -38,6 +38,11 @@ impl Log {
             None => None,
         }
     }
+
+    /// Is it a free flight with the commands of four motors, of which a vehicle can be identified?
+    pub fn shows_a_vehicle(&self) -> bool {
+        self.motors().is_some() && self.rig_shown().is_some_and(|shown| shown.is_free)
+    }
 }
 
 #[cfg(test)]

@@ -34,6 +34,7 @@ use normal::{Normal, USUAL_FLIGHTS};
 pub use numbers::{FlightNumbers, NumberOf};
 pub(super) use steady::steady_collective;
 use wording::Wording;
+pub use wording::motor_place;
 
 /// Commands around which nothing but its proportion to lift is known, where no model says more.
 const PROPORTIONAL: fn(f64) -> f64 = |command| command;

@@ -45,8 +45,11 @@ impl Cause {
     }
 }
 
-/// Where a motor sits: "rear left".
-fn place_of(motor: usize) -> String {
+/// Where a motor sits, counted from 0: "rear left".
+///
+/// # Panics
+/// There are four.
+pub fn motor_place(motor: usize) -> String {
     // a lift on the right rolls to the left, one at the front pitches up
     let side = if TORQUE_SIGNS[0][motor] > 0.0 { "left" } else { "right" };
     let end = if TORQUE_SIGNS[1][motor] > 0.0 { "front" } else { "rear" };
@@ -149,7 +152,7 @@ impl Wording<'_> {
         let between = format!("{low:.3} to {high:.3}");
         match one.cause {
             Cause::WeakMotor(motor) => {
-                let (number, place) = (motor + 1, place_of(motor));
+                let (number, place) = (motor + 1, motor_place(motor));
                 format!("motor {number} ({place}) lifts {size} of what it lifted at equal command (95 %: {between})")
             }
             Cause::Weight => {

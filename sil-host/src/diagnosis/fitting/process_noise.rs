@@ -19,17 +19,9 @@ use crate::prediction::windowed_log::Residuals;
 use crate::statistics::dot;
 
 /// Strengths that are tried: none, and white ones a factor of two apart.
-const STRENGTHS: [f64; 18] = {
-    let mut strengths = [0.0; 18];
-    let mut acceleration = 1.0 / 1024.0;
-    let mut index = 1;
-    while index < strengths.len() {
-        strengths[index] = acceleration;
-        acceleration *= 2.0;
-        index += 1;
-    }
-    strengths
-};
+const STRENGTHS: usize = 18;
+/// Exponent of the weakest, less one.
+const WEAKEST: i32 = -11;
 const SENSORS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 /// Where the search for the likeliest begins.
 const COARSE: ([usize; 6], [usize; 3]) = ([0, 2, 6, 10, 14, 17], [0, 2, 4]);
@@ -45,7 +37,7 @@ pub(in crate::diagnosis) struct AxisWindow<'a> {
 /// leave unknown: of a coarse grid the best, and from there to the best neighbour until none is better.
 pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>], lost: f64) -> AxisNoise {
     let noise = |(strength, sensors): (usize, usize)| AxisNoise {
-        acceleration: STRENGTHS[strength],
+        acceleration: if strength == 0 { 0.0 } else { libm::exp2(f64::from(WEAKEST) + strength as f64) },
         sensors: SENSORS[sensors],
         lost,
     };
@@ -68,7 +60,7 @@ pub(in crate::diagnosis) fn most_likely(windows: &[AxisWindow<'_>], lost: f64) -
 
 /// The places beside one in the grid of strengths and sensors.
 fn neighbours((strength, sensors): (usize, usize)) -> Vec<(usize, usize)> {
-    let strengths = strength.saturating_sub(1)..=(strength + 1).min(STRENGTHS.len() - 1);
+    let strengths = strength.saturating_sub(1)..=(strength + 1).min(STRENGTHS - 1);
     strengths
         .flat_map(|strength| {
             (sensors.saturating_sub(1)..=(sensors + 1).min(SENSORS.len() - 1)).map(move |sensors| (strength, sensors))

@@ -105,8 +105,7 @@ fn number(term: &Term<'_>, name: &str, own: Estimate, seen: [bool; 3]) -> Identi
 impl BenchIdentification {
     /// The model as text that reads back to the same numbers, with what is known of each above it.
     pub fn to_toml(&self) -> String {
-        let mut text = format!("# Identified by `sil identify` from {}.\n", self.source);
-        text.push_str("# Intervals hold the truth in 95 of 100 logs, if the noise is what it was taken for.\n");
+        let mut text = super::head(&self.source);
         for number in &self.numbers {
             text.push_str(&format!("#   {}: {}\n", number.name, number.in_words()));
         }

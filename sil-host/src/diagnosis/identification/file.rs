@@ -1,7 +1,7 @@
 //! The model file of an identified vehicle: what `--model` reads, each number with its interval and where it is from.
 
 use super::Identification;
-use super::numbers::Identified;
+use super::numbers::{Identified, manoeuvres_for};
 use crate::effects::Effect;
 use crate::vehicle::Mounting;
 
@@ -29,8 +29,7 @@ impl Identification {
     }
 
     fn head(&self) -> String {
-        let mut text = format!("# Identified by `sil identify` from {}.\n", self.source);
-        text.push_str("# Intervals hold the truth in 95 of 100 logs, if the noise is what it was taken for.\n");
+        let mut text = super::head(&self.source);
         if self.scale.mass_kg.is_none() || self.scale.arm_m.is_none() {
             text.push_str(
                 "# A log shows ratios only: angular acceleration and lift over weight per command. What is set below\n\
@@ -53,7 +52,7 @@ impl Identification {
                 of("yaw")
             ));
         }
-        for to_fly in self.suggestions() {
+        for to_fly in manoeuvres_for(&self.numbers) {
             text.push_str(&format!("# To know what is marked \"not excited\": {to_fly}.\n"));
         }
         text + "\n"

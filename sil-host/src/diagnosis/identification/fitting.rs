@@ -126,7 +126,7 @@ fn model_mass(terms: &[Term<'_>]) -> f64 {
 }
 
 /// Mean lift of the motors over the model's.
-fn mean_lift(terms: &[Term<'_>]) -> f64 {
+pub(super) fn mean_lift(terms: &[Term<'_>]) -> f64 {
     let motors: Vec<f64> =
         terms.iter().filter(|term| term.effect.name() == "weak_motor").map(|t| t.values[0]).collect();
     if motors.is_empty() { 1.0 } else { motors.iter().sum::<f64>() / motors.len() as f64 }

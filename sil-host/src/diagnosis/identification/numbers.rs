@@ -3,12 +3,12 @@
 
 use serde::Serialize;
 
-use super::fitting::expected;
+use super::fitting::{expected, mean_lift};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of, moved};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::lateness::held_std_s;
-use crate::diagnosis::verdict::{Estimate, MODEL_ERROR, MODEL_ERROR_WITH_LOST_COMMANDS};
+use crate::diagnosis::verdict::{Estimate, model_error};
 use crate::model::VehicleModel;
 use crate::prediction::model::Model;
 use crate::statistics::dot;
@@ -32,13 +32,22 @@ impl Identified {
         const QUANTILE: f64 = 1.96;
         [self.own.value - QUANTILE * self.own.std, self.own.value + QUANTILE * self.own.std]
     }
-}
 
-impl Identified {
     /// Is it how roll or pitch answers to the motors?
     pub(super) fn is_of_tilt(&self) -> bool {
         ["roll_effectiveness", "pitch_effectiveness"].contains(&self.name.as_str())
     }
+}
+
+/// Manoeuvres for what the logs did not excite, each once.
+pub fn manoeuvres_for(numbers: &[Identified]) -> Vec<&'static str> {
+    let mut all: Vec<&'static str> = Vec::new();
+    for to_fly in numbers.iter().filter_map(|number| number.to_fly) {
+        if !all.contains(&to_fly) {
+            all.push(to_fly);
+        }
+    }
+    all
 }
 
 /// Share of what was known before the log from which on the log has shown nothing.
@@ -84,7 +93,7 @@ pub(super) fn of(
             less.iter().zip(&more).map(|(less, more)| (more.value - less.value) / (2.0 * steps[place])).collect()
         })
         .collect();
-    let model_error = if shooting.log.lost.is_some() { MODEL_ERROR_WITH_LOST_COMMANDS } else { MODEL_ERROR };
+    let model_error = model_error(&shooting.log);
     let half_row_s = held_std_s(&shooting.log.commands);
     let finish = |(at, one): (usize, Derived)| {
         let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[at]).collect();
@@ -156,9 +165,7 @@ fn lift_per_mass(model: &Model, command: f64) -> f64 {
 
 /// What the terms say themselves.
 fn of_terms(terms: &[Term<'_>], model: &Model) -> Vec<Derived> {
-    let motors: Vec<f64> =
-        terms.iter().filter(|term| term.effect.name() == "weak_motor").map(|term| term.values[0]).collect();
-    let mean = motors.iter().sum::<f64>() / motors.len().max(1) as f64;
+    let mean = mean_lift(terms);
     let late: f64 = terms.iter().filter(|term| term.effect.is_late()).map(|term| term.values[0]).sum();
     let moments = model.acceleration_by_moments();
     let mut all = Vec::new();

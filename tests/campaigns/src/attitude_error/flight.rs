@@ -5,7 +5,7 @@ use shared_control::flight_core::{FlightCore, State};
 use shared_control::params::{Params, Rig};
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingRequest, RawImuSample, Setpoint, StepInput};
-use sil_host::effects::{RotorDrag, RotorVibration, WeakMotor};
+use sil_host::effects::{RotorVibration, WeakMotor};
 use sil_host::model::{self, VehicleModel};
 use sil_host::plant::Plant;
 use sil_host::sensors::Sensors;
@@ -83,7 +83,7 @@ impl ShakenFlight {
         let [hover_rad_s, ..] = Plant::new(&model).truth().motor_speed_rad_s;
         let drag_factor = 0.7 + 0.6 * draws.uniform();
         if rig == Rig::Free {
-            model.effects.push(RotorDrag { coefficient_ns_m: drag_factor * ROTOR_DRAG_1_S * 1.2 }.into());
+            model = model.with_rotor_drag(drag_factor * ROTOR_DRAG_1_S);
         }
         let peak_m_s2 = trouble.vibration_m_s2;
         let peak_rad_s = RATE_PER_ACCELERATION_S_M * peak_m_s2;
