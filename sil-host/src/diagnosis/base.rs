@@ -25,9 +25,11 @@ use crate::prediction::{NotPredictable, Subject};
 /// The effects of the catalogue that are ordinary of any vehicle.
 const ORDINARY: [&str; 5] = ["torque_bias", "thrust_scale", "motor_lag", "actuation_delay", "gyro_bias"];
 /// Those that are ordinary of a bench whose vehicle no model knows: gravity pulls beside the bearing, the bearing
-/// brakes, with grease and without. A model of a vehicle on its testbed says where gravity pulls.
+/// brakes, with grease and without. A model of a vehicle on its testbed says where gravity pulls, and in free flight
+/// neither pulls nor brakes.
 const BENCH: [&str; 2] = ["cg_offset", "coulomb_friction"];
-/// What is ordinary of whatever a bearing holds, its vehicle known or not.
+/// What is ordinary of whatever a bearing holds, its vehicle known or not; and of a free flight whose vehicle no model
+/// knows, where rotors in the wind brake.
 const BEARING: &str = "viscous_friction";
 /// What is ordinary of a testbed's model: its inertias are wrong axis by axis, so that a lift scale cannot serve all.
 const INERTIA: &str = "inertia_error";
@@ -65,7 +67,7 @@ impl fmt::Display for BaseTerm {
 pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
     let is_of_bench = |effect: &Fitted| match effect.name() {
         BEARING => scope.is_held || !scope.is_vehicle,
-        name => !scope.is_vehicle && BENCH.contains(&name),
+        name => !scope.is_vehicle && !scope.shown_free && BENCH.contains(&name),
     };
     let bench = Fitted::beside(scope, |_| true).into_iter().filter(is_of_bench);
     // of the first axis only lift over inertia shows, which the lift scale has

@@ -110,12 +110,15 @@ impl<'e> Search<'e> {
     ) -> Found<'e> {
         let first = self.always.len();
         let again = |candidate: &Candidate<'e>| self.refitted(candidate.fit.terms.clone(), &candidate.fit.starts);
-        let (base, all) = (again(&nominal), again(&chosen));
+        let base = again(&nominal);
+        // without effects it is the same model, whatever way its fit came
+        let all = if chosen.fit.terms.len() == first { base.clone() } else { again(&chosen) };
         if !self.has_base() {
             let refitted = Refitted { nominal: base.clone(), base, chosen: all };
             return Found { nominal, chosen, alternatives, unusual: Vec::new(), refitted };
         }
         let kept = judged(self, base.clone(), all);
+        let kept = if kept.terms.len() == first { base.clone() } else { kept };
         let is_kept = |term: &Term<'e>| kept.terms.iter().any(|other| other.effect.is_the_same(term.effect));
         let terms = chosen.fit.terms[first..].iter().zip(alternatives);
         let alternatives = terms.filter(|(term, _)| is_kept(term)).map(|(_, others)| others).collect();

@@ -6,18 +6,20 @@
 //! The windows of the report are not looked at. Over the others, fold by fold, each is predicted with the numbers that
 //! the other folds give (one step of Newton's from those of all).
 
+use rayon::prelude::*;
+
 use crate::axis::Axis;
 use crate::diagnosis::block_bootstrap::interval;
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifted_models, with_priors};
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::trim::may_be_found;
-use crate::prediction::accuracy::{ErrorOf, PredictedWindow, predict, root_mean_square, tallies};
-use crate::prediction::{Part, Window};
+use crate::diagnosis::yardstick::{Errors, squared_errors};
+use crate::prediction::Window;
+use crate::prediction::accuracy::{ErrorOf, predict, root_mean_square, tallies};
+use crate::prediction::windowed_log::Driven;
 use crate::statistics::Cholesky;
 
-/// Lengths of the predictions, s.
-const HORIZONS_S: [f64; 2] = [0.1, 0.5];
 /// Share of the error that a finding must take away.
 const SHARE_MIN: f64 = 0.02;
 /// Standard deviations from which on a number of the base model is not zero.
@@ -26,12 +28,11 @@ const SIGMAS: f64 = 2.0;
 const FOLDS: usize = 5;
 const BLOCK: usize = 4;
 
-/// Mean squares of one quantity at one horizon, window by window.
-type Errors = Vec<f64>;
-
 /// A model fitted to all windows but those of the report, and what it would miss of each had that not been among them.
 struct Judged<'e> {
     fit: Fit<'e>,
+    /// Normal equations of its numbers, window by window.
+    normals: Vec<Normal>,
     errors: Vec<Errors>,
 }
 
@@ -143,33 +144,37 @@ fn change_over(windows: &[usize], from: &[Errors], to: &[Errors]) -> f64 {
 /// Is the second better beyond chance? With few windows chance is all there is.
 fn is_surely_better(from: &[Errors], to: &[Errors]) -> bool {
     let windows = from.first().map_or(0, Vec::len);
-    interval(windows, |drawn| change_over(drawn, from, to)).is_some_and(|[_, most]| most < 0.0)
+    change(from, to) < 0.0
+        && interval(windows, |drawn| change_over(drawn, from, to)).is_some_and(|[_, most]| most < 0.0)
 }
 
 impl<'e> Judged<'e> {
     fn of(search: &Search<'e>, fit: Fit<'e>) -> Judged<'e> {
-        let log = &search.shooting.log;
-        let windows = log.part(&[Part::Fit, Part::Choice]);
-        let folds = folds(search, &fit, &windows);
-        let mut errors = Vec::new();
-        for horizon_s in HORIZONS_S {
-            let mut predicted: Vec<Vec<PredictedWindow>> = Vec::new();
-            let driven: Vec<_> = folds.iter().map(|terms| log.drive(model_of(search.nominal, terms))).collect();
-            for index in &windows {
-                let parts: Vec<Window> = Window::of_length(log.rows(), &[log.windows[*index]], horizon_s);
-                predicted.push(predict(log, &driven[fold_of(*index)], &parts));
-            }
-            for (channel, _) in log.compared() {
-                errors.push(predicted.iter().map(|parts| mean_square(parts, ErrorOf::Channel(channel))).collect());
-            }
-        }
-        Judged { fit, errors }
+        let shooting = search.shooting;
+        let driven = shooting.log.drive(model_of(search.nominal, &fit.terms));
+        let shifted = shifted_models(shooting, search.nominal, &fit.terms, 0);
+        let windows = &search.yardstick(&driven).windows;
+        let normals = shooting.linearise(&driven, &shifted, windows, &fit.starts, None).normals();
+        Judged::by(search, fit, normals)
     }
 
-    /// The model without some of its terms, all else where its covariance expects it then: much less work than a fit,
-    /// and nearly as good where a model is nearly linear in its numbers.
+    /// By what its windows' normal equations say.
+    fn by(search: &Search<'e>, fit: Fit<'e>, normals: Vec<Normal>) -> Judged<'e> {
+        let log = &search.shooting.log;
+        let drive = |terms: &[Term<'e>]| log.drive(model_of(search.nominal, terms));
+        let yardstick = search.yardstick(&drive(&fit.terms));
+        let folds = folds(&fit, &yardstick.windows, &normals);
+        let driven: Vec<Driven> = folds.iter().map(|terms| drive(terms)).collect();
+        let errors = yardstick.errors(log, |window| &driven[fold_of(window)]);
+        Judged { fit, normals, errors }
+    }
+
+    /// The model without some of its terms, all else where the normal equations expect it then: much less work than a
+    /// fit, and nearly as good where a model is nearly linear in its numbers.
     fn expected_without(&self, search: &Search<'e>, set: &[usize]) -> Judged<'e> {
-        Judged::of(search, self.fit.expected_without(set))
+        let (step, places) = (self.fit.step_without(set), self.fit.places_of(set));
+        let normals = self.normals.iter().map(|normal| normal.after(&step, &places)).collect();
+        Judged::by(search, self.fit.expected_without(set, &step), normals)
     }
 
     /// The model without some of its terms, all else fitted anew.
@@ -185,17 +190,10 @@ fn fold_of(window: usize) -> usize {
 }
 
 /// The terms as the windows outside of each fold have them.
-fn folds<'e>(search: &Search<'e>, fit: &Fit<'e>, windows: &[usize]) -> Vec<Vec<Term<'e>>> {
-    let shooting = search.shooting;
-    let driven = shooting.log.drive(model_of(search.nominal, &fit.terms));
-    let shifted = shifted_models(shooting, search.nominal, &fit.terms, 0);
-    let linear = shooting.linearise(&driven, &shifted, windows, &fit.starts, None);
-    let normals = linear.normals();
-    let outside = |fold: usize| -> Vec<Normal> {
-        windows.iter().zip(&normals).filter(|(index, _)| fold_of(**index) != fold).map(|(_, own)| own.clone()).collect()
-    };
+fn folds<'e>(fit: &Fit<'e>, windows: &[usize], normals: &[Normal]) -> Vec<Vec<Term<'e>>> {
     let of_fold = |fold: usize| {
-        let normal = with_priors(Normal::sum(&outside(fold)), &fit.terms);
+        let outside = windows.iter().zip(normals).filter(|(index, _)| fold_of(**index) != fold);
+        let normal = with_priors(Normal::sum(outside.map(|(_, normal)| normal)), &fit.terms);
         let size = normal.right.len();
         let step = Cholesky::new(&regular(&normal.matrix, size, 1e-6), size).map(|factor| factor.solve(&normal.right));
         step.map_or_else(|| fit.terms.clone(), |step| moved(&fit.terms, &step))
@@ -203,33 +201,27 @@ fn folds<'e>(search: &Search<'e>, fit: &Fit<'e>, windows: &[usize]) -> Vec<Vec<T
     (0..FOLDS).map(of_fold).collect()
 }
 
-fn mean_square(parts: &[PredictedWindow], of: ErrorOf) -> f64 {
-    let series = || parts.iter().flat_map(|part| &part.series).filter(|series| series.of == of);
-    let count: usize = series().map(|series| series.error.len()).sum();
-    series().flat_map(|series| &series.error).map(|error| error * error).sum::<f64>() / count.max(1) as f64
-}
-
 /// Mean squares of an exact model's errors over the windows of the report, channel by channel.
 pub(super) fn floors(search: &Search<'_>, terms: &[Term<'_>]) -> Vec<f64> {
-    let predicted = tallies(&predicted(search, terms));
+    let log = &search.shooting.log;
+    let driven = log.drive(model_of(search.nominal, terms));
+    let predicted = tallies(&predict(log, &driven, &search.windows(&search.report)));
     let of = |channel| root_mean_square(&predicted, ErrorOf::Channel(channel)).map_or(1.0, |(_, floor)| floor * floor);
-    search.shooting.log.compared().map(|(channel, _)| of(channel).max(f64::MIN_POSITIVE)).collect()
+    log.compared().map(|(channel, _)| of(channel).max(f64::MIN_POSITIVE)).collect()
 }
 
 /// Squared errors over the windows of the report, window by window, each channel in units of some mean square. What is
 /// compared needs the same ones: how much of the noise a prediction takes up depends on its model.
 pub(super) fn losses(search: &Search<'_>, terms: &[Term<'_>], floors: &[f64]) -> Vec<f64> {
-    let of_window = |window: &PredictedWindow| {
-        let square = |channel| {
-            let series = window.of(channel);
-            series.map_or(0.0, |series| series.error.iter().map(|error| error * error).sum::<f64>())
-        };
-        search.shooting.log.compared().zip(floors).map(|((channel, _), floor)| square(channel) / floor).sum()
+    let (log, windows) = (&search.shooting.log, search.windows(&search.report));
+    let driven = log.drive(model_of(search.nominal, terms));
+    let of_window = |window: &Window| {
+        let sight = log.start_sight(&driven, window);
+        squared_errors(log, &driven, window, sight.as_ref())
+            .iter()
+            .zip(floors)
+            .map(|(square, floor)| square / floor)
+            .sum()
     };
-    predicted(search, terms).iter().map(of_window).collect()
-}
-
-fn predicted(search: &Search<'_>, terms: &[Term<'_>]) -> Vec<PredictedWindow> {
-    let log = &search.shooting.log;
-    predict(log, &log.drive(model_of(search.nominal, terms)), &search.windows(&search.report))
+    windows.par_iter().map(of_window).collect()
 }

@@ -42,6 +42,7 @@ mod stability;
 mod subject;
 mod trim;
 mod verdict;
+mod yardstick;
 
 #[cfg(test)]
 mod free_flight_tests;

@@ -6,9 +6,12 @@
 //! '---- take out what no longer pays, exchange what another explains better <----'
 //! ```
 
+use std::sync::OnceLock;
+
 use super::fitted::Fitted;
 use super::plausible::{has_bound, is_plausible};
 use super::progress::{Observer, Progress};
+use super::yardstick::Yardstick;
 use crate::diagnosis::fitting::fit::{
     Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models, with_priors,
 };
@@ -17,6 +20,7 @@ use crate::diagnosis::fitting::linearisation::{Eliminated, Linearisation, normal
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::accuracy::{predict, tallies, worst_ratio};
 use crate::prediction::body::State;
+use crate::prediction::windowed_log::Driven;
 use crate::prediction::{Part, Window};
 use crate::statistics::{Cholesky, dot};
 
@@ -57,6 +61,8 @@ pub(super) struct Search<'e> {
     pub(super) report: Vec<usize>,
     /// Receives the search's progress.
     pub(super) observer: Observer<'e>,
+    /// What the judge measures by, once it has been asked.
+    yardstick: OnceLock<Yardstick>,
 }
 
 /// A linearisation, and the same with the start states eliminated.
@@ -103,12 +109,23 @@ impl<'e> Search<'e> {
         }
         let (training, choice) = (of(Part::Fit), of(Part::Choice));
         let always = gains.clone();
-        Search { shooting, nominal, catalogue, gains, always, training, choice, report, observer }
+        let yardstick = OnceLock::new();
+        Search { shooting, nominal, catalogue, gains, always, training, choice, report, observer, yardstick }
     }
 
     /// The same from a base model on, with what can be beside it.
     pub(super) fn from(self, base: &Fit<'e>, catalogue: &'e [Fitted]) -> Search<'e> {
         Search { always: base.terms.clone(), catalogue, ..self }
+    }
+
+    /// The same in another noise.
+    pub(super) fn under(self, shooting: &'e Shooting<'e>) -> Search<'e> {
+        Search { shooting, yardstick: OnceLock::new(), ..self }
+    }
+
+    /// What the judge measures by; the first model it is asked for is near enough to all others.
+    pub(super) fn yardstick(&self, near: &Driven) -> &Yardstick {
+        self.yardstick.get_or_init(|| Yardstick::new(&self.shooting.log, near))
     }
 
     /// Windows by their numbers.
@@ -174,7 +191,7 @@ impl<'e> Search<'e> {
 
     /// The chosen effects fitted to all windows: the residual is then what no model of them explains.
     pub(super) fn fitted_to_all(&self, chosen: &Candidate<'e>) -> Candidate<'e> {
-        let all: Vec<usize> = (0..self.shooting.log.windows.len()).collect();
+        let all = self.shooting.log.in_use();
         let fit = fit(self.shooting, self.nominal, chosen.fit.terms.clone(), &chosen.fit.starts, &all);
         Candidate { fit, choice: chosen.choice }
     }

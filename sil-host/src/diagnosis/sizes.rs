@@ -35,7 +35,7 @@ pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Op
     let terms = with_asked(as_terms(&along), &catalogue, asked);
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&along), &|_| ());
     let under_sensors = fitted_to_all(&shooting, &nominal, terms);
-    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+    let all = shooting.log.in_use();
     let (moments, forces) = noise_beyond_sensors(&search, &all, &under_sensors);
     let shooting = subject.shooting(log, &subject.noise(log))?.with_noise(moments, forces);
     Ok(fitted_to_all(&shooting, &nominal, under_sensors.terms).sizes(asked))
@@ -58,7 +58,7 @@ pub fn sizes_beside_base(
     let along = subject.fitted_along(log)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&along), &|_| ());
     let disturbed = base::disturbed(log, subject, &search, &ordinary)?;
-    let base = base::fitted(&Search { shooting: &disturbed, ..search }, &ordinary).fit;
+    let base = base::fitted(&search.under(&disturbed), &ordinary).fit;
     let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
     let terms = with_asked(base.terms, &beside, asked);
     Ok(fitted_to_all(&disturbed, &nominal, terms).sizes(asked))
@@ -89,7 +89,7 @@ impl Fit<'_> {
 
 /// The terms fitted to every window, from their values on.
 fn fitted_to_all<'e>(shooting: &Shooting<'_>, nominal: Nominal<'_>, terms: Vec<Term<'e>>) -> Fit<'e> {
-    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+    let all = shooting.log.in_use();
     let driven = shooting.log.drive(model_of(nominal, &terms));
     let mut starts = shooting.log.measured_starts(&driven.model);
     shooting.settle(&driven, &all, &mut starts);

@@ -178,6 +178,7 @@ mod tests {
             base_command: None,
             has_rotors: false,
             is_held: true,
+            shown_free: false,
             flies_free: false,
             turns: [true; 3],
             rates: [true; 3],

@@ -19,6 +19,8 @@ pub(crate) struct Scope {
     pub(crate) has_rotors: bool,
     /// True where a rig holds the vehicle, so that its angles show in the other axes though nobody measures them.
     pub(crate) is_held: bool,
+    /// The log shows that nothing held what flew.
+    pub(crate) shown_free: bool,
     /// True in free flight.
     pub(crate) flies_free: bool,
     /// Axes that the rig lets turn.

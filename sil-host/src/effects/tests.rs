@@ -175,6 +175,7 @@ fn whole_log(flies_free: bool) -> Scope {
         base_command: None,
         has_rotors: true,
         is_held: !flies_free,
+        shown_free: flies_free,
         flies_free,
         turns: [true, true, flies_free],
         rates: [true; 3],

@@ -15,6 +15,12 @@ use crate::statistics::{Cholesky, dot, dots};
 /// Change of a start state for a difference quotient, SI.
 pub(crate) const START_STEP: f64 = 1e-5;
 
+/// How rows show the state at the first of them: slopes of their residuals, and the normal equations, factored.
+pub(crate) struct StartSight {
+    slopes: Vec<Residuals>,
+    factor: Cholesky,
+}
+
 impl WindowedLog<'_> {
     /// Plain residuals of one window and their slopes along its start state.
     pub(crate) fn start_slopes(&self, driven: &Driven, window: &Window, start: &State) -> (Residuals, Vec<Residuals>) {
@@ -81,6 +87,28 @@ impl WindowedLog<'_> {
             self.move_start(&mut start, &factor.solve(&right));
         }
         (Window { start: window.lead, ..*window }, start)
+    }
+
+    /// How the rows around a window's start show the state there. From model to model this hardly differs.
+    pub(crate) fn start_sight(&self, driven: &Driven, window: &Window) -> Option<StartSight> {
+        let around = Window { start: window.lead, end: window.tail, ..*window };
+        let (_, slopes) = self.start_slopes(driven, &around, &self.measured_state(&driven.model, window.lead));
+        Some(StartSight { factor: self.start_factor(&slopes)?, slopes })
+    }
+
+    /// What a model misses of a window, and of the rows before it that its start comes from, in units of the noise; the
+    /// start as [`Self::window_with_start`] finds it, but with slopes that are known already.
+    pub(crate) fn missed(&self, driven: &Driven, window: &Window, sight: Option<&StartSight>) -> Residuals {
+        let around = Window { start: window.lead, end: window.tail, ..*window };
+        let mut start = self.measured_state(&driven.model, window.lead);
+        if let Some(StartSight { slopes, factor }) = sight {
+            for _ in 0..2 {
+                let residual = self.residual(driven, &around, &start);
+                let right: Vec<f64> = slopes.iter().map(|slope| dot(slope, &residual)).collect();
+                self.move_start(&mut start, &factor.solve(&right));
+            }
+        }
+        self.residual(driven, &Window { start: window.lead, ..*window }, &start)
     }
 
     /// Moves a start state by a step of its free components.

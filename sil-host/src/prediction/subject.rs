@@ -129,6 +129,7 @@ impl Subject<'_> {
             base_command: self.base_command(),
             has_rotors: self.has_rotors(),
             is_held: self.is_held(),
+            shown_free: log.rig_shown().is_some_and(|shown| shown.is_free),
             flies_free: self.flies_free(),
             turns,
             rates,

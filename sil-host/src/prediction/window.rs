@@ -44,7 +44,13 @@ pub enum Part {
     Choice,
     /// Errors are reported of it: a quarter.
     Report,
+    /// Nothing: enough others of a long log are fitted.
+    Spare,
 }
+
+/// Groups of four windows of which numbers are fitted to two: a minute. More of a longer log would cost time and tell
+/// little.
+const FOURS_FITTED: usize = 30;
 
 /// Cuts the log into windows, one behind the other. Neither a gap nor a row with standing motors lies within a window
 /// or within the rows that its start state comes from.
@@ -164,11 +170,24 @@ fn share_out(log: &Log, windows: &mut [Window]) {
     let turning = turning(log, windows);
     let mut order: Vec<usize> = (0..windows.len()).collect();
     order.sort_by(|a, b| turning[*b].total_cmp(&turning[*a]));
+    let fours = windows.len().div_ceil(4);
     for (place, window) in order.into_iter().enumerate() {
         let four = place / 4;
         let (ones, pairs_of_ones) = (four.count_ones() % 2, (four & (four >> 1)).count_ones() % 2);
-        windows[window].part = OF_FOUR[(2 * ones + pairs_of_ones) as usize][place % 4];
+        let part = OF_FOUR[(2 * ones + pairs_of_ones) as usize][place % 4];
+        windows[window].part = if part == Report || is_fitted(four, fours) { part } else { Part::Spare };
     }
+}
+
+/// Does a group of four, of those in the order of how much the vehicle turns in them, serve fits? Of a long log half of
+/// those that do are the first, where the manoeuvres are, and the others lie evenly among the rest.
+fn is_fitted(four: usize, of: usize) -> bool {
+    let first = FOURS_FITTED / 2;
+    if of <= FOURS_FITTED || four < first {
+        return true;
+    }
+    let (behind, rest, wanted) = (four - first, of - first, FOURS_FITTED - first);
+    behind * wanted / rest != (behind + 1) * wanted / rest
 }
 
 /// How much the vehicle turns in each window: variance of each rate, or else of the angle, in units of its mean over
@@ -264,6 +283,18 @@ mod tests {
         assert_eq!([Part::Fit, Part::Choice, Part::Report].map(count), [2, 1, 1]);
         let count = |of: Part| parts.iter().filter(|part| **part == of).count();
         assert_eq!([Part::Fit, Part::Choice, Part::Report].map(count), [50, 25, 25]);
+    }
+
+    #[test]
+    fn of_a_long_log_a_minute_is_fitted_manoeuvres_first_and_all_its_quarter_is_reported() {
+        // ten minutes, 20 s of manoeuvres in the middle
+        let turning: Vec<f64> = (0..1200).map(|i| if (600..640).contains(&i) { 5.0 } else { 0.1 }).collect();
+        let parts = parts(&turning);
+        let count = |of: Part, among: core::ops::Range<usize>| parts[among].iter().filter(|part| **part == of).count();
+        assert_eq!([Part::Fit, Part::Choice, Part::Report].map(|of| count(of, 0..1200)), [60, 30, 300]);
+        assert_eq!([Part::Fit, Part::Choice, Part::Report].map(|of| count(of, 600..640)), [20, 10, 10]);
+        // rest from the beginning to the end
+        assert!((0..4).all(|quarter| count(Part::Fit, 300 * quarter..300 * (quarter + 1)) > 0));
     }
 
     #[test]

@@ -232,6 +232,11 @@ impl<'a> WindowedLog<'a> {
         self.measured.iter().find(|measured| measured.channel == channel).map(|measured| measured.column)
     }
 
+    /// Index of the windows that serve anything.
+    pub(crate) fn in_use(&self) -> Vec<usize> {
+        self.part(&[Part::Fit, Part::Choice, Part::Report])
+    }
+
     /// Index of the windows that serve any of these.
     pub(crate) fn part(&self, parts: &[Part]) -> Vec<usize> {
         self.windows.iter().filter(|window| parts.contains(&window.part)).map(|window| window.index).collect()

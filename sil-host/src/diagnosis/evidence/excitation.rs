@@ -92,7 +92,7 @@ fn information(search: &Search<'_>, found: &Found<'_>, known: &[Term<'_>], asked
     let terms: Vec<Term<'_>> = known.iter().chain(asked).cloned().collect();
     let driven = shooting.log.drive(model_of(search.nominal, &terms));
     let shifted = shifted_models(shooting, search.nominal, &terms, known.len());
-    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+    let all = shooting.log.in_use();
     let linear = shooting.linearise(&driven, &shifted, &all, &found.refitted.chosen.starts, None);
     linear.normal().matrix
 }

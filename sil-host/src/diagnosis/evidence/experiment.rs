@@ -201,7 +201,7 @@ impl Judge<'_> {
         // what disturbed this log would disturb the flight too
         let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
         let shooting = shooting.with_noise(self.search.shooting.noise, Vec::new());
-        let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+        let all = shooting.log.in_use();
         let flown = shooting.log.drive(model_of(self.search.nominal, truth));
         let mut starts = shooting.log.measured_starts(&flown.model);
         // what the two integrators and the rounding of the log differ by

@@ -14,7 +14,8 @@ use crate::statistics::{Cholesky, dot};
 
 /// Rounds of linearisation.
 const ROUNDS_MAX: usize = 12;
-/// The fit has ended when a round can lower the sum of squares by no more than this.
+/// The fit has ended when a round can lower the sum of squares by no more than this, in units of what is left per degree
+/// of freedom: a step of a fifth of a standard deviation at most.
 const IMPROVEMENT_MIN: f64 = 0.05;
 /// A fit explains at most so many times what a linearisation promises; what could not win even so is given up.
 pub(in crate::diagnosis) const OVERSHOT: f64 = 3.0;
@@ -64,30 +65,40 @@ impl<'e> Fit<'e> {
         (0..own * own).map(|k| at(k / own, k % own)).collect()
     }
 
-    /// The fit without some of its terms, to first order: the others' means where the numbers of those are known to
-    /// change nothing. Their covariances stay as they were.
-    pub(in crate::diagnosis) fn expected_without(&self, terms: &[usize]) -> Fit<'e> {
-        let numbers = self.terms.iter().enumerate().flat_map(|(index, term)| {
-            let away = term.values.iter().zip(term.effect.unknowns()).map(|(value, unknown)| unknown.nominal - value);
-            away.map(move |away| (terms.contains(&index), away))
-        });
-        let (is_out, away): (Vec<bool>, Vec<f64>) = numbers.unzip();
-        let size = self.size();
-        let out: Vec<usize> = (0..size).filter(|i| is_out[*i]).collect();
+    /// How all numbers move to first order, within their ranges, where those of some terms are known to change
+    /// nothing.
+    pub(in crate::diagnosis) fn step_without(&self, terms: &[usize]) -> Vec<f64> {
+        let is_out = self.terms.iter().enumerate().filter(|(index, _)| terms.contains(index));
+        let numbers = is_out.flat_map(|(_, term)| term.effect.unknowns().iter().zip(&term.values));
+        let away: Vec<f64> = numbers.map(|(unknown, value)| unknown.nominal - value).collect();
+        let (size, out) = (self.size(), self.places_of(terms));
         let part = |rows: &[usize], columns: &[usize]| -> Vec<f64> {
             rows.iter().flat_map(|i| columns.iter().map(move |j| self.covariance[i * size + j])).collect()
         };
         let apart = Cholesky::new(&regular(&part(&out, &out), out.len(), 0.0), out.len());
-        let weights = apart.map(|factor| factor.solve(&out.iter().map(|i| away[*i]).collect::<Vec<_>>()));
         let all: Vec<usize> = (0..size).collect();
-        let step: Vec<f64> = match weights {
+        let step: Vec<f64> = match apart.map(|factor| factor.solve(&away)) {
             Some(weights) => part(&all, &out).chunks(out.len().max(1)).map(|row| dot(row, &weights)).collect(),
             None => vec![0.0; size],
         };
-        let moved = moved(&self.terms, &step);
+        difference(&self.terms, &moved(&self.terms, &step))
+    }
+
+    /// Places of some terms' numbers among all.
+    pub(in crate::diagnosis) fn places_of(&self, terms: &[usize]) -> Vec<usize> {
+        let owners = self.terms.iter().enumerate().flat_map(|(index, term)| term.values.iter().map(move |_| index));
+        owners.enumerate().filter(|(_, owner)| terms.contains(owner)).map(|(place, _)| place).collect()
+    }
+
+    /// The fit without some of its terms, the others moved by `step` ([`Self::step_without`]). Their covariances stay
+    /// as they were.
+    pub(in crate::diagnosis) fn expected_without(&self, terms: &[usize], step: &[f64]) -> Fit<'e> {
+        let (size, out) = (self.size(), self.places_of(terms));
+        let moved = moved(&self.terms, step);
         let kept = moved.into_iter().enumerate().filter(|(index, _)| !terms.contains(index)).map(|(_, term)| term);
         let others = |matrix: &[f64]| -> Vec<f64> {
-            let kept = matrix.iter().enumerate().filter(|(k, _)| !is_out[k / size] && !is_out[k % size]);
+            let is_out = |place: usize| out.contains(&place);
+            let kept = matrix.iter().enumerate().filter(|(k, _)| !is_out(k / size) && !is_out(k % size));
             kept.map(|(_, value)| *value).collect()
         };
         Fit {
@@ -162,7 +173,8 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
     let mut failures = 0;
     for _ in 0..ROUNDS_MAX {
         let Some((step, promised)) = best.step(damping) else { break };
-        if promised < IMPROVEMENT_MIN || best.normal.chi2 - OVERSHOT * promised > to_reach {
+        let least = IMPROVEMENT_MIN * spread(best.normal.chi2, shooting, training);
+        if promised < least || best.normal.chi2 - OVERSHOT * promised > to_reach {
             break;
         }
         let terms = moved(&best.terms, &step);
@@ -175,7 +187,7 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
             best = next.round(shooting, nominal, training);
             damping = (damping * 0.1).max(1e-9);
             failures = 0;
-            if gained < IMPROVEMENT_MIN {
+            if gained < least {
                 break;
             }
         } else {
@@ -187,6 +199,11 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
         }
     }
     best.result(shooting, training)
+}
+
+/// Mean square that is left per degree of freedom, in units of the noise; never less than that of noise alone.
+fn spread(chi2: f64, shooting: &Shooting<'_>, training: &[usize]) -> f64 {
+    (chi2 / shooting.degrees_of_freedom(training)).max(1.0)
 }
 
 /// Values and start states, and what they leave: whether they are any better is known before all slopes are.
@@ -279,7 +296,7 @@ impl<'e> Round<'e> {
         let size = self.normal.right.len();
         let factor = Cholesky::new(&regular(&self.normal.matrix, size, 0.0), size);
         let covariance = factor.map_or_else(|| vec![f64::INFINITY; size * size], |factor| factor.inverse());
-        let spread = (self.normal.chi2 / shooting.degrees_of_freedom(training)).max(1.0);
+        let spread = spread(self.normal.chi2, shooting, training);
         let scores: Vec<(usize, &[f64])> =
             training.iter().zip(&self.normals).map(|(index, normal)| (*index, normal.right.as_slice())).collect();
         let scattered_covariance = scattered(&covariance, spread, &scores);

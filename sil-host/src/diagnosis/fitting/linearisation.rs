@@ -93,10 +93,23 @@ impl Normal {
         Normal { matrix: vec![0.0; size * size], right: vec![0.0; size], chi2: 0.0 }
     }
 
+    /// The same once all parameters have moved by a step, to first order, and without some of them.
+    pub(in crate::diagnosis) fn after(&self, step: &[f64], without: &[usize]) -> Normal {
+        let size = self.right.len();
+        let row = |i: usize| &self.matrix[i * size..(i + 1) * size];
+        let kept: Vec<usize> = (0..size).filter(|i| !without.contains(i)).collect();
+        let right: Vec<f64> = (0..size).map(|i| self.right[i] - dot(row(i), step)).collect();
+        Normal {
+            matrix: kept.iter().flat_map(|i| kept.iter().map(|j| row(*i)[*j])).collect(),
+            chi2: self.chi2 - dot(step, &self.right) - dot(step, &right),
+            right: kept.iter().map(|i| right[*i]).collect(),
+        }
+    }
+
     /// Those of several windows as one.
-    pub(in crate::diagnosis) fn sum(windows: &[Normal]) -> Normal {
-        let size = windows.first().map_or(0, |normal| normal.right.len());
-        let mut sum = Normal::nothing(size);
+    pub(in crate::diagnosis) fn sum<'n>(windows: impl IntoIterator<Item = &'n Normal>) -> Normal {
+        let mut windows = windows.into_iter();
+        let mut sum = windows.next().map_or_else(|| Normal::nothing(0), Normal::clone);
         for normal in windows {
             sum.matrix.iter_mut().zip(&normal.matrix).for_each(|(sum, value)| *sum += value);
             sum.right.iter_mut().zip(&normal.right).for_each(|(sum, value)| *sum += value);

@@ -83,7 +83,7 @@ fn a_tolerance_is_weighed_against_the_log() {
     let (log, model) = (log("mass_error:scale=1.04", 3), free());
     let subject = Subject::Vehicle(&model);
     let shooting = subject.shooting(&log, &subject.noise(&log)).unwrap();
-    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+    let all = shooting.log.in_use();
     let fitted = |known: &Known| {
         let catalogue = known.leaves(Fitted::hypotheses(&subject.scope(&log)));
         let effect = catalogue.iter().find(|effect| effect.name() == "mass_error").unwrap();

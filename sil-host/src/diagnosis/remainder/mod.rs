@@ -22,7 +22,7 @@ pub(super) fn unexplained(
     let shooting = search.shooting;
     let whole = search.fitted_to_all(&found.chosen);
     let driven = shooting.log.drive(model_of(search.nominal, &whole.fit.terms));
-    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+    let all = shooting.log.in_use();
     let whiteness = structure::whiteness(shooting, &driven, &all, &whole.fit.starts);
     let even = whiteness.iter().all(structure::Whiteness::is_white);
     let dependence = signature::strongest(search, &found.chosen, &whole.fit);

@@ -59,7 +59,7 @@ pub(in crate::diagnosis) fn strongest(search: &Search<'_>, chosen: &Candidate<'_
     let shooting = search.shooting;
     let terms = &whole.terms;
     let driven = shooting.log.drive(model_of(search.nominal, terms));
-    let all: Vec<usize> = (0..shooting.log.windows.len()).collect();
+    let all = shooting.log.in_use();
     let own = shifted_models(shooting, search.nominal, terms, 0);
     let linear = shooting.linearise(&driven, &own, &all, &whole.starts, None);
     let explained_by_own = explained(&linear.normal()).map_or(0.0, |(fall, _)| fall);

@@ -19,6 +19,8 @@ const RATE: [&str; 9] = ["gyro", "gyr", "rate", "rates", "speed", "angvel", "ome
 const ACCELEROMETER: [&str; 6] = ["acc", "accel", "accelerometer", "accelerometers", "specific", "accsmooth"];
 const THRUST: [&str; 5] = ["thrust", "throttle", "collective", "thr", "t"];
 
+const HEIGHT: [&str; 3] = ["height", "altitude", "alt"];
+
 /// The words of a name, in small letters.
 fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
@@ -96,6 +98,9 @@ pub(super) fn named(name: &str) -> Option<Named> {
         motor
     } else if has(&["vbat", "vbatlatest", "battery", "voltage", "batt"]) {
         Quantity::Battery
+    } else if has(&HEIGHT) && !has(&REFERENCE) || words == ["state", "estimate", "z"] {
+        // the Crazyflie's state estimate counts upward
+        Quantity::Height
     } else if has(&ACCELEROMETER) || first_is(&["ax", "ay", "az"]) {
         Quantity::Accel(axis?.0)
     } else if has(&THRUST) && (has(&COMMAND) || has(&REFERENCE) || axis.is_none()) && !has(&["actuator"]) {
@@ -172,6 +177,8 @@ mod tests {
             ("controller_cmd_yaw", Quantity::Command(Yaw), None),
             ("vbat_V", Quantity::Battery, None),
             ("roll_deg", Quantity::Angle(Roll), Some("_deg")),
+            ("stateEstimate_z", Quantity::Height, None),
+            ("baro_alt", Quantity::Height, None),
         ] {
             let said = named(name).unwrap_or_else(|| panic!("{name}"));
             assert_eq!((said.quantity, said.unit), (quantity, unit), "{name}");
