@@ -14,8 +14,8 @@ use crate::statistics::{Cholesky, dot};
 
 /// Rounds of linearisation.
 const ROUNDS_MAX: usize = 12;
-/// The fit has ended when a round can lower the sum of squares by no more than this, in units of what is left per degree
-/// of freedom: a step of a fifth of a standard deviation at most.
+/// The fit has ended when a round can lower the sum of squares by no more than this, in units of what is left per
+/// degree of freedom: a step of a fifth of a standard deviation at most.
 const IMPROVEMENT_MIN: f64 = 0.05;
 /// A fit explains at most so many times what a linearisation promises; what could not win even so is given up.
 pub(in crate::diagnosis) const OVERSHOT: f64 = 3.0;

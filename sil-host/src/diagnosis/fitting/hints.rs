@@ -199,8 +199,8 @@ mod tests {
     use super::*;
     use crate::sensors::random::RandomStream;
 
-    /// Stretches of 10 ms, every seventh a little longer, with a gap, in which an oscillation is missing, of a rate measured with
-    /// noise.
+    /// Stretches of 10 ms, every seventh a little longer, with a gap, in which an oscillation is missing, of a rate
+    /// measured with noise.
     fn missing(frequency_hz: f64) -> Vec<Interval> {
         let mut random = RandomStream::new(3, "hints");
         let (mut time_s, mut before, mut series) = (3.0, 0.0, Vec::new());
