@@ -38,6 +38,8 @@ pub struct Outcome {
     pub has_right_columns: bool,
     /// Effectiveness of each motor about each axis, and the motors' lag; empty where nothing was identified.
     pub held: Vec<Held>,
+    /// The log as it was read back, and what was identified from it.
+    pub identified: Option<(Log, Identification)>,
     /// Why nothing was.
     pub failure: String,
 }
@@ -50,6 +52,7 @@ impl Outcome {
             drawn,
             has_right_columns,
             held: Vec::new(),
+            identified: None,
             failure,
         };
         let log = match drawn.read_back(&flown) {
@@ -57,10 +60,11 @@ impl Outcome {
             Err(problem) => return failed(drawn, false, problem),
         };
         let has_right_columns = is_the_same(&log, &flown);
-        match identify(&[log], KnownScale::default()) {
+        match identify(std::slice::from_ref(&log), KnownScale::default()) {
             Ok(identified) => {
                 let held = held(&drawn, &identified);
-                Outcome { drawn, has_right_columns, held, failure: String::new() }
+                let identified = Some((log, identified));
+                Outcome { drawn, has_right_columns, held, identified, failure: String::new() }
             }
             Err(error) => failed(drawn, has_right_columns, error.to_string()),
         }
