@@ -16,7 +16,7 @@ use super::plausible::has_bound;
 use super::search::{Candidate, Search};
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
-use crate::diagnosis::fitting::fit::{Fit, Term};
+use crate::diagnosis::fitting::fit::{Fit, Term, as_terms};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Scope;
 use crate::log::Log;
@@ -105,7 +105,23 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candida
     best.unwrap_or_else(|| search.nominal())
 }
 
-/// A log in windows, in the noise of all that its base model does not know; `search` looked at it in that of sensors.
+/// A log in windows, in the noise of all that its base model does not know: what the nominal model leaves open, and
+/// what is ordinary.
+///
+/// # Errors
+/// As [`Subject::windowed`].
+pub(super) fn in_own_noise<'l>(
+    log: &'l Log,
+    subject: &Subject<'_>,
+    along: &[Fitted],
+    ordinary: &[Fitted],
+) -> Result<Shooting<'l>, NotPredictable> {
+    let (nominal, shooting) = (|| subject.model(log), subject.shooting(log, &subject.noise(log))?);
+    let search = Search::new(&shooting, &nominal, &[], as_terms(along), &|_| ());
+    disturbed(log, subject, &search, ordinary)
+}
+
+/// The same; `search` looked at it in that of sensors.
 ///
 /// # Errors
 /// As [`Subject::windowed`].

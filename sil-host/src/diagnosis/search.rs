@@ -118,11 +118,6 @@ impl<'e> Search<'e> {
         Search { always: base.terms.clone(), catalogue, ..self }
     }
 
-    /// The same in another noise.
-    pub(super) fn under(self, shooting: &'e Shooting<'e>) -> Search<'e> {
-        Search { shooting, yardstick: OnceLock::new(), ..self }
-    }
-
     /// What the judge measures by; the first model it is asked for is near enough to all others.
     pub(super) fn yardstick(&self, near: &Driven) -> &Yardstick {
         self.yardstick.get_or_init(|| Yardstick::new(&self.shooting.log, near))

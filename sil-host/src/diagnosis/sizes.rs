@@ -53,15 +53,13 @@ pub fn sizes_beside_base(
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
     let (nominal, scope) = (|| subject.model(log), subject.scope(log));
-    let (catalogue, ordinary) = (Fitted::hypotheses(&scope), base::ordinary(&scope));
-    let shooting = subject.shooting(log, &subject.noise(log))?;
-    let along = subject.fitted_along(log)?;
-    let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&along), &|_| ());
-    let disturbed = base::disturbed(log, subject, &search, &ordinary)?;
-    let base = base::fitted(&search.under(&disturbed), &ordinary).fit;
+    let (along, ordinary) = (subject.fitted_along(log)?, base::ordinary(&scope));
+    let shooting = base::in_own_noise(log, subject, &along, &ordinary)?;
+    let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
+    let base = base::fitted(&search, &ordinary).fit;
     let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
     let terms = with_asked(base.terms, &beside, asked);
-    Ok(fitted_to_all(&disturbed, &nominal, terms).sizes(asked))
+    Ok(fitted_to_all(&shooting, &nominal, terms).sizes(asked))
 }
 
 /// Some terms, and what is asked for beside them.

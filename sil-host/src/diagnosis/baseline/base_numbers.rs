@@ -3,7 +3,6 @@
 
 use super::numbers::{Number, NumberOf};
 use crate::axis::Axis;
-use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, as_terms, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::search::Search;
@@ -27,12 +26,9 @@ pub(super) fn base_numbers(log: &Log, subject: &Subject<'_>) -> Result<Vec<Numbe
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
     let nominal = || subject.model(log);
-    let (catalogue, ordinary) = (Fitted::hypotheses(&subject.scope(log)), base::ordinary_of_any(&subject.scope(log)));
-    let along = subject.fitted_along(log)?;
-    let of_log = subject.shooting(log, &subject.noise(log))?;
-    let search = Search::new(&of_log, &nominal, &catalogue, as_terms(&along), &|_| ());
-    let shooting = base::disturbed(log, subject, &search, &ordinary)?;
-    let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&along), &|_| ());
+    let (along, ordinary) = (subject.fitted_along(log)?, base::ordinary_of_any(&subject.scope(log)));
+    let shooting = base::in_own_noise(log, subject, &along, &ordinary)?;
+    let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
     let base = base::fitted(&search, &ordinary).fit;
     let fit = search.refitted(distinct(base.terms), &base.starts);
     Ok(numbers(&fit, subject, &shooting, &nominal))

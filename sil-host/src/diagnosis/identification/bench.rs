@@ -7,7 +7,7 @@ use crate::axis::Axis;
 use crate::diagnosis::base;
 use crate::diagnosis::fitted::per_unit_inertia;
 use crate::diagnosis::fitting::fit::{Term, as_terms};
-use crate::diagnosis::lateness::{held_std_s, summed_s};
+use crate::diagnosis::lateness::{count_lateness, together_s};
 use crate::diagnosis::search::Search;
 use crate::diagnosis::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::log::Log;
@@ -37,27 +37,28 @@ pub fn identify_axes(logs: &[Log]) -> Result<BenchIdentification, NotIdentified>
     let nominal = || subject.model(log);
     let along = subject.fitted_along(log)?;
     let ordinary = base::ordinary(&subject.scope(log));
-    let shooting = subject.shooting(log, &subject.noise(log))?;
-    let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
-    let shooting = base::disturbed(log, &subject, &search, &ordinary)?;
+    let shooting = base::in_own_noise(log, &subject, &along, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
     let base = base::fitted(&search, &ordinary).fit;
+    let search = search.from(&base, &[]);
     let fit = search.refitted(base.terms, &base.starts);
     let seen = seen::axes(&search, &fit);
-    let half_row_s = held_std_s(&shooting.log.commands);
     let mut model = BenchModel { name: super::name_of(log), ..BenchModel::default() };
     let mut numbers = Vec::new();
     for (index, term) in fit.terms.iter().enumerate() {
-        for (name, mut own) in estimates(&fit, index, MODEL_ERROR) {
+        let mut parameters = estimates(&fit, index, MODEL_ERROR);
+        count_lateness(&search, &fit, term.effect, &mut parameters);
+        for (name, own) in parameters {
             take(&mut model, term, name, own.value);
-            if name == "delay_s" {
-                own.std = libm::hypot(own.std, half_row_s);
-            }
             numbers.push(number(term, per_unit_inertia(name), own, seen));
         }
     }
-    let lateness = summed_s(&fit).map(|own| Estimate { std: libm::hypot(own.std, half_row_s), ..own });
-    numbers.extend(lateness.map(|own| Identified { name: "lag_and_delay_s".to_owned(), unit: "s", own, to_fly: None }));
+    numbers.extend(together_s(&search, &fit).map(|own| Identified {
+        name: "lag_and_delay_s".to_owned(),
+        unit: "s",
+        own,
+        to_fly: None,
+    }));
     Ok(BenchIdentification { model, numbers, source: super::source(logs, &joined) })
 }
 
