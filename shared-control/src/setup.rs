@@ -92,10 +92,10 @@ impl Setup {
     }
 }
 
-/// Throttle at which the vehicle loses height slowly: in the mean, dips included, nine tenths of the lift that holds it.
-/// A rotor that sinks gives more lift at the same speed (Leishman, Principles of Helicopter Aerodynamics, 2nd ed., 2.13
-/// and 3.3: blade elements and momentum), so that a tenth too little ends as a steady 2 m/s for rotors of 10 inches,
-/// not as a fall. 0 on a rig.
+/// Throttle at which the vehicle loses height slowly: in the mean, dips included, nine tenths of the lift that holds
+/// it. A rotor that sinks gives more lift at the same speed (Leishman, Principles of Helicopter Aerodynamics, 2nd ed.,
+/// 2.13 and 3.3: blade elements and momentum), so that a tenth too little ends as a steady 2 m/s for rotors of 10
+/// inches, not as a fall. 0 on a rig.
 fn sink_throttle(params: &Params, vehicle: &VehicleParameters) -> f32 {
     let share = SINK_LIFT_SHARE / (1.0 - LOST_TO_DIPS);
     vehicle.lift_curve.command(share * hover_lift_n(params, vehicle))
@@ -133,6 +133,8 @@ mod tests {
             prop_assert_eq!(setup.config.controller, params.controller);
             prop_assert_eq!(setup.config.loop_rate_hz, f32::from(params.loop_rate_hz));
             prop_assert_eq!(setup.config.output.kind, params.pulses);
+            let drag_1_s = setup.config.sensing.estimator.levelling.rotor_drag_1_s;
+            prop_assert!((drag_1_s * 1000.0 - f32::from(params.rotor_drag_permille_1_s)).abs() < 0.01);
             let minimum_mv = setup.config.supervisor.battery_arming_min_v * 1000.0;
             prop_assert!((minimum_mv - f32::from(params.battery_arming_min_mv)).abs() < 0.01);
             let free = params.rig == Rig::Free;

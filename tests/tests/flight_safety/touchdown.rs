@@ -64,7 +64,7 @@ fn on_the_ground_it_is_disarmed_within_three_seconds() {
         ("bounce to three quarters of the speed", Ground { damping: 0.1, ..Ground::FLAT }),
     ];
     for (what, ground) in grounds {
-        let mut ends = Vec::new();
+        let (mut ends, mut fastest_m_s) = (Vec::new(), 0.0);
         for controller in [Controller::Cascade, Controller::Mpc] {
             // a period of the dips is half a metre to three
             for below_m in [2.0, 3.1, 4.2, 5.3, 6.4, 7.5] {
@@ -73,16 +73,17 @@ fn on_the_ground_it_is_disarmed_within_three_seconds() {
                 assert_eq!(end.because, DisarmedBecause::LinkLost, "{what}, {below_m} m");
                 assert!(end.speed_m_s < 2.0, "{what}, {below_m} m: {end:?}");
                 ends.push(end.after_s.expect("on the ground"));
+                fastest_m_s = f64::max(fastest_m_s, end.speed_m_s);
             }
         }
         ends.sort_by(f64::total_cmp);
         let (median_s, longest_s) = (ends[ends.len() / 2], ends[ends.len() - 1]);
-        println!("{what}: median {median_s:.2} s, longest {longest_s:.2} s");
+        println!("{what}: median {median_s:.2} s, longest {longest_s:.2} s, at up to {fastest_m_s:.2} m/s");
         assert!(longest_s < WITHIN_S && median_s < longest_s, "{what}: {ends:?}");
     }
 }
 
-/// Half a minute of sinking in each of them.
+/// Half a minute of sinking in each of them, by the cascade; half of those that are drawn are flown by the MPC.
 #[test]
 fn in_the_air_it_is_never_disarmed() {
     let rising = |up_m_s| Scene { air: Air { up_m_s, ..Air::STILL }, ..calm() };
@@ -105,14 +106,29 @@ fn in_the_air_it_is_never_disarmed() {
         ("the other way", Scene { accel_bias_m_s2: [-0.5, 0.5, 0.8], ..calm() }),
     ];
     for (what, scene) in scenes {
-        for controller in [Controller::Cascade, Controller::Mpc] {
-            let scene = Scene { controller, ..scene.clone() };
-            match lose_link(&scene, 33.0) {
-                Err(sinks_m_s) => println!("{what}, {controller:?}: sinks at {sinks_m_s:.2} m/s"),
-                Ok(end) => panic!("{what}, {controller:?}: {end:?}"),
-            }
+        match lose_link(&scene, 33.0) {
+            Err(sinks_m_s) => println!("{what}: sinks at {sinks_m_s:.2} m/s"),
+            Ok(end) => panic!("{what}: {end:?}"),
         }
     }
+}
+
+/// What it loses by dips of the lift is in the descent: a steady 2 m/s by the rotors of this vehicle.
+#[test]
+fn it_sinks_slowly_and_hardly_faster_for_the_dips() {
+    let mut flight = RigFlight::in_scene(&calm());
+    flight.silence(true);
+    flight.fly_for(25.0);
+    let (mut slowest_m_s, mut fastest_m_s, mut sum_m_s) = (f64::MAX, 0.0, 0.0);
+    for _ in 0..2000 {
+        flight.step();
+        let sinks_m_s = flight.sinks_m_s();
+        (slowest_m_s, fastest_m_s) = (f64::min(slowest_m_s, sinks_m_s), f64::max(fastest_m_s, sinks_m_s));
+        sum_m_s += sinks_m_s / 2000.0;
+    }
+    println!("sinks at {sum_m_s:.2} m/s, {slowest_m_s:.2} to {fastest_m_s:.2}");
+    // a tenth of the weight over 0.5 1/s of the mass
+    assert!((sum_m_s - 1.96).abs() < 0.15 && fastest_m_s - slowest_m_s < 0.8, "{sum_m_s}");
 }
 
 /// A vehicle, its air, and what its owner knows of it, all drawn. Gusts of up to 1 m/s upwards and sideways belong to a

@@ -123,6 +123,12 @@ fn the_lift_comes_back_with_the_link() {
     assert_eq!(share, 1.0);
 }
 
+/// Of an angle of any number of turns.
+fn sine(angle_rad: f32) -> f32 {
+    let turns = angle_rad / (2.0 * core::f32::consts::PI);
+    crate::elementary::sin_cos(2.0 * core::f32::consts::PI * (turns - turns as i32 as f32)).0
+}
+
 proptest! {
     /// A force that follows the lift that was asked for is never the ground's: whatever is wrong about the throttle for
     /// hovering, about the accelerometer, and whatever the air wins back of a dip.
@@ -137,8 +143,7 @@ proptest! {
             let share = vehicle.share;
             // the sinking rotor takes part of a change away again
             slow += wins_back_1_s * STEP_S * (share - slow);
-            let phase = f32::from(step) * STEP_S * gust_rad_s / (2.0 * core::f32::consts::PI);
-            let wave = crate::elementary::sin_cos(2.0 * core::f32::consts::PI * (phase - phase as i32 as f32)).0;
+            let wave = sine(f32::from(step) * STEP_S * gust_rad_s);
             let force = 1.0 + offset + gain * base * (share - slow) + gust * base * wave;
             prop_assert_eq!(vehicle.feel(STEP_S, |_, _| force), None, "step {}", step);
         }
@@ -147,10 +152,7 @@ proptest! {
     /// One that stays where it is, is; with what an offset and rocking legs leave of it.
     #[test]
     fn what_stays_stands(base in 0.4f32..1.0, offset in -0.08f32..0.08, rocking in 0f32..0.01, rad_s in 5f32..100.0) {
-        let stood = Vehicle::new(base).feel(3.0, |_, time_s| {
-            let turns = time_s * rad_s / (2.0 * core::f32::consts::PI);
-            1.0 + offset + rocking * crate::elementary::sin_cos(2.0 * core::f32::consts::PI * (turns - turns as i32 as f32)).0
-        });
+        let stood = Vehicle::new(base).feel(3.0, |_, time_s| 1.0 + offset + rocking * sine(time_s * rad_s));
         prop_assert!(stood.is_some());
     }
 
