@@ -25,7 +25,7 @@
 //! - **On the ground** the force follows by nothing, whatever the slope and the accelerometer's offset, once legs and
 //!   soil have come to rest.
 //!
-//! Legs that meet the ground are felt: what stops 1 m/s within 0.1 s makes more than [`JOLT`] of the filtered force,
+//! Legs that meet the ground are felt: what stops 1 m/s within 0.1 s makes more than `JOLT` of the filtered force,
 //! for which the air would have to rise by 12 m/s faster. Then it goes down to 0.35 at once, where a bounce is short,
 //! and waits for 1 s without support before it lifts again; at last it goes lower still, as a return would have it
 //! bounce again. There the force is compared with what is felt in a steady sink, since bounces end with anything.
