@@ -26,6 +26,7 @@ use crate::sensing::imu_select::SensingConfig;
 use crate::signals::IMU_SAMPLES_MAX;
 use crate::supervisor::SupervisorConfig;
 use crate::supervisor::flight_watch::WatchConfig;
+use crate::supervisor::touchdown::TouchdownConfig;
 use crate::torque_observer::ObserverConfig;
 use crate::vehicle::VehicleParameters;
 
@@ -69,6 +70,8 @@ pub struct Config {
     pub supervisor: SupervisorConfig,
     /// In the air, on the ground, or crashed.
     pub watch: WatchConfig,
+    /// Whether the ground carries a vehicle that comes down by itself.
+    pub touchdown: TouchdownConfig,
     /// Command of every motor that is armed on the ground.
     pub ground_idle_command: f32,
     /// True where a rig carries the vehicle, in flight too.
@@ -121,6 +124,7 @@ impl Config {
             output: OutputConfig::PWM_400_HZ,
             supervisor: SupervisorConfig::NOMINAL,
             watch: WatchConfig::new(vehicle.gravity_m_s2, loop_rate_hz),
+            touchdown: TouchdownConfig::on_rig(vehicle.gravity_m_s2, loop_rate_hz),
             ground_idle_command: tuning.ground_idle_command,
             held_by_rig: vehicle.yaw_locked,
         })

@@ -28,8 +28,9 @@ use crate::sensing::battery::ABSENT_BELOW_V;
 use crate::sensing::imu_health::ImuHealth;
 use crate::sensing::imu_select;
 use crate::sensing::levelling::Support;
-use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, Setpoint, StepInput, Wrench};
+use crate::signals::{AttitudeEstimate, MotorCommands, Plan, PlanRequest, PlanStatus, StepInput, Wrench};
 use crate::supervisor::flight_watch::Felt;
+use crate::supervisor::touchdown::Load;
 use crate::supervisor::{self, Arming, EscStage, Findings};
 use crate::torque_observer::ObserverState;
 
@@ -54,6 +55,11 @@ impl FlightCore {
                 throttle: state.setpoint.flown.throttle,
             },
         );
+        let load = Load { force_m_s2: state.watch.force_m_s2(), lift_n: state.last_wrench.lift_per_motor_n };
+        let throttle = state.setpoint.flown.throttle;
+        if state.touchdown.feel(&config.touchdown, state.arming, throttle, &load, input.time_us) {
+            state.watch.stand();
+        }
         let findings = findings(state, input, &estimate, imu.gyro_rest_s, health);
         state.arming = supervisor::update(&config.supervisor, state.arming, input, &findings);
         state.setpoint.fly(config.supervisor.sink_throttle, state.arming, input.time_us, config.step_s());
@@ -61,7 +67,7 @@ impl FlightCore {
 
         let cascade_nm = cascade_torque(config, state, &estimate);
         let (source, torque_body_nm) = choose(config, state, input, cascade_nm);
-        let wrench = demand(config, &state.setpoint.flown, source, torque_body_nm);
+        let wrench = demand(config, state, source, torque_body_nm);
         let mix = mix(config, state, source, &wrench);
         state.last_wrench = wrench;
         state.last_mix = mix;
@@ -266,14 +272,15 @@ fn mix(config: &Config, state: &State, source: TorqueSource, wrench: &Wrench) ->
     }
 }
 
-fn demand(config: &Config, setpoint: &Setpoint, source: TorqueSource, mut torque_body_nm: [f32; 3]) -> Wrench {
+fn demand(config: &Config, state: &State, source: TorqueSource, mut torque_body_nm: [f32; 3]) -> Wrench {
     if let TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::EscCalibration = source {
         return Wrench::default();
     }
     if config.angle.yaw_locked {
         torque_body_nm[2] = 0.0;
     }
-    let lift_per_motor_n = config.mixer.lift_curve.lift(limit(setpoint.throttle, 0.0, 1.0));
+    let sought_n = config.mixer.lift_curve.lift(limit(state.setpoint.flown.throttle, 0.0, 1.0));
+    let lift_per_motor_n = state.touchdown.lift_share() * sought_n;
     Wrench { lift_per_motor_n, torque_body_nm }
 }
 

@@ -2,7 +2,7 @@
 //! [`table`] has each choice with its name and its range; [`crate::setup`] makes a configuration of them.
 //!
 //! ```text
-//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     96  CRC-32 of all before
+//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     98  CRC-32 of all before
 //! ```
 //! All little-endian; the payload is a word of 16 bits for each field of the table, in its order. A record that is not
 //! whole and sensible gives the defaults and forbids arming until somebody confirms them
@@ -21,7 +21,7 @@ use table::Field;
 pub const RECORD_LEN: usize = HEAD_LEN + PAYLOAD_LEN + CRC_LEN;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 5;
+const VERSION: u16 = 6;
 const HEAD_LEN: usize = 8;
 const PAYLOAD_LEN: usize = 2 * Field::ALL.len();
 const CRC_LEN: usize = 4;
@@ -54,6 +54,8 @@ pub struct Params {
     pub battery_arming_min_mv: u16,
     /// Throttle at which the vehicle hovers, 1/1000.
     pub hover_throttle_permille: u16,
+    /// Drag of the rotors over the mass, 1/1000 1/s.
+    pub rotor_drag_permille_1_s: u16,
     /// Free inputs per axis of the MPC, 1 to 30.
     pub control_horizon: u8,
     /// The motors' limits in the MPC, which couple the axes: with at most
@@ -87,6 +89,7 @@ impl Params {
         hil: false,
         battery_arming_min_mv: 10_500,
         hover_throttle_permille: 500,
+        rotor_drag_permille_1_s: 450,
         control_horizon: 5,
         motor_limits: false,
         linearisations: 1,
@@ -202,8 +205,17 @@ pub(crate) mod tests {
     pub(crate) fn any_params() -> impl Strategy<Value = Params> {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
-        (any::<[bool; 8]>(), 50u16..=490, any::<u16>(), 0u16..=1000, inputs, idle, any_radio()).prop_map(
-            |(switches, pwm_rate_hz, battery_arming_min_mv, hover, inputs, idle, (safety_button, radio))| {
+        let lift = (0u16..=1000, 10u16..=2000);
+        (any::<[bool; 8]>(), 50u16..=490, any::<u16>(), lift, inputs, idle, any_radio()).prop_map(
+            |(
+                switches,
+                pwm_rate_hz,
+                battery_arming_min_mv,
+                (hover, rotor_drag),
+                inputs,
+                idle,
+                (safety_button, radio),
+            )| {
                 let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
                 Params {
                     controller: if mpc { Controller::Mpc } else { Controller::Cascade },
@@ -214,6 +226,7 @@ pub(crate) mod tests {
                     hil,
                     battery_arming_min_mv,
                     hover_throttle_permille: hover,
+                    rotor_drag_permille_1_s: rotor_drag,
                     control_horizon: inputs.0,
                     motor_limits: limits,
                     linearisations: inputs.1,
@@ -268,12 +281,12 @@ pub(crate) mod tests {
         assert_eq!(crc32(b""), 0);
     }
 
-    /// The head of a record: magic, version 5, and the length of what lies between head and CRC.
+    /// The head of a record: magic, version 6, and the length of what lies between head and CRC.
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x05\0\x58\0");
-        assert_eq!(record.len(), 8 + 88 + 4);
+        assert_eq!(record[..8], *b"QCFG\x06\0\x5a\0");
+        assert_eq!(record.len(), 8 + 90 + 4);
         // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
         assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }

@@ -9,12 +9,13 @@ use crate::params::table::Field;
 use crate::params::{Params, Rig};
 use crate::radio::{RadioFault, RadioSetup};
 use crate::supervisor::SupervisorConfig;
+use crate::supervisor::touchdown::LOST_TO_DIPS;
 use crate::vehicle::VehicleParameters;
 
 /// Samples of the board's IMU per second.
 pub const IMU_RATE_HZ: u32 = 1000;
 
-/// Share of the hovering lift with which a vehicle that lost its link comes down.
+/// Mean share of the hovering lift with which a vehicle that lost its link comes down.
 const SINK_LIFT_SHARE: f32 = 0.9;
 
 /// What a set of choices means.
@@ -65,6 +66,8 @@ impl Setup {
         let loop_rate_hz = f32::from(params.loop_rate_hz);
         // with hardware in the loop every step brings its one sample
         let imu_rate_hz = if params.hil { loop_rate_hz } else { IMU_RATE_HZ as f32 };
+        let mut core = Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?;
+        core.sensing.estimator.levelling.rotor_drag_1_s = f32::from(params.rotor_drag_permille_1_s) / 1000.0;
         let config = Config {
             output: OutputConfig::new(params.pulses, PULSE_TIMER_HZ, &pulse_timer),
             supervisor: SupervisorConfig {
@@ -72,7 +75,8 @@ impl Setup {
                 sink_throttle: sink_throttle(params, &vehicle),
                 ..SupervisorConfig::NOMINAL
             },
-            ..Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?
+            touchdown: core.touchdown.hovering_with(hover_lift_n(params, &vehicle)),
+            ..core
         };
         let mpc = config::mpc_settings(&vehicle, &tuning, loop_rate_hz);
         let radio = if params.radio.flies { RadioSetup::new(&params.radio).map(Some) } else { Ok(None) };
@@ -88,14 +92,20 @@ impl Setup {
     }
 }
 
-/// Throttle at which the vehicle loses height slowly: nine tenths of the lift that holds it. A rotor that sinks gives
-/// more lift at the same speed (Leishman, Principles of Helicopter Aerodynamics, 2nd ed., 2.13 and 3.3: blade elements
-/// and momentum), so that a tenth too little ends as a steady 1 to 2 m/s for rotors of 10 inches, not as a fall.
+/// Throttle at which the vehicle loses height slowly: in the mean, dips included, nine tenths of the lift that holds
+/// it. A rotor that sinks gives more lift at the same speed (Leishman, Principles of Helicopter Aerodynamics, 2nd ed.,
+/// 2.13 and 3.3: blade elements and momentum), so that a tenth too little ends as a steady 2 m/s for rotors of 10
+/// inches, not as a fall. 0 on a rig.
 fn sink_throttle(params: &Params, vehicle: &VehicleParameters) -> f32 {
-    let hover = f32::from(params.hover_throttle_permille) / 1000.0;
+    let share = SINK_LIFT_SHARE / (1.0 - LOST_TO_DIPS);
+    vehicle.lift_curve.command(share * hover_lift_n(params, vehicle))
+}
+
+/// Lift of each motor that holds the vehicle in the air, N; none does on a rig.
+fn hover_lift_n(params: &Params, vehicle: &VehicleParameters) -> f32 {
     match params.rig {
         Rig::Gimbal => 0.0,
-        Rig::Free => vehicle.lift_curve.command(SINK_LIFT_SHARE * vehicle.lift_curve.lift(hover)),
+        Rig::Free => vehicle.lift_curve.lift(f32::from(params.hover_throttle_permille) / 1000.0),
     }
 }
 
@@ -123,6 +133,8 @@ mod tests {
             prop_assert_eq!(setup.config.controller, params.controller);
             prop_assert_eq!(setup.config.loop_rate_hz, f32::from(params.loop_rate_hz));
             prop_assert_eq!(setup.config.output.kind, params.pulses);
+            let drag_1_s = setup.config.sensing.estimator.levelling.rotor_drag_1_s;
+            prop_assert!((drag_1_s * 1000.0 - f32::from(params.rotor_drag_permille_1_s)).abs() < 0.01);
             let minimum_mv = setup.config.supervisor.battery_arming_min_v * 1000.0;
             prop_assert!((minimum_mv - f32::from(params.battery_arming_min_mv)).abs() < 0.01);
             let free = params.rig == Rig::Free;
@@ -142,8 +154,8 @@ mod tests {
         assert!((setup.config.mixer.lift_curve.command_at[0] - 0.15).abs() < 1e-6);
     }
 
-    /// The rig holds its vehicle; the free one sinks with nine tenths of what holds it, to what the table of the lift
-    /// curve rounds.
+    /// The rig holds its vehicle; the free one sinks with nine tenths of what holds it, to what the table of the
+    /// lift curve rounds.
     #[test]
     fn only_a_vehicle_that_could_fall_sinks() {
         let throttle = |rig| {
@@ -152,7 +164,8 @@ mod tests {
         };
         assert_eq!(throttle(Rig::Gimbal), 0.0);
         let curve = VehicleParameters::F450_FREE.lift_curve;
-        assert!((curve.lift(throttle(Rig::Free)) / curve.lift(0.54) - 0.9).abs() < 1e-4);
+        let sinks = curve.lift(throttle(Rig::Free)) / curve.lift(0.54);
+        assert!((sinks * (1.0 - LOST_TO_DIPS) - SINK_LIFT_SHARE).abs() < 1e-4, "{sinks}");
     }
 
     #[test]

@@ -18,6 +18,7 @@ mod arming;
 mod escs;
 pub mod flight_watch;
 pub mod throttle;
+pub mod touchdown;
 
 pub use arming::{Arming, DisarmedBecause, EscStage, Refusal};
 

@@ -13,6 +13,7 @@ use crate::signals::{Plan, PlanReport, Setpoint, StepInput, Wrench};
 use crate::supervisor::Arming;
 use crate::supervisor::flight_watch::FlightWatch;
 use crate::supervisor::throttle::Handover;
+use crate::supervisor::touchdown::Touchdown;
 use crate::torque_observer::ObserverState;
 
 /// All that the core remembers between steps.
@@ -30,6 +31,7 @@ pub struct State {
     pub(super) observer: ObserverState,
     pub(super) planning: PlanningState,
     pub(super) watch: FlightWatch,
+    pub(super) touchdown: Touchdown,
     pub(super) coasting: Coasting,
     /// A battery was connected at some time since start.
     pub(super) battery_seen: bool,
@@ -59,6 +61,7 @@ impl State {
             observer,
             planning,
             watch,
+            touchdown,
             coasting,
             battery_seen,
             last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
@@ -76,6 +79,7 @@ impl State {
         observer.record(words);
         planning.record(words);
         watch.record(words);
+        touchdown.record(words);
         coasting.record(words);
         words.word(u32::from(*battery_seen));
         words.number(*lift_per_motor_n);

@@ -11,6 +11,7 @@ use crate::config::{Tuning, mpc_settings};
 use crate::lift_curve::LiftCurve;
 use crate::record::state_words::{STATE_WORDS, StateWords};
 use crate::sensing::imu_health::ImuFault;
+use crate::signals::Setpoint;
 use crate::signals::{ArmingRequest, MotorTest, PlanReport, RawImuSample};
 use crate::supervisor::throttle::{FALL_1_S, HOLD_US};
 use crate::supervisor::{DisarmedBecause, IDLE_THROTTLE_MAX, Refusal};

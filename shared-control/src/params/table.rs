@@ -32,6 +32,8 @@ pub enum Field {
     Rig,
     /// [`Params::hover_throttle_permille`].
     HoverThrottle,
+    /// [`Params::rotor_drag_permille_1_s`].
+    RotorDrag,
     /// [`Params::battery_arming_min_mv`].
     BatteryArmingMin,
     /// [`Params::hil`].
@@ -65,7 +67,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 44] = [
+    pub const ALL: [Field; 45] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -75,6 +77,7 @@ impl Field {
         Field::PwmRate,
         Field::Rig,
         Field::HoverThrottle,
+        Field::RotorDrag,
         Field::BatteryArmingMin,
         Field::Hil,
         Field::GroundIdle,
@@ -144,6 +147,11 @@ impl Field {
             Field::HoverThrottle => {
                 ("HOVER_PERMILLE", Allowed::Range(0, 1000), "throttle of the test sequence, 1/1000")
             }
+            Field::RotorDrag => (
+                "ROTOR_DRAG_PM_S",
+                Allowed::Range(10, 2000),
+                "drag of the rotors over airspeed and mass, 1/1000 1/s: what shows the tilt in free flight",
+            ),
             Field::BatteryArmingMin => {
                 ("BATT_ARM_MIN_MV", Allowed::Range(0, u16::MAX), "battery voltage needed to arm, mV")
             }
@@ -206,6 +214,7 @@ impl Params {
             Field::PwmRate => self.pwm_rate_hz,
             Field::Rig => u16::from(self.rig == Rig::Free),
             Field::HoverThrottle => self.hover_throttle_permille,
+            Field::RotorDrag => self.rotor_drag_permille_1_s,
             Field::BatteryArmingMin => self.battery_arming_min_mv,
             Field::Hil => u16::from(self.hil),
             Field::GroundIdle => u16::from(self.ground_idle_percent),
@@ -234,6 +243,7 @@ impl Params {
             Field::PwmRate => params.pwm_rate_hz = value,
             Field::Rig => params.rig = if value == 0 { Rig::Gimbal } else { Rig::Free },
             Field::HoverThrottle => params.hover_throttle_permille = value,
+            Field::RotorDrag => params.rotor_drag_permille_1_s = value,
             Field::BatteryArmingMin => params.battery_arming_min_mv = value,
             Field::Hil => params.hil = value == 1,
             Field::GroundIdle => params.ground_idle_percent = value as u8,
@@ -290,6 +300,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(44)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(45)), (None, None, None));
     }
 }

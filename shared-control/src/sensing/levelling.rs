@@ -38,6 +38,8 @@ use covariance::{BIAS, Covariance, DRAG, Noises, STATES, TILT, VELOCITY};
 const WINDOW_S: f32 = 0.02;
 /// Beyond this nothing is a velocity of such a vehicle against the air, m/s.
 const VELOCITY_MAX_M_S: f32 = 100.0;
+/// Standard deviation of k at the start, over k.
+const DRAG_STD: f32 = 0.4;
 /// Range of k, 1/s.
 const DRAG_1_S: [f32; 2] = [0.01, 2.0];
 
@@ -58,10 +60,8 @@ const LOST_TILT_STD_RAD: f32 = 0.1;
 /// What is expected of vehicle and sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevellingConfig {
-    /// Drag of the rotors over the mass k, 1/s, and its standard deviation.
+    /// Drag of the rotors over the mass k, 1/s; known to [`DRAG_STD`] of it.
     pub rotor_drag_1_s: f32,
-    /// Of that.
-    pub rotor_drag_std_1_s: f32,
     /// Standard deviation of the tilt with which a flight begins, rad.
     pub tilt_std_rad: f32,
     /// Of the gyro's bias: running motors shake and warm it, rad/s.
@@ -85,7 +85,6 @@ impl LevellingConfig {
     /// 3(2), 2018) found. Gusts of a calm day. A gyro's bias moves by half a degree a second while the board warms.
     pub const NOMINAL: LevellingConfig = LevellingConfig {
         rotor_drag_1_s: 0.45,
-        rotor_drag_std_1_s: 0.18,
         tilt_std_rad: 0.01,
         bias_std_rad_s: 0.01,
         wind_std_m_s: 3.0,
@@ -137,7 +136,7 @@ impl Levelling {
     pub fn begin(config: &LevellingConfig, tilt_std_rad: f32) -> Self {
         let square = |std: f32| std * std;
         let (tilt, bias) = (square(tilt_std_rad), square(config.bias_std_rad_s));
-        let mut variances = [tilt, tilt, 0.0, 0.0, 0.0, bias, bias, bias, square(config.rotor_drag_std_1_s)];
+        let mut variances = [tilt, tilt, 0.0, 0.0, 0.0, bias, bias, bias, square(DRAG_STD * config.rotor_drag_1_s)];
         variances[VELOCITY..BIAS].fill(square(0.1));
         Self {
             support: Support::Held,

@@ -139,10 +139,10 @@ impl FlightWatch {
         let idles = felt.throttle <= IDLE_THROTTLE_MAX;
         let carried = beyond_gravity_m_s2 < CARRIED_WITHIN * config.gravity_m_s2;
         since(&mut self.idle_since_us, felt.time_us, idles);
-        since(&mut self.resting_since_us, felt.time_us, idles && carried && turning_rad_s < STILL_RAD_S);
+        let rests = idles && carried && turning_rad_s < STILL_RAD_S;
+        let rested_us = since(&mut self.resting_since_us, felt.time_us, rests);
         let lies = beyond_gravity_m_s2 < ACCELERATED_M_S2 && turning_rad_s < NO_ANSWER_RAD_S;
         since(&mut self.strayed_since_us, felt.time_us, lies && has_strayed(felt));
-        let rested_us = self.resting_since_us.map_or(0, |since_us| felt.time_us.saturating_sub(since_us));
         if rested_us >= LANDED_AFTER_US {
             self.stand();
         }
@@ -156,14 +156,22 @@ impl FlightWatch {
         }
     }
 
-    fn stand(&mut self) {
+    /// Length of the force that it feels, without what rotors do to it, m/s^2.
+    pub fn force_m_s2(&self) -> f32 {
+        length(&self.force.mean)
+    }
+
+    /// It is on the ground, whoever found out.
+    pub fn stand(&mut self) {
         let Self { force, rate, .. } = *self;
         *self = Self { force, rate, ..Self::default() };
     }
 }
 
-fn since(since_us: &mut Option<u64>, time_us: u64, holds: bool) {
+/// Keeps since when something holds; for how long by now, µs.
+pub(super) fn since(since_us: &mut Option<u64>, time_us: u64, holds: bool) -> u64 {
     *since_us = if holds { since_us.or(Some(time_us)) } else { None };
+    since_us.map_or(0, |since_us| time_us.saturating_sub(since_us))
 }
 
 fn length(vector: &Vector3<f32>) -> f32 {

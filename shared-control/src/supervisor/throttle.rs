@@ -2,7 +2,8 @@
 //! jump.
 //!
 //! ```text
-//!   link lost:  the throttle stays for 2 s, falls to where the vehicle sinks, stays there for 30 s, falls to idle
+//!   link lost:  the throttle stays for 2 s, falls to where the vehicle sinks, stays there for 30 s, falls to idle;
+//!               on the way down the ground is looked for (super::touchdown)
 //!   link back:  the throttle moves to what is demanded at a limited rate; from then on it is what is demanded
 //! ```
 //! On a rig that holds the vehicle it falls to idle at once. Angles need no such care: their reference is shaped.

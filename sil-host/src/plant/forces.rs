@@ -28,6 +28,7 @@ pub(super) struct Extended<'a> {
     pub(super) effects: &'a [Effect],
     pub(super) actuation: &'a Actuation,
     pub(super) air: &'a Air,
+    pub(super) disturbance_force_body_n: [f64; 3],
     /// Height of the rotors above ground at the place of the start, m.
     pub(super) start_height_m: f64,
     /// Start of the stretch, s.
@@ -178,7 +179,8 @@ impl Extended<'_> {
     /// Torque and force of the effects in free flight.
     fn loads(&self, body: &FreeBody, after_s: f64, state: &FreeState, lifts_n: [f64; 4], spin: NetSpin) -> Loads {
         let [_, _, _, _, _, _, w, x, y, z, rate_rad_s @ ..] = *state;
-        let push_body_n = free_flight::push_body_n(self.air, state);
+        let air_n = free_flight::push_body_n(self.air, state);
+        let push_body_n = core::array::from_fn(|axis| air_n[axis] + self.disturbance_force_body_n[axis]);
         if self.effects.is_empty() {
             return Loads { torque_body_nm: [0.0; 3], push_body_n };
         }

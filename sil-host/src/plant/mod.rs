@@ -49,7 +49,7 @@ pub struct Plant {
     effects: Vec<Effect>,
     /// What effects change of the vehicle's numbers.
     changes: Changes,
-    /// True if any effect changes more than the body's numbers.
+    /// True if any effect changes more than the body's numbers, or a force pushes from outside.
     extended: bool,
     actuation: Actuation,
     gravity_m_s2: f64,
@@ -60,6 +60,7 @@ pub struct Plant {
     /// What the commands in force make the motors do, see [`Propulsion::drive`].
     drive: [f64; 4],
     disturbance_torque_body_nm: [f64; 3],
+    disturbance_force_body_n: [f64; 3],
     start_height_m: f64,
     time_s: f64,
     /// Times at which an effect sets in, s, ascending.
@@ -106,6 +107,7 @@ impl Plant {
             rotor_phase_rad: None,
             drive: [0.0; 4],
             disturbance_torque_body_nm: [0.0; 3],
+            disturbance_force_body_n: [0.0; 3],
             start_height_m: changes.air.start_height_m.unwrap_or(START_HEIGHT_M),
             changes,
             effects,
@@ -134,6 +136,12 @@ impl Plant {
     /// Torque from outside on the body, (x, y, z), N m, from now on.
     pub fn set_disturbance_torque_body_nm(&mut self, torque_body_nm: [f64; 3]) {
         self.disturbance_torque_body_nm = torque_body_nm;
+    }
+
+    /// Force from outside on a free vehicle's centre of gravity, body axes, N, from now on.
+    pub fn set_disturbance_force_body_n(&mut self, force_body_n: [f64; 3]) {
+        self.disturbance_force_body_n = force_body_n;
+        self.extended = true;
     }
 
     /// Puts the vehicle at an attitude (roll, pitch, yaw; Z-Y-X, rad), turning at a body rate (p, q, r; rad/s).
@@ -345,6 +353,7 @@ impl Plant {
             effects: &self.effects,
             actuation: &self.actuation,
             air: &self.changes.air,
+            disturbance_force_body_n: self.disturbance_force_body_n,
             start_height_m: self.start_height_m,
             start_s: self.time_s,
         });

@@ -141,6 +141,25 @@ fn a_disturbance_torque_accelerates_by_the_inertia() {
     assert_eq!(plant.rate_body_rad_s(), [0.0; 3]);
 }
 
+/// Beside lift and gravity, which hold each other: felt at once, and along the body's axes.
+#[test]
+fn a_disturbance_force_accelerates_by_the_mass() {
+    let model = VehicleModel::nominal(Rig::Free);
+    let mut plant = Plant::new(&model);
+    let felt_before = plant.specific_force_body_m_s2();
+    let force_n = [0.3, -0.6, 1.2];
+    plant.set_disturbance_force_body_n(force_n);
+    let felt = plant.specific_force_body_m_s2();
+    plant.advance(0.2);
+    let velocity = plant.truth().velocity_ned_m_s;
+    for axis in 0..3 {
+        // 1.2 kg
+        assert!(close(felt[axis] - felt_before[axis], force_n[axis] / 1.2, 1e-12), "{felt:?}");
+        let hover_m_s2 = if axis == 2 { felt_before[2] + model.gravity_m_s2 } else { 0.0 };
+        assert!(close(velocity[axis], (force_n[axis] / 1.2 + hover_m_s2) * 0.2, 1e-9), "{velocity:?}");
+    }
+}
+
 #[test]
 fn advance_takes_whole_steps_and_ends_on_time() {
     let model = VehicleModel::nominal(Rig::Gimbal);

@@ -88,7 +88,8 @@ impl Plant {
         match &self.body {
             Body::Gimbal(_, [roll, pitch, ..]) => Gimbal::specific_force_body_m_s2([*roll, *pitch], self.gravity_m_s2),
             Body::Free(body, state) => {
-                let push_body_n = push_body_n(&self.changes.air, state);
+                let air_n = push_body_n(&self.changes.air, state);
+                let push_body_n = core::array::from_fn(|axis| air_n[axis] + self.disturbance_force_body_n[axis]);
                 body.specific_force_m_s2(self.lifts_n().iter().sum(), push_body_n)
             }
         }

@@ -107,23 +107,25 @@ fn take_off_steps_a_gust_and_landing_by_sticks() {
     println!("{} steps repeated to the bit", flight.twin.steps());
 }
 
-/// Level, then down at a speed that it survives, then disarmed, by itself: after the 30 s of sinking, since without a
-/// height sensor it does not know that it is down before the motors idle.
+/// Level, then down at a speed that it survives, then disarmed, by itself and within 3 s.
 #[test]
 fn a_lost_radio_brings_it_down() {
     let mut flight = hovering();
     flight.transmitter.as_mut().unwrap().switch_off();
     flight.run_for(260 * MILLISECOND);
     assert_eq!(flight.last().arming, Arming::LinkLost { since_us: 0 }.number());
-    let (mut left, before) = (400, flight.vehicle.borrow().touched_down().len());
+    let (mut left, before) = (1500, flight.vehicle.borrow().touched_down().len());
+    let mut down_at = None;
     while flight.last().arming != Arming::default().number() {
-        flight.run_for(100 * MILLISECOND);
+        flight.run_for(10 * MILLISECOND);
         left -= 1;
-        assert!(left > 0, "never down: {:?}", flight.vehicle.borrow().height());
+        assert!(left > 0, "never disarmed: {:?}", flight.vehicle.borrow().height());
+        down_at = down_at.or_else(|| flight.vehicle.borrow().is_down().then(|| flight.machine.now()));
     }
     let touched_down = flight.vehicle.borrow().touched_down()[before];
-    println!("without a radio it touches down at {:.2} m/s", touched_down.speed_m_s);
-    assert!(touched_down.stands(), "{touched_down:?}");
+    let down_ms = (flight.machine.now() - down_at.expect("on the ground")) / MILLISECOND;
+    println!("without a radio it touches down at {:.2} m/s, disarmed {down_ms} ms later", touched_down.speed_m_s);
+    assert!(touched_down.stands() && down_ms < 3000, "{touched_down:?}");
 }
 
 /// Nobody on TELEM1 and a low battery: who has the sticks flies on and lands.

@@ -1,7 +1,9 @@
 //! What ends a flight, and what does not: the core with the board's own configuration and link, around the simulated
 //! vehicle.
 
+mod outside;
 mod rig;
+mod touchdown;
 
 use rig::{Rig, RigFlight, STEP_US};
 use shared_control::config::Controller;

@@ -11,10 +11,13 @@ pub use shared_control::params::Rig;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingBlocks, Plan, Setpoint, StepInput};
 use shared_control::supervisor::Arming;
-use sil_host::model::{self, VehicleModel};
+use sil_host::model::{self, Mounting, VehicleModel};
 use sil_host::plant::Plant;
 use sil_host::sensors::Sensors;
 use sil_host::sensors::imu::quantise;
+use sil_host::sensors::random::RandomStream;
+
+use super::outside::{self, Air, Ground};
 
 /// A step of the loop.
 pub const STEP_US: u64 = 2500;
@@ -28,6 +31,9 @@ const TICK_US: u64 = 500;
 const ROTOR_DRAG_1_S: f64 = 0.3;
 const STILL: [f64; 3] = [0.0, 0.0, -9.81];
 
+/// A vehicle that is higher than that has not met the ground for good.
+const FLIES_AGAIN_M: f64 = 0.5;
+
 /// What holds the vehicle.
 #[derive(Clone, Copy, PartialEq)]
 enum Held {
@@ -38,9 +44,58 @@ enum Held {
     Tree,
 }
 
+/// A vehicle, what its owner knows of it, and what is around it.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub model: VehicleModel,
+    pub controller: Controller,
+    /// What the owner set for hovering over what hovers.
+    pub hover_throttle_factor: f64,
+    /// Offset of the accelerometer, body, m/s^2.
+    pub accel_bias_m_s2: [f64; 3],
+    pub ground: Ground,
+    pub air: Air,
+    pub seed: u64,
+}
+
+impl Scene {
+    /// In calm air, far from the ground.
+    pub fn calm(rig: Rig, controller: Controller) -> Self {
+        let model = VehicleModel::nominal(match rig {
+            Rig::Gimbal => model::Rig::Gimbal,
+            Rig::Free => model::Rig::Free,
+        })
+        .with_rotor_drag(ROTOR_DRAG_1_S);
+        Self {
+            model,
+            controller,
+            hover_throttle_factor: 1.0,
+            accel_bias_m_s2: [0.0; 3],
+            ground: Ground::NONE,
+            air: Air::STILL,
+            seed: 1,
+        }
+    }
+}
+
+/// How a vehicle met the ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Touched {
+    pub at_us: u64,
+    /// Speed downwards, m/s.
+    pub speed_m_s: f64,
+}
+
 /// A vehicle with its core.
 pub struct RigFlight {
     plant: Plant,
+    /// None for a vehicle on its rig.
+    mass_kg: Option<f64>,
+    ground: Ground,
+    air: Air,
+    gusts: RandomStream,
+    gust_m_s: [f64; 3],
+    touched: Option<Touched>,
     sensors: Sensors,
     held: Held,
     commander: Commander,
@@ -61,17 +116,29 @@ pub struct RigFlight {
 impl RigFlight {
     /// Armed at rest, then held until the motors carry it, and let go; it hovers.
     pub fn in_the_air(rig: Rig, controller: Controller) -> Self {
-        let model = VehicleModel::nominal(match rig {
-            Rig::Gimbal => model::Rig::Gimbal,
-            Rig::Free => model::Rig::Free,
-        })
-        .with_rotor_drag(ROTOR_DRAG_1_S);
-        let hover = (model.base_command * 1000.0).round() as u16;
-        let params = Params { rig, controller, hover_throttle_permille: hover, ..Params::DEFAULT };
+        Self::in_scene(&Scene::calm(rig, controller))
+    }
+
+    /// The same anywhere.
+    pub fn in_scene(scene: &Scene) -> Self {
+        let (model, controller) = (&scene.model, scene.controller);
+        let (rig, mass_kg) = match model.mounting {
+            Mounting::Gimbal { .. } => (Rig::Gimbal, None),
+            Mounting::Free { mass_kg } => (Rig::Free, Some(mass_kg)),
+        };
+        let hover_throttle_permille = (scene.hover_throttle_factor * model.base_command * 1000.0).round() as u16;
+        let params = Params { rig, controller, hover_throttle_permille, ..Params::DEFAULT };
         let setup = Setup::new(&params).unwrap();
+        let sensors = Sensors::new(&model.noise, scene.seed).with_effects(&model.effects);
         let mut flight = Self {
-            plant: Plant::new(&model),
-            sensors: Sensors::new(&model.noise, 1),
+            plant: Plant::new(model),
+            mass_kg,
+            ground: scene.ground,
+            air: scene.air,
+            gusts: RandomStream::new(scene.seed, "gusts"),
+            gust_m_s: [0.0; 3],
+            touched: None,
+            sensors: sensors.with_bias([0.0; 3], scene.accel_bias_m_s2),
             held: Held::Ground,
             commander: Commander::new(&LinkSettings::NOMINAL, ArmingBlocks::default()),
             config: setup.config,
@@ -91,7 +158,7 @@ impl RigFlight {
         flight.commander.order(&Order::Arm, flight.now_us);
         flight.fly_for(0.1);
         assert_eq!(flight.arming(), Arming::Armed);
-        flight.throttle_stick(f32::from(hover) / 1000.0);
+        flight.throttle_stick(model.base_command as f32);
         flight.fly_for(0.1);
         flight.held = Held::Nothing;
         flight.fly_for(0.5);
@@ -108,6 +175,7 @@ impl RigFlight {
             let step_is_due = self.now_us.is_multiple_of(STEP_US);
             let output = step_is_due.then(|| self.control());
             if self.held == Held::Nothing {
+                self.push();
                 self.plant.advance(TICK_US as f64 * 1e-6);
             }
             self.now_us += TICK_US;
@@ -116,6 +184,23 @@ impl RigFlight {
                 return output;
             }
         }
+    }
+
+    /// Ground and air about a free vehicle.
+    fn push(&mut self) {
+        let Some(mass_kg) = self.mass_kg else { return };
+        let truth = self.plant.truth();
+        self.gust_m_s = self.gust_m_s.map(|gust_m_s| self.air.next_gust_m_s(gust_m_s, TICK_US, &mut self.gusts));
+        let height_m = outside::height_m(&self.ground, &truth);
+        let of_air_n = outside::of_air(&self.air, mass_kg, &truth, self.gust_m_s, height_m);
+        let (of_ground_n, torque_body_nm) = outside::of_ground(&self.ground, mass_kg, &truth);
+        if height_m > FLIES_AGAIN_M {
+            self.touched = None;
+        } else if self.touched.is_none() && of_ground_n != [0.0; 3] {
+            self.touched = Some(Touched { at_us: self.now_us, speed_m_s: truth.velocity_ned_m_s[2] });
+        }
+        self.plant.set_disturbance_torque_body_nm(torque_body_nm);
+        self.plant.set_disturbance_force_body_n(std::array::from_fn(|axis| of_air_n[axis] + of_ground_n[axis]));
     }
 
     fn tick_link(&mut self) {
@@ -217,6 +302,20 @@ impl RigFlight {
 
     pub fn sink_throttle(&self) -> f32 {
         self.config.supervisor.sink_throttle
+    }
+
+    /// When and how it met the ground, unless it left it again.
+    pub fn touched(&self) -> Option<Touched> {
+        self.touched
+    }
+
+    pub fn now_us(&self) -> u64 {
+        self.now_us
+    }
+
+    /// True speed downwards, m/s.
+    pub fn sinks_m_s(&self) -> f64 {
+        self.plant.truth().velocity_ned_m_s[2]
     }
 
     pub fn roll_deg(&self) -> f64 {

@@ -9,6 +9,15 @@ const RADIO_LOST_MS: u64 = LINK_LOST_MS - 3000 + 250;
 const WATCH_LOST_RADIO_MS: u64 = RADIO_LOST_MS + 300;
 const KILL_MS: u64 = 50;
 const KILL: usize = 5;
+const THROTTLE: usize = 3;
+
+/// From the loss to the descent.
+const HELD_MS: u64 = 250 + 2000;
+/// From the ground to the end of the motors.
+const LANDED_MS: u64 = 3000;
+/// Up to two metres, and down again with nine tenths of the lift.
+const UP_MS: u64 = 1000;
+const DOWN_MS: u64 = 4000;
 
 const RADIO: Row = Row { radio: true, ..NOTHING };
 const FLIES_ON: Row = Row { end: End::FliesOn, watch_ms: 2500, ..RADIO };
@@ -29,6 +38,29 @@ const KILLED: Row = Row {
 
 pub const RADIO_ROWS: &[Row] = &[
     Row { fault: "radio: transmitter off", inject: switch_off, ..LOST },
+    Row {
+        fault: "radio, free flight: transmitter off in the air",
+        free: true,
+        inject: |flight| {
+            flight.set_stick(THROTTLE, 1565);
+            flight.run_for(UP_MS * MILLISECOND);
+            // hover, as a pilot would have it by then
+            flight.set_stick(THROTTLE, 1544);
+            flight.run_for(20 * MILLISECOND);
+            switch_off(flight);
+        },
+        within_ms: UP_MS + HELD_MS + DOWN_MS + LANDED_MS,
+        watch_ms: UP_MS + HELD_MS + DOWN_MS + LANDED_MS + 300,
+        ..LOST
+    },
+    Row {
+        fault: "radio, free flight: transmitter off on the ground, throttle half up",
+        free: true,
+        inject: switch_off,
+        within_ms: HELD_MS + LANDED_MS,
+        watch_ms: HELD_MS + LANDED_MS + 300,
+        ..LOST
+    },
     Row {
         fault: "radio: transmitter off for 1 s",
         inject: |flight| {

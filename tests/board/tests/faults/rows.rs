@@ -3,8 +3,8 @@
 use emulated_board::{Flight, MILLISECOND, Sensor, SensorFault};
 use mavlink::dialects::common::MavCmd;
 use shared_control::config::Controller;
-use shared_control::params::Params;
 use shared_control::params::radio::RadioParams;
+use shared_control::params::{Params, Rig};
 
 /// How the outputs end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +34,8 @@ pub struct Row {
     pub mpc: bool,
     /// By the radio's sticks instead of the test sequence.
     pub radio: bool,
+    /// Nothing holds the vehicle but the ground, on which it stands until it is lifted.
+    pub free: bool,
     pub before: fn(&mut Flight),
     pub inject: fn(&mut Flight),
     /// For how long it is looked at, ms.
@@ -67,6 +69,7 @@ pub const NOTHING: Row = Row {
     says: &[],
     mpc: false,
     radio: false,
+    free: false,
     before: |_| {},
     inject: |_| {},
     watch_ms: 600,
@@ -77,7 +80,9 @@ impl Row {
         let controller = if self.mpc { Controller::Mpc } else { Controller::Cascade };
         // a throttle that is found again in memory
         let radio = RadioParams { flies: self.radio, kill_channel: 5, ..RadioParams::DEFAULT };
-        Params { controller, hover_throttle_permille: HOVER_PERMILLE, radio, ..Params::DEFAULT }
+        let (rig, hover_throttle_permille) =
+            if self.free { (Rig::Free, FREE_HOVER_PERMILLE) } else { (Rig::Gimbal, HOVER_PERMILLE) };
+        Params { controller, rig, hover_throttle_permille, radio, ..Params::DEFAULT }
     }
 }
 
@@ -85,6 +90,8 @@ impl Row {
 const FULL_THROTTLE_US: u64 = 2000;
 
 const HOVER_PERMILLE: u16 = 487;
+/// Of the free F450.
+const FREE_HOVER_PERMILLE: u16 = 540;
 
 pub const ROWS: &[Row] = &[
     Row {
