@@ -24,6 +24,7 @@ mod source;
 mod time_base;
 mod ulog;
 mod usdlog;
+mod wanted;
 mod write;
 
 use std::path::Path;
@@ -34,6 +35,7 @@ pub use map::{BUILT_IN_MAPS, Map, Threshold};
 pub use quantity::{GRAVITY_M_S2, Quantity};
 pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
 pub use rig_shown::RigShown;
+pub use wanted::{NotWanted, Rows, Wanted};
 pub use write::{write, write_file};
 
 /// A format that a file may have.
