@@ -22,6 +22,10 @@ pub struct LogArguments {
     /// crazypad_motor, sharif, sharif_pitch, sharif_roll_pitch, sharif_yaw)
     #[arg(long, value_name = "MAP")]
     map: Option<String>,
+    /// Turn the log's body axes about yaw, clockwise seen from above, so that the motors stand as an X: 45 for a plus
+    /// frame. Where the log's head or the map says so, it is done without this
+    #[arg(long, value_name = "DEG")]
+    frame_turn: Option<f64>,
     /// Only the rows from this time on, s
     #[arg(long, value_name = "S")]
     from: Option<f64>,
@@ -100,7 +104,11 @@ impl LogArguments {
             (None, None, None) => Rows::Flown,
             (from, to, _) => Rows::Between(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)),
         };
-        Ok(Wanted { map, rows, unchecked: self.unchecked })
+        let frame_turn_deg = self.frame_turn.unwrap_or(0.0);
+        if !(-360.0..=360.0).contains(&frame_turn_deg) {
+            return Err(bad_input(format!("--frame-turn {frame_turn_deg}: expected an angle of -360 to 360 degrees")));
+        }
+        Ok(Wanted { map, frame_turn_deg, rows, unchecked: self.unchecked })
     }
 
     /// What was said of the vehicle and of what flew it.
@@ -147,6 +155,7 @@ impl LogArguments {
         let number = |value: Option<f64>| value.map(|value| value.to_string());
         let said = [
             ("--map", self.map.clone()),
+            ("--frame-turn", number(self.frame_turn)),
             ("--from", number(self.from)),
             ("--to", number(self.to)),
             ("--flight", self.flight.map(|flight| flight.to_string())),

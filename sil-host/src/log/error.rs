@@ -88,6 +88,8 @@ pub enum LogErrorKind {
     #[error("can't be what its columns say{}", listed(.0))]
     Contradictory(Vec<Contradiction>),
     #[error("{0}")]
+    NotTurned(String),
+    #[error("{0}")]
     MapSyntax(String),
     #[error("no such file, and no built-in map of that name; built in are: {0}")]
     NoSuchMap(String),

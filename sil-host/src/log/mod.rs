@@ -22,6 +22,7 @@ mod rig_shown;
 pub mod sanity;
 mod source;
 mod time_base;
+mod turned;
 mod ulog;
 mod usdlog;
 mod wanted;

@@ -27,6 +27,8 @@ pub enum Rows {
 pub struct Wanted {
     /// What its columns mean; none for those of docs/log-format.md and of flight controllers.
     pub map: Option<Map>,
+    /// By how much its body axes are turned about yaw ([`Log::turned`]), deg, beyond what map or file say.
+    pub frame_turn_deg: f64,
     /// Its rows.
     pub rows: Rows,
     /// True to compare even what contradicts its labels.
@@ -66,7 +68,7 @@ impl Wanted {
     /// # Errors
     /// [`NotWanted`].
     pub fn of(&self, log: Log) -> Result<Log, NotWanted> {
-        let mut part = self.part(log)?;
+        let mut part = self.part(log.turned(self.frame_turn_deg)?)?;
         if self.unchecked {
             part.notes.push("not checked against itself (--unchecked)".to_owned());
             return Ok(part);

@@ -330,7 +330,7 @@ mod tests {
             .small_multiples(text, [chart.clone(), chart.clone()])
             .side_by_side(text, [Chart::over(text, text, text).series(text, &[0.0, 1.0], &[2.0, 3.0]), chart.clone()])
             .bars(Bars::new(text).bar(text, 30.0, Some([20.0, 40.0])).rest(text, 70.0))
-            .card(Card::new(Tone::Good).line(text, text))
+            .card(Card::new(Tone::Bad).line(text, text))
             .table(
                 Table::new(text, &[text, "PID", "MPC"])
                     .comparison(text, &[1.0, 2.0], 1, Better::Lower)

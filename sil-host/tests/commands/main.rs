@@ -10,6 +10,7 @@ mod identify;
 mod json;
 mod labels;
 mod logs;
+mod maps;
 mod pages;
 mod sil;
 mod usage;
