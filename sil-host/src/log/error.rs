@@ -55,6 +55,8 @@ pub enum LogErrorKind {
     NoReadings { wanted: &'static str, here: String },
     #[error("expected at least {ROWS_MIN} rows with rates, angles and commands, found {rows}; it holds {streams}")]
     TooFewRowsInCommon { rows: usize, streams: String },
+    #[error("{0}")]
+    OtherFile(&'static str),
     #[error("not UTF-8 text; expected a CSV file")]
     NotText,
     #[error("the file is empty; expected a header line and at least {ROWS_MIN} rows")]

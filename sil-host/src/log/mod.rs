@@ -15,6 +15,7 @@ mod joined;
 mod map;
 mod messages;
 mod motor_order;
+mod other_files;
 mod part;
 mod quantity;
 mod recording;
