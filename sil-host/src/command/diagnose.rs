@@ -18,14 +18,14 @@ use super::{Failure, bad_input, print, write_file, write_json};
     after_help = "Example: sil diagnose out/rig.csv --report out/diagnosis.html   (sil synth out/rig.csv makes a log)\n\
 Example: sil diagnose bench.csv.gz --map antx\n\
 Example: sil diagnose today.csv --baseline normal1.csv --baseline normal2.csv\n\
-Example: sil diagnose flights/*.ulg --report out/flights.html   (one table; a log that can't be read does not stop it)\n\n\
+Example: sil diagnose flights/*.ulg --report out/flights.html   (one table)\n\n\
 Effects are fitted to half of the log, in windows of 0.5 s, chosen by a quarter, judged by the rest. Then\n\
 `sil compare LOG --model out/extended.toml` shows what remains. docs/reading-a-diagnosis.md explains the figures."
 )]
 pub struct DiagnoseArguments {
     #[command(flatten)]
     log: LogArguments,
-    /// More logs, each with its own answer, all in one table
+    /// More logs, each with its own answer, all in one table; one that can't be read is a row that says why
     #[arg(value_name = "MORE", conflicts_with_all = ["baseline", "extended", "experiment"])]
     more: Vec<PathBuf>,
     /// Search the whole log only, not other cuts of it: the answer comes sooner, and without how far it hangs on where

@@ -22,6 +22,7 @@ mod recording;
 mod rig_shown;
 pub mod sanity;
 mod source;
+mod style;
 mod time_base;
 mod turned;
 mod ulog;

@@ -136,7 +136,8 @@ impl Frame {
     }
 }
 
-/// The quadrotors whose motors stand as an X, or do in turned axes, with the numbering and the spins of AP_MotorsMatrix.
+/// The quadrotors whose motors stand as an X, or do in turned axes, with the numbering and the spins of
+/// AP_MotorsMatrix.
 const FRAMES: [Frame; 9] = {
     const PLUS: &str = "a plus: an X in axes that are turned by 45 degrees";
     const FR: (bool, bool, bool) = (true, true, true);
