@@ -14,13 +14,14 @@
 //!             '-- commands -- shared-control            v                       v
 //!                  (the core)           |           comparison    diagnosis: findings, verdict, evidence
 //!                                       v               |                       |
-//!              metrics, margins, flight_log             '-------> report <------'
+//!              metrics, margins, flight_log             '--> answer: text, page (report), JSON
 //! ```
 //!
 //! # Where to begin
 //! - A flight: [`flight::FlightSetup`], from a [`model::VehicleModel`], a [`controller_file::ControllerChoice`] and a
 //!   [`scenario::Scenario`].
-//! - A log: [`log::read`]; then [`comparison::compare`] or [`diagnosis::diagnose`].
+//! - A log: [`log::read`]; then [`comparison::compare`] or [`diagnosis::diagnose`]. From bytes to words, page and JSON:
+//!   [`answer`].
 //! - A log with known effects in it: [`synthesis::Synthesis`] and [`effects::Effect`].
 //! - The binary `sil` (`main.rs`, `command/`) is a thin layer of arguments and printing over these; the library prints
 //!   nothing.
@@ -54,6 +55,7 @@
 //! - **Plan**: the MPC's answer for one step. **Preview**: the shaped reference over the MPC's horizon.
 //! - **Margins**: gain, phase and delay margins, measured on the running code.
 
+pub mod answer;
 pub mod axis;
 pub mod bench_mpc;
 pub mod closed_loop;

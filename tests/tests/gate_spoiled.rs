@@ -211,7 +211,7 @@ const OF_MOTORS: [Spoiled; 9] = [
 const OF_THE_FRAME: [Spoiled; 1] = [Spoiled {
     name: "a frame turned by 45 degrees",
     spoil: turn_gyro_by_45_degrees,
-    names: &["45 degrees", "plus frame"],
+    names: &["degrees about yaw", "plus frame", "frame_turn_deg ="],
 }];
 
 const OF_THE_ACCELEROMETER: [Spoiled; 6] = [

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
+use sil_host::answer::text_table::TextTable;
 use sil_host::bench_mpc::{CaseResult, solve_file};
 
-use super::text_table::TextTable;
 use super::{Failure, bad_input, print, write_json};
 
 /// Solve benchmark instances with the shipped f32 solver and compare with the exact solutions

@@ -4,6 +4,9 @@ use std::io::IsTerminal;
 use std::path::Path;
 
 use shared_control::config::Controller;
+use sil_host::answer::diagnosis::first_screen;
+use sil_host::answer::flight::flown::fly_one;
+use sil_host::answer::{comparison, diagnosis as answer_of, flight};
 use sil_host::comparison::compare;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::diagnosis;
@@ -14,13 +17,9 @@ use sil_host::prediction::Subject;
 use sil_host::report::{Page, Section};
 use sil_host::scenario::Scenario;
 
-use super::flight_text::summary_text;
-use super::flown::fly_one;
+use super::output::emphasised;
 use super::progress_line::ProgressLine;
-use super::{
-    Failure, bad_input, compare as compare_command, compare_report, diagnose_answer, diagnose_report, diagnose_text,
-    failed, flight_report, make_folder, print, write_file,
-};
+use super::{Failure, bad_input, failed, make_folder, print, write_file};
 
 /// The rig log that ships: synthetic, flown by the thesis' MPC (100 Hz, M = 1) on a ring that is off balance.
 /// Made by `sil synth --effect "cg_offset:axis=pitch,cos_moment_nm=0.2" --rate 100 --control-rate 100 --seed 5`
@@ -46,15 +45,16 @@ pub fn run() -> Result<(), Failure> {
             let setup = FlightSetup { model: model.clone(), controller_model: None, choice, scenario, seed: 0 };
             fly_one(choice.name(), setup)
         })
-        .collect::<Result<Vec<_>, _>>()?;
-    print(summary_text(&flown))?;
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(bad_input)?;
+    print(flight::text::summary_text(&flown))?;
 
     print("2. A rig log compared with the simulation\n\n")?;
     let log = log::parse(RIG_LOG_NAME, RIG_LOG, None).map_err(failed)?;
     let controller = ControllerChoice::parse(RIG_LOG_CONTROLLER, "thesis-mpc.toml").map_err(failed)?;
     let subject = Subject::Vehicle(&model);
-    let comparison = compare(&log, &subject, Some(controller)).map_err(bad_input)?;
-    print(compare_command::summary_text(&log, &comparison, &subject))?;
+    let compared = compare(&log, &subject, Some(controller)).map_err(bad_input)?;
+    print(comparison::text::summary_text(&log, &compared, &subject))?;
 
     print("\n3. What the simulation gets wrong\n")?;
     let answer = {
@@ -63,16 +63,16 @@ pub fn run() -> Result<(), Failure> {
         diagnosis::diagnose_observed(&log, &subject, &known, effort, &|progress| line.show(progress))
             .map_err(bad_input)?
     };
-    print(diagnose_text::verdict_text(&answer))?;
+    print(answer_of::text::verdict_text(&answer, emphasised))?;
 
-    let page = Page::new(diagnose_answer::headline(&answer)).about(
+    let page = Page::new(first_screen::headline(&answer)).about(
         "Demonstration: a rig log compared with the simulation, and the cause of the disagreement. The log is \
          synthetic: it was made with a ring that is off balance, as the thesis suspected of its own.",
     );
-    let page = diagnose_answer::first_screen(page, &log, &answer);
-    let diagnosis = diagnose_report::sections(&log, &answer);
-    let comparison = compare_report::sections(&log, &comparison).into_iter().map(Section::folded);
-    let flights = flight_report::sections(&flown).into_iter();
+    let page = first_screen::first_screen(page, &log, &answer);
+    let diagnosis = answer_of::page::sections(&log, &answer);
+    let comparison = comparison::page::sections(&log, &compared).into_iter().map(Section::folded);
+    let flights = flight::page::sections(&flown).into_iter();
     let page = diagnosis.into_iter().chain(comparison).chain(flights).fold(page, Page::section);
     let page =
         page.provenance("Command", "sil").provenance("Seed", "0").provenance("Version", env!("CARGO_PKG_VERSION"));

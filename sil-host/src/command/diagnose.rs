@@ -1,35 +1,33 @@
 //! `sil diagnose`: what the simulation gets wrong, its cause, the extended model, the gain on held-out data.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use sil_host::closed_loop::LogRefused;
-use sil_host::diagnosis::{
-    BetweenFlights, Effort, Fact, Given, Known, Subject, Verdict, diagnose_against, diagnose_flown_by,
-    diagnose_observed, extended_model,
-};
+use sil_host::answer::{Answered, HeldAgainst, Row, Said, baseline, several_json, several_page, several_text};
+use sil_host::diagnosis::{BetweenFlights, Effort, Fact, Given, Verdict, diagnose_against};
 use sil_host::log::Log;
-use sil_host::model::VehicleModel;
 
 use super::log_arguments::{LogArguments, quoted};
-use super::log_subject::chosen;
+use super::output::emphasised;
 use super::progress_line::ProgressLine;
-use super::{
-    Failure, bad_input, baseline_report, diagnose_report, diagnose_text, identify, print, write_file, write_json,
-};
+use super::{Failure, bad_input, print, write_file, write_json};
 
 /// Find what the simulation gets wrong in a measured log, and name the cause
 #[derive(Args)]
 #[command(
     after_help = "Example: sil diagnose out/rig.csv --report out/diagnosis.html   (sil synth out/rig.csv makes a log)\n\
 Example: sil diagnose bench.csv.gz --map antx\n\
-Example: sil diagnose today.csv --baseline normal1.csv --baseline normal2.csv\n\n\
+Example: sil diagnose today.csv --baseline normal1.csv --baseline normal2.csv\n\
+Example: sil diagnose flights/*.ulg --report out/flights.html   (one table)\n\n\
 Effects are fitted to half of the log, in windows of 0.5 s, chosen by a quarter, judged by the rest. Then\n\
 `sil compare LOG --model out/extended.toml` shows what remains. docs/reading-a-diagnosis.md explains the figures."
 )]
 pub struct DiagnoseArguments {
     #[command(flatten)]
     log: LogArguments,
+    /// More logs, each with its own answer, all in one table; one that can't be read is a row that says why
+    #[arg(value_name = "MORE", conflicts_with_all = ["baseline", "extended", "experiment"])]
+    more: Vec<PathBuf>,
     /// Search the whole log only, not other cuts of it: the answer comes sooner, and without how far it hangs on where
     /// the log was cut
     #[arg(long, conflicts_with = "thorough")]
@@ -87,31 +85,78 @@ impl DiagnoseArguments {
     /// The option that separate axes can't serve.
     fn wants_vehicle(&self) -> Option<&'static str> {
         let extended = self.extended.as_ref().map(|_| "--extended");
-        let experiment = self.experiment.as_ref().map(|_| "--experiment");
-        extended.or(experiment).or(self.known.first().map(|_| "--known"))
+        extended.or(self.experiment.as_ref().map(|_| "--experiment"))
+    }
+
+    fn facts(&self) -> Result<Vec<Fact>, Failure> {
+        let facts: Result<_, _> = self.known.iter().map(|text| Fact::parse(text)).collect();
+        facts.map_err(|error| bad_input(format!("--known {error}")))
     }
 
     /// The flight against normal ones.
-    fn against_baseline(&self, log: &Log, model: Option<&VehicleModel>, known: &Known) -> Result<(), Failure> {
+    fn against_baseline(&self, log: &Log, said: &Said, facts: &[Fact]) -> Result<(), Failure> {
         if let Some(option) = self.log.controller_option() {
             return Err(bad_input(format!("--baseline compares flights, not controllers: leave out {option}")));
         }
+        let against = HeldAgainst::as_said(log, said, facts, self.wants_vehicle()).map_err(bad_input)?;
         let normal = self.baseline.iter().map(|path| self.log.read_other(path)).collect::<Result<Vec<Log>, _>>()?;
-        let subject = model.map_or(Subject::Axes, Subject::Vehicle);
         let answer = {
             let line = ProgressLine::new();
             let between = if self.untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };
-            let given = Given { known, between };
-            diagnose_against(log, &normal, &subject, given, &|progress| line.show(progress)).map_err(bad_input)?
+            let given = Given { known: &against.known, between };
+            diagnose_against(log, &normal, &against.subject(), given, &|progress| line.show(progress))
+                .map_err(bad_input)?
         };
-        print(baseline_report::text(&answer))?;
+        print(baseline::text(&answer))?;
         if let Some(path) = &self.report {
-            let page = baseline_report::page(&answer, &self.command());
+            let page = baseline::page(&answer, &self.command());
             write_file(path, page.to_html().as_bytes())?;
             print(format!("report          {}\n", path.display()))?;
         }
         write_json(self.json.as_deref(), &answer)?;
         self.judged(answer.verdict)
+    }
+
+    /// Several logs, one answer each.
+    fn each(&self, said: &Said, facts: &[Fact]) -> Result<(), Failure> {
+        let paths: Vec<&Path> = [self.log.path()].into_iter().chain(self.more.iter().map(PathBuf::as_path)).collect();
+        let mut rows = Vec::new();
+        for path in &paths {
+            let line = ProgressLine::of_several(rows.len() + 1, paths.len());
+            let answered = self.log.read_other(path).and_then(|log| {
+                let against = HeldAgainst::of(&log, said, facts, None).map_err(bad_input)?;
+                Answered::of(log, against, self.effort(), &|progress| line.show(progress)).map_err(bad_input)
+            });
+            rows.push(Row::of(path, answered.map_err(|failure| failure.message)));
+        }
+        print(several_text(&rows))?;
+        if let Some(path) = &self.report {
+            write_file(path, several_page(&rows, &self.command()).to_html().as_bytes())?;
+            print(format!("report          {}\n", path.display()))?;
+        }
+        write_json(self.json.as_deref(), &several_json(&rows))?;
+        // what scripts were to stop at weighs more than a file that can't be read
+        rows.iter().filter_map(Row::verdict).try_for_each(|verdict| self.judged(verdict))?;
+        match rows.iter().filter(|row| row.verdict().is_none()).count() {
+            0 => Ok(()),
+            failed => Err(bad_input(format!("{failed} of {} logs have no answer, see the table", rows.len()))),
+        }
+    }
+
+    /// Writes what was requested of a vehicle's diagnosis: the extended model, the flight to fly next.
+    fn write_models(&self, answered: &Answered) -> Result<(), Failure> {
+        if let (Some(path), Some(extended)) = (&self.extended, answered.extended().map_err(bad_input)?) {
+            write_file(path, extended.to_toml().as_bytes())?;
+            print(format!("extended model  {}\n", path.display()))?;
+        }
+        let Some(path) = &self.experiment else { return Ok(()) };
+        match answered.diagnosis.experiment.as_ref().and_then(|experiment| experiment.scenario.as_ref()) {
+            Some(scenario) => {
+                write_file(path, scenario.to_script().as_bytes())?;
+                print(format!("experiment      {}\n", path.display()))
+            }
+            None => print("experiment      none: no effects to separate, or no flight that would\n"),
+        }
     }
 
     /// A failure where scripts wanted one.
@@ -130,7 +175,7 @@ impl DiagnoseArguments {
 
     /// How it was called, for the page.
     fn command(&self) -> String {
-        let mut command = self.log.command("diagnose");
+        let mut command = self.log.command("diagnose", &self.more);
         for fact in &self.known {
             command.push_str(&format!(" --known {fact}"));
         }
@@ -142,70 +187,29 @@ impl DiagnoseArguments {
         }
         command
     }
-
-    /// The model with what is known in place of its own numbers.
-    fn with_known(&self, model: Option<VehicleModel>) -> Result<(Option<VehicleModel>, Known), Failure> {
-        let Some(model) = model else { return Ok((None, Known::default())) };
-        let facts: Result<Vec<Fact>, _> = self.known.iter().map(|text| Fact::parse(text)).collect();
-        let known = facts.and_then(|facts| Known::of(&model, &facts));
-        let (model, known) = known.map_err(|error| bad_input(format!("--known {error}")))?;
-        Ok((Some(model), known))
-    }
 }
 
 pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
+    let (said, facts) = (arguments.log.said()?, arguments.facts()?);
+    if !arguments.more.is_empty() {
+        return arguments.each(&said, &facts);
+    }
     let log = arguments.log.read()?;
-    let controller = arguments.log.controller()?;
     if !arguments.baseline.is_empty() {
-        let model = arguments.log.vehicle(&log, arguments.wants_vehicle())?;
-        let (model, known) = arguments.with_known(model)?;
-        return arguments.against_baseline(&log, model.as_ref(), &known);
+        return arguments.against_baseline(&log, &said, &facts);
     }
-    let chosen = chosen(&arguments.log, &log, arguments.wants_vehicle())?;
-    let (model, known) = arguments.with_known(chosen.vehicle)?;
-    if !chosen.said.is_empty() {
-        print(format!("{}\n", chosen.said))?;
-    }
-    if let Some(identified) = &chosen.identified {
-        print(format!("{}\n", identify::table(identified)))?;
-    }
-    let effort = arguments.effort();
-    let answer = {
+    let against = HeldAgainst::of(&log, &said, &facts, arguments.wants_vehicle()).map_err(bad_input)?;
+    print(against.text())?;
+    let answered = {
         let line = ProgressLine::new();
-        let observer = |progress| line.show(progress);
-        match (&model, controller) {
-            (Some(model), Some(choice)) => diagnose_flown_by(&log, model, choice, &known, effort, &observer),
-            (Some(model), None) => {
-                diagnose_observed(&log, &Subject::Vehicle(model), &known, effort, &observer).map_err(LogRefused::from)
-            }
-            (None, _) => {
-                let axes = chosen.bench.as_ref().map_or(Subject::Axes, Subject::Bench);
-                diagnose_observed(&log, &axes, &known, effort, &observer).map_err(LogRefused::from)
-            }
-        }
+        Answered::of(log, against, arguments.effort(), &|progress| line.show(progress)).map_err(bad_input)?
     };
-    let answer = answer.map_err(|error| arguments.log.refused(&log, &error))?;
-    print(diagnose_text::answer_text(&log, &answer))?;
-    if let (Some(path), Some(model)) = (&arguments.extended, &model) {
-        let extended = extended_model(model, &answer.findings).map_err(bad_input)?;
-        write_file(path, extended.to_toml().as_bytes())?;
-        print(format!("extended model  {}\n", path.display()))?;
-    }
-    if let Some(path) = &arguments.experiment {
-        match answer.experiment.as_ref().and_then(|experiment| experiment.scenario.as_ref()) {
-            Some(scenario) => {
-                write_file(path, scenario.to_script().as_bytes())?;
-                print(format!("experiment      {}\n", path.display()))?;
-            }
-            None => print("experiment      none: no effects to separate, or no flight that would\n")?,
-        }
-    }
+    print(answered.text(emphasised))?;
+    arguments.write_models(&answered)?;
     if let Some(path) = &arguments.report {
-        let page = diagnose_report::page(&log, &answer, &arguments.command());
-        let page = if chosen.said.is_empty() { page } else { page.lead(&chosen.said) };
-        write_file(path, page.to_html().as_bytes())?;
+        write_file(path, answered.page(&arguments.command()).to_html().as_bytes())?;
         print(format!("report          {}\n", path.display()))?;
     }
-    write_json(arguments.json.as_deref(), &answer)?;
-    arguments.judged(answer.verdict)
+    write_json(arguments.json.as_deref(), &answered.diagnosis)?;
+    arguments.judged(answered.diagnosis.verdict)
 }

@@ -6,17 +6,16 @@ use clap::Args;
 use clap::builder::RangedU64ValueParser;
 use serde::Serialize;
 use shared_control::config::Controller;
+use sil_host::answer::flight::flown::{FlownController, fly_one};
+use sil_host::answer::flight::page::page;
+use sil_host::answer::flight::text::summary_text;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::flight::{FlightSetup, RunSummary};
 use sil_host::flight_log::flight_log;
 use sil_host::model::Rig;
 use sil_host::scenario::Scenario;
 
-use super::flight_text::summary_text;
-use super::flown::{FlownController, fly_one};
-use super::{
-    Failure, RigArgument, bad_input, failed, flight_report, make_folder, print, vehicle_model, write_file, write_json,
-};
+use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle_model, write_file, write_json};
 
 /// Fly the thesis' test sequence, or a script, in co-simulation
 #[derive(Args)]
@@ -99,7 +98,7 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
             let (model, controller_model) = (model.clone(), controller_model.clone());
             let setup =
                 FlightSetup { model, controller_model, choice, scenario: scenario.clone(), seed: arguments.seed };
-            fly_one(&name, setup)
+            fly_one(&name, setup).map_err(bad_input)
         })
         .collect::<Result<_, _>>()?;
     print(summary_text(&flown))?;
@@ -111,7 +110,7 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
         }
     }
     if let Some(path) = &arguments.report {
-        write_file(path, flight_report::page(&flown, &command_line(arguments)).to_html().as_bytes())?;
+        write_file(path, page(&flown, &command_line(arguments)).to_html().as_bytes())?;
         print(format!("report  {}\n", path.display()))?;
     }
     write_json(arguments.json.as_deref(), &FlyJson { runs: flown.iter().map(|one| &one.flight.summary).collect() })

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use sil_host::answer::flight::figures::{FOLLOWING, WHOLE_FLIGHT};
+use sil_host::answer::text_table::{TextTable, number};
 use sil_host::hitl::{self, BoardPort, HitlFlight, HitlSetup, Patience};
 
-use super::figures::{FOLLOWING, WHOLE_FLIGHT};
-use super::text_table::{TextTable, number};
 use super::{Failure, RigArgument, bad_input, failed, print, vehicle_model, write_json};
 
 /// Simulate the vehicle for a board in the loop, which flies the test sequence

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use sil_host::diagnosis::{Identification, Identified, KnownScale, identify, identify_axes, manoeuvres_for};
+use sil_host::answer::identified::{table, table_of};
+use sil_host::diagnosis::{Identified, KnownScale, identify, identify_axes};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
-use super::text_table::TextTable;
 use super::{Failure, bad_input, print, to_stdout, write_file, write_json};
 
 /// Make a model of a vehicle from its own logs: what each motor does, how late, how lift grows with the command
@@ -103,31 +103,4 @@ fn heads(logs: &[Log]) -> String {
         log.notes.iter().for_each(|note| text.push_str(&format!("  {note}\n")));
     }
     text
-}
-
-/// The numbers of a vehicle, but for the twelve of single motors about single axes, which stand in the file.
-pub fn table(identified: &Identification) -> String {
-    let is_single =
-        |name: &str| name.starts_with("motor") && ["roll", "pitch", "yaw"].iter().any(|a| name.ends_with(a));
-    let shown: Vec<Identified> = identified.numbers.iter().filter(|one| !is_single(&one.name)).cloned().collect();
-    table_of(&shown)
-}
-
-/// Numbers, and what to fly for those that the logs do not show.
-fn table_of(numbers: &[Identified]) -> String {
-    let mut table = TextTable::new(["identified", "value", "95 % interval"]);
-    for number in numbers {
-        let digits = number.own.decimals().unwrap_or(6);
-        let [low, high] = number.interval();
-        let unit = if number.unit.is_empty() { String::new() } else { format!(", {}", number.unit) };
-        let mark = if number.to_fly.is_some() { "   not excited" } else { "" };
-        table.row([
-            format!("{}{unit}", number.name),
-            format!("{:.digits$}", number.own.value),
-            format!("{low:.digits$} to {high:.digits$}{mark}"),
-        ]);
-    }
-    let to_fly = manoeuvres_for(numbers).into_iter();
-    let more: String = to_fly.map(|to_fly| format!("to know what is not excited: {to_fly}\n")).collect();
-    table.to_string() + &more
 }

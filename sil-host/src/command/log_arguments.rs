@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use sil_host::closed_loop::LogRefused;
+use sil_host::answer::{Said, SaidModel, SaidRig};
 use sil_host::controller_file::ControllerChoice;
-use sil_host::log::flown::Flown;
-use sil_host::log::{self, Log, Map, sanity};
-use sil_host::model::{BenchModel, Rig, VehicleModel};
+use sil_host::log::{self, Log, Map, Rows, Wanted};
+use sil_host::model::Rig;
 
 use super::output::STANDARD_STREAM;
-use super::{Failure, bad_input, vehicle_model};
+use super::{Failure, bad_input};
 
 // A doc comment here would stand in the place of the command's own help.
 #[derive(Args)]
@@ -23,6 +22,10 @@ pub struct LogArguments {
     /// crazypad_motor, sharif, sharif_pitch, sharif_roll_pitch, sharif_yaw)
     #[arg(long, value_name = "MAP")]
     map: Option<String>,
+    /// Turn the log's body axes about yaw, clockwise seen from above, so that the motors stand as an X: 45 for a plus
+    /// frame. Where the log's head or the map says so, it is done without this
+    #[arg(long, value_name = "DEG")]
+    frame_turn: Option<f64>,
     /// Only the rows from this time on, s
     #[arg(long, value_name = "S")]
     from: Option<f64>,
@@ -61,7 +64,22 @@ enum LogRig {
     Axis,
 }
 
+impl From<LogRig> for SaidRig {
+    fn from(rig: LogRig) -> SaidRig {
+        match rig {
+            LogRig::Gimbal => SaidRig::Vehicle(Rig::Gimbal),
+            LogRig::Free => SaidRig::Vehicle(Rig::Free),
+            LogRig::Axis => SaidRig::Axis,
+        }
+    }
+}
+
 impl LogArguments {
+    /// The log's path, as it was given.
+    pub fn path(&self) -> &Path {
+        &self.log
+    }
+
     /// Reads the log, or the part of it that was requested.
     pub fn read(&self) -> Result<Log, Failure> {
         self.read_other(&self.log)
@@ -69,38 +87,40 @@ impl LogArguments {
 
     /// Reads another log of the same kind, the same part of it.
     pub fn read_other(&self, path: &Path) -> Result<Log, Failure> {
-        let map = self.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
-        let log = if path == Path::new(STANDARD_STREAM) {
-            log::read_from(Path::new("stdin"), &mut std::io::stdin().lock(), map.as_ref())
-        } else {
-            log::read(path, map.as_ref())
-        };
-        let log = log.map_err(bad_input)?;
-        let mut part = self.part(log)?;
-        if self.unchecked {
-            part.notes.push("not checked against itself (--unchecked)".to_owned());
-            return Ok(part);
+        let wanted = self.wanted()?;
+        if path == Path::new(STANDARD_STREAM) {
+            return wanted.read(Path::new("stdin"), &mut std::io::stdin().lock()).map_err(bad_input);
         }
-        let examination = sanity::gate(&part, map.as_ref()).map_err(|error| {
-            bad_input(format!("{error}\n(sil map {} drafts a map; --unchecked compares nevertheless)", path.display()))
-        })?;
-        part.notes.push(match examination.confirmed.as_slice() {
-            [] => "too short or too quiet to check units, signs and order of its columns".to_owned(),
-            confirmed => format!("checked: {}", confirmed.join("; ")),
-        });
-        Ok(part)
+        let log = log::read(path, wanted.map.as_ref()).map_err(bad_input)?;
+        wanted.of(log).map_err(bad_input)
     }
 
-    /// The rows that were requested, else what flew.
-    fn part(&self, log: Log) -> Result<Log, Failure> {
-        if self.from.is_some() || self.to.is_some() {
-            let (from_s, to_s) = (self.from.unwrap_or(f64::NEG_INFINITY), self.to.unwrap_or(f64::INFINITY));
-            return log.between(from_s, to_s).map_err(bad_input);
+    /// What of a log was requested.
+    fn wanted(&self) -> Result<Wanted, Failure> {
+        let map = self.map.as_deref().map(Map::load).transpose().map_err(bad_input)?;
+        let rows = match (self.from, self.to, self.flight) {
+            (None, None, _) if self.whole => Rows::All,
+            (None, None, Some(number)) => Rows::Flight(number),
+            (None, None, None) => Rows::Flown,
+            (from, to, _) => Rows::Between(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)),
+        };
+        let frame_turn_deg = self.frame_turn.unwrap_or(0.0);
+        if !(-360.0..=360.0).contains(&frame_turn_deg) {
+            return Err(bad_input(format!("--frame-turn {frame_turn_deg}: expected an angle of -360 to 360 degrees")));
         }
-        if self.whole {
-            return Ok(log);
-        }
-        Flown::of(&log).part(&log, self.flight).map_err(|error| bad_input(format!("{}: {error}", log.path)))
+        Ok(Wanted { map, frame_turn_deg, rows, unchecked: self.unchecked })
+    }
+
+    /// What was said of the vehicle and of what flew it.
+    pub fn said(&self) -> Result<Said, Failure> {
+        let model = |file: &PathBuf| Ok((file.display().to_string(), SaidModel::load(file).map_err(bad_input)?));
+        let controller = |name: &String| Ok((name.clone(), ControllerChoice::from_argument(name).map_err(bad_input)?));
+        Ok(Said {
+            is_mapped: self.map.is_some(),
+            rig: self.rig.map(SaidRig::from),
+            model: self.model.as_ref().map(model).transpose()?,
+            controller: self.controller.as_ref().map(controller).transpose()?,
+        })
     }
 
     /// Are logs to be identified as a vehicle's, and not as separate axes? The rig that was said decides, else the
@@ -119,91 +139,23 @@ impl LogArguments {
         }
     }
 
-    /// The model of a bench that was named; none where it is of another rig, or none was.
-    pub fn bench(&self) -> Result<Option<BenchModel>, Failure> {
-        let Some(file) = &self.model else { return Ok(None) };
-        let bench = BenchModel::load(file).map_err(bad_input)?;
-        match self.rig {
-            Some(rig) if bench.is_some() && rig != LogRig::Axis => {
-                Err(bad_input(format!("{} is a model for the rig axis, but --rig says another", file.display())))
-            }
-            _ if bench.is_some() && self.controller.is_some() => {
-                Err(bad_input("the rig axis has no controller to simulate: leave out --controller"))
-            }
-            _ => Ok(bench),
-        }
-    }
-
-    /// True where a model, a rig or a controller was named: then nothing is to be guessed.
-    pub fn says_what_flew(&self) -> bool {
-        self.model.is_some() || self.rig.is_some() || self.controller.is_some()
-    }
-
-    /// Is the log in other people's columns or format, so that its vehicle is other people's?
-    pub fn is_foreign(&self, log: &Log) -> bool {
-        self.map.is_some() || log.flight_controller.is_some() || log.driven_by_axis_commands()
-    }
-
-    /// What flew, where that was said.
-    pub fn controller(&self) -> Result<Option<ControllerChoice>, Failure> {
-        self.controller.as_deref().map(ControllerChoice::from_argument).transpose().map_err(bad_input)
-    }
-
-    /// The failure for a log that does not fit the options given for it.
-    pub fn refused(&self, log: &Log, error: &LogRefused) -> Failure {
-        match (error, &self.controller) {
-            (LogRefused::Setup(_), Some(controller)) => bad_input(format!("--controller {controller}: {error}")),
-            _ => bad_input(format!("{}: {error}", log.path)),
-        }
-    }
-
-    /// The vehicle that the log is of; none for separate axes, with which an option that `wants_vehicle` can't be
-    /// given. The rig is the one that was said; else the model's; else `axis` for a log in other people's columns,
-    /// which is of other people's vehicle, or without motors. For a flight controller's own log there is no default:
-    /// nobody said what it is to be held against.
-    pub fn vehicle(&self, log: &Log, wants_vehicle: Option<&str>) -> Result<Option<VehicleModel>, Failure> {
-        if let (Some(flight_controller), None, None, None) =
-            (&log.flight_controller, &self.map, &self.rig.map(|_| ()), &self.model)
-        {
-            let path = &log.path;
-            return Err(bad_input(format!(
-                "{path}: a log of {flight_controller} does not say which vehicle flew: give its model with --model, \
-                 or take each axis by itself with --rig axis"
-            )));
-        }
-        let foreign = self.map.is_some() || log.driven_by_axis_commands();
-        let rig = match self.rig {
-            None if foreign && self.model.is_none() => Some(LogRig::Axis),
-            said => said,
-        };
-        let rig = match rig {
-            Some(LogRig::Axis) => {
-                let controller = self.controller.as_ref().map(|_| "--controller");
-                return match self.model.as_ref().map(|_| "--model").or(wants_vehicle).or(controller) {
-                    Some(option) => Err(bad_input(format!("--rig axis has no vehicle model: leave out {option}"))),
-                    None => Ok(None),
-                };
-            }
-            Some(LogRig::Gimbal) => Some(Rig::Gimbal),
-            Some(LogRig::Free) => Some(Rig::Free),
-            None => None,
-        };
-        vehicle_model(self.model.as_deref(), rig).map(Some)
-    }
-
     /// The option that names a controller, where it was given.
     pub fn controller_option(&self) -> Option<&'static str> {
         self.controller.as_ref().map(|_| "--controller")
     }
 
     /// How the command was called, for a page that shows how to make it again.
-    pub fn command(&self, name: &str) -> String {
-        let mut command = format!("sil {name} {}", quoted(&self.log.display().to_string()));
+    pub fn command(&self, name: &str, more: &[PathBuf]) -> String {
+        let mut command = format!("sil {name}");
+        for log in [&self.log].into_iter().chain(more) {
+            command.push_str(&format!(" {}", quoted(&log.display().to_string())));
+        }
         let rig = self.rig.and_then(|rig| rig.to_possible_value()).map(|value| value.get_name().to_owned());
         let model = self.model.as_ref().map(|model| model.display().to_string());
         let number = |value: Option<f64>| value.map(|value| value.to_string());
         let said = [
             ("--map", self.map.clone()),
+            ("--frame-turn", number(self.frame_turn)),
             ("--from", number(self.from)),
             ("--to", number(self.to)),
             ("--flight", self.flight.map(|flight| flight.to_string())),

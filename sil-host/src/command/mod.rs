@@ -1,38 +1,25 @@
 //! One file per subcommand; each reads its arguments, calls the library and prints.
 
-mod baseline_report;
 mod bench_mpc;
 mod compare;
-mod compare_report;
 mod demonstration;
 mod diagnose;
-mod diagnose_answer;
-mod diagnose_evidence;
-mod diagnose_report;
-mod diagnose_text;
-mod figures;
-mod flight_report;
-mod flight_text;
-mod flown;
 mod fly;
 mod hitl;
 mod identify;
-mod key_window;
 mod log_arguments;
-mod log_subject;
 mod map;
 mod output;
-mod plain_words;
 mod progress_line;
 mod shell;
 mod synth;
-mod text_table;
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use output::{make_folder, print, to_stdout, write_file, write_json};
+use sil_host::answer::on_rig;
 use sil_host::model::{Rig, VehicleModel};
 
 /// Quadrotor attitude control in simulation: fly the thesis' testbed, compare the simulation with measured logs.
@@ -136,13 +123,5 @@ fn vehicle_model(file: Option<&Path>, rig: Option<Rig>) -> Result<VehicleModel, 
         return Ok(VehicleModel::nominal(rig.unwrap_or(Rig::Gimbal)));
     };
     let model = VehicleModel::load(file).map_err(bad_input)?;
-    match rig {
-        Some(rig) if rig != model.rig() => Err(bad_input(format!(
-            "{} is a model for the rig {}, but --rig says {}",
-            file.display(),
-            model.rig().name(),
-            rig.name()
-        ))),
-        _ => Ok(model),
-    }
+    on_rig(model, &file.display().to_string(), rig).map_err(bad_input)
 }

@@ -59,7 +59,6 @@ pub fn make_folder(path: &Path) -> Result<(), Failure> {
 /// Writes a value as JSON, if a file or stdout was requested.
 pub fn write_json(path: Option<&Path>, value: &impl serde::Serialize) -> Result<(), Failure> {
     let Some(path) = path else { return Ok(()) };
-    let mut text = serde_json::to_string_pretty(value).map_err(failed)?;
-    text.push('\n');
+    let text = sil_host::answer::json(value).map_err(failed)?;
     if path == Path::new(STANDARD_STREAM) { to_stdout(text) } else { write_file(path, text.as_bytes()) }
 }

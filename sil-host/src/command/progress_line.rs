@@ -4,7 +4,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use sil_host::diagnosis::Progress;
 
 /// A line on stderr that is gone with the value.
-pub struct ProgressLine(ProgressBar);
+pub struct ProgressLine {
+    bar: ProgressBar,
+    /// Which of several logs it is; empty for one.
+    log: String,
+}
 
 impl ProgressLine {
     pub fn new() -> Self {
@@ -12,7 +16,14 @@ impl ProgressLine {
         if let Ok(style) = ProgressStyle::with_template("[{bar:30}] {elapsed}, about {eta} left: {msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self(bar)
+        Self { bar, log: String::new() }
+    }
+
+    /// For one of several logs, counted from 1.
+    pub fn of_several(number: usize, of: usize) -> Self {
+        let mut line = Self::new();
+        line.log = format!("log {number} of {of}: ");
+        line
     }
 
     pub fn show(&self, progress: Progress) {
@@ -26,14 +37,14 @@ impl ProgressLine {
             Progress::Judging => (1, 1, "judging the findings".to_owned()),
             Progress::Separating { done, total } => (done, total, "looking for a separating flight".to_owned()),
         };
-        self.0.set_length(total as u64);
-        self.0.set_position(done as u64);
-        self.0.set_message(message);
+        self.bar.set_length(total as u64);
+        self.bar.set_position(done as u64);
+        self.bar.set_message(format!("{}{message}", self.log));
     }
 }
 
 impl Drop for ProgressLine {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 }

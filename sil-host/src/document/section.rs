@@ -5,11 +5,13 @@
 
 use std::cell::RefCell;
 use std::ops::Range;
+use std::rc::Rc;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{ModelError, Position, Problem};
+use super::key_read::{Holds, KeyRead};
 use super::spelling::did_you_mean;
 
 /// The numbers that a key admits, and how to say so.
@@ -78,25 +80,51 @@ pub(crate) struct Section<'a> {
     span: Range<usize>,
     table: &'a DeTable<'a>,
     known: RefCell<Vec<&'static str>>,
+    /// What was asked of the whole document.
+    reads: Rc<RefCell<Vec<KeyRead>>>,
 }
 
 impl<'a> Section<'a> {
     /// The whole document.
     pub(crate) fn root(source: Source<'a>, document: &'a Spanned<DeTable<'a>>) -> Self {
-        Self::new(source, String::new(), 0..0, document.get_ref())
+        let (known, reads) = (RefCell::default(), Rc::default());
+        Self { source, path: String::new(), span: 0..0, table: document.get_ref(), known, reads }
     }
 
-    fn new(source: Source<'a>, path: String, span: Range<usize>, table: &'a DeTable<'a>) -> Self {
-        Self { source, path, span, table, known: RefCell::new(Vec::new()) }
+    /// A table within it.
+    fn within(&self, path: String, span: Range<usize>, table: &'a DeTable<'a>) -> Self {
+        let (known, reads) = (RefCell::default(), Rc::clone(&self.reads));
+        Self { source: self.source, path, span, table, known, reads }
+    }
+
+    /// All keys that were asked for in the document, tables aside.
+    pub(crate) fn reads(&self) -> Vec<KeyRead> {
+        self.reads.borrow().clone()
+    }
+
+    fn note(&self, key: &'static str, holds: Holds, is_optional: bool, default: Option<f64>) {
+        self.reads.borrow_mut().push(KeyRead { table: self.path.clone(), key, holds, is_optional, default });
     }
 
     /// The number at `key`.
     pub(crate) fn number(&self, key: &'static str, range: Admissible) -> Result<f64, ModelError> {
-        self.optional_number(key, range)?.ok_or_else(|| self.missing(key, range.describe()))
+        self.note(key, Holds::Number(range), false, None);
+        self.number_if_there(key, range)?.ok_or_else(|| self.missing(key, range.describe()))
+    }
+
+    /// The number at `key`, or this one if there is no such key.
+    pub(crate) fn number_or(&self, key: &'static str, range: Admissible, default: f64) -> Result<f64, ModelError> {
+        self.note(key, Holds::Number(range), true, Some(default));
+        Ok(self.number_if_there(key, range)?.unwrap_or(default))
     }
 
     /// The number at `key`, or none if there is no such key.
     pub(crate) fn optional_number(&self, key: &'static str, range: Admissible) -> Result<Option<f64>, ModelError> {
+        self.note(key, Holds::Number(range), true, None);
+        self.number_if_there(key, range)
+    }
+
+    fn number_if_there(&self, key: &'static str, range: Admissible) -> Result<Option<f64>, ModelError> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
@@ -131,6 +159,7 @@ impl<'a> Section<'a> {
 
     /// The text at `key`.
     pub(crate) fn text(&self, key: &'static str, what: &'static str) -> Result<&'a str, ModelError> {
+        self.note(key, Holds::Text(what), false, None);
         let value = self.get(key).ok_or_else(|| self.missing(key, what.to_owned()))?;
         value.get_ref().as_str().ok_or_else(|| self.wrong_type(key, value, what.to_owned()))
     }
@@ -139,7 +168,11 @@ impl<'a> Section<'a> {
     pub(crate) fn choice<T: Copy>(&self, key: &'static str, choices: &[(&'static str, T)]) -> Result<T, ModelError> {
         let names: Vec<_> = choices.iter().map(|(name, _)| format!("\"{name}\"")).collect();
         let expected = names.join(" or ");
-        let Some(value) = self.get(key) else {
+        let value = self.get(key);
+        let found = value.and_then(|value| value.get_ref().as_str()).unwrap_or_default().to_owned();
+        let names = choices.iter().map(|(name, _)| *name).collect();
+        self.note(key, Holds::Choice { names, found }, false, None);
+        let Some(value) = value else {
             return Err(self.missing(key, expected));
         };
         let Some(found) = value.get_ref().as_str() else {
@@ -159,7 +192,7 @@ impl<'a> Section<'a> {
         let table =
             value.get_ref().as_table().ok_or_else(|| self.wrong_type(key, value, format!("a table [{key}]")))?;
         let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
-        Ok(Section::new(self.source, path, value.span(), table))
+        Ok(self.within(path, value.span(), table))
     }
 
     /// The table at `key`, or none if there is no such key.
@@ -178,7 +211,7 @@ impl<'a> Section<'a> {
         for element in array.iter() {
             let table = element.get_ref().as_table().ok_or_else(|| self.wrong_type(key, element, expected.clone()))?;
             let path = format!("[{key}]");
-            sections.push(Section::new(self.source, path, element.span(), table));
+            sections.push(self.within(path, element.span(), table));
         }
         Ok(sections)
     }

@@ -9,10 +9,11 @@
 //! each message must name the very line that an editor shows.
 
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
-use super::map::{Map, MappedColumn};
+use super::map::{Map, MappedColumn, Term};
 use super::messages::Table;
 use super::quantity::Quantity;
 use super::recording::{Recording, Stream, StreamColumn};
+use super::style::Style;
 use super::{Content, Format, Log, note_gaps, source, time_base};
 use crate::axis::Axis;
 
@@ -50,6 +51,7 @@ pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError>
         None => named_fields(&names, &mut log),
     };
     let fields = fields.map_err(|(column, kind)| error_in(file, Some(header_line), column, kind))?;
+    let turn_deg = map.map_or(0.0, |map| map.frame_turn_deg);
     let rows = read_rows(file, lines, &names, &fields, &mut style)?;
     if let Some(cut) = cut {
         log.notes.push(format!("line {cut} left out: it has no line end and may be cut off"));
@@ -61,7 +63,7 @@ pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError>
         {
             return Err(error_in(file, Some(header_line), Some(name), kind));
         }
-        return merged(file, &names, &fields, rows, log);
+        return merged(file, &names, &fields, rows, log)?.turned(turn_deg);
     }
     for (field, column) in fields.iter().zip(rows.columns) {
         log.set_column(field.quantity, column);
@@ -70,7 +72,7 @@ pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError>
         return Err(error_in(file, None, None, LogErrorKind::TooFewRows(log.rows())));
     }
     note_gaps(&mut log);
-    Ok(log)
+    log.turned(turn_deg)
 }
 
 /// Every column that holds numbers, under its own name, whatever it means; a field that is no number is NaN.
@@ -105,37 +107,6 @@ fn whole_lines(text: &str, line_end: char) -> (&str, Option<usize>) {
     }
 }
 
-/// How numbers and fields are written in a file.
-struct Style {
-    separator: char,
-    /// The first mark of a fraction that was found.
-    decimal: Option<char>,
-}
-
-impl Style {
-    /// The separator is whichever of three the header has most of.
-    fn of(header: &str) -> Style {
-        let separators = [',', ';', '\t'];
-        // the first of equals
-        let most = separators.into_iter().rev().max_by_key(|separator| header.matches(*separator).count());
-        Style { separator: most.unwrap_or(','), decimal: None }
-    }
-
-    /// A number, written with a point or, where commas do not separate fields, with a comma, the same in all the file.
-    fn number(&mut self, text: &str) -> Result<f64, LogErrorKind> {
-        let is_comma = self.separator != ',' && text.contains(',');
-        let mark = if is_comma { Some(',') } else { text.contains('.').then_some('.') };
-        if let (Some(before), Some(mark)) = (self.decimal, mark)
-            && before != mark
-        {
-            return Err(LogErrorKind::OtherDecimalMark { before, field: text.to_owned() });
-        }
-        self.decimal = self.decimal.or(mark);
-        let parsed = if is_comma && !text.contains('.') { text.replacen(',', ".", 1).parse() } else { text.parse() };
-        parsed.map_err(|_| LogErrorKind::NotANumber(text.to_owned()))
-    }
-}
-
 /// A required column without any value.
 fn all_blank(names: &[&str], fields: &[Field], rows: &Rows) -> Option<(String, LogErrorKind)> {
     let by_axis = fields.iter().all(|field| !matches!(field.quantity, Quantity::Motor(_)));
@@ -157,7 +128,7 @@ fn merged(file: &str, names: &[&str], fields: &[Field], rows: Rows, log: Log) ->
         match field.quantity {
             Quantity::Time => stream.time_s = value,
             quantity => {
-                columns.push(StreamColumn { quantity, source: names[field.index].to_owned(), value });
+                columns.push(StreamColumn { quantity, source: field.called(names), value });
             }
         }
     }
@@ -182,12 +153,40 @@ fn error_in(file: &str, line: Option<usize>, column: Option<String>, kind: LogEr
 /// What is wrong with a header, and the column it is about.
 type HeaderError = (Option<String>, LogErrorKind);
 
-/// One field of each row that is read, and how it becomes a quantity.
+/// Fields of each row that are read, and how they become a quantity: the sum of each times its scale, and the offset.
 struct Field {
     quantity: Quantity,
-    index: usize,
-    scale: f64,
+    /// Places in the row, with their scales; at least one.
+    terms: Vec<(usize, f64)>,
     offset: f64,
+}
+
+impl Field {
+    /// The column's name, or those of a sum.
+    fn called(&self, names: &[&str]) -> String {
+        self.terms.iter().map(|(index, _)| names[*index]).collect::<Vec<_>>().join(" + ")
+    }
+
+    /// The value in a row; NaN if any of its fields is blank.
+    fn value(&self, row: &[&str], style: &mut Style) -> Result<f64, LogErrorKind> {
+        if self.quantity != Quantity::Time && self.terms.iter().any(|(index, _)| row[*index].is_empty()) {
+            return Ok(f64::NAN);
+        }
+        let mut value = self.offset;
+        for (index, scale) in &self.terms {
+            let raw = style.number(row[*index])?;
+            value += scale * raw;
+            if !value.is_finite() {
+                return Err(LogErrorKind::NotFinite(row[*index].to_owned()));
+            }
+        }
+        let range = self.quantity.range();
+        if range.contains(&value) {
+            return Ok(value);
+        }
+        let (min, max, hint) = (*range.start(), *range.end(), hint(value, self.quantity));
+        Err(LogErrorKind::OutOfRange { value, min, max, hint })
+    }
 }
 
 /// The fields of a log whose header speaks for itself.
@@ -200,10 +199,10 @@ fn named_fields(names: &[&str], log: &mut Log) -> Result<Vec<Field>, HeaderError
             continue;
         };
         if let Some(first) = fields.iter().find(|field| field.quantity == quantity) {
-            let kind = LogErrorKind::GivenTwice { first: names[first.index].to_owned(), second: (*name).to_owned() };
+            let kind = LogErrorKind::GivenTwice { first: first.called(names), second: (*name).to_owned() };
             return Err((Some(quantity.name()), kind));
         }
-        fields.push(Field { quantity, index, scale, offset: 0.0 });
+        fields.push(Field { quantity, terms: vec![(index, scale)], offset: 0.0 });
     }
     let has = |quantity| fields.iter().any(|field| field.quantity == quantity);
     let by_axis =
@@ -244,7 +243,8 @@ fn mapped_fields(names: &[&str], map: &Map, log: &mut Log) -> Result<Vec<Field>,
     for mapped in &map.columns {
         fields.push(mapped_field(names, mapped, &map.name)?);
     }
-    let is_ignored = |name: &&str| map.columns.iter().all(|mapped| mapped.column != **name);
+    let taken = map.columns.iter().flat_map(|mapped| &mapped.terms).map(|term| term.column.as_str());
+    let is_ignored = |name: &&str| taken.clone().all(|column| column != *name);
     let ignored: Vec<&str> = names.iter().copied().filter(is_ignored).collect();
     log.axes = map.axes;
     log.active_when = map.active_when;
@@ -255,19 +255,20 @@ fn mapped_fields(names: &[&str], map: &Map, log: &mut Log) -> Result<Vec<Field>,
 }
 
 fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Field, HeaderError> {
-    let mut indices = (0..names.len()).filter(|index| names[*index] == mapped.column);
-    let Some(index) = indices.next() else {
-        let kind = LogErrorKind::MissingColumn {
-            reason: format!("column is missing, which the map {map} takes for {}", mapped.quantity.name()),
-            present: names.join(", "),
-        };
-        return Err((Some(mapped.column.clone()), kind));
+    let place = |term: &Term| {
+        let fail = |kind| Err((Some(term.column.clone()), kind));
+        let mut indices = (0..names.len()).filter(|index| names[*index] == term.column);
+        match (indices.next(), indices.next()) {
+            (Some(index), None) => Ok((index, term.scale)),
+            (None, _) => fail(LogErrorKind::MissingColumn {
+                reason: format!("column is missing, which the map {map} takes for {}", mapped.quantity.name()),
+                present: names.join(", "),
+            }),
+            _ => fail(LogErrorKind::GivenTwice { first: term.column.clone(), second: term.column.clone() }),
+        }
     };
-    if indices.next().is_some() {
-        let kind = LogErrorKind::GivenTwice { first: mapped.column.clone(), second: mapped.column.clone() };
-        return Err((Some(mapped.column.clone()), kind));
-    }
-    Ok(Field { quantity: mapped.quantity, index, scale: mapped.scale, offset: mapped.offset })
+    let terms = mapped.terms.iter().map(place).collect::<Result<_, _>>()?;
+    Ok(Field { quantity: mapped.quantity, terms, offset: mapped.offset })
 }
 
 fn missing(quantity: Quantity, others: &[Quantity], names: &[&str]) -> HeaderError {
@@ -334,43 +335,21 @@ fn read_rows<'a>(
             return Err(error_in(file, Some(line), None, kind));
         }
         for (field, column) in fields.iter().zip(&mut rows.columns) {
-            if row[field.index].is_empty() && field.quantity != Quantity::Time {
-                rows.blanks += 1;
-                column.push(f64::NAN);
-                continue;
-            }
-            let value = value_of(row[field.index], field, style)
-                .map_err(|kind| error_in(file, Some(line), Some(names[field.index].to_owned()), kind))?;
+            let value = field.value(&row, style);
+            let value = value.map_err(|kind| error_in(file, Some(line), Some(field.called(names)), kind))?;
+            rows.blanks += usize::from(value.is_nan());
             column.push(value);
         }
         if let Some(time) = time
             && let [.., before, now] = rows.columns[time][..]
             && now <= before
         {
-            let name = names[fields[time].index].to_owned();
+            let name = fields[time].called(names);
             let kind = LogErrorKind::TimeNotIncreasing { before, now };
             return Err(error_in(file, Some(line), Some(name), kind));
         }
     }
     Ok(rows)
-}
-
-fn value_of(text: &str, field: &Field, style: &mut Style) -> Result<f64, LogErrorKind> {
-    let raw = style.number(text)?;
-    let value = field.scale * raw + field.offset;
-    if !value.is_finite() {
-        return Err(LogErrorKind::NotFinite(text.to_owned()));
-    }
-    let range = field.quantity.range();
-    if !range.contains(&value) {
-        return Err(LogErrorKind::OutOfRange {
-            value,
-            min: *range.start(),
-            max: *range.end(),
-            hint: hint(value, field.quantity),
-        });
-    }
-    Ok(value)
 }
 
 /// What a value out of range most likely is.

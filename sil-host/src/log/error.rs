@@ -55,6 +55,8 @@ pub enum LogErrorKind {
     NoReadings { wanted: &'static str, here: String },
     #[error("expected at least {ROWS_MIN} rows with rates, angles and commands, found {rows}; it holds {streams}")]
     TooFewRowsInCommon { rows: usize, streams: String },
+    #[error("{0}")]
+    OtherFile(&'static str),
     #[error("not UTF-8 text; expected a CSV file")]
     NotText,
     #[error("the file is empty; expected a header line and at least {ROWS_MIN} rows")]
@@ -87,6 +89,8 @@ pub enum LogErrorKind {
     UnequalColumns { expected: usize, found: usize },
     #[error("can't be what its columns say{}", listed(.0))]
     Contradictory(Vec<Contradiction>),
+    #[error("{0}")]
+    NotTurned(String),
     #[error("{0}")]
     MapSyntax(String),
     #[error("no such file, and no built-in map of that name; built in are: {0}")]

@@ -6,12 +6,14 @@
 //! axes = ["pitch"]                       # the axes the log has; roll and pitch if left out
 //! active_when = "thrust_cmd > 0"         # rows in which the motors run; all of them if left out
 //! motor_per_axis_cmd = [0.25, 0.25, 0.5] # change of each motor's command per roll_cmd, pitch_cmd, yaw_cmd
+//! frame_turn_deg = 45                    # turns the body axes about yaw, clockwise from above: a plus frame to an X
 //! [quantities]                           # names and units of docs/log-format.md, motors in the order of docs/rig.md
 //! time_s    = { column = "t" }
 //! pitch_deg = { column = "theta", sign = -1, scale = 1.0, offset = 0.0 }
+//! thrust_cmd = { columns = { m1 = 0.25, m2 = 0.25, m3 = 0.25, m4 = 0.25 } }   # a sum of columns, each times a number
 //! ```
-//! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; then the frame is
-//! turned.
+//! A value is `sign * scale * field + offset`, in the unit of its name and the frame of the log; `field` is a column or
+//! a sum of columns. Then the frame is turned.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -49,6 +51,8 @@ pub struct Map {
     pub active_when: Option<Threshold>,
     /// Change of each motor's command per unit of roll, pitch and yaw command, with the signs of docs/rig.md.
     pub motor_per_axis_command: Option<[f64; 3]>,
+    /// By how much the body axes are turned about yaw ([`super::Log::turned`]), deg.
+    pub frame_turn_deg: f64,
     /// The columns to read.
     pub(super) columns: Vec<MappedColumn>,
 }
@@ -62,13 +66,27 @@ pub struct Threshold {
     pub above: f64,
 }
 
-/// One column of the file and how it becomes a quantity: `scale * field + offset`.
+/// How columns of the file become a quantity: the sum of each times its scale, and the offset.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MappedColumn {
     pub(super) quantity: Quantity,
+    /// At least one.
+    pub(super) terms: Vec<Term>,
+    pub(super) offset: f64,
+}
+
+/// A column of the file and its share in a quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Term {
     pub(super) column: String,
     pub(super) scale: f64,
-    pub(super) offset: f64,
+}
+
+impl MappedColumn {
+    /// The column, or all of a sum, for messages.
+    pub(super) fn called(&self) -> String {
+        self.terms.iter().map(|term| term.column.as_str()).collect::<Vec<_>>().join(" + ")
+    }
 }
 
 #[derive(Deserialize)]
@@ -79,13 +97,15 @@ struct MapFile {
     axes: Option<Vec<Spanned<String>>>,
     active_when: Option<Spanned<String>>,
     motor_per_axis_cmd: Option<Spanned<[f64; 3]>>,
+    frame_turn_deg: Option<Spanned<f64>>,
     quantities: Spanned<BTreeMap<Spanned<String>, Entry>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
-    column: String,
+    column: Option<String>,
+    columns: Option<BTreeMap<String, f64>>,
     #[serde(default = "one")]
     scale: f64,
     #[serde(default)]
@@ -119,6 +139,12 @@ impl Map {
                 kind: LogErrorKind::NoSuchMap(BUILT_IN_MAPS.map(|(name, _)| name).join(", ")),
             }),
         }
+    }
+
+    /// True if it names a field of this kind of message.
+    pub(super) fn names_field_of(&self, kind: &str) -> bool {
+        let mut terms = self.columns.iter().flat_map(|mapped| &mapped.terms);
+        terms.any(|term| term.column.strip_prefix(kind).is_some_and(|rest| rest.starts_with('.')))
     }
 
     /// Reads the text of a map; `name` is for messages.
@@ -157,8 +183,9 @@ impl Map {
             None => None,
         };
         let motor_per_axis_command = file.motor_per_axis_cmd.map(|given| source.mixer(&given)).transpose()?;
+        let frame_turn_deg = file.frame_turn_deg.map(|given| source.turn(&given)).transpose()?.unwrap_or(0.0);
         let (name, description) = (name.to_owned(), file.description);
-        Ok(Map { name, description, axes, active_when, motor_per_axis_command, columns })
+        Ok(Map { name, description, axes, active_when, motor_per_axis_command, frame_turn_deg, columns })
     }
 }
 
@@ -195,13 +222,30 @@ impl MapText<'_> {
         if !entry.scale.is_finite() || entry.scale == 0.0 || !entry.offset.is_finite() {
             return fail("scale must be finite and not 0, offset finite");
         }
+        let fields = match (entry.column, entry.columns) {
+            (Some(column), None) => vec![(column, 1.0)],
+            (None, Some(columns)) if columns.values().all(|share| share.is_finite() && *share != 0.0) => {
+                columns.into_iter().collect()
+            }
+            (None, Some(_)) => return fail("each of columns must have a finite number that is not 0"),
+            _ => Vec::new(),
+        };
+        if fields.is_empty() {
+            return fail("expected column = \"NAME\", or columns = { NAME = NUMBER, ... } for a sum");
+        }
         let to_log = sign_of_frame(quantity) * factor;
-        Ok(MappedColumn {
-            quantity,
-            column: entry.column,
-            scale: to_log * entry.sign * entry.scale,
-            offset: to_log * entry.offset,
-        })
+        let scale = to_log * entry.sign * entry.scale;
+        let terms = fields.into_iter().map(|(column, share)| Term { column, scale: scale * share }).collect();
+        Ok(MappedColumn { quantity, terms, offset: to_log * entry.offset })
+    }
+
+    fn turn(&self, given: &Spanned<f64>) -> Result<f64, LogError> {
+        let turn_deg = *given.get_ref();
+        if (-360.0..=360.0).contains(&turn_deg) {
+            return Ok(turn_deg);
+        }
+        let message = "expected an angle of -360 to 360 degrees";
+        Err(self.error(Some(given.span().start), Some("frame_turn_deg"), message))
     }
 
     fn axes(&self, declared: Option<Vec<Spanned<String>>>, columns: &[MappedColumn]) -> Result<[bool; 3], LogError> {
@@ -304,11 +348,11 @@ mod tests {
                 _ => false,
             };
             let sign = if turned { -1.0 } else { 1.0 };
-            assert_eq!((flu.scale, flu.offset), (sign * frd.scale, sign * frd.offset));
+            assert_eq!((flu.terms[0].scale, flu.offset), (sign * frd.terms[0].scale, sign * frd.offset));
         }
         let q = &flu.columns[2];
         assert_eq!(q.quantity, Quantity::Rate(Axis::Pitch));
-        assert_eq!(q.scale, -(2.0_f64 * (std::f64::consts::PI / 180.0)));
+        assert_eq!(q.terms[0].scale, -(2.0_f64 * (std::f64::consts::PI / 180.0)));
         assert_eq!(q.offset, -(3.0_f64 * (std::f64::consts::PI / 180.0)));
     }
 }

@@ -15,15 +15,19 @@ mod joined;
 mod map;
 mod messages;
 mod motor_order;
+mod other_files;
 mod part;
 mod quantity;
 mod recording;
 mod rig_shown;
 pub mod sanity;
 mod source;
+mod style;
 mod time_base;
+mod turned;
 mod ulog;
 mod usdlog;
+mod wanted;
 mod write;
 
 use std::path::Path;
@@ -34,6 +38,7 @@ pub use map::{BUILT_IN_MAPS, Map, Threshold};
 pub use quantity::{GRAVITY_M_S2, Quantity};
 pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
 pub use rig_shown::RigShown;
+pub use wanted::{NotWanted, Rows, Wanted};
 pub use write::{write, write_file};
 
 /// A format that a file may have.

@@ -27,8 +27,8 @@
 //! A map names a field itself (`vehicle_attitude.rollspeed`), where the conventions are wrong for a vehicle.
 
 use super::error::{LogError, LogErrorKind};
-use super::map::Map;
-use super::messages::Messages;
+use super::map::{Map, MappedColumn, Term};
+use super::messages::{Messages, Table};
 use super::quantity::Quantity;
 
 /// The recording of one flight.
@@ -42,6 +42,8 @@ pub struct Recording {
     pub facts: Vec<Fact>,
     /// What was damaged or left out.
     pub notes: Vec<String>,
+    /// By how much the body axes are to be turned so that the motors stand as an X ([`super::Log::turned`]), deg.
+    pub frame_turn_deg: f64,
 }
 
 /// Readings with the same time stamps.
@@ -176,23 +178,29 @@ impl Recording {
             map.columns.iter().partition(|mapped| mapped.quantity == Quantity::Time);
         let mut streams: Vec<Stream> = Vec::new();
         for mapped in values {
-            let lacking = || missing(mapped.column.clone(), mapped.quantity);
+            let lacking = |field: &str| missing(field.to_owned(), mapped.quantity);
+            let first = mapped.terms.first().map_or("", |term| term.column.as_str());
             // a field's name may have dots of its own
-            let kinds = messages.tables.keys().filter(|kind| mapped.column.starts_with(&format!("{kind}.")));
-            let kind = kinds.max_by_key(|kind| kind.len()).ok_or_else(lacking)?;
-            let field = &mapped.column[kind.len() + 1..];
-            let column = messages.column(kind, field).ok_or_else(lacking)?;
+            let kinds = messages.tables.keys().filter(|kind| first.starts_with(&format!("{kind}.")));
+            let kind = kinds.max_by_key(|kind| kind.len()).ok_or_else(|| lacking(first))?;
+            let mut value = vec![mapped.offset; messages.table(kind).map_or(0, Table::rows)];
+            for Term { column, scale } in &mapped.terms {
+                let field = column.strip_prefix(&format!("{kind}.")).ok_or_else(|| lacking(column))?;
+                let readings = messages.column(kind, field).ok_or_else(|| lacking(column))?;
+                value.iter_mut().zip(readings).for_each(|(value, reading)| *value += scale * reading);
+            }
             if streams.iter().all(|stream| stream.name != *kind) {
-                let time = times.first().and_then(|time| Some((time, messages.column(kind, &time.column)?)));
-                let (time, stamps) = time.ok_or_else(|| missing(format!("{kind} (time)"), Quantity::Time))?;
-                let time_s = stamps.iter().map(|stamp| time.scale * stamp + time.offset).collect();
+                let of = |time: &MappedColumn| Some((messages.column(kind, &time.called())?, time.clone()));
+                let time = times.first().and_then(|time| of(time));
+                let (stamps, time) = time.ok_or_else(|| missing(format!("{kind} (time)"), Quantity::Time))?;
+                let scale = time.terms.first().map_or(1.0, |term| term.scale);
+                let time_s = stamps.iter().map(|stamp| scale * stamp + time.offset).collect();
                 streams.push(Stream::at(kind, time_s));
             }
-            let value = column.iter().map(|value| mapped.scale * value + mapped.offset).collect();
             if let Some(stream) = streams.iter_mut().find(|stream| stream.name == *kind) {
-                stream.add(mapped.quantity, field, value);
+                stream.add(mapped.quantity, &mapped.called().replace(&format!("{kind}."), ""), value);
             }
         }
-        Ok(Recording { streams, ..self })
+        Ok(Recording { streams, frame_turn_deg: map.frame_turn_deg, ..self })
     }
 }

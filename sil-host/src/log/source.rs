@@ -7,6 +7,7 @@ use std::path::Path;
 use flate2::read::MultiGzDecoder;
 
 use super::error::{LogError, LogErrorKind};
+use super::other_files;
 
 /// An hour of a 1 kHz log is about 0.5 GB of text; more than this is no log but a gzip bomb or a mistake.
 const TEXT_BYTES_MAX: u64 = 1 << 30;
@@ -43,15 +44,28 @@ fn failure(name: &Path, kind: LogErrorKind) -> LogError {
     LogError { file: name.display().to_string(), line: None, column: None, kind }
 }
 
-/// A file's bytes as text.
+/// A file's bytes as text: UTF-8, or UTF-16 behind its mark, as some programs of Windows write tables.
 ///
 /// # Errors
-/// They are not UTF-8; the message has the line.
+/// They are neither, or what is known to be no log; the message has the line.
 pub(super) fn text(file: &str, bytes: Vec<u8>) -> Result<String, LogError> {
+    let fail = |line, kind| LogError { file: file.to_owned(), line, column: None, kind };
+    let unit: Option<fn([u8; 2]) -> u16> = match bytes.get(..2) {
+        Some([0xff, 0xfe]) => Some(u16::from_le_bytes),
+        Some([0xfe, 0xff]) => Some(u16::from_be_bytes),
+        _ => None,
+    };
+    if let Some(unit) = unit {
+        let units = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+        return char::decode_utf16(units).collect::<Result<_, _>>().map_err(|_| fail(None, LogErrorKind::NotText));
+    }
+    if let Some(what) = other_files::what_it_is(&bytes) {
+        return Err(fail(None, LogErrorKind::OtherFile(what)));
+    }
     String::from_utf8(bytes).map_err(|e| {
         let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
-        LogError { file: file.to_owned(), line: Some(line), column: None, kind: LogErrorKind::NotText }
+        fail(Some(line), LogErrorKind::NotText)
     })
 }
 

@@ -85,7 +85,10 @@ impl BenchModel {
     pub fn parse(text: &str, name: &str) -> Result<Option<BenchModel>, ModelError> {
         let source = Source { name, text };
         let document = source.parse()?;
-        let root = Section::root(source, &document);
+        Self::read(&Section::root(source, &document))
+    }
+
+    pub(super) fn read(root: &Section<'_>) -> Result<Option<BenchModel>, ModelError> {
         if root.text("rig", "\"gimbal\", \"free\" or \"axis\"")? != "axis" {
             return Ok(None);
         }
@@ -158,9 +161,7 @@ fn read_axis(section: &Section<'_>) -> Result<BenchAxis, ModelError> {
     let gain = admissible(-1e4, 1e4, "the acceleration per unit of command in rad/s^2");
     let mut axis = BenchAxis { gain_rad_s2: section.number("gain_rad_s2", gain)?, ..BenchAxis::default() };
     for (key, what, place) in KEYS {
-        if let Some(value) = section.optional_number(key, admissible(-1e3, 1e3, what))? {
-            *place(&mut axis) = value;
-        }
+        *place(&mut axis) = section.number_or(key, admissible(-1e3, 1e3, what), 0.0)?;
     }
     section.finish()?;
     Ok(axis)

@@ -7,6 +7,7 @@
 
 mod bench;
 mod effects;
+mod keys;
 mod parts;
 mod read;
 mod write;
@@ -16,6 +17,7 @@ use crate::effects::{Effect, RotorDrag};
 use crate::vehicle::propulsion::{Level, Propulsion};
 pub use crate::vehicle::{Mounting, Rig};
 pub use bench::{BenchAxis, BenchModel};
+pub use keys::{ModelKey, keys};
 
 /// All that is known of a vehicle and of the rig it hangs in.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,17 +17,20 @@ impl VehicleModel {
     pub fn parse(text: &str, name: &str) -> Result<Self, ModelError> {
         let source = Source { name, text };
         let document = source.parse()?;
-        let root = Section::root(source, &document);
+        Self::read(&Section::root(source, &document))
+    }
+
+    pub(super) fn read(root: &Section<'_>) -> Result<Self, ModelError> {
         let name = root.text("name", "what the vehicle is called, as text")?;
         let rig = root.choice("rig", &Rig::NAMES)?;
-        let propulsion = Propulsion::read(&root)?;
+        let propulsion = Propulsion::read(root)?;
         let gravity = admissible(0.0, 30.0, "the acceleration of gravity in m/s^2");
         let arm = admissible(0.01, 2.0, "the distance motor to centre in metres");
         let base = admissible(0.0, 1.0, "the hover command as a fraction of full command");
         let gravity_m_s2 = root.number("gravity_m_s2", gravity)?;
         let arm_m = root.number("arm_m", arm)?;
         let base_command = root.number("base_command", base)?;
-        let (inertia_kg_m2, mounting) = read_body(&root, rig)?;
+        let (inertia_kg_m2, mounting) = read_body(root, rig)?;
         let noise = read_noise(&root.section("noise")?)?;
         let effects = root
             .sections("effect")?
@@ -92,8 +95,8 @@ fn read_noise(noise: &Section<'_>) -> Result<SensorNoise, ModelError> {
         gyro_rad_s: noise.number("gyro_rad_s", gyro)?,
         accel_m_s2: noise.number("accel_m_s2", accel)?,
         attitude_rad: noise.number("attitude_rad", attitude)?,
-        velocity_m_s: noise.optional_number("velocity_m_s", velocity)?.unwrap_or(SensorNoise::USUAL_VELOCITY_M_S),
-        height_m: noise.optional_number("height_m", height)?.unwrap_or(SensorNoise::USUAL_HEIGHT_M),
+        velocity_m_s: noise.number_or("velocity_m_s", velocity, SensorNoise::USUAL_VELOCITY_M_S)?,
+        height_m: noise.number_or("height_m", height, SensorNoise::USUAL_HEIGHT_M)?,
     };
     noise.finish()?;
     Ok(read)

@@ -52,6 +52,7 @@ enum Block {
     SmallMultiples { caption: String, charts: Vec<Chart> },
     SideBySide { caption: String, charts: Vec<Chart> },
     Bars(Bars),
+    Card(Card),
     Table(Table),
 }
 
@@ -238,6 +239,11 @@ impl Section {
         self.with(Block::Bars(bars))
     }
 
+    /// Adds an answer in named lines, where a page has several.
+    pub fn card(self, card: Card) -> Self {
+        self.with(Block::Card(card))
+    }
+
     /// Adds a table.
     pub fn table(self, table: Table) -> Self {
         self.with(Block::Table(table))
@@ -275,6 +281,7 @@ impl Block {
             Self::SmallMultiples { caption, charts } => figure::small_multiples(caption, charts, palette),
             Self::SideBySide { caption, charts } => figure::side_by_side(caption, charts, palette),
             Self::Bars(bars) => bars.render(),
+            Self::Card(card) => card.render(),
             Self::Table(table) => table.render(),
         }
     }
@@ -283,7 +290,7 @@ impl Block {
 #[cfg(test)]
 mod tests {
     use super::super::card::Tone;
-    use super::super::table::Better;
+    use super::super::table::{Better, Cell};
     use super::*;
 
     /// The page as XML: its only elements without an end tag are the `meta`s, which are left out.
@@ -323,10 +330,11 @@ mod tests {
             .small_multiples(text, [chart.clone(), chart.clone()])
             .side_by_side(text, [Chart::over(text, text, text).series(text, &[0.0, 1.0], &[2.0, 3.0]), chart.clone()])
             .bars(Bars::new(text).bar(text, 30.0, Some([20.0, 40.0])).rest(text, 70.0))
+            .card(Card::new(Tone::Bad).line(text, text))
             .table(
                 Table::new(text, &[text, "PID", "MPC"])
                     .comparison(text, &[1.0, 2.0], 1, Better::Lower)
-                    .row([text.into()]),
+                    .row([Cell::to_section(text, 1)]),
             );
         let page = Page::new(text).about(text).lead(text).picture(chart).provenance(text, text);
         let page = page.card(Card::new(Tone::Doubtful).line(text, text));

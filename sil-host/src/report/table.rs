@@ -9,13 +9,19 @@ pub struct Cell {
     text: String,
     is_number: bool,
     is_better: bool,
+    section: Option<usize>,
 }
 
 impl Cell {
+    /// A text that leads to a section of the page, counted from 1.
+    pub fn to_section(text: impl Into<String>, number: usize) -> Self {
+        Self { section: Some(number), ..Self::from(text) }
+    }
+
     /// A number with this many decimals; a NaN or infinite one stands for "no value".
     pub fn number(value: f64, decimals: usize) -> Self {
         let text = if value.is_finite() { with_minus_sign(&format!("{value:.decimals$}")) } else { String::new() };
-        Self { text, is_number: true, is_better: false }
+        Self { text, is_number: true, is_better: false, section: None }
     }
 
     /// Highlights the cell as the better one of its row.
@@ -29,6 +35,8 @@ impl Cell {
                 span aria-hidden="true" { "–" } span.spoken { "no value" }
             } @else if self.is_better {
                 strong { (self.text) } span.spoken { " (better)" }
+            } @else if let Some(number) = self.section {
+                a href=(format!("#section-{number}")) { (self.text) }
             } @else {
                 (self.text)
             }
@@ -38,7 +46,7 @@ impl Cell {
 
 impl<T: Into<String>> From<T> for Cell {
     fn from(text: T) -> Self {
-        Self { text: text.into(), is_number: false, is_better: false }
+        Self { text: text.into(), is_number: false, is_better: false, section: None }
     }
 }
 

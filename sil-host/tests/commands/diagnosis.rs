@@ -194,3 +194,50 @@ fn a_flight_is_compared_with_normal_ones_as_json_text_and_page() {
     }
     folder.sil(&["diagnose", "today.csv", "--untouched"]).assert_refused(&["--baseline"]);
 }
+
+/// Each log has the answer that it has alone; what can't be read is a row, and shows in the exit status.
+#[test]
+fn several_logs_stand_in_one_table() {
+    let folder = Folder::new();
+    folder.write("gimbal.toml", GENERIC_GIMBAL_MODEL);
+    let rates = ["--rate", "100", "--control-rate", "100", "--duration", "6", "--model", "gimbal.toml"];
+    folder.sil(&[&["synth", "healthy.csv"], &rates[..]].concat()).assert_done();
+    let effect = ["--effect", "torque_bias:axis=roll,torque_nm=0.05"];
+    folder.sil(&[&["synth", "suspect.csv"], &effect[..], &rates].concat()).assert_done();
+    folder.write("bad.csv", "time_s,p_rad_s\n0,none\n");
+    let asked = ["--quick", "--model", "gimbal.toml", "--json", "out.json", "--report", "out.html"];
+    let logs = ["diagnose", "healthy.csv", "bad.csv", "suspect.csv"];
+    let outcome = folder.sil(&[&logs[..], &asked].concat());
+    assert_eq!(outcome.status, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("1 of 3 logs have no answer"), "{outcome:?}");
+    let row = |name: &str| outcome.stdout.lines().find(|line| line.starts_with(name)).unwrap_or_default().to_owned();
+    assert!(row("healthy.csv ").contains("agrees"), "{outcome:?}");
+    let suspect = row("suspect.csv ");
+    assert!(suspect.contains("explained") && suspect.contains("(roll)") && suspect.contains("N\u{a0}m"), "{suspect}");
+    assert!(row("bad.csv ").contains("no answer"), "{outcome:?}");
+    assert!(outcome.stdout.contains("bad.csv:1: `roll_rad`"), "{outcome:?}");
+
+    let json = folder.json("out.json");
+    let logs = json["logs"].as_array().unwrap();
+    assert_eq!(logs.len(), 3);
+    assert!(logs[1]["diagnosis"].is_null() && logs[1]["error"].as_str().unwrap().starts_with("bad.csv:1:"), "{json}");
+    for (row, name) in [(&logs[0], "healthy.csv"), (&logs[2], "suspect.csv")] {
+        let alone = ["diagnose", name, "--quick", "--model", "gimbal.toml", "--json", "alone.json"];
+        folder.sil(&alone).assert_done();
+        assert_eq!((&row["path"], &row["error"]), (&json!(name), &Value::Null));
+        assert_eq!(row["diagnosis"], folder.json("alone.json"));
+    }
+    let page = String::from_utf8(folder.bytes("out.html")).unwrap();
+    for (number, name) in [(2, "healthy.csv"), (3, "bad.csv"), (4, "suspect.csv")] {
+        assert!(page.contains(&format!("<a href=\"#section-{number}\">{name}</a>")), "{name}");
+        assert!(page.contains(&format!("<section id=\"section-{number}\"><h2>{name}</h2>")), "{name}");
+    }
+    assert!(page.contains("1 of 2 logs that have an answer differs from the simulation"));
+    assert!(page.contains("<code>sil diagnose healthy.csv bad.csv suspect.csv --model gimbal.toml</code>"));
+
+    let suspects = ["diagnose", "healthy.csv", "suspect.csv", "--quick", "--model", "gimbal.toml"];
+    assert_eq!(folder.sil(&suspects).assert_done().stderr, "");
+    let failing = folder.sil(&[&suspects[..], &["--fail-on", "discrepancy"]].concat());
+    assert_eq!(failing.status, Some(3), "{failing:?}");
+    folder.sil(&["diagnose", "healthy.csv", "suspect.csv", "--extended", "x.toml"]).assert_refused(&["--extended"]);
+}

@@ -184,3 +184,26 @@ fn of_bench_mpc_on_all_instances() {
     }
     assert_eq!(outcome.stdout.matches("200/200").count(), 12);
 }
+
+/// A page in a browser has a log's bytes and its name, and no files: what it makes of them is what the command says.
+#[test]
+fn of_diagnose_is_what_the_library_makes_of_the_bytes() {
+    use sil_host::answer::{Answered, HeldAgainst, Said, json};
+    use sil_host::diagnosis::Effort;
+    use sil_host::log::Wanted;
+    let folder = Folder::new();
+    folder.write("log.csv", RIG_LOG);
+    let asked = ["diagnose", "log.csv", "--quick", "--json", "out.json", "--report", "out.html"];
+    let outcome = folder.sil(&asked).assert_done();
+    let log = Wanted::default().read("log.csv".as_ref(), &mut RIG_LOG.as_bytes()).unwrap();
+    let against = HeldAgainst::of(&log, &Said::default(), &[], None).unwrap();
+    let before = against.text();
+    let answered = Answered::of(log, against, Effort::Quick, &|_| ()).unwrap();
+    assert_eq!(json(&answered.diagnosis).unwrap().as_bytes(), folder.bytes("out.json"));
+    assert_eq!(answered.page("sil diagnose log.csv").to_html().as_bytes(), folder.bytes("out.html"));
+    assert!(outcome.stdout.starts_with(&(before + &answered.text(str::to_owned))), "{outcome:?}");
+    // and a file that can't be used gets the command's words
+    folder.write("bad.csv", "t,x\n1,2\n");
+    let refused = Wanted::default().read("bad.csv".as_ref(), &mut &b"t,x\n1,2\n"[..]).unwrap_err();
+    folder.sil(&["diagnose", "bad.csv"]).assert_refused(&[&refused.to_string()]);
+}

@@ -2,6 +2,7 @@
 //! the files it leaves (docs/commands.md). Beside them the library on damaged logs and models, in large numbers.
 
 mod bad_files;
+mod bad_inputs;
 mod damage;
 mod demonstration;
 mod diagnosis;
@@ -10,6 +11,7 @@ mod identify;
 mod json;
 mod labels;
 mod logs;
+mod maps;
 mod pages;
 mod sil;
 mod usage;

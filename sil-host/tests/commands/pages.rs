@@ -16,7 +16,7 @@ use sil_host::effects::{Effect, Origin};
 use sil_host::flight::FlightSetup;
 use sil_host::hitl::{HitlFlight, Timing};
 use sil_host::log::Quantity;
-use sil_host::model::{Rig, VehicleModel};
+use sil_host::model::{Rig, VehicleModel, keys};
 use sil_host::scenario::Scenario;
 
 use crate::sil::{Folder, RIG_LOG, instance_files};
@@ -161,6 +161,24 @@ fn pages_list_every_key_of_a_tuning() {
         vec![name, kind, value.split(", ").map(short).collect::<Vec<_>>().join(", "), meaning]
     });
     assert_generated("commands.md", "tuning keys", &table(&["key", "type", "default", "meaning"], rows));
+}
+
+#[test]
+fn pages_list_every_key_of_a_model_file() {
+    // the axes of a bench have the same keys
+    let keys = keys().unwrap().into_iter().filter(|key| !["pitch", "yaw"].contains(&key.table.as_str()));
+    let rows = keys.map(|key| {
+        let table = match key.table.as_str() {
+            "" => String::new(),
+            "roll" => "`[roll]`, `[pitch]`, `[yaw]`".to_owned(),
+            table => format!("`[{table}]`"),
+        };
+        let code = |text: &str| if text.is_empty() { String::new() } else { format!("`{text}`") };
+        let default = key.default.map_or_else(|| "required".to_owned(), |value| value.to_string());
+        vec![table, code(key.key), key.meaning, key.unit, key.range, default, code(&key.only_with)]
+    });
+    let head = ["table", "key", "meaning", "unit", "range", "default", "only with"];
+    assert_generated("rig.md", "keys of model files", &table(&head, rows));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use super::super::messages::Messages;
 use super::super::motor_order::{MotorOrder, Rotor};
 use super::super::quantity::Quantity;
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
+use super::super::turned::PLUS_DEG;
 use crate::axis::Axis;
 use crate::statistics::wrapped;
 
@@ -58,14 +59,14 @@ const PARAMETERS: [(&str, &str, f64); 38] = [
 /// What the messages of an ArduPilot log mean.
 ///
 /// # Errors
-/// In words: the vehicle is no quad-X.
+/// In words: the vehicle is no quadrotor with motors as an X or a plus.
 pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     let mut recording = head(messages);
     let other = messages.texts.values().find(|text| ["Plane", "Rover", "Sub V"].iter().any(|kind| text.contains(kind)));
     if let Some(text) = other {
         return Err(format!("the vehicle is no quadrotor: \"{text}\"; name the columns in a --map"));
     }
-    let order = motor_order(messages, &mut recording.facts)?;
+    let order = motor_order(messages, &mut recording.facts, &mut recording.frame_turn_deg)?;
     recording.streams.extend(imu(messages));
     recording.streams.extend(attitude(messages));
     recording.streams.extend(outputs(messages, &order, &mut recording.facts));
@@ -128,8 +129,17 @@ struct Frame {
     rotors: [(bool, bool, bool); 4],
 }
 
-/// The quadrotors whose motors stand as an X, with the numbering and the spins of AP_MotorsMatrix.
-const FRAMES: [Frame; 7] = {
+impl Frame {
+    /// By how much its axes are turned for these corners, deg: PLUS and PLUSREV.
+    fn turn_deg(&self) -> f64 {
+        if self.kind == 0.0 || self.kind == 6.0 { PLUS_DEG } else { 0.0 }
+    }
+}
+
+/// The quadrotors whose motors stand as an X, or do in turned axes, with the numbering and the spins of
+/// AP_MotorsMatrix.
+const FRAMES: [Frame; 9] = {
+    const PLUS: &str = "a plus: an X in axes that are turned by 45 degrees";
     const FR: (bool, bool, bool) = (true, true, true);
     const RL: (bool, bool, bool) = (false, false, true);
     const FL: (bool, bool, bool) = (true, false, false);
@@ -139,6 +149,9 @@ const FRAMES: [Frame; 7] = {
     }
     [
         Frame { kind: 1.0, name: "X", rotors: [FR, RL, FL, RR] },
+        // right, left, front, rear
+        Frame { kind: 0.0, name: PLUS, rotors: [FR, RL, FL, RR] },
+        Frame { kind: 6.0, name: PLUS, rotors: [turned(FR), turned(RL), turned(FL), turned(RR)] },
         Frame { kind: 2.0, name: "V", rotors: [FR, RL, FL, RR] },
         Frame { kind: 3.0, name: "H", rotors: [turned(FR), turned(RL), turned(FL), turned(RR)] },
         Frame { kind: 12.0, name: "Betaflight X", rotors: [RR, FR, RL, FL] },
@@ -149,7 +162,7 @@ const FRAMES: [Frame; 7] = {
 };
 
 /// Which of ArduPilot's motors is which of ours.
-fn motor_order(messages: &Messages, facts: &mut Vec<Fact>) -> Result<[usize; 4], String> {
+fn motor_order(messages: &Messages, facts: &mut Vec<Fact>, frame_turn_deg: &mut f64) -> Result<[usize; 4], String> {
     /// Quadrotor.
     const QUAD: f64 = 1.0;
     if let Some(class) = messages.parameter("FRAME_CLASS").filter(|class| *class != QUAD && *class != 0.0) {
@@ -162,8 +175,8 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>) -> Result<[usize; 4],
             let frame = FRAMES.iter().find(|frame| frame.kind == kind);
             let unknown = || {
                 format!(
-                    "its parameter {name} is {kind}: a plus or another frame whose motors do not stand as an X, \
-                     which the motors of this project's logs do"
+                    "its parameter {name} is {kind}: a frame whose motors stand neither as an X nor as a plus, as the \
+                     motors of this project's logs do"
                 )
             };
             (format!("parameter {name} = {kind}"), frame.ok_or_else(unknown)?)
@@ -172,6 +185,7 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>) -> Result<[usize; 4],
     };
     let make = if kind.is_some() { Fact::said } else { Fact::assumed };
     facts.push(make("frame", FactValue::Text(frame.name.to_owned()), &source));
+    *frame_turn_deg = frame.turn_deg();
     let rotors = frame.rotors.map(|(is_front, is_right, is_counter_clockwise)| Rotor {
         is_front,
         is_right,

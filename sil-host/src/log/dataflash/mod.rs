@@ -20,7 +20,7 @@ pub(super) const FORMAT: Format = Format {
 fn recording(file: &str, bytes: Vec<u8>, map: Option<&Map>) -> Result<Recording, LogError> {
     let fail = |kind| LogError { file: file.to_owned(), line: None, column: None, kind };
     let is_wanted = |name: &str| match map {
-        Some(map) => map.columns.iter().any(|mapped| mapped.column.starts_with(&format!("{name}."))),
+        Some(map) => map.names_field_of(name),
         None => ardupilot::MESSAGES.contains(&name),
     };
     let damaged = |reason| fail(LogErrorKind::Damaged { format: "DataFlash (ArduPilot)", reason });

@@ -101,10 +101,18 @@ fn the_throttle_channels_range_holds_where_the_motors_have_none() {
 
 #[test]
 fn what_is_no_quad_x_is_refused_with_its_parameter() {
-    for (name, value) in [("FRAME_CLASS", 2.0), ("FRAME_TYPE", 0.0), ("FRAME", 0.0)] {
+    for (name, value) in [("FRAME_CLASS", 2.0), ("FRAME_TYPE", 4.0), ("FRAME", 5.0)] {
         let message = flight(|file| file.parameter(name, value)).read().unwrap_err();
         assert!(message.contains(&format!("parameter {name} is {value}")), "{message}");
     }
+}
+
+/// Right, left, front, rear: in axes between the arms front right, rear left, front left, rear right.
+#[test]
+fn a_plus_is_an_x_in_axes_between_its_arms() {
+    let [plus, x] = [0.0, 1.0].map(|kind| flight(|file| file.parameter("FRAME_TYPE", kind)).read().unwrap());
+    assert_eq!(motors(&plus), motors(&x));
+    assert_eq!(plus.rate_rad_s, x.turned(45.0).unwrap().rate_rad_s);
 }
 
 #[test]

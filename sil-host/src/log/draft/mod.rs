@@ -50,6 +50,7 @@ pub fn draft(path: &Path) -> Result<Option<Draft>, LogError> {
 struct Drafting<'a> {
     file: &'a str,
     frame: &'static str,
+    frame_turn_deg: f64,
     entries: Vec<Entry>,
     unused: Vec<String>,
     remarks: Vec<String>,
@@ -63,6 +64,7 @@ impl Drafting<'_> {
         let mut drafting = Drafting {
             file,
             frame: "FRD",
+            frame_turn_deg: 0.0,
             entries: Vec::new(),
             unused: Vec::new(),
             remarks: Vec::new(),
@@ -246,6 +248,11 @@ impl Drafting<'_> {
             self.remarks.push(format!("frame: {why}, so the body's z points upward"));
             return true;
         }
+        if let Some(turn_deg) = contradiction.frame_turn_deg.filter(|_| self.frame_turn_deg == 0.0) {
+            self.frame_turn_deg = turn_deg;
+            self.remarks.push(format!("frame_turn_deg: {why}; roll and pitch are then about the turned axes"));
+            return true;
+        }
         let before = self.entries.clone();
         for line in &contradiction.map_lines {
             let (Some((quantity, _)), Some(from)) =
@@ -311,6 +318,12 @@ impl Drafting<'_> {
         let axes: Vec<String> = self.axes().iter().map(|axis| format!("\"{}\"", axis.name())).collect();
         text.push_str(&format!("description = \"drafted from {}\"\n", self.file.replace(['"', '\\'], "'")));
         text.push_str(&format!("frame = \"{}\"\naxes = [{}]\n", self.frame, axes.join(", ")));
+        if self.frame_turn_deg != 0.0 {
+            text.push_str(&format!(
+                "frame_turn_deg = {}   # to axes in which the motors stand as an X\n",
+                self.frame_turn_deg
+            ));
+        }
         if self.has_motors() {
             text.push_str("active_when = \"motor1 > 0\"   # put idle in place of 0 if the motors idle on the ground\n");
         } else if self.has(Quantity::Thrust) {

@@ -16,6 +16,11 @@ const HALF_SPAN_S: f64 = 0.02;
 /// Motors lag and controllers' outputs wait so much, s.
 const LATER_S: [f64; 2] = [0.0, 0.25];
 
+/// Between the axes of a plus and those of an X, deg.
+const ODD_DEG: f64 = 45.0;
+/// A turn that was measured is one of those if it is as near as this, deg.
+const NEAR_DEG: f64 = 12.0;
+
 /// Which axes of the log's rates and commands are answered to, and how.
 pub(super) struct Driving {
     pub(super) answers: Answers,
@@ -179,15 +184,19 @@ impl Driving {
         let [of_roll, of_pitch] = [turn(0, 1, 1.0)?, turn(1, 0, -1.0)?];
         let turned_deg = (0.5 * (of_roll + of_pitch)).to_degrees();
         let is_one_turn = crate::statistics::wrapped(of_roll - of_pitch).abs() < FRAC_PI_8;
+        // a frame stands as a plus or as an X; what an IMU is turned by is any angle
+        let nearest_deg = ODD_DEG * (turned_deg / ODD_DEG).round();
+        let is_near = (turned_deg - nearest_deg).abs() < NEAR_DEG;
+        let mended_by_deg = 0.0 - if is_near { nearest_deg } else { turned_deg.round() };
         is_one_turn.then(|| Contradiction {
             seen: format!(
                 "roll and pitch each answer to both parts of the motors, as if the frame were turned by \
                  {turned_deg:.0} degrees about yaw"
             ),
-            likely: "likely a plus frame, or an IMU that is turned by 45 degrees: no order of motors mends it; make \
-                     `roll_cmd`, `pitch_cmd`, `yaw_cmd` of the motors (a plus frame: left - right, front - rear) and \
-                     leave the motors out"
+            likely: "likely a plus frame, or an IMU that is turned: no order of motors mends it, but axes in which \
+                     the motors stand as an X do"
                 .to_owned(),
+            frame_turn_deg: Some(mended_by_deg),
             ..Contradiction::default()
         })
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::super::map::Map;
+use super::super::map::{Map, MappedColumn};
 use super::super::quantity::Quantity;
 
 /// Something in a log that can't be as it is labelled.
@@ -16,6 +16,8 @@ pub struct Contradiction {
     pub map_lines: Vec<MapLine>,
     /// Lines that would mend it as well.
     pub or_instead: Vec<MapLine>,
+    /// The turn of the frame about yaw that would mend it, deg, beside what a map has already.
+    pub frame_turn_deg: Option<f64>,
     /// What a map had better leave out.
     pub leave_out: Vec<Quantity>,
 }
@@ -30,7 +32,11 @@ impl fmt::Display for Contradiction {
         if !self.or_instead.is_empty() {
             write!(out, "\n  or instead:")?;
         }
-        self.or_instead.iter().try_for_each(|line| write!(out, "\n    {line}"))
+        self.or_instead.iter().try_for_each(|line| write!(out, "\n    {line}"))?;
+        match self.frame_turn_deg {
+            Some(turn_deg) => write!(out, "; --frame-turn {turn_deg}, or in a --map: frame_turn_deg = {turn_deg}"),
+            None => Ok(()),
+        }
     }
 }
 
@@ -76,7 +82,7 @@ impl Columns<'_> {
     /// The column of a quantity.
     pub(super) fn of(&self, quantity: Quantity) -> String {
         let mapped = self.map.and_then(|map| map.columns.iter().find(|column| column.quantity == quantity));
-        mapped.map_or_else(|| quantity.name(), |column| column.column.clone())
+        mapped.map_or_else(|| quantity.name(), MappedColumn::called)
     }
 
     /// The quantity and, where a map gave it, the column.

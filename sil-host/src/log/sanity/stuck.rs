@@ -27,7 +27,25 @@ pub(super) fn contradictions(log: &Log, columns: &Columns<'_>) -> Vec<Contradict
         let (angle, rate) = (Quantity::Angle(*axis), Quantity::Rate(*axis));
         [(rate, angle), (angle, rate), (rate, Quantity::Command(*axis))]
     });
-    pairs.filter_map(|(stuck, moving)| one(log, stuck, moving, columns)).collect()
+    pairs.filter_map(|(stuck, moving)| one(log, stuck, moving, columns)).chain(motor(log, columns)).collect()
+}
+
+/// A motor's command that never changes while those of all the others do: no controller of a vehicle does that, and on
+/// a bench of one axis two motors rest.
+fn motor(log: &Log, columns: &Columns<'_>) -> Option<Contradiction> {
+    let motors = log.motors()?;
+    let is_still = |values: &[f64]| values.iter().all(|value| *value == values[0]);
+    let still: Vec<usize> = (0..4).filter(|motor| is_still(motors[*motor])).collect();
+    let [stuck] = still[..] else { return None };
+    Some(Contradiction {
+        seen: format!(
+            "{} stays at {} in all the log while the other motors' commands change",
+            columns.called(Quantity::Motor(stuck)),
+            motors[stuck][0]
+        ),
+        likely: "its command was likely not logged, or another column is it".to_owned(),
+        ..Contradiction::default()
+    })
 }
 
 /// A quantity that stands still while another one moves.

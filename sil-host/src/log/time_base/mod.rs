@@ -27,7 +27,7 @@ pub(super) fn log_of(file: &str, recording: Recording, map: Option<&Map>) -> Res
         column: column.map(str::to_owned),
         kind,
     };
-    let Recording { flight_controller, mut streams, facts, notes } = recording;
+    let Recording { flight_controller, mut streams, facts, notes, frame_turn_deg } = recording;
     let mut log =
         Log { path: file.to_owned(), flight_controller: Some(flight_controller), facts, notes, ..Log::default() };
     for stream in &mut streams {
@@ -52,7 +52,7 @@ pub(super) fn log_of(file: &str, recording: Recording, map: Option<&Map>) -> Res
     }
     log.sent_commands = quantities.sent_beside(&log.time_s).map(Box::new);
     describe(&mut log, &quantities, rows_s.len(), map);
-    Ok(log)
+    log.turned(frame_turn_deg)
 }
 
 /// The rows at which every quantity is there.

@@ -23,7 +23,7 @@ pub(super) const FORMAT: Format = Format {
 fn recording(file: &str, bytes: &[u8], map: Option<&Map>) -> Result<Recording, LogError> {
     let fail = |column: Option<String>, kind| LogError { file: file.to_owned(), line: None, column, kind };
     let is_wanted = |name: &str| match map {
-        Some(map) => map.columns.iter().any(|mapped| mapped.column.starts_with(&format!("{name}."))),
+        Some(map) => map.names_field_of(name),
         None => px4::TOPICS.contains(&name),
     };
     let damaged = |reason| fail(None, LogErrorKind::Damaged { format: "ULog (PX4)", reason });

@@ -6,6 +6,7 @@ use super::super::messages::{Messages, Table};
 use super::super::motor_order::{MotorOrder, Rotor};
 use super::super::quantity::Quantity;
 use super::super::recording::{Fact, FactValue, Recording, Stream, facts_of_parameters};
+use super::super::turned::PLUS_DEG;
 use crate::axis::Axis;
 use crate::vehicle::euler_rad;
 
@@ -60,7 +61,7 @@ const QUADROTOR: f64 = 2.0;
 /// What the messages of a PX4 log mean.
 ///
 /// # Errors
-/// In words: the vehicle is no quad-X.
+/// In words: the vehicle is no quadrotor with motors as an X or a plus.
 pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     let mut recording = head(messages);
     let kind = messages.parameter("MAV_TYPE");
@@ -69,7 +70,7 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
             "the vehicle is no quadrotor: its parameter MAV_TYPE is {kind}; name the columns in a --map"
         ));
     }
-    let order = motor_order(messages, &mut recording.facts)?;
+    let order = motor_order(messages, &mut recording.facts, &mut recording.frame_turn_deg)?;
     recording.streams.extend(rates(messages));
     recording.streams.extend(attitude(messages));
     recording.streams.extend(reference(messages));
@@ -196,8 +197,9 @@ fn reference(messages: &Messages) -> Option<Stream> {
     Some(stream)
 }
 
-/// Which of PX4's motors is which of ours: by the control allocation's geometry, else by the usual quad-X.
-fn motor_order(messages: &Messages, facts: &mut Vec<Fact>) -> Result<[usize; 4], String> {
+/// Which of PX4's motors is which of ours: by the control allocation's geometry, else by the usual quad-X. Of a plus
+/// the body axes are to be turned.
+fn motor_order(messages: &Messages, facts: &mut Vec<Fact>, frame_turn_deg: &mut f64) -> Result<[usize; 4], String> {
     if let Some(count) = messages.parameter("CA_ROTOR_COUNT").filter(|count| *count != 4.0) {
         return Err(format!("the vehicle has {count} rotors by its parameter CA_ROTOR_COUNT, not 4"));
     }
@@ -211,24 +213,28 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>) -> Result<[usize; 4],
             Some(kind) => format!("no CA_ROTOR parameters; PX4's quad-X, since SYS_AUTOSTART is {kind}"),
             None => "no parameters of the geometry; PX4's quad-X".to_owned(),
         };
-        // 5001 is PX4's generic quad-plus (airframe reference)
+        // PX4's generic quad-plus (airframe reference): right, left, front, rear, which turned are our 1 to 4
         if kind == Some(5001.0) {
-            return Err(plus("SYS_AUTOSTART is 5001"));
+            *frame_turn_deg = PLUS_DEG;
+            facts.push(plus("SYS_AUTOSTART is 5001"));
+            return Ok([0, 1, 2, 3]);
         }
         facts.push(Fact::assumed("motor_order", FactValue::Text("1, 2, 3, 4 as in docs/rig.md".to_owned()), &source));
         return Ok([0, 1, 2, 3]);
     };
-    let rotors = [a, b, c, d].map(|(forward, right, moment)| Rotor {
-        is_front: forward > 0.0,
-        is_right: right > 0.0,
-        is_counter_clockwise: moment > 0.0,
-    });
     // a plus has rotors on the axes
     let is_on_an_axis =
         |(forward, right, _): &(f64, f64, f64)| forward.abs().min(right.abs()) < 0.1 * forward.abs().max(right.abs());
-    if [a, b, c, d].iter().any(is_on_an_axis) {
-        return Err(plus("by CA_ROTOR0_PX to CA_ROTOR3_PY a rotor stands on an axis"));
+    if [a, b, c, d].iter().all(is_on_an_axis) {
+        *frame_turn_deg = PLUS_DEG;
+        facts.push(plus("CA_ROTOR0_PX to CA_ROTOR3_PY"));
     }
+    let (sin, cos) = libm::sincos(frame_turn_deg.to_radians());
+    let rotors = [a, b, c, d].map(|(forward, right, moment)| Rotor {
+        is_front: cos * forward + sin * right > 0.0,
+        is_right: cos * right - sin * forward > 0.0,
+        is_counter_clockwise: moment > 0.0,
+    });
     let order = MotorOrder::of(&rotors).map_err(|why| format!("CA_ROTOR0_PX to CA_ROTOR3_KM: {why}"))?;
     for (motor, given) in order.given.into_iter().enumerate() {
         let text = format!("PX4's motor {}: {}", given + 1, rotors[given].in_words());
@@ -239,8 +245,9 @@ fn motor_order(messages: &Messages, facts: &mut Vec<Fact>) -> Result<[usize; 4],
     Ok(order.given)
 }
 
-fn plus(why: &str) -> String {
-    format!("the vehicle's frame is a plus, the motors of this project's logs are an X's: {why}")
+fn plus(source: &str) -> Fact {
+    let text = format!("a plus: an X in axes that are turned by {PLUS_DEG} degrees");
+    Fact::said("frame", FactValue::Text(text), source)
 }
 
 /// All rotors turn the other way than docs/rig.md's.

@@ -1,6 +1,6 @@
 //! A table on a terminal: first column left, the others right, as wide as their longest cell.
 
-use sil_host::prediction::ChannelErrors;
+use crate::prediction::ChannelErrors;
 
 /// Rows of cells; the first row is the header.
 pub struct TextTable {

@@ -1,17 +1,30 @@
 //! The page about a log compared with the simulation: figures 5.3 and 5.4 of the thesis for any log.
 
-use sil_host::axis::Axis;
-use sil_host::comparison::{ChannelError, Comparison};
-use sil_host::log::Log;
-use sil_host::prediction::{Channel, ChannelErrors, Sample, Subject};
-use sil_host::report::{Cell, Chart, Section, Table};
+use crate::axis::Axis;
+use crate::comparison::{ChannelError, Comparison};
+use crate::log::Log;
+use crate::prediction::{Channel, ChannelErrors, Sample, Subject};
+use crate::report::{Cell, Chart, Page, Section, Table};
 
-use super::flight_report::{degrees, motor_chart};
-use super::key_window::{Predicted, cut, largest_step};
-use super::plain_words::{capitalised, quantity, rough, table_decimals, unit, with_unit};
+use crate::answer::flight::page::{degrees, motor_chart};
+use crate::answer::key_window::{Predicted, cut, largest_step};
+use crate::answer::plain_words::{capitalised, quantity, rough, table_decimals, unit, with_unit};
 
 /// Mean absolute deviations of the thesis' table 5.1: controller, roll, pitch, degrees.
 pub const THESIS_TABLE_5_1: [(&str, f64, f64); 2] = [("MPC", 1.84, 8.08), ("PID", 2.26, 5.80)];
+
+/// A page of its own.
+pub fn page(log: &Log, comparison: &Comparison, subject: &Subject<'_>, command: &str) -> Page {
+    let page = Page::new(headline(comparison))
+        .about(format!("Measured against simulated: {}", log.file_name()))
+        .lead(lead(comparison, subject));
+    let page = match picture(log, comparison) {
+        Some(picture) => page.picture(picture),
+        None => page,
+    };
+    let page = sections(log, comparison).into_iter().fold(page, Page::section);
+    page.provenance("Command", command).provenance("Version", env!("CARGO_PKG_VERSION"))
+}
 
 /// What came out, in a sentence or two.
 pub fn lead(comparison: &Comparison, subject: &Subject<'_>) -> String {
@@ -37,7 +50,7 @@ pub fn lead(comparison: &Comparison, subject: &Subject<'_>) -> String {
 }
 
 /// What came out, in a sentence.
-pub fn headline(comparison: &Comparison) -> String {
+fn headline(comparison: &Comparison) -> String {
     let error = comparison.prediction_error();
     let Some(worst) = error.channels.iter().max_by(|a, b| times_floor(a).total_cmp(&times_floor(b))) else {
         return "The model predicts nothing that the log holds".to_owned();
@@ -65,7 +78,7 @@ fn times_floor(channel: &ChannelError) -> f64 {
 }
 
 /// The channel that the model misses most, measured and predicted, in the window where it misses it most.
-pub fn picture(log: &Log, comparison: &Comparison) -> Option<Chart> {
+fn picture(log: &Log, comparison: &Comparison) -> Option<Chart> {
     let error = comparison.prediction_error();
     let worst = error.channels.iter().max_by(|a, b| times_floor(a).total_cmp(&times_floor(b)))?;
     let predicted = &comparison.prediction.predicted;

@@ -1,6 +1,6 @@
 //! The one picture of a page: measured, and predicted by each model, in the window that shows it best.
 
-use sil_host::report::Chart;
+use crate::report::Chart;
 
 /// Of what is before and behind the window, so much is shown, s.
 const AROUND_S: f64 = 0.5;

@@ -1,21 +1,19 @@
 //! A diagnosis on the terminal.
 
-use sil_host::diagnosis::{
-    ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected, Verdict,
-};
-use sil_host::log::Log;
+use crate::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected, Verdict};
+use crate::log::Log;
 
-use super::diagnose_report::{base_text, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
-use super::output::emphasised;
-use super::text_table::{TextTable, error_table, number};
+use super::page::{base_text, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
+use crate::answer::Emphasis;
+use crate::answer::text_table::{TextTable, error_table, number};
 
 /// Everything that `sil diagnose` prints of the answer.
-pub fn answer_text(log: &Log, answer: &Diagnosis) -> String {
+pub fn answer_text(log: &Log, answer: &Diagnosis, emphasised: Emphasis) -> String {
     let mut text = format!("{}: {} rows, {:.2} s, {:.1} Hz\n", log.path, log.rows(), log.duration_s(), log.rate_hz());
     for note in &log.notes {
         text.push_str(&format!("  {note}\n"));
     }
-    text.push_str(&verdict_text(answer));
+    text.push_str(&verdict_text(answer, emphasised));
     text.push_str(&format!("{}\n", horizons_table(&answer.horizons)));
     text.push_str(&format!("{}\n", statistics_table(answer)));
     for condition in strongest_conditions(answer) {
@@ -29,7 +27,7 @@ pub fn answer_text(log: &Log, answer: &Diagnosis) -> String {
 }
 
 /// What was found, and how much better the model predicts with it.
-pub fn verdict_text(answer: &Diagnosis) -> String {
+pub fn verdict_text(answer: &Diagnosis, emphasised: Emphasis) -> String {
     let mut text = format!("\n{}\n", emphasised(headline(answer.verdict)));
     if answer.verdict == Verdict::NotAModel && !answer.findings.is_empty() {
         text.push_str("  the best of what was tried, not a cause:\n");

@@ -1,16 +1,16 @@
-//! The page about a diagnosis, behind its first screen (`diagnose_answer`): the ranking and the sizes, before and
+//! The page about a diagnosis, behind its first screen (`first_screen`): the ranking and the sizes, before and
 //! after, what was rejected.
 
-use sil_host::diagnosis::{
+use crate::diagnosis::{
     BaseTerm, ChannelResiduals, ClosedLoops, Diagnosis, Estimate, Fact, Finding, PredictionErrors, Verdict,
 };
-use sil_host::log::Log;
-use sil_host::prediction::ChannelErrors;
-use sil_host::report::{Bars, Cell, Chart, Page, Section, Table};
+use crate::log::Log;
+use crate::prediction::ChannelErrors;
+use crate::report::{Bars, Cell, Chart, Page, Section, Table};
 
-use super::compare_report::error_cells;
-use super::plain_words::{self, Size, capitalised, on_a_page, rough};
-use super::{diagnose_answer, diagnose_evidence};
+use super::{evidence, first_screen};
+use crate::answer::comparison::page::error_cells;
+use crate::answer::plain_words::{self, Size, capitalised, on_a_page, rough};
 
 /// More effects than these with the same reason share one line.
 const REJECTED_ALIKE: usize = 3;
@@ -24,8 +24,8 @@ pub fn page(log: &Log, answer: &Diagnosis, command: &str) -> Page {
         log.duration_s(),
         log.rate_hz()
     );
-    let page = Page::new(diagnose_answer::headline(answer)).about(about);
-    let page = diagnose_answer::first_screen(page, log, answer);
+    let page = Page::new(first_screen::headline(answer)).about(about);
+    let page = first_screen::first_screen(page, log, answer);
     let page = sections(log, answer).into_iter().fold(page, Page::section);
     page.provenance("Command", command).provenance("Version", env!("CARGO_PKG_VERSION"))
 }
@@ -85,9 +85,9 @@ pub fn sections(log: &Log, answer: &Diagnosis) -> Vec<Section> {
         .chain(answer.closed_loop.as_ref().map(closed_loop))
         .chain([
             rejected(answer),
-            diagnose_evidence::where_it_arises(answer),
-            diagnose_evidence::unexplained(log, answer),
-            diagnose_evidence::what_cannot_be_shown(answer),
+            evidence::where_it_arises(answer),
+            evidence::unexplained(log, answer),
+            evidence::what_cannot_be_shown(answer),
         ]);
     sections.extend(details.map(Section::folded));
     sections
@@ -145,7 +145,7 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
             answer
                 .findings
                 .iter()
-                .filter(|finding| diagnose_answer::is_doubtful(finding))
+                .filter(|finding| first_screen::is_doubtful(finding))
                 .map(|of| on_a_page(&of.statement)),
         )
         .paragraph(format!(

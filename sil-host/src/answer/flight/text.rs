@@ -2,7 +2,7 @@
 
 use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
 use super::flown::{FlownController, eigenvalues_title, margin_values, remarks};
-use super::text_table::{TextTable, number};
+use crate::answer::text_table::{TextTable, number};
 
 /// What the terminal shows.
 pub fn summary_text(flown: &[FlownController]) -> String {

@@ -1,9 +1,9 @@
 //! A flight against normal flights, on the terminal and as a page.
 
-use sil_host::diagnosis::{BaselineDiagnosis, BetweenFlights, Compared, Difference, Verdict};
-use sil_host::report::{Card, Cell, Page, Section, Table, Tone};
+use crate::diagnosis::{BaselineDiagnosis, BetweenFlights, Compared, Difference, Verdict};
+use crate::report::{Card, Cell, Page, Section, Table, Tone};
 
-use super::diagnose_report::fact_text;
+use super::diagnosis::page::fact_text;
 use super::plain_words::on_a_page;
 use super::text_table::{TextTable, number};
 

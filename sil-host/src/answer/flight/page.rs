@@ -1,13 +1,13 @@
 //! The page about simulated flights: angles against the reference as in the thesis' figures 5.3 to 5.6, motor commands,
 //! and the tables that the terminal shows.
 
-use sil_host::diagnosis::motor_place;
-use sil_host::report::{Better, Card, Cell, Chart, Page, Section, Table, Tone};
+use crate::diagnosis::motor_place;
+use crate::report::{Better, Card, Cell, Chart, Page, Section, Table, Tone};
 
 use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
 use super::flown::{FlownController, eigenvalues_title, is_unstable, margin_values, remarks};
-use super::key_window::{cut, largest_step};
-use super::plain_words::{capitalised, with_unit};
+use crate::answer::key_window::{cut, largest_step};
+use crate::answer::plain_words::{capitalised, with_unit};
 
 /// Share of the time with a motor at its limit that belongs into the headline, %.
 const SATURATED_MIN_PCT: f64 = 5.0;

@@ -1,8 +1,8 @@
 //! The figures of a flight with their names and decimals: one list for the terminal and the report.
 
-use sil_host::flight::RunSummary;
-use sil_host::margins::Margins;
-use sil_host::metrics::AxisMetrics;
+use crate::flight::RunSummary;
+use crate::margins::Margins;
+use crate::metrics::AxisMetrics;
 
 /// A number that is shown.
 pub struct Figure<T> {

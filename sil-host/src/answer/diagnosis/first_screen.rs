@@ -1,13 +1,15 @@
 //! The first screen of a diagnosis: headline, two sentences, one picture, and a card with verdict, cause, size and
 //! certainty.
 
-use sil_host::diagnosis::{ChannelResiduals, Diagnosis, Finding, HorizonError, Verdict};
-use sil_host::log::Log;
-use sil_host::prediction::Channel;
-use sil_host::report::{Card, Chart, Page, Tone};
+use crate::diagnosis::{ChannelResiduals, Diagnosis, Finding, HorizonError, Verdict};
+use crate::log::Log;
+use crate::prediction::Channel;
+use crate::report::{Card, Chart, Page, Tone};
 
-use super::key_window::Predicted;
-use super::plain_words::{axis_of, capitalised, cause, main_parameter, parameter, quantity, sentence, unit, with_unit};
+use crate::answer::key_window::Predicted;
+use crate::answer::plain_words::{
+    axis_of, capitalised, cause, main_parameter, parameter, quantity, sentence, unit, with_unit,
+};
 
 /// An angle is shown rather than a rate if its error, in units of the noise, is at least this share of the rate's.
 const ANGLE_PREFERRED: f64 = 0.5;
@@ -78,7 +80,7 @@ fn improvement(answer: &Diagnosis) -> Option<String> {
 }
 
 /// The channel whose error says most, in units of what an exact model would leave, and its series.
-fn shown(answer: &Diagnosis) -> Option<(&HorizonError, &ChannelResiduals)> {
+pub(crate) fn shown(answer: &Diagnosis) -> Option<(&HorizonError, &ChannelResiduals)> {
     let horizon = answer.horizons.iter().find(|horizon| horizon.horizon_s == answer.prediction_error.window_s)?;
     let series = |error: &HorizonError| answer.residuals.iter().find(|of| of.name == error.quantity);
     let states: Vec<_> = horizon.errors.iter().filter_map(|error| Some((error, series(error)?))).collect();
@@ -90,7 +92,8 @@ fn shown(answer: &Diagnosis) -> Option<(&HorizonError, &ChannelResiduals)> {
     Some(*angle.find(|(error, _)| ratio(error) >= ANGLE_PREFERRED * ratio(most.0)).unwrap_or(most))
 }
 
-fn picture(log: &Log, answer: &Diagnosis) -> Option<Chart> {
+/// Measured and predicted, where it shows best.
+pub(crate) fn picture(log: &Log, answer: &Diagnosis) -> Option<Chart> {
     let (error, series) = shown(answer)?;
     let channel = Channel::ALL.into_iter().find(|channel| channel.name() == series.name)?;
     let column = log.column(channel.quantity()).unwrap_or(&[]);
@@ -112,7 +115,8 @@ fn picture(log: &Log, answer: &Diagnosis) -> Option<Chart> {
     predicted.picture()
 }
 
-fn card(answer: &Diagnosis) -> Card {
+/// Verdict, cause, size and certainty.
+pub(crate) fn card(answer: &Diagnosis) -> Card {
     let (tone, verdict) = match answer.verdict {
         Verdict::NoDiscrepancy => (Tone::Good, "No discrepancy: nothing but noise remains"),
         Verdict::Explained => (Tone::Good, "Explained: nothing but noise remains"),

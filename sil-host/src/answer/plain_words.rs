@@ -1,8 +1,8 @@
 //! Quantities, sizes and findings in the words of a person who flies: "pitch rate" for `q`, 8 ms for 0.008 s.
 
-use sil_host::diagnosis::{Estimate, Finding, motor_place, per_unit_inertia};
-use sil_host::effects::{CatalogueEntry, Effect, Parameter};
-use sil_host::log::GRAVITY_M_S2;
+use crate::diagnosis::{Estimate, Finding, motor_place, per_unit_inertia};
+use crate::effects::{CatalogueEntry, Effect, Parameter};
+use crate::log::GRAVITY_M_S2;
 
 /// Between a number and its unit, so that no line ends there.
 const NO_BREAK: char = '\u{a0}';
@@ -276,7 +276,7 @@ pub fn capitalised(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sil_host::effects::Origin;
+    use crate::effects::Origin;
 
     fn finding(effect: &'static str, axis: Option<&'static str>, parameters: &[(&'static str, f64, f64)]) -> Finding {
         let estimates = parameters.iter().map(|&(name, value, std)| (name, Estimate { value, std }));

@@ -1,11 +1,10 @@
 //! One controller's flight with its margins and eigenvalues, and what a reader of its figures must know.
 
-use sil_host::flight::{Flight, FlightSetup};
-use sil_host::margins::Margins;
-use sil_host::model::Rig;
+use crate::flight::{Flight, FlightSetup, SetupError};
+use crate::margins::Margins;
+use crate::model::Rig;
 
 use super::figures::Figure;
-use super::{Failure, bad_input};
 
 /// A flight with what was measured around it.
 pub struct FlownController {
@@ -22,10 +21,13 @@ pub struct FlownController {
 }
 
 /// Flies one controller and measures its margins.
-pub fn fly_one(name: &str, setup: FlightSetup) -> Result<FlownController, Failure> {
-    let flight = setup.fly().map_err(bad_input)?;
-    let margins = setup.margins().map_err(bad_input)?;
-    let eigenvalues = setup.mpc_eigenvalues().map_err(bad_input)?;
+///
+/// # Errors
+/// [`SetupError`] where the configuration can't be flown.
+pub fn fly_one(name: &str, setup: FlightSetup) -> Result<FlownController, SetupError> {
+    let flight = setup.fly()?;
+    let margins = setup.margins()?;
+    let eigenvalues = setup.mpc_eigenvalues()?;
     Ok(FlownController { name: name.to_owned(), setup, flight, margins, eigenvalues })
 }
 

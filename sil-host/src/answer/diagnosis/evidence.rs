@@ -1,10 +1,10 @@
 //! The page's evidence: where the error arises, what remains of it, and what the log cannot show.
 
-use sil_host::diagnosis::{Condition, Diagnosis, ModelStatistics};
-use sil_host::log::Log;
-use sil_host::report::{Cell, Chart, Section, Table};
+use crate::diagnosis::{Condition, Diagnosis, ModelStatistics};
+use crate::log::Log;
+use crate::report::{Cell, Chart, Section, Table};
 
-use super::plain_words::{capitalised, quantity, unit};
+use crate::answer::plain_words::{capitalised, quantity, unit};
 
 /// Conditions drawn per axis: the strongest ones.
 const DRAWN_PER_AXIS: usize = 2;

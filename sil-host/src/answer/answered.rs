@@ -1,0 +1,63 @@
+//! A log with its diagnosis: what `sil diagnose` shows of one log.
+
+use super::diagnosis::{page, text};
+use super::{Emphasis, HeldAgainst, NotHeldAgainst, identified};
+use crate::diagnosis::{Diagnosis, Effort, NotExtended, Observer, extended_model};
+use crate::log::Log;
+use crate::model::VehicleModel;
+use crate::report::Page;
+
+/// A log and what came out.
+pub struct Answered {
+    /// The log.
+    pub log: Log,
+    /// What it was held against.
+    pub against: HeldAgainst,
+    /// What came out.
+    pub diagnosis: Diagnosis,
+}
+
+impl Answered {
+    /// Diagnoses a log.
+    ///
+    /// # Errors
+    /// The log or the controller does not allow it.
+    pub fn of(
+        log: Log,
+        against: HeldAgainst,
+        effort: Effort,
+        observer: Observer<'_>,
+    ) -> Result<Answered, NotHeldAgainst> {
+        let diagnosis = against.diagnose(&log, effort, observer)?;
+        Ok(Answered { log, against, diagnosis })
+    }
+
+    /// The answer on a terminal, behind [`HeldAgainst::text`].
+    pub fn text(&self, emphasised: Emphasis) -> String {
+        text::answer_text(&self.log, &self.diagnosis, emphasised)
+    }
+
+    /// The answer as a page; the command is what made it.
+    pub fn page(&self, command: &str) -> Page {
+        let page = page::page(&self.log, &self.diagnosis, command);
+        if self.against.said.is_empty() { page } else { page.lead(&self.against.said) }
+    }
+
+    /// The model with the findings in it; none of separate axes.
+    ///
+    /// # Errors
+    /// A finding that no model file can hold.
+    pub fn extended(&self) -> Result<Option<VehicleModel>, NotExtended> {
+        let vehicle = self.against.vehicle.as_ref();
+        vehicle.map(|model| extended_model(model, &self.diagnosis.findings)).transpose()
+    }
+}
+
+impl HeldAgainst {
+    /// What is said before the answer: what the log is held against, and what was identified for it.
+    pub fn text(&self) -> String {
+        let said = if self.said.is_empty() { String::new() } else { format!("{}\n", self.said) };
+        let numbers = self.identified.as_ref().map(|identified| format!("{}\n", identified::table(identified)));
+        said + &numbers.unwrap_or_default()
+    }
+}

@@ -1,0 +1,277 @@
+//! What a log is held against. Where nobody said it, never silently: a foreign log's vehicle is identified first; the
+//! project's F450 is taken only for this project's own logs, and only where it fits.
+
+use super::said::{RigsDisagree, Said, SaidModel, SaidRig, on_rig};
+use crate::closed_loop::LogRefused;
+use crate::comparison::{Comparison, compare};
+use crate::controller_file::ControllerChoice;
+use crate::diagnosis::{
+    Diagnosis, Effort, Fact, Identification, Known, KnownScale, NotKnown, Observer, diagnose_flown_by,
+    diagnose_observed, identify, mismatch,
+};
+use crate::log::Log;
+use crate::model::{BenchModel, Rig, VehicleModel};
+use crate::prediction::Subject;
+
+/// What was chosen, and how.
+#[derive(Clone, Debug, Default)]
+pub struct HeldAgainst {
+    /// With what is known of it; none for separate axes.
+    pub vehicle: Option<VehicleModel>,
+    /// What is known of separate axes, where a model says it.
+    pub bench: Option<BenchModel>,
+    /// What is held.
+    pub known: Known,
+    /// What flew it, as it was named; none where that is not examined.
+    pub controller: Option<(String, ControllerChoice)>,
+    /// The first line of the answer; empty where there is nothing to say.
+    pub said: String,
+    /// The identification that the vehicle is from.
+    pub identified: Option<Identification>,
+}
+
+/// Why a log is not held against anything.
+#[derive(Debug, thiserror::Error)]
+pub enum NotHeldAgainst {
+    /// Separate axes have no vehicle.
+    #[error("--rig axis has no vehicle model: leave out {0}")]
+    NoVehicle(&'static str),
+    /// Nor a controller.
+    #[error("the rig axis has no controller to simulate: leave out --controller")]
+    NoController,
+    /// A bench on another rig.
+    #[error("{0} is a model for the rig axis, but --rig says another")]
+    Bench(String),
+    /// A bench where only a vehicle will do.
+    #[error("{0} is a model for the rig axis: here a vehicle's is needed")]
+    BenchForVehicle(String),
+    /// Rig and model disagree.
+    #[error(transparent)]
+    Rigs(#[from] RigsDisagree),
+    /// Nothing says which vehicle flew.
+    #[error(
+        "{file}: a log of {flight_controller} does not say which vehicle flew: give its model with --model, or take \
+         each axis by itself with --rig axis"
+    )]
+    AnyVehicle {
+        /// The log.
+        file: String,
+        /// What wrote it.
+        flight_controller: String,
+    },
+    /// What was wanted needs a vehicle.
+    #[error("{file}: {said} {option} needs a vehicle: give --model")]
+    AxesOnly {
+        /// The log.
+        file: String,
+        /// What was found instead.
+        said: String,
+        /// What was wanted.
+        option: &'static str,
+    },
+    /// What is known fits no vehicle.
+    #[error("--known {0}")]
+    Known(#[from] NotKnown),
+    /// The controller can't fly it.
+    #[error("--controller {name}: {error}")]
+    Controller {
+        /// As it was named.
+        name: String,
+        /// What is wrong.
+        error: LogRefused,
+    },
+    /// The log can't be predicted.
+    #[error("{file}: {error}")]
+    Log {
+        /// The log.
+        file: String,
+        /// What is wrong.
+        error: LogRefused,
+    },
+}
+
+impl HeldAgainst {
+    /// The vehicle that was named, with what speaks against it; else one that the log itself shows. Separate axes serve
+    /// nothing that `wants_vehicle`.
+    ///
+    /// # Errors
+    /// What was said contradicts itself or the log.
+    pub fn of(
+        log: &Log,
+        said: &Said,
+        facts: &[Fact],
+        wants_vehicle: Option<&'static str>,
+    ) -> Result<HeldAgainst, NotHeldAgainst> {
+        let wants_vehicle = wants_vehicle.or(facts.first().map(|_| "--known"));
+        let mut chosen = chosen(log, said, wants_vehicle)?;
+        chosen.controller = said.controller.clone();
+        if let Some(model) = &chosen.vehicle {
+            let (model, known) = Known::of(model, facts)?;
+            (chosen.vehicle, chosen.known) = (Some(model), known);
+        }
+        Ok(chosen)
+    }
+
+    /// The same where nothing is guessed: what was said, or the rule for logs of which nothing was.
+    ///
+    /// # Errors
+    /// As [`HeldAgainst::of`]; for a flight controller's own log there is no rule: nobody said what it is to be held
+    /// against.
+    pub fn as_said(
+        log: &Log,
+        said: &Said,
+        facts: &[Fact],
+        wants_vehicle: Option<&'static str>,
+    ) -> Result<HeldAgainst, NotHeldAgainst> {
+        let wants_vehicle = wants_vehicle.or(facts.first().map(|_| "--known"));
+        let (vehicle, known) = match vehicle(log, said, wants_vehicle)? {
+            Some(model) => Known::of(&model, facts).map(|(model, known)| (Some(model), known))?,
+            None => (None, Known::default()),
+        };
+        Ok(HeldAgainst { vehicle, known, ..HeldAgainst::default() })
+    }
+
+    /// What the log is predicted as.
+    pub fn subject(&self) -> Subject<'_> {
+        let vehicle = self.vehicle.as_ref().map(Subject::Vehicle);
+        vehicle.or(self.bench.as_ref().map(Subject::Bench)).unwrap_or(Subject::Axes)
+    }
+
+    /// Diagnoses the log.
+    ///
+    /// # Errors
+    /// The log or the controller does not allow it.
+    pub fn diagnose(&self, log: &Log, effort: Effort, observer: Observer<'_>) -> Result<Diagnosis, NotHeldAgainst> {
+        let answer = match (&self.vehicle, &self.controller) {
+            (Some(model), Some((_, choice))) => diagnose_flown_by(log, model, *choice, &self.known, effort, observer),
+            _ => diagnose_observed(log, &self.subject(), &self.known, effort, observer).map_err(LogRefused::from),
+        };
+        answer.map_err(|error| self.refused(log, error))
+    }
+
+    /// Compares the log with the simulation.
+    ///
+    /// # Errors
+    /// The log or the controller does not allow it.
+    pub fn compare(&self, log: &Log) -> Result<Comparison, NotHeldAgainst> {
+        let controller = self.controller.as_ref().map(|(_, choice)| *choice);
+        compare(log, &self.subject(), controller).map_err(|error| self.refused(log, error))
+    }
+
+    fn refused(&self, log: &Log, error: LogRefused) -> NotHeldAgainst {
+        match (error, &self.controller) {
+            (error @ LogRefused::Setup(_), Some((name, _))) => NotHeldAgainst::Controller { name: name.clone(), error },
+            (error, _) => NotHeldAgainst::Log { file: log.path.clone(), error },
+        }
+    }
+}
+
+fn chosen(log: &Log, said: &Said, wants_vehicle: Option<&'static str>) -> Result<HeldAgainst, NotHeldAgainst> {
+    if let Some(bench) = bench(said)? {
+        return match wants_vehicle {
+            Some(option) => Err(NotHeldAgainst::NoVehicle(option)),
+            None => Ok(HeldAgainst { bench: Some(bench.clone()), ..HeldAgainst::default() }),
+        };
+    }
+    // nothing is to be guessed
+    if said.model.is_some() || said.rig.is_some() || said.controller.is_some() {
+        let vehicle = vehicle(log, said, wants_vehicle)?;
+        let against = vehicle.as_ref().and_then(|model| mismatch(log, model));
+        let said = against.map(|why| format!("MISMATCH: {why}. What follows is about the difference."));
+        return Ok(HeldAgainst { vehicle, said: said.unwrap_or_default(), ..HeldAgainst::default() });
+    }
+    if !is_foreign(log, said) {
+        let is_free = log.rig_shown().is_some_and(|shown| shown.is_free);
+        let model = VehicleModel::nominal(if is_free { Rig::Free } else { Rig::Gimbal });
+        match mismatch(log, &model) {
+            None => {
+                let said = format!("No --model: held against the project's \"{}\", which fits roughly.", model.name);
+                return Ok(HeldAgainst { vehicle: Some(model), said, ..HeldAgainst::default() });
+            }
+            Some(why) if !log.shows_a_vehicle() => {
+                let said = format!(
+                    "No --model, and the project's \"{}\" does not fit: {why}. Each axis by itself.",
+                    model.name
+                );
+                return axes(log, wants_vehicle, said);
+            }
+            Some(_) => (),
+        }
+    }
+    if !log.shows_a_vehicle() {
+        let said = "No --model, and the log is not known to be a free flight with motors: each axis by itself.";
+        return axes(log, wants_vehicle, said.to_owned());
+    }
+    match identify(std::slice::from_ref(log), KnownScale::default()) {
+        Ok(identified) => Ok(HeldAgainst {
+            vehicle: Some(identified.model.clone()),
+            said: "No --model: the vehicle was identified from this log first (sil identify); what follows is what \
+                   that model lacks."
+                .to_owned(),
+            identified: Some(identified),
+            ..HeldAgainst::default()
+        }),
+        Err(error) => {
+            let said = format!("No --model, and this log identifies no vehicle: {error}. Each axis by itself.");
+            axes(log, wants_vehicle, said)
+        }
+    }
+}
+
+/// Is the log in other people's columns or format, so that its vehicle is other people's?
+fn is_foreign(log: &Log, said: &Said) -> bool {
+    said.is_mapped || log.flight_controller.is_some() || log.driven_by_axis_commands()
+}
+
+/// Separate axes, with which an option that wants a vehicle can't be given.
+fn axes(log: &Log, wants_vehicle: Option<&'static str>, said: String) -> Result<HeldAgainst, NotHeldAgainst> {
+    match wants_vehicle {
+        Some(option) => Err(NotHeldAgainst::AxesOnly { file: log.path.clone(), said, option }),
+        None => Ok(HeldAgainst { said, ..HeldAgainst::default() }),
+    }
+}
+
+/// The model of a bench that was named; none where it is of another rig, or none was.
+fn bench(said: &Said) -> Result<Option<&BenchModel>, NotHeldAgainst> {
+    let Some((file, SaidModel::Bench(bench))) = &said.model else { return Ok(None) };
+    match (said.rig, &said.controller) {
+        (Some(SaidRig::Vehicle(_)), _) => Err(NotHeldAgainst::Bench(file.clone())),
+        (_, Some(_)) => Err(NotHeldAgainst::NoController),
+        _ => Ok(Some(bench)),
+    }
+}
+
+/// The vehicle that the log is of; none for separate axes. The rig is the one that was said; else the model's; else
+/// `axis` for a log in other people's columns, which is of other people's vehicle, or without motors.
+fn vehicle(
+    log: &Log,
+    said: &Said,
+    wants_vehicle: Option<&'static str>,
+) -> Result<Option<VehicleModel>, NotHeldAgainst> {
+    if let (Some(flight_controller), false, None, None) =
+        (&log.flight_controller, said.is_mapped, said.rig, &said.model)
+    {
+        let (file, flight_controller) = (log.path.clone(), flight_controller.clone());
+        return Err(NotHeldAgainst::AnyVehicle { file, flight_controller });
+    }
+    let is_of_others = said.is_mapped || log.driven_by_axis_commands();
+    let rig = match said.rig {
+        None if is_of_others && said.model.is_none() => Some(SaidRig::Axis),
+        said => said,
+    };
+    let rig = match rig {
+        Some(SaidRig::Axis) => {
+            let model = said.model.as_ref().map(|_| "--model");
+            let controller = said.controller.as_ref().map(|_| "--controller");
+            let option = model.or(wants_vehicle).or(controller);
+            return option.map_or(Ok(None), |option| Err(NotHeldAgainst::NoVehicle(option)));
+        }
+        Some(SaidRig::Vehicle(rig)) => Some(rig),
+        None => None,
+    };
+    match &said.model {
+        None => Ok(Some(VehicleModel::nominal(rig.unwrap_or(Rig::Gimbal)))),
+        Some((file, SaidModel::Vehicle(model))) => Ok(Some(on_rig(model.as_ref().clone(), file, rig)?)),
+        Some((file, SaidModel::Bench(_))) => Err(NotHeldAgainst::BenchForVehicle(file.clone())),
+    }
+}

@@ -1,0 +1,34 @@
+//! What a reader asked of a document: the keys that a file may have, as the code that reads them knows them.
+
+use super::section::Admissible;
+
+/// A key that was asked for.
+#[derive(Clone, Debug)]
+pub(crate) struct KeyRead {
+    /// Header of its table, without the brackets; empty for the document.
+    pub(crate) table: String,
+    /// The key.
+    pub(crate) key: &'static str,
+    /// What it may hold.
+    pub(crate) holds: Holds,
+    /// True if it may be left out.
+    pub(crate) is_optional: bool,
+    /// What stands for it then, if anything does.
+    pub(crate) default: Option<f64>,
+}
+
+/// What a key may hold.
+#[derive(Clone, Debug)]
+pub(crate) enum Holds {
+    /// A number.
+    Number(Admissible),
+    /// A text.
+    Text(&'static str),
+    /// One of some names, and the one that was found.
+    Choice {
+        /// All of them.
+        names: Vec<&'static str>,
+        /// What stood there; empty where nothing did.
+        found: String,
+    },
+}

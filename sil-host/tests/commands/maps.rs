@@ -1,0 +1,95 @@
+//! Maps that compute: sums of columns, and axes between the arms of a plus frame.
+
+use sil_host::log::{Map, parse, write_file};
+use sil_host::model::VehicleModel;
+use sil_host::synthesis::Synthesis;
+
+use crate::sil::{Folder, GENERIC_FREE_MODEL};
+
+const ROWS: usize = 120;
+
+/// Time, two rates and four motors, in nobody's names.
+fn foreign() -> String {
+    let row = |row: usize| {
+        let time_s = 0.01 * row as f64;
+        format!("{time_s},0.1,{},10,20,30,4{}\n", 0.01 * row as f64, row % 10)
+    };
+    "t,gx,gy,a,b,c,d\n".to_owned() + &(0..ROWS).map(row).collect::<String>()
+}
+
+fn map(quantities: &str) -> String {
+    format!(
+        "description = \"\"\nframe = \"FRD\"\n[quantities]\ntime_s = {{ column = \"t\" }}\n\
+         p_rad_s = {{ column = \"gx\" }}\nq_deg_s = {{ column = \"gy\", scale = 2, offset = 1 }}\n{quantities}"
+    )
+}
+
+const COMMANDS: &str = "roll_cmd = { columns = { a = 0.5, d = -0.25 }, scale = 0.01, offset = 0.1, sign = -1 }\n\
+                        pitch_cmd = { column = \"b\", scale = 0.01 }\n";
+
+#[test]
+fn a_sum_of_columns_is_one_column() {
+    let of = |quantities: &str| Map::parse("m.toml", &map(quantities));
+    let log = parse("log.csv", &foreign(), Some(&of(COMMANDS).unwrap())).unwrap();
+    let (roll, pitch) = (log.axis_command[0].as_ref().unwrap(), log.axis_command[1].as_ref().unwrap());
+    for row in 0..ROWS {
+        let d = 40.0 + (row % 10) as f64;
+        assert!((roll[row] - (0.1 - 0.01 * (0.5 * 10.0 - 0.25 * d))).abs() < 1e-12, "{row}");
+        assert!((pitch[row] - 0.2).abs() < 1e-12);
+    }
+    assert!(log.notes.iter().any(|note| note == "columns ignored: c"), "{:?}", log.notes);
+    let refused = |quantities: &str, expected: &str| {
+        let text = of(&COMMANDS.replace("columns = { a = 0.5, d = -0.25 }", quantities)).unwrap_err().to_string();
+        assert!(text.starts_with("m.toml:7: `roll_cmd`: ") && text.contains(expected), "{text}");
+    };
+    refused("columns = { }", "expected column = \"NAME\", or columns =");
+    refused("column = \"a\", columns = { d = 1 }", "expected column = \"NAME\", or columns =");
+    refused("columns = { a = 0 }", "a finite number that is not 0");
+    let absent = of(&COMMANDS.replace("d = -0.25", "e = -0.25")).unwrap();
+    let message = parse("log.csv", &foreign(), Some(&absent)).unwrap_err().to_string();
+    assert!(
+        message.contains("log.csv:1: `e`: column is missing, which the map m.toml takes for roll_cmd"),
+        "{message}"
+    );
+    // where one part is blank there is no sum, and where the sum is out of range it is named
+    let blank = foreign().replacen(",10,20,30,43\n", ",,20,30,43\n", 1);
+    let log = parse("log.csv", &blank, Some(&of(COMMANDS).unwrap())).unwrap();
+    assert!(log.notes.iter().any(|note| note.contains("1 blank fields")), "{:?}", log.notes);
+    let wide = foreign().replacen(",10,20,30,43\n", ",1000,20,30,43\n", 1);
+    let message = parse("log.csv", &wide, Some(&of(COMMANDS).unwrap())).unwrap_err().to_string();
+    assert!(message.contains("log.csv:5: `a + d`: -4.7925 is outside"), "{message}");
+}
+
+/// The log of an X, as a plus would have written it: its axes along two of the arms.
+#[test]
+fn a_plus_is_recognised_and_read_as_an_x() {
+    let folder = Folder::new();
+    folder.write("free.toml", GENERIC_FREE_MODEL);
+    let model = VehicleModel::parse(GENERIC_FREE_MODEL, "free.toml").unwrap();
+    let x = Synthesis { seed: 1, duration_s: 12.0, ..Synthesis::of(model) }.log().unwrap();
+    let plus = x.clone().turned(-45.0).unwrap();
+    write_file(&x, &folder.path("x.csv")).unwrap();
+    write_file(&plus, &folder.path("plus.csv")).unwrap();
+    let said = ["--frame-turn 45", "frame_turn_deg = 45", "plus frame", "sil map plus.csv"];
+    folder.sil(&["diagnose", "plus.csv"]).assert_refused(&said);
+    folder.sil(&["map", "plus.csv", "--out", "plus.toml"]).assert_done();
+    let drafted = String::from_utf8(folder.bytes("plus.toml")).unwrap();
+    assert!(drafted.contains("\nframe_turn_deg = 45 "), "{drafted}");
+    let errors = |log: &str, how: &[&str]| {
+        let model = ["--model", "free.toml", "--json", "out.json"];
+        let outcome = folder.sil(&[&["compare", log], how, &model].concat()).assert_done();
+        let json = folder.json("out.json");
+        let of = |name: &str| json["prediction_error"]["nominal"][name].as_f64().unwrap();
+        (["roll_deg", "pitch_deg", "p_deg_s", "q_deg_s"].map(of), outcome.stdout)
+    };
+    let (expected, _) = errors("x.csv", &[]);
+    for how in [&["--frame-turn", "45"][..], &["--map", "plus.toml", "--rig", "free"]] {
+        let (turned, said) = errors("plus.csv", how);
+        assert!(said.contains("body axes turned by 45 degrees about yaw"), "{said}");
+        for (turned, expected) in turned.iter().zip(expected) {
+            // turned and turned back in doubles
+            assert!((turned / expected - 1.0).abs() < 1e-6, "{turned} {expected}");
+        }
+    }
+    folder.sil(&["compare", "plus.csv", "--frame-turn", "400"]).assert_refused(&["--frame-turn 400: expected"]);
+}
