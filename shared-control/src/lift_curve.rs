@@ -96,7 +96,8 @@ mod tests {
 
     proptest! {
         /// The part from a command on begins there, and between is the same curve, to what a line between two points
-        /// of it differs from two lines: most near nought, where the curve is steepest.
+        /// of it differs from two lines: most where the whole's first two meet, with slopes of 0.71 and 1.71 N. A line
+        /// over 0.122 N of lift across that corner leaves it by 0.0265 N at most.
         #[test]
         fn a_part_of_the_curve_is_the_curve(command_min in 0.01f32..0.5, share in 0f32..=1.0) {
             let (whole, part) = (square_root_curve(), square_root_curve().from_command(command_min));
@@ -104,7 +105,7 @@ mod tests {
             prop_assert_eq!((part.command_at[0], part.command_at[LIFT_INTERVALS]), (command_min, 1.0));
             prop_assert_eq!((part.lift(0.0), part.lift_max_n), (whole.lift(command_min), whole.lift_max_n));
             let command = command_min + share * (1.0 - command_min);
-            prop_assert!((part.lift(command) - whole.lift(command)).abs() < 0.02, "{command}");
+            prop_assert!((part.lift(command) - whole.lift(command)).abs() < 0.027, "{command}");
             prop_assert!((part.command(part.lift(command)) - command).abs() < 1e-5);
         }
     }
