@@ -60,7 +60,7 @@ const LOST_TILT_STD_RAD: f32 = 0.1;
 /// What is expected of vehicle and sensors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevellingConfig {
-    /// Drag of the rotors over the mass k, 1/s; known to [`DRAG_STD`] of it.
+    /// Drag of the rotors over the mass k, 1/s; known to 40 % of it.
     pub rotor_drag_1_s: f32,
     /// Standard deviation of the tilt with which a flight begins, rad.
     pub tilt_std_rad: f32,

@@ -87,13 +87,14 @@ impl Model {
         model
     }
 
-    /// Separate axes, with the input gain of each and what they are driven by.
-    pub(crate) fn of_axes(gain_rad_s2: [f64; 3], input: DirectInput) -> Model {
+    /// Separate axes, with the input gain of each and what they are driven by; where they turn as one body's, their
+    /// angles go by Euler's kinematics.
+    pub(crate) fn of_axes(gain_rad_s2: [f64; 3], input: DirectInput, turns_as_one: bool) -> Model {
         Model {
             vehicle: None,
             drive: Drive::Direct(input),
             changes: Changes::default(),
-            body: Body::Axes { gain_rad_s2, input },
+            body: Body::Axes { gain_rad_s2, input, turns_as_one },
             moments: Vec::new(),
             turns_round_rad_s: [None; 3],
         }
