@@ -11,8 +11,8 @@ use super::force_track::ForceAndSpin;
 use crate::vehicle::{Air, Airframe, Attitude, FreeBody, Gimbal, Onset, RigidBody, euler_rates_rad_s};
 pub(crate) use crate::vehicle::{Moment, Motion};
 
-/// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal, of the body when free and on separate
-/// axes, where each is its angle's too unless the axes turn as one body's.
+/// Angles (roll, pitch, yaw; rad), then rates (rad/s): of the angles on the gimbal, of the body when free and on
+/// separate axes, where each is its angle's too unless the axes turn as one body's.
 pub(crate) type Turning = [f64; TURNING];
 /// The same, then velocity (north, east, down; m/s) and height above ground (m), which only a free vehicle has.
 pub(crate) type State = [f64; FLYING];
