@@ -41,11 +41,11 @@ pub struct LogArguments {
     /// Compare even if the log contradicts its labels (a unit, a sign, an axis, the motors' order)
     #[arg(long)]
     unchecked: bool,
-    /// Model of the vehicle or of the bench [default: diagnose identifies a foreign log's vehicle first, and takes the
-    /// project's F450 for the project's own logs where that fits]
+    /// Model of the vehicle or of the bench [default: a foreign flight's vehicle is identified from the log first; the
+    /// project's F450 serves the project's own logs where it fits; else each axis by itself]
     #[arg(long, value_name = "M.toml")]
     model: Option<PathBuf>,
-    /// Which rig held the vehicle [default: axis for a log read by a map or without motors, else the model's]
+    /// Which rig held the vehicle [default: the model's; without a model as the log shows]
     #[arg(long, value_enum)]
     rig: Option<LogRig>,
     /// Controller that flew: pid, mpc, or a controller file; without it the controller is not examined
