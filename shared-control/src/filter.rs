@@ -87,6 +87,37 @@ impl LowPass2 {
     }
 }
 
+/// A resonance of second order that either stops its frequency and passes the rest, or the reverse; unit gain away from
+/// it, or at it. Its coefficients are cheap enough to follow a frequency from step to step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resonance {
+    /// 1 / (1 + half bandwidth): the gain of the direct path of the notch.
+    direct: f32,
+    /// Cosine of the angle per sample, times twice the above.
+    feedback: f32,
+}
+
+impl Resonance {
+    /// At `angle_rad` per sample (2 pi f / rate, within 0 and pi), with the width that a notch of this quality has: its
+    /// -3 dB points are f / quality apart.
+    pub fn new(angle_rad: f32, quality: f32) -> Self {
+        let direct = 1.0 / (1.0 + angle_rad / (2.0 * quality));
+        Self { direct, feedback: 2.0 * sin_cos(angle_rad).1 * direct }
+    }
+
+    /// One sample of the notch, (1 - 2 c z^-1 + z^-2) over its poles, after the last two that went in and came out, the
+    /// newer first. A constant passes unchanged however the frequency moves.
+    pub fn stop(&self, x: f32, past_in: &[f32; 2], past_out: &[f32; 2]) -> f32 {
+        self.direct * (x + past_in[1]) + self.feedback * (past_out[0] - past_in[0])
+            - (2.0 * self.direct - 1.0) * past_out[1]
+    }
+
+    /// One sample of the band-pass, what the notch takes away; likewise, and nothing of a constant.
+    pub fn pass(&self, x: f32, past_in: &[f32; 2], past_out: &[f32; 2]) -> f32 {
+        (1.0 - self.direct) * (x - past_in[1]) + self.feedback * past_out[0] - (2.0 * self.direct - 1.0) * past_out[1]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,5 +164,32 @@ mod tests {
         }
         assert!((y - 0.632).abs() < 0.005);
         assert_eq!(LowPass1::new(0.0, 1000.0).share, 1.0);
+    }
+
+    /// What notch and band-pass leave is the whole; the notch stops its own frequency, and a constant passes it while
+    /// the frequency moves.
+    #[test]
+    fn notch_and_band_pass_are_each_other_s_rest() {
+        let resonance = Resonance::new(2.0 * core::f32::consts::PI * 0.1, 3.0);
+        let (mut past_in, mut stopped, mut passed) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+        let mut left = 0.0f32;
+        for i in 0..2000 {
+            let turns = 0.1 * i as f32;
+            let x = sin_cos(2.0 * core::f32::consts::PI * (turns - turns as i32 as f32)).0;
+            let stop = resonance.stop(x, &past_in, &stopped);
+            let pass = resonance.pass(x, &past_in, &passed);
+            assert!((stop + pass - x).abs() < 1e-4);
+            (past_in, stopped, passed) = ([x, past_in[0]], [stop, stopped[0]], [pass, passed[0]]);
+            if i > 500 {
+                left = crate::elementary::larger(left, stop.abs());
+            }
+        }
+        assert!(left < 1e-3, "{left}");
+        let mut past = [2.5; 2];
+        for i in 0..500 {
+            let y = Resonance::new(0.4 + 0.002 * i as f32, 3.0).stop(2.5, &[2.5; 2], &past);
+            assert!((y - 2.5).abs() < 1e-4);
+            past = [y, past[0]];
+        }
     }
 }

@@ -1,4 +1,5 @@
-//! From raw IMU counts to what the estimator and the rate loop use: scale, axis map, low-pass before decimation.
+//! From raw IMU counts to what the estimator and the rate loop use: scale, axis map, notches at the rotors' lines where
+//! they are wanted, low-pass before decimation.
 //!
 //! The sensor samples faster than the loop runs. Attitude gets the whole rotation since the last step (the sum over
 //! all samples, so that nothing is lost between steps); the rate loop gets the low-passed rate, so that noise above
@@ -14,6 +15,7 @@ use nalgebra::Vector3;
 use crate::elementary::sqrt;
 use crate::filter::{LowPass1, LowPass2, LowPass2State};
 use crate::record::state_words::StateWords;
+use crate::sensing::rotor_notches::{Notches, NotchesConfig, NotchesState};
 use crate::signals::RawImuSample;
 
 /// What data sheets call "g", m/s^2.
@@ -113,6 +115,8 @@ pub struct ImuConfig {
     pub accel_axes: AxisMap,
     /// Low-pass on each gyro axis at the sensor's sample rate.
     pub gyro_lowpass: LowPass2,
+    /// Notches before it that follow the rotors; none where there are none.
+    pub gyro_notches: Option<NotchesConfig>,
     /// On each accelerometer axis, for the steady force.
     pub force_lowpass: LowPass2,
     /// For the mean square of the vibration.
@@ -130,6 +134,7 @@ impl ImuConfig {
             gyro_axes: AxisMap::PIXHAWK1_MPU6000,
             accel_axes: AxisMap::PIXHAWK1_MPU6000,
             gyro_lowpass: LowPass2::new(gyro_cutoff_hz, sample_rate_hz),
+            gyro_notches: None,
             force_lowpass: LowPass2::new(STEADY_HZ, sample_rate_hz),
             vibration_mean: LowPass1::new(VIBRATION_MEAN_HZ, sample_rate_hz),
         }
@@ -146,6 +151,7 @@ impl ImuConfig {
             gyro_axes: AxisMap::PIXHAWK1_L3GD20,
             accel_axes: AxisMap::PIXHAWK1_LSM303D,
             gyro_lowpass: LowPass2::new(gyro_cutoff_hz, L3GD20_RATE_HZ),
+            gyro_notches: None,
             force_lowpass: LowPass2::new(STEADY_HZ, L3GD20_RATE_HZ),
             vibration_mean: LowPass1::new(VIBRATION_MEAN_HZ, L3GD20_RATE_HZ),
         }
@@ -167,6 +173,7 @@ impl ImuConfig {
 pub struct ImuState {
     last_time_us: Option<u64>,
     lowpass: [LowPass2State; 3],
+    notches: NotchesState,
     rate_body_rad_s: Vector3<f32>,
     force_lowpass: [LowPass2State; 3],
     steady_force_m_s2: Vector3<f32>,
@@ -176,11 +183,13 @@ pub struct ImuState {
 
 impl ImuState {
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { last_time_us, lowpass, rate_body_rad_s, force_lowpass, steady_force_m_s2, vibration } = self;
+        let Self { last_time_us, lowpass, notches, rate_body_rad_s, force_lowpass, steady_force_m_s2, vibration } =
+            self;
         words.optional_time_us(*last_time_us);
         for axis in lowpass.iter().chain(force_lowpass) {
             axis.record(words);
         }
+        notches.record(words);
         for vector in [rate_body_rad_s, steady_force_m_s2, vibration] {
             words.vector(vector);
         }
@@ -234,7 +243,14 @@ pub fn all_finite(v: &Vector3<f32>) -> bool {
 
 /// Conditions the samples of one step at `now_us`. Samples whose time does not increase, or lies in the future, are
 /// left out; so is a stored time that lies in the future, else one bad stamp would make the vehicle blind until then.
-pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSample], now_us: u64) -> ImuStep {
+/// The notches stay out while the rotors stand.
+pub fn condition(
+    config: &ImuConfig,
+    state: &mut ImuState,
+    samples: &[RawImuSample],
+    now_us: u64,
+    rotors_turn: bool,
+) -> ImuStep {
     let latest_us = now_us.saturating_add(STAMP_AHEAD_MAX_US);
     state.last_time_us = state.last_time_us.filter(|last| *last <= latest_us);
     let mut step = ImuStep {
@@ -247,6 +263,7 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
         steady_force_m_s2: state.steady_force_m_s2,
         vibration_m_s2: state.vibration.map(sqrt),
     };
+    let notches = config.gyro_notches.as_ref().map(|config| Notches::tune(config, &mut state.notches, rotors_turn));
     for sample in samples {
         if sample.time_us > latest_us {
             continue;
@@ -272,10 +289,12 @@ pub fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSamp
         let anew = first || interval_s > SAMPLE_GAP_MAX_S;
         if anew {
             state.lowpass = core::array::from_fn(|i| config.gyro_lowpass.settled(gyro[i]));
+            state.notches.begin(&gyro);
         }
         state.feel(config, &force, anew);
+        let smooth = notches.as_ref().map_or(gyro, |notches| notches.update(&mut state.notches, &gyro));
         for i in 0..3 {
-            step.rate_body_rad_s[i] = config.gyro_lowpass.update(&mut state.lowpass[i], gyro[i]);
+            step.rate_body_rad_s[i] = config.gyro_lowpass.update(&mut state.lowpass[i], smooth[i]);
         }
         step.specific_force_m_s2 += force;
         step.samples = step.samples.saturating_add(1);

@@ -151,7 +151,7 @@ pub fn update(
 
 impl UnitState {
     fn take(&mut self, config: &ImuConfig, samples: &[RawImuSample], time_us: u64, motors_turned: bool) -> News {
-        let step = imu::condition(config, &mut self.conditioning, samples, time_us);
+        let step = imu::condition(config, &mut self.conditioning, samples, time_us, motors_turned);
         let health = self.health.update(config.chips, samples, !motors_turned && self.gyro.rest_s() > 0.0);
         News { step, health, suspect: self.health.is_suspect(config.chips) }
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   RawImuSample[] of each IMU
-//!     --imu: SI units, body axes, low-pass before decimation--> ImuStep ---.
+//!     --imu: SI units, body axes, rotor_notches, low-pass------> ImuStep ---.
 //!     --imu_health: are the raw words to be believed?--> ImuHealth --------+--> imu_select: one of the two
 //!     --gyro_bias: what its gyro reads at rest--> bias --------------------'         |
 //!          AttitudeEstimate <--estimator, in flight with levelling: what should be felt--'
@@ -15,3 +15,4 @@ pub mod imu;
 pub mod imu_health;
 pub mod imu_select;
 pub mod levelling;
+pub mod rotor_notches;

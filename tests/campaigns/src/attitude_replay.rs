@@ -104,7 +104,7 @@ fn flown(log: &Log, support: Support) -> Vec<Row> {
             .motors()
             .map_or(at(&log.thrust_command, row), |motors| motors.iter().map(|motor| motor[row]).sum::<f64>() / 4.0);
         let turning = motors > TURNING;
-        let step = condition(&config, &mut imu, &[sample], sample.time_us);
+        let step = condition(&config, &mut imu, &[sample], sample.time_us, false);
         let carried = turning.then_some(support);
         let estimate = estimator::update(&estimator_config, &mut state, &mut gyro, &step, sample.time_us, carried);
         let q_world_from_body = estimate.q_world_from_body;

@@ -22,6 +22,7 @@ pub mod comparison;
 pub mod controller_blame;
 pub mod identification;
 pub mod limits_and_switching;
+pub mod notches;
 pub mod real_logs;
 pub mod thesis_case;
 pub mod worst_case;

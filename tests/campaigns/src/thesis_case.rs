@@ -69,7 +69,7 @@ impl Diagnosed {
         let (known, effort) = (Known::default(), Effort::Quick);
         let answer = diagnose_flown_by(&log, &nominal, choice, &known, effort, &|_| ()).expect("a whole log");
         let closed_loop = answer.closed_loop.expect("a log with references");
-        let extended = extended_model(&nominal, &answer.findings).expect("effects of the gimbal");
+        let extended = extended_model(&nominal, &answer).expect("effects of the gimbal");
         Self { controller, answer, closed_loop, extended }
     }
 }

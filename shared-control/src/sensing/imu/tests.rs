@@ -6,6 +6,11 @@ fn config() -> ImuConfig {
     ImuConfig::pixhawk1_mpu6000(100.0, 1000.0)
 }
 
+/// With rotors that stand.
+fn condition(config: &ImuConfig, state: &mut ImuState, samples: &[RawImuSample], now_us: u64) -> ImuStep {
+    super::condition(config, state, samples, now_us, false)
+}
+
 fn sample(time_us: u64, gyro_counts: [i16; 3]) -> RawImuSample {
     // level and at rest: the body's z axis feels -1 g, and the sensor's z axis is the body's
     RawImuSample { time_us, gyro_counts, accel_counts: [0, 0, -4096] }

@@ -1,8 +1,9 @@
 //! A minute of flight by the cascade as the board is configured: hover, and what the pilot asks between.
 
 use shared_control::config::Config;
-use shared_control::flight_core::{FlightCore, State};
+use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::params::{Params, Rig};
+use shared_control::sensing::rotor_notches::NotchesConfig;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingRequest, RawImuSample, Setpoint, StepInput};
 use sil_host::effects::{RotorVibration, WeakMotor};
@@ -108,9 +109,24 @@ impl ShakenFlight {
         }
     }
 
+    /// With notches that follow the rotors.
+    pub fn with_notches(mut self) -> Self {
+        self.config.sensing.imu.gyro_notches = Some(NotchesConfig::new(1e6 / SAMPLE_US as f32));
+        self
+    }
+
     /// Flies; the angle between the true and the estimated vertical at each step since it was let go, degrees.
-    pub fn errors_deg(mut self) -> Vec<f64> {
+    pub fn errors_deg(self) -> Vec<f64> {
         let mut errors_deg = Vec::new();
+        self.fly(|plant, output, _| {
+            let q = output.estimate.q_world_from_body;
+            errors_deg.push(tilt_between_deg(plant.truth().q_world_from_body, [q.w, q.i, q.j, q.k]));
+        });
+        errors_deg
+    }
+
+    /// Flies and shows each step since it was let go: the vehicle, the step, and what the core keeps after it.
+    pub fn fly(mut self, mut see: impl FnMut(&Plant, &StepOutput, &State)) {
         let mut input = StepInput::default();
         for now_us in (0..RELEASE_US + self.flight_us()).step_by(TICK_US as usize) {
             if now_us.is_multiple_of(SAMPLE_US) {
@@ -124,15 +140,13 @@ impl ShakenFlight {
                 input.imu.clear();
                 self.plant.set_commands(output.mix.commands.0.map(f64::from));
                 if now_us >= RELEASE_US {
-                    let q = output.estimate.q_world_from_body;
-                    errors_deg.push(tilt_between_deg(self.plant.truth().q_world_from_body, [q.w, q.i, q.j, q.k]));
+                    see(&self.plant, &output, &self.state);
                 }
             }
             if now_us >= RELEASE_US {
                 self.plant.advance(TICK_US as f64 * 1e-6);
             }
         }
-        errors_deg
     }
 
     fn flight_us(&self) -> u64 {

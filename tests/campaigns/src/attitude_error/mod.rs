@@ -6,7 +6,7 @@
 //!             '------ angle between true and estimated vertical <------ estimate ----'
 //! ```
 
-mod flight;
+pub(crate) mod flight;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
