@@ -2,6 +2,7 @@
 //!
 //! - `cargo run --release -p campaigns --bin real_logs`: the tables of docs/real-logs.md.
 //! - `... -- baseline`: CrazyPAD's flights against normal flights of their airframe.
+//! - `... -- stand`: what the runs of the 3-DoF stand say of one vehicle's constants.
 //! - `... -- scoreboard [OPTIONS]`: how right the diagnosis is on every log (`campaigns::real_logs::scoreboard`).
 //! - `... -- injection [OPTIONS]`: are known effects named that were put into each log
 //!   (`campaigns::real_logs::injection_score`)?
@@ -16,7 +17,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 
 use campaigns::real_logs::scoreboard::{self, Effort, Entry, Scoreboard};
-use campaigns::real_logs::{folder, injection_score, tables};
+use campaigns::real_logs::{folder, injection_score, stand, tables};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -32,10 +33,14 @@ fn main() -> ExitCode {
             tables::print_baseline();
             Ok(())
         }
+        Some((first, [])) if first == "stand" => {
+            stand::print();
+            Ok(())
+        }
         Some((first, options)) if first == "scoreboard" => Options::read(options).and_then(|options| options.score()),
         Some((first, options)) if first == "injection" => Options::read(options).and_then(|options| options.inject()),
         Some((other, _)) => {
-            Err(format!("unknown command `{other}`; it may be `baseline`, `scoreboard` or `injection`"))
+            Err(format!("unknown command `{other}`; it may be `baseline`, `stand`, `scoreboard` or `injection`"))
         }
     };
     result.map_or_else(

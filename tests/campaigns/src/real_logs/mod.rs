@@ -14,6 +14,7 @@ pub mod injection;
 pub mod injection_score;
 mod least_squares;
 pub mod scoreboard;
+pub mod stand;
 pub mod tables;
 
 use std::io::Write;
