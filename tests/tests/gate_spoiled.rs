@@ -36,11 +36,11 @@ fn every_effect_passes() {
     let mut draws = RandomStream::new(1, "gate");
     let mut refused = String::new();
     for (seed, name) in (0..).zip(EFFECTS) {
-        let conditions = Conditions::draw(seed, 15.0, &mut draws);
+        let conditions = Conditions::draw(seed, 8.0, &mut draws);
         refused += &refusals_of(name, conditions, &mut draws);
     }
     for (seed, name) in (0..).zip(EFFECTS_IN_FREE_FLIGHT) {
-        let conditions = Conditions::draw_free(seed, 15.0, &mut draws);
+        let conditions = Conditions::draw_free(seed, 8.0, &mut draws);
         refused += &refusals_of(name, conditions, &mut draws);
     }
     assert!(refused.is_empty(), "{refused}");

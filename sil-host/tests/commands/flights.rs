@@ -6,7 +6,7 @@ use crate::sil::Folder;
 #[test]
 fn the_same_seed_gives_the_same_bytes() {
     let folder = Folder::new();
-    folder.write("short.toml", "duration_s = 3.0\n[[step]]\nat_s = 0.5\nroll_deg = 20\n");
+    folder.write("short.toml", "duration_s = 1.0\n[[step]]\nat_s = 0.2\nroll_deg = 20\n");
     let fly = |seed: &str, log: &str, report: &str| {
         let script = ["fly", "--script", "short.toml", "--controller", "both"];
         let arguments = [&script[..], &["--seed", seed, "--log", log, "--report", report]].concat();

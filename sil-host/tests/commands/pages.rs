@@ -229,7 +229,7 @@ fn pages_describe_the_json_of_a_diagnosis() {
     // this log needs no base model
     assert_eq!(answer["base"], serde_json::json!([]));
     let parameters = [("scale", Estimate { value: 0.9, std: 0.01 })].into();
-    let term = BaseTerm { effect: "thrust_scale", axis: None, parameters, ordinary: true };
+    let term = BaseTerm { effect: "thrust_scale", axis: None, parameters, ordinary: true, extension: None };
     answer["base"] = serde_json::to_value([term]).unwrap();
     answer["lateness_s"] = serde_json::to_value(Estimate { value: 0.02, std: 0.001 }).unwrap();
     answer["known"] = serde_json::to_value([Fact { name: "mass_kg", value: 1.0, std: 0.0 }]).unwrap();

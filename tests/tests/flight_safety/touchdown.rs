@@ -169,8 +169,8 @@ fn ended_in_the_air(seeds: core::ops::Range<u64>) -> Vec<(u64, End)> {
 }
 
 #[test]
-fn none_of_fifty_drawn_vehicles_is_disarmed_in_the_air() {
-    let ended = ended_in_the_air(0..50);
+fn none_of_fifteen_drawn_vehicles_is_disarmed_in_the_air() {
+    let ended = ended_in_the_air(0..15);
     assert!(ended.is_empty(), "{ended:?}");
 }
 
@@ -178,16 +178,16 @@ fn none_of_fifty_drawn_vehicles_is_disarmed_in_the_air() {
 #[test]
 #[ignore = "a minute"]
 fn none_of_a_thousand_drawn_vehicles_is_disarmed_in_the_air() {
-    let ended = ended_in_the_air(50..1000);
+    let ended = ended_in_the_air(0..1000);
     assert!(ended.is_empty(), "{ended:?}");
 }
 
 /// On ground and in wind as they come, with a throttle for hovering that is right to 5 %: nine of ten in time, and
 /// each soon. What takes longer is blown along a slope and bounces down it.
 #[test]
-fn of_fifty_drawn_vehicles_most_are_disarmed_in_time() {
+fn of_twenty_drawn_vehicles_most_are_disarmed_in_time() {
     let (mut ends_s, mut fastest_m_s) = (Vec::new(), 0.0);
-    for seed in 0..50 {
+    for seed in 0..20 {
         let mut scene = drawn(seed);
         scene.hover_throttle_factor = 1.0 + (scene.hover_throttle_factor - 1.0) / 3.0;
         scene.air.up_m_s *= 0.3;
@@ -198,8 +198,8 @@ fn of_fifty_drawn_vehicles_most_are_disarmed_in_time() {
     }
     ends_s.sort_by(f64::total_cmp);
     let late = ends_s.iter().filter(|end_s| **end_s >= WITHIN_S).count();
-    println!("median {:.2} s, longest {:?} s, {late} late; down at up to {fastest_m_s:.2} m/s", ends_s[25], ends_s[49]);
-    assert!(10 * late <= ends_s.len() && ends_s[49] < 2.0 * WITHIN_S, "{ends_s:?}");
+    println!("median {:.2} s, longest {:?} s, {late} late; down at up to {fastest_m_s:.2} m/s", ends_s[10], ends_s[19]);
+    assert!(10 * late <= ends_s.len() && ends_s[19] < 2.0 * WITHIN_S, "{ends_s:?}");
 }
 
 /// Armed, half of the lift, on the ground: nobody heard from there on.

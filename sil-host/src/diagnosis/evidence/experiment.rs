@@ -8,13 +8,14 @@
 //! ways (Box and Hill, Technometrics 9, 1967): a rival of which the finding is a special case can never be less likely,
 //! but it can turn out not to be needed. The plainest manoeuvre that is decisive is proposed, else the best one.
 
+use rayon::prelude::*;
 use shared_control::config::Controller;
 
 use crate::controller_file::ControllerChoice;
 use crate::diagnosis::evidence::manoeuvres::{Manoeuvre, manoeuvres};
 use crate::diagnosis::extension::model_with_terms;
 use crate::diagnosis::fitted::Fitted;
-use crate::diagnosis::fitting::fit::{Term, fit, model_of};
+use crate::diagnosis::fitting::fit::{Term, fit_to_reach, model_of};
 use crate::diagnosis::found::Found;
 use crate::diagnosis::progress::Progress;
 use crate::diagnosis::search::{SEPARABLE, Search};
@@ -30,6 +31,8 @@ use crate::scenario::Scenario;
 const RATE_HZ: u32 = 200;
 /// A difference of log-likelihoods that leaves no doubt, noise and all: odds of e^10, 22000 to 1.
 const DECISIVE: f64 = 10.0;
+/// One that tells nothing, however often the manoeuvre is repeated: its 64 times are not enough.
+const NOTHING: f64 = SEPARABLE / 64.0;
 
 /// A proposed flight.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,17 +47,12 @@ pub struct Experiment {
 struct Pair<'e> {
     /// "torque_bias (pitch) from cg_offset".
     names: String,
-    finding: Side<'e>,
-    rival: Side<'e>,
+    finding: Family<'e>,
+    rival: Family<'e>,
 }
 
-/// One of the two.
-struct Side<'e> {
-    /// The model with it in.
-    terms: Vec<Term<'e>>,
-    /// The same, and with the effect on each other axis or motor.
-    family: Vec<Vec<Term<'e>>>,
-}
+/// The model with one of the two in, then the same with the effect on each other axis or motor.
+type Family<'e> = Vec<Vec<Term<'e>>>;
 
 /// A manoeuvre and the differences of log-likelihoods to be expected from it, pair by pair.
 struct Tried {
@@ -81,22 +79,24 @@ pub(in crate::diagnosis) fn separating(
             format!("No flight that separates {names} can be simulated: the vehicle on these axes is not known.");
         return Some(Experiment { sentence, scenario: None });
     };
-    let judge = Judge { log, model, search, noise: noise_per_row(log, subject) };
-    let mut best: Option<Tried> = None;
+    let noise = noise_per_row(log, subject);
+    let judge = Judge { log, model, search, noise, chosen: &found.refitted.chosen.terms, pairs: &pairs };
+    let mut tried: Vec<Tried> = Vec::new();
     let candidates = manoeuvres();
     let total = candidates.len();
     for (done, manoeuvre) in candidates.into_iter().enumerate() {
         (search.observer)(Progress::Separating { done, total });
-        let separated_by = pairs.iter().map(|pair| judge.separated(&manoeuvre.scenario, pair)).collect();
-        let tried = Tried { separated_by, manoeuvre };
-        let is_decisive = tried.separated_by.iter().all(|by| *by >= DECISIVE);
-        if best.as_ref().is_none_or(|best| tried.worth() > best.worth()) {
-            best = Some(tried);
+        let tells = |once: &Tried| once.separated_by.iter().any(|by| *by > NOTHING);
+        if manoeuvre.repeats.is_some_and(|shorter| !tells(&tried[shorter])) {
+            continue;
         }
-        if is_decisive {
+        tried.push(Tried { separated_by: judge.separated(&manoeuvre.scenario), manoeuvre });
+        if tried[tried.len() - 1].separated_by.iter().all(|by| *by >= DECISIVE) {
             break;
         }
     }
+    // of equals the first, which is the plainest
+    let best = tried.into_iter().reduce(|best, other| if other.worth() > best.worth() { other } else { best });
     best.map(|best| best.proposed(&pairs))
 }
 
@@ -145,28 +145,26 @@ fn pairs<'e>(search: &Search<'e>, found: &Found<'e>, findings: &[Finding], place
             let Some(rival) = rival.map(|rival| &rival.fit.terms) else { continue };
             pairs.push(Pair {
                 names: format!("{}{axis} from {name}", finding.effect),
-                finding: Side::of(search, &found.refitted.chosen.terms, *index),
-                rival: Side::of(search, rival, rival.len() - 1),
+                finding: family(search, &found.refitted.chosen.terms, *index),
+                rival: family(search, rival, rival.len() - 1),
             });
         }
     }
     pairs
 }
 
-impl<'e> Side<'e> {
-    /// The effect is that of one of the terms.
-    fn of(search: &Search<'e>, terms: &[Term<'e>], index: usize) -> Side<'e> {
-        let effect = terms[index].effect;
-        let others = search.catalogue.iter().filter(|other: &&Fitted| {
-            other.name() == effect.name() && (other.axis(), other.motor()) != (effect.axis(), effect.motor())
-        });
-        let moved = others.map(|other| {
-            let mut moved = terms.to_vec();
-            moved[index] = Term { effect: other, values: terms[index].values.clone() };
-            moved
-        });
-        Side { family: std::iter::once(terms.to_vec()).chain(moved).collect(), terms: terms.to_vec() }
-    }
+/// The effect is that of one of the terms.
+fn family<'e>(search: &Search<'e>, terms: &[Term<'e>], index: usize) -> Family<'e> {
+    let effect = terms[index].effect;
+    let others = search.catalogue.iter().filter(|other: &&Fitted| {
+        other.name() == effect.name() && (other.axis(), other.motor()) != (effect.axis(), effect.motor())
+    });
+    let moved = others.map(|other| {
+        let mut moved = terms.to_vec();
+        moved[index] = Term { effect: other, values: terms[index].values.clone() };
+        moved
+    });
+    std::iter::once(terms.to_vec()).chain(moved).collect()
 }
 
 /// A sensor's noise per row, were there as many rows as in the simulated flight.
@@ -180,35 +178,59 @@ struct Judge<'a> {
     model: &'a VehicleModel,
     search: &'a Search<'a>,
     noise: MeasuredNoise,
+    /// All findings together.
+    chosen: &'a [Term<'a>],
+    pairs: &'a [Pair<'a>],
 }
 
 impl Judge<'_> {
-    /// Mean of the expected differences of log-likelihoods if either of two models is true; 0 where neither can be
-    /// flown.
-    fn separated(&self, scenario: &Scenario, pair: &Pair<'_>) -> f64 {
-        let (finding, rival) = (&pair.finding, &pair.rival);
-        let both = [
-            self.separated_if_true(scenario, &finding.terms, rival),
-            self.separated_if_true(scenario, &rival.terms, finding),
-        ];
-        let flown: Vec<f64> = both.into_iter().flatten().collect();
-        flown.iter().sum::<f64>() / flown.len().max(1) as f64
+    /// Per pair, the mean of the expected differences of log-likelihoods if either of its models is true; 0 where
+    /// neither can be flown.
+    fn separated(&self, scenario: &Scenario) -> Vec<f64> {
+        let rivals = self.pairs.iter().map(|pair| &pair.rival[0][..]);
+        let truths: Vec<&[Term<'_>]> = std::iter::once(self.chosen).chain(rivals).collect();
+        let flights: Vec<Option<Log>> = truths.par_iter().map(|truth| self.fly(scenario, truth)).collect();
+        let by_findings = self.separated_if_true(flights[0].as_ref(), self.chosen, |pair| &pair.rival, self.pairs);
+        let by_rivals = self.pairs.iter().zip(&flights[1..]).map(|(pair, flight)| {
+            let alone = std::slice::from_ref(pair);
+            self.separated_if_true(flight.as_ref(), &pair.rival[0], |pair| &pair.finding, alone).map(|by| by[0])
+        });
+        let mean = |(index, by_rival): (usize, Option<f64>)| {
+            let by_finding = by_findings.as_ref().map(|by| by[index]);
+            let both: Vec<f64> = [by_finding, by_rival].into_iter().flatten().collect();
+            both.iter().sum::<f64>() / both.len().max(1) as f64
+        };
+        by_rivals.enumerate().map(mean).collect()
     }
 
-    /// The difference if one model is true and the other one is fitted anew.
-    fn separated_if_true(&self, scenario: &Scenario, truth: &[Term<'_>], other: &Side<'_>) -> Option<f64> {
-        let flight = self.fly(scenario, truth)?;
+    /// Per pair, the difference if one model is true, which flew, and the others are fitted anew.
+    fn separated_if_true<'p>(
+        &self,
+        flight: Option<&Log>,
+        truth: &[Term<'_>],
+        other: impl Fn(&'p Pair<'p>) -> &'p Family<'p>,
+        pairs: &'p [Pair<'p>],
+    ) -> Option<Vec<f64>> {
         // what disturbed this log would disturb the flight too
-        let shooting = Subject::Vehicle(self.model).shooting(&flight, &self.noise).ok()?;
+        let shooting = Subject::Vehicle(self.model).shooting(flight?, &self.noise).ok()?;
         let shooting = shooting.with_noise(self.search.shooting.noise, Vec::new());
         let all = shooting.log.in_use();
         let flown = shooting.log.drive(model_of(self.search.nominal, truth));
         let mut starts = shooting.log.measured_starts(&flown.model);
         // what the two integrators and the rounding of the log differ by
         let own: f64 = shooting.settle(&flown, &all, &mut starts).iter().sum();
-        let left = |terms: &Vec<Term<'_>>| fit(&shooting, self.search.nominal, terms.clone(), &starts, &all).training;
-        let least = other.family.iter().map(left).fold(f64::INFINITY, f64::min);
-        Some(0.5 * (least - own).max(0.0))
+        let difference = |family: &Family<'_>| {
+            let mut least = f64::INFINITY;
+            for terms in family {
+                let fit = fit_to_reach(&shooting, self.search.nominal, terms.clone(), &starts, &all, least);
+                least = least.min(fit.training);
+                if least - own < 2.0 * NOTHING {
+                    break;
+                }
+            }
+            0.5 * (least - own).max(0.0)
+        };
+        Some(pairs.iter().map(|pair| difference(other(pair))).collect())
     }
 
     /// A noiseless flight, logged as the log was: what is not in it is not in the flight's.

@@ -6,14 +6,20 @@ use crate::scenario::{Scenario, Waypoint};
 pub(in crate::diagnosis) struct Manoeuvre {
     pub(in crate::diagnosis) in_words: &'static str,
     pub(in crate::diagnosis) scenario: Scenario,
+    /// The earlier one that it repeats, four times: even of a drift it tells at most the cube of four times as much.
+    pub(in crate::diagnosis) repeats: Option<usize>,
 }
 
 /// One set-point: how long, s; roll and pitch, degrees; collective command, where it is not the model's.
 type Leg = (f64, f64, f64, Option<f64>);
 
+/// Where the steps of both axes stand among them.
+const BOTH_AXES: usize = 3;
+
 /// All of them, the plainest first.
 pub(in crate::diagnosis) fn manoeuvres() -> Vec<Manoeuvre> {
-    let flown = |name: &str, in_words, legs: &[Leg]| Manoeuvre { in_words, scenario: scenario(name, legs) };
+    let flown =
+        |name: &str, in_words, legs: &[Leg]| Manoeuvre { in_words, scenario: scenario(name, legs), repeats: None };
     let steps = |half_s: f64, angles: &[(f64, f64)]| -> Vec<Leg> {
         angles.iter().map(|(roll_deg, pitch_deg)| (half_s, *roll_deg, *pitch_deg, None)).collect()
     };
@@ -43,7 +49,10 @@ pub(in crate::diagnosis) fn manoeuvres() -> Vec<Manoeuvre> {
             &steps(1.5, &stairs.iter().map(|pitch| (0.0, *pitch)).collect::<Vec<_>>()),
         ),
         flown("throttle", "steps of roll and pitch to 20 degrees at three throttles, 8 s each", &throttles()),
-        flown("long", "steps of roll and pitch to 30 degrees for 60 s", &steps(1.0, &both.repeat(12))),
+        Manoeuvre {
+            repeats: Some(BOTH_AXES),
+            ..flown("long", "steps of roll and pitch to 30 degrees for 60 s", &steps(1.0, &both.repeat(12)))
+        },
     ]
 }
 

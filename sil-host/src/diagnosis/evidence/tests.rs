@@ -94,7 +94,7 @@ fn the_proposed_flight_tells_what_the_log_did_not() {
 fn the_extended_model_holds_the_findings() {
     let answer = answer_to(&log(&["weak_motor:motor=2,scale=0.9"], None, 15.0, 14));
     let model = VehicleModel::generic(Rig::Gimbal);
-    let extended = extended_model(&model, &answer.findings).unwrap();
+    let extended = extended_model(&model, &answer).unwrap();
     assert_eq!(extended.effects.len(), model.effects.len() + answer.findings.len());
     assert_eq!(extended.effects[0].name(), answer.findings[0].effect);
 }

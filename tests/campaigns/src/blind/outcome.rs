@@ -177,7 +177,7 @@ impl Gain {
         let errors =
             |model: &VehicleModel| channel_prediction_errors(log, &Subject::Vehicle(model), None).expect("a whole log");
         let nominal = VehicleModel::nominal(Rig::Free);
-        let extended = extended_model(&nominal, &answer.findings).map_or_else(|_| errors(&nominal), |it| errors(&it));
+        let extended = extended_model(&nominal, answer).map_or_else(|_| errors(&nominal), |it| errors(&it));
         let mut gain = Gain { extended_to_true: 0.0, extended_to_floor: 0.0, floor_to_true: 0.0 };
         for ((_, extended), (_, truth)) in extended.iter().zip(&errors(&case.vehicle)) {
             let (floor, truth) = (extended.noise_floor, truth.error);

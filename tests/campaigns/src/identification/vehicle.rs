@@ -32,6 +32,8 @@ pub struct Drawn {
     pub is_flu: bool,
     /// For each of our motors, under which number the log has it, from 0.
     pub order: [usize; 4],
+    /// How long it is flown, s.
+    pub duration_s: f64,
 }
 
 impl Drawn {
@@ -89,7 +91,7 @@ impl Drawn {
         for place in (1..4).rev() {
             order.swap(place, (uniform(0.0, place as f64 + 1.0) as usize).min(place));
         }
-        Drawn { seed, model, rate_hz, is_flu, order }
+        Drawn { seed, model, rate_hz, is_flu, order, duration_s: DURATION_S }
     }
 
     /// The log of its flight, in this project's columns.
@@ -104,7 +106,7 @@ impl Drawn {
         let synthesis = Synthesis {
             choice,
             scenario: self.flight(),
-            duration_s: DURATION_S,
+            duration_s: self.duration_s,
             log_rate_hz: self.rate_hz,
             blind: true,
             seed: self.seed,
@@ -124,7 +126,7 @@ impl Drawn {
             climb_m: Some(pick([-1.0, 0.0, 1.0])),
             ..Waypoint::level(second as f64)
         };
-        let waypoints = (0..DURATION_S as usize).map(waypoint).collect();
-        Scenario { name: "identification".to_owned(), duration_s: DURATION_S, waypoints }
+        let waypoints = (0..self.duration_s as usize).map(waypoint).collect();
+        Scenario { name: "identification".to_owned(), duration_s: self.duration_s, waypoints }
     }
 }

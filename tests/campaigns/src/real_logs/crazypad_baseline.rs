@@ -53,12 +53,12 @@ pub struct Compared {
     pub answer: BaselineDiagnosis,
 }
 
-/// The numbers of all logs; none where the logs are absent.
+/// The numbers of all logs of a kind (`controller`, `motor`), or of both (an empty name); none where they are absent.
 ///
 /// # Panics
 /// The logs are there and not CrazyPAD's.
-pub fn numbered() -> Vec<Numbered> {
-    files("flight_crazypad", "").par_iter().map(|path| one(path)).collect()
+pub fn numbered(kind: &str) -> Vec<Numbered> {
+    files("flight_crazypad", kind).par_iter().map(|path| one(path)).collect()
 }
 
 fn one(path: &Path) -> Numbered {
