@@ -43,13 +43,13 @@ impl Answered {
         if self.against.said.is_empty() { page } else { page.lead(&self.against.said) }
     }
 
-    /// The model with the findings in it; none of separate axes.
+    /// The model with base model and findings in it; none of separate axes.
     ///
     /// # Errors
     /// A finding that no model file can hold.
     pub fn extended(&self) -> Result<Option<VehicleModel>, NotExtended> {
         let vehicle = self.against.vehicle.as_ref();
-        vehicle.map(|model| extended_model(model, &self.diagnosis.findings)).transpose()
+        vehicle.map(|model| extended_model(model, &self.diagnosis)).transpose()
     }
 }
 

@@ -8,7 +8,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::fitted::{Fitted, per_unit_inertia};
+use super::fitted::{Fitted, LAG_AND_DELAY_S, per_unit_inertia};
 use super::found::Found;
 use super::lateness::count_lateness;
 use super::noise::noise_beyond_sensors;
@@ -18,7 +18,7 @@ use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term, as_terms};
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::effects::Scope;
+use crate::effects::{Effect, Scope};
 use crate::log::Log;
 use crate::prediction::{NotPredictable, Subject};
 
@@ -34,8 +34,11 @@ const BEARING: &str = "viscous_friction";
 /// What is ordinary of a testbed's model: its inertias are wrong axis by axis, so that a lift scale cannot serve all.
 const INERTIA: &str = "inertia_error";
 
-/// Where lag and delay begin, s. They look alike, and a fit that begins with one of them large stays there.
-const LAG_AND_DELAY_S: [[f64; 2]; 3] = [[0.01, 0.005], [0.1, 0.002], [0.002, 0.05]];
+/// By what gyro and attitude contradict each other, whatever moves the vehicle.
+const KINEMATIC: [&str; 2] = ["gyro_scale", "attitude_delay"];
+
+/// A gyro's scale is off by less, calibrated or not (the MPU-6000's by 3 %).
+const GYRO_SCALE_USUAL: f64 = 0.1;
 
 /// No motor with a propeller follows its command within this time, s: those of the smallest racing quadrotors take 10
 /// ms.
@@ -52,6 +55,9 @@ pub struct BaseTerm {
     pub parameters: BTreeMap<&'static str, Estimate>,
     /// False where it is a finding too.
     pub ordinary: bool,
+    /// As a vehicle's model file has it; none of separate axes.
+    #[serde(skip)]
+    pub extension: Option<Effect>,
 }
 
 /// "torque_bias (pitch): torque_rad_s2 -1.69 +- 0.23".
@@ -76,6 +82,28 @@ pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
     ordinary_of_any(scope).into_iter().chain(bench).chain(inertias).collect()
 }
 
+/// The same, and by what gyro and attitude contradict each other beyond what may be left to the search: taken for a
+/// disturbance that would be one in which nothing of the vehicle is seen. `search` looks at the log in the noise of its
+/// sensors.
+pub(super) fn ordinary_with_sensors(log: &Log, scope: &Scope, search: &Search<'_>) -> Vec<Fitted> {
+    let has_both = |axis: usize| log.angle_rad[axis].is_some() && log.rate_rad_s[axis].is_some();
+    let shows = |effect: &Fitted| {
+        KINEMATIC.contains(&effect.name()) && effect.axis().map_or((0..3).any(has_both), |axis| has_both(axis.index()))
+    };
+    let sensors = || Fitted::hypotheses(scope).into_iter().filter(shows);
+    let all: Vec<Fitted> = ordinary(scope).into_iter().chain(sensors()).collect();
+    let with_sensors = fitted(search, &all).fit;
+    let is_large = |term: &Term<'_>| {
+        let usual = if term.effect.name() == "gyro_scale" { GYRO_SCALE_USUAL } else { log.median_step_s() };
+        term.values.iter().zip(term.effect.unknowns()).any(|(value, unknown)| (value - unknown.nominal).abs() > usual)
+    };
+    let is_shown = |effect: &Fitted| {
+        let mut of_fit = with_sensors.terms.iter().filter(|term| term.effect.is_the_same(effect));
+        of_fit.any(|term| is_large(term))
+    };
+    ordinary(scope).into_iter().chain(sensors().filter(is_shown)).collect()
+}
+
 /// What is ordinary of a vehicle whether anything holds it or not.
 pub(super) fn ordinary_of_any(scope: &Scope) -> Vec<Fitted> {
     Fitted::hypotheses(scope).into_iter().filter(|effect| ORDINARY.contains(&effect.name())).collect()
@@ -92,7 +120,7 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candida
     let mut best: Option<Candidate<'e>> = None;
     for start in &LAG_AND_DELAY_S {
         let mut terms = search.gains.clone();
-        terms.extend(ordinary.iter().map(|effect| Term { effect, values: values(effect, start) }));
+        terms.extend(ordinary.iter().map(|effect| Term { effect, values: effect.beginning(start) }));
         // a start that can't come near the best so far is given up
         let to_reach = best.as_ref().filter(|best| !rank(best).0).map_or(f64::INFINITY, |best| best.fit.training);
         let fit = search.settled(terms, to_reach);
@@ -156,14 +184,6 @@ pub(super) fn acts_at_once(terms: &[Term<'_>]) -> bool {
     lag.is_some_and(|lag| lag.values.iter().all(|lag_s| *lag_s < QUICKEST_MOTOR_S))
 }
 
-fn values(effect: &Fitted, [lag_s, delay_s]: &[f64; 2]) -> Vec<f64> {
-    match effect.name() {
-        "motor_lag" => vec![*lag_s],
-        "actuation_delay" => vec![*delay_s],
-        _ => effect.unknowns().iter().map(|unknown| unknown.nominal).collect(),
-    }
-}
-
 /// What the extended model has of the base model; empty where the nominal model's own numbers serve.
 pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
     let fit = &found.refitted.chosen;
@@ -175,7 +195,9 @@ pub(super) fn terms(search: &Search<'_>, found: &Found<'_>) -> Vec<BaseTerm> {
         count_lateness(search, fit, effect, &mut parameters);
         let parameters = parameters.into_iter().map(|(own, value)| (name(own), value)).collect();
         let axis = effect.axis().map(Axis::name);
-        BaseTerm { effect: effect.name(), axis, parameters, ordinary: !found.unusual.contains(&index) }
+        let ordinary = !found.unusual.contains(&index);
+        let extension = effect.effect(&fit.terms[index].values).filter(|_| is_vehicle);
+        BaseTerm { effect: effect.name(), axis, parameters, ordinary, extension }
     };
     (0..search.always.len()).map(of).collect()
 }

@@ -18,6 +18,12 @@ const SEED: u64 = 1;
 
 /// Quantiles of 2.5 and 97.5 % of a figure over draws of windows.
 pub(super) fn interval(windows: usize, figure: impl Fn(&[usize]) -> f64) -> Option<[f64; 2]> {
+    interval_of_one(windows, 1, figure)
+}
+
+/// The same where the figure is one of so many of which any may decide: an interval so wide that all of them hold the
+/// truth in 95 % (Bonferroni).
+pub(super) fn interval_of_one(windows: usize, of: usize, figure: impl Fn(&[usize]) -> f64) -> Option<[f64; 2]> {
     if windows < WINDOWS_MIN {
         return None;
     }
@@ -35,7 +41,8 @@ pub(super) fn interval(windows: usize, figure: impl Fn(&[usize]) -> f64) -> Opti
         .collect();
     figures.sort_by(f64::total_cmp);
     let quantile = |share: f64| figures[(share * (DRAWS - 1) as f64).round() as usize];
-    let ends = [quantile(0.025), quantile(0.975)];
+    let tail = 0.025 / of.max(1) as f64;
+    let ends = [quantile(tail), quantile(1.0 - tail)];
     ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 

@@ -1,6 +1,6 @@
 //! From findings to an extended model: their effects are the model's from then on.
 
-use super::verdict::Finding;
+use super::Diagnosis;
 use crate::diagnosis::fitting::fit::Term;
 use crate::effects::Effect;
 use crate::model::VehicleModel;
@@ -15,13 +15,15 @@ pub struct NotExtended {
     problem: String,
 }
 
-/// The model with the findings in it, behind the effects that it has already; what the controller has of its own is no
-/// part of the vehicle.
+/// The model with what is ordinary about the vehicle and the findings in it, behind the effects that it has already:
+/// what predicted the log "with the findings". What the controller has of its own is no part of the vehicle.
 ///
 /// # Errors
 /// A value that no model may have: an effect was fitted to what is another's doing.
-pub fn extended_model(model: &VehicleModel, findings: &[Finding]) -> Result<VehicleModel, NotExtended> {
-    extended(model, findings.iter().filter_map(|finding| finding.extension))
+pub fn extended_model(model: &VehicleModel, answer: &Diagnosis) -> Result<VehicleModel, NotExtended> {
+    // what is out of the ordinary stands among the findings again
+    let ordinary = answer.base.iter().filter(|term| term.ordinary).filter_map(|term| term.extension);
+    extended(model, ordinary.chain(answer.findings.iter().filter_map(|finding| finding.extension)))
 }
 
 /// The same of fitted terms.

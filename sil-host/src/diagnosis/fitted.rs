@@ -5,6 +5,10 @@ use crate::axis::Axis;
 use crate::effects::{self, Effect, Hints, Hypothesis, Origin, Prior, Scope, Unknown};
 use crate::prediction::model::Model;
 
+/// Where the lag and delay of a base model begin, s. They look alike, and a fit that begins with one of them large
+/// stays there.
+pub(super) const LAG_AND_DELAY_S: [[f64; 2]; 3] = [[0.01, 0.005], [0.1, 0.002], [0.002, 0.05]];
+
 /// Something with numbers that a fit varies.
 pub(super) enum Fitted {
     /// An effect of the catalogue.
@@ -133,6 +137,15 @@ impl Fitted {
         match self {
             Fitted::Effect(hypothesis) => Some(hypothesis.effect(values)),
             Fitted::InputGain(_) | Fitted::LiftOffset { .. } | Fitted::ReactionTorque => None,
+        }
+    }
+
+    /// Where a base model begins: nothing is unusual but lag and delay.
+    pub(super) fn beginning(&self, [lag_s, delay_s]: &[f64; 2]) -> Vec<f64> {
+        match self.name() {
+            "motor_lag" => vec![*lag_s],
+            "actuation_delay" => vec![*delay_s],
+            _ => self.unknowns().iter().map(|unknown| unknown.nominal).collect(),
         }
     }
 

@@ -48,7 +48,7 @@ fn closed_loops(
     let deviation = |model: &VehicleModel, choice| {
         Ok::<_, LogRefused>(closed_loop(log, model, choice)?.map(|closed_loop| closed_loop.deviation))
     };
-    let Ok(extended) = extended_model(model, &answer.findings) else { return Ok(None) };
+    let Ok(extended) = extended_model(model, answer) else { return Ok(None) };
     let both = (deviation(model, choice)?, deviation(&extended, corrected)?);
     Ok(match both {
         (Some(nominal), Some(extended)) => Some(ClosedLoops { nominal, extended }),

@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 
 use crate::axis::Axis;
-use crate::diagnosis::block_bootstrap::interval;
+use crate::diagnosis::block_bootstrap::{interval, interval_of_one};
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifted_models, with_priors};
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
@@ -124,9 +124,11 @@ fn differs_from_nothing(fit: &Fit<'_>, index: usize) -> bool {
     })
 }
 
-/// Does a model pay for what another lacks: a share of the error, beyond chance?
+/// Does a model pay for what another lacks: a share of the error, beyond chance? What puts one channel right is not to
+/// be lost in the chance of all the others.
 fn pays(without: &Judged<'_>, with: &Judged<'_>) -> bool {
-    change(&without.errors, &with.errors) < -SHARE_MIN && is_surely_better(&without.errors, &with.errors)
+    let (without, with) = (&without.errors, &with.errors);
+    change(without, with) < -SHARE_MIN && (is_surely_better(without, with) || is_surely_better_in_one(without, with))
 }
 
 /// Mean relative change of all errors from one model to another, as a logarithm.
@@ -139,6 +141,17 @@ fn change_over(windows: &[usize], from: &[Errors], to: &[Errors]) -> f64 {
     let sum = |errors: &Errors| windows.iter().map(|window| errors[*window]).sum::<f64>().max(f64::MIN_POSITIVE);
     let changes = from.iter().zip(to).map(|(from, to)| 0.5 * libm::log(sum(to) / sum(from)));
     changes.sum::<f64>() / from.len().max(1) as f64
+}
+
+/// Is the second better in one channel at one horizon, beyond the chance that there is with as many of them?
+fn is_surely_better_in_one(from: &[Errors], to: &[Errors]) -> bool {
+    let windows = from.first().map_or(0, Vec::len);
+    (0..from.len()).any(|one| {
+        let (from_one, to_one) = (&from[one..=one], &to[one..=one]);
+        change(from_one, to_one) < 0.0
+            && interval_of_one(windows, from.len(), |drawn| change_over(drawn, from_one, to_one))
+                .is_some_and(|[_, most]| most < 0.0)
+    })
 }
 
 /// Is the second better beyond chance? With few windows chance is all there is.

@@ -53,8 +53,10 @@ pub fn sizes_beside_base(
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
     let (nominal, scope) = (|| subject.model(log), subject.scope(log));
-    let (along, ordinary) = (subject.fitted_along(log)?, base::ordinary(&scope));
-    let shooting = base::in_own_noise(log, subject, &along, &ordinary)?;
+    let (along, shooting) = (subject.fitted_along(log)?, subject.shooting(log, &subject.noise(log))?);
+    let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
+    let ordinary = base::ordinary_with_sensors(log, &scope, &search);
+    let shooting = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
     let base = base::fitted(&search, &ordinary).fit;
     let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));

@@ -1,9 +1,10 @@
 use super::fitting::fit::{self, Term};
 use super::fitting::shooting;
 use super::*;
+use crate::axis::Axis;
 use crate::effects::Effect;
 use crate::model::{Rig, SensorNoise, VehicleModel};
-use crate::prediction::Part;
+use crate::prediction::{Channel, Part};
 use crate::synthesis::Synthesis;
 
 const QUIET: SensorNoise = SensorNoise { gyro_rad_s: 1e-4, accel_m_s2: 0.1, attitude_rad: 1e-5, ..SensorNoise::NONE };
@@ -176,4 +177,39 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
     }
     // and it says something: a tenth of the gain, a fifth of the lag, half of the stiffness
     assert!(errors[0].1 < 20.0 && errors[1].1 < 0.004 && errors[2].1 < 4.5, "{errors:?}");
+}
+
+/// What `--extended` writes predicts the log as the answer says, trims and all that is ordinary included.
+#[test]
+fn the_extended_model_has_what_is_ordinary_too() {
+    let hidden = [
+        "torque_bias:axis=roll,torque_nm=0.03",
+        "torque_bias:axis=pitch,torque_nm=-0.02",
+        "thrust_scale:scale=0.85",
+        "actuation_delay:delay_s=0.008",
+        "inertia_error:axis=pitch,scale=1.08",
+        "viscous_friction:axis=roll,coefficient_nms=0.006",
+        "weak_motor:motor=1,scale=0.98",
+        "gyro_bias:axis=roll,bias_rad_s=0.01",
+    ];
+    let mut model = VehicleModel::generic(Rig::Gimbal);
+    model.effects = hidden.map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).into();
+    let log = Synthesis { duration_s: 20.0, blind: true, ..Synthesis::of(model) }.log().unwrap();
+    let nominal = VehicleModel::generic(Rig::Gimbal);
+    let answer = diagnose(&log, &Subject::Vehicle(&nominal)).unwrap();
+    assert!(answer.base.iter().any(|term| term.ordinary && term.effect == "torque_bias"), "{:?}", answer.base);
+    let extended = extended_model(&nominal, &answer).unwrap();
+    let errors = channel_prediction_errors(&log, &Subject::Vehicle(&extended), None).unwrap();
+    let told = answer.prediction_error.extended;
+    for (channel, told_deg) in [
+        (Channel::Angle(Axis::Roll), told.roll_deg),
+        (Channel::Angle(Axis::Pitch), told.pitch_deg),
+        (Channel::Rate(Axis::Roll), told.p_deg_s),
+        (Channel::Rate(Axis::Pitch), told.q_deg_s),
+    ] {
+        let (_, of_file) = errors.iter().find(|(other, _)| *other == channel).unwrap();
+        let ratio = of_file.error.to_degrees() / told_deg.unwrap();
+        // the answer's error is of some of the windows, this one of all
+        assert!((0.7..1.4).contains(&ratio), "{channel:?}: {of_file:?} {told_deg:?}");
+    }
 }
