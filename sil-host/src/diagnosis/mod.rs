@@ -235,7 +235,7 @@ fn diagnosed(
         return concluded(log, subject, &search, found, effort);
     }
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
-    let ordinary = known.leaves(base::ordinary_with_sensors(log, &subject.scope(log), &search));
+    let ordinary = known.leaves(base::ordinary_with_sensors(log, &subject.scope(log)));
     let shooting = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
     let base = base::fitted(&search, &ordinary).fit;

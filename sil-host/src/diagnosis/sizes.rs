@@ -55,7 +55,7 @@ pub fn sizes_beside_base(
     let (nominal, scope) = (|| subject.model(log), subject.scope(log));
     let (along, shooting) = (subject.fitted_along(log)?, subject.shooting(log, &subject.noise(log))?);
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
-    let ordinary = base::ordinary_with_sensors(log, &scope, &search);
+    let ordinary = base::ordinary_with_sensors(log, &scope);
     let shooting = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
     let base = base::fitted(&search, &ordinary).fit;

@@ -99,6 +99,27 @@ pub(crate) fn accelerations_per_command(log: &Log) -> [Option<AxisAnswer>; 3] {
     })
 }
 
+/// What gyro and attitude contradict each other by, whatever moves the vehicle; none of what chance may have made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SensorDisagreement {
+    /// Reported over true rate of roll, pitch and yaw.
+    pub(crate) gyro_scale: [Option<Measured>; 3],
+    /// How late the attitude is, s.
+    pub(crate) attitude_delay_s: Option<Measured>,
+}
+
+/// A figure with its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Measured {
+    pub(crate) value: f64,
+    pub(crate) std: f64,
+}
+
+/// By what gyro and attitude of a log disagree.
+pub(crate) fn sensor_disagreement(log: &Log) -> SensorDisagreement {
+    turning::disagreement(log, &Bins::of(log))
+}
+
 /// True if a log says that all rotors turn the other way than in docs/rig.md.
 pub(crate) fn has_reversed_spin(log: &Log) -> bool {
     log.facts.iter().any(|fact| fact.name == "spin")
