@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::fitted::{Fitted, LAG_AND_DELAY_S, per_unit_inertia};
 use super::found::Found;
+use super::kinematics::Kinematics;
 use super::lateness::count_lateness;
 use super::noise::noise_beyond_sensors;
 use super::plausible::has_bound;
@@ -18,9 +19,8 @@ use super::verdict::{Estimate, MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term, as_terms};
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::effects::{Effect, Prior, Scope};
+use crate::effects::{Effect, Scope};
 use crate::log::Log;
-use crate::log::sanity::sensor_disagreement;
 use crate::prediction::{NotPredictable, Subject};
 
 /// The effects of the catalogue that are ordinary of any vehicle.
@@ -77,19 +77,10 @@ pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
     ordinary_of_any(scope).into_iter().chain(bench).chain(inertias).collect()
 }
 
-/// The same, and by what gyro and attitude surely contradict each other: taken for a disturbance that would be one in
-/// which nothing of the vehicle is seen. What the two say without any model of the vehicle is expected.
-pub(super) fn ordinary_with_sensors(log: &Log, scope: &Scope) -> Vec<Fitted> {
-    let disagreement = sensor_disagreement(log);
-    let shown = |effect: Fitted| {
-        let measured = match effect.name() {
-            "gyro_scale" => effect.axis().and_then(|axis| disagreement.gyro_scale[axis.index()]),
-            "attitude_delay" => disagreement.attitude_delay_s,
-            _ => None,
-        };
-        measured.map(|measured| effect.expected(Prior { mean: measured.value, std: measured.std }))
-    };
-    ordinary(scope).into_iter().chain(Fitted::hypotheses(scope).into_iter().filter_map(shown)).collect()
+/// The same, and what is shown of the sensors.
+pub(super) fn ordinary_with_sensors(scope: &Scope, sensors: &Kinematics) -> Vec<Fitted> {
+    let shown = Fitted::hypotheses(scope).into_iter().filter(|effect| sensors.is_shown(effect));
+    sensors.informed(ordinary(scope).into_iter().chain(shown).collect())
 }
 
 /// What is ordinary of a vehicle whether anything holds it or not.

@@ -8,7 +8,7 @@ use super::answers::{Answer, Answers, Question};
 use super::bins::Bins;
 use super::finding::{Columns, Contradiction};
 use super::regression::Estimate;
-use super::{Measured, SensorDisagreement};
+use super::{Measured, SensorAgreement};
 use crate::axis::Axis;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -21,6 +21,8 @@ const COS_TILT_MIN: f64 = 0.5;
 const DEGREE_RAD: f64 = PI / 180.0;
 /// The scale of a gyro that nobody has calibrated is off by no more (the MPU-6000's by 3 %).
 const GYRO_SCALE_USUAL: f64 = 0.03;
+/// A scale that is known no better is not known.
+const GYRO_SCALE_STD_MAX: f64 = 0.1;
 /// What means over groups of rows may do to a slope, and to a time in groups.
 const SLOPE_STD: f64 = 0.005;
 const GROUP_SHARE: f64 = 0.1;
@@ -46,27 +48,25 @@ fn is_near_level(log: &Log) -> Vec<bool> {
     (0..log.rows()).map(|row| cos(Axis::Roll, row) > COS_TILT_MIN && cos(Axis::Pitch, row) > COS_TILT_MIN).collect()
 }
 
-/// What gyro and attitude surely contradict each other by.
-pub(super) fn disagreement(log: &Log, bins: &Bins) -> SensorDisagreement {
-    let Some(answers) = answers(log, bins) else { return SensorDisagreement::default() };
+/// What gyro and attitude say of each other.
+pub(super) fn sensor_agreement(log: &Log, bins: &Bins) -> SensorAgreement {
+    let Some(answers) = answers(log, bins) else { return SensorAgreement::default() };
     let gyro_scale = |axis: Axis| {
         let i = axis.index();
         let [least, most] = [answers.slope(i, i)?, largest_slope(&answers, i)?];
-        let is_sure = least.is_above(1.0 + GYRO_SCALE_USUAL) || most.is_below(1.0 - GYRO_SCALE_USUAL);
+        let is_unusual = least.is_above(1.0 + GYRO_SCALE_USUAL) || most.is_below(1.0 - GYRO_SCALE_USUAL);
         // as likely the one's noise as the other's
         let [value, ends] = [(least.value * most.value).sqrt(), 0.5 * (most.value - least.value)];
         let std = least.std.hypot(ends).hypot(SLOPE_STD) / (value * value);
-        is_sure.then_some(Measured { value: 1.0 / value, std })
+        (std < GYRO_SCALE_STD_MAX).then_some(Measured { value: 1.0 / value, std, is_unusual })
     };
-    let group_s = bins.step_s();
-    let later = answers.later_groups().filter(|later| later.is_above(ROW_SHARE * log.median_step_s() / group_s));
-    SensorDisagreement {
-        gyro_scale: Axis::ALL.map(gyro_scale),
-        attitude_delay_s: later.map(|later| Measured {
-            value: later.value * group_s,
-            std: group_s * later.std.hypot(GROUP_SHARE),
-        }),
-    }
+    let attitude_delay_s = || {
+        let (later, group_s) = (answers.later_groups()?, bins.step_s());
+        let is_unusual = later.is_above(ROW_SHARE * log.median_step_s() / group_s);
+        let std = group_s * later.std.hypot(GROUP_SHARE);
+        (later.std < 1.0).then_some(Measured { value: later.value * group_s, std, is_unusual })
+    };
+    SensorAgreement { gyro_scale: Axis::ALL.map(gyro_scale), attitude_delay_s: attitude_delay_s() }
 }
 
 /// Noise in a rate makes its slope too small, and this one too large by the noise of the angle: the truth lies between.
@@ -209,28 +209,35 @@ mod tests {
     use crate::synthesis::Synthesis;
     use crate::vehicle::Rig;
 
-    fn disagreement_of(effects: &[&str]) -> SensorDisagreement {
+    fn agreement_of(effects: &[&str]) -> SensorAgreement {
         let mut model = VehicleModel::generic(Rig::Gimbal);
         model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
         let log = Synthesis { duration_s: 20.0, ..Synthesis::of(model) }.log().unwrap();
-        disagreement(&log, &Bins::of(&log))
+        sensor_agreement(&log, &Bins::of(&log))
+    }
+
+    fn assert_measured(measured: Option<Measured>, truth: f64, std_max: f64, is_unusual: bool) {
+        let measured = measured.expect("an excited axis");
+        assert!((measured.value - truth).abs() < 3.0 * measured.std && measured.std < std_max, "{truth}: {measured:?}");
+        assert_eq!(measured.is_unusual, is_unusual, "{truth}: {measured:?}");
     }
 
     #[test]
-    fn sensors_that_agree_disagree_in_nothing_whatever_turns_the_vehicle() {
+    fn sensors_that_agree_do_so_whatever_turns_the_vehicle() {
         let disturbed = ["cg_offset:axis=pitch,cos_moment_nm=0.1", "gyro_bias:axis=roll,bias_rad_s=0.1"];
         for effects in [&[][..], &disturbed, &["coulomb_friction:axis=pitch,torque_nm=0.05"]] {
-            assert_eq!(disagreement_of(effects), SensorDisagreement::default(), "{effects:?}");
+            let agreement = agreement_of(effects);
+            assert_measured(agreement.gyro_scale[Axis::Roll.index()], 1.0, 0.02, false);
+            assert_measured(agreement.gyro_scale[Axis::Pitch.index()], 1.0, 0.02, false);
+            assert_measured(agreement.attitude_delay_s, 0.0, 2e-3, false);
         }
     }
 
     #[test]
     fn a_wrong_scale_and_a_late_attitude_are_measured_without_a_model() {
-        let found = disagreement_of(&["gyro_scale:axis=pitch,scale=1.2", "attitude_delay:delay_s=0.03"]);
-        let scale = found.gyro_scale[Axis::Pitch.index()].unwrap();
-        assert!((scale.value - 1.2).abs() < 3.0 * scale.std && scale.std < 0.02, "{found:?}");
-        assert_eq!((found.gyro_scale[0], found.gyro_scale[2]), (None, None));
-        let late = found.attitude_delay_s.unwrap();
-        assert!((late.value - 0.03).abs() < 3.0 * late.std && late.std < 2e-3, "{found:?}");
+        let agreement = agreement_of(&["gyro_scale:axis=pitch,scale=1.2", "attitude_delay:delay_s=0.03"]);
+        assert_measured(agreement.gyro_scale[Axis::Roll.index()], 1.0, 0.02, false);
+        assert_measured(agreement.gyro_scale[Axis::Pitch.index()], 1.2, 0.02, true);
+        assert_measured(agreement.attitude_delay_s, 0.03, 2e-3, true);
     }
 }
