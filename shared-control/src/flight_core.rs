@@ -17,6 +17,7 @@ pub use coasting::COAST_MAX_US;
 pub use output::{StepOutput, TorqueSource};
 pub use state::State;
 
+use crate::attitude::acro;
 use crate::attitude::angle::{self, AngleState, RateTarget};
 use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
@@ -108,9 +109,7 @@ impl FlightCore {
             | TorqueSource::Cascade
             | TorqueSource::CascadeNoPlan
             | TorqueSource::CascadeUnsolved(_) => {
-                let setpoint = &state.setpoint.flown;
-                state.rate_target =
-                    angle::update(&config.angle, &mut state.angle, setpoint, &output.estimate, config.step_s());
+                state.rate_target = next_rate_target(config, state, &output.estimate);
                 let seen = !state.coasting.coasts;
                 planning::observe(config, &mut state.observer, &motion, output, seen);
             }
@@ -139,6 +138,18 @@ impl FlightCore {
         let output = Self::fast(config, state, input);
         let request = Self::follow(config, state, &output);
         (output, request.map(|request| Self::plan(mpc, plan_state, &request)))
+    }
+}
+
+/// What the rate loop is to do until the next step, by the mode that is flown.
+fn next_rate_target(config: &Config, state: &mut State, estimate: &AttitudeEstimate) -> RateTarget {
+    let setpoint = &state.setpoint.flown;
+    match &setpoint.acro_rad_s {
+        None => angle::update(&config.angle, &mut state.angle, setpoint, estimate, config.step_s()),
+        Some(rates_rad_s) => {
+            let wanted = (rates_rad_s, estimate);
+            acro::update(&config.angle, &mut state.angle, &state.rate_target, wanted, config.step_s())
+        }
     }
 }
 
@@ -220,6 +231,8 @@ fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3
         Arming::Armed | Arming::LinkLost { .. } if !state.watch.is_airborne() => (TorqueSource::Idle, [0.0; 3]),
         Arming::Armed | Arming::LinkLost { .. } => match (config.controller, plan) {
             (Controller::Cascade, _) => (TorqueSource::Cascade, cascade_nm),
+            // the MPC plans angles: rates are the rate loop's
+            (Controller::Mpc, _) if state.setpoint.flown.acro_rad_s.is_some() => (TorqueSource::Cascade, cascade_nm),
             (Controller::Mpc, None) => (TorqueSource::CascadeNoPlan, cascade_nm),
             (Controller::Mpc, Some(plan)) => torque_of_solved(config, &plan, cascade_nm),
         },

@@ -2,18 +2,20 @@
 //! [`table`] has each choice with its name and its range; [`crate::setup`] makes a configuration of them.
 //!
 //! ```text
-//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     98  CRC-32 of all before
+//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload, then CRC-32 of all before
 //! ```
 //! All little-endian; the payload is a word of 16 bits for each field of the table, in its order. A record that is not
 //! whole and sensible gives the defaults and forbids arming until somebody confirms them
 //! ([`crate::signals::ArmingBlocks`]).
 
 mod allowed;
+pub mod pilot;
 pub mod radio;
 pub mod table;
 
 use crate::config::Controller;
 use crate::output::PulseKind;
+use pilot::PilotParams;
 use radio::RadioParams;
 use table::Field;
 
@@ -21,7 +23,7 @@ use table::Field;
 pub const RECORD_LEN: usize = HEAD_LEN + PAYLOAD_LEN + CRC_LEN;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 6;
+const VERSION: u16 = 7;
 const HEAD_LEN: usize = 8;
 const PAYLOAD_LEN: usize = 2 * Field::ALL.len();
 const CRC_LEN: usize = 4;
@@ -75,6 +77,8 @@ pub struct Params {
     pub safety_button: bool,
     /// The radio.
     pub radio: RadioParams,
+    /// How the sticks feel.
+    pub pilot: PilotParams,
 }
 
 impl Params {
@@ -99,6 +103,7 @@ impl Params {
         esc_calibration: false,
         safety_button: false,
         radio: RadioParams::DEFAULT,
+        pilot: PilotParams::DEFAULT,
     };
 }
 
@@ -206,7 +211,7 @@ pub(crate) mod tests {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
-        (any::<[bool; 8]>(), 50u16..=490, any::<u16>(), lift, inputs, idle, any_radio()).prop_map(
+        (any::<[bool; 8]>(), 50u16..=490, any::<u16>(), lift, inputs, idle, any_radio(), any_pilot()).prop_map(
             |(
                 switches,
                 pwm_rate_hz,
@@ -215,6 +220,7 @@ pub(crate) mod tests {
                 inputs,
                 idle,
                 (safety_button, radio),
+                pilot,
             )| {
                 let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
                 Params {
@@ -236,6 +242,7 @@ pub(crate) mod tests {
                     esc_calibration: escs,
                     safety_button,
                     radio,
+                    pilot,
                 }
             },
         )
@@ -251,11 +258,31 @@ pub(crate) mod tests {
             reversed,
             dead_zone_us,
         });
-        (any::<[bool; 3]>(), [stick.clone(), stick.clone(), stick.clone(), stick], 0u8..=16, 0u16..=1500).prop_map(
-            |([button, flies, kill_reversed], sticks, kill_channel, fail_below_us)| {
-                (button, RadioParams { flies, sticks, kill_channel, kill_reversed, fail_below_us })
+        let channels = (0u8..=16, 0u8..=16);
+        (any::<[bool; 4]>(), [stick.clone(), stick.clone(), stick.clone(), stick], channels, 0u16..=1500).prop_map(
+            |([button, flies, kill_reversed, acro_reversed], sticks, (kill_channel, acro_channel), fail_below_us)| {
+                #[rustfmt::skip]
+                let radio = RadioParams {
+                    flies, sticks, kill_channel, kill_reversed, fail_below_us, acro_channel, acro_reversed,
+                };
+                (button, radio)
             },
         )
+    }
+
+    pub(crate) fn any_pilot() -> impl Strategy<Value = PilotParams> {
+        let stabilise = (10u8..=60, 10u16..=114, 0u8..=100);
+        let acro = (10u16..=286, 10u16..=114, 0u8..=100);
+        (stabilise, acro, 20u8..=80, 0u8..=100).prop_map(|(stabilise, acro, mid, throttle_expo_percent)| {
+            let ((tilt_deg, yaw_deg_s, expo_percent), (acro_tilt_deg_s, acro_yaw_deg_s, acro_expo_percent)) =
+                (stabilise, acro);
+            #[rustfmt::skip]
+            let pilot = PilotParams {
+                tilt_deg, yaw_deg_s, expo_percent, acro_tilt_deg_s, acro_yaw_deg_s, acro_expo_percent,
+                throttle_mid_percent: mid, throttle_expo_percent,
+            };
+            pilot
+        })
     }
 
     proptest! {
@@ -281,12 +308,12 @@ pub(crate) mod tests {
         assert_eq!(crc32(b""), 0);
     }
 
-    /// The head of a record: magic, version 6, and the length of what lies between head and CRC.
+    /// The head of a record: magic, version 7, and the length of what lies between head and CRC.
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x06\0\x5a\0");
-        assert_eq!(record.len(), 8 + 90 + 4);
+        assert_eq!(record[..8], *b"QCFG\x07\0\x6e\0");
+        assert_eq!(record.len(), 8 + 110 + 4);
         // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
         assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }

@@ -5,9 +5,10 @@
 //!                  `----- feed-forward of rate and acceleration ---^       |
 //!  gyro ----------------------------------------------------> rate PID <---'   fast (before them)
 //! ```
-//! [`angle::update`] runs after the outputs are written and gives the rate target that the next step's
+//! In acro the sticks are the rate target themselves ([`acro`]). [`angle::update`] runs after the outputs are written and gives the rate target that the next step's
 //! [`rate::update`] uses: one sample of delay, no jitter.
 
+pub mod acro;
 pub mod angle;
 pub mod rate;
 pub mod shaping;

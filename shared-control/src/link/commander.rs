@@ -9,7 +9,8 @@
 //!
 //! Where the radio flies ([`Commander::with_radio`]), it alone has sticks: `MANUAL_CONTROL` moves nothing, and the age
 //! is the radio's. A radio that is lost, by its receiver's own word or by the IO chip's silence, is a lost link at
-//! once. The ground's commands are obeyed as before.
+//! once. The ground's commands are obeyed as before. Its mode switch chooses between stabilise and acro; the ground's
+//! sticks and the test sequence fly angles.
 
 use mavlink::dialects::common::MavCmd;
 
@@ -273,13 +274,9 @@ impl Commander {
     }
 
     fn sticks_of(&self, sticks: &Sticks, time_us: u64) -> Source {
-        let LinkSettings { stick_tilt_rad, stick_yaw_rate_rad_s, .. } = self.settings;
-        let setpoint = Setpoint {
-            roll_rad: sticks.roll * stick_tilt_rad,
-            pitch_rad: sticks.pitch * stick_tilt_rad,
-            yaw_rate_rad_s: sticks.yaw * stick_yaw_rate_rad_s,
-            throttle: sticks.throttle,
-        };
+        let acro = self.pilot.as_ref().is_some_and(Pilot::flies_acro);
+        let curves = &self.settings.curves;
+        let setpoint = if acro { curves.acro(sticks) } else { curves.stabilise(sticks) };
         Source::Sticks { setpoint, heard_us: time_us }
     }
 

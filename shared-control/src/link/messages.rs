@@ -71,17 +71,16 @@ pub(super) fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
         ) => MavState::MAV_STATE_EMERGENCY,
         Arming::Disarmed(_) => MavState::MAV_STATE_STANDBY,
     };
+    let stabilised = if status.acro { MavModeFlag::empty() } else { MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED };
     HEARTBEAT_DATA {
-        custom_mode: match status.controller {
-            Controller::Cascade => 0,
-            Controller::Mpc => 1,
+        custom_mode: match (status.acro, status.controller) {
+            (true, _) => 2,
+            (false, Controller::Cascade) => 0,
+            (false, Controller::Mpc) => 1,
         },
         mavtype: MavType::MAV_TYPE_QUADROTOR,
         autopilot: MavAutopilot::MAV_AUTOPILOT_GENERIC,
-        base_mode: armed
-            | hil
-            | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
-            | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED,
+        base_mode: armed | hil | stabilised | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
         system_status,
         mavlink_version: 3,
     }

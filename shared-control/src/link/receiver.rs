@@ -12,7 +12,8 @@ use super::orders_and_answers::{Order, ParameterRequest};
 use super::settings::{COMPONENT_ID, LinkSettings};
 use crate::elementary::limit;
 use crate::params::table::Field;
-use crate::signals::{MotorTest, Setpoint};
+use crate::radio::Sticks;
+use crate::signals::MotorTest;
 
 /// Turns the bytes that arrive into orders.
 #[derive(Clone, Debug)]
@@ -68,12 +69,9 @@ impl Receiver {
         let valid = [data.x, data.y, data.z, data.r].into_iter().all(in_range);
         let share = |axis: i16| f32::from(axis) / 1000.0;
         self.counted(valid.then(|| {
-            Order::Fly(Setpoint {
-                roll_rad: share(data.y) * self.settings.stick_tilt_rad,
-                pitch_rad: -share(data.x) * self.settings.stick_tilt_rad,
-                yaw_rate_rad_s: share(data.r) * self.settings.stick_yaw_rate_rad_s,
-                throttle: limit(share(data.z), 0.0, 1.0),
-            })
+            let throttle = limit(share(data.z), 0.0, 1.0);
+            let sticks = Sticks { roll: share(data.y), pitch: -share(data.x), throttle, yaw: share(data.r) };
+            Order::Fly(self.settings.curves.stabilise(&sticks))
         }))
     }
 

@@ -53,6 +53,7 @@ pub struct Telemetry {
     told_io: IoState,
     /// Was the radio heard when that was told last?
     told_radio: bool,
+    told_acro: bool,
     figures: Figures,
     next_figure: usize,
     heartbeat: Due,
@@ -78,6 +79,7 @@ impl Telemetry {
             told_unit: ImuUnit::default(),
             told_io: IoState::default(),
             told_radio: false,
+            told_acro: false,
             figures: [("", 0); FIGURES],
             next_figure: 0,
             heartbeat: Due::every(HEARTBEAT_PERIOD_US),
@@ -230,6 +232,11 @@ impl Telemetry {
             _ => {}
         }
         self.told_radio = heard;
+        if self.told_acro != status.acro {
+            let words = if status.acro { "mode: acro (rates)" } else { "mode: stabilise (angles)" };
+            self.text(MavSeverity::MAV_SEVERITY_NOTICE, words);
+            self.told_acro = status.acro;
+        }
     }
 
     fn count_dropped(&mut self, dropped: bool) {

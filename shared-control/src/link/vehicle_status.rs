@@ -39,6 +39,8 @@ pub struct VehicleStatus {
     pub io: IoReport,
     /// True where the radio's sticks fly.
     pub radio_flies: bool,
+    /// Do the sticks mean rates?
+    pub acro: bool,
     /// Load of the processor, 1/1000.
     pub load_permille: u16,
     /// Steps whose set-point was no number.
@@ -71,6 +73,7 @@ impl VehicleStatus {
             blocks: ArmingBlocks::default(),
             io: IoReport::default(),
             radio_flies: false,
+            acro: false,
             load_permille: 0,
             setpoints_rejected: 0,
             overruns: 0,
@@ -92,6 +95,7 @@ impl VehicleStatus {
             battery_low: !config.supervisor.battery_is_good(input.battery_v),
             blocks: input.blocks,
             planning: output.planning,
+            acro: input.setpoint.acro_rad_s.is_some(),
             ..Self::at_start(config.controller)
         }
     }

@@ -1,6 +1,7 @@
 //! The fields of [`Params`] by name, each as a whole number: what a ground station lists, reads and sets.
 
 pub use super::allowed::Allowed;
+use super::pilot::{self, PilotPart};
 use super::radio::{self, RadioPart, Stick, StickPart};
 use super::{Params, Rig};
 use crate::config::{Controller, IDLE_PERCENT_MAX};
@@ -52,6 +53,8 @@ pub enum Field {
     Radio(RadioPart),
     /// A number of a stick.
     Stick(Stick, StickPart),
+    /// How the sticks feel.
+    Pilot(PilotPart),
 }
 
 /// What a person is to know of a field.
@@ -67,7 +70,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 45] = [
+    pub const ALL: [Field; 55] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -89,6 +92,8 @@ impl Field {
         Field::Radio(RadioPart::KillChannel),
         Field::Radio(RadioPart::KillReversed),
         Field::Radio(RadioPart::FailBelow),
+        Field::Radio(RadioPart::AcroChannel),
+        Field::Radio(RadioPart::AcroReversed),
         Field::Stick(Stick::Roll, StickPart::Channel),
         Field::Stick(Stick::Roll, StickPart::Min),
         Field::Stick(Stick::Roll, StickPart::Trim),
@@ -113,6 +118,14 @@ impl Field {
         Field::Stick(Stick::Yaw, StickPart::Max),
         Field::Stick(Stick::Yaw, StickPart::Reversed),
         Field::Stick(Stick::Yaw, StickPart::DeadZone),
+        Field::Pilot(PilotPart::Tilt),
+        Field::Pilot(PilotPart::YawRate),
+        Field::Pilot(PilotPart::Expo),
+        Field::Pilot(PilotPart::AcroTiltRate),
+        Field::Pilot(PilotPart::AcroYawRate),
+        Field::Pilot(PilotPart::AcroExpo),
+        Field::Pilot(PilotPart::ThrottleMid),
+        Field::Pilot(PilotPart::ThrottleExpo),
     ];
 
     /// Its name, range and meaning.
@@ -181,6 +194,7 @@ impl Field {
             }
             Field::Radio(part) => radio::row(part),
             Field::Stick(stick, part) => radio::stick_row(stick, part),
+            Field::Pilot(part) => pilot::row(part),
         };
         Row { name, allowed, meaning }
     }
@@ -224,6 +238,7 @@ impl Params {
             Field::SafetyButton => u16::from(self.safety_button),
             Field::Radio(part) => self.radio.get(part),
             Field::Stick(stick, part) => self.radio.stick(stick, part),
+            Field::Pilot(part) => self.pilot.get(part),
         }
     }
 
@@ -253,6 +268,7 @@ impl Params {
             Field::SafetyButton => params.safety_button = value == 1,
             Field::Radio(part) => params.radio.set(part, value),
             Field::Stick(stick, part) => params.radio.set_stick(stick, part, value),
+            Field::Pilot(part) => params.pilot.set(part, value),
         }
         Some(params)
     }
@@ -300,6 +316,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(45)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(55)), (None, None, None));
     }
 }

@@ -20,7 +20,7 @@ const HOVER: f64 = 0.54;
 const FREE: Params = Params {
     rig: Rig::Free,
     hover_throttle_permille: 540,
-    radio: RadioParams { flies: true, kill_channel: 5, ..RadioParams::DEFAULT },
+    radio: RadioParams { flies: true, kill_channel: 5, acro_channel: 6, ..RadioParams::DEFAULT },
     ..Params::DEFAULT
 };
 
@@ -105,6 +105,30 @@ fn take_off_steps_a_gust_and_landing_by_sticks() {
     assert!(tilt_deg(&flight).iter().all(|angle| angle.abs() < 2.0) && worst_deg < 25.0, "{worst_deg}");
     land(&mut flight);
     println!("{} steps repeated to the bit", flight.twin.steps());
+}
+
+/// The mode switch, rates by stick, and back to level: half a stick of acro is 74 degrees a second (of 180, with 30 % of
+/// a cube).
+#[test]
+fn acro_by_the_mode_switch() {
+    let mut flight = hovering();
+    flight.set_stick(6, 2000);
+    fly_at(&mut flight, 3.0, 200);
+    flight.set_stick(ROLL, HALF_US);
+    fly_at(&mut flight, 3.0, 400);
+    let rate_rad_s = f32::from_bits(flight.last().rate[0]);
+    assert!((rate_rad_s.to_degrees() - 74.25).abs() < 8.0, "{} deg/s", rate_rad_s.to_degrees());
+    flight.set_stick(ROLL, MIDDLE_US);
+    fly_at(&mut flight, 3.0, 400);
+    let held_deg = tilt_deg(&flight)[0];
+    fly_at(&mut flight, 3.0, 200);
+    assert!(held_deg > 15.0 && (tilt_deg(&flight)[0] - held_deg).abs() < 2.0, "{held_deg}: nothing levels it");
+    flight.set_stick(6, 1000);
+    fly_at(&mut flight, 3.0, 1500);
+    assert!(tilt_deg(&flight).iter().all(|angle| angle.abs() < 2.0), "{:?}", tilt_deg(&flight));
+    let told = |words: &str| flight.ground.texts().iter().any(|(_, text)| text == words);
+    assert!(told("mode: acro (rates)") && told("mode: stabilise (angles)"), "{:?}", flight.ground.texts());
+    land(&mut flight);
 }
 
 /// Level, then down at a speed that it survives, then disarmed, by itself and within 3 s.

@@ -276,6 +276,11 @@ impl RigFlight {
         self.stick.roll_rad = share * 30f32.to_radians();
     }
 
+    /// Sticks of acro, rates in rad/s; none for sticks that mean angles.
+    pub fn acro_stick(&mut self, rates_rad_s: Option<[f32; 3]>) {
+        self.stick.acro_rad_s = rates_rad_s;
+    }
+
     /// Throttle stick.
     pub fn throttle_stick(&mut self, throttle: f32) {
         self.stick.throttle = throttle;
@@ -316,6 +321,11 @@ impl RigFlight {
     /// True speed downwards, m/s.
     pub fn sinks_m_s(&self) -> f64 {
         self.plant.truth().velocity_ned_m_s[2]
+    }
+
+    /// True rates about the body's axes, rad/s.
+    pub fn rate_body_rad_s(&self) -> [f64; 3] {
+        self.plant.truth().rate_body_rad_s
     }
 
     pub fn roll_deg(&self) -> f64 {

@@ -64,7 +64,7 @@ proptest! {
         let mut heard = orders(&mut receiver, &frame);
         // garbage may have claimed up to the longest frame's bytes: they are looked through again once it is refuted
         heard.extend(orders(&mut receiver, &[0; frame::FRAME_MAX]));
-        let wanted = Setpoint { pitch_rad: -f32::from(x) / 1000.0 * SETTINGS.stick_tilt_rad, ..Setpoint::default() };
+        let wanted = Setpoint { pitch_rad: -f32::from(x) / 1000.0 * SETTINGS.curves.tilt_rad, ..Setpoint::default() };
         prop_assert_eq!(heard, std::vec![Order::Fly(wanted)]);
     }
 
@@ -199,10 +199,11 @@ fn sticks_ask_for_what_a_pilot_expects() {
     // forward, right, half throttle, clockwise
     let fly = orders_of(&encoded(&sticks(1000, 1000, 500, 1000)));
     let wanted = Setpoint {
-        roll_rad: SETTINGS.stick_tilt_rad,
-        pitch_rad: -SETTINGS.stick_tilt_rad,
-        yaw_rate_rad_s: SETTINGS.stick_yaw_rate_rad_s,
+        roll_rad: SETTINGS.curves.tilt_rad,
+        pitch_rad: -SETTINGS.curves.tilt_rad,
+        yaw_rate_rad_s: SETTINGS.curves.yaw_rate_rad_s,
         throttle: 0.5,
+        acro_rad_s: None,
     };
     assert_eq!(fly, [Order::Fly(wanted)]);
     let mut receiver = Receiver::new(SETTINGS);

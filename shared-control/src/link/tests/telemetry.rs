@@ -37,6 +37,7 @@ fn status(arming: Arming) -> VehicleStatus {
         blocks: ArmingBlocks::default(),
         io: crate::io_chip::IoReport::default(),
         radio_flies: false,
+        acro: false,
         load_permille: 123,
         setpoints_rejected: 1,
         overruns: 2,
