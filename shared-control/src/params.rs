@@ -54,6 +54,12 @@ pub struct Params {
     pub hil: bool,
     /// Battery voltage needed to arm, mV.
     pub battery_arming_min_mv: u16,
+    /// Battery voltage below which the ground is warned in flight, mV; 0 for never.
+    pub battery_low_mv: u16,
+    /// Battery voltage below which the vehicle comes down, mV; 0 for never.
+    pub battery_critical_mv: u16,
+    /// Time for which it must be below, s.
+    pub battery_timer_s: u8,
     /// Throttle at which the vehicle hovers, 1/1000.
     pub hover_throttle_permille: u16,
     /// Drag of the rotors over the mass, 1/1000 1/s.
@@ -92,6 +98,9 @@ impl Params {
         rig: Rig::Gimbal,
         hil: false,
         battery_arming_min_mv: 10_500,
+        battery_low_mv: 10_500,
+        battery_critical_mv: 9_900,
+        battery_timer_s: 10,
         hover_throttle_permille: 500,
         rotor_drag_permille_1_s: 450,
         control_horizon: 5,
@@ -211,11 +220,11 @@ pub(crate) mod tests {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
-        (any::<[bool; 8]>(), 50u16..=490, any::<u16>(), lift, inputs, idle, any_radio(), any_pilot()).prop_map(
+        (any::<[bool; 8]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_pilot()).prop_map(
             |(
                 switches,
                 pwm_rate_hz,
-                battery_arming_min_mv,
+                (battery_arming_min_mv, battery_low_mv, battery_critical_mv, battery_timer_s),
                 (hover, rotor_drag),
                 inputs,
                 idle,
@@ -231,6 +240,9 @@ pub(crate) mod tests {
                     rig: if free { Rig::Free } else { Rig::Gimbal },
                     hil,
                     battery_arming_min_mv,
+                    battery_low_mv,
+                    battery_critical_mv,
+                    battery_timer_s,
                     hover_throttle_permille: hover,
                     rotor_drag_permille_1_s: rotor_drag,
                     control_horizon: inputs.0,
@@ -246,6 +258,10 @@ pub(crate) mod tests {
                 }
             },
         )
+    }
+
+    fn any_battery() -> impl Strategy<Value = (u16, u16, u16, u8)> {
+        (any::<u16>(), any::<u16>(), any::<u16>(), 1u8..=60)
     }
 
     fn any_radio() -> impl Strategy<Value = (bool, RadioParams)> {
@@ -312,8 +328,8 @@ pub(crate) mod tests {
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x07\0\x6e\0");
-        assert_eq!(record.len(), 8 + 110 + 4);
+        assert_eq!(record[..8], *b"QCFG\x07\0\x74\0");
+        assert_eq!(record.len(), 8 + 116 + 4);
         // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
         assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }

@@ -5,8 +5,8 @@
 //!                  `----- feed-forward of rate and acceleration ---^       |
 //!  gyro ----------------------------------------------------> rate PID <---'   fast (before them)
 //! ```
-//! In acro the sticks are the rate target themselves ([`acro`]). [`angle::update`] runs after the outputs are written and gives the rate target that the next step's
-//! [`rate::update`] uses: one sample of delay, no jitter.
+//! [`angle::update`] runs after the outputs are written and gives the rate target that the next step's
+//! [`rate::update`] uses: one sample of delay, no jitter. In acro [`acro::update`] stands in its place.
 
 pub mod acro;
 pub mod angle;

@@ -7,6 +7,7 @@ use crate::sensing::imu_health::ImuHealth;
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{AttitudeEstimate, PlanReport, PlanStatus, Wrench};
 use crate::supervisor::Arming;
+use crate::supervisor::battery_watch::BatteryStage;
 
 /// Who made the torque of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,6 +62,8 @@ pub struct StepOutput {
     pub source: TorqueSource,
     /// May the motors turn?
     pub arming: Arming,
+    /// How the battery is.
+    pub battery: BatteryStage,
     /// The IMU in use.
     pub imu_unit: ImuUnit,
     /// Is it to be believed?

@@ -317,7 +317,7 @@ impl Commander {
     }
 
     fn is_armed(&self) -> bool {
-        matches!(self.arming, Arming::Armed | Arming::LinkLost { .. })
+        self.arming.is_armed()
     }
 
     fn sticks(&self, setpoint: Setpoint, heard_us: u64, time_us: u64) -> Setpoint {
@@ -339,6 +339,7 @@ impl Commander {
                 Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::NotArmed)
             }
             Arming::LinkLost { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::LinkLost),
+            Arming::BatteryLow { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::BatteryLow),
         }
     }
 

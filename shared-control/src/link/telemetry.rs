@@ -54,6 +54,7 @@ pub struct Telemetry {
     /// Was the radio heard when that was told last?
     told_radio: bool,
     told_acro: bool,
+    told_battery_low: bool,
     figures: Figures,
     next_figure: usize,
     heartbeat: Due,
@@ -80,6 +81,7 @@ impl Telemetry {
             told_io: IoState::default(),
             told_radio: false,
             told_acro: false,
+            told_battery_low: false,
             figures: [("", 0); FIGURES],
             next_figure: 0,
             heartbeat: Due::every(HEARTBEAT_PERIOD_US),
@@ -144,6 +146,7 @@ impl Telemetry {
         self.tell_arming(&status.arming);
         self.tell_unit(status.imu_unit);
         self.tell_io(status);
+        self.tell_battery(status);
         while let Some(answer) = self.answers.front() {
             if command_ack(answer).is_some_and(|data| !self.writer.write(&data, out)) {
                 return;
@@ -237,6 +240,15 @@ impl Telemetry {
             self.text(MavSeverity::MAV_SEVERITY_NOTICE, words);
             self.told_acro = status.acro;
         }
+    }
+
+    /// Low in the air; at arming the refusal says it.
+    fn tell_battery(&mut self, status: &VehicleStatus) {
+        let low = status.battery_low && status.arming.is_armed();
+        if low && !self.told_battery_low {
+            self.text(MavSeverity::MAV_SEVERITY_CRITICAL, "battery low: land");
+        }
+        self.told_battery_low = low;
     }
 
     fn count_dropped(&mut self, dropped: bool) {

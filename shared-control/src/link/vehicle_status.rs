@@ -9,6 +9,7 @@ use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, StepInput};
 use crate::supervisor::Arming;
+use crate::supervisor::battery_watch::BatteryStage;
 
 /// All that telemetry reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +32,7 @@ pub struct VehicleStatus {
     pub hil: bool,
     /// Battery voltage, V, where measured.
     pub battery_v: Option<f32>,
-    /// True if it is measured and too low for arming.
+    /// True if it is measured and too low: disarmed for arming, armed for flying on.
     pub battery_low: bool,
     /// What stands against arming from outside the loop.
     pub blocks: ArmingBlocks,
@@ -92,7 +93,11 @@ impl VehicleStatus {
             standby_health: output.standby_health,
             setpoints_rejected: output.setpoints_rejected,
             battery_v: input.battery_v,
-            battery_low: !config.supervisor.battery_is_good(input.battery_v),
+            battery_low: if output.arming.is_armed() {
+                output.battery != BatteryStage::Good
+            } else {
+                !config.supervisor.battery_is_good(input.battery_v)
+            },
             blocks: input.blocks,
             planning: output.planning,
             acro: input.setpoint.acro_rad_s.is_some(),

@@ -37,6 +37,12 @@ pub enum Field {
     RotorDrag,
     /// [`Params::battery_arming_min_mv`].
     BatteryArmingMin,
+    /// [`Params::battery_low_mv`].
+    BatteryLow,
+    /// [`Params::battery_critical_mv`].
+    BatteryCritical,
+    /// [`Params::battery_timer_s`].
+    BatteryTimer,
     /// [`Params::hil`].
     Hil,
     /// [`Params::ground_idle_percent`].
@@ -70,7 +76,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 55] = [
+    pub const ALL: [Field; 58] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -82,6 +88,9 @@ impl Field {
         Field::HoverThrottle,
         Field::RotorDrag,
         Field::BatteryArmingMin,
+        Field::BatteryLow,
+        Field::BatteryCritical,
+        Field::BatteryTimer,
         Field::Hil,
         Field::GroundIdle,
         Field::FlightIdle,
@@ -168,6 +177,17 @@ impl Field {
             Field::BatteryArmingMin => {
                 ("BATT_ARM_MIN_MV", Allowed::Range(0, u16::MAX), "battery voltage needed to arm, mV")
             }
+            Field::BatteryLow => (
+                "BATT_LOW_MV",
+                Allowed::Range(0, u16::MAX),
+                "battery voltage below which flights are warned, mV; 0 never",
+            ),
+            Field::BatteryCritical => {
+                ("BATT_CRT_MV", Allowed::Range(0, u16::MAX), "battery voltage below which it comes down, mV; 0 never")
+            }
+            Field::BatteryTimer => {
+                ("BATT_LOW_TIMER", Allowed::Range(1, 60), "time for which the voltage must be below either, s")
+            }
             Field::Hil => (
                 "HIL",
                 Allowed::Either(0, 1),
@@ -230,6 +250,9 @@ impl Params {
             Field::HoverThrottle => self.hover_throttle_permille,
             Field::RotorDrag => self.rotor_drag_permille_1_s,
             Field::BatteryArmingMin => self.battery_arming_min_mv,
+            Field::BatteryLow => self.battery_low_mv,
+            Field::BatteryCritical => self.battery_critical_mv,
+            Field::BatteryTimer => u16::from(self.battery_timer_s),
             Field::Hil => u16::from(self.hil),
             Field::GroundIdle => u16::from(self.ground_idle_percent),
             Field::FlightIdle => u16::from(self.flight_idle_percent),
@@ -260,6 +283,9 @@ impl Params {
             Field::HoverThrottle => params.hover_throttle_permille = value,
             Field::RotorDrag => params.rotor_drag_permille_1_s = value,
             Field::BatteryArmingMin => params.battery_arming_min_mv = value,
+            Field::BatteryLow => params.battery_low_mv = value,
+            Field::BatteryCritical => params.battery_critical_mv = value,
+            Field::BatteryTimer => params.battery_timer_s = value as u8,
             Field::Hil => params.hil = value == 1,
             Field::GroundIdle => params.ground_idle_percent = value as u8,
             Field::FlightIdle => params.flight_idle_percent = value as u8,
@@ -316,6 +342,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(55)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(58)), (None, None, None));
     }
 }

@@ -25,6 +25,12 @@ pub enum Arming {
         /// When the link was given up.
         since_us: u64,
     },
+    /// Yes, steered by the pilot and on the way down, because the battery is nearly empty
+    /// ([`super::battery_watch`]).
+    BatteryLow {
+        /// When that was found.
+        since_us: u64,
+    },
     /// All at full or lowest pulse, propellers off, to teach the ESCs their range.
     EscCalibration {
         /// How far it is.
@@ -60,6 +66,7 @@ impl Arming {
             Arming::MotorTest { .. } => 2,
             Arming::LinkLost { .. } => 3,
             Arming::EscCalibration { .. } => 4,
+            Arming::BatteryLow { .. } => 5,
         }
     }
 
@@ -70,7 +77,7 @@ impl Arming {
             Arming::MotorTest { motor, throttle_percent, until_us } => {
                 (u32::from(motor) << 8 | u32::from(throttle_percent), until_us)
             }
-            Arming::LinkLost { since_us } => (0, since_us),
+            Arming::LinkLost { since_us } | Arming::BatteryLow { since_us } => (0, since_us),
             Arming::EscCalibration { stage, since_us } => (stage as u32, since_us),
         };
         words.word(self.number());
@@ -82,7 +89,24 @@ impl Arming {
     pub fn motors_turn(&self) -> bool {
         match self {
             Arming::Disarmed(_) => false,
-            Arming::MotorTest { .. } | Arming::Armed | Arming::LinkLost { .. } | Arming::EscCalibration { .. } => true,
+            Arming::MotorTest { .. } | Arming::EscCalibration { .. } => true,
+            Arming::Armed | Arming::LinkLost { .. } | Arming::BatteryLow { .. } => true,
+        }
+    }
+
+    /// Is it flown, or ready to be, by whomever?
+    pub fn is_armed(&self) -> bool {
+        match self {
+            Arming::Armed | Arming::LinkLost { .. } | Arming::BatteryLow { .. } => true,
+            Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => false,
+        }
+    }
+
+    /// Since when has it been on its way down by itself, µs? None if it is not.
+    pub fn descends_since_us(&self) -> Option<u64> {
+        match *self {
+            Arming::LinkLost { since_us } | Arming::BatteryLow { since_us } => Some(since_us),
+            Arming::Armed | Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => None,
         }
     }
 }
@@ -112,6 +136,8 @@ pub enum DisarmedBecause {
     EscCalibrationEnded,
     /// The kill switch is on.
     Killed,
+    /// The battery is nearly empty.
+    BatteryLow,
 }
 
 impl DisarmedBecause {
@@ -127,6 +153,7 @@ impl DisarmedBecause {
             DisarmedBecause::EscsCalibrated => 6,
             DisarmedBecause::EscCalibrationEnded => 7,
             DisarmedBecause::Killed => 8,
+            DisarmedBecause::BatteryLow => 9,
             DisarmedBecause::ImuFailed(fault) => 0x10 + fault.number(),
             DisarmedBecause::Refused(refusal) => 0x100 + refusal.number(),
         }
