@@ -9,12 +9,14 @@
 //! ([`crate::signals::ArmingBlocks`]).
 
 mod allowed;
+pub mod battery;
 pub mod pilot;
 pub mod radio;
 pub mod table;
 
 use crate::config::Controller;
 use crate::output::PulseKind;
+use battery::BatteryParams;
 use pilot::PilotParams;
 use radio::RadioParams;
 use table::Field;
@@ -52,14 +54,8 @@ pub struct Params {
     pub rig: Rig,
     /// True: the IMU is simulated on the other end of the link and the pins stay disarmed.
     pub hil: bool,
-    /// Battery voltage needed to arm, mV.
-    pub battery_arming_min_mv: u16,
-    /// Battery voltage below which the ground is warned in flight, mV; 0 for never.
-    pub battery_low_mv: u16,
-    /// Battery voltage below which the vehicle comes down, mV; 0 for never.
-    pub battery_critical_mv: u16,
-    /// Time for which it must be below, s.
-    pub battery_timer_s: u8,
+    /// The battery.
+    pub battery: BatteryParams,
     /// Throttle at which the vehicle hovers, 1/1000.
     pub hover_throttle_permille: u16,
     /// Drag of the rotors over the mass, 1/1000 1/s.
@@ -97,10 +93,7 @@ impl Params {
         pwm_rate_hz: 400,
         rig: Rig::Gimbal,
         hil: false,
-        battery_arming_min_mv: 10_500,
-        battery_low_mv: 10_500,
-        battery_critical_mv: 9_900,
-        battery_timer_s: 10,
+        battery: BatteryParams::DEFAULT,
         hover_throttle_permille: 500,
         rotor_drag_permille_1_s: 450,
         control_horizon: 5,
@@ -221,16 +214,7 @@ pub(crate) mod tests {
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
         (any::<[bool; 8]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_pilot()).prop_map(
-            |(
-                switches,
-                pwm_rate_hz,
-                (battery_arming_min_mv, battery_low_mv, battery_critical_mv, battery_timer_s),
-                (hover, rotor_drag),
-                inputs,
-                idle,
-                (safety_button, radio),
-                pilot,
-            )| {
+            |(switches, pwm_rate_hz, battery, (hover, rotor_drag), inputs, idle, (safety_button, radio), pilot)| {
                 let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
                 Params {
                     controller: if mpc { Controller::Mpc } else { Controller::Cascade },
@@ -239,10 +223,7 @@ pub(crate) mod tests {
                     pwm_rate_hz,
                     rig: if free { Rig::Free } else { Rig::Gimbal },
                     hil,
-                    battery_arming_min_mv,
-                    battery_low_mv,
-                    battery_critical_mv,
-                    battery_timer_s,
+                    battery,
                     hover_throttle_permille: hover,
                     rotor_drag_permille_1_s: rotor_drag,
                     control_horizon: inputs.0,
@@ -260,8 +241,13 @@ pub(crate) mod tests {
         )
     }
 
-    fn any_battery() -> impl Strategy<Value = (u16, u16, u16, u8)> {
-        (any::<u16>(), any::<u16>(), any::<u16>(), 1u8..=60)
+    fn any_battery() -> impl Strategy<Value = BatteryParams> {
+        (any::<[u16; 3]>(), 1u8..=60).prop_map(|([arming_min_mv, low_mv, critical_mv], timer_s)| BatteryParams {
+            arming_min_mv,
+            low_mv,
+            critical_mv,
+            timer_s,
+        })
     }
 
     fn any_radio() -> impl Strategy<Value = (bool, RadioParams)> {

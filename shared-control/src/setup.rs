@@ -72,11 +72,11 @@ impl Setup {
         let config = Config {
             output: OutputConfig::new(params.pulses, PULSE_TIMER_HZ, &pulse_timer),
             supervisor: SupervisorConfig {
-                battery_arming_min_v: f32::from(params.battery_arming_min_mv) / 1000.0,
+                battery_arming_min_v: f32::from(params.battery.arming_min_mv) / 1000.0,
                 battery: BatteryLimits {
-                    low_v: f32::from(params.battery_low_mv) / 1000.0,
-                    critical_v: f32::from(params.battery_critical_mv) / 1000.0,
-                    after_us: u64::from(params.battery_timer_s) * 1_000_000,
+                    low_v: f32::from(params.battery.low_mv) / 1000.0,
+                    critical_v: f32::from(params.battery.critical_mv) / 1000.0,
+                    after_us: u64::from(params.battery.timer_s) * 1_000_000,
                 },
                 sink_throttle: sink_throttle(params, &vehicle),
                 ..SupervisorConfig::NOMINAL
@@ -142,10 +142,10 @@ mod tests {
             let drag_1_s = setup.config.sensing.estimator.levelling.rotor_drag_1_s;
             prop_assert!((drag_1_s * 1000.0 - f32::from(params.rotor_drag_permille_1_s)).abs() < 0.01);
             let minimum_mv = setup.config.supervisor.battery_arming_min_v * 1000.0;
-            prop_assert!((minimum_mv - f32::from(params.battery_arming_min_mv)).abs() < 0.01);
+            prop_assert!((minimum_mv - f32::from(params.battery.arming_min_mv)).abs() < 0.01);
             let battery = setup.config.supervisor.battery;
-            prop_assert!((battery.critical_v * 1000.0 - f32::from(params.battery_critical_mv)).abs() < 0.01);
-            prop_assert_eq!(battery.after_us, u64::from(params.battery_timer_s) * 1_000_000);
+            prop_assert!((battery.critical_v * 1000.0 - f32::from(params.battery.critical_mv)).abs() < 0.01);
+            prop_assert_eq!(battery.after_us, u64::from(params.battery.timer_s) * 1_000_000);
             let free = params.rig == Rig::Free;
             prop_assert_eq!((setup.vehicle.yaw_locked, setup.config.angle.yaw_locked), (!free, !free));
         }

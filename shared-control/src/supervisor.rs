@@ -11,9 +11,9 @@
 //!     |  '-- CalibrateEscs --> EscCalibration (all outputs full, then low)
 //!     '------ time is up, Disarm, Arm, link lost --'
 //! ```
-//! A battery that is nearly empty leads from armed to the like of a lost link, and from there to the ground:
-//! BatteryLow, with the pilot steering. In the air nothing but a request (the kill switch is one), a failed IMU, an unknown attitude and a crash takes the
-//! motors away: no tilt does, and no lost link before the vehicle is down.
+//! A nearly empty battery leads from armed to BatteryLow: on the way down as without a link, the pilot steering, and
+//! only the ground ends it. In the air nothing but a request (the kill switch is one), a failed IMU, an unknown attitude
+//! and a crash takes the motors away: no tilt does, and no lost link before the vehicle is down.
 
 mod arming;
 pub mod battery_watch;

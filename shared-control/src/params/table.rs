@@ -1,6 +1,7 @@
 //! The fields of [`Params`] by name, each as a whole number: what a ground station lists, reads and sets.
 
 pub use super::allowed::Allowed;
+use super::battery::{self, BatteryPart};
 use super::pilot::{self, PilotPart};
 use super::radio::{self, RadioPart, Stick, StickPart};
 use super::{Params, Rig};
@@ -35,14 +36,8 @@ pub enum Field {
     HoverThrottle,
     /// [`Params::rotor_drag_permille_1_s`].
     RotorDrag,
-    /// [`Params::battery_arming_min_mv`].
-    BatteryArmingMin,
-    /// [`Params::battery_low_mv`].
-    BatteryLow,
-    /// [`Params::battery_critical_mv`].
-    BatteryCritical,
-    /// [`Params::battery_timer_s`].
-    BatteryTimer,
+    /// One of the battery's numbers.
+    Battery(BatteryPart),
     /// [`Params::hil`].
     Hil,
     /// [`Params::ground_idle_percent`].
@@ -87,10 +82,10 @@ impl Field {
         Field::Rig,
         Field::HoverThrottle,
         Field::RotorDrag,
-        Field::BatteryArmingMin,
-        Field::BatteryLow,
-        Field::BatteryCritical,
-        Field::BatteryTimer,
+        Field::Battery(BatteryPart::ArmingMin),
+        Field::Battery(BatteryPart::Low),
+        Field::Battery(BatteryPart::Critical),
+        Field::Battery(BatteryPart::Timer),
         Field::Hil,
         Field::GroundIdle,
         Field::FlightIdle,
@@ -174,20 +169,7 @@ impl Field {
                 Allowed::Range(10, 2000),
                 "drag of the rotors over airspeed and mass, 1/1000 1/s: what shows the tilt in free flight",
             ),
-            Field::BatteryArmingMin => {
-                ("BATT_ARM_MIN_MV", Allowed::Range(0, u16::MAX), "battery voltage needed to arm, mV")
-            }
-            Field::BatteryLow => (
-                "BATT_LOW_MV",
-                Allowed::Range(0, u16::MAX),
-                "battery voltage below which flights are warned, mV; 0 never",
-            ),
-            Field::BatteryCritical => {
-                ("BATT_CRT_MV", Allowed::Range(0, u16::MAX), "battery voltage below which it comes down, mV; 0 never")
-            }
-            Field::BatteryTimer => {
-                ("BATT_LOW_TIMER", Allowed::Range(1, 60), "time for which the voltage must be below either, s")
-            }
+            Field::Battery(part) => battery::row(part),
             Field::Hil => (
                 "HIL",
                 Allowed::Either(0, 1),
@@ -249,10 +231,7 @@ impl Params {
             Field::Rig => u16::from(self.rig == Rig::Free),
             Field::HoverThrottle => self.hover_throttle_permille,
             Field::RotorDrag => self.rotor_drag_permille_1_s,
-            Field::BatteryArmingMin => self.battery_arming_min_mv,
-            Field::BatteryLow => self.battery_low_mv,
-            Field::BatteryCritical => self.battery_critical_mv,
-            Field::BatteryTimer => u16::from(self.battery_timer_s),
+            Field::Battery(part) => self.battery.get(part),
             Field::Hil => u16::from(self.hil),
             Field::GroundIdle => u16::from(self.ground_idle_percent),
             Field::FlightIdle => u16::from(self.flight_idle_percent),
@@ -282,10 +261,7 @@ impl Params {
             Field::Rig => params.rig = if value == 0 { Rig::Gimbal } else { Rig::Free },
             Field::HoverThrottle => params.hover_throttle_permille = value,
             Field::RotorDrag => params.rotor_drag_permille_1_s = value,
-            Field::BatteryArmingMin => params.battery_arming_min_mv = value,
-            Field::BatteryLow => params.battery_low_mv = value,
-            Field::BatteryCritical => params.battery_critical_mv = value,
-            Field::BatteryTimer => params.battery_timer_s = value as u8,
+            Field::Battery(part) => params.battery.set(part, value),
             Field::Hil => params.hil = value == 1,
             Field::GroundIdle => params.ground_idle_percent = value as u8,
             Field::FlightIdle => params.flight_idle_percent = value as u8,

@@ -21,7 +21,7 @@ fn an_empty_battery_brings_it_down_steered_and_disarms_it_on_the_ground() {
         flight.battery(9.5);
         let found = flight.steps_until(5000, |output| matches!(output.arming, Arming::BatteryLow { .. }));
         let after_s = (found * STEP_US) as f64 * 1e-6;
-        assert!((after_s - f64::from(Params::DEFAULT.battery_timer_s)).abs() < 0.01, "{after_s} s");
+        assert!((after_s - f64::from(Params::DEFAULT.battery.timer_s)).abs() < 0.01, "{after_s} s");
         flight.tilt_stick(0.2);
         flight.fly_for(1.0);
         assert!((flight.roll_deg() - 6.0).abs() < 1.0, "the pilot steers: {}", flight.roll_deg());
