@@ -90,6 +90,7 @@ impl FlightCore {
             setpoints_rejected: state.setpoint.rejected,
             estimate,
             vibration_m_s2: imu.vibration_m_s2,
+            rest_force_m_s2: imu.rest_force_m_s2,
             planning,
             rate_target_rad_s: state.rate_target.rate_rad_s,
         }

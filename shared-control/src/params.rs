@@ -10,6 +10,7 @@
 
 mod allowed;
 pub mod battery;
+pub mod level;
 pub mod pilot;
 pub mod radio;
 pub mod table;
@@ -17,6 +18,7 @@ pub mod table;
 use crate::config::Controller;
 use crate::output::PulseKind;
 use battery::BatteryParams;
+use level::LevelParams;
 use pilot::PilotParams;
 use radio::RadioParams;
 use table::Field;
@@ -81,6 +83,8 @@ pub struct Params {
     pub radio: RadioParams,
     /// How the sticks feel.
     pub pilot: PilotParams,
+    /// How the first and the second IMU sit.
+    pub level: [LevelParams; 2],
 }
 
 impl Params {
@@ -106,6 +110,7 @@ impl Params {
         safety_button: false,
         radio: RadioParams::DEFAULT,
         pilot: PilotParams::DEFAULT,
+        level: [LevelParams { roll_cdeg: 0, pitch_cdeg: 0, down_mm_s2: 0 }; 2],
     };
 }
 
@@ -213,32 +218,43 @@ pub(crate) mod tests {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
-        (any::<[bool; 8]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_pilot()).prop_map(
-            |(switches, pwm_rate_hz, battery, (hover, rotor_drag), inputs, idle, (safety_button, radio), pilot)| {
-                let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
-                Params {
-                    controller: if mpc { Controller::Mpc } else { Controller::Cascade },
-                    loop_rate_hz: if slow { 100 } else { 400 },
-                    pulses: if one_shot { PulseKind::OneShot125 } else { PulseKind::Pwm },
+        (any::<[bool; 8]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), (any_pilot(), any_level()))
+            .prop_map(
+                |(
+                    switches,
                     pwm_rate_hz,
-                    rig: if free { Rig::Free } else { Rig::Gimbal },
-                    hil,
                     battery,
-                    hover_throttle_permille: hover,
-                    rotor_drag_permille_1_s: rotor_drag,
-                    control_horizon: inputs.0,
-                    motor_limits: limits,
-                    linearisations: inputs.1,
-                    ground_idle_percent: idle.0,
-                    flight_idle_percent: idle.1,
-                    telem1_kbaud: if fast { 115 } else { 57 },
-                    esc_calibration: escs,
-                    safety_button,
-                    radio,
-                    pilot,
-                }
-            },
-        )
+                    (hover, rotor_drag),
+                    inputs,
+                    idle,
+                    (safety_button, radio),
+                    (pilot, level),
+                )| {
+                    let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
+                    Params {
+                        controller: if mpc { Controller::Mpc } else { Controller::Cascade },
+                        loop_rate_hz: if slow { 100 } else { 400 },
+                        pulses: if one_shot { PulseKind::OneShot125 } else { PulseKind::Pwm },
+                        pwm_rate_hz,
+                        rig: if free { Rig::Free } else { Rig::Gimbal },
+                        hil,
+                        battery,
+                        hover_throttle_permille: hover,
+                        rotor_drag_permille_1_s: rotor_drag,
+                        control_horizon: inputs.0,
+                        motor_limits: limits,
+                        linearisations: inputs.1,
+                        ground_idle_percent: idle.0,
+                        flight_idle_percent: idle.1,
+                        telem1_kbaud: if fast { 115 } else { 57 },
+                        esc_calibration: escs,
+                        safety_button,
+                        radio,
+                        pilot,
+                        level,
+                    }
+                },
+            )
     }
 
     fn any_battery() -> impl Strategy<Value = BatteryParams> {
@@ -248,6 +264,12 @@ pub(crate) mod tests {
             critical_mv,
             timer_s,
         })
+    }
+
+    fn any_level() -> impl Strategy<Value = [LevelParams; 2]> {
+        let one = (-1000i16..=1000, -1000i16..=1000, -1000i16..=1000);
+        let one = one.prop_map(|(roll_cdeg, pitch_cdeg, down_mm_s2)| LevelParams { roll_cdeg, pitch_cdeg, down_mm_s2 });
+        [one.clone(), one]
     }
 
     fn any_radio() -> impl Strategy<Value = (bool, RadioParams)> {
@@ -314,8 +336,8 @@ pub(crate) mod tests {
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x07\0\x74\0");
-        assert_eq!(record.len(), 8 + 116 + 4);
+        assert_eq!(record[..8], *b"QCFG\x07\0\x80\0");
+        assert_eq!(record.len(), 8 + 128 + 4);
         // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
         assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }

@@ -68,6 +68,8 @@ impl Setup {
         // with hardware in the loop every step brings its one sample
         let imu_rate_hz = if params.hil { loop_rate_hz } else { IMU_RATE_HZ as f32 };
         let mut core = Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?;
+        let [first, second] = params.level.map(|level| level.trim().mounting());
+        (core.sensing.imu.mounting, core.sensing.imu_second.mounting) = (first, second);
         core.sensing.estimator.levelling.rotor_drag_1_s = f32::from(params.rotor_drag_permille_1_s) / 1000.0;
         let config = Config {
             output: OutputConfig::new(params.pulses, PULSE_TIMER_HZ, &pulse_timer),

@@ -12,7 +12,7 @@
 //!     '------ time is up, Disarm, Arm, link lost --'
 //! ```
 //! A nearly empty battery leads from armed to BatteryLow: on the way down as without a link, the pilot steering, and
-//! only the ground ends it. In the air nothing but a request (the kill switch is one), a failed IMU, an unknown attitude
+//! only the ground ends it. In the air nothing but a request (as the kill switch), a failed IMU, an unknown attitude
 //! and a crash takes the motors away: no tilt does, and no lost link before the vehicle is down.
 
 mod arming;

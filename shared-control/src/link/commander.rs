@@ -174,6 +174,7 @@ impl Commander {
                 (Some(Answer::Refused(MavCmd::MAV_CMD_PREFLIGHT_STORAGE, Refusal::Armed)), None)
             }
             Order::FaultRecordRead => (Some(Answer::Refused(MavCmd::MAV_CMD_USER_1, Refusal::Armed)), None),
+            Order::CalibrateLevel => self.calibrate_level(disarmed),
             Order::Restart => self.restart(disarmed),
             Order::Parameters(request) => self.parameters(request, disarmed),
             Order::NotUnderstood { command, known: true } => (Some(Answer::Senseless(command)), None),
@@ -290,6 +291,18 @@ impl Commander {
         }
         self.restarting = true;
         (Some(Answer::Accepted(COMMAND)), Some(Chore::Restart))
+    }
+
+    /// Whether the vehicle stands still is seen, and answered, where it is stored.
+    fn calibrate_level(&self, disarmed: bool) -> (Option<Answer>, Option<Chore>) {
+        let refused = |refusal| (Some(Answer::Refused(MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, refusal)), None);
+        if !disarmed {
+            refused(Refusal::Armed)
+        } else if self.blocks.configuration_unconfirmed {
+            refused(Refusal::ConfigurationUnconfirmed)
+        } else {
+            (None, Some(Chore::CalibrateLevel))
+        }
     }
 
     /// Telling is always allowed. Setting is not while defaults stand in for a bad record: one field would vouch for

@@ -123,7 +123,8 @@ fn order_of(data: &COMMAND_LONG_DATA) -> Order {
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => wrong,
         MavCmd::MAV_CMD_MISSION_START => Order::StartTestSequence,
         MavCmd::MAV_CMD_DO_MOTOR_TEST => motor_test(data).map_or(wrong, Order::TestMotor),
-        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if calibrates_escs(data) => Order::CalibrateEscs,
+        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if calibrates(data, [0.0, 1.0]) => Order::CalibrateEscs,
+        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if calibrates(data, [2.0, 0.0]) => Order::CalibrateLevel,
         MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => wrong,
         MavCmd::MAV_CMD_PREFLIGHT_STORAGE if data.param1 == 1.0 => Order::ConfirmConfiguration,
         MavCmd::MAV_CMD_PREFLIGHT_STORAGE => wrong,
@@ -147,10 +148,10 @@ fn motor_test(data: &COMMAND_LONG_DATA) -> Option<MotorTest> {
     })
 }
 
-/// The ESCs (param7 1) and nothing else.
-fn calibrates_escs(data: &COMMAND_LONG_DATA) -> bool {
-    let others = [data.param1, data.param2, data.param3, data.param4, data.param5, data.param6];
-    data.param7 == 1.0 && others.iter().all(|param| *param == 0.0)
+/// The level (param5 2) or the ESCs (param7 1), and nothing else.
+fn calibrates(data: &COMMAND_LONG_DATA, what: [f32; 2]) -> bool {
+    let others = [data.param1, data.param2, data.param3, data.param4, data.param6];
+    [data.param5, data.param7] == what && others.iter().all(|param| *param == 0.0)
 }
 
 /// What a `PARAM_REQUEST_READ` requests: by index, or by name if the index is negative.

@@ -42,6 +42,8 @@ pub struct VehicleStatus {
     pub radio_flies: bool,
     /// Do the sticks mean rates?
     pub acro: bool,
+    /// Of the first and the second IMU: see [`StepOutput::rest_force_m_s2`].
+    pub rest_force_m_s2: [Option<Vector3<f32>>; 2],
     /// Load of the processor, 1/1000.
     pub load_permille: u16,
     /// Steps whose set-point was no number.
@@ -75,6 +77,7 @@ impl VehicleStatus {
             io: IoReport::default(),
             radio_flies: false,
             acro: false,
+            rest_force_m_s2: [None; 2],
             load_permille: 0,
             setpoints_rejected: 0,
             overruns: 0,
@@ -91,6 +94,7 @@ impl VehicleStatus {
             imu_unit: output.imu_unit,
             imu_health: output.imu_health,
             standby_health: output.standby_health,
+            rest_force_m_s2: output.rest_force_m_s2,
             setpoints_rejected: output.setpoints_rejected,
             battery_v: input.battery_v,
             battery_low: if output.arming.is_armed() {

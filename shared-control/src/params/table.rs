@@ -2,6 +2,7 @@
 
 pub use super::allowed::Allowed;
 use super::battery::{self, BatteryPart};
+use super::level::{self, LevelPart};
 use super::pilot::{self, PilotPart};
 use super::radio::{self, RadioPart, Stick, StickPart};
 use super::{Params, Rig};
@@ -56,6 +57,8 @@ pub enum Field {
     Stick(Stick, StickPart),
     /// How the sticks feel.
     Pilot(PilotPart),
+    /// How the first or (true) the second IMU sits.
+    Level(bool, LevelPart),
 }
 
 /// What a person is to know of a field.
@@ -71,7 +74,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 58] = [
+    pub const ALL: [Field; 64] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -130,6 +133,12 @@ impl Field {
         Field::Pilot(PilotPart::AcroExpo),
         Field::Pilot(PilotPart::ThrottleMid),
         Field::Pilot(PilotPart::ThrottleExpo),
+        Field::Level(false, LevelPart::Roll),
+        Field::Level(false, LevelPart::Pitch),
+        Field::Level(false, LevelPart::Down),
+        Field::Level(true, LevelPart::Roll),
+        Field::Level(true, LevelPart::Pitch),
+        Field::Level(true, LevelPart::Down),
     ];
 
     /// Its name, range and meaning.
@@ -197,6 +206,7 @@ impl Field {
             Field::Radio(part) => radio::row(part),
             Field::Stick(stick, part) => radio::stick_row(stick, part),
             Field::Pilot(part) => pilot::row(part),
+            Field::Level(second, part) => level::row(second, part),
         };
         Row { name, allowed, meaning }
     }
@@ -218,7 +228,7 @@ impl Field {
 }
 
 impl Params {
-    /// A field as a whole number.
+    /// A field's bits; [`Allowed::number`] says which number they are.
     pub fn get(&self, field: Field) -> u16 {
         match field {
             Field::Controller => u16::from(self.controller == Controller::Mpc),
@@ -241,6 +251,10 @@ impl Params {
             Field::Radio(part) => self.radio.get(part),
             Field::Stick(stick, part) => self.radio.stick(stick, part),
             Field::Pilot(part) => self.pilot.get(part),
+            Field::Level(second, part) => {
+                let [one, two] = &self.level;
+                if second { two.get(part) } else { one.get(part) }
+            }
         }
     }
 
@@ -271,6 +285,10 @@ impl Params {
             Field::Radio(part) => params.radio.set(part, value),
             Field::Stick(stick, part) => params.radio.set_stick(stick, part, value),
             Field::Pilot(part) => params.pilot.set(part, value),
+            Field::Level(second, part) => {
+                let [one, two] = &mut params.level;
+                if second { two.set(part, value) } else { one.set(part, value) }
+            }
         }
         Some(params)
     }
@@ -318,6 +336,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(58)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(64)), (None, None, None));
     }
 }

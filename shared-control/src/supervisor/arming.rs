@@ -211,12 +211,16 @@ pub enum Refusal {
     SafetyOn,
     /// The radio is to fly, and its calibration makes no sense.
     RadioUnusable,
+    /// It did not stand still for long enough.
+    VehicleMoves,
+    /// It does not stand level, by more than a calibration makes good.
+    NotLevel,
 }
 
 impl Refusal {
     /// All that say everything by themselves, in the order of their numbers.
     #[cfg(test)]
-    pub(crate) const WITHOUT_DETAIL: [Refusal; 23] = [
+    pub(crate) const WITHOUT_DETAIL: [Refusal; 25] = [
         Refusal::SetpointNotFinite,
         Refusal::ThrottleNotZero,
         Refusal::AttitudeUnknown,
@@ -240,6 +244,8 @@ impl Refusal {
         Refusal::KillSwitch,
         Refusal::SafetyOn,
         Refusal::RadioUnusable,
+        Refusal::VehicleMoves,
+        Refusal::NotLevel,
     ];
 
     /// Its number in the words of a state.
@@ -268,6 +274,8 @@ impl Refusal {
             Refusal::KillSwitch => 20,
             Refusal::SafetyOn => 21,
             Refusal::RadioUnusable => 22,
+            Refusal::VehicleMoves => 23,
+            Refusal::NotLevel => 24,
             Refusal::ImuUnhealthy(fault) => 0x20 + fault.number(),
         }
     }
@@ -302,6 +310,8 @@ impl Refusal {
             Refusal::KillSwitch => "refused: kill switch is on",
             Refusal::SafetyOn => "refused: hold the safety button for a second",
             Refusal::RadioUnusable => "refused: radio calibration makes no sense",
+            Refusal::VehicleMoves => "refused: keep still for 3 s",
+            Refusal::NotLevel => "refused: over 10 degrees off level, or not 1 g",
         }
     }
 }

@@ -34,6 +34,7 @@ fn status(arming: Arming) -> VehicleStatus {
         blocks: ArmingBlocks::default(),
         io: crate::io_chip::IoReport::default(),
         radio_flies: false,
+        rest_force_m_s2: [None; 2],
         acro: false,
         load_permille: 321,
         setpoints_rejected: 7,

@@ -176,15 +176,18 @@ fn every_order_has_its_message() {
     assert_eq!(orders_of(&encoded(&HEARTBEAT_DATA::DEFAULT)), []);
 }
 
-/// The ESCs alone: whoever wants a gyro calibrated besides has something else in mind.
+/// The ESCs or the level, alone: whoever wants a gyro calibrated besides has something else in mind.
 #[test]
-fn escs_are_calibrated_by_the_seventh_parameter_alone() {
+fn escs_and_level_are_calibrated_by_one_parameter_alone() {
     let calibration = command(MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, [0.0; 4]);
     let escs = COMMAND_LONG_DATA { param7: 1.0, ..calibration.clone() };
     assert_eq!(orders_of(&encoded(&escs)), [Order::CalibrateEscs]);
     let senseless = Order::NotUnderstood { command: MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, known: true };
+    let level = COMMAND_LONG_DATA { param5: 2.0, ..calibration.clone() };
+    assert_eq!(orders_of(&encoded(&level)), [Order::CalibrateLevel]);
     let others = [
         calibration.clone(),
+        COMMAND_LONG_DATA { param7: 1.0, ..level },
         COMMAND_LONG_DATA { param7: 2.0, ..calibration },
         COMMAND_LONG_DATA { param1: 1.0, ..escs.clone() },
         COMMAND_LONG_DATA { param5: 1.0, ..escs },
