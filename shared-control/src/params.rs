@@ -14,6 +14,7 @@ pub mod level;
 pub mod pilot;
 pub mod radio;
 pub mod table;
+pub mod vehicle;
 
 use crate::config::Controller;
 use crate::output::PulseKind;
@@ -22,6 +23,7 @@ use level::LevelParams;
 use pilot::PilotParams;
 use radio::RadioParams;
 use table::Field;
+use vehicle::VehicleNumbers;
 
 /// Length of a record, bytes.
 pub const RECORD_LEN: usize = HEAD_LEN + PAYLOAD_LEN + CRC_LEN;
@@ -85,6 +87,8 @@ pub struct Params {
     pub pilot: PilotParams,
     /// How the first and the second IMU sit.
     pub level: [LevelParams; 2],
+    /// The vehicle's own numbers.
+    pub vehicle: VehicleNumbers,
 }
 
 impl Params {
@@ -111,6 +115,7 @@ impl Params {
         radio: RadioParams::DEFAULT,
         pilot: PilotParams::DEFAULT,
         level: [LevelParams { roll_cdeg: 0, pitch_cdeg: 0, down_mm_s2: 0 }; 2],
+        vehicle: VehicleNumbers::DEFAULT,
     };
 }
 
@@ -218,43 +223,43 @@ pub(crate) mod tests {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
-        (any::<[bool; 8]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), (any_pilot(), any_level()))
-            .prop_map(
-                |(
-                    switches,
+        (any::<[bool; 8]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
+            |(
+                switches,
+                pwm_rate_hz,
+                battery,
+                (hover, rotor_drag),
+                inputs,
+                idle,
+                (safety_button, radio),
+                (pilot, level, vehicle),
+            )| {
+                let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
+                Params {
+                    controller: if mpc { Controller::Mpc } else { Controller::Cascade },
+                    loop_rate_hz: if slow { 100 } else { 400 },
+                    pulses: if one_shot { PulseKind::OneShot125 } else { PulseKind::Pwm },
                     pwm_rate_hz,
+                    rig: if free { Rig::Free } else { Rig::Gimbal },
+                    hil,
                     battery,
-                    (hover, rotor_drag),
-                    inputs,
-                    idle,
-                    (safety_button, radio),
-                    (pilot, level),
-                )| {
-                    let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
-                    Params {
-                        controller: if mpc { Controller::Mpc } else { Controller::Cascade },
-                        loop_rate_hz: if slow { 100 } else { 400 },
-                        pulses: if one_shot { PulseKind::OneShot125 } else { PulseKind::Pwm },
-                        pwm_rate_hz,
-                        rig: if free { Rig::Free } else { Rig::Gimbal },
-                        hil,
-                        battery,
-                        hover_throttle_permille: hover,
-                        rotor_drag_permille_1_s: rotor_drag,
-                        control_horizon: inputs.0,
-                        motor_limits: limits,
-                        linearisations: inputs.1,
-                        ground_idle_percent: idle.0,
-                        flight_idle_percent: idle.1,
-                        telem1_kbaud: if fast { 115 } else { 57 },
-                        esc_calibration: escs,
-                        safety_button,
-                        radio,
-                        pilot,
-                        level,
-                    }
-                },
-            )
+                    hover_throttle_permille: hover,
+                    rotor_drag_permille_1_s: rotor_drag,
+                    control_horizon: inputs.0,
+                    motor_limits: limits,
+                    linearisations: inputs.1,
+                    ground_idle_percent: idle.0,
+                    flight_idle_percent: idle.1,
+                    telem1_kbaud: if fast { 115 } else { 57 },
+                    esc_calibration: escs,
+                    safety_button,
+                    radio,
+                    pilot,
+                    level,
+                    vehicle,
+                }
+            },
+        )
     }
 
     fn any_battery() -> impl Strategy<Value = BatteryParams> {
@@ -264,6 +269,28 @@ pub(crate) mod tests {
             critical_mv,
             timer_s,
         })
+    }
+
+    fn any_owner() -> impl Strategy<Value = (PilotParams, [LevelParams; 2], VehicleNumbers)> {
+        (any_pilot(), any_level(), any_vehicle())
+    }
+
+    /// Any numbers that the table allows, and as often such as a person might set.
+    fn any_vehicle() -> impl Strategy<Value = VehicleNumbers> {
+        let (own, mass, arm, ring) = (any::<bool>(), 100u16..=10_000, 50u16..=1000, any::<u16>());
+        let likely = ([1000u16..=3000, 1000u16..=3000, 1500u16..=3500], 9_000u16..=12_000, 0u16..=100);
+        let allowed = ([10u16..=65535, 10u16..=65535, 10u16..=65535], 200u16..=65535, 0u16..=20_000);
+        let body_and_lift = prop_oneof![likely, allowed];
+        (own, mass, arm, ring, body_and_lift, 1000u16..=65535, 0u16..=2000, 0u16..=300).prop_map(
+            |(own, mass_g, arm_mm, ring_e5_kg_m2, (inertia, max, min), torque_per_lift_um, lag_e4_s, delay_e4_s)| {
+                #[rustfmt::skip]
+                let vehicle = VehicleNumbers {
+                    own, mass_g, arm_mm, inertia_e5_kg_m2: inertia, ring_e5_kg_m2, torque_per_lift_um,
+                    lift_min_mn: min, lift_max_mn: max, lag_e4_s, delay_e4_s,
+                };
+                vehicle
+            },
+        )
     }
 
     fn any_level() -> impl Strategy<Value = [LevelParams; 2]> {
@@ -336,8 +363,8 @@ pub(crate) mod tests {
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x07\0\x80\0");
-        assert_eq!(record.len(), 8 + 128 + 4);
+        assert_eq!(record[..8], *b"QCFG\x07\0\x98\0");
+        assert_eq!(record.len(), 8 + 152 + 4);
         // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
         assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }

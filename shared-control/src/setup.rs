@@ -6,6 +6,7 @@ use crate::mpc::MpcSettings;
 use crate::mpc::motor_limits::COUPLED_INPUTS_MAX;
 use crate::output::{LOOP_TIMER_HZ, OutputConfig, PULSE_TIMER_HZ, PulseKind, TimerPeriod};
 use crate::params::table::Field;
+use crate::params::vehicle::VehicleFault;
 use crate::params::{Params, Rig};
 use crate::radio::{RadioFault, RadioSetup};
 use crate::supervisor::SupervisorConfig;
@@ -36,6 +37,8 @@ pub struct Setup {
     pub pulse_timer: TimerPeriod,
     /// The radio, where it flies; or what makes no sense about its calibration.
     pub radio: Result<Option<RadioSetup>, RadioFault>,
+    /// What makes no sense about the owner's vehicle; the F450 then stands in for it, and nothing may arm.
+    pub vehicle_fault: Option<VehicleFault>,
 }
 
 impl Setup {
@@ -51,10 +54,7 @@ impl Setup {
                 return Err(ConfigError::OutOfRange(row.name));
             }
         }
-        let vehicle = match params.rig {
-            Rig::Gimbal => VehicleParameters::F450_GIMBAL,
-            Rig::Free => VehicleParameters::F450_FREE,
-        };
+        let (vehicle, vehicle_fault) = vehicle(params);
         let tuning = Tuning {
             mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
             mpc_linearisations: params.linearisations.into(),
@@ -88,7 +88,7 @@ impl Setup {
         };
         let mpc = config::mpc_settings(&vehicle, &tuning, loop_rate_hz);
         let radio = if params.radio.flies { RadioSetup::new(&params.radio).map(Some) } else { Ok(None) };
-        Ok(Setup { vehicle, tuning, config, mpc, loop_timer, pulse_timer, radio })
+        Ok(Setup { vehicle, tuning, config, mpc, loop_timer, pulse_timer, radio, vehicle_fault })
     }
 
     /// Does every pulse begin at the same time after the step that computed it? Where one of the two rates is a whole
@@ -97,6 +97,21 @@ impl Setup {
         let cycles_per_count = PULSE_TIMER_HZ / LOOP_TIMER_HZ;
         let (step, pulse) = (cycles_per_count * self.loop_timer.cycles(), self.pulse_timer.cycles());
         step.is_multiple_of(pulse) || pulse.is_multiple_of(step)
+    }
+}
+
+/// The owner's vehicle, if it is to be flown and makes sense; else the F450 on its rig, and what does not.
+fn vehicle(params: &Params) -> (VehicleParameters, Option<VehicleFault>) {
+    let f450 = match params.rig {
+        Rig::Gimbal => VehicleParameters::F450_GIMBAL,
+        Rig::Free => VehicleParameters::F450_FREE,
+    };
+    if !params.vehicle.own {
+        return (f450, None);
+    }
+    match params.vehicle.vehicle(params.rig, f32::from(params.hover_throttle_permille) / 1000.0) {
+        Ok(vehicle) => (vehicle, None),
+        Err(fault) => (f450, Some(fault)),
     }
 }
 
@@ -151,6 +166,26 @@ mod tests {
             let free = params.rig == Rig::Free;
             prop_assert_eq!((setup.vehicle.yaw_locked, setup.config.angle.yaw_locked), (!free, !free));
         }
+    }
+
+    /// The two ends of what the guards let pass, on both rigs: the controllers can be made, too.
+    #[test]
+    fn every_vehicle_that_makes_sense_can_be_prepared() {
+        use crate::params::vehicle::VehicleNumbers;
+        let own = VehicleNumbers { own: true, ..VehicleNumbers::DEFAULT };
+        let heavy = VehicleNumbers { mass_g: 3300, inertia_e5_kg_m2: [33_000, 33_000, 36_000], arm_mm: 226, ..own };
+        let light = VehicleNumbers { inertia_e5_kg_m2: [150, 150, 250], ..own };
+        let slow = VehicleNumbers { lag_e4_s: 2000, delay_e4_s: 300, ..own };
+        for (numbers, rig) in [(own, Rig::Free), (heavy, Rig::Gimbal), (light, Rig::Free), (slow, Rig::Free)] {
+            let params = Params { vehicle: numbers, rig, hover_throttle_permille: 540, ..Params::DEFAULT };
+            let setup = Setup::new(&params).unwrap();
+            assert_eq!(setup.vehicle_fault, None, "{numbers:?}");
+            assert_eq!(setup.vehicle, numbers.vehicle(rig, 0.54).unwrap());
+            assert!(Mpc::<HORIZON>::prepare_shorter(5, &setup.mpc).is_ok(), "{numbers:?}");
+        }
+        let senseless = VehicleNumbers { mass_g: 9000, ..own };
+        let setup = Setup::new(&Params { vehicle: senseless, rig: Rig::Free, ..Params::DEFAULT }).unwrap();
+        assert_eq!((setup.vehicle_fault, setup.vehicle), (Some(VehicleFault::TooWeak), VehicleParameters::F450_FREE));
     }
 
     /// What a bench of host code flies, with the idle commands of motors that have a dead band.

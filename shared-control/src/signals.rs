@@ -86,6 +86,8 @@ pub struct ArmingBlocks {
     pub kill_switch: bool,
     /// The radio is to fly, and its calibration makes no sense.
     pub radio_unusable: bool,
+    /// The owner's vehicle is to fly, and its numbers make no sense.
+    pub vehicle_unusable: bool,
 }
 
 /// A request to change the arming state; the supervisor decides.

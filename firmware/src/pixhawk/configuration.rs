@@ -73,6 +73,7 @@ impl Configuration {
             configuration_unconfirmed: self.fault.is_some(),
             esc_calibration: self.params.esc_calibration,
             radio_unusable: self.setup.radio.is_err(),
+            vehicle_unusable: self.setup.vehicle_fault.is_some(),
             ..ArmingBlocks::default()
         };
         let pilot = self.setup.radio.ok().flatten().map(Pilot::new);

@@ -73,6 +73,9 @@ impl Ground {
         if let Err(fault) = configuration.setup.radio {
             self.tell(fault);
         }
+        if let Some(fault) = configuration.setup.vehicle_fault {
+            self.tell(fault);
+        }
         if !configuration.setup.pulses_keep_phase() {
             self.tell("PWM_RATE_HZ and LOOP_RATE_HZ unrelated: jitter");
         }

@@ -76,8 +76,8 @@ pub struct StepOutput {
     pub estimate: AttitudeEstimate,
     /// Root mean square of what shakes each axis of the IMU in use, body, m/s^2.
     pub vibration_m_s2: Vector3<f32>,
-    /// Of the first and the second IMU: mean specific force at rest in its own axes, m/s^2; none in flight, soon after a
-    /// motion, or without it.
+    /// Of the first and the second IMU: mean specific force at rest in its own axes, m/s^2; none in flight, soon after
+    /// a motion, or without it.
     pub rest_force_m_s2: [Option<Vector3<f32>>; 2],
     /// How the MPC's plans fare.
     pub planning: PlanReport,

@@ -5,6 +5,7 @@ use super::battery::{self, BatteryPart};
 use super::level::{self, LevelPart};
 use super::pilot::{self, PilotPart};
 use super::radio::{self, RadioPart, Stick, StickPart};
+use super::vehicle::{self, VehiclePart};
 use super::{Params, Rig};
 use crate::config::{Controller, IDLE_PERCENT_MAX};
 use crate::mpc::HORIZON;
@@ -59,6 +60,8 @@ pub enum Field {
     Pilot(PilotPart),
     /// How the first or (true) the second IMU sits.
     Level(bool, LevelPart),
+    /// One of the vehicle's own numbers.
+    Vehicle(VehiclePart),
 }
 
 /// What a person is to know of a field.
@@ -74,7 +77,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 64] = [
+    pub const ALL: [Field; 76] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -139,6 +142,18 @@ impl Field {
         Field::Level(true, LevelPart::Roll),
         Field::Level(true, LevelPart::Pitch),
         Field::Level(true, LevelPart::Down),
+        Field::Vehicle(VehiclePart::Own),
+        Field::Vehicle(VehiclePart::Mass),
+        Field::Vehicle(VehiclePart::Arm),
+        Field::Vehicle(VehiclePart::Roll),
+        Field::Vehicle(VehiclePart::Pitch),
+        Field::Vehicle(VehiclePart::Yaw),
+        Field::Vehicle(VehiclePart::Ring),
+        Field::Vehicle(VehiclePart::TorquePerLift),
+        Field::Vehicle(VehiclePart::LiftMin),
+        Field::Vehicle(VehiclePart::LiftMax),
+        Field::Vehicle(VehiclePart::Lag),
+        Field::Vehicle(VehiclePart::Delay),
     ];
 
     /// Its name, range and meaning.
@@ -207,6 +222,7 @@ impl Field {
             Field::Stick(stick, part) => radio::stick_row(stick, part),
             Field::Pilot(part) => pilot::row(part),
             Field::Level(second, part) => level::row(second, part),
+            Field::Vehicle(part) => vehicle::row(part),
         };
         Row { name, allowed, meaning }
     }
@@ -251,6 +267,7 @@ impl Params {
             Field::Radio(part) => self.radio.get(part),
             Field::Stick(stick, part) => self.radio.stick(stick, part),
             Field::Pilot(part) => self.pilot.get(part),
+            Field::Vehicle(part) => self.vehicle.get(part),
             Field::Level(second, part) => {
                 let [one, two] = &self.level;
                 if second { two.get(part) } else { one.get(part) }
@@ -285,6 +302,7 @@ impl Params {
             Field::Radio(part) => params.radio.set(part, value),
             Field::Stick(stick, part) => params.radio.set_stick(stick, part, value),
             Field::Pilot(part) => params.pilot.set(part, value),
+            Field::Vehicle(part) => params.vehicle.set(part, value),
             Field::Level(second, part) => {
                 let [one, two] = &mut params.level;
                 if second { two.set(part, value) } else { one.set(part, value) }
@@ -336,6 +354,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(64)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(76)), (None, None, None));
     }
 }

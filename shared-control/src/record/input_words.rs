@@ -106,7 +106,7 @@ pub(super) fn plan_of_words(words: &[u32; 8]) -> Option<Plan> {
     })
 }
 
-pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 6] {
+pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 7] {
     let ArmingBlocks {
         fault_record_unread,
         configuration_unconfirmed,
@@ -114,14 +114,22 @@ pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 6] {
         safety_on,
         kill_switch,
         radio_unusable,
+        vehicle_unusable,
     } = *blocks;
-    [fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable]
-        .map(u32::from)
+    #[rustfmt::skip]
+    let all = [
+        fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable,
+        vehicle_unusable,
+    ];
+    all.map(u32::from)
 }
 
-pub(super) fn blocks_of_words(words: &[u32; 6]) -> ArmingBlocks {
-    let [fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable] =
-        words.map(|word| word == 1);
+pub(super) fn blocks_of_words(words: &[u32; 7]) -> ArmingBlocks {
+    #[rustfmt::skip]
+    let [
+        fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable,
+        vehicle_unusable,
+    ] = words.map(|word| word == 1);
     ArmingBlocks {
         fault_record_unread,
         configuration_unconfirmed,
@@ -129,5 +137,6 @@ pub(super) fn blocks_of_words(words: &[u32; 6]) -> ArmingBlocks {
         safety_on,
         kill_switch,
         radio_unusable,
+        vehicle_unusable,
     }
 }

@@ -33,8 +33,8 @@ pub struct StepTrace {
     /// 1 if there is a link, and its age, µs.
     pub link_age: [u32; 3],
     /// 1 each: fault record unread, configuration unconfirmed, set to calibrate ESCs, safety on, kill switch on, radio
-    /// unusable.
-    pub blocks: [u32; 6],
+    /// unusable, vehicle's numbers unusable.
+    pub blocks: [u32; 7],
     /// 1 if a battery voltage is there, and the voltage.
     pub battery: [u32; 2],
     /// 1 if a plan is there, its step, status, iterations, duration, µs, and three torques.
@@ -81,7 +81,7 @@ impl StepTrace {
         setpoint: [0; 8],
         arming_request: [0; 4],
         link_age: [0; 3],
-        blocks: [0; 6],
+        blocks: [0; 7],
         battery: [0; 2],
         plan: [0; 8],
         compare_counts: [0; 4],
@@ -198,7 +198,7 @@ mod tests {
             acro_rad_s in proptest::option::of(any::<[u8; 3]>()),
             request in any_request(),
             link_age_us in proptest::option::of(any::<u64>()),
-            blocks in any::<[bool; 6]>(),
+            blocks in any::<[bool; 7]>(),
             battery_v in proptest::option::of(0f32..20.0),
             plan in proptest::option::of(any_plan()),
         ) {
@@ -233,8 +233,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 8, requests 13, battery 2, plan 8; outputs 33;
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 8, requests 14, battery 2, plan 8; outputs 33;
         // state; no padding
-        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 31 + 33 + STATE_WORDS));
+        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 32 + 33 + STATE_WORDS));
     }
 }

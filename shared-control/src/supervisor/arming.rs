@@ -215,12 +215,14 @@ pub enum Refusal {
     VehicleMoves,
     /// It does not stand level, by more than a calibration makes good.
     NotLevel,
+    /// The owner's vehicle is to fly, and its numbers make no sense.
+    VehicleUnusable,
 }
 
 impl Refusal {
     /// All that say everything by themselves, in the order of their numbers.
     #[cfg(test)]
-    pub(crate) const WITHOUT_DETAIL: [Refusal; 25] = [
+    pub(crate) const WITHOUT_DETAIL: [Refusal; 26] = [
         Refusal::SetpointNotFinite,
         Refusal::ThrottleNotZero,
         Refusal::AttitudeUnknown,
@@ -246,6 +248,7 @@ impl Refusal {
         Refusal::RadioUnusable,
         Refusal::VehicleMoves,
         Refusal::NotLevel,
+        Refusal::VehicleUnusable,
     ];
 
     /// Its number in the words of a state.
@@ -276,6 +279,7 @@ impl Refusal {
             Refusal::RadioUnusable => 22,
             Refusal::VehicleMoves => 23,
             Refusal::NotLevel => 24,
+            Refusal::VehicleUnusable => 25,
             Refusal::ImuUnhealthy(fault) => 0x20 + fault.number(),
         }
     }
@@ -311,6 +315,7 @@ impl Refusal {
             Refusal::SafetyOn => "refused: hold the safety button for a second",
             Refusal::RadioUnusable => "refused: radio calibration makes no sense",
             Refusal::VehicleMoves => "refused: keep still for 3 s",
+            Refusal::VehicleUnusable => "refused: vehicle's numbers make no sense",
             Refusal::NotLevel => "refused: over 10 degrees off level, or not 1 g",
         }
     }

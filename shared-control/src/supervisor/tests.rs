@@ -16,6 +16,7 @@ const BLOCKED: ArmingBlocks = ArmingBlocks {
     safety_on: true,
     kill_switch: true,
     radio_unusable: true,
+    vehicle_unusable: true,
 };
 
 const GOOD: Findings = Findings {
