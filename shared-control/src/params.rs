@@ -64,6 +64,8 @@ pub struct Params {
     pub hover_throttle_permille: u16,
     /// Drag of the rotors over the mass, 1/1000 1/s.
     pub rotor_drag_permille_1_s: u16,
+    /// Notches in the gyro that follow the rotors.
+    pub gyro_notches: bool,
     /// Free inputs per axis of the MPC, 1 to 30.
     pub control_horizon: u8,
     /// The motors' limits in the MPC, which couple the axes: with at most
@@ -104,6 +106,7 @@ impl Params {
         battery: BatteryParams::DEFAULT,
         hover_throttle_permille: 500,
         rotor_drag_permille_1_s: 450,
+        gyro_notches: true,
         control_horizon: 5,
         motor_limits: false,
         linearisations: 1,
@@ -223,7 +226,7 @@ pub(crate) mod tests {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
-        (any::<[bool; 8]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
+        (any::<[bool; 9]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
             |(
                 switches,
                 pwm_rate_hz,
@@ -234,7 +237,7 @@ pub(crate) mod tests {
                 (safety_button, radio),
                 (pilot, level, vehicle),
             )| {
-                let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
+                let [mpc, one_shot, free, hil, slow, limits, escs, fast, gyro_notches] = switches;
                 Params {
                     controller: if mpc { Controller::Mpc } else { Controller::Cascade },
                     loop_rate_hz: if slow { 100 } else { 400 },
@@ -245,6 +248,7 @@ pub(crate) mod tests {
                     battery,
                     hover_throttle_permille: hover,
                     rotor_drag_permille_1_s: rotor_drag,
+                    gyro_notches,
                     control_horizon: inputs.0,
                     motor_limits: limits,
                     linearisations: inputs.1,
@@ -363,8 +367,8 @@ pub(crate) mod tests {
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x07\0\x98\0");
-        assert_eq!(record.len(), 8 + 152 + 4);
+        assert_eq!(record[..8], *b"QCFG\x07\0\x9a\0");
+        assert_eq!(record.len(), 8 + 154 + 4);
         // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
         assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }

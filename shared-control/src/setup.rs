@@ -9,6 +9,8 @@ use crate::params::table::Field;
 use crate::params::vehicle::VehicleFault;
 use crate::params::{Params, Rig};
 use crate::radio::{RadioFault, RadioSetup};
+use crate::sensing::imu::L3GD20_RATE_HZ;
+use crate::sensing::rotor_notches::NotchesConfig;
 use crate::supervisor::SupervisorConfig;
 use crate::supervisor::battery_watch::BatteryLimits;
 use crate::supervisor::touchdown::LOST_TO_DIPS;
@@ -68,6 +70,10 @@ impl Setup {
         // with hardware in the loop every step brings its one sample
         let imu_rate_hz = if params.hil { loop_rate_hz } else { IMU_RATE_HZ as f32 };
         let mut core = Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?;
+        if params.gyro_notches && !params.hil {
+            core.sensing.imu.gyro_notches = Some(NotchesConfig::new(imu_rate_hz));
+            core.sensing.imu_second.gyro_notches = Some(NotchesConfig::new(L3GD20_RATE_HZ));
+        }
         let [first, second] = params.level.map(|level| level.trim().mounting());
         (core.sensing.imu.mounting, core.sensing.imu_second.mounting) = (first, second);
         core.sensing.estimator.levelling.rotor_drag_1_s = f32::from(params.rotor_drag_permille_1_s) / 1000.0;
@@ -190,11 +196,12 @@ mod tests {
 
     /// What a bench of host code flies, with the idle commands of motors that have a dead band.
     #[test]
-    fn the_defaults_are_what_the_core_flies_on_the_host_but_for_idling() {
+    fn the_defaults_are_what_the_core_flies_on_the_host_but_for_idling_and_notches() {
         let vehicle = VehicleParameters::F450_GIMBAL;
         let tuning = Tuning { ground_idle_command: 0.1, flight_idle_command: 0.15, ..Tuning::for_vehicle(&vehicle) };
         let config = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
-        let setup = Setup::new(&Params::DEFAULT).unwrap();
+        assert!(Setup::new(&Params::DEFAULT).unwrap().config.sensing.imu.gyro_notches.is_some());
+        let setup = Setup::new(&Params { gyro_notches: false, ..Params::DEFAULT }).unwrap();
         assert_eq!(setup.config, config);
         assert_eq!(setup.mpc, config::mpc_settings(&vehicle, &tuning, 400.0));
         assert!((setup.config.mixer.lift_curve.command_at[0] - 0.15).abs() < 1e-6);

@@ -38,6 +38,8 @@ pub enum Field {
     HoverThrottle,
     /// [`Params::rotor_drag_permille_1_s`].
     RotorDrag,
+    /// [`Params::gyro_notches`].
+    GyroNotches,
     /// One of the battery's numbers.
     Battery(BatteryPart),
     /// [`Params::hil`].
@@ -77,7 +79,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 76] = [
+    pub const ALL: [Field; 77] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -88,6 +90,7 @@ impl Field {
         Field::Rig,
         Field::HoverThrottle,
         Field::RotorDrag,
+        Field::GyroNotches,
         Field::Battery(BatteryPart::ArmingMin),
         Field::Battery(BatteryPart::Low),
         Field::Battery(BatteryPart::Critical),
@@ -193,6 +196,9 @@ impl Field {
                 Allowed::Range(10, 2000),
                 "drag of the rotors over airspeed and mass, 1/1000 1/s: what shows the tilt in free flight",
             ),
+            Field::GyroNotches => {
+                ("GYRO_NOTCHES", Allowed::Either(0, 1), "1: notches in the gyro follow the rotors' lines")
+            }
             Field::Battery(part) => battery::row(part),
             Field::Hil => (
                 "HIL",
@@ -257,6 +263,7 @@ impl Params {
             Field::Rig => u16::from(self.rig == Rig::Free),
             Field::HoverThrottle => self.hover_throttle_permille,
             Field::RotorDrag => self.rotor_drag_permille_1_s,
+            Field::GyroNotches => u16::from(self.gyro_notches),
             Field::Battery(part) => self.battery.get(part),
             Field::Hil => u16::from(self.hil),
             Field::GroundIdle => u16::from(self.ground_idle_percent),
@@ -292,6 +299,7 @@ impl Params {
             Field::Rig => params.rig = if value == 0 { Rig::Gimbal } else { Rig::Free },
             Field::HoverThrottle => params.hover_throttle_permille = value,
             Field::RotorDrag => params.rotor_drag_permille_1_s = value,
+            Field::GyroNotches => params.gyro_notches = value == 1,
             Field::Battery(part) => params.battery.set(part, value),
             Field::Hil => params.hil = value == 1,
             Field::GroundIdle => params.ground_idle_percent = value as u8,
@@ -354,6 +362,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(76)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(77)), (None, None, None));
     }
 }
