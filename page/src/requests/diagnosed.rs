@@ -68,9 +68,7 @@ impl Diagnose {
     }
 
     fn several(&self, logs: &[NamedFile], observer: Observer<'_>) -> Answer {
-        let row = |(log, bytes): &NamedFile| {
-            Row::of(Path::new(&log.name), self.answered(&log.name, bytes, observer))
-        };
+        let row = |(log, bytes): &NamedFile| Row::of(Path::new(&log.name), self.answered(&log.name, bytes, observer));
         let rows: Vec<Row> = logs.iter().map(row).collect();
         shown(&several_page(&rows, &self.command()), several_text(&rows), &several_json(&rows))
     }

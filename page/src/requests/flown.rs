@@ -1,5 +1,7 @@
 //! A flight under each controller, drawn as the report of `sil fly`, and the motion for the picture of the vehicle.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 use serde_json::{Value, json};
 use sil_host::answer::flight::flown::{FlownController, fly_one};
@@ -25,11 +27,23 @@ pub(super) struct Fly {
     /// True if the controllers know these effects.
     #[serde(default)]
     known: bool,
-    /// Controller files, each with the name it is shown by.
-    controllers: Vec<(String, String)>,
+    controllers: Vec<Controlled>,
     /// A script; none for the test sequence.
     script: Option<String>,
     seed: u64,
+}
+
+/// A controller, and how it differs from the one that follows from the vehicle.
+#[derive(Deserialize)]
+struct Controlled {
+    /// `pid` or `mpc`.
+    controller: String,
+    rate_hz: u32,
+    control_horizon: usize,
+    /// Keys of a tuning, each with what its numbers are multiplied by.
+    factors: BTreeMap<String, f64>,
+    /// Keys of a tuning, each with its value.
+    values: BTreeMap<String, Value>,
 }
 
 impl Fly {
@@ -39,17 +53,27 @@ impl Fly {
             None => Scenario::test_sequence(),
             Some(script) => Scenario::parse(script, "script").map_err(message)?,
         };
-        let fly = |(name, file): &(String, String)| {
-            let choice = ControllerChoice::parse(file, &format!("{name}.toml")).map_err(message)?;
-            let controller_model = self.known.then(|| model.clone());
-            let (model, scenario) = (model.clone(), scenario.clone());
-            fly_one(name, FlightSetup { model, controller_model, choice, scenario, seed: self.seed }).map_err(message)
+        let fly = |of: &Controlled| {
+            let nominal = FlightSetup {
+                controller_model: self.known.then(|| model.clone()),
+                model: model.clone(),
+                choice: of.choice("")?,
+                scenario: scenario.clone(),
+                seed: self.seed,
+            };
+            let tuning = of.tuning(&TuningChange::all_of(&nominal.tuning()))?;
+            let setup = FlightSetup { choice: of.choice(&tuning)?, ..nominal };
+            Ok((fly_one(&of.controller, setup).map_err(message)?, of.file(&tuning)))
         };
-        let flown = self.controllers.iter().map(fly).collect::<Result<Vec<_>, _>>()?;
+        let (flown, files) =
+            self.controllers.iter().map(fly).collect::<Result<(Vec<FlownController>, Vec<String>), String>>()?;
         Ok(json!({
             "fragment": page(&flown, "the page").to_fragment(),
             "motion": flown.iter().map(motion).collect::<Vec<_>>(),
-            "tuning": flown.iter().map(tuning).collect::<Vec<_>>(),
+            "tuning": flown.iter().map(|one| TuningChange::all_of(&one.setup.tuning())).collect::<Vec<_>>(),
+            "files": files,
+            "script": scenario.to_script(),
+            "vehicle": model.to_toml(),
         }))
     }
 
@@ -74,13 +98,44 @@ fn motion(flown: &FlownController) -> Value {
     json!({ "name": flown.name, "pictures": (0..record.len()).step_by(step).map(picture).collect::<Vec<_>>() })
 }
 
-/// All gains and weights that flew.
-fn tuning(flown: &FlownController) -> Value {
-    let choice = &flown.setup.choice;
-    json!({
-        "name": flown.name,
-        "rate_hz": choice.rate_hz,
-        "control_horizon": choice.control_horizon,
-        "tuning": TuningChange::all_of(&flown.setup.tuning()),
-    })
+impl Controlled {
+    fn choice(&self, tuning: &str) -> Result<ControllerChoice, String> {
+        ControllerChoice::parse(&self.file(tuning), &format!("{}.toml", self.controller)).map_err(message)
+    }
+
+    /// The controller file with these lines under `[tuning]`.
+    fn file(&self, tuning: &str) -> String {
+        let Controlled { controller, rate_hz, control_horizon, .. } = self;
+        format!(
+            "controller = \"{controller}\"\nrate_hz = {rate_hz}\ncontrol_horizon = {control_horizon}\n[tuning]\n{tuning}"
+        )
+    }
+
+    /// The lines of what differs from the nominal tuning.
+    fn tuning(&self, nominal: &TuningChange) -> Result<String, String> {
+        let nominal = toml::Table::try_from(nominal).map_err(message)?;
+        let mut changed = toml::Table::new();
+        for (key, factor) in &self.factors {
+            let value = nominal.get(key).ok_or_else(|| format!("{key}: no number of a tuning"))?;
+            changed.insert(key.clone(), times(value, *factor));
+        }
+        for (key, value) in &self.values {
+            changed.insert(key.clone(), toml::Value::try_from(value).map_err(message)?);
+        }
+        toml::to_string(&changed).map_err(message)
+    }
+}
+
+/// A number or numbers, multiplied; to four digits, which is what a slider means.
+fn times(value: &toml::Value, factor: f64) -> toml::Value {
+    let times = |number: f64| {
+        let product = format!("{:.3e}", number * factor).parse();
+        toml::Value::Float(product.unwrap_or(number))
+    };
+    match value {
+        toml::Value::Float(number) => times(*number),
+        toml::Value::Integer(number) => times(*number as f64),
+        toml::Value::Array(numbers) => toml::Value::Array(numbers.iter().map(|one| self::times(one, factor)).collect()),
+        other => other.clone(),
+    }
 }
