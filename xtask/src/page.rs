@@ -1,8 +1,8 @@
 //! The page that runs in a browser: the library as WebAssembly and the sources in `page/web/`, in one file that needs
 //! nothing else.
 //!
-//! The sources are ES modules of one scope: in the order of [`MODULES`], without the lines that import from each other,
-//! they are one script. A name that two of them declare is an error in the browser, and the page's tests see it.
+//! The sources are ES modules. A file opened from a disk can import no other, so each becomes a function that is called
+//! at once and gives what the module exports, in the order of [`MODULES`].
 
 use std::fs;
 use std::io::Write;
@@ -64,7 +64,7 @@ fn page(root: &Path, library: &[u8]) -> Result<String> {
     let licence = read(&format!("{report}/uplot/LICENSE"))?;
     let uplot = read(&format!("{report}/uplot/uPlot.iife.min.js"))?;
     let plots = format!("/*\nuPlot: {licence}*/\n{uplot}\n{}", read(&format!("{report}/plots.js"))?);
-    let modules = MODULES.iter().map(|name| Ok(in_one_scope(&read(&format!("page/web/{name}.js"))?)));
+    let modules = MODULES.iter().map(|name| Ok(closed(&read(&format!("page/web/{name}.js"))?)));
     let parts = [
         ("styles", styles),
         ("engine", STANDARD.encode(packed(library)?)),
@@ -89,10 +89,22 @@ fn packed(bytes: &[u8]) -> Result<Vec<u8>> {
     Ok(encoder.finish()?)
 }
 
-/// A module without what it has only as one of several.
-fn in_one_scope(module: &str) -> String {
+/// A module as a function that gives what it exports.
+fn closed(module: &str) -> String {
+    let exported: Vec<&str> = module.lines().filter_map(exported).collect();
+    let exported = exported.join(", ");
     let lines = module.lines().filter(|line| !line.starts_with("import "));
-    lines.map(|line| format!("{}\n", line.strip_prefix("export ").unwrap_or(line))).collect()
+    let lines: String = lines.map(|line| format!("{}\n", line.strip_prefix("export ").unwrap_or(line))).collect();
+    format!("const {{ {exported} }} = (() => {{\n{lines}return {{ {exported} }};\n}})();\n")
+}
+
+/// The name that a line exports.
+fn exported(line: &str) -> Option<&str> {
+    let declaration = line.strip_prefix("export ")?;
+    let name = ["async function ", "function ", "const ", "class "]
+        .into_iter()
+        .find_map(|keyword| declaration.strip_prefix(keyword))?;
+    name.split(|c: char| !c.is_alphanumeric() && c != '_').next()
 }
 
 #[cfg(test)]
@@ -100,8 +112,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn modules_share_a_scope() {
-        let module = "import { a } from \"./a.js\";\nexport function b() {\n  return a; // export\n}\n";
-        assert_eq!(in_one_scope(module), "function b() {\n  return a; // export\n}\n");
+    fn a_module_gives_what_it_exports_and_keeps_the_rest() {
+        let module =
+            "import { a } from \"./a.js\";\nconst own = a;\nexport async function b() {}\nexport const C = { own };\n";
+        let expected = "const { b, C } = (() => {\nconst own = a;\nasync function b() {}\nconst C = { own };\n\
+                        return { b, C };\n})();\n";
+        assert_eq!(closed(module), expected);
     }
 }
