@@ -16,7 +16,7 @@ export function controls(form, state, catalogue, values, onChange) {
     group(text.vehicle, at(text.vehicle, true), ...vehicle(state, catalogue, onChange)),
     group(text.effects, at(text.effects, true), ...effects(state, catalogue, onChange)),
     group(text.manoeuvre, at(text.manoeuvre, true), ...manoeuvre(state, catalogue, onChange)),
-    group(text.pid, at(text.pid, true), ...tuning("pid", state, catalogue, values, onChange)),
+    group(text.pid, at(text.pid, true), make("p", { class: "quiet" }, text.follows), ...tuning("pid", state, catalogue, values, onChange)),
     group(text.mpc, at(text.mpc, false), horizon(state, onChange), ...tuning("mpc", state, catalogue, values, onChange)),
     group(text.limits, at(text.limits, false), ...tuning("limits", state, catalogue, values, onChange)),
     group(text.loop, at(text.loop, false), ...loop(state, onChange)),
@@ -54,7 +54,7 @@ function effects(state, catalogue, onChange) {
       onChange(false);
     });
     const sliders = effect.parameters.map((parameter) => slider({
-      ...parameter, key: parameter.name, label: parameter.name.replaceAll("_", " "), value: chosen.values[parameter.name],
+      ...parameter, key: parameter.name, label: labelOf(parameter.name), value: chosen.values[parameter.name],
     }, (number) => { chosen.values[parameter.name] = number; onChange(false); }));
     return make("fieldset", {}, make("legend", {}, effect.name.replaceAll("_", " ")), make("p", { class: "quiet" }, effect.summary),
       ...[place].filter(Boolean), ...sliders, make("button", { type: "button", onclick: remove }, text.remove));
@@ -86,12 +86,15 @@ function manoeuvre(state, catalogue, onChange) {
   return [kind, make("label", { class: "field wide" }, text.scriptText, script)];
 }
 
+// The key in words, without controller and unit: the unit stands beside it or in its meaning.
+const labelOf = (key) => key.replace(/^mpc_/, "").replace(/(_rad)?(_1)?_(s2?|rad|hz|nm|deg|v|m|kg)$/, "").replaceAll("_", " ");
+
 function tuning(group, state, catalogue, values, onChange) {
   return TUNING[group].map((of) => {
     const { meaning } = catalogue.tuning.find(({ key }) => key === of.key);
     const value = state.tuning[of.key] ?? (of.isFactor ? 1 : values?.[of.key] ?? of.slider[0]);
     return slider({
-      ...of, value, meaning, label: of.key.replace(/^mpc_/, "").replaceAll("_", " "), unit: of.isFactor ? text.times : "",
+      ...of, value, meaning, label: labelOf(of.key), unit: of.isFactor ? text.times : "",
     }, (number) => {
       if (of.isFactor && number === 1) delete state.tuning[of.key]; else state.tuning[of.key] = number;
       onChange(false);

@@ -8,7 +8,9 @@ import { stepsScript } from "./step_drawing.js";
 import { text } from "./text.js";
 import { GROUPS, TUNING } from "./tuning.js";
 
-const engine = new Engine();
+// Margins take several times as long as the flight: they are measured aside, once nothing is moved any more.
+const [engine, aside] = [new Engine(), new Engine()];
+const STILL_MS = 400;
 const at = (id) => document.getElementById(id);
 
 const usual = () => ({
@@ -17,7 +19,7 @@ const usual = () => ({
 });
 let state = usual();
 let catalogue, view, values;
-let isFlying = false, isStale = true;
+let isFlying = false, isStale = true, still;
 
 export function startFly() {
   view = new RigView(at("rig-view"));
@@ -61,7 +63,7 @@ function showControls() {
   });
 }
 
-function requested() {
+function requested(margins) {
   const effects = state.effects.map(({ name, place, values }) => {
     const parts = [place ? place.join("=") : null, ...Object.entries(values).map((pair) => pair.join("="))];
     return `${name}:${parts.filter(Boolean).join(",")}`;
@@ -74,18 +76,21 @@ function requested() {
     return { controller, rate_hz: state.rate_hz, control_horizon: state.control_horizon, factors, values: own };
   });
   const script = { sequence: null, drawn: stepsScript(state.steps), script: state.script }[state.manoeuvre];
-  return { request: "fly", model: `${state.level}-${state.rig}`, effects, known: state.known, controllers, script, seed: state.seed };
+  return { request: "fly", model: `${state.level}-${state.rig}`, effects, known: state.known, controllers, script, seed: state.seed, margins };
 }
 
 // One flight at a time; of moves made meanwhile the last one is flown next.
 async function fly() {
   writeState(state);
+  clearTimeout(still);
+  aside.stop();
   if (isFlying) { isFlying = "again"; return; }
   isFlying = true;
   const begun = performance.now();
   at("flight").setAttribute("aria-busy", "true");
+  delete at("flight").dataset.margins;
   try {
-    const flight = await engine.request(requested());
+    const flight = await engine.request(requested(false));
     at("fly-problem").hidden = true;
     showReport(at("flight"), flight.fragment);
     view.show(flight.motion, state.rig === "gimbal");
@@ -98,7 +103,17 @@ async function fly() {
   at("flight").dataset.ms = String(Math.round(performance.now() - begun));
   const isAgain = isFlying === "again";
   isFlying = false;
-  if (isAgain) fly();
+  if (isAgain) fly(); else still = setTimeout(measureMargins, STILL_MS);
+}
+
+async function measureMargins() {
+  try {
+    const { fragment } = await aside.request(requested(true));
+    showReport(at("flight"), fragment);
+    at("flight").dataset.margins = "measured";
+  } catch {
+    // moved on meanwhile; what can't be flown has been said
+  }
 }
 
 function showProblem(problem) {

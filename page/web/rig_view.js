@@ -4,6 +4,8 @@ import { text } from "./text.js";
 
 // Body axes are forward, right, down. The eye is behind, to the right and above.
 const EYE = { turn: -0.6, rise: 0.45 };
+// At first the vehicle is shown in a manoeuvre, not at rest.
+const FIRST_SHARE = 0.09;
 const ARM = Math.SQRT1_2;
 const MOTORS = [[ARM, ARM], [-ARM, -ARM], [ARM, -ARM], [-ARM, ARM]];
 const RING = 1.35;
@@ -89,7 +91,9 @@ export class RigView {
       this.#vehicles = motion.map(({ name }) => new Vehicle(name));
       this.figures.replaceChildren(...this.#vehicles.map(({ figure }) => figure));
     }
+    const isFirst = this.time.max === "1";
     this.time.max = String(motion[0].pictures.at(-1)[0]);
+    if (isFirst) this.time.value = String(FIRST_SHARE * Number(this.time.max));
     this.#draw();
   }
 

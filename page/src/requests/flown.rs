@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use serde_json::{Value, json};
-use sil_host::answer::flight::flown::{FlownController, fly_one};
+use sil_host::answer::flight::flown::{FlownController, fly_one, fly_only};
 use sil_host::answer::flight::page::page;
 use sil_host::controller_file::{ControllerChoice, TuningChange};
 use sil_host::effects::Effect;
@@ -31,6 +31,8 @@ pub(super) struct Fly {
     /// A script; none for the test sequence.
     script: Option<String>,
     seed: u64,
+    /// True to measure the margins too, which takes several times as long.
+    margins: bool,
 }
 
 /// A controller, and how it differs from the one that follows from the vehicle.
@@ -63,7 +65,8 @@ impl Fly {
             };
             let tuning = of.tuning(&TuningChange::all_of(&nominal.tuning()))?;
             let setup = FlightSetup { choice: of.choice(&tuning)?, ..nominal };
-            Ok((fly_one(&of.controller, setup).map_err(message)?, of.file(&tuning)))
+            let fly = if self.margins { fly_one } else { fly_only };
+            Ok((fly(&of.controller, setup).map_err(message)?, of.file(&tuning)))
         };
         let (flown, files) =
             self.controllers.iter().map(fly).collect::<Result<(Vec<FlownController>, Vec<String>), String>>()?;
