@@ -58,6 +58,8 @@ enum Task {
     Decoders,
     /// Build the page that runs in a browser, one file (target/page/sil.html)
     Page,
+    /// Test that page in a browser (needs chromium and chromium-driver)
+    PageTest,
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
     /// Run all that CI runs, in its order
@@ -87,6 +89,7 @@ fn run(task: &Task) -> Result<()> {
         Task::Mutants(arguments) => mutants::run(&workspace, arguments),
         Task::Decoders => decoders::run(&workspace),
         Task::Page => page::build(&workspace).map(drop),
+        Task::PageTest => page::test(&workspace),
         Task::Tidy => tidy::run(&workspace),
         Task::Ci => ci::run(&workspace),
     }

@@ -55,6 +55,15 @@ pub(crate) fn build(workspace: &Workspace) -> Result<PathBuf> {
     Ok(place)
 }
 
+/// Builds the file, and tests it in Chromium beside the command line of `cargo test`'s own build.
+pub(crate) fn test(workspace: &Workspace) -> Result<()> {
+    let place = build(workspace)?;
+    process::run(workspace.cargo("build").args(["--package", "sil-host", "--bin", "sil"]))?;
+    let mut command = workspace.cargo("test");
+    command.args(["--package", "page-test"]).env("SIL_PAGE", place);
+    process::run(command.env("SIL_BINARY", workspace.target_dir.join("debug/sil")))
+}
+
 /// The page with everything in the places that it has for it.
 fn page(root: &Path, library: &[u8]) -> Result<String> {
     let read = |path: &str| fs::read_to_string(root.join(path)).with_context(|| format!("cannot read {path}"));
