@@ -1,4 +1,5 @@
 // The view that diagnoses logs: files in, what was recognised, progress, the answer in the report's own words.
+import { catalogue } from "./catalogue.js";
 import { Engine } from "./engine.js";
 import { checkbox, download, make, showReport } from "./elements.js";
 import { fillOptions, mendMap, readOptions } from "./options.js";
@@ -8,15 +9,14 @@ const engine = new Engine();
 const at = (id) => document.getElementById(id);
 // Each { name, file, isNormal, known }: known is what the library recognised.
 let logs = [];
-let flyNext;
+let flyNext, isReady;
 
 // `onScript` flies the manoeuvre that a diagnosis suggests.
 export function startDiagnose(onScript) {
   flyNext = onScript;
-  engine.request({ request: "catalogue" }).then((catalogue) => {
-    fillOptions(at("options"), catalogue);
-    at("options").addEventListener("change", () => recogniseAll());
-  }, showProblem);
+  isReady = catalogue().then((choices) => fillOptions(at("options"), choices));
+  isReady.catch(showProblem);
+  at("options").addEventListener("change", () => recogniseAll());
   at("choose").addEventListener("click", () => at("file").click());
   at("file").addEventListener("change", () => { take([...at("file").files]); at("file").value = ""; });
   at("demonstration").addEventListener("click", () => {
@@ -54,6 +54,7 @@ function clear() {
 // One log by itself is diagnosed at once; of several somebody says first which are normal.
 async function take(files) {
   if (files.length === 0) return;
+  await isReady;
   logs.push(...files.map((file) => ({ name: file.name, file, isNormal: false })));
   await recogniseAll();
   if (logs.length === 1 && !logs[0].known?.problem) run();

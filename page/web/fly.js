@@ -1,4 +1,5 @@
 // The view that flies: a state, its form, and the flight under both controllers after each move.
+import { catalogue } from "./catalogue.js";
 import { controls } from "./controls.js";
 import { download, make, showReport } from "./elements.js";
 import { Engine } from "./engine.js";
@@ -18,7 +19,7 @@ const usual = () => ({
   rate_hz: 400, control_horizon: 5, tuning: {},
 });
 let state = usual();
-let catalogue, view, values;
+let choices, view, values;
 let isFlying = false, isStale = true, still;
 
 export function startFly() {
@@ -34,7 +35,7 @@ export async function showFlight() {
   if (!isStale) return;
   isStale = false;
   try {
-    catalogue ??= await engine.request({ request: "catalogue" });
+    choices = await catalogue();
   } catch (problem) {
     return showProblem(problem);
   }
@@ -46,7 +47,7 @@ export async function showFlight() {
 // Flies a script that a diagnosis wrote.
 export function flyScript(script, rig) {
   state = { ...usual(), rig, manoeuvre: "script", script };
-  if (catalogue) { showControls(); fly(); } else writeState(state);
+  if (choices) { showControls(); fly(); } else writeState(state);
 }
 
 function takeLink() {
@@ -57,7 +58,7 @@ function takeLink() {
 }
 
 function showControls() {
-  controls(at("controls"), state, catalogue, values, (isOtherForm) => {
+  controls(at("controls"), state, choices, values, (isOtherForm) => {
     if (isOtherForm) showControls();
     fly();
   });

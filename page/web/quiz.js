@@ -1,4 +1,5 @@
 // The quiz: an effect is hidden in the vehicle; look, guess, and let the diagnosis answer.
+import { catalogue } from "./catalogue.js";
 import { Engine } from "./engine.js";
 import { make, showReport } from "./elements.js";
 import { text } from "./text.js";
@@ -36,7 +37,7 @@ function shortForm(effect) {
 async function hide() {
   begin(make("p", { role: "status", class: "panel" }, text.preparing));
   try {
-    const { effects } = await engine.request({ request: "catalogue" });
+    const { effects } = await catalogue();
     const [hidden, ...others] = shuffled(effects.filter(({ rigs }) => rigs.includes(RIG)));
     const seed = Math.floor(Math.random() * 1e6);
     const { log, fragment } = await engine.request({ request: "hide", model: MODEL, effect: shortForm(hidden), seed });

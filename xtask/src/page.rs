@@ -20,10 +20,11 @@ use crate::toolchain::Toolchain;
 use crate::workspace::Workspace;
 
 /// The page's modules, each after those that it imports.
-const MODULES: [&str; 14] = [
+const MODULES: [&str; 15] = [
     "text",
     "elements",
     "engine",
+    "catalogue",
     "options",
     "diagnose",
     "link",

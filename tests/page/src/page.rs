@@ -61,6 +61,15 @@ impl Page {
         Ok(if output.status.success() { Ok(text(output.stdout)) } else { Err(text(output.stderr)) })
     }
 
+    /// Makes a synthetic log in a folder by `sil synth`; where it lies.
+    ///
+    /// # Errors
+    /// What `sil` says.
+    pub fn synthetic(folder: &Path, name: &str, options: &[&str]) -> Result<PathBuf> {
+        Self::sil(folder, &[&["synth", name], options].concat())?.map_err(anyhow::Error::msg)?;
+        Ok(folder.join(name))
+    }
+
     /// The value of an expression, once it is something.
     ///
     /// # Errors
@@ -129,7 +138,8 @@ impl Page {
     /// There is none within a minute.
     pub fn answer(&self) -> Result<String> {
         self.wait("document.querySelector('#answer h1')")?;
-        self.text("#answer h1")
+        // a number is kept on one line with its unit
+        Ok(self.text("#answer h1")?.replace('\u{a0}', " "))
     }
 
     /// What a button would save as a file.

@@ -1,27 +1,12 @@
-//! The file itself: its size, its start, what it may do, and how it looks on every screen.
+//! The file itself: what it may do, and how it looks on every screen.
 
 use std::fs;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use anyhow::Result;
 use base64::Engine;
-use page_test::{Browser, Page};
+use page_test::Page;
 use serde_json::{Value, json};
-
-#[test]
-fn it_is_small_and_starts_within_a_second() -> Result<()> {
-    let size = fs::metadata(Page::place()?)?.len();
-    assert!(size < 5_000_000, "{size} bytes");
-    let browser = Browser::start(1280, 900, false)?;
-    let begun = Instant::now();
-    browser.open(&format!("file://{}", Page::place()?.display()))?;
-    while browser.script("return document.documentElement.dataset.ready", &[])? != json!("yes") {}
-    let took_s = begun.elapsed().as_secs_f64();
-    println!("{size} bytes, started in {took_s:.2} s");
-    assert!(took_s < 1.0, "{took_s} s");
-    Ok(())
-}
 
 #[test]
 fn nothing_leaves_the_page() -> Result<()> {
