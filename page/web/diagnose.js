@@ -18,21 +18,30 @@ export function startDiagnose(onScript) {
   isReady.catch(showProblem);
   at("options").addEventListener("change", () => recogniseAll());
   at("choose").addEventListener("click", () => at("file").click());
-  at("file").addEventListener("change", () => { take([...at("file").files]); at("file").value = ""; });
+  at("file").addEventListener("change", () => {
+    take([...at("file").files]);
+    at("file").value = "";
+  });
   at("demonstration").addEventListener("click", () => {
     const csv = at("rig-log").textContent;
     clear();
     take([new File([csv], text.demonstrationName, { type: "text/csv" })]);
   });
   at("run").addEventListener("click", run);
-  at("clear").addEventListener("click", () => { clear(); at("choose").focus(); });
+  at("clear").addEventListener("click", () => {
+    clear();
+    at("choose").focus();
+  });
   at("stop").addEventListener("click", () => engine.stop());
   startDropping();
 }
 
 function startDropping() {
   const isOver = (is) => at("drop").classList.toggle("over", is);
-  document.addEventListener("dragover", (event) => { event.preventDefault(); isOver(true); });
+  document.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    isOver(true);
+  });
   document.addEventListener("dragleave", () => isOver(false));
   document.addEventListener("drop", (event) => {
     event.preventDefault();
@@ -83,12 +92,31 @@ function showLogs() {
 
 function logPanel(log) {
   const { known } = log;
-  const normal = checkbox(text.normal, log.isNormal, (event) => { log.isNormal = event.target.checked; });
-  const remove = make("button", { type: "button", onclick: () => { logs = logs.filter((of) => of !== log); showLogs(); } }, text.remove);
+  const normal = checkbox(text.normal, log.isNormal, (event) => {
+    log.isNormal = event.target.checked;
+  });
+  const remove = make(
+    "button",
+    {
+      type: "button",
+      onclick: () => {
+        logs = logs.filter((of) => of !== log);
+        showLogs();
+      },
+    },
+    text.remove,
+  );
   const foot = logs.length > 1 ? make("p", { class: "buttons" }, normal, remove) : null;
   if (known.problem) {
-    const draft = known.map ? make("button", { type: "button", onclick: () => mendMap(at("options"), known.map) }, text.takeDraft) : null;
-    const problem = make("div", { class: "warning log-problem", role: "alert" }, make("strong", {}, `${text.unreadable}: `), make("pre", {}, known.problem));
+    const draft = known.map
+      ? make("button", { type: "button", onclick: () => mendMap(at("options"), known.map) }, text.takeDraft)
+      : null;
+    const problem = make(
+      "div",
+      { class: "warning log-problem", role: "alert" },
+      make("strong", {}, `${text.unreadable}: `),
+      make("pre", {}, known.problem),
+    );
     return make("section", { class: "panel log" }, make("h2", {}, log.name), problem, draft, foot);
   }
   const lines = [
@@ -98,19 +126,40 @@ function logPanel(log) {
     [text.noted, [...known.comments, ...known.notes]],
     [text.says, known.facts],
   ].filter(([, values]) => values.length > 0);
-  const list = lines.flatMap(([name, values]) => [make("dt", {}, name), make("dd", {}, ...values.map((value) => make("p", {}, value)))]);
-  const map = known.map ? make("details", {}, make("summary", {}, text.map), make("pre", {}, known.map),
-    make("button", { type: "button", onclick: () => mendMap(at("options"), known.map) }, text.takeDraft),
-    download(text.mapFile, "map.toml", known.map, "application/toml")) : null;
-  const summary = make("summary", {}, make("strong", {}, log.name), ` ${text.rowsOf(known.rows, known.duration_s, known.rate_hz)}, ${known.format}`);
-  return make("section", { class: "panel log" }, make("details", { open: logs.length === 1 }, summary, make("dl", {}, ...list), map), foot);
+  const list = lines.flatMap(([name, values]) => [
+    make("dt", {}, name),
+    make("dd", {}, ...values.map((value) => make("p", {}, value))),
+  ]);
+  const map = known.map
+    ? make(
+        "details",
+        {},
+        make("summary", {}, text.map),
+        make("pre", {}, known.map),
+        make("button", { type: "button", onclick: () => mendMap(at("options"), known.map) }, text.takeDraft),
+        download(text.mapFile, "map.toml", known.map, "application/toml"),
+      )
+    : null;
+  const summary = make(
+    "summary",
+    {},
+    make("strong", {}, log.name),
+    ` ${text.rowsOf(known.rows, known.duration_s, known.rate_hz)}, ${known.format}`,
+  );
+  return make(
+    "section",
+    { class: "panel log" },
+    make("details", { open: logs.length === 1 }, summary, make("dl", {}, ...list), map),
+    foot,
+  );
 }
 
 function showProgress({ done, total, what }) {
   at("progress").hidden = false;
   at("progress-text").textContent = what;
   const bar = at("progress-bar");
-  if (total) bar.value = done / total; else bar.removeAttribute("value");
+  if (total) bar.value = done / total;
+  else bar.removeAttribute("value");
 }
 
 function showProblem(problem) {
@@ -130,7 +179,11 @@ async function run() {
     options: readOptions(at("options")),
   };
   try {
-    const answer = await engine.request(request, logs.map(({ file }) => file), showProgress);
+    const answer = await engine.request(
+      request,
+      logs.map(({ file }) => file),
+      showProgress,
+    );
     showAnswer(answer);
   } catch (problem) {
     showProblem(problem);
@@ -149,9 +202,14 @@ function showAnswer(answer) {
   ].filter(([, , content]) => content);
   const buttons = files.map(([label, name, content, type]) => download(label, name, content, type));
   const next = answer.next ? make("p", { class: "note" }, make("strong", {}, `${text.next}: `), answer.next) : null;
-  const fly = answer.script && answer.rig
-    ? make("button", { type: "button", onclick: () => flyNext(answer.script, answer.rig) }, text.flyIt) : null;
-  at("downloads").replaceChildren(make("p", { class: "buttons" }, make("strong", {}, text.downloads), ...buttons, fly), ...[next].filter(Boolean));
+  const fly =
+    answer.script && answer.rig
+      ? make("button", { type: "button", onclick: () => flyNext(answer.script, answer.rig) }, text.flyIt)
+      : null;
+  at("downloads").replaceChildren(
+    make("p", { class: "buttons" }, make("strong", {}, text.downloads), ...buttons, fly),
+    ...[next].filter(Boolean),
+  );
   at("downloads").hidden = false;
   for (const panel of at("logs").querySelectorAll("details")) panel.open = false;
   showReport(at("answer"), answer.fragment);

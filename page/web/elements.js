@@ -24,7 +24,12 @@ export function select(label, choices, value, onchange, name) {
 }
 
 export function checkbox(label, isChecked, onchange, name) {
-  return make("label", { class: "check" }, make("input", { type: "checkbox", checked: isChecked, onchange, name }), label);
+  return make(
+    "label",
+    { class: "check" },
+    make("input", { type: "checkbox", checked: isChecked, onchange, name }),
+    label,
+  );
 }
 
 export function field(label, attributes) {

@@ -37,7 +37,9 @@ export class Engine {
   }
 
   async #start() {
-    const address = URL.createObjectURL(new Blob([document.getElementById("worker").textContent], { type: "text/javascript" }));
+    const address = URL.createObjectURL(
+      new Blob([document.getElementById("worker").textContent], { type: "text/javascript" }),
+    );
     const worker = new Worker(address);
     worker.onmessage = ({ data }) => this.#take(data);
     worker.onerror = (event) => this.#end(() => text.crashed(event.message));
@@ -52,7 +54,8 @@ export class Engine {
     if (progress) return waiting.onProgress(progress);
     this.#waiting.delete(id);
     if (answer) {
-      if (answer.error === undefined) waiting.resolve(answer.ok); else waiting.reject(answer.error);
+      if (answer.error === undefined) waiting.resolve(answer.ok);
+      else waiting.reject(answer.error);
       if (heldMb > KEPT_MB && this.#waiting.size === 0) this.stop();
       return;
     }

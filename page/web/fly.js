@@ -15,19 +15,40 @@ const STILL_MS = 400;
 const at = (id) => document.getElementById(id);
 
 const usual = () => ({
-  rig: "gimbal", level: "f450", effects: [], known: false, manoeuvre: "sequence", steps: {}, script: "", seed: 0,
-  rate_hz: 400, control_horizon: 5, tuning: {},
+  rig: "gimbal",
+  level: "f450",
+  effects: [],
+  known: false,
+  manoeuvre: "sequence",
+  steps: {},
+  script: "",
+  seed: 0,
+  rate_hz: 400,
+  control_horizon: 5,
+  tuning: {},
 });
 let state = usual();
 let choices, view, values;
-let isFlying = false, isStale = true, still;
+let isFlying = false,
+  isStale = true,
+  still;
 
 export function startFly() {
   view = new RigView(at("rig-view"));
   at("link").addEventListener("click", copyLink);
-  at("reset").addEventListener("click", () => { state = usual(); showControls(); fly(); });
+  at("reset").addEventListener("click", () => {
+    state = usual();
+    showControls();
+    fly();
+  });
   at("controls").addEventListener("submit", (event) => event.preventDefault());
-  addEventListener("hashchange", () => { if (hasState()) { isStale = true; takeLink(); showFlight(); } });
+  addEventListener("hashchange", () => {
+    if (hasState()) {
+      isStale = true;
+      takeLink();
+      showFlight();
+    }
+  });
 }
 
 // Called whenever the view is seen: the first time it flies.
@@ -47,7 +68,10 @@ export async function showFlight() {
 // Flies a script that a diagnosis wrote.
 export function flyScript(script, rig) {
   state = { ...usual(), rig, manoeuvre: "script", script };
-  if (choices) { showControls(); fly(); } else writeState(state);
+  if (choices) {
+    showControls();
+    fly();
+  } else writeState(state);
 }
 
 function takeLink() {
@@ -77,7 +101,16 @@ function requested(margins) {
     return { controller, rate_hz: state.rate_hz, control_horizon: state.control_horizon, factors, values: own };
   });
   const script = { sequence: null, drawn: stepsScript(state.steps), script: state.script }[state.manoeuvre];
-  return { request: "fly", model: `${state.level}-${state.rig}`, effects, known: state.known, controllers, script, seed: state.seed, margins };
+  return {
+    request: "fly",
+    model: `${state.level}-${state.rig}`,
+    effects,
+    known: state.known,
+    controllers,
+    script,
+    seed: state.seed,
+    margins,
+  };
 }
 
 // One flight at a time; of moves made meanwhile the last one is flown next.
@@ -85,7 +118,10 @@ async function fly() {
   writeState(state);
   clearTimeout(still);
   aside.stop();
-  if (isFlying) { isFlying = "again"; return; }
+  if (isFlying) {
+    isFlying = "again";
+    return;
+  }
   isFlying = true;
   const begun = performance.now();
   at("flight").setAttribute("aria-busy", "true");
@@ -104,7 +140,8 @@ async function fly() {
   at("flight").dataset.ms = String(Math.round(performance.now() - begun));
   const isAgain = isFlying === "again";
   isFlying = false;
-  if (isAgain) fly(); else still = setTimeout(measureMargins, STILL_MS);
+  if (isAgain) fly();
+  else still = setTimeout(measureMargins, STILL_MS);
 }
 
 async function measureMargins() {
@@ -124,10 +161,16 @@ function showProblem(problem) {
 
 function showFiles({ files, script, vehicle }) {
   const toml = "application/toml";
-  at("fly-downloads").replaceChildren(make("p", { class: "buttons" }, make("strong", {}, text.flightFiles),
-    download(text.vehicleFile, "vehicle.toml", vehicle, toml),
-    ...["pid", "mpc"].map((name, index) => download(text.controllerFile(name), `${name}.toml`, files[index], toml)),
-    download(text.scriptText, "script.toml", script, toml)));
+  at("fly-downloads").replaceChildren(
+    make(
+      "p",
+      { class: "buttons" },
+      make("strong", {}, text.flightFiles),
+      download(text.vehicleFile, "vehicle.toml", vehicle, toml),
+      ...["pid", "mpc"].map((name, index) => download(text.controllerFile(name), `${name}.toml`, files[index], toml)),
+      download(text.scriptText, "script.toml", script, toml),
+    ),
+  );
   at("fly-downloads").hidden = false;
 }
 

@@ -17,6 +17,9 @@ export function readState() {
 
 export function writeState(state) {
   const bytes = new TextEncoder().encode(JSON.stringify(state));
-  const packed = btoa(String.fromCharCode(...bytes)).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "");
+  const packed = btoa(String.fromCharCode(...bytes))
+    .replace(/\+/g, "-")
+    .replace(/\//g, "_")
+    .replace(/=+$/, "");
   history.replaceState(null, "", `${MARK}${packed}`);
 }

@@ -36,7 +36,10 @@ function startTabs() {
 fillIn(document);
 startTabs();
 startFly();
-startDiagnose((script, rig) => { show("fly"); flyScript(script, rig); });
+startDiagnose((script, rig) => {
+  show("fly");
+  flyScript(script, rig);
+});
 startQuiz();
 show(hasState() ? "fly" : "diagnose");
 document.documentElement.dataset.ready = "yes";

@@ -7,11 +7,25 @@ const OWN = "own";
 // Fills the form; the catalogue names models and maps.
 export function fillOptions(form, catalogue) {
   const maps = [["", text.mapAsFile], ...catalogue.maps.map((name) => [name, name]), [OWN, text.mapOwn]];
-  const models = [["", text.modelShown], ...catalogue.models.map(({ name, called }) => [name, called]), [OWN, text.modelFile]];
+  const models = [
+    ["", text.modelShown],
+    ...catalogue.models.map(({ name, called }) => [name, called]),
+    [OWN, text.modelFile],
+  ];
   const rigs = [["", text.asShown], ...Object.entries(text.rigs)];
-  const controllers = [["", text.controllerUnknown], ["pid", text.pid], ["mpc", text.mpc]];
+  const controllers = [
+    ["", text.controllerUnknown],
+    ["pid", text.pid],
+    ["mpc", text.mpc],
+  ];
   const number = (label, name, attributes = {}) => field(label, { name, type: "number", step: "any", ...attributes });
-  const area = (name, label) => make("label", { class: "field wide", hidden: true }, label, make("textarea", { name, rows: 12, spellcheck: "false" }));
+  const area = (name, label) =>
+    make(
+      "label",
+      { class: "field wide", hidden: true },
+      label,
+      make("textarea", { name, rows: 12, spellcheck: "false" }),
+    );
   const reveal = () => {
     form.elements.mapText.parentElement.hidden = form.elements.map.value !== OWN;
     form.elements.modelText.parentElement.hidden = form.elements.model.value !== OWN;
@@ -22,13 +36,16 @@ export function fillOptions(form, catalogue) {
     select(text.rig, rigs, "", null, "rig"),
     select(text.controller, controllers, "", null, "controller"),
     select(text.effort, Object.entries(text.efforts), "usual", null, "effort"),
-    number(text.from, "from_s"), number(text.to, "to_s"), number(text.flight, "flight", { min: 1, step: 1 }),
+    number(text.from, "from_s"),
+    number(text.to, "to_s"),
+    number(text.flight, "flight", { min: 1, step: 1 }),
     number(text.frameTurn, "frame_turn_deg"),
     field(text.known, { name: "known", type: "text" }),
     checkbox(text.whole, false, null, "whole"),
     checkbox(text.unchecked, false, null, "unchecked"),
     checkbox(text.untouched, false, null, "untouched"),
-    area("mapText", text.mapText), area("modelText", text.modelFile),
+    area("mapText", text.mapText),
+    area("modelText", text.modelFile),
   );
   form.addEventListener("submit", (event) => event.preventDefault());
 }

@@ -4,7 +4,8 @@ import { Engine } from "./engine.js";
 import { make, showReport } from "./elements.js";
 import { text } from "./text.js";
 
-const MODEL = "f450-gimbal", RIG = "gimbal";
+const MODEL = "f450-gimbal",
+  RIG = "gimbal";
 const CHOICES = 5;
 
 const engine = new Engine();
@@ -30,7 +31,10 @@ function shuffled(list) {
 // An effect of the catalogue, at its example's size, somewhere on the vehicle.
 function shortForm(effect) {
   const where = effect.places[RIG];
-  const parts = [where ? `${where[0]}=${anyOf(where[1])}` : null, ...effect.parameters.map(({ name, example }) => `${name}=${example}`)];
+  const parts = [
+    where ? `${where[0]}=${anyOf(where[1])}` : null,
+    ...effect.parameters.map(({ name, example }) => `${name}=${example}`),
+  ];
   return `${effect.name}:${parts.filter(Boolean).join(",")}`;
 }
 
@@ -50,10 +54,19 @@ async function hide() {
 const again = () => make("button", { type: "button", onclick: hide }, text.quizNew);
 
 function ask(hidden, choices, log, fragment) {
-  const choice = ({ name, summary }, index) => make("label", { class: "check" },
-    make("input", { type: "radio", name: "guess", value: name, checked: index === 0 }), `${words(name)}: ${summary}`);
-  const form = make("form", { class: "panel" }, make("fieldset", {}, make("legend", {}, text.quizWhich), ...choices.map(choice)),
-    make("p", { class: "buttons" }, make("button", { type: "submit", class: "main" }, text.quizAnswer), again()));
+  const choice = ({ name, summary }, index) =>
+    make(
+      "label",
+      { class: "check" },
+      make("input", { type: "radio", name: "guess", value: name, checked: index === 0 }),
+      `${words(name)}: ${summary}`,
+    );
+  const form = make(
+    "form",
+    { class: "panel" },
+    make("fieldset", {}, make("legend", {}, text.quizWhich), ...choices.map(choice)),
+    make("p", { class: "buttons" }, make("button", { type: "submit", class: "main" }, text.quizAnswer), again()),
+  );
   const figures = make("article", {});
   form.addEventListener("submit", (event) => {
     event.preventDefault();
@@ -68,12 +81,18 @@ async function answer(hidden, guess, log, form, figures) {
   form.replaceWith(said);
   const request = { request: "diagnose", logs: [{ name: "quiz.csv" }], options: { model: MODEL, effort: "quick" } };
   try {
-    const { fragment, causes } = await engine.request(request, [new Blob([log])], ({ what }) => { said.textContent = what; });
-    const diagnosis = causes.includes(hidden.name) ? text.quizAgrees : text.quizMisses(causes.map(words).join(", ") || text.quizNothing);
+    const { fragment, causes } = await engine.request(request, [new Blob([log])], ({ what }) => {
+      said.textContent = what;
+    });
+    const diagnosis = causes.includes(hidden.name)
+      ? text.quizAgrees
+      : text.quizMisses(causes.map(words).join(", ") || text.quizNothing);
     said.replaceChildren(
       make("p", {}, make("strong", {}, text.quizHidden(`${words(hidden.name)}, ${hidden.summary}`))),
-      make("p", {}, guess === hidden.name ? text.quizRight : text.quizWrong), make("p", {}, diagnosis),
-      make("p", { class: "buttons" }, again()));
+      make("p", {}, guess === hidden.name ? text.quizRight : text.quizWrong),
+      make("p", {}, diagnosis),
+      make("p", { class: "buttons" }, again()),
+    );
     showReport(figures, fragment);
   } catch (problem) {
     said.replaceChildren(make("pre", {}, problem ?? text.stopped), again());

@@ -7,7 +7,12 @@ const EYE = { turn: -0.6, rise: 0.45 };
 // At first the vehicle is shown in a manoeuvre, not at rest.
 const FIRST_SHARE = 0.09;
 const ARM = Math.SQRT1_2;
-const MOTORS = [[ARM, ARM], [-ARM, -ARM], [ARM, -ARM], [-ARM, ARM]];
+const MOTORS = [
+  [ARM, ARM],
+  [-ARM, -ARM],
+  [ARM, -ARM],
+  [-ARM, ARM],
+];
 const RING = 1.35;
 
 // Body to world by Z-Y-X angles (roll, pitch, yaw), as in docs/rig.md.
@@ -24,20 +29,32 @@ function seen([forward, right, down]) {
   return [100 * aside, 100 * (down * Math.cos(EYE.rise) - ahead * Math.sin(EYE.rise))];
 }
 
-const line = (points, isClosed) => `M${points.map((point) => seen(point).map((number) => number.toFixed(1)).join(" ")).join("L")}${isClosed ? "Z" : ""}`;
+const line = (points, isClosed) =>
+  `M${points
+    .map((point) =>
+      seen(point)
+        .map((number) => number.toFixed(1))
+        .join(" "),
+    )
+    .join("L")}${isClosed ? "Z" : ""}`;
 
 function circle(radius, angles, centre = [0, 0, 0]) {
-  return line(Array.from({ length: 37 }, (_, step) => {
-    const at = step * Math.PI / 18;
-    return turned([centre[0] + radius * Math.cos(at), centre[1] + radius * Math.sin(at), centre[2]], angles);
-  }), true);
+  return line(
+    Array.from({ length: 37 }, (_, step) => {
+      const at = (step * Math.PI) / 18;
+      return turned([centre[0] + radius * Math.cos(at), centre[1] + radius * Math.sin(at), centre[2]], angles);
+    }),
+    true,
+  );
 }
 
 class Vehicle {
   constructor(name) {
     this.name = name;
     this.svg = draw("svg", { viewBox: "-165 -120 330 240", role: "img", class: `vehicle ${name}` });
-    this.parts = Object.fromEntries(["stand", "ring", "reference", "arms", "nose"].map((part) => [part, draw("path", { class: part })]));
+    this.parts = Object.fromEntries(
+      ["stand", "ring", "reference", "arms", "nose"].map((part) => [part, draw("path", { class: part })]),
+    );
     this.rotors = MOTORS.map(() => [draw("path", { class: "rotor" }), draw("path", { class: "lift" })]);
     this.svg.append(...Object.values(this.parts), ...this.rotors.flat());
     this.caption = make("figcaption", {});
@@ -49,19 +66,43 @@ class Vehicle {
     const [roll, pitch, yaw] = angles;
     const ring = [0, pitch, yaw];
     const parts = {
-      stand: isOnGimbal ? [line([[0, RING + 0.15, 0], [0, RING, 0]]), line([[0, -RING - 0.15, 0], [0, -RING, 0]])].join("") : "",
+      stand: isOnGimbal
+        ? [
+            line([
+              [0, RING + 0.15, 0],
+              [0, RING, 0],
+            ]),
+            line([
+              [0, -RING - 0.15, 0],
+              [0, -RING, 0],
+            ]),
+          ].join("")
+        : "",
       ring: isOnGimbal ? circle(RING, ring) + line([turned([RING, 0, 0], ring), turned([-RING, 0, 0], ring)]) : "",
       reference: circle(1.05, [...reference, yaw]),
       arms: MOTORS.map(([x, y]) => line([[0, 0, 0], turned([x, y, 0], angles)])).join(""),
-      nose: line([[0, 0, 0], [0.5, 0, 0]].map((point) => turned(point, angles))),
+      nose: line(
+        [
+          [0, 0, 0],
+          [0.5, 0, 0],
+        ].map((point) => turned(point, angles)),
+      ),
     };
     for (const [part, path] of Object.entries(parts)) this.parts[part].setAttribute("d", path);
     this.rotors.forEach(([rotor, lift], index) => {
       const [x, y] = MOTORS[index];
       rotor.setAttribute("d", circle(0.3, angles, [x, y, -0.06]));
-      lift.setAttribute("d", line([[x, y, -0.06], [x, y, -0.06 - 0.6 * commands[index]]].map((point) => turned(point, angles))));
+      lift.setAttribute(
+        "d",
+        line(
+          [
+            [x, y, -0.06],
+            [x, y, -0.06 - 0.6 * commands[index]],
+          ].map((point) => turned(point, angles)),
+        ),
+      );
     });
-    const degrees = (radians) => radians * 180 / Math.PI;
+    const degrees = (radians) => (radians * 180) / Math.PI;
     this.caption.textContent = `${this.name.toUpperCase()}: ${text.attitude(degrees(roll), degrees(pitch))}`;
     this.svg.setAttribute("aria-label", `${text.rigView(this.name)}: ${this.caption.textContent}`);
   }
@@ -76,8 +117,15 @@ export class RigView {
   constructor(place) {
     this.place = place;
     this.time = make("input", { type: "range", min: 0, max: 1, step: 0.04, value: 0, "aria-label": text.time });
-    this.time.addEventListener("input", () => { this.#pause(); this.#draw(); });
-    this.button = make("button", { type: "button", onclick: () => (this.#begun === null ? this.#play() : this.#pause()) }, text.play);
+    this.time.addEventListener("input", () => {
+      this.#pause();
+      this.#draw();
+    });
+    this.button = make(
+      "button",
+      { type: "button", onclick: () => (this.#begun === null ? this.#play() : this.#pause()) },
+      text.play,
+    );
     this.clock = make("output", { class: "quiet" });
     this.figures = make("div", { class: "vehicles" });
     place.append(this.figures, make("p", { class: "buttons player" }, this.button, this.time, this.clock));
@@ -119,7 +167,8 @@ export class RigView {
     const time = (now - this.#begun) / 1000;
     this.time.value = String(time);
     this.#draw();
-    if (time >= Number(this.time.max)) this.#pause(); else requestAnimationFrame((later) => this.#next(later));
+    if (time >= Number(this.time.max)) this.#pause();
+    else requestAnimationFrame((later) => this.#next(later));
   }
 
   #pause() {

@@ -6,7 +6,10 @@ export const text = {
   fly: "Fly",
   quiz: "Quiz",
   diagnoseTitle: "What is wrong with this quadrotor?",
-  diagnoseLead: "Drop the log of a flight. The simulated vehicle is given the same commands, and whatever the measured one does differently is traced to a cause: a weak motor, a mass off the centre, a late command, a turned sensor.",
+  diagnoseLead:
+    
+      "Drop the log of a flight. The simulated vehicle is given the same commands, and whatever the measured one " +
+      "does differently is traced to a cause: a weak motor, a mass off the centre, a late command, a turned sensor.",
   drop: "Drop a log here: .ulg (PX4), .bin (ArduPilot), .bbl (Betaflight, INAV), .csv, each .gz too",
   choose: "Choose files",
   demonstration: "Try the demonstration log",
@@ -21,7 +24,9 @@ export const text = {
   reading: "Reading",
   preparing: "Preparing",
   working: "Working",
-  foot: "Computed by the same library as the command line: sil diagnose, sil fly, sil synth. Source and documentation come with the project.",
+  foot:
+    "Computed by the same library as the command line: sil diagnose, sil fly, sil synth. Source and " +
+    "documentation come with the project.",
   ofLog: (name) => `Log ${name}`,
   recognised: "Recognised",
   format: "Format",
@@ -29,7 +34,7 @@ export const text = {
   holds: "Holds",
   says: "The file says",
   noted: "Noted",
-  rowsOf: (rows, seconds, rate) => `${rows} over ${seconds.toFixed(1)} s, ${rate.toFixed(0)} per second`,
+  rowsOf: (rows, seconds, rate) => `${rows} rows over ${seconds.toFixed(1)} s, ${rate.toFixed(0)} per second`,
   normal: "A normal flight of the healthy vehicle: compare the other log with it",
   remove: "Remove",
   unreadable: "Can't be read",
@@ -41,7 +46,11 @@ export const text = {
   mapText: "The map (TOML)",
   rig: "What held the vehicle",
   asShown: "as the log shows",
-  rigs: { gimbal: "the gimbal testbed: roll and pitch free", free: "nothing: free flight", axis: "any bench: each axis by itself" },
+  rigs: {
+    gimbal: "the gimbal testbed: roll and pitch free",
+    free: "nothing: free flight",
+    axis: "any bench: each axis by itself",
+  },
   model: "Which vehicle",
   modelShown: "found from the log",
   modelFile: "Model file (TOML)",
@@ -57,7 +66,11 @@ export const text = {
   untouched: "nobody touched the vehicle between the flights",
   known: "Weighed or measured (mass_kg=1.2, delay_s=0.01+-0.002)",
   effort: "Search",
-  efforts: { usual: "usual: the whole log, and 8 other cuts of it", quick: "quick: the whole log only", thorough: "thorough: 24 other cuts" },
+  efforts: {
+    usual: "usual: the whole log, and 8 other cuts of it",
+    quick: "quick: the whole log only",
+    thorough: "thorough: 24 other cuts",
+  },
   downloads: "Take it with you",
   report: "Report (HTML)",
   json: "Figures (JSON)",
@@ -67,13 +80,21 @@ export const text = {
   script: "The next flight (TOML)",
   next: "To fly next",
   flyIt: "Fly it here",
-  outOfMemory: (mb) => `The log needs more memory than a browser gives to a page (it had ${mb} MB). Cut the log (from, to, or one flight of it), or use the command line.`,
+  outOfMemory: (mb) =>
+    
+      `The log needs more memory than a browser gives to a page (it had ${mb} MB). Cut the log (from, to, or one ` +
+      `flight of it), or use the command line.`,
   crashed: (why) => `The computation failed: ${why}`,
   tooLarge: "The file can't be read by the browser: ",
   controls: "What flies",
   vehicle: "Vehicle",
   level: "Detail of the propulsion",
-  levels: { f450: "specific device: motors with windings", generic: "generic: rotors with a lag", box: "flying box: four forces", crazyflie: "a Crazyflie" },
+  levels: {
+    f450: "specific device: motors with windings",
+    generic: "generic: rotors with a lag",
+    box: "flying box: four forces",
+    crazyflie: "a Crazyflie",
+  },
   effects: "What it does beyond its model",
   addEffect: "Add an effect",
   pickEffect: "choose...",
@@ -112,7 +133,10 @@ export const text = {
   rigView: (name) => `The vehicle under ${name.toUpperCase()}, seen from behind, right and above`,
   attitude: (roll, pitch) => `roll ${roll.toFixed(0)}\u00b0, pitch ${pitch.toFixed(0)}\u00b0`,
   quizTitle: "What was hidden?",
-  quizLead: "One effect of the catalogue was put into the simulated vehicle, and the test sequence was flown. Look at what the model without it misses, guess, then let the diagnosis answer.",
+  quizLead:
+    
+      "One effect of the catalogue was put into the simulated vehicle, and the test sequence was flown. Look at " +
+      "what the model without it misses, guess, then let the diagnosis answer.",
   quizNew: "Hide another effect",
   quizStart: "Hide an effect",
   quizWhich: "Which is it?",
@@ -129,5 +153,6 @@ export const text = {
 // Puts strings where the page has places for them.
 export function fillIn(root) {
   for (const place of root.querySelectorAll("[data-text]")) place.textContent = text[place.dataset.text];
-  for (const place of root.querySelectorAll("[data-label]")) place.setAttribute("aria-label", text[place.dataset.label]);
+  for (const place of root.querySelectorAll("[data-label]"))
+    place.setAttribute("aria-label", text[place.dataset.label]);
 }

@@ -8,7 +8,8 @@ const bytesAt = (at, length) => new Uint8Array(library.memory.buffer, at, length
 
 function said(at, length) {
   const what = JSON.parse(decoder.decode(bytesAt(at, length)));
-  if (what.failure) failure = what.failure; else postMessage({ id: current, progress: what });
+  if (what.failure) failure = what.failure;
+  else postMessage({ id: current, progress: what });
 }
 
 function give(bytes) {
@@ -27,7 +28,12 @@ async function answer({ id, request, files }) {
     const text = decoder.decode(bytesAt(library.answer_at(), length));
     postMessage({ id, answer: JSON.parse(text), heldMb: heldMb() });
   } catch (error) {
-    postMessage({ id, failure: failure ?? String(error), isTrap: error instanceof WebAssembly.RuntimeError, heldMb: heldMb() });
+    postMessage({
+      id,
+      failure: failure ?? String(error),
+      isTrap: error instanceof WebAssembly.RuntimeError,
+      heldMb: heldMb(),
+    });
   }
 }
 

@@ -71,13 +71,21 @@ impl Fly {
         let (flown, files) =
             self.controllers.iter().map(fly).collect::<Result<(Vec<FlownController>, Vec<String>), String>>()?;
         Ok(json!({
-            "fragment": page(&flown, "the page").to_fragment(),
+            "fragment": page(&flown, &self.command()).to_fragment(),
             "motion": flown.iter().map(motion).collect::<Vec<_>>(),
             "tuning": flown.iter().map(|one| TuningChange::all_of(&one.setup.tuning())).collect::<Vec<_>>(),
             "files": files,
             "script": scenario.to_script(),
             "vehicle": model.to_toml(),
         }))
+    }
+
+    /// The command that flies the same with the files that the page gives.
+    fn command(&self) -> String {
+        let controllers = self.controllers.iter().map(|of| format!(" --controller {}.toml", of.controller));
+        let known = if self.known { " --controller-model vehicle.toml" } else { "" };
+        let controllers: String = controllers.collect();
+        format!("sil fly --model vehicle.toml{known}{controllers} --script script.toml --seed {}", self.seed)
     }
 
     fn vehicle(&self) -> Result<VehicleModel, String> {
