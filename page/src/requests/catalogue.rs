@@ -38,10 +38,11 @@ fn effect(entry: &CatalogueEntry) -> Result<Value, String> {
     let inertia_kg_m2 = VehicleModel::nominal(rig).inertia_kg_m2;
     let example = Effect::parse_for(entry.example, rig, inertia_kg_m2).map_err(message)?;
     let sizes = example.parameters();
+    // of alternatives the example has one
     let parameter = |of: &Parameter| {
-        let size = sizes.iter().find(|(name, _)| *name == of.name).map_or(of.nominal, |(_, size)| *size);
+        let (_, size) = *sizes.iter().find(|(name, _)| *name == of.name)?;
         let travel = TRAVEL * (size - of.nominal).abs().max(f64::EPSILON);
-        json!({
+        Some(json!({
             "name": of.name,
             "unit": of.unit,
             "meaning": of.meaning,
@@ -49,7 +50,7 @@ fn effect(entry: &CatalogueEntry) -> Result<Value, String> {
             "slider": [(of.nominal - travel).max(of.min), (of.nominal + travel).min(of.max)],
             "nominal": of.nominal,
             "example": size,
-        })
+        }))
     };
     Ok(json!({
         "name": entry.name,
@@ -57,7 +58,7 @@ fn effect(entry: &CatalogueEntry) -> Result<Value, String> {
         "origin": entry.origin.name(),
         "rigs": entry.rigs.iter().map(|rig| rig.name()).collect::<Vec<_>>(),
         "places": { "gimbal": places(entry.acts_on, Rig::Gimbal), "free": places(entry.acts_on, Rig::Free) },
-        "parameters": entry.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "parameters": entry.parameters.iter().filter_map(parameter).collect::<Vec<_>>(),
     }))
 }
 

@@ -117,9 +117,8 @@ impl Controlled {
     /// The controller file with these lines under `[tuning]`.
     fn file(&self, tuning: &str) -> String {
         let Controlled { controller, rate_hz, control_horizon, .. } = self;
-        format!(
-            "controller = \"{controller}\"\nrate_hz = {rate_hz}\ncontrol_horizon = {control_horizon}\n[tuning]\n{tuning}"
-        )
+        let head = format!("controller = \"{controller}\"\nrate_hz = {rate_hz}\ncontrol_horizon = {control_horizon}\n");
+        format!("{head}[tuning]\n{tuning}")
     }
 
     /// The lines of what differs from the nominal tuning.
