@@ -10,7 +10,7 @@
 
 use std::path::Path;
 
-use serde::{Deserialize, Deserializer, de::Error};
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
 use shared_control::config::{Controller, Tuning};
 use shared_control::mpc::{HORIZON, ReferenceAhead};
 
@@ -144,10 +144,37 @@ enum Kind {
     Mpc,
 }
 
+/// A value of a tuning as a file gives it; none where a file leaves it out.
+trait InFile<T> {
+    fn in_file(self) -> Option<T>;
+}
+
+impl<T> InFile<T> for T {
+    fn in_file(self) -> Option<T> {
+        Some(self)
+    }
+}
+
+impl InFile<f32> for Option<f32> {
+    fn in_file(self) -> Option<f32> {
+        self
+    }
+}
+
+impl InFile<ReferenceName> for ReferenceAhead {
+    fn in_file(self) -> Option<ReferenceName> {
+        Some(match self {
+            ReferenceAhead::Setpoint => ReferenceName::Setpoint,
+            ReferenceAhead::Held => ReferenceName::Held,
+            ReferenceAhead::Shaped => ReferenceName::Shaped,
+        })
+    }
+}
+
 macro_rules! tuning_fields {
     ($($field:ident: $kind:ty),* $(,)?) => {
         /// Fields of [`Tuning`] that are given; the rest keeps what follows from the vehicle.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
         #[serde(deny_unknown_fields)]
         pub struct TuningChange {
             $(
@@ -160,6 +187,11 @@ macro_rules! tuning_fields {
             /// The tuning with the given fields in it.
             pub fn over(self, tuning: Tuning) -> Tuning {
                 Tuning { $($field: self.$field.map_or(tuning.$field, Into::into),)* }
+            }
+
+            /// All fields of a tuning, as a file would give them.
+            pub fn all_of(tuning: &Tuning) -> Self {
+                Self { $($field: InFile::<$kind>::in_file(tuning.$field),)* }
             }
         }
     };
@@ -195,7 +227,7 @@ tuning_fields! {
 }
 
 /// [`ReferenceAhead`] by name: `setpoint`, `held` or `shaped`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 #[allow(missing_docs)] // named after what they stand for
 pub enum ReferenceName {
@@ -225,6 +257,7 @@ mod tests {
         let choice = ControllerChoice::parse(text, "c.toml").unwrap();
         assert_eq!((choice.controller, choice.rate_hz, choice.control_horizon), (Controller::Mpc, 100, 5));
         let nominal = Tuning::for_motor_lag(0.0);
+        assert_eq!(TuningChange::all_of(&nominal).over(Tuning::for_motor_lag(0.1)), nominal);
         let tuning = choice.tuning.over(nominal);
         assert_eq!(tuning.angle_gain_1_s, [9.0, 7.0, 4.0]);
         assert_eq!(tuning.mpc_reference, ReferenceAhead::Held);

@@ -8,6 +8,7 @@ use crate::board;
 use crate::decoders;
 use crate::firmware::Target;
 use crate::mutants;
+use crate::page;
 use crate::process;
 use crate::px4;
 use crate::tidy;
@@ -21,11 +22,12 @@ const BUDGET_S: u32 = 35 * 60;
 const CAMPAIGNS_BUDGET_S: u32 = 5 * 60;
 
 /// Quick ones first.
-const STEPS: [Step; 13] = [
+const STEPS: [Step; 14] = [
     ("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
     ("tidy", tidy::run),
     ("clippy", clippy),
     ("test", |workspace| process::run(&mut workspace.cargo("test"))),
+    ("the page in a browser", page::test),
     ("other people's decoders", decoders::run),
     ("a tenth of the blind campaigns", campaigns),
     ("documentation", documentation),

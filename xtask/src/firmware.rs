@@ -7,7 +7,7 @@ use anyhow::Result;
 use crate::image::{self, Size};
 use crate::panic_freedom;
 use crate::process;
-use crate::sysroot::TRIPLE;
+use crate::sysroot::FLIGHT_CONTROLLER;
 use crate::toolchain::Toolchain;
 use crate::workspace::Workspace;
 
@@ -24,7 +24,7 @@ pub(crate) struct Target<'a> {
 impl<'a> Target<'a> {
     /// Finds a compiler for it, or says what to install.
     pub(crate) fn find(workspace: &'a Workspace) -> Result<Self> {
-        Ok(Self { workspace, toolchain: Toolchain::find(workspace)? })
+        Ok(Self { workspace, toolchain: Toolchain::find(workspace, &FLIGHT_CONTROLLER)? })
     }
 
     /// Builds the image, checks it, prints its place and size; returns its place.
@@ -52,7 +52,7 @@ impl<'a> Target<'a> {
 
     /// Where [`Self::build_image`] leaves it.
     pub(crate) fn image(&self) -> PathBuf {
-        self.workspace.target_dir.join(TRIPLE).join("release/firmware")
+        self.workspace.target_dir.join(FLIGHT_CONTROLLER.triple).join("release/firmware")
     }
 
     /// Builds the solver benchmark with the problem in `source`; returns the image's place.
@@ -61,7 +61,7 @@ impl<'a> Target<'a> {
         command.args(["--quiet", "--package", "bench-image"]).args(RELEASE).env("BENCH_DATA", source);
         command.args(features.iter().map(|feature| format!("--features={feature}")));
         process::run(&mut command)?;
-        Ok(self.workspace.target_dir.join(TRIPLE).join("release/bench-image"))
+        Ok(self.workspace.target_dir.join(FLIGHT_CONTROLLER.triple).join("release/bench-image"))
     }
 
     /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its

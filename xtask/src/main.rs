@@ -8,6 +8,7 @@ mod decoders;
 mod firmware;
 mod image;
 mod mutants;
+mod page;
 mod panic_freedom;
 mod process;
 mod px4;
@@ -55,6 +56,10 @@ enum Task {
     Mutants(mutants::Arguments),
     /// Hold the readers of logs against pyulog and pymavlink (needs python3 with venv and pip)
     Decoders,
+    /// Build the page that runs in a browser, one file (target/page/sil.html)
+    Page,
+    /// Test that page in a browser (needs chromium and chromium-driver)
+    PageTest,
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
     /// Run all that CI runs, in its order
@@ -83,6 +88,8 @@ fn run(task: &Task) -> Result<()> {
         Task::BenchMcu(arguments) => bench_mcu::run(&workspace, arguments),
         Task::Mutants(arguments) => mutants::run(&workspace, arguments),
         Task::Decoders => decoders::run(&workspace),
+        Task::Page => page::build(&workspace).map(drop),
+        Task::PageTest => page::test(&workspace),
         Task::Tidy => tidy::run(&workspace),
         Task::Ci => ci::run(&workspace),
     }

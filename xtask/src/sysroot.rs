@@ -1,4 +1,4 @@
-//! Rust's core library for the flight controller, built from the source that Debian packages.
+//! Rust's library for a target that is not installed, built from the source that Debian packages.
 //!
 //! The result looks as if rustup had installed the target, so that nothing else has to know: no unstable option and
 //! no environment variable is needed to build with it. It takes half a minute, once per version of the compiler.
@@ -12,29 +12,55 @@ use anyhow::{Context, Result, ensure};
 
 use crate::process;
 
-/// Cortex-M4 with its single-precision floating-point unit.
-pub(crate) const TRIPLE: &str = "thumbv7em-none-eabihf";
+/// A place to build for beside the host.
+pub(crate) struct Platform {
+    /// Its name for the compiler.
+    pub(crate) triple: &'static str,
+    /// Who needs it, for messages.
+    pub(crate) of: &'static str,
+    /// The libraries that are built; what they stand on comes with them.
+    libraries: &'static [&'static str],
+    /// The linker of Debian's that serves it; the compiler's own is `rust-lld`, which Debian does not have.
+    pub(crate) linker: &'static str,
+}
 
-/// What the firmware is linked with. No `alloc`: nothing in it allocates.
-const CRATES: [&str; 2] = ["core", "compiler_builtins"];
+/// Cortex-M4 with its single-precision floating-point unit. No `alloc`: nothing in the firmware allocates.
+pub(crate) const FLIGHT_CONTROLLER: Platform = Platform {
+    triple: "thumbv7em-none-eabihf",
+    of: "the firmware",
+    libraries: &["core", "compiler_builtins"],
+    linker: "/usr/bin/ld.lld",
+};
+
+/// WebAssembly in a browser, without an operating system.
+pub(crate) const BROWSER: Platform = Platform {
+    triple: "wasm32-unknown-unknown",
+    of: "the page",
+    libraries: &["std", "panic_abort"],
+    linker: "/usr/bin/wasm-ld",
+};
+
+/// The empty crate whose dependencies the libraries are.
+const EMPTY_CRATE: &str = "sysroot";
 
 /// The sysroot for `rustc`, built if it is not there yet.
 ///
 /// Its folder is named after the compiler. The name is among the compiler's flags, so cargo recompiles when it changes.
-pub(crate) fn ensure(rustc: &Path, target_dir: &Path) -> Result<PathBuf> {
-    let all = target_dir.join(format!("{TRIPLE}-sysroot"));
+pub(crate) fn ensure(platform: &Platform, rustc: &Path, target_dir: &Path) -> Result<PathBuf> {
+    let triple = platform.triple;
+    let all = target_dir.join(format!("{triple}-sysroot"));
     let sysroot = all.join(version(rustc)?);
     if sysroot.is_dir() {
         return Ok(sysroot);
     }
-    eprintln!("building Rust's core library for {TRIPLE}, once per version of the compiler");
+    eprintln!("building Rust's library for {triple}, once per version of the compiler");
     if all.exists() {
         fs::remove_dir_all(&all).with_context(|| format!("cannot remove {}", all.display()))?;
     }
-    let libraries = build(rustc, &all.join("build"))?;
+    let libraries = build(platform, rustc, &all.join("build"))?;
     // moved into place when complete, so that an interrupted build leaves no half sysroot
     let draft = all.join("draft");
-    install(&libraries, &draft.join("lib/rustlib").join(TRIPLE).join("lib"))?;
+    install(platform, &libraries, &draft.join("lib/rustlib").join(triple).join("lib"))?;
     fs::rename(&draft, &sysroot)?;
     fs::remove_dir_all(all.join("build"))?;
     Ok(sysroot)
@@ -50,40 +76,42 @@ fn version(rustc: &Path) -> Result<String> {
 }
 
 /// Has cargo build the libraries as dependencies of an empty crate; returns the folder they are in.
-fn build(rustc: &Path, folder: &Path) -> Result<PathBuf> {
+fn build(platform: &Platform, rustc: &Path, folder: &Path) -> Result<PathBuf> {
     fs::create_dir_all(folder.join("src"))?;
     // a workspace of its own: it lies inside ours
-    let manifest = "[package]\nname = \"sysroot\"\nedition = \"2024\"\n\n[workspace]\n";
+    let manifest = format!("[package]\nname = \"{EMPTY_CRATE}\"\nedition = \"2024\"\n\n[workspace]\n");
     fs::write(folder.join("Cargo.toml"), manifest)?;
     fs::write(folder.join("src/lib.rs"), "#![no_std]\n")?;
     let target_dir = folder.join("target");
     process::run(
         Command::new(process::cargo())
             .current_dir(folder)
-            .args(["build", "--release", "--target", TRIPLE, "--target-dir"])
+            .args(["build", "--release", "--target", platform.triple, "--target-dir"])
             .arg(&target_dir)
-            .arg(format!("-Zbuild-std={}", CRATES.join(",")))
+            .arg(format!("-Zbuild-std={}", platform.libraries.join(",")))
             .env("RUSTC", rustc)
             // lets a stable compiler build its own library
             .env("RUSTC_BOOTSTRAP", "1")
             // link-time optimisation of the image needs the bitcode; also keeps the flags of .cargo/config.toml out
             .env("CARGO_ENCODED_RUSTFLAGS", "-Cembed-bitcode=yes"),
     )?;
-    Ok(target_dir.join(TRIPLE).join("release/deps"))
+    Ok(target_dir.join(platform.triple).join("release/deps"))
 }
 
-fn install(libraries: &Path, folder: &Path) -> Result<()> {
+/// All that was built but the empty crate.
+fn install(platform: &Platform, libraries: &Path, folder: &Path) -> Result<()> {
     fs::create_dir_all(folder)?;
-    let mut installed = 0;
+    let mut installed = Vec::new();
     for entry in fs::read_dir(libraries)? {
         let path = entry?.path();
-        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-        let wanted = CRATES.iter().any(|library| name.starts_with(&format!("lib{library}-")));
-        if wanted && name.ends_with(".rlib") {
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else { continue };
+        let Some((library, _)) = name.strip_prefix("lib").and_then(|name| name.split_once('-')) else { continue };
+        if name.ends_with(".rlib") && library != EMPTY_CRATE {
             fs::copy(&path, folder.join(name))?;
-            installed += 1;
+            installed.push(library.to_owned());
         }
     }
-    ensure!(installed == CRATES.len(), "{installed} libraries in place of {}", CRATES.len());
+    let absent = platform.libraries.iter().find(|wanted| !installed.iter().any(|library| library == *wanted));
+    ensure!(absent.is_none(), "{} was not built", absent.copied().unwrap_or_default());
     Ok(())
 }

@@ -27,16 +27,7 @@ impl ProgressLine {
     }
 
     pub fn show(&self, progress: Progress) {
-        let (done, total, message) = match progress {
-            Progress::Searching { effects: 0, done, total } => (done, total, "testing effects".to_owned()),
-            Progress::Searching { effects, done, total } => {
-                (done, total, format!("{effects} found, testing for another"))
-            }
-            Progress::Cutting { done, total } => (done, total, "searching other cuts of the log".to_owned()),
-            Progress::Comparing { done, total } => (done, total, "comparing flights".to_owned()),
-            Progress::Judging => (1, 1, "judging the findings".to_owned()),
-            Progress::Separating { done, total } => (done, total, "looking for a separating flight".to_owned()),
-        };
+        let (done, total, message) = progress.step();
         self.bar.set_length(total as u64);
         self.bar.set_position(done as u64);
         self.bar.set_message(format!("{}{message}", self.log));

@@ -38,5 +38,21 @@ pub enum Progress {
     },
 }
 
+impl Progress {
+    /// How much of the present step is done, of how much, and the step in words.
+    pub fn step(self) -> (usize, usize, String) {
+        match self {
+            Progress::Searching { effects: 0, done, total } => (done, total, "testing effects".to_owned()),
+            Progress::Searching { effects, done, total } => {
+                (done, total, format!("{effects} found, testing for another"))
+            }
+            Progress::Cutting { done, total } => (done, total, "searching other cuts of the log".to_owned()),
+            Progress::Comparing { done, total } => (done, total, "comparing flights".to_owned()),
+            Progress::Judging => (1, 1, "judging the findings".to_owned()),
+            Progress::Separating { done, total } => (done, total, "looking for a separating flight".to_owned()),
+        }
+    }
+}
+
 /// Is called whenever something has been done.
 pub type Observer<'a> = &'a (dyn Fn(Progress) + Sync);

@@ -106,7 +106,6 @@ impl Page {
     /// The whole file: style, drawings and scripts inside, no reference to anything outside. Without scripts all of it
     /// can be read too.
     pub fn to_html(&self) -> String {
-        let mut palette = Palette::default();
         let page = html! {
             (DOCTYPE)
             html lang="en" {
@@ -118,24 +117,36 @@ impl Page {
                     style { (PreEscaped(STYLE)) (PreEscaped(UPLOT_STYLE)) }
                 }
                 body {
-                    header {
-                        @if !self.about.is_empty() { p.about { (self.about) } }
-                        h1 { (self.title) }
-                        @for text in &self.lead { p.lead { (text) } }
-                        (self.first_screen(&mut palette))
-                    }
-                    (self.contents())
-                    main {
-                        @for (index, section) in self.sections.iter().enumerate() {
-                            (section.render(&format!("section-{}", index + 1), &mut palette))
-                        }
-                    }
-                    (self.footer())
+                    (self.content())
                     (scripts())
                 }
             }
         };
         page.into_string()
+    }
+
+    /// What stands in the file's body, without style and scripts, for a document that has them already.
+    pub fn to_fragment(&self) -> String {
+        self.content().into_string()
+    }
+
+    fn content(&self) -> Markup {
+        let mut palette = Palette::default();
+        html! {
+            header {
+                @if !self.about.is_empty() { p.about { (self.about) } }
+                h1 { (self.title) }
+                @for text in &self.lead { p.lead { (text) } }
+                (self.first_screen(&mut palette))
+            }
+            (self.contents())
+            main {
+                @for (index, section) in self.sections.iter().enumerate() {
+                    (section.render(&format!("section-{}", index + 1), &mut palette))
+                }
+            }
+            (self.footer())
+        }
     }
 
     fn first_screen(&self, palette: &mut Palette) -> Markup {

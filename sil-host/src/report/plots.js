@@ -202,7 +202,6 @@
     chart.classList.remove("live");
   }
 
-  const charts = [...document.querySelectorAll(".chart")];
   const seen = new IntersectionObserver((entries) => {
     for (const entry of entries) {
       if (entry.isIntersecting && !live.has(entry.target)) build(entry.target);
@@ -216,8 +215,17 @@
       }
     }
   });
-  for (const chart of charts) { seen.observe(chart); sized.observe(chart); }
-  document.querySelectorAll(".legend [data-name]").forEach(makeButton);
+
+  function attach(root) {
+    for (const chart of root.querySelectorAll(".chart")) { seen.observe(chart); sized.observe(chart); }
+    root.querySelectorAll(".legend [data-name]").forEach(makeButton);
+  }
+  // Before what is in the root is taken out of the document.
+  function detach(root) {
+    for (const chart of root.querySelectorAll(".chart")) { seen.unobserve(chart); sized.unobserve(chart); remove(chart); }
+  }
+  globalThis.livePlots = { attach, detach };
+  attach(document);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     for (const chart of [...live.keys()]) { remove(chart); build(chart); }
   });

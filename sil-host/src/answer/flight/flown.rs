@@ -14,10 +14,21 @@ pub struct FlownController {
     pub setup: FlightSetup,
     /// Series and figures.
     pub flight: Flight,
-    /// Margins of roll and pitch; none if the loop oscillates by itself.
-    pub margins: Option<[Margins; 2]>,
+    /// How far its loops are from instability.
+    pub robustness: Robustness,
     /// Eigenvalues of roll and pitch under the unconstrained MPC.
     pub eigenvalues: Option<[[[f64; 2]; 4]; 2]>,
+}
+
+/// What is known of a loop's margins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Robustness {
+    /// Nothing: measuring takes several times as long as a flight.
+    NotMeasured,
+    /// It oscillates by itself, and has none.
+    Oscillates,
+    /// Those of roll and pitch.
+    Measured([Margins; 2]),
 }
 
 /// Flies one controller and measures its margins.
@@ -25,10 +36,19 @@ pub struct FlownController {
 /// # Errors
 /// [`SetupError`] where the configuration can't be flown.
 pub fn fly_one(name: &str, setup: FlightSetup) -> Result<FlownController, SetupError> {
+    let flown = fly_only(name, setup)?;
+    let robustness = flown.setup.margins()?.map_or(Robustness::Oscillates, Robustness::Measured);
+    Ok(FlownController { robustness, ..flown })
+}
+
+/// Flies one controller and leaves its margins alone.
+///
+/// # Errors
+/// [`SetupError`] where the configuration can't be flown.
+pub fn fly_only(name: &str, setup: FlightSetup) -> Result<FlownController, SetupError> {
     let flight = setup.fly()?;
-    let margins = setup.margins()?;
     let eigenvalues = setup.mpc_eigenvalues()?;
-    Ok(FlownController { name: name.to_owned(), setup, flight, margins, eigenvalues })
+    Ok(FlownController { name: name.to_owned(), setup, flight, robustness: Robustness::NotMeasured, eigenvalues })
 }
 
 /// What the eigenvalues are of.
@@ -39,7 +59,7 @@ pub fn eigenvalues_title(flown: &FlownController) -> String {
 
 /// True if the flight fell apart, the loop oscillates by itself, or an eigenvalue lies outside of the unit circle.
 pub fn is_unstable(flown: &FlownController) -> bool {
-    flown.flight.record.ended_early || flown.margins.is_none() || has_unstable_eigenvalue(flown)
+    flown.flight.record.ended_early || flown.robustness == Robustness::Oscillates || has_unstable_eigenvalue(flown)
 }
 
 fn has_unstable_eigenvalue(flown: &FlownController) -> bool {
@@ -58,7 +78,7 @@ pub fn remarks(flown: &FlownController) -> Vec<String> {
             summary.duration_s
         ));
     }
-    if flown.margins.is_none() {
+    if flown.robustness == Robustness::Oscillates {
         remarks.push(format!("{name}: at hover the loop oscillates by itself, so it has no margins."));
     }
     if has_unstable_eigenvalue(flown) {
@@ -77,5 +97,8 @@ pub fn remarks(flown: &FlownController) -> Vec<String> {
 
 /// A margin of roll and pitch, none where the loop has none.
 pub fn margin_values(flown: &FlownController, figure: &Figure<Margins>) -> [Option<f64>; 2] {
-    flown.margins.map_or([None; 2], |axes| axes.map(|margins| (figure.value)(&margins)))
+    match flown.robustness {
+        Robustness::Measured(axes) => axes.map(|margins| (figure.value)(&margins)),
+        Robustness::NotMeasured | Robustness::Oscillates => [None; 2],
+    }
 }

@@ -5,7 +5,7 @@ use crate::diagnosis::motor_place;
 use crate::report::{Better, Card, Cell, Chart, Page, Section, Table, Tone};
 
 use super::figures::{FOLLOWING, ROBUSTNESS, WHOLE_FLIGHT, eigenvalues_text};
-use super::flown::{FlownController, eigenvalues_title, is_unstable, margin_values, remarks};
+use super::flown::{FlownController, Robustness, eigenvalues_title, is_unstable, margin_values, remarks};
 use crate::answer::key_window::{cut, largest_step};
 use crate::answer::plain_words::{capitalised, with_unit};
 
@@ -69,8 +69,10 @@ fn settling_times(one: &FlownController) -> Vec<Option<f64>> {
 
 fn card(flown: &[FlownController]) -> Card {
     let is_saturated = flown.iter().any(|one| one.flight.summary.saturated_pct >= SATURATED_MIN_PCT);
+    let is_measured = flown.iter().all(|one| one.robustness != Robustness::NotMeasured);
     let (tone, verdict) = match (flown.iter().any(is_unstable), is_saturated) {
         (true, _) => (Tone::Bad, "Unstable"),
+        _ if !is_measured => (Tone::Good, "It flies; the margins are not measured"),
         (_, true) => (Tone::Doubtful, "Stable, with motors at their limits"),
         _ => (Tone::Good, "Stable"),
     };

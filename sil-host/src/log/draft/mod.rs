@@ -36,7 +36,18 @@ pub struct Draft {
 /// # Errors
 /// The file can't be read, or is no table.
 pub fn draft(path: &Path) -> Result<Option<Draft>, LogError> {
-    let bytes = source::load(path)?;
+    draft_of(path, source::load(path)?)
+}
+
+/// The same of a stream that is no file; the name tells formats apart and stands in messages.
+///
+/// # Errors
+/// As [`draft`].
+pub fn draft_from(name: &Path, from: &mut impl std::io::Read) -> Result<Option<Draft>, LogError> {
+    draft_of(name, source::load_from(name, from)?)
+}
+
+fn draft_of(path: &Path, bytes: Vec<u8>) -> Result<Option<Draft>, LogError> {
     let is_own_format = FORMATS[..FORMATS.len() - 1].iter().any(|format| (format.recognises)(path, &bytes));
     if is_own_format {
         return Ok(None);

@@ -1,0 +1,100 @@
+// The quiz: an effect is hidden in the vehicle; look, guess, and let the diagnosis answer.
+import { catalogue } from "./catalogue.js";
+import { Engine } from "./engine.js";
+import { make, showReport } from "./elements.js";
+import { text } from "./text.js";
+
+const MODEL = "f450-gimbal",
+  RIG = "gimbal";
+const CHOICES = 5;
+
+const engine = new Engine();
+const words = (name) => name.replaceAll("_", " ");
+let place;
+
+export function startQuiz() {
+  place = document.getElementById("quiz");
+  begin(make("button", { type: "button", class: "main", id: "quiz-start", onclick: hide }, text.quizStart));
+}
+
+function begin(...children) {
+  place.replaceChildren(make("h1", {}, text.quizTitle), make("p", {}, text.quizLead), ...children);
+}
+
+const anyOf = (list) => list[Math.floor(Math.random() * list.length)];
+
+function shuffled(list) {
+  const pairs = list.map((one) => [Math.random(), one]).sort(([a], [b]) => a - b);
+  return pairs.map(([, one]) => one);
+}
+
+// An effect of the catalogue, at its example's size, somewhere on the vehicle.
+function shortForm(effect) {
+  const where = effect.places[RIG];
+  const parts = [
+    where ? `${where[0]}=${anyOf(where[1])}` : null,
+    ...effect.parameters.map(({ name, example }) => `${name}=${example}`),
+  ];
+  return `${effect.name}:${parts.filter(Boolean).join(",")}`;
+}
+
+async function hide() {
+  begin(make("p", { role: "status", class: "panel" }, text.preparing));
+  try {
+    const { effects } = await catalogue();
+    const [hidden, ...others] = shuffled(effects.filter(({ rigs }) => rigs.includes(RIG)));
+    const seed = Math.floor(Math.random() * 1e6);
+    const { log, fragment } = await engine.request({ request: "hide", model: MODEL, effect: shortForm(hidden), seed });
+    ask(hidden, shuffled([hidden, ...others.slice(0, CHOICES - 1)]), log, fragment);
+  } catch (problem) {
+    begin(make("div", { class: "warning", role: "alert" }, make("pre", {}, problem ?? text.stopped)), again());
+  }
+}
+
+const again = () => make("button", { type: "button", onclick: hide }, text.quizNew);
+
+function ask(hidden, choices, log, fragment) {
+  const choice = ({ name, summary }, index) =>
+    make(
+      "label",
+      { class: "check" },
+      make("input", { type: "radio", name: "guess", value: name, checked: index === 0 }),
+      `${words(name)}: ${summary}`,
+    );
+  const form = make(
+    "form",
+    { class: "panel" },
+    make("fieldset", {}, make("legend", {}, text.quizWhich), ...choices.map(choice)),
+    make("p", { class: "buttons" }, make("button", { type: "submit", class: "main" }, text.quizAnswer), again()),
+  );
+  const figures = make("article", {});
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    answer(hidden, form.elements.guess.value, log, form, figures);
+  });
+  begin(form, figures);
+  showReport(figures, fragment);
+}
+
+async function answer(hidden, guess, log, form, figures) {
+  const said = make("div", { class: "panel", role: "status" }, text.working);
+  form.replaceWith(said);
+  const request = { request: "diagnose", logs: [{ name: "quiz.csv" }], options: { model: MODEL, effort: "quick" } };
+  try {
+    const { fragment, causes } = await engine.request(request, [new Blob([log])], ({ what }) => {
+      said.textContent = what;
+    });
+    const diagnosis = causes.includes(hidden.name)
+      ? text.quizAgrees
+      : text.quizMisses(causes.map(words).join(", ") || text.quizNothing);
+    said.replaceChildren(
+      make("p", {}, make("strong", {}, text.quizHidden(`${words(hidden.name)}, ${hidden.summary}`))),
+      make("p", {}, guess === hidden.name ? text.quizRight : text.quizWrong),
+      make("p", {}, diagnosis),
+      make("p", { class: "buttons" }, again()),
+    );
+    showReport(figures, fragment);
+  } catch (problem) {
+    said.replaceChildren(make("pre", {}, problem ?? text.stopped), again());
+  }
+}

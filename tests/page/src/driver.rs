@@ -1,0 +1,151 @@
+//! One browser with its driver: commands as HTTP requests with JSON.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+
+use anyhow::{Context, Result, bail};
+use serde_json::{Value, json};
+
+/// How long a script in the page may take, ms.
+const SCRIPT_MS: u32 = 60_000;
+
+/// A browser; it ends with the value.
+pub struct Browser {
+    driver: Child,
+    port: u16,
+    session: String,
+}
+
+impl Browser {
+    /// Starts one with a window of this size, px.
+    ///
+    /// # Errors
+    /// There is no Chromium with its driver.
+    pub fn start(width_px: u32, height_px: u32, is_dark: bool) -> Result<Browser> {
+        let mut driver = Command::new("chromedriver")
+            .arg("--port=0")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .context("chromedriver can't be started (apt-get install chromium chromium-driver)")?;
+        let said = driver.stdout.take().context("chromedriver says nothing")?;
+        let port = BufReader::new(said).lines().map_while(Result::ok).find_map(|line| {
+            let (_, port) = line.rsplit_once("successfully on port ")?;
+            port.trim_end_matches('.').parse().ok()
+        });
+        let port = port.context("chromedriver names no port")?;
+        let mut browser = Browser { driver, port, session: String::new() };
+        let window = format!("--window-size={width_px},{height_px}");
+        // CI's user is root in a container, whose Chromium has no sandbox
+        let mut arguments = vec!["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", &window];
+        if is_dark {
+            arguments.push("--blink-settings=preferredColorScheme=0");
+        }
+        let wanted = json!({ "alwaysMatch": {
+            "goog:chromeOptions": { "args": arguments },
+            "goog:loggingPrefs": { "browser": "ALL", "performance": "ALL" },
+        } });
+        let session = browser.post("/session", &json!({ "capabilities": wanted }))?;
+        let id = session["sessionId"].as_str().context("no session")?;
+        browser.session = format!("/session/{id}");
+        browser.command("timeouts", &json!({ "script": SCRIPT_MS }))?;
+        Ok(browser)
+    }
+
+    /// Opens an address.
+    ///
+    /// # Errors
+    /// As any command's: what the driver says.
+    pub fn open(&self, address: &str) -> Result<()> {
+        self.command("url", &json!({ "url": address })).map(drop)
+    }
+
+    /// What a script in the page returns.
+    ///
+    /// # Errors
+    /// What the driver says.
+    pub fn script(&self, script: &str, arguments: &[Value]) -> Result<Value> {
+        self.command("execute/sync", &json!({ "script": script, "args": arguments }))
+    }
+
+    /// Gives a file to an input of the page.
+    ///
+    /// # Errors
+    /// What the driver says.
+    pub fn give_file(&self, selector: &str, path: &str) -> Result<()> {
+        let found = self.command("element", &json!({ "using": "css selector", "value": selector }))?;
+        let element = found.as_object().and_then(|of| of.values().next()).and_then(Value::as_str);
+        let element = element.with_context(|| format!("no element {selector}"))?;
+        self.command(&format!("element/{element}/value"), &json!({ "text": path })).map(drop)
+    }
+
+    /// The window as PNG, base64.
+    ///
+    /// # Errors
+    /// What the driver says.
+    pub fn picture(&self) -> Result<String> {
+        let whole = json!({ "cmd": "Page.captureScreenshot", "params": { "captureBeyondViewport": true } });
+        let picture = self.command("goog/cdp/execute", &whole)?;
+        picture["data"].as_str().map(str::to_owned).context("no picture")
+    }
+
+    /// A log of the browser's since the last call: `browser` for its console, `performance` for its events.
+    ///
+    /// # Errors
+    /// What the driver says.
+    pub fn log(&self, kind: &str) -> Result<Vec<Value>> {
+        let log = self.command("se/log", &json!({ "type": kind }))?;
+        Ok(log.as_array().cloned().unwrap_or_default())
+    }
+
+    fn command(&self, name: &str, body: &Value) -> Result<Value> {
+        self.post(&format!("{}/{name}", self.session), body)
+    }
+
+    fn post(&self, path: &str, body: &Value) -> Result<Value> {
+        let answer = self.request("POST", path, &body.to_string())?;
+        let mut answer: Value = serde_json::from_str(&answer)?;
+        let value = answer["value"].take();
+        if let Some(error) = value.get("error").filter(|error| error.is_string()) {
+            bail!("{path}: {error}: {}", value["message"]);
+        }
+        Ok(value)
+    }
+
+    fn request(&self, method: &str, path: &str, body: &str) -> Result<String> {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port))?;
+        let length = body.len();
+        write!(
+            stream,
+            "{method} {path} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\n\
+             Content-Length: {length}\r\nConnection: close\r\n\r\n{body}"
+        )?;
+        let mut stream = BufReader::new(stream);
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            stream.read_line(&mut line)?;
+            if line.trim().is_empty() {
+                break;
+            }
+            if let Some((name, value)) = line.split_once(':')
+                && name.eq_ignore_ascii_case("content-length")
+            {
+                length = value.trim().parse()?;
+            }
+        }
+        let mut answer = vec![0; length];
+        stream.read_exact(&mut answer)?;
+        Ok(String::from_utf8(answer)?)
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // what fails here has nobody to tell, and the driver's end is the browser's
+        let _ = self.request("DELETE", &self.session, "");
+        let _ = self.driver.kill();
+        let _ = self.driver.wait();
+    }
+}

@@ -1,0 +1,63 @@
+//! Size and speed. Each test has the machine for itself.
+
+use std::fs;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use anyhow::Result;
+use page_test::{Browser, Page};
+use serde_json::json;
+
+static MACHINE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    MACHINE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[test]
+fn the_file_is_small_and_starts_within_a_second() -> Result<()> {
+    let _alone = alone();
+    let size = fs::metadata(Page::place()?)?.len();
+    assert!(size < 5_000_000, "{size} bytes");
+    let browser = Browser::start(1280, 900, false)?;
+    let begun = Instant::now();
+    browser.open(&format!("file://{}", Page::place()?.display()))?;
+    while browser.script("return document.documentElement.dataset.ready", &[])? != json!("yes") {}
+    let took_s = begun.elapsed().as_secs_f64();
+    println!("{size} bytes, started in {took_s:.2} s");
+    assert!(took_s < 1.0, "{took_s} s");
+    Ok(())
+}
+
+#[test]
+fn a_log_of_a_minute_is_answered_in_fifteen_seconds() -> Result<()> {
+    let _alone = alone();
+    let folder = tempfile::tempdir()?;
+    let options = ["--duration", "60", "--rate", "200", "--effect", "weak_motor:motor=2,scale=0.9"];
+    let log = Page::synthetic(folder.path(), "minute.csv", &options)?;
+    let page = Page::open()?;
+    let begun = Instant::now();
+    page.choose(&[&log])?;
+    let answer = page.answer()?;
+    let took_s = begun.elapsed().as_secs_f64();
+    println!("60 s at 200 Hz: {took_s:.1} s, {answer}");
+    assert!(answer.contains("Motor 2"), "{answer}");
+    assert!(took_s < 15.0, "{took_s} s");
+    Ok(())
+}
+
+#[test]
+fn a_flight_is_drawn_at_once_after_a_sliders_move() -> Result<()> {
+    let _alone = alone();
+    let page = Page::open()?;
+    page.fly()?;
+    let slider = "#controls input[type=range][data-key=angle_gain_1_s]";
+    let mut times_ms = Vec::new();
+    for track in ["0.30", "0.33", "0.36", "0.40", "0.43", "0.46", "0.55"] {
+        times_ms.push(page.flown_after(|page| page.set(slider, track))?);
+    }
+    println!("flown and drawn after a slider's move: {times_ms:?} ms");
+    times_ms.sort_unstable();
+    assert!(times_ms[times_ms.len() / 2] < 200, "{times_ms:?} ms");
+    Ok(())
+}
