@@ -44,6 +44,12 @@ impl Bins {
         }
         let mut bins = Bins { rows, time_s: Vec::new(), piece, step_s: log.mean_regular_step_s().max(STEP_S) };
         bins.time_s = bins.means(&log.time_s);
+        let within = (1..bins.rows.len()).filter(|at| bins.piece[*at] == bins.piece[at - 1]);
+        let steps_s: Vec<f64> = within.map(|at| bins.time_s[at] - bins.time_s[at - 1]).collect();
+        if !steps_s.is_empty() {
+            // three rows of 4 ms make a group of 12
+            bins.step_s = steps_s.iter().sum::<f64>() / steps_s.len() as f64;
+        }
         bins
     }
 

@@ -23,9 +23,9 @@ const DEGREE_RAD: f64 = PI / 180.0;
 const GYRO_SCALE_USUAL: f64 = 0.03;
 /// A scale that is known no better is not known.
 const GYRO_SCALE_STD_MAX: f64 = 0.1;
-/// What means over groups of rows may do to a slope, and to a time in groups.
-const SLOPE_STD: f64 = 0.005;
-const GROUP_SHARE: f64 = 0.1;
+/// What means over groups of rows may do to a slope, and to a time in groups: twice what they do in simulated logs.
+const SLOPE_STD: f64 = 0.004;
+const GROUP_SHARE: f64 = 0.02;
 /// An attitude's time within its row is known no better, in steps of the log.
 const ROW_SHARE: f64 = 0.25;
 
@@ -212,7 +212,10 @@ mod tests {
     fn agreement_of(effects: &[&str]) -> SensorAgreement {
         let mut model = VehicleModel::generic(Rig::Gimbal);
         model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
-        let log = Synthesis { duration_s: 20.0, ..Synthesis::of(model) }.log().unwrap();
+        // rows of 4 ms, of which three make a group: not all groups are 10 ms
+        let mut synthesis = Synthesis { duration_s: 20.0, log_rate_hz: 250, ..Synthesis::of(model) };
+        synthesis.choice.rate_hz = 250;
+        let log = synthesis.log().unwrap();
         sensor_agreement(&log, &Bins::of(&log))
     }
 
