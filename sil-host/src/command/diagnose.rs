@@ -47,7 +47,7 @@ pub struct DiagnoseArguments {
     /// so that only what repeats from flight to flight is chance
     #[arg(long, requires = "baseline")]
     untouched: bool,
-    /// Write the model with the findings in it
+    /// Write the model with the findings and the base model in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
     /// Write the flight that would separate effects which this log cannot, for `sil fly --script`
