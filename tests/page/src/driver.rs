@@ -93,8 +93,8 @@ impl Browser {
         picture["data"].as_str().map(str::to_owned).context("no picture")
     }
 
-    /// Processor time that the browser has used so far, s: on a machine that does other things too, a computation in one
-    /// thread takes longer than this.
+    /// Processor time that the browser has used so far, s: on a machine that does other things too, a computation in
+    /// one thread takes longer than this.
     ///
     /// # Errors
     /// The system does not say (it is Linux's `/proc` that is read).
