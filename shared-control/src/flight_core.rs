@@ -17,6 +17,7 @@ pub use coasting::COAST_MAX_US;
 pub use output::{StepOutput, TorqueSource};
 pub use state::State;
 
+use crate::attitude::acro;
 use crate::attitude::angle::{self, AngleState, RateTarget};
 use crate::attitude::rate::{self, Delivery, RateState};
 use crate::config::{Config, Controller};
@@ -60,7 +61,7 @@ impl FlightCore {
         if state.touchdown.feel(&config.touchdown, state.arming, throttle, &load, input.time_us) {
             state.watch.stand();
         }
-        let findings = findings(state, input, &estimate, imu.gyro_rest_s, health);
+        let findings = findings(config, state, input, &estimate, (imu.gyro_rest_s, health));
         state.arming = supervisor::update(&config.supervisor, state.arming, input, &findings);
         state.setpoint.fly(config.supervisor.sink_throttle, state.arming, input.time_us, config.step_s());
         state.watch.fly(state.arming, state.setpoint.flown.throttle);
@@ -82,12 +83,14 @@ impl FlightCore {
             wrench,
             source,
             arming: state.arming,
+            battery: findings.battery,
             imu_unit: imu.unit,
             imu_health: imu.health,
             standby_health: imu.standby_health,
             setpoints_rejected: state.setpoint.rejected,
             estimate,
             vibration_m_s2: imu.vibration_m_s2,
+            rest_force_m_s2: imu.rest_force_m_s2,
             planning,
             rate_target_rad_s: state.rate_target.rate_rad_s,
         }
@@ -108,9 +111,7 @@ impl FlightCore {
             | TorqueSource::Cascade
             | TorqueSource::CascadeNoPlan
             | TorqueSource::CascadeUnsolved(_) => {
-                let setpoint = &state.setpoint.flown;
-                state.rate_target =
-                    angle::update(&config.angle, &mut state.angle, setpoint, &output.estimate, config.step_s());
+                state.rate_target = next_rate_target(config, state, &output.estimate);
                 let seen = !state.coasting.coasts;
                 planning::observe(config, &mut state.observer, &motion, output, seen);
             }
@@ -142,6 +143,18 @@ impl FlightCore {
     }
 }
 
+/// What the rate loop is to do until the next step, by the mode that is flown.
+fn next_rate_target(config: &Config, state: &mut State, estimate: &AttitudeEstimate) -> RateTarget {
+    let setpoint = &state.setpoint.flown;
+    match &setpoint.acro_rad_s {
+        None => angle::update(&config.angle, &mut state.angle, setpoint, estimate, config.step_s()),
+        Some(rates_rad_s) => {
+            let wanted = (rates_rad_s, estimate);
+            acro::update(&config.angle, &mut state.angle, &state.rate_target, wanted, config.step_s())
+        }
+    }
+}
+
 /// What carries a vehicle whose motors turn.
 fn support(config: &Config, airborne: bool) -> Support {
     if airborne && !config.held_by_rig { Support::Air } else { Support::Held }
@@ -149,11 +162,11 @@ fn support(config: &Config, airborne: bool) -> Support {
 
 /// What the supervisor decides on.
 fn findings(
+    config: &Config,
     state: &mut State,
     input: &StepInput,
     estimate: &AttitudeEstimate,
-    gyro_rest_s: f32,
-    imu: ImuHealth,
+    (gyro_rest_s, imu): (f32, ImuHealth),
 ) -> Findings {
     state.battery_seen |= input.battery_v.is_some_and(|volts| volts >= ABSENT_BELOW_V);
     Findings {
@@ -165,6 +178,7 @@ fn findings(
         crashed: state.watch.has_crashed(input.time_us),
         idle_us: state.watch.idle_us(input.time_us),
         battery_seen: state.battery_seen,
+        battery: state.battery.feel(&config.supervisor.battery, input.battery_v, input.time_us),
     }
 }
 
@@ -217,9 +231,11 @@ fn choose(config: &Config, state: &State, input: &StepInput, cascade_nm: [f32; 3
         Arming::Disarmed(_) => (TorqueSource::Disarmed, [0.0; 3]),
         Arming::MotorTest { .. } => (TorqueSource::MotorTest, [0.0; 3]),
         Arming::EscCalibration { .. } => (TorqueSource::EscCalibration, [0.0; 3]),
-        Arming::Armed | Arming::LinkLost { .. } if !state.watch.is_airborne() => (TorqueSource::Idle, [0.0; 3]),
-        Arming::Armed | Arming::LinkLost { .. } => match (config.controller, plan) {
+        _ if !state.watch.is_airborne() => (TorqueSource::Idle, [0.0; 3]),
+        Arming::Armed | Arming::LinkLost { .. } | Arming::BatteryLow { .. } => match (config.controller, plan) {
             (Controller::Cascade, _) => (TorqueSource::Cascade, cascade_nm),
+            // the MPC plans angles: rates are the rate loop's
+            (Controller::Mpc, _) if state.setpoint.flown.acro_rad_s.is_some() => (TorqueSource::Cascade, cascade_nm),
             (Controller::Mpc, None) => (TorqueSource::CascadeNoPlan, cascade_nm),
             (Controller::Mpc, Some(plan)) => torque_of_solved(config, &plan, cascade_nm),
         },
@@ -264,11 +280,11 @@ fn mix(config: &Config, state: &State, source: TorqueSource, wrench: &Wrench) ->
             MixResult { commands: MotorCommands([1.0; 4]), ..MixResult::default() }
         }
         Arming::EscCalibration { stage: EscStage::Low, .. } => MixResult::default(),
-        Arming::Armed | Arming::LinkLost { .. } if source == TorqueSource::Idle => {
+        _ if source == TorqueSource::Idle => {
             let idle = larger(config.ground_idle_command, limit(state.setpoint.flown.throttle, 0.0, 1.0));
             MixResult { commands: MotorCommands([idle; 4]), ..MixResult::default() }
         }
-        Arming::Armed | Arming::LinkLost { .. } => mixer::mix(&config.mixer, wrench),
+        Arming::Armed | Arming::LinkLost { .. } | Arming::BatteryLow { .. } => mixer::mix(&config.mixer, wrench),
     }
 }
 

@@ -28,7 +28,7 @@ pub enum Sign {
     Refused,
     /// Disarmed, no battery is connected.
     BatteryAbsent,
-    /// The battery is below what arming needs.
+    /// The battery is below what arming needs, or in flight low or empty.
     BatteryLow,
     /// Disarmed, the IMU is not to be believed.
     ImuFailed,
@@ -131,6 +131,7 @@ impl Sign {
             Arming::LinkLost { .. } => Sign::LinkLost,
             // full throttle for the asking: as loud as the other
             Arming::MotorTest { .. } | Arming::EscCalibration { .. } => Sign::MotorTest,
+            Arming::BatteryLow { .. } => Sign::BatteryLow,
             Arming::Armed if status.battery_low => Sign::BatteryLow,
             Arming::Armed => Sign::Armed,
             Arming::Disarmed(because) => Self::of_disarmed(status, because),

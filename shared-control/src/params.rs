@@ -2,26 +2,34 @@
 //! [`table`] has each choice with its name and its range; [`crate::setup`] makes a configuration of them.
 //!
 //! ```text
-//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload     98  CRC-32 of all before
+//!   0  magic "QCFG"     4  version (u16)     6  length (u16)     8  payload, then CRC-32 of all before
 //! ```
 //! All little-endian; the payload is a word of 16 bits for each field of the table, in its order. A record that is not
 //! whole and sensible gives the defaults and forbids arming until somebody confirms them
 //! ([`crate::signals::ArmingBlocks`]).
 
 mod allowed;
+pub mod battery;
+pub mod level;
+pub mod pilot;
 pub mod radio;
 pub mod table;
+pub mod vehicle;
 
 use crate::config::Controller;
 use crate::output::PulseKind;
+use battery::BatteryParams;
+use level::LevelParams;
+use pilot::PilotParams;
 use radio::RadioParams;
 use table::Field;
+use vehicle::VehicleNumbers;
 
 /// Length of a record, bytes.
 pub const RECORD_LEN: usize = HEAD_LEN + PAYLOAD_LEN + CRC_LEN;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 6;
+const VERSION: u16 = 7;
 const HEAD_LEN: usize = 8;
 const PAYLOAD_LEN: usize = 2 * Field::ALL.len();
 const CRC_LEN: usize = 4;
@@ -50,12 +58,14 @@ pub struct Params {
     pub rig: Rig,
     /// True: the IMU is simulated on the other end of the link and the pins stay disarmed.
     pub hil: bool,
-    /// Battery voltage needed to arm, mV.
-    pub battery_arming_min_mv: u16,
+    /// The battery.
+    pub battery: BatteryParams,
     /// Throttle at which the vehicle hovers, 1/1000.
     pub hover_throttle_permille: u16,
     /// Drag of the rotors over the mass, 1/1000 1/s.
     pub rotor_drag_permille_1_s: u16,
+    /// Notches in the gyro that follow the rotors.
+    pub gyro_notches: bool,
     /// Free inputs per axis of the MPC, 1 to 30.
     pub control_horizon: u8,
     /// The motors' limits in the MPC, which couple the axes: with at most
@@ -75,6 +85,12 @@ pub struct Params {
     pub safety_button: bool,
     /// The radio.
     pub radio: RadioParams,
+    /// How the sticks feel.
+    pub pilot: PilotParams,
+    /// How the first and the second IMU sit.
+    pub level: [LevelParams; 2],
+    /// The vehicle's own numbers.
+    pub vehicle: VehicleNumbers,
 }
 
 impl Params {
@@ -87,9 +103,10 @@ impl Params {
         pwm_rate_hz: 400,
         rig: Rig::Gimbal,
         hil: false,
-        battery_arming_min_mv: 10_500,
+        battery: BatteryParams::DEFAULT,
         hover_throttle_permille: 500,
         rotor_drag_permille_1_s: 450,
+        gyro_notches: true,
         control_horizon: 5,
         motor_limits: false,
         linearisations: 1,
@@ -99,6 +116,9 @@ impl Params {
         esc_calibration: false,
         safety_button: false,
         radio: RadioParams::DEFAULT,
+        pilot: PilotParams::DEFAULT,
+        level: [LevelParams { roll_cdeg: 0, pitch_cdeg: 0, down_mm_s2: 0 }; 2],
+        vehicle: VehicleNumbers::DEFAULT,
     };
 }
 
@@ -206,17 +226,18 @@ pub(crate) mod tests {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
-        (any::<[bool; 8]>(), 50u16..=490, any::<u16>(), lift, inputs, idle, any_radio()).prop_map(
+        (any::<[bool; 9]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
             |(
                 switches,
                 pwm_rate_hz,
-                battery_arming_min_mv,
+                battery,
                 (hover, rotor_drag),
                 inputs,
                 idle,
                 (safety_button, radio),
+                (pilot, level, vehicle),
             )| {
-                let [mpc, one_shot, free, hil, slow, limits, escs, fast] = switches;
+                let [mpc, one_shot, free, hil, slow, limits, escs, fast, gyro_notches] = switches;
                 Params {
                     controller: if mpc { Controller::Mpc } else { Controller::Cascade },
                     loop_rate_hz: if slow { 100 } else { 400 },
@@ -224,9 +245,10 @@ pub(crate) mod tests {
                     pwm_rate_hz,
                     rig: if free { Rig::Free } else { Rig::Gimbal },
                     hil,
-                    battery_arming_min_mv,
+                    battery,
                     hover_throttle_permille: hover,
                     rotor_drag_permille_1_s: rotor_drag,
+                    gyro_notches,
                     control_horizon: inputs.0,
                     motor_limits: limits,
                     linearisations: inputs.1,
@@ -236,9 +258,49 @@ pub(crate) mod tests {
                     esc_calibration: escs,
                     safety_button,
                     radio,
+                    pilot,
+                    level,
+                    vehicle,
                 }
             },
         )
+    }
+
+    fn any_battery() -> impl Strategy<Value = BatteryParams> {
+        (any::<[u16; 3]>(), 1u8..=60).prop_map(|([arming_min_mv, low_mv, critical_mv], timer_s)| BatteryParams {
+            arming_min_mv,
+            low_mv,
+            critical_mv,
+            timer_s,
+        })
+    }
+
+    fn any_owner() -> impl Strategy<Value = (PilotParams, [LevelParams; 2], VehicleNumbers)> {
+        (any_pilot(), any_level(), any_vehicle())
+    }
+
+    /// Any numbers that the table allows, and as often such as a person might set.
+    fn any_vehicle() -> impl Strategy<Value = VehicleNumbers> {
+        let (own, mass, arm, ring) = (any::<bool>(), 100u16..=10_000, 50u16..=1000, any::<u16>());
+        let likely = ([1000u16..=3000, 1000u16..=3000, 1500u16..=3500], 9_000u16..=12_000, 0u16..=100);
+        let allowed = ([10u16..=65535, 10u16..=65535, 10u16..=65535], 200u16..=65535, 0u16..=20_000);
+        let body_and_lift = prop_oneof![likely, allowed];
+        (own, mass, arm, ring, body_and_lift, 1000u16..=65535, 0u16..=2000, 0u16..=300).prop_map(
+            |(own, mass_g, arm_mm, ring_e5_kg_m2, (inertia, max, min), torque_per_lift_um, lag_e4_s, delay_e4_s)| {
+                #[rustfmt::skip]
+                let vehicle = VehicleNumbers {
+                    own, mass_g, arm_mm, inertia_e5_kg_m2: inertia, ring_e5_kg_m2, torque_per_lift_um,
+                    lift_min_mn: min, lift_max_mn: max, lag_e4_s, delay_e4_s,
+                };
+                vehicle
+            },
+        )
+    }
+
+    fn any_level() -> impl Strategy<Value = [LevelParams; 2]> {
+        let one = (-1000i16..=1000, -1000i16..=1000, -1000i16..=1000);
+        let one = one.prop_map(|(roll_cdeg, pitch_cdeg, down_mm_s2)| LevelParams { roll_cdeg, pitch_cdeg, down_mm_s2 });
+        [one.clone(), one]
     }
 
     fn any_radio() -> impl Strategy<Value = (bool, RadioParams)> {
@@ -251,11 +313,31 @@ pub(crate) mod tests {
             reversed,
             dead_zone_us,
         });
-        (any::<[bool; 3]>(), [stick.clone(), stick.clone(), stick.clone(), stick], 0u8..=16, 0u16..=1500).prop_map(
-            |([button, flies, kill_reversed], sticks, kill_channel, fail_below_us)| {
-                (button, RadioParams { flies, sticks, kill_channel, kill_reversed, fail_below_us })
+        let channels = (0u8..=16, 0u8..=16);
+        (any::<[bool; 4]>(), [stick.clone(), stick.clone(), stick.clone(), stick], channels, 0u16..=1500).prop_map(
+            |([button, flies, kill_reversed, acro_reversed], sticks, (kill_channel, acro_channel), fail_below_us)| {
+                #[rustfmt::skip]
+                let radio = RadioParams {
+                    flies, sticks, kill_channel, kill_reversed, fail_below_us, acro_channel, acro_reversed,
+                };
+                (button, radio)
             },
         )
+    }
+
+    pub(crate) fn any_pilot() -> impl Strategy<Value = PilotParams> {
+        let stabilise = (10u8..=60, 10u16..=114, 0u8..=100);
+        let acro = (10u16..=286, 10u16..=114, 0u8..=100);
+        (stabilise, acro, 20u8..=80, 0u8..=100).prop_map(|(stabilise, acro, mid, throttle_expo_percent)| {
+            let ((tilt_deg, yaw_deg_s, expo_percent), (acro_tilt_deg_s, acro_yaw_deg_s, acro_expo_percent)) =
+                (stabilise, acro);
+            #[rustfmt::skip]
+            let pilot = PilotParams {
+                tilt_deg, yaw_deg_s, expo_percent, acro_tilt_deg_s, acro_yaw_deg_s, acro_expo_percent,
+                throttle_mid_percent: mid, throttle_expo_percent,
+            };
+            pilot
+        })
     }
 
     proptest! {
@@ -281,12 +363,12 @@ pub(crate) mod tests {
         assert_eq!(crc32(b""), 0);
     }
 
-    /// The head of a record: magic, version 6, and the length of what lies between head and CRC.
+    /// The head of a record: magic, version 7, and the length of what lies between head and CRC.
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x06\0\x5a\0");
-        assert_eq!(record.len(), 8 + 90 + 4);
+        assert_eq!(record[..8], *b"QCFG\x07\0\x9a\0");
+        assert_eq!(record.len(), 8 + 154 + 4);
         // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
         assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }

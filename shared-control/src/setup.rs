@@ -6,9 +6,13 @@ use crate::mpc::MpcSettings;
 use crate::mpc::motor_limits::COUPLED_INPUTS_MAX;
 use crate::output::{LOOP_TIMER_HZ, OutputConfig, PULSE_TIMER_HZ, PulseKind, TimerPeriod};
 use crate::params::table::Field;
+use crate::params::vehicle::VehicleFault;
 use crate::params::{Params, Rig};
 use crate::radio::{RadioFault, RadioSetup};
+use crate::sensing::imu::L3GD20_RATE_HZ;
+use crate::sensing::rotor_notches::NotchesConfig;
 use crate::supervisor::SupervisorConfig;
+use crate::supervisor::battery_watch::BatteryLimits;
 use crate::supervisor::touchdown::LOST_TO_DIPS;
 use crate::vehicle::VehicleParameters;
 
@@ -35,6 +39,8 @@ pub struct Setup {
     pub pulse_timer: TimerPeriod,
     /// The radio, where it flies; or what makes no sense about its calibration.
     pub radio: Result<Option<RadioSetup>, RadioFault>,
+    /// What makes no sense about the owner's vehicle; the F450 then stands in for it, and nothing may arm.
+    pub vehicle_fault: Option<VehicleFault>,
 }
 
 impl Setup {
@@ -50,10 +56,7 @@ impl Setup {
                 return Err(ConfigError::OutOfRange(row.name));
             }
         }
-        let vehicle = match params.rig {
-            Rig::Gimbal => VehicleParameters::F450_GIMBAL,
-            Rig::Free => VehicleParameters::F450_FREE,
-        };
+        let (vehicle, vehicle_fault) = vehicle(params);
         let tuning = Tuning {
             mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
             mpc_linearisations: params.linearisations.into(),
@@ -67,11 +70,22 @@ impl Setup {
         // with hardware in the loop every step brings its one sample
         let imu_rate_hz = if params.hil { loop_rate_hz } else { IMU_RATE_HZ as f32 };
         let mut core = Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?;
+        if params.gyro_notches && !params.hil {
+            core.sensing.imu.gyro_notches = Some(NotchesConfig::new(imu_rate_hz));
+            core.sensing.imu_second.gyro_notches = Some(NotchesConfig::new(L3GD20_RATE_HZ));
+        }
+        let [first, second] = params.level.map(|level| level.trim().mounting());
+        (core.sensing.imu.mounting, core.sensing.imu_second.mounting) = (first, second);
         core.sensing.estimator.levelling.rotor_drag_1_s = f32::from(params.rotor_drag_permille_1_s) / 1000.0;
         let config = Config {
             output: OutputConfig::new(params.pulses, PULSE_TIMER_HZ, &pulse_timer),
             supervisor: SupervisorConfig {
-                battery_arming_min_v: f32::from(params.battery_arming_min_mv) / 1000.0,
+                battery_arming_min_v: f32::from(params.battery.arming_min_mv) / 1000.0,
+                battery: BatteryLimits {
+                    low_v: f32::from(params.battery.low_mv) / 1000.0,
+                    critical_v: f32::from(params.battery.critical_mv) / 1000.0,
+                    after_us: u64::from(params.battery.timer_s) * 1_000_000,
+                },
                 sink_throttle: sink_throttle(params, &vehicle),
                 ..SupervisorConfig::NOMINAL
             },
@@ -80,7 +94,7 @@ impl Setup {
         };
         let mpc = config::mpc_settings(&vehicle, &tuning, loop_rate_hz);
         let radio = if params.radio.flies { RadioSetup::new(&params.radio).map(Some) } else { Ok(None) };
-        Ok(Setup { vehicle, tuning, config, mpc, loop_timer, pulse_timer, radio })
+        Ok(Setup { vehicle, tuning, config, mpc, loop_timer, pulse_timer, radio, vehicle_fault })
     }
 
     /// Does every pulse begin at the same time after the step that computed it? Where one of the two rates is a whole
@@ -89,6 +103,21 @@ impl Setup {
         let cycles_per_count = PULSE_TIMER_HZ / LOOP_TIMER_HZ;
         let (step, pulse) = (cycles_per_count * self.loop_timer.cycles(), self.pulse_timer.cycles());
         step.is_multiple_of(pulse) || pulse.is_multiple_of(step)
+    }
+}
+
+/// The owner's vehicle, if it is to be flown and makes sense; else the F450 on its rig, and what does not.
+fn vehicle(params: &Params) -> (VehicleParameters, Option<VehicleFault>) {
+    let f450 = match params.rig {
+        Rig::Gimbal => VehicleParameters::F450_GIMBAL,
+        Rig::Free => VehicleParameters::F450_FREE,
+    };
+    if !params.vehicle.own {
+        return (f450, None);
+    }
+    match params.vehicle.vehicle(params.rig, f32::from(params.hover_throttle_permille) / 1000.0) {
+        Ok(vehicle) => (vehicle, None),
+        Err(fault) => (f450, Some(fault)),
     }
 }
 
@@ -136,19 +165,43 @@ mod tests {
             let drag_1_s = setup.config.sensing.estimator.levelling.rotor_drag_1_s;
             prop_assert!((drag_1_s * 1000.0 - f32::from(params.rotor_drag_permille_1_s)).abs() < 0.01);
             let minimum_mv = setup.config.supervisor.battery_arming_min_v * 1000.0;
-            prop_assert!((minimum_mv - f32::from(params.battery_arming_min_mv)).abs() < 0.01);
+            prop_assert!((minimum_mv - f32::from(params.battery.arming_min_mv)).abs() < 0.01);
+            let battery = setup.config.supervisor.battery;
+            prop_assert!((battery.critical_v * 1000.0 - f32::from(params.battery.critical_mv)).abs() < 0.01);
+            prop_assert_eq!(battery.after_us, u64::from(params.battery.timer_s) * 1_000_000);
             let free = params.rig == Rig::Free;
             prop_assert_eq!((setup.vehicle.yaw_locked, setup.config.angle.yaw_locked), (!free, !free));
         }
     }
 
+    /// The two ends of what the guards let pass, on both rigs: the controllers can be made, too.
+    #[test]
+    fn every_vehicle_that_makes_sense_can_be_prepared() {
+        use crate::params::vehicle::VehicleNumbers;
+        let own = VehicleNumbers { own: true, ..VehicleNumbers::DEFAULT };
+        let heavy = VehicleNumbers { mass_g: 3300, inertia_e5_kg_m2: [33_000, 33_000, 36_000], arm_mm: 226, ..own };
+        let light = VehicleNumbers { inertia_e5_kg_m2: [150, 150, 250], ..own };
+        let slow = VehicleNumbers { lag_e4_s: 2000, delay_e4_s: 300, ..own };
+        for (numbers, rig) in [(own, Rig::Free), (heavy, Rig::Gimbal), (light, Rig::Free), (slow, Rig::Free)] {
+            let params = Params { vehicle: numbers, rig, hover_throttle_permille: 540, ..Params::DEFAULT };
+            let setup = Setup::new(&params).unwrap();
+            assert_eq!(setup.vehicle_fault, None, "{numbers:?}");
+            assert_eq!(setup.vehicle, numbers.vehicle(rig, 0.54).unwrap());
+            assert!(Mpc::<HORIZON>::prepare_shorter(5, &setup.mpc).is_ok(), "{numbers:?}");
+        }
+        let senseless = VehicleNumbers { mass_g: 9000, ..own };
+        let setup = Setup::new(&Params { vehicle: senseless, rig: Rig::Free, ..Params::DEFAULT }).unwrap();
+        assert_eq!((setup.vehicle_fault, setup.vehicle), (Some(VehicleFault::TooWeak), VehicleParameters::F450_FREE));
+    }
+
     /// What a bench of host code flies, with the idle commands of motors that have a dead band.
     #[test]
-    fn the_defaults_are_what_the_core_flies_on_the_host_but_for_idling() {
+    fn the_defaults_are_what_the_core_flies_on_the_host_but_for_idling_and_notches() {
         let vehicle = VehicleParameters::F450_GIMBAL;
         let tuning = Tuning { ground_idle_command: 0.1, flight_idle_command: 0.15, ..Tuning::for_vehicle(&vehicle) };
         let config = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
-        let setup = Setup::new(&Params::DEFAULT).unwrap();
+        assert!(Setup::new(&Params::DEFAULT).unwrap().config.sensing.imu.gyro_notches.is_some());
+        let setup = Setup::new(&Params { gyro_notches: false, ..Params::DEFAULT }).unwrap();
         assert_eq!(setup.config, config);
         assert_eq!(setup.mpc, config::mpc_settings(&vehicle, &tuning, 400.0));
         assert!((setup.config.mixer.lift_curve.command_at[0] - 0.15).abs() < 1e-6);

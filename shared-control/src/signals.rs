@@ -40,17 +40,23 @@ pub struct Setpoint {
     pub yaw_rate_rad_s: f32,
     /// Collective, 0..1, as the command that all four motors get when no torque is requested.
     pub throttle: f32,
+    /// In acro: rates about the body's axes, rad/s. The angles and the heading's rate then count for nothing.
+    pub acro_rad_s: Option<[f32; 3]>,
 }
 
 impl Setpoint {
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { roll_rad, pitch_rad, yaw_rate_rad_s, throttle } = self;
+        let Self { roll_rad, pitch_rad, yaw_rate_rad_s, throttle, acro_rad_s } = self;
         words.numbers(&[*roll_rad, *pitch_rad, *yaw_rate_rad_s, *throttle]);
+        words.word(u32::from(acro_rad_s.is_some()));
+        words.numbers(&acro_rad_s.unwrap_or_default());
     }
 
     /// Is every part of it a finite number?
     pub fn is_finite(&self) -> bool {
-        [self.roll_rad, self.pitch_rad, self.yaw_rate_rad_s, self.throttle].iter().all(|value| value.is_finite())
+        let [roll, pitch, yaw] = self.acro_rad_s.unwrap_or_default();
+        let values = [self.roll_rad, self.pitch_rad, self.yaw_rate_rad_s, self.throttle, roll, pitch, yaw];
+        values.iter().all(|value| value.is_finite())
     }
 }
 
@@ -80,6 +86,8 @@ pub struct ArmingBlocks {
     pub kill_switch: bool,
     /// The radio is to fly, and its calibration makes no sense.
     pub radio_unusable: bool,
+    /// The owner's vehicle is to fly, and its numbers make no sense.
+    pub vehicle_unusable: bool,
 }
 
 /// A request to change the arming state; the supervisor decides.

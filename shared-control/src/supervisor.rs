@@ -11,10 +11,12 @@
 //!     |  '-- CalibrateEscs --> EscCalibration (all outputs full, then low)
 //!     '------ time is up, Disarm, Arm, link lost --'
 //! ```
-//! In the air nothing but a request (the kill switch is one), a failed IMU, an unknown attitude and a crash takes the
-//! motors away: no tilt does, and no lost link before the vehicle is down.
+//! A nearly empty battery leads from armed to BatteryLow: on the way down as without a link, the pilot steering, and
+//! only the ground ends it. In the air nothing but a request (as the kill switch), a failed IMU, an unknown attitude
+//! and a crash takes the motors away: no tilt does, and no lost link before the vehicle is down.
 
 mod arming;
+pub mod battery_watch;
 mod escs;
 pub mod flight_watch;
 pub mod throttle;
@@ -25,6 +27,7 @@ pub use arming::{Arming, DisarmedBecause, EscStage, Refusal};
 use crate::sensing::battery::ABSENT_BELOW_V;
 use crate::sensing::imu_health::ImuHealth;
 use crate::signals::{ArmingRequest, MotorTest, StepInput};
+use battery_watch::{BatteryLimits, BatteryStage};
 
 /// Largest throttle at which arming is allowed, and up to which a vehicle on the ground idles.
 pub const IDLE_THROTTLE_MAX: f32 = 0.02;
@@ -44,6 +47,8 @@ pub struct SupervisorConfig {
     pub gyro_rest_min_s: f32,
     /// Battery voltage needed to arm, V; only looked at where it is measured.
     pub battery_arming_min_v: f32,
+    /// When a battery is low in flight.
+    pub battery: BatteryLimits,
     /// Throttle at which the vehicle sinks slowly when the link is lost; 0 on a rig that holds it.
     pub sink_throttle: f32,
 }
@@ -51,8 +56,12 @@ pub struct SupervisorConfig {
 impl SupervisorConfig {
     /// The gyro's bias to 3e-4 rad/s (0.01 rad/s of white noise at 1 kHz over a second); three lithium cells at 3.5 V;
     /// a vehicle on its rig.
-    pub const NOMINAL: SupervisorConfig =
-        SupervisorConfig { gyro_rest_min_s: 1.0, battery_arming_min_v: 10.5, sink_throttle: 0.0 };
+    pub const NOMINAL: SupervisorConfig = SupervisorConfig {
+        gyro_rest_min_s: 1.0,
+        battery_arming_min_v: 10.5,
+        battery: BatteryLimits::NOMINAL,
+        sink_throttle: 0.0,
+    };
 
     /// Is the battery good enough to arm? One that is not measured is; one whose voltage is no number is not.
     pub fn battery_is_good(&self, battery_v: Option<f32>) -> bool {
@@ -79,6 +88,8 @@ pub struct Findings {
     pub idle_us: u64,
     /// A battery was connected at some time since start.
     pub battery_seen: bool,
+    /// How the battery is.
+    pub battery: BatteryStage,
 }
 
 /// Next arming state. Disarming is obeyed at any time.
@@ -89,7 +100,7 @@ pub fn update(config: &SupervisorConfig, arming: Arming, input: &StepInput, find
         (Arming::Disarmed(because), ArmingRequest::Kill | ArmingRequest::DisarmLanded) => Arming::Disarmed(because),
         (_, ArmingRequest::Kill) => Arming::Disarmed(DisarmedBecause::Killed),
         // in the air sticks that happen to stand in the corner end nothing
-        (Arming::Armed | Arming::LinkLost { .. }, ArmingRequest::DisarmLanded) if !findings.airborne => {
+        (armed, ArmingRequest::DisarmLanded) if armed.is_armed() && !findings.airborne => {
             Arming::Disarmed(DisarmedBecause::Requested)
         }
         (Arming::Disarmed(because), ArmingRequest::None) => Arming::Disarmed(because),
@@ -115,7 +126,10 @@ pub fn update(config: &SupervisorConfig, arming: Arming, input: &StepInput, find
         }
         // whoever wants something else has lost sight of it
         (Arming::EscCalibration { .. }, _) => refused(Refusal::EscCalibrationRunning),
-        (Arming::Armed, _) => taken_away(findings).map_or_else(|| if_link_is_lost(input, findings), Arming::Disarmed),
+        (Arming::Armed, _) => taken_away(findings).map_or_else(|| if_left_alone(input, findings), Arming::Disarmed),
+        (Arming::BatteryLow { since_us }, _) => {
+            taken_away(findings).map_or_else(|| without_battery(since_us, input, findings), Arming::Disarmed)
+        }
         (Arming::LinkLost { since_us }, _) => {
             taken_away(findings).map_or_else(|| without_link(since_us, input, findings), Arming::Disarmed)
         }
@@ -131,8 +145,13 @@ fn taken_away(findings: &Findings) -> Option<DisarmedBecause> {
     }
 }
 
-/// From armed: on the ground there is nothing to bring down.
-fn if_link_is_lost(input: &StepInput, findings: &Findings) -> Arming {
+/// From armed: the battery may be empty, or the link lost. On the ground there is nothing to bring down.
+fn if_left_alone(input: &StepInput, findings: &Findings) -> Arming {
+    match (findings.battery, findings.airborne) {
+        (BatteryStage::Critical, true) => return Arming::BatteryLow { since_us: input.time_us },
+        (BatteryStage::Critical, false) => return Arming::Disarmed(DisarmedBecause::BatteryLow),
+        (BatteryStage::Good | BatteryStage::Low, _) => {}
+    }
     match (link_is_lost(input, findings), findings.airborne) {
         (false, _) => Arming::Armed,
         (true, true) => Arming::LinkLost { since_us: input.time_us },
@@ -148,6 +167,17 @@ fn without_link(since_us: u64, input: &StepInput, findings: &Findings) -> Arming
         Arming::Disarmed(DisarmedBecause::LinkLost)
     } else {
         Arming::LinkLost { since_us }
+    }
+}
+
+/// Down, or on the way: a battery that has been so low does not come back, whatever its voltage without load. A pilot
+/// who idles is believed to have landed once nobody could be in the air any more.
+fn without_battery(since_us: u64, input: &StepInput, findings: &Findings) -> Arming {
+    let descended = input.time_us.saturating_sub(since_us) >= throttle::HOLD_US + throttle::SINK_US;
+    if !findings.airborne || descended && findings.idle_us >= LINK_IDLE_US {
+        Arming::Disarmed(DisarmedBecause::BatteryLow)
+    } else {
+        Arming::BatteryLow { since_us }
     }
 }
 
@@ -170,7 +200,7 @@ fn arming_refusal(config: &SupervisorConfig, input: &StepInput, findings: &Findi
         Some(Refusal::AttitudeUnknown)
     } else if !gyro_is_calibrated {
         Some(Refusal::GyroNotCalibrated)
-    } else if !config.battery_is_good(input.battery_v) {
+    } else if !config.battery_is_good(input.battery_v) || findings.battery == BatteryStage::Critical {
         let absent = input.battery_v.is_some_and(|volts| volts < ABSENT_BELOW_V);
         Some(if absent { Refusal::BatteryAbsent } else { Refusal::BatteryLow })
     } else {
@@ -196,6 +226,8 @@ fn standing_refusal(input: &StepInput, findings: &Findings) -> Option<Refusal> {
         Some(Refusal::SafetyOn)
     } else if input.blocks.radio_unusable {
         Some(Refusal::RadioUnusable)
+    } else if input.blocks.vehicle_unusable {
+        Some(Refusal::VehicleUnusable)
     } else if !input.setpoint.is_finite() {
         Some(Refusal::SetpointNotFinite)
     } else if link_is_lost(input, findings) {

@@ -26,6 +26,7 @@ pub fn at(since_start_us: u64, hover_throttle: f32) -> Option<Setpoint> {
         pitch_rad: pitch_deg.to_radians(),
         yaw_rate_rad_s: 0.0,
         throttle: hover_throttle,
+        acro_rad_s: None,
     })
 }
 

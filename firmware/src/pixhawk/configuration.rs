@@ -6,7 +6,7 @@ use shared_control::config::Controller;
 use shared_control::link::{Commander, LinkSettings};
 use shared_control::mpc::{HORIZON, Mpc};
 use shared_control::params::{self, Params, RecordError, Rig};
-use shared_control::radio::Pilot;
+use shared_control::radio::{Pilot, StickCurves};
 use shared_control::sensing::imu::AxisMap;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingBlocks, MotorCommands};
@@ -62,7 +62,8 @@ impl Configuration {
     pub fn link_settings(&self) -> LinkSettings {
         let hover_throttle = f32::from(self.params.hover_throttle_permille) / 1000.0;
         let has_test_sequence = self.params.rig == Rig::Gimbal || self.params.hil;
-        LinkSettings { hover_throttle, has_test_sequence, ..LinkSettings::NOMINAL }
+        let curves = StickCurves::new(&self.params.pilot);
+        LinkSettings { hover_throttle, has_test_sequence, curves, ..LinkSettings::NOMINAL }
     }
 
     /// Who takes the ground's and the pilot's wishes, with what stands against arming.
@@ -72,6 +73,7 @@ impl Configuration {
             configuration_unconfirmed: self.fault.is_some(),
             esc_calibration: self.params.esc_calibration,
             radio_unusable: self.setup.radio.is_err(),
+            vehicle_unusable: self.setup.vehicle_fault.is_some(),
             ..ArmingBlocks::default()
         };
         let pilot = self.setup.radio.ok().flatten().map(Pilot::new);

@@ -73,6 +73,9 @@ impl Ground {
         if let Err(fault) = configuration.setup.radio {
             self.tell(fault);
         }
+        if let Some(fault) = configuration.setup.vehicle_fault {
+            self.tell(fault);
+        }
         if !configuration.setup.pulses_keep_phase() {
             self.tell("PWM_RATE_HZ and LOOP_RATE_HZ unrelated: jitter");
         }
@@ -89,7 +92,7 @@ impl Ground {
             self.telemetry.answer(answer);
         }
         while let Some(chore) = self.chores.dequeue() {
-            self.attend_to(chore);
+            self.attend_to(chore, status);
         }
         if self.due.is_empty() {
             self.make_due(time_us, status);
@@ -120,13 +123,14 @@ impl Ground {
         }
     }
 
-    fn attend_to(&mut self, chore: Chore) {
+    fn attend_to(&mut self, chore: Chore, status: &VehicleStatus) {
         match chore {
             Chore::ClearFaultRecord => FaultRecord::clear(),
             Chore::StoreConfiguration => self.telemetry.store_configuration(|record| self.memory.store(record)),
             Chore::Parameters(request) => {
                 self.telemetry.serve_parameters(&request, |record| self.memory.store(record));
             }
+            Chore::CalibrateLevel => self.telemetry.calibrate_level(status, |record| self.memory.store(record)),
             Chore::Restart => self.restart_in = Some(RESTART_UPDATES),
         }
     }

@@ -210,7 +210,7 @@ mod tests {
             let mut q = q_world_from_euler(euler(0.0, 0.0, heading));
             let mut estimate = AttitudeEstimate { q_world_from_body: q, ..at(EulerAngles::default()) };
             let mut state = AngleState::at(&euler_from_q(&estimate.q_world_from_body));
-            let setpoint = Setpoint { roll_rad: 0.5, pitch_rad: -0.4, yaw_rate_rad_s: 0.8, throttle: 0.5 };
+            let setpoint = Setpoint { roll_rad: 0.5, pitch_rad: -0.4, yaw_rate_rad_s: 0.8, ..Setpoint::default() };
             for _ in 0..1200 {
                 let rate = update(&config(false), &mut state, &setpoint, &estimate, 0.0025).rate_rad_s;
                 q = crate::frames::normalized((q * q_from_rotation_vector(&(rate * 0.0025))).into_inner());

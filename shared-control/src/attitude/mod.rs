@@ -6,8 +6,9 @@
 //!  gyro ----------------------------------------------------> rate PID <---'   fast (before them)
 //! ```
 //! [`angle::update`] runs after the outputs are written and gives the rate target that the next step's
-//! [`rate::update`] uses: one sample of delay, no jitter.
+//! [`rate::update`] uses: one sample of delay, no jitter. In acro [`acro::update`] stands in its place.
 
+pub mod acro;
 pub mod angle;
 pub mod rate;
 pub mod shaping;

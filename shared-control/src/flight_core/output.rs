@@ -7,6 +7,7 @@ use crate::sensing::imu_health::ImuHealth;
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{AttitudeEstimate, PlanReport, PlanStatus, Wrench};
 use crate::supervisor::Arming;
+use crate::supervisor::battery_watch::BatteryStage;
 
 /// Who made the torque of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,6 +62,8 @@ pub struct StepOutput {
     pub source: TorqueSource,
     /// May the motors turn?
     pub arming: Arming,
+    /// How the battery is.
+    pub battery: BatteryStage,
     /// The IMU in use.
     pub imu_unit: ImuUnit,
     /// Is it to be believed?
@@ -73,6 +76,9 @@ pub struct StepOutput {
     pub estimate: AttitudeEstimate,
     /// Root mean square of what shakes each axis of the IMU in use, body, m/s^2.
     pub vibration_m_s2: Vector3<f32>,
+    /// Of the first and the second IMU: mean specific force at rest in its own axes, m/s^2; none in flight, soon after
+    /// a motion, or without it.
+    pub rest_force_m_s2: [Option<Vector3<f32>>; 2],
     /// How the MPC's plans fare.
     pub planning: PlanReport,
     /// Rate that the cascade requested, body frame, rad/s.

@@ -90,15 +90,15 @@ fn delivered_nm(output: &StepOutput) -> [f32; 3] {
     core::array::from_fn(|axis| output.wrench.torque_body_nm[axis] - output.mix.unmet_torque_nm[axis])
 }
 
-/// What the planner needs to know, at the time when the plan will act. None where the vehicle is too steep or upside
-/// down.
+/// What the planner needs to know, at the time when the plan will act. None in acro, and where the vehicle is too
+/// steep or upside down.
 pub(super) fn request(
     config: &Config,
     state: &State,
     motion: &EulerMotion,
     output: &StepOutput,
 ) -> Option<PlanRequest> {
-    if motion.is_too_steep() {
+    if motion.is_too_steep() || state.setpoint.flown.acro_rad_s.is_some() {
         return None;
     }
     let [roll_rad, pitch_rad, heading_rad] = motion.angle_rad;

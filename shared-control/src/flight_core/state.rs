@@ -11,6 +11,7 @@ use crate::sensing::estimator::EstimatorState;
 use crate::sensing::imu_select::ImuPairState;
 use crate::signals::{Plan, PlanReport, Setpoint, StepInput, Wrench};
 use crate::supervisor::Arming;
+use crate::supervisor::battery_watch::BatteryWatch;
 use crate::supervisor::flight_watch::FlightWatch;
 use crate::supervisor::throttle::Handover;
 use crate::supervisor::touchdown::Touchdown;
@@ -35,6 +36,7 @@ pub struct State {
     pub(super) coasting: Coasting,
     /// A battery was connected at some time since start.
     pub(super) battery_seen: bool,
+    pub(super) battery: BatteryWatch,
     pub(super) last_wrench: Wrench,
     pub(super) last_mix: MixResult,
     pub(super) last_source: TorqueSource,
@@ -64,6 +66,7 @@ impl State {
             touchdown,
             coasting,
             battery_seen,
+            battery,
             last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
             last_mix,
             last_source,
@@ -82,6 +85,7 @@ impl State {
         touchdown.record(words);
         coasting.record(words);
         words.word(u32::from(*battery_seen));
+        battery.record(words);
         words.number(*lift_per_motor_n);
         words.numbers(torque_body_nm);
         last_mix.record(words);
@@ -131,12 +135,13 @@ pub(super) struct SetpointState {
 
 impl SetpointState {
     fn record(&self, words: &mut StateWords) {
-        let Self { flown, good, good_us, rejected, handover: Handover { pending } } = self;
+        let Self { flown, good, good_us, rejected, handover: Handover { pending, ceiling } } = self;
         flown.record(words);
         good.record(words);
         words.time_us(*good_us);
         words.word(*rejected);
         words.word(u32::from(*pending));
+        words.number(*ceiling);
     }
 
     /// What is flown now.

@@ -240,6 +240,38 @@ fn a_link_that_comes_back_gives_control_back_without_a_jump() {
     assert_eq!(state.setpoint.flown.throttle, 0.5);
 }
 
+/// Rates are the rate loop's, whoever flies the angles: with the MPC no plan is asked for, and none is missed. Back in
+/// stabilise the reference begins where the vehicle is.
+#[test]
+fn in_acro_the_rate_loop_flies_with_either_controller() {
+    let fly = |controller| {
+        let (config, mut state) = armed(controller);
+        let mut outputs = std::vec::Vec::new();
+        for k in 1..=60u64 {
+            let mut step = input(k, 0.5, ArmingRequest::None, None);
+            step.setpoint.roll_rad = 0.4;
+            step.setpoint.acro_rad_s = (k <= 40).then_some([0.0, 0.5, 1.0]);
+            let output = FlightCore::fast(&config, &mut state, &step);
+            let request = FlightCore::follow(&config, &mut state, &output);
+            assert_eq!(request.is_some(), controller == Controller::Mpc && k > 40, "step {k}");
+            if k == 40 {
+                // 0.5 rad/s, and a heading that is locked; a vehicle that stays where it is takes its reference along
+                assert_eq!(state.rate_target.rate_rad_s.as_slice(), [0.0, 0.5, 0.0]);
+                assert!(state.shaped_reference_rad().iter().all(|angle| angle.abs() < 1e-3));
+            }
+            outputs.push(output);
+        }
+        outputs
+    };
+    let (cascade, mpc) = (fly(Controller::Cascade), fly(Controller::Mpc));
+    for (cascade, mpc) in cascade.iter().zip(&mpc).take(40) {
+        assert_eq!((mpc.source, mpc.mix.commands), (TorqueSource::Cascade, cascade.mix.commands));
+    }
+    let [.., last] = &mpc[..] else { panic!("no step") };
+    // no plan is given here: the one that arming asked for and the 19 since the end of acro are missed
+    assert_eq!((last.source, last.planning.deadline_misses), (TorqueSource::CascadeNoPlan, 1 + 19));
+}
+
 #[test]
 fn a_motor_test_turns_its_motor_and_no_other() {
     let config = config(Controller::Mpc);

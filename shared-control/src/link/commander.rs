@@ -9,7 +9,8 @@
 //!
 //! Where the radio flies ([`Commander::with_radio`]), it alone has sticks: `MANUAL_CONTROL` moves nothing, and the age
 //! is the radio's. A radio that is lost, by its receiver's own word or by the IO chip's silence, is a lost link at
-//! once. The ground's commands are obeyed as before.
+//! once. The ground's commands are obeyed as before. Its mode switch chooses between stabilise and acro; the ground's
+//! sticks and the test sequence fly angles.
 
 use mavlink::dialects::common::MavCmd;
 
@@ -173,6 +174,7 @@ impl Commander {
                 (Some(Answer::Refused(MavCmd::MAV_CMD_PREFLIGHT_STORAGE, Refusal::Armed)), None)
             }
             Order::FaultRecordRead => (Some(Answer::Refused(MavCmd::MAV_CMD_USER_1, Refusal::Armed)), None),
+            Order::CalibrateLevel => self.calibrate_level(disarmed),
             Order::Restart => self.restart(disarmed),
             Order::Parameters(request) => self.parameters(request, disarmed),
             Order::NotUnderstood { command, known: true } => (Some(Answer::Senseless(command)), None),
@@ -273,13 +275,9 @@ impl Commander {
     }
 
     fn sticks_of(&self, sticks: &Sticks, time_us: u64) -> Source {
-        let LinkSettings { stick_tilt_rad, stick_yaw_rate_rad_s, .. } = self.settings;
-        let setpoint = Setpoint {
-            roll_rad: sticks.roll * stick_tilt_rad,
-            pitch_rad: sticks.pitch * stick_tilt_rad,
-            yaw_rate_rad_s: sticks.yaw * stick_yaw_rate_rad_s,
-            throttle: sticks.throttle,
-        };
+        let acro = self.pilot.as_ref().is_some_and(Pilot::flies_acro);
+        let curves = &self.settings.curves;
+        let setpoint = if acro { curves.acro(sticks) } else { curves.stabilise(sticks) };
         Source::Sticks { setpoint, heard_us: time_us }
     }
 
@@ -293,6 +291,18 @@ impl Commander {
         }
         self.restarting = true;
         (Some(Answer::Accepted(COMMAND)), Some(Chore::Restart))
+    }
+
+    /// Whether the vehicle stands still is seen, and answered, where it is stored.
+    fn calibrate_level(&self, disarmed: bool) -> (Option<Answer>, Option<Chore>) {
+        let refused = |refusal| (Some(Answer::Refused(MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, refusal)), None);
+        if !disarmed {
+            refused(Refusal::Armed)
+        } else if self.blocks.configuration_unconfirmed {
+            refused(Refusal::ConfigurationUnconfirmed)
+        } else {
+            (None, Some(Chore::CalibrateLevel))
+        }
     }
 
     /// Telling is always allowed. Setting is not while defaults stand in for a bad record: one field would vouch for
@@ -320,7 +330,7 @@ impl Commander {
     }
 
     fn is_armed(&self) -> bool {
-        matches!(self.arming, Arming::Armed | Arming::LinkLost { .. })
+        self.arming.is_armed()
     }
 
     fn sticks(&self, setpoint: Setpoint, heard_us: u64, time_us: u64) -> Setpoint {
@@ -342,6 +352,7 @@ impl Commander {
                 Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::NotArmed)
             }
             Arming::LinkLost { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::LinkLost),
+            Arming::BatteryLow { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::BatteryLow),
         }
     }
 

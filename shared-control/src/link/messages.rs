@@ -25,6 +25,7 @@ pub(super) fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str
         Arming::EscCalibration { stage: EscStage::High, .. } => (NOTICE, "battery seen: full throttle for 4 s"),
         Arming::EscCalibration { stage: EscStage::Low, .. } => (NOTICE, "low throttle for 4 s"),
         Arming::LinkLost { .. } => (CRITICAL, "link lost: level, then down"),
+        Arming::BatteryLow { .. } => (CRITICAL, "battery empty: coming down, steer"),
         Arming::Disarmed(because) => match because {
             DisarmedBecause::Start | DisarmedBecause::Refused(_) => return None,
             DisarmedBecause::Requested => (NOTICE, "disarmed"),
@@ -33,6 +34,7 @@ pub(super) fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str
             DisarmedBecause::Killed => (CRITICAL, "disarmed: kill switch"),
             DisarmedBecause::EscsCalibrated => (NOTICE, "ESCs calibrated: set ESC_CALIBRATION to 0"),
             DisarmedBecause::EscCalibrationEnded => (CRITICAL, "ESC calibration broken off: disconnect battery"),
+            DisarmedBecause::BatteryLow => (CRITICAL, "disarmed: battery empty"),
             DisarmedBecause::LinkLost => (CRITICAL, "disarmed: link lost"),
             DisarmedBecause::AttitudeUnknown => (CRITICAL, "disarmed: attitude unknown"),
             DisarmedBecause::ImuFailed(ImuFault::Stale) => (CRITICAL, "disarmed: IMU sends nothing"),
@@ -57,31 +59,28 @@ pub(super) fn command_ack(answer: &Answer) -> Option<COMMAND_ACK_DATA> {
 }
 
 pub(super) fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
-    let armed = match status.arming {
-        Arming::Armed | Arming::LinkLost { .. } => MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED,
-        Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => MavModeFlag::empty(),
-    };
+    let safety_armed = MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED;
+    let armed = if status.arming.is_armed() { safety_armed } else { MavModeFlag::empty() };
     let hil = if status.hil { MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED } else { MavModeFlag::empty() };
     let system_status = match status.arming {
         Arming::Armed | Arming::MotorTest { .. } => MavState::MAV_STATE_ACTIVE,
         Arming::EscCalibration { .. } => MavState::MAV_STATE_CALIBRATING,
-        Arming::LinkLost { .. } => MavState::MAV_STATE_CRITICAL,
+        Arming::LinkLost { .. } | Arming::BatteryLow { .. } => MavState::MAV_STATE_CRITICAL,
         Arming::Disarmed(
             DisarmedBecause::ImuFailed(_) | DisarmedBecause::AttitudeUnknown | DisarmedBecause::Crashed,
         ) => MavState::MAV_STATE_EMERGENCY,
         Arming::Disarmed(_) => MavState::MAV_STATE_STANDBY,
     };
+    let stabilised = if status.acro { MavModeFlag::empty() } else { MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED };
     HEARTBEAT_DATA {
-        custom_mode: match status.controller {
-            Controller::Cascade => 0,
-            Controller::Mpc => 1,
+        custom_mode: match (status.acro, status.controller) {
+            (true, _) => 2,
+            (false, Controller::Cascade) => 0,
+            (false, Controller::Mpc) => 1,
         },
         mavtype: MavType::MAV_TYPE_QUADROTOR,
         autopilot: MavAutopilot::MAV_AUTOPILOT_GENERIC,
-        base_mode: armed
-            | hil
-            | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
-            | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED,
+        base_mode: armed | hil | stabilised | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
         system_status,
         mavlink_version: 3,
     }

@@ -21,6 +21,7 @@
 //! | `MAV_CMD_MISSION_START` | starts the test sequence; only when armed, on the rig; it ends disarmed |
 //! | `MAV_CMD_DO_MOTOR_TEST` | param1 motor 1..4, param2 must be 0 (percent), param3 percent, param4 seconds |
 //! | `MAV_CMD_PREFLIGHT_CALIBRATION` | param7 = 1, all others 0: teaches the ESCs their range; see [`crate::supervisor`] |
+//! | the same | param5 = 2, all others 0: the vehicle stands level and still; stores how its IMUs sit |
 //! | `MAV_CMD_PREFLIGHT_STORAGE` | param1 = 1: confirms the configuration in use and stores it; only when disarmed |
 //! | `MAV_CMD_USER_1` | the fault record has been read; only when disarmed |
 //! | `MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN` | param1 = 1: starts anew; only when disarmed |

@@ -24,6 +24,8 @@ pub enum Order {
     TestMotor(MotorTest),
     /// Teach the ESCs their range.
     CalibrateEscs,
+    /// The vehicle stands level: store how its IMUs sit.
+    CalibrateLevel,
     /// The configuration in use is right: store it.
     ConfirmConfiguration,
     /// The fault record has been read.
@@ -87,6 +89,8 @@ pub enum Chore {
     StoreConfiguration,
     /// Clear the fault record.
     ClearFaultRecord,
+    /// Store how the IMUs sit on a vehicle that stands level.
+    CalibrateLevel,
     /// Start anew, once the answer has left.
     Restart,
     /// Tell or change parameters.

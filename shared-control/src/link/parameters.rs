@@ -10,6 +10,7 @@ use mavlink::dialects::common::{MavParamType, PARAM_VALUE_DATA};
 
 use super::frame::FrameWriter;
 use super::orders_and_answers::{ParameterRequest, Text};
+use crate::params::level::LevelParams;
 use crate::params::table::Field;
 use crate::params::{Params, RECORD_LEN, encode};
 
@@ -51,6 +52,22 @@ impl Parameters {
         store(&encode(&self.stored))
     }
 
+    /// Stores how the IMUs sit, and reports it; the second only where that is known. False if the memory failed.
+    pub fn set_level(
+        &mut self,
+        (first, second): (LevelParams, Option<LevelParams>),
+        store: impl FnOnce(&[u8; RECORD_LEN]) -> bool,
+    ) -> bool {
+        let [_, before] = self.stored.level;
+        let changed = Params { level: [first, second.unwrap_or(before)], ..self.stored };
+        let kept = store(&encode(&changed));
+        if kept {
+            self.stored = changed;
+            Field::ALL.into_iter().filter(|field| matches!(field, Field::Level(..))).for_each(|field| self.tell(field));
+        }
+        kept
+    }
+
     /// A field is to be reported to the ground.
     pub fn tell(&mut self, field: Field) {
         if let Some(due) = self.due.get_mut(usize::from(field.index())) {
@@ -62,7 +79,7 @@ impl Parameters {
         let row = field.row();
         let mut words = Text::new();
         // all of it fits: 16 bytes of name, two numbers
-        let _ = match whole(value).and_then(|value| self.stored.with(field, value)) {
+        let _ = match row.allowed.bits(value).and_then(|bits| self.stored.with(field, bits)) {
             None => write!(words, "bad {}: {}", row.name, row.allowed),
             Some(changed) if store(&encode(&changed)) => {
                 self.stored = changed;
@@ -77,8 +94,8 @@ impl Parameters {
     pub(super) fn write_next<const N: usize>(&mut self, writer: &mut FrameWriter, out: &mut heapless::Vec<u8, N>) {
         let Some((field, due)) = Field::ALL.into_iter().zip(&mut self.due).find(|(_, due)| **due) else { return };
         let value = PARAM_VALUE_DATA {
-            // exact: every field is a whole number below 2^16
-            param_value: f32::from(self.stored.get(field)),
+            // exact: every field is a whole number of at most 16 bits
+            param_value: field.row().allowed.number(self.stored.get(field)) as f32,
             param_count: Field::ALL.len() as u16,
             param_index: field.index().into(),
             param_id: field.row().name.into(),
@@ -86,13 +103,6 @@ impl Parameters {
         };
         *due = !writer.write(&value, out);
     }
-}
-
-/// The whole number that a value is, from 0 to 65,535.
-fn whole(value: f32) -> Option<u16> {
-    // `as` truncates and saturates, and makes 0 of what is no number
-    let number = value as u16;
-    (f32::from(number) == value).then_some(number)
 }
 
 #[cfg(test)]

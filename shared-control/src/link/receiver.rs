@@ -12,7 +12,8 @@ use super::orders_and_answers::{Order, ParameterRequest};
 use super::settings::{COMPONENT_ID, LinkSettings};
 use crate::elementary::limit;
 use crate::params::table::Field;
-use crate::signals::{MotorTest, Setpoint};
+use crate::radio::Sticks;
+use crate::signals::MotorTest;
 
 /// Turns the bytes that arrive into orders.
 #[derive(Clone, Debug)]
@@ -68,12 +69,9 @@ impl Receiver {
         let valid = [data.x, data.y, data.z, data.r].into_iter().all(in_range);
         let share = |axis: i16| f32::from(axis) / 1000.0;
         self.counted(valid.then(|| {
-            Order::Fly(Setpoint {
-                roll_rad: share(data.y) * self.settings.stick_tilt_rad,
-                pitch_rad: -share(data.x) * self.settings.stick_tilt_rad,
-                yaw_rate_rad_s: share(data.r) * self.settings.stick_yaw_rate_rad_s,
-                throttle: limit(share(data.z), 0.0, 1.0),
-            })
+            let throttle = limit(share(data.z), 0.0, 1.0);
+            let sticks = Sticks { roll: share(data.y), pitch: -share(data.x), throttle, yaw: share(data.r) };
+            Order::Fly(self.settings.curves.stabilise(&sticks))
         }))
     }
 
@@ -125,7 +123,8 @@ fn order_of(data: &COMMAND_LONG_DATA) -> Order {
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => wrong,
         MavCmd::MAV_CMD_MISSION_START => Order::StartTestSequence,
         MavCmd::MAV_CMD_DO_MOTOR_TEST => motor_test(data).map_or(wrong, Order::TestMotor),
-        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if calibrates_escs(data) => Order::CalibrateEscs,
+        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if calibrates(data, [0.0, 1.0]) => Order::CalibrateEscs,
+        MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION if calibrates(data, [2.0, 0.0]) => Order::CalibrateLevel,
         MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION => wrong,
         MavCmd::MAV_CMD_PREFLIGHT_STORAGE if data.param1 == 1.0 => Order::ConfirmConfiguration,
         MavCmd::MAV_CMD_PREFLIGHT_STORAGE => wrong,
@@ -149,10 +148,10 @@ fn motor_test(data: &COMMAND_LONG_DATA) -> Option<MotorTest> {
     })
 }
 
-/// The ESCs (param7 1) and nothing else.
-fn calibrates_escs(data: &COMMAND_LONG_DATA) -> bool {
-    let others = [data.param1, data.param2, data.param3, data.param4, data.param5, data.param6];
-    data.param7 == 1.0 && others.iter().all(|param| *param == 0.0)
+/// The level (param5 2) or the ESCs (param7 1), and nothing else.
+fn calibrates(data: &COMMAND_LONG_DATA, what: [f32; 2]) -> bool {
+    let others = [data.param1, data.param2, data.param3, data.param4, data.param6];
+    [data.param5, data.param7] == what && others.iter().all(|param| *param == 0.0)
 }
 
 /// What a `PARAM_REQUEST_READ` requests: by index, or by name if the index is negative.

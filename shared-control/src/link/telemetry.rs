@@ -1,6 +1,7 @@
 //! What the vehicle says of itself, at rates that leave half of 57,600 baud free.
 
-use mavlink::dialects::common::{MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
+use mavlink::dialects::common::{MavCmd, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
+use nalgebra::Vector3;
 
 use super::frame::FrameWriter;
 use super::messages::{
@@ -11,9 +12,12 @@ use super::parameters::Parameters;
 use super::settings::{COMPONENT_ID, LinkSettings};
 use super::vehicle_status::VehicleStatus;
 use crate::io_chip::IoState;
+use crate::params::level::LevelParams;
 use crate::params::{Params, RECORD_LEN};
+use crate::sensing::imu::STANDARD_GRAVITY_M_S2;
 use crate::sensing::imu_select::ImuUnit;
-use crate::supervisor::Arming;
+use crate::sensing::level_trim::LevelTrim;
+use crate::supervisor::{Arming, Refusal};
 
 /// Period of `HEARTBEAT`, µs.
 pub const HEARTBEAT_PERIOD_US: u64 = 1_000_000;
@@ -53,6 +57,8 @@ pub struct Telemetry {
     told_io: IoState,
     /// Was the radio heard when that was told last?
     told_radio: bool,
+    told_acro: bool,
+    told_battery_low: bool,
     figures: Figures,
     next_figure: usize,
     heartbeat: Due,
@@ -78,6 +84,8 @@ impl Telemetry {
             told_unit: ImuUnit::default(),
             told_io: IoState::default(),
             told_radio: false,
+            told_acro: false,
+            told_battery_low: false,
             figures: [("", 0); FIGURES],
             next_figure: 0,
             heartbeat: Due::every(HEARTBEAT_PERIOD_US),
@@ -125,6 +133,23 @@ impl Telemetry {
         self.text(MavSeverity::MAV_SEVERITY_NOTICE, words);
     }
 
+    /// Stores how the IMUs sit on a vehicle that stands still and level, and says what came of it.
+    pub fn calibrate_level(&mut self, status: &VehicleStatus, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) {
+        const COMMAND: MavCmd = MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION;
+        let [first, second] = status.rest_force_m_s2;
+        let trim = |force_m_s2: Vector3<f32>| LevelTrim::of_level_vehicle(&force_m_s2, STANDARD_GRAVITY_M_S2);
+        let Some(force_m_s2) = first else { return self.answer(Answer::Refused(COMMAND, Refusal::VehicleMoves)) };
+        let Some(found) = trim(force_m_s2) else { return self.answer(Answer::Refused(COMMAND, Refusal::NotLevel)) };
+        let second = second.and_then(trim).map(|trim| LevelParams::new(&trim));
+        if self.parameters.set_level((LevelParams::new(&found), second), store) {
+            self.answer(Answer::Accepted(COMMAND));
+            self.text(MavSeverity::MAV_SEVERITY_NOTICE, "level stored for the next start");
+        } else {
+            self.answer(Answer::Busy(COMMAND));
+            self.text(MavSeverity::MAV_SEVERITY_WARNING, "level not stored: memory failed");
+        }
+    }
+
     /// Takes a text to be sent; what is beyond 50 bytes is cut off.
     pub fn text(&mut self, severity: MavSeverity, words: &str) {
         let mut text = Text::new();
@@ -142,6 +167,7 @@ impl Telemetry {
         self.tell_arming(&status.arming);
         self.tell_unit(status.imu_unit);
         self.tell_io(status);
+        self.tell_battery(status);
         while let Some(answer) = self.answers.front() {
             if command_ack(answer).is_some_and(|data| !self.writer.write(&data, out)) {
                 return;
@@ -230,6 +256,20 @@ impl Telemetry {
             _ => {}
         }
         self.told_radio = heard;
+        if self.told_acro != status.acro {
+            let words = if status.acro { "mode: acro (rates)" } else { "mode: stabilise (angles)" };
+            self.text(MavSeverity::MAV_SEVERITY_NOTICE, words);
+            self.told_acro = status.acro;
+        }
+    }
+
+    /// Low in the air; at arming the refusal says it.
+    fn tell_battery(&mut self, status: &VehicleStatus) {
+        let low = status.battery_low && status.arming.is_armed();
+        if low && !self.told_battery_low {
+            self.text(MavSeverity::MAV_SEVERITY_CRITICAL, "battery low: land");
+        }
+        self.told_battery_low = low;
     }
 
     fn count_dropped(&mut self, dropped: bool) {

@@ -9,6 +9,7 @@ use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, StepInput};
 use crate::supervisor::Arming;
+use crate::supervisor::battery_watch::BatteryStage;
 
 /// All that telemetry reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +32,7 @@ pub struct VehicleStatus {
     pub hil: bool,
     /// Battery voltage, V, where measured.
     pub battery_v: Option<f32>,
-    /// True if it is measured and too low for arming.
+    /// True if it is measured and too low: disarmed for arming, armed for flying on.
     pub battery_low: bool,
     /// What stands against arming from outside the loop.
     pub blocks: ArmingBlocks,
@@ -39,6 +40,10 @@ pub struct VehicleStatus {
     pub io: IoReport,
     /// True where the radio's sticks fly.
     pub radio_flies: bool,
+    /// Do the sticks mean rates?
+    pub acro: bool,
+    /// Of the first and the second IMU: see [`StepOutput::rest_force_m_s2`].
+    pub rest_force_m_s2: [Option<Vector3<f32>>; 2],
     /// Load of the processor, 1/1000.
     pub load_permille: u16,
     /// Steps whose set-point was no number.
@@ -71,6 +76,8 @@ impl VehicleStatus {
             blocks: ArmingBlocks::default(),
             io: IoReport::default(),
             radio_flies: false,
+            acro: false,
+            rest_force_m_s2: [None; 2],
             load_permille: 0,
             setpoints_rejected: 0,
             overruns: 0,
@@ -87,11 +94,17 @@ impl VehicleStatus {
             imu_unit: output.imu_unit,
             imu_health: output.imu_health,
             standby_health: output.standby_health,
+            rest_force_m_s2: output.rest_force_m_s2,
             setpoints_rejected: output.setpoints_rejected,
             battery_v: input.battery_v,
-            battery_low: !config.supervisor.battery_is_good(input.battery_v),
+            battery_low: if output.arming.is_armed() {
+                output.battery != BatteryStage::Good
+            } else {
+                !config.supervisor.battery_is_good(input.battery_v)
+            },
             blocks: input.blocks,
             planning: output.planning,
+            acro: input.setpoint.acro_rad_s.is_some(),
             ..Self::at_start(config.controller)
         }
     }

@@ -115,7 +115,7 @@ mod tests {
             steps_before in 0usize..100,
             delay_steps in 0u8..8,
         ) {
-            let setpoint = Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle: 0.5 };
+            let setpoint = Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle: 0.5, acro_rad_s: None };
             let preview = preview(ReferenceAhead::Shaped, 0.0025 * f32::from(delay_steps));
             let mut state = AngleState::default();
             let go_on = |state: &mut AngleState, steps: usize| {

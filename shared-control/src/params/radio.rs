@@ -41,6 +41,10 @@ pub enum RadioPart {
     KillReversed,
     /// [`RadioParams::fail_below_us`].
     FailBelow,
+    /// [`RadioParams::acro_channel`].
+    AcroChannel,
+    /// [`RadioParams::acro_reversed`].
+    AcroReversed,
 }
 
 /// One number of a stick.
@@ -90,6 +94,10 @@ pub struct RadioParams {
     pub kill_reversed: bool,
     /// A throttle pulse below this means that the receiver has lost its transmitter, µs; 0 if it says so otherwise.
     pub fail_below_us: u16,
+    /// Channel of the mode switch, 1 to 16; 0 if there is none, and angles are flown.
+    pub acro_channel: u8,
+    /// True: the shorter pulse means acro.
+    pub acro_reversed: bool,
 }
 
 const fn stick(channel: u8) -> StickParams {
@@ -105,6 +113,8 @@ impl RadioParams {
         kill_channel: 0,
         kill_reversed: false,
         fail_below_us: 0,
+        acro_channel: 0,
+        acro_reversed: false,
     };
 
     /// A number.
@@ -114,6 +124,8 @@ impl RadioParams {
             RadioPart::KillChannel => u16::from(self.kill_channel),
             RadioPart::KillReversed => u16::from(self.kill_reversed),
             RadioPart::FailBelow => self.fail_below_us,
+            RadioPart::AcroChannel => u16::from(self.acro_channel),
+            RadioPart::AcroReversed => u16::from(self.acro_reversed),
         }
     }
 
@@ -124,6 +136,8 @@ impl RadioParams {
             RadioPart::KillChannel => self.kill_channel = value as u8,
             RadioPart::KillReversed => self.kill_reversed = value == 1,
             RadioPart::FailBelow => self.fail_below_us = value,
+            RadioPart::AcroChannel => self.acro_channel = value as u8,
+            RadioPart::AcroReversed => self.acro_reversed = value == 1,
         }
     }
 
@@ -165,6 +179,12 @@ pub(super) const fn row(part: RadioPart) -> (&'static str, Allowed, &'static str
         }
         RadioPart::KillReversed => {
             ("RC_KILL_REV", Allowed::Either(0, 1), "0: it stops them above 1750 us; 1: below 1250 us")
+        }
+        RadioPart::AcroChannel => {
+            ("RC_ACRO_CH", Allowed::Range(0, 16), "channel of the mode switch, stabilise or acro; 0 none: stabilise")
+        }
+        RadioPart::AcroReversed => {
+            ("RC_ACRO_REV", Allowed::Either(0, 1), "0: acro above 1750 us, stabilise below 1250 us; 1: the other way")
         }
         RadioPart::FailBelow => (
             "RC_FAIL_US",

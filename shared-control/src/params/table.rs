@@ -1,7 +1,11 @@
 //! The fields of [`Params`] by name, each as a whole number: what a ground station lists, reads and sets.
 
 pub use super::allowed::Allowed;
+use super::battery::{self, BatteryPart};
+use super::level::{self, LevelPart};
+use super::pilot::{self, PilotPart};
 use super::radio::{self, RadioPart, Stick, StickPart};
+use super::vehicle::{self, VehiclePart};
 use super::{Params, Rig};
 use crate::config::{Controller, IDLE_PERCENT_MAX};
 use crate::mpc::HORIZON;
@@ -34,8 +38,10 @@ pub enum Field {
     HoverThrottle,
     /// [`Params::rotor_drag_permille_1_s`].
     RotorDrag,
-    /// [`Params::battery_arming_min_mv`].
-    BatteryArmingMin,
+    /// [`Params::gyro_notches`].
+    GyroNotches,
+    /// One of the battery's numbers.
+    Battery(BatteryPart),
     /// [`Params::hil`].
     Hil,
     /// [`Params::ground_idle_percent`].
@@ -52,6 +58,12 @@ pub enum Field {
     Radio(RadioPart),
     /// A number of a stick.
     Stick(Stick, StickPart),
+    /// How the sticks feel.
+    Pilot(PilotPart),
+    /// How the first or (true) the second IMU sits.
+    Level(bool, LevelPart),
+    /// One of the vehicle's own numbers.
+    Vehicle(VehiclePart),
 }
 
 /// What a person is to know of a field.
@@ -67,7 +79,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 45] = [
+    pub const ALL: [Field; 77] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -78,7 +90,11 @@ impl Field {
         Field::Rig,
         Field::HoverThrottle,
         Field::RotorDrag,
-        Field::BatteryArmingMin,
+        Field::GyroNotches,
+        Field::Battery(BatteryPart::ArmingMin),
+        Field::Battery(BatteryPart::Low),
+        Field::Battery(BatteryPart::Critical),
+        Field::Battery(BatteryPart::Timer),
         Field::Hil,
         Field::GroundIdle,
         Field::FlightIdle,
@@ -89,6 +105,8 @@ impl Field {
         Field::Radio(RadioPart::KillChannel),
         Field::Radio(RadioPart::KillReversed),
         Field::Radio(RadioPart::FailBelow),
+        Field::Radio(RadioPart::AcroChannel),
+        Field::Radio(RadioPart::AcroReversed),
         Field::Stick(Stick::Roll, StickPart::Channel),
         Field::Stick(Stick::Roll, StickPart::Min),
         Field::Stick(Stick::Roll, StickPart::Trim),
@@ -113,6 +131,32 @@ impl Field {
         Field::Stick(Stick::Yaw, StickPart::Max),
         Field::Stick(Stick::Yaw, StickPart::Reversed),
         Field::Stick(Stick::Yaw, StickPart::DeadZone),
+        Field::Pilot(PilotPart::Tilt),
+        Field::Pilot(PilotPart::YawRate),
+        Field::Pilot(PilotPart::Expo),
+        Field::Pilot(PilotPart::AcroTiltRate),
+        Field::Pilot(PilotPart::AcroYawRate),
+        Field::Pilot(PilotPart::AcroExpo),
+        Field::Pilot(PilotPart::ThrottleMid),
+        Field::Pilot(PilotPart::ThrottleExpo),
+        Field::Level(false, LevelPart::Roll),
+        Field::Level(false, LevelPart::Pitch),
+        Field::Level(false, LevelPart::Down),
+        Field::Level(true, LevelPart::Roll),
+        Field::Level(true, LevelPart::Pitch),
+        Field::Level(true, LevelPart::Down),
+        Field::Vehicle(VehiclePart::Own),
+        Field::Vehicle(VehiclePart::Mass),
+        Field::Vehicle(VehiclePart::Arm),
+        Field::Vehicle(VehiclePart::Roll),
+        Field::Vehicle(VehiclePart::Pitch),
+        Field::Vehicle(VehiclePart::Yaw),
+        Field::Vehicle(VehiclePart::Ring),
+        Field::Vehicle(VehiclePart::TorquePerLift),
+        Field::Vehicle(VehiclePart::LiftMin),
+        Field::Vehicle(VehiclePart::LiftMax),
+        Field::Vehicle(VehiclePart::Lag),
+        Field::Vehicle(VehiclePart::Delay),
     ];
 
     /// Its name, range and meaning.
@@ -152,9 +196,10 @@ impl Field {
                 Allowed::Range(10, 2000),
                 "drag of the rotors over airspeed and mass, 1/1000 1/s: what shows the tilt in free flight",
             ),
-            Field::BatteryArmingMin => {
-                ("BATT_ARM_MIN_MV", Allowed::Range(0, u16::MAX), "battery voltage needed to arm, mV")
+            Field::GyroNotches => {
+                ("GYRO_NOTCHES", Allowed::Either(0, 1), "1: notches in the gyro follow the rotors' lines")
             }
+            Field::Battery(part) => battery::row(part),
             Field::Hil => (
                 "HIL",
                 Allowed::Either(0, 1),
@@ -181,6 +226,9 @@ impl Field {
             }
             Field::Radio(part) => radio::row(part),
             Field::Stick(stick, part) => radio::stick_row(stick, part),
+            Field::Pilot(part) => pilot::row(part),
+            Field::Level(second, part) => level::row(second, part),
+            Field::Vehicle(part) => vehicle::row(part),
         };
         Row { name, allowed, meaning }
     }
@@ -202,7 +250,7 @@ impl Field {
 }
 
 impl Params {
-    /// A field as a whole number.
+    /// A field's bits; [`Allowed::number`] says which number they are.
     pub fn get(&self, field: Field) -> u16 {
         match field {
             Field::Controller => u16::from(self.controller == Controller::Mpc),
@@ -215,7 +263,8 @@ impl Params {
             Field::Rig => u16::from(self.rig == Rig::Free),
             Field::HoverThrottle => self.hover_throttle_permille,
             Field::RotorDrag => self.rotor_drag_permille_1_s,
-            Field::BatteryArmingMin => self.battery_arming_min_mv,
+            Field::GyroNotches => u16::from(self.gyro_notches),
+            Field::Battery(part) => self.battery.get(part),
             Field::Hil => u16::from(self.hil),
             Field::GroundIdle => u16::from(self.ground_idle_percent),
             Field::FlightIdle => u16::from(self.flight_idle_percent),
@@ -224,6 +273,12 @@ impl Params {
             Field::SafetyButton => u16::from(self.safety_button),
             Field::Radio(part) => self.radio.get(part),
             Field::Stick(stick, part) => self.radio.stick(stick, part),
+            Field::Pilot(part) => self.pilot.get(part),
+            Field::Vehicle(part) => self.vehicle.get(part),
+            Field::Level(second, part) => {
+                let [one, two] = &self.level;
+                if second { two.get(part) } else { one.get(part) }
+            }
         }
     }
 
@@ -244,7 +299,8 @@ impl Params {
             Field::Rig => params.rig = if value == 0 { Rig::Gimbal } else { Rig::Free },
             Field::HoverThrottle => params.hover_throttle_permille = value,
             Field::RotorDrag => params.rotor_drag_permille_1_s = value,
-            Field::BatteryArmingMin => params.battery_arming_min_mv = value,
+            Field::GyroNotches => params.gyro_notches = value == 1,
+            Field::Battery(part) => params.battery.set(part, value),
             Field::Hil => params.hil = value == 1,
             Field::GroundIdle => params.ground_idle_percent = value as u8,
             Field::FlightIdle => params.flight_idle_percent = value as u8,
@@ -253,6 +309,12 @@ impl Params {
             Field::SafetyButton => params.safety_button = value == 1,
             Field::Radio(part) => params.radio.set(part, value),
             Field::Stick(stick, part) => params.radio.set_stick(stick, part, value),
+            Field::Pilot(part) => params.pilot.set(part, value),
+            Field::Vehicle(part) => params.vehicle.set(part, value),
+            Field::Level(second, part) => {
+                let [one, two] = &mut params.level;
+                if second { two.set(part, value) } else { one.set(part, value) }
+            }
         }
         Some(params)
     }
@@ -300,6 +362,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(45)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(77)), (None, None, None));
     }
 }

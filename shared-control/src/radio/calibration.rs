@@ -66,7 +66,7 @@ impl RadioSetup {
             check(stick, range)?;
         }
         let [roll, pitch, throttle, yaw] = params.sticks.map(|stick| stick.channel);
-        let channels = [roll, pitch, throttle, yaw, params.kill_channel];
+        let channels = [roll, pitch, throttle, yaw, params.kill_channel, params.acro_channel];
         for (place, channel) in channels.into_iter().enumerate() {
             let twice = channels.iter().skip(place + 1).any(|other| *other == channel);
             if channel != 0 && twice {
@@ -81,14 +81,16 @@ impl RadioSetup {
         Ok(Self(*params))
     }
 
-    /// What the sticks say; none if the transmitter is lost or a channel is not there, that of the kill switch too.
+    /// What the sticks say; none if the transmitter is lost or a channel is not there, those of the switches too.
     pub fn sticks(&self, frame: &RadioFrame) -> Option<Sticks> {
         let [roll, pitch, throttle, yaw] = &self.0.sticks;
         let pulse_us = |stick: &StickParams| {
             frame.channel_us(stick.channel).filter(|pulse| frame.heard && PLAUSIBLE_US.contains(pulse))
         };
-        if self.0.kill_channel != 0 {
-            frame.channel_us(self.0.kill_channel).filter(|pulse| PLAUSIBLE_US.contains(pulse))?;
+        for switch in [self.0.kill_channel, self.0.acro_channel] {
+            if switch != 0 {
+                frame.channel_us(switch).filter(|pulse| PLAUSIBLE_US.contains(pulse))?;
+            }
         }
         let throttle_us = pulse_us(throttle).filter(|pulse| *pulse >= self.0.fail_below_us)?;
         Some(Sticks {
@@ -101,15 +103,24 @@ impl RadioSetup {
 
     /// Is the kill switch on? None if that cannot be told, or there is none.
     pub fn kill(&self, frame: &RadioFrame) -> Option<bool> {
-        let pulse =
-            frame.channel_us(self.0.kill_channel).filter(|pulse| frame.heard && PLAUSIBLE_US.contains(pulse))?;
-        let high = match pulse {
-            SWITCH_ON_US.. => Some(true),
-            ..SWITCH_OFF_US => Some(false),
-            _ => None,
-        };
-        high.map(|high| high != self.0.kill_reversed)
+        switch(frame, self.0.kill_channel, self.0.kill_reversed)
     }
+
+    /// Is the mode switch on acro? None if that cannot be told, or there is none.
+    pub fn acro(&self, frame: &RadioFrame) -> Option<bool> {
+        switch(frame, self.0.acro_channel, self.0.acro_reversed)
+    }
+}
+
+/// Is a switch on?
+fn switch(frame: &RadioFrame, channel: u8, reversed: bool) -> Option<bool> {
+    let pulse = frame.channel_us(channel).filter(|pulse| frame.heard && PLAUSIBLE_US.contains(pulse))?;
+    let high = match pulse {
+        SWITCH_ON_US.. => Some(true),
+        ..SWITCH_OFF_US => Some(false),
+        _ => None,
+    };
+    high.map(|high| high != reversed)
 }
 
 fn check(stick: Stick, range: &StickParams) -> Result<(), RadioFault> {

@@ -3,8 +3,8 @@
 use super::calibration::{RadioSetup, Sticks};
 use super::frame::RadioFrame;
 
-/// A kill switch counts once it was seen on for so long, µs: longer than one frame of S.BUS (14 ms) that came wrong.
-pub const KILL_AFTER_US: u64 = 20_000;
+/// A switch counts once it was seen there for so long, µs: longer than one frame of S.BUS (14 ms) that came wrong.
+pub const SWITCH_AFTER_US: u64 = 20_000;
 /// Sticks arm and disarm when they were held for so long, µs.
 pub const STICKS_HELD_US: u64 = 1_000_000;
 /// Reports of the IO chip after whose absence the radio is lost, µs.
@@ -31,6 +31,9 @@ pub struct Pilot {
     sticks: Option<Sticks>,
     reported_us: u64,
     kill_since: Option<u64>,
+    /// The mode that is flown, and since when the switch stands at the other.
+    acro: bool,
+    mode_changes_since: Option<u64>,
     corner: Option<(StickOrder, u64)>,
     /// The corner has been obeyed; the sticks must leave it first.
     obeyed: bool,
@@ -39,7 +42,16 @@ pub struct Pilot {
 impl Pilot {
     /// One that has not been heard.
     pub fn new(setup: RadioSetup) -> Self {
-        Self { setup, sticks: None, reported_us: 0, kill_since: None, corner: None, obeyed: false }
+        Self {
+            setup,
+            sticks: None,
+            reported_us: 0,
+            kill_since: None,
+            acro: false,
+            mode_changes_since: None,
+            corner: None,
+            obeyed: false,
+        }
     }
 
     /// Takes a report of the receiver.
@@ -52,12 +64,31 @@ impl Pilot {
             // lost, or between on and off: as it was
             None => {}
         }
+        self.turn_mode_switch(self.setup.acro(frame), time_us);
         let corner = self.sticks.and_then(|sticks| corner(&sticks));
         match (corner, self.corner) {
             (Some(order), Some((held, _))) if order == held => {}
             (Some(order), _) => (self.corner, self.obeyed) = (Some((order, time_us)), false),
             (None, _) => self.corner = None,
         }
+    }
+
+    /// Lost, or between its ends, it leaves the mode as it was.
+    fn turn_mode_switch(&mut self, acro: Option<bool>, time_us: u64) {
+        let Some(acro) = acro else { return };
+        if acro == self.acro {
+            self.mode_changes_since = None;
+            return;
+        }
+        let since_us = *self.mode_changes_since.get_or_insert(time_us);
+        if time_us.saturating_sub(since_us) >= SWITCH_AFTER_US {
+            (self.acro, self.mode_changes_since) = (acro, None);
+        }
+    }
+
+    /// Is the mode switch on acro, and has been for long enough?
+    pub fn flies_acro(&self) -> bool {
+        self.acro
     }
 
     /// The sticks; none if the radio is lost.
@@ -72,7 +103,7 @@ impl Pilot {
 
     /// Is the kill switch on, and has been for long enough?
     pub fn kills(&self, time_us: u64) -> bool {
-        self.kill_since.is_some_and(|since| time_us.saturating_sub(since) >= KILL_AFTER_US)
+        self.kill_since.is_some_and(|since| time_us.saturating_sub(since) >= SWITCH_AFTER_US)
     }
 
     /// What the sticks ask for in this step, once for each time that they are held.

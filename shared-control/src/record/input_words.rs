@@ -1,7 +1,7 @@
 //! A step's input as words, and back.
 
 use crate::signals::{
-    ArmingBlocks, ArmingRequest, IMU_SAMPLES_MAX, ImuBatch, MotorTest, Plan, PlanStatus, RawImuSample,
+    ArmingBlocks, ArmingRequest, IMU_SAMPLES_MAX, ImuBatch, MotorTest, Plan, PlanStatus, RawImuSample, Setpoint,
 };
 
 pub(super) fn halves(value: u64) -> [u32; 2] {
@@ -39,6 +39,20 @@ fn sample_of_words(words: &[u32; 8]) -> RawImuSample {
         gyro_counts: gyro.map(|word| word as i16),
         accel_counts: [ax, ay, az].map(|word| word as i16),
     }
+}
+
+pub(super) fn words_of_setpoint(setpoint: &Setpoint) -> [u32; 8] {
+    let Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle, acro_rad_s } = *setpoint;
+    let [roll, pitch, yaw_rate, throttle] = [roll_rad, pitch_rad, yaw_rate_rad_s, throttle].map(f32::to_bits);
+    let [about_x, about_y, about_z] = acro_rad_s.unwrap_or_default().map(f32::to_bits);
+    [roll, pitch, yaw_rate, throttle, u32::from(acro_rad_s.is_some()), about_x, about_y, about_z]
+}
+
+pub(super) fn setpoint_of_words(words: &[u32; 8]) -> Setpoint {
+    let [roll, pitch, yaw_rate, throttle, acro, rates @ ..] = *words;
+    let [roll_rad, pitch_rad, yaw_rate_rad_s, throttle] = [roll, pitch, yaw_rate, throttle].map(f32::from_bits);
+    let acro_rad_s = (acro == 1).then_some(rates.map(f32::from_bits));
+    Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle, acro_rad_s }
 }
 
 pub(super) fn words_of_request(request: &ArmingRequest) -> [u32; 4] {
@@ -92,7 +106,7 @@ pub(super) fn plan_of_words(words: &[u32; 8]) -> Option<Plan> {
     })
 }
 
-pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 6] {
+pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 7] {
     let ArmingBlocks {
         fault_record_unread,
         configuration_unconfirmed,
@@ -100,14 +114,22 @@ pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 6] {
         safety_on,
         kill_switch,
         radio_unusable,
+        vehicle_unusable,
     } = *blocks;
-    [fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable]
-        .map(u32::from)
+    #[rustfmt::skip]
+    let all = [
+        fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable,
+        vehicle_unusable,
+    ];
+    all.map(u32::from)
 }
 
-pub(super) fn blocks_of_words(words: &[u32; 6]) -> ArmingBlocks {
-    let [fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable] =
-        words.map(|word| word == 1);
+pub(super) fn blocks_of_words(words: &[u32; 7]) -> ArmingBlocks {
+    #[rustfmt::skip]
+    let [
+        fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable,
+        vehicle_unusable,
+    ] = words.map(|word| word == 1);
     ArmingBlocks {
         fault_record_unread,
         configuration_unconfirmed,
@@ -115,5 +137,6 @@ pub(super) fn blocks_of_words(words: &[u32; 6]) -> ArmingBlocks {
         safety_on,
         kill_switch,
         radio_unusable,
+        vehicle_unusable,
     }
 }

@@ -26,8 +26,9 @@ fn units_healths_and_plans_count_from_nought() {
         Arming::MotorTest { motor: 1, throttle_percent: 2, until_us: 3 },
         Arming::LinkLost { since_us: 4 },
         Arming::EscCalibration { stage: EscStage::Low, since_us: 5 },
+        Arming::BatteryLow { since_us: 6 },
     ];
-    assert_eq!(armings.map(|arming| arming.number()), [0, 1, 2, 3, 4]);
+    assert_eq!(armings.map(|arming| arming.number()), [0, 1, 2, 3, 4, 5]);
 }
 
 #[test]
@@ -58,11 +59,12 @@ fn every_reason_to_stand_still_has_its_number() {
         DisarmedBecause::EscsCalibrated,
         DisarmedBecause::EscCalibrationEnded,
         DisarmedBecause::Killed,
+        DisarmedBecause::BatteryLow,
     ];
-    assert_eq!(causes.map(|because| because.number()), [0, 1, 2, 3, 4, 5, 6, 7, 8]);
+    assert_eq!(causes.map(|because| because.number()), [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
     assert_eq!(ImuFault::ALL.map(|fault| DisarmedBecause::ImuFailed(fault).number()), [0x10, 0x11, 0x12, 0x13]);
     let refused = |refusal| DisarmedBecause::Refused(refusal).number();
-    assert!(Refusal::WITHOUT_DETAIL.map(refused).into_iter().eq(0x100..0x117));
+    assert!(Refusal::WITHOUT_DETAIL.map(refused).into_iter().eq(0x100..0x11A));
     assert_eq!(ImuFault::ALL.map(|fault| refused(Refusal::ImuUnhealthy(fault))), [0x120, 0x121, 0x122, 0x123]);
     let all: Vec<u32> = causes
         .into_iter()

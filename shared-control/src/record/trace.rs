@@ -1,12 +1,12 @@
 //! One step as plain words: what a running image shows of itself, so that a host can repeat the step and compare bits.
 
 use super::input_words::{
-    batch_of_words, blocks_of_words, halves, link_of_words, plan_of_words, record_batch, request_of_words, whole,
-    words_of_blocks, words_of_plan, words_of_request,
+    batch_of_words, blocks_of_words, halves, link_of_words, plan_of_words, record_batch, request_of_words,
+    setpoint_of_words, whole, words_of_blocks, words_of_plan, words_of_request, words_of_setpoint,
 };
 use super::state_words::STATE_WORDS;
 use crate::flight_core::{State, StepOutput};
-use crate::signals::{IMU_SAMPLES_MAX, Setpoint, StepInput};
+use crate::signals::{IMU_SAMPLES_MAX, StepInput};
 
 /// Input and output of a step. All words are `u32`, so that every target lays it out alike; `f32` as bits, 64-bit times
 /// low word first, enums as their `number()`.
@@ -25,16 +25,16 @@ pub struct StepTrace {
     pub samples_second: u32,
     /// They themselves.
     pub sample_second: [[u32; 8]; IMU_SAMPLES_MAX],
-    /// Roll, pitch, yaw rate, throttle.
-    pub setpoint: [u32; 4],
+    /// Roll, pitch, yaw rate, throttle; 1 in acro, and its rates.
+    pub setpoint: [u32; 8],
     /// 0 none, 1 arm, 2 disarm, 3 motor test, 4 calibrate ESCs, 5 kill, 6 disarm if landed; then a test's motor,
     /// percent and ms.
     pub arming_request: [u32; 4],
     /// 1 if there is a link, and its age, µs.
     pub link_age: [u32; 3],
     /// 1 each: fault record unread, configuration unconfirmed, set to calibrate ESCs, safety on, kill switch on, radio
-    /// unusable.
-    pub blocks: [u32; 6],
+    /// unusable, vehicle's numbers unusable.
+    pub blocks: [u32; 7],
     /// 1 if a battery voltage is there, and the voltage.
     pub battery: [u32; 2],
     /// 1 if a plan is there, its step, status, iterations, duration, µs, and three torques.
@@ -78,10 +78,10 @@ impl StepTrace {
         sample: [[0; 8]; IMU_SAMPLES_MAX],
         samples_second: 0,
         sample_second: [[0; 8]; IMU_SAMPLES_MAX],
-        setpoint: [0; 4],
+        setpoint: [0; 8],
         arming_request: [0; 4],
         link_age: [0; 3],
-        blocks: [0; 6],
+        blocks: [0; 7],
         battery: [0; 2],
         plan: [0; 8],
         compare_counts: [0; 4],
@@ -106,9 +106,7 @@ impl StepTrace {
         self.time_us = halves(input.time_us);
         self.samples = record_batch(&mut self.sample, &input.imu);
         self.samples_second = record_batch(&mut self.sample_second, &input.imu_second);
-        let setpoint = &input.setpoint;
-        self.setpoint =
-            [setpoint.roll_rad, setpoint.pitch_rad, setpoint.yaw_rate_rad_s, setpoint.throttle].map(f32::to_bits);
+        self.setpoint = words_of_setpoint(&input.setpoint);
         self.arming_request = words_of_request(&input.arming);
         self.link_age = input.link_age_us.map_or([0; 3], |age_us| {
             let [low, high] = halves(age_us);
@@ -142,13 +140,12 @@ impl StepTrace {
 
     /// The input that was recorded, to the bit.
     pub fn input(&self) -> StepInput {
-        let [roll_rad, pitch_rad, yaw_rate_rad_s, throttle] = self.setpoint.map(f32::from_bits);
         let [battery_known, battery] = self.battery;
         StepInput {
             time_us: whole(self.time_us),
             imu: batch_of_words(&self.sample, self.samples),
             imu_second: batch_of_words(&self.sample_second, self.samples_second),
-            setpoint: Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle },
+            setpoint: setpoint_of_words(&self.setpoint),
             arming: request_of_words(&self.arming_request),
             link_age_us: link_of_words(self.link_age),
             blocks: blocks_of_words(&self.blocks),
@@ -163,7 +160,7 @@ mod tests {
     use super::*;
     use crate::config::{Config, Controller, Tuning};
     use crate::flight_core::FlightCore;
-    use crate::signals::{ArmingRequest, MotorTest, Plan, PlanStatus, RawImuSample};
+    use crate::signals::{ArmingRequest, MotorTest, Plan, PlanStatus, RawImuSample, Setpoint};
     use crate::vehicle::VehicleParameters;
     use proptest::prelude::*;
 
@@ -198,14 +195,17 @@ mod tests {
             samples in proptest::collection::vec(any_sample(), 0..=IMU_SAMPLES_MAX),
             samples_second in proptest::collection::vec(any_sample(), 0..=IMU_SAMPLES_MAX),
             angle in -3f32..3.0,
+            acro_rad_s in proptest::option::of(any::<[u8; 3]>()),
             request in any_request(),
             link_age_us in proptest::option::of(any::<u64>()),
-            blocks in any::<[bool; 6]>(),
+            blocks in any::<[bool; 7]>(),
             battery_v in proptest::option::of(0f32..20.0),
             plan in proptest::option::of(any_plan()),
         ) {
             let blocks = blocks_of_words(&blocks.map(u32::from));
-            let setpoint = Setpoint { roll_rad: angle, pitch_rad: -angle, yaw_rate_rad_s: 2.0 * angle, throttle: 0.5 };
+            let acro_rad_s = acro_rad_s.map(|rates| rates.map(f32::from));
+            let (roll_rad, pitch_rad) = (angle, -angle);
+            let setpoint = Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s: 2.0 * angle, throttle: 0.5, acro_rad_s };
             let (imu, imu_second) = (samples.into_iter().collect(), samples_second.into_iter().collect());
             let arming = request;
             let input =
@@ -233,8 +233,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 4, requests 13, battery 2, plan 8; outputs 33;
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 8, requests 14, battery 2, plan 8; outputs 33;
         // state; no padding
-        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 27 + 33 + STATE_WORDS));
+        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 32 + 33 + STATE_WORDS));
     }
 }

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::elementary::{limit, sqrt};
 use crate::record::state_words::StateWords;
 use crate::sensing::imu::ImuStep;
+use crate::sensing::level_trim::REST_MIN_S;
 
 /// What counts as rest, and how far the mean is believed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +47,8 @@ pub struct GyroBias {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct RestWindow {
     rotation_rad: Vector3<f32>,
+    /// The specific force, integrated likewise, m/s.
+    velocity_m_s: Vector3<f32>,
     duration_s: f32,
     down_body: Option<Vector3<f32>>,
 }
@@ -61,11 +64,19 @@ impl GyroBias {
         self.rest.duration_s
     }
 
+    /// Mean specific force of the same time, body, m/s^2; none before [`REST_MIN_S`].
+    pub fn rest_force_m_s2(&self) -> Option<Vector3<f32>> {
+        let RestWindow { velocity_m_s, duration_s, .. } = self.rest;
+        (duration_s >= REST_MIN_S).then(|| velocity_m_s * (1.0 / duration_s))
+    }
+
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { bias_rad_s, calibrated, rest: RestWindow { rotation_rad, duration_s, down_body } } = self;
+        let Self { bias_rad_s, calibrated, rest: RestWindow { rotation_rad, velocity_m_s, duration_s, down_body } } =
+            self;
         words.vector(bias_rad_s);
         words.word(u32::from(*calibrated));
         words.vector(rotation_rad);
+        words.vector(velocity_m_s);
         words.number(*duration_s);
         words.word(u32::from(down_body.is_some()));
         words.vector(&down_body.unwrap_or_default());
@@ -110,11 +121,13 @@ impl GyroBias {
         }
         rest.down_body = rest.down_body.or(down_body);
         rest.rotation_rad += imu.rotation_rad;
+        rest.velocity_m_s += imu.specific_force_m_s2 * imu.duration_s;
         rest.duration_s += imu.duration_s;
         if rest.duration_s > config.rest_average_max_s {
             // forget as much as came, so that a drift is followed
             let kept = config.rest_average_max_s / rest.duration_s;
             rest.rotation_rad *= kept;
+            rest.velocity_m_s *= kept;
             rest.duration_s = config.rest_average_max_s;
         }
         if rest.duration_s >= config.rest_settle_s {

@@ -15,11 +15,12 @@ use nalgebra::Vector3;
 use crate::elementary::sqrt;
 use crate::filter::{LowPass1, LowPass2, LowPass2State};
 use crate::record::state_words::StateWords;
+use crate::sensing::level_trim::Mounting;
 use crate::sensing::rotor_notches::{Notches, NotchesConfig, NotchesState};
 use crate::signals::RawImuSample;
 
 /// What data sheets call "g", m/s^2.
-const STANDARD_GRAVITY_M_S2: f32 = 9.806_65;
+pub(crate) const STANDARD_GRAVITY_M_S2: f32 = 9.806_65;
 /// Samples per second of an L3GD20 or L3GD20H at its fastest (data sheets: 760 Hz and 757.6 Hz).
 pub const L3GD20_RATE_HZ: f32 = 760.0;
 /// Longest time between two samples that still counts as continuous, s.
@@ -121,6 +122,8 @@ pub struct ImuConfig {
     pub force_lowpass: LowPass2,
     /// For the mean square of the vibration.
     pub vibration_mean: LowPass1,
+    /// How it sits on the vehicle; none where its axes are the vehicle's.
+    pub mounting: Option<Mounting>,
 }
 
 impl ImuConfig {
@@ -137,6 +140,7 @@ impl ImuConfig {
             gyro_notches: None,
             force_lowpass: LowPass2::new(STEADY_HZ, sample_rate_hz),
             vibration_mean: LowPass1::new(VIBRATION_MEAN_HZ, sample_rate_hz),
+            mounting: None,
         }
     }
 
@@ -154,17 +158,20 @@ impl ImuConfig {
             gyro_notches: None,
             force_lowpass: LowPass2::new(STEADY_HZ, L3GD20_RATE_HZ),
             vibration_mean: LowPass1::new(VIBRATION_MEAN_HZ, L3GD20_RATE_HZ),
+            mounting: None,
         }
     }
 
     /// Rotation rate of a sample, body frame, rad/s.
     pub fn gyro_rad_s(&self, sample: &RawImuSample) -> Vector3<f32> {
-        self.gyro_axes.to_body(sample.gyro_counts.map(f32::from)) * self.gyro_rad_s_per_count
+        let rate_rad_s = self.gyro_axes.to_body(sample.gyro_counts.map(f32::from)) * self.gyro_rad_s_per_count;
+        self.mounting.map_or(rate_rad_s, |mounting| mounting.rate(rate_rad_s))
     }
 
     /// Specific force of a sample, body frame, m/s^2.
     pub fn specific_force_m_s2(&self, sample: &RawImuSample) -> Vector3<f32> {
-        self.accel_axes.to_body(sample.accel_counts.map(f32::from)) * self.accel_m_s2_per_count
+        let force_m_s2 = self.accel_axes.to_body(sample.accel_counts.map(f32::from)) * self.accel_m_s2_per_count;
+        self.mounting.map_or(force_m_s2, |mounting| mounting.force(force_m_s2))
     }
 }
 

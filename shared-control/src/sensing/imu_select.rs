@@ -106,6 +106,8 @@ pub struct ImuFindings {
     pub gyro_rest_s: f32,
     /// Root mean square of what shakes each of its axes, body, m/s^2.
     pub vibration_m_s2: Vector3<f32>,
+    /// Of the first and the second: mean specific force at rest in its own axes, m/s^2; none where it is not known.
+    pub rest_force_m_s2: [Option<Vector3<f32>>; 2],
 }
 
 /// Takes the samples of a step, chooses the unit, and brings the attitude up to date. `support` is what has carried the
@@ -146,6 +148,7 @@ pub fn update(
         force_m_s2: used.step.is_usable().then_some(used.step.specific_force_m_s2),
         gyro_rest_s: used_state.gyro.rest_s(),
         vibration_m_s2: used.step.vibration_m_s2,
+        rest_force_m_s2: [pair.first.rest_force_m_s2(&config.imu), pair.second.rest_force_m_s2(&config.imu_second)],
     }
 }
 
@@ -154,6 +157,11 @@ impl UnitState {
         let step = imu::condition(config, &mut self.conditioning, samples, time_us, motors_turned);
         let health = self.health.update(config.chips, samples, !motors_turned && self.gyro.rest_s() > 0.0);
         News { step, health, suspect: self.health.is_suspect(config.chips) }
+    }
+
+    fn rest_force_m_s2(&self, config: &ImuConfig) -> Option<Vector3<f32>> {
+        let force_m_s2 = self.gyro.rest_force_m_s2()?;
+        Some(config.mounting.map_or(force_m_s2, |mounting| mounting.force_of_imu(force_m_s2)))
     }
 }
 

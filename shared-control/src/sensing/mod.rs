@@ -14,5 +14,6 @@ pub mod gyro_bias;
 pub mod imu;
 pub mod imu_health;
 pub mod imu_select;
+pub mod level_trim;
 pub mod levelling;
 pub mod rotor_notches;

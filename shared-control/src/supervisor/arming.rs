@@ -25,6 +25,12 @@ pub enum Arming {
         /// When the link was given up.
         since_us: u64,
     },
+    /// Yes, steered by the pilot and on the way down, because the battery is nearly empty
+    /// ([`super::battery_watch`]).
+    BatteryLow {
+        /// When that was found.
+        since_us: u64,
+    },
     /// All at full or lowest pulse, propellers off, to teach the ESCs their range.
     EscCalibration {
         /// How far it is.
@@ -60,6 +66,7 @@ impl Arming {
             Arming::MotorTest { .. } => 2,
             Arming::LinkLost { .. } => 3,
             Arming::EscCalibration { .. } => 4,
+            Arming::BatteryLow { .. } => 5,
         }
     }
 
@@ -70,7 +77,7 @@ impl Arming {
             Arming::MotorTest { motor, throttle_percent, until_us } => {
                 (u32::from(motor) << 8 | u32::from(throttle_percent), until_us)
             }
-            Arming::LinkLost { since_us } => (0, since_us),
+            Arming::LinkLost { since_us } | Arming::BatteryLow { since_us } => (0, since_us),
             Arming::EscCalibration { stage, since_us } => (stage as u32, since_us),
         };
         words.word(self.number());
@@ -82,7 +89,24 @@ impl Arming {
     pub fn motors_turn(&self) -> bool {
         match self {
             Arming::Disarmed(_) => false,
-            Arming::MotorTest { .. } | Arming::Armed | Arming::LinkLost { .. } | Arming::EscCalibration { .. } => true,
+            Arming::MotorTest { .. } | Arming::EscCalibration { .. } => true,
+            Arming::Armed | Arming::LinkLost { .. } | Arming::BatteryLow { .. } => true,
+        }
+    }
+
+    /// Is it flown, or ready to be, by whomever?
+    pub fn is_armed(&self) -> bool {
+        match self {
+            Arming::Armed | Arming::LinkLost { .. } | Arming::BatteryLow { .. } => true,
+            Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => false,
+        }
+    }
+
+    /// Since when has it been on its way down by itself, µs? None if it is not.
+    pub fn descends_since_us(&self) -> Option<u64> {
+        match *self {
+            Arming::LinkLost { since_us } | Arming::BatteryLow { since_us } => Some(since_us),
+            Arming::Armed | Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => None,
         }
     }
 }
@@ -112,6 +136,8 @@ pub enum DisarmedBecause {
     EscCalibrationEnded,
     /// The kill switch is on.
     Killed,
+    /// The battery is nearly empty.
+    BatteryLow,
 }
 
 impl DisarmedBecause {
@@ -127,6 +153,7 @@ impl DisarmedBecause {
             DisarmedBecause::EscsCalibrated => 6,
             DisarmedBecause::EscCalibrationEnded => 7,
             DisarmedBecause::Killed => 8,
+            DisarmedBecause::BatteryLow => 9,
             DisarmedBecause::ImuFailed(fault) => 0x10 + fault.number(),
             DisarmedBecause::Refused(refusal) => 0x100 + refusal.number(),
         }
@@ -184,12 +211,18 @@ pub enum Refusal {
     SafetyOn,
     /// The radio is to fly, and its calibration makes no sense.
     RadioUnusable,
+    /// It did not stand still for long enough.
+    VehicleMoves,
+    /// It does not stand level, by more than a calibration makes good.
+    NotLevel,
+    /// The owner's vehicle is to fly, and its numbers make no sense.
+    VehicleUnusable,
 }
 
 impl Refusal {
     /// All that say everything by themselves, in the order of their numbers.
     #[cfg(test)]
-    pub(crate) const WITHOUT_DETAIL: [Refusal; 23] = [
+    pub(crate) const WITHOUT_DETAIL: [Refusal; 26] = [
         Refusal::SetpointNotFinite,
         Refusal::ThrottleNotZero,
         Refusal::AttitudeUnknown,
@@ -213,6 +246,9 @@ impl Refusal {
         Refusal::KillSwitch,
         Refusal::SafetyOn,
         Refusal::RadioUnusable,
+        Refusal::VehicleMoves,
+        Refusal::NotLevel,
+        Refusal::VehicleUnusable,
     ];
 
     /// Its number in the words of a state.
@@ -241,6 +277,9 @@ impl Refusal {
             Refusal::KillSwitch => 20,
             Refusal::SafetyOn => 21,
             Refusal::RadioUnusable => 22,
+            Refusal::VehicleMoves => 23,
+            Refusal::NotLevel => 24,
+            Refusal::VehicleUnusable => 25,
             Refusal::ImuUnhealthy(fault) => 0x20 + fault.number(),
         }
     }
@@ -275,6 +314,9 @@ impl Refusal {
             Refusal::KillSwitch => "refused: kill switch is on",
             Refusal::SafetyOn => "refused: hold the safety button for a second",
             Refusal::RadioUnusable => "refused: radio calibration makes no sense",
+            Refusal::VehicleMoves => "refused: keep still for 3 s",
+            Refusal::VehicleUnusable => "refused: vehicle's numbers make no sense",
+            Refusal::NotLevel => "refused: over 10 degrees off level, or not 1 g",
         }
     }
 }

@@ -151,7 +151,9 @@ impl FlightWatch {
     /// The throttle that is flown from now on: it takes off when that is raised, and stands when it is disarmed.
     pub fn fly(&mut self, arming: Arming, throttle: f32) {
         match arming {
-            Arming::Armed | Arming::LinkLost { .. } => self.airborne |= throttle > IDLE_THROTTLE_MAX,
+            Arming::Armed | Arming::LinkLost { .. } | Arming::BatteryLow { .. } => {
+                self.airborne |= throttle > IDLE_THROTTLE_MAX
+            }
             Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => self.stand(),
         }
     }

@@ -16,6 +16,7 @@ const BLOCKED: ArmingBlocks = ArmingBlocks {
     safety_on: true,
     kill_switch: true,
     radio_unusable: true,
+    vehicle_unusable: true,
 };
 
 const GOOD: Findings = Findings {
@@ -27,6 +28,7 @@ const GOOD: Findings = Findings {
     crashed: false,
     idle_us: 0,
     battery_seen: true,
+    battery: BatteryStage::Good,
 };
 
 /// All is well, a link included.
@@ -227,6 +229,51 @@ fn in_the_air_a_lost_link_takes_nothing_away_and_comes_back() {
             assert_eq!(after(lost, request, nearly), Arming::Armed, "the link is back");
         }
     }
+}
+
+/// In the air it comes down and never flies on; on the ground it is over, and there it does not arm.
+#[test]
+fn an_empty_battery_ends_a_flight_on_the_ground() {
+    let empty = |_: &mut StepInput, findings: &mut Findings| findings.battery = BatteryStage::Critical;
+    let low = Arming::BatteryLow { since_us: NOW_US };
+    let over = Arming::Disarmed(DisarmedBecause::BatteryLow);
+    assert_eq!(after(Arming::Armed, ArmingRequest::None, empty), low);
+    assert_eq!(after(low, ArmingRequest::None, |_, _| {}), low, "a voltage that recovers changes nothing");
+    let landed = |_: &mut StepInput, findings: &mut Findings| findings.airborne = false;
+    assert_eq!(after(low, ArmingRequest::None, landed), over);
+    assert_eq!(after(low, ArmingRequest::DisarmLanded, landed), Arming::Disarmed(DisarmedBecause::Requested));
+    let empty_on_the_ground = |input: &mut StepInput, findings: &mut Findings| {
+        landed(input, findings);
+        empty(input, findings);
+    };
+    assert_eq!(after(Arming::Armed, ArmingRequest::None, empty_on_the_ground), over);
+    assert_eq!(after(Arming::default(), ArmingRequest::Arm, empty), refused(Refusal::BatteryLow));
+    // low is a warning
+    let warned = |_: &mut StepInput, findings: &mut Findings| findings.battery = BatteryStage::Low;
+    assert_eq!(after(Arming::Armed, ArmingRequest::None, warned), Arming::Armed);
+    // with a lost link it comes down as it does; back on the link it goes on doing so
+    let lost = Arming::LinkLost { since_us: 7 };
+    let silent = |input: &mut StepInput, findings: &mut Findings| {
+        input.link_age_us = Some(LINK_LOST_AFTER_US);
+        empty(input, findings);
+    };
+    assert_eq!(after(lost, ArmingRequest::None, silent), lost);
+    assert_eq!(after(low, ArmingRequest::None, silent), low);
+}
+
+/// An idle stick in the air is a pilot in a hurry; half a minute later nobody is in the air.
+#[test]
+fn idling_with_an_empty_battery_counts_once_it_must_be_down() {
+    let low = Arming::BatteryLow { since_us: NOW_US };
+    let idles_after = |after_us: u64| {
+        move |input: &mut StepInput, findings: &mut Findings| {
+            (input.time_us, findings.idle_us) = (NOW_US + after_us, LINK_IDLE_US);
+        }
+    };
+    let down_us = throttle::HOLD_US + throttle::SINK_US;
+    assert_eq!(after(low, ArmingRequest::None, idles_after(down_us - 1)), low);
+    let over = Arming::Disarmed(DisarmedBecause::BatteryLow);
+    assert_eq!(after(low, ArmingRequest::None, idles_after(down_us)), over);
 }
 
 #[test]

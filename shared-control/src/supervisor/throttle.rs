@@ -1,9 +1,10 @@
 //! The set-point that is flown, from the one that is demanded: without a link level, then down, and back without a
-//! jump.
+//! jump; with an empty battery down.
 //!
 //! ```text
 //!   link lost:  the throttle stays for 2 s, falls to where the vehicle sinks, stays there for 30 s, falls to idle;
 //!               on the way down the ground is looked for (super::touchdown)
+//!   battery:    the pilot steers by angles; the throttle is at most what it would be without a link
 //!   link back:  the throttle moves to what is demanded at a limited rate; from then on it is what is demanded
 //! ```
 //! On a rig that holds the vehicle it falls to idle at once. Angles need no such care: their reference is shaped.
@@ -26,6 +27,8 @@ pub const RETURN_1_S: f32 = 0.5;
 pub struct Handover {
     /// It has not yet met what is demanded.
     pub pending: bool,
+    /// Largest throttle while the battery is empty.
+    pub ceiling: f32,
 }
 
 impl Handover {
@@ -40,12 +43,17 @@ impl Handover {
         step_s: f32,
     ) -> Setpoint {
         match arming {
+            Arming::BatteryLow { since_us } => {
+                self.ceiling = falling(sink_throttle, self.ceiling, time_us.saturating_sub(since_us), step_s);
+                Setpoint { throttle: smaller(demanded.throttle, self.ceiling), acro_rad_s: None, ..*demanded }
+            }
             Arming::LinkLost { since_us } => {
                 self.pending = true;
                 let throttle = falling(sink_throttle, before.throttle, time_us.saturating_sub(since_us), step_s);
                 Setpoint { throttle, ..Setpoint::default() }
             }
             Arming::Armed if self.pending => {
+                self.ceiling = larger(before.throttle, sink_throttle);
                 let way = demanded.throttle - before.throttle;
                 let reach = RETURN_1_S * step_s;
                 self.pending = magnitude(way) > reach;
@@ -59,6 +67,7 @@ impl Handover {
                 Setpoint { throttle, ..*demanded }
             }
             Arming::Armed | Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => {
+                self.ceiling = larger(demanded.throttle, sink_throttle);
                 self.pending = false;
                 *demanded
             }
@@ -114,6 +123,39 @@ mod tests {
         assert_eq!(at(34.1), 0.0);
         // nobody is lifted by it
         assert_eq!(lost(0.48, 0.3, 10_000_000).1.throttle, 0.3);
+    }
+
+    /// The pilot steers and may go down faster, and up again to where it sinks, but no further.
+    #[test]
+    fn with_an_empty_battery_the_pilot_steers_it_down() {
+        let sink = 0.48;
+        let mut handover = Handover::default();
+        let mut demanded = Setpoint { roll_rad: 0.3, yaw_rate_rad_s: 0.5, throttle: 0.7, ..Setpoint::default() };
+        demanded.acro_rad_s = Some([1.0; 3]);
+        let mut flown = handover.setpoint(sink, Arming::Armed, (&demanded, &demanded), 0, STEP_S);
+        let mut fly = |throttle: f32, seconds: core::ops::Range<u64>| {
+            demanded.throttle = throttle;
+            for time_us in (seconds.start * 1_000_000..seconds.end * 1_000_000).step_by(STEP_US as usize) {
+                let arming = Arming::BatteryLow { since_us: 0 };
+                flown = handover.setpoint(sink, arming, (&demanded, &flown), time_us, STEP_S);
+                assert_eq!(flown, Setpoint { throttle: flown.throttle, acro_rad_s: None, ..demanded });
+            }
+            flown.throttle
+        };
+        assert_eq!(fly(0.7, 0..2), 0.7, "a moment to see what happens");
+        assert_eq!(fly(0.7, 2..5), sink);
+        assert_eq!(fly(0.2, 5..6), 0.2);
+        assert_eq!(fly(1.0, 6..32), sink);
+        assert_eq!(fly(1.0, 32..36), 0.0, "after half a minute it is down");
+    }
+
+    /// Slower than it would sink anyway: the ceiling begins where it sinks, not where the stick was.
+    #[test]
+    fn a_pilot_on_the_way_down_may_slow_down() {
+        let (mut handover, low) = (Handover::default(), Setpoint { throttle: 0.1, ..Setpoint::default() });
+        handover.setpoint(0.48, Arming::Armed, (&low, &low), 0, STEP_S);
+        let up = Setpoint { throttle: 0.9, ..low };
+        assert_eq!(handover.setpoint(0.48, Arming::BatteryLow { since_us: 0 }, (&up, &low), 9, STEP_S).throttle, 0.48);
     }
 
     proptest! {

@@ -1,4 +1,4 @@
-//! Does the ground carry a vehicle that comes down without a link? It finds out by lifting less for a moment.
+//! Does the ground carry a vehicle that comes down by itself? It finds out by lifting less for a moment.
 //!
 //! Nothing on board measures height, and a vehicle that stands with most of its weight lifted feels the same 1 g as one
 //! that sinks steadily. They differ in what follows when the lift changes: in the air the specific force follows, on
@@ -246,7 +246,7 @@ impl Stage {
 
 /// Has the vehicle begun to come down by itself?
 fn has_begun_to_sink(arming: Arming, time_us: u64) -> bool {
-    matches!(arming, Arming::LinkLost { since_us } if time_us.saturating_sub(since_us) >= HOLD_US)
+    arming.descends_since_us().is_some_and(|since_us| time_us.saturating_sub(since_us) >= HOLD_US)
 }
 
 #[cfg(test)]

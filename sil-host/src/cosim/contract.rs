@@ -84,6 +84,7 @@ pub fn events_at(scenario: &Scenario, parameters: &DesignParameters, time_us: u6
             pitch_rad: waypoint.pitch_rad as f32,
             yaw_rate_rad_s: waypoint.yaw_rate_rad_s as f32,
             throttle: throttle as f32,
+            acro_rad_s: None,
         },
         arming,
         held,

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::fitted::{Fitted, LAG_AND_DELAY_S, per_unit_inertia};
 use super::found::Found;
+use super::kinematics::Kinematics;
 use super::lateness::count_lateness;
 use super::noise::noise_beyond_sensors;
 use super::plausible::has_bound;
@@ -33,12 +34,6 @@ const BENCH: [&str; 2] = ["cg_offset", "coulomb_friction"];
 const BEARING: &str = "viscous_friction";
 /// What is ordinary of a testbed's model: its inertias are wrong axis by axis, so that a lift scale cannot serve all.
 const INERTIA: &str = "inertia_error";
-
-/// By what gyro and attitude contradict each other, whatever moves the vehicle.
-const KINEMATIC: [&str; 2] = ["gyro_scale", "attitude_delay"];
-
-/// A gyro's scale is off by less, calibrated or not (the MPU-6000's by 3 %).
-const GYRO_SCALE_USUAL: f64 = 0.1;
 
 /// No motor with a propeller follows its command within this time, s: those of the smallest racing quadrotors take 10
 /// ms.
@@ -82,26 +77,10 @@ pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
     ordinary_of_any(scope).into_iter().chain(bench).chain(inertias).collect()
 }
 
-/// The same, and by what gyro and attitude contradict each other beyond what may be left to the search: taken for a
-/// disturbance that would be one in which nothing of the vehicle is seen. `search` looks at the log in the noise of its
-/// sensors.
-pub(super) fn ordinary_with_sensors(log: &Log, scope: &Scope, search: &Search<'_>) -> Vec<Fitted> {
-    let has_both = |axis: usize| log.angle_rad[axis].is_some() && log.rate_rad_s[axis].is_some();
-    let shows = |effect: &Fitted| {
-        KINEMATIC.contains(&effect.name()) && effect.axis().map_or((0..3).any(has_both), |axis| has_both(axis.index()))
-    };
-    let sensors = || Fitted::hypotheses(scope).into_iter().filter(shows);
-    let all: Vec<Fitted> = ordinary(scope).into_iter().chain(sensors()).collect();
-    let with_sensors = fitted(search, &all).fit;
-    let is_large = |term: &Term<'_>| {
-        let usual = if term.effect.name() == "gyro_scale" { GYRO_SCALE_USUAL } else { log.median_step_s() };
-        term.values.iter().zip(term.effect.unknowns()).any(|(value, unknown)| (value - unknown.nominal).abs() > usual)
-    };
-    let is_shown = |effect: &Fitted| {
-        let mut of_fit = with_sensors.terms.iter().filter(|term| term.effect.is_the_same(effect));
-        of_fit.any(|term| is_large(term))
-    };
-    ordinary(scope).into_iter().chain(sensors().filter(is_shown)).collect()
+/// The same, and what is shown of the sensors.
+pub(super) fn ordinary_with_sensors(scope: &Scope, sensors: &Kinematics) -> Vec<Fitted> {
+    let shown = Fitted::hypotheses(scope).into_iter().filter(|effect| sensors.is_shown(effect));
+    sensors.informed(ordinary(scope).into_iter().chain(shown).collect())
 }
 
 /// What is ordinary of a vehicle whether anything holds it or not.

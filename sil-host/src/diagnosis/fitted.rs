@@ -140,12 +140,15 @@ impl Fitted {
         }
     }
 
-    /// Where a base model begins: nothing is unusual but lag and delay.
+    /// Where a base model begins: nothing is unusual but lag and delay, and what is expected to be.
     pub(super) fn beginning(&self, [lag_s, delay_s]: &[f64; 2]) -> Vec<f64> {
         match self.name() {
             "motor_lag" => vec![*lag_s],
             "actuation_delay" => vec![*delay_s],
-            _ => self.unknowns().iter().map(|unknown| unknown.nominal).collect(),
+            _ => {
+                let expected = |unknown: &Unknown| unknown.prior.map_or(unknown.nominal, |prior| prior.mean);
+                self.unknowns().iter().map(expected).collect()
+            }
         }
     }
 

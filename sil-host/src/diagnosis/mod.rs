@@ -28,6 +28,7 @@ mod flown_by;
 mod found;
 mod identification;
 mod judge;
+mod kinematics;
 mod known;
 mod lateness;
 mod noise;
@@ -80,6 +81,7 @@ pub use identification::{
     BenchIdentification, Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify,
     identify_axes, manoeuvres_for, mismatch,
 };
+use kinematics::Kinematics;
 pub use known::{Fact, Known, NotKnown};
 pub use nominal::{NominalPrediction, channel_prediction_errors, nominal_prediction};
 pub use progress::{Observer, Progress};
@@ -226,7 +228,8 @@ fn diagnosed(
     let log = thinned.as_ref().unwrap_or(log);
     let sampled = Sampled::new(log, subject, None)?;
     let nominal = || subject.model(log);
-    let catalogue = known.leaves(Fitted::hypotheses(&subject.scope(log)));
+    let (scope, sensors) = (subject.scope(log), Kinematics::of(log));
+    let catalogue = known.leaves(sensors.informed(Fitted::hypotheses(&scope)));
     let fitted_along = subject.fitted_along(log)?;
     let (search, found) =
         sampled.search(|shooting| Search::new(shooting, &nominal, &catalogue, as_terms(&fitted_along), observer));
@@ -235,12 +238,13 @@ fn diagnosed(
         return concluded(log, subject, &search, found, effort);
     }
     // a real vehicle: what is ordinary about it first, in the noise of all that no model knows
-    let ordinary = known.leaves(base::ordinary_with_sensors(log, &subject.scope(log), &search));
+    let ordinary = known.leaves(base::ordinary_with_sensors(&scope, &sensors));
     let shooting = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &catalogue, as_terms(&fitted_along), observer);
     let base = base::fitted(&search, &ordinary).fit;
     let base = judge::useful(&search, search.refitted(base.terms, &base.starts));
-    let beside = known.leaves(Fitted::beside(&subject.scope(log), |axis| base::is_trimmed(&base, axis)));
+    let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
+    let beside = known.leaves(sensors.informed(beside));
     let search = search.from(&base, &beside);
     let found = search.run();
     concluded(log, subject, &search, found, effort)

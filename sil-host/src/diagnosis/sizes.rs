@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::base;
 use super::fitted::Fitted;
+use super::kinematics::Kinematics;
 use super::noise::noise_beyond_sensors;
 use super::search::Search;
 use super::verdict::{Estimate, MODEL_ERROR, estimates};
@@ -29,7 +30,8 @@ pub type Size = BTreeMap<&'static str, Estimate>;
 pub fn sizes(log: &Log, subject: &Subject<'_>, asked: &[Asked]) -> Result<Vec<Option<Size>>, NotPredictable> {
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
-    let (nominal, catalogue) = (|| subject.model(log), Fitted::hypotheses(&subject.scope(log)));
+    let nominal = || subject.model(log);
+    let catalogue = Kinematics::of(log).informed(Fitted::hypotheses(&subject.scope(log)));
     let shooting = subject.shooting(log, &subject.noise(log))?;
     let along = subject.fitted_along(log)?;
     let terms = with_asked(as_terms(&along), &catalogue, asked);
@@ -55,11 +57,12 @@ pub fn sizes_beside_base(
     let (nominal, scope) = (|| subject.model(log), subject.scope(log));
     let (along, shooting) = (subject.fitted_along(log)?, subject.shooting(log, &subject.noise(log))?);
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
-    let ordinary = base::ordinary_with_sensors(log, &scope, &search);
+    let sensors = Kinematics::of(log);
+    let ordinary = base::ordinary_with_sensors(&scope, &sensors);
     let shooting = base::disturbed(log, subject, &search, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
     let base = base::fitted(&search, &ordinary).fit;
-    let beside = Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis));
+    let beside = sensors.informed(Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis)));
     let terms = with_asked(base.terms, &beside, asked);
     Ok(fitted_to_all(&shooting, &nominal, terms).sizes(asked))
 }

@@ -194,7 +194,7 @@ fn the_extended_model_has_what_is_ordinary_too() {
     ];
     let mut model = VehicleModel::generic(Rig::Gimbal);
     model.effects = hidden.map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).into();
-    let log = Synthesis { duration_s: 20.0, blind: true, ..Synthesis::of(model) }.log().unwrap();
+    let log = Synthesis { duration_s: 12.0, log_rate_hz: 100, blind: true, ..Synthesis::of(model) }.log().unwrap();
     let nominal = VehicleModel::generic(Rig::Gimbal);
     let answer = diagnose(&log, &Subject::Vehicle(&nominal)).unwrap();
     assert!(answer.base.iter().any(|term| term.ordinary && term.effect == "torque_bias"), "{:?}", answer.base);

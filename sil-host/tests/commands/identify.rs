@@ -5,7 +5,7 @@ use crate::sil::{Folder, GENERIC_FREE_MODEL};
 /// A free flight of the quick model, as somebody else would log it.
 fn foreign_flight(folder: &Folder) {
     folder.write("free.toml", GENERIC_FREE_MODEL);
-    let flown = ["synth", "--model", "free.toml", "--duration", "12", "--rate", "100", "--blind", "flight.csv"];
+    let flown = ["synth", "--model", "free.toml", "--duration", "8", "--rate", "100", "--blind", "flight.csv"];
     folder.sil(&flown).assert_done();
     let text = String::from_utf8(folder.bytes("flight.csv")).unwrap();
     // other names, and no word of where it comes from

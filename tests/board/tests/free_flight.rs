@@ -20,7 +20,7 @@ const HOVER: f64 = 0.54;
 const FREE: Params = Params {
     rig: Rig::Free,
     hover_throttle_permille: 540,
-    radio: RadioParams { flies: true, kill_channel: 5, ..RadioParams::DEFAULT },
+    radio: RadioParams { flies: true, kill_channel: 5, acro_channel: 6, ..RadioParams::DEFAULT },
     ..Params::DEFAULT
 };
 
@@ -107,6 +107,30 @@ fn take_off_steps_a_gust_and_landing_by_sticks() {
     println!("{} steps repeated to the bit", flight.twin.steps());
 }
 
+/// The mode switch, rates by stick, and back to level: half a stick of acro is 74 degrees a second (of 180, with 30 %
+/// of a cube).
+#[test]
+fn acro_by_the_mode_switch() {
+    let mut flight = hovering();
+    flight.set_stick(6, 2000);
+    fly_at(&mut flight, 3.0, 200);
+    flight.set_stick(ROLL, HALF_US);
+    fly_at(&mut flight, 3.0, 400);
+    let rate_rad_s = f32::from_bits(flight.last().rate[0]);
+    assert!((rate_rad_s.to_degrees() - 74.25).abs() < 8.0, "{} deg/s", rate_rad_s.to_degrees());
+    flight.set_stick(ROLL, MIDDLE_US);
+    fly_at(&mut flight, 3.0, 400);
+    let held_deg = tilt_deg(&flight)[0];
+    fly_at(&mut flight, 3.0, 200);
+    assert!(held_deg > 15.0 && (tilt_deg(&flight)[0] - held_deg).abs() < 2.0, "{held_deg}: nothing levels it");
+    flight.set_stick(6, 1000);
+    fly_at(&mut flight, 3.0, 1500);
+    assert!(tilt_deg(&flight).iter().all(|angle| angle.abs() < 2.0), "{:?}", tilt_deg(&flight));
+    let told = |words: &str| flight.ground.texts().iter().any(|(_, text)| text == words);
+    assert!(told("mode: acro (rates)") && told("mode: stabilise (angles)"), "{:?}", flight.ground.texts());
+    land(&mut flight);
+}
+
 /// Level, then down at a speed that it survives, then disarmed, by itself and within 3 s.
 #[test]
 fn a_lost_radio_brings_it_down() {
@@ -133,10 +157,30 @@ fn a_lost_radio_brings_it_down() {
 fn without_a_ground_station_and_with_a_low_battery_it_is_landed() {
     let mut flight = hovering();
     flight.mute();
-    flight.machine.set_battery_v(9.9);
-    fly_at(&mut flight, 3.0, 4000);
+    flight.machine.set_battery_v(10.2);
+    fly_at(&mut flight, 3.0, 10_500);
     assert!(flight.is_armed() && flight.vehicle.borrow().height().0 > 2.0);
+    assert!(flight.ground.texts().iter().any(|(_, text)| text == "battery low: land"), "{:?}", flight.ground.texts());
     land(&mut flight);
+}
+
+/// The pilot wants to stay; it comes down all the same, at a speed that it survives, and is disarmed.
+#[test]
+fn an_empty_battery_brings_it_down() {
+    let mut flight = hovering();
+    flight.machine.set_battery_v(9.5);
+    fly_at(&mut flight, 3.0, 10_300);
+    assert_eq!(flight.last().arming, Arming::BatteryLow { since_us: 0 }.number(), "{:?}", flight.ground.texts());
+    let (mut left, before) = (150, flight.vehicle.borrow().touched_down().len());
+    while flight.last().arming != Arming::default().number() {
+        fly_at(&mut flight, 3.0, 100);
+        left -= 1;
+        assert!(left > 0, "never disarmed: {:?}", flight.vehicle.borrow().height());
+    }
+    let touched_down = flight.vehicle.borrow().touched_down()[before];
+    println!("with an empty battery it touches down at {:.2} m/s", touched_down.speed_m_s);
+    assert!(touched_down.stands(), "{touched_down:?}");
+    assert!(flight.ground.texts().iter().any(|(_, text)| text == "disarmed: battery empty"));
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! What ends a flight, and what does not: the core with the board's own configuration and link, around the simulated
 //! vehicle.
 
+mod battery;
+mod modes;
 mod outside;
 mod rig;
 mod touchdown;

@@ -109,6 +109,7 @@ pub struct RigFlight {
     stick: Setpoint,
     silent: bool,
     blind_until_us: u64,
+    battery_v: Option<f32>,
     output: Option<StepOutput>,
     flown: Setpoint,
 }
@@ -151,6 +152,7 @@ impl RigFlight {
             stick: Setpoint::default(),
             silent: false,
             blind_until_us: 0,
+            battery_v: None,
             output: None,
             flown: Setpoint::default(),
         };
@@ -228,7 +230,8 @@ impl RigFlight {
     }
 
     fn control(&mut self) -> StepOutput {
-        let mut input = StepInput { time_us: self.now_us, plan: self.plan.take(), ..StepInput::default() };
+        let (plan, battery_v) = (self.plan.take(), self.battery_v);
+        let mut input = StepInput { time_us: self.now_us, plan, battery_v, ..StepInput::default() };
         input.imu.extend(self.samples.drain(..));
         self.commander.commands(self.now_us).fill(&mut input);
         let output = FlightCore::fast(&self.config, &mut self.state, &input);
@@ -276,6 +279,11 @@ impl RigFlight {
         self.stick.roll_rad = share * 30f32.to_radians();
     }
 
+    /// Sticks of acro, rates in rad/s; none for sticks that mean angles.
+    pub fn acro_stick(&mut self, rates_rad_s: Option<[f32; 3]>) {
+        self.stick.acro_rad_s = rates_rad_s;
+    }
+
     /// Throttle stick.
     pub fn throttle_stick(&mut self, throttle: f32) {
         self.stick.throttle = throttle;
@@ -284,6 +292,11 @@ impl RigFlight {
     /// The ground goes away, or comes back.
     pub fn silence(&mut self, silent: bool) {
         self.silent = silent;
+    }
+
+    /// The battery's voltage from now on, V.
+    pub fn battery(&mut self, battery_v: f32) {
+        self.battery_v = Some(battery_v);
     }
 
     /// No samples for so long.
@@ -316,6 +329,11 @@ impl RigFlight {
     /// True speed downwards, m/s.
     pub fn sinks_m_s(&self) -> f64 {
         self.plant.truth().velocity_ned_m_s[2]
+    }
+
+    /// True rates about the body's axes, rad/s.
+    pub fn rate_body_rad_s(&self) -> [f64; 3] {
+        self.plant.truth().rate_body_rad_s
     }
 
     pub fn roll_deg(&self) -> f64 {

@@ -34,6 +34,8 @@ fn status(arming: Arming) -> VehicleStatus {
         blocks: ArmingBlocks::default(),
         io: crate::io_chip::IoReport::default(),
         radio_flies: false,
+        rest_force_m_s2: [None; 2],
+        acro: false,
         load_permille: 321,
         setpoints_rejected: 7,
         overruns: 8,
@@ -47,6 +49,13 @@ const LOST: Arming = Arming::LinkLost { since_us: 5 };
 
 fn disarmed(because: DisarmedBecause) -> Arming {
     Arming::Disarmed(because)
+}
+
+#[test]
+fn acro_is_a_mode_of_its_own_and_stabilises_nothing() {
+    let acro = heartbeat(&VehicleStatus { acro: true, controller: Controller::Mpc, ..status(ARMED) });
+    assert_eq!(acro.custom_mode, 2);
+    assert!(!acro.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED));
 }
 
 #[test]

@@ -24,6 +24,11 @@ fn order_of(data: &impl MessageData) -> Order {
     orders[0]
 }
 
+/// A field as it goes over the link.
+fn number(params: &Params, field: Field) -> f32 {
+    field.row().allowed.number(params.get(field)) as f32
+}
+
 fn set(name: &str, value: f32) -> PARAM_SET_DATA {
     PARAM_SET_DATA {
         param_value: value,
@@ -82,7 +87,7 @@ proptest! {
         let (mut expected, mut memory) = (from, [0; RECORD_LEN]);
         for field in Field::ALL {
             let name = field.row().name;
-            let request = accepted(order_of(&set(name, f32::from(to.get(field)))));
+            let request = accepted(order_of(&set(name, number(&to, field))));
             let words = parameters.serve(&request, |record| {
                 memory = *record;
                 true
@@ -91,7 +96,7 @@ proptest! {
             prop_assert_eq!(memory, encode(&expected));
             let words = words.unwrap();
             prop_assert_eq!(words.as_str(), std::format!("{name} stored for the next start"));
-            let value = (name.to_string(), f32::from(to.get(field)), field.index().into(), Field::ALL.len() as u16);
+            let value = (name.to_string(), number(&to, field), field.index().into(), Field::ALL.len() as u16);
             prop_assert_eq!(told(&mut parameters), std::vec![value]);
         }
         prop_assert_eq!(decode(&memory), Ok(to));
@@ -105,10 +110,10 @@ proptest! {
         let mut parameters = Parameters::new(&Params::DEFAULT);
         let request = ParameterRequest::Set { field, value };
         parameters.serve(&request, |record| {
-            assert!(decode(record).is_ok_and(|params| f32::from(params.get(field)) == value));
+            assert!(decode(record).is_ok_and(|params| number(&params, field) == value));
             true
         });
-        let stands = f32::from(parameters.stored.get(field));
+        let stands = number(&parameters.stored, field);
         prop_assert_eq!(told(&mut parameters)[0].1, stands);
     }
 }
@@ -128,7 +133,7 @@ fn a_list_tells_all_and_a_read_tells_one() {
     assert_eq!(all.len(), Field::ALL.len());
     for (index, (field, (name, value, told_index, count))) in Field::ALL.into_iter().zip(all).enumerate() {
         assert_eq!((name.as_str(), usize::from(told_index), count), (field.row().name, index, Field::ALL.len() as u16));
-        assert_eq!(value, f32::from(Params::DEFAULT.get(field)));
+        assert_eq!(value, number(&Params::DEFAULT, field));
         let by_name = accepted(order_of(&to_us(-1, &name)));
         let by_index = accepted(order_of(&to_us(index as i16, "")));
         assert_eq!((by_name, by_index), (ParameterRequest::Read(field), ParameterRequest::Read(field)));
@@ -158,7 +163,7 @@ fn what_cannot_be_is_refused_in_words_and_answered_with_what_stands() {
         let request = accepted(order_of(&set(name, value)));
         assert_eq!(serve_without_storing(&mut parameters, &request).unwrap().as_str(), words);
         let field = Field::by_name(name.as_bytes()).unwrap();
-        assert_eq!(told(&mut parameters)[0].1, f32::from(Params::DEFAULT.get(field)));
+        assert_eq!(told(&mut parameters)[0].1, number(&Params::DEFAULT, field));
     }
     let of_another_type = PARAM_SET_DATA { param_type: MavParamType::MAV_PARAM_TYPE_UINT16, ..set("HIL", 1.0) };
     let mut parameters = Parameters::new(&Params::DEFAULT);

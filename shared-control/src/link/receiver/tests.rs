@@ -3,10 +3,15 @@
 extern crate std;
 use super::*;
 use crate::link::frame::FrameWriter;
+use crate::radio::StickCurves;
+use crate::signals::Setpoint;
 use std::vec::Vec;
 
 /// Sticks that reach to 0.4 rad and 2.5 rad/s.
-const SETTINGS: LinkSettings = LinkSettings { stick_tilt_rad: 0.4, stick_yaw_rate_rad_s: 2.5, ..LinkSettings::NOMINAL };
+const SETTINGS: LinkSettings = LinkSettings {
+    curves: StickCurves { tilt_rad: 0.4, yaw_rate_rad_s: 2.5, ..LinkSettings::NOMINAL.curves },
+    ..LinkSettings::NOMINAL
+};
 
 fn orders(receiver: &mut Receiver, data: &impl MessageData) -> Vec<Order> {
     let mut bytes = heapless::Vec::<u8, 100>::new();

@@ -62,10 +62,10 @@ fn the_radios_sticks_fly_and_the_grounds_move_nothing() {
     bench.hold(LOW, 10);
     bench.commander.order(&Order::Fly(Setpoint { roll_rad: -0.5, throttle: 0.9, ..Setpoint::default() }), 0);
     let (commands, _) = bench.hold([1755, 1245, 1505, 2000, 1000], 10);
-    let Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle } = commands.setpoint;
-    let half_rad = 0.5 * SETTINGS.stick_tilt_rad;
+    let Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle, .. } = commands.setpoint;
+    let half_rad = 0.5 * SETTINGS.curves.tilt_rad;
     assert!((roll_rad - half_rad).abs() < 1e-6 && (pitch_rad + half_rad).abs() < 1e-6);
-    assert_eq!((yaw_rate_rad_s, commands.link_age_us), (SETTINGS.stick_yaw_rate_rad_s, 0));
+    assert_eq!((yaw_rate_rad_s, commands.link_age_us), (SETTINGS.curves.yaw_rate_rad_s, 0));
     assert!((throttle - 0.5).abs() < 1e-6);
 }
 

@@ -64,7 +64,7 @@ proptest! {
         let mut heard = orders(&mut receiver, &frame);
         // garbage may have claimed up to the longest frame's bytes: they are looked through again once it is refuted
         heard.extend(orders(&mut receiver, &[0; frame::FRAME_MAX]));
-        let wanted = Setpoint { pitch_rad: -f32::from(x) / 1000.0 * SETTINGS.stick_tilt_rad, ..Setpoint::default() };
+        let wanted = Setpoint { pitch_rad: -f32::from(x) / 1000.0 * SETTINGS.curves.tilt_rad, ..Setpoint::default() };
         prop_assert_eq!(heard, std::vec![Order::Fly(wanted)]);
     }
 
@@ -176,15 +176,18 @@ fn every_order_has_its_message() {
     assert_eq!(orders_of(&encoded(&HEARTBEAT_DATA::DEFAULT)), []);
 }
 
-/// The ESCs alone: whoever wants a gyro calibrated besides has something else in mind.
+/// The ESCs or the level, alone: whoever wants a gyro calibrated besides has something else in mind.
 #[test]
-fn escs_are_calibrated_by_the_seventh_parameter_alone() {
+fn escs_and_level_are_calibrated_by_one_parameter_alone() {
     let calibration = command(MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, [0.0; 4]);
     let escs = COMMAND_LONG_DATA { param7: 1.0, ..calibration.clone() };
     assert_eq!(orders_of(&encoded(&escs)), [Order::CalibrateEscs]);
     let senseless = Order::NotUnderstood { command: MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, known: true };
+    let level = COMMAND_LONG_DATA { param5: 2.0, ..calibration.clone() };
+    assert_eq!(orders_of(&encoded(&level)), [Order::CalibrateLevel]);
     let others = [
         calibration.clone(),
+        COMMAND_LONG_DATA { param7: 1.0, ..level },
         COMMAND_LONG_DATA { param7: 2.0, ..calibration },
         COMMAND_LONG_DATA { param1: 1.0, ..escs.clone() },
         COMMAND_LONG_DATA { param5: 1.0, ..escs },
@@ -199,10 +202,11 @@ fn sticks_ask_for_what_a_pilot_expects() {
     // forward, right, half throttle, clockwise
     let fly = orders_of(&encoded(&sticks(1000, 1000, 500, 1000)));
     let wanted = Setpoint {
-        roll_rad: SETTINGS.stick_tilt_rad,
-        pitch_rad: -SETTINGS.stick_tilt_rad,
-        yaw_rate_rad_s: SETTINGS.stick_yaw_rate_rad_s,
+        roll_rad: SETTINGS.curves.tilt_rad,
+        pitch_rad: -SETTINGS.curves.tilt_rad,
+        yaw_rate_rad_s: SETTINGS.curves.yaw_rate_rad_s,
         throttle: 0.5,
+        acro_rad_s: None,
     };
     assert_eq!(fly, [Order::Fly(wanted)]);
     let mut receiver = Receiver::new(SETTINGS);

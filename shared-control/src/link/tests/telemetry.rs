@@ -1,13 +1,14 @@
 //! What is reported to the ground, and how often.
 
 use super::{SETTINGS, decoded, std};
+use crate::flight_core::FlightCore;
 use crate::link::telemetry::FIGURES;
 use crate::link::*;
 use crate::params::Params;
 use crate::params::table::Field;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
-use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport};
+use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, RawImuSample, StepInput};
 use crate::supervisor::{Arming, Refusal};
 use mavlink::Message;
 use mavlink::dialects::common::{
@@ -37,6 +38,8 @@ fn status(arming: Arming) -> VehicleStatus {
         blocks: ArmingBlocks::default(),
         io: crate::io_chip::IoReport::default(),
         radio_flies: false,
+        rest_force_m_s2: [None; 2],
+        acro: false,
         load_permille: 123,
         setpoints_rejected: 1,
         overruns: 2,
@@ -190,4 +193,62 @@ fn queues_are_bounded_and_what_does_not_fit_waits() {
     let messages = decoded(&sent);
     assert_eq!(messages.len(), 4);
     assert!(matches!(&messages[0], MavMessage::STATUSTEXT(data) if data.text.to_str().unwrap() == &long[..50]));
+}
+
+/// From a board that is bolted on askew to the choices that level it: the core's own mean at rest, the command, the
+/// record, and the estimate of the next start.
+#[test]
+fn a_level_vehicle_teaches_how_its_board_sits() {
+    let start = |params: &Params, steps: u64| {
+        let config = crate::setup::Setup::new(params).unwrap().config;
+        let mut state = crate::flight_core::State::default();
+        let mut last = None;
+        for k in 0..steps {
+            let mut input = StepInput { time_us: k * 2500, ..StepInput::default() };
+            // the sensor's y is the body's x: nose up by 5.7 degrees, right side down by as much, and 0.05 g too much
+            let accel_counts = [-428, 428, -4258];
+            let _ = input.imu.push(RawImuSample { time_us: k * 2500, gyro_counts: [0; 3], accel_counts });
+            last = Some((FlightCore::fast(&config, &mut state, &input), input));
+        }
+        let (output, input) = last.unwrap();
+        VehicleStatus::new(&config, &input, &output)
+    };
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    let mut stored = None;
+    let refused = start(&Params::DEFAULT, 1000);
+    telemetry.calibrate_level(&refused, |_| panic!("it has not stood still for 3 s"));
+    telemetry.calibrate_level(&start(&Params::DEFAULT, 1400), |record| {
+        stored = Some(*record);
+        true
+    });
+    let params = crate::params::decode(&stored.expect("stored")).unwrap();
+    let [first, second] = params.level;
+    assert_eq!(second, Params::DEFAULT.level[1], "nothing is known of the second IMU");
+    // atan(428/4258) about one axis; about the other the hypotenuse makes it a little less
+    assert!((first.pitch_cdeg - 571).abs() <= 3 && (first.roll_cdeg + 574).abs() <= 3, "{first:?}");
+    let angles = |params: &Params| crate::frames::euler_from_q(&start(params, 1400).estimate.q_world_from_body);
+    let (before, after) = (angles(&Params::DEFAULT), angles(&params));
+    assert!(before.pitch_rad.abs() > 0.09 && before.roll_rad.abs() > 0.09, "{before:?}");
+    // to a hundredth of a degree
+    assert!(after.pitch_rad.abs() < 2e-4 && after.roll_rad.abs() < 2e-4, "{after:?}");
+    // and once more finds the same, not the rest
+    let again = start(&params, 1400).rest_force_m_s2[0].unwrap();
+    let trim = crate::sensing::level_trim::LevelTrim::of_level_vehicle(&again, 9.80665).unwrap();
+    assert_eq!(crate::params::level::LevelParams::new(&trim), first);
+}
+
+#[test]
+fn what_is_no_level_vehicle_is_not_stored() {
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    for (force, refusal) in [(None, Refusal::VehicleMoves), (Some(Vector3::new(3.0, 0.0, -9.3)), Refusal::NotLevel)] {
+        let status = VehicleStatus { rest_force_m_s2: [force, None], ..status(Arming::default()) };
+        telemetry.calibrate_level(&status, |_| panic!("nothing is to be stored"));
+        let mut out = heapless::Vec::<u8, 512>::new();
+        telemetry.poll(0, &status, &mut out);
+        let is_ack = |message: &MavMessage| {
+            matches!(message, MavMessage::COMMAND_ACK(ack)
+            if ack.result == MavResult::MAV_RESULT_TEMPORARILY_REJECTED)
+        };
+        assert!(decoded(&out).iter().any(is_ack), "{refusal:?}");
+    }
 }

@@ -146,6 +146,7 @@ proptest! {
                 pitch_rad: numbers[22],
                 yaw_rate_rad_s: numbers[23],
                 throttle: 0.5,
+                acro_rad_s: None,
             },
         };
         let plan = Mpc::<5>::prepare(&settings).unwrap().plan(&mut MpcState::new(), &request);

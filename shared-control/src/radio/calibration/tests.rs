@@ -69,6 +69,7 @@ fn nonsense_is_refused_by_name() {
     assert_eq!(refused(|params| params.sticks[1].dead_zone_us = 200), RadioFault::DeadZone(Stick::Pitch));
     assert_eq!(refused(|params| params.sticks[1].channel = 1), RadioFault::SharedChannel(1));
     assert_eq!(refused(|params| params.kill_channel = 3), RadioFault::SharedChannel(3));
+    assert_eq!(refused(|params| (params.kill_channel, params.acro_channel) = (6, 6)), RadioFault::SharedChannel(6));
     assert_eq!(refused(|params| params.fail_below_us = 1001), RadioFault::FailWithinThrottle);
     // they go out as STATUSTEXT
     let longest = std::format!("{}", RadioFault::Range(Stick::Pitch));

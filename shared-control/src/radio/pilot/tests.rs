@@ -68,7 +68,7 @@ fn one_wrong_frame_of_the_kill_switch_kills_nothing() {
     pilot.take(&frame(LOW), 14_000);
     assert!(!pilot.kills(50_000));
     pilot.take(&frame(on), 60_000);
-    assert!(!pilot.kills(60_000 + KILL_AFTER_US - 1) && pilot.kills(60_000 + KILL_AFTER_US));
+    assert!(!pilot.kills(60_000 + SWITCH_AFTER_US - 1) && pilot.kills(60_000 + SWITCH_AFTER_US));
     // lost, or half-way: it stays on
     pilot.take(&RadioFrame { heard: false, ..frame(LOW) }, 100_000);
     pilot.take(&frame([1500, 1500, 1000, 1500, 1500]), 110_000);
@@ -84,4 +84,31 @@ fn a_report_counts_for_a_tenth_of_a_second() {
     pilot.take(&frame(LOW), 1000);
     assert_eq!(pilot.age_us(1000 + REPORT_STALE_US - 1), Some(REPORT_STALE_US - 1));
     assert_eq!((pilot.sticks(1000 + REPORT_STALE_US), pilot.age_us(1000 + REPORT_STALE_US)), (None, None));
+}
+
+/// A wrong frame or two switches on the way leave the mode; a switch that stays where it is changes it.
+#[test]
+fn the_mode_follows_its_switch_and_nothing_else() {
+    let radio = RadioParams { kill_channel: 5, acro_channel: 6, ..RadioParams::DEFAULT };
+    let mut pilot = Pilot::new(RadioSetup::new(&radio).unwrap());
+    let with_mode = |pulse_us| {
+        let mut frame = frame(LOW);
+        (frame.channels_us[5], frame.count) = (pulse_us, 6);
+        frame
+    };
+    let mut flown = |times_ms: core::ops::Range<u64>, frame: RadioFrame| {
+        times_ms.step_by(5).for_each(|ms| pilot.take(&frame, ms * 1000));
+        pilot.flies_acro()
+    };
+    assert!(!flown(0..100, with_mode(1000)));
+    assert!(!flown(100..115, with_mode(2000)), "not yet 20 ms");
+    assert!(!flown(115..120, with_mode(1000)));
+    assert!(!flown(120..140, with_mode(2000)), "counted anew");
+    assert!(flown(140..145, with_mode(2000)));
+    assert!(flown(145..300, with_mode(1500)), "in between it is as it was");
+    assert!(flown(300..400, RadioFrame { heard: false, ..with_mode(1000) }));
+    assert!(flown(400..500, frame(LOW)), "nor does a channel that is not there change it");
+    assert!(!flown(500..525, with_mode(1000)));
+    // without its channel there are no sticks
+    assert_eq!((pilot.take(&frame(LOW), 600_000), pilot.sticks(600_000)), ((), None));
 }

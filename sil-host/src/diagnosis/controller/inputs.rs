@@ -96,6 +96,7 @@ pub(super) fn steps(log: &Log, config: &Config, parameters: &DesignParameters) -
                 pitch_rad: rows.reference_rad[1][row] as f32,
                 yaw_rate_rad_s: 0.0,
                 throttle: config.mixer.lift_curve.command(lift_n),
+                acro_rad_s: None,
             },
             arming: ArmingRequest::None,
             flown: Some(flown),

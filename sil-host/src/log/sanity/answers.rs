@@ -35,7 +35,9 @@ pub(super) struct Answers {
     responses: Vec<Option<usize>>,
     /// How many inputs have a response of their own.
     labelled: usize,
+    /// At lags of one more group each, and how many groups the first is.
     by_lag: Vec<Products>,
+    first_lag: isize,
     /// The lag at which all inputs together explain most.
     best: usize,
 }
@@ -49,7 +51,8 @@ impl Question {
         }
         let (inputs, here) = places(&self.inputs, 0);
         let (responses, responding) = places(&self.responses, here.len());
-        let lags = bins.steps(self.later_s[0])..=bins.steps(self.later_s[1]);
+        let first_lag = bins.steps(self.later_s[0]);
+        let lags = first_lag..=bins.steps(self.later_s[1]);
         let products = |by: isize| {
             let series: Vec<Vec<f64>> = here
                 .iter()
@@ -59,15 +62,16 @@ impl Question {
             Products::of(&series, &stretches)
         };
         let by_lag: Vec<Products> = lags.map(products).collect();
-        let all_inputs: Vec<usize> = inputs.iter().flatten().copied().collect();
-        let explained = |products: &Products| {
-            let sums = products.without(None);
-            responses.iter().flatten().map(|response| sums.explained(*response, &all_inputs)).sum::<f64>()
-        };
-        let shares: Vec<f64> = by_lag.iter().map(explained).collect();
-        let best = (0..shares.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
-        Some(Answers { stretches: stretches.len(), inputs, labelled: responses.len(), responses, by_lag, best })
+        let (stretches, labelled) = (stretches.len(), responses.len());
+        let mut answers = Answers { stretches, inputs, responses, labelled, by_lag, first_lag, best: 0 };
+        answers.best = most(&answers.explained_by_lag(None))?;
+        Some(answers)
     }
+}
+
+/// The place of the largest.
+fn most(shares: &[f64]) -> Option<usize> {
+    (0..shares.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))
 }
 
 /// Where each series stands among those that are there, counted from `first`.
@@ -84,6 +88,34 @@ fn places(series: &[Option<Vec<f64>>], first: usize) -> (Vec<Option<usize>>, Vec
 }
 
 impl Answers {
+    /// What all inputs together explain of all responses, at each lag.
+    fn explained_by_lag(&self, left_out: Option<usize>) -> Vec<f64> {
+        let inputs: Vec<usize> = self.inputs.iter().flatten().copied().collect();
+        let explained = |products: &Products| {
+            let sums = products.without(left_out);
+            self.responses.iter().flatten().map(|response| sums.explained(*response, &inputs)).sum()
+        };
+        self.by_lag.iter().map(explained).collect()
+    }
+
+    /// How much later the responses come than their inputs, in groups: the top of the parabola through the best lag and
+    /// its neighbours.
+    pub(super) fn later_groups(&self) -> Option<Estimate> {
+        let later = |left_out| {
+            let shares = self.explained_by_lag(left_out);
+            let best = most(&shares)?;
+            let beside = |place: Option<usize>| place.and_then(|place| shares.get(place)).copied();
+            let top = match (beside(best.checked_sub(1)), beside(best.checked_add(1))) {
+                (Some(before), Some(after)) if before + after < 2.0 * shares[best] => {
+                    0.5 * (before - after) / (before - 2.0 * shares[best] + after)
+                }
+                _ => 0.0,
+            };
+            Some(self.first_lag as f64 + best as f64 + top)
+        };
+        jackknife(self.stretches, later)
+    }
+
     /// The slope of a response on an input beside all the other inputs, at the best lag.
     pub(super) fn slope(&self, response: usize, input: usize) -> Option<Estimate> {
         self.estimate(|sums| self.slope_in(sums, response, input))

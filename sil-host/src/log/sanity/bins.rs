@@ -69,6 +69,11 @@ impl Bins {
         self.rows.iter().map(|rows| holds[rows.clone()].iter().all(|holds| *holds)).collect()
     }
 
+    /// Usual time from group to group, s.
+    pub(super) fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
     /// How many groups a time is.
     pub(super) fn steps(&self, time_s: f64) -> isize {
         (time_s / self.step_s).round() as isize

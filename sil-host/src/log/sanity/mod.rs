@@ -99,6 +99,29 @@ pub(crate) fn accelerations_per_command(log: &Log) -> [Option<AxisAnswer>; 3] {
     })
 }
 
+/// What gyro and attitude say of each other, whatever moves the vehicle; none where a log does not tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SensorAgreement {
+    /// Reported over true rate of roll, pitch and yaw.
+    pub(crate) gyro_scale: [Option<Measured>; 3],
+    /// How late the attitude is, s; negative where the gyro is.
+    pub(crate) attitude_delay_s: Option<Measured>,
+}
+
+/// A figure with its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Measured {
+    pub(crate) value: f64,
+    pub(crate) std: f64,
+    /// True where chance has not made it more than is usual.
+    pub(crate) is_unusual: bool,
+}
+
+/// How far gyro and attitude of a log agree.
+pub(crate) fn sensor_agreement(log: &Log) -> SensorAgreement {
+    turning::sensor_agreement(log, &Bins::of(log))
+}
+
 /// True if a log says that all rotors turn the other way than in docs/rig.md.
 pub(crate) fn has_reversed_spin(log: &Log) -> bool {
     log.facts.iter().any(|fact| fact.name == "spin")

@@ -7,6 +7,8 @@ use super::super::quantity::Quantity;
 use super::answers::{Answer, Answers, Question};
 use super::bins::Bins;
 use super::finding::{Columns, Contradiction};
+use super::regression::Estimate;
+use super::{Measured, SensorAgreement};
 use crate::axis::Axis;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -17,6 +19,15 @@ const LATER_S: [f64; 2] = [-0.05, 0.15];
 /// Cosine of the tilt beyond which rows are left out.
 const COS_TILT_MIN: f64 = 0.5;
 const DEGREE_RAD: f64 = PI / 180.0;
+/// The scale of a gyro that nobody has calibrated is off by no more (the MPU-6000's by 3 %).
+const GYRO_SCALE_USUAL: f64 = 0.03;
+/// A scale that is known no better is not known.
+const GYRO_SCALE_STD_MAX: f64 = 0.1;
+/// What means over groups of rows may do to a slope, and to a time in groups.
+const SLOPE_STD: f64 = 0.005;
+const GROUP_SHARE: f64 = 0.1;
+/// An attitude's time within its row is known no better, in steps of the log.
+const ROW_SHARE: f64 = 0.25;
 
 /// The answers of the angles to the rates; `None` where the log has not both, or is too short.
 pub(super) fn answers(log: &Log, bins: &Bins) -> Option<Answers> {
@@ -35,6 +46,32 @@ pub(super) fn answers(log: &Log, bins: &Bins) -> Option<Answers> {
 fn is_near_level(log: &Log) -> Vec<bool> {
     let cos = |axis: Axis, row: usize| log.column(Quantity::Angle(axis)).map_or(1.0, |angle| libm::cos(angle[row]));
     (0..log.rows()).map(|row| cos(Axis::Roll, row) > COS_TILT_MIN && cos(Axis::Pitch, row) > COS_TILT_MIN).collect()
+}
+
+/// What gyro and attitude say of each other.
+pub(super) fn sensor_agreement(log: &Log, bins: &Bins) -> SensorAgreement {
+    let Some(answers) = answers(log, bins) else { return SensorAgreement::default() };
+    let gyro_scale = |axis: Axis| {
+        let i = axis.index();
+        let [least, most] = [answers.slope(i, i)?, largest_slope(&answers, i)?];
+        let is_unusual = least.is_above(1.0 + GYRO_SCALE_USUAL) || most.is_below(1.0 - GYRO_SCALE_USUAL);
+        // as likely the one's noise as the other's
+        let [value, ends] = [(least.value * most.value).sqrt(), 0.5 * (most.value - least.value)];
+        let std = least.std.hypot(ends).hypot(SLOPE_STD) / (value * value);
+        (std < GYRO_SCALE_STD_MAX).then_some(Measured { value: 1.0 / value, std, is_unusual })
+    };
+    let attitude_delay_s = || {
+        let (later, group_s) = (answers.later_groups()?, bins.step_s());
+        let is_unusual = later.is_above(ROW_SHARE * log.median_step_s() / group_s);
+        let std = group_s * later.std.hypot(GROUP_SHARE);
+        (later.std < 1.0).then_some(Measured { value: later.value * group_s, std, is_unusual })
+    };
+    SensorAgreement { gyro_scale: Axis::ALL.map(gyro_scale), attitude_delay_s: attitude_delay_s() }
+}
+
+/// Noise in a rate makes its slope too small, and this one too large by the noise of the angle: the truth lies between.
+fn largest_slope(answers: &Answers, i: usize) -> Option<Estimate> {
+    answers.estimate(|sums| Some(answers.slope_in(sums, i, i)? / answers.explained_in(sums, i)?))
 }
 
 /// What the rates and angles of an axis contradict each other in, given which of the two the motors speak for.
@@ -88,13 +125,7 @@ fn sign_turned(axis: Axis, sign: f64, rate_is_right: Option<bool>, columns: &Col
 /// A slope that is not 1 but a unit's size.
 fn unit(answers: &Answers, axis: Axis, columns: &Columns<'_>) -> Option<Contradiction> {
     let i = axis.index();
-    let slope = answers.slope(i, i)?;
-    // noise in the rate makes this slope too small, the other way round too large: the truth lies between
-    let most = answers.estimate(|sums| {
-        let slope = answers.slope_in(sums, i, i)?;
-        let explained = answers.explained_in(sums, i)?;
-        Some(slope / explained)
-    })?;
+    let (slope, most) = (answers.slope(i, i)?, largest_slope(answers, i)?);
     // as far from one unit as from the other
     let between = (1.0 / DEGREE_RAD).sqrt();
     let (angle, rate) = (Quantity::Angle(axis), Quantity::Rate(axis));
@@ -168,4 +199,45 @@ pub(super) fn out_of_range(log: &Log, columns: &Columns<'_>) -> Option<Contradic
         map_lines,
         ..Contradiction::default()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Effect;
+    use crate::model::VehicleModel;
+    use crate::synthesis::Synthesis;
+    use crate::vehicle::Rig;
+
+    fn agreement_of(effects: &[&str]) -> SensorAgreement {
+        let mut model = VehicleModel::generic(Rig::Gimbal);
+        model.effects = effects.iter().map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).collect();
+        let log = Synthesis { duration_s: 20.0, ..Synthesis::of(model) }.log().unwrap();
+        sensor_agreement(&log, &Bins::of(&log))
+    }
+
+    fn assert_measured(measured: Option<Measured>, truth: f64, std_max: f64, is_unusual: bool) {
+        let measured = measured.expect("an excited axis");
+        assert!((measured.value - truth).abs() < 3.0 * measured.std && measured.std < std_max, "{truth}: {measured:?}");
+        assert_eq!(measured.is_unusual, is_unusual, "{truth}: {measured:?}");
+    }
+
+    #[test]
+    fn sensors_that_agree_do_so_whatever_turns_the_vehicle() {
+        let disturbed = ["cg_offset:axis=pitch,cos_moment_nm=0.1", "gyro_bias:axis=roll,bias_rad_s=0.1"];
+        for effects in [&[][..], &disturbed, &["coulomb_friction:axis=pitch,torque_nm=0.05"]] {
+            let agreement = agreement_of(effects);
+            assert_measured(agreement.gyro_scale[Axis::Roll.index()], 1.0, 0.02, false);
+            assert_measured(agreement.gyro_scale[Axis::Pitch.index()], 1.0, 0.02, false);
+            assert_measured(agreement.attitude_delay_s, 0.0, 2e-3, false);
+        }
+    }
+
+    #[test]
+    fn a_wrong_scale_and_a_late_attitude_are_measured_without_a_model() {
+        let agreement = agreement_of(&["gyro_scale:axis=pitch,scale=1.2", "attitude_delay:delay_s=0.03"]);
+        assert_measured(agreement.gyro_scale[Axis::Roll.index()], 1.0, 0.02, false);
+        assert_measured(agreement.gyro_scale[Axis::Pitch.index()], 1.2, 0.02, true);
+        assert_measured(agreement.attitude_delay_s, 0.03, 2e-3, true);
+    }
 }

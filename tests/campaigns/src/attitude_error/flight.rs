@@ -1,9 +1,9 @@
-//! A minute of flight by the cascade as the board is configured: hover, and what the pilot asks between.
+//! A minute of flight as the board is configured: hover, and what the pilot asks between.
 
 use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
+use shared_control::mpc::{HORIZON, Mpc, MpcState};
 use shared_control::params::{Params, Rig};
-use shared_control::sensing::rotor_notches::NotchesConfig;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingRequest, RawImuSample, Setpoint, StepInput};
 use sil_host::effects::{RotorVibration, WeakMotor};
@@ -67,17 +67,29 @@ pub struct ShakenFlight {
     /// What rounding has kept back of the drift.
     drift_left: [f64; 3],
     config: Config,
+    mpc: Mpc<HORIZON>,
     state: State,
     hover_throttle: f32,
     manoeuvre: Manoeuvre,
 }
 
 impl ShakenFlight {
-    /// On the ground.
+    /// On the ground, flown by the cascade without notches.
     ///
     /// # Panics
     /// If the nominal vehicle can't be flown.
     pub fn new(rig: Rig, manoeuvre: Manoeuvre, trouble: &Trouble) -> Self {
+        Self::flown_by(&Params { rig, gyro_notches: false, ..Params::DEFAULT }, manoeuvre, trouble)
+    }
+
+    /// The same as an owner has chosen.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    pub fn flown_by(params: &Params, manoeuvre: Manoeuvre, trouble: &Trouble) -> Self {
+        let rig = params.rig;
+        let setup = Setup::new(params).expect("choices of the table");
+        let mpc = Mpc::prepare_shorter(params.control_horizon.into(), &setup.mpc).expect("any choice of the table");
         let mut model = VehicleModel::nominal(match rig {
             Rig::Gimbal => model::Rig::Gimbal,
             Rig::Free => model::Rig::Free,
@@ -102,17 +114,12 @@ impl ShakenFlight {
             sensors: Sensors::new(&model.noise, trouble.seed).with_effects(&model.effects),
             drift_counts: core::array::from_fn(|_| sign() * drift_counts),
             drift_left: [0.0; 3],
-            config: Setup::new(&Params { rig, ..Params::DEFAULT }).expect("the board's defaults").config,
+            config: setup.config,
+            mpc,
             state: State::default(),
             hover_throttle: model.base_command as f32,
             manoeuvre,
         }
-    }
-
-    /// With notches that follow the rotors.
-    pub fn with_notches(mut self) -> Self {
-        self.config.sensing.imu.gyro_notches = Some(NotchesConfig::new(1e6 / SAMPLE_US as f32));
-        self
     }
 
     /// Flies; the angle between the true and the estimated vertical at each step since it was let go, degrees.
@@ -127,7 +134,7 @@ impl ShakenFlight {
 
     /// Flies and shows each step since it was let go: the vehicle, the step, and what the core keeps after it.
     pub fn fly(mut self, mut see: impl FnMut(&Plant, &StepOutput, &State)) {
-        let mut input = StepInput::default();
+        let (mut input, mut mpc_state) = (StepInput::default(), MpcState::new());
         for now_us in (0..RELEASE_US + self.flight_us()).step_by(TICK_US as usize) {
             if now_us.is_multiple_of(SAMPLE_US) {
                 // never more than three a step
@@ -136,7 +143,8 @@ impl ShakenFlight {
             if now_us.is_multiple_of(STEP_US) {
                 (input.time_us, input.setpoint, input.arming) = (now_us, self.setpoint(now_us), request(now_us));
                 let output = FlightCore::fast(&self.config, &mut self.state, &input);
-                FlightCore::follow(&self.config, &mut self.state, &output);
+                let request = FlightCore::follow(&self.config, &mut self.state, &output);
+                input.plan = request.map(|request| FlightCore::plan(&self.mpc, &mut mpc_state, &request));
                 input.imu.clear();
                 self.plant.set_commands(output.mix.commands.0.map(f64::from));
                 if now_us >= RELEASE_US {
