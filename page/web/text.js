@@ -22,7 +22,7 @@ export const text = {
   stop: "Stop",
   stopped: "Stopped. Nothing was found out.",
   reading: "Reading",
-  preparing: "Preparing",
+  preparing: "Finding what to hold the log against",
   working: "Working",
   foot:
     "Computed by the same library as the command line: sil diagnose, sil fly, sil synth. Source and " +
