@@ -39,7 +39,7 @@ function shortForm(effect) {
 }
 
 async function hide() {
-  begin(make("p", { role: "status", class: "panel" }, text.preparing));
+  begin(make("p", { role: "status", class: "panel" }, text.working));
   try {
     const { effects } = await catalogue();
     const [hidden, ...others] = shuffled(effects.filter(({ rigs }) => rigs.includes(RIG)));

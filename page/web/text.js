@@ -22,13 +22,11 @@ export const text = {
   stop: "Stop",
   stopped: "Stopped. Nothing was found out.",
   reading: "Reading",
-  preparing: "Preparing",
+  preparing: "Finding what to hold the log against",
   working: "Working",
   foot:
     "Computed by the same library as the command line: sil diagnose, sil fly, sil synth. Source and " +
     "documentation come with the project.",
-  ofLog: (name) => `Log ${name}`,
-  recognised: "Recognised",
   format: "Format",
   size: "Rows",
   holds: "Holds",
@@ -38,7 +36,6 @@ export const text = {
   normal: "A normal flight of the healthy vehicle: compare the other log with it",
   remove: "Remove",
   unreadable: "Can't be read",
-  draftedHelp: "A start of a map was drafted; it stands below, to be mended.",
   takeDraft: "Mend the drafted map",
   map: "What the columns mean",
   mapAsFile: "as the file says",
@@ -56,7 +53,6 @@ export const text = {
   modelFile: "Model file (TOML)",
   controller: "What flew it",
   controllerUnknown: "not examined",
-  rows: "Which part",
   from: "from, s",
   to: "to, s",
   flight: "flight number",
@@ -85,7 +81,6 @@ export const text = {
       `The log needs more memory than a browser gives to a page (it had ${mb} MB). Cut the log (from, to, or one ` +
       `flight of it), or use the command line.`,
   crashed: (why) => `The computation failed: ${why}`,
-  tooLarge: "The file can't be read by the browser: ",
   controls: "What flies",
   vehicle: "Vehicle",
   level: "Detail of the propulsion",
@@ -118,7 +113,6 @@ export const text = {
   limits: "Limits",
   times: "times",
   controlHorizon: "free inputs per axis (control horizon)",
-  now: "now",
   copyLink: "Copy a link to this",
   linkCopied: "Copied.",
   linkShown: "The address of this page is the link.",
@@ -147,7 +141,6 @@ export const text = {
   quizAgrees: "The diagnosis names it too.",
   quizMisses: (what) => `The diagnosis says: ${what}.`,
   quizNothing: "nothing beyond noise",
-  quizFigures: "What is to be seen of the log",
 };
 
 // Puts strings where the page has places for them.

@@ -10,6 +10,9 @@ use serde_json::{Value, json};
 /// How long a script in the page may take, ms.
 const SCRIPT_MS: u32 = 60_000;
 
+/// Of `/proc`, on every Linux that Debian builds.
+const TICKS_PER_S: f64 = 100.0;
+
 /// A browser; it ends with the value.
 pub struct Browser {
     driver: Child,
@@ -88,6 +91,35 @@ impl Browser {
         let whole = json!({ "cmd": "Page.captureScreenshot", "params": { "captureBeyondViewport": true } });
         let picture = self.command("goog/cdp/execute", &whole)?;
         picture["data"].as_str().map(str::to_owned).context("no picture")
+    }
+
+    /// Processor time that the browser has used so far, s: on a machine that does other things too, a computation in
+    /// one thread takes longer than this.
+    ///
+    /// # Errors
+    /// The system does not say (it is Linux's `/proc` that is read).
+    pub fn processor_s(&self) -> Result<f64> {
+        let mut family = vec![self.driver.id()];
+        let mut ticks = 0.0;
+        let mut parents = Vec::new();
+        for entry in std::fs::read_dir("/proc")? {
+            let Some(id) = entry?.file_name().to_str().and_then(|name| name.parse::<u32>().ok()) else { continue };
+            // a process may end meanwhile
+            let Ok(stat) = std::fs::read_to_string(format!("/proc/{id}/stat")) else { continue };
+            // the program's name, in brackets, may hold anything; behind it stand state, parent, ..., and as the 12th
+            // and 13th field user's and system's time (proc(5))
+            let Some((_, fields)) = stat.rsplit_once(") ") else { continue };
+            let fields: Vec<&str> = fields.split(' ').collect();
+            let [parent, user, system] = [1, 11, 12].map(|at| fields.get(at).and_then(|of| of.parse::<u32>().ok()));
+            parents.push((id, parent.context("no parent")?, f64::from(user.unwrap_or(0) + system.unwrap_or(0))));
+        }
+        let mut at = 0;
+        while let Some(of) = family.get(at).copied() {
+            family.extend(parents.iter().filter(|(_, parent, _)| *parent == of).map(|(id, ..)| *id));
+            ticks += parents.iter().find(|(id, ..)| *id == of).map_or(0.0, |(.., used)| *used);
+            at += 1;
+        }
+        Ok(ticks / TICKS_PER_S)
     }
 
     /// A log of the browser's since the last call: `browser` for its console, `performance` for its events.
