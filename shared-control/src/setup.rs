@@ -70,7 +70,8 @@ impl Setup {
         // with hardware in the loop every step brings its one sample
         let imu_rate_hz = if params.hil { loop_rate_hz } else { IMU_RATE_HZ as f32 };
         let mut core = Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?;
-        if params.gyro_notches && !params.hil {
+        // at 100 Hz ten samples a step of each IMU would take the time until the pulses
+        if params.gyro_notches && !params.hil && params.loop_rate_hz == 400 {
             core.sensing.imu.gyro_notches = Some(NotchesConfig::new(imu_rate_hz));
             core.sensing.imu_second.gyro_notches = Some(NotchesConfig::new(L3GD20_RATE_HZ));
         }
@@ -200,7 +201,9 @@ mod tests {
         let vehicle = VehicleParameters::F450_GIMBAL;
         let tuning = Tuning { ground_idle_command: 0.1, flight_idle_command: 0.15, ..Tuning::for_vehicle(&vehicle) };
         let config = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
-        assert!(Setup::new(&Params::DEFAULT).unwrap().config.sensing.imu.gyro_notches.is_some());
+        let has_notches = |params: &Params| Setup::new(params).unwrap().config.sensing.imu.gyro_notches.is_some();
+        assert!(has_notches(&Params::DEFAULT) && !has_notches(&Params { loop_rate_hz: 100, ..Params::DEFAULT }));
+        assert!(!has_notches(&Params { hil: true, ..Params::DEFAULT }));
         let setup = Setup::new(&Params { gyro_notches: false, ..Params::DEFAULT }).unwrap();
         assert_eq!(setup.config, config);
         assert_eq!(setup.mpc, config::mpc_settings(&vehicle, &tuning, 400.0));

@@ -196,9 +196,11 @@ impl Field {
                 Allowed::Range(10, 2000),
                 "drag of the rotors over airspeed and mass, 1/1000 1/s: what shows the tilt in free flight",
             ),
-            Field::GyroNotches => {
-                ("GYRO_NOTCHES", Allowed::Either(0, 1), "1: notches in the gyro follow the rotors' lines")
-            }
+            Field::GyroNotches => (
+                "GYRO_NOTCHES",
+                Allowed::Either(0, 1),
+                "1: notches in the gyro follow the rotors' lines, where LOOP_RATE_HZ is 400",
+            ),
             Field::Battery(part) => battery::row(part),
             Field::Hil => (
                 "HIL",

@@ -24,6 +24,7 @@
 
 mod answered;
 pub mod baseline;
+pub mod board_parameters;
 pub mod comparison;
 pub mod diagnosis;
 pub mod flight;

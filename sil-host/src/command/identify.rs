@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
+use sil_host::answer::board_parameters::{board_parameters, params_file};
 use sil_host::answer::identified::{table, table_of};
 use sil_host::diagnosis::{Identified, KnownScale, identify, identify_axes};
 use sil_host::log::Log;
@@ -16,6 +17,7 @@ use super::{Failure, bad_input, print, to_stdout, write_file, write_json};
 #[command(after_help = "Example: sil identify flight.ulg -o vehicle.toml\n\
 Example: sil identify flight1.bin flight2.bin --known mass_kg=1.35 --known arm_m=0.225 -o vehicle.toml\n\
 Example: sil identify bench.csv.gz --map antx -o bench.toml\n\
+Example: sil identify flight.bin --known mass_kg=1.35 --known arm_m=0.225 --params vehicle.params\n\
 Example: sil diagnose other.ulg --model vehicle.toml\n\n\
 All logs are of one vehicle. A free flight with the commands of four motors gives a vehicle; any other log gives\n\
 separate axes. Each number of the file says how sure it is; what the logs do not show is marked, with what to fly to\n\
@@ -32,6 +34,9 @@ pub struct IdentifyArguments {
     /// Write the model here instead of on the terminal
     #[arg(short, long, value_name = "OUT.toml")]
     out: Option<PathBuf>,
+    /// Write the parameters with which a board flies this vehicle, as a ground station loads them
+    #[arg(long, value_name = "OUT.params")]
+    params: Option<PathBuf>,
     /// Write the numbers as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
@@ -55,11 +60,18 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let refused = |error: sil_host::diagnosis::NotIdentified| bad_input(format!("{}: {error}", logs[0].path));
     let (shown, toml, answer) = if arguments.log.is_of_vehicle(&logs)? {
         let identified = identify(&logs, scale).map_err(refused)?;
+        if let Some(path) = &arguments.params {
+            let parameters = board_parameters(&identified.model).map_err(bad_input)?;
+            write_file(path, params_file(&identified.source, &parameters).as_bytes())?;
+        }
         let (shown, toml) = (table(&identified), identified.to_toml());
         (shown, toml, Answer { source: identified.source, numbers: identified.numbers })
     } else if let Some(known) = arguments.known.first() {
         return Err(bad_input(format!("--known {known}: separate axes have neither mass nor arm: leave it out")));
     } else {
+        if arguments.params.is_some() {
+            return Err(bad_input("--params: separate axes are no vehicle that a board could fly"));
+        }
         let identified = identify_axes(&logs).map_err(refused)?;
         let (shown, toml) = (table_of(&identified.numbers), identified.to_toml());
         (shown, toml, Answer { source: identified.source, numbers: identified.numbers })
