@@ -100,9 +100,8 @@ mod tests {
                 prop_assert!(state.reference.iter().all(|axis| axis.rate_rad_s.abs() <= 3.0));
                 target = next;
             }
-            for axis in 0..3 {
-                let reached = if axis == 2 && locked { 0.0 } else { limit(wanted[axis], -config.rate_max_rad_s[axis],
-                    config.rate_max_rad_s[axis]) };
+            for (axis, (wanted, most)) in wanted.into_iter().zip(config.rate_max_rad_s).enumerate() {
+                let reached = if axis == 2 && locked { 0.0 } else { limit(wanted, -most, most) };
                 prop_assert!((target.rate_rad_s[axis] - reached).abs() < 1e-3);
             }
         }

@@ -196,11 +196,9 @@ impl Field {
                 Allowed::Range(10, 2000),
                 "drag of the rotors over airspeed and mass, 1/1000 1/s: what shows the tilt in free flight",
             ),
-            Field::GyroNotches => (
-                "GYRO_NOTCHES",
-                Allowed::Either(0, 1),
-                "1: notches in the gyro follow the rotors' lines, where LOOP_RATE_HZ is 400",
-            ),
+            Field::GyroNotches => {
+                ("GYRO_NOTCHES", Allowed::Either(0, 1), "1: notches follow the rotors, where LOOP_RATE_HZ is 400")
+            }
             Field::Battery(part) => battery::row(part),
             Field::Hil => (
                 "HIL",
@@ -218,11 +216,9 @@ impl Field {
             Field::Telem1Rate => {
                 ("TELEM1_KBAUD", Allowed::Either(57, 115), "TELEM1's rate: 57 is 57600 bits per second, 115 is 115200")
             }
-            Field::EscCalibration => (
-                "ESC_CALIBRATION",
-                Allowed::Either(0, 1),
-                "1: propellers are off, the board calibrates ESCs on command and does not arm",
-            ),
+            Field::EscCalibration => {
+                ("ESC_CALIBRATION", Allowed::Either(0, 1), "1: propellers are off, ESCs are calibrated, no arming")
+            }
             Field::SafetyButton => {
                 ("SAFETY_BUTTON", Allowed::Either(0, 1), "1: no arming before the safety button was held for a second")
             }

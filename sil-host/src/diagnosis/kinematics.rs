@@ -1,5 +1,6 @@
-//! What gyro and attitude say of each other without any model of the vehicle, for the effects that are about them alone:
-//! an angle's derivative is its rate, so a fit of the whole motion, which may be wrong in other things, has little to add.
+//! What gyro and attitude say of each other without any model of the vehicle, for the effects that are about them
+//! alone: an angle's derivative is its rate, so a fit of the whole motion, which may be wrong in other things, has
+//! little to add.
 
 use super::fitted::Fitted;
 use crate::effects::Prior;

@@ -125,8 +125,8 @@ fn tracking_deg(flight: ShakenFlight) -> f64 {
 /// As a table.
 pub fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| rig | controller | vibration, m/s^2 | rotors, Hz | command noise at the lines, 1e-3 | with notches | down, dB | \
-         tracking, deg | with notches |\n|---|---|---|---|---|---|---|---|---|\n",
+        "| rig | controller | vibration, m/s^2 | rotors, Hz | command noise at the lines, 1e-3 | with notches \
+         | down, dB | tracking, deg | with notches |\n|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         let rotors: Vec<_> = row.rotors_hz.iter().map(|hz| format!("{hz:.1}")).collect();
@@ -150,8 +150,8 @@ pub fn table(rows: &[Row]) -> String {
 mod tests {
     use super::*;
 
-    /// The goal: 20 dB at the rotors' lines at 30 m/s^2, on both rigs' rotor speeds, with either controller. Their delay
-    /// costs no more tracking than 0.03 degrees, a twentieth of what a vehicle in free flight has.
+    /// The goal: 20 dB at the rotors' lines at 30 m/s^2, on both rigs' rotor speeds, with either controller. Their
+    /// delay costs no more tracking than 0.03 degrees, a twentieth of what a vehicle in free flight has.
     #[test]
     fn the_commands_are_quieter_by_20_db_at_the_rotors_lines() {
         for rig in [Rig::Gimbal, Rig::Free] {
