@@ -61,7 +61,10 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let (shown, toml, answer) = if arguments.log.is_of_vehicle(&logs)? {
         let identified = identify(&logs, scale).map_err(refused)?;
         if let Some(path) = &arguments.params {
-            let parameters = board_parameters(&identified.model).map_err(bad_input)?;
+            let not_for_a_board = |reason| {
+                bad_input(format!("--params: {reason}; without --params, what these logs do not show is marked"))
+            };
+            let parameters = board_parameters(&identified.model).map_err(not_for_a_board)?;
             write_file(path, params_file(&identified.source, &parameters).as_bytes())?;
         }
         let (shown, toml) = (table(&identified), identified.to_toml());
