@@ -17,7 +17,7 @@ fn headline(verdict: Verdict) -> &'static str {
         Verdict::Explained => "How this flight differs from normal ones (nothing beyond chance remains):",
         Verdict::PartlyExplained => "How this flight differs from normal ones (more differs than this explains):",
         // no model is judged here
-        Verdict::UnknownEffect | Verdict::NotAModel => {
+        Verdict::UnknownEffect | Verdict::NotAModel | Verdict::NotShown => {
             "This flight differs from normal ones, and no single cause of the catalogue explains it."
         }
     }
@@ -103,7 +103,9 @@ fn card(answer: &BaselineDiagnosis) -> Card {
         Verdict::NoDiscrepancy => (Tone::Good, "A normal flight"),
         Verdict::Explained => (Tone::Doubtful, "Different, for one reason"),
         Verdict::PartlyExplained => (Tone::Bad, "Different, for more than this reason"),
-        Verdict::UnknownEffect | Verdict::NotAModel => (Tone::Bad, "Different, and no single cause explains it"),
+        Verdict::UnknownEffect | Verdict::NotAModel | Verdict::NotShown => {
+            (Tone::Bad, "Different, and no single cause explains it")
+        }
     };
     let others: Vec<&str> =
         answer.findings.iter().flat_map(|of| &of.one_of).map(|other| other.statement.as_str()).collect();

@@ -81,6 +81,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::PartlyExplained => "partly explained",
         Verdict::UnknownEffect => "unknown effect",
         Verdict::NotAModel => "not a model",
+        Verdict::NotShown => "not shown",
     }
 }
 

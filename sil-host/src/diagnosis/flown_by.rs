@@ -66,7 +66,7 @@ fn add(answer: &mut Diagnosis, examination: Examination) {
     answer.findings.extend(examination.findings);
     let is_whole = examination.remainder.is_empty();
     answer.verdict = match (answer.verdict, found, is_whole) {
-        (Verdict::NotAModel, ..) => Verdict::NotAModel,
+        (none @ (Verdict::NotAModel | Verdict::NotShown), ..) => none,
         (Verdict::NoDiscrepancy, false, true) => Verdict::NoDiscrepancy,
         (Verdict::NoDiscrepancy | Verdict::Explained, true, true) => Verdict::Explained,
         (Verdict::Explained, false, true) => Verdict::Explained,

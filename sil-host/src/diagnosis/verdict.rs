@@ -107,8 +107,10 @@ pub enum Verdict {
     PartlyExplained,
     /// Nothing in the catalogue does.
     UnknownEffect,
-    /// With whatever was found the model is still no better than the mean of the measurements.
+    /// With whatever was found the model is still no better than the mean of the measurements, though another could be.
     NotAModel,
+    /// It is not, and no other could be much better: something beside its commands moves the vehicle.
+    NotShown,
 }
 
 /// Above this multiple of the noise floor an error is not explained.
@@ -119,13 +121,22 @@ const NEGLIGIBLE_PCT: f64 = 0.5;
 const FITTED_MIN: f64 = 0.75;
 
 impl Verdict {
+    /// True where what was found is a cause, and not just the best of what was tried.
+    pub fn has_a_model(self) -> bool {
+        !matches!(self, Verdict::NotAModel | Verdict::NotShown)
+    }
+
     pub(super) fn of(findings: &[Finding], left: &Unexplained, statistics: &[ChannelStatistics]) -> Verdict {
         let is_negligible = left.signature.is_empty() || !left.cancelling && left.variance_pct < NEGLIGIBLE_PCT;
-        let fits: Vec<f64> =
-            statistics.iter().filter(|of| of.excited).filter_map(|of| of.extended.agreement.fit_pct).collect();
-        let fitted = fits.iter().filter(|fit| **fit > 0.0).count() as f64;
+        let has_fit = |of: &&ChannelStatistics| of.extended.agreement.fit_pct.is_some_and(|fit| fit > 0.0);
+        let is_fitted = |of: &[&ChannelStatistics]| {
+            of.iter().filter(|of| has_fit(of)).count() as f64 >= FITTED_MIN * of.len() as f64
+        };
+        let excited: Vec<&ChannelStatistics> = statistics.iter().filter(|of| of.excited).collect();
+        let moved: Vec<&ChannelStatistics> = statistics.iter().filter(|of| of.moved).collect();
         match (findings.is_empty(), left.times_floor <= FLOOR_FACTOR_MAX) {
-            _ if fitted < FITTED_MIN * fits.len() as f64 => Verdict::NotAModel,
+            _ if !is_fitted(&excited) => Verdict::NotAModel,
+            _ if excited.is_empty() && !is_fitted(&moved) => Verdict::NotShown,
             (true, true) if left.signature.is_empty() => Verdict::NoDiscrepancy,
             (true, _) => Verdict::UnknownEffect,
             (false, true) if is_negligible => Verdict::Explained,
@@ -303,4 +314,55 @@ pub(super) fn rejected(search: &Search<'_>, found: &Found<'_>) -> Vec<Rejected> 
         rejected.push(Rejected { effect: effect.name(), axis, reason });
     }
     rejected
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::evidence::statistics::ModelStatistics;
+    use crate::statistics::Agreement;
+
+    /// A channel that moved, with the fit of the model and whether any could fit it.
+    fn channel(fit_pct: f64, excited: bool) -> ChannelStatistics {
+        let of = |fit_pct| {
+            let agreement =
+                Agreement { rmse: 1.0, mean_abs: 1.0, fit_pct: Some(fit_pct), theil: None, theil_split: None };
+            ModelStatistics { agreement, ljung_box: None, input_correlation: None }
+        };
+        ChannelStatistics {
+            quantity: "q",
+            unit: "deg/s",
+            moved: true,
+            commands_fit_pct: Some(if excited { 40.0 } else { 5.0 }),
+            excited,
+            nominal: of(-80.0),
+            base: of(fit_pct),
+            extended: of(fit_pct),
+        }
+    }
+
+    fn verdict(channels: &[ChannelStatistics]) -> Verdict {
+        let left = Unexplained {
+            variance_pct: 60.0,
+            times_floor: 8.0,
+            white: false,
+            signature: "q: remains".to_owned(),
+            cancelling: false,
+        };
+        Verdict::of(&[], &left, channels)
+    }
+
+    #[test]
+    fn a_model_is_blamed_only_where_another_could_do_better() {
+        assert_eq!(verdict(&[channel(60.0, true), channel(-10.0, true)]), Verdict::NotAModel);
+        assert_eq!(verdict(&[channel(-10.0, false), channel(-50.0, false)]), Verdict::NotShown);
+        // what nobody could fit stands beside what is fitted
+        assert_eq!(verdict(&[channel(60.0, true), channel(-50.0, false)]), Verdict::UnknownEffect);
+        // three in four are enough
+        let three = [60.0, 50.0, 40.0].map(|fit| channel(fit, true));
+        assert_eq!(verdict(&[&three[..], &[channel(-1.0, true)]].concat()), Verdict::UnknownEffect);
+        // a vehicle that hardly moved is neither
+        let still = ChannelStatistics { moved: false, ..channel(-50.0, false) };
+        assert_eq!(verdict(&[still]), Verdict::UnknownEffect);
+    }
 }

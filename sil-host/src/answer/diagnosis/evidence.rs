@@ -1,6 +1,6 @@
 //! The page's evidence: where the error arises, what remains of it, and what the log cannot show.
 
-use crate::diagnosis::{Condition, Diagnosis, ModelStatistics};
+use crate::diagnosis::{ChannelStatistics, Condition, Diagnosis, ModelStatistics};
 use crate::log::Log;
 use crate::report::{Cell, Chart, Section, Table};
 
@@ -217,4 +217,27 @@ fn excitation(answer: &Diagnosis) -> Table {
 fn deviation(std: Option<f64>) -> Cell {
     let decimals = std.map_or(0, |std| (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize);
     Cell::number(std.unwrap_or(f64::NAN), decimals)
+}
+
+/// Of what moves: how well a model could fit it, and how well this one does.
+pub(super) fn what_commands_explain(answer: &Diagnosis) -> Option<String> {
+    let of = |channel: &ChannelStatistics| {
+        let in_words = |fit: Option<f64>| fit.map_or("-".to_owned(), |fit| format!("{fit:.0} %"));
+        let [best, own] = [channel.commands_fit_pct, channel.extended.agreement.fit_pct].map(in_words);
+        format!("{} {best} (this model {own})", quantity(channel.quantity))
+    };
+    let moved: Vec<String> = answer
+        .statistics
+        .iter()
+        .filter(|channel| channel.moved && channel.commands_fit_pct.is_some())
+        .map(of)
+        .collect();
+    (!moved.is_empty()).then(|| {
+        format!(
+            "Over {} s the best linear response to the axis' command, whatever the vehicle, fits {}. Where that is \
+             near 0 or below, something beside the commands moved it.",
+            answer.prediction_error.window_s,
+            moved.join(", ")
+        )
+    })
 }

@@ -25,6 +25,7 @@ pub fn headline(answer: &Diagnosis) -> String {
     };
     match (answer.verdict, answer.findings.first()) {
         (Verdict::NotAModel, _) => "This is no model of the vehicle that flew".to_owned(),
+        (Verdict::NotShown, _) => "Something beside its commands moves this vehicle as much".to_owned(),
         (_, Some(first)) => format!("{}{others}", sentence(first)),
         (Verdict::NoDiscrepancy, None) => "The simulation agrees with this log".to_owned(),
         (_, None) => {
@@ -71,7 +72,7 @@ fn improvement(answer: &Diagnosis) -> Option<String> {
     let with = match (answer.findings.is_empty(), answer.base.is_empty()) {
         (true, true) => String::new(),
         (true, false) => format!("; with its ordinary numbers fitted by {base}"),
-        (false, _) if answer.verdict == Verdict::NotAModel => {
+        (false, _) if !answer.verdict.has_a_model() => {
             format!("; with the best of what was tried by {extended}")
         }
         (false, _) => format!("; with this in it by {extended}"),
@@ -123,10 +124,11 @@ pub(crate) fn card(answer: &Diagnosis) -> Card {
         Verdict::PartlyExplained => (Tone::Doubtful, "Partly explained: something else is wrong too"),
         Verdict::UnknownEffect => (Tone::Bad, "Not explained by any known effect"),
         Verdict::NotAModel => (Tone::Bad, "Not a model: no better than the mean of the measurements"),
+        Verdict::NotShown => (Tone::Doubtful, "Not shown: no model of the commands predicts this flight"),
     };
     let card = Card::new(tone).line("Verdict", verdict);
     let card = match answer.findings.first() {
-        Some(first) if answer.verdict == Verdict::NotAModel => card.line("Best of what was tried", sentence(first)),
+        Some(first) if !answer.verdict.has_a_model() => card.line("Best of what was tried", sentence(first)),
         Some(first) => {
             let size = main_parameter(first)
                 .map(|(name, size)| format!("{} ({})", size.exact(), parameter(first.effect, name)))

@@ -42,6 +42,10 @@ pub fn headline(verdict: Verdict) -> &'static str {
         Verdict::NotAModel => {
             "Not a model of this vehicle yet: whatever is added, it predicts no better than the measurements' mean."
         }
+        Verdict::NotShown => {
+            "Not shown by this log: something beside the commands moves the vehicle as much, so that no model of them \
+             predicts half a second."
+        }
     }
 }
 
@@ -113,11 +117,14 @@ fn causes(log: &Log, answer: &Diagnosis) -> Section {
         let known: Vec<String> = answer.known.iter().map(fact_text).collect();
         section = section.paragraph(format!("Known beside the log, and held: {}.", known.join(", ")));
     }
-    if answer.verdict == Verdict::NotAModel {
+    if !answer.verdict.has_a_model() {
         section = section.warning(
             "Whatever is added, the model predicts no better than the measurements' mean: what stands below is the \
              best of what was tried, not a cause.",
         );
+    }
+    if !answer.verdict.has_a_model() {
+        section = evidence::what_commands_explain(answer).into_iter().fold(section, Section::paragraph);
     }
     if answer.findings.is_empty() {
         return section.paragraph("No effect of the catalogue lowers the error by more than chance would.");

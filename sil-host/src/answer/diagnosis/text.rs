@@ -1,8 +1,9 @@
 //! A diagnosis on the terminal.
 
-use crate::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected, Verdict};
+use crate::diagnosis::{ClosedLoops, Condition, Diagnosis, Horizon, ModelStatistics, NO_CONTROLLER, Rejected};
 use crate::log::Log;
 
+use super::evidence::what_commands_explain;
 use super::page::{base_text, compares_more_than_turning, error_rows, fact_text, headline, interval_text};
 use crate::answer::Emphasis;
 use crate::answer::text_table::{TextTable, error_table, number};
@@ -29,12 +30,15 @@ pub fn answer_text(log: &Log, answer: &Diagnosis, emphasised: Emphasis) -> Strin
 /// What was found, and how much better the model predicts with it.
 pub fn verdict_text(answer: &Diagnosis, emphasised: Emphasis) -> String {
     let mut text = format!("\n{}\n", emphasised(headline(answer.verdict)));
-    if answer.verdict == Verdict::NotAModel && !answer.findings.is_empty() {
+    if !answer.verdict.has_a_model() && !answer.findings.is_empty() {
         text.push_str("  the best of what was tried, not a cause:\n");
     }
     for (finding, interval) in answer.findings.iter().zip(&answer.gain.findings_interval_pct) {
         let interval = interval.map(|interval| format!(" ({})", interval_text(interval))).unwrap_or_default();
         text.push_str(&format!("  {:5.1} %{interval}  {}\n", finding.gain_pct, finding.statement));
+    }
+    if !answer.verdict.has_a_model() {
+        text.extend(what_commands_explain(answer).map(|sentence| format!("  {sentence}\n")));
     }
     if !answer.unexplained.signature.is_empty() {
         text.push_str(&format!("  unexplained: {}\n", answer.unexplained.signature));

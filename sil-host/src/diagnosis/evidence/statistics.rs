@@ -6,12 +6,13 @@
 
 use serde::Serialize;
 
+use super::commanded;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::remainder::structure::Settled;
-use crate::prediction::Channel;
-use crate::prediction::accuracy::{PredictedWindow, Series};
+use crate::prediction::accuracy::{PredictedWindow, Series, predict};
 use crate::prediction::body::State;
 use crate::prediction::windowed_log::{Driven, WindowedLog};
+use crate::prediction::{Channel, Window};
 use crate::statistics::{Agreement, Correlogram, InputCorrelation, LjungBox, dot, input_correlation, variance};
 
 /// Rows apart up to which residuals are correlated with each other and with the input.
@@ -20,6 +21,8 @@ const LAGS: usize = 20;
 const VARIATION_MIN: f64 = 3.0;
 /// Standard deviation of a command that moves, of the full one.
 const COMMAND_MIN: f64 = 5e-3;
+/// Fit of what is moved by its commands, %: a third of the variance is theirs.
+const COMMANDED_MIN_PCT: f64 = 20.0;
 
 /// How one channel is predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -28,8 +31,14 @@ pub struct ChannelStatistics {
     pub quantity: &'static str,
     /// deg, deg/s, m/s2, m/s or m.
     pub unit: &'static str,
-    /// True of an angle or rate in which a model could show what it knows: the command of its axis moves, and the
-    /// measurement with it, by more than three times what an exact model would miss.
+    /// True of an angle or rate that moves, by more than three times what an exact model would miss, while the command
+    /// of its axis does.
+    pub moved: bool,
+    /// How well the best linear response to its axis' command fits it over windows that the response is not taken from,
+    /// %: what there is to be had, whatever the vehicle is. None where the channel has no command.
+    pub commands_fit_pct: Option<f64>,
+    /// True if it moves because of its commands, so that a model could show what it knows: that response or the model
+    /// with the findings fits it by 20 % or more.
     pub excited: bool,
     /// By the model without any effect.
     pub nominal: ModelStatistics,
@@ -65,6 +74,8 @@ pub(in crate::diagnosis) fn statistics(
     commands: &[[f64; 4]],
 ) -> Vec<ChannelStatistics> {
     let settled = models.each_ref().map(|model| settle(shooting, model));
+    let all: Vec<Window> = shooting.log.in_use().iter().map(|index| shooting.log.windows[*index]).collect();
+    let everywhere = predict(&shooting.log, models[2].driven, &all);
     let of_channel = |(number, (channel, _)): (usize, (Channel, f64))| {
         let of = |model: usize| {
             let agreement = agreement(&shooting.log, models[model].predicted, channel)?;
@@ -72,14 +83,28 @@ pub(in crate::diagnosis) fn statistics(
             Some(ModelStatistics { agreement, ljung_box, input_correlation })
         };
         let [nominal, base, extended] = [of(0)?, of(1)?, of(2)?];
-        let excited = is_excited(&shooting.log, models[2].predicted, channel, commands);
-        Some(ChannelStatistics { quantity: channel.name(), unit: channel.unit(), excited, nominal, base, extended })
+        let moved = is_moved(&shooting.log, models[2].predicted, channel, commands);
+        let commands_fit_pct = commands_fit_pct(&shooting.log, &everywhere, channel, commands);
+        let best_pct = commands_fit_pct.into_iter().chain(extended.agreement.fit_pct).fold(f64::MIN, f64::max);
+        let excited = moved && best_pct >= COMMANDED_MIN_PCT;
+        let (quantity, unit) = (channel.name(), channel.unit());
+        Some(ChannelStatistics { quantity, unit, moved, commands_fit_pct, excited, nominal, base, extended })
     };
     shooting.log.compared().enumerate().filter_map(of_channel).collect()
 }
 
-/// Could a model show in a channel what it knows?
-fn is_excited(log: &WindowedLog<'_>, predicted: &[PredictedWindow], channel: Channel, commands: &[[f64; 4]]) -> bool {
+fn commands_fit_pct(
+    log: &WindowedLog<'_>,
+    everywhere: &[PredictedWindow],
+    channel: Channel,
+    commands: &[[f64; 4]],
+) -> Option<f64> {
+    let axis = channel.turning_axis()?;
+    let command: Vec<f64> = commands.iter().map(|of_axes| of_axes[axis.index()]).collect();
+    commanded::fit_pct(log.rows(), log.measured(channel)?, &command, channel, everywhere)
+}
+
+fn is_moved(log: &WindowedLog<'_>, predicted: &[PredictedWindow], channel: Channel, commands: &[[f64; 4]]) -> bool {
     let (Some(axis), Some(measured)) = (channel.turning_axis(), log.measured(channel)) else { return false };
     let series: Vec<&Series> = predicted.iter().filter_map(|predicted| predicted.of(channel)).collect();
     let rows = || series.iter().flat_map(|series| &series.rows).copied();

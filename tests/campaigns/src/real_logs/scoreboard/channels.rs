@@ -4,8 +4,8 @@
 //! error the findings raise beyond chance: the interval that holds 95 % of a block bootstrap of the difference (blocks
 //! of four neighbouring held-out windows, as `sil_host::diagnosis` has them) lies above 0. *Excited* is a channel in
 //! which a model could show what it knows: its measurement varies by at least three times the error of an exact model
-//! (which then has a fit of 67 % or more), and the command of its axis has a standard deviation of at least 0.5 % of
-//! the full one.
+//! (which then has a fit of 67 % or more), the command of its axis has a standard deviation of at least 0.5 % of the
+//! full one, and the best linear response to it, or the model, fits it by 20 %.
 
 use serde::Serialize;
 use sil_host::diagnosis::{ChannelResiduals, ChannelStatistics, Diagnosis};
@@ -104,7 +104,7 @@ fn channel(
         fit_after_pct: after.fit_pct,
         variation,
         command_std,
-        is_excited: is_varied && command_std >= COMMAND_MIN,
+        is_excited: is_varied && command_std >= COMMAND_MIN && statistics.excited,
     }
 }
 
@@ -252,7 +252,16 @@ mod tests {
             input_correlation: None,
         };
         let (nominal, base, extended) = (model(4.0), model(1.6), model(2.0));
-        let statistics = ChannelStatistics { quantity: "q", unit: "deg/s", excited: true, nominal, base, extended };
+        let statistics = ChannelStatistics {
+            quantity: "q",
+            unit: "deg/s",
+            moved: true,
+            commands_fit_pct: Some(50.0),
+            excited: true,
+            nominal,
+            base,
+            extended,
+        };
         let score = channel(&residuals(20, 0.5), &statistics, Some(1.0), 0.1);
         assert_eq!((score.before, score.after), (1.6, 2.0));
         assert!(score.is_worse_by_2_pct());

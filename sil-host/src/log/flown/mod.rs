@@ -4,14 +4,17 @@
 //! A *flight* is a stretch in which the motors lift. Where the log has a collective (motors, or a thrust command), that
 //! is where it lies above half of what it usually is while the motors run: lift goes with its square or less, so that
 //! below half no vehicle is held up; less than a second below is a manoeuvre. Where the motors are steered on, as on a
-//! bench, which needs no lift, a low collective is no idling. Take-off and landing, when the
-//! collective has not yet reached nine tenths of the usual one, are left out. Without a collective nothing says more
+//! bench, which needs no lift, a low collective is no idling. Take-off and landing are left
+//! out (`ground`). Without a collective nothing says more
 //! than the rows in which the motors run ([`Log::active_rows`]).
 //!
 //! A flight ends before a *crash*: within its last seconds the accelerometer shows a blow, or the vehicle lies on its
 //! side or back at the end. *Saturation* and *end stops* are shown, not cut: the diagnosis knows the former, and a
 //! stop is certain only to who sees the bench.
 
+mod ground;
+
+use self::ground::off_the_ground;
 use super::{Log, LogError, Quantity};
 use crate::axis::Axis;
 use crate::statistics::wrapped;
@@ -22,10 +25,6 @@ use std::ops::Range;
 const IDLE: f64 = 0.5;
 /// A shorter time below is a manoeuvre, and a shorter one above a test of the motors, s.
 const SHORTEST_S: f64 = 1.0;
-/// Share of the usual collective at which a vehicle leaves the ground: less a tenth for a battery that is still full.
-const LIFTED: f64 = 0.9;
-/// Take-off and landing are so short, s: a bench may have no usual collective at all.
-const GROUND_MAX_S: f64 = 3.0;
 /// Motors whose commands differ by this share of what they usually do, each as a share of the collective, steer: idling
 /// motors are told one and the same.
 const STEERED: f64 = 0.2;
@@ -210,15 +209,6 @@ fn steering(log: &Log) -> Vec<Vec<f64>> {
     let part =
         |axis: &Axis| (0..log.rows()).map(|row| signed_sums(motors.map(|motor| motor[row]))[axis.index()]).collect();
     Axis::ALL.iter().map(part).collect()
-}
-
-/// A flight's rows without take-off and landing.
-fn off_the_ground(log: &Log, collective: &[f64], usual: f64, rows: Range<usize>) -> Range<usize> {
-    let is_up = |row: &usize| collective[*row] >= LIFTED * usual;
-    let is_short = |from: usize, to: usize| log.time_s[to] - log.time_s[from] <= GROUND_MAX_S;
-    let first = rows.clone().find(is_up).filter(|first| rows.start > 0 && is_short(rows.start, *first));
-    let last = rows.clone().rev().find(is_up).filter(|last| rows.end < log.rows() && is_short(*last, rows.end - 1));
-    first.unwrap_or(rows.start)..last.map_or(rows.end, |last| last + 1)
 }
 
 /// Turns stretches of one kind that are too short to mean it, at the ends of a log too, but for lifting ones there.
