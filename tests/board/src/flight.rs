@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use mavlink::dialects::common::MavCmd;
-use shared_control::params::{self, Params};
+use mavlink::dialects::common::{MavCmd, MavParamType, PARAM_SET_DATA};
+use shared_control::params::{self, Params, RECORD_LEN};
 use shared_control::record::trace::StepTrace;
 use shared_control::supervisor::Arming;
 use sil_host::model::{Rig, VehicleModel};
@@ -76,10 +76,17 @@ impl Flight {
     /// # Panics
     /// As [`Flight::new`].
     pub fn with_second_gyro(params: &Params, gyro: SecondGyro, seed: u64) -> Self {
-        let image = firmware();
         let rig = if params.rig == params::Rig::Free { Rig::Free } else { Rig::Gimbal };
-        let vehicle =
-            Vehicle::with_second_gyro(&VehicleModel::nominal(rig).with_rotor_drag(ROTOR_DRAG_1_S), gyro, seed);
+        Self::of_model(params, &VehicleModel::nominal(rig).with_rotor_drag(ROTOR_DRAG_1_S), gyro, seed)
+    }
+
+    /// The same of any vehicle.
+    ///
+    /// # Panics
+    /// As [`Flight::new`].
+    pub fn of_model(params: &Params, model: &VehicleModel, gyro: SecondGyro, seed: u64) -> Self {
+        let image = firmware();
+        let vehicle = Vehicle::with_second_gyro(model, gyro, seed);
         vehicle.borrow_mut().fit_escs(params.pulses);
         let mut machine = Machine::new(&image, Box::new(Surroundings(Rc::clone(&vehicle))), seed).unwrap();
         machine.configure(params);
@@ -172,6 +179,51 @@ impl Flight {
         self.ground.command(&mut self.machine, command, param1);
     }
 
+    /// The record in the board's memory.
+    fn stored(&self) -> [u8; RECORD_LEN] {
+        let mut record = [0; RECORD_LEN];
+        record.copy_from_slice(&self.machine.read_fram(0, RECORD_LEN));
+        record
+    }
+
+    /// Other choices in the memory of a board that has not run yet.
+    ///
+    /// # Panics
+    /// If they can't be flown with.
+    pub fn configure(&mut self, params: &Params) {
+        self.machine.configure(params);
+        self.params = *params;
+        self.twin.restart(params);
+    }
+
+    /// What the board flies with since it has started.
+    pub fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// The ground sets a parameter and is told its value, which counts from the next start on.
+    ///
+    /// # Panics
+    /// If the board says another value, or none.
+    pub fn set_parameter(&mut self, name: &str, param_value: f32) {
+        let (param_id, param_type) = (name.into(), MavParamType::MAV_PARAM_TYPE_REAL32);
+        let data = PARAM_SET_DATA { param_value, target_system: 1, target_component: 1, param_id, param_type };
+        self.ground.send(&mut self.machine, &data);
+        self.run_for(100 * MILLISECOND);
+        assert_eq!(self.ground.parameter(name), Some(param_value), "{name}: {:?}", self.ground.texts());
+    }
+
+    /// The ground has the board start anew; back with its gyro calibrated.
+    ///
+    /// # Panics
+    /// If it does not start once.
+    pub fn restart_board(&mut self) {
+        let resets = self.machine.counters().resets;
+        self.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
+        self.run_for(4000 * MILLISECOND);
+        assert_eq!(self.machine.counters().resets, resets + 1, "{:?}", self.ground.texts());
+    }
+
     /// The ground goes away without a word.
     pub fn mute(&mut self) {
         self.muted = true;
@@ -229,7 +281,8 @@ impl Flight {
         let resets = self.machine.counters().resets;
         if resets != self.resets_seen && trace.step == 1 {
             self.resets_seen = resets;
-            self.twin.restart();
+            self.params = params::load(&self.stored()).0;
+            self.twin.restart(&self.params);
         } else {
             assert_eq!(trace.step, self.last.step + 1, "a step was missed");
         }

@@ -1,5 +1,7 @@
 //! The ground station on TELEM1.
 
+use std::collections::BTreeMap;
+
 use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavType};
 use mavlink::{MavlinkVersion, Message, MessageData};
 use shared_control::link::frame::{FrameFinder, FrameWriter};
@@ -12,12 +14,14 @@ pub struct Ground {
     writer: FrameWriter,
     finder: FrameFinder,
     texts: Vec<(Ticks, String)>,
+    parameters: BTreeMap<String, f32>,
     heartbeats: u32,
 }
 
 impl Default for Ground {
     fn default() -> Self {
-        Self { writer: FrameWriter::new(255, 190), finder: FrameFinder::default(), texts: Vec::new(), heartbeats: 0 }
+        let (texts, parameters) = (Vec::new(), BTreeMap::new());
+        Self { writer: FrameWriter::new(255, 190), finder: FrameFinder::default(), texts, parameters, heartbeats: 0 }
     }
 }
 
@@ -58,6 +62,9 @@ impl Ground {
                     let text = String::from_utf8_lossy(&*status.text).trim_end_matches('\0').to_owned();
                     self.texts.push((machine.now(), text));
                 }
+                Ok(MavMessage::PARAM_VALUE(value)) => {
+                    self.parameters.insert(value.param_id.to_str().unwrap_or_default().to_owned(), value.param_value);
+                }
                 Ok(MavMessage::HEARTBEAT(_)) => self.heartbeats += 1,
                 _ => {}
             }
@@ -67,6 +74,11 @@ impl Ground {
     /// Texts so far, with the time at which they had arrived.
     pub fn texts(&self) -> &[(Ticks, String)] {
         &self.texts
+    }
+
+    /// What the board said last of a parameter.
+    pub fn parameter(&self, name: &str) -> Option<f32> {
+        self.parameters.get(name).copied()
     }
 
     /// Heartbeats of the board so far.

@@ -6,7 +6,7 @@
 //! L3GD20H, and the LSM303D's own axes; all are upside down, so that at rest z reads about -1 g.
 
 use sil_host::model::SensorNoise;
-use sil_host::plant::Plant;
+use sil_host::plant::Truth;
 use sil_host::sensors::random::RandomStream;
 
 use crate::devices::Counts;
@@ -33,11 +33,10 @@ impl SecondImu {
         }
     }
 
-    /// What both measure now.
-    pub(crate) fn measure(&mut self, plant: &Plant) -> Counts {
-        let [x, y, z] = plant.rate_body_rad_s().map(|rate| rate + self.noise.gyro_rad_s * self.gyro_stream.normal());
-        let force = plant.specific_force_body_m_s2();
-        let force = force.map(|force| force + self.noise.accel_m_s2 * self.accel_stream.normal());
+    /// What both measure of this motion.
+    pub(crate) fn measure(&mut self, truth: &Truth) -> Counts {
+        let [x, y, z] = truth.rate_body_rad_s.map(|rate| rate + self.noise.gyro_rad_s * self.gyro_stream.normal());
+        let force = truth.specific_force_body_m_s2.map(|force| force + self.noise.accel_m_s2 * self.accel_stream.normal());
         let rate = match self.gyro {
             SecondGyro::L3gd20 => [-y, x, z],
             SecondGyro::L3gd20h => [-x, -y, z],
@@ -66,9 +65,9 @@ mod tests {
         let mut plant = Plant::new(&VehicleModel::nominal(Rig::Gimbal));
         let degree = core::f64::consts::PI / 180.0;
         plant.set_attitude([0.0; 3], [70.0 * degree, 7.0 * degree, 0.0]);
-        let counts = SecondImu::new(SecondGyro::L3gd20, &NO_NOISE, 1).measure(&plant);
+        let counts = SecondImu::new(SecondGyro::L3gd20, &NO_NOISE, 1).measure(&plant.truth());
         assert_eq!(counts.gyro, [-100, 1000, 0]);
-        let counts = SecondImu::new(SecondGyro::L3gd20h, &NO_NOISE, 1).measure(&plant);
+        let counts = SecondImu::new(SecondGyro::L3gd20h, &NO_NOISE, 1).measure(&plant.truth());
         assert_eq!(counts.gyro, [-1000, -100, 0]);
         // 1 g at 0.244 mg
         assert!((f64::from(counts.accel[2]) + 4098.0).abs() < 100.0, "{counts:?}");
@@ -82,7 +81,7 @@ mod tests {
         let mut second = SecondImu::new(SecondGyro::L3gd20, &noise, 3);
         let rates = |gyro: [i16; 3], scale: f64| gyro.map(|count| f64::from(count) / scale);
         let a = rates(first.imu(&plant, 0).gyro_counts, sil_host::sensors::imu::GYRO_COUNTS_PER_RAD_S);
-        let b = rates(second.measure(&plant).gyro, COUNTS_PER_RAD_S);
+        let b = rates(second.measure(&plant.truth()).gyro, COUNTS_PER_RAD_S);
         // both sit the same way: equal streams would give equal rates, to half a count of each
         assert!(a.iter().zip(b).any(|(a, b)| (a - b).abs() > 0.005), "{a:?} {b:?}");
     }

@@ -47,9 +47,9 @@ impl Standing {
         &self.rest
     }
 
-    /// It lies at this roll and pitch, or falls over at this rate of roll.
-    pub(crate) fn lay(&mut self, [roll_rad, pitch_rad]: [f64; 2], roll_rate_rad_s: f64) {
-        self.rest.set_attitude([roll_rad, pitch_rad, 0.0], [roll_rate_rad_s, 0.0, 0.0]);
+    /// It lies, or is held, at this roll and pitch, or turns with this body rate.
+    pub(crate) fn lay(&mut self, [roll_rad, pitch_rad]: [f64; 2], rate_body_rad_s: [f64; 3]) {
+        self.rest.set_attitude([roll_rad, pitch_rad, 0.0], rate_body_rad_s);
     }
 
     /// Do its rotors lift it, upright as it must be for that?
@@ -72,7 +72,7 @@ impl Standing {
         let mut landed = Plant::new(&self.model);
         let [roll_rad, pitch_rad] = if touch_down.stands() { [0.0; 2] } else { [truth.roll_rad, truth.pitch_rad] };
         landed.set_attitude([roll_rad, pitch_rad, truth.yaw_rad], [0.0; 3]);
-        self.lay([roll_rad, pitch_rad], 0.0);
+        self.lay([roll_rad, pitch_rad], [0.0; 3]);
         Some(landed)
     }
 }

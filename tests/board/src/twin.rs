@@ -35,6 +35,7 @@ pub struct Planned {
 /// Configuration, state, and plans that may still arrive.
 pub struct Twin {
     config: Config,
+    gyro: SecondGyro,
     state: State,
     mpc: Mpc<HORIZON>,
     mpc_state: MpcState<HORIZON>,
@@ -49,17 +50,17 @@ impl Twin {
     /// # Panics
     /// If it can't be flown with.
     pub fn new(params: &Params, gyro: SecondGyro) -> Self {
-        let Setup { mut config, mpc, .. } = Setup::new(params).unwrap();
-        if gyro == SecondGyro::L3gd20h {
-            config.sensing.imu_second.gyro_axes = AxisMap::PIXHAWK1_L3GD20H;
-        }
-        let mpc = Mpc::prepare_shorter(params.control_horizon.into(), &mpc).unwrap();
-        let (state, mpc_state) = (State::default(), MpcState::new());
-        Self { config, state, mpc, mpc_state, questions: VecDeque::new(), steps: 0, planned: Planned::default() }
+        let (config, mpc) = prepared(params, gyro);
+        let (state, mpc_state, questions) = (State::default(), MpcState::new(), VecDeque::new());
+        Self { config, gyro, state, mpc, mpc_state, questions, steps: 0, planned: Planned::default() }
     }
 
-    /// Starts again, as the board does after a reset.
-    pub fn restart(&mut self) {
+    /// Starts again with what is stored, as the board does after a reset.
+    ///
+    /// # Panics
+    /// As [`Twin::new`].
+    pub fn restart(&mut self, params: &Params) {
+        (self.config, self.mpc) = prepared(params, self.gyro);
         (self.state, self.mpc_state) = (State::default(), MpcState::new());
         self.questions.clear();
     }
@@ -122,6 +123,14 @@ impl Twin {
     pub fn has_mpc(&self) -> bool {
         self.config.controller == Controller::Mpc
     }
+}
+
+fn prepared(params: &Params, gyro: SecondGyro) -> (Config, Mpc<HORIZON>) {
+    let Setup { mut config, mpc, .. } = Setup::new(params).unwrap();
+    if gyro == SecondGyro::L3gd20h {
+        config.sensing.imu_second.gyro_axes = AxisMap::PIXHAWK1_L3GD20H;
+    }
+    (config, Mpc::prepare_shorter(params.control_horizon.into(), &mpc).unwrap())
 }
 
 fn bits(plan: &Plan) -> (u32, [u32; 3], u16, String) {

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use shared_control::output::PulseKind;
 use sil_host::model::VehicleModel;
-use sil_host::plant::Plant;
+use sil_host::plant::{Plant, Truth};
 use sil_host::sensors::Sensors;
 
 use crate::delays::Delays;
@@ -13,6 +13,7 @@ use crate::devices::esc::{Esc, Traits as EscTraits};
 use crate::devices::{Counts, SecondGyro};
 use crate::peripherals::timer::Pulse;
 use crate::pulses::Pulses;
+use crate::seat::Seat;
 use crate::second_imu::SecondImu;
 use crate::standing::{Standing, TouchDown};
 use crate::time::{TICKS_PER_US, Ticks, seconds};
@@ -24,14 +25,14 @@ const MOTOR_OF_CHANNEL: [usize; 4] = [3, 2, 1, 0];
 /// Longer than any pulse that is meant.
 const LONG_PULSE: Ticks = 2500 * TICKS_PER_US;
 
-/// From upright to lying.
-const TIPPING_S: f64 = 0.5;
+/// From one attitude to the other.
+const TURN_S: f64 = 0.5;
 
-/// On its way to lie somewhere.
-struct Tipping {
+/// On its way to lie somewhere, or in somebody's hand: roll and pitch.
+struct Turn {
     begins: Ticks,
-    from_rad: f64,
-    to_rad: f64,
+    from_rad: [f64; 2],
+    to_rad: [f64; 2],
 }
 
 /// The vehicle on its rig, which holds it until it is let go.
@@ -39,12 +40,14 @@ pub struct Vehicle {
     plant: Plant,
     sensors: Sensors,
     second_imu: SecondImu,
+    /// Of the first and the second IMU.
+    seats: [Seat; 2],
     /// Time up to which the plant has moved.
     moved_to: Ticks,
     held: bool,
     /// Where nothing holds it but the ground.
     standing: Option<Standing>,
-    tipping: Option<Tipping>,
+    turn: Option<Turn>,
     commands: [f64; 4],
     pulses: Pulses,
     recorded: Option<Vec<Pulse>>,
@@ -64,12 +67,13 @@ impl Vehicle {
     pub fn with_second_gyro(model: &VehicleModel, gyro: SecondGyro, seed: u64) -> Rc<RefCell<Self>> {
         Rc::new(RefCell::new(Self {
             plant: Plant::new(model),
-            sensors: Sensors::new(&model.noise, seed),
+            sensors: Sensors::new(&model.noise, seed).with_effects(&model.effects),
             second_imu: SecondImu::new(gyro, &model.noise, seed),
+            seats: [Seat::default(); 2],
             moved_to: 0,
             held: true,
             standing: Plant::new(model).flies_free().then(|| Standing::new(model)),
-            tipping: None,
+            turn: None,
             commands: [0.0; 4],
             pulses: Pulses::new(PulseKind::Pwm),
             recorded: None,
@@ -82,6 +86,11 @@ impl Vehicle {
     /// Fits ESCs for this kind of pulse.
     pub fn fit_escs(&mut self, pulses: PulseKind) {
         self.pulses = Pulses::new(pulses);
+    }
+
+    /// How the first and the second IMU sit from now on; straight at first.
+    pub fn seat_imus(&mut self, seats: [Seat; 2]) {
+        self.seats = seats;
     }
 
     /// Fits ESCs of another make; power comes to them now.
@@ -109,22 +118,28 @@ impl Vehicle {
 
     /// Tips it over to this roll angle within half a second, whatever its motors do; there it lies until it is let go.
     pub fn tip_over(&mut self, roll_rad: f64) {
-        self.held = true;
-        let from_rad = self.plant.truth().roll_rad;
-        self.tipping = Some(Tipping { begins: self.moved_to, from_rad, to_rad: roll_rad });
+        self.turn_by_hand([roll_rad, 0.0]);
     }
 
-    fn tip(&mut self, now: Ticks) {
-        let Some(Tipping { begins, from_rad, to_rad }) = self.tipping else { return };
-        let share = seconds(now - begins) / TIPPING_S;
-        let rate_rad_s = if share < 1.0 { (to_rad - from_rad) / TIPPING_S } else { 0.0 };
-        let roll_rad = from_rad + share.min(1.0) * (to_rad - from_rad);
-        self.plant.set_attitude([roll_rad, 0.0, 0.0], [rate_rad_s, 0.0, 0.0]);
+    /// The same to this roll and pitch.
+    pub fn turn_by_hand(&mut self, to_rad: [f64; 2]) {
+        self.held = true;
+        self.turn = Some(Turn { begins: self.moved_to, from_rad: self.tilt_rad(), to_rad });
+    }
+
+    fn turn_on(&mut self, now: Ticks) {
+        let Some(Turn { begins, from_rad, to_rad }) = self.turn else { return };
+        let share = seconds(now - begins) / TURN_S;
+        let way_rad = [to_rad[0] - from_rad[0], to_rad[1] - from_rad[1]];
+        let [roll_rad, pitch_rad] = [0, 1].map(|axis| from_rad[axis] + share.min(1.0) * way_rad[axis]);
+        let [roll_rad_s, pitch_rad_s] = if share < 1.0 { way_rad.map(|way| way / TURN_S) } else { [0.0; 2] };
+        let rate_body_rad_s = [roll_rad_s, pitch_rad_s * roll_rad.cos(), -pitch_rad_s * roll_rad.sin()];
+        self.plant.set_attitude([roll_rad, pitch_rad, 0.0], rate_body_rad_s);
         if let Some(standing) = &mut self.standing {
-            standing.lay([roll_rad, 0.0], rate_rad_s);
+            standing.lay([roll_rad, pitch_rad], rate_body_rad_s);
         }
         if share >= 1.0 {
-            self.tipping = None;
+            self.turn = None;
         }
     }
 
@@ -138,6 +153,11 @@ impl Vehicle {
     pub fn height(&self) -> (f64, f64) {
         let truth = self.plant.truth();
         (-truth.position_ned_m[2], -truth.velocity_ned_m_s[2])
+    }
+
+    /// Lifts a free vehicle to this height, as it moves.
+    pub fn set_height_m(&mut self, height_m: f64) {
+        self.plant.set_height_m(height_m);
     }
 
     /// Does it stand, or lie, or is it held?
@@ -187,14 +207,18 @@ impl Vehicle {
                 (self.plant, self.held) = (landed, true);
             }
         }
-        self.tip(now);
+        self.turn_on(now);
         self.moved_to = now;
     }
-}
 
-/// What its sensors are in: the air, or at rest on the ground.
-fn felt<'a>(plant: &'a Plant, standing: Option<&'a Standing>, held: bool) -> &'a Plant {
-    standing.filter(|_| held).map_or(plant, Standing::rest)
+    /// What the first or the second IMU feels as it sits: of the air, or of the ground on which it stands.
+    fn felt_by(&self, imu: usize) -> Truth {
+        let grounded = self.standing.as_ref().filter(|_| self.held);
+        let mut truth = grounded.map_or(&self.plant, Standing::rest).truth();
+        truth.rate_body_rad_s = self.seats[imu].felt(truth.rate_body_rad_s);
+        truth.specific_force_body_m_s2 = self.seats[imu].felt(truth.specific_force_body_m_s2);
+        truth
+    }
 }
 
 /// The vehicle as the board's world; whoever keeps another handle can look at it meanwhile.
@@ -204,8 +228,8 @@ impl World for Surroundings {
     fn imu(&mut self, now: Ticks) -> Counts {
         let mut vehicle = self.0.borrow_mut();
         vehicle.move_to(now);
-        let Vehicle { plant, sensors, standing, held, .. } = &mut *vehicle;
-        let sample = sensors.imu(felt(plant, standing.as_ref(), *held), now / TICKS_PER_US);
+        let truth = vehicle.felt_by(0);
+        let sample = vehicle.sensors.imu_of(&truth);
         Counts { gyro: sample.gyro_counts, accel: sample.accel_counts }
     }
 
@@ -216,8 +240,8 @@ impl World for Surroundings {
     fn second_imu(&mut self, now: Ticks) -> Counts {
         let mut vehicle = self.0.borrow_mut();
         vehicle.move_to(now);
-        let Vehicle { plant, second_imu, standing, held, .. } = &mut *vehicle;
-        second_imu.measure(felt(plant, standing.as_ref(), *held))
+        let truth = vehicle.felt_by(1);
+        vehicle.second_imu.measure(&truth)
     }
 
     /// An ESC knows its command when the pulse ends.
@@ -231,9 +255,9 @@ impl World for Surroundings {
             recorded.push(pulse);
         }
         // a motor follows its command while its ESC lets it
-        let Vehicle { plant, escs, commands, standing, held, tipping, .. } = &mut *vehicle;
+        let Vehicle { plant, escs, commands, standing, held, turn, .. } = &mut *vehicle;
         let driven = std::array::from_fn(|motor| if escs[motor].turns(end) { commands[motor] } else { 0.0 });
-        if let (true, Some(standing)) = (*held && tipping.is_none(), standing) {
+        if let (true, Some(standing)) = (*held && turn.is_none(), standing) {
             plant.set_motor_equilibrium(driven);
             *held = !standing.leaves(plant);
         }

@@ -1,6 +1,7 @@
 //! Faults injected in flight: each ends as promised, in the time that is promised, and `FAULTS.md` says so.
 
 mod electric_rows;
+mod free_rows;
 mod radio_rows;
 mod rows;
 mod table;
@@ -9,6 +10,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use electric_rows::ELECTRIC_ROWS;
+use free_rows::FREE_ROWS;
 use radio_rows::RADIO_ROWS;
 use rows::{ROWS, Row};
 use table::Outcome;
@@ -16,7 +18,7 @@ use table::Outcome;
 /// Each on a board of its own, two at a time.
 #[test]
 fn every_fault_ends_as_the_table_promises() {
-    let rows: Vec<&'static Row> = ROWS.iter().chain(ELECTRIC_ROWS).chain(RADIO_ROWS).collect();
+    let rows: Vec<&'static Row> = ROWS.iter().chain(ELECTRIC_ROWS).chain(RADIO_ROWS).chain(FREE_ROWS).collect();
     let next = AtomicUsize::new(0);
     let outcomes = Mutex::new(Vec::new());
     std::thread::scope(|scope| {

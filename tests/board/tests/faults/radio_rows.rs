@@ -2,6 +2,7 @@
 
 use emulated_board::{FRAME_PERIOD, Flight, IoFault, IoFirmware, MILLISECOND};
 
+use crate::free_rows::climb;
 use crate::rows::{BRANCH_TO_SELF, End, LINK_LOST_MS, LOOP, NOTHING, RESTART_MS, Row, WATCHDOG_MS, break_code};
 
 /// A lost radio is acted on after 250 ms instead of a lost link's 3 s.
@@ -9,14 +10,12 @@ const RADIO_LOST_MS: u64 = LINK_LOST_MS - 3000 + 250;
 const WATCH_LOST_RADIO_MS: u64 = RADIO_LOST_MS + 300;
 const KILL_MS: u64 = 50;
 const KILL: usize = 5;
-const THROTTLE: usize = 3;
 
 /// From the loss to the descent.
 const HELD_MS: u64 = 250 + 2000;
 /// From the ground to the end of the motors.
 const LANDED_MS: u64 = 3000;
-/// Up to two metres, and down again with nine tenths of the lift.
-const UP_MS: u64 = 1000;
+/// From two metres down with nine tenths of the lift.
 const DOWN_MS: u64 = 4000;
 
 const RADIO: Row = Row { radio: true, ..NOTHING };
@@ -41,16 +40,10 @@ pub const RADIO_ROWS: &[Row] = &[
     Row {
         fault: "radio, free flight: transmitter off in the air",
         free: true,
-        inject: |flight| {
-            flight.set_stick(THROTTLE, 1565);
-            flight.run_for(UP_MS * MILLISECOND);
-            // hover, as a pilot would have it by then
-            flight.set_stick(THROTTLE, 1544);
-            flight.run_for(20 * MILLISECOND);
-            switch_off(flight);
-        },
-        within_ms: UP_MS + HELD_MS + DOWN_MS + LANDED_MS,
-        watch_ms: UP_MS + HELD_MS + DOWN_MS + LANDED_MS + 300,
+        fly: climb,
+        inject: switch_off,
+        within_ms: HELD_MS + DOWN_MS + LANDED_MS,
+        watch_ms: HELD_MS + DOWN_MS + LANDED_MS + 300,
         ..LOST
     },
     Row {

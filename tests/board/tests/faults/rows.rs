@@ -37,7 +37,11 @@ pub struct Row {
     /// Nothing holds the vehicle but the ground, on which it stands until it is lifted.
     pub free: bool,
     pub before: fn(&mut Flight),
+    /// Half a second after it was let go: on the way to where the fault meets it.
+    pub fly: fn(&mut Flight),
     pub inject: fn(&mut Flight),
+    /// Largest roll or pitch while it flies on, degrees.
+    pub tilt_max_deg: f64,
     /// For how long it is looked at, ms.
     pub watch_ms: u64,
 }
@@ -71,7 +75,9 @@ pub const NOTHING: Row = Row {
     radio: false,
     free: false,
     before: |_| {},
+    fly: |_| {},
     inject: |_| {},
+    tilt_max_deg: 45.0,
     watch_ms: 600,
 };
 
@@ -403,7 +409,7 @@ fn spoil_setpoint(flight: &mut Flight) {
 }
 
 /// The first IMU's samples stay away for a while.
-fn silence_imu(flight: &mut Flight, duration_ms: u64) {
+pub fn silence_imu(flight: &mut Flight, duration_ms: u64) {
     flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::NoDataReady);
     flight.run_for(duration_ms * MILLISECOND);
     flight.machine.mend_sensor(Sensor::Mpu6000);

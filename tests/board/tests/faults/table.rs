@@ -10,6 +10,8 @@ use crate::rows::{End, Row};
 
 /// What MAIN may carry: the disarmed pulse.
 const MAIN_MAX_US: u16 = 1000;
+/// Nothing that flies on ends beyond this: the test sequence and the rows' sticks hold up to 30 degrees.
+const UPRIGHT_DEG: f64 = 40.0;
 /// Above every idle command, below every flight's.
 const IDLE_COMMAND_MAX: f64 = 0.16;
 
@@ -47,6 +49,8 @@ pub struct Outcome {
     main_us: u16,
     overruns: u32,
     tilt_deg: f64,
+    /// At the end.
+    end_tilt_deg: f64,
     reports: Vec<String>,
 }
 
@@ -67,6 +71,7 @@ impl Outcome {
             "{}: not in the air",
             row.fault
         );
+        (row.fly)(&mut flight);
         // at the same place in the loop whatever the build
         let step = flight.last().step;
         while flight.last().step == step {
@@ -78,8 +83,9 @@ impl Outcome {
         (row.inject)(&mut flight);
         let rest = (fault_at + row.watch_ms * MILLISECOND).saturating_sub(flight.machine.now());
         flight.run_for(rest);
-        let (now, overruns, tilt_deg) =
-            (flight.machine.now(), flight.counter("LOOP_OVERRUNS"), flight.largest_tilt_deg());
+        let (now, overruns) = (flight.machine.now(), flight.counter("LOOP_OVERRUNS"));
+        let tilt_deg = flight.largest_tilt_deg();
+        let end_tilt_deg = flight.tilt_deg().into_iter().fold(0.0, |most: f64, tilt| most.max(tilt.abs()));
         let still_high = flight.machine.aux_high_since().into_iter().flatten().map(|since| now - since);
         let vehicle = flight.vehicle.borrow();
         let ended = vehicle.line_pulses().iter().filter(|pulse| pulse.rise + pulse.width > fault_at);
@@ -101,7 +107,8 @@ impl Outcome {
         let resets = flight.machine.counters().resets - resets;
         let longest_us = longest / TICKS_PER_US;
         let main_us = flight.machine.main_outputs_us().into_iter().max().unwrap_or(0);
-        Self { row, end, live_ms, longest_us, resets, cut: pulses.cut(), main_us, overruns, tilt_deg, reports }
+        let cut = pulses.cut();
+        Self { row, end, live_ms, longest_us, resets, cut, main_us, overruns, tilt_deg, end_tilt_deg, reports }
     }
 
     /// What differs from the promise.
@@ -110,7 +117,7 @@ impl Outcome {
         let late = self.live_ms.is_some_and(|live_ms| live_ms > *within_ms);
         let missing = says.iter().find(|words| !self.reports.iter().any(|report| report.contains(**words)));
         // nothing tips the vehicle over while it flies, and no step takes longer than its period
-        let disturbed = *end == End::FliesOn && (self.tilt_deg > 45.0 || self.overruns > 0);
+        let disturbed = *end == End::FliesOn && (self.tilt_deg > self.row.tilt_max_deg || self.end_tilt_deg > UPRIGHT_DEG || self.overruns > 0);
         let wide = self.longest_us > *longest_us;
         let main_driven = self.main_us > MAIN_MAX_US;
         let wrong = main_driven
@@ -124,8 +131,8 @@ impl Outcome {
             let Self { end, live_ms, longest_us, cut, reports, .. } = self;
             format!(
                 "{fault}: ends {end:?}, live for {live_ms:?} of {within_ms} ms, longest pulse {longest_us} us, \
-                 cut {cut}, MAIN {} us, reports {reports:?}, missing {missing:?}",
-                self.main_us
+                 cut {cut}, MAIN {} us, tilt {:.1} deg, at the end {:.1}, reports {reports:?}, missing {missing:?}",
+                self.main_us, self.tilt_deg, self.end_tilt_deg
             )
         })
     }

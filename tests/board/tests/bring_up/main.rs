@@ -1,0 +1,194 @@
+//! What a scope shows on the motor outputs during the bring-up of docs/bring-up.md, from power-on to the kill switch:
+//! the emulated board goes through it, and the page's table is what it saw.
+
+mod page;
+mod scope;
+
+use emulated_board::pilot::{MIDDLE_US, THROTTLE, YAW};
+use emulated_board::{Flight, MILLISECOND, Transmitter};
+use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
+use page::Row;
+use scope::Scope;
+use shared_control::params::radio::RadioParams;
+use shared_control::params::{Params, Rig};
+
+/// As for the first flight: nothing holds the vehicle, the radio has the sticks, the kill switch is set up.
+const READY: Params = Params {
+    rig: Rig::Free,
+    hover_throttle_permille: 540,
+    radio: RadioParams { flies: true, kill_channel: 5, ..RadioParams::DEFAULT },
+    ..Params::DEFAULT
+};
+/// Less than a landing's crash check takes for a tilt.
+const TILT_RAD: f64 = 10.0 / 180.0 * core::f64::consts::PI;
+/// 30 % of its way: no propeller is on.
+const THROTTLE_US: u16 = 1307;
+const TEST_PERCENT: f32 = 10.0;
+
+#[test]
+fn the_scope_shows_what_the_page_says() {
+    let mut flight = Flight::new(&READY, 1);
+    flight.transmitter = Some(Transmitter::new());
+    flight.vehicle.borrow_mut().record_pulses();
+    let mut rows = power_on(&mut flight);
+    rows.extend(motor_tests(&mut flight));
+    rows.extend(armed(&mut flight));
+    rows.extend(tilts(&mut flight));
+    rows.extend(ends(&mut flight));
+    let scope = Scope::of(&flight);
+    page::renew(&rows, &scope);
+    page::compare(&rows);
+}
+
+fn power_on(flight: &mut Flight) -> Vec<Row> {
+    flight.run_for(3500 * MILLISECOND);
+    let scope = Scope::of(flight);
+    let now = flight.machine.now();
+    let early = scope.from_power_on();
+    assert!(early.high_ms < 1.0, "{early:?}");
+    let pulses = scope.between(now - 200 * MILLISECOND, now);
+    assert!(pulses.all_are(1000), "{pulses:?}");
+    vec![
+        Row::new(
+            "Power on",
+            "AUX 1 to 4",
+            format!(
+                "high while the bootloader runs (here it takes no time: {:.1} ms), then low; the first pulse {} s \
+                 later, 1000 us",
+                early.high_ms,
+                tenths(early.first_pulse_ms)
+            ),
+        ),
+        Row::new(
+            "Wait, disarmed",
+            "AUX 1 to 4",
+            format!(
+                "{} us every {:.2} ms, all four rise within {:.0} us",
+                pulses.width_us(),
+                pulses.period_ms(),
+                scope.apart_us().ceil()
+            ),
+        ),
+    ]
+}
+
+fn motor_tests(flight: &mut Flight) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for motor in 1..=4_u8 {
+        let (target_system, target_component) = (1, 1);
+        let command = MavCmd::MAV_CMD_DO_MOTOR_TEST;
+        let (param1, param3, param4) = (f32::from(motor), TEST_PERCENT, 1.0);
+        let test =
+            COMMAND_LONG_DATA { command, param1, param3, param4, target_system, target_component, ..Default::default() };
+        let from = flight.machine.now();
+        flight.ground.send(&mut flight.machine, &test);
+        flight.run_for(1500 * MILLISECOND);
+        let seen = Scope::of(flight).between(from, flight.machine.now());
+        let live = seen.live();
+        assert_eq!(live.len(), 1, "motor {motor}: {live:?}");
+        let (aux, width_us, lasts_ms) = live[0];
+        assert_eq!(aux, usize::from(motor), "motor and output");
+        rows.push(Row::new(
+            format!("Motor test {motor}, 10 %, 1 s"),
+            "AUX 1 to 4",
+            format!("AUX {aux}: {width_us} us for {} s; the others stay at 1000 us", tenths(lasts_ms)),
+        ));
+    }
+    rows
+}
+
+fn armed(flight: &mut Flight) -> Vec<Row> {
+    flight.set_stick(YAW, 2000);
+    let from = flight.machine.now();
+    flight.run_for(1500 * MILLISECOND);
+    assert!(flight.is_armed(), "{:?}", flight.ground.texts());
+    flight.set_stick(YAW, MIDDLE_US);
+    let scope = Scope::of(flight);
+    let first = scope.between(from, flight.machine.now()).first_live().expect("armed motors turn");
+    let idle = mean(flight);
+    flight.set_stick(THROTTLE, THROTTLE_US);
+    let raised = mean(flight);
+    vec![
+        Row::new(
+            "Throttle low, yaw right: arm",
+            "AUX 1 to 4",
+            format!("after {} s {} us on all four", tenths(first.since_ms(from)), one(idle)),
+        ),
+        Row::new("Throttle to 30 %, level", "AUX 1 to 4", format!("{} us", four(raised))),
+    ]
+}
+
+/// Whoever holds it turns it: what pushes back is what lies lower. By this the axes of the IMU, the motors' order and
+/// the wires are seen together.
+fn tilts(flight: &mut Flight) -> Vec<Row> {
+    let cases: [(&str, [f64; 2], [usize; 2]); 4] = [
+        ("Hold it rolled 10 degrees to the right", [TILT_RAD, 0.0], [1, 4]),
+        ("Hold it rolled 10 degrees to the left", [-TILT_RAD, 0.0], [2, 3]),
+        ("Hold it 10 degrees nose down", [0.0, -TILT_RAD], [1, 3]),
+        ("Hold it 10 degrees nose up", [0.0, TILT_RAD], [2, 4]),
+    ];
+    let mut rows = Vec::new();
+    for (doing, to_rad, longer) in cases {
+        flight.vehicle.borrow_mut().turn_by_hand(to_rad);
+        flight.run_for(500 * MILLISECOND);
+        rows.push(longer_row(doing, mean(flight), longer));
+        flight.vehicle.borrow_mut().turn_by_hand([0.0; 2]);
+        flight.run_for(700 * MILLISECOND);
+    }
+    // motors 1 and 2 turn counter-clockwise and push the frame clockwise
+    flight.set_stick(YAW, 1755);
+    flight.run_for(300 * MILLISECOND);
+    rows.push(longer_row("Level; yaw stick half to the right", mean(flight), [1, 2]));
+    flight.set_stick(YAW, MIDDLE_US);
+    flight.run_for(300 * MILLISECOND);
+    rows
+}
+
+fn longer_row(doing: &str, widths_us: [f64; 4], longer: [usize; 2]) -> Row {
+    let middle = widths_us.iter().sum::<f64>() / 4.0;
+    for aux in 1..=4 {
+        assert_eq!(widths_us[aux - 1] > middle, longer.contains(&aux), "{doing}: AUX {aux} of {widths_us:?}");
+    }
+    Row::new(doing, "AUX 1 to 4", format!("AUX {} and {} longer: {} us", longer[0], longer[1], four(widths_us)))
+}
+
+fn ends(flight: &mut Flight) -> Vec<Row> {
+    flight.set_stick(5, 2000);
+    let thrown = flight.machine.now();
+    flight.run_for(300 * MILLISECOND);
+    let stopped = flight.vehicle.borrow().pulses().last_live_end() - thrown;
+    assert!(stopped < 50 * MILLISECOND && !flight.is_armed());
+    let kill = format!("1000 us on all four at most 50 ms later (here {})", stopped.div_ceil(MILLISECOND));
+    flight.set_stick(5, 1000);
+    flight.set_stick(THROTTLE, 1000);
+    flight.run_for(500 * MILLISECOND);
+    let from = flight.machine.now();
+    flight.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
+    flight.run_for(2000 * MILLISECOND);
+    assert_eq!(flight.machine.counters().resets, 1);
+    let gap_ms = Scope::of(flight).between(from, flight.machine.now()).longest_gap_ms();
+    let restart = format!("low for 50 ms and more, high while the bootloader runs, first pulse after {} s", tenths(gap_ms));
+    vec![Row::new("Kill switch", "AUX 1 to 4", kill), Row::new("Restart by command", "AUX 1 to 4", restart)]
+}
+
+/// Mean pulses of AUX 1 to 4 over the next 0.2 s, us.
+fn mean(flight: &mut Flight) -> [f64; 4] {
+    flight.run_for(200 * MILLISECOND);
+    let now = flight.machine.now();
+    Scope::of(flight).between(now - 150 * MILLISECOND, now).mean_us()
+}
+
+/// To ten: noise of the gyro moves the rest.
+fn four(widths_us: [f64; 4]) -> String {
+    widths_us.map(|width| format!("{:.0}", (width / 10.0).round() * 10.0)).join(", ")
+}
+
+fn one(widths_us: [f64; 4]) -> String {
+    assert!(widths_us.iter().all(|width| (width - widths_us[0]).abs() < 1.0), "{widths_us:?}");
+    format!("{:.0}", widths_us[0])
+}
+
+/// Milliseconds as seconds, to a tenth.
+fn tenths(ms: f64) -> String {
+    format!("{:.1}", ms / 1000.0)
+}
