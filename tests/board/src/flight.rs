@@ -220,7 +220,7 @@ impl Flight {
     pub fn restart_board(&mut self) {
         let resets = self.machine.counters().resets;
         self.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
-        self.run_for(4000 * MILLISECOND);
+        self.run_for(3500 * MILLISECOND);
         assert_eq!(self.machine.counters().resets, resets + 1, "{:?}", self.ground.texts());
     }
 

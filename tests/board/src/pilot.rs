@@ -60,14 +60,14 @@ impl Flight {
         }
     }
 
-    /// Armed on the ground; brought to three metres.
+    /// From the ground to this height, with the time to settle there.
     ///
     /// # Panics
     /// If it does not get there.
-    pub fn take_off_to_hover(&mut self) {
-        self.fly_at(3.0, 5000);
-        let (height_m, _) = self.vehicle.borrow().height();
-        assert!((2.5..3.5).contains(&height_m), "{height_m} m");
+    pub fn take_off_to(&mut self, height_m: f64) {
+        self.fly_at(height_m, (500.0 + 1500.0 * height_m) as u64);
+        let (reached_m, _) = self.vehicle.borrow().height();
+        assert!((height_m - reached_m).abs() < 0.5, "{reached_m} m");
     }
 
     /// Down to the ground and disarmed by the sticks.

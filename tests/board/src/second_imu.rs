@@ -36,7 +36,8 @@ impl SecondImu {
     /// What both measure of this motion.
     pub(crate) fn measure(&mut self, truth: &Truth) -> Counts {
         let [x, y, z] = truth.rate_body_rad_s.map(|rate| rate + self.noise.gyro_rad_s * self.gyro_stream.normal());
-        let force = truth.specific_force_body_m_s2.map(|force| force + self.noise.accel_m_s2 * self.accel_stream.normal());
+        let force =
+            truth.specific_force_body_m_s2.map(|force| force + self.noise.accel_m_s2 * self.accel_stream.normal());
         let rate = match self.gyro {
             SecondGyro::L3gd20 => [-y, x, z],
             SecondGyro::L3gd20h => [-x, -y, z],
@@ -57,6 +58,7 @@ fn nearest(counts: f64) -> i16 {
 mod tests {
     use super::*;
     use sil_host::model::{Rig, VehicleModel};
+    use sil_host::plant::Plant;
 
     const NO_NOISE: SensorNoise = SensorNoise::NONE;
 

@@ -42,6 +42,8 @@ pub struct Vehicle {
     second_imu: SecondImu,
     /// Of the first and the second IMU.
     seats: [Seat; 2],
+    /// Of the first IMU's accelerometer, body axes, m/s^2.
+    accel_offset_m_s2: [f64; 3],
     /// Time up to which the plant has moved.
     moved_to: Ticks,
     held: bool,
@@ -70,6 +72,7 @@ impl Vehicle {
             sensors: Sensors::new(&model.noise, seed).with_effects(&model.effects),
             second_imu: SecondImu::new(gyro, &model.noise, seed),
             seats: [Seat::default(); 2],
+            accel_offset_m_s2: [0.0; 3],
             moved_to: 0,
             held: true,
             standing: Plant::new(model).flies_free().then(|| Standing::new(model)),
@@ -91,6 +94,11 @@ impl Vehicle {
     /// How the first and the second IMU sit from now on; straight at first.
     pub fn seat_imus(&mut self, seats: [Seat; 2]) {
         self.seats = seats;
+    }
+
+    /// What the first IMU's accelerometer says too much of from now on, body axes, m/s^2.
+    pub fn offset_accelerometer(&mut self, offset_m_s2: [f64; 3]) {
+        self.accel_offset_m_s2 = offset_m_s2;
     }
 
     /// Fits ESCs of another make; power comes to them now.
@@ -228,7 +236,10 @@ impl World for Surroundings {
     fn imu(&mut self, now: Ticks) -> Counts {
         let mut vehicle = self.0.borrow_mut();
         vehicle.move_to(now);
-        let truth = vehicle.felt_by(0);
+        let mut truth = vehicle.felt_by(0);
+        for (force, offset) in truth.specific_force_body_m_s2.iter_mut().zip(vehicle.accel_offset_m_s2) {
+            *force += offset;
+        }
         let sample = vehicle.sensors.imu_of(&truth);
         Counts { gyro: sample.gyro_counts, accel: sample.accel_counts }
     }

@@ -59,6 +59,10 @@ pub enum Mpu6000Revision {
     /// D8.
     #[default]
     D,
+    /// None: a clone of the board has an MPU-9250 in its place (RM-MPU-9250A: WHO_AM_I 0x71).
+    Mpu9250,
+    /// None: an ICM-20608 (DS-000081: WHO_AM_I 0xaf).
+    Icm20608,
 }
 
 impl Mpu6000Revision {
@@ -66,6 +70,15 @@ impl Mpu6000Revision {
         match self {
             Self::C => 0x55,
             Self::D => 0x58,
+            Self::Mpu9250 | Self::Icm20608 => 0,
+        }
+    }
+
+    fn who_am_i(self) -> u8 {
+        match self {
+            Self::C | Self::D => 0x68,
+            Self::Mpu9250 => 0x71,
+            Self::Icm20608 => 0xaf,
         }
     }
 }
@@ -105,7 +118,7 @@ fn reset_values(revision: Mpu6000Revision) -> [u8; REGISTERS] {
     let mut registers = [0; REGISTERS];
     registers[usize::from(PRODUCT_ID)] = revision.product_id();
     registers[usize::from(PWR_MGMT_1)] = SLEEP;
-    registers[usize::from(WHO_AM_I)] = 0x68;
+    registers[usize::from(WHO_AM_I)] = revision.who_am_i();
     registers
 }
 
@@ -134,6 +147,7 @@ impl Mpu6000 {
     pub(crate) fn set_revision(&mut self, revision: Mpu6000Revision) {
         self.revision = revision;
         self.registers[usize::from(PRODUCT_ID)] = revision.product_id();
+        self.registers[usize::from(WHO_AM_I)] = revision.who_am_i();
     }
 
     /// Chip select; a transfer begins when it falls.

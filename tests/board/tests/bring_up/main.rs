@@ -78,8 +78,15 @@ fn motor_tests(flight: &mut Flight) -> Vec<Row> {
         let (target_system, target_component) = (1, 1);
         let command = MavCmd::MAV_CMD_DO_MOTOR_TEST;
         let (param1, param3, param4) = (f32::from(motor), TEST_PERCENT, 1.0);
-        let test =
-            COMMAND_LONG_DATA { command, param1, param3, param4, target_system, target_component, ..Default::default() };
+        let test = COMMAND_LONG_DATA {
+            command,
+            param1,
+            param3,
+            param4,
+            target_system,
+            target_component,
+            ..Default::default()
+        };
         let from = flight.machine.now();
         flight.ground.send(&mut flight.machine, &test);
         flight.run_for(1500 * MILLISECOND);
@@ -167,7 +174,8 @@ fn ends(flight: &mut Flight) -> Vec<Row> {
     flight.run_for(2000 * MILLISECOND);
     assert_eq!(flight.machine.counters().resets, 1);
     let gap_ms = Scope::of(flight).between(from, flight.machine.now()).longest_gap_ms();
-    let restart = format!("low for 50 ms and more, high while the bootloader runs, first pulse after {} s", tenths(gap_ms));
+    let restart =
+        format!("low for 50 ms and more, high while the bootloader runs, first pulse after {} s", tenths(gap_ms));
     vec![Row::new("Kill switch", "AUX 1 to 4", kill), Row::new("Restart by command", "AUX 1 to 4", restart)]
 }
 

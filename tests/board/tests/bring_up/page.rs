@@ -104,7 +104,8 @@ fn picture(scope: &Scope) -> String {
     for second in (0..=end_s as u32).step_by(2) {
         let _ = write!(svg, "<text x=\"{:.0}\" y=\"{:.0}\">{second}</text>", x(f64::from(second)), height - 20.0);
     }
-    let _ = writeln!(svg, "<text x=\"{LEFT}\" y=\"{}\">width of the pulses, us, over time, s</text></svg>", height - 4.0);
+    let _ =
+        writeln!(svg, "<text x=\"{LEFT}\" y=\"{}\">width of the pulses, us, over time, s</text></svg>", height - 4.0);
     svg
 }
 

@@ -10,6 +10,7 @@ use emulated_board::{
 use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd, MavParamType, PARAM_SET_DATA};
 use shared_control::params::Params;
 use shared_control::params::encode;
+use shared_control::sensing::imu_select::ImuUnit;
 
 /// What was seen: as it should be, or not.
 pub type Evidence = Result<String, String>;
@@ -70,6 +71,12 @@ pub const FINDINGS: &[Finding] = &[
     },
     Finding { name: "MPU6000's select held", source: "MPU-6000 PS 6.8", look: || keeps(rules::SELECT_HOLD_TOO_SHORT) },
     Finding { name: "MPU6000 revision C", source: "PX4 mpu6000.h", look: revision_c },
+    Finding {
+        name: "another IMU in the MPU6000's place",
+        source: "boards that are sold as Pixhawk 1; RM-MPU-9250A, DS-000081",
+        look: clones,
+    },
+    Finding { name: "MPU6000's zero-g offset", source: "MPU-6000 PS 6.2", look: zero_g_offset },
     Finding { name: "flash prefetch", source: "RM0090 3.5.2", look: prefetch },
     Finding { name: "a dip of the supply of a microsecond", source: "RM0090 5.2.2", look: short_dip },
     Finding { name: "a supply that fails", source: "RM0090 5.2.2", look: long_dip },
@@ -311,6 +318,51 @@ fn start_up_times() -> Evidence {
 
 fn revision_c() -> Evidence {
     arms_with(Mpu6000Revision::C, 0, false)
+}
+
+/// Where another chip answers, the second IMU flies, and the ground is told why.
+fn clones() -> Evidence {
+    for revision in [Mpu6000Revision::Mpu9250, Mpu6000Revision::Icm20608] {
+        let mut flight = start();
+        flight.machine.set_mpu6000(revision, 0);
+        flight.run_for(5500 * MILLISECOND);
+        flight.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
+        flight.run_for(200 * MILLISECOND);
+        let said = texts(&flight).join("; ");
+        let second_flies = flight.is_armed() && flight.last().imu_unit == ImuUnit::Second.number();
+        if !second_flies || !said.contains("MPU6000 does not answer as itself") {
+            return Err(format!("{revision:?}: {said}"));
+        }
+    }
+    Ok("MPU-9250, ICM-20608: said, and the second IMU in use".to_owned())
+}
+
+/// At both ends of the range, across and along the vertical: tilt that the level vehicle shows, before and after its
+/// level calibration.
+fn zero_g_offset() -> Evidence {
+    let mut most_deg = [0.0_f64; 2];
+    for sign in [-1.0, 1.0] {
+        let mut flight = start();
+        flight.vehicle.borrow_mut().offset_accelerometer([0.05, -0.05, 0.08].map(|g| sign * g * 9.806_65));
+        flight.run_for(5000 * MILLISECOND);
+        most_deg[0] = most_deg[0].max(shown_tilt_deg(&flight));
+        let (command, target_system, target_component) = (MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, 1, 1);
+        let data = COMMAND_LONG_DATA { command, param5: 2.0, target_system, target_component, ..Default::default() };
+        flight.ground.send(&mut flight.machine, &data);
+        flight.run_for(300 * MILLISECOND);
+        flight.restart_board();
+        most_deg[1] = most_deg[1].max(shown_tilt_deg(&flight));
+    }
+    let [before_deg, after_deg] = most_deg;
+    let seen =
+        format!("50 mg across, 80 along the vertical: {before_deg:.0} degrees of tilt, 0.2 at most once calibrated");
+    if before_deg < 3.0 || after_deg > 0.2 { Err(format!("{seen}: {after_deg:.2}")) } else { Ok(seen) }
+}
+
+/// Angle between the estimated vertical and the vehicle's axis.
+fn shown_tilt_deg(flight: &Flight) -> f64 {
+    let [w, i, j, k] = flight.last().attitude.map(|word| f64::from(f32::from_bits(word)));
+    (w * w - i * i - j * j + k * k).clamp(-1.0, 1.0).acos().to_degrees()
 }
 
 fn prefetch() -> Evidence {

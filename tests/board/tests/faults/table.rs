@@ -117,7 +117,8 @@ impl Outcome {
         let late = self.live_ms.is_some_and(|live_ms| live_ms > *within_ms);
         let missing = says.iter().find(|words| !self.reports.iter().any(|report| report.contains(**words)));
         // nothing tips the vehicle over while it flies, and no step takes longer than its period
-        let disturbed = *end == End::FliesOn && (self.tilt_deg > self.row.tilt_max_deg || self.end_tilt_deg > UPRIGHT_DEG || self.overruns > 0);
+        let disturbed = *end == End::FliesOn
+            && (self.tilt_deg > self.row.tilt_max_deg || self.end_tilt_deg > UPRIGHT_DEG || self.overruns > 0);
         let wide = self.longest_us > *longest_us;
         let main_driven = self.main_us > MAIN_MAX_US;
         let wrong = main_driven

@@ -12,6 +12,8 @@ const GROWTH_PERCENT: u64 = 3;
 
 /// 15 % of the 420,000 cycles of a step at 400 Hz.
 const PID_LOOP_CYCLES_MAX: u32 = 63_000;
+/// Of a step at 400 Hz: control, IO and link, each task at its worst.
+const WORST_STEP_PERMILLE_MAX: u64 = 400;
 const FLASH_BYTES_MAX: usize = 256 * 1024;
 
 const HEAD: &str = "\
@@ -29,6 +31,9 @@ pub fn check(flown: &[Flown]) {
         let cascade_alone = flight.name.starts_with("PID");
         let worst = flight.tasks["loop"].worst_cycles;
         assert!(!cascade_alone || worst < PID_LOOP_CYCLES_MAX, "{}: {worst}", flight.name);
+        let worst_step = flight.worst_step_permille();
+        let is_fast = flight.loop_rate_hz == 400;
+        assert!(!is_fast || worst_step < WORST_STEP_PERMILLE_MAX, "{}: {worst_step}", flight.name);
         assert!(flight.flash_bytes < FLASH_BYTES_MAX, "{} bytes of flash", flight.flash_bytes);
         assert!(!flight.computes_in_f64, "f64 arithmetic in the image");
     }
@@ -43,6 +48,7 @@ fn figures(flown: &[Flown]) -> Figures {
         image.insert("RAM bytes".to_owned(), flight.ram_bytes as u64);
         let section = figures.entry(flight.name.to_owned()).or_default();
         section.insert("CPU permille".to_owned(), flight.cpu_permille);
+        section.insert("worst step permille".to_owned(), flight.worst_step_permille());
         section.insert("stack bytes".to_owned(), flight.stack_bytes as u64);
         for (task, instructions) in &flight.tasks {
             section.insert(format!("{task}, median"), instructions.median.into());

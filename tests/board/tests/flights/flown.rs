@@ -7,6 +7,8 @@ use emulated_board::time::{TICKS_PER_S, Ticks, seconds};
 use emulated_board::{Flight, MILLISECOND, Planned, Profile};
 use shared_control::params::Params;
 
+const HOUSEKEEPING: &str = "housekeeping";
+const CORE_HZ: u64 = 168_000_000;
 /// Interrupts and the tasks behind them.
 const TASKS: [(u8, &str); 10] = [
     (29, "loop"),
@@ -18,7 +20,7 @@ const TASKS: [(u8, &str); 10] = [
     (16, "link ring"),
     (17, "link sent"),
     (20, "plan"),
-    (21, "housekeeping"),
+    (21, HOUSEKEEPING),
 ];
 
 /// Instructions, and cycles at worst, of a task's activations, without what interrupted them.
@@ -27,11 +29,13 @@ pub struct Task {
     pub median: u32,
     pub worst: u32,
     pub worst_cycles: u32,
+    pub activations: u64,
 }
 
 /// Figures of a flight.
 pub struct Flown {
     pub name: &'static str,
+    pub loop_rate_hz: u16,
     pub steps: u64,
     pub planned: Planned,
     /// As the image counts them.
@@ -46,6 +50,8 @@ pub struct Flown {
     pub flash_bytes: usize,
     pub ram_bytes: usize,
     pub computes_in_f64: bool,
+    /// Of the control loop, while the figures were taken.
+    steps_profiled: u64,
     instructions_per_step: u64,
     deviation_deg: [f64; 2],
     times_real_time: f64,
@@ -72,6 +78,7 @@ impl Flown {
         assert!(!flight.vehicle.borrow().pulses().cut(), "{name}: a pulse was cut");
         Self {
             name,
+            loop_rate_hz: params.loop_rate_hz,
             steps: flight.twin.steps(),
             planned: flight.twin.planned(),
             late_plans: flight.counter("LATE_PLANS"),
@@ -84,23 +91,34 @@ impl Flown {
             flash_bytes: flight.image.flash_bytes(),
             ram_bytes: flight.image.ram_bytes(),
             computes_in_f64: flight.image.computes_in_f64(),
+            steps_profiled: steps_flown,
             instructions_per_step,
             deviation_deg,
             times_real_time: duration_s / elapsed_s,
         }
     }
 
+    /// If every task but housekeeping, which waits for all others, had its worst activation in one and the same step,
+    /// as often as it runs in one: share of the step, 1/1000.
+    pub fn worst_step_permille(&self) -> u64 {
+        let urgent = self.tasks.iter().filter(|(name, _)| **name != HOUSEKEEPING);
+        let cycles =
+            urgent.map(|(_, task)| u64::from(task.worst_cycles) * task.activations.div_ceil(self.steps_profiled));
+        1000 * cycles.sum::<u64>() / (CORE_HZ / u64::from(self.loop_rate_hz))
+    }
+
     pub fn print(&self) {
         let Self { name, steps, deviation_deg, instructions_per_step, times_real_time, planned, .. } = self;
-        let cpu_percent = self.cpu_permille as f64 / 10.0;
+        let [cpu_percent, worst_percent] = [self.cpu_permille, self.worst_step_permille()].map(|it| it as f64 / 10.0);
         println!("{name}: {steps} steps repeated by the host, 0 bits of difference");
         println!("{name}: mean |set-point - angle| {deviation_deg:.2?} deg");
         println!("{name}: {instructions_per_step} instructions a step, all tasks together, CPU {cpu_percent:.1} %");
+        println!("{name}: control, IO and link {worst_percent:.1} % of a step, each at its worst");
         println!("{name}: {times_real_time:.1} times real time on a core of its own");
         if planned.repeated > 0 {
             println!("{name}: {planned:?}");
         }
-        for (task, Task { median, worst, worst_cycles }) in &self.tasks {
+        for (task, Task { median, worst, worst_cycles, .. }) in &self.tasks {
             println!("{name}: {task}: median {median}, worst {worst} instructions, {worst_cycles} cycles");
         }
     }
@@ -131,7 +149,8 @@ fn task([instructions, cycles]: [&[u32]; 2]) -> Task {
     let mut counts = instructions.to_vec();
     counts.sort_unstable();
     let (median, worst) = (counts[counts.len() / 2], counts[counts.len() - 1]);
-    Task { median, worst, worst_cycles: cycles.iter().copied().max().unwrap_or(0) }
+    let (worst_cycles, activations) = (cycles.iter().copied().max().unwrap_or(0), cycles.len() as u64);
+    Task { median, worst, worst_cycles, activations }
 }
 
 /// What this thread has spent, where the system tells (Linux): others on the machine do not count.

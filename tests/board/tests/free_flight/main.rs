@@ -21,7 +21,7 @@ const FREE: Params = Params {
 fn hovering() -> Flight {
     let mut flight = Flight::new(&FREE, 1);
     flight.arm_from_power_on();
-    flight.take_off_to_hover();
+    flight.take_off_to(3.0);
     flight
 }
 
