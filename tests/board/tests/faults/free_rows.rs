@@ -18,8 +18,8 @@ const HIGH_M: f64 = 60.0;
 const CRASH_MS: u64 = 500 + 500 + 2000 + PULSE_MS;
 /// Battery: its filter, then a second of `BATT_LOW_TIMER`.
 const EMPTY_MS: u64 = 1500;
-/// From two metres down, and from the ground to the end of the motors.
-const DOWN_MS: u64 = 4000 + 3000;
+/// Down from where it was still climbing, and from the ground to the end of the motors.
+const DOWN_MS: u64 = 7000 + 3000;
 
 const IN_THE_AIR: Row = Row { radio: true, free: true, fly: climb, ..NOTHING };
 const FLIES_ON: Row = Row { end: End::FliesOn, tilt_max_deg: UNMOVED_DEG, watch_ms: 1500, ..IN_THE_AIR };
@@ -111,8 +111,16 @@ pub const FREE_ROWS: &[Row] = &[
     Row {
         fault: "free flight: landed by the stick",
         end: End::Idle,
-        inject: |flight| flight.set_stick(THROTTLE, 1480),
-        watch_ms: 6000,
+        inject: |flight| {
+            while !flight.vehicle.borrow().is_down() {
+                flight.fly_at(-1.0, 20);
+            }
+            flight.set_stick(THROTTLE, 1000);
+            flight.run_for(2000 * MILLISECOND);
+            // idling in the air is 0.15
+            let commands = flight.vehicle.borrow().commands();
+            assert!(commands.iter().all(|command| *command < 0.11), "{commands:?}: not found to be landed");
+        },
         ..IN_THE_AIR
     },
     Row {
