@@ -5,6 +5,7 @@ mod page;
 mod scope;
 
 use emulated_board::pilot::{MIDDLE_US, THROTTLE, YAW};
+use emulated_board::time::Ticks;
 use emulated_board::{Flight, MILLISECOND, Transmitter};
 use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
 use page::Row;
@@ -62,10 +63,10 @@ fn power_on(flight: &mut Flight) -> Vec<Row> {
     let disarmed = format!("{} us every {:.2} ms, all four rise together", pulses.width_us(), pulses.period_ms());
     let telem1 = format!("the first HEARTBEAT {} s after the image has started, then one a second", tenths(heard_ms));
     vec![
-        Row::new("Power on", AUX, first),
-        Row::new("Wait, disarmed", AUX, disarmed),
-        Row::new("The same", "MAIN 1 to 8", "nothing, or 1000 us".to_owned()),
-        Row::new("The same", "TELEM1, pin 2", telem1),
+        Row::new(0, "Power on", AUX, first),
+        Row::new(now, "Wait, disarmed", AUX, disarmed),
+        Row::new(now, "The same", "MAIN 1 to 8", "nothing, or 1000 us".to_owned()),
+        Row::new(now, "The same", "TELEM1, pin 2", telem1),
     ]
 }
 
@@ -93,6 +94,7 @@ fn motor_tests(flight: &mut Flight) -> Vec<Row> {
         let (aux, width_us, lasts_ms) = live[0];
         assert_eq!(aux, usize::from(motor), "motor and output");
         rows.push(Row::new(
+            from,
             format!("Motor test {motor}, 10 %, 1 s"),
             AUX,
             format!("AUX {aux}: {width_us} us for {} s; the others stay at 1000 us", tenths(lasts_ms)),
@@ -109,16 +111,17 @@ fn armed(flight: &mut Flight) -> Vec<Row> {
     flight.set_stick(YAW, MIDDLE_US);
     let scope = Scope::of(flight);
     let first = scope.between(from, flight.machine.now()).first_live().expect("armed motors turn");
-    let idle = mean(flight);
+    let (idle, idle_at) = (mean(flight), flight.machine.now());
     flight.set_stick(THROTTLE, THROTTLE_US);
     let raised = mean(flight);
     vec![
         Row::new(
+            idle_at,
             "Throttle low, yaw right: arm",
             AUX,
             format!("after {} s {} us on all four", tenths(first.since_ms(from)), one(idle)),
         ),
-        Row::new("Level, throttle to 30 %", AUX, format!("{} us", four(raised))),
+        Row::new(flight.machine.now(), "Level, throttle to 30 %", AUX, format!("{} us", four(raised))),
     ]
 }
 
@@ -137,7 +140,8 @@ fn tilts(flight: &mut Flight) -> Vec<Row> {
         flight.vehicle.borrow_mut().turn_by_hand(to_rad);
         flight.run_for(700 * MILLISECOND);
         flight.set_stick(THROTTLE, THROTTLE_US);
-        rows.push(longer_row(doing, mean(flight), longer));
+        let seen = mean(flight);
+        rows.push(longer_row(flight.machine.now(), doing, seen, longer));
     }
     low(flight);
     flight.vehicle.borrow_mut().turn_by_hand([0.0; 2]);
@@ -145,7 +149,8 @@ fn tilts(flight: &mut Flight) -> Vec<Row> {
     flight.set_stick(YAW, 1627);
     flight.set_stick(THROTTLE, THROTTLE_US);
     // motors 1 and 2 turn counter-clockwise and push the frame clockwise
-    rows.push(longer_row("Level, yaw stick a quarter to the right; throttle to 30 %", mean(flight), [1, 2]));
+    let (doing, seen) = ("Level, yaw stick a quarter to the right; throttle to 30 %", mean(flight));
+    rows.push(longer_row(flight.machine.now(), doing, seen, [1, 2]));
     flight.set_stick(YAW, MIDDLE_US);
     rows
 }
@@ -156,12 +161,12 @@ fn low(flight: &mut Flight) {
     flight.run_for(1500 * MILLISECOND);
 }
 
-fn longer_row(doing: &str, widths_us: [f64; 4], longer: [usize; 2]) -> Row {
+fn longer_row(at: Ticks, doing: &str, widths_us: [f64; 4], longer: [usize; 2]) -> Row {
     let middle = widths_us.iter().sum::<f64>() / 4.0;
     for aux in 1..=4 {
         assert_eq!(widths_us[aux - 1] > middle, longer.contains(&aux), "{doing}: AUX {aux} of {widths_us:?}");
     }
-    Row::new(doing, AUX, format!("AUX {} and {} longer: {} us", longer[0], longer[1], four(widths_us)))
+    Row::new(at, doing, AUX, format!("AUX {} and {} longer: {} us", longer[0], longer[1], four(widths_us)))
 }
 
 fn ends(flight: &mut Flight) -> Vec<Row> {
@@ -181,7 +186,10 @@ fn ends(flight: &mut Flight) -> Vec<Row> {
     let gap_ms = Scope::of(flight).between(from, flight.machine.now()).longest_gap_ms();
     let restart =
         format!("low for 50 ms and more, high while the bootloader runs, first pulse after {} s", tenths(gap_ms));
-    vec![Row::new("Kill switch", AUX, kill), Row::new("Restart by command", AUX, restart)]
+    vec![
+        Row::new(thrown + 200 * MILLISECOND, "Kill switch", AUX, kill),
+        Row::new(from + 500 * MILLISECOND, "Restart by command", AUX, restart),
+    ]
 }
 
 /// Mean pulses of AUX 1 to 4 over the next 0.2 s, us.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use emulated_board::time::{TICKS_PER_US, seconds};
+use emulated_board::time::{TICKS_PER_US, Ticks, seconds};
 
 use crate::scope::Scope;
 
@@ -14,14 +14,16 @@ const END: &str = "<!-- end -->\n";
 
 /// A step, what to look at, what is there; the reader's own column stays empty.
 pub struct Row {
+    /// When it is seen.
+    at: Ticks,
     doing: String,
     probe: &'static str,
     shows: String,
 }
 
 impl Row {
-    pub fn new(doing: impl Into<String>, probe: &'static str, shows: String) -> Self {
-        Self { doing: doing.into(), probe, shows }
+    pub fn new(at: Ticks, doing: impl Into<String>, probe: &'static str, shows: String) -> Self {
+        Self { at, doing: doing.into(), probe, shows }
     }
 }
 
@@ -31,7 +33,7 @@ fn docs(name: &str) -> PathBuf {
 
 fn table(rows: &[Row]) -> String {
     let mut text = "| | do | look at | it shows | seen |\n|---|---|---|---|---|\n".to_owned();
-    for (number, Row { doing, probe, shows }) in (1..).zip(rows) {
+    for (number, Row { doing, probe, shows, .. }) in (1..).zip(rows) {
         let _ = writeln!(text, "| {number} | {doing} | {probe} | {shows} | |");
     }
     text
@@ -52,7 +54,7 @@ pub fn renew(rows: &[Row], scope: &Scope) {
     let page = std::fs::read_to_string(docs("bring-up.md")).unwrap();
     let [before, _, after] = parts(&page).expect("a place for the table");
     std::fs::write(docs("bring-up.md"), format!("{before}{BEGIN}{}{END}{after}", table(rows))).unwrap();
-    std::fs::write(docs("bring-up.svg"), picture(scope)).unwrap();
+    std::fs::write(docs("bring-up.svg"), picture(rows, scope)).unwrap();
 }
 
 /// Compares the table with the page's.
@@ -72,18 +74,18 @@ const US_PER_BAND: f64 = 500.0;
 const BIN_S: f64 = 0.05;
 const COLOURS: [&str; 4] = ["#1b6ca8", "#c8553d", "#3f8f4f", "#7b4fa3"];
 
-/// Pulse width over time on AUX 1 to 4, one band each.
-fn picture(scope: &Scope) -> String {
+/// Pulse width over time on AUX 1 to 4, one band each, the table's numbers above.
+fn picture(rows: &[Row], scope: &Scope) -> String {
     let end_s = scope.pulses.iter().map(|pulse| seconds(pulse.rise)).fold(0.0, f64::max).ceil();
     let x = |time_s: f64| LEFT + WIDTH * time_s / end_s;
-    let height = 4.0 * BAND + 50.0;
+    let height = 4.0 * BAND + 70.0;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" font-family=\"sans-serif\" \
          font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
         LEFT + WIDTH + 20.0
     );
     for (aux, colour) in (1..=4).zip(COLOURS) {
-        let floor = BAND * aux as f64;
+        let floor = 20.0 + BAND * aux as f64;
         let y = |width_us: f64| floor - (BAND - 20.0) * (width_us - 1000.0) / US_PER_BAND;
         let _ = write!(svg, "<text x=\"4\" y=\"{:.0}\">AUX {aux}</text>", floor - 40.0);
         for width_us in [1000.0, 1250.0, 1500.0] {
@@ -101,11 +103,27 @@ fn picture(scope: &Scope) -> String {
             let _ = writeln!(svg, "<polyline fill=\"none\" stroke=\"{colour}\" points=\"{}\"/>", points.join(" "));
         }
     }
+    let mut labelled = None;
+    for (number, Row { at, .. }) in (1..).zip(rows) {
+        if labelled.replace(*at) != Some(*at) {
+            let at = x(seconds(*at));
+            let _ =
+                write!(svg, "<text x=\"{at:.1}\" y=\"14\" text-anchor=\"middle\" font-weight=\"bold\">{number}</text>");
+            let _ = writeln!(
+                svg,
+                "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"18\" y2=\"{:.0}\" stroke=\"#eee\"/>",
+                height - 40.0
+            );
+        }
+    }
     for second in (0..=end_s as u32).step_by(2) {
         let _ = write!(svg, "<text x=\"{:.0}\" y=\"{:.0}\">{second}</text>", x(f64::from(second)), height - 20.0);
     }
-    let _ =
-        writeln!(svg, "<text x=\"{LEFT}\" y=\"{}\">width of the pulses, us, over time, s</text></svg>", height - 4.0);
+    let _ = writeln!(
+        svg,
+        "<text x=\"{LEFT}\" y=\"{}\">width of the pulses, us, over time, s; above: step of the table</text></svg>",
+        height - 4.0
+    );
     svg
 }
 
