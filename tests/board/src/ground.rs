@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use mavlink::dialects::common::{COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavType};
+use mavlink::dialects::common::{
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavResult, MavType,
+};
 use mavlink::{MavlinkVersion, Message, MessageData};
 use shared_control::link::frame::{FrameFinder, FrameWriter};
 
@@ -15,13 +17,21 @@ pub struct Ground {
     finder: FrameFinder,
     texts: Vec<(Ticks, String)>,
     parameters: BTreeMap<String, f32>,
+    results: Vec<(MavCmd, MavResult)>,
     heartbeats: u32,
 }
 
 impl Default for Ground {
     fn default() -> Self {
-        let (texts, parameters) = (Vec::new(), BTreeMap::new());
-        Self { writer: FrameWriter::new(255, 190), finder: FrameFinder::default(), texts, parameters, heartbeats: 0 }
+        let (texts, parameters, results) = (Vec::new(), BTreeMap::new(), Vec::new());
+        Self {
+            writer: FrameWriter::new(255, 190),
+            finder: FrameFinder::default(),
+            texts,
+            parameters,
+            results,
+            heartbeats: 0,
+        }
     }
 }
 
@@ -65,6 +75,7 @@ impl Ground {
                 Ok(MavMessage::PARAM_VALUE(value)) => {
                     self.parameters.insert(value.param_id.to_str().unwrap_or_default().to_owned(), value.param_value);
                 }
+                Ok(MavMessage::COMMAND_ACK(answer)) => self.results.push((answer.command, answer.result)),
                 Ok(MavMessage::HEARTBEAT(_)) => self.heartbeats += 1,
                 _ => {}
             }
@@ -74,6 +85,11 @@ impl Ground {
     /// Texts so far, with the time at which they had arrived.
     pub fn texts(&self) -> &[(Ticks, String)] {
         &self.texts
+    }
+
+    /// What came of each command that the board has answered so far.
+    pub fn results(&self) -> &[(MavCmd, MavResult)] {
+        &self.results
     }
 
     /// What the board said last of a parameter.
