@@ -51,7 +51,7 @@ fn power_on(flight: &mut Flight) -> Vec<Row> {
     let heartbeats = flight.ground.heartbeats();
     assert!((4..=5).contains(&heartbeats), "{heartbeats}");
     let scope = Scope::of(flight);
-    let now = flight.machine.now();
+    let (now, at) = (flight.machine.now(), flight.machine.now() / 2);
     let early = scope.from_power_on();
     let pulses = scope.between(now - 200 * MILLISECOND, now);
     assert!(early.high_ms < 1.0 && pulses.all_are(1000) && scope.apart_us() < 1.0, "{early:?} {pulses:?}");
@@ -64,9 +64,9 @@ fn power_on(flight: &mut Flight) -> Vec<Row> {
     let telem1 = format!("the first HEARTBEAT {} s after the image has started, then one a second", tenths(heard_ms));
     vec![
         Row::new(0, "Power on", AUX, first),
-        Row::new(now, "Wait, disarmed", AUX, disarmed),
-        Row::new(now, "The same", "MAIN 1 to 8", "nothing, or 1000 us".to_owned()),
-        Row::new(now, "The same", "TELEM1, pin 2", telem1),
+        Row::new(at, "Wait, disarmed", AUX, disarmed),
+        Row::new(at, "The same", "MAIN 1 to 8", "nothing, or 1000 us".to_owned()),
+        Row::new(at, "The same", "TELEM1, pin 2", telem1),
     ]
 }
 
@@ -94,7 +94,7 @@ fn motor_tests(flight: &mut Flight) -> Vec<Row> {
         let (aux, width_us, lasts_ms) = live[0];
         assert_eq!(aux, usize::from(motor), "motor and output");
         rows.push(Row::new(
-            from,
+            from + 500 * MILLISECOND,
             format!("Motor test {motor}, 10 %, 1 s"),
             AUX,
             format!("AUX {aux}: {width_us} us for {} s; the others stay at 1000 us", tenths(lasts_ms)),
@@ -116,7 +116,7 @@ fn armed(flight: &mut Flight) -> Vec<Row> {
     let raised = mean(flight);
     vec![
         Row::new(
-            idle_at,
+            idle_at - 700 * MILLISECOND,
             "Throttle low, yaw right: arm",
             AUX,
             format!("after {} s {} us on all four", tenths(first.since_ms(from)), one(idle)),
@@ -187,7 +187,7 @@ fn ends(flight: &mut Flight) -> Vec<Row> {
     let restart =
         format!("low for 50 ms and more, high while the bootloader runs, first pulse after {} s", tenths(gap_ms));
     vec![
-        Row::new(thrown + 200 * MILLISECOND, "Kill switch", AUX, kill),
+        Row::new(thrown + 400 * MILLISECOND, "Kill switch", AUX, kill),
         Row::new(from + 500 * MILLISECOND, "Restart by command", AUX, restart),
     ]
 }

@@ -84,6 +84,19 @@ fn picture(rows: &[Row], scope: &Scope) -> String {
          font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
         LEFT + WIDTH + 20.0
     );
+    let mut labelled = None;
+    for (number, Row { at, .. }) in (1..).zip(rows) {
+        if labelled.replace(*at) != Some(*at) {
+            let at = x(seconds(*at));
+            let _ =
+                write!(svg, "<text x=\"{at:.1}\" y=\"14\" text-anchor=\"middle\" font-weight=\"bold\">{number}</text>");
+            let _ = writeln!(
+                svg,
+                "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"18\" y2=\"{:.0}\" stroke=\"#eee\"/>",
+                height - 40.0
+            );
+        }
+    }
     for (aux, colour) in (1..=4).zip(COLOURS) {
         let floor = 20.0 + BAND * aux as f64;
         let y = |width_us: f64| floor - (BAND - 20.0) * (width_us - 1000.0) / US_PER_BAND;
@@ -101,19 +114,6 @@ fn picture(rows: &[Row], scope: &Scope) -> String {
         for line in traces(scope, aux) {
             let points: Vec<_> = line.iter().map(|(s, us)| format!("{:.1},{:.1}", x(*s), y(*us))).collect();
             let _ = writeln!(svg, "<polyline fill=\"none\" stroke=\"{colour}\" points=\"{}\"/>", points.join(" "));
-        }
-    }
-    let mut labelled = None;
-    for (number, Row { at, .. }) in (1..).zip(rows) {
-        if labelled.replace(*at) != Some(*at) {
-            let at = x(seconds(*at));
-            let _ =
-                write!(svg, "<text x=\"{at:.1}\" y=\"14\" text-anchor=\"middle\" font-weight=\"bold\">{number}</text>");
-            let _ = writeln!(
-                svg,
-                "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"18\" y2=\"{:.0}\" stroke=\"#eee\"/>",
-                height - 40.0
-            );
         }
     }
     for second in (0..=end_s as u32).step_by(2) {
