@@ -116,7 +116,10 @@ pub fn core_config(
     imu_rate_hz: u32,
     controller: Controller,
 ) -> Result<Config, config::ConfigError> {
-    Config::new(&vehicle_parameters(model), tuning, control_rate_hz as f32, imu_rate_hz as f32, controller)
+    let vehicle = vehicle_parameters(model);
+    let mut config = Config::new(&vehicle, tuning, control_rate_hz as f32, imu_rate_hz as f32, controller)?;
+    config.sensing.estimator.levelling.rotor_drag_1_s = model.known_rotor_drag_1_s as f32;
+    Ok(config)
 }
 
 /// The MPC's problem for a model.

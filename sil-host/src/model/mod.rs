@@ -34,6 +34,9 @@ pub struct VehicleModel {
     pub inertia_kg_m2: [f64; 3],
     /// What holds the body, or nothing.
     pub mounting: Mounting,
+    /// What is known of the force by which the rotors of a free vehicle brake it, over airspeed and mass, 1/s: what
+    /// its core levels itself by. What truly brakes the simulated one is the effect [`RotorDrag`].
+    pub known_rotor_drag_1_s: f64,
     /// From command to lift.
     pub propulsion: Propulsion,
     /// What the sensors add to the truth.
@@ -68,6 +71,10 @@ impl SensorNoise {
 }
 
 impl VehicleModel {
+    /// Rotor drag of a model file that says nothing of it, 1/s: the middle of what Faessler, Franchi and Scaramuzza
+    /// (RA-L 3(2), 2018) identified, and of a rig, whose core does not use it.
+    pub const USUAL_ROTOR_DRAG_1_S: f64 = 0.45;
+
     /// Reads a model file.
     ///
     /// # Errors

@@ -30,7 +30,7 @@ impl VehicleModel {
         let gravity_m_s2 = root.number("gravity_m_s2", gravity)?;
         let arm_m = root.number("arm_m", arm)?;
         let base_command = root.number("base_command", base)?;
-        let (inertia_kg_m2, mounting) = read_body(root, rig)?;
+        let (inertia_kg_m2, mounting, known_rotor_drag_1_s) = read_body(root, rig)?;
         let noise = read_noise(&root.section("noise")?)?;
         let effects = root
             .sections("effect")?
@@ -45,6 +45,7 @@ impl VehicleModel {
             base_command,
             inertia_kg_m2,
             mounting,
+            known_rotor_drag_1_s,
             propulsion,
             noise,
             effects,
@@ -52,11 +53,12 @@ impl VehicleModel {
     }
 }
 
-fn read_body(root: &Section<'_>, rig: Rig) -> Result<([f64; 3], Mounting), ModelError> {
+fn read_body(root: &Section<'_>, rig: Rig) -> Result<([f64; 3], Mounting, f64), ModelError> {
     let inertia = admissible(1e-7, 10.0, "a moment of inertia in kg m^2");
     let body = root.section("body")?;
     let inertia_kg_m2 =
         [body.number("ixx_kg_m2", inertia)?, body.number("iyy_kg_m2", inertia)?, body.number("izz_kg_m2", inertia)?];
+    let mut known_rotor_drag_1_s = VehicleModel::USUAL_ROTOR_DRAG_1_S;
     let mounting = match rig {
         Rig::Gimbal => {
             let ring = root.section("ring")?;
@@ -65,11 +67,15 @@ fn read_body(root: &Section<'_>, rig: Rig) -> Result<([f64; 3], Mounting), Model
             ring.finish()?;
             Mounting::Gimbal { ring_inertia_kg_m2 }
         }
-        Rig::Free => Mounting::Free { mass_kg: body.number("mass_kg", admissible(0.005, 50.0, "the mass in kg"))? },
+        Rig::Free => {
+            let drag = admissible(0.01, 2.0, "the rotors' drag over airspeed and mass as the core knows it in 1/s");
+            known_rotor_drag_1_s = body.number_or("known_rotor_drag_1_s", drag, known_rotor_drag_1_s)?;
+            Mounting::Free { mass_kg: body.number("mass_kg", admissible(0.005, 50.0, "the mass in kg"))? }
+        }
     };
     body.finish()?;
     check_triangle(&body, inertia_kg_m2)?;
-    Ok((inertia_kg_m2, mounting))
+    Ok((inertia_kg_m2, mounting, known_rotor_drag_1_s))
 }
 
 /// Each principal moment is a sum of two of three non-negative integrals, so none exceeds the other two together.

@@ -20,7 +20,12 @@ impl VehicleModel {
         text.number("iyy_kg_m2", iyy);
         text.number("izz_kg_m2", izz);
         match self.mounting {
-            Mounting::Free { mass_kg } => text.number("mass_kg", mass_kg),
+            Mounting::Free { mass_kg } => {
+                text.number("mass_kg", mass_kg);
+                if self.known_rotor_drag_1_s != Self::USUAL_ROTOR_DRAG_1_S {
+                    text.number("known_rotor_drag_1_s", self.known_rotor_drag_1_s);
+                }
+            }
             Mounting::Gimbal { ring_inertia_kg_m2 } => {
                 text.header("[ring]");
                 text.number("inertia_kg_m2", ring_inertia_kg_m2);

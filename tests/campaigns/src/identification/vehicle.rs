@@ -75,6 +75,7 @@ impl Drawn {
             base_command,
             inertia_kg_m2: [ixx, iyy, izz],
             mounting: Mounting::Free { mass_kg },
+            known_rotor_drag_1_s: VehicleModel::USUAL_ROTOR_DRAG_1_S,
             propulsion: Propulsion::Generic(rotor),
             noise: SensorNoise {
                 gyro_rad_s: 0.01,
