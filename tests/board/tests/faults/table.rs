@@ -22,8 +22,8 @@ const HEAD: &str = "\
 # Faults in flight, and what came of each
 
 The firmware's own image flies the test sequence on the emulated board, or by the radio's sticks where the row says so.
-Half a second into it, right after a step of the loop, a fault is injected. The table shows what the motor outputs then
-do and what the vehicle reports to the ground.
+Half a second into it, right after a step of the loop, a fault is injected; in free flight two metres up, in hover. The
+table shows what the motor outputs then do and what the vehicle reports to the ground.
 `cargo xtask board-test` injects them all again, fails where a promise is broken, and compares this table;
 `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes it.
 
