@@ -52,7 +52,7 @@ fn power_on(flight: &mut Flight) -> Vec<Row> {
     assert!((4..=5).contains(&heartbeats), "{heartbeats}");
     let scope = Scope::of(flight);
     let (now, at) = (flight.machine.now(), flight.machine.now() / 2);
-    let early = scope.from_power_on();
+    let early = scope.since_power_on();
     let pulses = scope.between(now - 200 * MILLISECOND, now);
     assert!(early.high_ms < 1.0 && pulses.all_are(1000) && scope.apart_us() < 1.0, "{early:?} {pulses:?}");
     assert!(flight.machine.main_outputs_us().iter().all(|pulse_us| [0, 1000].contains(pulse_us)));

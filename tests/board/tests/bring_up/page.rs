@@ -102,10 +102,10 @@ fn picture(rows: &[Row], scope: &Scope) -> String {
         let y = |width_us: f64| floor - (BAND - 20.0) * (width_us - 1000.0) / US_PER_BAND;
         let _ = write!(svg, "<text x=\"4\" y=\"{:.0}\">AUX {aux}</text>", floor - 40.0);
         for width_us in [1000.0, 1250.0, 1500.0] {
-            let _ = write!(
+            let _ = writeln!(
                 svg,
                 "<line x1=\"{LEFT}\" x2=\"{}\" y1=\"{y1:.1}\" y2=\"{y1:.1}\" stroke=\"#ddd\"/>\
-                 <text x=\"{LEFT}\" y=\"{:.1}\" font-size=\"9\" fill=\"#777\">{width_us}</text>\n",
+                 <text x=\"{LEFT}\" y=\"{:.1}\" font-size=\"9\" fill=\"#777\">{width_us}</text>",
                 LEFT + WIDTH,
                 y(width_us) - 2.0,
                 y1 = y(width_us),

@@ -56,7 +56,7 @@ impl Scope {
         Self { pulses: within.copied().collect() }
     }
 
-    pub fn from_power_on(&self) -> Early {
+    pub fn since_power_on(&self) -> Early {
         let ms = |ticks: Ticks| ticks as f64 / MILLISECOND as f64;
         let first = self.pulses.iter().find(|pulse| (pulse.width_us() - 1000.0).abs() < 1.0).expect("a pulse");
         let before = self.pulses.iter().filter(|pulse| pulse.rise < first.rise && pulse.aux == first.aux);
