@@ -6,7 +6,7 @@ use crate::mixer::MixResult;
 use crate::sensing::imu_health::ImuHealth;
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{AttitudeEstimate, PlanReport, PlanStatus, Wrench};
-use crate::supervisor::Arming;
+use crate::supervisor::{Arming, Refusal};
 use crate::supervisor::battery_watch::BatteryStage;
 
 /// Who made the torque of a step.
@@ -62,6 +62,10 @@ pub struct StepOutput {
     pub source: TorqueSource,
     /// May the motors turn?
     pub arming: Arming,
+    /// What stands against arming now, if anything does.
+    pub arming_refusal: Option<Refusal>,
+    /// Has it taken off, and not landed since?
+    pub airborne: bool,
     /// How the battery is.
     pub battery: BatteryStage,
     /// The IMU in use.

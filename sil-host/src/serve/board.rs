@@ -20,6 +20,8 @@ use crate::planner::Planner;
 const ORDERS_MAX: usize = 16;
 /// The firmware's buffer for one transfer.
 const SEND_BYTES: usize = 280;
+/// Of a network, which carries far more: what a board's fastest line does, 921,600 baud.
+const LINE_BYTES_S: u32 = 92_160;
 /// Housekeepings from a restart's acknowledgement to the restart, as in the firmware: 0.1 s.
 const RESTART_AFTER: u8 = 10;
 
@@ -181,7 +183,8 @@ impl SimulatedBoard {
             // told to the ground, and of no effect on the flight
             self.plan = Some(Plan { duration_us: begin.elapsed().as_micros() as u32, ..plan });
         }
-        self.status = VehicleStatus::new(&self.setup.config, &self.input, &output);
+        let mode = self.commander.mode();
+        self.status = VehicleStatus { mode, ..VehicleStatus::new(&self.setup.config, &self.input, &output) };
         self.input.imu.clear();
         Driven { commands: output.mix.commands.0.map(f64::from), turning: output.arming.motors_turn() }
     }
@@ -230,6 +233,7 @@ impl SimulatedBoard {
             Chore::StoreConfiguration => self.telemetry.store_configuration(keep),
             Chore::Parameters(request) => self.telemetry.serve_parameters(&request, keep),
             Chore::CalibrateLevel => self.telemetry.calibrate_level(&self.status, keep),
+            Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
             Chore::Restart => self.restart_in = Some(RESTART_AFTER),
         }
     }
@@ -250,6 +254,7 @@ fn link_settings(params: &Params) -> LinkSettings {
         hover_throttle: f32::from(params.hover_throttle_permille) / 1000.0,
         has_test_sequence: params.rig == Rig::Gimbal,
         curves: StickCurves::new(&params.pilot),
+        line_bytes_s: LINE_BYTES_S,
         ..LinkSettings::NOMINAL
     }
 }
