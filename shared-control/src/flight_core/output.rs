@@ -6,8 +6,8 @@ use crate::mixer::MixResult;
 use crate::sensing::imu_health::ImuHealth;
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{AttitudeEstimate, PlanReport, PlanStatus, Wrench};
-use crate::supervisor::{Arming, Refusal};
 use crate::supervisor::battery_watch::BatteryStage;
+use crate::supervisor::{Arming, Refusal};
 
 /// Who made the torque of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

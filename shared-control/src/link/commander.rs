@@ -167,9 +167,11 @@ impl Commander {
                 (None, None)
             }
             Order::ChooseMode(mode) => (Some(self.choose(mode, time_us)), None),
-            Order::Stop => {
+            Order::Stop(command) => {
                 self.waiting.clear();
-                (self.request(ArmingRequest::Kill), None)
+                // there is room now, and it is always obeyed
+                let _ = self.waiting.push_back((ArmingRequest::Kill, Asker::Ground));
+                (Some(Answer::Accepted(command)), None)
             }
             Order::Arm => (self.request(ArmingRequest::Arm), None),
             Order::Disarm => {
@@ -257,8 +259,8 @@ impl Commander {
         }
         let command = command_of(&asked);
         match (asked, arming) {
-            (ArmingRequest::None | ArmingRequest::DisarmLanded, _) => None,
-            (ArmingRequest::Disarm | ArmingRequest::Kill, _)
+            (ArmingRequest::None | ArmingRequest::Kill | ArmingRequest::DisarmLanded, _) => None,
+            (ArmingRequest::Disarm, _)
             | (ArmingRequest::Arm, Arming::Armed)
             | (ArmingRequest::MotorTest(_), Arming::MotorTest { .. })
             | (ArmingRequest::CalibrateEscs, Arming::EscCalibration { .. }) => Some(Answer::Accepted(command)),

@@ -63,7 +63,11 @@ impl Inquiries {
                 const COMMAND: MavCmd = MavCmd::MAV_CMD_GET_MESSAGE_INTERVAL;
                 // the answer has 16 bits for it
                 let known = message_id <= u32::from(u16::MAX);
-                Some(if known { self.push(&[Single::Interval(message_id)], COMMAND) } else { Answer::Senseless(COMMAND) })
+                Some(if known {
+                    self.push(&[Single::Interval(message_id)], COMMAND)
+                } else {
+                    Answer::Senseless(COMMAND)
+                })
             }
             // no commands: whoever gets no answer repeats the question
             Inquiry::PlanLength { kind, asker } => {

@@ -1,8 +1,8 @@
 //! A status and an answer as MAVLink messages.
 
 use mavlink::dialects::common::{
-    ATTITUDE_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState,
-    MavSysStatusSensor, MavType, RC_CHANNELS_DATA, SERVO_OUTPUT_RAW_DATA, SYS_STATUS_DATA,
+    ATTITUDE_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState, MavSysStatusSensor,
+    MavType, RC_CHANNELS_DATA, SERVO_OUTPUT_RAW_DATA, SYS_STATUS_DATA,
 };
 
 use super::mode::Mode;

@@ -19,8 +19,8 @@ pub enum Order {
     Arm,
     /// Disarm.
     Disarm,
-    /// Stop the motors at once, wherever the vehicle is.
-    Stop,
+    /// Stop the motors at once, wherever the vehicle is; as which command it came.
+    Stop(MavCmd),
     /// Fly this, in the mode for it; not by sticks but by a companion computer.
     FlyOffboard(Setpoint),
     /// Fly in another mode.

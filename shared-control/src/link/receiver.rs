@@ -166,7 +166,9 @@ fn order_of(data: &COMMAND_LONG_DATA) -> Order {
     let wrong = Order::Senseless(data.command);
     match data.command {
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM if data.param1 == 1.0 => Order::Arm,
-        MavCmd::MAV_CMD_COMPONENT_ARM_DISARM if data.param1 == 0.0 && data.param2 == BY_FORCE => Order::Stop,
+        MavCmd::MAV_CMD_COMPONENT_ARM_DISARM if data.param1 == 0.0 && data.param2 == BY_FORCE => {
+            Order::Stop(data.command)
+        }
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM if data.param1 == 0.0 => Order::Disarm,
         MavCmd::MAV_CMD_COMPONENT_ARM_DISARM => wrong,
         MavCmd::MAV_CMD_MISSION_START => Order::StartTestSequence,
@@ -179,7 +181,7 @@ fn order_of(data: &COMMAND_LONG_DATA) -> Order {
         MavCmd::MAV_CMD_USER_1 => Order::FaultRecordRead,
         MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN if data.param1 == 1.0 => Order::Restart,
         MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN => wrong,
-        MavCmd::MAV_CMD_DO_FLIGHTTERMINATION if data.param1 == 1.0 => Order::Stop,
+        MavCmd::MAV_CMD_DO_FLIGHTTERMINATION if data.param1 == 1.0 => Order::Stop(data.command),
         MavCmd::MAV_CMD_DO_FLIGHTTERMINATION => wrong,
         MavCmd::MAV_CMD_DO_SET_MODE => Mode::of_number(data.param2).map_or(wrong, Order::ChooseMode),
         MavCmd::MAV_CMD_REQUEST_MESSAGE

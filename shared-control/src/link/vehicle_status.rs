@@ -9,8 +9,8 @@ use crate::io_chip::IoReport;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, Setpoint, StepInput};
-use crate::supervisor::{Arming, Refusal};
 use crate::supervisor::battery_watch::BatteryStage;
+use crate::supervisor::{Arming, Refusal};
 
 /// All that telemetry reports.
 #[derive(Clone, Copy, Debug, PartialEq)]

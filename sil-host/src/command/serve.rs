@@ -77,6 +77,9 @@ struct Place(Option<SocketAddr>);
 /// Longest that nothing is looked at.
 const NAP: Duration = Duration::from_millis(1);
 
+/// Simulated time between two looks at what has arrived, µs: a step of the loop at 400 Hz.
+const RECEIVE_US: u64 = 2_500;
+
 /// What came and went, as `sil serve --json` writes it (docs/commands.md).
 #[derive(Serialize)]
 struct ServeFigures {
@@ -144,7 +147,9 @@ fn serve(arguments: &ServeArguments, vehicle: &mut ServedVehicle, sockets: &mut 
     while vehicle.simulated_us() < end_us {
         let due = pace.take_due(Instant::now(), TICK_US);
         for _ in 0..due {
-            sockets.receive(|order| vehicle.board().order(order));
+            if vehicle.simulated_us().is_multiple_of(RECEIVE_US) {
+                sockets.receive(|order| vehicle.board().order(order));
+            }
             vehicle.advance().map_err(failed)?;
             sockets.send(&vehicle.board().take_sent());
         }
@@ -157,10 +162,7 @@ fn serve(arguments: &ServeArguments, vehicle: &mut ServedVehicle, sockets: &mut 
 }
 
 /// The board's parameters, and where they are kept.
-fn parameters(
-    arguments: &ServeArguments,
-    known: &VehicleModel,
-) -> Result<(Params, Box<dyn ParameterStore>), Failure> {
+fn parameters(arguments: &ServeArguments, known: &VehicleModel) -> Result<(Params, Box<dyn ParameterStore>), Failure> {
     let defaults = defaults(arguments, known)?;
     let found = match &arguments.params {
         Some(path) => parameter_file::read(path, &defaults).map_err(bad_input)?,
@@ -205,10 +207,8 @@ fn introduction(arguments: &ServeArguments, known: &VehicleModel, params: &Param
         Controller::Cascade => "PID cascade",
         Controller::Mpc => "MPC",
     };
-    let mut text = format!(
-        "{}, {} at {} Hz, {} times real time\n",
-        known.name, controller, params.loop_rate_hz, arguments.speed
-    );
+    let mut text =
+        format!("{}, {} at {} Hz, {} times real time\n", known.name, controller, params.loop_rate_hz, arguments.speed);
     let board_rig = if params.rig == Rig::Free { "free" } else { "gimbal" };
     if known.rig().name() != board_rig {
         text.push_str(&format!(

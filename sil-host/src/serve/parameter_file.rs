@@ -80,10 +80,8 @@ fn with_line(params: &Params, line: &str) -> Result<Params, String> {
 
 /// All parameters as the text of a file.
 pub fn text(name: &str, params: &Params) -> String {
-    let values: Vec<_> = Field::ALL
-        .into_iter()
-        .map(|field| (field.row().name, field.row().allowed.number(params.get(field))))
-        .collect();
+    let values: Vec<_> =
+        Field::ALL.into_iter().map(|field| (field.row().name, field.row().allowed.number(params.get(field)))).collect();
     params_file(name, &values)
 }
 

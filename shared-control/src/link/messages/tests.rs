@@ -173,7 +173,8 @@ fn sensors_show_what_is_there_and_what_works() {
     let first = Sensors::MAV_SYS_STATUS_SENSOR_3D_GYRO | Sensors::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
     let second = Sensors::MAV_SYS_STATUS_SENSOR_3D_GYRO2 | Sensors::MAV_SYS_STATUS_SENSOR_3D_ACCEL2;
     let [attitude, battery] = [Sensors::MAV_SYS_STATUS_AHRS, Sensors::MAV_SYS_STATUS_SENSOR_BATTERY];
-    let all = control | first | attitude | battery;
+    let prearm = Sensors::MAV_SYS_STATUS_PREARM_CHECK;
+    let all = control | first | attitude | battery | prearm;
     let bad = ImuHealth::Bad(ImuFault::Stuck);
     let healthy = status(ARMED);
     let invalid = AttitudeEstimate { valid: false, ..healthy.estimate };
@@ -187,6 +188,13 @@ fn sensors_show_what_is_there_and_what_works() {
         (VehicleStatus { battery_low: true, ..healthy }, all, all - battery),
         (VehicleStatus { battery_v: None, ..healthy }, all - battery, all - battery),
         (VehicleStatus { estimate: invalid, ..healthy }, all, all - attitude),
+        // what stands against arming counts while disarmed
+        (VehicleStatus { arming_refusal: Some(Refusal::LinkLost), ..healthy }, all, all),
+        (
+            VehicleStatus { arming_refusal: Some(Refusal::LinkLost), arming: Arming::default(), ..healthy },
+            all,
+            all - prearm,
+        ),
     ] {
         let sent = sys_status(&status);
         assert_eq!(sent.onboard_control_sensors_present, present, "{status:?}");

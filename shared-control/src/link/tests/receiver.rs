@@ -144,7 +144,7 @@ fn every_order_has_its_message() {
         (command(arm, [1.0, 0.0, 0.0, 0.0]), Order::Arm),
         (command(arm, [0.0, 0.0, 0.0, 0.0]), Order::Disarm),
         (command(arm, [1.0, 21196.0, 0.0, 0.0]), Order::Arm),
-        (command(arm, [0.0, 21196.0, 0.0, 0.0]), Order::Stop),
+        (command(arm, [0.0, 21196.0, 0.0, 0.0]), Order::Stop(arm)),
         (command(arm, [0.0, f32::NAN, f32::NAN, f32::NAN]), Order::Disarm),
         (command(arm, [f32::NAN, 0.0, 0.0, 0.0]), wrong(arm)),
         (command(MavCmd::MAV_CMD_MISSION_START, [0.0; 4]), Order::StartTestSequence),
@@ -162,10 +162,7 @@ fn every_order_has_its_message() {
         (command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, [3.0, 0.0, 0.0, 0.0]), {
             wrong(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN)
         }),
-        (
-            command(MavCmd::MAV_CMD_NAV_TAKEOFF, [0.0; 4]),
-            Order::UnknownCommand(MavCmd::MAV_CMD_NAV_TAKEOFF as u16),
-        ),
+        (command(MavCmd::MAV_CMD_NAV_TAKEOFF, [0.0; 4]), Order::UnknownCommand(MavCmd::MAV_CMD_NAV_TAKEOFF as u16)),
     ];
     for (data, order) in cases {
         assert_eq!(orders_of(&encoded(&data)), [order]);
