@@ -42,7 +42,7 @@ pub struct ServeArguments {
     /// Keep the board's parameters in this file, as ground stations save them; made if it is not there
     #[arg(long, value_name = "P.params")]
     params: Option<PathBuf>,
-    /// Times real time
+    /// How many times as fast as real time
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = speed)]
     speed: f64,
     /// Address or port of the ground station that is sent to, or off

@@ -108,3 +108,6 @@ impl ServedVehicle {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;
