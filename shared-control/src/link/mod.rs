@@ -18,11 +18,14 @@
 //! | `HEARTBEAT` | the ground is there |
 //! | `MANUAL_CONTROL` | set-point: x forward = nose down, y right = right side down, r clockwise, z 0..1000 throttle |
 //! | `SET_ATTITUDE_TARGET` | set-point in offboard: attitude (its heading is not flown) or rates, throttle |
-//! | `COMMAND_LONG`, `COMMAND_INT` `MAV_CMD_COMPONENT_ARM_DISARM` | param1 1 arms, by force (param2) no more than without; 0 disarms, by force (param2 21196) as a kill switch |
+//! | `MISSION_REQUEST_LIST`, `TIMESYNC` | there are no plans; the vehicle's clock |
+//! | `COMMAND_LONG`, `COMMAND_INT`: | one of these: |
+//! | `MAV_CMD_COMPONENT_ARM_DISARM` | param1 1 arms, whatever param2 is; 0 disarms, with param2 21196 as a kill switch |
 //! | `MAV_CMD_DO_FLIGHTTERMINATION` | param1 = 1: as a kill switch |
 //! | `MAV_CMD_DO_SET_MODE` | param2 the mode, see [`mode`] |
-//! | `MAV_CMD_REQUEST_MESSAGE`, `MAV_CMD_SET_MESSAGE_INTERVAL`, `MAV_CMD_GET_MESSAGE_INTERVAL` | see [`streams`] |
-//! | `MISSION_REQUEST_LIST`, `TIMESYNC` | there are no plans; the vehicle's clock |
+//! | `MAV_CMD_REQUEST_MESSAGE` | param1 a message that is sent once |
+//! | `MAV_CMD_SET_MESSAGE_INTERVAL` | param1 a message, param2 how often, µs: see [`streams`] |
+//! | `MAV_CMD_GET_MESSAGE_INTERVAL` | param1 the message |
 //! | `MAV_CMD_MISSION_START` | starts the test sequence; only when armed, on the rig; it ends disarmed |
 //! | `MAV_CMD_DO_MOTOR_TEST` | param1 motor 1..4, param2 must be 0 (percent), param3 percent, param4 seconds |
 //! | `MAV_CMD_PREFLIGHT_CALIBRATION` | param7 = 1, all others 0: teaches the ESCs their range; see [`crate::supervisor`] |

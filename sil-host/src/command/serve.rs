@@ -24,8 +24,8 @@ use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle
 /// the file of --params. Ctrl-C ends it.
 #[derive(Args)]
 #[command(after_help = "Example: sil serve --rig free --params out/f450.params\n\n\
-QGroundControl finds it by itself; MAVProxy: mavproxy.py --master udp:127.0.0.1:14550; pymavlink and others also by\n\
-tcp:127.0.0.1:5760. docs/ground-stations.md says what a ground station sees.")]
+QGroundControl finds it by itself; others listen at udp:127.0.0.1:14550 or connect to\n\
+tcp:127.0.0.1:5760. docs/ground-stations.md says how, and what they see.")]
 pub struct ServeArguments {
     /// Who flies; sets the parameter CONTROLLER [default: as the parameters say, else pid]
     #[arg(long, value_enum)]
@@ -207,8 +207,11 @@ fn introduction(arguments: &ServeArguments, known: &VehicleModel, params: &Param
         Controller::Cascade => "PID cascade",
         Controller::Mpc => "MPC",
     };
-    let mut text =
-        format!("{}, {} at {} Hz, {} times real time\n", known.name, controller, params.loop_rate_hz, arguments.speed);
+    let speed = match arguments.speed {
+        1.0 => "in real time".to_owned(),
+        speed => format!("{speed} times as fast as real time"),
+    };
+    let mut text = format!("{}, {controller} at {} Hz, {speed}\n", known.name, params.loop_rate_hz);
     let board_rig = if params.rig == Rig::Free { "free" } else { "gimbal" };
     if known.rig().name() != board_rig {
         text.push_str(&format!(
