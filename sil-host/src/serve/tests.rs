@@ -5,7 +5,8 @@ use std::rc::Rc;
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavModeFlag, MavType, PARAM_SET_DATA,
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavModeFlag, MavParamType, MavType,
+    PARAM_SET_DATA,
 };
 use shared_control::config::Controller;
 use shared_control::link::Receiver;
@@ -112,12 +113,13 @@ fn a_free_vehicle_takes_off_and_lands() {
     flown.pass(2.0);
     assert!(flown.vehicle.truth().position_ned_m[2] < -0.5 && flown.tilt_deg() < 5.0, "it climbs");
     assert!(flown.vehicle.board().status().airborne);
-    flown.throttle = 500;
-    for _ in 0..100 {
+    // half a metre a second downwards, as a careful hand lands
+    for _ in 0..300 {
+        let truth = flown.vehicle.truth();
+        let miss_m_s = truth.velocity_ned_m_s[2] - 0.5;
+        let on_ground = truth.position_ned_m[2] > -0.005;
+        flown.throttle = if on_ground || flown.throttle == 0 { 0 } else { (540.0 + 100.0 * miss_m_s) as i16 };
         flown.pass(0.1);
-        if flown.vehicle.truth().position_ned_m[2] > -0.02 {
-            flown.throttle = 0;
-        }
     }
     assert!((flown.vehicle.truth().position_ned_m[2] - stands_m).abs() < 0.005 && flown.tilt_deg() < 1.0);
     assert!(!flown.vehicle.board().status().airborne, "it has landed");
@@ -148,7 +150,12 @@ fn a_restart_flies_what_was_stored() {
         let kept = Kept::default();
         let mut flown = Flown::new(VehicleModel::nominal(model::Rig::Gimbal), &Params::DEFAULT, kept.clone());
         flown.pass(1.0);
-        flown.send(&PARAM_SET_DATA { param_value: 1.0, param_id: "CONTROLLER".into(), ..PARAM_SET_DATA::DEFAULT });
+        flown.send(&PARAM_SET_DATA {
+            param_value: 1.0,
+            param_id: "CONTROLLER".into(),
+            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+            ..PARAM_SET_DATA::DEFAULT
+        });
         flown.pass(0.5);
         assert_eq!(kept.0.borrow().map(|params| params.controller), Some(Controller::Mpc));
         assert_eq!(flown.heartbeats().last().map(|beat| beat.custom_mode & 1), Some(0), "not before");
