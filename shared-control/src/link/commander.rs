@@ -15,9 +15,10 @@
 //! once. The ground's commands are obeyed as before, but for the choice of a mode. Its mode switch chooses between
 //! stabilise and acro; the ground's sticks and the test sequence fly angles.
 
+mod who_flies;
+
 use mavlink::dialects::common::MavCmd;
 
-use super::mode::Mode;
 use super::orders_and_answers::{Answer, Chore, Order, ParameterRequest};
 use super::settings::LinkSettings;
 use crate::io_chip::{IoReport, Safety};
@@ -365,62 +366,6 @@ impl Commander {
     fn sticks(&self, setpoint: Setpoint, heard_us: u64, time_us: u64) -> Setpoint {
         let throttle = if self.is_armed() && !self.throttle_counts { 0.0 } else { setpoint.throttle };
         level_if_stale(Setpoint { throttle, ..setpoint }, heard_us, time_us)
-    }
-
-    /// What the set-point means and where it comes from.
-    pub fn mode(&self) -> Mode {
-        match self.source {
-            Source::Offboard => Mode::Offboard,
-            Source::Sticks { setpoint, .. } if setpoint.acro_rad_s.is_some() => Mode::Acro,
-            Source::Nobody | Source::Sticks { .. } | Source::TestSequence { .. } => Mode::Stabilise,
-        }
-    }
-
-    /// Acro is for the radio's switch to choose, and where there is a radio nobody else flies.
-    fn choose(&mut self, mode: Mode, time_us: u64) -> Answer {
-        const COMMAND: MavCmd = MavCmd::MAV_CMD_DO_SET_MODE;
-        let fresh = self.offboard.is_some_and(|(_, heard_us)| time_us.saturating_sub(heard_us) < STICKS_STALE_US);
-        match mode {
-            _ if mode == self.mode() => Answer::Accepted(COMMAND),
-            _ if self.pilot.is_some() => Answer::Refused(COMMAND, Refusal::RadioFlies),
-            Mode::Acro => Answer::Senseless(COMMAND),
-            Mode::Offboard if !fresh => Answer::Refused(COMMAND, Refusal::NoSetpoints),
-            Mode::Offboard => {
-                self.source = Source::Offboard;
-                Answer::Accepted(COMMAND)
-            }
-            Mode::Stabilise => {
-                // what was flown is kept, level, until sticks come
-                let (setpoint, heard_us) = self.offboard.unwrap_or_default();
-                let setpoint = Setpoint { throttle: setpoint.throttle, ..Setpoint::default() };
-                self.throttle_counts |= self.is_armed();
-                self.source = Source::Sticks { setpoint, heard_us };
-                Answer::Accepted(COMMAND)
-            }
-        }
-    }
-
-    fn start_test_sequence(&mut self, time_us: u64) -> Answer {
-        match self.arming {
-            Arming::Armed if !self.settings.has_test_sequence => {
-                Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::FliesFree)
-            }
-            Arming::Armed => {
-                self.source = Source::TestSequence { start_us: time_us, sticks: None };
-                Answer::Accepted(MavCmd::MAV_CMD_MISSION_START)
-            }
-            Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => {
-                Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::NotArmed)
-            }
-            Arming::LinkLost { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::LinkLost),
-            Arming::BatteryLow { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::BatteryLow),
-        }
-    }
-
-    fn end_test_sequence(&mut self) {
-        if let Source::TestSequence { .. } = self.source {
-            self.source = Source::Nobody;
-        }
     }
 }
 
