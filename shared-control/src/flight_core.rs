@@ -83,6 +83,8 @@ impl FlightCore {
             wrench,
             source,
             arming: state.arming,
+            arming_refusal: supervisor::arming_refusal(&config.supervisor, input, &findings),
+            airborne: findings.airborne,
             battery: findings.battery,
             imu_unit: imu.unit,
             imu_health: imu.health,

@@ -187,7 +187,7 @@ fn link_is_lost(input: &StepInput, findings: &Findings) -> bool {
 }
 
 /// The first reason against arming. Comparisons are such that a NaN counts as a reason.
-fn arming_refusal(config: &SupervisorConfig, input: &StepInput, findings: &Findings) -> Option<Refusal> {
+pub fn arming_refusal(config: &SupervisorConfig, input: &StepInput, findings: &Findings) -> Option<Refusal> {
     let throttle_is_zero = input.setpoint.throttle <= IDLE_THROTTLE_MAX;
     let gyro_is_calibrated = findings.gyro_rest_s >= config.gyro_rest_min_s;
     if let Some(refusal) = turning_refusal(input, findings) {

@@ -79,6 +79,7 @@ pub mod prediction;
 pub mod report;
 pub mod scenario;
 pub mod sensors;
+pub mod serve;
 pub mod statistics;
 pub mod synthesis;
 pub mod vehicle;

@@ -5,6 +5,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 
 use crate::board;
+use crate::clients;
 use crate::decoders;
 use crate::firmware::Target;
 use crate::mutants;
@@ -22,13 +23,14 @@ const BUDGET_S: u32 = 35 * 60;
 const CAMPAIGNS_BUDGET_S: u32 = 5 * 60;
 
 /// Quick ones first.
-const STEPS: [Step; 14] = [
+const STEPS: [Step; 15] = [
     ("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
     ("tidy", tidy::run),
     ("clippy", clippy),
     ("test", |workspace| process::run(&mut workspace.cargo("test"))),
     ("the page in a browser", page::test),
     ("other people's decoders", decoders::run),
+    ("other people's clients", clients::run),
     ("a tenth of the blind campaigns", campaigns),
     ("documentation", documentation),
     ("core for the target", |workspace| Target::find(workspace)?.build_core()),

@@ -4,6 +4,7 @@ mod bench_mcu;
 mod board;
 mod call_graph;
 mod ci;
+mod clients;
 mod decoders;
 mod firmware;
 mod image;
@@ -56,6 +57,8 @@ enum Task {
     Mutants(mutants::Arguments),
     /// Hold the readers of logs against pyulog and pymavlink (needs python3 with venv and pip)
     Decoders,
+    /// Have ground stations' own clients fly the simulated vehicle (needs python3 with venv and pip)
+    Clients,
     /// Build the page that runs in a browser, one file (target/page/sil.html)
     Page,
     /// Test that page in a browser (needs chromium and chromium-driver)
@@ -88,6 +91,7 @@ fn run(task: &Task) -> Result<()> {
         Task::BenchMcu(arguments) => bench_mcu::run(&workspace, arguments),
         Task::Mutants(arguments) => mutants::run(&workspace, arguments),
         Task::Decoders => decoders::run(&workspace),
+        Task::Clients => clients::run(&workspace),
         Task::Page => page::build(&workspace).map(drop),
         Task::PageTest => page::test(&workspace),
         Task::Tidy => tidy::run(&workspace),

@@ -63,7 +63,9 @@ impl Configuration {
         let hover_throttle = f32::from(self.params.hover_throttle_permille) / 1000.0;
         let has_test_sequence = self.params.rig == Rig::Gimbal || self.params.hil;
         let curves = StickCurves::new(&self.params.pilot);
-        LinkSettings { hover_throttle, has_test_sequence, curves, ..LinkSettings::NOMINAL }
+        // ten bits a byte
+        let line_bytes_s = self.link_baud() / 10;
+        LinkSettings { hover_throttle, has_test_sequence, curves, line_bytes_s, ..LinkSettings::NOMINAL }
     }
 
     /// Who takes the ground's and the pilot's wishes, with what stands against arming.

@@ -126,7 +126,8 @@ impl Control {
     /// What telemetry may report of a step.
     pub fn status(&self, output: &StepOutput) -> VehicleStatus {
         let (hil, io, radio_flies) = (!self.is_timed(), self.io, self.radio_flies);
-        VehicleStatus { hil, io, radio_flies, ..VehicleStatus::new(&self.config, &self.input, output) }
+        let mode = self.commander.mode();
+        VehicleStatus { hil, io, radio_flies, mode, ..VehicleStatus::new(&self.config, &self.input, output) }
     }
 
     /// The answer to the step's tick, with hardware in the loop.

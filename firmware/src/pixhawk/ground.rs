@@ -131,6 +131,7 @@ impl Ground {
                 self.telemetry.serve_parameters(&request, |record| self.memory.store(record));
             }
             Chore::CalibrateLevel => self.telemetry.calibrate_level(status, |record| self.memory.store(record)),
+            Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
             Chore::Restart => self.restart_in = Some(RESTART_UPDATES),
         }
     }

@@ -6,8 +6,8 @@ use crate::mixer::MixResult;
 use crate::sensing::imu_health::ImuHealth;
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{AttitudeEstimate, PlanReport, PlanStatus, Wrench};
-use crate::supervisor::Arming;
 use crate::supervisor::battery_watch::BatteryStage;
+use crate::supervisor::{Arming, Refusal};
 
 /// Who made the torque of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,6 +62,10 @@ pub struct StepOutput {
     pub source: TorqueSource,
     /// May the motors turn?
     pub arming: Arming,
+    /// What stands against arming now, if anything does.
+    pub arming_refusal: Option<Refusal>,
+    /// Has it taken off, and not landed since?
+    pub airborne: bool,
     /// How the battery is.
     pub battery: BatteryStage,
     /// The IMU in use.

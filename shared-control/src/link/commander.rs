@@ -7,10 +7,15 @@
 //! the throttle as it is and mean level. The link's age counts from the last `MANUAL_CONTROL` where the sticks fly,
 //! else from the last `MANUAL_CONTROL` or `HEARTBEAT`.
 //!
+//! In offboard a companion computer's set-points fly instead of sticks, with the same rules when they fall silent. The
+//! mode is entered on command while they come, and left on command or when the vehicle is disarmed.
+//!
 //! Where the radio flies ([`Commander::with_radio`]), it alone has sticks: `MANUAL_CONTROL` moves nothing, and the age
 //! is the radio's. A radio that is lost, by its receiver's own word or by the IO chip's silence, is a lost link at
-//! once. The ground's commands are obeyed as before. Its mode switch chooses between stabilise and acro; the ground's
-//! sticks and the test sequence fly angles.
+//! once. The ground's commands are obeyed as before, but for the choice of a mode. Its mode switch chooses between
+//! stabilise and acro; the ground's sticks and the test sequence fly angles.
+
+mod who_flies;
 
 use mavlink::dialects::common::MavCmd;
 
@@ -57,6 +62,8 @@ enum Source {
     Nobody,
     /// From the sticks.
     Sticks { setpoint: Setpoint, heard_us: u64 },
+    /// From a companion computer.
+    Offboard,
     /// From the test sequence.
     TestSequence { start_us: u64, sticks: Option<Sticks> },
 }
@@ -84,6 +91,8 @@ pub struct Commander {
     safety_button: bool,
     safety: Safety,
     source: Source,
+    /// What a companion computer requested last, and when.
+    offboard: Option<(Setpoint, u64)>,
     /// Low throttle was seen since arming.
     throttle_counts: bool,
     heard_us: Option<u64>,
@@ -106,6 +115,7 @@ impl Commander {
             safety_button: false,
             safety: Safety::Unknown,
             source: Source::Nobody,
+            offboard: None,
             throttle_counts: false,
             heard_us: None,
             blocks,
@@ -145,13 +155,24 @@ impl Commander {
             }
             Order::Fly(setpoint) => {
                 self.heard_us = Some(time_us);
-                if self.pilot.is_some() {
+                if self.pilot.is_some() || self.source == Source::Offboard {
                     return (None, None);
                 }
                 let takes_over = matches!(self.source, Source::TestSequence { .. });
                 self.throttle_counts |= takes_over || self.is_armed() && setpoint.throttle <= IDLE_THROTTLE_MAX;
                 self.source = Source::Sticks { setpoint, heard_us: time_us };
                 (None, None)
+            }
+            Order::FlyOffboard(setpoint) => {
+                self.offboard = Some((setpoint, time_us));
+                (None, None)
+            }
+            Order::ChooseMode(mode) => (Some(self.choose(mode, time_us)), None),
+            Order::Stop(command) => {
+                self.waiting.clear();
+                // there is room now, and it is always obeyed
+                let _ = self.waiting.push_back((ArmingRequest::Kill, Asker::Ground));
+                (Some(Answer::Accepted(command)), None)
             }
             Order::Arm => (self.request(ArmingRequest::Arm), None),
             Order::Disarm => {
@@ -177,8 +198,9 @@ impl Commander {
             Order::CalibrateLevel => self.calibrate_level(disarmed),
             Order::Restart => self.restart(disarmed),
             Order::Parameters(request) => self.parameters(request, disarmed),
-            Order::NotUnderstood { command, known: true } => (Some(Answer::Senseless(command)), None),
-            Order::NotUnderstood { command, known: false } => (Some(Answer::Unknown(command)), None),
+            Order::Inquire(inquiry) => (None, Some(Chore::Tell(inquiry))),
+            Order::Senseless(command) => (Some(Answer::Senseless(command)), None),
+            Order::UnknownCommand(command) => (Some(Answer::Unknown(command)), None),
             Order::HilTick(_) => (None, None),
         }
     }
@@ -194,6 +216,10 @@ impl Commander {
         let (setpoint, heard_us) = match self.source {
             Source::Nobody => (Setpoint::default(), self.heard_us),
             Source::Sticks { setpoint, heard_us } => (self.sticks(setpoint, heard_us, time_us), Some(heard_us)),
+            Source::Offboard => {
+                let (setpoint, heard_us) = self.offboard.unwrap_or_default();
+                (level_if_stale(setpoint, heard_us, time_us), Some(heard_us))
+            }
             Source::TestSequence { start_us, .. } => {
                 let setpoint = test_sequence::at(time_us.saturating_sub(start_us), self.settings.hover_throttle);
                 if setpoint.is_none() && !stops {
@@ -214,9 +240,13 @@ impl Commander {
 
     /// What came of the step that [`Self::commands`] was for; the answer to the request that it carried.
     pub fn answer(&mut self, arming: &Arming) -> Option<Answer> {
+        let was_armed = self.is_armed();
         self.arming = *arming;
         if !matches!(arming, Arming::Armed) {
             self.end_test_sequence();
+        }
+        if was_armed && !self.is_armed() && self.source == Source::Offboard {
+            self.source = Source::Nobody;
         }
         self.throttle_counts &= self.is_armed();
         let (asked, asker) = core::mem::replace(&mut self.asked, NOTHING);
@@ -267,7 +297,7 @@ impl Commander {
                     self.source = self.sticks_of(&sticks, time_us);
                 }
             }
-            Source::Nobody | Source::Sticks { .. } => {
+            Source::Nobody | Source::Sticks { .. } | Source::Offboard => {
                 self.throttle_counts |= self.is_armed() && sticks.throttle <= IDLE_THROTTLE_MAX;
                 self.source = self.sticks_of(&sticks, time_us);
             }
@@ -335,32 +365,14 @@ impl Commander {
 
     fn sticks(&self, setpoint: Setpoint, heard_us: u64, time_us: u64) -> Setpoint {
         let throttle = if self.is_armed() && !self.throttle_counts { 0.0 } else { setpoint.throttle };
-        let silent = time_us.saturating_sub(heard_us) >= STICKS_STALE_US;
-        if silent { Setpoint { throttle, ..Setpoint::default() } } else { Setpoint { throttle, ..setpoint } }
+        level_if_stale(Setpoint { throttle, ..setpoint }, heard_us, time_us)
     }
+}
 
-    fn start_test_sequence(&mut self, time_us: u64) -> Answer {
-        match self.arming {
-            Arming::Armed if !self.settings.has_test_sequence => {
-                Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::FliesFree)
-            }
-            Arming::Armed => {
-                self.source = Source::TestSequence { start_us: time_us, sticks: None };
-                Answer::Accepted(MavCmd::MAV_CMD_MISSION_START)
-            }
-            Arming::Disarmed(_) | Arming::MotorTest { .. } | Arming::EscCalibration { .. } => {
-                Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::NotArmed)
-            }
-            Arming::LinkLost { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::LinkLost),
-            Arming::BatteryLow { .. } => Answer::Refused(MavCmd::MAV_CMD_MISSION_START, Refusal::BatteryLow),
-        }
-    }
-
-    fn end_test_sequence(&mut self) {
-        if let Source::TestSequence { .. } = self.source {
-            self.source = Source::Nobody;
-        }
-    }
+/// Whoever has been silent for too long means level, and the throttle as it was.
+fn level_if_stale(setpoint: Setpoint, heard_us: u64, time_us: u64) -> Setpoint {
+    let silent = time_us.saturating_sub(heard_us) >= STICKS_STALE_US;
+    if silent { Setpoint { throttle: setpoint.throttle, ..Setpoint::default() } } else { setpoint }
 }
 
 /// The command that a request came as. No request is nobody's command, and is never answered.

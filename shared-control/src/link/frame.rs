@@ -131,7 +131,21 @@ impl FrameWriter {
     pub fn write<D: MessageData, const N: usize>(&mut self, data: &D, out: &mut heapless::Vec<u8, N>) -> bool {
         let mut payload = [0; 255];
         let length = data.ser(MavlinkVersion::V2, &mut payload).min(payload.len());
-        let [id0, id1, id2, _] = D::ID.to_le_bytes();
+        self.write_payload((D::ID, D::EXTRA_CRC), payload.get(..length).unwrap_or_default(), out)
+    }
+
+    /// The same with a payload of at most 255 bytes, for what the dialect's types cannot say: extensions of messages,
+    /// numbers without a name.
+    pub fn write_payload<const N: usize>(
+        &mut self,
+        (message_id, extra_crc): (u32, u8),
+        payload: &[u8],
+        out: &mut heapless::Vec<u8, N>,
+    ) -> bool {
+        // the first byte stays, whatever it is
+        let zeros = payload.iter().skip(1).rev().take_while(|byte| **byte == 0).count();
+        let length = payload.len() - zeros;
+        let [id0, id1, id2, _] = message_id.to_le_bytes();
         let header = [MAV_STX_V2, length as u8, 0, 0, self.sequence, self.system_id, self.component_id, id0, id1, id2];
         if out.capacity() - out.len() < HEADER_LEN + length + CRC_LEN {
             return false;
@@ -139,7 +153,7 @@ impl FrameWriter {
         let start = out.len();
         let fits = out.extend_from_slice(&header).is_ok()
             && out.extend_from_slice(payload.get(..length).unwrap_or_default()).is_ok();
-        let crc = calculate_crc(out.get(start + 1..).unwrap_or_default(), D::EXTRA_CRC);
+        let crc = calculate_crc(out.get(start + 1..).unwrap_or_default(), extra_crc);
         self.sequence = self.sequence.wrapping_add(1);
         fits && out.extend_from_slice(&crc.to_le_bytes()).is_ok()
     }

@@ -1,13 +1,13 @@
 //! A status and an answer as MAVLink messages.
 
 use mavlink::dialects::common::{
-    ATTITUDE_DATA, COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState,
-    MavSysStatusSensor, MavType, RC_CHANNELS_DATA, SERVO_OUTPUT_RAW_DATA, SYS_STATUS_DATA,
+    ATTITUDE_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState, MavSysStatusSensor,
+    MavType, RC_CHANNELS_DATA, SERVO_OUTPUT_RAW_DATA, SYS_STATUS_DATA,
 };
 
+use super::mode::Mode;
 use super::orders_and_answers::Answer;
 use super::vehicle_status::VehicleStatus;
-use crate::config::Controller;
 use crate::frames::euler_from_q;
 use crate::io_chip::IoState;
 use crate::radio::RadioFrame;
@@ -45,17 +45,18 @@ pub(super) fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str
     })
 }
 
-/// None for what was no command.
-pub(super) fn command_ack(answer: &Answer) -> Option<COMMAND_ACK_DATA> {
-    let (command, result) = match answer {
-        Answer::Accepted(command) => (*command, MavResult::MAV_RESULT_ACCEPTED),
+/// Number of the command, and what came of it; none for what was no command.
+pub(super) fn command_result(answer: &Answer) -> Option<(u16, MavResult)> {
+    Some(match answer {
+        Answer::Accepted(command) => (*command as u16, MavResult::MAV_RESULT_ACCEPTED),
         // what stood against it may pass
-        Answer::Refused(command, _) | Answer::Busy(command) => (*command, MavResult::MAV_RESULT_TEMPORARILY_REJECTED),
-        Answer::Senseless(command) => (*command, MavResult::MAV_RESULT_DENIED),
+        Answer::Refused(command, _) | Answer::Busy(command) => {
+            (*command as u16, MavResult::MAV_RESULT_TEMPORARILY_REJECTED)
+        }
+        Answer::Senseless(command) => (*command as u16, MavResult::MAV_RESULT_DENIED),
         Answer::Unknown(command) => (*command, MavResult::MAV_RESULT_UNSUPPORTED),
         Answer::ParameterRefused(..) | Answer::RadioRefused(_) => return None,
-    };
-    Some(COMMAND_ACK_DATA { command, result })
+    })
 }
 
 pub(super) fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
@@ -71,16 +72,18 @@ pub(super) fn heartbeat(status: &VehicleStatus) -> HEARTBEAT_DATA {
         ) => MavState::MAV_STATE_EMERGENCY,
         Arming::Disarmed(_) => MavState::MAV_STATE_STANDBY,
     };
-    let stabilised = if status.acro { MavModeFlag::empty() } else { MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED };
+    let stabilised = match status.mode {
+        Mode::Acro => MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
+        Mode::Stabilise => {
+            MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+        }
+        Mode::Offboard => MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED | MavModeFlag::MAV_MODE_FLAG_GUIDED_ENABLED,
+    };
     HEARTBEAT_DATA {
-        custom_mode: match (status.acro, status.controller) {
-            (true, _) => 2,
-            (false, Controller::Cascade) => 0,
-            (false, Controller::Mpc) => 1,
-        },
+        custom_mode: status.mode.custom_mode(status.controller),
         mavtype: MavType::MAV_TYPE_QUADROTOR,
         autopilot: MavAutopilot::MAV_AUTOPILOT_GENERIC,
-        base_mode: armed | hil | stabilised | MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
+        base_mode: armed | hil | stabilised | MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED,
         system_status,
         mavlink_version: 3,
     }
@@ -175,7 +178,10 @@ pub(super) fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
     let radio = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_RC_RECEIVER;
     let fitted_radio = if status.radio_flies { radio } else { MavSysStatusSensor::empty() };
     let healthy_radio = if status.io.radio.heard { fitted_radio } else { MavSysStatusSensor::empty() };
-    let present = imu | second_imu | control | attitude | measured_battery | fitted_radio;
+    let prearm = MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
+    let can_arm = status.arming.is_armed() || status.arming_refusal.is_none();
+    let healthy_prearm = if can_arm { prearm } else { MavSysStatusSensor::empty() };
+    let present = imu | second_imu | control | attitude | measured_battery | fitted_radio | prearm;
     let healthy_attitude = if status.estimate.valid { attitude } else { MavSysStatusSensor::empty() };
     let count = |number: u32| number.min(u32::from(u16::MAX)) as u16;
     SYS_STATUS_DATA {
@@ -186,7 +192,8 @@ pub(super) fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
             | healthy_attitude
             | control
             | healthy_battery
-            | healthy_radio,
+            | healthy_radio
+            | healthy_prearm,
         load: status.load_permille,
         // `as` saturates, and makes 0 of NaN; the largest value says that nobody measures
         voltage_battery: status.battery_v.map_or(u16::MAX, |volts| (volts * 1000.0) as u16),

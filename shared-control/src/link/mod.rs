@@ -17,7 +17,15 @@
 //! |---|---|
 //! | `HEARTBEAT` | the ground is there |
 //! | `MANUAL_CONTROL` | set-point: x forward = nose down, y right = right side down, r clockwise, z 0..1000 throttle |
-//! | `COMMAND_LONG` `MAV_CMD_COMPONENT_ARM_DISARM` | param1 1 arms, 0 disarms; the force flag (param2) is ignored |
+//! | `SET_ATTITUDE_TARGET` | set-point in offboard: attitude (its heading is not flown) or rates, throttle |
+//! | `MISSION_REQUEST_LIST`, `TIMESYNC` | there are no plans; the vehicle's clock |
+//! | `COMMAND_LONG`, `COMMAND_INT`: | one of these: |
+//! | `MAV_CMD_COMPONENT_ARM_DISARM` | param1 1 arms, whatever param2 is; 0 disarms, with param2 21196 as a kill switch |
+//! | `MAV_CMD_DO_FLIGHTTERMINATION` | param1 = 1: as a kill switch |
+//! | `MAV_CMD_DO_SET_MODE` | param2 the mode, see [`mode`] |
+//! | `MAV_CMD_REQUEST_MESSAGE` | param1 a message that is sent once |
+//! | `MAV_CMD_SET_MESSAGE_INTERVAL` | param1 a message, param2 how often, µs: see [`streams`] |
+//! | `MAV_CMD_GET_MESSAGE_INTERVAL` | param1 the message |
 //! | `MAV_CMD_MISSION_START` | starts the test sequence; only when armed, on the rig; it ends disarmed |
 //! | `MAV_CMD_DO_MOTOR_TEST` | param1 motor 1..4, param2 must be 0 (percent), param3 percent, param4 seconds |
 //! | `MAV_CMD_PREFLIGHT_CALIBRATION` | param7 = 1, all others 0: teaches the ESCs their range; see [`crate::supervisor`] |
@@ -28,7 +36,7 @@
 //! | `PARAM_REQUEST_LIST`, `PARAM_REQUEST_READ`, `PARAM_SET` | see [`parameters`]; set only when disarmed |
 //! | `HIL_SENSOR` | hardware in the loop: see [`hil`] |
 //!
-//! Each command is answered with a `COMMAND_ACK`, a refusal also with a `STATUSTEXT` that gives the reason.
+//! Each command is answered with one `COMMAND_ACK`, a refusal also with a `STATUSTEXT` that gives the reason.
 //!
 //! Message definitions: <https://mavlink.io/en/messages/common.html>, frames:
 //! <https://mavlink.io/en/guide/serialization.html>.
@@ -36,16 +44,22 @@
 pub mod commander;
 pub mod frame;
 pub mod hil;
+mod identity;
+mod inquiries;
 mod messages;
+pub mod mode;
 pub mod orders_and_answers;
 pub mod parameters;
 pub mod receiver;
+mod reports;
 pub mod settings;
+pub mod streams;
 pub mod telemetry;
 pub mod vehicle_status;
 
 pub use commander::{Commander, Commands};
-pub use orders_and_answers::{Answer, Chore, Order, ParameterRequest, Text};
+pub use mode::Mode;
+pub use orders_and_answers::{Answer, Chore, Inquiry, Order, ParameterRequest, Text};
 pub use parameters::Parameters;
 pub use receiver::Receiver;
 pub use settings::{COMPONENT_ID, LinkSettings};

@@ -3,6 +3,7 @@
 use mavlink::dialects::common::MavCmd;
 
 use super::hil::HilTick;
+use super::mode::Mode;
 use crate::params::table::Field;
 use crate::signals::{MotorTest, Setpoint};
 use crate::supervisor::Refusal;
@@ -18,6 +19,12 @@ pub enum Order {
     Arm,
     /// Disarm.
     Disarm,
+    /// Stop the motors at once, wherever the vehicle is; as which command it came.
+    Stop(MavCmd),
+    /// Fly this, in the mode for it; not by sticks but by a companion computer.
+    FlyOffboard(Setpoint),
+    /// Fly in another mode.
+    ChooseMode(Mode),
     /// Start the test sequence.
     StartTestSequence,
     /// Turn one motor.
@@ -34,13 +41,12 @@ pub enum Order {
     Restart,
     /// Tell or change parameters.
     Parameters(ParameterRequest),
-    /// A command that this vehicle does not know, or with parameters that make no sense.
-    NotUnderstood {
-        /// The command.
-        command: MavCmd,
-        /// True if the command is known and its parameters are wrong.
-        known: bool,
-    },
+    /// Tell something else.
+    Inquire(Inquiry),
+    /// A command whose parameters make no sense.
+    Senseless(MavCmd),
+    /// A command that this vehicle does not know.
+    UnknownCommand(u16),
     /// Hardware in the loop: make a step, with the IMU's sample in it.
     HilTick(HilTick),
 }
@@ -63,6 +69,44 @@ pub enum ParameterRequest {
     Unknown,
 }
 
+/// What else the ground wants to know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Inquiry {
+    /// A message, once.
+    Message {
+        /// Its id.
+        message_id: u32,
+        /// Which of a list, from 1, and 0 all; or of which other message.
+        index: u32,
+        /// The command that it came as.
+        command: MavCmd,
+    },
+    /// A message every so often.
+    Interval {
+        /// Its id.
+        message_id: u32,
+        /// µs; 0 as at start, -1 never.
+        interval_us: f32,
+    },
+    /// How often a message is sent.
+    TellInterval {
+        /// Its id.
+        message_id: u32,
+    },
+    /// How many items a plan has; there is none of any kind.
+    PlanLength {
+        /// Of which kind: mission, fence, rally points.
+        kind: u8,
+        /// Who wants to know.
+        asker: [u8; 2],
+    },
+    /// What the vehicle's clock says.
+    Time {
+        /// The other clock's, ns.
+        their_ns: i64,
+    },
+}
+
 /// The answer to a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
@@ -73,7 +117,7 @@ pub enum Answer {
     /// Not done, because its parameters make no sense.
     Senseless(MavCmd),
     /// Not done, because this vehicle has no such command.
-    Unknown(MavCmd),
+    Unknown(u16),
     /// Not done, because others wait before it, or because the board is about to start anew.
     Busy(MavCmd),
     /// A parameter was not set, for a reason that has words.
@@ -95,6 +139,8 @@ pub enum Chore {
     Restart,
     /// Tell or change parameters.
     Parameters(ParameterRequest),
+    /// Tell something else.
+    Tell(Inquiry),
 }
 
 /// Text of a `STATUSTEXT`.

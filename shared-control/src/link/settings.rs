@@ -11,12 +11,14 @@ pub struct LinkSettings {
     pub curves: StickCurves,
     /// Throttle at which the vehicle hovers, for the test sequence.
     pub hover_throttle: f32,
+    /// Bytes per second that the line carries.
+    pub line_bytes_s: u32,
     /// True where the test sequence may be flown: on a rig that holds the vehicle, or in a simulation.
     pub has_test_sequence: bool,
 }
 
 impl LinkSettings {
-    /// System 1, straight sticks to 30 degrees, 1 rad/s and in acro 3 rad/s, the thesis' base command.
+    /// System 1, 57,600 baud, straight sticks to 30 degrees, 1 rad/s and in acro 3 rad/s, the thesis' base command.
     pub const NOMINAL: LinkSettings = LinkSettings {
         system_id: 1,
         curves: StickCurves {
@@ -29,6 +31,7 @@ impl LinkSettings {
             throttle_expo: 0.0,
         },
         hover_throttle: 0.5,
+        line_bytes_s: 5760,
         has_test_sequence: true,
     };
 }

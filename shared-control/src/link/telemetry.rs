@@ -1,15 +1,20 @@
-//! What the vehicle says of itself, at rates that leave half of 57,600 baud free.
+//! What the vehicle says of itself; at start, at rates that leave half of 57,600 baud free.
 
-use mavlink::dialects::common::{MavCmd, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
+use mavlink::MessageData;
+use mavlink::dialects::common::{COMMAND_ACK_DATA, MavCmd, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
 use nalgebra::Vector3;
 
 use super::frame::FrameWriter;
+use super::inquiries::Inquiries;
 use super::messages::{
-    arming_words, attitude, command_ack, heartbeat, io_words, radio_channels, servo_output, sys_status, wrapped_ms,
+    arming_words, attitude, command_result, heartbeat, io_words, radio_channels, servo_output, sys_status, wrapped_ms,
 };
-use super::orders_and_answers::{Answer, ParameterRequest, Text};
+use super::mode::{Mode, current_mode};
+use super::orders_and_answers::{Answer, Inquiry, ParameterRequest, Text};
 use super::parameters::Parameters;
+use super::reports::{attitude_quaternion, attitude_target, battery, highres_imu, landed, system_time, vibration};
 use super::settings::{COMPONENT_ID, LinkSettings};
+use super::streams::{Due, Stream, Streams};
 use super::vehicle_status::VehicleStatus;
 use crate::io_chip::IoState;
 use crate::params::level::LevelParams;
@@ -19,16 +24,6 @@ use crate::sensing::imu_select::ImuUnit;
 use crate::sensing::level_trim::LevelTrim;
 use crate::supervisor::{Arming, Refusal};
 
-/// Period of `HEARTBEAT`, µs.
-pub const HEARTBEAT_PERIOD_US: u64 = 1_000_000;
-/// Period of `ATTITUDE`, µs.
-pub const ATTITUDE_PERIOD_US: u64 = 40_000;
-/// Period of `SERVO_OUTPUT_RAW`, µs.
-pub const SERVO_PERIOD_US: u64 = 100_000;
-/// Period of `SYS_STATUS`, µs.
-pub const SYS_STATUS_PERIOD_US: u64 = 500_000;
-/// Period of `RC_CHANNELS`, µs, once a receiver was heard.
-pub const RADIO_PERIOD_US: u64 = 250_000;
 /// Shortest time between two `STATUSTEXT`, µs.
 pub const TEXT_PERIOD_US: u64 = 100_000;
 
@@ -57,15 +52,12 @@ pub struct Telemetry {
     told_io: IoState,
     /// Was the radio heard when that was told last?
     told_radio: bool,
-    told_acro: bool,
+    told_mode: Mode,
     told_battery_low: bool,
     figures: Figures,
     next_figure: usize,
-    heartbeat: Due,
-    attitude: Due,
-    servo: Due,
-    sys_status: Due,
-    radio: Due,
+    streams: Streams,
+    inquiries: Inquiries,
     text: Due,
     figure: Due,
     /// Texts and answers for which there was no room.
@@ -84,15 +76,12 @@ impl Telemetry {
             told_unit: ImuUnit::default(),
             told_io: IoState::default(),
             told_radio: false,
-            told_acro: false,
+            told_mode: Mode::Stabilise,
             told_battery_low: false,
             figures: [("", 0); FIGURES],
             next_figure: 0,
-            heartbeat: Due::every(HEARTBEAT_PERIOD_US),
-            attitude: Due::every(ATTITUDE_PERIOD_US),
-            servo: Due::every(SERVO_PERIOD_US),
-            sys_status: Due::every(SYS_STATUS_PERIOD_US),
-            radio: Due::every(RADIO_PERIOD_US),
+            streams: Streams::new(settings.line_bytes_s),
+            inquiries: Inquiries::default(),
             text: Due::every(TEXT_PERIOD_US),
             figure: Due::every(FIGURE_PERIOD_US),
             dropped: 0,
@@ -117,6 +106,13 @@ impl Telemetry {
     /// Takes what the board has measured of itself; one without a name is not sent.
     pub fn figures(&mut self, figures: Figures) {
         self.figures = figures;
+    }
+
+    /// Takes what the ground wants to know, and answers what came as a command.
+    pub fn tell(&mut self, inquiry: &Inquiry) {
+        if let Some(answer) = self.inquiries.take(inquiry, &mut self.streams) {
+            self.answer(answer);
+        }
     }
 
     /// Serves the parameters; `store` as in [`Parameters::serve`].
@@ -169,38 +165,62 @@ impl Telemetry {
         self.tell_io(status);
         self.tell_battery(status);
         while let Some(answer) = self.answers.front() {
-            if command_ack(answer).is_some_and(|data| !self.writer.write(&data, out)) {
-                return;
+            if let Some((command, result)) = command_result(answer) {
+                let [low, high] = command.to_le_bytes();
+                let ack = (COMMAND_ACK_DATA::ID, COMMAND_ACK_DATA::EXTRA_CRC);
+                if !self.writer.write_payload(ack, &[low, high, result as u8], out) {
+                    return;
+                }
             }
             self.answers.pop_front();
         }
-        if self.heartbeat.is(time_us) && self.writer.write(&heartbeat(status), out) {
-            self.heartbeat.done(time_us);
-        }
+        self.write_stream(Stream::Heartbeat, time_us, status, out);
         if let (true, Some((severity, text))) = (self.text.is(time_us), self.texts.front())
             && self.writer.write(&STATUSTEXT_DATA { severity: *severity, text: text.as_str().into() }, out)
         {
             self.text.done(time_us);
             self.texts.pop_front();
         }
+        self.inquiries.write(&mut self.writer, &self.streams, time_us, status, out);
         self.parameters.write_next(&mut self.writer, out);
-        if self.attitude.is(time_us) && self.writer.write(&attitude(time_us, &status.estimate), out) {
-            self.attitude.done(time_us);
-        }
-        if self.servo.is(time_us) && self.writer.write(&servo_output(time_us, status), out) {
-            self.servo.done(time_us);
-        }
-        if self.sys_status.is(time_us) && self.writer.write(&sys_status(status), out) {
-            self.sys_status.done(time_us);
-        }
-        if status.io.radio.count > 0
-            && self.radio.is(time_us)
-            && self.writer.write(&radio_channels(time_us, &status.io.radio), out)
-        {
-            self.radio.done(time_us);
+        for stream in Stream::ALL {
+            self.write_stream(stream, time_us, status, out);
         }
         if self.figure.is(time_us) && self.write_figure(time_us, out) {
             self.figure.done(time_us);
+        }
+    }
+
+    /// Writes one of the regular messages, if it is due and fits.
+    fn write_stream<const N: usize>(
+        &mut self,
+        stream: Stream,
+        time_us: u64,
+        status: &VehicleStatus,
+        out: &mut heapless::Vec<u8, N>,
+    ) {
+        if !self.streams.is_due(stream, time_us) {
+            return;
+        }
+        let writer = &mut self.writer;
+        let written = match stream {
+            Stream::Heartbeat => writer.write(&heartbeat(status), out),
+            Stream::Attitude => writer.write(&attitude(time_us, &status.estimate), out),
+            Stream::Servos => writer.write(&servo_output(time_us, status), out),
+            Stream::SysStatus => writer.write(&sys_status(status), out),
+            Stream::Radio if status.io.radio.count == 0 && !self.streams.is_requested(stream) => return,
+            Stream::Radio => writer.write(&radio_channels(time_us, &status.io.radio), out),
+            Stream::Quaternion => writer.write(&attitude_quaternion(time_us, &status.estimate), out),
+            Stream::Target => writer.write(&attitude_target(time_us, status), out),
+            Stream::Landed => writer.write(&landed(status), out),
+            Stream::Battery => battery(status).is_none_or(|data| writer.write(&data, out)),
+            Stream::Vibration => writer.write(&vibration(time_us, status), out),
+            Stream::Mode => writer.write(&current_mode(status), out),
+            Stream::Time => writer.write(&system_time(time_us), out),
+            Stream::Imu => highres_imu(time_us, status).is_none_or(|data| writer.write(&data, out)),
+        };
+        if written {
+            self.streams.done(stream, time_us);
         }
     }
 
@@ -256,10 +276,14 @@ impl Telemetry {
             _ => {}
         }
         self.told_radio = heard;
-        if self.told_acro != status.acro {
-            let words = if status.acro { "mode: acro (rates)" } else { "mode: stabilise (angles)" };
+        if self.told_mode != status.mode {
+            let words = match status.mode {
+                Mode::Stabilise => "mode: stabilise (angles)",
+                Mode::Acro => "mode: acro (rates)",
+                Mode::Offboard => "mode: offboard (companion's set-points)",
+            };
             self.text(MavSeverity::MAV_SEVERITY_NOTICE, words);
-            self.told_acro = status.acro;
+            self.told_mode = status.mode;
         }
     }
 
@@ -276,29 +300,6 @@ impl Telemetry {
         if dropped {
             self.dropped = self.dropped.saturating_add(1);
         }
-    }
-}
-
-/// When a message is due.
-#[derive(Clone, Copy, Debug)]
-struct Due {
-    period_us: u64,
-    next_us: u64,
-}
-
-impl Due {
-    fn every(period_us: u64) -> Self {
-        Self { period_us, next_us: 0 }
-    }
-
-    fn is(&self, time_us: u64) -> bool {
-        time_us >= self.next_us
-    }
-
-    /// A message that is late by more than its period is not made up for.
-    fn done(&mut self, time_us: u64) {
-        let on_time = self.next_us.saturating_add(self.period_us);
-        self.next_us = if on_time > time_us { on_time } else { time_us.saturating_add(self.period_us) };
     }
 }
 

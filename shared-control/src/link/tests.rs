@@ -3,6 +3,8 @@
 extern crate std;
 
 mod commander;
+mod inquiries;
+mod offboard;
 mod radio;
 mod receiver;
 mod telemetry;

@@ -2,14 +2,15 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+use super::mode::Mode;
 use crate::config::{Config, Controller};
 use crate::flight_core::StepOutput;
 use crate::io_chip::IoReport;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
-use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, StepInput};
-use crate::supervisor::Arming;
+use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, Setpoint, StepInput};
 use crate::supervisor::battery_watch::BatteryStage;
+use crate::supervisor::{Arming, Refusal};
 
 /// All that telemetry reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,8 +41,20 @@ pub struct VehicleStatus {
     pub io: IoReport,
     /// True where the radio's sticks fly.
     pub radio_flies: bool,
-    /// Do the sticks mean rates?
-    pub acro: bool,
+    /// What the set-point means and where it comes from.
+    pub mode: Mode,
+    /// What is requested.
+    pub setpoint: Setpoint,
+    /// Rate that the cascade requests, body frame, rad/s.
+    pub rate_target_rad_s: Vector3<f32>,
+    /// What the IMU in use said last: specific force, m/s^2, and rate, rad/s, body frame; none without a sample.
+    pub felt: Option<[Vector3<f32>; 2]>,
+    /// Root mean square of what shakes it, body, m/s^2.
+    pub vibration_m_s2: Vector3<f32>,
+    /// What stands against arming now, if anything does.
+    pub arming_refusal: Option<Refusal>,
+    /// Has it taken off, and not landed since?
+    pub airborne: bool,
     /// Of the first and the second IMU: see [`StepOutput::rest_force_m_s2`].
     pub rest_force_m_s2: [Option<Vector3<f32>>; 2],
     /// Load of the processor, 1/1000.
@@ -76,7 +89,13 @@ impl VehicleStatus {
             blocks: ArmingBlocks::default(),
             io: IoReport::default(),
             radio_flies: false,
-            acro: false,
+            mode: Mode::Stabilise,
+            setpoint: Setpoint::default(),
+            rate_target_rad_s: Vector3::zeros(),
+            felt: None,
+            vibration_m_s2: Vector3::zeros(),
+            arming_refusal: None,
+            airborne: false,
             rest_force_m_s2: [None; 2],
             load_permille: 0,
             setpoints_rejected: 0,
@@ -104,8 +123,22 @@ impl VehicleStatus {
             },
             blocks: input.blocks,
             planning: output.planning,
-            acro: input.setpoint.acro_rad_s.is_some(),
+            setpoint: input.setpoint,
+            rate_target_rad_s: output.rate_target_rad_s,
+            felt: felt(config, input, output.imu_unit),
+            vibration_m_s2: output.vibration_m_s2,
+            arming_refusal: output.arming_refusal,
+            airborne: output.airborne,
             ..Self::at_start(config.controller)
         }
     }
+}
+
+/// The last sample of a step, in SI units and body axes.
+fn felt(config: &Config, input: &StepInput, unit: ImuUnit) -> Option<[Vector3<f32>; 2]> {
+    let (imu, samples) = match unit {
+        ImuUnit::First => (&config.sensing.imu, &input.imu),
+        ImuUnit::Second => (&config.sensing.imu_second, &input.imu_second),
+    };
+    samples.last().map(|sample| [imu.specific_force_m_s2(sample), imu.gyro_rad_s(sample)])
 }

@@ -217,12 +217,18 @@ pub enum Refusal {
     NotLevel,
     /// The owner's vehicle is to fly, and its numbers make no sense.
     VehicleUnusable,
+    /// The radio has the sticks: nobody else sets points or chooses modes.
+    RadioFlies,
+    /// Nobody sends the set-points that the mode is about.
+    NoSetpoints,
+    /// The line has no room for more messages.
+    LineFull,
 }
 
 impl Refusal {
     /// All that say everything by themselves, in the order of their numbers.
     #[cfg(test)]
-    pub(crate) const WITHOUT_DETAIL: [Refusal; 26] = [
+    pub(crate) const WITHOUT_DETAIL: [Refusal; 29] = [
         Refusal::SetpointNotFinite,
         Refusal::ThrottleNotZero,
         Refusal::AttitudeUnknown,
@@ -249,6 +255,9 @@ impl Refusal {
         Refusal::VehicleMoves,
         Refusal::NotLevel,
         Refusal::VehicleUnusable,
+        Refusal::RadioFlies,
+        Refusal::NoSetpoints,
+        Refusal::LineFull,
     ];
 
     /// Its number in the words of a state.
@@ -280,6 +289,9 @@ impl Refusal {
             Refusal::VehicleMoves => 23,
             Refusal::NotLevel => 24,
             Refusal::VehicleUnusable => 25,
+            Refusal::RadioFlies => 26,
+            Refusal::NoSetpoints => 27,
+            Refusal::LineFull => 28,
             Refusal::ImuUnhealthy(fault) => 0x20 + fault.number(),
         }
     }
@@ -316,6 +328,9 @@ impl Refusal {
             Refusal::RadioUnusable => "refused: radio calibration makes no sense",
             Refusal::VehicleMoves => "refused: keep still for 3 s",
             Refusal::VehicleUnusable => "refused: vehicle's numbers make no sense",
+            Refusal::RadioFlies => "refused: the radio has the sticks",
+            Refusal::NoSetpoints => "refused: send set-points first",
+            Refusal::LineFull => "refused: the line has no room, slow others down",
             Refusal::NotLevel => "refused: over 10 degrees off level, or not 1 g",
         }
     }

@@ -72,7 +72,7 @@ fn whole(what: &str, value: f32, units: f32) -> Result<u16, String> {
 }
 
 /// As `QGroundControl` saves and loads parameters: tool, component, name, value, and 9 for `REAL32`.
-pub fn params_file(name: &str, parameters: &[(&'static str, u16)]) -> String {
+pub fn params_file<Value: std::fmt::Display>(name: &str, parameters: &[(&'static str, Value)]) -> String {
     let mut text = format!("# {name}\n# Vehicle-Id\tComponent-Id\tName\tValue\tType\n");
     for (name, value) in parameters {
         text.push_str(&format!("1\t1\t{name}\t{value}\t9\n"));

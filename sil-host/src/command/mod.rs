@@ -11,6 +11,7 @@ mod log_arguments;
 mod map;
 mod output;
 mod progress_line;
+mod serve;
 mod shell;
 mod synth;
 
@@ -78,6 +79,7 @@ macro_rules! commands {
 
 commands! {
     Fly(fly::FlyArguments): fly::run,
+    Serve(serve::ServeArguments): serve::run,
     Hitl(hitl::HitlArguments): hitl::run,
     Compare(compare::CompareArguments): compare::run,
     Diagnose(diagnose::DiagnoseArguments): diagnose::run,

@@ -43,7 +43,7 @@ impl<'a, S: Read + Write> Session<'a, S> {
                         return Err(HitlError::NotInHil);
                     }
                     // as the board numbers them in its heartbeat (`shared_control::link`)
-                    let controller = if heartbeat.custom_mode == 1 { Controller::Mpc } else { Controller::Cascade };
+                    let controller = if heartbeat.custom_mode & 1 == 1 { Controller::Mpc } else { Controller::Cascade };
                     // scales and axes are the board's; its filter is of no concern here
                     let imu = ImuConfig::pixhawk1_mpu6000(100.0, 1000.0);
                     let timing = Timing::default();

@@ -212,6 +212,7 @@ fn pages_describe_the_json_of_flights_and_logs() {
         ("synth", vec!["--duration", "2", "made.csv"]),
         ("compare", vec!["log.csv", "--controller", "mpc"]),
         ("bench-mpc", vec![&*instance_files()[0]]),
+        ("serve", vec!["--udp", "off", "--tcp", "0", "--for", "0.1"]),
     ] {
         let arguments = [&[command, "--json", "out.json"], &arguments[..]].concat();
         folder.sil(&arguments).assert_done();

@@ -7,7 +7,7 @@ use crate::sil::{Folder, GIMBAL_MODEL, Outcome, RIG_LOG, instance_files};
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = Folder::new();
-    for command in ["", "fly", "compare", "diagnose", "identify", "synth", "hitl", "bench-mpc"] {
+    for command in ["", "fly", "compare", "diagnose", "identify", "synth", "serve", "hitl", "bench-mpc"] {
         let arguments: Vec<&str> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
         let help = folder.sil(&arguments).assert_done().stdout;
         let example = format!("Example: {}", format!("sil {command}").trim());
@@ -104,6 +104,22 @@ fn a_port_that_is_not_there_is_named() {
     folder.sil(&["hitl", "--serial", port]).assert_refused(&[port, "expected a serial port"]);
     folder.sil(&["hitl", "--serial", port, "--rate", "3"]).assert_refused(&["--rate", "50..=1000"]);
     folder.sil(&["hitl"]).assert_refused(&["--serial"]);
+}
+
+#[test]
+fn what_cannot_be_served_is_named() {
+    let folder = Folder::new();
+    let serve = |arguments: &[&str]| {
+        folder.sil(&[&["serve", "--udp", "off", "--tcp", "0", "--for", "0.1"], arguments].concat())
+    };
+    serve(&["--speed", "0"]).assert_refused(&["--speed", "expected 0.01 to 100"]);
+    folder.sil(&["serve", "--udp", "nowhere"]).assert_refused(&["--udp", "expected a port, an address"]);
+    serve(&["--effect", "torque"]).assert_refused(&["--effect torque"]);
+    folder.write("bad.params", "1 1 CONTROLLER 1 9\n1 1 LOOP_RATE_HZ 250 9\n");
+    serve(&["--params", "bad.params"]).assert_refused(&["bad.params, line 2", "LOOP_RATE_HZ: 250", "100 or 400"]);
+    // a file that is not there is made, and what the command line says of it counts
+    serve(&["--params", "new/a.params", "--controller", "mpc"]).assert_done();
+    assert!(String::from_utf8(folder.bytes("new/a.params")).unwrap().contains("\tCONTROLLER\t1\t9\n"));
 }
 
 /// The value of each row is impossible; the message names the flag and what it expected.

@@ -2,7 +2,8 @@
 
 extern crate std;
 use super::*;
-use crate::signals::{ArmingBlocks, PlanReport};
+use crate::config::Controller;
+use crate::signals::{ArmingBlocks, PlanReport, Setpoint};
 use crate::supervisor::Refusal;
 use mavlink::dialects::common::MavCmd;
 use nalgebra::Vector3;
@@ -35,7 +36,13 @@ fn status(arming: Arming) -> VehicleStatus {
         io: crate::io_chip::IoReport::default(),
         radio_flies: false,
         rest_force_m_s2: [None; 2],
-        acro: false,
+        mode: Mode::Stabilise,
+        setpoint: Setpoint::default(),
+        rate_target_rad_s: Vector3::zeros(),
+        felt: None,
+        vibration_m_s2: Vector3::zeros(),
+        arming_refusal: None,
+        airborne: false,
         load_permille: 321,
         setpoints_rejected: 7,
         overruns: 8,
@@ -53,14 +60,16 @@ fn disarmed(because: DisarmedBecause) -> Arming {
 
 #[test]
 fn acro_is_a_mode_of_its_own_and_stabilises_nothing() {
-    let acro = heartbeat(&VehicleStatus { acro: true, controller: Controller::Mpc, ..status(ARMED) });
-    assert_eq!(acro.custom_mode, 2);
+    let acro = heartbeat(&VehicleStatus { mode: Mode::Acro, controller: Controller::Mpc, ..status(ARMED) });
+    assert_eq!(acro.custom_mode, 5 << 16 | 1);
     assert!(!acro.base_mode.contains(MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED));
 }
 
 #[test]
 fn a_heartbeat_says_who_flies_and_whether_motors_may_turn() {
-    let always = MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED;
+    let always = MavModeFlag::MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+        | MavModeFlag::MAV_MODE_FLAG_STABILIZE_ENABLED
+        | MavModeFlag::MAV_MODE_FLAG_CUSTOM_MODE_ENABLED;
     let [armed, hil] = [MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED, MavModeFlag::MAV_MODE_FLAG_HIL_ENABLED];
     for (arming, flags, state) in [
         (ARMED, always | armed, MavState::MAV_STATE_ACTIVE),
@@ -76,9 +85,9 @@ fn a_heartbeat_says_who_flies_and_whether_motors_may_turn() {
         let sent = heartbeat(&VehicleStatus { hil: true, ..status(arming) });
         assert_eq!(sent.base_mode, flags | hil, "{arming:?}");
         assert_eq!((sent.mavtype, sent.autopilot), (MavType::MAV_TYPE_QUADROTOR, MavAutopilot::MAV_AUTOPILOT_GENERIC));
-        assert_eq!((sent.custom_mode, sent.mavlink_version), (0, 3));
+        assert_eq!((sent.custom_mode, sent.mavlink_version), (7 << 16, 3));
     }
-    assert_eq!(heartbeat(&VehicleStatus { controller: Controller::Mpc, ..status(ARMED) }).custom_mode, 1);
+    assert_eq!(heartbeat(&VehicleStatus { controller: Controller::Mpc, ..status(ARMED) }).custom_mode, 7 << 16 | 1);
 }
 
 /// Each change has words of its own, which fit a STATUSTEXT; what nobody requested is critical.
@@ -125,15 +134,15 @@ fn every_change_of_arming_has_its_words() {
 #[test]
 fn every_answer_to_a_command_has_its_result() {
     let command = MavCmd::MAV_CMD_MISSION_START;
-    let result = |answer| command_ack(&answer).map(|ack| (ack.command, ack.result));
+    let result = |answer| command_result(&answer);
     for (answer, expected) in [
         (Answer::Accepted(command), MavResult::MAV_RESULT_ACCEPTED),
         (Answer::Refused(command, Refusal::LinkLost), MavResult::MAV_RESULT_TEMPORARILY_REJECTED),
         (Answer::Busy(command), MavResult::MAV_RESULT_TEMPORARILY_REJECTED),
         (Answer::Senseless(command), MavResult::MAV_RESULT_DENIED),
-        (Answer::Unknown(command), MavResult::MAV_RESULT_UNSUPPORTED),
+        (Answer::Unknown(command as u16), MavResult::MAV_RESULT_UNSUPPORTED),
     ] {
-        assert_eq!(result(answer), Some((command, expected)));
+        assert_eq!(result(answer), Some((command as u16, expected)));
     }
     assert_eq!(result(Answer::ParameterRefused(crate::params::table::Field::Hil, Refusal::Armed)), None);
 }
@@ -164,7 +173,8 @@ fn sensors_show_what_is_there_and_what_works() {
     let first = Sensors::MAV_SYS_STATUS_SENSOR_3D_GYRO | Sensors::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
     let second = Sensors::MAV_SYS_STATUS_SENSOR_3D_GYRO2 | Sensors::MAV_SYS_STATUS_SENSOR_3D_ACCEL2;
     let [attitude, battery] = [Sensors::MAV_SYS_STATUS_AHRS, Sensors::MAV_SYS_STATUS_SENSOR_BATTERY];
-    let all = control | first | attitude | battery;
+    let prearm = Sensors::MAV_SYS_STATUS_PREARM_CHECK;
+    let all = control | first | attitude | battery | prearm;
     let bad = ImuHealth::Bad(ImuFault::Stuck);
     let healthy = status(ARMED);
     let invalid = AttitudeEstimate { valid: false, ..healthy.estimate };
@@ -178,6 +188,13 @@ fn sensors_show_what_is_there_and_what_works() {
         (VehicleStatus { battery_low: true, ..healthy }, all, all - battery),
         (VehicleStatus { battery_v: None, ..healthy }, all - battery, all - battery),
         (VehicleStatus { estimate: invalid, ..healthy }, all, all - attitude),
+        // what stands against arming counts while disarmed
+        (VehicleStatus { arming_refusal: Some(Refusal::LinkLost), ..healthy }, all, all),
+        (
+            VehicleStatus { arming_refusal: Some(Refusal::LinkLost), arming: Arming::default(), ..healthy },
+            all,
+            all - prearm,
+        ),
     ] {
         let sent = sys_status(&status);
         assert_eq!(sent.onboard_control_sensors_present, present, "{status:?}");

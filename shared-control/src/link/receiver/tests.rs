@@ -69,15 +69,15 @@ fn commands_are_taken_by_their_first_parameter() {
     let of = |command, param1| order(&COMMAND_LONG_DATA { command, param1, ..COMMAND_LONG_DATA::DEFAULT }).unwrap();
     for command in [ARM, RESTART, STORAGE] {
         for param1 in [-1.0, 0.5, 2.0, f32::NAN] {
-            assert_eq!(of(command, param1), Order::NotUnderstood { command, known: true }, "{param1}");
+            assert_eq!(of(command, param1), Order::Senseless(command), "{param1}");
         }
     }
     assert_eq!((of(ARM, 1.0), of(ARM, 0.0)), (Order::Arm, Order::Disarm));
     assert_eq!((of(STORAGE, 1.0), of(RESTART, 1.0)), (Order::ConfirmConfiguration, Order::Restart));
-    assert_eq!(of(STORAGE, 0.0), Order::NotUnderstood { command: STORAGE, known: true });
-    assert_eq!(of(RESTART, 0.0), Order::NotUnderstood { command: RESTART, known: true });
+    assert_eq!(of(STORAGE, 0.0), Order::Senseless(STORAGE));
+    assert_eq!(of(RESTART, 0.0), Order::Senseless(RESTART));
     let command = MavCmd::MAV_CMD_DO_SET_HOME;
-    assert_eq!(of(command, 0.0), Order::NotUnderstood { command, known: false });
+    assert_eq!(of(command, 0.0), Order::UnknownCommand(command as u16));
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn a_motor_test_is_of_one_motor_in_percent_and_seconds() {
                 Some((motor, throttle_percent, duration_ms))
             }
             other => {
-                assert_eq!(other, Order::NotUnderstood { command, known: true });
+                assert_eq!(other, Order::Senseless(command));
                 None
             }
         }

@@ -139,11 +139,13 @@ fn signed_frames_are_taken_and_other_incompatible_ones_are_not() {
 fn every_order_has_its_message() {
     let arm = MavCmd::MAV_CMD_COMPONENT_ARM_DISARM;
     let test = MavCmd::MAV_CMD_DO_MOTOR_TEST;
-    let wrong = |command| Order::NotUnderstood { command, known: true };
+    let wrong = |command| Order::Senseless(command);
     let cases = [
         (command(arm, [1.0, 0.0, 0.0, 0.0]), Order::Arm),
         (command(arm, [0.0, 0.0, 0.0, 0.0]), Order::Disarm),
         (command(arm, [1.0, 21196.0, 0.0, 0.0]), Order::Arm),
+        (command(arm, [0.0, 21196.0, 0.0, 0.0]), Order::Stop(arm)),
+        (command(arm, [0.0, f32::NAN, f32::NAN, f32::NAN]), Order::Disarm),
         (command(arm, [f32::NAN, 0.0, 0.0, 0.0]), wrong(arm)),
         (command(MavCmd::MAV_CMD_MISSION_START, [0.0; 4]), Order::StartTestSequence),
         (
@@ -160,10 +162,7 @@ fn every_order_has_its_message() {
         (command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, [3.0, 0.0, 0.0, 0.0]), {
             wrong(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN)
         }),
-        (
-            command(MavCmd::MAV_CMD_NAV_TAKEOFF, [0.0; 4]),
-            Order::NotUnderstood { command: MavCmd::MAV_CMD_NAV_TAKEOFF, known: false },
-        ),
+        (command(MavCmd::MAV_CMD_NAV_TAKEOFF, [0.0; 4]), Order::UnknownCommand(MavCmd::MAV_CMD_NAV_TAKEOFF as u16)),
     ];
     for (data, order) in cases {
         assert_eq!(orders_of(&encoded(&data)), [order]);
@@ -182,7 +181,7 @@ fn escs_and_level_are_calibrated_by_one_parameter_alone() {
     let calibration = command(MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, [0.0; 4]);
     let escs = COMMAND_LONG_DATA { param7: 1.0, ..calibration.clone() };
     assert_eq!(orders_of(&encoded(&escs)), [Order::CalibrateEscs]);
-    let senseless = Order::NotUnderstood { command: MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, known: true };
+    let senseless = Order::Senseless(MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION);
     let level = COMMAND_LONG_DATA { param5: 2.0, ..calibration.clone() };
     assert_eq!(orders_of(&encoded(&level)), [Order::CalibrateLevel]);
     let others = [

@@ -8,7 +8,7 @@ use crate::params::Params;
 use crate::params::table::Field;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
-use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, RawImuSample, StepInput};
+use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, RawImuSample, Setpoint, StepInput};
 use crate::supervisor::{Arming, Refusal};
 use mavlink::Message;
 use mavlink::dialects::common::{
@@ -39,7 +39,13 @@ fn status(arming: Arming) -> VehicleStatus {
         io: crate::io_chip::IoReport::default(),
         radio_flies: false,
         rest_force_m_s2: [None; 2],
-        acro: false,
+        mode: Mode::Stabilise,
+        setpoint: Setpoint::default(),
+        rate_target_rad_s: Vector3::zeros(),
+        felt: None,
+        vibration_m_s2: Vector3::zeros(),
+        arming_refusal: None,
+        airborne: false,
         load_permille: 123,
         setpoints_rejected: 1,
         overruns: 2,
@@ -120,6 +126,7 @@ fn messages_hold_the_given_status() {
         MavMessage::ATTITUDE(attitude),
         MavMessage::SERVO_OUTPUT_RAW(servo),
         MavMessage::SYS_STATUS(system),
+        ..,
     ] = &decoded(&out)[..]
     else {
         panic!("not the expected messages");
@@ -191,7 +198,7 @@ fn queues_are_bounded_and_what_does_not_fit_waits() {
     let mut sent = heapless::Vec::<u8, 512>::new();
     telemetry.poll(2500, &quiet, &mut sent);
     let messages = decoded(&sent);
-    assert_eq!(messages.len(), 4);
+    assert_eq!(messages.len(), 11, "the streams at start but for heartbeat, radio, IMU, and a text");
     assert!(matches!(&messages[0], MavMessage::STATUSTEXT(data) if data.text.to_str().unwrap() == &long[..50]));
 }
 

@@ -1,0 +1,260 @@
+//! A board in this process: the parts of the core that the firmware wires together, in its order, between bytes of a
+//! link and a simulated vehicle.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use shared_control::config::{ConfigError, Controller};
+use shared_control::flight_core::{FlightCore, State};
+use shared_control::link::telemetry::FIGURES;
+use shared_control::link::{Answer, Chore, Commander, LinkSettings, Order, Telemetry, VehicleStatus};
+use shared_control::mpc::MpcError;
+use shared_control::params::{Params, RECORD_LEN, Rig};
+use shared_control::radio::StickCurves;
+use shared_control::setup::Setup;
+use shared_control::signals::{ArmingBlocks, Plan, RawImuSample, StepInput};
+
+use crate::planner::Planner;
+
+/// Orders that wait for a step: as many as the firmware's queue holds.
+const ORDERS_MAX: usize = 16;
+/// The firmware's buffer for one transfer.
+const SEND_BYTES: usize = 280;
+/// Of a network, which carries far more: what a board's fastest line does, 921,600 baud.
+const LINE_BYTES_S: u32 = 92_160;
+/// Housekeepings from a restart's acknowledgement to the restart, as in the firmware: 0.1 s.
+const RESTART_AFTER: u8 = 10;
+
+/// Where parameters last.
+pub trait ParameterStore {
+    /// Keeps a record; false if that failed.
+    fn keep(&mut self, record: &[u8; RECORD_LEN]) -> bool;
+}
+
+/// What no board can start with.
+#[derive(Debug, thiserror::Error)]
+pub enum OutOfOrder {
+    /// A parameter.
+    #[error("parameters: {0}")]
+    Config(ConfigError),
+    /// The MPC.
+    #[error("MPC: {0}")]
+    Planner(#[from] MpcError),
+}
+
+/// What it does to its motors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Driven {
+    /// Commands to motors 1 to 4.
+    pub commands: [f64; 4],
+    /// Do they turn?
+    pub turning: bool,
+}
+
+/// The board.
+pub struct SimulatedBoard {
+    setup: Setup,
+    state: State,
+    planner: Option<Planner>,
+    plan: Option<Plan>,
+    commander: Commander,
+    telemetry: Telemetry,
+    status: VehicleStatus,
+    input: StepInput,
+    orders: VecDeque<Order>,
+    chores: VecDeque<Chore>,
+    sent: Vec<u8>,
+    /// What the next start finds.
+    stored: Params,
+    store: Box<dyn ParameterStore>,
+    restart_in: Option<u8>,
+    /// Orders that found no room.
+    pub orders_dropped: u32,
+}
+
+impl SimulatedBoard {
+    /// Starts with these choices.
+    ///
+    /// # Errors
+    /// [`OutOfOrder`] where they cannot be flown.
+    pub fn start(params: &Params, store: Box<dyn ParameterStore>) -> Result<Self, OutOfOrder> {
+        // the simulated vehicle is all around this board already
+        let params = &Params { hil: false, ..*params };
+        let setup = Setup::new(params).map_err(OutOfOrder::Config)?;
+        let planner = match params.controller {
+            Controller::Cascade => None,
+            Controller::Mpc => Some(Planner::new(params.control_horizon.into(), &setup.mpc)?),
+        };
+        let settings = link_settings(params);
+        let blocks = ArmingBlocks {
+            esc_calibration: params.esc_calibration,
+            vehicle_unusable: setup.vehicle_fault.is_some(),
+            ..ArmingBlocks::default()
+        };
+        Ok(Self {
+            setup,
+            state: State::default(),
+            planner,
+            plan: None,
+            // there is neither radio nor safety button here
+            commander: Commander::new(&settings, blocks),
+            telemetry: Telemetry::new(&settings, params),
+            status: VehicleStatus::at_start(params.controller),
+            input: StepInput::default(),
+            orders: VecDeque::new(),
+            chores: VecDeque::new(),
+            sent: Vec::new(),
+            stored: *params,
+            store,
+            restart_in: None,
+            orders_dropped: 0,
+        })
+    }
+
+    /// Has the restart that was ordered come?
+    pub fn wants_restart(&self) -> bool {
+        self.restart_in == Some(0)
+    }
+
+    /// Starts anew, with what is stored.
+    ///
+    /// # Errors
+    /// As [`SimulatedBoard::start`].
+    pub fn restart(&mut self) -> Result<(), OutOfOrder> {
+        let store = std::mem::replace(&mut self.store, Box::new(Forgetful));
+        let sent = std::mem::take(&mut self.sent);
+        let dropped = self.orders_dropped;
+        *self = Self { sent, orders_dropped: dropped, ..Self::start(&self.stored, store)? };
+        Ok(())
+    }
+
+    /// Identity on the link, for whoever takes bytes apart.
+    pub fn link_settings(&self) -> LinkSettings {
+        link_settings(&self.stored)
+    }
+
+    /// Length of a step, µs.
+    pub fn step_us(&self) -> u64 {
+        (1e6 / self.setup.config.loop_rate_hz).round() as u64
+    }
+
+    /// State after the last step.
+    pub fn status(&self) -> &VehicleStatus {
+        &self.status
+    }
+
+    /// Takes an order; it is obeyed in the next step.
+    pub fn order(&mut self, order: Order) {
+        if self.orders.len() < ORDERS_MAX {
+            self.orders.push_back(order);
+        } else {
+            self.orders_dropped += 1;
+        }
+    }
+
+    /// What it has to say since the last time.
+    pub fn take_sent(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.sent)
+    }
+
+    /// A sample of the IMU.
+    pub fn sample(&mut self, sample: RawImuSample) {
+        // ten at most at 100 Hz: there is room for sixteen
+        let _ = self.input.imu.push(sample);
+    }
+
+    /// A step of the loop.
+    pub fn step(&mut self, time_us: u64, battery_v: f64) -> Driven {
+        self.input.time_us = time_us;
+        while let Some(order) = self.orders.pop_front() {
+            let (answer, chore) = self.commander.order(&order, time_us);
+            self.pass_on(answer, chore);
+        }
+        self.commander.commands(time_us).fill(&mut self.input);
+        self.input.battery_v = Some(battery_v as f32);
+        self.input.plan = self.plan.take();
+        let output = FlightCore::fast(&self.setup.config, &mut self.state, &self.input);
+        let answer = self.commander.answer(&output.arming);
+        self.pass_on(answer, None);
+        let request = FlightCore::follow(&self.setup.config, &mut self.state, &output);
+        if let (Some(request), Some(planner)) = (request, &mut self.planner) {
+            let begin = Instant::now();
+            let plan = planner.plan(&request);
+            // told to the ground, and of no effect on the flight
+            self.plan = Some(Plan { duration_us: begin.elapsed().as_micros() as u32, ..plan });
+        }
+        let mode = self.commander.mode();
+        self.status = VehicleStatus { mode, ..VehicleStatus::new(&self.setup.config, &self.input, &output) };
+        self.input.imu.clear();
+        Driven { commands: output.mix.commands.0.map(f64::from), turning: output.arming.motors_turn() }
+    }
+
+    /// What has time: chores, and reports that are due.
+    pub fn keep_house(&mut self, time_us: u64) {
+        while let Some(chore) = self.chores.pop_front() {
+            self.attend_to(chore);
+        }
+        let planning = self.status.planning;
+        let mut figures = [("", 0); FIGURES];
+        figures[..4].copy_from_slice(&[
+            ("plan_iter", planning.iterations.into()),
+            ("plan_us", planning.duration_us),
+            ("plan_late", planning.deadline_misses),
+            ("fallbacks", planning.fallbacks),
+        ]);
+        self.telemetry.figures(figures);
+        let mut due = heapless::Vec::<u8, SEND_BYTES>::new();
+        self.telemetry.poll(time_us, &self.status, &mut due);
+        self.sent.extend_from_slice(&due);
+        if let Some(updates) = &mut self.restart_in {
+            *updates = updates.saturating_sub(1);
+        }
+    }
+
+    fn pass_on(&mut self, answer: Option<Answer>, chore: Option<Chore>) {
+        if let Some(answer) = answer {
+            self.telemetry.answer(answer);
+        }
+        self.chores.extend(chore);
+    }
+
+    fn attend_to(&mut self, chore: Chore) {
+        let (store, stored) = (&mut self.store, &mut self.stored);
+        let keep = |record: &[u8; RECORD_LEN]| {
+            let kept = store.keep(record);
+            if kept && let Ok(params) = shared_control::params::decode(record) {
+                *stored = params;
+            }
+            kept
+        };
+        match chore {
+            // no fault of this board is recorded
+            Chore::ClearFaultRecord => {}
+            Chore::StoreConfiguration => self.telemetry.store_configuration(keep),
+            Chore::Parameters(request) => self.telemetry.serve_parameters(&request, keep),
+            Chore::CalibrateLevel => self.telemetry.calibrate_level(&self.status, keep),
+            Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
+            Chore::Restart => self.restart_in = Some(RESTART_AFTER),
+        }
+    }
+}
+
+/// Stands in for a board's memory while it starts anew.
+struct Forgetful;
+
+impl ParameterStore for Forgetful {
+    fn keep(&mut self, _: &[u8; RECORD_LEN]) -> bool {
+        false
+    }
+}
+
+/// As the firmware makes them of its parameters.
+fn link_settings(params: &Params) -> LinkSettings {
+    LinkSettings {
+        hover_throttle: f32::from(params.hover_throttle_permille) / 1000.0,
+        has_test_sequence: params.rig == Rig::Gimbal,
+        curves: StickCurves::new(&params.pilot),
+        line_bytes_s: LINE_BYTES_S,
+        ..LinkSettings::NOMINAL
+    }
+}

@@ -1,0 +1,169 @@
+//! A served vehicle without sockets: bytes in, bytes out, by simulated time.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use mavlink::MessageData;
+use mavlink::dialects::common::{
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavModeFlag, MavParamType, MavType,
+    PARAM_SET_DATA,
+};
+use shared_control::config::Controller;
+use shared_control::link::Receiver;
+use shared_control::link::frame::{FrameFinder, FrameWriter, message};
+use shared_control::params::{Params, RECORD_LEN, Rig, decode};
+use shared_control::supervisor::Arming;
+
+use super::*;
+use crate::effects::Effect;
+use crate::model;
+
+/// Keeps what was stored last where a test sees it.
+#[derive(Clone, Default)]
+struct Kept(Rc<RefCell<Option<Params>>>);
+
+impl ParameterStore for Kept {
+    fn keep(&mut self, record: &[u8; RECORD_LEN]) -> bool {
+        *self.0.borrow_mut() = decode(record).ok();
+        true
+    }
+}
+
+/// A ground station's hands on a vehicle.
+struct Flown {
+    vehicle: ServedVehicle,
+    receiver: Receiver,
+    writer: FrameWriter,
+    said: Vec<u8>,
+    throttle: i16,
+}
+
+impl Flown {
+    fn new(model: VehicleModel, params: &Params, kept: Kept) -> Self {
+        let mut vehicle = ServedVehicle::new(model, 1, params, Box::new(kept)).unwrap();
+        let receiver = Receiver::new(vehicle.board().link_settings());
+        Self { vehicle, receiver, writer: FrameWriter::new(255, 190), said: Vec::new(), throttle: 0 }
+    }
+
+    fn free() -> Self {
+        let model = VehicleModel::nominal(model::Rig::Free);
+        let hover_throttle_permille = (model.base_command * 1000.0).round() as u16;
+        let params = Params { rig: Rig::Free, hover_throttle_permille, ..Params::DEFAULT };
+        Self::new(model, &params, Kept::default())
+    }
+
+    fn send(&mut self, data: &impl MessageData) {
+        let mut frame = heapless::Vec::<u8, 100>::new();
+        assert!(self.writer.write(data, &mut frame));
+        for byte in frame {
+            if let Some(order) = self.receiver.receive(byte) {
+                self.vehicle.board().order(order);
+            }
+        }
+    }
+
+    fn command(&mut self, command: MavCmd, param1: f32) {
+        self.send(&COMMAND_LONG_DATA { command, param1, ..COMMAND_LONG_DATA::DEFAULT });
+    }
+
+    /// With sticks ten times and heartbeats once a second.
+    fn pass(&mut self, seconds: f64) {
+        for tick in 0..(seconds * 1e6) as u64 / TICK_US {
+            if tick.is_multiple_of(200) {
+                self.send(&MANUAL_CONTROL_DATA { target: 1, z: self.throttle, ..MANUAL_CONTROL_DATA::DEFAULT });
+            }
+            if tick.is_multiple_of(2000) {
+                let (mavtype, autopilot) = (MavType::MAV_TYPE_GCS, MavAutopilot::MAV_AUTOPILOT_INVALID);
+                self.send(&HEARTBEAT_DATA { mavtype, autopilot, ..HEARTBEAT_DATA::DEFAULT });
+            }
+            self.vehicle.advance().unwrap();
+            self.said.extend(self.vehicle.board().take_sent());
+        }
+    }
+
+    fn arming(&mut self) -> Arming {
+        self.vehicle.board().status().arming
+    }
+
+    fn heartbeats(&self) -> Vec<HEARTBEAT_DATA> {
+        let mut finder = FrameFinder::default();
+        let extra = |id| (id == HEARTBEAT_DATA::ID).then_some(HEARTBEAT_DATA::EXTRA_CRC);
+        self.said.iter().filter_map(|byte| message(&finder.push(*byte, extra)?)).collect()
+    }
+
+    fn tilt_deg(&self) -> f64 {
+        let truth = self.vehicle.truth();
+        (truth.roll_rad.cos() * truth.pitch_rad.cos()).acos().to_degrees()
+    }
+}
+
+/// It stands, takes off, comes down, stands again on its legs, and knows each of it.
+#[test]
+fn a_free_vehicle_takes_off_and_lands() {
+    let mut flown = Flown::free();
+    flown.pass(3.0);
+    let stands_m = flown.vehicle.truth().position_ned_m[2];
+    // 10 mm at 1 g
+    assert!((stands_m - 0.01).abs() < 1e-3, "legs bend by {stands_m} m");
+    flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
+    flown.pass(0.5);
+    assert_eq!(flown.arming(), Arming::Armed);
+    assert!((flown.vehicle.truth().position_ned_m[2] - stands_m).abs() < 0.005, "it idles on the ground");
+    flown.throttle = 600;
+    flown.pass(2.0);
+    assert!(flown.vehicle.truth().position_ned_m[2] < -0.5 && flown.tilt_deg() < 5.0, "it climbs");
+    assert!(flown.vehicle.board().status().airborne);
+    // half a metre a second downwards, as a careful hand lands
+    for _ in 0..300 {
+        let truth = flown.vehicle.truth();
+        let miss_m_s = truth.velocity_ned_m_s[2] - 0.5;
+        let on_ground = truth.position_ned_m[2] > -0.005;
+        flown.throttle = if on_ground || flown.throttle == 0 { 0 } else { (540.0 + 100.0 * miss_m_s) as i16 };
+        flown.pass(0.1);
+    }
+    assert!((flown.vehicle.truth().position_ned_m[2] - stands_m).abs() < 0.005 && flown.tilt_deg() < 1.0);
+    assert!(!flown.vehicle.board().status().airborne, "it has landed");
+    assert_eq!(flown.arming(), Arming::Armed);
+    let armed = MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED;
+    assert!(flown.heartbeats().last().is_some_and(|beat| beat.base_mode.contains(armed)));
+}
+
+/// On the rig a hand holds what would turn by itself, until the motors do.
+#[test]
+fn on_the_rig_a_hand_holds_the_vehicle_level() {
+    let mut model = VehicleModel::nominal(model::Rig::Gimbal);
+    let text = "torque_bias:axis=roll,torque_nm=0.02";
+    model.effects.push(Effect::parse_for(text, model.rig(), model.inertia_kg_m2).unwrap());
+    let mut flown = Flown::new(model, &Params::DEFAULT, Kept::default());
+    flown.pass(5.0);
+    // 0.02 N m over 9 1/s^2 times 0.0115 kg m^2: 11 degrees, at rest
+    let held_rad = flown.vehicle.truth().roll_rad;
+    assert!((0.05..0.3).contains(&held_rad), "{held_rad} rad");
+    assert!(flown.vehicle.truth().rate_body_rad_s[0].abs() < 1e-3);
+}
+
+/// A parameter that was set over the link counts from the restart that was ordered over it, and the same again gives
+/// the same bytes.
+#[test]
+fn a_restart_flies_what_was_stored() {
+    let run = || {
+        let kept = Kept::default();
+        let mut flown = Flown::new(VehicleModel::nominal(model::Rig::Gimbal), &Params::DEFAULT, kept.clone());
+        flown.pass(1.0);
+        flown.send(&PARAM_SET_DATA {
+            param_value: 1.0,
+            param_id: "CONTROLLER".into(),
+            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
+            ..PARAM_SET_DATA::DEFAULT
+        });
+        flown.pass(0.5);
+        assert_eq!(kept.0.borrow().map(|params| params.controller), Some(Controller::Mpc));
+        assert_eq!(flown.heartbeats().last().map(|beat| beat.custom_mode & 1), Some(0), "not before");
+        flown.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
+        flown.pass(1.0);
+        assert_eq!(flown.vehicle.restarts(), 1);
+        assert_eq!(flown.heartbeats().last().map(|beat| beat.custom_mode & 1), Some(1));
+        flown.said
+    };
+    assert_eq!(run(), run());
+}

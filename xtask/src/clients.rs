@@ -1,0 +1,46 @@
+//! Holding the link against the programs that people connect with: released clients fly a vehicle of `sil serve`.
+
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::Result;
+
+use crate::process;
+use crate::workspace::Workspace;
+
+/// Fixed, so that a change of theirs does not fail a change of ours. With what they need of others, and no more:
+/// MAVProxy's own list has what its windows and maps take.
+const PACKAGES: [&str; 9] = [
+    "pymavlink==2.4.50",
+    "MAVProxy==1.8.75",
+    "mavsdk==3.17.4",
+    "pyserial==3.5",
+    "fastcrc==0.5.0",
+    "lxml==6.1.3",
+    "grpcio==1.85.1",
+    "protobuf==7.36.2",
+    "typing_extensions==4.16.0",
+];
+
+/// What the clients do, a file each under `tests/clients`.
+const SCRIPTS: [&str; 4] = ["connect.py", "lossy.py", "console.py", "companion.py"];
+
+/// Installs them in an environment of their own, once, and lets each meet the simulated vehicle.
+pub(crate) fn run(workspace: &Workspace) -> Result<()> {
+    let folder = workspace.target_dir.join("clients");
+    let python = folder.join("bin").join("python");
+    if !python.exists() {
+        process::run(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
+    }
+    let install = ["-m", "pip", "install", "--quiet", "--no-deps"];
+    process::run(Command::new(&python).args(install).args(PACKAGES))?;
+    process::run(workspace.cargo("build").args(["--package", "sil-host", "--bin", "sil"]))?;
+    let sil = workspace.target_dir.join("debug").join("sil");
+    for script in SCRIPTS {
+        let start = Instant::now();
+        let path = workspace.root.join("tests").join("clients").join(script);
+        process::run(Command::new(&python).arg(path).arg(&sil))?;
+        eprintln!("{script}: {:.1} s", start.elapsed().as_secs_f64());
+    }
+    Ok(())
+}
