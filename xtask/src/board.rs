@@ -10,8 +10,8 @@ use crate::process;
 use crate::px4;
 use crate::workspace::Workspace;
 
-/// With optimisation, or a flight takes minutes.
-const PACKAGE: [&str; 3] = ["--release", "--package", "emulated-board"];
+/// As `cargo test` builds the rest: optimised, with checks, and nothing is built twice.
+const PACKAGE: [&str; 2] = ["--package", "emulated-board"];
 
 /// Builds the image and its bundle, then runs the emulated board's tests on them; they print what they measured.
 pub(crate) fn run(workspace: &Workspace) -> Result<()> {
