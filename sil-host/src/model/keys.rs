@@ -88,6 +88,11 @@ impl ModelKey {
                 let (meaning, unit) = range.what.rsplit_once(" in ").unwrap_or((range.what, ""));
                 (meaning.to_owned(), unit.to_owned(), format!("{} to {}", short(range.min), short(range.max)))
             }
+            Holds::Numbers(range) => {
+                let (meaning, unit) = range.what.rsplit_once(" in ").unwrap_or((range.what, ""));
+                let range = format!("list, {} to {}", short(range.min), short(range.max));
+                (meaning.to_owned(), unit.to_owned(), range)
+            }
             Holds::Text(what) => ((*what).to_owned(), String::new(), "text".to_owned()),
             Holds::Choice { names, .. } => {
                 let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
