@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sil_host::answer::refinement::{RefinedJson, checks_text, page, text};
-use sil_host::model::VehicleModel;
-use sil_host::refinement::{Bench, Given, checks, refine};
+use sil_host::model::{Mounting, VehicleModel};
+use sil_host::refinement::{Bench, Given, Order, checks, refine};
 use sil_host::vehicle::propulsion::Propulsion;
 
 use super::{Failure, bad_input, print, to_stdout, vehicle_model, write_file, write_json};
@@ -29,6 +29,9 @@ pub struct RefineArguments {
     /// Take this form of a component, such as lift=table or esc=exponential, instead of the one that predicts best
     #[arg(long, value_name = "COMPONENT=FORM")]
     form: Vec<String>,
+    /// Measurements that no fit uses: the error of every form is reported on them. May be given several times
+    #[arg(long, value_name = "BENCH.csv")]
+    held_out: Vec<PathBuf>,
     /// The propeller's diameter, m, for the checks
     #[arg(long, value_name = "M")]
     diameter: Option<f64>,
@@ -58,8 +61,11 @@ pub fn run(arguments: &RefineArguments) -> Result<(), Failure> {
     if arguments.benches.is_empty() {
         return check_only(arguments, &base, &given);
     }
-    let benches = arguments.benches.iter().map(|path| Bench::load(path)).collect::<Result<Vec<_>, _>>();
-    let refined = refine(&benches.map_err(bad_input)?, &base, &given, &arguments.form).map_err(bad_input)?;
+    let read = |paths: &[PathBuf]| paths.iter().map(|path| Bench::load(path)).collect::<Result<Vec<_>, _>>();
+    let benches = read(&arguments.benches).map_err(bad_input)?;
+    let held_out = read(&arguments.held_out).map_err(bad_input)?;
+    let order = Order { given, forms: &arguments.form, held_out: &held_out };
+    let refined = refine(&benches, &base, &order).map_err(bad_input)?;
     match &arguments.out {
         Some(out) => {
             print(text(&refined))?;
@@ -104,8 +110,8 @@ fn given(arguments: &RefineArguments, base: &VehicleModel) -> Result<Given, Fail
         value => Ok(value),
     };
     let mass_kg = match base.mounting {
-        sil_host::model::Mounting::Free { mass_kg } => Some(mass_kg),
-        sil_host::model::Mounting::Gimbal { .. } => None,
+        Mounting::Free { mass_kg } => Some(mass_kg),
+        Mounting::Gimbal { .. } => None,
     };
     Ok(Given {
         diameter_m: of("diameter", arguments.diameter)?,

@@ -2,9 +2,11 @@
 
 use super::bench::Bench;
 use super::form::{
-    Form, Formula, LINE, POWER, PROPORTIONAL, Points, SATURATING, SQUARE, SQUARE_WITH_TARE, TWO_EXPONENTIALS,
+    CONSTANT, FASTER_WITH_SPEED, Form, Formula, LINE, POWER, PROPORTIONAL, Points, SATURATING, SQUARE,
+    SQUARE_WITH_TARE, TWO_EXPONENTIALS,
 };
 use super::reading::Reading;
+use super::step::Step;
 
 /// A part of the propulsion that a bench shows by one curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +27,17 @@ pub enum Component {
     ReactionTorque,
     /// What the propeller adds to the motor's torque, by its current, over the speed (C.7).
     Drag,
+    /// Time constant of steps that speed the motor up, over the speed halfway.
+    LagRising,
+    /// The same of steps that slow it down.
+    LagFalling,
+}
+
+/// What a component is seen in: the steady readings of a file, and its steps.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Measured {
+    pub(super) steady: Bench,
+    pub(super) steps: Vec<Step>,
 }
 
 /// Numbers of other components that one needs.
@@ -37,7 +50,7 @@ pub(super) struct Upstream {
 
 impl Component {
     /// All, in an order in which each follows those it needs.
-    pub const ALL: [Component; 8] = [
+    pub const ALL: [Component; 10] = [
         Self::Resistance,
         Self::Inductance,
         Self::SpeedController,
@@ -46,6 +59,8 @@ impl Component {
         Self::Lift,
         Self::ReactionTorque,
         Self::Drag,
+        Self::LagRising,
+        Self::LagFalling,
     ];
 
     /// Its name in options and JSON.
@@ -59,6 +74,8 @@ impl Component {
             Self::Lift => "lift",
             Self::ReactionTorque => "reaction_torque",
             Self::Drag => "drag",
+            Self::LagRising => "lag_rising",
+            Self::LagFalling => "lag_falling",
         }
     }
 
@@ -74,6 +91,8 @@ impl Component {
             Self::Lift => [speed, ("lift", "N")],
             Self::ReactionTorque => [speed, ("reaction torque", "N m")],
             Self::Drag => [speed, ("torque of the propeller", "N m")],
+            Self::LagRising => [speed, ("time constant, speeding up", "s")],
+            Self::LagFalling => [speed, ("time constant, slowing down", "s")],
         }
     }
 
@@ -84,12 +103,21 @@ impl Component {
             Self::SpeedController => &[&PROPORTIONAL, &TWO_EXPONENTIALS, &SATURATING, &LINE],
             Self::Motor => &[&PROPORTIONAL, &LINE],
             Self::Lift | Self::ReactionTorque | Self::Drag => &[&SQUARE, &SQUARE_WITH_TARE, &POWER],
+            Self::LagRising | Self::LagFalling => &[&CONSTANT, &FASTER_WITH_SPEED],
         };
         formulas.iter().map(|formula| Form::Formula(formula)).chain([Form::Table]).collect()
     }
 
+    /// Whether a form can be taken: model files have it, or it describes what is no part of a model file.
+    pub fn takes(self, form: Form) -> bool {
+        match form {
+            Form::Formula(formula) => self.keys(formula).is_some(),
+            Form::Table => matches!(self, Self::SpeedController | Self::Lift),
+        }
+    }
+
     /// The names in a model file of a form's parameters, and their units; empty names are of the stand and not of the
-    /// component. None where the model has no such form.
+    /// component. None where the model has no such form. Lags have names although model files don't.
     pub(super) fn keys(self, formula: &Formula) -> Option<&'static [(&'static str, &'static str)]> {
         let square = |keys: &'static [(&'static str, &'static str)]| match formula.name {
             "square" => Some(&keys[..1]),
@@ -109,6 +137,10 @@ impl Component {
             Self::Lift => square(&[("lift_n_s2", "N s^2"), ("", "N")]),
             Self::ReactionTorque => square(&[("reaction_torque_nm_s2", "N m s^2"), ("", "N m")]),
             Self::Drag => square(&[("drag_nm_s2", "N m s^2"), ("", "N m")]),
+            Self::LagRising if formula.name == "constant" => Some(&[("lag_rising_s", "s")]),
+            Self::LagRising => Some(&[("lag_rising_at_1000_s", "s"), ("lag_rising_k", "")]),
+            Self::LagFalling if formula.name == "constant" => Some(&[("lag_falling_s", "s")]),
+            Self::LagFalling => Some(&[("lag_falling_at_1000_s", "s"), ("lag_falling_k", "")]),
             Self::SpeedController => match formula.name {
                 "proportional" => Some(&[("battery_v", "V")]),
                 "exponential" => Some(&[("gain1_v", "V"), ("rate1", ""), ("gain2_v", "V"), ("rate2", "")]),
@@ -118,7 +150,7 @@ impl Component {
         }
     }
 
-    /// Which upstream numbers its points are made with.
+    /// Which components' numbers its points are made with.
     pub(super) fn needs(self) -> &'static [Component] {
         match self {
             Self::Inductance | Self::Motor => &[Self::Resistance],
@@ -128,8 +160,19 @@ impl Component {
         }
     }
 
-    /// Its points in a bench of steady rows.
-    pub(super) fn points(self, bench: &Bench, upstream: &Upstream) -> Points {
+    /// Its points in a file.
+    pub(super) fn points(self, measured: &Measured, upstream: &Upstream) -> Points {
+        let is_rising = match self {
+            Self::LagRising => true,
+            Self::LagFalling => false,
+            _ => return self.steady_points(&measured.steady, upstream),
+        };
+        let steps = measured.steps.iter().filter(|step| step.is_rising() == is_rising);
+        let (x, y) = steps.map(|step| (step.middle_rad_s(), step.lag_s)).unzip();
+        Points { x, y }
+    }
+
+    fn steady_points(self, bench: &Bench, upstream: &Upstream) -> Points {
         let column = |reading| bench.column(reading);
         let (speed, current) = (column(Reading::Speed), column(Reading::Current));
         let (command, volt) = (column(Reading::Command), column(Reading::MotorVoltage));
@@ -162,6 +205,7 @@ impl Component {
                 Self::Lift => (with_propeller, lift[row]),
                 Self::ReactionTorque => (with_propeller, way * torque[row]),
                 Self::Drag => (with_propeller, torque_nm - upstream.loss_nm_s * turning),
+                Self::LagRising | Self::LagFalling => (f64::NAN, f64::NAN),
             }
         };
         let rows = (0..bench.rows()).map(row).filter(|(x, y)| x.is_finite() && y.is_finite());

@@ -1,11 +1,13 @@
 //! The constants of a model, each with its interval: component after component, since some are measured through others.
 
-use super::bench::Bench;
 use super::choice::{Candidate, Comparison};
-use super::component::{Component, Upstream};
+use super::component::{Component, Measured, Upstream};
 use super::form::{Fitted, Points};
 use crate::statistics::student_95;
 use crate::vehicle::propulsion::DevicePropulsion;
+
+/// The key of the rotor's inertia, which is not the motor's.
+pub(super) const ROTOR_INERTIA: &str = "rotor.inertia_kg_m2";
 
 /// A constant of a model file.
 #[derive(Clone, Debug)]
@@ -45,17 +47,17 @@ pub struct Run {
 
 /// Estimates of all components so far.
 pub(super) struct Constants<'a> {
-    benches: &'a [Bench],
+    benches: &'a [Measured],
     /// Value and standard deviation.
     upstream: Upstream,
     upstream_std: Upstream,
-    /// Whether the motor's speed constant was measured on these benches.
+    /// Those of the components that were added.
     pub(super) all: Vec<Constant>,
 }
 
 impl<'a> Constants<'a> {
     /// Nothing measured yet: what is needed of other components is the base model's.
-    pub(super) fn new(benches: &'a [Bench], base: &DevicePropulsion) -> Self {
+    pub(super) fn new(benches: &'a [Measured], base: &DevicePropulsion) -> Self {
         let upstream = Upstream {
             resistance_ohm: base.resistance_ohm,
             speed_constant_rad_s_v: base.speed_constant_rad_s_v,
@@ -68,6 +70,11 @@ impl<'a> Constants<'a> {
     /// All points of a component.
     pub(super) fn points(&self, component: Component) -> Points {
         points(component, self.benches, &self.upstream)
+    }
+
+    /// The points of a component in other files.
+    pub(super) fn points_of(&self, component: Component, others: &[Measured]) -> Points {
+        points(component, others, &self.upstream)
     }
 
     /// What was taken from the base model to make a component's points.
@@ -138,28 +145,28 @@ impl<'a> Constants<'a> {
     }
 
     fn sources(&self, component: Component) -> Vec<String> {
-        let shows = |bench: &&Bench| !component.points(bench, &self.upstream).x.is_empty();
-        self.benches.iter().filter(shows).map(|bench| bench.name.clone()).collect()
+        let shows = |bench: &&Measured| !component.points(bench, &self.upstream).x.is_empty();
+        self.benches.iter().filter(shows).map(|bench| bench.steady.name.clone()).collect()
     }
 
     /// The same form on each file alone, where there are several.
     fn runs(&self, component: Component, candidate: &Candidate, index: usize) -> Vec<Run> {
-        let shown: Vec<&Bench> =
+        let shown: Vec<&Measured> =
             self.benches.iter().filter(|bench| !component.points(bench, &self.upstream).x.is_empty()).collect();
         if shown.len() < 2 {
             return Vec::new();
         }
-        let run = |bench: &Bench| {
+        let run = |bench: &Measured| {
             let points = component.points(bench, &self.upstream);
             let Some(Fitted::Formula(_, fit)) = Fitted::of(candidate.fitted.form(), &points) else { return None };
             let (value, reach) = (fit.parameters[index], student_95(fit.freedom) * fit.std[index]);
-            Some(Run { source: bench.name.clone(), value, interval: [value - reach, value + reach] })
+            Some(Run { source: bench.steady.name.clone(), value, interval: [value - reach, value + reach] })
         };
         shown.into_iter().filter_map(run).collect()
     }
 }
 
-fn points(component: Component, benches: &[Bench], upstream: &Upstream) -> Points {
+fn points(component: Component, benches: &[Measured], upstream: &Upstream) -> Points {
     let mut all = Points::default();
     for bench in benches {
         let Points { x, y } = component.points(bench, upstream);

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::choice::Comparison;
 use super::component::Component;
-use super::constant::Constant;
+use super::constant::{Constant, ROTOR_INERTIA};
 use super::form::Fitted;
 use super::refined::Refined;
 
@@ -49,8 +49,12 @@ impl Refined {
             let component = if table == "propulsion.esc" { Component::SpeedController } else { Component::Lift };
             return self.comparisons.iter().find(|of| of.component == component).map(Comparison::of_table);
         }
-        let measured = self.constants.iter().find(|constant| constant.key == key);
+        let wanted = if table == "propulsion.rotor" && key == "inertia_kg_m2" { ROTOR_INERTIA } else { key };
+        let measured = self.constants.iter().find(|constant| constant.key == wanted);
         match measured {
+            Some(constant) if constant.key == ROTOR_INERTIA => {
+                Some(format!("{}, by the lag with which the motor speeds up", constant.in_words()))
+            }
             Some(constant) => Some(constant.in_words()),
             None if matches!(key, "map" | "voltage_v" | "lift_n") => None,
             None => Some(match (key, self.has(Component::SpeedController), self.has(Component::Motor)) {

@@ -210,6 +210,24 @@ pub(super) static SATURATING: Formula = Formula {
     },
 };
 
+/// `y = a`.
+pub(super) static CONSTANT: Formula = Formula {
+    name: "constant",
+    equation: "T",
+    parameters: &["lag_s"],
+    value: |p, _| p[0],
+    starts: |points| vec![vec![median(points.y.clone())]],
+};
+
+/// `y = a / (1 + b (x - 1000) / 1000)`: a lag whose inverse grows with the speed, as a propeller's drag does.
+pub(super) static FASTER_WITH_SPEED: Formula = Formula {
+    name: "faster with speed",
+    equation: "T / (1 + k (w - 1000) / 1000)",
+    parameters: &["lag_at_1000_s", "k"],
+    value: |p, x| p[0] / (1.0 + p[1] * (x - 1000.0) / 1000.0),
+    starts: |points| vec![vec![median(points.y.clone()), 0.0], vec![median(points.y.clone()), 0.5]],
+};
+
 /// Least squares of one factor.
 fn ratio(points: &Points, of: impl Fn(f64) -> f64) -> f64 {
     let sum = |by: &dyn Fn(f64, f64) -> f64| -> f64 { points.x.iter().zip(&points.y).map(|(x, y)| by(of(*x), *y)).sum() };

@@ -1,7 +1,7 @@
 //! From bench measurements to a model's numbers: the thesis' appendix C as a computation.
 //!
 //! ```text
-//! CSV --bench, reading, arrival--> Bench --steady--> readings --component--> points of one curve
+//! CSV --bench, reading, arrival--> Bench --steady, step--> readings, lags --component--> points of one curve
 //!      points --form, choice--> the form that predicts best --constant--> constants with intervals
 //!      constants + base model --file--> model file;   plausibility: what can't be
 //! ```
@@ -17,6 +17,7 @@ mod plausibility;
 mod reading;
 mod refined;
 mod steady;
+mod step;
 
 pub use bench::{Bench, BenchError};
 pub use choice::{Candidate, Comparison};
@@ -25,4 +26,5 @@ pub use constant::{Constant, Run};
 pub use form::{Fitted, Form, Formula, FormulaFit, Points};
 pub use plausibility::{Check, Found, Given, checks};
 pub use reading::Reading;
-pub use refined::{NotRefined, Refined, refine};
+pub use refined::{NotRefined, Order, Refined, refine};
+pub use step::Step;

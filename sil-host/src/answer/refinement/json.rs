@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::cost::evaluation_ns;
 use crate::refinement::{Check, Comparison, Constant, Fitted, Refined};
 
 /// All of it.
@@ -40,6 +41,8 @@ struct FormJson {
     form: &'static str,
     numbers: usize,
     held_out_error: f64,
+    unseen_error: Option<f64>,
+    evaluation_ns: f64,
     unit: &'static str,
     is_taken: bool,
     parameters: Vec<f64>,
@@ -83,6 +86,8 @@ fn forms(of: &Comparison) -> Vec<FormJson> {
         form: candidate.fitted.form().name(),
         numbers: candidate.fitted.numbers(),
         held_out_error: candidate.held_out,
+        unseen_error: candidate.unseen,
+        evaluation_ns: evaluation_ns(&candidate.fitted, &of.points.x),
         unit: of.component.axes()[1].1,
         is_taken: index == of.chosen,
         parameters: match &candidate.fitted {

@@ -1,5 +1,6 @@
 //! What `sil refine` found, as text, page and JSON.
 
+mod cost;
 mod json;
 mod page;
 mod text;

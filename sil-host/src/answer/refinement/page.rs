@@ -63,7 +63,10 @@ fn component(comparison: &Comparison) -> Section {
         .collect();
     let mut curves = Chart::over(over.clone(), quantity, unit).points("measured", &points.x, &points.y);
     let mut left = Chart::over(over, "measured less the form", unit);
-    let mut table = Table::new("Forms side by side", &["form", "numbers", "held-out error", "equation and parameters"]);
+    let mut table = Table::new(
+        "Forms side by side",
+        &["form", "numbers", "error when left out", "error on held-out files", "equation and parameters"],
+    );
     for (index, candidate) in comparison.candidates.iter().enumerate() {
         let name = candidate.fitted.form().name();
         let values: Vec<f64> = grid.iter().map(|x| candidate.fitted.value(*x)).collect();
@@ -80,6 +83,7 @@ fn component(comparison: &Comparison) -> Section {
             Cell::from(name),
             Cell::number(candidate.fitted.numbers() as f64, 0),
             held_out,
+            Cell::from(candidate.unseen.map_or(String::new(), |error| format!("{error:.3e} {unit}"))),
             with_parameters(&candidate.fitted).into(),
         ]);
     }

@@ -1,5 +1,6 @@
 //! A refinement on the terminal: constants, forms side by side, what can't be.
 
+use super::cost::evaluation_ns;
 use crate::answer::text_table::TextTable;
 use crate::refinement::{Check, Comparison, Constant, Found, Refined};
 
@@ -16,7 +17,8 @@ pub fn text(refined: &Refined) -> String {
     }
     text.push_str(&format!("\n{}", forms(&refined.comparisons)));
     text.push_str(
-        "A formula's parameters can be varied in a study; a table stands for the one component that was measured.\n",
+        "Errors are mean absolute ones. A formula's parameters can be varied in a study, as a propeller that lifts a \
+         fifth more; a table stands for the one component that was measured.\n",
     );
     text.push_str(&format!("\n{}", checks_text(&refined.checks)));
     text
@@ -66,20 +68,32 @@ fn runs(constants: &[Constant]) -> String {
 }
 
 fn forms(comparisons: &[Comparison]) -> TextTable {
-    let mut table = TextTable::new(["component", "form", "held-out error", "unit", "numbers", ""]);
+    let mut table = TextTable::new([
+        "component",
+        "form",
+        "error when left out",
+        "on held-out files",
+        "unit",
+        "numbers",
+        "ns a value",
+        "",
+    ]);
     for comparison in comparisons {
         for (index, candidate) in comparison.candidates.iter().enumerate() {
             let taken = match (index == comparison.chosen, comparison.is_requested) {
                 (true, true) => "taken (--form)",
                 (true, false) => "taken",
+                _ if !comparison.component.takes(candidate.fitted.form()) => "not in model files",
                 _ => "",
             };
             table.row([
                 comparison.component.name().to_owned(),
                 candidate.fitted.form().name().to_owned(),
                 format!("{:.3e}", candidate.held_out),
+                candidate.unseen.map_or("-".to_owned(), |error| format!("{error:.3e}")),
                 comparison.component.axes()[1].1.to_owned(),
                 candidate.fitted.numbers().to_string(),
+                format!("{:.0}", evaluation_ns(&candidate.fitted, &comparison.points.x)),
                 taken.to_owned(),
             ]);
         }
