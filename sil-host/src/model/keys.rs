@@ -82,7 +82,7 @@ fn condition(of: &KeyRead, files: &[Vec<KeyRead>]) -> String {
     let is_asked = |file: &[KeyRead]| file.iter().any(|read| read.table == of.table && read.key == of.key);
     let has = |file: &[KeyRead], choice: &str| file.iter().filter_map(choice_of).any(|other| other == choice);
     let choices = files.iter().flatten().filter_map(choice_of);
-    let its_table = || "its table, which may be left out".to_owned();
+    let its_table = || format!("[{}]", of.table);
     let mut deciding = choices.filter(|choice| files.iter().all(|file| is_asked(file) == has(file, choice)));
     if files.iter().all(|file| is_asked(file)) { String::new() } else { deciding.next().unwrap_or_else(its_table) }
 }
