@@ -140,12 +140,7 @@ impl<'a> Section<'a> {
         list.iter().map(|element| self.number_of(key, element, range)).collect()
     }
 
-    fn number_of(
-        &self,
-        key: &'static str,
-        value: &Spanned<DeValue<'a>>,
-        range: Admissible,
-    ) -> Result<f64, ModelError> {
+    fn number_of(&self, key: &'static str, value: &Spanned<DeValue<'a>>, range: Admissible) -> Result<f64, ModelError> {
         let number = match value.get_ref() {
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
             DeValue::Integer(integer) => {

@@ -47,7 +47,8 @@ pub(super) fn sampled(arrived_s: &[f64]) -> Result<(Vec<f64>, Vec<String>), Stri
     };
     let sampled_s: Vec<f64> = (0..time_s.len()).map(|row| row as f64 * period_s + earliest(row)).collect();
     let gaps = sampled_s.windows(2).filter(|pair| pair[1] - pair[0] > GAP_PERIODS * period_s).count();
-    let mut note = format!("rows every {:.2} ms, by the rows' order; the clock's times come in bundles", 1e3 * period_s);
+    let mut note =
+        format!("rows every {:.2} ms, by the rows' order; the clock's times come in bundles", 1e3 * period_s);
     if gaps > 0 {
         note += &format!("; {gaps} gaps where rows are missing");
     }
@@ -62,7 +63,8 @@ mod tests {
     /// 1000 rows of 10 ms, handed over every 16 ms; 18 rows lost in the middle.
     #[test]
     fn bundles_are_undone_and_losses_remain() {
-        let true_s: Vec<f64> = (0..1018).filter(|row| !(500..518).contains(row)).map(|row| 0.01 * f64::from(row)).collect();
+        let true_s: Vec<f64> =
+            (0..1018).filter(|row| !(500..518).contains(row)).map(|row| 0.01 * f64::from(row)).collect();
         let arrived_s: Vec<f64> = true_s.iter().map(|time| 67_000.0 + (time / 0.016).ceil() * 0.016).collect();
         let (sampled_s, notes) = sampled(&arrived_s).unwrap();
         // the grid of 16 ms meets one of the rows of 10 ms within 2 ms, their common measure

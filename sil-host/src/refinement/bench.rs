@@ -91,9 +91,8 @@ impl Bench {
                 return Err(at(line, problem));
             }
             for (index, (field, what)) in fields.iter().zip(&uses).enumerate() {
-                let value = value_of(field, what, &mut style).map_err(|problem| {
-                    at(line, format!("column `{}`: {problem}", names[index]))
-                })?;
+                let value = value_of(field, what, &mut style)
+                    .map_err(|problem| at(line, format!("column `{}`: {problem}", names[index])))?;
                 columns[index].push(value);
             }
         }

@@ -53,11 +53,13 @@ impl Comparison {
         let least = mean(&best);
         let is_near = |candidate: &Candidate| candidate.held_out - least <= candidate.behind_best_std;
         let simplest = (0..candidates.len())
-            .filter(|index| is_near(&candidates[*index]) && component.takes(candidates[*index].fitted.form()))
+            .filter(|index| {
+                is_near(&candidates[*index]) && component.not_by_itself(candidates[*index].fitted.form()).is_none()
+            })
             .min_by_key(|index| candidates[*index].fitted.numbers());
         let least_taken = || {
             (0..candidates.len())
-                .filter(|index| component.takes(candidates[*index].fitted.form()))
+                .filter(|index| component.not_by_itself(candidates[*index].fitted.form()).is_none())
                 .min_by(|a, b| candidates[*a].held_out.total_cmp(&candidates[*b].held_out))
         };
         let simplest = simplest.or_else(least_taken)?;
@@ -126,9 +128,10 @@ mod tests {
 
     #[test]
     fn the_simplest_form_that_predicts_is_taken() {
-        assert_eq!(chosen(Component::Lift, |w| 4e-6 * w * w, 0.02), "square");
+        assert_eq!(chosen(Component::Lift, |w| 4e-6 * w * w, 0.02), "square with tare");
         assert_eq!(chosen(Component::Lift, |w| 4e-6 * w * w - 0.5, 0.02), "square with tare");
         assert_eq!(chosen(Component::Loss, |w| 4e-6 * w, 1e-5), "proportional");
+        assert_eq!(chosen(Component::Loss, |w| 4e-6 * w + 1e-3, 1e-5), "affine");
         // a step is in no formula
         assert_eq!(chosen(Component::Lift, |w| if w > 600.0 { 4.0 } else { 1.0 }, 0.02), "table");
     }

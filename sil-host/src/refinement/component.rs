@@ -108,11 +108,14 @@ impl Component {
         formulas.iter().map(|formula| Form::Formula(formula)).chain([Form::Table]).collect()
     }
 
-    /// Whether a form can be taken: model files have it, or it describes what is no part of a model file.
-    pub fn takes(self, form: Form) -> bool {
+    /// Why a form is taken on request alone: model files do not have it, or it leaves out what every scale has, a
+    /// tare. To leave that out because one bench does not show it would make the constant's interval too narrow.
+    pub fn not_by_itself(self, form: Form) -> Option<&'static str> {
         match form {
-            Form::Formula(formula) => self.keys(formula).is_some(),
-            Form::Table => matches!(self, Self::SpeedController | Self::Lift),
+            Form::Formula(formula) if self.keys(formula).is_none() => Some("not in model files"),
+            Form::Formula(formula) if formula.name == SQUARE.name => Some("without a tare: by --form"),
+            Form::Table if !matches!(self, Self::SpeedController | Self::Lift) => Some("not in model files"),
+            _ => None,
         }
     }
 

@@ -89,9 +89,9 @@ impl<'a> Constants<'a> {
         let Fitted::Formula(formula, fit) = &candidate.fitted else { return };
         let Some(keys) = comparison.component.keys(formula) else { return };
         let spread = self.through_others(comparison.component, candidate);
-        let reach = student_95(fit.freedom);
         let sources = self.sources(comparison.component);
         for (index, (key, unit)) in keys.iter().enumerate() {
+            let reach = student_95(fit.freedom[index]);
             let std = fit.std[index].hypot(spread[index]);
             let value = fit.parameters[index];
             self.note(key, value, std);
@@ -159,7 +159,7 @@ impl<'a> Constants<'a> {
         let run = |bench: &Measured| {
             let points = component.points(bench, &self.upstream);
             let Some(Fitted::Formula(_, fit)) = Fitted::of(candidate.fitted.form(), &points) else { return None };
-            let (value, reach) = (fit.parameters[index], student_95(fit.freedom) * fit.std[index]);
+            let (value, reach) = (fit.parameters[index], student_95(fit.freedom[index]) * fit.std[index]);
             Some(Run { source: bench.steady.name.clone(), value, interval: [value - reach, value + reach] })
         };
         shown.into_iter().filter_map(run).collect()

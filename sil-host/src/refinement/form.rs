@@ -68,8 +68,8 @@ pub struct FormulaFit {
     pub parameters: Vec<f64>,
     /// Standard deviation of each.
     pub std: Vec<f64>,
-    /// Readings that count, less parameters.
-    pub freedom: f64,
+    /// Degrees of freedom of each deviation.
+    pub freedom: Vec<f64>,
     /// Scatter of the readings about the curve.
     pub scatter: f64,
     /// Rows that were found to be outliers.
@@ -230,7 +230,8 @@ pub(super) static FASTER_WITH_SPEED: Formula = Formula {
 
 /// Least squares of one factor.
 fn ratio(points: &Points, of: impl Fn(f64) -> f64) -> f64 {
-    let sum = |by: &dyn Fn(f64, f64) -> f64| -> f64 { points.x.iter().zip(&points.y).map(|(x, y)| by(of(*x), *y)).sum() };
+    let sum =
+        |by: &dyn Fn(f64, f64) -> f64| -> f64 { points.x.iter().zip(&points.y).map(|(x, y)| by(of(*x), *y)).sum() };
     sum(&|f, y| f * y) / sum(&|f, _| f * f)
 }
 

@@ -129,11 +129,7 @@ fn hover_anew(model: &mut VehicleModel) -> Option<String> {
 
 /// The rotor's inertia by the lag with which the motor speeds up: the inverse of [`DevicePropulsion::lag_s`]. Its
 /// interval is that of the lag and of the constants together, their half widths added as squares.
-fn rotor_inertia(
-    device: &DevicePropulsion,
-    constants: &[Constant],
-    comparisons: &[Comparison],
-) -> Option<Constant> {
+fn rotor_inertia(device: &DevicePropulsion, constants: &[Constant], comparisons: &[Comparison]) -> Option<Constant> {
     let lag = comparisons.iter().find(|of| of.component == Component::LagRising)?;
     let speeds = &lag.points.x;
     let speed_rad_s = speeds.iter().sum::<f64>() / speeds.len() as f64;

@@ -79,7 +79,9 @@ mod tests {
 
     /// 2 s at each of three commands; the speed follows with a lag, the lift is read in every fifth row.
     fn run(with_command: bool) -> Bench {
-        let mut text = String::from(if with_command { "time_s,command,speed_rad_s,lift_n\n" } else {
+        let mut text = String::from(if with_command {
+            "time_s,command,speed_rad_s,lift_n\n"
+        } else {
             "time_s,speed_rad_s,lift_n\n"
         });
         let mut speed = 0.0;

@@ -161,8 +161,7 @@ mod tests {
 
     #[test]
     fn readings_that_stand_alone_are_dots() {
-        let trace =
-            Trace::new(&[(1.0, 0.25), (0.0, 0.0), (0.0, 0.0)], Interpolation::None, &unit_axis(), &unit_axis());
+        let trace = Trace::new(&[(1.0, 0.25), (0.0, 0.0), (0.0, 0.0)], Interpolation::None, &unit_axis(), &unit_axis());
         assert_eq!(trace, Trace { line: String::new(), dots: "M0 4000h0M10000 3000h0".into() });
     }
 

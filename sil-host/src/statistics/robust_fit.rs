@@ -3,8 +3,9 @@
 //! An MM-type estimate (Maronna, Martin, Yohai: Robust Statistics, 2006, chapter 5): Huber's estimate, which has one
 //! solution where the formula is linear, gives the scatter; from there Tukey's biweight, under which a reading beyond
 //! 4.7 deviations has no influence at all. Drop-outs of a stand are that far out, and least squares follows them.
-//! The covariance is the sandwich with leverage (HC2; MacKinnon and White, Journal of Econometrics 29, 1985): it holds
-//! where the scatter grows with the reading, as that of scales and speed counters does.
+//! Scales and counters scatter in proportion to what they read, meters by an amount: which of them, or between, the
+//! errors themselves say. The covariance is the sandwich with leverage (HC3; MacKinnon and White, Journal of
+//! Econometrics 29, 1985), so that it holds where that is not quite so.
 
 use super::linear::Cholesky;
 
@@ -14,6 +15,8 @@ const HUBER: f64 = 1.345;
 const BIWEIGHT: f64 = 4.685;
 /// Median of the absolute value of a normal variable, inverted.
 const PER_MEDIAN_DEVIATION: f64 = 1.4826;
+/// The share of the largest fitted value below which a scatter shrinks no further.
+const SMALLEST_SHARE: f64 = 0.1;
 /// Passes with weights from the pass before; they settle within ten to twenty.
 const PASSES: u32 = 30;
 /// Steps of Levenberg and Marquardt a pass.
@@ -30,9 +33,9 @@ pub(crate) struct RobustFit {
     pub(crate) parameters: Vec<f64>,
     /// Their standard deviations.
     pub(crate) std: Vec<f64>,
-    /// Readings that count, less parameters.
-    pub(crate) freedom: f64,
-    /// Scatter of the readings, in their unit.
+    /// Degrees of freedom of each deviation: fewer than readings less parameters where some count more than others.
+    pub(crate) freedom: Vec<f64>,
+    /// Scatter of the readings, in their unit: that of half of them.
     pub(crate) scatter: f64,
     /// The weight of each reading, 0 to 1; 0 is an outlier.
     pub(crate) weights: Vec<f64>,
@@ -44,22 +47,12 @@ pub(crate) fn robust_fit(formula: &dyn Fn(&[f64], usize) -> f64, readings: &[f64
     if rows <= count {
         return None;
     }
-    let problem = Problem { formula, readings, start };
-    // a fit to rounding has no scatter to judge by
-    let floor = 1e-12 * readings.iter().fold(0.0, |most: f64, reading| most.max(reading.abs()));
-    let mut weights = vec![1.0; rows];
-    let mut parameters = problem.minimise(start, &weights)?;
-    let mut scatter = floor;
-    for _ in 0..PASSES {
-        let errors = problem.errors(&parameters);
-        scatter = scatter_of(&errors, count).max(floor);
-        weights = errors.iter().map(|error| huber_weight(error / scatter)).collect();
-        let before = parameters.clone();
-        parameters = problem.minimise(&parameters, &weights)?;
-        if problem.is_settled(&before, &parameters) {
-            break;
-        }
-    }
+    let mut problem = Problem { formula, readings, start, share: vec![1.0; rows] };
+    let first = problem.huber(start)?;
+    let raw = problem.errors(&first.parameters);
+    let fitted: Vec<f64> = readings.iter().zip(&raw).map(|(reading, error)| reading - error).collect();
+    problem.share = share_of(&fitted, &raw);
+    let Pass { mut parameters, mut weights, scatter } = problem.huber(&first.parameters)?;
     for _ in 0..PASSES {
         weights = problem.errors(&parameters).iter().map(|error| biweight(error / scatter)).collect();
         let before = parameters.clone();
@@ -68,9 +61,34 @@ pub(crate) fn robust_fit(formula: &dyn Fn(&[f64], usize) -> f64, readings: &[f64
             break;
         }
     }
-    let (std, kept) = problem.deviations(&parameters, &weights, scatter)?;
-    let freedom = kept as f64 - count as f64;
+    let (std, freedom) = problem.deviations(&parameters, &weights, scatter)?;
+    problem.share = vec![1.0; rows];
+    let scatter = scatter_of(&problem.errors(&parameters), count);
     Some(RobustFit { parameters, std, freedom, scatter, weights })
+}
+
+/// How large each reading's scatter is over that of the others: a power of the fitted value, of 0, a half or 1, the
+/// likeliest for these errors. Small values have that of a tenth of the largest.
+fn share_of(fitted: &[f64], errors: &[f64]) -> Vec<f64> {
+    let largest = fitted.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let share = |power: f64| -> Vec<f64> {
+        fitted.iter().map(|value| libm::pow((value.abs() / largest).max(SMALLEST_SHARE), power)).collect()
+    };
+    let unlikely = |share: &[f64]| {
+        let mut scaled: Vec<f64> = errors.iter().zip(share).map(|(error, share)| error.abs() / share).collect();
+        scaled.sort_by(f64::total_cmp);
+        // outliers aside
+        let kept = (scaled.len() * 9).div_ceil(10);
+        let mean = scaled[..kept].iter().sum::<f64>() / kept as f64;
+        let logarithms: f64 = share.iter().map(|share| libm::log(*share)).sum();
+        errors.len() as f64 * libm::log(mean) + logarithms
+    };
+    let even = vec![1.0; fitted.len()];
+    if largest.is_nan() || largest <= 0.0 {
+        return even;
+    }
+    let powers = [0.5, 1.0].map(share);
+    powers.into_iter().fold(even, |best, other| if unlikely(&other) < unlikely(&best) { other } else { best })
 }
 
 /// Half of the readings scatter less; the factor for few readings is that of Rousseeuw and Leroy (Robust Regression and
@@ -111,11 +129,41 @@ struct Problem<'a> {
     formula: &'a dyn Fn(&[f64], usize) -> f64,
     readings: &'a [f64],
     start: &'a [f64],
+    /// Scatter of each reading over that of the others.
+    share: Vec<f64>,
+}
+
+/// An estimate on the way.
+struct Pass {
+    parameters: Vec<f64>,
+    weights: Vec<f64>,
+    scatter: f64,
 }
 
 impl Problem<'_> {
+    /// Huber's estimate: weights and scatter from the pass before.
+    fn huber(&self, start: &[f64]) -> Option<Pass> {
+        // a fit to rounding has no scatter to judge by
+        let floor = 1e-12 * self.readings.iter().fold(0.0, |most: f64, reading| most.max(reading.abs()));
+        let mut weights = vec![1.0; self.readings.len()];
+        let mut parameters = self.minimise(start, &weights)?;
+        let mut scatter = floor;
+        for _ in 0..PASSES {
+            let errors = self.errors(&parameters);
+            scatter = scatter_of(&errors, start.len()).max(floor);
+            weights = errors.iter().map(|error| huber_weight(error / scatter)).collect();
+            let before = parameters.clone();
+            parameters = self.minimise(&parameters, &weights)?;
+            if self.is_settled(&before, &parameters) {
+                break;
+            }
+        }
+        Some(Pass { parameters, weights, scatter })
+    }
+
+    /// Measured less fitted, over the share.
     fn errors(&self, parameters: &[f64]) -> Vec<f64> {
-        let error = |(row, reading): (usize, &f64)| reading - (self.formula)(parameters, row);
+        let error = |(row, reading): (usize, &f64)| (reading - (self.formula)(parameters, row)) / self.share[row];
         self.readings.iter().enumerate().map(error).collect()
     }
 
@@ -191,8 +239,10 @@ impl Problem<'_> {
         cost.is_finite().then_some(parameters)
     }
 
-    /// Standard deviations of the parameters, and how many readings count.
-    fn deviations(&self, parameters: &[f64], weights: &[f64], scatter: f64) -> Option<(Vec<f64>, usize)> {
+    /// Standard deviations of the parameters, and their degrees of freedom: a variance that is the sum of readings'
+    /// squares has `(sum of expected squares)^2 / sum of their squares` of them (Satterthwaite, Biometrics Bulletin 2,
+    /// 1946), less the share of those that the parameters take.
+    fn deviations(&self, parameters: &[f64], weights: &[f64], scatter: f64) -> Option<(Vec<f64>, Vec<f64>)> {
         let count = parameters.len();
         let (jacobian, errors) = (self.jacobian(parameters), self.errors(parameters));
         let counts: Vec<f64> = weights.iter().map(|weight| f64::from(u8::from(*weight > 0.0))).collect();
@@ -203,16 +253,27 @@ impl Problem<'_> {
         let normal = normal_matrix(&jacobian, &counts);
         let scale = scale_of(&normal, count)?;
         let factor = Cholesky::new(&scaled(&normal, &scale), count)?;
-        let slope = errors.iter().map(|error| biweight_slope(error / scatter)).sum::<f64>() / kept as f64;
-        let mut variance = vec![0.0; count];
+        // how the estimate answers to each reading, by the slope of its influence there: rows that scatter more, and
+        // lie beyond the slope's zero, answer less
+        let slopes: Vec<f64> =
+            (0..errors.len()).map(|row| counts[row] * biweight_slope(errors[row] / scatter)).collect();
+        let answer = Cholesky::new(&scaled(&normal_matrix(&jacobian, &slopes), &scale), count)?;
+        let [mut variance, mut first, mut second] = [(); 3].map(|()| vec![0.0; count]);
         for row in (0..errors.len()).filter(|row| counts[*row] > 0.0) {
             let unit: Vec<f64> = (0..count).map(|index| jacobian[row][index] / scale[index]).collect();
             let solved = factor.solve(&unit);
             let leverage: f64 = unit.iter().zip(&solved).map(|(a, b)| a * b).sum();
-            let influence = weights[row] * errors[row] / (slope * (1.0 - leverage.min(0.99)).sqrt());
-            (0..count).for_each(|index| variance[index] += (solved[index] * influence / scale[index]).powi(2));
+            let influence = weights[row] * errors[row] / (1.0 - leverage.min(0.99));
+            let moved = answer.solve(&unit);
+            for index in 0..count {
+                variance[index] += (moved[index] * influence / scale[index]).powi(2);
+                let expected = solved[index] * solved[index];
+                (first[index], second[index]) = (first[index] + expected, second[index] + expected * expected);
+            }
         }
-        (slope > 0.0).then(|| (variance.into_iter().map(f64::sqrt).collect(), kept))
+        let spare = 1.0 - count as f64 / kept as f64;
+        let freedom = (0..count).map(|index| (spare * first[index] * first[index] / second[index]).max(1.0));
+        Some((variance.into_iter().map(f64::sqrt).collect(), freedom.collect()))
     }
 }
 
@@ -282,8 +343,8 @@ mod tests {
             let y: Vec<f64> =
                 x.iter().map(|x| 5.0 * libm::exp(-0.7 * x) + 0.02 * (0.2 + x) * random.normal()).collect();
             let fit = robust_fit(&|p, row| p[0] * libm::exp(p[1] * x[row]), &y, &[4.0, -0.5]).unwrap();
-            let reach = student_95(fit.freedom);
             for (index, truth) in [5.0, -0.7].into_iter().enumerate() {
+                let reach = student_95(fit.freedom[index]);
                 held[index] += u32::from((fit.parameters[index] - truth).abs() < reach * fit.std[index]);
             }
         }

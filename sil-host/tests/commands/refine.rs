@@ -35,7 +35,10 @@ fn a_bench_makes_a_model_that_flies() {
     let model = String::from_utf8(folder.bytes("mine.toml")).unwrap();
     // with interval and source where measured, marked where not
     assert!(model.contains("20 readings, 1 of them outliers"), "{model}");
-    assert!(model.contains("# Source: rotor.csv") && model.contains("resistance_ohm = 0.127   # the base's"), "{model}");
+    assert!(
+        model.contains("# Source: rotor.csv") && model.contains("resistance_ohm = 0.127   # the base's"),
+        "{model}"
+    );
     let page = String::from_utf8(folder.bytes("r.html")).unwrap();
     assert!(page.contains("measured less the form") && page.contains("Forms side by side"));
     folder.sil(&["fly", "--model", "mine.toml", "--duration", "2"]).assert_done();
@@ -54,7 +57,9 @@ fn a_table_is_chosen_in_the_model_file() {
     folder.sil(&["fly", "--model", "mine.toml", "--duration", "2"]).assert_done();
     // a list that does not ascend is no table
     folder.write("bad.toml", model.replacen("command = [0.05, 0.1,", "command = [0.1, 0.05,", 1));
-    folder.sil(&["fly", "--model", "bad.toml"]).assert_refused(&["bad.toml:", "`command` and `voltage_v` are no table"]);
+    folder
+        .sil(&["fly", "--model", "bad.toml"])
+        .assert_refused(&["bad.toml:", "`command` and `voltage_v` are no table"]);
 }
 
 #[test]

@@ -61,11 +61,8 @@ impl RefinedJson {
 }
 
 fn constant(of: &Constant) -> ConstantJson {
-    let run = |run: &crate::refinement::Run| RunJson {
-        source: run.source.clone(),
-        value: run.value,
-        interval: run.interval,
-    };
+    let run =
+        |run: &crate::refinement::Run| RunJson { source: run.source.clone(), value: run.value, interval: run.interval };
     ConstantJson {
         component: of.component.name(),
         key: of.key,

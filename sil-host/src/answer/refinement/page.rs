@@ -58,9 +58,8 @@ fn component(comparison: &Comparison) -> Section {
     let over = if over_unit.is_empty() { over.to_owned() } else { format!("{over}, {over_unit}") };
     let points = &comparison.points;
     let extent = points.x.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
-    let grid: Vec<f64> = (0..=CURVE_POINTS)
-        .map(|index| extent.0 + (extent.1 - extent.0) * index as f64 / CURVE_POINTS as f64)
-        .collect();
+    let grid: Vec<f64> =
+        (0..=CURVE_POINTS).map(|index| extent.0 + (extent.1 - extent.0) * index as f64 / CURVE_POINTS as f64).collect();
     let mut curves = Chart::over(over.clone(), quantity, unit).points("measured", &points.x, &points.y);
     let mut left = Chart::over(over, "measured less the form", unit);
     let mut table = Table::new(

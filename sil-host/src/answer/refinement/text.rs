@@ -83,8 +83,7 @@ fn forms(comparisons: &[Comparison]) -> TextTable {
             let taken = match (index == comparison.chosen, comparison.is_requested) {
                 (true, true) => "taken (--form)",
                 (true, false) => "taken",
-                _ if !comparison.component.takes(candidate.fitted.form()) => "not in model files",
-                _ => "",
+                _ => comparison.component.not_by_itself(candidate.fitted.form()).unwrap_or_default(),
             };
             table.row([
                 comparison.component.name().to_owned(),

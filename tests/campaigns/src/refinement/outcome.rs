@@ -3,7 +3,7 @@
 use std::fmt;
 
 use sil_host::model::{Rig, VehicleModel};
-use sil_host::refinement::{Order, refine};
+use sil_host::refinement::{Constant, Order, refine};
 
 use super::Drawn;
 
@@ -54,7 +54,9 @@ impl Outcome {
         let refined = refined.unwrap_or_else(|error| panic!("seed {}: {error}", drawn.seed));
         let (mut held, mut missing) = (Vec::new(), Vec::new());
         for (key, truth) in drawn.truths() {
-            match refined.constants.iter().find(|constant| constant.key == key) {
+            // a saturating map has gains of another meaning
+            let is_drawn = |constant: &&Constant| constant.key == key && constant.form != "saturating";
+            match refined.constants.iter().find(is_drawn) {
                 Some(found) => held.push(Held { key, truth, value: found.value, interval: found.interval }),
                 None if truth == 0.0 => {}
                 None => missing.push(key),
