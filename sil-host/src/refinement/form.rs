@@ -54,6 +54,10 @@ impl Form {
 
 /// A form with its numbers.
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a table lies in the model itself, so that models stay plain values; they are few and passed by reference"
+)]
 pub enum Fitted {
     /// A formula and how it was fitted.
     Formula(&'static Formula, FormulaFit),

@@ -44,6 +44,10 @@ const WINDING_TIME_MIN_S: f64 = 2e-5;
 
 /// The static map of the speed controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a table lies in the model itself, so that models stay plain values; they are few and passed by reference"
+)]
 pub enum Esc {
     /// Thesis C.1: `u = A exp(B s) + C exp(D s)` with the set-point `s = 100 command`.
     Exponential {

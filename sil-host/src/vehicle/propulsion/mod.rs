@@ -56,6 +56,10 @@ impl Level {
 
 /// The propulsion of one arm; all four are alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a table lies in the model itself, so that models stay plain values; they are few and passed by reference"
+)]
 pub enum Propulsion {
     /// Conceptual model.
     Box(FlyingBox),
