@@ -4,7 +4,7 @@ use campaigns::refinement::{Drawn, Outcome, Total};
 use rayon::prelude::*;
 
 /// As many as the page's table has.
-const BENCHES: u64 = 400;
+const BENCHES: u64 = 80;
 
 fn main() {
     let benches = std::env::args().nth(1).and_then(|count| count.parse().ok()).unwrap_or(BENCHES);
