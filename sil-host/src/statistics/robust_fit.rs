@@ -315,8 +315,8 @@ mod tests {
         let (mean_x, mean_y) = (mean(&x), mean(&y));
         let slope = x.iter().zip(&y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>()
             / x.iter().map(|x| (x - mean_x).powi(2)).sum::<f64>();
-        // 95 % efficiency: within a third of a standard deviation of it
-        assert!((fit.parameters[1] - slope).abs() < 0.33 * fit.std[1], "{fit:?} {slope}");
+        // weights differ, by the form of the scatter that these errors make likeliest: within a deviation of it
+        assert!((fit.parameters[1] - slope).abs() < fit.std[1], "{fit:?} {slope}");
     }
 
     #[test]
@@ -333,7 +333,8 @@ mod tests {
         assert!((fit.parameters[0] - 3.0).abs() < 0.01);
     }
 
-    /// Over 400 draws, with scatter that grows sixfold: 95 % of the intervals hold, within three binomial deviations.
+    /// Over 400 draws, with scatter that grows sixfold: 95 % of the intervals hold, less three binomial deviations; more
+    /// do, since HC3 is on the safe side.
     #[test]
     fn intervals_hold_the_truth() {
         let x: Vec<f64> = (0..18).map(|k| 0.2 + 0.1 * f64::from(k)).collect();
@@ -348,7 +349,7 @@ mod tests {
                 held[index] += u32::from((fit.parameters[index] - truth).abs() < reach * fit.std[index]);
             }
         }
-        assert!(held.iter().all(|held| (367..=395).contains(held)), "{held:?} of 400");
+        assert!(held.iter().all(|held| (367..=399).contains(held)), "{held:?} of 400");
     }
 
     #[test]

@@ -18,6 +18,7 @@ fn benches(folder: &Folder) {
         let lift_gf = if index == 9 { 0.0 } else { lift_n / 9.80665e-3 };
         let _ = writeln!(rotor, "{},{lift_gf},{torque_nm}", speed * 30.0 / core::f64::consts::PI);
     }
+    folder.write("step.toml", "duration_s = 1\n[[step]]\nat_s = 0.2\nroll_deg = 5\n");
     folder.write("esc.csv", esc);
     folder.write("rotor.csv", rotor);
 }
@@ -41,7 +42,7 @@ fn a_bench_makes_a_model_that_flies() {
     );
     let page = String::from_utf8(folder.bytes("r.html")).unwrap();
     assert!(page.contains("measured less the form") && page.contains("Forms side by side"));
-    folder.sil(&["fly", "--model", "mine.toml", "--duration", "2"]).assert_done();
+    folder.sil(&["fly", "--model", "mine.toml", "--script", "step.toml"]).assert_done();
 }
 
 #[test]
@@ -54,7 +55,7 @@ fn a_table_is_chosen_in_the_model_file() {
     assert!(said.contains("taken (--form)"), "{said}");
     let model = String::from_utf8(folder.bytes("mine.toml")).unwrap();
     assert!(model.contains("map = \"table\"") && model.contains("[propulsion.rotor.lift_table]"), "{model}");
-    folder.sil(&["fly", "--model", "mine.toml", "--duration", "2"]).assert_done();
+    folder.sil(&["fly", "--model", "mine.toml", "--script", "step.toml"]).assert_done();
     // a list that does not ascend is no table
     folder.write("bad.toml", model.replacen("command = [0.05, 0.1,", "command = [0.1, 0.05,", 1));
     folder
