@@ -42,7 +42,12 @@ impl Comparison {
         let trials: Vec<(Fitted, Vec<f64>)> =
             component.forms().into_iter().filter_map(|form| trial(form, &points)).collect();
         let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
-        let best = trials.iter().min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)))?.1.clone();
+        // among those that can be taken: else a form whose errors differ much from the best one's would count as near
+        // it, and the one that hardly differs not
+        let is_open = |form: Form| component.not_by_itself(form).is_none();
+        let open: Vec<&(Fitted, Vec<f64>)> = trials.iter().filter(|trial| is_open(trial.0.form())).collect();
+        let all = if open.is_empty() { trials.iter().collect() } else { open };
+        let best = all.into_iter().min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)))?.1.clone();
         let candidate = |(fitted, errors): (Fitted, Vec<f64>)| {
             let behind: Vec<f64> = errors.iter().zip(&best).map(|(error, best)| error - best).collect();
             let (middle, count) = (mean(&behind), behind.len() as f64);
@@ -93,7 +98,8 @@ impl Comparison {
         if has_keys(&self.taken()) {
             return Some(self.taken());
         }
-        self.candidates.iter().filter(has_keys).min_by(|a, b| a.held_out.total_cmp(&b.held_out))
+        let is_open = |candidate: &&Candidate| self.component.not_by_itself(candidate.fitted.form()).is_none();
+        self.candidates.iter().filter(has_keys).filter(is_open).min_by(|a, b| a.held_out.total_cmp(&b.held_out))
     }
 }
 
