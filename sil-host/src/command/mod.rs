@@ -11,8 +11,8 @@ mod log_arguments;
 mod map;
 mod output;
 mod progress_line;
-mod serve;
 mod refine;
+mod serve;
 mod shell;
 mod synth;
 
