@@ -76,6 +76,7 @@ pub mod model;
 pub mod planner;
 pub mod plant;
 pub mod prediction;
+pub mod refinement;
 pub mod report;
 pub mod scenario;
 pub mod sensors;

@@ -21,6 +21,7 @@ mod log_errors;
 mod qp_reference;
 mod real_baseline;
 mod real_logs;
+mod refinement;
 mod test_sequence;
 mod thesis_case;
 mod worst_case;

@@ -32,6 +32,7 @@ mod held_against;
 pub mod identified;
 mod key_window;
 mod plain_words;
+pub mod refinement;
 mod said;
 mod several;
 pub mod text_table;

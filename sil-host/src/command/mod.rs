@@ -11,6 +11,7 @@ mod log_arguments;
 mod map;
 mod output;
 mod progress_line;
+mod refine;
 mod serve;
 mod shell;
 mod synth;
@@ -85,6 +86,7 @@ commands! {
     Diagnose(diagnose::DiagnoseArguments): diagnose::run,
     Identify(identify::IdentifyArguments): identify::run,
     Map(map::MapArguments): map::run,
+    Refine(refine::RefineArguments): refine::run,
     Synth(synth::SynthArguments): synth::run,
     BenchMpc(bench_mpc::BenchArguments): bench_mpc::run,
     Completions(shell::CompletionsArguments): shell::completions,

@@ -22,6 +22,8 @@ pub(crate) struct KeyRead {
 pub(crate) enum Holds {
     /// A number.
     Number(Admissible),
+    /// A list of numbers.
+    Numbers(Admissible),
     /// A text.
     Text(&'static str),
     /// One of some names, and the one that was found.

@@ -128,6 +128,19 @@ impl<'a> Section<'a> {
         let Some(value) = self.get(key) else {
             return Ok(None);
         };
+        self.number_of(key, value, range).map(Some)
+    }
+
+    /// The list of numbers at `key`.
+    pub(crate) fn numbers(&self, key: &'static str, range: Admissible) -> Result<Vec<f64>, ModelError> {
+        self.note(key, Holds::Numbers(range), false, None);
+        let expected = || format!("a list of numbers: {}", range.describe());
+        let value = self.get(key).ok_or_else(|| self.missing(key, expected()))?;
+        let list = value.get_ref().as_array().ok_or_else(|| self.wrong_type(key, value, expected()))?;
+        list.iter().map(|element| self.number_of(key, element, range)).collect()
+    }
+
+    fn number_of(&self, key: &'static str, value: &Spanned<DeValue<'a>>, range: Admissible) -> Result<f64, ModelError> {
         let number = match value.get_ref() {
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
             DeValue::Integer(integer) => {
@@ -142,7 +155,7 @@ impl<'a> Section<'a> {
             let problem = Problem::OutOfRange { key: key.to_owned(), value: number, expected: range.describe() };
             return Err(self.source.error(value.span(), problem));
         }
-        Ok(Some(number))
+        Ok(number)
     }
 
     /// The number at `key`, which must be whole.

@@ -25,6 +25,11 @@ impl Table {
         let _ = writeln!(self.0, "{key} = {value:?}");
     }
 
+    /// A list of finite numbers.
+    pub(crate) fn numbers(&mut self, key: &str, values: &[f64]) {
+        let _ = writeln!(self.0, "{key} = {values:?}");
+    }
+
     /// A key with text.
     pub(crate) fn string(&mut self, key: &str, value: &str) {
         let _ = writeln!(self.0, "{key} = {}", toml::Value::from(value));

@@ -38,6 +38,8 @@ pub use map::{BUILT_IN_MAPS, Map, Threshold};
 pub use quantity::{GRAVITY_M_S2, Quantity};
 pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
 pub use rig_shown::RigShown;
+pub(crate) use source::text_of;
+pub(crate) use style::Style;
 pub use wanted::{NotWanted, Rows, Wanted};
 pub use write::{write, write_file};
 

@@ -40,6 +40,14 @@ pub(super) fn load_from(name: &Path, from: &mut impl Read) -> Result<Vec<u8>, Lo
     Ok(bytes)
 }
 
+/// A file as text.
+///
+/// # Errors
+/// As [`load`] and [`text`].
+pub(crate) fn text_of(path: &Path) -> Result<String, LogError> {
+    text(&path.display().to_string(), load(path)?)
+}
+
 fn failure(name: &Path, kind: LogErrorKind) -> LogError {
     LogError { file: name.display().to_string(), line: None, column: None, kind }
 }

@@ -3,15 +3,15 @@
 use super::error::LogErrorKind;
 
 /// How numbers and fields are written in a file.
-pub(super) struct Style {
-    pub(super) separator: char,
+pub(crate) struct Style {
+    pub(crate) separator: char,
     /// The first mark of a fraction that was found.
     decimal: Option<char>,
 }
 
 impl Style {
     /// The separator is whichever of three the header has most of.
-    pub(super) fn of(header: &str) -> Style {
+    pub(crate) fn of(header: &str) -> Style {
         let separators = [',', ';', '\t'];
         // the first of equals
         let most = separators.into_iter().rev().max_by_key(|separator| header.matches(*separator).count());
@@ -19,7 +19,7 @@ impl Style {
     }
 
     /// A number, written with a point or, where commas do not separate fields, with a comma, the same in all the file.
-    pub(super) fn number(&mut self, text: &str) -> Result<f64, LogErrorKind> {
+    pub(crate) fn number(&mut self, text: &str) -> Result<f64, LogErrorKind> {
         let is_comma = self.separator != ',' && text.contains(',');
         let mark = if is_comma { Some(',') } else { text.contains('.').then_some('.') };
         if let (Some(before), Some(mark)) = (self.decimal, mark)

@@ -1,10 +1,11 @@
 //! Every key of a model file, as the readers themselves ask for them: each of the project's models is read, and what is
 //! asked for on the way is written down.
 
-use super::{BenchAxis, BenchModel, VehicleModel};
+use super::{BenchAxis, BenchModel, Rig, VehicleModel};
 use crate::document::{Holds, KeyRead, ModelError, Section, Source};
+use crate::vehicle::propulsion::{DevicePropulsion, Esc, LookUpTable, Propulsion};
 
-/// Between them they have every rig, every level of propulsion and both maps of a speed controller.
+/// Between them they have every rig, every level of propulsion and every map of a speed controller but the table.
 const MODELS: [&str; 6] = [
     include_str!("../../../models/f450-gimbal.toml"),
     include_str!("../../../models/f450-free.toml"),
@@ -38,8 +39,9 @@ pub struct ModelKey {
 /// # Errors
 /// One of the project's own models can't be read.
 pub fn keys() -> Result<Vec<ModelKey>, ModelError> {
-    let vehicles = MODELS.map(|text| reads_of(text, |root| VehicleModel::read(root).map(|_| ())));
-    let vehicles = vehicles.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let texts = MODELS.iter().map(|text| (*text).to_owned()).chain(with_tables());
+    let vehicles = texts.map(|text| reads_of(&text, |root| VehicleModel::read(root).map(|_| ())));
+    let vehicles = vehicles.collect::<Result<Vec<_>, _>>()?;
     let bench = BenchModel { axes: [Some(BenchAxis::default()); 3], ..BenchModel::default() }.to_toml();
     let bench = reads_of(&bench, |root| BenchModel::read(root).map(|_| ()))?;
     let mut keys: Vec<ModelKey> = Vec::new();
@@ -55,6 +57,17 @@ pub fn keys() -> Result<Vec<ModelKey>, ModelError> {
     Ok(keys)
 }
 
+/// A model whose speed controller is a table, and one whose rotor's lift is.
+fn with_tables() -> Vec<String> {
+    let model = VehicleModel::nominal(Rig::Gimbal);
+    let table = LookUpTable::new(&[(0.0, 0.0), (1.0, 10.0)]);
+    let (Propulsion::Device(device), Some(table)) = (model.propulsion, table) else { return Vec::new() };
+    let esc = DevicePropulsion { esc: Esc::Table(table), ..device };
+    let lift = DevicePropulsion { lift_table: Some(table), ..device };
+    let with = |device| VehicleModel { propulsion: Propulsion::Device(device), ..model.clone() }.to_toml();
+    [esc, lift].map(with).to_vec()
+}
+
 /// What a reader asks of a text.
 fn reads_of(text: &str, read: impl Fn(&Section<'_>) -> Result<(), ModelError>) -> Result<Vec<KeyRead>, ModelError> {
     let source = Source { name: "a model", text };
@@ -64,13 +77,14 @@ fn reads_of(text: &str, read: impl Fn(&Section<'_>) -> Result<(), ModelError>) -
     Ok(root.reads())
 }
 
-/// The choice that decides whether a key is asked for; empty for one that every file has.
+/// The choice that decides whether a key is asked for, or that its table is there; empty for one that every file has.
 fn condition(of: &KeyRead, files: &[Vec<KeyRead>]) -> String {
     let is_asked = |file: &[KeyRead]| file.iter().any(|read| read.table == of.table && read.key == of.key);
     let has = |file: &[KeyRead], choice: &str| file.iter().filter_map(choice_of).any(|other| other == choice);
     let choices = files.iter().flatten().filter_map(choice_of);
+    let its_table = || format!("[{}]", of.table);
     let mut deciding = choices.filter(|choice| files.iter().all(|file| is_asked(file) == has(file, choice)));
-    if files.iter().all(|file| is_asked(file)) { String::new() } else { deciding.next().unwrap_or_default() }
+    if files.iter().all(|file| is_asked(file)) { String::new() } else { deciding.next().unwrap_or_else(its_table) }
 }
 
 /// `rig = "free"`.
@@ -87,6 +101,11 @@ impl ModelKey {
             Holds::Number(range) => {
                 let (meaning, unit) = range.what.rsplit_once(" in ").unwrap_or((range.what, ""));
                 (meaning.to_owned(), unit.to_owned(), format!("{} to {}", short(range.min), short(range.max)))
+            }
+            Holds::Numbers(range) => {
+                let (meaning, unit) = range.what.rsplit_once(" in ").unwrap_or((range.what, ""));
+                let range = format!("list, {} to {}", short(range.min), short(range.max));
+                (meaning.to_owned(), unit.to_owned(), range)
             }
             Holds::Text(what) => ((*what).to_owned(), String::new(), "text".to_owned()),
             Holds::Choice { names, .. } => {
@@ -120,6 +139,7 @@ mod tests {
         assert_eq!(condition("ring", "inertia_kg_m2"), "rig = \"gimbal\"");
         assert_eq!(condition("propulsion", "time_constant_s"), "level = \"generic\"");
         assert_eq!(condition("propulsion.esc", "battery_v"), "map = \"duty\"");
+        assert_eq!(condition("propulsion.esc", "voltage_v"), "map = \"table\"");
         assert_eq!(condition("yaw", "gain_rad_s2"), "rig = \"axis\"");
         // no key is written that is not here
         for text in MODELS {

@@ -8,6 +8,10 @@ pub(super) const QUICKEST_S: f64 = 1.6e-3;
 
 /// What turns commands into forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a table lies in the model itself, so that models stay plain values; they are few and passed by reference"
+)]
 pub(crate) enum Drive {
     /// Motors with propellers: the forces are their lifts, N.
     Motors(Propulsion),

@@ -66,6 +66,11 @@ impl Chart {
         self.with_series(name.into(), time_s, values, Interpolation::Hold)
     }
 
+    /// Adds readings that no curve joins, in any order.
+    pub fn points(self, name: impl Into<String>, x: &[f64], values: &[f64]) -> Self {
+        self.with_series(name.into(), x, values, Interpolation::None)
+    }
+
     fn with_series(mut self, name: String, time_s: &[f64], values: &[f64], interpolation: Interpolation) -> Self {
         let samples = time_s.iter().copied().zip(values.iter().copied()).collect();
         self.series.push(Series { name, samples, interpolation });
@@ -126,7 +131,7 @@ pub(super) fn legend_keys(charts: &[Chart]) -> Vec<Key<'_>> {
 impl Series {
     pub(super) fn mark(&self) -> Mark {
         match self.interpolation {
-            Interpolation::Linear => Mark::Line,
+            Interpolation::Linear | Interpolation::None => Mark::Line,
             Interpolation::Hold => Mark::Held,
         }
     }

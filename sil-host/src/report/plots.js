@@ -69,7 +69,8 @@
     return [...byName].map(([name, paths]) => {
       const style = getComputedStyle(paths[0]);
       const dash = paths[0].classList.contains("dots") ? [] : style.strokeDasharray.match(/[\d.]+/g) ?? [];
-      return { name, stroke: style.stroke, dash: dash.map(Number), samples: curve(paths, x, y) };
+      const isPoints = paths.every((path) => path.classList.contains("dots"));
+      return { name, stroke: style.stroke, dash: dash.map(Number), isPoints, samples: curve(paths, x, y) };
     });
   }
 
@@ -143,8 +144,12 @@
         { ...axis, size: 52, gap: 6 },
       ],
       cursor: { y: false, points: { show: false }, sync: { key: span }, drag: { x: true, y: false } },
-      series: [{}, ...series.map((one) => (
-        { label: one.name, stroke: one.stroke, dash: one.dash, width: 1.6, points: { show: false } }))],
+      // readings that no curve joins have points and no path
+      series: [{}, ...series.map((one) => ({
+        label: one.name, stroke: one.stroke, dash: one.dash, width: 1.6,
+        ...(one.isPoints && { paths: () => null }),
+        points: one.isPoints ? { show: true, size: 5, width: 0, fill: one.stroke } : { show: false },
+      }))],
       hooks: {
         drawClear: [(plot) => {
           for (const [fill, from, to] of spans) {

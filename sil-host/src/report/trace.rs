@@ -5,6 +5,7 @@
 //! visualization-oriented time series data aggregation", VLDB 2014). A gap narrower than a column can't be seen either.
 
 use super::axis::{Axis, is_plottable};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Columns of a chart: about the pixels of its width on a desktop screen.
@@ -20,6 +21,8 @@ pub(super) enum Interpolation {
     Linear,
     /// The value holds until the next sample.
     Hold,
+    /// Each sample stands alone.
+    None,
 }
 
 type GridPoint = (i32, i32);
@@ -34,6 +37,10 @@ pub(super) struct Trace {
 impl Trace {
     pub(super) fn new(samples: &[(f64, f64)], interpolation: Interpolation, x: &Axis, y: &Axis) -> Self {
         let mut trace = Self::default();
+        if interpolation == Interpolation::None {
+            alone(samples, x, y).into_iter().for_each(|point| trace.push(&[point]));
+            return trace;
+        }
         for stroke in strokes(samples, interpolation, x, y) {
             trace.push(&without_redundant(&stroke));
         }
@@ -94,6 +101,12 @@ fn strokes(samples: &[(f64, f64)], interpolation: Interpolation, x: &Axis, y: &A
     strokes
 }
 
+/// The grid points of the samples, each once, from left to right.
+fn alone(samples: &[(f64, f64)], x: &Axis, y: &Axis) -> BTreeSet<GridPoint> {
+    let plotted = samples.iter().filter(|(at, value)| is_plottable(*at) && is_plottable(*value));
+    plotted.map(|(at, value)| grid_point(x.fraction(*at), y.fraction(*value))).collect()
+}
+
 fn grid_point(x_fraction: f64, y_fraction: f64) -> GridPoint {
     ((x_fraction * f64::from(WIDTH)).round() as i32, ((1.0 - y_fraction) * f64::from(HEIGHT)).round() as i32)
 }
@@ -144,6 +157,12 @@ mod tests {
 
     fn unit_axis() -> Axis {
         Axis::new((0.0, 1.0), 5)
+    }
+
+    #[test]
+    fn readings_that_stand_alone_are_dots() {
+        let trace = Trace::new(&[(1.0, 0.25), (0.0, 0.0), (0.0, 0.0)], Interpolation::None, &unit_axis(), &unit_axis());
+        assert_eq!(trace, Trace { line: String::new(), dots: "M0 4000h0M10000 3000h0".into() });
     }
 
     fn linear_strokes(samples: &[(f64, f64)]) -> Vec<Vec<GridPoint>> {

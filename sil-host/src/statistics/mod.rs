@@ -9,6 +9,7 @@ mod f_distribution;
 mod linear;
 #[cfg(test)]
 pub(crate) mod noise_source;
+mod robust_fit;
 mod spectrum;
 mod whiteness;
 
@@ -18,5 +19,6 @@ pub use deviation::mean_absolute_deviation;
 pub(crate) use deviation::{variance, wrapped};
 pub(crate) use f_distribution::{f_exceeded, student_95};
 pub(crate) use linear::{Cholesky, dot, dots};
+pub(crate) use robust_fit::{RobustFit, median, robust_fit};
 pub use spectrum::amplitude_spectrum;
 pub use whiteness::{Correlogram, InputCorrelation, LjungBox, chi_square_99, input_correlation};

@@ -13,5 +13,6 @@ mod labels;
 mod logs;
 mod maps;
 mod pages;
+mod refine;
 mod sil;
 mod usage;

@@ -221,6 +221,21 @@ fn pages_describe_the_json_of_flights_and_logs() {
 }
 
 #[test]
+fn pages_describe_the_json_of_a_refinement() {
+    let folder = Folder::new();
+    let rotor: String = (1..=9).map(|k| format!("{},{}\n", 100 * k, 0.05 * f64::from(k * k) + 1e-4)).collect();
+    for name in ["monday.csv", "tuesday.csv"] {
+        folder.write(name, format!("speed_rad_s,lift_n\n{rotor}"));
+    }
+    folder.sil(&["refine", "monday.csv", "tuesday.csv", "--json", "out.json"]).assert_done();
+    let mut answer = folder.json("out.json");
+    assert_eq!(answer["forms"][0]["unseen_error"], Value::Null);
+    // a table of tidy columns has nothing to remark
+    answer["notes"] = serde_json::json!([]);
+    assert_described("refine", &answer);
+}
+
+#[test]
 fn pages_describe_the_json_of_a_diagnosis() {
     let folder = Folder::new();
     folder.write("log.csv", RIG_LOG);

@@ -11,6 +11,7 @@
 //! | `identification` | is a vehicle known from its log alone? | `docs/identification.md` |
 //! | `limits_and_switching` | motors' limits, several linearisations | `docs/motor-limits.md`, `docs/switching-mpc.md` |
 //! | `real_logs` | what other people's logs show, and how right the diagnosis is on them | `docs/real-logs.md` |
+//! | `refinement` | do the intervals of bench measurements hold? | `docs/refine.md` |
 //! | `thesis_case` | the thesis' case from the log to the better controller | `docs/thesis-case.md` |
 //! | `worst_case` | the most passes that the MPC's solver can take | `docs/solver.md` |
 
@@ -24,5 +25,6 @@ pub mod identification;
 pub mod limits_and_switching;
 pub mod notches;
 pub mod real_logs;
+pub mod refinement;
 pub mod thesis_case;
 pub mod worst_case;

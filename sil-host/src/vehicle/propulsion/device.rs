@@ -7,7 +7,7 @@
 //!
 //! Departure from the thesis: (C.4) takes the speed constant A_m as torque constant; in SI units it is 1/A_m.
 
-use super::RotorState;
+use super::{LookUpTable, RotorState};
 use crate::document::{ModelError, Section, Table, admissible};
 
 /// All constants of the electro-mechanical propulsion of one arm.
@@ -35,6 +35,8 @@ pub struct DevicePropulsion {
     pub reaction_torque_nm_s2: f64,
     /// Aerodynamic drag coefficient R_d of the rotor, as the motor feels it, N m s²/rad².
     pub drag_nm_s2: f64,
+    /// Lift over speed as it was measured, instead of `R_l w²`; the reaction torque stays `R_t/R_l` of the lift.
+    pub lift_table: Option<LookUpTable>,
 }
 
 /// Shortest electrical time constant that is simulated, s; a shorter one would only cost steps.
@@ -42,6 +44,10 @@ const WINDING_TIME_MIN_S: f64 = 2e-5;
 
 /// The static map of the speed controller.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a table lies in the model itself, so that models stay plain values; they are few and passed by reference"
+)]
 pub enum Esc {
     /// Thesis C.1: `u = A exp(B s) + C exp(D s)` with the set-point `s = 100 command`.
     Exponential {
@@ -59,23 +65,44 @@ pub enum Esc {
         /// Voltage under load, V.
         battery_v: f64,
     },
+    /// Voltage over command as it was measured (thesis 6.3).
+    Table(LookUpTable),
+}
+
+/// The names of a speed controller's maps.
+#[derive(Clone, Copy)]
+enum Map {
+    Exponential,
+    Duty,
+    Table,
 }
 
 impl DevicePropulsion {
-    pub(super) fn voltage_v(&self, command: f64) -> f64 {
+    /// The winding's voltage at a command (0..1), V.
+    pub fn voltage_v(&self, command: f64) -> f64 {
         match self.esc {
             Esc::Exponential { gain1_v, rate1, gain2_v, rate2 } => {
                 let setpoint = 100.0 * command;
                 gain1_v * libm::exp(rate1 * setpoint) + gain2_v * libm::exp(rate2 * setpoint)
             }
             Esc::Duty { battery_v } => battery_v * command,
+            Esc::Table(table) => table.value(command),
         }
+    }
+
+    /// Time constant of the rotor's speed about a steady one, the winding's current following at once, s: what the
+    /// torque `(u - (w - B)/A)/(R A) - M_lo w - R_d w^2` loses with speed, over the inertia.
+    pub fn lag_s(&self, speed_rad_s: f64) -> f64 {
+        let inertia_kg_m2 = self.motor_inertia_kg_m2 + self.rotor_inertia_kg_m2;
+        let constant = self.speed_constant_rad_s_v;
+        let electric = 1.0 / (self.resistance_ohm * constant * constant);
+        inertia_kg_m2 / (electric + self.loss_nm_s + 2.0 * self.drag_nm_s2 * speed_rad_s)
     }
 
     /// Speed (rad/s) and current (A) at rest under `voltage_v`.
     ///
     /// With both derivatives zero, `R A (M_lo w + R_d w^2) + (w - B)/A = u`: a quadratic with one root w >= 0.
-    pub(super) fn equilibrium(&self, voltage_v: f64) -> (f64, f64) {
+    pub fn equilibrium(&self, voltage_v: f64) -> (f64, f64) {
         let constant = self.speed_constant_rad_s_v;
         let drive_v = voltage_v + self.speed_offset_rad_s / constant;
         if drive_v <= 0.0 {
@@ -89,9 +116,13 @@ impl DevicePropulsion {
         (speed, torque_nm * constant)
     }
 
+    /// Lift at a speed, N.
     #[inline]
-    pub(crate) fn lift_n(&self, speed_rad_s: f64) -> f64 {
-        self.lift_n_s2 * speed_rad_s * speed_rad_s
+    pub fn lift_n(&self, speed_rad_s: f64) -> f64 {
+        match &self.lift_table {
+            None => self.lift_n_s2 * speed_rad_s * speed_rad_s,
+            Some(table) => table.value(speed_rad_s),
+        }
     }
 
     /// Winding and rotor equations of all four motors.
@@ -137,6 +168,7 @@ impl DevicePropulsion {
             lift_n_s2: rotor.number("lift_n_s2", super::LIFT)?,
             reaction_torque_nm_s2: rotor.number("reaction_torque_nm_s2", super::TORQUE)?,
             drag_nm_s2: rotor.number("drag_nm_s2", drag)?,
+            lift_table: read_lift_table(&rotor)?,
         };
         esc.finish()?;
         motor.finish()?;
@@ -167,7 +199,21 @@ impl DevicePropulsion {
         table.number("lift_n_s2", self.lift_n_s2);
         table.number("reaction_torque_nm_s2", self.reaction_torque_nm_s2);
         table.number("drag_nm_s2", self.drag_nm_s2);
+        if let Some(lift) = &self.lift_table {
+            table.header("[propulsion.rotor.lift_table]");
+            lift.write(table, "speed_rad_s", "lift_n");
+        }
     }
+}
+
+/// A rotor whose lift is a table of measurements, where the file has one.
+fn read_lift_table(rotor: &Section<'_>) -> Result<Option<LookUpTable>, ModelError> {
+    let Some(section) = rotor.optional_section("lift_table")? else { return Ok(None) };
+    let speed = admissible(0.0, 2e4, "the speeds of a table in rad/s");
+    let lift = admissible(-50.0, 500.0, "their lifts in newton");
+    let table = LookUpTable::read(&section, ("speed_rad_s", speed), ("lift_n", lift))?;
+    section.finish()?;
+    Ok(Some(table))
 }
 
 impl Esc {
@@ -175,17 +221,19 @@ impl Esc {
         let gain = admissible(-100.0, 100.0, "a voltage in volt");
         let rate = admissible(-1.0, 1.0, "a rate per unit of set-point (0..100)");
         let battery = admissible(1.0, 100.0, "the battery's voltage in volt");
-        let exponential = section.choice("map", &[("exponential", true), ("duty", false)])?;
-        if exponential {
-            Ok(Self::Exponential {
+        match section.choice("map", &[("exponential", Map::Exponential), ("duty", Map::Duty), ("table", Map::Table)])? {
+            Map::Exponential => Ok(Self::Exponential {
                 gain1_v: section.number("gain1_v", gain)?,
                 rate1: section.number("rate1", rate)?,
                 gain2_v: section.number("gain2_v", gain)?,
                 rate2: section.number("rate2", rate)?,
-            })
-        } else {
-            let battery_v = section.number("battery_v", battery)?;
-            Ok(Self::Duty { battery_v })
+            }),
+            Map::Duty => Ok(Self::Duty { battery_v: section.number("battery_v", battery)? }),
+            Map::Table => {
+                let command = admissible(0.0, 1.0, "the commands of a table");
+                let voltage = admissible(-100.0, 100.0, "their voltages in volt");
+                LookUpTable::read(section, ("command", command), ("voltage_v", voltage)).map(Self::Table)
+            }
         }
     }
 
@@ -201,6 +249,10 @@ impl Esc {
             Self::Duty { battery_v } => {
                 table.string("map", "duty");
                 table.number("battery_v", battery_v);
+            }
+            Self::Table(voltages) => {
+                table.string("map", "table");
+                voltages.write(table, "command", "voltage_v");
             }
         }
     }

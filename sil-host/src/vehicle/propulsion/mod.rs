@@ -12,6 +12,7 @@
 mod device;
 mod flying_box;
 mod generic;
+mod look_up_table;
 
 use super::{NetSpin, spin_sum};
 use crate::document::{Admissible, ModelError, Section, Table, admissible};
@@ -19,6 +20,7 @@ use crate::document::{Admissible, ModelError, Section, Table, admissible};
 pub use device::{DevicePropulsion, Esc};
 pub use flying_box::FlyingBox;
 pub use generic::GenericRotor;
+pub use look_up_table::{LookUpTable, POINTS_MAX};
 
 /// Speeds (rad/s) of motors 1 to 4, then their winding currents (A). A level without one of them holds it still.
 pub type RotorState = [f64; 8];
@@ -54,6 +56,10 @@ impl Level {
 
 /// The propulsion of one arm; all four are alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a table lies in the model itself, so that models stay plain values; they are few and passed by reference"
+)]
 pub enum Propulsion {
     /// Conceptual model.
     Box(FlyingBox),
