@@ -103,7 +103,7 @@ fn reaction_against_drag(device: &DevicePropulsion) -> Check {
     within("reaction torque against drag torque", reaction / drag, TORQUE_RATIO, says)
 }
 
-/// Ideal power of a hovering rotor `T^1.5 / sqrt(2 rho A)`, over torque times speed: both go with the cube of the speed.
+/// Ideal power of a hovering rotor `T^1.5 / sqrt(2 rho A)`, over torque times speed: both go with the speed's cube.
 fn lift_against_momentum_theory(device: &DevicePropulsion, diameter_m: Option<f64>) -> Check {
     let name = "lift against momentum theory";
     let Some(diameter_m) = diameter_m else { return unchecked(name, "the propeller's diameter") };

@@ -333,8 +333,8 @@ mod tests {
         assert!((fit.parameters[0] - 3.0).abs() < 0.01);
     }
 
-    /// Over 400 draws, with scatter that grows sixfold: 95 % of the intervals hold, less three binomial deviations; more
-    /// do, since HC3 is on the safe side.
+    /// Over 400 draws, with scatter that grows sixfold: 95 % of the intervals hold, less three binomial deviations;
+    /// more do, since HC3 is on the safe side.
     #[test]
     fn intervals_hold_the_truth() {
         let x: Vec<f64> = (0..18).map(|k| 0.2 + 0.1 * f64::from(k)).collect();
