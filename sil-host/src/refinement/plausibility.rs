@@ -148,8 +148,7 @@ fn inertia_against_size(device: &DevicePropulsion, diameter_m: Option<f64>) -> C
 fn lag_of_motor(device: &DevicePropulsion) -> Check {
     let (speed, _) = device.equilibrium(device.voltage_v(0.5));
     let lag_s = device.lag_s(speed);
-    let says = format!("the motor would follow a command at half range in {:.1} ms", 1e3 * lag_s);
-    within("lag of the motor", lag_s, LAG_S, format!("{says} (s)"))
+    within("lag of the motor", lag_s, LAG_S, format!("the motor would follow a command at half range in {lag_s:.3} s"))
 }
 
 fn hover_against_mass(full_lift_n: f64, mass_kg: Option<f64>, gravity_m_s2: f64) -> Check {

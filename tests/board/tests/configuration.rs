@@ -208,8 +208,8 @@ fn what_is_set_over_the_link_is_stored_at_once_and_flies_after_a_restart() {
     let mut bench = Bench::new(&encode(&Params::DEFAULT));
     bench.run_for(START);
     let mut all = bench.ask(&PARAM_REQUEST_LIST_DATA { target_system: 1, target_component: 1 });
-    // a value in every hundredth of a second, beside the rest
-    bench.run_for(900 * MILLISECOND);
+    // a value in each hundredth of a second in which nothing else has filled the line
+    bench.run_for(1_200 * MILLISECOND);
     all.extend(bench.said());
     assert_eq!(values(&all).len(), Field::ALL.len());
     assert!(values(&all).contains(&("PWM_RATE_HZ", 400.0)));
