@@ -49,7 +49,8 @@ fn answer() -> Value {
         "gain": { "total_pct": "number", "total_interval_pct": "anything", "findings_interval_pct": "anything" },
         "horizons": [{ "horizon_s": "number", "windows": "integer", "held_out": "boolean", "errors": [error] }],
         "statistics": [{
-            "quantity": "string", "unit": "string", "excited": "boolean", "nominal": agreement(), "base": agreement(),
+            "quantity": "string", "unit": "string", "moved": "boolean", "commands_fit_pct": "number?",
+            "excited": "boolean", "nominal": agreement(), "base": agreement(),
             "extended": agreement(),
         }],
         "conditions": [{

@@ -14,7 +14,8 @@ const GROWTH_PERCENT: u64 = 3;
 const PID_LOOP_CYCLES_MAX: u32 = 63_000;
 /// Of a step at 400 Hz: control, IO and link, each task at its worst.
 const WORST_STEP_PERMILLE_MAX: u64 = 400;
-const FLASH_BYTES_MAX: usize = 256 * 1024;
+/// Of the two megabytes that the chip has; what is loaded by a probe or a bootloader in seconds.
+const FLASH_BYTES_MAX: usize = 400_000;
 
 const HEAD: &str = "\
 # What the image costs, measured on the emulated board: bytes, and instructions of each task's activations without what
