@@ -83,7 +83,10 @@ impl FlightCore {
             wrench,
             source,
             arming: state.arming,
-            arming_refusal: supervisor::arming_refusal(&config.supervisor, input, &findings),
+            arming_refusal: match state.arming.is_armed() {
+                true => None,
+                false => supervisor::arming_refusal(&config.supervisor, input, &findings),
+            },
             airborne: findings.airborne,
             battery: findings.battery,
             imu_unit: imu.unit,

@@ -63,6 +63,8 @@ enum Task {
     Page,
     /// Test that page in a browser (needs chromium and chromium-driver)
     PageTest,
+    /// Time that page in a browser: its start, a log's answer, a slider's move (a quiet machine)
+    PageSpeed,
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
     /// Run all that CI runs, in its order
@@ -94,6 +96,7 @@ fn run(task: &Task) -> Result<()> {
         Task::Clients => clients::run(&workspace),
         Task::Page => page::build(&workspace).map(drop),
         Task::PageTest => page::test(&workspace),
+        Task::PageSpeed => page::speed(&workspace),
         Task::Tidy => tidy::run(&workspace),
         Task::Ci => ci::run(&workspace),
     }

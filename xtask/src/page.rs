@@ -58,10 +58,19 @@ pub(crate) fn build(workspace: &Workspace) -> Result<PathBuf> {
 
 /// Builds the file, and tests it in Chromium beside the command line of `cargo test`'s own build.
 pub(crate) fn test(workspace: &Workspace) -> Result<()> {
+    in_a_browser(workspace, &[])
+}
+
+/// The same, but only how long its user waits.
+pub(crate) fn speed(workspace: &Workspace) -> Result<()> {
+    in_a_browser(workspace, &["--test", "speed", "--", "--ignored", "--nocapture"])
+}
+
+fn in_a_browser(workspace: &Workspace, tests: &[&str]) -> Result<()> {
     let place = build(workspace)?;
     process::run(workspace.cargo("build").args(["--package", "sil-host", "--bin", "sil"]))?;
     let mut command = workspace.cargo("test");
-    command.args(["--package", "page-test"]).env("SIL_PAGE", place);
+    command.args(["--package", "page-test"]).args(tests).env("SIL_PAGE", place);
     process::run(command.env("SIL_BINARY", workspace.target_dir.join("debug/sil")))
 }
 

@@ -62,7 +62,7 @@ pub struct StepOutput {
     pub source: TorqueSource,
     /// May the motors turn?
     pub arming: Arming,
-    /// What stands against arming now, if anything does.
+    /// What stands against arming now, if anything does; nothing once it is armed.
     pub arming_refusal: Option<Refusal>,
     /// Has it taken off, and not landed since?
     pub airborne: bool,

@@ -51,7 +51,7 @@ pub struct VehicleStatus {
     pub felt: Option<[Vector3<f32>; 2]>,
     /// Root mean square of what shakes it, body, m/s^2.
     pub vibration_m_s2: Vector3<f32>,
-    /// What stands against arming now, if anything does.
+    /// What stands against arming now, if anything does; nothing once it is armed.
     pub arming_refusal: Option<Refusal>,
     /// Has it taken off, and not landed since?
     pub airborne: bool,

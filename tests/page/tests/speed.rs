@@ -1,6 +1,6 @@
-//! Size and speed. Each test has the machine for itself.
+//! How long a user waits. A slow or busy machine is no fault of the page, so `cargo xtask page-speed` runs these and CI
+//! does not; they run one after the other.
 
-use std::fs;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -18,14 +18,13 @@ fn alone() -> MutexGuard<'static, ()> {
 }
 
 #[test]
-fn the_file_is_small_and_starts_within_a_second() -> Result<()> {
+#[ignore = "timed: cargo xtask page-speed"]
+fn it_starts_within_a_second() -> Result<()> {
     let _alone = alone();
-    let size = fs::metadata(Page::place()?)?.len();
-    assert!(size < 5_000_000, "{size} bytes");
     // what else the machine does makes a start slower, and none faster
     let starts = (0..STARTS).map(|_| start_s()).collect::<Result<Vec<f64>>>()?;
     let took_s = starts.iter().copied().fold(f64::INFINITY, f64::min);
-    println!("{size} bytes, started in {starts:.2?} s");
+    println!("started in {starts:.2?} s");
     assert!(took_s < 1.0, "{took_s} s");
     Ok(())
 }
@@ -40,6 +39,7 @@ fn start_s() -> Result<f64> {
 }
 
 #[test]
+#[ignore = "timed: cargo xtask page-speed"]
 fn a_log_of_a_minute_is_answered_in_fifteen_seconds() -> Result<()> {
     let _alone = alone();
     let folder = tempfile::tempdir()?;
@@ -58,6 +58,7 @@ fn a_log_of_a_minute_is_answered_in_fifteen_seconds() -> Result<()> {
 }
 
 #[test]
+#[ignore = "timed: cargo xtask page-speed"]
 fn a_flight_is_drawn_at_once_after_a_sliders_move() -> Result<()> {
     let _alone = alone();
     let page = Page::open()?;

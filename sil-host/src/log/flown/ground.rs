@@ -8,6 +8,7 @@
 use core::ops::Range;
 
 use crate::log::{Log, Quantity};
+use crate::statistics::median;
 
 /// Share of the usual collective at which a vehicle leaves the ground: less a tenth for a battery that is still full.
 const LIFTED: f64 = 0.9;
@@ -31,45 +32,32 @@ pub(super) fn off_the_ground(log: &Log, collective: &[f64], usual: f64, rows: Ra
 
 /// The row at which a vehicle has left the ground that its motors begin to carry at `row`.
 fn left(log: &Log, row: usize, end: usize) -> usize {
-    let time_s = &log.time_s;
-    let leaving_s = leaving_s(log);
-    let by_time = || (row..end).find(|other| time_s[*other] >= time_s[row] + leaving_s).unwrap_or(end - 1);
-    let Some(height) = log.column(Quantity::Height) else { return by_time() };
-    let standing = (0..=row).filter(|other| time_s[*other] > time_s[row] - LEAVING_S);
-    let clear_m = median(standing.map(|other| height[other])) + CLEAR_M;
-    let near = (row..end).take_while(|other| time_s[*other] <= time_s[row] + GROUND_MAX_S);
-    match near.clone().filter(|other| height[*other] <= clear_m).last() {
-        Some(low) if Some(low) == near.last() => by_time(),
-        Some(low) => low + 1,
-        None => row,
-    }
+    let standing = (0..=row).filter(|other| log.time_s[*other] > log.time_s[row] - LEAVING_S);
+    clear(log, row..end, standing)
 }
 
 /// The last row before a vehicle touches the ground on which its motors cease to carry it at `row`.
 fn reached(log: &Log, row: usize, start: usize) -> usize {
-    let time_s = &log.time_s;
-    let leaving_s = leaving_s(log);
-    let by_time = || (start..=row).rev().find(|other| time_s[*other] <= time_s[row] - leaving_s).unwrap_or(start);
+    let later_s = |other: usize| log.time_s[other] - log.time_s[row];
+    let landed = (row..log.rows()).take_while(|other| later_s(*other) < 2.0 * LEAVING_S);
+    let resting = landed.clone().skip(landed.count() / 2);
+    clear(log, (start..=row).rev(), resting)
+}
+
+/// The first of some rows, which lead away from the ground, that is clear of it, seen from rows on it.
+fn clear(log: &Log, rows: impl Iterator<Item = usize> + Clone, on_ground: impl Iterator<Item = usize>) -> usize {
+    let first = rows.clone().next().unwrap_or_default();
+    let away_s = |row: usize| (log.time_s[row] - log.time_s[first]).abs();
+    let leaving_s = if log.axes == [true; 3] { LEAVING_S } else { 0.0 };
+    let by_time = || rows.clone().find(|row| away_s(*row) >= leaving_s).or(rows.clone().last()).unwrap_or_default();
     let Some(height) = log.column(Quantity::Height) else { return by_time() };
-    let resting = (row..log.rows()).filter(|other| time_s[*other] < time_s[row] + 2.0 * LEAVING_S);
-    let resting: Vec<f64> = resting.map(|other| height[other]).collect();
-    let clear_m = median(resting[resting.len() / 2..].iter().copied()) + CLEAR_M;
-    let near = (start..=row).rev().take_while(|other| time_s[*other] >= time_s[row] - GROUND_MAX_S);
-    match near.clone().filter(|other| height[*other] <= clear_m).last() {
-        Some(low) if Some(low) == near.last() => by_time(),
-        Some(low) => low.saturating_sub(1),
-        None => row,
+    let clear_m = median(on_ground.map(|row| height[row]).collect()) + CLEAR_M;
+    let near = rows.clone().take_while(|row| away_s(*row) <= GROUND_MAX_S);
+    match near.clone().filter(|row| height[*row] <= clear_m).last() {
+        Some(low) if Some(low) == near.clone().last() => by_time(),
+        Some(low) => near.skip_while(|row| *row != low).nth(1).unwrap_or(low),
+        None => first,
     }
-}
-
-fn leaving_s(log: &Log) -> f64 {
-    if log.axes == [true; 3] { LEAVING_S } else { 0.0 }
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or_default()
 }
 
 #[cfg(test)]
