@@ -18,10 +18,3 @@ fn a_changed_gain_is_named() {
     let score = score(2, true);
     assert_eq!((score.named, score.sized), (1, 1), "{}", score.table);
 }
-
-/// An MPC beside an effect in the plant.
-#[test]
-fn an_unchanged_controller_is_not_blamed() {
-    let score = score(7, false);
-    assert_eq!(score.silent, 1, "{}", score.table);
-}

@@ -1,13 +1,12 @@
-//! Tests of the crates together: `cargo test -p integration-tests [MODULE::]`.
+//! Tests of the crates together: `cargo test -p integration-tests [MODULE::]`. What takes many seconds is in
+//! `tests/thorough`.
 
 mod blind_diagnosis;
 mod bounded_angles;
 mod change_in_flight;
 mod closed_loop;
-mod closed_loop_table;
 mod configuration_page;
 mod controller_blame;
-mod controller_comparison;
 mod firmware_vehicle;
 mod flight_controllers;
 mod flight_safety;
@@ -19,9 +18,7 @@ mod identification;
 mod limits_and_switching;
 mod log_errors;
 mod qp_reference;
-mod real_baseline;
 mod real_logs;
 mod refinement;
 mod test_sequence;
-mod thesis_case;
 mod worst_case;

@@ -1,24 +1,11 @@
-//! Constants from bench measurements: a tenth of `cargo run --release -p campaigns --bin refinement`, and a real stand.
+//! Constants from a real stand's measurements. Drawn benches: `cargo run --release -p campaigns --bin refinement`, of
+//! which `tests/thorough` has a part.
 
 use std::path::PathBuf;
 
 use campaigns::real_logs::files;
-use campaigns::refinement::{Drawn, Outcome, Total};
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::refinement::{Bench, Constant, Fitted, Order, Refined, refine};
-
-/// Benches of known constants with scatter, drop-outs and tares: 90 to 99 of 100 intervals hold.
-#[test]
-fn intervals_of_drawn_benches_hold_the_truth() {
-    let outcomes: Vec<Outcome> = (0..40).map(|seed| Outcome::of(&Drawn::new(seed))).collect();
-    let total = Total(&outcomes);
-    println!("{total}");
-    assert!((90.0..=99.0).contains(&total.right_pct()), "{total}");
-    for (key, count, right) in total.by_key() {
-        // of 40 at 95 %, three binomial deviations are four more wrong ones
-        assert!(count == 0 || right >= 80.0, "{key}: {right} % of {count}");
-    }
-}
 
 fn stand(start: &str) -> Vec<Bench> {
     let load = |path: &PathBuf| Bench::load(path).unwrap_or_else(|error| panic!("{error}"));

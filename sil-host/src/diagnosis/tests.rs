@@ -187,10 +187,7 @@ fn the_extended_model_has_what_is_ordinary_too() {
         "torque_bias:axis=pitch,torque_nm=-0.02",
         "thrust_scale:scale=0.85",
         "actuation_delay:delay_s=0.008",
-        "inertia_error:axis=pitch,scale=1.08",
-        "viscous_friction:axis=roll,coefficient_nms=0.006",
         "weak_motor:motor=1,scale=0.98",
-        "gyro_bias:axis=roll,bias_rad_s=0.01",
     ];
     let mut model = VehicleModel::generic(Rig::Gimbal);
     model.effects = hidden.map(|short| Effect::parse(short, Rig::Gimbal).unwrap()).into();

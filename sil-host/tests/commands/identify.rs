@@ -44,11 +44,10 @@ fn a_foreign_flight_is_identified_and_its_model_serves_the_other_commands() {
     assert!(told.starts_with("No --model: the vehicle was identified from this log first"), "{told}");
     // another vehicle's model is a mismatch, and that is said first
     folder.write("crazyflie.toml", include_str!("../../../models/crazyflie-free.toml"));
-    let part = ["diagnose", "--quick", "--to", "7"];
-    let other = [&part, &map[..], &["--model", "crazyflie.toml"]].concat();
+    let other = [&["compare"], &map[..], &["--model", "crazyflie.toml"]].concat();
     let told = folder.sil(&other).assert_done().stdout;
     assert!(told.starts_with("MISMATCH: ") || told.contains("answers to a motor's command"), "{told}");
-    let gimbal = [&part, &map[..], &["--rig", "gimbal"]].concat();
+    let gimbal = [&["diagnose", "--quick", "--to", "7"], &map[..], &["--rig", "gimbal"]].concat();
     let told = folder.sil(&gimbal).assert_done().stdout;
     assert!(told.starts_with("MISMATCH: the log is of a free flight (by its accelerometer"), "{told}");
 }

@@ -23,7 +23,7 @@ const LATE: [&str; 2] = ["actuation_delay", "motor_lag"];
 
 const HEAD: &str = "# The closed loop under each effect
 
-Written by `cargo run --release -p campaigns --bin closed_loop_table -- --write`, checked by `cargo test`: do not edit.
+Written by `cargo run --release -p campaigns --bin closed_loop_table -- --write`, checked in CI: do not edit.
 
 The thesis' test sequence, 30 s, with default tuning and the same noise, once without an effect and once with each
 effect of the catalogue in the size of its example; at 100 Hz too where an effect comes late, as that rate does. The

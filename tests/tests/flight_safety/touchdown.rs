@@ -65,16 +65,15 @@ fn on_the_ground_it_is_disarmed_within_three_seconds() {
     ];
     for (what, ground) in grounds {
         let (mut ends, mut fastest_m_s) = (Vec::new(), 0.0);
-        for controller in [Controller::Cascade, Controller::Mpc] {
-            // a period of the dips is half a metre to three
-            for below_m in [2.0, 3.1, 4.2, 5.3, 6.4, 7.5] {
-                let ground = Ground { below_m, ..ground };
-                let end = lose_link(&Scene { ground, controller, ..calm() }, 25.0).expect(what);
-                assert_eq!(end.because, DisarmedBecause::LinkLost, "{what}, {below_m} m");
-                assert!(end.speed_m_s < 2.0, "{what}, {below_m} m: {end:?}");
-                ends.push(end.after_s.expect("on the ground"));
-                fastest_m_s = f64::max(fastest_m_s, end.speed_m_s);
-            }
+        // a period of the dips is half a metre to three
+        for (place, below_m) in [2.0, 3.1, 4.2, 5.3, 6.4, 7.5].into_iter().enumerate() {
+            let controller = [Controller::Cascade, Controller::Mpc][place % 2];
+            let ground = Ground { below_m, ..ground };
+            let end = lose_link(&Scene { ground, controller, ..calm() }, 25.0).expect(what);
+            assert_eq!(end.because, DisarmedBecause::LinkLost, "{what}, {below_m} m");
+            assert!(end.speed_m_s < 2.0, "{what}, {below_m} m: {end:?}");
+            ends.push(end.after_s.expect("on the ground"));
+            fastest_m_s = f64::max(fastest_m_s, end.speed_m_s);
         }
         ends.sort_by(f64::total_cmp);
         let (median_s, longest_s) = (ends[ends.len() / 2], ends[ends.len() - 1]);

@@ -3,7 +3,7 @@
 extern crate std;
 use super::*;
 use crate::config::Controller;
-use crate::signals::{ArmingBlocks, PlanReport, Setpoint};
+use crate::signals::PlanReport;
 use crate::supervisor::Refusal;
 use mavlink::dialects::common::MavCmd;
 use nalgebra::Vector3;

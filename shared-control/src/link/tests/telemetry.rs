@@ -8,7 +8,7 @@ use crate::params::Params;
 use crate::params::table::Field;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
-use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, RawImuSample, Setpoint, StepInput};
+use crate::signals::{AttitudeEstimate, PlanReport, RawImuSample, StepInput};
 use crate::supervisor::{Arming, Refusal};
 use mavlink::Message;
 use mavlink::dialects::common::{
