@@ -6,7 +6,7 @@
 //!                          '------ World (plant, sensors, what holds the vehicle) <'
 //! ```
 //! Everything but the sockets goes by simulated time: [`ServedVehicle::advance`] makes the steps that are due, and wall
-//! time only says how many that are ([`pace`]). What arrives is taken between two steps, as on the board.
+//! time only says how many that are (`pace.rs`). What arrives is taken between two steps, as on the board.
 
 mod board;
 mod pace;
