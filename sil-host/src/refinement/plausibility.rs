@@ -48,7 +48,7 @@ const AIR_KG_M3: f64 = 1.225;
 /// One torque, measured twice: benches repeat it within some percent.
 const TORQUE_RATIO: [f64; 2] = [0.8, 1.25];
 /// Share of the ideal power that a hovering propeller needs, inverted. Above 1 momentum theory is violated; propellers
-/// of 5 to 20 inches have 0.4 to 0.75 (from the static tables of Brandt and Selig, AIAA 2011-1255).
+/// of 5 to 20 inches have 0.4 to 0.75 (Brandt and Selig, AIAA 2011-1255; the tables were not at hand).
 const FIGURE_OF_MERIT: [f64; 2] = [0.3, 0.85];
 /// Lift over `rho n^2 D^4`: static values of the same tables lie between 0.06 and 0.18.
 const LIFT_COEFFICIENT: [f64; 2] = [0.04, 0.25];
