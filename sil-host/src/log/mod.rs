@@ -11,6 +11,8 @@ mod dataflash;
 pub mod draft;
 mod error;
 pub mod flown;
+#[cfg(test)]
+mod fuzz_seeds;
 mod joined;
 mod map;
 mod messages;

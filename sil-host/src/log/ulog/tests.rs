@@ -77,6 +77,11 @@ fn geometry(file: File, corners: [(f32, f32, f32); 4]) -> File {
     })
 }
 
+/// A whole flight, as bytes.
+pub fn whole() -> Vec<u8> {
+    flight(|file| file).0
+}
+
 #[test]
 fn motors_are_ours_by_the_geometry_in_the_file() {
     // front left cw, rear left ccw, rear right cw, front right ccw: ours are 4th, 2nd, 1st, 3rd
