@@ -78,11 +78,12 @@ impl Diagnose {
         let Read { log, drafted } = read(&(suspect, bytes))?;
         let normal = normal.iter().map(|normal| Ok(read(normal)?.log)).collect::<Result<Vec<Log>, String>>()?;
         let (said, facts) = (self.options.said(drafted.is_some())?, self.options.facts()?);
-        let against = HeldAgainst::as_said(&log, &said, &facts, None).map_err(message)?;
+        let against = HeldAgainst::of_normal(&normal, &said, &facts).map_err(message)?;
         let between = if self.options.untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };
         let given = Given { known: &against.known, between };
         let answer = diagnose_against(&log, &normal, &against.subject(), given, observer).map_err(message)?;
-        shown(&baseline::page(&answer, &self.command()), baseline::text(&answer), &answer)
+        let page = against.on_page(baseline::page(&answer, &self.command()));
+        shown(&page, against.text() + &baseline::text(&answer), &answer)
     }
 
     /// The command that answers the same on a terminal.

@@ -98,8 +98,9 @@ impl DiagnoseArguments {
         if let Some(option) = self.log.controller_option() {
             return Err(bad_input(format!("--baseline compares flights, not controllers: leave out {option}")));
         }
-        let against = HeldAgainst::as_said(log, said, facts, self.wants_vehicle()).map_err(bad_input)?;
         let normal = self.baseline.iter().map(|path| self.log.read_other(path)).collect::<Result<Vec<Log>, _>>()?;
+        let against = HeldAgainst::of_normal(&normal, said, facts).map_err(bad_input)?;
+        print(against.text())?;
         let answer = {
             let line = ProgressLine::new();
             let between = if self.untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };
@@ -109,7 +110,7 @@ impl DiagnoseArguments {
         };
         print(baseline::text(&answer))?;
         if let Some(path) = &self.report {
-            let page = baseline::page(&answer, &self.command());
+            let page = against.on_page(baseline::page(&answer, &self.command()));
             write_file(path, page.to_html().as_bytes())?;
             print(format!("report          {}\n", path.display()))?;
         }
