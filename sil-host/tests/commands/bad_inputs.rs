@@ -107,7 +107,7 @@ const OF_UNITS_AND_SIGNS: &[Row] = &[
     ),
     ("time in ms", Columns(|l| l.time_s.iter_mut().for_each(|t| *t *= 1e3)), REFUSED, &["time_ms = {"]),
     ("time in us", Columns(|l| l.time_s.iter_mut().for_each(|t| *t *= 1e6)), REFUSED, &["time_us = {"]),
-    ("time in minutes", Columns(|l| l.time_s.iter_mut().for_each(|t| *t /= 60.0)), READ, &["too short or too quiet"]),
+    ("time in minutes", Columns(|l| l.time_s.iter_mut().for_each(|t| *t /= 60.0)), REFUSED, &["time_min = {"]),
     ("a plus frame", Columns(|l| *l = l.clone().turned(-45.0).unwrap()), REFUSED, &["plus frame", "--frame-turn 45"]),
 ];
 
