@@ -38,7 +38,7 @@ impl CompareArguments {
     /// One log under the controllers that were named.
     fn compared(&self, path: &Path) -> Result<Compared, Failure> {
         let (said, controllers) = self.log.said_of_several()?;
-        let log = self.log.read_other(path)?;
+        let log = self.log.read(path)?;
         let against = HeldAgainst::of(&log, &said, &[], None).map_err(bad_input)?;
         Compared::of(log, against, &controllers).map_err(bad_input)
     }

@@ -81,19 +81,21 @@ impl LogArguments {
         &self.log
     }
 
-    /// Reads the log, or the part of it that was requested.
-    pub fn read(&self) -> Result<Log, Failure> {
-        self.read_other(&self.log)
-    }
-
-    /// Reads another log of the same kind, the same part of it.
-    pub fn read_other(&self, path: &Path) -> Result<Log, Failure> {
+    /// Reads a log as requested, or the part of it that was.
+    pub fn read(&self, path: &Path) -> Result<Log, Failure> {
         let wanted = self.wanted()?;
         if path == Path::new(STANDARD_STREAM) {
             return wanted.read(Path::new("stdin"), &mut std::io::stdin().lock()).map_err(bad_input);
         }
         let log = log::read(path, wanted.map.as_ref()).map_err(bad_input)?;
         wanted.of(log).map_err(bad_input)
+    }
+
+    /// The same, and of a long log no more than is examined. Gaps would end a controller's replay: where one is named,
+    /// the log stays whole.
+    pub fn read_examined(&self, path: &Path) -> Result<Log, Failure> {
+        let log = self.read(path)?;
+        Ok(if self.controller.is_empty() { log.examined() } else { log })
     }
 
     /// What of a log was requested.

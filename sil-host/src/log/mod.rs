@@ -14,6 +14,7 @@ pub mod flown;
 #[cfg(test)]
 mod fuzz_seeds;
 mod joined;
+mod long;
 mod map;
 mod messages;
 mod motor_order;
