@@ -1,13 +1,13 @@
 //! A long log in stretches that are spread over it, so that what examines it takes bounded time and memory however long
-//! it is. A model has a few dozen numbers: ten minutes that move show them as well as an hour does.
+//! it is. A model has a few dozen numbers: three minutes that move show them as well as an hour does.
 
 use super::{Log, Quantity};
 use crate::axis::Axis;
 
 /// No more than this of a log is examined, s.
-const EXAMINED_MAX_S: f64 = 600.0;
+const EXAMINED_MAX_S: f64 = 180.0;
 /// From so many sections of it, each as long, one stretch each.
-const SECTIONS: usize = 60;
+const SECTIONS: usize = 36;
 
 impl Log {
     /// The log; of a longer one than is examined, from each section of it the stretch that moves most, with a note that
@@ -31,8 +31,8 @@ impl Log {
         // too few rows for a log: then it had been none
         let Ok(mut part) = self.within(&spans_s) else { return self };
         part.notes.push(format!(
-            "of {lasts_s:.0} s {EXAMINED_MAX_S:.0} s are examined: in each {SECTIONS}th of the log the {:.0} s that move \
-             most (--from and --to choose a part)",
+            "of {lasts_s:.0} s {EXAMINED_MAX_S:.0} s are examined: in each of {SECTIONS} sections of the log the {:.0} s \
+             that move most (--from and --to choose a part)",
             EXAMINED_MAX_S / SECTIONS as f64
         ));
         part
@@ -70,32 +70,32 @@ fn liveliest(motion: &[f64], stretch: usize) -> usize {
 mod tests {
     use super::*;
 
-    /// A log of 20 rows a second that moves in the last eight seconds of each minute.
+    /// A log of 20 rows a second that moves in the last four seconds of each minute.
     fn log(minutes: usize) -> Log {
         let rows = minutes * 60 * 20;
-        let moves = |row: usize| row % 1200 >= 52 * 20;
+        let moves = |row: usize| row % 1200 >= 56 * 20;
         let rate = (0..rows).map(|row| if moves(row) { libm::sin(row as f64) } else { 0.0 }).collect();
         let time_s = (0..rows).map(|row| row as f64 / 20.0).collect();
         Log { time_s, rate_rad_s: [Some(rate), None, None], ..Log::default() }
     }
 
     #[test]
-    fn an_hour_is_examined_where_it_moves_and_no_longer_than_ten_minutes() {
-        let part = log(60).examined();
-        assert_eq!(part.rows(), 12_000);
-        let seconds = |number: usize| (part.time_s[number * 200], part.time_s[number * 200 + 199]);
-        for number in 0..60 {
+    fn of_a_long_log_three_minutes_are_examined_where_it_moves() {
+        let part = log(36).examined();
+        assert_eq!(part.rows(), 3600);
+        let seconds = |number: usize| (part.time_s[number * 100], part.time_s[number * 100 + 99]);
+        for number in 0..36 {
             let (from_s, to_s) = seconds(number);
-            // ten seconds of each minute, the eight that move among them
+            // five seconds of each minute, the four that move among them
             let minute_s = 60.0 * number as f64;
-            assert!(from_s <= minute_s + 52.1 && to_s >= minute_s + 59.9 && from_s >= minute_s, "{from_s} {to_s}");
+            assert!(from_s <= minute_s + 56.1 && to_s >= minute_s + 59.9 && from_s >= minute_s, "{from_s} {to_s}");
         }
-        assert!(part.notes[0].starts_with("of 3600 s 600 s are examined"), "{:?}", part.notes);
+        assert!(part.notes[0].starts_with("of 2160 s 180 s are examined"), "{:?}", part.notes);
     }
 
     #[test]
-    fn a_log_of_ten_minutes_is_left_as_it_is() {
-        let whole = log(10);
+    fn a_log_of_three_minutes_is_left_as_it_is() {
+        let whole = log(3);
         assert_eq!(whole.clone().examined(), whole);
         assert_eq!(Log::default().examined(), Log::default());
     }

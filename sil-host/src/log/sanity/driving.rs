@@ -93,9 +93,9 @@ impl Driving {
     pub(super) fn contradiction(&self, log: &Log, columns: &Columns<'_>) -> Option<Contradiction> {
         let wrong: Vec<Axis> =
             Axis::ALL.into_iter().filter(|axis| matches!(self.by_axis[axis.index()], Answer::Instead { .. })).collect();
-        let are_others_right = !wrong.contains(&Axis::Roll) && !wrong.contains(&Axis::Pitch);
+        // first of all: half way between two axes chance says which of them an axis seems to answer to
         let turned = || self.turned_by_45_degrees().or_else(|| self.turned_and_in_another_order());
-        let turned = if self.is_by_motors && are_others_right { turned() } else { None };
+        let turned = if self.is_by_motors { turned() } else { None };
         if wrong.is_empty() || turned.is_some() {
             return turned;
         }
@@ -190,11 +190,12 @@ impl Driving {
         };
         let [of_roll, of_pitch] = [turn(0, 1, 1.0)?, turn(1, 0, -1.0)?];
         let turned_deg = (0.5 * (of_roll + of_pitch)).to_degrees();
-        let is_one_turn = crate::statistics::wrapped(of_roll - of_pitch).abs() < FRAC_PI_8;
-        // a frame stands as a plus or as an X; what an IMU is turned by is any angle
         let nearest_deg = ODD_DEG * (turned_deg / ODD_DEG).round();
         let is_near = (turned_deg - nearest_deg).abs() < NEAR_DEG;
-        let mended_by_deg = 0.0 - if is_near { nearest_deg } else { turned_deg.round() };
+        let is_one_turn = crate::statistics::wrapped(of_roll - of_pitch).abs() < FRAC_PI_8;
+        // A frame stands as a plus or as an X; what an IMU is turned by is any angle. Of a plus forward is the arm that
+        // the log's axes have in front, whatever numbers the motors bear: an order that is left shows once it is turned.
+        let mended_by_deg = if is_near { ODD_DEG } else { 0.0 - turned_deg.round() };
         is_one_turn.then(|| Contradiction {
             seen: format!(
                 "roll and pitch each answer to both parts of the motors, as if the frame were turned by \

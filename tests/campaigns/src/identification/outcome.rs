@@ -73,8 +73,13 @@ impl Outcome {
 
 /// Do columns and signs mean what they meant before the log was written?
 fn is_the_same(read: &Log, flown: &Log) -> bool {
+    // an angle is the same after a full turn
+    let distance = |quantity: &Quantity, read: f64, flown: f64| match quantity {
+        Quantity::Angle(_) => libm::remainder(read - flown, std::f64::consts::TAU).abs(),
+        _ => (read - flown).abs(),
+    };
     let is_near = |quantity: &Quantity| match (read.column(*quantity), flown.column(*quantity)) {
-        (Some(read), Some(flown)) => read.iter().zip(flown).all(|(read, flown)| (read - flown).abs() < 1e-5),
+        (Some(read), Some(flown)) => read.iter().zip(flown).all(|(read, flown)| distance(quantity, *read, *flown) < 1e-5),
         (read, _) => read.is_none(),
     };
     read.rows() == flown.rows() && read.motors().is_some() && Quantity::ALL.iter().all(is_near)
