@@ -1,13 +1,13 @@
 //! A long log in stretches that are spread over it, so that what examines it takes bounded time and memory however long
-//! it is. A model has a few dozen numbers: three minutes that move show them as well as an hour does.
+//! it is. A model has a few dozen numbers: two minutes that move show them as well as an hour does.
 
 use super::{Log, Quantity};
 use crate::axis::Axis;
 
 /// No more than this of a log is examined, s.
-const EXAMINED_MAX_S: f64 = 180.0;
+const EXAMINED_MAX_S: f64 = 120.0;
 /// From so many sections of it, each as long, one stretch each.
-const SECTIONS: usize = 36;
+const SECTIONS: usize = 24;
 
 impl Log {
     /// The log; of a longer one than is examined, from each section of it the stretch that moves most, with a note that
@@ -80,22 +80,22 @@ mod tests {
     }
 
     #[test]
-    fn of_a_long_log_three_minutes_are_examined_where_it_moves() {
-        let part = log(36).examined();
-        assert_eq!(part.rows(), 3600);
+    fn of_a_long_log_two_minutes_are_examined_where_it_moves() {
+        let part = log(24).examined();
+        assert_eq!(part.rows(), 2400);
         let seconds = |number: usize| (part.time_s[number * 100], part.time_s[number * 100 + 99]);
-        for number in 0..36 {
+        for number in 0..24 {
             let (from_s, to_s) = seconds(number);
             // five seconds of each minute, the four that move among them
             let minute_s = 60.0 * number as f64;
             assert!(from_s <= minute_s + 56.1 && to_s >= minute_s + 59.9 && from_s >= minute_s, "{from_s} {to_s}");
         }
-        assert!(part.notes[0].starts_with("of 2160 s 180 s are examined"), "{:?}", part.notes);
+        assert!(part.notes[0].starts_with("of 1440 s 120 s are examined"), "{:?}", part.notes);
     }
 
     #[test]
-    fn a_log_of_three_minutes_is_left_as_it_is() {
-        let whole = log(3);
+    fn a_log_of_two_minutes_is_left_as_it_is() {
+        let whole = log(2);
         assert_eq!(whole.clone().examined(), whole);
         assert_eq!(Log::default().examined(), Log::default());
     }
