@@ -78,7 +78,8 @@ impl Diagnose {
     fn against(&self, (suspect, bytes): NamedFile, normal: &[NamedFile], observer: Observer<'_>) -> Answer {
         let read = |(log, bytes): &NamedFile| self.options.read(&log.name, bytes).map_err(|not_read| not_read.message);
         let Read { log, drafted } = read(&(suspect, bytes))?;
-        let normal = normal.iter().map(|normal| Ok(read(normal)?.log.examined())).collect::<Result<Vec<Log>, String>>()?;
+        let normal =
+            normal.iter().map(|normal| Ok(read(normal)?.log.examined())).collect::<Result<Vec<Log>, String>>()?;
         let (log, said, facts) = (log.examined(), self.options.said(drafted.is_some())?, self.options.facts()?);
         let against = HeldAgainst::of_normal(&normal, &said, &facts).map_err(message)?;
         let between = if self.options.untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };

@@ -234,7 +234,8 @@ fn identified_from(
             ..HeldAgainst::default()
         }),
         Err(error) => {
-            let said = format!("No --model, and no vehicle could be identified from {called}: {error}. Each axis by itself.");
+            let said =
+                format!("No --model, and no vehicle could be identified from {called}: {error}. Each axis by itself.");
             match flights.first() {
                 Some(log) => axes(log, wants_vehicle, said),
                 None => Ok(HeldAgainst { said, ..HeldAgainst::default() }),

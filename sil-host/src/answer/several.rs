@@ -65,7 +65,11 @@ impl Row {
             let unit = unit(error.unit);
             let exact = with_unit(error.noise_floor, &unit);
             let after = first.map(|_| format!("{} ({exact})", with_unit(error.extended, &unit)));
-            [quantity(error.quantity).to_owned(), with_unit(error.nominal, &unit), after.unwrap_or_else(|| format!("- ({exact})"))]
+            [
+                quantity(error.quantity).to_owned(),
+                with_unit(error.nominal, &unit),
+                after.unwrap_or_else(|| format!("- ({exact})")),
+            ]
         });
         let [what, before, after] = error.unwrap_or_default();
         let cause = first.map(cause).unwrap_or_default();
@@ -194,7 +198,10 @@ mod tests {
         let all = "Of 6 logs 2 differ from the simulation, 1 agrees with it, 2 are of flights that no model predicts \
                    yet, 1 has no answer";
         assert_eq!(title(&verdicts), all);
-        assert_eq!(title(&verdicts[..2]), "Of 2 logs 1 differs from the simulation, 1 is of a flight that no model \
-                                           predicts yet");
+        assert_eq!(
+            title(&verdicts[..2]),
+            "Of 2 logs 1 differs from the simulation, 1 is of a flight that no model \
+                                           predicts yet"
+        );
     }
 }

@@ -117,9 +117,9 @@ impl LogArguments {
     /// What was said of the vehicle and of the one controller that flew it.
     pub fn said(&self) -> Result<Said, Failure> {
         match self.controller.as_slice() {
-            [_, second, ..] => Err(bad_input(format!(
-                "--controller {second}: one controller flew a log; `sil compare` takes several"
-            ))),
+            [_, second, ..] => {
+                Err(bad_input(format!("--controller {second}: one controller flew a log; `sil compare` takes several")))
+            }
             _ => self.said_of_several().map(|(said, _)| said),
         }
     }

@@ -19,7 +19,8 @@ fn two_logs() -> Folder {
 }
 
 fn alone(folder: &Folder, arguments: &[&str]) -> Value {
-    folder.sil(&[&["compare"], arguments, &["--model", "gimbal.toml", "--json", "alone.json"]].concat()).assert_done();
+    let outputs = ["--model", "gimbal.toml", "--json", "alone.json", "--report", "alone.html"];
+    folder.sil(&[&["compare"], arguments, &outputs].concat()).assert_done();
     folder.json("alone.json")
 }
 
@@ -81,7 +82,9 @@ fn one_log_lies_beside_what_each_controller_makes_of_its_references() {
     let twice = ["compare", "healthy.csv", "--controller", "pid", "--controller", "pid"];
     folder.sil(&twice).assert_refused(&["--controller pid was given before"]);
     let diagnosed = [&["diagnose", "healthy.csv", "--model", "gimbal.toml"], &both[..]].concat();
-    folder.sil(&diagnosed).assert_refused(&["--controller mpc: one controller flew a log; `sil compare` takes several"]);
+    folder
+        .sil(&diagnosed)
+        .assert_refused(&["--controller mpc: one controller flew a log; `sil compare` takes several"]);
 }
 
 /// Nobody said which vehicle: what is normal says it, and that is said.

@@ -120,7 +120,8 @@ pub(super) fn named(entries: &[Entry]) -> Vec<Named<'_>> {
 
 /// Heads of the columns of errors, one for each channel of [`SHOWN`] that any log has.
 pub(super) fn error_columns(runs: &[Named<'_>]) -> Vec<(&'static str, String)> {
-    let errors: Vec<ChannelError> = runs.iter().flat_map(|run| run.run.comparison.prediction_error().channels).collect();
+    let errors: Vec<ChannelError> =
+        runs.iter().flat_map(|run| run.run.comparison.prediction_error().channels).collect();
     let head = |name: &&'static str| {
         let error = errors.iter().find(|error| error.quantity == *name)?;
         Some((*name, format!("{}, {}", quantity(name), unit(error.unit))))

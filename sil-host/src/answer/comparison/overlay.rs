@@ -45,17 +45,20 @@ fn headline(runs: &[Named<'_>]) -> String {
         return "None of these logs can be compared".to_owned();
     };
     let name = quantity(worst.quantity);
-    let mut deviating: Vec<(String, f64)> = deviations(runs).map(|(name, of)| (name.to_owned(), of[1])).collect();
+    let deviating: Vec<(&str, [f64; 2])> = deviations(runs).collect();
     let is_one_log = runs.iter().all(|run| std::ptr::eq(run.compared, runs[0].compared));
     let (what, unit, mut misses) = if is_one_log && deviating.len() > 1 {
-        ("Closed loop, pitch off on average by ".to_owned(), "deg".to_owned(), std::mem::take(&mut deviating))
+        let most = |axis: usize| deviating.iter().map(|(_, of)| of[axis]).fold(0.0, f64::max);
+        let (axis, name) = if most(0) > most(1) { (0, "roll") } else { (1, "pitch") };
+        let misses = deviating.iter().map(|(name, of)| ((*name).to_owned(), of[axis])).collect();
+        (format!("In closed loop the {name} is off on average by "), "deg".to_owned(), misses)
     } else {
         let miss = |run: &Named<'_>| {
             let channels = of(run).channels;
             let error = channels.iter().find(|error| error.quantity == worst.quantity)?;
             Some((run.name.clone(), error.nominal))
         };
-        let misses = runs.iter().filter_map(miss).collect();
+        let misses: Vec<(String, f64)> = runs.iter().filter_map(miss).collect();
         (format!("The {name} is missed by "), self::unit(worst.unit), misses)
     };
     if misses.len() <= NAMED_MAX {

@@ -145,12 +145,7 @@ impl Subscriptions {
 }
 
 /// False for definitions, subscriptions and data of topics that nobody wants.
-fn is_needed(
-    kind: u8,
-    content: &[u8],
-    is_wanted: &dyn Fn(&str) -> bool,
-    subscriptions: &mut Subscriptions,
-) -> bool {
+fn is_needed(kind: u8, content: &[u8], is_wanted: &dyn Fn(&str) -> bool, subscriptions: &mut Subscriptions) -> bool {
     match kind {
         b'F' => {
             let end = content.iter().position(|byte| *byte == b':').unwrap_or(content.len());

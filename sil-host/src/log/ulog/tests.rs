@@ -267,7 +267,8 @@ fn topics_may_have_any_numbers() {
     let stamp = |row: u64| (1_000_000 + 4000 * row).to_le_bytes();
     let numbers = |of: &[f32]| of.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>();
     let file = (0..200).fold(file, |file, row| {
-        let file = file.message(b'D', &[&[0xff, 0xff], &stamp(row)[..], &numbers(&[0.01 * row as f32, -0.5, 0.25])].concat());
+        let file =
+            file.message(b'D', &[&[0xff, 0xff], &stamp(row)[..], &numbers(&[0.01 * row as f32, -0.5, 0.25])].concat());
         file.message(b'D', &[&[0x00, 0x80], &stamp(row)[..], &numbers(&[0.1, 0.2, 0.3, 0.4])].concat())
     });
     let log = file.read().unwrap();

@@ -79,7 +79,9 @@ fn is_the_same(read: &Log, flown: &Log) -> bool {
         _ => (read - flown).abs(),
     };
     let is_near = |quantity: &Quantity| match (read.column(*quantity), flown.column(*quantity)) {
-        (Some(read), Some(flown)) => read.iter().zip(flown).all(|(read, flown)| distance(quantity, *read, *flown) < 1e-5),
+        (Some(read), Some(flown)) => {
+            read.iter().zip(flown).all(|(read, flown)| distance(quantity, *read, *flown) < 1e-5)
+        }
         (read, _) => read.is_none(),
     };
     read.rows() == flown.rows() && read.motors().is_some() && Quantity::ALL.iter().all(is_near)
