@@ -1,11 +1,14 @@
 //! A long log in stretches that are spread over it, so that what examines it takes bounded time and memory however long
 //! it is. A model has a few dozen numbers: two minutes that move show them as well as an hour does.
 
+use super::part::{FAST_HZ, THINNED_MIN_HZ};
 use super::{Log, Quantity};
 use crate::axis::Axis;
 
 /// No more than this of a log is examined, s.
 const EXAMINED_MAX_S: f64 = 120.0;
+/// And of many rows a second only as long as these last: time and memory go with the rows that are predicted.
+const EXAMINED_ROWS_MAX: f64 = 30_000.0;
 /// From so many sections of it, each as long, one stretch each.
 const SECTIONS: usize = 24;
 
@@ -19,7 +22,10 @@ impl Log {
         if lasts_s.is_nan() || lasts_s <= EXAMINED_MAX_S {
             return self;
         }
-        let stretch = (EXAMINED_MAX_S / SECTIONS as f64 / step_s) as usize;
+        // a log of more rows than these is thinned before it is predicted
+        let predicted_hz = if step_s * FAST_HZ < 1.0 { THINNED_MIN_HZ } else { 1.0 / step_s };
+        let examined_s = EXAMINED_MAX_S.min(EXAMINED_ROWS_MAX / predicted_hz);
+        let stretch = ((examined_s / SECTIONS as f64 / step_s) as usize).max(1);
         let motion = self.motion();
         let section = self.rows() / SECTIONS;
         let spans_s: Vec<[f64; 2]> = (0..SECTIONS)
@@ -31,9 +37,9 @@ impl Log {
         // too few rows for a log: then it had been none
         let Ok(mut part) = self.within(&spans_s) else { return self };
         part.notes.push(format!(
-            "of {lasts_s:.0} s {EXAMINED_MAX_S:.0} s are examined: in each of {SECTIONS} sections of the log the {:.0} s \
-             that move most (--from and --to choose a part)",
-            EXAMINED_MAX_S / SECTIONS as f64
+            "of {lasts_s:.0} s {examined_s:.0} s are examined: in each of {SECTIONS} sections of the log the {:.1} s that \
+             move most (--from and --to choose a part)",
+            examined_s / SECTIONS as f64
         ));
         part
     }
@@ -98,5 +104,18 @@ mod tests {
         let whole = log(2);
         assert_eq!(whole.clone().examined(), whole);
         assert_eq!(Log::default().examined(), Log::default());
+    }
+
+    #[test]
+    fn of_a_log_of_many_or_hardly_any_rows_a_second_as_many_rows_are_examined_as_it_allows() {
+        let at = |rows: usize, hz: f64| {
+            let time_s = (0..rows).map(|row| row as f64 / hz).collect();
+            Log { time_s, rate_rad_s: [Some(vec![0.0; rows]), None, None], ..Log::default() }.examined()
+        };
+        assert_eq!(at(200_000, 500.0).rows(), 30_000);
+        // thinned to 200 rows a second before they are predicted
+        assert_eq!(at(200_000, 1000.0).rows(), 120_000);
+        // too few for a log in one of 24 sections each
+        assert_eq!(at(200, 0.1).rows(), 200);
     }
 }
