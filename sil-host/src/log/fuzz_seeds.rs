@@ -22,7 +22,7 @@ fn table() -> Vec<u8> {
     text.into_bytes()
 }
 
-/// `FUZZ_SEEDS=fuzz/corpus cargo test -p sil-host fuzz_seeds -- --ignored`
+/// `FUZZ_SEEDS=FOLDER cargo test -p sil-host fuzz_seeds -- --ignored`
 #[test]
 #[ignore = "writes files: FUZZ_SEEDS names the folder"]
 fn are_written() {

@@ -37,8 +37,8 @@ impl Log {
         // too few rows for a log: then it had been none
         let Ok(mut part) = self.within(&spans_s) else { return self };
         part.notes.push(format!(
-            "of {lasts_s:.0} s {examined_s:.0} s are examined: in each of {SECTIONS} sections of the log the {:.1} s that \
-             move most (--from and --to choose a part)",
+            "of {lasts_s:.0} s {examined_s:.0} s are examined: in each of {SECTIONS} sections of the log the {:.1} s \
+             that move most (--from and --to choose a part)",
             examined_s / SECTIONS as f64
         ));
         part

@@ -22,8 +22,8 @@ const ODD_DEG: f64 = 45.0;
 const NEAR_DEG: f64 = 12.0;
 
 /// What a turned frame means.
-const IS_PLUS: &str = "likely a plus frame, or an IMU that is turned: no order of motors mends it, but axes in which the \
-                       motors stand as an X do";
+const IS_PLUS: &str = "likely a plus frame, or an IMU that is turned: no order of motors mends it, but axes in which \
+                       the motors stand as an X do";
 
 /// Which axes of the log's rates and commands are answered to, and how.
 pub(super) struct Driving {
@@ -193,8 +193,9 @@ impl Driving {
         let nearest_deg = ODD_DEG * (turned_deg / ODD_DEG).round();
         let is_near = (turned_deg - nearest_deg).abs() < NEAR_DEG;
         let is_one_turn = crate::statistics::wrapped(of_roll - of_pitch).abs() < FRAC_PI_8;
-        // A frame stands as a plus or as an X; what an IMU is turned by is any angle. Of a plus forward is the arm that
-        // the log's axes have in front, whatever numbers the motors bear: an order that is left shows once it is turned.
+        // A frame stands as a plus or as an X; what an IMU is turned by is any angle. Of a plus forward is the arm
+        // that the log's axes have in front, whatever numbers the motors bear: what order they have shows once it is
+        // turned.
         let mended_by_deg = if is_near { ODD_DEG } else { 0.0 - turned_deg.round() };
         is_one_turn.then(|| Contradiction {
             seen: format!(
@@ -207,8 +208,9 @@ impl Driving {
         })
     }
 
-    /// A plus whose motors have another order too. Orders exchange the parts of roll, pitch and yaw, with signs, so that
-    /// two of the three move roll and pitch alike, whichever they are. Which order it is shows once the frame is turned.
+    /// A plus whose motors have another order too. Orders exchange the parts of roll, pitch and yaw, with signs, so
+    /// that two of the three move roll and pitch alike, whichever they are. Which order it is shows once the frame is
+    /// turned.
     fn turned_and_in_another_order(&self) -> Option<Contradiction> {
         let is_between = |response: usize, [one, other]: [usize; 2]| {
             let distance = self.answers.estimate(|sums| {
