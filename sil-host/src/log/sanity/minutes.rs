@@ -1,7 +1,7 @@
 //! Time in minutes under a name that says seconds. Such a log seems sixty times as short and as fast as it is: a flight
-//! of half a minute is over in half a second, too short for the means that the other checks take, and a minute
-//! differs little from the 57.3 by which degrees differ from radians. So it is recognised row by row, and by a rate of rows that
-//! hardly any logger reaches.
+//! of half a minute is over in half a second, too short for the means that the other checks take, and a minute differs
+//! little from the 57.3 by which degrees differ from radians. So it is recognised row by row, and by a rate of rows
+//! that hardly any logger reaches.
 
 use super::super::Log;
 use super::super::quantity::Quantity;
