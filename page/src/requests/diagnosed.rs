@@ -47,6 +47,8 @@ impl Diagnose {
     fn answered(&self, name: &str, bytes: &[u8], observer: Observer<'_>) -> Result<Answered, String> {
         let Read { log, drafted } = self.options.read(name, bytes).map_err(|not_read| not_read.message)?;
         let (said, facts) = (self.options.said(drafted.is_some())?, self.options.facts()?);
+        // gaps would end a controller's replay
+        let log = if said.controller.is_none() { log.examined() } else { log };
         let against = HeldAgainst::of(&log, &said, &facts, None).map_err(message)?;
         Answered::of(log, against, self.options.effort(), observer).map_err(message)
     }
@@ -76,13 +78,15 @@ impl Diagnose {
     fn against(&self, (suspect, bytes): NamedFile, normal: &[NamedFile], observer: Observer<'_>) -> Answer {
         let read = |(log, bytes): &NamedFile| self.options.read(&log.name, bytes).map_err(|not_read| not_read.message);
         let Read { log, drafted } = read(&(suspect, bytes))?;
-        let normal = normal.iter().map(|normal| Ok(read(normal)?.log)).collect::<Result<Vec<Log>, String>>()?;
-        let (said, facts) = (self.options.said(drafted.is_some())?, self.options.facts()?);
-        let against = HeldAgainst::as_said(&log, &said, &facts, None).map_err(message)?;
+        let normal =
+            normal.iter().map(|normal| Ok(read(normal)?.log.examined())).collect::<Result<Vec<Log>, String>>()?;
+        let (log, said, facts) = (log.examined(), self.options.said(drafted.is_some())?, self.options.facts()?);
+        let against = HeldAgainst::of_normal(&normal, &said, &facts).map_err(message)?;
         let between = if self.options.untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };
         let given = Given { known: &against.known, between };
         let answer = diagnose_against(&log, &normal, &against.subject(), given, observer).map_err(message)?;
-        shown(&baseline::page(&answer, &self.command()), baseline::text(&answer), &answer)
+        let page = against.on_page(baseline::page(&answer, &self.command()));
+        shown(&page, against.text() + &baseline::text(&answer), &answer)
     }
 
     /// The command that answers the same on a terminal.

@@ -39,8 +39,7 @@ impl Answered {
 
     /// The answer as a page; the command is what made it.
     pub fn page(&self, command: &str) -> Page {
-        let page = page::page(&self.log, &self.diagnosis, command);
-        if self.against.said.is_empty() { page } else { page.lead(&self.against.said) }
+        self.against.on_page(page::page(&self.log, &self.diagnosis, command))
     }
 
     /// The model with base model and findings in it; none of separate axes.
@@ -54,6 +53,11 @@ impl Answered {
 }
 
 impl HeldAgainst {
+    /// A page with what is said before the answer.
+    pub fn on_page(&self, page: Page) -> Page {
+        if self.said.is_empty() { page } else { page.lead(&self.said) }
+    }
+
     /// What is said before the answer: what the log is held against, and what was identified for it.
     pub fn text(&self) -> String {
         let said = if self.said.is_empty() { String::new() } else { format!("{}\n", self.said) };

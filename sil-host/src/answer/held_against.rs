@@ -102,33 +102,40 @@ impl HeldAgainst {
         facts: &[Fact],
         wants_vehicle: Option<&'static str>,
     ) -> Result<HeldAgainst, NotHeldAgainst> {
+        Self::of_flights((log, std::slice::from_ref(log)), "this log", said, facts, wants_vehicle)
+    }
+
+    /// The same for a flight that is compared with normal ones: these say what is normal, so that where nobody said it
+    /// the vehicle is identified from them. None are held against nothing.
+    ///
+    /// # Errors
+    /// As [`HeldAgainst::of`].
+    pub fn of_normal(normal: &[Log], said: &Said, facts: &[Fact]) -> Result<HeldAgainst, NotHeldAgainst> {
+        match normal.first() {
+            Some(first) => Self::of_flights((first, normal), "the normal flights", said, facts, None),
+            None => Ok(HeldAgainst::default()),
+        }
+    }
+
+    /// The first of the logs and all of them, and what they are called.
+    fn of_flights(
+        (log, together): (&Log, &[Log]),
+        called: &str,
+        said: &Said,
+        facts: &[Fact],
+        wants_vehicle: Option<&'static str>,
+    ) -> Result<HeldAgainst, NotHeldAgainst> {
         let wants_vehicle = wants_vehicle.or(facts.first().map(|_| "--known"));
-        let mut chosen = chosen(log, said, wants_vehicle)?;
+        let mut chosen = match chosen_without_identifying(log, said, wants_vehicle)? {
+            Some(chosen) => chosen,
+            None => identified_from(together, called, wants_vehicle)?,
+        };
         chosen.controller = said.controller.clone();
         if let Some(model) = &chosen.vehicle {
             let (model, known) = Known::of(model, facts)?;
             (chosen.vehicle, chosen.known) = (Some(model), known);
         }
         Ok(chosen)
-    }
-
-    /// The same where nothing is guessed: what was said, or the rule for logs of which nothing was.
-    ///
-    /// # Errors
-    /// As [`HeldAgainst::of`]; for a flight controller's own log there is no rule: nobody said what it is to be held
-    /// against.
-    pub fn as_said(
-        log: &Log,
-        said: &Said,
-        facts: &[Fact],
-        wants_vehicle: Option<&'static str>,
-    ) -> Result<HeldAgainst, NotHeldAgainst> {
-        let wants_vehicle = wants_vehicle.or(facts.first().map(|_| "--known"));
-        let (vehicle, known) = match vehicle(log, said, wants_vehicle)? {
-            Some(model) => Known::of(&model, facts).map(|(model, known)| (Some(model), known))?,
-            None => (None, Known::default()),
-        };
-        Ok(HeldAgainst { vehicle, known, ..HeldAgainst::default() })
     }
 
     /// What the log is predicted as.
@@ -166,11 +173,16 @@ impl HeldAgainst {
     }
 }
 
-fn chosen(log: &Log, said: &Said, wants_vehicle: Option<&'static str>) -> Result<HeldAgainst, NotHeldAgainst> {
+/// What was said, or what the log shows by itself; none where its vehicle is to be identified.
+fn chosen_without_identifying(
+    log: &Log,
+    said: &Said,
+    wants_vehicle: Option<&'static str>,
+) -> Result<Option<HeldAgainst>, NotHeldAgainst> {
     if let Some(bench) = bench(said)? {
         return match wants_vehicle {
             Some(option) => Err(NotHeldAgainst::NoVehicle(option)),
-            None => Ok(HeldAgainst { bench: Some(bench.clone()), ..HeldAgainst::default() }),
+            None => Ok(Some(HeldAgainst { bench: Some(bench.clone()), ..HeldAgainst::default() })),
         };
     }
     // nothing is to be guessed
@@ -178,7 +190,7 @@ fn chosen(log: &Log, said: &Said, wants_vehicle: Option<&'static str>) -> Result
         let vehicle = vehicle(log, said, wants_vehicle)?;
         let against = vehicle.as_ref().and_then(|model| mismatch(log, model));
         let said = against.map(|why| format!("MISMATCH: {why}. What follows is about the difference."));
-        return Ok(HeldAgainst { vehicle, said: said.unwrap_or_default(), ..HeldAgainst::default() });
+        return Ok(Some(HeldAgainst { vehicle, said: said.unwrap_or_default(), ..HeldAgainst::default() }));
     }
     if !is_foreign(log, said) {
         let is_free = log.rig_shown().is_some_and(|shown| shown.is_free);
@@ -186,34 +198,48 @@ fn chosen(log: &Log, said: &Said, wants_vehicle: Option<&'static str>) -> Result
         match mismatch(log, &model) {
             None => {
                 let said = format!("No --model: held against the project's \"{}\", which fits roughly.", model.name);
-                return Ok(HeldAgainst { vehicle: Some(model), said, ..HeldAgainst::default() });
+                return Ok(Some(HeldAgainst { vehicle: Some(model), said, ..HeldAgainst::default() }));
             }
             Some(why) if !log.shows_a_vehicle() => {
                 let said = format!(
                     "No --model, and the project's \"{}\" does not fit: {why}. Each axis by itself.",
                     model.name
                 );
-                return axes(log, wants_vehicle, said);
+                return axes(log, wants_vehicle, said).map(Some);
             }
             Some(_) => (),
         }
     }
     if !log.shows_a_vehicle() {
         let said = "No --model, and the log is not known to be a free flight with motors: each axis by itself.";
-        return axes(log, wants_vehicle, said.to_owned());
+        return axes(log, wants_vehicle, said.to_owned()).map(Some);
     }
-    match identify(std::slice::from_ref(log), KnownScale::default()) {
+    Ok(None)
+}
+
+/// The vehicle that these flights show, or separate axes with the reason.
+fn identified_from(
+    flights: &[Log],
+    called: &str,
+    wants_vehicle: Option<&'static str>,
+) -> Result<HeldAgainst, NotHeldAgainst> {
+    match identify(flights, KnownScale::default()) {
         Ok(identified) => Ok(HeldAgainst {
             vehicle: Some(identified.model.clone()),
-            said: "No --model: the vehicle was identified from this log first (sil identify); what follows is what \
-                   that model lacks."
-                .to_owned(),
+            said: format!(
+                "No --model: the vehicle was identified from {called} first (sil identify); what follows is what that \
+                 model lacks."
+            ),
             identified: Some(identified),
             ..HeldAgainst::default()
         }),
         Err(error) => {
-            let said = format!("No --model, and this log identifies no vehicle: {error}. Each axis by itself.");
-            axes(log, wants_vehicle, said)
+            let said =
+                format!("No --model, and no vehicle could be identified from {called}: {error}. Each axis by itself.");
+            match flights.first() {
+                Some(log) => axes(log, wants_vehicle, said),
+                None => Ok(HeldAgainst { said, ..HeldAgainst::default() }),
+            }
         }
     }
 }

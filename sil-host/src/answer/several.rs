@@ -58,13 +58,18 @@ impl Row {
             }
         };
         let answer = &answered.diagnosis;
-        let first = answer.findings.first();
+        // what no model holds together is no cause
+        let first = answer.findings.first().filter(|_| answer.verdict.has_a_model());
         let size = first.and_then(main_parameter).map(|(_, size)| size.exact());
         let error = shown(answer).map(|(error, _)| {
             let unit = unit(error.unit);
             let exact = with_unit(error.noise_floor, &unit);
-            let after = format!("{} ({exact})", with_unit(error.extended, &unit));
-            [quantity(error.quantity).to_owned(), with_unit(error.nominal, &unit), after]
+            let after = first.map(|_| format!("{} ({exact})", with_unit(error.extended, &unit)));
+            [
+                quantity(error.quantity).to_owned(),
+                with_unit(error.nominal, &unit),
+                after.unwrap_or_else(|| format!("- ({exact})")),
+            ]
         });
         let [what, before, after] = error.unwrap_or_default();
         let cause = first.map(cause).unwrap_or_default();
@@ -93,7 +98,7 @@ pub fn several_text(rows: &[Row]) -> String {
         let shown = if row.outcome.is_ok() { COLUMNS.len() } else { 2 };
         table.row(row.cells().into_iter().take(shown));
     }
-    let mut text = format!("{table}\n");
+    let mut text = format!("{table}\n{}.\n", title(&verdicts(rows)));
     for row in rows {
         match &row.outcome {
             Ok(answered) if answered.against.said.is_empty() => {}
@@ -104,20 +109,43 @@ pub fn several_text(rows: &[Row]) -> String {
     text
 }
 
+fn verdicts(rows: &[Row]) -> Vec<Option<Verdict>> {
+    rows.iter().map(Row::verdict).collect()
+}
+
+/// How many logs say what. Of a flight that no model predicts nothing is known to differ, so that it is not counted
+/// among those that do.
+fn title(verdicts: &[Option<Verdict>]) -> String {
+    let count = |is: fn(Option<Verdict>) -> bool| verdicts.iter().filter(|verdict| is(**verdict)).count();
+    let agree = count(|verdict| verdict == Some(Verdict::NoDiscrepancy));
+    let not_modelled = count(|verdict| verdict.is_some_and(|verdict| !verdict.has_a_model()));
+    let none = count(|verdict| verdict.is_none());
+    let differ = verdicts.len() - agree - not_modelled - none;
+    let counts = [
+        (differ, "differs from the simulation", "differ from the simulation"),
+        (agree, "agrees with it", "agree with it"),
+        (not_modelled, "is of a flight that no model predicts yet", "are of flights that no model predicts yet"),
+        (none, "has no answer", "have no answer"),
+    ];
+    let all: Vec<String> = counts
+        .into_iter()
+        .enumerate()
+        // the first says what the others refer to, zero or not
+        .filter(|(place, (count, ..))| *place == 0 || *count > 0)
+        .map(|(_, (count, one, several))| format!("{count} {}", if count == 1 { one } else { several }))
+        .collect();
+    format!("Of {} logs {}", verdicts.len(), all.join(", "))
+}
+
 /// The page: the table, then each log's headline, picture and card.
 pub fn several_page(rows: &[Row], command: &str) -> Page {
-    let verdicts: Vec<Verdict> = rows.iter().filter_map(Row::verdict).collect();
-    let differ = verdicts.iter().filter(|verdict| **verdict != Verdict::NoDiscrepancy).count();
-    let with_answer = if verdicts.len() < rows.len() { " that have an answer" } else { "" };
-    let ending = if differ == 1 { "s" } else { "" };
-    let title = format!("{differ} of {} logs{with_answer} differ{ending} from the simulation", verdicts.len());
     let heads = Table::new("Each log with what explains most of its error", &COLUMNS);
     let table = rows.iter().enumerate().fold(heads, |table, (index, row)| {
         // the first section is the table itself
         let name = Cell::to_section(&row.path, index + 2);
         table.row([name].into_iter().chain(row.cells().into_iter().skip(1).map(Cell::from)))
     });
-    let page = Page::new(title).section(Section::new("All logs").table(table));
+    let page = Page::new(title(&verdicts(rows))).section(Section::new("All logs").table(table));
     let page = rows.iter().map(section).fold(page, Page::section);
     page.provenance("Command", command).provenance("Version", env!("CARGO_PKG_VERSION"))
 }
@@ -151,4 +179,29 @@ pub fn several_json(rows: &[Row]) -> SeveralJson<'_> {
         }
     }
     SeveralJson { logs: rows.iter().map(of).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_title_counts_no_flight_without_a_model_as_one_that_differs() {
+        let verdicts = [
+            Some(Verdict::NotAModel),
+            Some(Verdict::Explained),
+            Some(Verdict::NotShown),
+            Some(Verdict::UnknownEffect),
+            Some(Verdict::NoDiscrepancy),
+            None,
+        ];
+        let all = "Of 6 logs 2 differ from the simulation, 1 agrees with it, 2 are of flights that no model predicts \
+                   yet, 1 has no answer";
+        assert_eq!(title(&verdicts), all);
+        assert_eq!(
+            title(&verdicts[..2]),
+            "Of 2 logs 1 differs from the simulation, 1 is of a flight that no model \
+                                           predicts yet"
+        );
+    }
 }

@@ -98,8 +98,9 @@ impl DiagnoseArguments {
         if let Some(option) = self.log.controller_option() {
             return Err(bad_input(format!("--baseline compares flights, not controllers: leave out {option}")));
         }
-        let against = HeldAgainst::as_said(log, said, facts, self.wants_vehicle()).map_err(bad_input)?;
-        let normal = self.baseline.iter().map(|path| self.log.read_other(path)).collect::<Result<Vec<Log>, _>>()?;
+        let normal = self.baseline.iter().map(|path| self.log.read_examined(path)).collect::<Result<Vec<Log>, _>>()?;
+        let against = HeldAgainst::of_normal(&normal, said, facts).map_err(bad_input)?;
+        print(against.text())?;
         let answer = {
             let line = ProgressLine::new();
             let between = if self.untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };
@@ -109,7 +110,7 @@ impl DiagnoseArguments {
         };
         print(baseline::text(&answer))?;
         if let Some(path) = &self.report {
-            let page = baseline::page(&answer, &self.command());
+            let page = against.on_page(baseline::page(&answer, &self.command()));
             write_file(path, page.to_html().as_bytes())?;
             print(format!("report          {}\n", path.display()))?;
         }
@@ -123,7 +124,7 @@ impl DiagnoseArguments {
         let mut rows = Vec::new();
         for path in &paths {
             let line = ProgressLine::of_several(rows.len() + 1, paths.len());
-            let answered = self.log.read_other(path).and_then(|log| {
+            let answered = self.log.read_examined(path).and_then(|log| {
                 let against = HeldAgainst::of(&log, said, facts, None).map_err(bad_input)?;
                 Answered::of(log, against, self.effort(), &|progress| line.show(progress)).map_err(bad_input)
             });
@@ -194,7 +195,7 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     if !arguments.more.is_empty() {
         return arguments.each(&said, &facts);
     }
-    let log = arguments.log.read()?;
+    let log = arguments.log.read_examined(arguments.log.path())?;
     if !arguments.baseline.is_empty() {
         return arguments.against_baseline(&log, &said, &facts);
     }

@@ -53,9 +53,9 @@ struct Answer {
 
 pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     let scale = scale(&arguments.known)?;
-    let mut logs = vec![arguments.log.read()?];
+    let mut logs = vec![arguments.log.read_examined(arguments.log.path())?];
     for path in &arguments.more {
-        logs.push(arguments.log.read_other(path)?);
+        logs.push(arguments.log.read_examined(path)?);
     }
     let refused = |error: sil_host::diagnosis::NotIdentified| bad_input(format!("{}: {error}", logs[0].path));
     let (shown, toml, answer) = if arguments.log.is_of_vehicle(&logs)? {

@@ -48,9 +48,10 @@ pub struct LogArguments {
     /// Which rig held the vehicle [default: the model's; without a model as the log shows]
     #[arg(long, value_enum)]
     rig: Option<LogRig>,
-    /// Controller that flew: pid, mpc, or a controller file; without it the controller is not examined
+    /// Controller that flew: pid, mpc, or a controller file; without it the controller is not examined. `compare` takes
+    /// several, and shows what each makes of the log's references
     #[arg(long, value_name = "CONFIG.toml|pid|mpc")]
-    controller: Option<String>,
+    controller: Vec<String>,
 }
 
 /// The rigs that a log can come from.
@@ -80,19 +81,21 @@ impl LogArguments {
         &self.log
     }
 
-    /// Reads the log, or the part of it that was requested.
-    pub fn read(&self) -> Result<Log, Failure> {
-        self.read_other(&self.log)
-    }
-
-    /// Reads another log of the same kind, the same part of it.
-    pub fn read_other(&self, path: &Path) -> Result<Log, Failure> {
+    /// Reads a log as requested, or the part of it that was.
+    pub fn read(&self, path: &Path) -> Result<Log, Failure> {
         let wanted = self.wanted()?;
         if path == Path::new(STANDARD_STREAM) {
             return wanted.read(Path::new("stdin"), &mut std::io::stdin().lock()).map_err(bad_input);
         }
         let log = log::read(path, wanted.map.as_ref()).map_err(bad_input)?;
         wanted.of(log).map_err(bad_input)
+    }
+
+    /// The same, and of a long log no more than is examined. Gaps would end a controller's replay: where one is named,
+    /// the log stays whole.
+    pub fn read_examined(&self, path: &Path) -> Result<Log, Failure> {
+        let log = self.read(path)?;
+        Ok(if self.controller.is_empty() { log.examined() } else { log })
     }
 
     /// What of a log was requested.
@@ -111,16 +114,31 @@ impl LogArguments {
         Ok(Wanted { map, frame_turn_deg, rows, unchecked: self.unchecked })
     }
 
-    /// What was said of the vehicle and of what flew it.
+    /// What was said of the vehicle and of the one controller that flew it.
     pub fn said(&self) -> Result<Said, Failure> {
+        match self.controller.as_slice() {
+            [_, second, ..] => {
+                Err(bad_input(format!("--controller {second}: one controller flew a log; `sil compare` takes several")))
+            }
+            _ => self.said_of_several().map(|(said, _)| said),
+        }
+    }
+
+    /// The same with all controllers, of which it has the first.
+    pub fn said_of_several(&self) -> Result<(Said, Vec<(String, ControllerChoice)>), Failure> {
         let model = |file: &PathBuf| Ok((file.display().to_string(), SaidModel::load(file).map_err(bad_input)?));
         let controller = |name: &String| Ok((name.clone(), ControllerChoice::from_argument(name).map_err(bad_input)?));
-        Ok(Said {
+        if let Some(again) = (1..).zip(&self.controller).find(|(rest, name)| self.controller[*rest..].contains(name)) {
+            return Err(bad_input(format!("--controller {} was given before", again.1)));
+        }
+        let controllers = self.controller.iter().map(controller).collect::<Result<Vec<_>, _>>()?;
+        let said = Said {
             is_mapped: self.map.is_some(),
             rig: self.rig.map(SaidRig::from),
             model: self.model.as_ref().map(model).transpose()?,
-            controller: self.controller.as_ref().map(controller).transpose()?,
-        })
+            controller: controllers.first().cloned(),
+        };
+        Ok((said, controllers))
     }
 
     /// Are logs to be identified as a vehicle's, and not as separate axes? The rig that was said decides, else the
@@ -141,7 +159,7 @@ impl LogArguments {
 
     /// The option that names a controller, where it was given.
     pub fn controller_option(&self) -> Option<&'static str> {
-        self.controller.as_ref().map(|_| "--controller")
+        self.controller.first().map(|_| "--controller")
     }
 
     /// How the command was called, for a page that shows how to make it again.
@@ -161,9 +179,9 @@ impl LogArguments {
             ("--flight", self.flight.map(|flight| flight.to_string())),
             ("--model", model),
             ("--rig", rig),
-            ("--controller", self.controller.clone()),
         ];
-        for (option, value) in said {
+        let controllers = self.controller.iter().map(|name| ("--controller", Some(name.clone())));
+        for (option, value) in said.into_iter().chain(controllers) {
             if let Some(value) = value {
                 command.push_str(&format!(" {option} {}", quoted(&value)));
             }

@@ -11,7 +11,10 @@ mod dataflash;
 pub mod draft;
 mod error;
 pub mod flown;
+#[cfg(test)]
+mod fuzz_seeds;
 mod joined;
+mod long;
 mod map;
 mod messages;
 mod motor_order;

@@ -4,9 +4,9 @@ use super::{Log, LogError, LogErrorKind, Quantity, ROWS_MIN};
 use crate::statistics::wrapped;
 
 /// A log of more rows per second is thinned.
-const FAST_HZ: f64 = 600.0;
+pub(super) const FAST_HZ: f64 = 600.0;
 /// Fewest rows per second to which it is: 5 ms from row to row, a step of the diagnosis' model of the body.
-const THINNED_MIN_HZ: f64 = 200.0;
+pub(super) const THINNED_MIN_HZ: f64 = 200.0;
 /// A log of 1 kHz but for a few rows gives five rows in one.
 const ROUNDING: f64 = 0.1;
 

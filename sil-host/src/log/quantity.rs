@@ -38,7 +38,7 @@ pub enum Quantity {
 /// A unit: how it ends a column's name, its symbol, and its size in the unit that a log holds.
 type Unit = (&'static str, &'static str, f64);
 
-const TIME: &[Unit] = &[("_s", "s", 1.0), ("_ms", "ms", 1e-3), ("_us", "us", 1e-6)];
+const TIME: &[Unit] = &[("_s", "s", 1.0), ("_ms", "ms", 1e-3), ("_us", "us", 1e-6), ("_min", "min", 60.0)];
 const ANGLE: &[Unit] = &[("_rad", "rad", 1.0), ("_deg", "deg", PI / 180.0)];
 const RATE: &[Unit] = &[("_rad_s", "rad/s", 1.0), ("_deg_s", "deg/s", PI / 180.0)];
 const COMMAND: &[Unit] = &[("", "1", 1.0), ("_pct", "%", 0.01)];

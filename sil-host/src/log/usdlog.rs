@@ -205,14 +205,14 @@ fn translated(messages: &Messages, mut recording: Recording) -> Recording {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::path::Path;
 
     use super::super::{Log, parse_bytes};
     use super::*;
 
     /// A file as the firmware writes it: one event of gyro and motors at 1 kHz, one of the attitude at 100 Hz.
-    fn file(version: u16) -> Vec<u8> {
+    pub fn file(version: u16) -> Vec<u8> {
         let mut bytes = vec![MAGIC];
         bytes.extend(version.to_le_bytes());
         bytes.extend(2_u16.to_le_bytes());

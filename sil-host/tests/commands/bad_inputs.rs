@@ -107,7 +107,49 @@ const OF_UNITS_AND_SIGNS: &[Row] = &[
     ),
     ("time in ms", Columns(|l| l.time_s.iter_mut().for_each(|t| *t *= 1e3)), REFUSED, &["time_ms = {"]),
     ("time in us", Columns(|l| l.time_s.iter_mut().for_each(|t| *t *= 1e6)), REFUSED, &["time_us = {"]),
-    ("time in minutes", Columns(|l| l.time_s.iter_mut().for_each(|t| *t /= 60.0)), READ, &["too short or too quiet"]),
+    ("time in minutes", Columns(|l| l.time_s.iter_mut().for_each(|t| *t /= 60.0)), REFUSED, &["time_min = {"]),
+    ("time in hours", Columns(|l| l.time_s.iter_mut().for_each(|t| *t /= 3600.0)), REFUSED, &["unit", "larger"]),
+    ("q in deg/s and turned", Columns(|l| scale(&mut l.rate_rad_s[1], -DEG)), REFUSED, &["`q_rad_s`"]),
+    (
+        "all rates turned",
+        Columns(|l| scale_all(&mut l.rate_rad_s, -1.0)),
+        REFUSED,
+        &["turned", "`p_rad_s`", "`q_rad_s`"],
+    ),
+    ("all angles turned", Columns(|l| scale_all(&mut l.angle_rad, -1.0)), REFUSED, &["turned", "`roll_rad`"]),
+    ("accelerometer in mg", Columns(|l| scale_all(&mut l.accel_body_m_s2, 1000.0 / 9.81)), REFUSED, &["az"]),
+    ("accelerometer in cm/s2", Columns(|l| scale_all(&mut l.accel_body_m_s2, 100.0)), REFUSED, &["az"]),
+    ("accelerometer's x and z swapped", Columns(|l| l.accel_body_m_s2.swap(0, 2)), REFUSED, &["a"]),
+    ("motors reversed", Columns(|l| l.motor_command.reverse()), REFUSED, &["motor"]),
+    (
+        "motors turned round",
+        Columns(|l| l.motor_command.iter_mut().flatten().flatten().for_each(|m| *m = 1.0 - *m)),
+        REFUSED,
+        &["motor"],
+    ),
+    ("motors of 0 to 2000", Columns(|l| scale_all(&mut l.motor_command, 2000.0)), REFUSED, &["motor1", "outside"]),
+    ("motors of 16 bits", Columns(|l| scale_all(&mut l.motor_command, 65535.0)), REFUSED, &["motor1", "outside"]),
+    (
+        "forward-left-up",
+        Columns(|l| {
+            for axis in [1, 2] {
+                scale(&mut l.angle_rad[axis], -1.0);
+                scale(&mut l.rate_rad_s[axis], -1.0);
+                scale(&mut l.accel_body_m_s2[axis], -1.0);
+            }
+        }),
+        REFUSED,
+        &["az"],
+    ),
+    (
+        "a plus frame and motors in another order",
+        Columns(|l| {
+            *l = l.clone().turned(-45.0).unwrap();
+            l.motor_command.swap(0, 3);
+        }),
+        REFUSED,
+        &["plus frame", "--frame-turn"],
+    ),
     ("a plus frame", Columns(|l| *l = l.clone().turned(-45.0).unwrap()), REFUSED, &["plus frame", "--frame-turn 45"]),
 ];
 
@@ -151,6 +193,31 @@ const OF_READINGS: &[Row] = &[
         REFUSED,
         &[":202: `time_s`", "time must increase"],
     ),
+    (
+        "rows missing here and there",
+        Text(|t| {
+            let is_kept = |(line, _): &(usize, &str)| line % 7 != 0 || *line < heading(t);
+            t.lines().enumerate().filter(is_kept).map(|(_, line)| format!("{line}\n")).collect()
+        }),
+        READ,
+        &["checked"],
+    ),
+    (
+        "a value that is too long",
+        Text(|t| with_field(t, 60, "q_rad_s", &"9".repeat(400))),
+        REFUSED,
+        &[":60: `q_rad_s`"],
+    ),
+    (
+        "a comma for a point",
+        Text(|t| with_field(t, 60, "q_rad_s", "0,25")),
+        REFUSED,
+        &[":60: ", "fields as in the header"],
+    ),
+    ("NULL", Text(|t| with_field(t, 60, "q_rad_s", "NULL")), REFUSED, &[":60: `q_rad_s`", "`NULL`"]),
+    ("a quoted number", Text(|t| with_field(t, 60, "q_rad_s", "\"0.25\"")), READ, &["checked"]),
+    ("thousands", Text(|t| with_field(t, 60, "motor1", "1 200")), REFUSED, &[":60: `motor1`", "`1 200`"]),
+    ("a negative motor", Text(|t| with_field(t, 60, "motor1", "-0.5")), REFUSED, &[":60: `motor1`", "outside"]),
     ("a gap of 2 s", Columns(|l| l.time_s[600..].iter_mut().for_each(|t| *t += 2.0)), READ, &["1 gap(s) in time"]),
     (
         "two flights",
@@ -221,6 +288,12 @@ const OF_FILES: &[Row] = &[
         &["gzip", "damaged or cut off"],
     ),
     ("a column gone", Text(|t| with_header(t, "q_rad_s", "turning")), REFUSED, &["`q_rad_s`", "is missing", "--map"]),
+    (
+        "several columns gone",
+        Text(|t| t.replacen("q_rad_s", "a", 1).replacen("pitch_rad", "b", 1).replacen("motor3", "c", 1)),
+        REFUSED,
+        &["`pitch_rad`: required column is missing, and so are q_rad_s, motor3"],
+    ),
     ("no header", Text(|t| t.lines().skip(heading(t)).map(|l| format!("{l}\n")).collect()), REFUSED, &["is missing"]),
     ("a column twice", Text(|t| with_header(t, "q_rad_s", "p_rad_s")), REFUSED, &["given twice"]),
     ("two units", Text(|t| with_header(t, "q_rad_s", "p_deg_s")), REFUSED, &["given twice", "`p_deg_s`"]),
@@ -317,7 +390,7 @@ fn each_gets_the_answer_that_its_owner_needs() {
             wrong += &format!("{name}: read: {was_read}; lacks {lacks:?}:\n    {said}\n");
         }
     }
-    assert!(rows.len() >= 70, "{}", rows.len());
+    assert!(rows.len() >= 100, "{}", rows.len());
     assert!(wrong.is_empty(), "{wrong}");
 }
 

@@ -233,7 +233,8 @@ fn several_logs_stand_in_one_table() {
         assert!(page.contains(&format!("<a href=\"#section-{number}\">{name}</a>")), "{name}");
         assert!(page.contains(&format!("<section id=\"section-{number}\"><h2>{name}</h2>")), "{name}");
     }
-    assert!(page.contains("1 of 2 logs that have an answer differs from the simulation"));
+    let counted = "Of 3 logs 1 differs from the simulation, 1 agrees with it, 1 has no answer";
+    assert!(page.contains(counted) && outcome.stdout.contains(counted), "{outcome:?}");
     assert!(page.contains("<code>sil diagnose healthy.csv bad.csv suspect.csv --model gimbal.toml</code>"));
 
     let suspects = ["diagnose", "healthy.csv", "suspect.csv", "--quick", "--model", "gimbal.toml"];

@@ -3,6 +3,7 @@
 
 mod bad_files;
 mod bad_inputs;
+mod compare;
 mod damage;
 mod demonstration;
 mod diagnosis;

@@ -253,6 +253,17 @@ fn pages_describe_the_json_of_a_diagnosis() {
 }
 
 #[test]
+fn pages_describe_the_json_of_several_comparisons() {
+    let folder = Folder::new();
+    folder.write("log.csv", RIG_LOG.lines().take(800).map(|line| format!("{line}\n")).collect::<String>());
+    let both = ["compare", "log.csv", "--controller", "pid", "--controller", "mpc", "--json", "out.json"];
+    folder.sil(&both).assert_done();
+    let mut answer = folder.json("out.json");
+    answer["runs"][0]["error"] = "why".into();
+    assert_described("compare, several", &answer);
+}
+
+#[test]
 fn pages_describe_the_json_of_a_comparison_of_flights() {
     let folder = Folder::new();
     // its first eight seconds

@@ -13,6 +13,17 @@ const SCRIPT_MS: u32 = 60_000;
 /// Of `/proc`, on every Linux that Debian builds.
 const TICKS_PER_S: f64 = 100.0;
 
+/// What a hand does with a mouse.
+#[derive(Clone, Copy, Debug)]
+pub enum Mouse {
+    /// Moves it to a place in the window, px from its upper left corner.
+    To([f64; 2]),
+    /// Presses its button.
+    Down,
+    /// Lets it go.
+    Up,
+}
+
 /// A browser; it ends with the value.
 pub struct Browser {
     driver: Child,
@@ -81,6 +92,25 @@ impl Browser {
         let element = found.as_object().and_then(|of| of.values().next()).and_then(Value::as_str);
         let element = element.with_context(|| format!("no element {selector}"))?;
         self.command(&format!("element/{element}/value"), &json!({ "text": path })).map(drop)
+    }
+
+    /// Moves the mouse and presses its button, as by hand.
+    ///
+    /// # Errors
+    /// What the driver says, such as a place outside of the window.
+    pub fn mouse(&self, steps: &[Mouse]) -> Result<()> {
+        let step = |step: &Mouse| match step {
+            Mouse::To([x, y]) => json!({
+                "type": "pointerMove", "origin": "viewport", "duration": 20, "x": x.round(), "y": y.round(),
+            }),
+            Mouse::Down => json!({ "type": "pointerDown", "button": 0 }),
+            Mouse::Up => json!({ "type": "pointerUp", "button": 0 }),
+        };
+        let steps: Vec<Value> = steps.iter().map(step).collect();
+        let mouse = json!({
+            "type": "pointer", "id": "mouse", "parameters": { "pointerType": "mouse" }, "actions": steps,
+        });
+        self.command("actions", &json!({ "actions": [mouse] })).map(drop)
     }
 
     /// The window as PNG, base64.

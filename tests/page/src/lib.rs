@@ -6,5 +6,5 @@
 mod driver;
 mod page;
 
-pub use driver::Browser;
+pub use driver::{Browser, Mouse};
 pub use page::Page;

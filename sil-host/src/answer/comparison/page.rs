@@ -78,7 +78,7 @@ fn times_floor(channel: &ChannelError) -> f64 {
 }
 
 /// The channel that the model misses most, measured and predicted, in the window where it misses it most.
-fn picture(log: &Log, comparison: &Comparison) -> Option<Chart> {
+pub(super) fn picture(log: &Log, comparison: &Comparison) -> Option<Chart> {
     let error = comparison.prediction_error();
     let worst = error.channels.iter().max_by(|a, b| times_floor(a).total_cmp(&times_floor(b)))?;
     let predicted = &comparison.prediction.predicted;
@@ -239,7 +239,7 @@ fn error_chart(channel: Channel, samples: &[Sample]) -> Chart {
 }
 
 /// A series over all windows, with a gap between any two.
-fn by_window(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> (Vec<f64>, Vec<f64>) {
+pub(super) fn by_window(samples: &[Sample], value: impl Fn(&Sample) -> f64) -> (Vec<f64>, Vec<f64>) {
     let (mut times, mut values) = (Vec::new(), Vec::new());
     for window in samples.chunk_by(|a, b| a.window == b.window) {
         times.extend(window.iter().map(|sample| sample.time_s).chain(window.last().map(|last| last.time_s)));

@@ -3,7 +3,7 @@
 mod betaflight;
 mod messages;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;

@@ -70,7 +70,7 @@ fn frames(count: u32) -> Vec<Vec<u8>> {
     (0..count).map(frame).collect()
 }
 
-fn file(revision: &str, lines: &str) -> Vec<u8> {
+pub fn file(revision: &str, lines: &str) -> Vec<u8> {
     [head(revision, lines), frames(450).concat()].concat()
 }
 

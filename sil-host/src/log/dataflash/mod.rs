@@ -3,7 +3,7 @@
 mod ardupilot;
 mod messages;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;

@@ -61,6 +61,11 @@ fn motors(log: &Log) -> [f64; 4] {
     log.motors().unwrap().map(|motor| motor[9])
 }
 
+/// A whole flight, as bytes.
+pub fn whole() -> Vec<u8> {
+    flight(|file| file).0
+}
+
 #[test]
 fn outputs_are_commands_of_our_motors_by_frame_and_channels() {
     let range = |file: File| file.parameter("MOT_PWM_MIN", 1000.0).parameter("MOT_PWM_MAX", 2000.0);

@@ -21,6 +21,10 @@ const ODD_DEG: f64 = 45.0;
 /// A turn that was measured is one of those if it is as near as this, deg.
 const NEAR_DEG: f64 = 12.0;
 
+/// What a turned frame means.
+const IS_PLUS: &str = "likely a plus frame, or an IMU that is turned: no order of motors mends it, but axes in which \
+                       the motors stand as an X do";
+
 /// Which axes of the log's rates and commands are answered to, and how.
 pub(super) struct Driving {
     pub(super) answers: Answers,
@@ -89,8 +93,11 @@ impl Driving {
     pub(super) fn contradiction(&self, log: &Log, columns: &Columns<'_>) -> Option<Contradiction> {
         let wrong: Vec<Axis> =
             Axis::ALL.into_iter().filter(|axis| matches!(self.by_axis[axis.index()], Answer::Instead { .. })).collect();
-        if wrong.is_empty() {
-            return self.is_by_motors.then(|| self.turned_by_45_degrees()).flatten();
+        // first of all: half way between two axes chance says which of them an axis seems to answer to
+        let turned = || self.turned_by_45_degrees().or_else(|| self.turned_and_in_another_order());
+        let turned = if self.is_by_motors { turned() } else { None };
+        if wrong.is_empty() || turned.is_some() {
+            return turned;
         }
         let seen: Vec<String> = wrong.iter().map(|axis| self.seen(*axis, columns)).collect();
         let likely =
@@ -183,20 +190,45 @@ impl Driving {
         };
         let [of_roll, of_pitch] = [turn(0, 1, 1.0)?, turn(1, 0, -1.0)?];
         let turned_deg = (0.5 * (of_roll + of_pitch)).to_degrees();
-        let is_one_turn = crate::statistics::wrapped(of_roll - of_pitch).abs() < FRAC_PI_8;
-        // a frame stands as a plus or as an X; what an IMU is turned by is any angle
         let nearest_deg = ODD_DEG * (turned_deg / ODD_DEG).round();
         let is_near = (turned_deg - nearest_deg).abs() < NEAR_DEG;
-        let mended_by_deg = 0.0 - if is_near { nearest_deg } else { turned_deg.round() };
+        let is_one_turn = crate::statistics::wrapped(of_roll - of_pitch).abs() < FRAC_PI_8;
+        // A frame stands as a plus or as an X; what an IMU is turned by is any angle. Of a plus forward is the arm
+        // that the log's axes have in front, whatever numbers the motors bear: what order they have shows once it is
+        // turned.
+        let mended_by_deg = if is_near { ODD_DEG } else { 0.0 - turned_deg.round() };
         is_one_turn.then(|| Contradiction {
             seen: format!(
                 "roll and pitch each answer to both parts of the motors, as if the frame were turned by \
                  {turned_deg:.0} degrees about yaw"
             ),
-            likely: "likely a plus frame, or an IMU that is turned: no order of motors mends it, but axes in which \
-                     the motors stand as an X do"
-                .to_owned(),
+            likely: IS_PLUS.to_owned(),
             frame_turn_deg: Some(mended_by_deg),
+            ..Contradiction::default()
+        })
+    }
+
+    /// A plus whose motors have another order too. Orders exchange the parts of roll, pitch and yaw, with signs, so
+    /// that two of the three move roll and pitch alike, whichever they are. Which order it is shows once the frame is
+    /// turned.
+    fn turned_and_in_another_order(&self) -> Option<Contradiction> {
+        let is_between = |response: usize, [one, other]: [usize; 2]| {
+            let distance = self.answers.estimate(|sums| {
+                let size = |input| self.answers.slope_in(sums, response, input).map(f64::abs);
+                let angle = libm::atan2(size(other)?, size(one)?);
+                Some(angle.min(FRAC_PI_2 - angle))
+            });
+            distance.is_some_and(|distance| distance.is_above(FRAC_PI_8))
+        };
+        let parts = [[0, 1], [0, 2], [1, 2]].into_iter().find(|parts| (0..2).all(|axis| is_between(axis, *parts)))?;
+        let [one, other] = parts.map(|part| Axis::ALL[part].name());
+        Some(Contradiction {
+            seen: format!(
+                "roll and pitch each answer to the {one} part and to the {other} part of the motors alike, as if the \
+                 frame were turned by 45 degrees about yaw and the motors had another order"
+            ),
+            likely: IS_PLUS.to_owned(),
+            frame_turn_deg: Some(ODD_DEG),
             ..Contradiction::default()
         })
     }

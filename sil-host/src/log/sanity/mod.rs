@@ -6,6 +6,7 @@
 //! | file | what is held against what | what it finds |
 //! |---|---|---|
 //! | `turning` | angles against rates | units, signs and axes of either; the unit of time |
+//! | `minutes` | angles against rates, row by row | time in minutes, of which seconds hold too few |
 //! | `driving` | angular accelerations against commands | order, spin, signs; frames turned by 45 or 90 degrees |
 //! | `weighing` | the accelerometer against gravity and the tilt | its unit, sign and axes |
 //! | `stuck` | each reading against what moves with it | frozen readings |
@@ -20,6 +21,7 @@ mod answers;
 mod bins;
 mod driving;
 mod finding;
+mod minutes;
 mod regression;
 mod stuck;
 mod turning;
@@ -57,7 +59,7 @@ pub fn gate(log: &Log, map: Option<&Map>) -> Result<Examination, LogError> {
 pub fn examine(log: &Log, map: Option<&Map>) -> Examination {
     let columns = Columns { map };
     let mut found = Examination::default();
-    if let Some(time) = time(log, &columns) {
+    if let Some(time) = time(log, &columns).or_else(|| minutes::contradiction(log, &columns)) {
         found.contradictions.push(time);
         return found;
     }

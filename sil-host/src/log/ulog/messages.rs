@@ -5,6 +5,7 @@
 //! it takes without a panic (0.6.1 indexes parameters and subscriptions unchecked). Only the wanted topics are kept: an
 //! hour of a PX4 log has a few hundred of them.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
 use px4_ulog::stream_parser::model::{FlattenedField, FlattenedFieldType, FlattenedFormat, InfoMessage};
@@ -74,7 +75,7 @@ fn feed(
     damages: &mut Damages,
 ) -> Result<(), String> {
     let mut at = HEADER_BYTES;
-    let mut wanted_ids = vec![false; 1 << 16];
+    let mut subscriptions = Subscriptions::default();
     while at < bytes.len() {
         let Some(message) = message_at(bytes, at) else {
             let next = find(&bytes[at + 1..], SYNC).map(|sync| at + 1 + sync);
@@ -83,9 +84,10 @@ fn feed(
             continue;
         };
         let (kind, content) = (message[2], &message[MESSAGE_HEADER_BYTES..]);
-        if KINDS_READ.contains(&kind) && is_needed(kind, content, is_wanted, &mut wanted_ids) {
+        if KINDS_READ.contains(&kind) && is_needed(kind, content, is_wanted, &mut subscriptions) {
             let taken = if is_sound(kind, content) {
-                parser.consume_bytes(message).map_err(|error| error.description)
+                let message = subscriptions.renumbered(kind, message);
+                parser.consume_bytes(&message).map_err(|error| error.description)
             } else {
                 Err("too short".to_owned())
             };
@@ -108,9 +110,42 @@ fn message_at(bytes: &[u8], at: usize) -> Option<&[u8]> {
     if KINDS.contains(&kind) { bytes.get(at..at + length) } else { None }
 }
 
+/// The wanted topics' numbers in the file, and those that the crate is given instead, which count from 0: it keeps a
+/// place for each number up to the largest, whose memory a damaged number would take.
+#[derive(Default)]
+struct Subscriptions {
+    given: HashMap<u16, u16>,
+    count: u16,
+}
+
+impl Subscriptions {
+    /// The number in a message's content, at this place.
+    fn number(content: &[u8], at: usize) -> Option<u16> {
+        Some(u16::from_le_bytes(*content.get(at..)?.first_chunk()?))
+    }
+
+    fn subscribe(&mut self, number: u16, is_wanted: bool) {
+        if is_wanted {
+            self.given.insert(number, self.count);
+            self.count = self.count.wrapping_add(1);
+        } else {
+            self.given.remove(&number);
+        }
+    }
+
+    /// The message with the number that the crate is given.
+    fn renumbered<'a>(&self, kind: u8, message: &'a [u8]) -> Cow<'a, [u8]> {
+        let at = MESSAGE_HEADER_BYTES + usize::from(kind == b'A');
+        let given = Self::number(message, at).and_then(|number| self.given.get(&number));
+        let (Some(given), b'A' | b'D') = (given, kind) else { return Cow::Borrowed(message) };
+        let mut message = message.to_vec();
+        message[at..at + 2].copy_from_slice(&given.to_le_bytes());
+        Cow::Owned(message)
+    }
+}
+
 /// False for definitions, subscriptions and data of topics that nobody wants.
-fn is_needed(kind: u8, content: &[u8], is_wanted: &dyn Fn(&str) -> bool, wanted_ids: &mut [bool]) -> bool {
-    let id = |at: usize| content.get(at..at + 2).map(|id| usize::from(u16::from_le_bytes([id[0], id[1]])));
+fn is_needed(kind: u8, content: &[u8], is_wanted: &dyn Fn(&str) -> bool, subscriptions: &mut Subscriptions) -> bool {
     match kind {
         b'F' => {
             let end = content.iter().position(|byte| *byte == b':').unwrap_or(content.len());
@@ -119,12 +154,12 @@ fn is_needed(kind: u8, content: &[u8], is_wanted: &dyn Fn(&str) -> bool, wanted_
         b'A' => {
             let name = content.get(3..).and_then(|name| core::str::from_utf8(name).ok());
             let is_needed = name.is_some_and(is_wanted);
-            if let Some(id) = id(1) {
-                wanted_ids[id] = is_needed;
+            if let Some(number) = Subscriptions::number(content, 1) {
+                subscriptions.subscribe(number, is_needed);
             }
             is_needed
         }
-        b'D' => id(0).is_some_and(|id| wanted_ids[id]),
+        b'D' => Subscriptions::number(content, 0).is_some_and(|number| subscriptions.given.contains_key(&number)),
         _ => true,
     }
 }

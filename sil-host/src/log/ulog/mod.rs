@@ -3,7 +3,7 @@
 mod messages;
 mod px4;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 mod write;
 
 pub(super) use write::write;

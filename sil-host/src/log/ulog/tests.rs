@@ -77,6 +77,11 @@ fn geometry(file: File, corners: [(f32, f32, f32); 4]) -> File {
     })
 }
 
+/// A whole flight, as bytes.
+pub fn whole() -> Vec<u8> {
+    flight(|file| file).0
+}
+
 #[test]
 fn motors_are_ours_by_the_geometry_in_the_file() {
     // front left cw, rear left ccw, rear right cw, front right ccw: ours are 4th, 2nd, 1st, 3rd
@@ -248,6 +253,27 @@ fn one_damaged_message_costs_itself_and_a_cut_file_keeps_what_it_has() {
     let lost = File([lost.0, whole.0[at..].to_vec()].concat()).read().unwrap();
     assert_eq!(lost.rows(), rows);
     assert!(lost.notes.iter().any(|note| note.starts_with("3 damaged bytes left out")), "{:?}", lost.notes);
+}
+
+/// PX4 counts topics from 0, others may not.
+#[test]
+fn topics_may_have_any_numbers() {
+    let topic = |file: File, number: [u8; 2], name: &str, fields: &str| {
+        let file = file.message(b'F', format!("{name}:uint64_t timestamp;{fields}").as_bytes());
+        file.message(b'A', &[&[0, number[0], number[1]], name.as_bytes()].concat())
+    };
+    let file = topic(File::new(), [0xff, 0xff], "vehicle_angular_velocity", "float[3] xyz;");
+    let file = topic(file, [0x00, 0x80], "actuator_motors", "float[4] control;");
+    let stamp = |row: u64| (1_000_000 + 4000 * row).to_le_bytes();
+    let numbers = |of: &[f32]| of.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>();
+    let file = (0..200).fold(file, |file, row| {
+        let file =
+            file.message(b'D', &[&[0xff, 0xff], &stamp(row)[..], &numbers(&[0.01 * row as f32, -0.5, 0.25])].concat());
+        file.message(b'D', &[&[0x00, 0x80], &stamp(row)[..], &numbers(&[0.1, 0.2, 0.3, 0.4])].concat())
+    });
+    let log = file.read().unwrap();
+    assert_eq!(log.motors().unwrap().map(|motor| motor[5] as f32), [0.1, 0.2, 0.3, 0.4]);
+    assert_eq!(log.rate_rad_s[1].as_ref().unwrap()[5] as f32, -0.5);
 }
 
 #[test]

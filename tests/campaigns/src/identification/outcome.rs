@@ -73,8 +73,15 @@ impl Outcome {
 
 /// Do columns and signs mean what they meant before the log was written?
 fn is_the_same(read: &Log, flown: &Log) -> bool {
+    // an angle is the same after a full turn
+    let distance = |quantity: &Quantity, read: f64, flown: f64| match quantity {
+        Quantity::Angle(_) => libm::remainder(read - flown, std::f64::consts::TAU).abs(),
+        _ => (read - flown).abs(),
+    };
     let is_near = |quantity: &Quantity| match (read.column(*quantity), flown.column(*quantity)) {
-        (Some(read), Some(flown)) => read.iter().zip(flown).all(|(read, flown)| (read - flown).abs() < 1e-5),
+        (Some(read), Some(flown)) => {
+            read.iter().zip(flown).all(|(read, flown)| distance(quantity, *read, *flown) < 1e-5)
+        }
         (read, _) => read.is_none(),
     };
     read.rows() == flown.rows() && read.motors().is_some() && Quantity::ALL.iter().all(is_near)
@@ -105,15 +112,15 @@ fn held(drawn: &Drawn, identified: &Identification) -> Vec<Held> {
 /// A line of the table.
 impl fmt::Display for Outcome {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Drawn { seed, rate_hz, is_flu, order, .. } = self.drawn;
-        let frame = if is_flu { "FLU" } else { "FRD" };
+        let Drawn { seed, rate_hz, is_flu, is_plus, order, .. } = self.drawn;
+        let (frame, arms) = (if is_flu { "FLU" } else { "FRD" }, if is_plus { "plus" } else { "X" });
         let order: Vec<String> = order.iter().map(|motor| (motor + 1).to_string()).collect();
         let columns = if self.has_right_columns { "right" } else { "WRONG" };
         let mass_kg = match self.drawn.model.mounting {
             sil_host::model::Mounting::Free { mass_kg } => mass_kg,
             sil_host::model::Mounting::Gimbal { .. } => f64::NAN,
         };
-        write!(out, "| {seed} | {mass_kg:.3} | {frame} | {} | {rate_hz} | {columns} ", order.join(" "))?;
+        write!(out, "| {seed} | {mass_kg:.3} | {arms}, {frame} | {} | {rate_hz} | {columns} ", order.join(" "))?;
         if self.held.is_empty() {
             return writeln!(out, "| | | {} |", self.failure);
         }

@@ -30,6 +30,8 @@ pub struct Drawn {
     pub rate_hz: u32,
     /// True where the log's body axes are forward-left-up.
     pub is_flu: bool,
+    /// True where the log's body axes are those of a plus: along two of the arms.
+    pub is_plus: bool,
     /// For each of our motors, under which number the log has it, from 0.
     pub order: [usize; 4],
     /// How long it is flown, s.
@@ -92,7 +94,8 @@ impl Drawn {
         for place in (1..4).rev() {
             order.swap(place, (uniform(0.0, place as f64 + 1.0) as usize).min(place));
         }
-        Drawn { seed, model, rate_hz, is_flu, order, duration_s: DURATION_S }
+        let is_plus = uniform(0.0, 1.0) < 0.5;
+        Drawn { seed, model, rate_hz, is_flu, is_plus, order, duration_s: DURATION_S }
     }
 
     /// The log of its flight, in this project's columns.

@@ -6,6 +6,9 @@ use sil_host::log::{self, Log, Map, Quantity, draft};
 
 use super::Drawn;
 
+/// By how much the axes of an X are turned from those of a plus, deg.
+const PLUS_DEG: f64 = 45.0;
+
 impl Drawn {
     /// What of its flight is read back from a file of other columns, by a map that was drafted from it alone.
     ///
@@ -17,7 +20,10 @@ impl Drawn {
     pub fn read_back(&self, flown: &Log) -> Result<Log, String> {
         let name = format!("identification-{}-{}.csv", std::process::id(), self.seed);
         let path = std::env::temp_dir().join(name);
-        let text = self.text(flown);
+        let text = match self.is_plus {
+            true => self.text(&flown.clone().turned(-PLUS_DEG).map_err(|error| error.to_string())?),
+            false => self.text(flown),
+        };
         std::fs::write(&path, &text).expect("a temporary file");
         let draft = draft::draft(&path);
         let _ = std::fs::remove_file(&path);
