@@ -36,6 +36,7 @@ mod mpu6000;
 mod outputs;
 mod pins;
 mod queue;
+mod register_watch;
 mod sensor_bus;
 mod supply;
 mod trace;
