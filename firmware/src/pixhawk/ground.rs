@@ -6,7 +6,7 @@ use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
 use shared_control::link::telemetry::Figures;
 use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, Text, VehicleStatus};
-use shared_control::params::Params;
+use shared_control::params::{self, Params};
 
 use super::boot::Start;
 use super::configuration::Configuration;
@@ -107,6 +107,11 @@ impl Ground {
             Some(updates) => *updates -= 1,
             None => {}
         }
+    }
+
+    /// Does the memory hold a whole record of parameters?
+    pub fn memory_is_whole(&mut self) -> bool {
+        params::load(&self.memory.read()).1.is_none()
     }
 
     /// Lets the port send what is due, if it is free.

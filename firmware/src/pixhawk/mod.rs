@@ -37,6 +37,7 @@ mod outputs;
 mod pins;
 mod queue;
 mod register_watch;
+mod self_test;
 mod sensor_bus;
 mod supply;
 mod trace;
@@ -70,6 +71,7 @@ mod app {
     use super::load::{self, LoadMeter};
     use super::loop_timer::LoopTimer;
     use super::outputs::Outputs;
+    use super::self_test::SelfTests;
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
     use super::watchdog::{self, Watchdog};
@@ -314,6 +316,7 @@ mod app {
         local = [
             ground, light_and_tone, watchdog, clock: TimeBase = TimeBase::START,
             load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0,
+            self_tests: SelfTests = SelfTests::NEW,
         ]
     )]
     fn housekeeping(mut cx: housekeeping::Context) {
@@ -328,6 +331,7 @@ mod app {
             };
             local.ground.update(local.clock.now_us(), &status);
             cx.shared.sender.lock(|sender| local.ground.hand_over(sender));
+            local.self_tests.update(&status, || local.ground.memory_is_whole());
             if local.ticks.is_multiple_of(10) {
                 local.light_and_tone.update(Sign::of(&status));
             }
@@ -336,6 +340,7 @@ mod app {
                 let figures = load::figures(&status.planning);
                 load::report(&figures);
                 counters::report();
+                local.self_tests.report();
                 local.ground.figures(figures);
             }
         });

@@ -4,7 +4,7 @@ use emulated_board::pilot::{HALF_US, MIDDLE_US, PITCH, ROLL, YAW};
 use emulated_board::{Flight, MILLISECOND, Seat, SecondGyro, Sensor, SensorFault, Transmitter};
 use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
 use shared_control::params::Params;
-use shared_control::params::vehicle::VehicleNumbers;
+use shared_control::params::vehicle::{FlownVehicle, VehicleNumbers};
 use sil_host::effects::RotorDrag;
 use sil_host::model::VehicleModel;
 
@@ -160,7 +160,7 @@ fn a_vehicle_flies_by_its_own_numbers_set_over_the_link() {
     flight.run_for(2000 * MILLISECOND);
     LARGE_NUMBERS.iter().for_each(|(name, value)| flight.set_parameter(name, *value));
     flight.restart_board();
-    assert!(flight.params().vehicle.own && flight.params().vehicle.lag_e4_s == 1000);
+    assert!(flight.params().vehicle.flown == FlownVehicle::Own && flight.params().vehicle.lag_e4_s == 1000);
     flight.arm_by_sticks();
     flight.take_off_to(HEIGHT_M);
     let (by_own_deg, worst_by_own_deg) = steps(&mut flight);
