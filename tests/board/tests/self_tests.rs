@@ -8,10 +8,13 @@ const PASSED: u32 = 1;
 const FAILED: u32 = 2;
 const NOT_MADE: u32 = 3;
 
+/// Until the gyro is calibrated, and for the mean of what the IMUs feel at rest.
+const START_MS: u64 = 6000;
+
 /// At rest, calibrated.
 fn ready() -> Flight {
     let mut flight = Flight::new(&Params::DEFAULT, 1);
-    flight.run_for(3500 * MILLISECOND);
+    flight.run_for(START_MS * MILLISECOND);
     flight
 }
 
@@ -53,11 +56,11 @@ fn what_is_broken_fails_by_its_number() {
     flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff));
     flight.machine.set_io_fault(Some(IoFault::Silent));
     flight.machine.write_fram(10, &[0xff; 4]);
-    flight.run_for(1500 * MILLISECOND);
+    flight.run_for(START_MS * MILLISECOND);
     assert_eq!(failed(&mut flight), [3, 4, 6, 7]);
     flight.machine.mend_sensor(Sensor::Mpu6000);
     flight.machine.break_sensor(Sensor::Lsm303d, SensorFault::Removed(0xff));
-    flight.run_for(1500 * MILLISECOND);
+    flight.run_for(START_MS * MILLISECOND);
     assert_eq!(failed(&mut flight), [3, 5, 6, 7]);
 }
 
