@@ -39,7 +39,8 @@ pub struct Setup {
     pub pulse_timer: TimerPeriod,
     /// The radio, where it flies; or what makes no sense about its calibration.
     pub radio: Result<Option<RadioSetup>, RadioFault>,
-    /// What makes no sense about the owner's vehicle, or is missing of it; the F450 then stands in for it, and nothing may arm.
+    /// What makes no sense about the owner's vehicle, or is missing of it; the F450 then stands in for it, and nothing
+    /// may arm.
     pub vehicle_fault: Option<VehicleFault>,
 }
 

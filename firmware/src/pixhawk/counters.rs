@@ -78,7 +78,8 @@ pub static ANSWERS_DROPPED: Counter = Counter::new();
 pub fn report() {
     FIRST_IMU.report("first");
     SECOND_IMU.report("second");
-    defmt::info!("first IMU: set up again {=u32}, given up {=u32}", FIRST_IMU_RESTORED.get(), FIRST_IMU_GIVEN_UP.get(),);
+    let [restored, given_up] = [FIRST_IMU_RESTORED.get(), FIRST_IMU_GIVEN_UP.get()];
+    defmt::info!("first IMU: set up again {=u32}, given up {=u32}", restored, given_up);
     defmt::info!(
         "overruns {=u32}, late plans {=u32}, orders dropped {=u32}, answers dropped {=u32}, IO damaged {=u32}",
         LOOP_OVERRUNS.get(),

@@ -19,16 +19,15 @@ use stm32f4xx_hal::pac::{DMA2, EXTI};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::clock;
-use super::counters::{FIRST_IMU, ImuCounters, SECOND_IMU};
+use super::counters::{FIRST_IMU, SECOND_IMU};
 use super::queue::{Producer, Queue};
 use super::register_watch::{Access, RegisterWatch};
-use super::sensor_bus::{Chip, READ, SensorBus, SensorFault};
+use super::sensor_bus::{READ, SensorBus, SensorFault};
+use super::transfer::{Buffers, Transfer};
 use super::{l3gd20, lsm303d, mpu6000};
 
 /// A transfer takes 13 us, one of a register 25; what lasts this long has failed.
 const TRANSFER_MAX_US: u32 = 200;
-/// Address and value of a register.
-const REGISTER_BYTES: u16 = 2;
 /// The first IMU, which has a sample every 1 ms, is silent.
 const SILENT_US: u32 = 3_000;
 /// Longest wait for a DMA stream to stop, turns of a loop; it takes a few cycles.
@@ -56,36 +55,6 @@ impl TimedSample {
 
 /// From the interrupts to the loop.
 pub type SampleQueue = Queue<TimedSample, QUEUE_LENGTH>;
-
-const BUFFER_BYTES: usize = mpu6000::SAMPLE_BYTES as usize;
-/// An address; the rest only makes clocks.
-type Request = [u8; BUFFER_BYTES];
-
-const fn request(address: u8) -> Request {
-    let mut bytes = [0; BUFFER_BYTES];
-    bytes[0] = address;
-    bytes
-}
-
-/// Buffers of the DMA. They must not lie on the stack, which is out of its reach.
-pub struct Buffers {
-    received: [u8; BUFFER_BYTES],
-    mpu6000: Request,
-    l3gd20: Request,
-    lsm303d: Request,
-    register: Request,
-}
-
-impl Buffers {
-    /// What is demanded of each sensor.
-    pub const NEW: Self = Self {
-        received: [0; BUFFER_BYTES],
-        mpu6000: request(mpu6000::SAMPLE_ADDRESS),
-        l3gd20: request(l3gd20::SAMPLE_ADDRESS),
-        lsm303d: request(lsm303d::SAMPLE_ADDRESS),
-        register: request(0),
-    };
-}
 
 /// Data-ready of both IMUs.
 pub struct ReadyPins {
@@ -117,42 +86,6 @@ impl Checked {
     /// For a person.
     pub fn faults(&self) -> impl Iterator<Item = SensorFault> {
         self.first.err().into_iter().chain(self.second.err())
-    }
-}
-
-/// What the DMA is at.
-#[derive(Clone, Copy)]
-enum Transfer {
-    Mpu6000,
-    L3gd20,
-    /// With what the gyro has said.
-    Lsm303d([i16; 3]),
-    /// Of the MPU6000.
-    Register,
-}
-
-impl Transfer {
-    fn chip(self) -> Chip {
-        match self {
-            Self::Mpu6000 | Self::Register => Chip::Mpu6000,
-            Self::L3gd20 => Chip::L3gd20,
-            Self::Lsm303d(_) => Chip::Lsm303d,
-        }
-    }
-
-    fn bytes(self) -> u16 {
-        match self {
-            Self::Mpu6000 => mpu6000::SAMPLE_BYTES,
-            Self::L3gd20 | Self::Lsm303d(_) => l3gd20::SAMPLE_BYTES,
-            Self::Register => REGISTER_BYTES,
-        }
-    }
-
-    fn counters(self) -> &'static ImuCounters {
-        match self {
-            Self::Mpu6000 | Self::Register => &FIRST_IMU,
-            Self::L3gd20 | Self::Lsm303d(_) => &SECOND_IMU,
-        }
     }
 }
 

@@ -41,6 +41,7 @@ mod self_test;
 mod sensor_bus;
 mod supply;
 mod trace;
+mod transfer;
 mod watchdog;
 
 use defmt_rtt as _;
@@ -64,7 +65,7 @@ mod app {
     use super::fault::{self, Cause};
     use super::fram::Fram;
     use super::ground::Ground;
-    use super::imu::{Buffers, Checked, Imus, SampleQueue};
+    use super::imu::{Checked, Imus, SampleQueue};
     use super::io_port::{self, IoPort, ReportQueue};
     use super::light_and_tone::LightAndTone;
     use super::link_port::{self, LinkIn, LinkSender, RING_BYTES, SendBuffer};
@@ -74,6 +75,7 @@ mod app {
     use super::self_test::SelfTests;
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
+    use super::transfer::Buffers;
     use super::watchdog::{self, Watchdog};
     use super::{boot, clock, counters, last_pulse, supply};
 

@@ -6,9 +6,9 @@
 //!   |               ^-----------------------differs-----------------|
 //!   `-- its samples count again when it has settled              after 0.5 s --> GivenUp
 //! ```
-//! From the first register that differs until it has settled its samples are held back: a range or a filter that is not
-//! the one that was set makes wrong rates of right words. The loop takes that for an IMU that sends nothing. A chip that
-//! does not keep its settings stays out until the board is started again.
+//! From the first register that differs until it has settled its samples are held back: a range or a filter that is
+//! not the one that was set makes wrong rates of right words. The loop takes that for an IMU that sends nothing. A chip
+//! that does not keep its settings stays out until the board is started again.
 
 use super::counters::{FIRST_IMU_GIVEN_UP, FIRST_IMU_RESTORED};
 use super::mpu6000::{self, SETTINGS, Settings};
