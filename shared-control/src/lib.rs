@@ -117,6 +117,7 @@ pub mod params;
 pub mod qp;
 pub mod radio;
 pub mod record;
+pub mod self_test;
 pub mod sensing;
 pub mod setup;
 pub mod signals;

@@ -218,6 +218,7 @@ pub fn crc32(bytes: &[u8]) -> u32 {
 pub(crate) mod tests {
     extern crate std;
     use super::radio::StickParams;
+    use super::vehicle::FlownVehicle;
     use super::*;
     use proptest::prelude::*;
     use std::string::ToString;
@@ -281,15 +282,16 @@ pub(crate) mod tests {
 
     /// Any numbers that the table allows, and as often such as a person might set.
     fn any_vehicle() -> impl Strategy<Value = VehicleNumbers> {
-        let (own, mass, arm, ring) = (any::<bool>(), 100u16..=10_000, 50u16..=1000, any::<u16>());
+        let flown = prop_oneof![Just(FlownVehicle::Unnamed), Just(FlownVehicle::Own), Just(FlownVehicle::F450)];
+        let (mass, arm, ring) = (100u16..=10_000, 50u16..=1000, any::<u16>());
         let likely = ([1000u16..=3000, 1000u16..=3000, 1500u16..=3500], 9_000u16..=12_000, 0u16..=100);
         let allowed = ([10u16..=65535, 10u16..=65535, 10u16..=65535], 200u16..=65535, 0u16..=20_000);
         let body_and_lift = prop_oneof![likely, allowed];
-        (own, mass, arm, ring, body_and_lift, 1000u16..=65535, 0u16..=2000, 0u16..=300).prop_map(
-            |(own, mass_g, arm_mm, ring_e5_kg_m2, (inertia, max, min), torque_per_lift_um, lag_e4_s, delay_e4_s)| {
+        (flown, mass, arm, ring, body_and_lift, 1000u16..=65535, 0u16..=2000, 0u16..=300).prop_map(
+            |(flown, mass_g, arm_mm, ring_e5_kg_m2, (inertia, max, min), torque_per_lift_um, lag_e4_s, delay_e4_s)| {
                 #[rustfmt::skip]
                 let vehicle = VehicleNumbers {
-                    own, mass_g, arm_mm, inertia_e5_kg_m2: inertia, ring_e5_kg_m2, torque_per_lift_um,
+                    flown, mass_g, arm_mm, inertia_e5_kg_m2: inertia, ring_e5_kg_m2, torque_per_lift_um,
                     lift_min_mn: min, lift_max_mn: max, lag_e4_s, delay_e4_s,
                 };
                 vehicle

@@ -6,7 +6,7 @@ use crate::mpc::MpcSettings;
 use crate::mpc::motor_limits::COUPLED_INPUTS_MAX;
 use crate::output::{LOOP_TIMER_HZ, OutputConfig, PULSE_TIMER_HZ, PulseKind, TimerPeriod};
 use crate::params::table::Field;
-use crate::params::vehicle::VehicleFault;
+use crate::params::vehicle::{FlownVehicle, VehicleFault};
 use crate::params::{Params, Rig};
 use crate::radio::{RadioFault, RadioSetup};
 use crate::sensing::imu::L3GD20_RATE_HZ;
@@ -39,7 +39,8 @@ pub struct Setup {
     pub pulse_timer: TimerPeriod,
     /// The radio, where it flies; or what makes no sense about its calibration.
     pub radio: Result<Option<RadioSetup>, RadioFault>,
-    /// What makes no sense about the owner's vehicle; the F450 then stands in for it, and nothing may arm.
+    /// What makes no sense about the owner's vehicle, or is missing of it; the F450 then stands in for it, and nothing
+    /// may arm.
     pub vehicle_fault: Option<VehicleFault>,
 }
 
@@ -113,8 +114,12 @@ fn vehicle(params: &Params) -> (VehicleParameters, Option<VehicleFault>) {
         Rig::Gimbal => VehicleParameters::F450_GIMBAL,
         Rig::Free => VehicleParameters::F450_FREE,
     };
-    if !params.vehicle.own {
-        return (f450, None);
+    match params.vehicle.flown {
+        FlownVehicle::F450 => return (f450, None),
+        // a simulated vehicle hurts nobody
+        FlownVehicle::Unnamed if params.rig == Rig::Gimbal || params.hil => return (f450, None),
+        FlownVehicle::Unnamed => return (f450, Some(VehicleFault::Missing)),
+        FlownVehicle::Own => {}
     }
     match params.vehicle.vehicle(params.rig, f32::from(params.hover_throttle_permille) / 1000.0) {
         Ok(vehicle) => (vehicle, None),
@@ -179,7 +184,7 @@ mod tests {
     #[test]
     fn every_vehicle_that_makes_sense_can_be_prepared() {
         use crate::params::vehicle::VehicleNumbers;
-        let own = VehicleNumbers { own: true, ..VehicleNumbers::DEFAULT };
+        let own = VehicleNumbers { flown: FlownVehicle::Own, ..VehicleNumbers::DEFAULT };
         let heavy = VehicleNumbers { mass_g: 3300, inertia_e5_kg_m2: [33_000, 33_000, 36_000], arm_mm: 226, ..own };
         let light = VehicleNumbers { inertia_e5_kg_m2: [150, 150, 250], ..own };
         let slow = VehicleNumbers { lag_e4_s: 2000, delay_e4_s: 300, ..own };
@@ -193,6 +198,18 @@ mod tests {
         let senseless = VehicleNumbers { mass_g: 9000, ..own };
         let setup = Setup::new(&Params { vehicle: senseless, rig: Rig::Free, ..Params::DEFAULT }).unwrap();
         assert_eq!((setup.vehicle_fault, setup.vehicle), (Some(VehicleFault::TooWeak), VehicleParameters::F450_FREE));
+    }
+
+    /// Another vehicle must not leave the ground with the F450's gains because nobody has said which it is.
+    #[test]
+    fn a_free_vehicle_that_nobody_has_named_does_not_arm() {
+        use crate::params::vehicle::VehicleNumbers;
+        let fault = |params: &Params| Setup::new(params).unwrap().vehicle_fault;
+        let free = Params { rig: Rig::Free, ..Params::DEFAULT };
+        assert_eq!(fault(&free), Some(VehicleFault::Missing));
+        assert_eq!(fault(&Params { vehicle: VehicleNumbers::F450, ..free }), None);
+        assert_eq!(fault(&Params { hil: true, ..free }), None);
+        assert_eq!(fault(&Params::DEFAULT), None);
     }
 
     /// What a bench of host code flies, with the idle commands of motors that have a dead band.

@@ -86,7 +86,7 @@ pub struct ArmingBlocks {
     pub kill_switch: bool,
     /// The radio is to fly, and its calibration makes no sense.
     pub radio_unusable: bool,
-    /// The owner's vehicle is to fly, and its numbers make no sense.
+    /// The owner's vehicle is to fly, and its numbers make no sense; or a free one that nobody has named.
     pub vehicle_unusable: bool,
 }
 

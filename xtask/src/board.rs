@@ -10,7 +10,7 @@ use crate::process;
 use crate::px4;
 use crate::workspace::Workspace;
 
-/// As `cargo test` builds the rest: optimised, with checks, and nothing is built twice.
+/// As `cargo test` builds the rest, so that nothing is built twice; the emulator itself without checks (Cargo.toml).
 const PACKAGE: [&str; 2] = ["--package", "emulated-board"];
 
 /// Builds the image and its bundle, then runs the emulated board's tests on them; they print what they measured.

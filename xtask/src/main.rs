@@ -13,6 +13,7 @@ mod page;
 mod panic_freedom;
 mod process;
 mod px4;
+mod self_test;
 mod sysroot;
 mod thumb;
 mod tidy;
@@ -50,6 +51,8 @@ enum Task {
     ClippyTarget,
     /// Fly the firmware image on the emulated board (needs cmake, libclang and a C compiler)
     BoardTest,
+    /// Have a board make one of its self-tests by a debug probe (needs probe-rs and the board)
+    SelfTest(self_test::Arguments),
     /// Count the MPC's instructions on an emulated Cortex-M4F, on the instances of the benchmark (needs what board-test
     /// needs)
     BenchMcu(bench_mcu::Arguments),
@@ -90,6 +93,7 @@ fn run(task: &Task) -> Result<()> {
         Task::CoreTarget => Target::find(&workspace)?.build_core(),
         Task::ClippyTarget => Target::find(&workspace)?.clippy(),
         Task::BoardTest => board::run(&workspace),
+        Task::SelfTest(arguments) => self_test::run(&workspace, arguments),
         Task::BenchMcu(arguments) => bench_mcu::run(&workspace, arguments),
         Task::Mutants(arguments) => mutants::run(&workspace, arguments),
         Task::Decoders => decoders::run(&workspace),

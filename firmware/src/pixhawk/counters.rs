@@ -57,6 +57,10 @@ impl ImuCounters {
 
 /// The MPU6000's.
 pub static FIRST_IMU: ImuCounters = ImuCounters::new();
+/// So often had the MPU6000 lost its settings in flight, and was set up again.
+pub static FIRST_IMU_RESTORED: Counter = Counter::new();
+/// Settings were lost and not kept when they were written again: it is out of use.
+pub static FIRST_IMU_GIVEN_UP: Counter = Counter::new();
 /// The L3GD20's and LSM303D's.
 pub static SECOND_IMU: ImuCounters = ImuCounters::new();
 /// Steps that were still worked on when the next was due.
@@ -74,6 +78,8 @@ pub static ANSWERS_DROPPED: Counter = Counter::new();
 pub fn report() {
     FIRST_IMU.report("first");
     SECOND_IMU.report("second");
+    let [restored, given_up] = [FIRST_IMU_RESTORED.get(), FIRST_IMU_GIVEN_UP.get()];
+    defmt::info!("first IMU: set up again {=u32}, given up {=u32}", restored, given_up);
     defmt::info!(
         "overruns {=u32}, late plans {=u32}, orders dropped {=u32}, answers dropped {=u32}, IO damaged {=u32}",
         LOOP_OVERRUNS.get(),

@@ -6,10 +6,11 @@ use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
 use shared_control::link::telemetry::Figures;
 use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, Text, VehicleStatus};
-use shared_control::params::Params;
+use shared_control::params::{self, Params};
 
 use super::boot::Start;
 use super::configuration::Configuration;
+use super::counters::{FIRST_IMU_GIVEN_UP, FIRST_IMU_RESTORED};
 use super::fault::{self, FaultRecord};
 use super::fram::Fram;
 use super::link_port::{LinkSender, SendBuffer};
@@ -32,6 +33,8 @@ pub struct Ground {
     memory: Fram,
     /// Updates until the restart that was ordered.
     restart_in: Option<u8>,
+    /// So often has it told that the first IMU was set up again, and that it was given up.
+    registers_told: [u32; 2],
 }
 
 impl Ground {
@@ -43,7 +46,8 @@ impl Ground {
         chores: Consumer<'static, Chore>,
     ) -> Self {
         let telemetry = Telemetry::new(settings, params);
-        Self { telemetry, due: SendBuffer::new(), hil: params.hil, answers, chores, memory, restart_in: None }
+        let (due, hil, restart_in, registers_told) = (SendBuffer::new(), params.hil, None, [0; 2]);
+        Self { telemetry, due, hil, answers, chores, memory, restart_in, registers_told }
     }
 
     /// Tells a person something that should not have happened, or that explains the start.
@@ -94,6 +98,7 @@ impl Ground {
         while let Some(chore) = self.chores.dequeue() {
             self.attend_to(chore, status);
         }
+        self.tell_registers();
         if self.due.is_empty() {
             self.make_due(time_us, status);
         }
@@ -104,10 +109,28 @@ impl Ground {
         }
     }
 
+    /// Does the memory hold a whole record of parameters?
+    pub fn memory_is_whole(&mut self) -> bool {
+        params::load(&self.memory.read()).1.is_none()
+    }
+
     /// Lets the port send what is due, if it is free.
     pub fn hand_over(&mut self, sender: &mut LinkSender) {
         if !self.due.is_empty() && sender.send(&self.due) {
             self.due.clear();
+        }
+    }
+
+    /// Tells what became of the first IMU's settings since the last call.
+    fn tell_registers(&mut self) {
+        let counts = [FIRST_IMU_RESTORED.get(), FIRST_IMU_GIVEN_UP.get()];
+        let [restored, given_up] = [0, 1].map(|place| counts[place] != self.registers_told[place]);
+        self.registers_told = counts;
+        if restored {
+            self.tell("MPU6000 lost its settings: set up again");
+        }
+        if given_up {
+            self.tell("MPU6000 does not keep its settings: out of use");
         }
     }
 

@@ -1,7 +1,7 @@
 //! The two IMUs on their one bus: data-ready, DMA, sample queues.
 //!
 //! ```text
-//!   MPU6000 ready -> transfer ------------------------> first queue
+//!   MPU6000 ready -> transfer ------------------------> first queue; behind it a register is looked at
 //!   L3GD20 ready  -> transfer -> LSM303D's transfer ---> second queue
 //! ```
 //! Who comes while the bus is busy waits and is served when the transfer under way ends, the first IMU before the
@@ -19,13 +19,17 @@ use stm32f4xx_hal::pac::{DMA2, EXTI};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::clock;
-use super::counters::{FIRST_IMU, ImuCounters, SECOND_IMU};
+use super::counters::{FIRST_IMU, SECOND_IMU};
 use super::queue::{Producer, Queue};
-use super::sensor_bus::{Chip, SensorBus, SensorFault};
+use super::register_watch::{Access, RegisterWatch};
+use super::sensor_bus::{READ, SensorBus, SensorFault};
+use super::transfer::{Buffers, Transfer};
 use super::{l3gd20, lsm303d, mpu6000};
 
-/// A transfer takes 13 us; what lasts this long has failed.
+/// A transfer takes 13 us, one of a register 25; what lasts this long has failed.
 const TRANSFER_MAX_US: u32 = 200;
+/// The first IMU, which has a sample every 1 ms, is silent.
+const SILENT_US: u32 = 3_000;
 /// Longest wait for a DMA stream to stop, turns of a loop; it takes a few cycles.
 const STOP_TURNS: u32 = 100;
 /// Room for the samples of two steps at 100 Hz.
@@ -52,34 +56,6 @@ impl TimedSample {
 /// From the interrupts to the loop.
 pub type SampleQueue = Queue<TimedSample, QUEUE_LENGTH>;
 
-const BUFFER_BYTES: usize = mpu6000::SAMPLE_BYTES as usize;
-/// An address; the rest only makes clocks.
-type Request = [u8; BUFFER_BYTES];
-
-const fn request(address: u8) -> Request {
-    let mut bytes = [0; BUFFER_BYTES];
-    bytes[0] = address;
-    bytes
-}
-
-/// Buffers of the DMA. They must not lie on the stack, which is out of its reach.
-pub struct Buffers {
-    received: [u8; BUFFER_BYTES],
-    mpu6000: Request,
-    l3gd20: Request,
-    lsm303d: Request,
-}
-
-impl Buffers {
-    /// What is demanded of each sensor.
-    pub const NEW: Self = Self {
-        received: [0; BUFFER_BYTES],
-        mpu6000: request(mpu6000::SAMPLE_ADDRESS),
-        l3gd20: request(l3gd20::SAMPLE_ADDRESS),
-        lsm303d: request(lsm303d::SAMPLE_ADDRESS),
-    };
-}
-
 /// Data-ready of both IMUs.
 pub struct ReadyPins {
     /// MPU6000: pulses.
@@ -90,7 +66,7 @@ pub struct ReadyPins {
 
 /// What the checks of the sensors found.
 pub struct Checked {
-    first: Result<(), SensorFault>,
+    first: Result<mpu6000::Settings, SensorFault>,
     second: Result<AxisMap, SensorFault>,
 }
 
@@ -110,39 +86,6 @@ impl Checked {
     /// For a person.
     pub fn faults(&self) -> impl Iterator<Item = SensorFault> {
         self.first.err().into_iter().chain(self.second.err())
-    }
-}
-
-/// What the DMA is at.
-#[derive(Clone, Copy)]
-enum Transfer {
-    Mpu6000,
-    L3gd20,
-    /// With what the gyro has said.
-    Lsm303d([i16; 3]),
-}
-
-impl Transfer {
-    fn chip(self) -> Chip {
-        match self {
-            Self::Mpu6000 => Chip::Mpu6000,
-            Self::L3gd20 => Chip::L3gd20,
-            Self::Lsm303d(_) => Chip::Lsm303d,
-        }
-    }
-
-    fn bytes(self) -> u16 {
-        match self {
-            Self::Mpu6000 => mpu6000::SAMPLE_BYTES,
-            Self::L3gd20 | Self::Lsm303d(_) => l3gd20::SAMPLE_BYTES,
-        }
-    }
-
-    fn counters(self) -> &'static ImuCounters {
-        match self {
-            Self::Mpu6000 => &FIRST_IMU,
-            Self::L3gd20 | Self::Lsm303d(_) => &SECOND_IMU,
-        }
     }
 }
 
@@ -166,6 +109,8 @@ pub struct Imus {
     under_way: Option<UnderWay>,
     first_due_us: Option<u32>,
     second_due_us: Option<u32>,
+    watch: Option<RegisterWatch>,
+    first_heard_us: u32,
 }
 
 const RECEIVE: usize = 0;
@@ -196,6 +141,8 @@ impl Imus {
             under_way: None,
             first_due_us: None,
             second_due_us: None,
+            watch: None,
+            first_heard_us: 0,
         };
         imus.prepare_dma();
         imus
@@ -221,7 +168,9 @@ impl Imus {
     /// Listens to those that passed.
     pub fn start(&mut self, checked: &Checked, exti: &mut EXTI) {
         self.second_is_usable = checked.second.is_ok();
-        if checked.first.is_ok() {
+        self.watch = checked.first.ok().map(RegisterWatch::new);
+        self.first_heard_us = clock::now_us();
+        if self.watch.is_some() {
             self.ready.first.clear_interrupt_pending_bit();
             self.ready.first.enable_interrupt(exti);
         }
@@ -252,6 +201,18 @@ impl Imus {
             self.second_due_us = self.second_due_us.or(Some(now_us));
         }
         self.serve(now_us);
+        self.look_at_silent_first(now_us);
+    }
+
+    /// It may have been reset, and sleep: then nothing but this would find out.
+    fn look_at_silent_first(&mut self, now_us: u32) {
+        if self.under_way.is_none()
+            && now_us.wrapping_sub(self.first_heard_us) >= SILENT_US
+            && let Some(watch) = &mut self.watch
+        {
+            watch.is_silent();
+            self.begin_access(now_us);
+        }
     }
 
     /// A transfer has ended, well or badly: hands the sample on, and goes on with what is due.
@@ -266,10 +227,13 @@ impl Imus {
             self.break_off(transfer);
         } else if flags.tcif0().bit_is_set() {
             self.clear_flags();
-            self.bus.release(transfer.chip());
+            self.release(transfer);
             self.under_way = None;
             fence(Ordering::Acquire);
             self.take(transfer, counter_us, now_us);
+            self.serve(now_us);
+            self.look_at_registers(transfer, now_us);
+            return;
         }
         self.serve(now_us);
     }
@@ -289,7 +253,16 @@ impl Imus {
                 return;
             }
             Transfer::Lsm303d(gyro) => (l3gd20::decode(&half).map(|accel| (gyro, accel)), &mut self.samples_second),
+            Transfer::Register => return self.take_register(b1, now_us),
         };
+        if matches!(transfer, Transfer::Mpu6000) {
+            self.first_heard_us = now_us;
+            if let Some(watch) = &mut self.watch
+                && !watch.trusts(now_us)
+            {
+                return;
+            }
+        }
         match sample {
             None => transfer.counters().old.add(),
             Some((gyro_counts, accel_counts)) => {
@@ -315,17 +288,56 @@ impl Imus {
         }
     }
 
+    /// Right behind a sample of the first IMU, since reading a register takes back that the next one is ready.
+    fn look_at_registers(&mut self, ended: Transfer, now_us: u32) {
+        let goes_on = match ended {
+            Transfer::Mpu6000 => true,
+            Transfer::Register => self.watch.as_ref().is_some_and(RegisterWatch::is_busy),
+            Transfer::L3gd20 | Transfer::Lsm303d(_) => false,
+        };
+        if goes_on && self.under_way.is_none() {
+            self.begin_access(now_us);
+        }
+    }
+
+    fn take_register(&mut self, answer: u8, now_us: u32) {
+        let Some(watch) = &mut self.watch else { return };
+        watch.answered(answer, now_us);
+    }
+
+    /// What the watch over the first IMU's registers wants.
+    fn begin_access(&mut self, now_us: u32) {
+        let Some(access) = self.watch.as_ref().and_then(RegisterWatch::access) else { return };
+        let [address, value] = match access {
+            Access::Read(register) => [READ | register, 0],
+            Access::Write(register, value) => [register, value],
+        };
+        [self.buffers.register[0], self.buffers.register[1]] = [address, value];
+        self.begin(Transfer::Register, now_us, now_us);
+    }
+
+    fn release(&mut self, transfer: Transfer) {
+        match transfer {
+            Transfer::Register => self.bus.release_register(transfer.chip()),
+            _ => self.bus.release(transfer.chip()),
+        }
+    }
+
     fn begin(&mut self, transfer: Transfer, counter_us: u32, began_us: u32) {
         self.under_way = Some(UnderWay { transfer, counter_us, began_us });
         let request = match transfer {
             Transfer::Mpu6000 => &self.buffers.mpu6000,
             Transfer::L3gd20 => &self.buffers.l3gd20,
             Transfer::Lsm303d(_) => &self.buffers.lsm303d,
+            Transfer::Register => &self.buffers.register,
         };
         self.clear_flags();
         // SAFETY: a buffer that lives for ever and outside the CCM
         unsafe { self.dma.st(SEND).m0ar().write(|w| w.m0a().bits(ptr::addr_of!(*request) as u32)) };
-        self.bus.begin_sample(transfer.chip());
+        match transfer {
+            Transfer::Register => self.bus.begin_register(transfer.chip()),
+            _ => self.bus.begin_sample(transfer.chip()),
+        }
         fence(Ordering::Release);
         for stream in [RECEIVE, SEND] {
             self.dma.st(stream).ndtr().write(|w| w.ndt().set(transfer.bytes()));

@@ -36,9 +36,12 @@ mod mpu6000;
 mod outputs;
 mod pins;
 mod queue;
+mod register_watch;
+mod self_test;
 mod sensor_bus;
 mod supply;
 mod trace;
+mod transfer;
 mod watchdog;
 
 use defmt_rtt as _;
@@ -62,15 +65,17 @@ mod app {
     use super::fault::{self, Cause};
     use super::fram::Fram;
     use super::ground::Ground;
-    use super::imu::{Buffers, Checked, Imus, SampleQueue};
+    use super::imu::{Checked, Imus, SampleQueue};
     use super::io_port::{self, IoPort, ReportQueue};
     use super::light_and_tone::LightAndTone;
     use super::link_port::{self, LinkIn, LinkSender, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
     use super::loop_timer::LoopTimer;
     use super::outputs::Outputs;
+    use super::self_test::SelfTests;
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
+    use super::transfer::Buffers;
     use super::watchdog::{self, Watchdog};
     use super::{boot, clock, counters, last_pulse, supply};
 
@@ -313,6 +318,7 @@ mod app {
         local = [
             ground, light_and_tone, watchdog, clock: TimeBase = TimeBase::START,
             load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0,
+            self_tests: SelfTests = SelfTests::NEW,
         ]
     )]
     fn housekeeping(mut cx: housekeeping::Context) {
@@ -327,6 +333,7 @@ mod app {
             };
             local.ground.update(local.clock.now_us(), &status);
             cx.shared.sender.lock(|sender| local.ground.hand_over(sender));
+            local.self_tests.update(&status, || local.ground.memory_is_whole());
             if local.ticks.is_multiple_of(10) {
                 local.light_and_tone.update(Sign::of(&status));
             }
@@ -335,6 +342,7 @@ mod app {
                 let figures = load::figures(&status.planning);
                 load::report(&figures);
                 counters::report();
+                local.self_tests.report();
                 local.ground.figures(figures);
             }
         });

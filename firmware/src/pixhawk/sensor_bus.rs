@@ -117,6 +117,20 @@ impl SensorBus {
         self.select(chip);
     }
 
+    /// Begins a transfer of a register, at the speed that registers allow.
+    pub fn begin_register(&mut self, chip: Chip) {
+        self.spi.cr1().write(|w| mode_3(w).br().div128());
+        self.spi.cr1().write(|w| mode_3(w).br().div128().spe().set_bit());
+        self.select(chip);
+    }
+
+    /// Ends it: the MPU6000 wants its select low for 500 ns more (product specification 6.8), and then as long high.
+    pub fn release_register(&mut self, chip: Chip) {
+        clock::wait_us(1);
+        self.release(chip);
+        clock::wait_us(1);
+    }
+
     /// Ends one that was broken off, and clears away what is left of it.
     pub fn start_over(&mut self, chip: Chip) {
         self.release(chip);

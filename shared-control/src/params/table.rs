@@ -145,7 +145,7 @@ impl Field {
         Field::Level(true, LevelPart::Roll),
         Field::Level(true, LevelPart::Pitch),
         Field::Level(true, LevelPart::Down),
-        Field::Vehicle(VehiclePart::Own),
+        Field::Vehicle(VehiclePart::Flown),
         Field::Vehicle(VehiclePart::Mass),
         Field::Vehicle(VehiclePart::Arm),
         Field::Vehicle(VehiclePart::Roll),

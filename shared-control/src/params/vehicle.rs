@@ -15,8 +15,8 @@ use crate::vehicle::{Actuation, VehicleParameters};
 /// One number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VehiclePart {
-    /// [`VehicleNumbers::own`].
-    Own,
+    /// [`VehicleNumbers::flown`].
+    Flown,
     /// [`VehicleNumbers::mass_g`].
     Mass,
     /// [`VehicleNumbers::arm_mm`].
@@ -41,11 +41,42 @@ pub enum VehiclePart {
     Delay,
 }
 
+/// Whose numbers are flown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FlownVehicle {
+    /// Nobody has said: on the gimbal, which holds whatever hangs in it, the F450; in free flight nothing arms, since
+    /// another vehicle would leave the ground with gains that are not its own.
+    #[default]
+    Unnamed,
+    /// [`VehicleNumbers`].
+    Own,
+    /// The F450 on what [`Rig`] says.
+    F450,
+}
+
+impl FlownVehicle {
+    fn number(self) -> u16 {
+        match self {
+            Self::Unnamed => 0,
+            Self::Own => 1,
+            Self::F450 => 2,
+        }
+    }
+
+    fn from_number(number: u16) -> Self {
+        match number {
+            1 => Self::Own,
+            2 => Self::F450,
+            _ => Self::Unnamed,
+        }
+    }
+}
+
 /// The numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VehicleNumbers {
-    /// True: these numbers are flown. False: the F450 on what [`Rig`] says.
-    pub own: bool,
+    /// Are these numbers flown, or the F450's?
+    pub flown: FlownVehicle,
     /// Mass, g.
     pub mass_g: u16,
     /// Motor to centre, mm.
@@ -69,6 +100,8 @@ pub struct VehicleNumbers {
 /// What makes no sense about them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VehicleFault {
+    /// In free flight none are named, neither the owner's nor the F450's.
+    Missing,
     /// No body has such inertias: one exceeds the sum of the others.
     Inertia,
     /// The lift at command 0 is more than a quarter of that at 1.
@@ -84,6 +117,7 @@ pub enum VehicleFault {
 impl fmt::Display for VehicleFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            VehicleFault::Missing => "no vehicle's numbers: sil identify --params",
             VehicleFault::Inertia => "vehicle: VEH_I..: one exceeds the others' sum",
             VehicleFault::LiftRange => "vehicle: VEH_LIFT_MIN_MN over a quarter of MAX",
             VehicleFault::TooWeak => "vehicle: VEH_LIFT_MAX_MN does not lift mass",
@@ -107,7 +141,7 @@ const AUTHORITY_YAW_RAD_S2: core::ops::RangeInclusive<f32> = 0.4..=300.0;
 impl VehicleNumbers {
     /// Those of `models/generic-free.toml`, the F450 in free flight; not flown unless an owner says so.
     pub const DEFAULT: VehicleNumbers = VehicleNumbers {
-        own: false,
+        flown: FlownVehicle::Unnamed,
         mass_g: 1200,
         arm_mm: 226,
         inertia_e5_kg_m2: [1151, 1151, 2000],
@@ -118,6 +152,9 @@ impl VehicleNumbers {
         lag_e4_s: 527,
         delay_e4_s: 0,
     };
+
+    /// The F450 that this project knows, on whatever the rig is.
+    pub const F450: VehicleNumbers = VehicleNumbers { flown: FlownVehicle::F450, ..VehicleNumbers::DEFAULT };
 
     /// The vehicle of these numbers on a rig.
     ///
@@ -173,7 +210,7 @@ impl VehicleNumbers {
     pub(super) fn get(&self, part: VehiclePart) -> u16 {
         let [roll, pitch, yaw] = self.inertia_e5_kg_m2;
         match part {
-            VehiclePart::Own => u16::from(self.own),
+            VehiclePart::Flown => self.flown.number(),
             VehiclePart::Mass => self.mass_g,
             VehiclePart::Arm => self.arm_mm,
             VehiclePart::Roll => roll,
@@ -192,7 +229,7 @@ impl VehicleNumbers {
     pub(super) fn set(&mut self, part: VehiclePart, value: u16) {
         let [roll, pitch, yaw] = &mut self.inertia_e5_kg_m2;
         let number = match part {
-            VehiclePart::Own => return self.own = value == 1,
+            VehiclePart::Flown => return self.flown = FlownVehicle::from_number(value),
             VehiclePart::Mass => &mut self.mass_g,
             VehiclePart::Arm => &mut self.arm_mm,
             VehiclePart::Roll => roll,
@@ -227,7 +264,11 @@ fn straight_speed(lift_min_n: f32, lift_max_n: f32) -> LiftCurve {
 pub(super) const fn row(part: VehiclePart) -> (&'static str, Allowed, &'static str) {
     const INERTIA: Allowed = Allowed::Range(10, u16::MAX);
     match part {
-        VehiclePart::Own => ("VEHICLE", Allowed::Either(0, 1), "vehicle: 0 the F450 on its RIG, 1 that of VEH_..."),
+        VehiclePart::Flown => (
+            "VEHICLE",
+            Allowed::Range(0, 2),
+            "vehicle: 1 that of VEH_..., 2 the F450 on its RIG, 0 not said: on the gimbal the F450, free none arms",
+        ),
         VehiclePart::Mass => ("VEH_MASS_G", Allowed::Range(100, 10_000), "mass, g"),
         VehiclePart::Arm => ("VEH_ARM_MM", Allowed::Range(50, 1000), "motor to centre, mm"),
         VehiclePart::Roll => ("VEH_IXX_E5", INERTIA, "inertia of the body about roll, 1e-5 kg m^2"),
@@ -283,7 +324,13 @@ mod tests {
         assert_eq!(refused(|numbers| numbers.mass_g = 3000), VehicleFault::TooWeak);
         assert_eq!(refused(|numbers| numbers.mass_g = 800), VehicleFault::Hover);
         assert_eq!(refused(|numbers| numbers.inertia_e5_kg_m2 = [30; 3]), VehicleFault::Authority);
-        for fault in [VehicleFault::Hover, VehicleFault::Inertia, VehicleFault::LiftRange, VehicleFault::TooWeak] {
+        for fault in [
+            VehicleFault::Missing,
+            VehicleFault::Hover,
+            VehicleFault::Inertia,
+            VehicleFault::LiftRange,
+            VehicleFault::TooWeak,
+        ] {
             // they go out as STATUSTEXT
             assert!(fault.to_string().len() <= 50, "{fault}");
         }

@@ -215,7 +215,7 @@ pub enum Refusal {
     VehicleMoves,
     /// It does not stand level, by more than a calibration makes good.
     NotLevel,
-    /// The owner's vehicle is to fly, and its numbers make no sense.
+    /// The owner's vehicle is to fly, and its numbers make no sense; or a free one that nobody has named.
     VehicleUnusable,
     /// The radio has the sticks: nobody else sets points or chooses modes.
     RadioFlies,
@@ -327,7 +327,7 @@ impl Refusal {
             Refusal::SafetyOn => "refused: hold the safety button for a second",
             Refusal::RadioUnusable => "refused: radio calibration makes no sense",
             Refusal::VehicleMoves => "refused: keep still for 3 s",
-            Refusal::VehicleUnusable => "refused: vehicle's numbers make no sense",
+            Refusal::VehicleUnusable => "refused: vehicle's numbers missing or senseless",
             Refusal::RadioFlies => "refused: the radio has the sticks",
             Refusal::NoSetpoints => "refused: send set-points first",
             Refusal::LineFull => "refused: the line has no room, slow others down",

@@ -1,7 +1,7 @@
 //! A vehicle model as the parameters of a board: the file that ground stations load.
 
 use shared_control::params::table::Field;
-use shared_control::params::vehicle::{VehicleFault, VehicleNumbers};
+use shared_control::params::vehicle::{FlownVehicle, VehicleFault, VehicleNumbers};
 use shared_control::params::{Params, Rig};
 
 use crate::control_setup::vehicle_parameters;
@@ -32,7 +32,7 @@ pub fn board_parameters(vehicle_model: &VehicleModel) -> Result<Vec<(&'static st
     let fastest = slowest + (root(hover) - slowest) / hover;
     let [roll, pitch, yaw] = vehicle.inertia_kg_m2;
     let numbers = VehicleNumbers {
-        own: true,
+        flown: FlownVehicle::Own,
         mass_g: whole("mass_kg", mass_kg, 1e3)?,
         arm_mm: whole("arm_m", vehicle.arm_m, 1e3)?,
         inertia_e5_kg_m2: [

@@ -8,6 +8,7 @@ use clap::Args;
 use serde::Serialize;
 use shared_control::config::Controller;
 use shared_control::params::table::Field;
+use shared_control::params::vehicle::VehicleNumbers;
 use shared_control::params::{Params, Rig};
 use sil_host::answer::board_parameters::board_parameters;
 use sil_host::effects::Effect;
@@ -191,7 +192,8 @@ fn defaults(arguments: &ServeArguments, known: &VehicleModel) -> Result<Params, 
         _ => Rig::Gimbal,
     };
     let hover_throttle_permille = (known.base_command * 1000.0).round() as u16;
-    let mut params = Params { rig, hover_throttle_permille, ..Params::DEFAULT };
+    let vehicle = VehicleNumbers::F450;
+    let mut params = Params { rig, hover_throttle_permille, vehicle, ..Params::DEFAULT };
     let Some(path) = &arguments.model else { return Ok(params) };
     let no_board = |problem: String| bad_input(format!("{}: no board can fly it: {problem}", path.display()));
     for (name, value) in board_parameters(known).map_err(no_board)? {

@@ -11,6 +11,7 @@ use mavlink::dialects::common::{
 use shared_control::config::Controller;
 use shared_control::link::Receiver;
 use shared_control::link::frame::{FrameFinder, FrameWriter, message};
+use shared_control::params::vehicle::VehicleNumbers;
 use shared_control::params::{Params, RECORD_LEN, Rig, decode};
 use shared_control::supervisor::Arming;
 
@@ -48,7 +49,8 @@ impl Flown {
     fn free() -> Self {
         let model = VehicleModel::nominal(model::Rig::Free);
         let hover_throttle_permille = (model.base_command * 1000.0).round() as u16;
-        let params = Params { rig: Rig::Free, hover_throttle_permille, ..Params::DEFAULT };
+        let vehicle = VehicleNumbers::F450;
+        let params = Params { rig: Rig::Free, hover_throttle_permille, vehicle, ..Params::DEFAULT };
         Self::new(model, &params, Kept::default())
     }
 

@@ -153,6 +153,18 @@ impl Machine {
         self.board.borrow_mut().mpu6000.start_mut().set_start_up(START_UP[usize::from(slowest)]);
     }
 
+    /// The MPU6000 alone starts anew, by a dip of its supply: it has lost its settings and sleeps.
+    pub fn restart_mpu6000(&mut self) {
+        let mut board = self.board.borrow_mut();
+        let now = board.now;
+        board.mpu6000.lose_settings(now);
+    }
+
+    /// A register of the MPU6000 holds another value from now on; for good if it keeps nothing that is written.
+    pub fn turn_mpu6000_register(&mut self, register: u8, value: u8, for_good: bool) {
+        self.board.borrow_mut().mpu6000.turn_register(register, value, for_good);
+    }
+
     /// The FRAM's block protection: none, the upper quarter, the upper half, all of it (0 to 3).
     pub fn protect_fram(&mut self, blocks: u8) {
         self.board.borrow_mut().fram.protect(blocks);

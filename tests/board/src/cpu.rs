@@ -153,6 +153,43 @@ impl Cpu {
         Ok(Self { engine, hooked })
     }
 
+    /// The same core once more: memories, registers, what flash holds ready. The copy translates the code anew.
+    pub(crate) fn copy<B: Bus + 'static>(&self, bus: &Rc<RefCell<B>>) -> Result<Self, uc_error> {
+        let mut copy = Self::new(bus, 0)?;
+        for region in [memory::FLASH, memory::RAM, memory::CCM] {
+            let content = self.engine.mem_read_as_vec(u64::from(region.start), region.size as usize)?;
+            copy.engine.mem_write(u64::from(region.start), &content)?;
+        }
+        copy.take_registers(self);
+        copy.hooked.fell_through.set(self.hooked.fell_through.get());
+        copy.hooked.timing.replace(self.hooked.timing.borrow().clone());
+        Ok(copy)
+    }
+
+    /// One by one: the emulator's own copy of its context takes pointers along.
+    fn take_registers(&mut self, from: &Self) {
+        // mode and stacks first: they decide which stack pointer SP is
+        for register in [
+            RegisterARM::CONTROL,
+            RegisterARM::MSP,
+            RegisterARM::PSP,
+            RegisterARM::PRIMASK,
+            RegisterARM::FAULTMASK,
+            RegisterARM::BASEPRI,
+            RegisterARM::FPSCR,
+            RegisterARM::LR,
+        ] {
+            self.set_register(register, from.register(register));
+        }
+        let general = (0..13).map(|number| RegisterARM::R0 as i32 + number);
+        for register in general.chain((0..32).map(|number| RegisterARM::S0 as i32 + number)) {
+            self.set_register(register, from.register(register));
+        }
+        self.set_register(RegisterARM::PC, from.pc() | 1);
+        self.set_register(RegisterARM::XPSR_NZCVQG, from.register(RegisterARM::XPSR) | 1 << 24);
+        self.refresh_mode();
+    }
+
     /// Runs instructions from `pc` on, up to the end of the block in which so many cycles are over, or the first that
     /// writes to a peripheral: what ran, and what ended it.
     pub(crate) fn run(&mut self, pc: u32, cycles: u64, flash: AccessControl) -> (Ran, Outcome) {

@@ -114,6 +114,18 @@ impl Flight {
         }
     }
 
+    /// The same flight once more, with a board, a vehicle and a ground of its own: from here on both go on as each of
+    /// them would have alone, so that what comes before need not be flown twice.
+    ///
+    /// # Panics
+    /// If the emulator fails.
+    pub fn copy(&self) -> Self {
+        let vehicle = Rc::new(RefCell::new(self.vehicle.borrow().clone()));
+        let machine = self.machine.copy(Box::new(Surroundings(Rc::clone(&vehicle)))).unwrap();
+        let (image, ground, twin) = (self.image.clone(), self.ground.clone(), self.twin.clone());
+        Self { image, machine, vehicle, ground, twin, transmitter: self.transmitter.clone(), ..*self }
+    }
+
     /// Boots, calibrates, arms, starts the sequence and lets the vehicle go.
     ///
     /// # Panics

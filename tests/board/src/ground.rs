@@ -12,6 +12,7 @@ use crate::machine::Machine;
 use crate::time::Ticks;
 
 /// What it sends and what it was told.
+#[derive(Clone)]
 pub struct Ground {
     writer: FrameWriter,
     finder: FrameFinder,

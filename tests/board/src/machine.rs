@@ -111,6 +111,18 @@ impl Machine {
         Ok(machine)
     }
 
+    /// The same board once more, in another world: from here on both do what each of them would have done alone.
+    ///
+    /// # Errors
+    /// If the emulator fails.
+    pub fn copy(&self, world: Box<dyn World>) -> Result<Self, Stop> {
+        let board = Rc::new(RefCell::new(self.board.borrow().clone()));
+        board.borrow_mut().world = world;
+        let failed = |error| self.stop(Cause::Emulator(format!("{error:?}")));
+        let cpu = self.cpu.copy(&board).map_err(failed)?;
+        Ok(Self { cpu, board, profile: self.profile.clone(), ..*self })
+    }
+
     /// To be called before the first run: somebody else than the chip's reset starts the image, now and after every
     /// reset.
     pub fn enter_from(&mut self, entry: EntryState) {

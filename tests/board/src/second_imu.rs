@@ -16,6 +16,7 @@ const COUNTS_PER_RAD_S: f64 = 180.0 / core::f64::consts::PI / 0.070;
 const COUNTS_PER_M_S2: f64 = 1.0 / (0.244e-3 * 9.806_65);
 
 /// Both sensors.
+#[derive(Clone)]
 pub(crate) struct SecondImu {
     pub(crate) gyro: SecondGyro,
     noise: SensorNoise,

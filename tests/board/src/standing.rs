@@ -29,6 +29,7 @@ impl TouchDown {
 }
 
 /// The ground under a vehicle that flies free.
+#[derive(Clone)]
 pub(crate) struct Standing {
     model: VehicleModel,
     /// At rest at the same attitude: a vehicle on the gimbal that nobody moves.

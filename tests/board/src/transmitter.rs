@@ -11,6 +11,7 @@ pub const FRAME_PERIOD: Ticks = 14 * MILLISECOND;
 const REMEMBERED: usize = 64;
 
 /// Sticks and switches as pulses, us.
+#[derive(Clone)]
 pub struct Transmitter {
     channels_us: [u16; CHANNELS],
     next: Ticks,

@@ -33,6 +33,7 @@ pub struct Planned {
 }
 
 /// Configuration, state, and plans that may still arrive.
+#[derive(Clone)]
 pub struct Twin {
     config: Config,
     gyro: SecondGyro,

@@ -29,6 +29,7 @@ const LONG_PULSE: Ticks = 2500 * TICKS_PER_US;
 const TURN_S: f64 = 0.5;
 
 /// On its way to lie somewhere, or in somebody's hand: roll and pitch.
+#[derive(Clone)]
 struct Turn {
     begins: Ticks,
     from_rad: [f64; 2],
@@ -36,6 +37,7 @@ struct Turn {
 }
 
 /// The vehicle on its rig, which holds it until it is let go.
+#[derive(Clone)]
 pub struct Vehicle {
     plant: Plant,
     sensors: Sensors,

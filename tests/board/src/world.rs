@@ -28,6 +28,13 @@ pub trait World {
 /// In the place of a world that has been taken out.
 pub(crate) struct Nowhere;
 
+/// A copy of a board is connected to nothing until it has a world of its own.
+impl Clone for Box<dyn World> {
+    fn clone(&self) -> Self {
+        Box::new(Nowhere)
+    }
+}
+
 impl World for Nowhere {
     fn imu(&mut self, _: Ticks) -> Counts {
         Counts::default()

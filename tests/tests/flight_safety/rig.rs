@@ -8,6 +8,7 @@ use shared_control::link::{Commander, LinkSettings, Order};
 use shared_control::mpc::{HORIZON, Mpc, MpcState};
 use shared_control::params::Params;
 pub use shared_control::params::Rig;
+use shared_control::params::vehicle::VehicleNumbers;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingBlocks, Plan, Setpoint, StepInput};
 use shared_control::supervisor::Arming;
@@ -128,7 +129,8 @@ impl RigFlight {
             Mounting::Free { mass_kg } => (Rig::Free, Some(mass_kg)),
         };
         let hover_throttle_permille = (scene.hover_throttle_factor * model.base_command * 1000.0).round() as u16;
-        let params = Params { rig, controller, hover_throttle_permille, ..Params::DEFAULT };
+        let vehicle = VehicleNumbers::F450;
+        let params = Params { rig, controller, hover_throttle_permille, vehicle, ..Params::DEFAULT };
         let setup = Setup::new(&params).unwrap();
         let sensors = Sensors::new(&model.noise, scene.seed).with_effects(&model.effects);
         let mut flight = Self {

@@ -75,7 +75,8 @@ const FLOATING: u8 = 0xff;
 const POWER_ON: u32 = 1 << 27 | 1 << 26 | 1 << 25;
 const USUAL_SUPPLY_V: f32 = 3.3;
 
-/// All that is not the core or its memory.
+/// All that is not the core or its memory. A copy is the same in all but its world: it has none.
+#[derive(Clone)]
 pub(crate) struct Board {
     pub(crate) private: PrivateBus,
     rcc: Rcc,

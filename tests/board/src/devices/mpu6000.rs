@@ -96,6 +96,10 @@ pub(crate) struct Mpu6000 {
     /// The register that the running transfer is at, and whether it reads.
     transfer: Option<(u8, bool)>,
     selected: bool,
+    /// A test has turned its settings: its counts then follow its ranges.
+    upset: bool,
+    /// What it holds in a register whatever is written.
+    stuck: Option<(u8, u8)>,
 }
 
 impl Default for Mpu6000 {
@@ -110,6 +114,8 @@ impl Default for Mpu6000 {
             pulse_end: None,
             transfer: None,
             selected: false,
+            upset: false,
+            stuck: None,
         }
     }
 }
@@ -136,6 +142,20 @@ impl Mpu6000 {
         start.power(on, now);
         *self = Self { start, revision, powered_at: now, selected, ..Self::default() };
         self.registers = reset_values(revision);
+    }
+
+    /// A dip of its supply that nobody else noticed: as after power-on, asleep.
+    pub(crate) fn lose_settings(&mut self, now: Ticks) {
+        self.power(false, now);
+        self.power(true, now);
+        self.upset = true;
+    }
+
+    /// A register holds another value from now on, for good if it keeps nothing else.
+    pub(crate) fn turn_register(&mut self, register: u8, value: u8, for_good: bool) {
+        self.registers[usize::from(register)] = value;
+        self.upset = true;
+        self.stuck = for_good.then_some((register, value));
     }
 
     /// How it comes up.
@@ -189,7 +209,7 @@ impl Mpu6000 {
             }
             return Ok(0);
         }
-        if register > INT_STATUS && is_data && reads && !self.has_the_counts_ranges() {
+        if register > INT_STATUS && is_data && reads && !self.upset && !self.has_the_counts_ranges() {
             return Err("MPU6000 ranges other than 2000 deg/s and 8 g");
         }
         if reads {
@@ -218,6 +238,12 @@ impl Mpu6000 {
     fn accel_divisor(&self) -> i16 {
         let is_16_g = self.revision == Mpu6000Revision::C && self.register(ACCEL_CONFIG) >> 3 & 3 == 2;
         if is_16_g { 2 } else { 1 }
+    }
+
+    /// The world's counts are for 2000 deg/s; half the range has twice the counts, up to full scale (4.4).
+    fn at_gyro_range(&self, count: i16) -> i16 {
+        let range = self.register(GYRO_CONFIG) >> 3 & 3;
+        (i32::from(count) << (3 - range)).clamp(i16::MIN.into(), i16::MAX.into()) as i16
     }
 
     /// The thermometer's counts.
@@ -261,6 +287,9 @@ impl Mpu6000 {
             USER_CTRL => self.registers[usize::from(USER_CTRL)] = value & 0xf0,
             _ => self.registers[usize::from(register)] = value,
         }
+        if let Some((register, value)) = self.stuck {
+            self.registers[usize::from(register)] = value;
+        }
     }
 
     /// 4.2 and 4.3: the gyro's rate is 8 kHz, or 1 kHz with the low-pass on, divided by 1 + SMPLRT_DIV.
@@ -289,6 +318,7 @@ impl Mpu6000 {
         self.next_sample += self.period();
         if let Some(Counts { accel, gyro }) = counts {
             let accel = accel.map(|count| count / self.accel_divisor());
+            let gyro = gyro.map(|count| self.at_gyro_range(count));
             let words = [accel[0], accel[1], accel[2], 0, gyro[0], gyro[1], gyro[2]];
             for (index, word) in words.into_iter().enumerate() {
                 let first = usize::from(ACCEL_XOUT_H) + 2 * index;

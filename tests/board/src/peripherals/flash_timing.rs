@@ -31,52 +31,92 @@ impl AccessControl {
     }
 }
 
-/// Lines that are kept.
-#[derive(Debug)]
+/// Lines that are kept, in a ring from the one used last to the one used longest ago.
+#[derive(Clone, Debug)]
 struct Cache {
-    /// Line and time of last use.
-    slots: Vec<(u32, u64)>,
+    slots: Vec<Slot>,
     capacity: usize,
     /// Slot of every line of flash.
     slot_of: Vec<u8>,
-    uses: u64,
+    /// The one used last; before it in the ring is the oldest.
+    latest: u8,
+}
+
+/// A line between those that were used right before and right after it.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    line: u32,
+    older: u8,
+    newer: u8,
 }
 
 impl Cache {
     fn new(capacity: usize) -> Self {
         let lines = (FLASH.size >> LINE_SHIFT) as usize;
-        Self { slots: Vec::with_capacity(capacity), capacity, slot_of: vec![NOWHERE; lines], uses: 0 }
+        Self { slots: Vec::with_capacity(capacity), capacity, slot_of: vec![NOWHERE; lines], latest: 0 }
     }
 
     fn forget(&mut self) {
         self.slots.clear();
         self.slot_of.fill(NOWHERE);
+        self.latest = 0;
     }
 
     /// Was it there? It is now.
     fn touch(&mut self, line: u32) -> bool {
-        self.uses += 1;
         let slot = self.slot_of[line as usize];
         if slot != NOWHERE {
-            self.slots[usize::from(slot)].1 = self.uses;
+            self.make_latest(slot);
             return true;
         }
-        let place = if self.slots.len() < self.capacity {
-            self.slots.push((line, self.uses));
-            self.slots.len() - 1
+        if self.slots.len() < self.capacity {
+            self.insert_latest(line);
         } else {
-            let oldest = (0..self.capacity).min_by_key(|place| self.slots[*place].1).unwrap_or(0);
-            self.slot_of[self.slots[oldest].0 as usize] = NOWHERE;
-            self.slots[oldest] = (line, self.uses);
-            oldest
-        };
-        self.slot_of[line as usize] = place as u8;
+            // the ring's turn by one makes the oldest the latest
+            let oldest = self.slots[usize::from(self.latest)].newer;
+            let slot = &mut self.slots[usize::from(oldest)];
+            self.slot_of[slot.line as usize] = NOWHERE;
+            slot.line = line;
+            self.latest = oldest;
+            self.slot_of[line as usize] = oldest;
+        }
         false
+    }
+
+    /// A slot of its own for a line, behind the latest.
+    fn insert_latest(&mut self, line: u32) {
+        let place = self.slots.len() as u8;
+        self.slots.push(Slot { line, older: place, newer: place });
+        self.slot_of[line as usize] = place;
+        if place > 0 {
+            self.link_behind_latest(place);
+        }
+        self.latest = place;
+    }
+
+    fn make_latest(&mut self, place: u8) {
+        if place == self.latest {
+            return;
+        }
+        let Slot { older, newer, .. } = self.slots[usize::from(place)];
+        self.slots[usize::from(older)].newer = newer;
+        self.slots[usize::from(newer)].older = older;
+        self.link_behind_latest(place);
+        self.latest = place;
+    }
+
+    /// Between the latest and the oldest, which follow each other in the ring.
+    fn link_behind_latest(&mut self, place: u8) {
+        let (latest, oldest) = (self.latest, self.slots[usize::from(self.latest)].newer);
+        self.slots[usize::from(latest)].newer = place;
+        self.slots[usize::from(oldest)].older = place;
+        let slot = &mut self.slots[usize::from(place)];
+        (slot.older, slot.newer) = (latest, oldest);
     }
 }
 
 /// The accelerator's state.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct FlashTiming {
     control: AccessControl,
     instructions: Cache,
@@ -181,6 +221,24 @@ mod tests {
             let mut timing = with(AT_168_MHZ | CACHES);
             assert_eq!(straight(&mut timing, lines), u64::from(lines) * 5);
             assert_eq!(straight(&mut timing, lines), again, "{lines} lines");
+        }
+    }
+
+    /// Against a list that is searched and sorted by use.
+    #[test]
+    fn the_line_that_was_used_longest_ago_goes_first() {
+        let (mut cache, mut list, mut seed) = (Cache::new(4), Vec::new(), 1_u32);
+        for _ in 0..10_000 {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let touched = seed >> 16 & 7;
+            let place = list.iter().position(|line| *line == touched);
+            assert_eq!(cache.touch(touched), place.is_some());
+            match place {
+                Some(place) => drop(list.remove(place)),
+                None if list.len() == 4 => drop(list.remove(0)),
+                None => {}
+            }
+            list.push(touched);
         }
     }
 

@@ -11,11 +11,13 @@ use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
 use page::Row;
 use scope::Scope;
 use shared_control::params::radio::RadioParams;
+use shared_control::params::vehicle::VehicleNumbers;
 use shared_control::params::{Params, Rig};
 
 /// As for the first flight: nothing holds the vehicle, the radio has the sticks, the kill switch is set up.
 const READY: Params = Params {
     rig: Rig::Free,
+    vehicle: VehicleNumbers::F450,
     hover_throttle_permille: 540,
     radio: RadioParams { flies: true, kill_channel: 5, ..RadioParams::DEFAULT },
     ..Params::DEFAULT

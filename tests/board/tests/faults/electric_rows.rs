@@ -12,6 +12,13 @@ use crate::rows::{
 /// Half a second until it lies, and as long for its filters; then two without an answer.
 const CRASH_MS: u64 = 500 + 500 + 2000 + PULSE_MS;
 
+/// The MPU6000's gyro range, and its least one in the place of the largest: eight times the counts (RM-MPU-6000A 4.4).
+const GYRO_CONFIG: u8 = 0x1b;
+const LEAST_RANGE: u8 = 0;
+/// One of nine registers is looked at behind each sample.
+const ALL_REGISTERS_MS: u64 = 10;
+const SET_UP_AGAIN: &str = "MPU6000 lost its settings: set up again";
+
 const FLIES_ON: Row = Row { end: End::FliesOn, ..NOTHING };
 const BITTEN: Row =
     Row { within_ms: WATCHDOG_MS, may_cut: true, says: &["started by watchdog"], watch_ms: RESTART_MS, ..NOTHING };
@@ -191,6 +198,35 @@ pub const ELECTRIC_ROWS: &[Row] = &[
         says: &["IMU"],
         inject: |flight| flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::DeadBus(0)),
         ..FLIES_ON
+    },
+    Row {
+        fault: "MPU6000 starts anew and has lost its settings, second IMU fitted",
+        says: &["first IMU failed: second in use", SET_UP_AGAIN],
+        inject: |flight| flight.machine.restart_mpu6000(),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "MPU6000 starts anew and has lost its settings, no second IMU",
+        within_ms: SILENCE_MS,
+        before: no_second_imu,
+        says: &["disarmed: IMU sends nothing", SET_UP_AGAIN],
+        inject: |flight| flight.machine.restart_mpu6000(),
+        ..NOTHING
+    },
+    Row {
+        fault: "MPU6000 loses its gyro's range (a bit turned), no second IMU",
+        before: no_second_imu,
+        says: &[SET_UP_AGAIN],
+        inject: |flight| flight.machine.turn_mpu6000_register(GYRO_CONFIG, LEAST_RANGE, false),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "MPU6000 loses its gyro's range and does not keep it again, no second IMU",
+        within_ms: SILENCE_MS + ALL_REGISTERS_MS,
+        before: no_second_imu,
+        says: &["disarmed: IMU sends nothing", "MPU6000 does not keep its settings: out of use"],
+        inject: |flight| flight.machine.turn_mpu6000_register(GYRO_CONFIG, LEAST_RANGE, true),
+        ..NOTHING
     },
     Row {
         fault: "second IMU's gyro gone",

@@ -4,6 +4,7 @@ use emulated_board::{Flight, MILLISECOND, Sensor, SensorFault};
 use mavlink::dialects::common::MavCmd;
 use shared_control::config::Controller;
 use shared_control::params::radio::RadioParams;
+use shared_control::params::vehicle::VehicleNumbers;
 use shared_control::params::{Params, Rig};
 
 /// How the outputs end.
@@ -88,7 +89,8 @@ impl Row {
         let radio = RadioParams { flies: self.radio, kill_channel: 5, ..RadioParams::DEFAULT };
         let (rig, hover_throttle_permille) =
             if self.free { (Rig::Free, FREE_HOVER_PERMILLE) } else { (Rig::Gimbal, HOVER_PERMILLE) };
-        Params { controller, rig, hover_throttle_permille, radio, ..Params::DEFAULT }
+        let vehicle = VehicleNumbers::F450;
+        Params { controller, rig, hover_throttle_permille, radio, vehicle, ..Params::DEFAULT }
     }
 }
 

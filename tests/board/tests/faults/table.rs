@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use emulated_board::time::TICKS_PER_US;
-use emulated_board::{Flight, MILLISECOND, Transmitter};
+use emulated_board::{Flight, MILLISECOND};
 
 use crate::rows::{End, Row};
 
@@ -55,28 +55,8 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Flies, injects, watches.
-    pub fn of(row: &'static Row) -> Self {
-        let mut flight = Flight::new(&row.params(), 1);
-        flight.transmitter = row.radio.then(Transmitter::new);
-        (row.before)(&mut flight);
-        if row.radio {
-            flight.take_off_by_radio();
-        } else {
-            flight.take_off();
-        }
-        flight.run_for(500 * MILLISECOND);
-        assert!(
-            flight.vehicle.borrow().commands().iter().all(|command| *command > 0.2),
-            "{}: not in the air",
-            row.fault
-        );
-        (row.fly)(&mut flight);
-        // at the same place in the loop whatever the build
-        let step = flight.last().step;
-        while flight.last().step == step {
-            flight.run_for(MILLISECOND / 10);
-        }
+    /// Injects into a flight that has come to where the fault meets it, watches.
+    pub fn of(row: &'static Row, mut flight: Flight) -> Self {
         let (fault_at, heard, resets) =
             (flight.machine.now(), flight.ground.texts().len(), flight.machine.counters().resets);
         flight.vehicle.borrow_mut().record_pulses();

@@ -7,11 +7,13 @@ mod shaken;
 use emulated_board::Flight;
 use emulated_board::pilot::{HALF_US, MIDDLE_US, PITCH, ROLL, YAW};
 use shared_control::params::radio::RadioParams;
+use shared_control::params::vehicle::VehicleNumbers;
 use shared_control::params::{Params, Rig};
 
 /// The model of the free F450 hovers at 0.54.
 const FREE: Params = Params {
     rig: Rig::Free,
+    vehicle: VehicleNumbers::F450,
     hover_throttle_permille: 540,
     radio: RadioParams { flies: true, kill_channel: 5, acro_channel: 6, ..RadioParams::DEFAULT },
     ..Params::DEFAULT

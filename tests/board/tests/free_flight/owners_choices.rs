@@ -1,13 +1,27 @@
 //! What an owner sets over the link before the first flight: how the IMUs sit, and the vehicle's own numbers.
 
-use emulated_board::pilot::{HALF_US, MIDDLE_US, PITCH, ROLL};
+use emulated_board::pilot::{HALF_US, MIDDLE_US, PITCH, ROLL, YAW};
 use emulated_board::{Flight, MILLISECOND, Seat, SecondGyro, Sensor, SensorFault, Transmitter};
 use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd};
 use shared_control::params::Params;
+use shared_control::params::vehicle::{FlownVehicle, VehicleNumbers};
 use sil_host::effects::RotorDrag;
 use sil_host::model::VehicleModel;
 
 use crate::{FREE, said};
+
+/// Nobody has said what it is: it stays on the ground, and says why, at start and when it is to be armed.
+#[test]
+fn a_free_vehicle_that_nobody_has_named_does_not_arm() {
+    let mut flight = Flight::new(&Params { vehicle: VehicleNumbers::DEFAULT, ..FREE }, 1);
+    flight.transmitter = Some(Transmitter::new());
+    flight.run_for(3500 * MILLISECOND);
+    assert!(said(&flight, "no vehicle's numbers: sil identify --params"), "{:?}", flight.ground.texts());
+    flight.set_stick(YAW, 2000);
+    flight.run_for(1500 * MILLISECOND);
+    assert!(!flight.is_armed());
+    assert!(said(&flight, "refused: vehicle's numbers missing or senseless"), "{:?}", flight.ground.texts());
+}
 
 /// As boards are stuck on with foam tape; each IMU is off by its own share.
 const SEATS_DEG: [[f64; 2]; 2] = [[4.0, -3.0], [-2.0, 2.5]];
@@ -146,7 +160,7 @@ fn a_vehicle_flies_by_its_own_numbers_set_over_the_link() {
     flight.run_for(2000 * MILLISECOND);
     LARGE_NUMBERS.iter().for_each(|(name, value)| flight.set_parameter(name, *value));
     flight.restart_board();
-    assert!(flight.params().vehicle.own && flight.params().vehicle.lag_e4_s == 1000);
+    assert!(flight.params().vehicle.flown == FlownVehicle::Own && flight.params().vehicle.lag_e4_s == 1000);
     flight.arm_by_sticks();
     flight.take_off_to(HEIGHT_M);
     let (by_own_deg, worst_by_own_deg) = steps(&mut flight);

@@ -11,11 +11,13 @@ const KILL_MAX: Ticks = 50 * MILLISECOND;
 const LOST_MAX: Ticks = 250 * MILLISECOND;
 const LOOK: Ticks = MILLISECOND / 10;
 
-/// On the gimbal at half throttle, armed by sticks.
-fn in_the_air(firmware: IoFirmware) -> Flight {
-    let mut flight = board(&RADIO, firmware);
-    flight.take_off_by_radio();
-    flight
+/// On the gimbal at half throttle, armed by sticks, with each of the stock firmwares; flights begin with copies.
+fn in_the_air() -> [(IoFirmware, Flight); STOCK.len()] {
+    STOCK.map(|firmware| {
+        let mut flight = board(&RADIO, firmware);
+        flight.take_off_by_radio();
+        (firmware, flight)
+    })
 }
 
 /// Pulses of the roll stick, each frame another.
@@ -26,10 +28,10 @@ fn roll_pulse(frame: usize) -> u16 {
 /// Each step's set-point says which frame it was made of.
 #[test]
 fn sticks_are_at_most_25_ms_old() {
-    for (firmware, fault) in
-        [(STOCK[0], None), (STOCK[1], None), (STOCK[2], None), (STOCK[0], Some(IoFault::Corrupt(10)))]
-    {
-        let mut flight = in_the_air(firmware);
+    let started = in_the_air();
+    let whole = started.iter().map(|of| (of, None));
+    for ((firmware, start), fault) in whole.chain([(&started[0], Some(IoFault::Corrupt(10)))]) {
+        let mut flight = start.copy();
         flight.machine.set_io_fault(fault);
         let (mut ages_ms, mut frame) = (Vec::new(), 0);
         let end = flight.machine.now() + 3000 * MILLISECOND;
@@ -69,8 +71,8 @@ fn sticks_are_at_most_25_ms_old() {
 #[test]
 fn the_kill_switch_stops_the_motors_within_50_ms() {
     let mut longest = 0;
-    for (place, firmware) in (0..9).zip(STOCK.into_iter().cycle()) {
-        let mut flight = in_the_air(firmware);
+    for (place, (firmware, start)) in (0..9).zip(in_the_air().iter().cycle()) {
+        let mut flight = start.copy();
         flight.run_for(FRAME_PERIOD * place / 9);
         stick(&mut flight, 5, 2000);
         let thrown = flight.machine.now();
@@ -91,8 +93,8 @@ fn a_lost_radio_is_acted_on_within_250_ms() {
         |flight| flight.machine.set_io_fault(Some(IoFault::Silent)),
     ];
     let link_lost = Arming::LinkLost { since_us: 0 }.number();
-    for (firmware, lose) in STOCK.into_iter().flat_map(|firmware| faults.map(|lose| (firmware, lose))) {
-        let mut flight = in_the_air(firmware);
+    for ((firmware, start), lose) in in_the_air().iter().flat_map(|of| faults.map(|lose| (of, lose))) {
+        let mut flight = start.copy();
         lose(&mut flight);
         let lost = flight.machine.now();
         while flight.last().arming != link_lost && flight.machine.now() < lost + 2 * LOST_MAX {
