@@ -68,7 +68,7 @@ fn one_log_lies_beside_what_each_controller_makes_of_its_references() {
         let alone = alone(&folder, &["healthy.csv", "--controller", controller]);
         assert_eq!(run["comparison"], alone);
         let deviation = alone["closed_loop"]["pitch_mean_abs_deg"].as_f64().unwrap();
-        let row = outcome.stdout.lines().filter(|line| line.starts_with(controller)).next_back().unwrap();
+        let row = outcome.stdout.lines().rfind(|line| line.starts_with(controller)).unwrap();
         assert!(row.contains(&format!("{deviation:.2}")), "{deviation} in {row}");
     }
     // flown by the cascade, so that its simulation is the nearer one

@@ -258,12 +258,13 @@ fn one_damaged_message_costs_itself_and_a_cut_file_keeps_what_it_has() {
 /// PX4 counts topics from 0, others may not.
 #[test]
 fn topics_may_have_any_numbers() {
-    let topic = |file: File, number: [u8; 2], name: &str, fields: &str| {
-        let file = file.message(b'F', format!("{name}:uint64_t timestamp;{fields}").as_bytes());
-        file.message(b'A', &[&[0, number[0], number[1]], name.as_bytes()].concat())
-    };
-    let file = topic(File::new(), [0xff, 0xff], "vehicle_angular_velocity", "float[3] xyz;");
-    let file = topic(file, [0x00, 0x80], "actuator_motors", "float[4] control;");
+    let file = [("vehicle_angular_velocity", "float[3] xyz;"), ("actuator_motors", "float[4] control;")]
+        .iter()
+        .fold(File::new(), |file, (name, fields)| {
+            file.message(b'F', format!("{name}:uint64_t timestamp;{fields}").as_bytes())
+        });
+    let file = file.message(b'A', &[&[0, 0xff, 0xff], &b"vehicle_angular_velocity"[..]].concat());
+    let file = file.message(b'A', &[&[0, 0x00, 0x80], &b"actuator_motors"[..]].concat());
     let stamp = |row: u64| (1_000_000 + 4000 * row).to_le_bytes();
     let numbers = |of: &[f32]| of.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>();
     let file = (0..200).fold(file, |file, row| {
