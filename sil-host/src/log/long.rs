@@ -9,6 +9,8 @@ use crate::axis::Axis;
 const EXAMINED_MAX_S: f64 = 120.0;
 /// And of many rows a second only as long as these last: time and memory go with the rows that are predicted.
 const EXAMINED_ROWS_MAX: f64 = 30_000.0;
+/// A log that is not even so many times as long is taken whole: windows lost at the cuts would outweigh the time saved.
+const WORTH_CUTTING: f64 = 1.5;
 /// From so many sections of it, each as long, one stretch each.
 const SECTIONS: usize = 24;
 
@@ -19,12 +21,12 @@ impl Log {
     pub fn examined(self) -> Log {
         let step_s = self.mean_regular_step_s();
         let lasts_s = step_s * self.rows() as f64;
-        if lasts_s.is_nan() || lasts_s <= EXAMINED_MAX_S {
-            return self;
-        }
         // a log of more rows than these is thinned before it is predicted
         let predicted_hz = if step_s * FAST_HZ < 1.0 { THINNED_MIN_HZ } else { 1.0 / step_s };
         let examined_s = EXAMINED_MAX_S.min(EXAMINED_ROWS_MAX / predicted_hz);
+        if lasts_s.is_nan() || lasts_s <= EXAMINED_MAX_S.max(WORTH_CUTTING * examined_s) {
+            return self;
+        }
         let stretch = ((examined_s / SECTIONS as f64 / step_s) as usize).max(1);
         let motion = self.motion();
         let section = self.rows() / SECTIONS;
@@ -113,6 +115,8 @@ mod tests {
             Log { time_s, rate_rad_s: [Some(vec![0.0; rows]), None, None], ..Log::default() }.examined()
         };
         assert_eq!(at(200_000, 500.0).rows(), 30_000);
+        // not worth cutting, and worth it
+        assert_eq!([at(7000, 40.0).rows(), at(7400, 40.0).rows()], [7000, 4800]);
         // thinned to 200 rows a second before they are predicted
         assert_eq!(at(200_000, 1000.0).rows(), 120_000);
         // too few for a log in one of 24 sections each
