@@ -53,9 +53,17 @@ impl Answered {
 }
 
 impl HeldAgainst {
+    /// What was taken that nobody said; none where somebody did.
+    pub fn taken(&self) -> Option<&str> {
+        Some(self.said.as_str()).filter(|said| !said.is_empty())
+    }
+
     /// A page with what is said before the answer.
     pub fn on_page(&self, page: Page) -> Page {
-        if self.said.is_empty() { page } else { page.lead(&self.said) }
+        match self.taken() {
+            Some(taken) => page.lead(taken),
+            None => page,
+        }
     }
 
     /// What is said before the answer: what the log is held against, and what was identified for it.

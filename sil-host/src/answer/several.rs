@@ -157,7 +157,7 @@ fn section(row: &Row) -> Section {
         Err(why) => return section.card(Card::new(Tone::Bad).line("No answer", why)),
     };
     let Answered { log, against, diagnosis } = answered.as_ref();
-    let said = (!against.said.is_empty()).then(|| against.said.clone());
+    let said = against.taken().map(str::to_owned);
     let texts = [headline(diagnosis)].into_iter().chain(lead(log, diagnosis)).chain(said);
     let section = texts.fold(section, Section::paragraph);
     let section = match picture(log, diagnosis) {
@@ -173,7 +173,7 @@ pub fn several_json(rows: &[Row]) -> SeveralJson<'_> {
         let answered = row.outcome.as_ref().ok();
         RowJson {
             path: &row.path,
-            held_against: answered.map(|answered| answered.against.said.as_str()).filter(|said| !said.is_empty()),
+            held_against: answered.and_then(|answered| answered.against.taken()),
             diagnosis: answered.map(|answered| &answered.diagnosis),
             error: row.outcome.as_ref().err().map(String::as_str),
         }

@@ -5,18 +5,7 @@ use sil_host::log::write_file;
 use sil_host::model::VehicleModel;
 use sil_host::synthesis::Synthesis;
 
-use crate::sil::{Folder, GENERIC_FREE_MODEL, GENERIC_GIMBAL_MODEL};
-
-/// Two logs of a vehicle on the gimbal, the second with a moment that the model lacks.
-fn two_logs() -> Folder {
-    let folder = Folder::new();
-    folder.write("gimbal.toml", GENERIC_GIMBAL_MODEL);
-    let rates = ["--rate", "100", "--control-rate", "100", "--duration", "6", "--model", "gimbal.toml"];
-    folder.sil(&[&["synth", "healthy.csv"], &rates[..]].concat()).assert_done();
-    let effect = ["--effect", "torque_bias:axis=roll,torque_nm=0.05"];
-    folder.sil(&[&["synth", "suspect.csv"], &effect[..], &rates].concat()).assert_done();
-    folder
-}
+use crate::sil::{Folder, GENERIC_FREE_MODEL};
 
 fn alone(folder: &Folder, arguments: &[&str]) -> Value {
     let outputs = ["--model", "gimbal.toml", "--json", "alone.json", "--report", "alone.html"];
@@ -27,7 +16,7 @@ fn alone(folder: &Folder, arguments: &[&str]) -> Value {
 /// Each log has the figures that it has alone; what can't be read is said, and shows in the exit status.
 #[test]
 fn several_logs_lie_over_each_other_on_one_page() {
-    let folder = two_logs();
+    let folder = Folder::of_healthy_and_suspect();
     folder.write("bad.csv", "time_s,p_rad_s\n0,none\n");
     let logs = ["compare", "healthy.csv", "bad.csv", "suspect.csv"];
     let outcome = folder.sil(&[&logs[..], &["--model", "gimbal.toml", "--json", "out.json"]].concat());
@@ -56,7 +45,7 @@ fn several_logs_lie_over_each_other_on_one_page() {
 
 #[test]
 fn one_log_lies_beside_what_each_controller_makes_of_its_references() {
-    let folder = two_logs();
+    let folder = Folder::of_healthy_and_suspect();
     let both = ["--controller", "pid", "--controller", "mpc"];
     let asked = ["--model", "gimbal.toml", "--json", "out.json"];
     let outcome = folder.sil(&[&["compare", "healthy.csv"], &both[..], &asked].concat()).assert_done();

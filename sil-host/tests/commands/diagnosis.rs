@@ -199,12 +199,7 @@ fn a_flight_is_compared_with_normal_ones_as_json_text_and_page() {
 /// Each log has the answer that it has alone; what can't be read is a row, and shows in the exit status.
 #[test]
 fn several_logs_stand_in_one_table() {
-    let folder = Folder::new();
-    folder.write("gimbal.toml", GENERIC_GIMBAL_MODEL);
-    let rates = ["--rate", "100", "--control-rate", "100", "--duration", "6", "--model", "gimbal.toml"];
-    folder.sil(&[&["synth", "healthy.csv"], &rates[..]].concat()).assert_done();
-    let effect = ["--effect", "torque_bias:axis=roll,torque_nm=0.05"];
-    folder.sil(&[&["synth", "suspect.csv"], &effect[..], &rates].concat()).assert_done();
+    let folder = Folder::of_healthy_and_suspect();
     folder.write("bad.csv", "time_s,p_rad_s\n0,none\n");
     let asked = ["--quick", "--model", "gimbal.toml", "--json", "out.json", "--report", "out.html"];
     let logs = ["diagnose", "healthy.csv", "bad.csv", "suspect.csv"];

@@ -38,6 +38,17 @@ impl Folder {
         Self { folder: tempfile::tempdir().unwrap() }
     }
 
+    /// With `gimbal.toml` and two logs of it, `healthy.csv` and `suspect.csv`, which has a moment that the model lacks.
+    pub fn of_healthy_and_suspect() -> Self {
+        let folder = Self::new();
+        folder.write("gimbal.toml", GENERIC_GIMBAL_MODEL);
+        let rates = ["--rate", "100", "--control-rate", "100", "--duration", "6", "--model", "gimbal.toml"];
+        folder.sil(&[&["synth", "healthy.csv"], &rates[..]].concat()).assert_done();
+        let effect = ["--effect", "torque_bias:axis=roll,torque_nm=0.05"];
+        folder.sil(&[&["synth", "suspect.csv"], &effect[..], &rates].concat()).assert_done();
+        folder
+    }
+
     /// Where a file of this name lies.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)

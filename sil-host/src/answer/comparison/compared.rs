@@ -186,7 +186,7 @@ pub fn several_json(entries: &[Entry]) -> ComparedJson<'_> {
             Err(error) => runs.push(RunJson { error: Some(error), ..none }),
             Ok(compared) => runs.extend(compared.runs.iter().map(|run| RunJson {
                 controller: run.controller.as_deref(),
-                held_against: Some(compared.against.said.as_str()).filter(|said| !said.is_empty()),
+                held_against: compared.against.taken(),
                 comparison: Some(run.comparison.summary()),
                 ..none
             })),
