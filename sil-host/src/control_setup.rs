@@ -12,14 +12,14 @@ use shared_control::mpc::MpcSettings;
 use shared_control::vehicle::{Actuation, VehicleParameters};
 
 use crate::axis::Axis;
-use crate::effects::{self, CgOffset, Effect};
+use crate::effects::{CgOffset, Effect};
 use crate::model::{Mounting, Rig, VehicleModel};
 use crate::plant::Plant;
 use crate::vehicle::Changes;
 
 /// What the controllers know of a vehicle model, its effects included.
 pub fn vehicle_parameters(model: &VehicleModel) -> VehicleParameters {
-    let Changes { chain, body, .. } = effects::changes(&model.effects);
+    let Changes { chain, body, .. } = model.changes();
     let [ixx, iyy, izz] = model.inertia_kg_m2;
     let ring_kg_m2 = match model.mounting {
         Mounting::Gimbal { ring_inertia_kg_m2 } => ring_inertia_kg_m2,

@@ -49,6 +49,8 @@ fn another_bend_of_the_thrust_curve_is_neither_mass_nor_lift() {
 fn a_log_that_shows_nothing_of_the_turning_is_refused_with_what_it_lacks() {
     let (mut log, vehicle) = (log(&[], 6), VehicleModel::generic(Rig::Free));
     (log.rate_rad_s, log.angle_rad[1]) = ([None, None, None], None);
+    // drag, and with it the acceleration along the rotors' plane, would show the tilt
+    log.velocity_ned_m_s = [None, None, None];
     let refused = diagnose(&log, &Subject::Vehicle(&vehicle)).unwrap_err().to_string();
     assert!(refused.contains("can't show") && refused.contains("p_rad_s, pitch_rad, q_rad_s, r_rad_s"), "{refused}");
 }

@@ -213,12 +213,10 @@ impl Log {
         }
     }
 
-    /// Mean number of rows per second; 0 for a log of one row.
+    /// Mean number of rows per second, gaps left out; 0 for a log of one row.
     pub fn rate_hz(&self) -> f64 {
-        if self.rows() < 2 {
-            return 0.0;
-        }
-        (self.rows() - 1) as f64 / self.duration_s()
+        let step_s = self.mean_regular_step_s();
+        if step_s > 0.0 { 1.0 / step_s } else { 0.0 }
     }
 
     /// Median time from row to row, s; 0 for a log of one row.

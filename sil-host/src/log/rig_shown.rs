@@ -76,6 +76,30 @@ mod tests {
         assert_eq!(said.rig_shown(), Some(RigShown { is_free: false, by: "its head" }));
     }
 
+    /// Steps that are held, and by then drag shows half of what gravity shows on a rig.
+    #[test]
+    fn the_drag_of_a_short_flight_is_not_taken_for_a_rig() {
+        let roll = |row: usize| [0.0, 0.5, 0.0, -0.5, 0.0][row / 175];
+        let along_y = |drag_1_s: f64| {
+            let mut speed_m_s = 0.0;
+            let mut felt_m_s2 = |row: usize| {
+                speed_m_s += 0.01 * (9.81 * libm::sin(roll(row)) - drag_1_s * speed_m_s);
+                -drag_1_s * speed_m_s + 0.05 * libm::sin(37.0 * row as f64)
+            };
+            (0..800).map(&mut felt_m_s2).collect::<Vec<f64>>()
+        };
+        let whole = swinging(|_| 0.0);
+        let first = |column: &Option<Vec<f64>>| column.as_ref().map(|column| column[..800].to_vec());
+        let [x, _, z] = whole.accel_body_m_s2.each_ref().map(first);
+        for drag_1_s in [0.3, 0.45, 0.6] {
+            let accel_body_m_s2 = [x.clone(), Some(along_y(drag_1_s)), z.clone()];
+            let angle_rad = [Some((0..800).map(roll).collect()), Some(vec![0.0; 800]), None];
+            let time_s = whole.time_s[..800].to_vec();
+            let log = Log { angle_rad, accel_body_m_s2, time_s, axes: whole.axes, ..Log::default() };
+            assert_eq!(log.rig_shown().map(|shown| shown.is_free), Some(true), "{drag_1_s}");
+        }
+    }
+
     #[test]
     fn height_or_velocity_mean_free_flight_and_silence_means_nothing() {
         assert_eq!(Log::default().rig_shown(), None);

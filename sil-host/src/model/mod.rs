@@ -13,7 +13,7 @@ mod read;
 mod write;
 
 pub use crate::document::{ModelError, Position, Problem};
-use crate::effects::{Effect, RotorDrag};
+use crate::effects::Effect;
 use crate::vehicle::propulsion::{Level, Propulsion};
 pub use crate::vehicle::{Mounting, Rig};
 pub use bench::{BenchAxis, BenchModel};
@@ -34,8 +34,9 @@ pub struct VehicleModel {
     pub inertia_kg_m2: [f64; 3],
     /// What holds the body, or nothing.
     pub mounting: Mounting,
-    /// What is known of the force by which the rotors of a free vehicle brake it, over airspeed and mass, 1/s: what
-    /// its core levels itself by. What truly brakes the simulated one is the effect [`RotorDrag`].
+    /// Force by which the rotors of a free vehicle brake it over airspeed, N s/m; 0 in a rig.
+    pub rotor_drag_ns_m: f64,
+    /// What its core knows of that over the mass, 1/s: what it levels itself by.
     pub known_rotor_drag_1_s: f64,
     /// From command to lift.
     pub propulsion: Propulsion,
@@ -71,8 +72,8 @@ impl SensorNoise {
 }
 
 impl VehicleModel {
-    /// Rotor drag of a model file that says nothing of it, 1/s: the middle of what Faessler, Franchi and Scaramuzza
-    /// (RA-L 3(2), 2018) identified, and of a rig, whose core does not use it.
+    /// Rotor drag that the core assumes where a model file says nothing of it, 1/s: the middle of what Faessler,
+    /// Franchi and Scaramuzza (RA-L 3(2), 2018) identified, and that of a rig, whose core does not use it.
     pub const USUAL_ROTOR_DRAG_1_S: f64 = 0.45;
 
     /// Reads a model file.
@@ -106,14 +107,12 @@ impl VehicleModel {
         Self::parse(text, name).expect("a test reads every file under models/")
     }
 
-    /// A free vehicle with rotors' drag over its mass, 1/s (0.3 to 0.5: Faessler, Franchi, Scaramuzza, RA-L 3(2),
-    /// 2018), by which its core levels itself: without any, nothing that it feels tells a slide from level flight. One
-    /// in a rig stays as it is.
+    /// The same free vehicle with another rotors' drag over its mass, 1/s, of which its core does not know. One in a
+    /// rig stays as it is.
     #[must_use]
     pub fn with_rotor_drag(mut self, drag_1_s: f64) -> Self {
         if let Mounting::Free { mass_kg } = self.mounting {
-            let coefficient_ns_m = drag_1_s * mass_kg;
-            self.effects.push(Effect::RotorDrag(RotorDrag { coefficient_ns_m }));
+            self.rotor_drag_ns_m = drag_1_s * mass_kg;
         }
         self
     }

@@ -1,7 +1,7 @@
 //! A model's numbers as the vehicle's parts.
 
 use super::{Mounting, VehicleModel};
-use crate::vehicle::{Airframe, NominalBody, Scale};
+use crate::vehicle::{Air, Airframe, Changes, NominalBody, Scale};
 
 impl VehicleModel {
     /// From lifts to torque.
@@ -12,6 +12,18 @@ impl VehicleModel {
     /// The body in its rig, without effects.
     pub(crate) fn nominal_body(&self) -> NominalBody {
         NominalBody { inertia_kg_m2: self.inertia_kg_m2, mounting: self.mounting, gravity_m_s2: self.gravity_m_s2 }
+    }
+
+    /// What is beyond the rigid body and its motors without effects: the rotors' drag.
+    pub(crate) fn own_changes(&self) -> Changes {
+        Changes { air: Air { rotor_drag_ns_m: self.rotor_drag_ns_m, ..Air::default() }, ..Changes::default() }
+    }
+
+    /// The same with the model's effects.
+    pub(crate) fn changes(&self) -> Changes {
+        let mut changes = self.own_changes();
+        self.effects.iter().for_each(|effect| effect.change(&mut changes));
+        changes
     }
 
     /// How large what acts on it is: its inertia, its lift at the base command times its arm.

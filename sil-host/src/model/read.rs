@@ -30,7 +30,7 @@ impl VehicleModel {
         let gravity_m_s2 = root.number("gravity_m_s2", gravity)?;
         let arm_m = root.number("arm_m", arm)?;
         let base_command = root.number("base_command", base)?;
-        let (inertia_kg_m2, mounting, known_rotor_drag_1_s) = read_body(root, rig)?;
+        let (inertia_kg_m2, mounting, [rotor_drag_ns_m, known_rotor_drag_1_s]) = read_body(root, rig)?;
         let noise = read_noise(&root.section("noise")?)?;
         let effects = root
             .sections("effect")?
@@ -45,6 +45,7 @@ impl VehicleModel {
             base_command,
             inertia_kg_m2,
             mounting,
+            rotor_drag_ns_m,
             known_rotor_drag_1_s,
             propulsion,
             noise,
@@ -53,12 +54,13 @@ impl VehicleModel {
     }
 }
 
-fn read_body(root: &Section<'_>, rig: Rig) -> Result<([f64; 3], Mounting, f64), ModelError> {
+/// Inertia, mounting, and of the rotors' drag what the vehicle has and what its core knows.
+fn read_body(root: &Section<'_>, rig: Rig) -> Result<([f64; 3], Mounting, [f64; 2]), ModelError> {
     let inertia = admissible(1e-7, 10.0, "a moment of inertia in kg m^2");
     let body = root.section("body")?;
     let inertia_kg_m2 =
         [body.number("ixx_kg_m2", inertia)?, body.number("iyy_kg_m2", inertia)?, body.number("izz_kg_m2", inertia)?];
-    let mut known_rotor_drag_1_s = VehicleModel::USUAL_ROTOR_DRAG_1_S;
+    let mut drag = [0.0, VehicleModel::USUAL_ROTOR_DRAG_1_S];
     let mounting = match rig {
         Rig::Gimbal => {
             let ring = root.section("ring")?;
@@ -68,14 +70,17 @@ fn read_body(root: &Section<'_>, rig: Rig) -> Result<([f64; 3], Mounting, f64), 
             Mounting::Gimbal { ring_inertia_kg_m2 }
         }
         Rig::Free => {
-            let drag = admissible(0.01, 2.0, "the rotors' drag over airspeed and mass as the core knows it in 1/s");
-            known_rotor_drag_1_s = body.number_or("known_rotor_drag_1_s", drag, known_rotor_drag_1_s)?;
-            Mounting::Free { mass_kg: body.number("mass_kg", admissible(0.005, 50.0, "the mass in kg"))? }
+            let mass_kg = body.number("mass_kg", admissible(0.005, 50.0, "the mass in kg"))?;
+            let own = admissible(0.0, 20.0, "the rotors' drag over airspeed in N s/m");
+            let known = admissible(0.01, 2.0, "the rotors' drag over airspeed and mass as the core knows it in 1/s");
+            drag[0] = body.number_or("rotor_drag_ns_m", own, 0.0)?;
+            drag[1] = body.number_or("known_rotor_drag_1_s", known, drag[1])?;
+            Mounting::Free { mass_kg }
         }
     };
     body.finish()?;
     check_triangle(&body, inertia_kg_m2)?;
-    Ok((inertia_kg_m2, mounting, known_rotor_drag_1_s))
+    Ok((inertia_kg_m2, mounting, drag))
 }
 
 /// Each principal moment is a sum of two of three non-negative integrals, so none exceeds the other two together.

@@ -22,6 +22,9 @@ impl VehicleModel {
         match self.mounting {
             Mounting::Free { mass_kg } => {
                 text.number("mass_kg", mass_kg);
+                if self.rotor_drag_ns_m != 0.0 {
+                    text.number("rotor_drag_ns_m", self.rotor_drag_ns_m);
+                }
                 if self.known_rotor_drag_1_s != Self::USUAL_ROTOR_DRAG_1_S {
                     text.number("known_rotor_drag_1_s", self.known_rotor_drag_1_s);
                 }

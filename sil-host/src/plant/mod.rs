@@ -18,7 +18,7 @@ mod truth;
 
 use std::collections::VecDeque;
 
-use crate::effects::{self, Effect};
+use crate::effects::Effect;
 use crate::model::VehicleModel;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
 use crate::vehicle::{Airframe, Changes, FIRST_PHASES_RAD, FreeBody, Gimbal, RigidBody, Vibration, turned_on};
@@ -80,7 +80,7 @@ enum Body {
 impl Plant {
     /// At rest and level, at time 0, the motors in equilibrium at the base command.
     pub fn new(model: &VehicleModel) -> Self {
-        let changes = effects::changes(&model.effects);
+        let changes = model.changes();
         let body = match model.nominal_body().changed(&changes.body) {
             RigidBody::Gimbal(gimbal) => Body::Gimbal(gimbal, [0.0; 4]),
             RigidBody::Free(body) => {

@@ -12,7 +12,13 @@ pub(super) fn unpowered(rig: Rig) -> VehicleModel {
         reaction_torque_per_lift_m: 0.05,
     });
     model.base_command = 0.0;
+    model.rotor_drag_ns_m = 0.0;
     model
+}
+
+/// The free vehicle without the drag of its rotors: what its velocity does not act on.
+fn without_drag() -> VehicleModel {
+    VehicleModel::nominal(Rig::Free).with_rotor_drag(0.0)
 }
 
 /// A vehicle with effects in their short form, integrated much more finely than the tests need.
@@ -144,7 +150,7 @@ fn a_disturbance_torque_accelerates_by_the_inertia() {
 /// Beside lift and gravity, which hold each other: felt at once, and along the body's axes.
 #[test]
 fn a_disturbance_force_accelerates_by_the_mass() {
-    let model = VehicleModel::nominal(Rig::Free);
+    let model = without_drag();
     let mut plant = Plant::new(&model);
     let felt_before = plant.specific_force_body_m_s2();
     let force_n = [0.3, -0.6, 1.2];
@@ -252,7 +258,7 @@ fn the_resting_accelerometer_reads_gravity_from_every_attitude() {
 /// vehicle backwards, right side down to the right.
 #[test]
 fn a_tilted_vehicle_accelerates_where_its_lift_points() {
-    let model = VehicleModel::nominal(Rig::Free);
+    let model = without_drag();
     for (angles, north, east) in
         [([0.0, 0.3, 0.0], -1.0, 0.0), ([0.3, 0.0, 0.0], 0.0, 1.0), ([0.4, -0.5, 2.0], 0.0, 0.0)]
     {

@@ -17,9 +17,9 @@ const BODY_STEP_MAX_S: f64 = 5e-3;
 const MOTOR_STEP_SHARE: f64 = 0.25;
 /// The same of the lag before them, whose exponential is exact; Simpson's rule loses 2e-5 of it.
 const LAG_STEP_SHARE: f64 = 0.5;
-/// Of a longer interval between two rows only the end is followed, s: no motor remembers more, and no window holds such
-/// a gap.
-const INTERVAL_MAX_S: f64 = 10.0;
+/// Of a longer interval between two rows only the end is followed, s: a gap, so that no window holds it; what the
+/// commands were in it nobody knows, and few motors remember more.
+pub(super) const INTERVAL_MAX_S: f64 = 2.0;
 /// A step shorter than this is rounding of a time.
 const TIME_ROUNDING_S: f64 = 1e-9;
 

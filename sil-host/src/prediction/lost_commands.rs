@@ -8,7 +8,7 @@
 //! from step to step of the controller.
 
 use super::Channel;
-use super::force_track::Commands;
+use super::force_track::{Commands, INTERVAL_MAX_S};
 use super::model::Model;
 use super::noise::{deviations, white_noise_std};
 use super::windowed_log::{Lost, WindowedLog};
@@ -24,9 +24,6 @@ const STEPS_MIN: f64 = 1.01;
 /// Beyond three standard deviations a command's roughness is no noise. What goes through it smoothly is then off by a
 /// share of the roughness.
 const NOISE_WITHIN: f64 = 3.0;
-
-/// No window holds an interval between two rows that is as long, s.
-const GAP_S: f64 = 10.0;
 
 /// True if a controller at this rate gives commands that the log's rows do not hold.
 pub(crate) fn are_lost(log: &Log, control_rate_hz: f64) -> bool {
@@ -117,7 +114,7 @@ fn mean_is_off(steps: usize) -> f64 {
 
 /// Steps of a controller from one row to the next; across a gap nothing is known of it.
 fn steps(duration_s: f64, rate_hz: f64) -> usize {
-    if duration_s > GAP_S { 1 } else { (duration_s * rate_hz).round().max(1.0) as usize }
+    if duration_s > INTERVAL_MAX_S { 1 } else { (duration_s * rate_hz).round().max(1.0) as usize }
 }
 
 impl WindowedLog<'_> {

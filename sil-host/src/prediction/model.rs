@@ -73,7 +73,7 @@ impl Model {
     /// A vehicle with the effects that its model has.
     pub(crate) fn of(vehicle: &VehicleModel) -> Model {
         let (airframe, nominal) = (vehicle.airframe(), vehicle.nominal_body());
-        let changes = Changes::default();
+        let changes = vehicle.own_changes();
         let body = Body::of(airframe, nominal.changed(&changes.body));
         let mut model = Model {
             vehicle: Some((airframe, nominal)),

@@ -83,6 +83,11 @@ impl Subject<'_> {
         matches!(self, Subject::Vehicle(model) if model.rig() == Rig::Free)
     }
 
+    /// True where the rotors of the model brake the vehicle.
+    fn is_braked(&self) -> bool {
+        matches!(self, Subject::Vehicle(model) if model.own_changes().air.drags())
+    }
+
     /// What is compared, and what a window's start may choose.
     pub(crate) fn compared(&self, log: &Log) -> Compared {
         let turns = self.turns(log);
@@ -100,6 +105,8 @@ impl Subject<'_> {
             // on the gimbal r is no motion of its own, but the gyro shows it
             Channel::Rate(Axis::Yaw) if self.is_held() => true,
             Channel::Angle(axis) | Channel::Rate(axis) => turns[axis.index()],
+            // along the rotors' plane the air alone is felt, and how fast it passes nobody knows without a velocity
+            Channel::Force(Axis::Roll | Axis::Pitch) => self.flies_free() && (has_velocity || !self.is_braked()),
             Channel::Force(_) | Channel::Velocity(_) | Channel::Height => self.flies_free(),
         };
         Compared {

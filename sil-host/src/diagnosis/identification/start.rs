@@ -48,6 +48,7 @@ pub(super) fn vehicle(log: &Log, scale: KnownScale) -> Result<VehicleModel, NotI
         base_command,
         inertia_kg_m2: [ixx, iyy, izz],
         mounting: Mounting::Free { mass_kg },
+        rotor_drag_ns_m: 0.0,
         known_rotor_drag_1_s: VehicleModel::USUAL_ROTOR_DRAG_1_S,
         propulsion: Propulsion::Box(FlyingBox {
             lift_offset_n: 0.0,

@@ -108,8 +108,26 @@ fn unit(means: &Means, seen: &str, columns: &Columns<'_>) -> Option<Contradictio
     Some(Contradiction { seen, likely: likely.to_owned(), map_lines, leave_out, ..Contradiction::default() })
 }
 
-/// What gravity's part along x and y is by the attitude, and what the accelerometer shows there.
-fn tilt(log: &Log, bins: &Bins) -> Option<Answers> {
+/// A free vehicle that tilts picks up speed, and the drag of its rotors shows the accelerometer a growing part of
+/// gravity: this much later, s (2 to 3 s for the 0.3 to 0.5 1/s that were identified in flight: effects/rotor_drag.rs).
+const DRAG_LATER_S: f64 = 2.2;
+
+/// What of a force that is felt at once drag has made felt.
+fn dragged(bins: &Bins, force: &[f64]) -> Vec<f64> {
+    let share = 1.0 - libm::exp(-bins.step_s() / DRAG_LATER_S);
+    let mut felt = 0.0;
+    force
+        .iter()
+        .map(|force| {
+            felt += share * (force - felt);
+            felt
+        })
+        .collect()
+}
+
+/// What gravity's part along x and y is by the attitude, and what the accelerometer shows there. In flight drag has its
+/// part in that, which a bench does not need.
+fn tilt(log: &Log, bins: &Bins, may_fly: bool) -> Option<Answers> {
     let angle = |axis: Axis| log.column(Quantity::Angle(axis));
     let part = |of: &dyn Fn(usize) -> Option<f64>| -> Option<Vec<f64>> {
         Some(bins.means(&(0..log.rows()).map(of).collect::<Option<Vec<f64>>>()?))
@@ -120,8 +138,13 @@ fn tilt(log: &Log, bins: &Bins) -> Option<Answers> {
     let along_y =
         angle(Axis::Roll).and_then(|_| part(&|row| Some(-GRAVITY_M_S2 * libm::cos(pitch(row)) * libm::sin(roll(row)))));
     let force = |axis: Axis| Some(bins.means(log.column(Quantity::Accel(axis))?));
+    let mut inputs = vec![along_x, along_y];
+    if may_fly {
+        let drag = [0, 1].map(|input: usize| Some(dragged(bins, inputs[input].as_ref()?)));
+        inputs.extend(drag);
+    }
     let question = Question {
-        inputs: vec![along_x, along_y],
+        inputs,
         responses: vec![force(Axis::Roll), force(Axis::Pitch)],
         later_s: LATER_S,
         is_usable: bins.all(&vec![true; log.rows()]),
@@ -153,7 +176,7 @@ pub(super) fn shows_lift(log: &Log, bins: &Bins) -> Option<bool> {
 
 /// Does the accelerometer show gravity as the vehicle tilts? `None` where it hardly tilts, or the log has no answer.
 pub(super) fn shows_tilt(log: &Log, bins: &Bins) -> Option<bool> {
-    let answers = tilt(log, bins)?;
+    let answers = tilt(log, bins, true)?;
     // an axis that never tilts has the slope 0 without any scatter, and no say
     let tilts = |slope: &Estimate| slope.std > 0.0;
     let slopes: Vec<Estimate> = (0..2).filter_map(|axis| answers.slope(axis, axis)).filter(tilts).collect();
@@ -164,7 +187,7 @@ pub(super) fn shows_tilt(log: &Log, bins: &Bins) -> Option<bool> {
 
 /// What the accelerometer's x and y contradict in the attitude, where they show gravity: on benches, and on the ground.
 pub(super) fn of_the_tilt(log: &Log, bins: &Bins, columns: &Columns<'_>) -> Vec<Contradiction> {
-    let Some(answers) = tilt(log, bins) else { return Vec::new() };
+    let Some(answers) = tilt(log, bins, false) else { return Vec::new() };
     let mut found = Vec::new();
     for (response, axis) in [(0, Axis::Roll), (1, Axis::Pitch)] {
         let Answer::Instead { input, sign } = answers.answer(response, &[0, 1]) else { continue };

@@ -77,6 +77,7 @@ impl Drawn {
             base_command,
             inertia_kg_m2: [ixx, iyy, izz],
             mounting: Mounting::Free { mass_kg },
+            rotor_drag_ns_m: 0.0,
             known_rotor_drag_1_s: VehicleModel::USUAL_ROTOR_DRAG_1_S,
             propulsion: Propulsion::Generic(rotor),
             noise: SensorNoise {
