@@ -5,6 +5,7 @@ mod better_controller;
 mod closed_loop_table;
 mod controller_comparison;
 mod identification;
+mod out_of_the_testbed;
 mod real_baseline;
 mod real_logs;
 mod refinement;

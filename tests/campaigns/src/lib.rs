@@ -10,6 +10,7 @@
 //! | `controller_comparison` | MPC against cascade on vehicles that neither expects | `docs/mpc-against-cascade.md` |
 //! | `identification` | is a vehicle known from its log alone? | `docs/identification.md` |
 //! | `limits_and_switching` | motors' limits, several linearisations | `docs/motor-limits.md`, `docs/switching-mpc.md` |
+//! | `out_of_the_testbed` | the testbed's controllers in free flight, and those made again | `docs/out-of-the-testbed.md` |
 //! | `real_logs` | what other people's logs show, and how right the diagnosis is on them | `docs/real-logs.md` |
 //! | `refinement` | do the intervals of bench measurements hold? | `docs/refine.md` |
 //! | `thesis_case` | the thesis' case from the log to the better controller | `docs/thesis-case.md` |
@@ -24,6 +25,7 @@ pub mod controller_blame;
 pub mod identification;
 pub mod limits_and_switching;
 pub mod notches;
+pub mod out_of_the_testbed;
 pub mod real_logs;
 pub mod refinement;
 pub mod thesis_case;

@@ -1,0 +1,82 @@
+//! The vehicle taken out of the testbed, with the testbed's controllers and with its own: the tables of
+//! docs/out-of-the-testbed.md. `-- --json FILE` writes the rows.
+
+use campaigns::out_of_the_testbed::{Outcome, TakenFor, outcomes};
+
+fn main() -> std::io::Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let json = match &arguments[..] {
+        [] => None,
+        [flag, file] if flag == "--json" => Some(file),
+        _ => {
+            eprintln!("usage: out_of_the_testbed [--json FILE]");
+            std::process::exit(2);
+        }
+    };
+    let outcomes = outcomes();
+    print!("{}\n{}", steps(&outcomes), pushes(&outcomes));
+    if let Some(file) = json {
+        std::fs::write(file, serde_json::to_string_pretty(&outcomes)? + "\n")?;
+    }
+    Ok(())
+}
+
+fn head(outcome: &Outcome) -> String {
+    let taken = if outcome.taken_for == TakenFor::Itself { "itself" } else { "the testbed's" };
+    let lost = if outcome.lost { " (lost)" } else { "" };
+    format!("| {} | {} | {taken}{lost} |", outcome.flown.words(), outcome.contender.words())
+}
+
+fn cell(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
+}
+
+fn steps(outcomes: &[Outcome]) -> String {
+    let mut table =
+        "| flown | controller | takes it for | overshoot, % | settling, s | steady error, deg | RMS, deg | \
+                     heading in steps, deg | turn: mean / largest error, deg |\n|---|---|---|---|---|---|---|---|---|\n"
+            .to_owned();
+    for outcome in outcomes {
+        let [roll, pitch] = &outcome.steps;
+        let turn = outcome.turn_deg.map_or("-".to_owned(), |[mean, largest]| format!("{mean:.2} / {largest:.2}"));
+        table += &format!(
+            "{} {} / {} | {} / {} | {} / {} | {:.2} / {:.2} | {} | {turn} |\n",
+            head(outcome),
+            cell(roll.overshoot_pct, 1),
+            cell(pitch.overshoot_pct, 1),
+            cell(roll.settling_time_s, 2),
+            cell(pitch.settling_time_s, 2),
+            cell(roll.steady_error_deg, 2),
+            cell(pitch.steady_error_deg, 2),
+            roll.rms_error_deg,
+            pitch.rms_error_deg,
+            cell(outcome.heading_in_steps_deg, 2),
+        );
+    }
+    table
+}
+
+fn pushes(outcomes: &[Outcome]) -> String {
+    let mut table = "| flown | controller | takes it for | after 0.1 N m on roll, deg | on pitch | 0.02 on yaw | \
+                     gain margin, dB | phase margin, deg | delay margin, ms | peak sensitivity |\n\
+                     |---|---|---|---|---|---|---|---|---|---|\n"
+        .to_owned();
+    for outcome in outcomes {
+        let [roll, pitch, yaw] = outcome.pushed_deg;
+        let margins = outcome.margins.map_or("- | - | - | oscillates |".to_owned(), |[roll, pitch]| {
+            format!(
+                "{} / {} | {} / {} | {} / {} | {:.2} / {:.2} |",
+                cell(roll.gain_db, 1),
+                cell(pitch.gain_db, 1),
+                cell(roll.phase_deg, 1),
+                cell(pitch.phase_deg, 1),
+                cell(roll.delay_ms, 1),
+                cell(pitch.delay_ms, 1),
+                roll.sensitivity_peak,
+                pitch.sensitivity_peak,
+            )
+        });
+        table += &format!("{} {} | {} | {} | {margins}\n", head(outcome), cell(roll, 2), cell(pitch, 2), cell(yaw, 2));
+    }
+    table
+}
