@@ -205,7 +205,7 @@ pub fn outcome(flown: Flown, contender: Contender, taken_for: TakenFor) -> Outco
         .map(|axis| (is_free || axis != Axis::Yaw).then(|| record(&setup, &[push(axis)], hover(PUSH_FLIGHT_S))))
         .collect();
     let flights = [&sequence.record].into_iter().chain(&turned).chain(pushed.iter().flatten());
-    let lost = flights.into_iter().any(|record| is_lost(record));
+    let lost = flights.into_iter().any(is_lost);
     let peak = |axis: Axis| Some(largest(record_of(&pushed, axis)?.angle_of(axis.index()).into_iter()));
     Outcome {
         flown,
