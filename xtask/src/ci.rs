@@ -12,6 +12,7 @@ use crate::mutants;
 use crate::page;
 use crate::process;
 use crate::px4;
+use crate::python;
 use crate::tidy;
 use crate::workspace::Workspace;
 
@@ -23,7 +24,7 @@ const BUDGET_S: u32 = 35 * 60;
 const CAMPAIGNS_BUDGET_S: u32 = 6 * 60;
 
 /// Quick ones first.
-const STEPS: [Step; 15] = [
+const STEPS: [Step; 16] = [
     ("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
     ("tidy", tidy::run),
     ("clippy", clippy),
@@ -31,6 +32,7 @@ const STEPS: [Step; 15] = [
     ("the page in a browser", page::test),
     ("other people's decoders", decoders::run),
     ("other people's clients", clients::run),
+    ("the Python package", python::run),
     ("a part of the campaigns", campaigns),
     ("documentation", documentation),
     ("core for the target", |workspace| Target::find(workspace)?.build_core()),
@@ -62,7 +64,9 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
 }
 
 fn clippy(workspace: &Workspace) -> Result<()> {
-    process::run(workspace.cargo("clippy").args(["--all-targets", "--", "-D", "warnings"]))
+    process::run(workspace.cargo("clippy").args(["--all-targets", "--", "-D", "warnings"]))?;
+    // an extension of Python is built where Python is wanted only
+    process::run(workspace.cargo("clippy").args(["--package", "sil-python", "--", "-D", "warnings"]))
 }
 
 /// As `cargo test` has built them: optimised, with checks. Then what takes too long for `cargo test` itself.

@@ -13,6 +13,7 @@ mod page;
 mod panic_freedom;
 mod process;
 mod px4;
+mod python;
 mod self_test;
 mod sysroot;
 mod thumb;
@@ -68,6 +69,8 @@ enum Task {
     PageTest,
     /// Time that page in a browser: its start, a log's answer, a slider's move (a quiet machine)
     PageSpeed,
+    /// Build the Python package, install it into a clean environment and test it (needs python3 with venv and pip)
+    Python,
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
     /// Run all that CI runs, in its order
@@ -101,6 +104,7 @@ fn run(task: &Task) -> Result<()> {
         Task::Page => page::build(&workspace).map(drop),
         Task::PageTest => page::test(&workspace),
         Task::PageSpeed => page::speed(&workspace),
+        Task::Python => python::run(&workspace),
         Task::Tidy => tidy::run(&workspace),
         Task::Ci => ci::run(&workspace),
     }

@@ -1,0 +1,110 @@
+//! A flight in co-simulation.
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use sil_host::controller_file::ControllerChoice;
+use sil_host::flight::{self, FlightSetup};
+use sil_host::flight_log::flight_log;
+use sil_host::scenario::Scenario;
+
+use crate::arrays::{python, rows, series};
+use crate::errors::refused;
+use crate::log::Log;
+use crate::model::Model;
+
+/// `pid`, `mpc`, the path of a controller file, or the text of one.
+pub(crate) fn controller_choice(controller: &str) -> PyResult<ControllerChoice> {
+    let choice = if controller.contains('=') {
+        ControllerChoice::parse(controller, "controller")
+    } else {
+        ControllerChoice::from_argument(controller)
+    };
+    choice.map_err(refused)
+}
+
+/// The test sequence, the path of a script, or the text of one.
+pub(crate) fn scenario(script: Option<&str>) -> PyResult<Scenario> {
+    match script {
+        None => Ok(Scenario::test_sequence()),
+        Some(text) if text.contains('=') => Scenario::parse(text, "script").map_err(refused),
+        Some(path) => Scenario::load(path.as_ref()).map_err(refused),
+    }
+}
+
+/// A finished flight: series of one row per control step, and figures.
+#[pyclass(frozen, module = "sil_host")]
+pub(crate) struct Flight {
+    flown: flight::Flight,
+    rate_hz: u32,
+}
+
+/// Flies a model.
+#[pyfunction]
+#[pyo3(signature = (model, controller = "pid", *, known = None, script = None, seed = 0))]
+pub(crate) fn fly(
+    py: Python<'_>,
+    model: &Model,
+    controller: &str,
+    known: Option<&Model>,
+    script: Option<&str>,
+    seed: u64,
+) -> PyResult<Flight> {
+    let setup = FlightSetup {
+        model: model.0.clone(),
+        controller_model: known.map(|known| known.0.clone()),
+        choice: controller_choice(controller)?,
+        scenario: scenario(script)?,
+        seed,
+    };
+    let flown = py.detach(|| setup.fly()).map_err(refused)?;
+    Ok(Flight { flown, rate_hz: setup.choice.rate_hz })
+}
+
+#[pymethods]
+impl Flight {
+    #[getter]
+    fn time_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        series(py, &self.flown.record.time_s)
+    }
+
+    #[getter]
+    fn reference_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, &self.flown.record.reference_rad)
+    }
+
+    #[getter]
+    fn angle_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, &self.flown.record.angle_rad)
+    }
+
+    #[getter]
+    fn rate_body_rad_s<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, &self.flown.record.rate_body_rad_s)
+    }
+
+    #[getter]
+    fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, &self.flown.record.commands)
+    }
+
+    #[getter]
+    fn torque_body_nm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, &self.flown.record.torque_body_nm)
+    }
+
+    /// The figures of `sil fly --json`.
+    #[getter]
+    fn figures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python(py, &self.flown.summary)
+    }
+
+    /// As a log, at most as fast as the controller.
+    #[pyo3(signature = (rate_hz = None))]
+    fn log(&self, rate_hz: Option<u32>) -> Log {
+        Log(flight_log(&self.flown.record, rate_hz.unwrap_or(self.rate_hz)))
+    }
+
+    fn __len__(&self) -> usize {
+        self.flown.record.len()
+    }
+}
