@@ -91,7 +91,7 @@ fn motor_lag_s(model: &VehicleModel) -> f64 {
     const STEP: f64 = 0.01;
     const SAMPLE_S: f64 = 2e-4;
     const SAMPLES: usize = 2500;
-    let mut plant = Plant::new(&VehicleModel { effects: Vec::new(), ..model.clone() });
+    let mut plant = Plant::new(&VehicleModel { effects: Vec::new(), arms: None, ..model.clone() });
     let start_n = plant.lifts_n()[0];
     let end_n = model.propulsion.equilibrium(model.base_command + STEP).lift_n;
     plant.set_commands([model.base_command + STEP; 4]);

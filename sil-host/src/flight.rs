@@ -153,20 +153,29 @@ impl FlightSetup {
     /// # Errors
     /// [`SetupError`] where the configuration can't be flown.
     pub fn fly(&self) -> Result<Flight, SetupError> {
-        let parameters = self.design_parameters();
-        let mut control = self.control_side()?;
-        let mut plant = Plant::new(&self.model);
-        let mut sensors = self.sensors();
+        let control = self.control_side()?;
         // a browser's WebAssembly has no such clock
         let start = (!cfg!(target_family = "wasm")).then(Instant::now);
-        let record = cosim::fly(&parameters, &mut plant, &mut sensors, &mut control, &self.scenario, None);
+        let record = self.fly_under(control);
         let computing_s = start.map_or(f64::NAN, |start| start.elapsed().as_secs_f64());
         let summary = self.summarise(&record, computing_s);
         Ok(Flight { record, summary })
     }
 
-    fn summarise(&self, record: &FlightRecord, computing_s: f64) -> RunSummary {
+    /// Flies it under a control side that [`FlightSetup::control_side`] made, of this set-up or of one that differs in
+    /// nothing that the controller knows.
+    pub fn fly_under(&self, mut control: ControlSide) -> FlightRecord {
+        let (mut plant, mut sensors) = (Plant::new(&self.model), self.sensors());
+        cosim::fly(&self.design_parameters(), &mut plant, &mut sensors, &mut control, &self.scenario, None)
+    }
+
+    /// Figures of roll and pitch of a flight.
+    pub fn axes(record: &FlightRecord) -> Axes {
         let axis = |axis| metrics::axis_metrics(&record.time_s, &record.reference_of(axis), &record.angle_of(axis));
+        Axes { roll: axis(0), pitch: axis(1) }
+    }
+
+    fn summarise(&self, record: &FlightRecord, computing_s: f64) -> RunSummary {
         // a flight whose state left the numbers ends early
         let steps = record.len() as f64 / f64::from(self.choice.rate_hz);
         let duration_s = if record.ended_early { steps } else { self.scenario.duration_s };
@@ -177,7 +186,7 @@ impl FlightSetup {
             model: self.model.name.clone(),
             seed: self.seed,
             duration_s,
-            axes: Axes { roll: axis(0), pitch: axis(1) },
+            axes: Self::axes(record),
             effort: metrics::effort(&record.commands, self.model.base_command),
             saturated_pct: metrics::saturated_pct(&record.commands),
             real_time_factor: duration_s / computing_s,

@@ -73,6 +73,7 @@ pub mod log;
 pub mod margins;
 pub mod metrics;
 pub mod model;
+pub mod montecarlo;
 pub mod planner;
 pub mod plant;
 pub mod prediction;

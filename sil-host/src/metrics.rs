@@ -8,6 +8,8 @@ use serde::Serialize;
 const SETTLED_RAD: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Time before the next step over which the steady error is taken, s.
 const STEADY_S: f64 = 0.25;
+/// From so long after a step on its error is late, s.
+const LATE_S: f64 = 1.0;
 
 /// Figures of one axis over a whole flight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -20,6 +22,9 @@ pub struct AxisMetrics {
     pub settling_time_s: Option<f64>,
     /// Mean |error| over the last 0.25 s before the next step, degrees, mean over the steps.
     pub steady_error_deg: Option<f64>,
+    /// Largest |error| from 1 s after a step to the next, and from 1 s after the start to the first, degrees; none of a
+    /// flight without such a time.
+    pub largest_late_error_deg: Option<f64>,
     /// Mean |error| over the flight, degrees.
     pub mean_abs_error_deg: f64,
     /// Root mean square of the error over the flight, degrees.
@@ -47,6 +52,7 @@ pub fn axis_metrics(time_s: &[f64], reference_rad: &[f64], angle_rad: &[f64]) ->
         overshoot_pct: mean_over_steps(&|step| Some(overshoot_pct(step, angle_rad))),
         settling_time_s: mean_over_steps(&|step| settling_time(step, time_s, &errors)),
         steady_error_deg: mean_over_steps(&|step| Some(steady_error(step, time_s, &errors).to_degrees())),
+        largest_late_error_deg: largest_late_error(&steps, time_s, &errors).map(f64::to_degrees),
         mean_abs_error_deg: mean(&errors.iter().map(|error| error.abs()).collect::<Vec<_>>()).to_degrees(),
         rms_error_deg: mean(&errors.iter().map(|error| error * error).collect::<Vec<_>>()).sqrt().to_degrees(),
     }
@@ -108,6 +114,13 @@ fn steady_error(step: &Step, time_s: &[f64], errors: &[f64]) -> f64 {
     mean(&last)
 }
 
+fn largest_late_error(steps: &[Step], time_s: &[f64], errors: &[f64]) -> Option<f64> {
+    let first = steps.first().map_or(errors.len(), |step| step.begin);
+    let stretches = [(0, first)].into_iter().chain(steps.iter().map(|step| (step.begin, step.end)));
+    let late = stretches.flat_map(|(begin, end)| (begin..end).filter(move |&i| time_s[i] >= time_s[begin] + LATE_S));
+    late.map(|i| errors[i].abs()).max_by(f64::total_cmp)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -136,6 +149,8 @@ mod tests {
         assert!((m.settling_time_s.unwrap() - 0.1 * (0.5 / SETTLED_RAD).ln()).abs() < 0.0021);
         assert!(m.overshoot_pct.unwrap() < 1e-9);
         assert!(m.steady_error_deg.unwrap() < 1e-4);
+        // e^-10 of the step is left 1 s after it
+        assert!((m.largest_late_error_deg.unwrap() - 0.5f64.to_degrees() * (-10f64).exp()).abs() < 1e-6);
         // integral of the squared error: two steps of 0.25 * tau / 2 over 5 s
         let rms = (2.0 * 0.25 * 0.05 / 5.0f64).sqrt().to_degrees();
         assert!((m.rms_error_deg / rms - 1.0).abs() < 0.02);

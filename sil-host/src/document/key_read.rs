@@ -7,6 +7,8 @@ use super::section::Admissible;
 pub(crate) struct KeyRead {
     /// Header of its table, without the brackets; empty for the document.
     pub(crate) table: String,
+    /// Where it stands in the document, tables of one header counted from 1: `body.mass_kg`, `effect.2.scale`.
+    pub(crate) address: String,
     /// The key.
     pub(crate) key: &'static str,
     /// What it may hold.
@@ -15,6 +17,8 @@ pub(crate) struct KeyRead {
     pub(crate) is_optional: bool,
     /// What stands for it then, if anything does.
     pub(crate) default: Option<f64>,
+    /// The number that was read; none for what is none, or was left out without a default.
+    pub(crate) value: Option<f64>,
 }
 
 /// What a key may hold.

@@ -8,6 +8,6 @@ mod table;
 
 pub use error::{ModelError, Position, Problem};
 pub(crate) use key_read::{Holds, KeyRead};
-pub(crate) use section::{Admissible, Section, Source, admissible};
+pub(crate) use section::{Admissible, Replaced, Section, Source, admissible};
 pub(crate) use spelling::with_hint;
 pub(crate) use table::Table;

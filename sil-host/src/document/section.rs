@@ -4,6 +4,7 @@
 //! (`level`, `rig`, an effect's `name`).
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -71,14 +72,20 @@ impl<'a> Source<'a> {
     }
 }
 
+/// Numbers to be read in place of those that a document holds, by their address.
+pub(crate) type Replaced = BTreeMap<String, f64>;
+
 /// One table of a document. Keys are taken one by one; [`Section::finish`] reports those that nobody read.
 #[derive(Debug)]
 pub(crate) struct Section<'a> {
     source: Source<'a>,
     /// Its header without the outer brackets; empty for the document.
     path: String,
+    /// The same with tables of one header counted: `effect.2`.
+    address: String,
     span: Range<usize>,
     table: &'a DeTable<'a>,
+    replaced: Option<&'a Replaced>,
     known: RefCell<Vec<&'static str>>,
     /// What was asked of the whole document.
     reads: Rc<RefCell<Vec<KeyRead>>>,
@@ -88,13 +95,19 @@ impl<'a> Section<'a> {
     /// The whole document.
     pub(crate) fn root(source: Source<'a>, document: &'a Spanned<DeTable<'a>>) -> Self {
         let (known, reads) = (RefCell::default(), Rc::default());
-        Self { source, path: String::new(), span: 0..0, table: document.get_ref(), known, reads }
+        let (path, address) = (String::new(), String::new());
+        Self { source, path, address, span: 0..0, table: document.get_ref(), replaced: None, known, reads }
+    }
+
+    /// The whole document with other numbers in place of some of its own.
+    pub(crate) fn with_replaced(self, replaced: &'a Replaced) -> Self {
+        Self { replaced: Some(replaced), ..self }
     }
 
     /// A table within it.
-    fn within(&self, path: String, span: Range<usize>, table: &'a DeTable<'a>) -> Self {
+    fn within(&self, path: String, address: String, span: Range<usize>, table: &'a DeTable<'a>) -> Self {
         let (known, reads) = (RefCell::default(), Rc::clone(&self.reads));
-        Self { source: self.source, path, span, table, known, reads }
+        Self { source: self.source, path, address, span, table, replaced: self.replaced, known, reads }
     }
 
     /// All keys that were asked for in the document, tables aside.
@@ -103,7 +116,8 @@ impl<'a> Section<'a> {
     }
 
     fn note(&self, key: &'static str, holds: Holds, is_optional: bool, default: Option<f64>) {
-        self.reads.borrow_mut().push(KeyRead { table: self.path.clone(), key, holds, is_optional, default });
+        let (table, address) = (self.path.clone(), joined(&self.address, key));
+        self.reads.borrow_mut().push(KeyRead { table, address, key, holds, is_optional, default, value: default });
     }
 
     /// The number at `key`.
@@ -124,11 +138,23 @@ impl<'a> Section<'a> {
         self.number_if_there(key, range)
     }
 
+    /// The number at the key that was noted last.
     fn number_if_there(&self, key: &'static str, range: Admissible) -> Result<Option<f64>, ModelError> {
-        let Some(value) = self.get(key) else {
-            return Ok(None);
+        let written = self.get(key);
+        let replaced = self.replaced.and_then(|replaced| replaced.get(&joined(&self.address, key)).copied());
+        let number = match (replaced, written) {
+            (Some(number), _) if !(range.min..=range.max).contains(&number) => {
+                let problem = Problem::OutOfRange { key: key.to_owned(), value: number, expected: range.describe() };
+                return Err(self.source.error(written.map_or(self.span.clone(), Spanned::span), problem));
+            }
+            (Some(number), _) => Some(number),
+            (None, Some(value)) => Some(self.number_of(key, value, range)?),
+            (None, None) => None,
         };
-        self.number_of(key, value, range).map(Some)
+        if let (Some(last), Some(_)) = (self.reads.borrow_mut().last_mut(), number) {
+            last.value = number;
+        }
+        Ok(number)
     }
 
     /// The list of numbers at `key`.
@@ -170,6 +196,16 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// The text at `key`, or none if there is no such key.
+    pub(crate) fn optional_text(&self, key: &'static str, what: &'static str) -> Result<Option<&'a str>, ModelError> {
+        if self.table.contains_key(key) {
+            return self.text(key, what).map(Some);
+        }
+        self.note(key, Holds::Text(what), true, None);
+        self.known.borrow_mut().push(key);
+        Ok(None)
+    }
+
     /// The text at `key`.
     pub(crate) fn text(&self, key: &'static str, what: &'static str) -> Result<&'a str, ModelError> {
         self.note(key, Holds::Text(what), false, None);
@@ -204,8 +240,7 @@ impl<'a> Section<'a> {
         let value = self.get(key).ok_or_else(|| self.missing(key, format!("a table [{key}]")))?;
         let table =
             value.get_ref().as_table().ok_or_else(|| self.wrong_type(key, value, format!("a table [{key}]")))?;
-        let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
-        Ok(self.within(path, value.span(), table))
+        Ok(self.within(joined(&self.path, key), joined(&self.address, key), value.span(), table))
     }
 
     /// The table at `key`, or none if there is no such key.
@@ -221,12 +256,33 @@ impl<'a> Section<'a> {
         let expected = format!("tables headed [[{key}]]");
         let array = value.get_ref().as_array().ok_or_else(|| self.wrong_type(key, value, expected.clone()))?;
         let mut sections = Vec::new();
-        for element in array.iter() {
+        for (index, element) in array.iter().enumerate() {
             let table = element.get_ref().as_table().ok_or_else(|| self.wrong_type(key, element, expected.clone()))?;
-            let path = format!("[{key}]");
-            sections.push(self.within(path, element.span(), table));
+            let (path, address) = (format!("[{key}]"), format!("{}.{}", joined(&self.address, key), index + 1));
+            sections.push(self.within(path, address, element.span(), table));
         }
         Ok(sections)
+    }
+
+    /// All that stands in the table, each a table under a name that its writer chose, in the order of the text.
+    pub(crate) fn named_sections(&self, what: &'static str) -> Result<Vec<(String, Section<'a>)>, ModelError> {
+        let mut sections = Vec::new();
+        for (key, value) in self.table.iter() {
+            let name = key.get_ref().to_string();
+            let table = value.get_ref().as_table().ok_or_else(|| self.wrong_type(&name, value, what.to_owned()))?;
+            let path = format!("{}.\"KEY\"", self.path);
+            sections.push((name, self.within(path, joined(&self.address, key.get_ref()), key.span(), table)));
+        }
+        sections.sort_by_key(|(_, section)| section.span.start);
+        Ok(sections)
+    }
+
+    /// A complaint about a table's name, which is none of these.
+    pub(crate) fn unknown_name<'b>(&self, of: &str, name: &str, known: impl Iterator<Item = &'b str>) -> ModelError {
+        let known: Vec<&str> = known.collect();
+        let expected = format!("{}{}", known.join(", "), did_you_mean(name, known.iter().copied()));
+        let problem = Problem::UnknownKey { section: of.to_owned(), key: name.to_owned(), expected };
+        self.source.error(self.span.clone(), problem)
     }
 
     /// Reports the first key that nobody read.
@@ -260,8 +316,13 @@ impl<'a> Section<'a> {
         self.source.error(self.span.clone(), problem)
     }
 
-    fn wrong_type(&self, key: &'static str, value: &Spanned<DeValue<'a>>, expected: String) -> ModelError {
+    fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'a>>, expected: String) -> ModelError {
         let problem = Problem::WrongType { key: key.to_owned(), found: value.get_ref().type_str(), expected };
         self.source.error(value.span(), problem)
     }
+}
+
+/// `body.mass_kg`.
+fn joined(table: &str, key: &str) -> String {
+    if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
 }

@@ -35,6 +35,11 @@ impl Table {
         let _ = writeln!(self.0, "{key} = {}", toml::Value::from(value));
     }
 
+    /// A quoted key with a table of one entry, whose value is TOML already.
+    pub(crate) fn inline(&mut self, key: &str, name: &str, value: &str) {
+        let _ = writeln!(self.0, "{} = {{ {name} = {value} }}", toml::Value::from(key));
+    }
+
     /// A number where `value` is one that is finite, else text.
     pub(crate) fn number_or_string(&mut self, key: &str, value: &str) {
         match value.parse() {

@@ -10,6 +10,8 @@ mod effects;
 mod keys;
 mod parts;
 mod read;
+mod template;
+mod tolerance;
 mod write;
 
 pub use crate::document::{ModelError, Position, Problem};
@@ -18,6 +20,8 @@ use crate::vehicle::propulsion::{Level, Propulsion};
 pub use crate::vehicle::{Mounting, Rig};
 pub use bench::{BenchAxis, BenchModel};
 pub use keys::{ModelKey, keys};
+pub(crate) use template::Template;
+pub use tolerance::{CUT_SD, Extent, Spread, Tolerance};
 
 /// All that is known of a vehicle and of the rig it hangs in.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,10 +44,15 @@ pub struct VehicleModel {
     pub known_rotor_drag_1_s: f64,
     /// From command to lift.
     pub propulsion: Propulsion,
+    /// The same of motors 1 to 4 where each is another, as in a vehicle that was drawn from tolerances. No file has it,
+    /// and only the plant knows it: controllers and predictions of logs take `propulsion` for all four.
+    pub arms: Option<Box<[Propulsion; 4]>>,
     /// What the sensors add to the truth.
     pub noise: SensorNoise,
     /// What the vehicle does beyond its nominal model.
     pub effects: Vec<Effect>,
+    /// How far one such vehicle differs from the next.
+    pub tolerances: Vec<Tolerance>,
 }
 
 /// Standard deviations per sample, white.

@@ -3,7 +3,7 @@
 //! The admissible ranges span everything from a palm-sized quadrotor to one of 10 kg. They are there to catch
 //! slips of the unit (millimetres, degrees, gram square centimetres), not to judge a design.
 
-use super::{SensorNoise, VehicleModel};
+use super::{SensorNoise, Tolerance, VehicleModel};
 use crate::document::{ModelError, Section, Source, admissible};
 use crate::effects::Effect;
 use crate::vehicle::propulsion::Propulsion;
@@ -37,6 +37,7 @@ impl VehicleModel {
             .iter()
             .map(|section| Effect::read(section, rig, inertia_kg_m2))
             .collect::<Result<_, _>>()?;
+        let tolerances = Tolerance::read_all(root)?;
         root.finish()?;
         Ok(Self {
             name: name.to_owned(),
@@ -48,8 +49,10 @@ impl VehicleModel {
             rotor_drag_ns_m,
             known_rotor_drag_1_s,
             propulsion,
+            arms: None,
             noise,
             effects,
+            tolerances,
         })
     }
 }

@@ -1,6 +1,6 @@
 //! From [`VehicleModel`] back to TOML text, to the last bit: every number is written so that reading gives it back.
 
-use super::{SensorNoise, VehicleModel};
+use super::{SensorNoise, Tolerance, VehicleModel};
 use crate::document::Table;
 use crate::vehicle::Mounting;
 
@@ -50,6 +50,7 @@ impl VehicleModel {
         for effect in &self.effects {
             effect.write(&mut text);
         }
+        Tolerance::write_all(&self.tolerances, &mut text);
         text.into_text()
     }
 }

@@ -3,7 +3,7 @@
 use super::actuation::Actuation;
 use super::free_flight::{self, FreeState, Loads};
 use crate::effects::Effect;
-use crate::vehicle::propulsion::{Propulsion, RotorState};
+use crate::vehicle::propulsion::{FourArms, Propulsion, RotorState};
 use crate::vehicle::{Air, Airframe, FreeBody, Gimbal, Moment, Motion, NetSpin, Onset, euler_rad};
 
 /// Roll, pitch (rad) and their rates (rad/s).
@@ -12,7 +12,9 @@ pub(super) type GimbalState = [f64; 4];
 /// All that turns and pushes the vehicle, constant over a stretch of time but for what follows time by itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Forces<'a> {
-    pub(super) propulsion: &'a Propulsion,
+    pub(super) arms: &'a FourArms,
+    /// Reaction torques over lift, m, where each arm has its own.
+    pub(super) own_reactions_per_lift_m: Option<[f64; 4]>,
     pub(super) airframe: Airframe,
     pub(super) disturbance_torque_body_nm: [f64; 3],
     /// What the commands in force make the motors do.
@@ -40,14 +42,14 @@ impl Forces<'_> {
     #[inline(always)]
     pub(super) fn on_gimbal(&self, gimbal: &Gimbal, whole: &[f64; 12]) -> [f64; 12] {
         let (state, rotors): (GimbalState, _) = split(whole);
-        let torque = self.torque_body_nm(self.propulsion.lifts_n(&self.drive, &rotors));
+        let torque = self.torque_body_nm(self.arms.lifts_n(&self.drive, &rotors));
         let roll = libm::sincos(state[0]);
         let [roll_rate, pitch_rate] = [state[2], state[3]];
         let [roll_acceleration, pitch_acceleration] =
             gimbal.acceleration_rad_s2(roll, [roll_rate, pitch_rate], Gimbal::moment_nm(roll, torque));
         join(
             &[roll_rate, pitch_rate, roll_acceleration, pitch_acceleration],
-            &self.propulsion.derivative(&self.drive, &rotors),
+            &self.arms.derivative(&self.drive, &rotors),
         )
     }
 
@@ -55,11 +57,11 @@ impl Forces<'_> {
     #[inline(always)]
     pub(super) fn in_free_flight(&self, body: &FreeBody, whole: &[f64; 21]) -> [f64; 21] {
         let (state, rotors): (FreeState, _) = split(whole);
-        let lifts = self.propulsion.lifts_n(&self.drive, &rotors);
+        let lifts = self.arms.lifts_n(&self.drive, &rotors);
         let lift_sum_n = lifts.iter().sum();
         join(
             &free_flight::derivative(body, &state, lift_sum_n, self.torque_body_nm(lifts)),
-            &self.propulsion.derivative(&self.drive, &rotors),
+            &self.arms.derivative(&self.drive, &rotors),
         )
     }
 
@@ -73,8 +75,8 @@ impl Forces<'_> {
     ) -> [f64; 12] {
         let (state, rotors): (GimbalState, _) = split(whole);
         let drive = self.drive(extended, after_s);
-        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s);
-        let rotors_change = self.propulsion.derivative(&drive, &rotors);
+        let lifts = extended.lifts_n(self.arms.lifts_n(&drive, &rotors), after_s);
+        let rotors_change = self.arms.derivative(&drive, &rotors);
         let [roll_rad, pitch_rad, roll_rate, pitch_rate] = state;
         let roll = libm::sincos(roll_rad);
         let [roll_nm, pitch_nm, _] = extended.moment_nm(&Motion {
@@ -104,9 +106,9 @@ impl Forces<'_> {
         let (state, rotors): (FreeState, _) = split(whole);
         let drive = self.drive(extended, after_s);
         let factor = extended.ground_factor(&state);
-        let lifts = extended.lifts_n(self.propulsion.lifts_n(&drive, &rotors), after_s).map(|lift_n| lift_n * factor);
+        let lifts = extended.lifts_n(self.arms.lifts_n(&drive, &rotors), after_s).map(|lift_n| lift_n * factor);
         let lift_sum_n = lifts.iter().sum();
-        let rotors_change = self.propulsion.derivative(&drive, &rotors);
+        let rotors_change = self.arms.derivative(&drive, &rotors);
         let loads = extended.loads(body, after_s, &state, lifts, Propulsion::net_spin(&rotors, &rotors_change));
         join(
             &free_flight::extended_derivative(body, &state, lift_sum_n, self.torque_body_nm(lifts), &loads),
@@ -117,26 +119,25 @@ impl Forces<'_> {
     /// Lifts of motors 1 to 4 at the stretch's start, N, of a free vehicle in a state, or on the gimbal.
     pub(super) fn lifts_n(&self, rotors: &RotorState, free: Option<&FreeState>) -> [f64; 4] {
         match &self.extension {
-            None => self.propulsion.lifts_n(&self.drive, rotors),
+            None => self.arms.lifts_n(&self.drive, rotors),
             Some(extended) => {
                 let factor = free.map_or(1.0, |state| extended.ground_factor(state));
-                let lifts_n = self.propulsion.lifts_n(&self.drive(extended, 0.0), rotors);
+                let lifts_n = self.arms.lifts_n(&self.drive(extended, 0.0), rotors);
                 extended.lifts_n(lifts_n, 0.0).map(|lift_n| lift_n * factor)
             }
         }
     }
 
     fn drive(&self, extended: &Extended<'_>, after_s: f64) -> [f64; 4] {
-        if extended.actuation.lags() {
-            extended.actuation.driving(after_s).map(|command| self.propulsion.drive(command))
-        } else {
-            self.drive
-        }
+        if extended.actuation.lags() { self.arms.drive(extended.actuation.driving(after_s)) } else { self.drive }
     }
 
     #[inline]
     fn torque_body_nm(&self, lifts_n: [f64; 4]) -> [f64; 3] {
-        let [x, y, z] = self.airframe.torque_body_nm(lifts_n);
+        let [x, y, z] = match self.own_reactions_per_lift_m {
+            None => self.airframe.torque_body_nm(lifts_n),
+            Some(reactions) => self.airframe.torque_of_own_reactions_nm(lifts_n, reactions),
+        };
         let disturbance = self.disturbance_torque_body_nm;
         [x + disturbance[0], y + disturbance[1], z + disturbance[2]]
     }

@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 
 use crate::effects::Effect;
 use crate::model::VehicleModel;
-use crate::vehicle::propulsion::{Propulsion, RotorState};
+use crate::vehicle::propulsion::{FourArms, RotorState};
 use crate::vehicle::{Airframe, Changes, FIRST_PHASES_RAD, FreeBody, Gimbal, RigidBody, Vibration, turned_on};
 use actuation::Actuation;
 use forces::{Extended, Forces, GimbalState, join, split};
@@ -44,7 +44,7 @@ const SAME_TIME_S: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub struct Plant {
     airframe: Airframe,
-    propulsion: Propulsion,
+    arms: FourArms,
     /// Those with a moment.
     effects: Vec<Effect>,
     /// What effects change of the vehicle's numbers.
@@ -57,7 +57,7 @@ pub struct Plant {
     rotors: RotorState,
     /// Angle of each rotor, rad, where it matters; none before time goes on.
     rotor_phase_rad: Option<[f64; 4]>,
-    /// What the commands in force make the motors do, see [`Propulsion::drive`].
+    /// What the commands in force make the motors do, see [`FourArms::drive`].
     drive: [f64; 4],
     disturbance_torque_body_nm: [f64; 3],
     disturbance_force_body_n: [f64; 3],
@@ -96,9 +96,11 @@ impl Plant {
         let effects_step_max_s =
             model.effects.iter().map(|effect| effect.step_max_s(inertia_kg_m2)).fold(STEP_MAX_S, f64::min);
         let acts_beyond_the_body = Changes { body: Default::default(), sensors: Default::default(), ..changes };
+        let arms = FourArms::of(&model.propulsion, model.arms.as_deref());
+        let step_s = arms.step_max_s().min(effects_step_max_s);
         let mut plant = Self {
             airframe: model.airframe(),
-            propulsion: model.propulsion,
+            arms,
             extended: !effects.is_empty() || acts_beyond_the_body != Changes::default(),
             actuation: Actuation::new(changes.chain, [model.base_command; 4]),
             gravity_m_s2: model.gravity_m_s2,
@@ -115,7 +117,7 @@ impl Plant {
             onsets_s,
             looks_s: VecDeque::new(),
             seen: Vec::new(),
-            method: Method::FixedStep { step_s: model.propulsion.step_max_s().min(effects_step_max_s) },
+            method: Method::FixedStep { step_s },
         };
         plant.set_motor_equilibrium([model.base_command; 4]);
         plant
@@ -130,7 +132,7 @@ impl Plant {
     }
 
     fn take_commands_in_force(&mut self) {
-        self.drive = self.actuation.settled().map(|command| self.propulsion.drive(command));
+        self.drive = self.arms.drive(self.actuation.settled());
     }
 
     /// Torque from outside on the body, (x, y, z), N m, from now on.
@@ -168,7 +170,7 @@ impl Plant {
         self.actuation.settle(commands);
         self.take_commands_in_force();
         for (motor, command) in self.actuation.settled().into_iter().enumerate() {
-            let settled = self.propulsion.equilibrium(command);
+            let settled = self.arms.equilibrium(motor, command);
             self.rotors[motor] = settled.speed_rad_s;
             self.rotors[4 + motor] = settled.current_a;
         }
@@ -358,7 +360,8 @@ impl Plant {
             start_s: self.time_s,
         });
         Forces {
-            propulsion: &self.propulsion,
+            arms: &self.arms,
+            own_reactions_per_lift_m: self.arms.own_reactions_per_lift_m(),
             airframe: self.airframe,
             disturbance_torque_body_nm: self.disturbance_torque_body_nm,
             drive: self.drive,

@@ -69,4 +69,13 @@ impl Airframe {
         let [roll_n, pitch_n, yaw_n] = signed_sums(lifts_n);
         [self.lever_m * roll_n, self.lever_m * pitch_n, self.reaction_torque_per_lift_m * yaw_n]
     }
+
+    /// The same where each propeller has a reaction torque over lift of its own, m.
+    #[inline]
+    pub(crate) fn torque_of_own_reactions_nm(&self, lifts_n: [f64; 4], reactions_per_lift_m: [f64; 4]) -> [f64; 3] {
+        let [roll_n, pitch_n, _] = signed_sums(lifts_n);
+        let reactions_nm = core::array::from_fn(|motor| reactions_per_lift_m[motor] * lifts_n[motor]);
+        let [_, _, yaw_nm] = signed_sums(reactions_nm);
+        [self.lever_m * roll_n, self.lever_m * pitch_n, yaw_nm]
+    }
 }

@@ -23,11 +23,12 @@ pub struct TextFigure<T> {
 }
 
 /// How well an axis follows; of all of them less is better.
-pub const FOLLOWING: [Figure<AxisMetrics>; 6] = [
+pub const FOLLOWING: [Figure<AxisMetrics>; 7] = [
     Figure { name: "rise time 10-90 %, s", decimals: 3, value: |m| m.rise_time_s },
     Figure { name: "overshoot, %", decimals: 1, value: |m| m.overshoot_pct },
     Figure { name: "settling time to 3 deg, s", decimals: 3, value: |m| m.settling_time_s },
     Figure { name: "steady error, deg", decimals: 2, value: |m| m.steady_error_deg },
+    Figure { name: "largest |error| later than 1 s, deg", decimals: 2, value: |m| m.largest_late_error_deg },
     Figure { name: "mean |error|, deg", decimals: 2, value: |m| Some(m.mean_abs_error_deg) },
     Figure { name: "RMS error, deg", decimals: 2, value: |m| Some(m.rms_error_deg) },
 ];

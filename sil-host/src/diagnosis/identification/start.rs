@@ -55,8 +55,10 @@ pub(super) fn vehicle(log: &Log, scale: KnownScale) -> Result<VehicleModel, NotI
             lift_slope_n,
             reaction_torque_per_lift_m: yaw * izz / lift_slope_n,
         }),
+        arms: None,
         noise: noise(log),
         effects: Vec::new(),
+        tolerances: Vec::new(),
     })
 }
 

@@ -128,21 +128,27 @@ impl DevicePropulsion {
     /// Winding and rotor equations of all four motors.
     #[inline]
     pub(crate) fn derivative(&self, voltage_v: &[f64; 4], rotors: &RotorState) -> RotorState {
+        let mut change = [0.0; 8];
+        for motor in 0..4 {
+            let of_motor = self.derivative_of_motor(voltage_v[motor], [rotors[motor], rotors[4 + motor]]);
+            [change[motor], change[4 + motor]] = of_motor;
+        }
+        change
+    }
+
+    /// Rates of change of a motor's speed (rad/s) and winding current (A).
+    #[inline]
+    pub(super) fn derivative_of_motor(&self, voltage_v: f64, [speed, current]: [f64; 2]) -> [f64; 2] {
         let per_speed_constant = 1.0 / self.speed_constant_rad_s_v;
         let per_inductance = 1.0 / self.inductance_h;
         let per_inertia = 1.0 / (self.motor_inertia_kg_m2 + self.rotor_inertia_kg_m2);
-        let mut change = [0.0; 8];
-        for motor in 0..4 {
-            let (speed, current) = (rotors[motor], rotors[4 + motor]);
-            let back_emf_v = (speed - self.speed_offset_rad_s) * per_speed_constant;
-            let load_nm = speed * (self.loss_nm_s + self.drag_nm_s2 * speed.abs());
-            let acceleration = (current * per_speed_constant - load_nm) * per_inertia;
-            // a rotor at rest does not turn backwards
-            let stopped = speed <= 0.0 && acceleration < 0.0;
-            change[motor] = if stopped { 0.0 } else { acceleration };
-            change[4 + motor] = (voltage_v[motor] - self.resistance_ohm * current - back_emf_v) * per_inductance;
-        }
-        change
+        let back_emf_v = (speed - self.speed_offset_rad_s) * per_speed_constant;
+        let load_nm = speed * (self.loss_nm_s + self.drag_nm_s2 * speed.abs());
+        let acceleration = (current * per_speed_constant - load_nm) * per_inertia;
+        // a rotor at rest does not turn backwards
+        let stopped = speed <= 0.0 && acceleration < 0.0;
+        let current_change = (voltage_v - self.resistance_ohm * current - back_emf_v) * per_inductance;
+        [if stopped { 0.0 } else { acceleration }, current_change]
     }
 
     pub(super) fn read(section: &Section<'_>) -> Result<Self, ModelError> {

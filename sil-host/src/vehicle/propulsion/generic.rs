@@ -33,12 +33,17 @@ impl GenericRotor {
     /// `T dw/dt = target - w`
     #[inline]
     pub(crate) fn derivative(&self, target_rad_s: &[f64; 4], rotors: &RotorState) -> RotorState {
-        let rate = 1.0 / self.time_constant_s;
         let mut change = [0.0; 8];
         for motor in 0..4 {
-            change[motor] = (target_rad_s[motor] - rotors[motor]) * rate;
+            change[motor] = self.derivative_of_motor(target_rad_s[motor], rotors[motor]);
         }
         change
+    }
+
+    /// Rate of change of a motor's speed (rad/s).
+    #[inline]
+    pub(super) fn derivative_of_motor(&self, target_rad_s: f64, speed: f64) -> f64 {
+        (target_rad_s - speed) * (1.0 / self.time_constant_s)
     }
 
     pub(super) fn read(section: &Section<'_>) -> Result<Self, ModelError> {

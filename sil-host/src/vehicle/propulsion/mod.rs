@@ -11,6 +11,7 @@
 
 mod device;
 mod flying_box;
+mod four_arms;
 mod generic;
 mod look_up_table;
 
@@ -19,6 +20,7 @@ use crate::document::{Admissible, ModelError, Section, Table, admissible};
 
 pub use device::{DevicePropulsion, Esc};
 pub use flying_box::FlyingBox;
+pub(crate) use four_arms::FourArms;
 pub use generic::GenericRotor;
 pub use look_up_table::{LookUpTable, POINTS_MAX};
 
@@ -54,7 +56,7 @@ impl Level {
     }
 }
 
-/// The propulsion of one arm; all four are alike.
+/// The propulsion of one arm; in a model all four are alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(
     clippy::large_enum_variant,
@@ -172,6 +174,26 @@ impl Propulsion {
             Self::Box(_) => *drive,
             Self::Generic(rotor) => speeds.map(|speed| rotor.lift_n(speed)),
             Self::Device(device) => speeds.map(|speed| device.lift_n(speed)),
+        }
+    }
+
+    /// The same of one motor: its speed (rad/s) and winding current (A).
+    #[inline]
+    fn derivative_of_motor(&self, drive: f64, state: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Box(_) => [0.0; 2],
+            Self::Generic(rotor) => [rotor.derivative_of_motor(drive, state[0]), 0.0],
+            Self::Device(device) => device.derivative_of_motor(drive, state),
+        }
+    }
+
+    /// Lift of one motor, N.
+    #[inline]
+    fn lift_of_motor_n(&self, drive: f64, speed_rad_s: f64) -> f64 {
+        match self {
+            Self::Box(_) => drive,
+            Self::Generic(rotor) => rotor.lift_n(speed_rad_s),
+            Self::Device(device) => device.lift_n(speed_rad_s),
         }
     }
 
