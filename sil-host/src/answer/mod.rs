@@ -31,6 +31,7 @@ pub mod flight;
 mod held_against;
 pub mod identified;
 mod key_window;
+pub mod montecarlo;
 mod plain_words;
 pub mod refinement;
 mod said;

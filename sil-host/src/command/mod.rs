@@ -4,11 +4,13 @@ mod bench_mpc;
 mod compare;
 mod demonstration;
 mod diagnose;
+mod flight_arguments;
 mod fly;
 mod hitl;
 mod identify;
 mod log_arguments;
 mod map;
+mod montecarlo;
 mod output;
 mod progress_line;
 mod refine;
@@ -80,6 +82,7 @@ macro_rules! commands {
 
 commands! {
     Fly(fly::FlyArguments): fly::run,
+    Montecarlo(montecarlo::MontecarloArguments): montecarlo::run,
     Serve(serve::ServeArguments): serve::run,
     Hitl(hitl::HitlArguments): hitl::run,
     Compare(compare::CompareArguments): compare::run,

@@ -1,4 +1,4 @@
-//! How far a diagnosis is, on a terminal; silent where stderr is none.
+//! How far a diagnosis or a study is, on a terminal; silent where stderr is none.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use sil_host::diagnosis::Progress;
@@ -24,6 +24,19 @@ impl ProgressLine {
         let mut line = Self::new();
         line.log = format!("log {number} of {of}: ");
         line
+    }
+
+    /// So many of all, of things that have a name; those that were there at the start are no work done.
+    pub fn show_count(&self, done: u64, total: u64, of: &str) {
+        self.bar.set_length(total);
+        self.bar.set_position(done);
+        self.bar.set_message(format!("{done} of {total} {of}"));
+    }
+
+    /// Begins with so much that was done before, so that the time left is that of the rest.
+    pub fn begin_at(&self, done: u64) {
+        self.bar.set_position(done);
+        self.bar.reset_eta();
     }
 
     pub fn show(&self, progress: Progress) {

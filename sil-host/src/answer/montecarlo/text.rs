@@ -1,0 +1,94 @@
+//! A study on the terminal.
+
+use super::{StudyAnswer, shown};
+use crate::answer::text_table::TextTable;
+use crate::montecarlo::Influence;
+
+/// Influences that are shown of a figure.
+const SHOWN: usize = 3;
+
+/// All of it.
+pub fn text(answer: &StudyAnswer) -> String {
+    let mut text = format!("{}\n\n{}", answer.title(), quantiles(answer));
+    text.push_str("\"-\" in place of a figure: a flight that does not have it, such as one that never settles.\n");
+    if let Some(sampling) = answer.sampling() {
+        text.push_str(&format!("{sampling}\n"));
+    }
+    text.push('\n');
+    for lost in answer.lost() {
+        let (rows, percent) = (answer.summary.rows(), lost.interval.map(|share| 100.0 * share));
+        text.push_str(&format!(
+            "{}: {} of {rows} flights lost (95 % interval {:.2} to {:.2} %)\n",
+            lost.controller, lost.count, percent[0], percent[1]
+        ));
+        for run in lost.runs {
+            text.push_str(&format!("  {}\n", answer.about.command(run, &format!("{}.", lost.controller))));
+        }
+    }
+    text.push_str(&format!("\n{}", causes(answer)));
+    text.push_str(&format!("\n{}", worst(answer)));
+    text
+}
+
+fn quantiles(answer: &StudyAnswer) -> TextTable {
+    let mut table = TextTable::new(["figure", "nominal", "least", "5 %", "median", "95 %", "99 %", "worst", "in run"]);
+    for figure in answer.figures() {
+        let quantile = |share: f64| shown(figure.sample.quantile(share));
+        let worst = figure.sample.worst.first();
+        table.row([
+            figure.name.to_owned(),
+            shown(figure.nominal),
+            shown((figure.sample.count > 0).then_some(figure.sample.min)),
+            quantile(0.05),
+            quantile(0.5),
+            quantile(0.95),
+            quantile(0.99),
+            shown(worst.and_then(|worst| worst.value)),
+            worst.map_or_else(String::new, |worst| worst.run.to_string()),
+        ]);
+    }
+    table
+}
+
+fn causes(answer: &StudyAnswer) -> String {
+    let mut table = TextTable::new(["what it comes from", "explained", "", "", ""]);
+    let mut rows = 0;
+    for figure in answer.figures() {
+        let Some(sensitivity) = figure.sensitivity else { continue };
+        let seen = sensitivity.influences.iter().filter(|influence| influence.is_seen());
+        let mut cells: Vec<String> = seen.take(SHOWN).map(influence_text).collect();
+        cells.resize(SHOWN, String::new());
+        let explained = format!("{:.0} %", 100.0 * sensitivity.explained);
+        table.row([figure.name.to_owned(), explained].into_iter().chain(cells));
+        rows += 1;
+    }
+    if rows == 0 {
+        return "Which tolerance a figure comes from takes more runs than numbers drawn, and figures that differ.\n"
+            .into();
+    }
+    format!(
+        "{table}Standardised rank regression: standard deviations of the figure's rank per one of the number's, with the \
+         95 % interval. What is not explained is noise of the sensors, and what is not monotone.\n"
+    )
+}
+
+/// `+0.41 +-0.03 propulsion.rotor.lift_n_s2.motor1`.
+fn influence_text(influence: &Influence) -> String {
+    format!("{:+.2} +-{:.2} {}", influence.coefficient, influence.half_interval, influence.of)
+}
+
+fn worst(answer: &StudyAnswer) -> String {
+    let mut text = "The worst vehicles, and the command that flies each again\n".to_owned();
+    for (run, figures) in answer.worst() {
+        let named: Vec<String> =
+            figures.iter().map(|(figure, value)| format!("{} {}", figure.name, shown(*value))).collect();
+        let mut commands: Vec<String> =
+            figures.iter().map(|(figure, _)| answer.about.command(run, figure.name)).collect();
+        commands.dedup();
+        text.push_str(&format!("  run {run}: {}\n", named.join(", ")));
+        for command in commands {
+            text.push_str(&format!("    {command}\n"));
+        }
+    }
+    text
+}
