@@ -7,6 +7,7 @@ use serde::Serialize;
 use sil_host::answer::flight::flown::{FlownController, fly_one};
 use sil_host::answer::flight::page::page;
 use sil_host::answer::flight::text::summary_text;
+use sil_host::answer::montecarlo::drawn_text;
 use sil_host::flight::RunSummary;
 use sil_host::flight_log::flight_log;
 use sil_host::montecarlo::{Draw, Lot};
@@ -51,7 +52,11 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
         let setup = match arguments.draw {
             None => setup,
             Some(draw) => {
-                let vehicle = Lot::of(&setup.model).and_then(|lot| lot.draw(draw)).map_err(bad_input)?;
+                let lot = Lot::of(&setup.model).map_err(bad_input)?;
+                let vehicle = lot.draw(draw).map_err(bad_input)?;
+                if flown.is_empty() {
+                    print(drawn_text(&lot, draw, &vehicle))?;
+                }
                 draw.of_flight(&setup, vehicle)
             }
         };

@@ -26,17 +26,15 @@ impl ProgressLine {
         line
     }
 
-    /// So many of all, of things that have a name; those that were there at the start are no work done.
+    /// So many of all, of things that have a name. What there is at the first call is no work done.
     pub fn show_count(&self, done: u64, total: u64, of: &str) {
-        self.bar.set_length(total);
+        if self.bar.length() != Some(total) {
+            self.bar.set_length(total);
+            self.bar.set_position(done);
+            self.bar.reset_eta();
+        }
         self.bar.set_position(done);
         self.bar.set_message(format!("{done} of {total} {of}"));
-    }
-
-    /// Begins with so much that was done before, so that the time left is that of the rest.
-    pub fn begin_at(&self, done: u64) {
-        self.bar.set_position(done);
-        self.bar.reset_eta();
     }
 
     pub fn show(&self, progress: Progress) {

@@ -34,7 +34,7 @@ pub struct ModelKey {
     pub only_with: String,
 }
 
-/// All keys: those of vehicles, then those of benches; effects have a page of their own.
+/// All keys: those of vehicles, then those of benches; effects and tolerances have pages of their own.
 ///
 /// # Errors
 /// One of the project's own models can't be read.
@@ -45,7 +45,8 @@ pub fn keys() -> Result<Vec<ModelKey>, ModelError> {
     let bench = BenchModel { axes: [Some(BenchAxis::default()); 3], ..BenchModel::default() }.to_toml();
     let bench = reads_of(&bench, |root| BenchModel::read(root).map(|_| ()))?;
     let mut keys: Vec<ModelKey> = Vec::new();
-    for read in vehicles.iter().flatten().filter(|read| !read.table.starts_with('[')) {
+    let has_own_page = |read: &&KeyRead| read.table.starts_with('[') || read.table.starts_with("tolerance");
+    for read in vehicles.iter().flatten().filter(|read| !has_own_page(read)) {
         if keys.iter().all(|key| (key.table.as_str(), key.key) != (read.table.as_str(), read.key)) {
             keys.push(ModelKey::of(read, condition(read, &vehicles)));
         }
@@ -59,7 +60,7 @@ pub fn keys() -> Result<Vec<ModelKey>, ModelError> {
 
 /// A model whose speed controller is a table, and one whose rotor's lift is.
 fn with_tables() -> Vec<String> {
-    let model = VehicleModel::nominal(Rig::Gimbal);
+    let model = VehicleModel { tolerances: Vec::new(), ..VehicleModel::nominal(Rig::Gimbal) };
     let table = LookUpTable::new(&[(0.0, 0.0), (1.0, 10.0)]);
     let (Propulsion::Device(device), Some(table)) = (model.propulsion, table) else { return Vec::new() };
     let esc = DevicePropulsion { esc: Esc::Table(table), ..device };
@@ -143,7 +144,8 @@ mod tests {
         assert_eq!(condition("yaw", "gain_rad_s2"), "rig = \"axis\"");
         // no key is written that is not here
         for text in MODELS {
-            let written = VehicleModel::parse(text, "m").unwrap().to_toml();
+            let model = VehicleModel { tolerances: Vec::new(), ..VehicleModel::parse(text, "m").unwrap() };
+            let written = model.to_toml();
             for line in written.lines().filter(|line| line.contains(" = ")) {
                 let key = line.split(" = ").next().unwrap();
                 assert!(keys.iter().any(|of| of.key == key), "{key}");

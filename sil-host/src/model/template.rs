@@ -1,7 +1,7 @@
 //! A model to be read again and again with other numbers in place of some of its own, so that whatever is drawn passes
 //! the same checks as a file that somebody wrote.
 
-use super::VehicleModel;
+use super::{Tolerance, VehicleModel};
 use crate::document::{ModelError, Replaced, Section, Source};
 use crate::vehicle::propulsion::Propulsion;
 
@@ -14,6 +14,15 @@ pub(crate) struct Template {
 impl Template {
     pub(crate) fn of(model: &VehicleModel) -> Self {
         Self { text: VehicleModel { tolerances: Vec::new(), ..model.clone() }.to_toml() }
+    }
+
+    /// The numbers that can be replaced, by address.
+    pub(crate) fn nominals(&self) -> Result<Replaced, ModelError> {
+        let source = Source { name: "the model", text: &self.text };
+        let document = source.parse()?;
+        let root = Section::root(source, &document);
+        VehicleModel::read(&root)?;
+        Ok(Tolerance::nominals(&root.reads()))
     }
 
     /// The model with other numbers: some of the vehicle, and some of each arm's propulsion.

@@ -8,6 +8,9 @@
 //! ```
 //! A key is the address of any number of the same file, tables of one header counted (`effect.1.scale`).
 
+use std::collections::BTreeMap;
+
+use super::VehicleModel;
 use crate::document::{Holds, KeyRead, ModelError, Section, Table, admissible};
 
 /// A normal spread is cut off at so many standard deviations, to either side.
@@ -26,8 +29,6 @@ pub struct Tolerance {
     pub key: String,
     /// How it is spread about the model's value.
     pub spread: Spread,
-    /// The model's value, in the unit of its name.
-    pub nominal: f64,
 }
 
 /// How a number is spread about its nominal value.
@@ -66,13 +67,18 @@ impl Tolerance {
         is_per_motor(&self.key)
     }
 
-    /// How far it may lie from the nominal value, in its unit; none for one that goes like another.
-    pub fn reach(&self) -> Option<f64> {
+    /// How far it may lie from the model's value, in its unit; none for one that goes like another.
+    pub fn reach(&self, nominal: f64) -> Option<f64> {
         match self.spread {
-            Spread::Normal(extent) => Some(CUT_SD * extent.about(self.nominal)),
-            Spread::Uniform(extent) => Some(extent.about(self.nominal)),
+            Spread::Normal(extent) => Some(CUT_SD * extent.about(nominal)),
+            Spread::Uniform(extent) => Some(extent.about(nominal)),
             Spread::Like(_) => None,
         }
+    }
+
+    /// Values that it may be spread about, by address.
+    pub(super) fn nominals(reads: &[KeyRead]) -> BTreeMap<String, f64> {
+        spreadable(reads).map(|(read, value)| (read.address.clone(), value)).collect()
     }
 
     /// Reads the table, where a file has one. `reads` are the numbers of the rest of the file.
@@ -105,6 +111,23 @@ impl Tolerance {
             };
             table.inline(&tolerance.key, name, &extent);
         }
+    }
+}
+
+impl VehicleModel {
+    /// Drops those tolerances that the model can't have any more because its numbers were exchanged; says which.
+    pub fn drop_impossible_tolerances(&mut self) -> Vec<String> {
+        let mut wanted = std::mem::take(&mut self.tolerances);
+        let mut dropped = Vec::new();
+        // what goes like another needs that one first
+        wanted.sort_by_key(|tolerance| matches!(tolerance.spread, Spread::Like(_)));
+        for tolerance in wanted {
+            self.tolerances.push(tolerance);
+            if VehicleModel::parse(&self.to_toml(), "").is_err() {
+                dropped.extend(self.tolerances.pop().map(|tolerance| tolerance.key));
+            }
+        }
+        dropped
     }
 }
 
@@ -148,15 +171,15 @@ fn read_one(key: &str, section: &Section<'_>, reads: &[KeyRead]) -> Result<Toler
              like"
         )));
     };
-    let tolerance = Tolerance { key: key.to_owned(), spread, nominal };
-    check_reach(section, &tolerance, read)?;
+    let tolerance = Tolerance { key: key.to_owned(), spread };
+    check_reach(section, &tolerance, nominal, read)?;
     Ok(tolerance)
 }
 
 /// No value that can be drawn may be one that the key does not admit.
-fn check_reach(section: &Section<'_>, tolerance: &Tolerance, read: &KeyRead) -> Result<(), ModelError> {
-    let (Tolerance { key, nominal, .. }, Holds::Number(range)) = (tolerance, &read.holds) else { return Ok(()) };
-    match tolerance.reach() {
+fn check_reach(section: &Section<'_>, tolerance: &Tolerance, nominal: f64, read: &KeyRead) -> Result<(), ModelError> {
+    let (key, Holds::Number(range)) = (&tolerance.key, &read.holds) else { return Ok(()) };
+    match tolerance.reach(nominal) {
         Some(0.0) => Err(section.impossible(format!(
             "the tolerance of `{key}` is 0: expected one above 0, and sd or half_width where the number itself is 0"
         ))),
@@ -190,15 +213,83 @@ fn check_like(
             section.impossible(format!("`{key}` can't go like `{other}`: only one of them is each motor's own"))
         );
     }
-    if leader.nominal == 0.0 || tolerance.nominal == 0.0 {
+    let of = |key: &str| spreadable(reads).find(|(read, _)| read.address == key);
+    let (Some((_, of_leader)), Some((read, own))) = (of(other), of(key)) else { return Ok(()) };
+    if of_leader == 0.0 || own == 0.0 {
         return Err(
             section.impossible(format!("`{key}` can't go like `{other}`: one of them is 0, which has no share"))
         );
     }
-    let share = leader.reach().unwrap_or(0.0) / leader.nominal.abs();
+    let share = leader.reach(of_leader).unwrap_or(0.0) / of_leader.abs();
     let follower = Tolerance { spread: Spread::Uniform(Extent::Relative(share)), ..tolerance.clone() };
-    match reads.iter().find(|read| read.address == *key) {
-        Some(read) => check_reach(section, &follower, read),
-        None => Ok(()),
+    check_reach(section, &follower, own, read)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GIMBAL: &str = include_str!("../../../models/f450-gimbal.toml");
+
+    fn with(tolerances: &str) -> String {
+        let (model, _) = GIMBAL.split_once("\n[tolerance]").unwrap();
+        format!("{model}\n[tolerance]\n{tolerances}\n")
+    }
+
+    #[test]
+    fn tolerances_are_read_and_written_back() {
+        let model = VehicleModel::parse(GIMBAL, "m").unwrap();
+        assert!(model.tolerances.len() > 8);
+        let text = with(
+            "arm_m = { sd = 0.001 }\n\"propulsion.rotor.lift_n_s2\" = { relative_half_width = 0.1 }\n\
+             \"propulsion.rotor.drag_nm_s2\" = { like = \"propulsion.rotor.lift_n_s2\" }\n\
+             \"effect.1.scale\" = { sd = 0.03 }\n[[effect]]\nname = \"thrust_scale\"\nscale = 1.0\n",
+        );
+        let model = VehicleModel::parse(&text, "m").unwrap();
+        assert_eq!(model.tolerances[0].spread, Spread::Normal(Extent::Absolute(0.001)));
+        let of_each: Vec<bool> = model.tolerances.iter().map(Tolerance::is_per_motor).collect();
+        assert_eq!(of_each, [false, true, true, false]);
+        assert_eq!(VehicleModel::parse(&model.to_toml(), "written").unwrap(), model);
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_place() {
+        for (tolerances, expected) in [
+            ("\"body.ixx\" = { relative_sd = 0.1 }", "did you mean `body.ixx_kg_m2`?"),
+            ("\"base_command\" = { sd = 0.1 }", "unknown key `base_command`"),
+            ("\"body.mass_kg\" = { sd = 0.1 }", "unknown key `body.mass_kg`"),
+            ("arm_m = { relative_sdd = 0.1 }", "did you mean `relative_sd`?"),
+            ("arm_m = { sd = 0.1, half_width = 0.1 }", "expected one of sd, relative_sd"),
+            ("arm_m = {}", "expected one of sd, relative_sd"),
+            ("arm_m = 0.1", "`arm_m` is of type float"),
+            ("arm_m = { sd = \"much\" }", "`sd` is of type string"),
+            ("arm_m = { relative_sd = 1.5 }", "the standard deviation over the value (0.0 to 1.0)"),
+            ("arm_m = { sd = -1 }", "`sd` is -1"),
+            ("arm_m = { sd = 0 }", "the tolerance of `arm_m` is 0"),
+            ("\"body.ixx_kg_m2\" = { relative_sd = 0.34 }", "would be drawn from -2.3024e-4"),
+            ("arm_m = { like = \"body.ixx_kg_m2\" }", "unknown key `body.ixx_kg_m2` in [tolerance] that is drawn"),
+            (
+                "arm_m = { sd = 0.001 }\n\"propulsion.rotor.lift_n_s2\" = { like = \"arm_m\" }",
+                "only one of them is each motor's own",
+            ),
+        ] {
+            let text = with(tolerances);
+            let line = 1 + text[..text.find(tolerances).unwrap()].matches('\n').count();
+            let line = line + tolerances.matches('\n').count();
+            let error = VehicleModel::parse(&text, "m.toml").unwrap_err().to_string();
+            assert!(error.starts_with(&format!("m.toml:{line}:")) && error.contains(expected), "{line}: {error}");
+        }
+    }
+
+    #[test]
+    fn what_a_changed_model_can_not_have_is_dropped() {
+        let mut model = VehicleModel::parse(GIMBAL, "m").unwrap();
+        let before = model.clone();
+        assert!(model.drop_impossible_tolerances().is_empty());
+        assert_eq!(model.tolerances.len(), before.tolerances.len());
+        let crate::vehicle::propulsion::Propulsion::Device(device) = &mut model.propulsion else { panic!("no device") };
+        device.esc = crate::vehicle::propulsion::Esc::Duty { battery_v: 11.1 };
+        assert_eq!(model.drop_impossible_tolerances(), ["propulsion.esc.gain1_v"]);
+        VehicleModel::parse(&model.to_toml(), "written").unwrap();
     }
 }

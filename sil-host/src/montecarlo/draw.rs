@@ -32,6 +32,9 @@ pub enum DrawError {
         /// Its name.
         model: String,
     },
+    /// The model itself.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// None of many could be.
     #[error("draw {draw}: none of {ATTEMPTS_MAX} vehicles drawn can be; the last: {reason}")]
     Impossible {
@@ -72,18 +75,22 @@ pub struct DrawnVehicle {
 pub struct Lot {
     nominal: VehicleModel,
     template: Template,
+    /// Its numbers, by address.
+    values: Replaced,
 }
 
 impl Lot {
     /// Of a model.
     ///
     /// # Errors
-    /// [`DrawError::NoTolerances`].
+    /// [`DrawError::NoTolerances`], and a model that its own file could not be read back from.
     pub fn of(model: &VehicleModel) -> Result<Self, DrawError> {
         if model.tolerances.is_empty() {
             return Err(DrawError::NoTolerances { model: model.name.clone() });
         }
-        Ok(Self { nominal: model.clone(), template: Template::of(model) })
+        let template = Template::of(model);
+        let values = template.nominals()?;
+        Ok(Self { nominal: model.clone(), template, values })
     }
 
     /// What every vehicle would be without tolerances.
@@ -91,10 +98,23 @@ impl Lot {
         &self.nominal
     }
 
+    /// The model's value of what a tolerance is about.
+    fn nominal_of(&self, key: &str) -> f64 {
+        self.values.get(key).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The model's values of what is drawn, in the order of [`Lot::columns`].
+    pub fn nominal_values(&self) -> Vec<f64> {
+        self.drawn().flat_map(|tolerance| places(tolerance).map(|_| self.nominal_of(&tolerance.key))).collect()
+    }
+
+    fn drawn(&self) -> impl Iterator<Item = &Tolerance> {
+        self.nominal.tolerances.iter().filter(|tolerance| !matches!(tolerance.spread, Spread::Like(_)))
+    }
+
     /// What is drawn: addresses in the model file, those of each motor's own with `.motor1` to `.motor4` behind.
     pub fn columns(&self) -> Vec<String> {
-        let drawn = self.nominal.tolerances.iter().filter(|tolerance| !matches!(tolerance.spread, Spread::Like(_)));
-        drawn.flat_map(|tolerance| places(tolerance).map(|place| column(&tolerance.key, place))).collect()
+        self.drawn().flat_map(|tolerance| places(tolerance).map(|place| column(&tolerance.key, place))).collect()
     }
 
     /// One vehicle.
@@ -131,15 +151,15 @@ impl Lot {
                     None => &mut of_vehicle,
                     Some(motor) => &mut of_arms[motor],
                 };
+                let nominal = self.nominal_of(&tolerance.key);
                 let value = match &tolerance.spread {
                     Spread::Like(leader) => {
-                        let nominal = self.nominal.tolerances.iter().find(|other| other.key == *leader);
-                        let share = of_place.get(leader).zip(nominal).map_or(1.0, |(value, of)| value / of.nominal);
-                        tolerance.nominal * share
+                        let share = of_place.get(leader).map_or(1.0, |value| value / self.nominal_of(leader));
+                        nominal * share
                     }
                     spread => {
                         let name = format!("draw {} of {}, {attempt}", draw.number, column(&tolerance.key, place));
-                        let value = tolerance.nominal + deviation(spread, tolerance.nominal, draw.seed, &name);
+                        let value = nominal + deviation(spread, nominal, draw.seed, &name);
                         values.push(value);
                         value
                     }

@@ -28,3 +28,6 @@ pub use sensitivity::{Influence, Sensitivity};
 pub use store::{Collected, PART_RUNS, Share, StoreError, collect, read_rows};
 pub use study::{Column, Kind, Row, Study, StudyError};
 pub use summary::{Extreme, Sample, Summary};
+
+#[cfg(test)]
+mod tests;

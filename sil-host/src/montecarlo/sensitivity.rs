@@ -1,10 +1,16 @@
 //! Which tolerance a figure comes from: standardised rank regression (Saltelli, Chan, Scott, Sensitivity Analysis, 2000,
 //! section 6.6). Ranks take the place of values, so that any monotone dependence counts and no outlier does; flights
 //! without a figure take the highest ranks together.
+//!
+//! What each motor has of its own enters as the mean of the four and as how far the motors that turn the vehicle one way
+//! differ from those that turn it back, about each axis and without a sign: which side is the stronger one hardly
+//! matters, and a figure that it spoils is no monotone function of any motor's number.
 
 use super::study::Kind;
 use super::summary::{Sample, Summary};
+use crate::axis::Axis;
 use crate::statistics::{Cholesky, dot, student_95};
+use crate::vehicle::signed_sums;
 
 /// As many more runs than coefficients are needed for intervals that mean something.
 const RUNS_MORE_MIN: usize = 20;
@@ -12,7 +18,7 @@ const RUNS_MORE_MIN: usize = 20;
 /// What one drawn number does to a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Influence {
-    /// Column of the number.
+    /// The number's column, or what of the four motors' numbers.
     pub of: String,
     /// Standard deviations of the figure's rank per standard deviation of the number's rank.
     pub coefficient: f64,
@@ -40,13 +46,11 @@ pub struct Sensitivity {
 impl Sensitivity {
     /// Of figures by name; none for one that is the same in every run, and of too few runs.
     pub fn of(summary: &Summary, figures: &[&str]) -> Vec<Option<Sensitivity>> {
-        let drawn: Vec<(&str, Vec<f64>)> = summary
-            .of_kind(Kind::Drawn)
-            .filter_map(|(column, sample)| Some((column.name.as_str(), standardised_ranks(sample)?)))
-            .collect();
+        let ranked = |(name, values): (String, Vec<f64>)| Some((name, standardised_ranks(&values)?));
+        let drawn: Vec<(String, Vec<f64>)> = inputs(summary).into_iter().filter_map(ranked).collect();
         let regression = Regression::of(&drawn, summary.kept());
         let of = |figure: &&str| {
-            let ranks = standardised_ranks(summary.column(figure)?)?;
+            let ranks = standardised_ranks(&values_of(summary.column(figure)?))?;
             regression.as_ref().map(|regression| regression.explain(&drawn, &ranks))
         };
         figures.iter().map(of).collect()
@@ -61,7 +65,7 @@ struct Regression {
 }
 
 impl Regression {
-    fn of(drawn: &[(&str, Vec<f64>)], count: usize) -> Option<Self> {
+    fn of(drawn: &[(String, Vec<f64>)], count: usize) -> Option<Self> {
         let size = drawn.len();
         if size == 0 || count < size + RUNS_MORE_MIN {
             return None;
@@ -78,7 +82,7 @@ impl Regression {
         Some(Self { factor, inverse, count })
     }
 
-    fn explain(&self, drawn: &[(&str, Vec<f64>)], figure: &[f64]) -> Sensitivity {
+    fn explain(&self, drawn: &[(String, Vec<f64>)], figure: &[f64]) -> Sensitivity {
         let size = drawn.len();
         let right: Vec<f64> = drawn.iter().map(|(_, ranks)| dot(ranks, figure)).collect();
         let coefficients = self.factor.solve(&right);
@@ -87,8 +91,8 @@ impl Regression {
         // the mean is estimated, too
         let freedom = (self.count - size - 1) as f64;
         let (variance, student) = (left / freedom, student_95(freedom));
-        let influence = |(index, (name, _)): (usize, &(&str, Vec<f64>))| Influence {
-            of: (*name).to_owned(),
+        let influence = |(index, (name, _)): (usize, &(String, Vec<f64>))| Influence {
+            of: name.clone(),
             coefficient: coefficients[index],
             half_interval: student * (variance * self.inverse[index * size + index]).sqrt(),
         };
@@ -99,9 +103,34 @@ impl Regression {
     }
 }
 
+/// What was drawn, by name.
+fn inputs(summary: &Summary) -> Vec<(String, Vec<f64>)> {
+    let mut inputs = Vec::new();
+    for (column, sample) in summary.of_kind(Kind::Drawn) {
+        let Some((key, number)) = column.name.rsplit_once(".motor") else {
+            inputs.push((column.name.clone(), values_of(sample)));
+            continue;
+        };
+        let of_motor = |motor: usize| summary.column(&format!("{key}.motor{motor}")).map(values_of);
+        if let ("1", [Some(first), Some(second), Some(third), Some(fourth)]) = (number, [1, 2, 3, 4].map(of_motor)) {
+            let motors = |run: usize| [first[run], second[run], third[run], fourth[run]];
+            let runs = 0..first.len();
+            inputs.push((format!("{key}, mean"), runs.clone().map(|run| motors(run).iter().sum()).collect()));
+            for axis in Axis::ALL {
+                let balance = |run: usize| signed_sums(motors(run))[axis.index()].abs();
+                inputs.push((format!("{key}, {} imbalance", axis.name()), runs.clone().map(balance).collect()));
+            }
+        }
+    }
+    inputs
+}
+
+fn values_of(sample: &Sample) -> Vec<f64> {
+    sample.kept.iter().map(|value| value.unwrap_or(f64::INFINITY)).collect()
+}
+
 /// Ranks, those of equal values their mean, with mean 0 and variance 1; none where all values are equal.
-fn standardised_ranks(sample: &Sample) -> Option<Vec<f64>> {
-    let values: Vec<f64> = sample.kept.iter().map(|value| value.unwrap_or(f64::INFINITY)).collect();
+fn standardised_ranks(values: &[f64]) -> Option<Vec<f64>> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
     let mut ranks = vec![0.0; values.len()];
@@ -124,6 +153,27 @@ mod tests {
     use super::*;
     use crate::sensors::random::RandomStream;
 
+    /// What one motor has more than the others is seen as the mean where it lifts, as imbalance where it turns.
+    #[test]
+    fn what_four_motors_have_counts_as_mean_and_imbalance() {
+        let rename = |mut summary: Summary| {
+            for (column, motor) in summary.columns_mut().iter_mut().zip(1..=4) {
+                column.name = format!("lift.motor{motor}");
+            }
+            summary
+        };
+        let sum = rename(summary_of(1000, 5, |x, noise| Some(x[..4].iter().sum::<f64>() + 0.1 * noise)));
+        let found = Sensitivity::of(&sum, &["f"]).remove(0).unwrap();
+        assert!(found.influences[0].of == "lift, mean" && found.influences[0].coefficient > 0.95, "{found:?}");
+        // motors 2 and 3 roll to the right, 1 and 4 to the left
+        let roll = rename(summary_of(1000, 5, |x, noise| Some((x[1] + x[2] - x[0] - x[3]).abs() + 0.1 * noise)));
+        let found = Sensitivity::of(&roll, &["f"]).remove(0).unwrap();
+        assert!(
+            found.influences[0].of == "lift, roll imbalance" && found.influences[0].coefficient > 0.95,
+            "{found:?}"
+        );
+    }
+
     fn summary_of(count: u64, drawn: usize, figure: impl Fn(&[f64], f64) -> Option<f64>) -> Summary {
         let mut columns: Vec<Column> =
             (0..drawn).map(|index| Column { name: format!("x{index}"), kind: Kind::Drawn }).collect();
@@ -138,8 +188,8 @@ mod tests {
         summary
     }
 
-    /// Of independent normal numbers with weights 3, -2, 1 and noise of deviation 1 the standardised coefficients are
-    /// the weights over sqrt(15), on ranks a few percent less.
+    /// Normal numbers with weights 3, -2, 1 and noise of deviation 1: correlations of r = weight over sqrt(15), of ranks
+    /// 6/pi asin(r/2) (Pearson, 1907). Inputs that are independent have these as coefficients.
     #[test]
     fn planted_causes_are_found_in_their_order_and_signs() {
         let figure = |x: &[f64], noise: f64| Some((3.0 * x[1] - 2.0 * x[3] + x[0] + noise).exp());
@@ -147,11 +197,15 @@ mod tests {
         let found = Sensitivity::of(&summary, &["f"]).remove(0).unwrap();
         let names: Vec<&str> = found.influences.iter().take(3).map(|influence| influence.of.as_str()).collect();
         assert_eq!(names, ["x1", "x3", "x0"]);
+        let of_ranks = |weight: f64| (weight / 15_f64.sqrt() / 2.0).asin() * 6.0 / core::f64::consts::PI;
         for (influence, weight) in found.influences.iter().zip([3.0, -2.0, 1.0, 0.0, 0.0]) {
-            assert!((influence.coefficient - weight / 15_f64.sqrt()).abs() < 0.06, "{influence:?}");
+            // five standard errors
+            let error = 5.0 / 1.96 * influence.half_interval;
+            assert!((influence.coefficient - of_ranks(weight)).abs() < error, "{influence:?}");
             assert_eq!(influence.is_seen(), weight != 0.0, "{influence:?}");
         }
-        assert!((found.explained - 14.0 / 15.0).abs() < 0.04, "{}", found.explained);
+        let expected: f64 = [3.0, -2.0, 1.0].map(|weight| of_ranks(weight) * of_ranks(weight)).iter().sum();
+        assert!((found.explained - expected).abs() < 0.02, "{} {expected}", found.explained);
     }
 
     /// The interval holds the truth, 0, in about 95 of 100 cases: 400 cases, five standard errors.

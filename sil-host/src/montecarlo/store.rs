@@ -119,6 +119,7 @@ pub fn collect(
     }
     let flown: u64 = missing.iter().map(Part::runs).sum();
     let done = std::sync::atomic::AtomicU64::new(total - flown);
+    progress(total - flown, total);
     let fly = |run: u64| {
         let row = study.fly(run)?;
         progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, total);

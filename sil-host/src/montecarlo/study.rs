@@ -150,12 +150,7 @@ impl Study {
     /// The row of the vehicle without tolerances, its sensors' noise that of run 0.
     pub fn fly_nominal(&self) -> Row {
         let nominal = self.lot.nominal();
-        let value = |column: &Column| {
-            let of = |key: &str| nominal.tolerances.iter().find(|tolerance| tolerance.key == key);
-            let of_vehicle = column.name.rsplit_once(".motor").map_or(column.name.as_str(), |(key, _)| key);
-            of(&column.name).or_else(|| of(of_vehicle)).map(|tolerance| tolerance.nominal)
-        };
-        let mut values: Vec<Option<f64>> = self.columns.iter().filter(|c| c.kind == Kind::Drawn).map(value).collect();
+        let mut values: Vec<Option<f64>> = self.lot.nominal_values().into_iter().map(Some).collect();
         let draw = Draw { seed: self.seed, number: 0 };
         for flown in &self.flown {
             let vehicle = DrawnVehicle { model: nominal.clone(), values: Vec::new() };

@@ -72,6 +72,11 @@ impl Summary {
         }
     }
 
+    #[cfg(test)]
+    pub(super) fn columns_mut(&mut self) -> &mut [Column] {
+        &mut self.columns
+    }
+
     /// Rows so far.
     pub fn rows(&self) -> u64 {
         self.rows

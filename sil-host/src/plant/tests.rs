@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::Rig;
+use crate::vehicle::propulsion::Propulsion;
 
 /// A vehicle without lift below command 0.5, for pure rigid-body motion.
 pub(super) fn unpowered(rig: Rig) -> VehicleModel {

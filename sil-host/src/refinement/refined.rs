@@ -99,6 +99,9 @@ pub fn refine(benches: &[Bench], base: &VehicleModel, order: &Order<'_>) -> Resu
     }
     let mut model = VehicleModel { propulsion: Propulsion::Device(device), ..base.clone() };
     notes.extend(hover_anew(&mut model));
+    for key in model.drop_impossible_tolerances() {
+        notes.push(format!("the tolerance of {key} is left out: the refined model can't have it"));
+    }
     let checks = checks(&device, &order.given, base.gravity_m_s2);
     Ok(Refined { model, base: base.name.clone(), constants: constants.all, comparisons, checks, notes })
 }

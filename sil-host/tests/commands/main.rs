@@ -13,6 +13,7 @@ mod json;
 mod labels;
 mod logs;
 mod maps;
+mod montecarlo;
 mod pages;
 mod refine;
 mod sil;

@@ -236,6 +236,18 @@ fn pages_describe_the_json_of_a_refinement() {
 }
 
 #[test]
+fn pages_describe_the_json_of_a_study() {
+    let folder = Folder::new();
+    folder.write("s.toml", "duration_s = 0.5\n[[step]]\nat_s = 0.1\nroll_deg = 5\n");
+    let arguments = ["--runs", "60", "--controller", "pid", "--script", "s.toml", "--json", "out.json"];
+    folder.sil(&[&["montecarlo"], &arguments[..]].concat()).assert_done();
+    let mut answer = folder.json("out.json");
+    // no vehicle is lost within half a second
+    answer["lost"][0]["commands"] = serde_json::json!(["sil fly --draw 0:1"]);
+    assert_described("montecarlo", &answer);
+}
+
+#[test]
 fn pages_describe_the_json_of_a_diagnosis() {
     let folder = Folder::new();
     folder.write("log.csv", RIG_LOG);

@@ -8,7 +8,7 @@ use crate::report::{Bars, Card, Cell, Chart, Page, Section, Table, Tone};
 const CURVE_POINTS: usize = 200;
 
 /// Influences that are drawn of a figure.
-const SHOWN: usize = 8;
+const SHOWN: usize = 6;
 
 /// Figures whose distribution and causes are drawn: what follows the controller's name.
 const DRAWN: [&str; 6] = [

@@ -2,10 +2,27 @@
 
 use super::{StudyAnswer, shown};
 use crate::answer::text_table::TextTable;
-use crate::montecarlo::Influence;
+use crate::montecarlo::{Draw, DrawnVehicle, Influence, Lot};
 
 /// Influences that are shown of a figure.
-const SHOWN: usize = 3;
+const SHOWN: usize = 2;
+
+/// Numbers of a drawn vehicle that are named.
+const FURTHEST: usize = 4;
+
+/// What is particular about a drawn vehicle.
+pub fn drawn_text(lot: &Lot, draw: Draw, vehicle: &DrawnVehicle) -> String {
+    let nominal = lot.nominal_values();
+    // of a value of 0 the deviation has no share
+    let share =
+        |(value, nominal): (f64, f64)| if nominal == 0.0 { 0.0 } else { 100.0 * (value - nominal) / nominal.abs() };
+    let shares = vehicle.values.iter().copied().zip(nominal).map(share);
+    let mut named: Vec<(String, f64)> = lot.columns().into_iter().zip(shares).collect();
+    named.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let furthest: Vec<String> =
+        named.iter().take(FURTHEST).map(|(name, share)| format!("{name} {share:+.1} %")).collect();
+    format!("drawn vehicle {draw}, furthest from the model's numbers: {}\n", furthest.join(", "))
+}
 
 /// All of it.
 pub fn text(answer: &StudyAnswer) -> String {
@@ -51,24 +68,22 @@ fn quantiles(answer: &StudyAnswer) -> TextTable {
 }
 
 fn causes(answer: &StudyAnswer) -> String {
-    let mut table = TextTable::new(["what it comes from", "explained", "", "", ""]);
-    let mut rows = 0;
+    let mut text = String::new();
     for figure in answer.figures() {
         let Some(sensitivity) = figure.sensitivity else { continue };
         let seen = sensitivity.influences.iter().filter(|influence| influence.is_seen());
-        let mut cells: Vec<String> = seen.take(SHOWN).map(influence_text).collect();
-        cells.resize(SHOWN, String::new());
-        let explained = format!("{:.0} %", 100.0 * sensitivity.explained);
-        table.row([figure.name.to_owned(), explained].into_iter().chain(cells));
-        rows += 1;
+        let seen: Vec<String> = seen.take(SHOWN).map(influence_text).collect();
+        let explained = 100.0 * sensitivity.explained;
+        text.push_str(&format!("{:<32} {explained:>3.0} %  {}\n", figure.name, seen.join("; ")));
     }
-    if rows == 0 {
+    if text.is_empty() {
         return "Which tolerance a figure comes from takes more runs than numbers drawn, and figures that differ.\n"
             .into();
     }
     format!(
-        "{table}Standardised rank regression: standard deviations of the figure's rank per one of the number's, with the \
-         95 % interval. What is not explained is noise of the sensors, and what is not monotone.\n"
+        "What the figures come from: explained share, then the largest influences\n{text}Standardised rank regression: \
+         standard deviations of the figure's rank per one of the number's, with the 95 %\ninterval. What is not \
+         explained is noise of the sensors, and what is not monotone.\n"
     )
 }
 

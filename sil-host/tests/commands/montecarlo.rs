@@ -1,0 +1,107 @@
+//! `sil montecarlo`: drawn vehicles flown, interrupted, in shards, and one of them flown again by `sil fly --draw`.
+
+use serde_json::Value;
+
+use crate::sil::{Folder, GENERIC_GIMBAL_MODEL};
+
+const TOLERANCES: &str = "\n[tolerance]\n\"body.ixx_kg_m2\" = { relative_sd = 0.05 }\n\
+                          \"propulsion.lift_n_s2\" = { relative_half_width = 0.1 }\n";
+
+/// A vehicle with tolerances and a script of a second.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("m.toml", format!("{GENERIC_GIMBAL_MODEL}{TOLERANCES}"));
+    folder.write("s.toml", "name = \"a step\"\nduration_s = 1\n[[step]]\nat_s = 0.1\nroll_deg = 8\n");
+    folder
+}
+
+const FLOWN: [&str; 5] = ["montecarlo", "--model", "m.toml", "--script", "s.toml"];
+
+#[test]
+fn the_worst_vehicle_is_flown_again_to_the_bit_by_the_command_that_is_printed() {
+    let folder = folder();
+    let arguments = ["--runs", "60", "--seed", "9", "--json", "a.json", "--report", "a.html", "--out", "a.parquet"];
+    let said = folder.sil(&[&FLOWN[..], &arguments].concat()).assert_done().stdout;
+    for expected in
+        ["60 vehicles, 5 numbers drawn of each, seed 9; a step", "pid: 0 of 60 flights lost", "mpc.fallbacks"]
+    {
+        assert!(said.contains(expected), "{expected}: {said}");
+    }
+    let answer = folder.json("a.json");
+    let mut compared = 0;
+    for figure in answer["figures"].as_array().unwrap() {
+        let worst = &figure["worst"][0];
+        let command = worst["command"].as_str().unwrap();
+        assert!(figure["max"] != figure["min"] || figure["name"] == "mpc.fallbacks" || compared > 0, "{figure}");
+        if !figure["name"].as_str().unwrap().contains(".pitch.overshoot") && compared % 5 == 0 {
+            assert!(said.contains(command) || figure["max"] == figure["min"], "{command}: {said}");
+            let words: Vec<&str> = command.split(' ').skip(1).chain(["--json", "f.json"]).collect();
+            let flown = folder.sil(&words).assert_done().stdout;
+            assert!(flown.contains("drawn vehicle 9:"), "{flown}");
+            let names: Vec<&str> = figure["name"].as_str().unwrap().split('.').collect();
+            let run = &folder.json("f.json")["runs"][0];
+            assert_eq!(run["controller"], names[0]);
+            let again = match names[1..] {
+                [axis, name] => &run["axes"][axis][name],
+                ["fallbacks"] => &run["mpc"]["fallbacks"],
+                _ => &run[names[1]],
+            };
+            assert_eq!(again.as_f64(), worst["value"].as_f64(), "{command}: {figure}");
+        }
+        compared += 1;
+    }
+    let page = String::from_utf8(folder.bytes("a.html")).unwrap();
+    for expected in ["Of 60 vehicles pid loses none, mpc loses none", "Cumulative distributions", "sil fly --draw 9:"] {
+        assert!(page.contains(expected), "{expected}");
+    }
+}
+
+#[test]
+fn shards_make_the_same_answer_as_the_whole() {
+    let folder = folder();
+    let runs = ["--runs", "450", "--controller", "pid", "--seed", "2"];
+    let fly = |more: &[&str]| folder.sil(&[&FLOWN[..], &runs, more].concat()).assert_done().stdout;
+    fly(&["--out", "whole.parquet", "--json", "whole.json"]);
+    fly(&["--out", "one.parquet", "--shard", "1/2"]);
+    fly(&["--out", "two.parquet", "--shard", "2/2"]);
+    let joined = ["montecarlo", "--summarise", "two.parquet", "one.parquet", "--json", "joined.json"];
+    folder.sil(&joined).assert_done();
+    let (whole, joined) = (folder.json("whole.json"), folder.json("joined.json"));
+    assert_eq!((&joined["runs"], &joined["flown"]), (&450.into(), &0.into()));
+    let figures = |answer: &Value| -> Vec<[Value; 6]> {
+        let of = |figure: &Value| ["name", "count", "p50", "max", "worst", "nominal"].map(|key| figure[key].clone());
+        answer["figures"].as_array().unwrap().iter().map(of).collect()
+    };
+    assert_eq!(figures(&whole), figures(&joined));
+    // given again, nothing is left to fly
+    let said = fly(&["--out", "whole.parquet", "--json", "again.json"]);
+    assert!(!said.contains("vehicles flown in"), "{said}");
+    assert_eq!(folder.json("again.json")["figures"], whole["figures"]);
+}
+
+#[test]
+fn what_can_not_be_studied_is_refused() {
+    let folder = folder();
+    folder.write("plain.toml", GENERIC_GIMBAL_MODEL);
+    folder.write("wrong.toml", format!("{GENERIC_GIMBAL_MODEL}\n[tolerance]\n\"body.ixx\" = {{ sd = 1 }}\n"));
+    folder.write("rows.parquet", "time_s\n");
+    for (arguments, expected) in [
+        (&["montecarlo", "--model", "plain.toml"][..], "has no tolerances"),
+        (&["fly", "--model", "plain.toml", "--draw", "1:2"], "has no tolerances"),
+        (&["fly", "--model", "m.toml", "--draw", "12"], "expected SEED:NUMBER"),
+        (&["montecarlo", "--model", "wrong.toml"], "did you mean `body.ixx_kg_m2`?"),
+        (&["montecarlo", "--model", "m.toml", "--shard", "3/2"], "expected K/N"),
+        (&["montecarlo", "--model", "m.toml", "--runs", "0"], "--runs"),
+        (&["montecarlo", "--summarise", "rows.parquet"], "rows.parquet: not a Parquet file"),
+        (&["montecarlo", "--summarise", "none.parquet"], "none.parquet: cannot be read"),
+    ] {
+        let outcome = folder.sil(arguments);
+        assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(expected), "{arguments:?}: {}", outcome.stderr);
+    }
+    let arguments = [&FLOWN[..], &["--runs", "3", "--controller", "pid", "--out", "o.parquet"]].concat();
+    folder.sil(&arguments).assert_done();
+    let other = folder.sil(&[&arguments[..], &["--seed", "1"]].concat());
+    assert_eq!(other.status, Some(2));
+    assert!(other.stderr.contains("o.parquet: holds another study"), "{}", other.stderr);
+}
