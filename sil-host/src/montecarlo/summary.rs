@@ -1,6 +1,8 @@
 //! What a study's rows amount to, row by row in bounded memory: extremes of all, and a sample for what needs every value
 //! at once.
 
+use std::cmp::Ordering;
+
 use super::study::{Column, Kind, Row};
 
 /// Rows that are kept for quantiles and sensitivity: of more, every second, third and so on. The standard error of a
@@ -115,7 +117,12 @@ impl Sample {
             self.kept.push(value);
         }
         let badness = |value: Option<f64>| value.unwrap_or(f64::INFINITY);
-        let place = self.worst.iter().position(|other| badness(other.value) < badness(value));
+        // of equal ones the lower number, in whatever order the rows come
+        let is_better = |other: &Extreme| match badness(other.value).total_cmp(&badness(value)) {
+            Ordering::Equal => other.run > run,
+            order => order == Ordering::Less,
+        };
+        let place = self.worst.iter().position(is_better);
         let place = place.unwrap_or(self.worst.len());
         if place < WORST {
             self.worst.insert(place, Extreme { run, value });
