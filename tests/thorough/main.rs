@@ -6,6 +6,7 @@ mod closed_loop_table;
 mod controller_comparison;
 mod identification;
 mod out_of_the_testbed;
+mod montecarlo;
 mod real_baseline;
 mod real_logs;
 mod refinement;

@@ -105,3 +105,32 @@ fn what_can_not_be_studied_is_refused() {
     assert_eq!(other.status, Some(2));
     assert!(other.stderr.contains("o.parquet: holds another study"), "{}", other.stderr);
 }
+
+/// The largest part of its memory that a study ever held, kB.
+#[cfg(target_os = "linux")]
+fn peak_memory_kb(folder: &Folder, arguments: &[&str]) -> u64 {
+    let mut study = folder.command(arguments).stdout(std::process::Stdio::null()).spawn().unwrap();
+    let status = format!("/proc/{}/status", study.id());
+    let mut peak_kb = 0;
+    while study.try_wait().unwrap().is_none() {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        peak_kb = line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or(0).max(peak_kb);
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    assert!(study.wait().unwrap().success());
+    peak_kb
+}
+
+/// A row of 20 columns has 320 bytes while it is held: of 3600 more rows 1.2 MB, twice where they are read. A flight's
+/// record has 400 bytes a step: 3600 of 120 steps would take 170 MB.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_does_not_grow_with_the_number_of_vehicles() {
+    let folder = folder();
+    folder.write("s.toml", "duration_s = 0.3\n[[step]]\nat_s = 0.1\nroll_deg = 8\n");
+    let study = |runs, out| [&FLOWN[..], &["--controller", "pid", "--runs", runs, "--out", out]].concat();
+    let few_kb = peak_memory_kb(&folder, &study("400", "few.parquet"));
+    let many_kb = peak_memory_kb(&folder, &study("4000", "many.parquet"));
+    assert!(few_kb > 1000 && many_kb < few_kb + 6000, "{few_kb} kB, {many_kb} kB");
+}
