@@ -87,6 +87,8 @@ impl Drawn {
                 velocity_m_s: SensorNoise::USUAL_VELOCITY_M_S,
                 height_m: SensorNoise::USUAL_HEIGHT_M,
             },
+            arms: None,
+            tolerances: Vec::new(),
             effects,
         };
         let rate_hz = RATES_HZ[(uniform(0.0, 5.0) as usize).min(4)];
