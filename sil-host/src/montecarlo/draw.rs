@@ -41,7 +41,7 @@ pub enum DrawError {
         /// Which.
         draw: Draw,
         /// Why the last can't be.
-        reason: ModelError,
+        reason: Box<ModelError>,
     },
 }
 
@@ -134,7 +134,7 @@ impl Lot {
             }
         }
         match reason {
-            Some(reason) => Err(DrawError::Impossible { draw, reason }),
+            Some(reason) => Err(DrawError::Impossible { draw, reason: Box::new(reason) }),
             None => Err(DrawError::NoTolerances { model: self.nominal.name.clone() }),
         }
     }

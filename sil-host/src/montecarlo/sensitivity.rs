@@ -1,9 +1,9 @@
-//! Which tolerance a figure comes from: standardised rank regression (Saltelli, Chan, Scott, Sensitivity Analysis, 2000,
-//! section 6.6). Ranks take the place of values, so that any monotone dependence counts and no outlier does; flights
-//! without a figure take the highest ranks together.
+//! Which tolerance a figure comes from: standardised rank regression (Saltelli, Chan, Scott, Sensitivity Analysis,
+//! 2000, section 6.6). Ranks take the place of values, so that any monotone dependence counts and no outlier does;
+//! flights without a figure take the highest ranks together.
 //!
-//! What each motor has of its own enters as the mean of the four and as how far the motors that turn the vehicle one way
-//! differ from those that turn it back, about each axis and without a sign: which side is the stronger one hardly
+//! What each motor has of its own enters as the mean of the four and as how far the motors that turn the vehicle one
+//! way differ from those that turn it back, about each axis and without a sign: which side is the stronger one hardly
 //! matters, and a figure that it spoils is no monotone function of any motor's number.
 
 use super::study::Kind;
@@ -188,8 +188,8 @@ mod tests {
         summary
     }
 
-    /// Normal numbers with weights 3, -2, 1 and noise of deviation 1: correlations of r = weight over sqrt(15), of ranks
-    /// 6/pi asin(r/2) (Pearson, 1907). Inputs that are independent have these as coefficients.
+    /// Normal numbers with weights 3, -2, 1 and noise of deviation 1: correlations of r = weight over sqrt(15), of
+    /// ranks 6/pi asin(r/2) (Pearson, 1907). Inputs that are independent have these as coefficients.
     #[test]
     fn planted_causes_are_found_in_their_order_and_signs() {
         let figure = |x: &[f64], noise: f64| Some((3.0 * x[1] - 2.0 * x[3] + x[0] + noise).exp());

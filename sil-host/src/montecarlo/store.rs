@@ -32,7 +32,11 @@ pub enum StoreError {
         source: FileError,
     },
     /// Rows that were flown with other numbers.
-    #[error("{}: holds another study (model, controller, scenario, seed or version differ): choose another name, or remove it", path.display())]
+    #[error(
+        "{}: holds another study (model, controller, scenario, seed or version differ): choose another name, or remove \
+         it",
+        path.display()
+    )]
     OtherStudy {
         /// The file or the folder.
         path: PathBuf,

@@ -1,5 +1,5 @@
-//! What a study's rows amount to, row by row in bounded memory: extremes of all, and a sample for what needs every value
-//! at once.
+//! What a study's rows amount to, row by row in bounded memory: extremes of all, and a sample for what needs every
+//! value at once.
 
 use std::cmp::Ordering;
 

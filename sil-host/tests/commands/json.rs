@@ -43,7 +43,8 @@ pub fn assert_fits(value: &Value, template: &Value, place: &str) {
 fn axis() -> Value {
     json!({
         "rise_time_s": "number?", "overshoot_pct": "number?", "settling_time_s": "number?",
-        "steady_error_deg": "number?", "largest_late_error_deg": "number?", "mean_abs_error_deg": "number", "rms_error_deg": "number",
+        "steady_error_deg": "number?", "largest_late_error_deg": "number?",
+        "mean_abs_error_deg": "number", "rms_error_deg": "number",
     })
 }
 

@@ -94,18 +94,18 @@ fn cumulative(sample: &Sample) -> (Vec<f64>, Vec<f64>) {
 fn quantiles(answer: &StudyAnswer) -> Section {
     let mut table = Table::new(
         "Figures over all vehicles",
-        &["figure", "nominal", "least", "5 %", "median", "95 %", "99 %", "worst"],
+        &["figure", "nominal", "least", "5 %", "median", "95 %", "99 %", "worst", "without"],
     );
     for figure in answer.figures() {
         let worst = figure.sample.worst.first().and_then(|worst| worst.value);
         let least = (figure.sample.count > 0).then_some(figure.sample.min);
         let quantiles = [0.05, 0.5, 0.95, 0.99].map(|share| shown(figure.sample.quantile(share)));
         let cells = [figure.name.to_owned(), shown(figure.nominal), shown(least)].into_iter().chain(quantiles);
-        table = table.row(cells.chain([shown(worst)]).map(Cell::from));
+        table = table.row(cells.chain([shown(worst), figure.sample.missing.to_string()]).map(Cell::from));
     }
-    Section::new("Every figure")
-        .table(table)
-        .note("A dash stands for flights without the figure, such as one that never settles; they count as the worst.")
+    Section::new("Every figure").table(table).note(
+        "A dash, and the last column: flights without the figure, such as one that never settles; they are the worst.",
+    )
 }
 
 fn causes(answer: &StudyAnswer) -> Section {

@@ -27,7 +27,7 @@ pub fn drawn_text(lot: &Lot, draw: Draw, vehicle: &DrawnVehicle) -> String {
 /// All of it.
 pub fn text(answer: &StudyAnswer) -> String {
     let mut text = format!("{}\n\n{}", answer.title(), quantiles(answer));
-    text.push_str("\"-\" in place of a figure: a flight that does not have it, such as one that never settles.\n");
+    text.push_str("\"-\" and \"without\": flights that do not have the figure, such as those that never settle.\n");
     if let Some(sampling) = answer.sampling() {
         text.push_str(&format!("{sampling}\n"));
     }
@@ -48,7 +48,8 @@ pub fn text(answer: &StudyAnswer) -> String {
 }
 
 fn quantiles(answer: &StudyAnswer) -> TextTable {
-    let mut table = TextTable::new(["figure", "nominal", "least", "5 %", "median", "95 %", "99 %", "worst", "in run"]);
+    let mut table =
+        TextTable::new(["figure", "nominal", "least", "5 %", "median", "95 %", "99 %", "worst", "in run", "without"]);
     for figure in answer.figures() {
         let quantile = |share: f64| shown(figure.sample.quantile(share));
         let worst = figure.sample.worst.first();
@@ -62,6 +63,7 @@ fn quantiles(answer: &StudyAnswer) -> TextTable {
             quantile(0.99),
             shown(worst.and_then(|worst| worst.value)),
             worst.map_or_else(String::new, |worst| worst.run.to_string()),
+            figure.sample.missing.to_string(),
         ]);
     }
     table
