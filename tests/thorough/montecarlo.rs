@@ -1,4 +1,5 @@
-//! What a study costs beside the flights that it is made of.
+//! What a study costs beside the flights that it is made of, on a quiet machine: `cargo test --release -p
+//! integration-tests --test thorough montecarlo -- --ignored --nocapture`.
 
 use std::time::Instant;
 
@@ -15,6 +16,7 @@ const ROUNDS: usize = 5;
 
 /// Drawing, figures and files take less than 5 % of the time of the bare simulation, on one thread.
 #[test]
+#[ignore = "a measurement of time, for a quiet machine"]
 fn a_study_costs_hardly_more_than_its_flights() {
     let choice = ControllerChoice::nominal(Controller::Cascade);
     let model = VehicleModel::nominal(Rig::Gimbal);

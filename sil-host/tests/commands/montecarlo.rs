@@ -78,6 +78,25 @@ fn shards_make_the_same_answer_as_the_whole() {
     assert_eq!(folder.json("again.json")["figures"], whole["figures"]);
 }
 
+/// Killed, not asked to stop: what was flown is kept in whole parts, and the same command flies the rest.
+#[test]
+fn a_study_that_was_killed_goes_on_to_the_same_bytes() {
+    let folder = folder();
+    let study = |out| [&FLOWN[..], &["--controller", "pid", "--runs", "900", "--seed", "4", "--out", out]].concat();
+    folder.sil(&study("whole.parquet")).assert_done();
+    let killed = study("killed.parquet");
+    let mut process = folder.command(&killed).stdout(std::process::Stdio::null()).spawn().unwrap();
+    let parts = || folder.path("killed.parquet.parts").read_dir().map_or(0, Iterator::count);
+    while parts() == 0 && process.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    process.kill().unwrap();
+    assert!(!process.wait().unwrap().success() && parts() > 0 && !folder.path("killed.parquet").exists());
+    let said = folder.sil(&killed).assert_done().stdout;
+    assert!(said.contains("900 vehicles"), "{said}");
+    assert_eq!(folder.bytes("killed.parquet"), folder.bytes("whole.parquet"));
+}
+
 #[test]
 fn what_can_not_be_studied_is_refused() {
     let folder = folder();
