@@ -17,7 +17,9 @@ from ._native import (
     diagnose,
     fly,
     identify,
+    margins,
     synth,
+    tuning,
 )
 
 __all__ = [
@@ -33,5 +35,7 @@ __all__ = [
     "diagnose",
     "fly",
     "identify",
+    "margins",
     "synth",
+    "tuning",
 ]

@@ -26,6 +26,8 @@ class Model:
         """The text of a model file."""
     def with_effects(self, effects: Sequence[str]) -> Model:
         """The same vehicle with more effects, as ``"weak_motor:motor=2,scale=0.9"`` (docs/effects.md)."""
+    def draw(self, seed: int, number: int) -> Model:
+        """A vehicle drawn from the model's tolerances, that of ``sil fly --draw`` (docs/montecarlo.md)."""
     def to_toml(self) -> str:
         """As a model file."""
     @property
@@ -198,3 +200,9 @@ def identify(
     logs: Sequence[Log], *, mass_kg: float | None = None, arm_m: float | None = None
 ) -> tuple[Model, list[dict[str, Any]]]:
     """A vehicle from its own logs, and each of its numbers with its interval."""
+
+def margins(model: Model, controller: str = "pid", *, known: Model | None = None) -> list[dict[str, float]] | None:
+    """Margins of roll and pitch in hover, measured on the running code; None where the loop oscillates by itself."""
+
+def tuning(model: Model, controller: str = "pid", *, known: Model | None = None) -> dict[str, Any]:
+    """All numbers of a tuning, by the keys of a controller file."""

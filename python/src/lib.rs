@@ -15,6 +15,7 @@ mod judged;
 mod log;
 mod model;
 mod plant;
+mod tuned;
 
 use pyo3::prelude::*;
 
@@ -34,4 +35,6 @@ mod native {
     use crate::model::Model;
     #[pymodule_export]
     use crate::plant::Plant;
+    #[pymodule_export]
+    use crate::tuned::{measured, tuning};
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use sil_host::effects::Effect;
 use sil_host::model::{Mounting, Rig, VehicleModel};
+use sil_host::montecarlo::{Draw, Lot};
 
 use crate::errors::refused;
 
@@ -44,6 +45,12 @@ impl Model {
             model.effects.push(Effect::parse_for(effect, model.rig(), model.inertia_kg_m2).map_err(refused)?);
         }
         Ok(Model(model))
+    }
+
+    /// A vehicle of the same make, drawn from the model's tolerances (docs/montecarlo.md): that of `sil fly --draw`.
+    fn draw(&self, seed: u64, number: u64) -> PyResult<Model> {
+        let lot = Lot::of(&self.0).map_err(refused)?;
+        lot.draw(Draw { seed, number }).map(|drawn| Model(drawn.model)).map_err(refused)
     }
 
     /// As a model file.
