@@ -4,12 +4,11 @@ use pyo3::prelude::*;
 use shared_control::signals::{ArmingRequest, RawImuSample, Setpoint};
 use sil_host::cosim::contract::{DesignParameters, Events, Monitored};
 use sil_host::cosim::control_side::ControlSide;
-use sil_host::flight::FlightSetup;
-use sil_host::scenario::{Scenario, Waypoint};
+use sil_host::scenario::Waypoint;
 use sil_host::sensors;
 
 use crate::errors::refused;
-use crate::flight::controller_choice;
+use crate::flight::setup;
 use crate::model::Model;
 use crate::plant::Plant;
 
@@ -60,13 +59,7 @@ impl Core {
     #[new]
     #[pyo3(signature = (model, controller = "pid"))]
     fn new(model: &Model, controller: &str) -> PyResult<Core> {
-        let setup = FlightSetup {
-            model: model.0.clone(),
-            controller_model: None,
-            choice: controller_choice(controller)?,
-            scenario: Scenario::test_sequence(),
-            seed: 0,
-        };
+        let setup = setup(model, controller, None)?;
         Ok(Core { parameters: setup.design_parameters(), control: setup.control_side().map_err(refused)? })
     }
 

@@ -22,6 +22,17 @@ pub(crate) fn controller_choice(controller: &str) -> PyResult<ControllerChoice> 
     choice.map_err(refused)
 }
 
+/// A vehicle with its controller, which takes it for `known`; the test sequence, seed 0.
+pub(crate) fn setup(model: &Model, controller: &str, known: Option<&Model>) -> PyResult<FlightSetup> {
+    Ok(FlightSetup {
+        model: model.0.clone(),
+        controller_model: known.map(|known| known.0.clone()),
+        choice: controller_choice(controller)?,
+        scenario: Scenario::test_sequence(),
+        seed: 0,
+    })
+}
+
 /// The test sequence, the path of a script, or the text of one.
 pub(crate) fn scenario(script: Option<&str>) -> PyResult<Scenario> {
     match script {
@@ -49,13 +60,7 @@ pub(crate) fn fly(
     script: Option<&str>,
     seed: u64,
 ) -> PyResult<Flight> {
-    let setup = FlightSetup {
-        model: model.0.clone(),
-        controller_model: known.map(|known| known.0.clone()),
-        choice: controller_choice(controller)?,
-        scenario: scenario(script)?,
-        seed,
-    };
+    let setup = FlightSetup { scenario: scenario(script)?, seed, ..setup(model, controller, known)? };
     let flown = py.detach(|| setup.fly()).map_err(refused)?;
     Ok(Flight { flown, rate_hz: setup.choice.rate_hz })
 }

@@ -9,12 +9,13 @@
 //! ```
 //! Estimator, filters, sampling, the one-sample delay and the motors are all in it, because it is they that run.
 
+use serde::Serialize;
 use shared_control::lagged_axis::LagStep;
 
 use crate::cosim::{self, contract::DesignParameters, control_side::ControlSide};
 use crate::model::VehicleModel;
 use crate::plant::Plant;
-use crate::scenario::{Scenario, Waypoint};
+use crate::scenario::Scenario;
 use crate::sensors::Sensors;
 
 const FREQUENCY_MIN_HZ: f64 = 0.3;
@@ -43,7 +44,7 @@ pub struct LoopPoint {
 }
 
 /// How far a loop is from instability.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Margins {
     /// Factor by which the gain may rise, dB; none if no frequency measured limits it.
     pub gain_db: Option<f64>,
@@ -109,11 +110,9 @@ fn at_frequency(
         }
         [injected_nm[0], injected_nm[1], 0.0]
     };
-    let hover = Waypoint::level(0.0);
-    let scenario = Scenario { name: "margins".into(), duration_s: end_s, waypoints: vec![hover] };
     let mut plant = Plant::new(model);
     let mut sensors = Sensors::ideal().with_effects(&model.effects);
-    cosim::fly(parameters, &mut plant, &mut sensors, control, &scenario, Some(&mut probe));
+    cosim::fly(parameters, &mut plant, &mut sensors, control, &Scenario::hover(end_s), Some(&mut probe));
     for axis in 0..2 {
         let answer_nm = 2.0 * magnitude(motors[axis]) / samples;
         let other_nm2 = motors_squared[axis] / samples - 0.5 * answer_nm * answer_nm;

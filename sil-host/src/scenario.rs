@@ -138,6 +138,11 @@ impl Scenario {
         }
     }
 
+    /// Level all the time.
+    pub fn hover(duration_s: f64) -> Self {
+        Self { name: "hover".into(), duration_s, waypoints: vec![Waypoint::level(0.0)] }
+    }
+
     /// Reads a script.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use crate::diagnosis::{Estimate, Finding, motor_place, per_unit_inertia};
 use crate::effects::{CatalogueEntry, Effect, Parameter};
 use crate::log::GRAVITY_M_S2;
+use crate::statistics::decimals;
 
 /// Between a number and its unit, so that no line ends there.
 const NO_BREAK: char = '\u{a0}';
@@ -49,10 +50,7 @@ pub fn unit(unit: &str) -> String {
 
 /// A number with two significant digits, or all that stand before the point.
 pub fn rough(value: f64) -> String {
-    let decimals = |value: f64| match value.abs() {
-        0.0 => 0,
-        size => (1.0 - libm::floor(libm::log10(size))).clamp(0.0, 9.0) as usize,
-    };
+    let decimals = |value| decimals(value, 2, 9);
     // 9.96 becomes 10, which has one digit less behind the point
     let rounded = format!("{value:.*}", decimals(value)).parse().unwrap_or(value);
     format!("{value:.*}", decimals(rounded)).replace('-', "\u{2212}")
@@ -60,11 +58,7 @@ pub fn rough(value: f64) -> String {
 
 /// Decimals with which a number of a table has three significant digits, or all that stand before the point.
 pub fn table_decimals(value: f64) -> usize {
-    if value == 0.0 || !value.is_finite() {
-        0
-    } else {
-        (2.0 - libm::floor(libm::log10(value.abs()))).clamp(0.0, 9.0) as usize
-    }
+    decimals(value, 3, 9)
 }
 
 /// A number with two significant digits and its unit.

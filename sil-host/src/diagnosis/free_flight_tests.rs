@@ -97,11 +97,7 @@ fn a_log_without_velocity_and_height_still_tells_the_mass() {
 /// much more inertia is one with weaker motors.
 #[test]
 fn in_hover_without_velocity_weight_and_lift_are_confounded() {
-    let level = crate::scenario::Scenario {
-        name: "hover".into(),
-        duration_s: 10.0,
-        waypoints: vec![crate::scenario::Waypoint::level(0.0)],
-    };
+    let level = crate::scenario::Scenario::hover(10.0);
     let mut model = VehicleModel::generic(Rig::Free);
     model.effects = vec![Effect::parse("thrust_scale:scale=0.99", Rig::Free).unwrap()];
     let mut synthesis = Synthesis { scenario: level, duration_s: 10.0, blind: true, ..Synthesis::of(model) };

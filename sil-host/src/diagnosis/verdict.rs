@@ -16,7 +16,7 @@ use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::{Effect, Origin};
 use crate::prediction::windowed_log::WindowedLog;
-use crate::statistics::dot;
+use crate::statistics::{decimals, dot};
 
 /// The accuracy of the integration, as a share of an effect.
 pub(super) const MODEL_ERROR: f64 = 5e-4;
@@ -38,7 +38,7 @@ pub struct Estimate {
 impl Estimate {
     /// As many decimals as the uncertainty leaves; none where there is no uncertainty.
     pub fn decimals(&self) -> Option<usize> {
-        (self.std > 0.0).then(|| (1.0 - libm::log10(self.std).floor()).clamp(0.0, 12.0) as usize)
+        (self.std > 0.0).then(|| decimals(self.std, 2, 12))
     }
 }
 

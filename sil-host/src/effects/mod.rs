@@ -268,9 +268,9 @@ impl Moment for Effect {
     }
 }
 
-/// What effects change of a vehicle's numbers, all together.
-pub(crate) fn changes(effects: &[Effect]) -> Changes {
-    let mut changes = Changes::default();
+/// What effects change of a vehicle's numbers, all together, on top of what its model has changed already.
+pub(crate) fn changes(own: Changes, effects: &[Effect]) -> Changes {
+    let mut changes = own;
     effects.iter().for_each(|effect| effect.change(&mut changes));
     changes
 }

@@ -128,7 +128,11 @@ fn every_effect_of_the_catalogue_reads_from_its_example_and_back() {
                 let known = entry.parameters.iter().find(|parameter| parameter.name == name).unwrap();
                 assert!((known.min..=known.max).contains(&value) && known.nominal != value, "{}: {name}", entry.name);
             }
-            assert!(effect.has_moment() || changes(&[effect]) != Changes::default(), "{} does nothing", entry.name);
+            assert!(
+                effect.has_moment() || changes(Changes::default(), &[effect]) != Changes::default(),
+                "{} does nothing",
+                entry.name
+            );
             assert_eq!(effect.axis().is_some(), entry.example.contains("axis="));
             assert_eq!(effect.motor().is_some(), entry.acts_on == ActsOn::Motor);
         }

@@ -1,6 +1,7 @@
 //! A model's numbers as the vehicle's parts.
 
 use super::{Mounting, VehicleModel};
+use crate::effects;
 use crate::vehicle::{Air, Airframe, Changes, NominalBody, Scale};
 
 impl VehicleModel {
@@ -21,9 +22,7 @@ impl VehicleModel {
 
     /// The same with the model's effects.
     pub(crate) fn changes(&self) -> Changes {
-        let mut changes = self.own_changes();
-        self.effects.iter().for_each(|effect| effect.change(&mut changes));
-        changes
+        effects::changes(self.own_changes(), &self.effects)
     }
 
     /// How large what acts on it is: its inertia, its lift at the base command times its arm.

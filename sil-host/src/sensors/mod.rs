@@ -8,7 +8,7 @@ use shared_control::signals::RawImuSample;
 use crate::effects::{self, Effect};
 use crate::model::SensorNoise;
 use crate::plant::{Plant, Truth};
-use crate::vehicle::{SensorChain, Turning};
+use crate::vehicle::{Changes, SensorChain, Turning};
 use random::RandomStream;
 
 /// The sensors of one vehicle. Each has a random stream of its own, so that none disturbs another.
@@ -54,7 +54,7 @@ impl Sensors {
 
     /// Adds what the sensors' effects among these do; the others are the plant's.
     pub fn with_effects(mut self, effects: &[Effect]) -> Self {
-        let chain = effects::changes(effects).sensors;
+        let chain = effects::changes(Changes::default(), effects).sensors;
         self.chain = (chain != SensorChain::default()).then_some(chain);
         self
     }

@@ -5,6 +5,7 @@
 mod agreement;
 mod condition;
 mod deviation;
+mod digits;
 mod f_distribution;
 mod linear;
 #[cfg(test)]
@@ -17,6 +18,7 @@ pub use agreement::{Agreement, TheilSplit};
 pub use condition::{Bin, ConditionalError};
 pub use deviation::mean_absolute_deviation;
 pub(crate) use deviation::{variance, wrapped};
+pub(crate) use digits::decimals;
 pub(crate) use f_distribution::{f_exceeded, student_95};
 pub(crate) use linear::{Cholesky, dot, dots};
 pub(crate) use robust_fit::{RobustFit, median, robust_fit};

@@ -152,27 +152,7 @@ pub struct Outcome {
     /// Largest angle after 0.1 N m on roll, 0.1 on pitch and, in free flight, 0.02 on yaw, degrees.
     pub pushed_deg: [Option<f64>; 3],
     /// Of roll and pitch in hover; none where the loop oscillates by itself.
-    pub margins: Option<[MarginFigures; 2]>,
-}
-
-/// Margins as the table has them.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct MarginFigures {
-    /// Factor by which the gain may rise, dB.
-    pub gain_db: Option<f64>,
-    /// Phase that may be lost, degrees.
-    pub phase_deg: Option<f64>,
-    /// Delay that may be added, ms.
-    pub delay_ms: Option<f64>,
-    /// Largest |S|.
-    pub sensitivity_peak: f64,
-}
-
-impl From<Margins> for MarginFigures {
-    fn from(of: Margins) -> Self {
-        let Margins { gain_db, phase_deg, delay_ms, sensitivity_peak, .. } = of;
-        Self { gain_db, phase_deg, delay_ms, sensitivity_peak }
-    }
+    pub margins: Option<[Margins; 2]>,
 }
 
 /// All vehicles under all controllers.
@@ -202,7 +182,9 @@ pub fn outcome(flown: Flown, contender: Contender, taken_for: TakenFor) -> Outco
     let turned = is_free.then(|| record(&setup, &[], turn()));
     let pushed: Vec<Option<FlightRecord>> = Axis::ALL
         .into_iter()
-        .map(|axis| (is_free || axis != Axis::Yaw).then(|| record(&setup, &[push(axis)], hover(PUSH_FLIGHT_S))))
+        .map(|axis| {
+            (is_free || axis != Axis::Yaw).then(|| record(&setup, &[push(axis)], Scenario::hover(PUSH_FLIGHT_S)))
+        })
         .collect();
     let flights = [&sequence.record].into_iter().chain(&turned).chain(pushed.iter().flatten());
     let lost = flights.into_iter().any(is_lost);
@@ -216,7 +198,7 @@ pub fn outcome(flown: Flown, contender: Contender, taken_for: TakenFor) -> Outco
         heading_in_steps_deg: is_free.then(|| largest(sequence.record.angle_of(2).into_iter())),
         turn_deg: turned.map(|record| heading_errors_deg(&record)),
         pushed_deg: Axis::ALL.map(peak),
-        margins: setup.margins().expect("a controller of the project").map(|axes| axes.map(MarginFigures::from)),
+        margins: setup.margins().expect("a controller of the project"),
     }
 }
 
@@ -234,10 +216,6 @@ fn record(setup: &FlightSetup, effects: &[Effect], scenario: Scenario) -> Flight
 
 fn push(axis: Axis) -> Effect {
     Effect::StepDisturbance(StepDisturbance { axis, torque_nm: PUSH_NM[axis.index()], start_s: PUSH_AT_S })
-}
-
-fn hover(duration_s: f64) -> Scenario {
-    Scenario { name: "hover".into(), duration_s, waypoints: vec![Waypoint::level(0.0)] }
 }
 
 fn turn() -> Scenario {

@@ -3,6 +3,7 @@
 use crate::diagnosis::{ChannelStatistics, Condition, Diagnosis, ModelStatistics};
 use crate::log::Log;
 use crate::report::{Cell, Chart, Section, Table};
+use crate::statistics::decimals;
 
 use crate::answer::plain_words::{capitalised, quantity, unit};
 
@@ -215,7 +216,7 @@ fn excitation(answer: &Diagnosis) -> Table {
 
 /// Two digits.
 fn deviation(std: Option<f64>) -> Cell {
-    let decimals = std.map_or(0, |std| (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize);
+    let decimals = std.map_or(0, |std| decimals(std, 2, 9));
     Cell::number(std.unwrap_or(f64::NAN), decimals)
 }
 

@@ -8,6 +8,7 @@ mod text;
 use std::collections::BTreeMap;
 
 use crate::montecarlo::{About, Column, Kind, Sample, Sensitivity, Summary};
+use crate::statistics::decimals;
 
 pub use json::{StudyJson, Work};
 pub use page::page;
@@ -118,12 +119,10 @@ fn share_interval(count: u64, of: u64) -> [f64; 2] {
 
 /// Four significant digits; a dash for a figure that a flight does not have.
 fn shown(value: Option<f64>) -> String {
-    let Some(value) = value.filter(|value| value.is_finite()) else { return "-".to_owned() };
-    if value == 0.0 {
-        return "0".to_owned();
+    match value.filter(|value| value.is_finite()) {
+        Some(value) => format!("{value:.*}", decimals(value, 4, 6)),
+        None => "-".to_owned(),
     }
-    let decimals = (3.0 - libm::floor(libm::log10(value.abs()))).clamp(0.0, 6.0) as usize;
-    format!("{value:.decimals$}")
 }
 
 #[cfg(test)]

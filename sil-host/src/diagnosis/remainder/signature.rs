@@ -12,7 +12,7 @@ use crate::diagnosis::fitting::linearisation::{Normal, normal_beside};
 use crate::diagnosis::search::{Candidate, Search};
 use crate::prediction::body::{Moment, Motion};
 use crate::prediction::windowed_log::Driven;
-use crate::statistics::{Cholesky, dot};
+use crate::statistics::{Cholesky, decimals, dot};
 use crate::vehicle::signed_sums;
 
 /// Fall of the sum of squares, in units of the remaining sum per degree of freedom, that a shape must bring: a chance
@@ -120,12 +120,7 @@ impl Dependence {
 
 /// A positive number as people write it.
 fn three_digits(value: f64) -> String {
-    if (1e-3..1e4).contains(&value) {
-        let decimals = (2.0 - libm::floor(libm::log10(value))).max(0.0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.2e}")
-    }
+    if (1e-3..1e4).contains(&value) { format!("{value:.*}", decimals(value, 3, 5)) } else { format!("{value:.2e}") }
 }
 
 fn dependences(search: &Search<'_>) -> Vec<Dependence> {

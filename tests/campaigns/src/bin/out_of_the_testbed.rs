@@ -31,25 +31,27 @@ fn cell(value: Option<f64>, decimals: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
+/// Roll and pitch.
+fn both<T>(axes: &[T; 2], figure: impl Fn(&T) -> Option<f64>, decimals: usize) -> String {
+    let [roll, pitch] = axes.each_ref().map(|axis| cell(figure(axis), decimals));
+    format!("{roll} / {pitch}")
+}
+
 fn steps(outcomes: &[Outcome]) -> String {
     let mut table =
         "| flown | controller | takes it for | overshoot, % | settling, s | steady error, deg | RMS, deg | \
                      heading in steps, deg | turn: mean / largest error, deg |\n|---|---|---|---|---|---|---|---|---|\n"
             .to_owned();
     for outcome in outcomes {
-        let [roll, pitch] = &outcome.steps;
+        let steps = &outcome.steps;
         let turn = outcome.turn_deg.map_or("-".to_owned(), |[mean, largest]| format!("{mean:.2} / {largest:.2}"));
         table += &format!(
-            "{} {} / {} | {} / {} | {} / {} | {:.2} / {:.2} | {} | {turn} |\n",
+            "{} {} | {} | {} | {} | {} | {turn} |\n",
             head(outcome),
-            cell(roll.overshoot_pct, 1),
-            cell(pitch.overshoot_pct, 1),
-            cell(roll.settling_time_s, 2),
-            cell(pitch.settling_time_s, 2),
-            cell(roll.steady_error_deg, 2),
-            cell(pitch.steady_error_deg, 2),
-            roll.rms_error_deg,
-            pitch.rms_error_deg,
+            both(steps, |axis| axis.overshoot_pct, 1),
+            both(steps, |axis| axis.settling_time_s, 2),
+            both(steps, |axis| axis.steady_error_deg, 2),
+            both(steps, |axis| Some(axis.rms_error_deg), 2),
             cell(outcome.heading_in_steps_deg, 2),
         );
     }
@@ -63,17 +65,13 @@ fn pushes(outcomes: &[Outcome]) -> String {
         .to_owned();
     for outcome in outcomes {
         let [roll, pitch, yaw] = outcome.pushed_deg;
-        let margins = outcome.margins.map_or("- | - | - | oscillates |".to_owned(), |[roll, pitch]| {
+        let margins = outcome.margins.map_or("- | - | - | oscillates |".to_owned(), |axes| {
             format!(
-                "{} / {} | {} / {} | {} / {} | {:.2} / {:.2} |",
-                cell(roll.gain_db, 1),
-                cell(pitch.gain_db, 1),
-                cell(roll.phase_deg, 1),
-                cell(pitch.phase_deg, 1),
-                cell(roll.delay_ms, 1),
-                cell(pitch.delay_ms, 1),
-                roll.sensitivity_peak,
-                pitch.sensitivity_peak,
+                "{} | {} | {} | {} |",
+                both(&axes, |axis| axis.gain_db, 1),
+                both(&axes, |axis| axis.phase_deg, 1),
+                both(&axes, |axis| axis.delay_ms, 1),
+                both(&axes, |axis| Some(axis.sensitivity_peak), 2),
             )
         });
         table += &format!("{} {} | {} | {} | {margins}\n", head(outcome), cell(roll, 2), cell(pitch, 2), cell(yaw, 2));

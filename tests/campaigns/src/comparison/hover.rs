@@ -7,7 +7,7 @@ use sil_host::flight::FlightSetup;
 use sil_host::margins::{self, Margins};
 use sil_host::metrics::mean;
 use sil_host::model::{SensorNoise, VehicleModel};
-use sil_host::scenario::{Scenario, Waypoint};
+use sil_host::scenario::Scenario;
 
 use super::contender::Contender;
 use super::draw::Draw;
@@ -46,7 +46,7 @@ impl Hover {
     /// Flies and measures.
     pub fn of(contender: &Contender) -> Self {
         let model = Draw::nominal(0).model();
-        let parameters = contender.setup(&Draw::nominal(0), &hover(1.0)).design_parameters();
+        let parameters = contender.setup(&Draw::nominal(0), &Scenario::hover(1.0)).design_parameters();
         let responses = margins::measure(&model, &parameters, &contender.control_side());
         Self {
             torque_step: [torque_step(contender, Axis::Roll), torque_step(contender, Axis::Pitch)],
@@ -56,13 +56,8 @@ impl Hover {
     }
 }
 
-fn hover(duration_s: f64) -> Scenario {
-    let level = Waypoint::level(0.0);
-    Scenario { name: "hover".into(), duration_s, waypoints: vec![level] }
-}
-
 fn fly(contender: &Contender, model: VehicleModel, duration_s: f64) -> FlightRecord {
-    contender.fly(&FlightSetup { model, ..contender.setup(&Draw::nominal(0), &hover(duration_s)) })
+    contender.fly(&FlightSetup { model, ..contender.setup(&Draw::nominal(0), &Scenario::hover(duration_s)) })
 }
 
 fn torque_step(contender: &Contender, axis: Axis) -> TorqueStep {
