@@ -84,4 +84,5 @@ pub mod sensors;
 pub mod serve;
 pub mod statistics;
 pub mod synthesis;
+pub mod thesis;
 pub mod vehicle;

@@ -10,4 +10,5 @@ mod out_of_the_testbed;
 mod real_baseline;
 mod real_logs;
 mod refinement;
+mod thesis;
 mod thesis_case;

@@ -37,6 +37,7 @@ pub mod refinement;
 mod said;
 mod several;
 pub mod text_table;
+pub mod thesis;
 
 pub use answered::Answered;
 pub use held_against::{HeldAgainst, NotHeldAgainst};

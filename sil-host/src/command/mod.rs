@@ -17,6 +17,7 @@ mod refine;
 mod serve;
 mod shell;
 mod synth;
+mod thesis;
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -91,6 +92,7 @@ commands! {
     Map(map::MapArguments): map::run,
     Refine(refine::RefineArguments): refine::run,
     Synth(synth::SynthArguments): synth::run,
+    Thesis(thesis::ThesisArguments): thesis::run,
     BenchMpc(bench_mpc::BenchArguments): bench_mpc::run,
     Completions(shell::CompletionsArguments): shell::completions,
     Man(shell::ManArguments): shell::man,

@@ -33,8 +33,7 @@ fn a_nominal_log_deviates_by_its_noise_only() {
 /// Under the thesis' MPC, which estimates no disturbance.
 #[test]
 fn an_off_balance_ring_shows_in_the_pitch_of_both() {
-    let thesis =
-        ControllerChoice::parse(include_str!("../../demonstration/thesis-mpc.toml"), "thesis-mpc.toml").unwrap();
+    let thesis = crate::thesis::thesis_mpc().unwrap();
     let ring = Some("cg_offset:axis=pitch,cos_moment_nm=0.1");
     let comparison = compared(&log_of(thesis, ring, 0.5), thesis);
     let deviation = comparison.closed_loop.as_ref().unwrap().deviation;

@@ -251,6 +251,17 @@ fn pages_describe_the_json_of_a_study() {
 }
 
 #[test]
+fn pages_describe_the_json_of_the_thesis() {
+    let folder = Folder::new();
+    folder.sil(&["thesis", "--json", "out.json", "--report", "out.html"]).assert_done();
+    assert_described("thesis", &folder.json("out.json"));
+    let page = String::from_utf8(folder.bytes("out.html")).unwrap();
+    for figure in ["Table 5.1", "Figure 5.3", "Figure 5.6", "C.7"] {
+        assert!(page.contains(figure), "{figure} is not on the page");
+    }
+}
+
+#[test]
 fn pages_describe_the_json_of_a_diagnosis() {
     let folder = Folder::new();
     folder.write("log.csv", RIG_LOG);

@@ -15,9 +15,8 @@ use sil_host::margins::Margins;
 use sil_host::metrics::AxisMetrics;
 use sil_host::model::{Mounting, Rig, SensorNoise, VehicleModel};
 use sil_host::scenario::{Scenario, Waypoint};
+use sil_host::thesis::thesis_mpc;
 
-/// The thesis' own MPC.
-const THESIS_MPC: &str = include_str!("../../../sil-host/demonstration/thesis-mpc.toml");
 /// Moment of inertia about z with the inner ring, kg m² (thesis, table 3.4): what the testbed's controller has for yaw.
 const IZZ_IN_TESTBED_KG_M2: f64 = 0.0290742;
 const SEED: u64 = 1;
@@ -123,9 +122,7 @@ impl Contender {
 
     fn choice(self) -> ControllerChoice {
         match self {
-            Contender::ThesisMpc => {
-                ControllerChoice::parse(THESIS_MPC, "thesis-mpc.toml").expect("a file of the project, tested")
-            }
+            Contender::ThesisMpc => thesis_mpc().expect("a file of the project, tested"),
             Contender::Cascade => ControllerChoice::nominal(Controller::Cascade),
             Contender::Mpc => ControllerChoice::nominal(Controller::Mpc),
         }

@@ -13,32 +13,15 @@ use std::fmt;
 use shared_control::config::Controller;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::diagnosis::{ClosedLoops, Diagnosis, Effort, Known, diagnose_flown_by, extended_model};
-use sil_host::effects::Effect;
 use sil_host::flight::{FlightSetup, RunSummary};
 use sil_host::log::Log;
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::scenario::Scenario;
 use sil_host::synthesis::Synthesis;
+use sil_host::thesis::{RING_MOMENT_NM, off_balance, thesis_mpc};
 
-/// Moment of the ring at which the nominal simulation of the thesis' MPC misses pitch by eight degrees, N m.
-pub const RING_MOMENT_NM: f64 = 0.167;
 /// Seed of the logs.
 const SEED: u64 = 1;
-
-/// The thesis' MPC.
-pub fn thesis_mpc() -> ControllerChoice {
-    let text = include_str!("../../../sil-host/demonstration/thesis-mpc.toml");
-    ControllerChoice::parse(text, "thesis-mpc.toml").expect("a controller file")
-}
-
-/// The nominal gimbal with the ring's moment.
-pub fn off_balance(moment_nm: f64) -> VehicleModel {
-    let ring = format!("cg_offset:axis=pitch,cos_moment_nm={moment_nm}");
-    VehicleModel {
-        effects: vec![Effect::parse(&ring, Rig::Gimbal).expect("an effect")],
-        ..VehicleModel::nominal(Rig::Gimbal)
-    }
-}
 
 /// A log of the test sequence at the controller's rate, with noise.
 pub fn log_of(model: VehicleModel, choice: ControllerChoice) -> Log {
@@ -136,7 +119,7 @@ impl fmt::Display for Tracking {
 /// The three controllers of the tracking table: the thesis' MPC, the project's own (offset-free), the cascade.
 pub fn controllers() -> [(&'static str, ControllerChoice); 3] {
     [
-        ("the thesis' MPC", thesis_mpc()),
+        ("the thesis' MPC", thesis_mpc().expect("a controller file")),
         ("offset-free MPC", ControllerChoice::nominal(Controller::Mpc)),
         ("cascade", ControllerChoice::nominal(Controller::Cascade)),
     ]
