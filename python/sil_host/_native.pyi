@@ -1,4 +1,5 @@
 from os import PathLike
+from pathlib import Path
 from typing import Any, Literal, Sequence
 
 import numpy as np
@@ -114,6 +115,34 @@ class Diagnosis:
         """The page of ``sil diagnose --report``."""
     def extended(self) -> Model | None:
         """The model with the findings in it; none of separate axes."""
+
+class Study:
+    """Vehicles drawn from a model's tolerances under the same controllers: what ``sil montecarlo`` flies.
+
+    It is pickled as the texts that it is made of, so that its parts can be flown by other processes.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        controllers: Sequence[str] = ["pid"],
+        *,
+        known: Model | None = None,
+        script: str | None = None,
+        seed: int = 0,
+        options: str = "",
+    ) -> None:
+        """``options``: what ``sil fly`` takes beside the controller to fly one of its vehicles again, as ``" --model
+        m.toml"``; it stands beside the rows."""
+    def missing(self, runs: int, out: str | PathLike[str]) -> list[tuple[int, int]]:
+        """First run and run after the last of the parts whose rows ``out`` lacks, with a folder for them beside it."""
+    @staticmethod
+    def path_of_part(part: tuple[int, int], out: str | PathLike[str]) -> Path:
+        """Where the rows of a part stand until all of ``out``'s are there."""
+    def fly_part(self, part: tuple[int, int], path: str | PathLike[str]) -> None:
+        """Flies a part, one vehicle after the other, and writes its rows."""
+    def collect(self, runs: int, out: str | PathLike[str]) -> tuple[int, int]:
+        """Flies what is missing on all cores, all rows in one file; how many were flown, how many were there."""
 
 class Plant:
     """The simulated vehicle with its state, at rest and level at time 0."""

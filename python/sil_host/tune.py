@@ -8,16 +8,18 @@ follows from the vehicle is the first trial, so that the front says how good it 
 from __future__ import annotations
 
 import argparse
+import concurrent.futures
 import csv
 import functools
 import math
 import pathlib
 import sys
 from dataclasses import dataclass
-from typing import Any, Sequence
+from typing import Any, Callable, Sequence, Union
 
 import numpy as np
 import optuna
+import tqdm
 
 from . import Model, SilError, fly, margins, tuning
 
@@ -148,6 +150,24 @@ class Task:
         }
 
 
+#: The figures of a controller, or why it can't fly.
+Judgement = Union[dict[str, float], str]
+
+
+def judged(task: Task, controller: str) -> Judgement:
+    """Figures of a controller file's text; a number beyond what a controller file admits is no reason to stop."""
+    try:
+        return task.figures(controller)
+    except SilError as refused:
+        return str(refused)
+
+
+def judge_on_threads(task: Task, controllers: Sequence[str]) -> list[Judgement]:
+    """All of them at once: flights do not hold the interpreter."""
+    with concurrent.futures.ThreadPoolExecutor(len(controllers)) as threads:
+        return list(threads.map(functools.partial(judged, task), controllers))
+
+
 @dataclass(frozen=True)
 class Limit:
     """A figure that has to be kept."""
@@ -184,9 +204,14 @@ def search(
     seed: int = 1,
     storage: str | None = None,
     jobs: int = 1,
+    judge: Callable[[Task, Sequence[str]], list[Judgement]] = judge_on_threads,
     show_progress: bool = False,
 ) -> optuna.Study:
-    """Searches; goes on from what a storage holds. The first trial is the tuning that follows from the vehicle."""
+    """Searches, ``jobs`` trials at once; goes on from what a storage holds.
+
+    The first trial is the tuning that follows from the vehicle. The same seed and the same ``jobs`` give the same
+    trials, whoever judges them.
+    """
     study = optuna.create_study(
         study_name=f"{task.model.name}, {task.controller}, {' '.join(objectives)}",
         directions=["maximize" if name in MORE_IS_BETTER else "minimize" for name in objectives],
@@ -197,25 +222,38 @@ def search(
     if not study.trials:
         study.enqueue_trial({key: 1.0 for key in SCALED[task.controller]})
 
-    def trial_figures(trial: optuna.Trial) -> list[float]:
-        factors = {
-            key: trial.suggest_float(key, 1.0 / most, most, log=True) for key, most in SCALED[task.controller].items()
-        }
-        try:
-            figures = task.figures(task.controller_text(factors))
-        except SilError as refused:
-            # a number beyond what a controller file admits
-            trial.set_user_attr("refused", str(refused))
-            raise optuna.TrialPruned from refused
-        trial.set_user_attr("figures", figures)
-        for limit in limits:
-            trial.set_constraint(str(limit), limit.missed_by(figures))
-        return [figures[name] for name in objectives]
-
     left = trials - sum(trial.state.is_finished() for trial in study.trials)
-    if left > 0:
-        study.optimize(trial_figures, n_trials=left, n_jobs=jobs, show_progress_bar=show_progress)
+    bar = tqdm.tqdm(total=max(left, 0), disable=not show_progress)
+    while left > 0:
+        asked = [study.ask() for _ in range(min(jobs, left))]
+        texts = [task.controller_text(_factors(trial, task.controller)) for trial in asked]
+        for trial, judgement in zip(asked, judge(task, texts)):
+            _tell(study, trial, judgement, objectives, limits)
+        left -= len(asked)
+        bar.update(len(asked))
+    bar.close()
     return study
+
+
+def _factors(trial: optuna.Trial, controller: str) -> dict[str, float]:
+    return {key: trial.suggest_float(key, 1.0 / most, most, log=True) for key, most in SCALED[controller].items()}
+
+
+def _tell(
+    study: optuna.Study,
+    trial: optuna.Trial,
+    judgement: Judgement,
+    objectives: Sequence[str],
+    limits: Sequence[Limit],
+) -> None:
+    if isinstance(judgement, str):
+        trial.set_user_attr("refused", judgement)
+        study.tell(trial, state=optuna.trial.TrialState.PRUNED)
+        return
+    trial.set_user_attr("figures", judgement)
+    for limit in limits:
+        trial.set_constraint(str(limit), limit.missed_by(judgement))
+    study.tell(trial, [judgement[name] for name in objectives])
 
 
 def front(study: optuna.Study) -> list[optuna.trial.FrozenTrial]:
@@ -278,7 +316,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--at-least", type=at_least, action="append", metavar="FIGURE=VALUE", help="a figure to keep")
     parser.add_argument("--at-most", type=at_most, action="append", metavar="FIGURE=VALUE", help="likewise")
     parser.add_argument("--storage", help="Optuna's, as sqlite:///tune.db: kept, gone on from, seen in its dashboard")
-    parser.add_argument("--jobs", type=int, default=1, help="trials at once; with more than 1 the search has no order")
+    parser.add_argument("--jobs", type=int, default=1, help="trials at once; another number is another search")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/tune"), help="folder of what is written")
     parser.add_argument("--pick", type=int, help="fly this trial of the front again on vehicles that no trial saw")
     parser.add_argument("--confirm", type=int, default=50, help="how many those are")
@@ -288,27 +326,32 @@ def arguments() -> argparse.ArgumentParser:
 
 def main(given: Sequence[str] | None = None) -> int:
     """The command."""
-    options = arguments().parse_args(given)
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
     try:
-        model = Model.load(options.model) if options.model else Model.nominal()
-        task = Task(model, options.controller, options.draws)
-        limits = [*(options.at_least or []), *(options.at_most or [])]
-        if not limits:
-            limits = [Limit("delay_margin_ms", 10.0, True), Limit("sensitivity_peak", 2.0, False)]
-        study = search(
-            task,
-            options.objectives,
-            limits,
-            options.trials,
-            seed=options.seed,
-            storage=options.storage,
-            jobs=options.jobs,
-            show_progress=not options.quiet,
-        )
+        return run(arguments().parse_args(given), judge_on_threads)
     except SilError as refused:
         print(f"error: {refused}", file=sys.stderr)
         return 2
+
+
+def run(options: Any, judge: Callable[[Task, Sequence[str]], list[Judgement]]) -> int:
+    """Searches as the command was told, writes the front and prints it."""
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    model = Model.load(options.model) if options.model else Model.nominal()
+    task = Task(model, options.controller, options.draws)
+    limits = [*(options.at_least or []), *(options.at_most or [])]
+    if not limits:
+        limits = [Limit("delay_margin_ms", 10.0, True), Limit("sensitivity_peak", 2.0, False)]
+    study = search(
+        task,
+        options.objectives,
+        limits,
+        options.trials,
+        seed=options.seed,
+        storage=options.storage,
+        jobs=options.jobs,
+        judge=judge,
+        show_progress=not options.quiet,
+    )
     write(study, task, options.objectives, options.out)
     return report(study, task, options, limits)
 

@@ -3,6 +3,7 @@
 //!
 //! ```text
 //!   model  --> flight --> log --> diagnosis, comparison, identification
+//!     |  '---> study: many drawn vehicles, in parts
 //!     '------> plant <--> sensors, core (one step at a time, or whole series of them)
 //! ```
 //! What Python sees is in `sil_host/_native.pyi`; `cargo xtask python` builds the wheel and runs its tests.
@@ -15,6 +16,7 @@ mod judged;
 mod log;
 mod model;
 mod plant;
+mod study;
 mod tuned;
 
 use pyo3::prelude::*;
@@ -35,6 +37,8 @@ mod native {
     use crate::model::Model;
     #[pymodule_export]
     use crate::plant::Plant;
+    #[pymodule_export]
+    use crate::study::Study;
     #[pymodule_export]
     use crate::tuned::{measured, tuning};
 }

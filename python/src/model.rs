@@ -58,6 +58,11 @@ impl Model {
         self.0.to_toml()
     }
 
+    /// Goes to other processes as a model file's text.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((py.get_type::<Model>().getattr("parse")?, (self.0.to_toml(),)))
+    }
+
     #[getter]
     fn name(&self) -> &str {
         &self.0.name

@@ -10,7 +10,15 @@ use crate::workspace::Workspace;
 
 /// Fixed, so that a change of theirs does not fail a change of ours.
 const BUILDER: &str = "maturin==1.9.6";
-const PACKAGES: [&str; 5] = ["numpy==2.2.6", "pytest==8.4.2", "gymnasium==1.2.1", "optuna==5.0.0", "plotly==6.3.1"];
+const PACKAGES: [&str; 7] = [
+    "numpy==2.2.6",
+    "pytest==8.4.2",
+    "gymnasium==1.2.1",
+    "optuna==5.0.0",
+    "plotly==6.3.1",
+    "tqdm==4.67.1",
+    "ray==2.60.0",
+];
 
 /// What stands before the page's example.
 const EXAMPLE: &str = "<!-- run by cargo xtask python -->\n```python\n";

@@ -25,7 +25,7 @@ pub use draw::{Draw, DrawError, DrawnVehicle, Lot};
 pub use parquet_file::FileError;
 pub use sensitivity::{Influence, Sensitivity};
 #[cfg(not(target_family = "wasm"))]
-pub use store::{Collected, PART_RUNS, Share, StoreError, collect, read_rows};
+pub use store::{Collected, PART_RUNS, Part, Share, StoreError, collect, fly_part, missing, read_rows};
 pub use study::{Column, Kind, Row, Study, StudyError};
 pub use summary::{Extreme, Sample, Summary};
 

@@ -66,11 +66,13 @@ pub struct Collected {
     pub found: u64,
 }
 
-/// A part: runs from `begin` to below `end`.
+/// Runs whose rows appear together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Part {
-    begin: u64,
-    end: u64,
+pub struct Part {
+    /// The first run.
+    pub begin: u64,
+    /// The run after the last.
+    pub end: u64,
 }
 
 impl Share {
@@ -89,6 +91,11 @@ impl Part {
     fn path(&self, folder: &Path) -> PathBuf {
         folder.join(format!("{:09}-{:09}.parquet", self.begin, self.end - 1))
     }
+
+    /// Where its rows stand while those of the rows of `out` that are left are flown.
+    pub fn path_beside(&self, out: &Path) -> PathBuf {
+        self.path(&parts_folder(out))
+    }
 }
 
 /// Flies what is missing of a share and leaves all of its rows in one file, in the order of their runs. `progress` gets
@@ -106,21 +113,9 @@ pub fn collect(
     let parts = share.parts();
     let total: u64 = parts.iter().map(Part::runs).sum();
     let folder = parts_folder(out);
-    if out.exists() && !folder.exists() {
-        let file = open(out, about)?;
-        if file.rows() == total {
-            return Ok(Collected { flown: 0, found: total });
-        }
-        take_over(out, about, &parts, &folder)?;
-    }
-    fs::create_dir_all(&folder).map_err(|source| at(&folder)(source.into()))?;
-    let mut missing = Vec::new();
-    for part in &parts {
-        let path = part.path(&folder);
-        if !path.exists() || open(&path, about)?.rows() != part.runs() {
-            missing.push(*part);
-        }
-    }
+    let Some(missing) = missing(about, share, out)? else {
+        return Ok(Collected { flown: 0, found: total });
+    };
     let flown: u64 = missing.iter().map(Part::runs).sum();
     let done = std::sync::atomic::AtomicU64::new(total - flown);
     progress(total - flown, total);
@@ -135,8 +130,7 @@ pub fn collect(
         let mut rows = runs.into_par_iter().map(fly).collect::<Result<Vec<Row>, DrawError>>()?.into_iter();
         for part in parts {
             let of_part: Vec<Row> = rows.by_ref().take(part.runs() as usize).collect();
-            let path = part.path(&folder);
-            write_file(&path, about, [Ok(of_part)].into_iter()).map_err(at(&path))?;
+            write_part(about, of_part, &part.path(&folder))?;
         }
     }
     let groups = parts.chunks(PARTS_OF_GROUP).map(|parts| {
@@ -149,6 +143,43 @@ pub fn collect(
     write_file(out, about, groups).map_err(at(out))?;
     fs::remove_dir_all(&folder).map_err(|source| at(&folder)(source.into()))?;
     Ok(Collected { flown, found: total - flown })
+}
+
+/// The parts of a share that are not there yet, with a folder for them; none if the file of its rows is whole.
+///
+/// # Errors
+/// [`StoreError`].
+pub fn missing(about: &About, share: &Share, out: &Path) -> Result<Option<Vec<Part>>, StoreError> {
+    let (parts, folder) = (share.parts(), parts_folder(out));
+    if out.exists() && !folder.exists() {
+        let file = open(out, about)?;
+        if file.rows() == parts.iter().map(Part::runs).sum::<u64>() {
+            return Ok(None);
+        }
+        take_over(out, about, &parts, &folder)?;
+    }
+    fs::create_dir_all(&folder).map_err(|source| at(&folder)(source.into()))?;
+    let mut missing = Vec::new();
+    for part in parts {
+        let path = part.path(&folder);
+        if !path.exists() || open(&path, about)?.rows() != part.runs() {
+            missing.push(part);
+        }
+    }
+    Ok(Some(missing))
+}
+
+/// Flies one part, one run after the other, and writes its rows.
+///
+/// # Errors
+/// [`StoreError`].
+pub fn fly_part(study: &Study, about: &About, part: &Part, path: &Path) -> Result<(), StoreError> {
+    let rows = (part.begin..part.end).map(|run| study.fly(run)).collect::<Result<Vec<Row>, DrawError>>()?;
+    write_part(about, rows, path)
+}
+
+fn write_part(about: &About, rows: Vec<Row>, path: &Path) -> Result<(), StoreError> {
+    write_file(path, about, [Ok(rows)].into_iter()).map_err(at(path))
 }
 
 /// Makes parts of a file of the same study with other runs.
@@ -164,8 +195,7 @@ fn take_over(out: &Path, about: &About, parts: &[Part], folder: &Path) -> Result
         let is_last = row.run + 1 == part.end;
         pending.push(row);
         if is_last && pending.len() as u64 == part.runs() && result.is_ok() {
-            let path = part.path(folder);
-            result = write_file(&path, about, [Ok(std::mem::take(&mut pending))].into_iter()).map_err(at(&path));
+            result = write_part(about, std::mem::take(&mut pending), &part.path(folder));
         }
     };
     RowFile::open(out).and_then(|file| file.for_each(&mut take)).map_err(at(out))?;
