@@ -102,7 +102,8 @@ impl Study {
         py.detach(|| montecarlo::fly_part(&self.study, &self.about, &Part { begin, end }, &path)).map_err(refused)
     }
 
-    /// Flies what is missing on all cores, and leaves all rows in one file; how many were flown and how many were there.
+    /// Flies what is missing on all cores, and leaves all rows in one file; how many were flown and how many were
+    /// there.
     fn collect(&self, py: Python<'_>, runs: u64, out: PathBuf) -> PyResult<(u64, u64)> {
         let share = Share { runs, shard: 1, shards: 1 };
         let collect = || montecarlo::collect(&self.study, &self.about, &share, &out, &|_, _| ());
