@@ -136,11 +136,18 @@ impl FlightSetup {
     /// # Errors
     /// [`SetupError`] where the configuration can't be flown.
     pub fn control_side(&self) -> Result<ControlSide, SetupError> {
-        let parameters = self.design_parameters();
+        self.control_side_at(self.design_parameters().imu_rate_hz)
+    }
+
+    /// The same for an IMU of so many samples per second.
+    ///
+    /// # Errors
+    /// [`SetupError`] where the configuration can't be flown.
+    pub fn control_side_at(&self, imu_rate_hz: u32) -> Result<ControlSide, SetupError> {
         let ControllerChoice { controller, rate_hz, control_horizon, .. } = self.choice;
         let (known, tuning) = (self.known_model(), self.tuning());
         let config =
-            core_config(&known, &tuning, rate_hz, parameters.imu_rate_hz, controller).map_err(SetupError::Config)?;
+            core_config(&known, &tuning, rate_hz, imu_rate_hz, controller).map_err(SetupError::Config)?;
         let planner = match controller {
             Controller::Cascade => None,
             Controller::Mpc => Some(Planner::new(control_horizon, &mpc_settings(&known, &tuning, rate_hz))?),

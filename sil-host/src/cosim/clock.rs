@@ -15,7 +15,12 @@ impl Clock {
 
     /// Time of the next tick, µs.
     pub fn next_us(&self) -> u64 {
-        (self.next_tick * 1_000_000 + self.rate_hz / 2) / self.rate_hz
+        Self::tick_us(self.next_tick, self.rate_hz)
+    }
+
+    /// Time of a tick of a clock of that rate, µs.
+    pub fn tick_us(tick: u64, rate_hz: u64) -> u64 {
+        (tick * 1_000_000 + rate_hz / 2) / rate_hz
     }
 
     /// True, and on to the next tick, if one is due.

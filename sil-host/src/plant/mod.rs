@@ -10,6 +10,7 @@
 //! as in the thesis.
 
 mod actuation;
+mod continuous;
 mod dormand_prince;
 mod forces;
 mod free_flight;
@@ -28,6 +29,7 @@ use free_flight::FreeState;
 use integrate::{Method, in_fixed_steps, runge_kutta_4};
 
 pub(crate) use crate::vehicle::quaternion_world_from_body;
+pub use continuous::StateName;
 pub use truth::Truth;
 
 /// Longest integration step unless the propulsion or an effect needs a shorter one, s.
@@ -258,7 +260,7 @@ impl Plant {
     }
 
     /// When the next command takes effect, the next effect sets in, or the next look is due, s.
-    fn next_event_s(&self) -> Option<f64> {
+    pub fn next_event_s(&self) -> Option<f64> {
         let onset_s = self.onsets_s.iter().copied().find(|onset_s| *onset_s > self.time_s);
         let events = [self.actuation.next_s(), self.looks_s.front().copied(), onset_s];
         events.into_iter().flatten().min_by(f64::total_cmp)

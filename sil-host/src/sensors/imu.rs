@@ -51,6 +51,18 @@ pub fn quantise(time_us: u64, rate_body_rad_s: [f64; 3], specific_force_body_m_s
     }
 }
 
+/// A sensor's vector in the body's axes.
+fn body_from_sensor([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [y, -x, z]
+}
+
+/// What a sample says, body axes: rate (rad/s) and specific force (m/s²). [`quantise`] makes the same sample of it.
+pub fn reading(sample: &RawImuSample) -> ([f64; 3], [f64; 3]) {
+    let rate_rad_s = sample.gyro_counts.map(|counts| f64::from(counts) / GYRO_COUNTS_PER_RAD_S);
+    let force_m_s2 = sample.accel_counts.map(|counts| f64::from(counts) / ACCEL_COUNTS_PER_M_S2);
+    (body_from_sensor(rate_rad_s), body_from_sensor(force_m_s2))
+}
+
 /// `as` cuts off toward zero, holds at the ends of the range, and makes not-a-number 0.
 #[inline]
 fn nearest(counts: f64) -> i16 {
@@ -98,6 +110,16 @@ mod tests {
     }
 
     proptest::proptest! {
+        #[test]
+        fn a_reading_makes_the_same_sample_again(
+            gyro_counts in proptest::array::uniform3(proptest::num::i16::ANY),
+            accel_counts in proptest::array::uniform3(proptest::num::i16::ANY),
+        ) {
+            let sample = RawImuSample { time_us: 3, gyro_counts, accel_counts };
+            let (rate, force) = reading(&sample);
+            proptest::prop_assert_eq!(quantise(3, rate, force), sample);
+        }
+
         /// The control core has scales and axis map of its own; both sides must mean the same sensor.
         #[test]
         fn the_control_core_reads_back_what_was_felt(

@@ -1,6 +1,6 @@
 //! The propulsion of the four arms of one vehicle: alike as in a model, or each with the constants of its own parts.
 
-use super::{Equilibrium, Propulsion, RotorState};
+use super::{Equilibrium, Level, Propulsion, RotorState};
 
 /// Motors 1 to 4 with their speed controllers and rotors.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +26,11 @@ impl FourArms {
             Self::Alike(propulsion) => propulsion,
             Self::Apart(arms) => &arms[motor],
         }
+    }
+
+    /// How much detail they have.
+    pub(crate) fn level(&self) -> Level {
+        self.of_motor(0).level()
     }
 
     /// What drives the motors at these commands (0..1), see [`Propulsion::drive`].
