@@ -1,13 +1,12 @@
 //! Writes FMUs: `sil-fmu-export --library FILE --out DIR MODEL...`, which `cargo xtask fmu` calls.
 
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Parser;
 use sil_fmu::component::Content;
-use sil_fmu::package::{PackedLibrary, Source, write_fmu};
+use sil_fmu::package::{Source, fmu};
+use sil_fmu::zip::Packed;
 
 #[derive(Parser)]
 #[command(name = "sil-fmu-export", about = "Write the FMUs of vehicles")]
@@ -26,15 +25,15 @@ struct Arguments {
 fn main() -> Result<()> {
     let Arguments { library, out, models } = Arguments::parse();
     let bytes = std::fs::read(&library).with_context(|| library.display().to_string())?;
-    let mut library = PackedLibrary::new(&bytes)?;
+    let library = Packed::new(&bytes)?;
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     for path in &models {
         let source = read(path)?;
         for content in Content::ALL {
-            let fmu = out.join(format!("{}.fmu", source.identifier(content)));
-            let file = File::create(&fmu).with_context(|| fmu.display().to_string())?;
-            write_fmu(BufWriter::new(file), &source, content, &mut library)?;
-            println!("{}", fmu.display());
+            let path = out.join(format!("{}.fmu", source.identifier(content)));
+            let bytes = fmu(&source, content, &library)?;
+            std::fs::write(&path, bytes).with_context(|| path.display().to_string())?;
+            println!("{}", path.display());
         }
     }
     Ok(())
@@ -44,5 +43,5 @@ fn read(path: &Path) -> Result<Source> {
     let shown = path.display().to_string();
     let text = std::fs::read_to_string(path).with_context(|| shown.clone())?;
     let stem = path.file_stem().and_then(|stem| stem.to_str()).with_context(|| format!("{shown}: no name"))?;
-    Source::parse(stem, text, &shown)
+    Ok(Source::parse(stem, text, &shown)?)
 }

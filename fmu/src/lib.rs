@@ -6,7 +6,7 @@
 //! ```
 //! Nothing here computes a motion: it all is `sil-host`'s and `shared-control`'s. One shared library serves every FMU;
 //! what an instance is, its token says, and of which vehicle, the model file in the FMU's resources. `cargo xtask fmu`
-//! makes the files ([`export`]), docs/fmi.md says what is in them.
+//! makes the files ([`package`]), docs/fmi.md says what is in them.
 //!
 //! The binding is written here, as the published ones (`fmi-export` 0.3) abort the importing tool in functions that
 //! they lack, hand back no environment to its log, and know neither units nor a saved state.
@@ -19,5 +19,6 @@ pub mod package;
 pub mod variable;
 mod vehicle;
 mod vehicle_variables;
+pub mod zip;
 
 mod c_interface;

@@ -143,6 +143,3 @@ fn c_text(text: &str) -> CString {
     let text = text.split('\0').next().unwrap_or_default();
     CString::new(text).unwrap_or_default()
 }
-
-#[cfg(test)]
-mod tests;
