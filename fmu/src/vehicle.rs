@@ -283,18 +283,19 @@ impl Imu {
 
 impl Behaviour for Vehicle {
     fn get(&mut self, place: usize) -> Result<Value, Refusal> {
-        let (place, inputs, choices) = (self.places[place], self.inputs, self.choices.clone());
+        let (place, inputs) = (self.places[place], self.inputs);
         let motion = match place {
-            Place::Effects => return Ok(Value::Text(choices.effects)),
-            Place::Seed => return Ok(Value::Count(choices.seed)),
-            Place::ImuRate => return Ok(Value::Count(choices.imu_rate_hz)),
-            Place::Release => return Ok(Value::Float(choices.released_at_s)),
+            Place::Effects => return Ok(Value::Text(self.choices.effects.clone())),
+            Place::Seed => return Ok(Value::Count(self.choices.seed)),
+            Place::ImuRate => return Ok(Value::Count(self.choices.imu_rate_hz)),
+            Place::Release => return Ok(Value::Float(self.choices.released_at_s)),
             Place::Command(motor) => return Ok(Value::Float(inputs.commands[motor])),
             Place::Torque(axis) => return Ok(Value::Float(inputs.torque_body_nm[axis])),
             Place::Force(axis) => return Ok(Value::Float(inputs.force_body_n[axis])),
             _ => self.motion()?,
         };
-        let newest = |sample: usize| motion.imu.as_ref().map_or(([f64::NAN; 3], [f64::NAN; 3]), |imu| imu.newest[sample]);
+        let none = ([f64::NAN; 3], [f64::NAN; 3]);
+        let newest = |sample: usize| motion.imu.as_ref().map_or(none, |imu| imu.newest[sample]);
         let value = match place {
             Place::State(state) => motion.plant.states()[state],
             Place::Derivative(state) => motion.plant.derivatives(motion.time_s)[state],

@@ -1,7 +1,9 @@
 """FMUs by name of variable, and the loop of plant and controller, on FMPy's own calls."""
 
+import functools
 import math
 import pathlib
+import shutil
 import tempfile
 
 import fmpy
@@ -24,25 +26,34 @@ COMMANDS = [f"motor{motor}_command" for motor in (1, 2, 3, 4)]
 ANGLES = ["roll_rad", "pitch_rad", "yaw_rad"]
 
 
-class Fmu:
-    """An instance of an FMU, unpacked into a folder of its own."""
+_unpacked = tempfile.TemporaryDirectory()
 
-    def __init__(self, path, interface="CoSimulation", start=None, start_s=0.0, token=None, edit=None):
-        self.folder = tempfile.TemporaryDirectory()
-        fmpy.extract(str(path), self.folder.name)
+
+@functools.cache
+def unpacked(path):
+    """The folder of an FMU, unpacked once."""
+    folder = pathlib.Path(_unpacked.name) / pathlib.Path(path).stem
+    fmpy.extract(str(path), str(folder))
+    return folder
+
+
+class Fmu:
+    """An instance of an FMU; with `edit` of a copy that it has changed. What the FMU logs is in `log`."""
+
+    def __init__(self, path, interface="CoSimulation", start=None, start_s=0.0, edit=None, log=None):
+        self.folder = unpacked(path)
         if edit is not None:
-            edit(pathlib.Path(self.folder.name))
-        self.description = fmpy.read_model_description(self.folder.name)
-        if token is not None:
-            self.description.guid = self.description.instantiationToken = token
+            copy = pathlib.Path(tempfile.mkdtemp(dir=_unpacked.name))
+            self.folder = shutil.copytree(self.folder, copy / "fmu")
+            edit(self.folder)
+        self.description = fmpy.read_model_description(str(self.folder))
         self.variables = {variable.name: variable for variable in self.description.modelVariables}
-        self.log = []
-        # FMPy keeps what it is given, so that it lives as long as the instance
-        self.instance = fmpy.instantiate_fmu(
-            self.folder.name, self.description, interface, logger=lambda _env, status, _category, text: self.log.append(
-                (status, text.decode())
-            )
-        )
+        self.log = [] if log is None else log
+
+        def keep(_environment, status, _category, text):
+            self.log.append((status, text.decode()))
+
+        self.instance = fmpy.instantiate_fmu(str(self.folder), self.description, interface, logger=keep)
         self.begin(start or {}, start_s)
 
     def begin(self, start, start_s=0.0):
@@ -73,7 +84,6 @@ class Fmu:
 
     def close(self):
         self.instance.freeInstance()
-        self.folder.cleanup()
 
     def __enter__(self):
         return self
@@ -120,3 +130,53 @@ def closed_loop(plant, controller, waypoints, duration_s, hover, late=False, ste
             plant.set(dict(zip(COMMANDS, given)))
         plant.step(at_s, step_s)
     return np.array(angles), np.array(commands)
+
+
+def swing(base):
+    """A second of commands at 400 Hz that turn the vehicle about both axes."""
+    swing = 0.02 * np.sin(2.0 * np.pi * np.arange(0.0, 1.0, CONTROL_STEP_S))
+    roll, pitch = np.array([-1.0, 1.0, 1.0, -1.0]), np.array([1.0, -1.0, 1.0, -1.0])
+    return base + swing[:, None] * roll + 0.6 * swing[::-1, None] * pitch
+
+
+def scales(description):
+    """The continuous states by name, each with its typical size."""
+    states = [variable.name[4:-1] for variable in description.modelVariables if variable.derivative]
+    return {name: 1000.0 if "_speed_" in name else 1.0 for name in states}
+
+
+def by_its_own(path, commands, start=None):
+    """The plant by its own integrator: states over their typical size at each step's end."""
+    with Fmu(path, start=start) as plant:
+        sizes, rows = scales(plant.description), []
+        for step, row in enumerate(commands):
+            plant.set(dict(zip(COMMANDS, row)))
+            plant.step(step * CONTROL_STEP_S, CONTROL_STEP_S)
+            rows.append(plant.get(list(sizes)))
+    return np.array(rows) / list(sizes.values())
+
+
+def by_cvode(path, commands, start=None):
+    """The same by FMPy's CVode, to 1e-9 of the states."""
+    folder = str(unpacked(path))
+    sizes = scales(fmpy.read_model_description(folder))
+    rows = np.vstack([commands, commands[-1:]])
+    types = [("time", float)] + [(command, float) for command in COMMANDS]
+    signals = np.array([(step * CONTROL_STEP_S, *row) for step, row in enumerate(rows)], dtype=types)
+    result = fmpy.simulate_fmu(
+        folder,
+        fmi_type="ModelExchange",
+        stop_time=len(commands) * CONTROL_STEP_S,
+        output_interval=CONTROL_STEP_S,
+        relative_tolerance=1e-9,
+        input=signals,
+        start_values=start or {},
+        output=list(sizes),
+        record_events=False,
+    )
+    return np.array([[row[name] / size for name, size in sizes.items()] for row in result])[1:]
+
+
+def apart(own, foreign):
+    """By how much two motions differ at most, of the largest that a state becomes, or of its typical size."""
+    return (np.abs(own - foreign).max(axis=0) / np.maximum(np.abs(own).max(axis=0), 1.0)).max()
