@@ -105,7 +105,8 @@ impl Controller {
         if !(0.0..=START_MAX_S).contains(&self.start_s) {
             return Err(format!("start at {} s: the core's clock takes 0 to {START_MAX_S} s", self.start_s));
         }
-        let samples = u32::try_from(self.samples_per_step).ok().filter(|samples| (1..=SAMPLES as u32).contains(samples));
+        let samples =
+            u32::try_from(self.samples_per_step).ok().filter(|samples| (1..=SAMPLES as u32).contains(samples));
         let given = self.samples_per_step;
         let samples = samples.ok_or_else(|| format!("imu_samples_per_step = {given}: expected 1 to {SAMPLES}"))?;
         let choice = match self.choice.contains('=') {
@@ -243,8 +244,7 @@ fn entries(inputs: &Inputs) -> Vec<(Place, Variable)> {
         for (axis, [gyro, accelerometer]) in sample_names(sample).into_iter().enumerate() {
             let (which, (rate, force)) = (which_sample(sample), inputs.samples[sample]);
             let gyro = Variable::input(gyro, "rad/s", &format!("gyro, {which}"), rate[axis]);
-            let accelerometer =
-                Variable::input(accelerometer, "m/s2", &format!("accelerometer, {which}"), force[axis]);
+            let accelerometer = Variable::input(accelerometer, "m/s2", &format!("accelerometer, {which}"), force[axis]);
             entries.push((Place::Gyro(sample, axis), gyro.discrete()));
             entries.push((Place::Accelerometer(sample, axis), accelerometer.discrete()));
         }

@@ -79,8 +79,7 @@ struct Imu {
 impl Vehicle {
     pub(crate) fn new(model: VehicleModel, has_imu: bool) -> (Self, Vec<Variable>) {
         let plant = Plant::new(&model);
-        let choices =
-            Choices { effects: String::new(), seed: 0, imu_rate_hz: IMU_RATE_HZ, released_at_s: 0.0 };
+        let choices = Choices { effects: String::new(), seed: 0, imu_rate_hz: IMU_RATE_HZ, released_at_s: 0.0 };
         let (places, variables) = places(&plant, &model, has_imu, &choices).into_iter().unzip();
         let commands = [model.base_command; 4];
         let vehicle = Self {
@@ -129,14 +128,8 @@ impl Vehicle {
         let own_s = if self.has_imu { (self.start_s - self.choices.released_at_s).max(0.0) } else { self.start_s };
         plant.set_time_s(own_s);
         let imu = if self.has_imu { Some(self.imu(&model)?) } else { None };
-        let mut motion = Motion {
-            plant,
-            imu,
-            time_s: self.start_s,
-            truth: None,
-            given_commands: None,
-            was_pushed: false,
-        };
+        let mut motion =
+            Motion { plant, imu, time_s: self.start_s, truth: None, given_commands: None, was_pushed: false };
         motion.disturb(&self.inputs);
         motion.sample_until(self.start_s, &self.inputs, self.choices.released_at_s);
         Ok(motion)
@@ -147,7 +140,8 @@ impl Vehicle {
             return Err(format!("start at {} s: the IMU's clock takes 0 to {START_MAX_S} s", self.start_s));
         }
         let rate_hz = u32::try_from(self.choices.imu_rate_hz).ok().filter(|rate_hz| (1..=8000).contains(rate_hz));
-        let rate_hz = rate_hz.ok_or_else(|| format!("imu_rate_hz = {}: expected 1 to 8000", self.choices.imu_rate_hz))?;
+        let rate_hz =
+            rate_hz.ok_or_else(|| format!("imu_rate_hz = {}: expected 1 to 8000", self.choices.imu_rate_hz))?;
         let mut clock = Clock::new(rate_hz);
         while clock.next_us() as f64 * 1e-6 < self.start_s - SAME_TIME_S {
             clock.tick(clock.next_us());

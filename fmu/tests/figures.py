@@ -14,7 +14,7 @@ from fmus import ANGLES, Fmu, apart, by_cvode, by_its_own, closed_loop, swing
 
 # the thesis' test sequence, as sil-host/src/scenario.rs has it
 SEGMENT_S = 1.75
-POSITIONS_DEG = [(30, 0), (0, 30), (-30, 0), (0, -30), (30, 30), (30, -30), (-30, 30), (-30, -30)]
+POSITIONS_DEG = [(30, 0), (-30, 0), (0, 30), (0, -30), (30, 30), (30, -30), (-30, 30), (-30, -30)]
 SEED = 7
 
 

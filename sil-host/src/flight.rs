@@ -146,8 +146,7 @@ impl FlightSetup {
     pub fn control_side_at(&self, imu_rate_hz: u32) -> Result<ControlSide, SetupError> {
         let ControllerChoice { controller, rate_hz, control_horizon, .. } = self.choice;
         let (known, tuning) = (self.known_model(), self.tuning());
-        let config =
-            core_config(&known, &tuning, rate_hz, imu_rate_hz, controller).map_err(SetupError::Config)?;
+        let config = core_config(&known, &tuning, rate_hz, imu_rate_hz, controller).map_err(SetupError::Config)?;
         let planner = match controller {
             Controller::Cascade => None,
             Controller::Mpc => Some(Planner::new(control_horizon, &mpc_settings(&known, &tuning, rate_hz))?),

@@ -8,6 +8,7 @@ use crate::board;
 use crate::clients;
 use crate::decoders;
 use crate::firmware::Target;
+use crate::fmu;
 use crate::mutants;
 use crate::page;
 use crate::process;
@@ -24,7 +25,7 @@ const BUDGET_S: u32 = 35 * 60;
 const CAMPAIGNS_BUDGET_S: u32 = 6 * 60;
 
 /// Quick ones first.
-const STEPS: [Step; 16] = [
+const STEPS: [Step; 17] = [
     ("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
     ("tidy", tidy::run),
     ("clippy", clippy),
@@ -33,6 +34,8 @@ const STEPS: [Step; 16] = [
     ("other people's decoders", decoders::run),
     ("other people's clients", clients::run),
     ("the Python package", python::run),
+    // after the package, whose library it shares
+    ("the FMUs", fmu::check),
     ("a part of the campaigns", campaigns),
     ("documentation", documentation),
     ("core for the target", |workspace| Target::find(workspace)?.build_core()),
@@ -65,8 +68,9 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
 
 fn clippy(workspace: &Workspace) -> Result<()> {
     process::run(workspace.cargo("clippy").args(["--all-targets", "--", "-D", "warnings"]))?;
-    // an extension of Python is built where Python is wanted only
-    process::run(workspace.cargo("clippy").args(["--package", "sil-python", "--", "-D", "warnings"]))
+    // an extension of Python, and a library for other tools, are built where they are wanted only
+    let packages = ["--package", "sil-python", "--package", "sil-fmu"];
+    process::run(workspace.cargo("clippy").args(packages).args(["--", "-D", "warnings"]))
 }
 
 /// As `cargo test` has built them: optimised, with checks. Then what takes too long for `cargo test` itself.

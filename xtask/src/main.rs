@@ -7,6 +7,7 @@ mod ci;
 mod clients;
 mod decoders;
 mod firmware;
+mod fmu;
 mod image;
 mod mutants;
 mod page;
@@ -71,6 +72,8 @@ enum Task {
     PageSpeed,
     /// Build the Python package, install it into a clean environment and test it (needs python3 with venv and pip)
     Python,
+    /// Write plant, plant with IMU and control core as FMUs (FMI 3.0) for other co-simulation tools, or test them
+    Fmu(fmu::Arguments),
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
     /// Run all that CI runs, in its order
@@ -105,6 +108,7 @@ fn run(task: &Task) -> Result<()> {
         Task::PageTest => page::test(&workspace),
         Task::PageSpeed => page::speed(&workspace),
         Task::Python => python::run(&workspace),
+        Task::Fmu(arguments) => fmu::run(&workspace, arguments),
         Task::Tidy => tidy::run(&workspace),
         Task::Ci => ci::run(&workspace),
     }

@@ -59,7 +59,7 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
 }
 
 /// The interpreter of an environment, which is made where it is not there yet.
-fn environment(folder: &Path) -> Result<PathBuf> {
+pub(crate) fn environment(folder: &Path) -> Result<PathBuf> {
     let python = folder.join("bin").join("python");
     if !python.exists() {
         process::run(Command::new("python3").args(["-m", "venv"]).arg(folder))?;
@@ -67,7 +67,8 @@ fn environment(folder: &Path) -> Result<PathBuf> {
     Ok(python)
 }
 
-fn pip(python: &Path, packages: &[&str]) -> Result<()> {
+/// Installs packages into an environment.
+pub(crate) fn pip(python: &Path, packages: &[&str]) -> Result<()> {
     process::run(Command::new(python).args(["-m", "pip", "install", "--quiet"]).args(packages))
 }
 
