@@ -89,8 +89,13 @@ pub unsafe extern "C" fn fmi3GetEventIndicators(instance: *mut c_void, indicator
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(instance: *mut c_void, count: *mut usize) -> c_int {
+    let work = |_: &mut Handle| {
+        // SAFETY: as the standard obliges the tool
+        unsafe { put(count, 0) };
+        Ok(())
+    };
     // SAFETY: as the standard obliges the tool
-    unsafe { call(instance, |_| Ok(put(count, 0))) }
+    unsafe { call(instance, work) }
 }
 
 #[unsafe(no_mangle)]

@@ -279,6 +279,7 @@ fn a_tilted_vehicle_accelerates_where_its_lift_points() {
     }
 }
 
+mod continuous;
 mod effects_in_free_flight;
 mod effects_of_actuators;
 mod effects_on_gimbal;
