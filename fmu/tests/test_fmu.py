@@ -20,6 +20,8 @@ from fmus import ANGLES, COMMANDS, CONTROL_STEP_S, SAMPLES, Fmu, apart, by_cvode
 WAYPOINTS = [(0.5, 20.0, 0.0), (1.5, 0.0, -15.0), (2.5, -10.0, 10.0), (3.5, 0.0, 0.0)]
 FLOWN_S = 4.5
 
+PAGE = pathlib.Path(__file__).parents[2] / "docs" / "fmi.md"
+
 # half of the log's last digit, and what rounding makes of it
 LOG_DIGIT = 0.5e-6 + 1e-12
 
@@ -359,3 +361,43 @@ def test_a_controller_is_for_co_simulation_only():
         token = fmu.description.instantiationToken.encode()
         made = make(b"x", token, resources, ctypes.c_bool(False), ctypes.c_bool(False), None, callback)
         assert made is None and told == [(3, "a controller is for co-simulation only")]
+
+
+def table_names(page):
+    """What stands in the first column of the tables of variables."""
+    section = page.split("## Variables")[1].split("## Time")[0]
+    cells = [line.split("|")[1] for line in section.splitlines() if line.startswith("| `")]
+    return {name for cell in cells for name in re.findall(r"`([^`]+)`", cell)}
+
+
+def general(name):
+    """A variable's name as the page has it, with N, K, AXIS and PART."""
+    for pattern, placeholder in [
+        (r"^motor\d", "motorN"),
+        (r"^imu\[\d\]", "imu[K]"),
+        (r"q_world_from_body_[wxyz]", "q_world_from_body_PART"),
+        (r"(body|ned)_[xyz]_", r"\1_AXIS_"),
+    ]:
+        name = re.sub(pattern, placeholder, name)
+    return name
+
+
+def test_the_page_has_every_variable_and_no_other():
+    named = {
+        general(variable.name)
+        for path in FMUS.glob("*.fmu")
+        for variable in fmpy.read_model_description(str(path)).modelVariables
+        if variable.name != "time" and not variable.derivative
+    }
+    assert named == table_names(PAGE.read_text())
+
+
+def test_the_pages_example_runs(monkeypatch, capsys):
+    _, behind = PAGE.read_text().split("<!-- run by cargo xtask fmu --check -->\n```python\n")
+    example, _ = behind.split("\n```", 1)
+    monkeypatch.chdir(FMUS)
+    exec(example, {})
+    last = capsys.readouterr().out.strip().splitlines()[-1]
+    # time, roll, pitch, a motor faster than at 0.5
+    values = [float(value) for value in last.strip("()").split(",")]
+    assert values[0] == 1.0 and abs(values[1]) > 0.1 and values[3] > 900.0
