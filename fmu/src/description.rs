@@ -5,11 +5,15 @@ use std::fmt::Write as _;
 use crate::component::{Component, Content};
 use crate::variable::{Causality, UNITS, Value, Variability, Variable};
 
-/// Longest internal step, and the step that tools suggest, s: a step of the core at 400 Hz.
+/// The step that tools suggest, s: one of the core's at 400 Hz.
 const STEP_S: f64 = 2.5e-3;
 
 /// How long a tool simulates where nobody says, s.
 const STOP_S: f64 = 10.0;
+
+/// Categories of messages, with names that the standard suggests.
+const LOG_CATEGORIES: [(&str, &str); 2] =
+    [("logStatusError", "what was refused, and why"), ("logStatusFatal", "a mistake in this FMU")];
 
 /// What the description says beside the variables.
 #[derive(Clone, Debug)]
@@ -41,6 +45,11 @@ pub fn model_description(heading: &Heading<'_>, component: &Component) -> String
     line(&mut xml, 1, "variableNamingConvention=\"structured\">");
     interfaces(&mut xml, heading);
     units(&mut xml);
+    line(&mut xml, 1, "<LogCategories>");
+    for (category, what) in LOG_CATEGORIES {
+        line(&mut xml, 2, &format!("<Category name=\"{category}\" description=\"{what}\"/>"));
+    }
+    line(&mut xml, 1, "</LogCategories>");
     let step = format!("<DefaultExperiment startTime=\"0\" stopTime=\"{STOP_S}\" stepSize=\"{STEP_S}\"/>");
     line(&mut xml, 1, &step);
     variables(&mut xml, component.variables());

@@ -150,7 +150,15 @@ impl Vehicle {
         Ok(Imu { sensors, clock, gravity_m_s2: model.gravity_m_s2, newest: [([0.0; 3], [0.0; 3]); SAMPLES] })
     }
 
-    /// Names of the continuous states that it has.
+    /// Torque and force from outside act from now on.
+    fn disturb(&mut self) {
+        let inputs = self.inputs;
+        if let Some(motion) = &mut self.motion {
+            motion.disturb(&inputs);
+        }
+    }
+
+    /// How many continuous states it has.
     pub(crate) fn state_count(&self) -> usize {
         self.places.iter().filter(|place| matches!(place, Place::State(_))).count()
     }
@@ -306,7 +314,7 @@ impl Behaviour for Vehicle {
             (Place::Effects, Value::Text(text)) => self.choices.effects = text,
             (Place::Seed, Value::Count(seed)) => self.choices.seed = seed,
             (Place::ImuRate, Value::Count(rate_hz)) => self.choices.imu_rate_hz = rate_hz,
-            (Place::Release, Value::Float(time_s)) => self.choices.released_at_s = time_s,
+            (Place::Release, Value::Float(time_s)) if !time_s.is_nan() => self.choices.released_at_s = time_s,
             (Place::State(state), Value::Float(start)) if start.is_finite() => self.start_states[state] = Some(start),
             (Place::Command(motor), Value::Float(command)) => {
                 self.inputs.commands[motor] = command;
@@ -314,11 +322,13 @@ impl Behaviour for Vehicle {
             }
             (Place::Torque(axis), Value::Float(nm)) if nm.is_finite() => {
                 self.inputs.torque_body_nm[axis] = nm;
-                return self.disturb();
+                self.disturb();
+                return Ok(());
             }
             (Place::Force(axis), Value::Float(n)) if n.is_finite() => {
                 self.inputs.force_body_n[axis] = n;
-                return self.disturb();
+                self.disturb();
+                return Ok(());
             }
             (_, value) => return Err(format!("{value:?} is no value for it")),
         }
@@ -350,16 +360,6 @@ impl Behaviour for Vehicle {
         let truth = motion.truth();
         if truth.rate_body_rad_s.iter().chain(&truth.position_ned_m).any(|value| !value.is_finite()) {
             return Err(format!("the motion has left the numbers at {} s", motion.time_s));
-        }
-        Ok(())
-    }
-}
-
-impl Vehicle {
-    fn disturb(&mut self) -> Result<(), Refusal> {
-        let inputs = self.inputs;
-        if let Some(motion) = &mut self.motion {
-            motion.disturb(&inputs);
         }
         Ok(())
     }

@@ -247,7 +247,8 @@ def refused(work, fmu, told):
         ("plant", {"effects": "motor_lag:time_constant_s=-1"}, "time_constant_s"),
         ("plant_imu", {"imu_rate_hz": 0}, "imu_rate_hz = 0: expected 1 to 8000"),
         ("controller", {"controller": "lqr"}, "lqr"),
-        ("controller", {"controller": 'controller = "pid"\nrate_hz = 1'}, "1"),
+        ("controller", {"controller": 'controller = "pid"\nrate_hz = 0'}, "rate"),
+        ("controller", {"controller": 'controller = "pid"\nrate = 1'}, "rate"),
         ("controller", {"imu_samples_per_step": 4}, "imu_samples_per_step = 4: expected 1 to 3"),
     ],
 )
@@ -260,6 +261,17 @@ def test_a_wrong_parameter_is_refused_with_its_reason(content, wrong, told):
         # and it can be mended
         fmu.instance.reset()
         fmu.begin({})
+
+
+def test_a_rotation_that_is_none_is_refused():
+    nowhere = {"q_world_from_body_w": 0.0}
+    log = []
+    with pytest.raises(FMICallException):
+        Fmu(FMUS / "plant_f450_free.fmu", start=nowhere, log=log)
+    assert log == [(3, "start values: the quaternion has no length")]
+    half = {"q_world_from_body_w": 0.1, "q_world_from_body_x": 0.1}
+    with Fmu(FMUS / "plant_f450_free.fmu", start=half) as plant:
+        assert abs(plant.get(["roll_rad"])[0] - np.pi / 2) < 1e-12
 
 
 def test_calls_that_make_no_sense_are_refused_with_their_reason():

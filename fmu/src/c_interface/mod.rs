@@ -29,7 +29,7 @@ const FATAL: c_int = 4;
 /// fmi3LogMessageCallback.
 type LogMessage = unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char);
 
-/// Categories as the description names none: those that the standard suggests.
+/// Categories, as the description has them.
 const ERROR_CATEGORY: &CStr = c"logStatusError";
 const FATAL_CATEGORY: &CStr = c"logStatusFatal";
 
