@@ -5,6 +5,7 @@ From the environment: FMUS is the folder of the FMUs, MODELS that of their model
 
 import csv
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -56,3 +57,14 @@ def effort(commands, base):
     for row in commands:
         total += sum(abs(command - base) for command in row) / 4.0
     return total / len(commands)
+
+
+def mean_abs_errors_deg(angles, references):
+    """Of roll and pitch, likewise."""
+    means = []
+    for axis in (0, 1):
+        total = 0.0
+        for angle, reference in zip(angles, references):
+            total += abs(reference[axis] - angle[axis])
+        means.append(math.degrees(total / len(angles)))
+    return means

@@ -9,8 +9,17 @@ import time
 import numpy as np
 from fmpy.validation import validate_fmu
 
-from against_sil import FMUS, NAMES, base_command, effort, fly, rows_of, without_noise_of_the_logger
-from fmus import ANGLES, Fmu, apart, by_cvode, by_its_own, closed_loop, swing
+from against_sil import (
+    FMUS,
+    NAMES,
+    base_command,
+    effort,
+    fly,
+    mean_abs_errors_deg,
+    rows_of,
+    without_noise_of_the_logger,
+)
+from fmus import ANGLES, Fmu, apart, by_cvode, by_its_own, closed_loop, reference_at, swing
 
 # the thesis' test sequence, as sil-host/src/scenario.rs has it
 SEGMENT_S = 1.75
@@ -51,13 +60,18 @@ def open_loop():
 
 
 def loops():
-    print("\n| model, controller | angles, rad | commands | mean effort | times real time |\n|---|---|---|---|---|")
+    print("\n| model, controller | angles, rad | commands | mean effort | mean errors | times real time |\n" + "|---" * 6 + "|")
     for name, controller in [(name, kind) for name in ("f450_gimbal", "f450_free") for kind in ("pid", "mpc")]:
         log, figures, angles, commands, speed = flown(name, controller)
         angle = np.abs(rows_of(log, ANGLES) - angles).max()
         command = np.abs(rows_of(log, [f"motor{motor}" for motor in (1, 2, 3, 4)]) - commands).max()
         difference = effort(commands, base_command(name)) - figures["effort"]
-        print(f"| {name}, {controller} | {angle:.1e} | {command:.1e} | {difference:.1e} | {speed:.0f} |")
+        waypoints, _ = sequence()
+        references = [reference_at(waypoints, step * 2500 / 1e6) for step in range(len(angles))]
+        own = [figures["axes"][axis]["mean_abs_error_deg"] for axis in ("roll", "pitch")]
+        errors = max(abs(a - b) for a, b in zip(own, mean_abs_errors_deg(angles, references)))
+        row = f"| {name}, {controller} | {angle:.1e} | {command:.1e} | {difference:.1e} | {errors:.1e} | {speed:.0f} |"
+        print(row)
 
 
 def flown(name, controller):

@@ -13,8 +13,30 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from against_sil import FMUS, NAMES, base_command, effort, fly, rows_of, without_noise_of_the_logger
-from fmus import ANGLES, COMMANDS, CONTROL_STEP_S, SAMPLES, Fmu, apart, by_cvode, by_its_own, closed_loop, script, swing
+from against_sil import (
+    FMUS,
+    NAMES,
+    base_command,
+    effort,
+    fly,
+    mean_abs_errors_deg,
+    rows_of,
+    without_noise_of_the_logger,
+)
+from fmus import (
+    ANGLES,
+    COMMANDS,
+    CONTROL_STEP_S,
+    SAMPLES,
+    Fmu,
+    apart,
+    by_cvode,
+    by_its_own,
+    closed_loop,
+    reference_at,
+    script,
+    swing,
+)
 
 # of the test sequence's kind, with both axes at once
 WAYPOINTS = [(0.5, 20.0, 0.0), (1.5, 0.0, -15.0), (2.5, -10.0, 10.0), (3.5, 0.0, 0.0)]
@@ -68,8 +90,8 @@ EFFECTS = {
     ],
 )
 def test_the_loop_of_two_fmus_is_sil_fly(tmp_path, name, controller, effects):
-    """No tolerance: the same code, the same seed, the same instants. The log has six digits; the mean effort of all
-    commands, of which each has all its digits, is equal to the bit."""
+    """No tolerance: the same code, the same seed, the same instants. The log has six digits; the means over all commands
+    and angles, of which each has all its digits, are equal to the bit."""
     short, tables = EFFECTS[effects]
     file = without_noise_of_the_logger(name, tmp_path, tables)
     log, figures = fly(tmp_path, file, controller, 7, script(WAYPOINTS, FLOWN_S))
@@ -85,6 +107,9 @@ def test_the_loop_of_two_fmus_is_sil_fly(tmp_path, name, controller, effects):
     assert np.abs(rows_of(log, ANGLES) - angles).max() < LOG_DIGIT
     assert np.abs(rows_of(log, [f"motor{motor}" for motor in (1, 2, 3, 4)]) - commands).max() < LOG_DIGIT
     assert effort(commands, base) == figures["effort"]
+    references = [reference_at(WAYPOINTS, step * 2500 / 1e6) for step in range(len(angles))]
+    means = [figures["axes"][axis]["mean_abs_error_deg"] for axis in ("roll", "pitch")]
+    assert mean_abs_errors_deg(angles, references) == means
 
 
 def test_another_seed_is_another_flight(tmp_path):
@@ -126,6 +151,20 @@ def test_effects_change_the_motion():
     nominal = by_its_own(path, commands)
     late = by_its_own(path, commands, {"effects": "actuation_delay:delay_s=0.006"})
     assert np.abs(nominal - late).max() > 1e-3
+
+
+def test_what_holds_the_vehicle_lets_go_at_its_time():
+    """A tilted vehicle: until then the IMU sees it level and still, from that very sample on it sees the tilt."""
+    names = ["imu[1].specific_force_body_y_m_s2", "roll_rad"]
+    start = {"roll_rad": 0.5, "released_at_s": 0.01, "disturbance_torque_body_x_nm": 0.05}
+    with Fmu(FMUS / "plant_imu_f450_gimbal.fmu", start=start) as plant:
+        for step in range(5):
+            [force_m_s2, roll_rad] = plant.get(names)
+            # at rest nothing but noise of 0.1 m/s^2, then g sin(0.5) = 4.7
+            assert (abs(force_m_s2) > 4.0) == (step == 4), (step, force_m_s2)
+            assert roll_rad == 0.5
+            plant.step(step * CONTROL_STEP_S, CONTROL_STEP_S)
+        assert plant.get(names)[1] > 0.5
 
 
 def test_start_values_and_disturbances_act():
