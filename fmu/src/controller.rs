@@ -1,7 +1,7 @@
 //! The control core as an FMU: `sil-host`'s control side, stepped at its own clock with what the inputs hold.
 
 use shared_control::frames::euler_from_q;
-use shared_control::signals::{ArmingRequest, Setpoint};
+use shared_control::signals::ArmingRequest;
 use shared_control::supervisor::Arming;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::cosim::clock::Clock;
@@ -109,10 +109,7 @@ impl Controller {
             u32::try_from(self.samples_per_step).ok().filter(|samples| (1..=SAMPLES as u32).contains(samples));
         let given = self.samples_per_step;
         let samples = samples.ok_or_else(|| format!("imu_samples_per_step = {given}: expected 1 to {SAMPLES}"))?;
-        let choice = match self.choice.contains('=') {
-            true => ControllerChoice::parse(&self.choice, "controller"),
-            false => ControllerChoice::from_argument(&self.choice),
-        };
+        let choice = ControllerChoice::from_argument_or_text(&self.choice);
         let setup = FlightSetup {
             model: self.model.clone(),
             controller_model: None,
@@ -155,18 +152,9 @@ impl Running {
             let _ = monitored.imu.push(sample);
         }
         let Inputs { roll_rad, pitch_rad, yaw_rate_rad_s, throttle, .. } = *inputs;
-        let events = Events {
-            setpoint: Setpoint {
-                roll_rad: roll_rad as f32,
-                pitch_rad: pitch_rad as f32,
-                yaw_rate_rad_s: yaw_rate_rad_s as f32,
-                throttle: throttle as f32,
-                acro_rad_s: None,
-            },
-            arming: if inputs.arm { ArmingRequest::Arm } else { ArmingRequest::None },
-            held: false,
-            waypoint: Waypoint { roll_rad, pitch_rad, yaw_rate_rad_s, ..Waypoint::level(0.0) },
-        };
+        let waypoint = Waypoint { roll_rad, pitch_rad, yaw_rate_rad_s, ..Waypoint::level(0.0) };
+        let arming = if inputs.arm { ArmingRequest::Arm } else { ArmingRequest::None };
+        let events = Events::of(waypoint, throttle, arming, false);
         let (output, _) = self.control.step(now_us, &mut monitored, &events);
         let estimate = euler_from_q(&output.estimate.q_world_from_body);
         self.outputs = Outputs {

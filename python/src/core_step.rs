@@ -1,7 +1,7 @@
 //! The control core step by step, and the sensors between it and a plant.
 
 use pyo3::prelude::*;
-use shared_control::signals::{ArmingRequest, RawImuSample, Setpoint};
+use shared_control::signals::{ArmingRequest, RawImuSample};
 use sil_host::cosim::contract::{DesignParameters, Events, Monitored};
 use sil_host::cosim::control_side::ControlSide;
 use sil_host::scenario::Waypoint;
@@ -89,18 +89,9 @@ impl Core {
             let sample = RawImuSample { time_us, gyro_counts, accel_counts };
             monitored.imu.push(sample).map_err(|_| refused("more samples than one step takes"))?;
         }
-        let events = Events {
-            setpoint: Setpoint {
-                roll_rad: roll_rad as f32,
-                pitch_rad: pitch_rad as f32,
-                yaw_rate_rad_s: yaw_rate_rad_s as f32,
-                throttle: throttle as f32,
-                acro_rad_s: None,
-            },
-            arming: if arm { ArmingRequest::Arm } else { ArmingRequest::None },
-            held: false,
-            waypoint: Waypoint { roll_rad, pitch_rad, yaw_rate_rad_s, ..Waypoint::level(0.0) },
-        };
+        let waypoint = Waypoint { roll_rad, pitch_rad, yaw_rate_rad_s, ..Waypoint::level(0.0) };
+        let arming = if arm { ArmingRequest::Arm } else { ArmingRequest::None };
+        let events = Events::of(waypoint, throttle, arming, false);
         let (output, _) = self.control.step(time_us, &mut monitored, &events);
         Ok(output.mix.commands.0.map(f64::from))
     }

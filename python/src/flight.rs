@@ -14,12 +14,7 @@ use crate::model::Model;
 
 /// `pid`, `mpc`, the path of a controller file, or the text of one.
 pub(crate) fn controller_choice(controller: &str) -> PyResult<ControllerChoice> {
-    let choice = if controller.contains('=') {
-        ControllerChoice::parse(controller, "controller")
-    } else {
-        ControllerChoice::from_argument(controller)
-    };
-    choice.map_err(refused)
+    ControllerChoice::from_argument_or_text(controller).map_err(refused)
 }
 
 /// A vehicle with its controller, which takes it for `known`; the test sequence, seed 0.

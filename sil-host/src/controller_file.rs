@@ -74,6 +74,14 @@ impl ControllerChoice {
         }
     }
 
+    /// `pid`, `mpc`, the path of a file, or the text of one, which has a `=`.
+    ///
+    /// # Errors
+    /// [`ControllerFileError`], with the place.
+    pub fn from_argument_or_text(given: &str) -> Result<Self, ControllerFileError> {
+        if given.contains('=') { Self::parse(given, "controller") } else { Self::from_argument(given) }
+    }
+
     /// Reads the text of a file; `file` is what messages call it.
     ///
     /// # Errors

@@ -70,6 +70,20 @@ pub struct Events {
     pub waypoint: Waypoint,
 }
 
+impl Events {
+    /// What a waypoint requests, at a throttle.
+    pub fn of(waypoint: Waypoint, throttle: f64, arming: ArmingRequest, held: bool) -> Self {
+        let setpoint = Setpoint {
+            roll_rad: waypoint.roll_rad as f32,
+            pitch_rad: waypoint.pitch_rad as f32,
+            yaw_rate_rad_s: waypoint.yaw_rate_rad_s as f32,
+            throttle: throttle as f32,
+            acro_rad_s: None,
+        };
+        Self { setpoint, arming, held, waypoint }
+    }
+}
+
 /// Events at a time of the co-simulation. While held: at rest, then armed at zero throttle, then hover.
 pub fn events_at(scenario: &Scenario, parameters: &DesignParameters, time_us: u64) -> Events {
     let waypoint = scenario.at(flight_time_s(time_us));
@@ -78,18 +92,7 @@ pub fn events_at(scenario: &Scenario, parameters: &DesignParameters, time_us: u6
     let hovering = time_us >= HELD_US / 20 * 19;
     let arming = if time_us >= HELD_US / 20 * 18 && !hovering { ArmingRequest::Arm } else { ArmingRequest::None };
     let throttle = if hovering { waypoint.throttle.unwrap_or(parameters.base_command) } else { 0.0 };
-    Events {
-        setpoint: Setpoint {
-            roll_rad: waypoint.roll_rad as f32,
-            pitch_rad: waypoint.pitch_rad as f32,
-            yaw_rate_rad_s: waypoint.yaw_rate_rad_s as f32,
-            throttle: throttle as f32,
-            acro_rad_s: None,
-        },
-        arming,
-        held,
-        waypoint,
-    }
+    Events::of(waypoint, throttle, arming, held)
 }
 
 /// Time since the rig let go, s; negative while it holds.
