@@ -1,6 +1,7 @@
 //! Writes FMUs: `sil-fmu-export --library FILE --out DIR MODEL...`, which `cargo xtask fmu` calls.
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::Parser;
@@ -22,16 +23,26 @@ struct Arguments {
     models: Vec<PathBuf>,
 }
 
-fn main() -> Result<()> {
-    let Arguments { library, out, models } = Arguments::parse();
-    let bytes = std::fs::read(&library).with_context(|| library.display().to_string())?;
+fn main() -> ExitCode {
+    match export(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Nothing is written where a model can't be used.
+fn export(Arguments { library, out, models }: &Arguments) -> Result<()> {
+    let sources = models.iter().map(|path| read(path)).collect::<Result<Vec<_>>>()?;
+    let bytes = std::fs::read(library).with_context(|| library.display().to_string())?;
     let library = Packed::new(&bytes)?;
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
-    for path in &models {
-        let source = read(path)?;
+    std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
+    for source in &sources {
         for content in Content::ALL {
             let path = out.join(format!("{}.fmu", source.identifier(content)));
-            let bytes = fmu(&source, content, &library)?;
+            let bytes = fmu(source, content, &library)?;
             std::fs::write(&path, bytes).with_context(|| path.display().to_string())?;
             println!("{}", path.display());
         }

@@ -6,6 +6,7 @@
 import ctypes
 import pathlib
 import re
+import subprocess
 
 import fmpy
 import numpy as np
@@ -16,10 +17,12 @@ from fmpy.validation import validate_fmu
 from against_sil import (
     FMUS,
     NAMES,
+    SIL,
     base_command,
     effort,
     fly,
     mean_abs_errors_deg,
+    model,
     rows_of,
     without_noise_of_the_logger,
 )
@@ -397,6 +400,16 @@ def fnv_1a(text):
     for byte in text.encode():
         value = ((value ^ byte) * 0x100000001B3) % 2**64
     return value
+
+
+def test_a_model_that_cannot_be_used_is_not_exported(tmp_path):
+    (tmp_path / "bad.toml").write_text("rig = 3\n")
+    for wrong, told in [("bad.toml", "error: bad.toml:1:1: the model lacks `name`"), ("none.toml", "error: none.toml: ")]:
+        exporter, library = SIL.parent / "sil-fmu-export", SIL.parent / "libsil_fmu.so"
+        command = [exporter, "--library", library, "--out", "fmus", model("f450_gimbal"), wrong]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 1 and done.stderr.startswith(told), done.stderr
+        assert not (tmp_path / "fmus").exists()
 
 
 def test_a_controller_is_for_co_simulation_only():
