@@ -20,7 +20,7 @@ from sil_host import cluster, tune  # noqa: E402  after the skips
 SIL = os.environ.get("SIL")
 RUNS = 600
 #: Long enough that a part of 200 flights takes seconds.
-SCRIPT = "duration_s = 12.0\n[[step]]\nat_s = 0.5\nroll_deg = 20\n"
+SCRIPT = "duration_s = 6.0\n[[step]]\nat_s = 0.5\nroll_deg = 20\n"
 
 
 def workers_that_fly():
