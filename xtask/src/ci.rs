@@ -1,8 +1,18 @@
-//! What CI runs. Each step says its name, what it runs and how long it took; the first failure ends it.
+//! What CI runs: steps, two side by side, because most of them leave a processor idle half of the time (the compiler on
+//! one large crate, an emulator, a browser, a download).
+//!
+//! Each step is a process of its own (`cargo xtask ci --step NAME`), whose output is kept and shown whole when it ends.
+//! After the first failure none begins.
 
+use std::env;
+use std::fs::{self, File};
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use crate::board;
 use crate::clients;
@@ -17,53 +27,139 @@ use crate::python;
 use crate::tidy;
 use crate::workspace::Workspace;
 
-type Step = (&'static str, fn(&Workspace) -> Result<()>);
+struct Step {
+    name: &'static str,
+    run: fn(&Workspace) -> Result<()>,
+}
 
 /// What all steps together may take on two quiet cores, s.
 const BUDGET_S: u32 = 35 * 60;
 /// What parts of the campaigns may take of it, s.
 const CAMPAIGNS_BUDGET_S: u32 = 6 * 60;
+/// Steps at a time.
+const LANES: usize = 2;
 
-/// Quick ones first.
-const STEPS: [Step; 17] = [
-    ("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
-    ("tidy", tidy::run),
-    ("clippy", clippy),
-    ("test", |workspace| process::run(&mut workspace.cargo("test"))),
-    ("the page in a browser", page::test),
-    ("other people's decoders", decoders::run),
-    ("other people's clients", clients::run),
-    ("the Python package", python::run),
-    // after the package, whose library it shares
-    ("the FMUs", fmu::check),
-    ("a part of the campaigns", campaigns),
-    ("documentation", documentation),
-    ("core for the target", |workspace| Target::find(workspace)?.build_core()),
-    ("firmware image", px4::run),
-    ("clippy for the target", |workspace| Target::find(workspace)?.clippy()),
-    ("emulated board", board::run),
-    ("clippy for the emulated board", board::clippy),
-    ("mutants of the change", mutants::in_ci),
+/// In the order in which they begin: quick ones, then by turns what builds for the host and what does not, because cargo
+/// lets one build at a time into a folder. What takes long is not last.
+const STEPS: [Step; 18] = [
+    step("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
+    step("tidy", tidy::run),
+    step("clippy", clippy),
+    step("core for the target", |workspace| Target::find(workspace)?.build_core()),
+    step("firmware image", px4::run),
+    step("test", |workspace| process::run(&mut workspace.cargo("test"))),
+    step("the page", |workspace| page::build(workspace).map(drop)),
+    step("clippy for the target", |workspace| Target::find(workspace)?.clippy()),
+    step("emulated board", board::run),
+    step("the page in a browser", page::test),
+    step("a part of the campaigns", campaigns),
+    step("the Python package", python::run),
+    step("the FMUs", fmu::check),
+    step("other people's clients", clients::run),
+    step("other people's decoders", decoders::run),
+    step("documentation", documentation),
+    step("clippy for the emulated board", board::clippy),
+    step("mutants of the change", mutants::in_ci),
 ];
 
-/// Runs all steps in order.
-pub(crate) fn run(workspace: &Workspace) -> Result<()> {
-    let mut times = Vec::new();
-    for (name, step) in STEPS {
-        eprintln!("\n=== {name}");
+const fn step(name: &'static str, run: fn(&Workspace) -> Result<()>) -> Step {
+    Step { name, run }
+}
+
+/// Which steps.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Only this one, here, as it goes
+    #[arg(long, value_name = "NAME")]
+    step: Option<String>,
+}
+
+/// Runs one step, or all.
+pub(crate) fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+    let Some(name) = &arguments.step else { return Run::new(workspace)?.all() };
+    let Some(step) = STEPS.iter().find(|step| step.name == name) else {
+        let names: Vec<&str> = STEPS.iter().map(|step| step.name).collect();
+        bail!("no step '{name}'; there are: {}", names.join(", "));
+    };
+    (step.run)(workspace)
+}
+
+/// One run of all steps.
+struct Run {
+    /// This program.
+    program: PathBuf,
+    /// Where the steps' output is kept.
+    folder: PathBuf,
+    waiting: Mutex<std::slice::Iter<'static, Step>>,
+    ended: Mutex<Vec<Ended>>,
+}
+
+struct Ended {
+    step: &'static Step,
+    seconds: f64,
+    passed: bool,
+}
+
+impl Run {
+    fn new(workspace: &Workspace) -> Result<Self> {
+        let folder = workspace.target_dir.join("ci");
+        fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        let waiting = Mutex::new(STEPS.iter());
+        Ok(Self { program: env::current_exe()?, folder, waiting, ended: Mutex::new(Vec::new()) })
+    }
+
+    fn all(&self) -> Result<()> {
         let start = Instant::now();
-        step(workspace).with_context(|| format!("step '{name}'"))?;
+        thread::scope(|scope| {
+            let lanes: Vec<_> = (0..LANES).map(|_| scope.spawn(|| self.lane())).collect();
+            lanes.into_iter().try_for_each(|lane| lane.join().unwrap_or_else(|_| bail!("a lane panicked")))
+        })?;
+        let ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
+        let failed: Vec<&str> = ended.iter().filter(|of| !of.passed).map(|of| of.step.name).collect();
+        if !failed.is_empty() {
+            bail!("failed: {}; what it said stands above and in {}", failed.join(", "), self.folder.display());
+        }
+        eprintln!("\nall steps passed");
+        for Ended { step, seconds, .. } in ended.iter() {
+            eprintln!("{seconds:8.1} s  {}", step.name);
+        }
+        let all_s = start.elapsed().as_secs_f64();
+        eprintln!("{all_s:8.1} s  in all, {LANES} steps at a time; {BUDGET_S} s on two quiet cores are the limit");
+        Ok(())
+    }
+
+    /// Runs what waits, step by step, until nothing does or something has failed.
+    fn lane(&self) -> Result<()> {
+        while let Some(step) = self.next() {
+            let ended = self.run(step)?;
+            self.ended.lock().unwrap_or_else(PoisonError::into_inner).push(ended);
+        }
+        Ok(())
+    }
+
+    fn next(&self) -> Option<&'static Step> {
+        let has_failed = self.ended.lock().unwrap_or_else(PoisonError::into_inner).iter().any(|of| !of.passed);
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        if has_failed { None } else { waiting.next() }
+    }
+
+    fn run(&self, step: &'static Step) -> Result<Ended> {
+        let name = step.name;
+        let path = self.folder.join(format!("{}.log", name.replace([' ', '\''], "-")));
+        let log = File::create(&path).with_context(|| format!("cannot write {}", path.display()))?;
+        eprintln!("    {name} begins");
+        let start = Instant::now();
+        let mut command = Command::new(&self.program);
+        command.args(["ci", "--step", name]).stdout(log.try_clone()?).stderr(log);
+        let passed = command.status().with_context(|| format!("cannot start step '{name}'"))?.success();
         let seconds = start.elapsed().as_secs_f64();
-        eprintln!("=== {name}: passed in {seconds:.1} s");
-        times.push((name, seconds));
+        let said = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let said = String::from_utf8_lossy(&said);
+        let outcome = if passed { "passed" } else { "FAILED" };
+        // in one piece, so that the other lane's lines do not come between
+        eprint!("\n=== {name}\n{said}=== {name}: {outcome} in {seconds:.1} s\n");
+        Ok(Ended { step, seconds, passed })
     }
-    eprintln!("\nall steps passed");
-    for (name, seconds) in &times {
-        eprintln!("{seconds:8.1} s  {name}");
-    }
-    let all_s: f64 = times.iter().map(|(_, seconds)| seconds).sum();
-    eprintln!("{all_s:8.1} s  in all; {BUDGET_S} s on two quiet cores are the limit");
-    Ok(())
 }
 
 fn clippy(workspace: &Workspace) -> Result<()> {
@@ -77,11 +173,22 @@ fn clippy(workspace: &Workspace) -> Result<()> {
 fn campaigns(workspace: &Workspace) -> Result<()> {
     eprintln!("{CAMPAIGNS_BUDGET_S} s on two quiet cores are the limit");
     for campaign in ["blind_diagnosis", "controller_blame"] {
-        process::run(workspace.cargo("run").args(["--package", "campaigns", "--bin", campaign, "--", "tenth"]))?;
+        process::run(workspace.cargo("run").args(["--bin", campaign, "--", "tenth"]))?;
     }
-    process::run(workspace.cargo("test").args(["--package", "integration-tests", "--test", "thorough"]))
+    process::run(workspace.cargo("test").args(["--test", "thorough"]))
 }
 
 fn documentation(workspace: &Workspace) -> Result<()> {
     process::run(workspace.cargo("doc").arg("--no-deps").env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_step_has_a_name_and_a_log_of_its_own() {
+        let names: std::collections::BTreeSet<&str> = STEPS.iter().map(|step| step.name).collect();
+        assert_eq!(names.len(), STEPS.len());
+    }
 }

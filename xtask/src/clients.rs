@@ -34,7 +34,7 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     }
     let install = ["-m", "pip", "install", "--quiet", "--no-deps"];
     process::run(Command::new(&python).args(install).args(PACKAGES))?;
-    process::run(workspace.cargo("build").args(["--package", "sil-host", "--bin", "sil"]))?;
+    process::run(workspace.cargo("build").args(["--bin", "sil"]))?;
     let sil = workspace.target_dir.join("debug").join("sil");
     for script in SCRIPTS {
         let start = Instant::now();

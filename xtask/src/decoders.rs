@@ -19,6 +19,6 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     }
     process::run(Command::new(&python).args(["-m", "pip", "install", "--quiet"]).args(PACKAGES))?;
     let mut test = workspace.cargo("test");
-    test.args(["--package", "integration-tests", "decoders_read_the_same", "--", "--ignored", "--nocapture"]);
+    test.args(["--test", "integration", "decoders_read_the_same", "--", "--ignored", "--nocapture"]);
     process::run(test.env("DECODERS_PYTHON", &python))
 }

@@ -76,8 +76,8 @@ enum Task {
     Fmu(fmu::Arguments),
     /// Check the rules that neither the compiler nor clippy knows
     Tidy,
-    /// Run all that CI runs, in its order
-    Ci,
+    /// Run all that CI runs, two steps at a time
+    Ci(ci::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -110,6 +110,6 @@ fn run(task: &Task) -> Result<()> {
         Task::Python => python::run(&workspace),
         Task::Fmu(arguments) => fmu::run(&workspace, arguments),
         Task::Tidy => tidy::run(&workspace),
-        Task::Ci => ci::run(&workspace),
+        Task::Ci(arguments) => ci::run(&workspace, arguments),
     }
 }

@@ -63,14 +63,14 @@ pub(crate) fn test(workspace: &Workspace) -> Result<()> {
 
 /// The same, but only how long its user waits.
 pub(crate) fn speed(workspace: &Workspace) -> Result<()> {
-    in_a_browser(workspace, &["--test", "speed", "--", "--ignored", "--nocapture"])
+    in_a_browser(workspace, &["speed::", "--", "--ignored", "--nocapture"])
 }
 
 fn in_a_browser(workspace: &Workspace, tests: &[&str]) -> Result<()> {
     let place = build(workspace)?;
-    process::run(workspace.cargo("build").args(["--package", "sil-host", "--bin", "sil"]))?;
+    process::run(workspace.cargo("build").args(["--bin", "sil"]))?;
     let mut command = workspace.cargo("test");
-    command.args(["--package", "page-test"]).args(tests).env("SIL_PAGE", place);
+    command.args(["--test", "browser"]).args(tests).env("SIL_PAGE", place);
     process::run(command.env("SIL_BINARY", workspace.target_dir.join("debug/sil")))
 }
 

@@ -49,8 +49,7 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     process::run(&mut install)?;
     eprintln!("the example of python/README.md:");
     process::run(Command::new(&python).args(["-c", &example(&package)?]).current_dir(&folder))?;
-    // beside the package, so that the library is built with the features that it has there, and no second time
-    process::run(workspace.cargo("build").args(["--package", "sil-python", "--package", "sil-host", "--bin", "sil"]))?;
+    process::run(workspace.cargo("build").args(["--bin", "sil"]))?;
     let mut test = Command::new(&python);
     test.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(package.join("tests"));
     // the package that was installed is tested, not the folder of its source

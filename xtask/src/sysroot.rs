@@ -3,7 +3,7 @@
 //! The result looks as if rustup had installed the target, so that nothing else has to know: no unstable option and
 //! no environment variable is needed to build with it. It takes half a minute, once per version of the compiler.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::UNIX_EPOCH;
@@ -50,6 +50,10 @@ pub(crate) fn ensure(platform: &Platform, rustc: &Path, target_dir: &Path) -> Re
     let triple = platform.triple;
     let all = target_dir.join(format!("{triple}-sysroot"));
     let sysroot = all.join(version(rustc)?);
+    fs::create_dir_all(target_dir)?;
+    // another command may be at it: until this file is closed, one builds and the others wait
+    let lock = File::create(all.with_extension("lock"))?;
+    lock.lock()?;
     if sysroot.is_dir() {
         return Ok(sysroot);
     }
