@@ -34,24 +34,28 @@ struct Step {
 
 /// What all steps together may take on two quiet cores, s.
 const BUDGET_S: u32 = 35 * 60;
-/// What parts of the campaigns may take of it, s.
+/// What parts of the campaigns, with the thorough tests, may take of it, s.
 const CAMPAIGNS_BUDGET_S: u32 = 6 * 60;
+/// Tests that are ignored for another reason: one writes the fuzz targets' first inputs, one needs what step 'other
+/// people's decoders' installs, one takes a minute.
+const NOT_THOROUGH: [&str; 3] = ["fuzz_seeds", "decoders_read_the_same", "none_of_a_thousand"];
 /// Steps at a time.
 const LANES: usize = 2;
 
-/// In the order in which they begin: quick ones, then by turns what builds for the host and what does not, because cargo
-/// lets one build at a time into a folder. What takes long is not last.
-const STEPS: [Step; 18] = [
+/// In the order in which they begin: quick ones, then by turns what builds for the host and what does not, because
+/// cargo lets one build at a time into a folder. What takes long is not last.
+const STEPS: [Step; 19] = [
     step("format", |workspace| process::run(workspace.cargo("fmt").args(["--check", "--all"]))),
     step("tidy", tidy::run),
     step("clippy", clippy),
-    step("core for the target", |workspace| Target::find(workspace)?.build_core()),
+    step("core for the target", |workspace| Target::find(workspace)?.check_core()),
     step("firmware image", px4::run),
     step("test", |workspace| process::run(&mut workspace.cargo("test"))),
     step("the page", |workspace| page::build(workspace).map(drop)),
-    step("clippy for the target", |workspace| Target::find(workspace)?.clippy()),
     step("emulated board", board::run),
+    step("clippy for the target", |workspace| Target::find(workspace)?.clippy()),
     step("the page in a browser", page::test),
+    step("thorough tests", thorough),
     step("a part of the campaigns", campaigns),
     step("the Python package", python::run),
     step("the FMUs", fmu::check),
@@ -169,13 +173,23 @@ fn clippy(workspace: &Workspace) -> Result<()> {
     process::run(workspace.cargo("clippy").args(packages).args(["--", "-D", "warnings"]))
 }
 
-/// As `cargo test` has built them: optimised, with checks. Then what takes too long for `cargo test` itself.
+/// As `cargo test` has built them: optimised, with checks.
 fn campaigns(workspace: &Workspace) -> Result<()> {
-    eprintln!("{CAMPAIGNS_BUDGET_S} s on two quiet cores are the limit");
+    eprintln!("with the thorough tests, {CAMPAIGNS_BUDGET_S} s on two quiet cores are the limit");
     for campaign in ["blind_diagnosis", "controller_blame"] {
         process::run(workspace.cargo("run").args(["--bin", campaign, "--", "tenth"]))?;
     }
-    process::run(workspace.cargo("test").args(["--test", "thorough"]))
+    Ok(())
+}
+
+/// What takes too long for `cargo test` itself: a program of its own, and tests that stand among the quick ones and are
+/// ignored there.
+fn thorough(workspace: &Workspace) -> Result<()> {
+    process::run(workspace.cargo("test").args(["--test", "thorough"]))?;
+    let mut ignored = workspace.cargo("test");
+    ignored.args(["--package", "sil-host", "--package", "integration-tests", "--lib"]);
+    ignored.args(["--test", "commands", "--test", "integration", "--", "--ignored"]);
+    process::run(ignored.args(NOT_THOROUGH.iter().flat_map(|name| ["--skip", *name])))
 }
 
 fn documentation(workspace: &Workspace) -> Result<()> {

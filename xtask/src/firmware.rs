@@ -42,7 +42,8 @@ impl<'a> Target<'a> {
     }
 
     fn build_and_check(&self, options: &[&str]) -> Result<Size> {
-        self.build("firmware", options)?;
+        let mut command = self.toolchain.build(self.workspace);
+        process::run(command.args(["--package", "firmware"]).args(options).args(RELEASE))?;
         let image = self.image();
         let size = image::check(&image)?;
         println!("{}: {size}", image.display());
@@ -64,10 +65,12 @@ impl<'a> Target<'a> {
         Ok(self.workspace.target_dir.join(FLIGHT_CONTROLLER.triple).join("release/bench-image"))
     }
 
-    /// Builds the control core alone: it must do without `std`, an allocator and the host's features of its
-    /// dependencies.
-    pub(crate) fn build_core(&self) -> Result<()> {
-        self.build("shared-control", &[])
+    /// Compiles the control core alone, but for the machine code: it must do without `std`, an allocator and the host's
+    /// features of its dependencies.
+    pub(crate) fn check_core(&self) -> Result<()> {
+        let mut command = self.toolchain.check(self.workspace);
+        // as the image, which then has the build scripts' and macros' part of this
+        process::run(command.args(["--package", "shared-control"]).args(RELEASE))
     }
 
     /// Lints both as compiled for the target; much of the firmware does not even exist on a host.
@@ -75,10 +78,5 @@ impl<'a> Target<'a> {
         let mut command = self.toolchain.clippy(self.workspace)?;
         command.args(["--package=firmware", "--package=shared-control", "--", "-D", "warnings"]);
         process::run(&mut command)
-    }
-
-    fn build(&self, package: &str, options: &[&str]) -> Result<()> {
-        let mut command = self.toolchain.build(self.workspace);
-        process::run(command.args(["--package", package]).args(options).args(RELEASE))
     }
 }

@@ -47,7 +47,7 @@ enum Task {
     },
     /// Build the image and pack it for upload over USB by QGroundControl
     Px4,
-    /// Build the control core alone for the flight controller
+    /// Check that the control core alone compiles for the flight controller
     CoreTarget,
     /// Lint the firmware and the control core as compiled for the flight controller
     ClippyTarget,
@@ -96,7 +96,7 @@ fn run(task: &Task) -> Result<()> {
         Task::Fw { bounded_angles: false } => Target::find(&workspace)?.build_image().map(drop),
         Task::Fw { bounded_angles: true } => Target::find(&workspace)?.build_image_with_bounded_angles(),
         Task::Px4 => px4::run(&workspace),
-        Task::CoreTarget => Target::find(&workspace)?.build_core(),
+        Task::CoreTarget => Target::find(&workspace)?.check_core(),
         Task::ClippyTarget => Target::find(&workspace)?.clippy(),
         Task::BoardTest => board::run(&workspace),
         Task::SelfTest(arguments) => self_test::run(&workspace, arguments),

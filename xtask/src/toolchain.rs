@@ -48,7 +48,16 @@ impl Toolchain {
 
     /// `cargo build` for the target.
     pub(crate) fn build(&self, workspace: &Workspace) -> Command {
-        let mut command = workspace.cargo("build");
+        self.cargo("build", workspace)
+    }
+
+    /// `cargo check` for the target.
+    pub(crate) fn check(&self, workspace: &Workspace) -> Command {
+        self.cargo("check", workspace)
+    }
+
+    fn cargo(&self, subcommand: &str, workspace: &Workspace) -> Command {
+        let mut command = workspace.cargo(subcommand);
         self.point_to_target(&mut command);
         command
     }

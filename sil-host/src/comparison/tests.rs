@@ -112,6 +112,7 @@ fn assert_explained(rig: Rig, effects: &[&str]) {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn an_extended_model_explains_the_log_of_its_effects() {
     for effects in [
         &["cg_offset:axis=pitch,cos_moment_nm=0.1,sin_moment_nm=0.02"][..],
@@ -138,6 +139,7 @@ fn an_extended_model_explains_the_log_of_its_effects() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn an_extended_model_explains_the_log_of_its_effects_in_free_flight() {
     for effects in [
         &["cg_offset:axis=pitch,cos_moment_nm=0.1"][..],
@@ -179,6 +181,7 @@ fn bench() -> Log {
 
 /// What `sil compare` and `sil diagnose` say of the same log and the same model is the same: one prediction.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn the_figures_are_those_of_the_diagnosis() {
     let gimbal = VehicleModel::nominal(Rig::Gimbal);
     let free = VehicleModel::nominal(Rig::Free);

@@ -32,6 +32,7 @@ fn a_log_of_the_nominal_vehicle_shows_nothing() {
 /// Rotors that shake the IMU by 10 m/s^2 and 4 deg/s: to a log they are noise, or lines of no known origin. Nothing is
 /// named for them, and what there is beside them still is.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn rotors_that_shake_the_imu_are_taken_for_no_effect() {
     let shaken = "rotor_vibration:peak_m_s2=10,peak_rad_s=0.07,at_rad_s=911";
     let answer = answer_to(&log(&[shaken], None, 4));
@@ -65,6 +66,7 @@ fn two_effects_are_both_named_with_their_sizes() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn both_integrations_agree_on_a_delay_to_two_microseconds() {
     // 5.3 ms falls between the steps of either; almost without noise the residual is the integrators' difference
     let answer = answer_to(&log(&["actuation_delay:delay_s=0.0053"], Some(QUIET), 3));
@@ -181,6 +183,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
 
 /// What `--extended` writes predicts the log as the answer says, trims and all that is ordinary included.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn the_extended_model_has_what_is_ordinary_too() {
     let hidden = [
         "torque_bias:axis=roll,torque_nm=0.03",

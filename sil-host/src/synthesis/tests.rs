@@ -142,6 +142,7 @@ fn a_blind_log_says_only_that_it_is_synthetic() {
 /// Each effect, as its example has it, in a whole flight on its rig: the log differs from the nominal one, is finite,
 /// and the vehicle stays in the air.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn every_effect_shows_in_a_flight() {
     let fly = |rig, duration_s, effects: Vec<Effect>| {
         let model = VehicleModel { effects, ..VehicleModel::nominal(rig) };

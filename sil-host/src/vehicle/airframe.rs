@@ -27,7 +27,10 @@ const fn turning() -> [[usize; 4]; 3] {
 /// What the motors do about roll, pitch and yaw: each one's value with the sign of its torque, summed.
 #[inline]
 pub(crate) fn signed_sums<T: Copy + Add<Output = T> + Sub<Output = T>>(per_motor: [T; 4]) -> [T; 3] {
-    TURNING.map(|[a, b, c, d]| per_motor[a] + per_motor[b] - per_motor[c] - per_motor[d])
+    let sum = |[a, b, c, d]: [usize; 4]| per_motor[a] + per_motor[b] - per_motor[c] - per_motor[d];
+    // each axis by itself: in a loop over the axes the places were not known when compiled, and a tenth of a diagnosis'
+    // time went into looking them up
+    [sum(TURNING[0]), sum(TURNING[1]), sum(TURNING[2])]
 }
 
 /// What the rotors' speeds are about the body's z axis, summed: positive where those that turn clockwise, seen from

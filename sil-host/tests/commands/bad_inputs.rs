@@ -406,6 +406,7 @@ fn a_folder_and_no_file_are_named() {
 
 /// A flight controller's log without a model is held against what it shows, by `compare` as by `diagnose`.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn a_foreign_log_is_compared_with_what_it_shows() {
     let folder = Folder::new();
     write_file(&good(), &folder.path("flight.ulg")).unwrap();

@@ -78,6 +78,7 @@ fn one_log_lies_beside_what_each_controller_makes_of_its_references() {
 
 /// Nobody said which vehicle: what is normal says it, and that is said.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn a_foreign_flight_is_held_against_the_vehicle_that_normal_flights_show() {
     let folder = Folder::new();
     let model = VehicleModel::parse(GENERIC_FREE_MODEL, "free.toml").unwrap();

@@ -101,6 +101,7 @@ fn is_told_as_json_on_a_page_and_by_a_flight_that_can_be_flown() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn other_cuts_of_the_log_are_searched_unless_it_is_to_be_quick() {
     let folder = Folder::new();
     folder.write("gimbal.toml", GENERIC_GIMBAL_MODEL);
@@ -198,6 +199,7 @@ fn a_flight_is_compared_with_normal_ones_as_json_text_and_page() {
 
 /// Each log has the answer that it has alone; what can't be read is a row, and shows in the exit status.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn several_logs_stand_in_one_table() {
     let folder = Folder::of_healthy_and_suspect();
     folder.write("bad.csv", "time_s,p_rad_s\n0,none\n");

@@ -4,6 +4,7 @@
 use crate::sil::Folder;
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn the_same_seed_gives_the_same_bytes() {
     let folder = Folder::new();
     folder.write("short.toml", "duration_s = 1.0\n[[step]]\nat_s = 0.2\nroll_deg = 20\n");

@@ -24,6 +24,7 @@ fn foreign_flight(folder: &Folder) {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn a_foreign_flight_is_identified_and_its_model_serves_the_other_commands() {
     let folder = Folder::new();
     foreign_flight(&folder);
@@ -53,6 +54,7 @@ fn a_foreign_flight_is_identified_and_its_model_serves_the_other_commands() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn axes_are_identified_where_no_vehicle_can_be() {
     let folder = Folder::new();
     folder.sil(&["synth", "--duration", "12", "rig.csv"]).assert_done();

@@ -1,5 +1,6 @@
 //! The effects, one by one.
 
+use rayon::prelude::*;
 use sil_host::effects::Effect;
 use sil_host::model::{self, SensorNoise, VehicleModel};
 use sil_host::plant::Plant;
@@ -230,12 +231,13 @@ fn turned([x, y, z]: [f64; 3]) -> [f64; 3] {
 
 #[test]
 fn the_plant_moves_as_every_page_says() {
-    of_motion().iter().for_each(the_plant_moves_as_the_page_says);
+    of_motion().par_iter().for_each(the_plant_moves_as_the_page_says);
 }
 
 #[test]
 fn the_prediction_expects_what_every_page_says() {
-    of_motion().iter().chain(&of_sensors()).for_each(the_prediction_expects_what_the_page_says);
+    let (motion, sensors) = (of_motion(), of_sensors());
+    motion.par_iter().chain(&sensors).for_each(the_prediction_expects_what_the_page_says);
 }
 
 #[test]

@@ -53,6 +53,7 @@ fn lose_link(scene: &Scene, within_s: f64) -> Result<End, f64> {
 
 /// Whatever it stands on, from whatever height, by either controller.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn on_the_ground_it_is_disarmed_within_three_seconds() {
     let grounds = [
         ("flat", Ground::FLAT),
@@ -168,6 +169,7 @@ fn ended_in_the_air(seeds: core::ops::Range<u64>) -> Vec<(u64, End)> {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn none_of_fifteen_drawn_vehicles_is_disarmed_in_the_air() {
     let ended = ended_in_the_air(0..15);
     assert!(ended.is_empty(), "{ended:?}");
@@ -184,6 +186,7 @@ fn none_of_a_thousand_drawn_vehicles_is_disarmed_in_the_air() {
 /// On ground and in wind as they come, with a throttle for hovering that is right to 5 %: nine of ten in time, and
 /// each soon. What takes longer is blown along a slope and bounces down it.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn of_twenty_drawn_vehicles_most_are_disarmed_in_time() {
     let (mut ends_s, mut fastest_m_s) = (Vec::new(), 0.0);
     for seed in 0..20 {

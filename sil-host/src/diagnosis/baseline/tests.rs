@@ -140,6 +140,7 @@ fn free_flight(effects: &[&str], seed: u64) -> Log {
 
 /// Through logs of a vehicle whose model is wrong in the same way in all flights: only what is different is named.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn what_all_flights_have_in_common_is_not_reported() {
     let airframe = ["torque_bias:axis=roll,torque_nm=0.03", "mass_error:scale=1.05"];
     let normal: Vec<Log> = (0..3).map(|seed| free_flight(&airframe, seed)).collect();
@@ -160,6 +161,7 @@ fn what_all_flights_have_in_common_is_not_reported() {
 /// On the testbed the trims are moments beside gravity's; a motor that is weaker there is found by them, and a pivot
 /// that carries the vehicle leaves no mass to be found.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn on_the_testbed_a_weak_motor_and_a_delay_are_found() {
     let flown = |effects: &[&str], seed: u64| {
         let mut model = VehicleModel::generic(Rig::Gimbal);
