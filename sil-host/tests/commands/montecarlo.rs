@@ -56,6 +56,7 @@ fn the_worst_vehicle_is_flown_again_to_the_bit_by_the_command_that_is_printed() 
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn shards_make_the_same_answer_as_the_whole() {
     let folder = folder();
     let runs = ["--runs", "450", "--controller", "pid", "--seed", "2"];
@@ -80,6 +81,7 @@ fn shards_make_the_same_answer_as_the_whole() {
 
 /// Killed, not asked to stop: what was flown is kept in whole parts, and the same command flies the rest.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn a_study_that_was_killed_goes_on_to_the_same_bytes() {
     let folder = folder();
     let study = |out| [&FLOWN[..], &["--controller", "pid", "--runs", "900", "--seed", "4", "--out", out]].concat();
@@ -144,6 +146,7 @@ fn peak_memory_kb(folder: &Folder, arguments: &[&str]) -> u64 {
 /// record has 400 bytes a step: 3600 of 120 steps would take 170 MB.
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn memory_does_not_grow_with_the_number_of_vehicles() {
     let folder = folder();
     folder.write("s.toml", "duration_s = 0.3\n[[step]]\nat_s = 0.1\nroll_deg = 8\n");

@@ -251,6 +251,7 @@ fn pages_describe_the_json_of_a_study() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn pages_describe_the_json_of_the_thesis() {
     let folder = Folder::new();
     folder.sil(&["thesis", "--json", "out.json", "--report", "out.html"]).assert_done();
