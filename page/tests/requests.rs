@@ -39,6 +39,7 @@ fn every_slider_of_the_page_has_a_meaning_in_the_catalogue() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn every_effect_can_be_flown_as_its_sliders_begin_and_end() {
     let catalogue = answered(&json!({ "request": "catalogue" }), &[]);
     for effect in catalogue["ok"]["effects"].as_array().unwrap() {

@@ -187,8 +187,10 @@ fn campaigns(workspace: &Workspace) -> Result<()> {
 fn thorough(workspace: &Workspace) -> Result<()> {
     process::run(workspace.cargo("test").args(["--test", "thorough"]))?;
     let mut ignored = workspace.cargo("test");
-    ignored.args(["--package", "sil-host", "--package", "integration-tests", "--lib"]);
-    ignored.args(["--test", "commands", "--test", "integration", "--", "--ignored"]);
+    let packages = ["sil-host", "sil-page", "campaigns", "integration-tests"];
+    ignored.args(packages.iter().flat_map(|name| ["--package", *name])).arg("--lib");
+    let programs = ["commands", "effects", "requests", "integration"];
+    ignored.args(programs.iter().flat_map(|name| ["--test", *name])).args(["--", "--ignored"]);
     process::run(ignored.args(NOT_THOROUGH.iter().flat_map(|name| ["--skip", *name])))
 }
 

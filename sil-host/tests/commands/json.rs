@@ -188,6 +188,7 @@ fn of_bench_mpc_on_all_instances() {
 
 /// A page in a browser has a log's bytes and its name, and no files: what it makes of them is what the command says.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn of_diagnose_is_what_the_library_makes_of_the_bytes() {
     use sil_host::answer::{Answered, HeldAgainst, Said, json};
     use sil_host::diagnosis::Effort;

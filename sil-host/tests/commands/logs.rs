@@ -81,6 +81,7 @@ fn of_synth_can_be_hard_to_read() {
 
 /// `fly` and `synth` fly an extended model, and `compare` holds a log against it.
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn of_an_extended_model_are_explained_by_it() {
     let folder = Folder::new();
     let effects = "\n[[effect]]\nname = \"spring\"\naxis = \"pitch\"\nstiffness_nm_rad = 0.1\n\

@@ -18,6 +18,7 @@ fn folder() -> Folder {
 const FLOWN: [&str; 5] = ["montecarlo", "--model", "m.toml", "--script", "s.toml"];
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn the_worst_vehicle_is_flown_again_to_the_bit_by_the_command_that_is_printed() {
     let folder = folder();
     let arguments = ["--runs", "60", "--seed", "9", "--json", "a.json", "--report", "a.html", "--out", "a.parquet"];

@@ -24,6 +24,7 @@ fn benches(folder: &Folder) {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn a_bench_makes_a_model_that_flies() {
     let folder = Folder::new();
     benches(&folder);
@@ -46,6 +47,7 @@ fn a_bench_makes_a_model_that_flies() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn a_table_is_chosen_in_the_model_file() {
     let folder = Folder::new();
     benches(&folder);

@@ -53,6 +53,7 @@ fn first_seconds() -> String {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn scripts_can_fail_on_a_discrepancy() {
     let folder = Folder::new();
     folder.write("log.csv", RIG_LOG);
@@ -226,6 +227,7 @@ fn arguments_that_contradict_each_other_are_refused() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn an_output_that_cannot_be_written_is_a_failure_of_its_own() {
     let folder = Folder::new();
     let instances = instance_files().remove(0);

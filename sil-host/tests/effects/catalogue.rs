@@ -235,6 +235,7 @@ fn the_plant_moves_as_every_page_says() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn the_prediction_expects_what_every_page_says() {
     let (motion, sensors) = (of_motion(), of_sensors());
     motion.par_iter().chain(&sensors).for_each(the_prediction_expects_what_the_page_says);

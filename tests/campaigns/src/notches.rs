@@ -153,6 +153,7 @@ mod tests {
     /// The goal: 20 dB at the rotors' lines at 30 m/s^2, on both rigs' rotor speeds, with either controller. Their
     /// delay costs no more tracking than 0.03 degrees, a twentieth of what a vehicle in free flight has.
     #[test]
+    #[ignore = "seconds long: one of the thorough tests, which CI runs"]
     fn the_commands_are_quieter_by_20_db_at_the_rotors_lines() {
         for rig in [Rig::Gimbal, Rig::Free] {
             for controller in [Controller::Cascade, Controller::Mpc] {

@@ -47,6 +47,7 @@ fn an_exact_model_is_at_its_floor_at_every_horizon_and_leaves_white_noise() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn a_spring_shows_over_the_angle_of_its_axis_until_it_is_in_the_model() {
     let answer = answer_to(&log(&["spring:axis=roll,stiffness_nm_rad=0.15,rest_rad=0"], None, 29.75, 12));
     let first = &answer.conditions[0];
@@ -75,6 +76,7 @@ fn a_constant_moment_shows_as_such() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn the_proposed_flight_tells_what_the_log_did_not() {
     // four seconds of roll: weak thrust or a heavy body?
     let hidden = ["thrust_scale:scale=0.95"];

@@ -198,6 +198,7 @@ fn missing_commands_and_dead_ones_are_named() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn an_axis_that_nobody_commands_does_not_end_the_others() {
     let mut log = BENCH.log();
     let alone = predicted(&log).input_gain_rad_s2[1];

@@ -83,6 +83,7 @@ fn the_true_model_misses_by_the_noise_floor_on_both_rigs() {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn commands_between_the_rows_are_in_the_floor_if_there_were_any() {
     let model = VehicleModel::nominal(Rig::Gimbal);
     for (control_step_s, steps_per_row) in [(0.01, 1), (0.0025, 4), (0.0025, 2)] {
