@@ -1,5 +1,6 @@
 //! What the page can request, and how each request is answered: one file a request.
 
+mod board;
 mod catalogue;
 mod diagnosed;
 mod flown;
@@ -26,6 +27,8 @@ enum Request {
     Fly(flown::Fly),
     /// A log with one effect in it, and its picture.
     Hide(hidden::Hide),
+    /// A vehicle on a serial port.
+    Board(board::Board),
 }
 
 /// Answers a request: `{"ok": ...}`, or `{"error": "..."}` with the message that the terminal would show.
@@ -36,6 +39,7 @@ pub fn answer(request: &[u8], files: Vec<Vec<u8>>, observer: Observer<'_>) -> St
         Ok(Request::Diagnose(diagnose)) => diagnose.answer(&files, observer),
         Ok(Request::Fly(fly)) => fly.answer(),
         Ok(Request::Hide(hide)) => hide.answer(),
+        Ok(Request::Board(board)) => board.answer(&files),
         Err(error) => Err(format!("the page's request: {error}")),
     };
     let answer = match answered {

@@ -24,8 +24,7 @@ export function startDiagnose(onScript) {
   });
   at("demonstration").addEventListener("click", () => {
     const csv = at("rig-log").textContent;
-    clear();
-    take([new File([csv], text.demonstrationName, { type: "text/csv" })]);
+    takeLogs([new File([csv], text.demonstrationName, { type: "text/csv" })]);
   });
   at("run").addEventListener("click", run);
   at("clear").addEventListener("click", () => {
@@ -58,6 +57,12 @@ function clear() {
   at("logs").replaceChildren();
   showReport(at("answer"), "");
   at("run").textContent = text.run;
+}
+
+// Another log than those that are there.
+export function takeLogs(files) {
+  clear();
+  take(files);
 }
 
 // One log by itself is diagnosed at once; of several somebody says first which are normal.

@@ -1,11 +1,12 @@
 // The page begins: strings, tabs, and the views as they are first seen.
 import { fillIn } from "./text.js";
-import { startDiagnose } from "./diagnose.js";
+import { hasBoard, startBoard } from "./board.js";
+import { startDiagnose, takeLogs } from "./diagnose.js";
 import { startFly, flyScript, showFlight } from "./fly.js";
 import { startQuiz } from "./quiz.js";
 import { hasState } from "./link.js";
 
-const views = ["diagnose", "fly", "quiz"];
+const views = ["diagnose", "fly", "quiz", ...(hasBoard() ? ["board"] : [])];
 
 function show(view) {
   for (const name of views) {
@@ -41,5 +42,12 @@ startDiagnose((script, rig) => {
   flyScript(script, rig);
 });
 startQuiz();
+if (hasBoard()) {
+  document.getElementById("tab-board").hidden = false;
+  startBoard(document.getElementById("board"), (log) => {
+    show("diagnose");
+    takeLogs([log]);
+  });
+}
 show(hasState() ? "fly" : "diagnose");
 document.documentElement.dataset.ready = "yes";

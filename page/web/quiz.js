@@ -1,20 +1,32 @@
 // The quiz: an effect is hidden in the vehicle; look, guess, and let the diagnosis answer.
 import { catalogue } from "./catalogue.js";
 import { Engine } from "./engine.js";
-import { make, showReport } from "./elements.js";
+import { make, select, showReport } from "./elements.js";
 import { text } from "./text.js";
 
-const MODEL = "f450-gimbal",
-  RIG = "gimbal";
+// Each rig with the vehicle that flies in it.
+const MODELS = { gimbal: "f450-gimbal", free: "f450-free" };
 const CHOICES = 5;
 
 const engine = new Engine();
 const words = (name) => name.replaceAll("_", " ");
 let place;
+let rig = "gimbal";
 
 export function startQuiz() {
   place = document.getElementById("quiz");
-  begin(make("button", { type: "button", class: "main", id: "quiz-start", onclick: hide }, text.quizStart));
+  begin(make("p", { class: "buttons" }, ...anew(text.quizStart, "main")));
+}
+
+// Where the vehicle flies, and the button that hides an effect in it.
+function anew(label, look) {
+  const choose = (event) => {
+    rig = event.target.value;
+  };
+  return [
+    select(text.rig, Object.entries(text.quizRigs), rig, choose, "quiz-rig"),
+    make("button", { type: "button", class: look, "data-hide": true, onclick: hide }, label),
+  ];
 }
 
 function begin(...children) {
@@ -30,7 +42,7 @@ function shuffled(list) {
 
 // An effect of the catalogue, at its example's size, somewhere on the vehicle.
 function shortForm(effect) {
-  const where = effect.places[RIG];
+  const where = effect.places[rig];
   const parts = [
     where ? `${where[0]}=${anyOf(where[1])}` : null,
     ...effect.parameters.map(({ name, example }) => `${name}=${example}`),
@@ -42,16 +54,14 @@ async function hide() {
   begin(make("p", { role: "status", class: "panel" }, text.working));
   try {
     const { effects } = await catalogue();
-    const [hidden, ...others] = shuffled(effects.filter(({ rigs }) => rigs.includes(RIG)));
+    const [hidden, ...others] = shuffled(effects.filter(({ rigs }) => rigs.includes(rig)));
     const seed = Math.floor(Math.random() * 1e6);
-    const { log, fragment } = await engine.request({ request: "hide", model: MODEL, effect: shortForm(hidden), seed });
+    const { log, fragment } = await engine.request({ request: "hide", model: MODELS[rig], effect: shortForm(hidden), seed });
     ask(hidden, shuffled([hidden, ...others.slice(0, CHOICES - 1)]), log, fragment);
   } catch (problem) {
-    begin(make("div", { class: "warning", role: "alert" }, make("pre", {}, problem ?? text.stopped)), again());
+    begin(make("div", { class: "warning", role: "alert" }, make("pre", {}, problem ?? text.stopped)), ...anew(text.quizNew));
   }
 }
-
-const again = () => make("button", { type: "button", onclick: hide }, text.quizNew);
 
 function ask(hidden, choices, log, fragment) {
   const choice = ({ name, summary }, index) =>
@@ -65,7 +75,8 @@ function ask(hidden, choices, log, fragment) {
     "form",
     { class: "panel" },
     make("fieldset", {}, make("legend", {}, text.quizWhich), ...choices.map(choice)),
-    make("p", { class: "buttons" }, make("button", { type: "submit", class: "main" }, text.quizAnswer), again()),
+    make("p", { class: "buttons" }, make("button", { type: "submit", class: "main" }, text.quizAnswer)),
+    make("p", { class: "buttons" }, ...anew(text.quizNew)),
   );
   const figures = make("article", {});
   form.addEventListener("submit", (event) => {
@@ -79,7 +90,7 @@ function ask(hidden, choices, log, fragment) {
 async function answer(hidden, guess, log, form, figures) {
   const said = make("div", { class: "panel", role: "status" }, text.working);
   form.replaceWith(said);
-  const request = { request: "diagnose", logs: [{ name: "quiz.csv" }], options: { model: MODEL, effort: "quick" } };
+  const request = { request: "diagnose", logs: [{ name: "quiz.csv" }], options: { model: MODELS[rig], effort: "quick" } };
   try {
     const { fragment, causes } = await engine.request(request, [new Blob([log])], ({ what }) => {
       said.textContent = what;
@@ -91,10 +102,10 @@ async function answer(hidden, guess, log, form, figures) {
       make("p", {}, make("strong", {}, text.quizHidden(`${words(hidden.name)}, ${hidden.summary}`))),
       make("p", {}, guess === hidden.name ? text.quizRight : text.quizWrong),
       make("p", {}, diagnosis),
-      make("p", { class: "buttons" }, again()),
+      make("p", { class: "buttons" }, ...anew(text.quizNew)),
     );
     showReport(figures, fragment);
   } catch (problem) {
-    said.replaceChildren(make("pre", {}, problem ?? text.stopped), again());
+    said.replaceChildren(make("pre", {}, problem ?? text.stopped), ...anew(text.quizNew));
   }
 }

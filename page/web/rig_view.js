@@ -48,9 +48,11 @@ function circle(radius, angles, centre = [0, 0, 0]) {
   );
 }
 
-class Vehicle {
-  constructor(name) {
+export class Vehicle {
+  // The label says what the drawing shows.
+  constructor(name, label) {
     this.name = name;
+    this.label = label;
     this.svg = draw("svg", { viewBox: "-165 -120 330 240", role: "img", class: `vehicle ${name}` });
     this.parts = Object.fromEntries(
       ["stand", "ring", "reference", "arms", "nose"].map((part) => [part, draw("path", { class: part })]),
@@ -104,7 +106,7 @@ class Vehicle {
     });
     const degrees = (radians) => (radians * 180) / Math.PI;
     this.caption.textContent = `${this.name.toUpperCase()}: ${text.attitude(degrees(roll), degrees(pitch))}`;
-    this.svg.setAttribute("aria-label", `${text.rigView(this.name)}: ${this.caption.textContent}`);
+    this.svg.setAttribute("aria-label", `${this.label}: ${this.caption.textContent}`);
   }
 }
 
@@ -136,7 +138,7 @@ export class RigView {
     this.#motion = motion;
     this.#isOnGimbal = isOnGimbal;
     if (this.#vehicles.length !== motion.length) {
-      this.#vehicles = motion.map(({ name }) => new Vehicle(name));
+      this.#vehicles = motion.map(({ name }) => new Vehicle(name, text.rigView(name)));
       this.figures.replaceChildren(...this.#vehicles.map(({ figure }) => figure));
     }
     const isFirst = this.time.max === "1";

@@ -126,7 +126,29 @@ export const text = {
   time: "time, s",
   rigView: (name) => `The vehicle under ${name.toUpperCase()}, seen from behind, right and above`,
   attitude: (roll, pitch) => `roll ${roll.toFixed(0)}\u00b0, pitch ${pitch.toFixed(0)}\u00b0`,
+  board: "Board",
+  boardTitle: "A board on a serial port",
+  boardLead:
+    "Choose the port of a telemetry radio or adapter: the page shows how the vehicle lies and what it says, and " +
+    "diagnoses a log that it keeps. It sends no commands. It was tried with a simulated board only.",
+  boardView: "The vehicle, seen from behind, right and above",
+  boardNone: "Not connected.",
+  boardSilent: "Connected, but no vehicle is heard: is the rate that of its TELEM1?",
+  boardIs: (system, isArmed) => `Vehicle ${system}, ${isArmed ? "armed: its motors may turn" : "disarmed"}`,
+  boardSays: "What it says",
+  noSerial: "This browser has no Web Serial: Chromium, Chrome and Edge on a desktop have it.",
+  portRefused: (why) => `The port can't be opened: ${why}`,
+  connect: "Connect",
+  disconnect: "Disconnect",
+  baud: "bits per second",
+  listLogs: "List its logs",
+  noLogs: "It keeps no logs.",
+  logOf: (id, bytes) => `Log ${id}, ${bytes < 1e5 ? `${Math.ceil(bytes / 1e3)} kB` : `${(bytes / 1e6).toFixed(1)} MB`}`,
+  logComes: (share, rate) => `${Math.floor(100 * share)} %, ${(rate / 1000).toFixed(1)} kB/s`,
+  logSilent: (id) => `The vehicle does not send log ${id} any more.`,
+  diagnoseLog: "Fetch and diagnose",
   quizTitle: "What was hidden?",
+  quizRigs: { gimbal: "on the gimbal", free: "in free flight" },
   quizLead:
     
       "One effect of the catalogue was put into the simulated vehicle, and the test sequence was flown. Look at " +

@@ -2,6 +2,8 @@
 // out: { id, progress } on the way, then { id, answer, heldMb } or { id, failure, heldMb }.
 "use strict";
 const [decoder, encoder] = [new TextDecoder(), new TextEncoder()];
+// Of WebAssembly's 4 GB, what a log's rows and its answer need beside the files.
+const FILES_MAX = 1e9;
 let library, current, failure;
 
 const bytesAt = (at, length) => new Uint8Array(library.memory.buffer, at, length);
@@ -22,6 +24,8 @@ async function answer({ id, request, files }) {
   failure = undefined;
   const heldMb = () => Math.round(library.memory.buffer.byteLength / 1e6);
   try {
+    const size = files.reduce((sum, file) => sum + file.size, 0);
+    if (size > FILES_MAX) throw new RangeError(`out of memory: files of ${Math.round(size / 1e6)} MB`);
     give(encoder.encode(JSON.stringify(request)));
     for (const file of files) give(new Uint8Array(await file.arrayBuffer()));
     const length = library.answer();

@@ -68,6 +68,7 @@ mod document;
 pub mod effects;
 pub mod flight;
 pub mod flight_log;
+pub mod ground_station;
 pub mod hitl;
 pub mod log;
 pub mod margins;

@@ -13,6 +13,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use sha2::{Digest, Sha256};
 
 use crate::process;
 use crate::sysroot::BROWSER;
@@ -20,7 +21,7 @@ use crate::toolchain::Toolchain;
 use crate::workspace::Workspace;
 
 /// The page's modules, each after those that it imports.
-const MODULES: [&str; 15] = [
+const MODULES: [&str; 16] = [
     "text",
     "elements",
     "engine",
@@ -35,6 +36,7 @@ const MODULES: [&str; 15] = [
     "rig_view",
     "fly",
     "quiz",
+    "board",
     "main",
 ];
 
@@ -84,13 +86,15 @@ fn page(root: &Path, library: &[u8]) -> Result<String> {
     let uplot = read(&format!("{report}/uplot/uPlot.iife.min.js"))?;
     let plots = format!("/*\nuPlot: {licence}*/\n{uplot}\n{}", read(&format!("{report}/plots.js"))?);
     let modules = MODULES.iter().map(|name| Ok(closed(&read(&format!("page/web/{name}.js"))?)));
+    let modules = modules.collect::<Result<String>>()?;
     let parts = [
+        ("allowed", format!("{} {}", allowed(&plots), allowed(&modules))),
         ("styles", styles),
         ("engine", STANDARD.encode(packed(library)?)),
         ("worker", read("page/web/worker.js")?),
         ("demonstration", read("sil-host/demonstration/rig-log.csv")?),
         ("plots", plots),
-        ("modules", modules.collect::<Result<String>>()?),
+        ("modules", modules),
     ];
     let mut page = read("page/web/page.html")?;
     for (name, part) in parts {
@@ -100,6 +104,11 @@ fn page(root: &Path, library: &[u8]) -> Result<String> {
         page = page.replace(&place, &part);
     }
     Ok(page)
+}
+
+/// How the page's policy names a script that may run: by its content, so that nothing else does.
+fn allowed(script: &str) -> String {
+    format!("'sha256-{}'", STANDARD.encode(Sha256::digest(script)))
 }
 
 fn packed(bytes: &[u8]) -> Result<Vec<u8>> {
@@ -137,5 +146,12 @@ mod tests {
         let expected = "const { b, C } = (() => {\nconst own = a;\nasync function b() {}\nconst C = { own };\n\
                         return { b, C };\n})();\n";
         assert_eq!(closed(module), expected);
+    }
+
+    /// The example of Content Security Policy Level 3, section 8.2.
+    #[test]
+    fn a_script_is_named_as_browsers_name_it() {
+        let name = "'sha256-qznLcsROx4GACP2dm0UCKCzCG+HiZ1guq6ZZDob/Tng='";
+        assert_eq!(allowed("alert('Hello, world.');"), name);
     }
 }

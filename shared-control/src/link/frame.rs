@@ -6,8 +6,8 @@
 
 use mavlink::{MAV_STX_V2, MavlinkVersion, MessageData, calculate_crc};
 
-/// Longest payload that is taken or written: that of every message of [`super`], with room for extensions.
-pub const PAYLOAD_MAX: usize = 88;
+/// Longest payload that is taken or written: any that MAVLink has.
+pub const PAYLOAD_MAX: usize = 255;
 /// Longest frame that is taken or written.
 pub const FRAME_MAX: usize = HEADER_LEN + PAYLOAD_MAX + CRC_LEN + SIGNATURE_LEN;
 

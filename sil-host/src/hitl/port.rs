@@ -8,10 +8,8 @@ use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, HEARTBEAT_DATA, HIL_ACTUATOR_CONTROLS_DATA, STATUSTEXT_DATA};
 use shared_control::link::frame::{Frame, FrameFinder, FrameWriter, message};
 
-/// Identity of a ground station, as QGroundControl has it.
-const GROUND_SYSTEM_ID: u8 = 255;
-/// `MAV_COMP_ID_MISSIONPLANNER`, which stands for any ground station's software.
-const GROUND_COMPONENT_ID: u8 = 190;
+use crate::ground_station;
+
 /// Longest frame that is sent.
 const FRAME_MAX: usize = 128;
 /// Bytes that are read at once.
@@ -73,7 +71,7 @@ impl<S: Read + Write> BoardPort<S> {
         Self {
             stream,
             finder: FrameFinder::default(),
-            writer: FrameWriter::new(GROUND_SYSTEM_ID, GROUND_COMPONENT_ID),
+            writer: FrameWriter::new(ground_station::SYSTEM_ID, ground_station::COMPONENT_ID),
             heard: VecDeque::new(),
             patience,
             bytes_received: 0,

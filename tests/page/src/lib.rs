@@ -5,6 +5,8 @@
 
 mod driver;
 mod page;
+mod served;
 
 pub use driver::{Browser, Mouse};
 pub use page::Page;
+pub use served::Served;

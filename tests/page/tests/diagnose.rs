@@ -45,6 +45,21 @@ fn a_bad_file_has_the_terminals_message() -> Result<()> {
 }
 
 #[test]
+fn a_log_that_is_too_large_for_a_page_is_said_and_the_page_goes_on() -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let large = folder.path().join("large.csv");
+    fs::File::create(&large)?.set_len(3 << 30)?;
+    let page = Page::open()?;
+    page.choose(&[&large])?;
+    page.wait("document.querySelector('.log-problem pre')")?;
+    let shown = page.text(".log-problem pre")?;
+    assert!(shown.starts_with("The log needs more memory than a browser gives to a page"), "{shown}");
+    page.click("#demonstration")?;
+    assert!(page.answer()?.starts_with("Pitch is out of balance"));
+    Ok(())
+}
+
+#[test]
 fn stop_stops_and_another_search_begins_anew() -> Result<()> {
     let page = Page::open()?;
     page.click("#demonstration")?;

@@ -23,17 +23,20 @@ fn nothing_leaves_the_page() -> Result<()> {
     let requested: Vec<String> = requested.collect();
     let is_own = |address: &String| ["file:", "blob:", "data:"].iter().any(|kind| address.starts_with(kind));
     assert!(!requested.is_empty() && requested.iter().all(is_own), "{requested:?}");
-    // what would send is forbidden: of three ways none gets past the policy
+    // what would send is forbidden: of three ways none gets past the policy, and no script runs that is not the page's
     let script = "const stopped = [];
         document.addEventListener('securitypolicyviolation', (event) => stopped.push(event.effectiveDirective));
         fetch('https://example.org/').catch(() => {});
         new Image().src = 'https://example.org/a.png';
         const script = document.createElement('script');
         script.src = 'https://example.org/a.js';
-        document.body.append(script);
+        const injected = document.createElement('script');
+        injected.textContent = 'globalThis.isInjected = true';
+        document.body.append(script, injected);
         return new Promise((resolve) => setTimeout(() => resolve(stopped.sort()), 300));";
     let stopped = page.browser.script(script, &[])?;
-    assert_eq!(stopped, json!(["connect-src", "img-src", "script-src-elem"]));
+    assert_eq!(stopped, json!(["connect-src", "img-src", "script-src-elem", "script-src-elem"]));
+    assert!(page.value("globalThis.isInjected")?.is_null());
     Ok(())
 }
 

@@ -55,7 +55,8 @@ fn what_is_drawn_by_hand_is_flown() -> Result<()> {
 fn the_quiz_hides_an_effect_and_lets_the_diagnosis_answer() -> Result<()> {
     let page = Page::open()?;
     page.click("#tab-quiz")?;
-    page.click("#quiz-start")?;
+    page.set("#quiz [name=quiz-rig]", "free")?;
+    page.click("#quiz [data-hide]")?;
     page.wait("document.querySelector('#quiz form')")?;
     assert_eq!(page.value("document.querySelectorAll('#quiz [type=radio]').length")?, 5);
     page.click("#quiz [type=submit]")?;
