@@ -112,6 +112,7 @@ pub mod light_and_tone;
 pub mod link;
 pub mod mixer;
 pub mod mpc;
+pub mod onboard_log;
 pub mod output;
 pub mod params;
 pub mod qp;

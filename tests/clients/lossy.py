@@ -3,67 +3,19 @@
 The ground asks for the list, then by index for what did not come, as ground stations do.
 """
 
-import random
-import socket
 import sys
-import threading
 import time
 
 from pymavlink import mavutil
 
+from bad_link import SEED, BadLink
 from served import Served, Stopwatch, expect
-
-LOST, DOUBLED, SWAPPED = 0.2, 0.1, 0.1
-SEED = 1
-
-
-class BadLink(threading.Thread):
-    """Between the vehicle, which sends to `ground_port`, and a client of `client_port`."""
-
-    def __init__(self):
-        super().__init__(daemon=True)
-        self.random = random.Random(SEED)
-        self.to_vehicle, self.to_client = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2)]
-        for end in [self.to_vehicle, self.to_client]:
-            end.bind(("127.0.0.1", 0))
-            end.settimeout(0.01)
-        self.vehicle, self.client, self.kept = None, None, {}
-        self.passed = self.lost = 0
-
-    def run(self):
-        while True:
-            for end in [self.to_vehicle, self.to_client]:
-                try:
-                    datagram, sender = end.recvfrom(4096)
-                except TimeoutError:
-                    continue
-                if end is self.to_vehicle:
-                    self.vehicle = sender
-                    self.spoil(self.to_client, self.client, datagram)
-                else:
-                    self.client = sender
-                    self.spoil(self.to_vehicle, self.vehicle, datagram)
-
-    def spoil(self, end, to, datagram):
-        if to is None:
-            return
-        draw = self.random.random()
-        if draw < LOST:
-            self.lost += 1
-            return
-        if draw < LOST + SWAPPED and end not in self.kept:
-            self.kept[end] = datagram
-            return
-        self.passed += 1
-        for one in [datagram, *([datagram] if draw > 1 - DOUBLED else []), *([self.kept.pop(end)] if end in self.kept
-                                                                            else [])]:
-            end.sendto(one, to)
 
 
 def main():
     bad = BadLink()
     bad.start()
-    ground_port, client_port = [end.getsockname()[1] for end in [bad.to_vehicle, bad.to_client]]
+    ground_port, client_port = bad.ports()
     with Served(sys.argv[1], udp=str(ground_port)):
         watch = Stopwatch()
         link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{client_port}", source_system=255)

@@ -9,8 +9,8 @@ import time
 class Served:
     """Starts `sil serve` and finds its port in what it prints."""
 
-    def __init__(self, sil, *arguments, udp="off"):
-        self.command = [sil, "serve", "--tcp", "0", "--udp", udp, "--for", "120", *arguments]
+    def __init__(self, sil, *arguments, udp="off", seconds=120):
+        self.command = [sil, "serve", "--tcp", "0", "--udp", udp, "--for", str(seconds), *arguments]
 
     def __enter__(self):
         self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True)

@@ -10,7 +10,7 @@ use crate::workspace::Workspace;
 
 /// Fixed, so that a change of theirs does not fail a change of ours. With what they need of others, and no more:
 /// MAVProxy's own list has what its windows and maps take.
-const PACKAGES: [&str; 9] = [
+const PACKAGES: [&str; 11] = [
     "pymavlink==2.4.50",
     "MAVProxy==1.8.75",
     "mavsdk==3.17.4",
@@ -20,10 +20,12 @@ const PACKAGES: [&str; 9] = [
     "grpcio==1.85.1",
     "protobuf==7.36.2",
     "typing_extensions==4.16.0",
+    "pyulog==1.3.0",
+    "numpy==2.4.6",
 ];
 
 /// What the clients do, a file each under `tests/clients`.
-const SCRIPTS: [&str; 4] = ["connect.py", "lossy.py", "console.py", "companion.py"];
+const SCRIPTS: [&str; 5] = ["connect.py", "lossy.py", "console.py", "companion.py", "logs.py"];
 
 /// Installs them in an environment of their own, once, and lets each meet the simulated vehicle.
 pub(crate) fn run(workspace: &Workspace) -> Result<()> {

@@ -5,7 +5,7 @@ use core::fmt::{Display, Write};
 use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
 use shared_control::link::telemetry::Figures;
-use shared_control::link::{Answer, Chore, LinkSettings, Telemetry, Text, VehicleStatus};
+use shared_control::link::{Answer, Chore, LinkSettings, NoLogs, Telemetry, Text, VehicleStatus};
 use shared_control::params::{self, Params};
 
 use super::boot::Start;
@@ -139,10 +139,12 @@ impl Ground {
             // a step's answer may have to wait until this has left, so it is short: 1.1 ms at 921,600 baud
             let mut few = Vec::<u8, HIL_DUE_BYTES>::new();
             self.telemetry.poll(time_us, status, &mut few);
+            self.telemetry.send_logs(time_us, status, &mut NoLogs, &mut few);
             // the larger buffer is empty
             let _ = self.due.extend_from_slice(&few);
         } else {
             self.telemetry.poll(time_us, status, &mut self.due);
+            self.telemetry.send_logs(time_us, status, &mut NoLogs, &mut self.due);
         }
     }
 
@@ -155,6 +157,7 @@ impl Ground {
             }
             Chore::CalibrateLevel => self.telemetry.calibrate_level(status, |record| self.memory.store(record)),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
+            Chore::Logs(request) => self.telemetry.take_log_request(&request, &mut NoLogs),
             Chore::Restart => self.restart_in = Some(RESTART_UPDATES),
         }
     }

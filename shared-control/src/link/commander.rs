@@ -199,6 +199,8 @@ impl Commander {
             Order::Restart => self.restart(disarmed),
             Order::Parameters(request) => self.parameters(request, disarmed),
             Order::Inquire(inquiry) => (None, Some(Chore::Tell(inquiry))),
+            Order::Logs(request) if disarmed => (None, Some(Chore::Logs(request))),
+            Order::Logs(_) => (Some(Answer::LogsRefused(Refusal::Armed)), None),
             Order::Senseless(command) => (Some(Answer::Senseless(command)), None),
             Order::UnknownCommand(command) => (Some(Answer::Unknown(command)), None),
             Order::HilTick(_) => (None, None),

@@ -55,7 +55,7 @@ pub(super) fn command_result(answer: &Answer) -> Option<(u16, MavResult)> {
         }
         Answer::Senseless(command) => (*command as u16, MavResult::MAV_RESULT_DENIED),
         Answer::Unknown(command) => (*command, MavResult::MAV_RESULT_UNSUPPORTED),
-        Answer::ParameterRefused(..) | Answer::RadioRefused(_) => return None,
+        Answer::ParameterRefused(..) | Answer::RadioRefused(_) | Answer::LogsRefused(_) => return None,
     })
 }
 

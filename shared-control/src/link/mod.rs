@@ -34,6 +34,7 @@
 //! | `MAV_CMD_USER_1` | the fault record has been read; only when disarmed |
 //! | `MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN` | param1 = 1: starts anew; only when disarmed |
 //! | `PARAM_REQUEST_LIST`, `PARAM_REQUEST_READ`, `PARAM_SET` | see [`parameters`]; set only when disarmed |
+//! | `LOG_REQUEST_LIST`, `LOG_REQUEST_DATA`, `LOG_ERASE`, `LOG_REQUEST_END` | see [`log_download`]; only when disarmed |
 //! | `HIL_SENSOR` | hardware in the loop: see [`hil`] |
 //!
 //! Each command is answered with one `COMMAND_ACK`, a refusal also with a `STATUSTEXT` that gives the reason.
@@ -46,6 +47,7 @@ pub mod frame;
 pub mod hil;
 mod identity;
 mod inquiries;
+pub mod log_download;
 mod messages;
 pub mod mode;
 pub mod orders_and_answers;
@@ -58,6 +60,7 @@ pub mod telemetry;
 pub mod vehicle_status;
 
 pub use commander::{Commander, Commands};
+pub use log_download::{LogRequest, LogStore, NoLogs};
 pub use mode::Mode;
 pub use orders_and_answers::{Answer, Chore, Inquiry, Order, ParameterRequest, Text};
 pub use parameters::Parameters;

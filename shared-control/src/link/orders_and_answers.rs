@@ -3,6 +3,7 @@
 use mavlink::dialects::common::MavCmd;
 
 use super::hil::HilTick;
+use super::log_download::LogRequest;
 use super::mode::Mode;
 use crate::params::table::Field;
 use crate::signals::{MotorTest, Setpoint};
@@ -43,6 +44,8 @@ pub enum Order {
     Parameters(ParameterRequest),
     /// Tell something else.
     Inquire(Inquiry),
+    /// List, send or erase logs.
+    Logs(LogRequest),
     /// A command whose parameters make no sense.
     Senseless(MavCmd),
     /// A command that this vehicle does not know.
@@ -124,6 +127,8 @@ pub enum Answer {
     ParameterRefused(Field, Refusal),
     /// The pilot's sticks did not arm it, for a reason that has words.
     RadioRefused(Refusal),
+    /// Logs are not listed, sent or erased, for a reason that has words.
+    LogsRefused(Refusal),
 }
 
 /// What the board has to do outside the loop.
@@ -141,6 +146,8 @@ pub enum Chore {
     Parameters(ParameterRequest),
     /// Tell something else.
     Tell(Inquiry),
+    /// List, send or erase logs.
+    Logs(LogRequest),
 }
 
 /// Text of a `STATUSTEXT`.

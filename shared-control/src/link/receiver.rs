@@ -13,6 +13,7 @@ use nalgebra::Quaternion;
 
 use super::frame::{Frame, FrameFinder, message};
 use super::hil::HilTick;
+use super::log_download;
 use super::mode::Mode;
 use super::orders_and_answers::{Inquiry, Order, ParameterRequest};
 use super::settings::{COMPONENT_ID, LinkSettings};
@@ -60,6 +61,7 @@ impl Receiver {
                 self.counted(tick.imu);
                 Some(Order::HilTick(tick))
             }
+            id if log_download::crc_extra(id).is_some() => self.logs(&frame),
             _ => self.parameters(&frame).map(Order::Parameters),
         }
     }
@@ -144,6 +146,11 @@ impl Receiver {
             _ => return None,
         };
         self.is_for_this_component(system_id, component_id).then_some(request)
+    }
+
+    fn logs(&mut self, frame: &Frame) -> Option<Order> {
+        let ([system_id, component_id], request) = self.counted(log_download::request_of(frame))?;
+        self.is_for_this_component(system_id, component_id).then_some(Order::Logs(request))
     }
 
     fn is_for_us(&self, system_id: u8) -> bool {
@@ -307,7 +314,7 @@ fn crc_extra(message_id: u32) -> Option<u8> {
         PARAM_REQUEST_LIST_DATA::ID => Some(PARAM_REQUEST_LIST_DATA::EXTRA_CRC),
         PARAM_REQUEST_READ_DATA::ID => Some(PARAM_REQUEST_READ_DATA::EXTRA_CRC),
         PARAM_SET_DATA::ID => Some(PARAM_SET_DATA::EXTRA_CRC),
-        _ => None,
+        _ => log_download::crc_extra(message_id),
     }
 }
 

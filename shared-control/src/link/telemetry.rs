@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::frame::FrameWriter;
 use super::inquiries::Inquiries;
+use super::log_download::{LogDownload, LogRequest, LogStore};
 use super::messages::{
     arming_words, attitude, command_result, heartbeat, io_words, radio_channels, servo_output, sys_status, wrapped_ms,
 };
@@ -58,6 +59,7 @@ pub struct Telemetry {
     next_figure: usize,
     streams: Streams,
     inquiries: Inquiries,
+    logs: LogDownload,
     text: Due,
     figure: Due,
     /// Texts and answers for which there was no room.
@@ -82,6 +84,7 @@ impl Telemetry {
             next_figure: 0,
             streams: Streams::new(settings.line_bytes_s),
             inquiries: Inquiries::default(),
+            logs: LogDownload::new(settings.line_bytes_s),
             text: Due::every(TEXT_PERIOD_US),
             figure: Due::every(FIGURE_PERIOD_US),
             dropped: 0,
@@ -90,8 +93,10 @@ impl Telemetry {
 
     /// Takes an answer to be sent. A refusal is also put into words.
     pub fn answer(&mut self, answer: Answer) {
-        if let Answer::Refused(_, refusal) | Answer::ParameterRefused(_, refusal) | Answer::RadioRefused(refusal) =
-            answer
+        if let Answer::Refused(_, refusal)
+        | Answer::ParameterRefused(_, refusal)
+        | Answer::RadioRefused(refusal)
+        | Answer::LogsRefused(refusal) = answer
         {
             self.text(MavSeverity::MAV_SEVERITY_WARNING, refusal.words());
         }
@@ -120,6 +125,25 @@ impl Telemetry {
         if let Some(words) = self.parameters.serve(request, store) {
             self.text(MavSeverity::MAV_SEVERITY_NOTICE, &words);
         }
+    }
+
+    /// Takes what the ground demands of the logs.
+    pub fn take_log_request(&mut self, request: &LogRequest, store: &mut impl LogStore) {
+        self.logs.take(request, store);
+    }
+
+    /// Writes of the logs what the line has room for, after [`Self::poll`] and behind what that wrote into `out`.
+    pub fn send_logs<const N: usize>(
+        &mut self,
+        time_us: u64,
+        status: &VehicleStatus,
+        store: &mut impl LogStore,
+        out: &mut heapless::Vec<u8, N>,
+    ) {
+        if status.arming.is_armed() {
+            self.logs.stop();
+        }
+        self.logs.write(&mut self.writer, store, time_us, out);
     }
 
     /// Stores the choices as they are, and says what came of it.

@@ -4,6 +4,7 @@ extern crate std;
 
 mod commander;
 mod inquiries;
+mod logs;
 mod offboard;
 mod radio;
 mod receiver;

@@ -14,7 +14,7 @@ use sil_host::answer::board_parameters::board_parameters;
 use sil_host::effects::Effect;
 use sil_host::model::VehicleModel;
 use sil_host::serve::parameter_file::{self, InMemory, ParameterFile};
-use sil_host::serve::{Pace, ParameterStore, ServedVehicle, Sockets, SocketsSetup, TICK_US};
+use sil_host::serve::{LogShelf, Pace, ParameterStore, ServedVehicle, Sockets, SocketsSetup, TICK_US};
 
 use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle_model, write_json};
 
@@ -22,7 +22,8 @@ use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle
 ///
 /// The control core flies it as on the board, with the board's parameters and its link (MAVLink 2). It sends to a
 /// ground station's UDP port and waits for TCP clients; all share one link. Parameters set over the link are kept in
-/// the file of --params. Ctrl-C ends it.
+/// the file of --params. From arming until a second after disarming it writes a log, which ground stations download.
+/// Ctrl-C ends it.
 #[derive(Args)]
 #[command(after_help = "Example: sil serve --rig free --params out/f450.params\n\n\
 QGroundControl finds it by itself; others listen at udp:127.0.0.1:14550 or connect to\n\
@@ -43,6 +44,9 @@ pub struct ServeArguments {
     /// Keep the board's parameters in this file, as ground stations save them; made if it is not there
     #[arg(long, value_name = "P.params")]
     params: Option<PathBuf>,
+    /// Keep the flights' logs (ULog) in this folder; made if it is not there [default: in memory]
+    #[arg(long, value_name = "DIR")]
+    logs: Option<PathBuf>,
     /// How many times as fast as real time
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = speed)]
     speed: f64,
@@ -121,7 +125,13 @@ pub fn run(arguments: &ServeArguments) -> Result<(), Failure> {
         model.effects.push(effect.map_err(|problem| bad_input(format!("--effect {text}: {problem}")))?);
     }
     let (params, store) = parameters(arguments, &known)?;
-    let mut vehicle = ServedVehicle::new(model, arguments.seed, &params, store).map_err(bad_input)?;
+    let shelf = match &arguments.logs {
+        Some(folder) => {
+            LogShelf::in_folder(folder).map_err(|error| bad_input(format!("--logs {}: {error}", folder.display())))?
+        }
+        None => LogShelf::in_memory(),
+    };
+    let mut vehicle = ServedVehicle::new(model, arguments.seed, &params, store, shelf).map_err(bad_input)?;
     let setup = SocketsSetup { udp: arguments.udp.0, tcp: arguments.tcp.0 };
     let mut sockets = Sockets::open(&setup, vehicle.board().link_settings()).map_err(bad_input)?;
     print(introduction(arguments, &known, &params, &sockets))?;
@@ -230,6 +240,10 @@ fn introduction(arguments: &ServeArguments, known: &VehicleModel, params: &Param
     match &arguments.params {
         Some(path) => text.push_str(&format!("parameters in {}\n", path.display())),
         None => text.push_str("parameters in memory only; --params FILE keeps them\n"),
+    }
+    match &arguments.logs {
+        Some(folder) => text.push_str(&format!("logs in {}\n", folder.display())),
+        None => text.push_str("logs in memory only; --logs DIR keeps them\n"),
     }
     if arguments.duration_s.is_none() {
         text.push_str("Ctrl-C ends it\n");

@@ -3,6 +3,7 @@
 
 use std::collections::VecDeque;
 
+use mavlink::dialects::common::MavSeverity;
 use shared_control::config::{ConfigError, Controller};
 use shared_control::flight_core::{FlightCore, State};
 use shared_control::link::telemetry::FIGURES;
@@ -13,6 +14,8 @@ use shared_control::radio::StickCurves;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingBlocks, Plan, RawImuSample, StepInput};
 
+use super::board_log::BoardLog;
+use super::log_shelf::LogShelf;
 use crate::planner::Planner;
 
 /// Orders that wait for a step: as many as the firmware's queue holds.
@@ -63,9 +66,11 @@ pub struct SimulatedBoard {
     orders: VecDeque<Order>,
     chores: VecDeque<Chore>,
     sent: Vec<u8>,
-    /// What the next start finds.
+    /// What it started with, and what the next start finds.
+    flown: Params,
     stored: Params,
     store: Box<dyn ParameterStore>,
+    log: BoardLog,
     restart_in: Option<u8>,
     /// Orders that found no room.
     pub orders_dropped: u32,
@@ -76,7 +81,7 @@ impl SimulatedBoard {
     ///
     /// # Errors
     /// [`OutOfOrder`] where they cannot be flown.
-    pub fn start(params: &Params, store: Box<dyn ParameterStore>) -> Result<Self, OutOfOrder> {
+    pub fn start(params: &Params, store: Box<dyn ParameterStore>, shelf: LogShelf) -> Result<Self, OutOfOrder> {
         // the simulated vehicle is all around this board already
         let params = &Params { hil: false, ..*params };
         let setup = Setup::new(params).map_err(OutOfOrder::Config)?;
@@ -103,8 +108,10 @@ impl SimulatedBoard {
             orders: VecDeque::new(),
             chores: VecDeque::new(),
             sent: Vec::new(),
+            flown: *params,
             stored: *params,
             store,
+            log: BoardLog::new(shelf),
             restart_in: None,
             orders_dropped: 0,
         })
@@ -122,8 +129,9 @@ impl SimulatedBoard {
     pub fn restart(&mut self) -> Result<(), OutOfOrder> {
         let store = std::mem::replace(&mut self.store, Box::new(Forgetful));
         let sent = std::mem::take(&mut self.sent);
+        let shelf = std::mem::replace(&mut self.log, BoardLog::new(LogShelf::in_memory())).into_shelf();
         let dropped = self.orders_dropped;
-        *self = Self { sent, orders_dropped: dropped, ..Self::start(&self.stored, store)? };
+        *self = Self { sent, orders_dropped: dropped, ..Self::start(&self.stored, store, shelf)? };
         Ok(())
     }
 
@@ -180,6 +188,7 @@ impl SimulatedBoard {
             // not timed: the same flight is to give the same bytes
             self.plan = Some(planner.plan(&request));
         }
+        self.log.record(&self.setup.config, &self.input, &output, &self.status.io.radio);
         let mode = self.commander.mode();
         self.status = VehicleStatus { mode, ..VehicleStatus::new(&self.setup.config, &self.input, &output) };
         self.input.imu.clear();
@@ -200,8 +209,12 @@ impl SimulatedBoard {
             ("fallbacks", planning.fallbacks),
         ]);
         self.telemetry.figures(figures);
+        if self.log.write(&self.flown).is_err() {
+            self.telemetry.text(MavSeverity::MAV_SEVERITY_WARNING, "log not written: memory failed");
+        }
         let mut due = heapless::Vec::<u8, SEND_BYTES>::new();
         self.telemetry.poll(time_us, &self.status, &mut due);
+        self.telemetry.send_logs(time_us, &self.status, self.log.shelf(), &mut due);
         self.sent.extend_from_slice(&due);
         if let Some(updates) = &mut self.restart_in {
             *updates = updates.saturating_sub(1);
@@ -231,6 +244,7 @@ impl SimulatedBoard {
             Chore::Parameters(request) => self.telemetry.serve_parameters(&request, keep),
             Chore::CalibrateLevel => self.telemetry.calibrate_level(&self.status, keep),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
+            Chore::Logs(request) => self.telemetry.take_log_request(&request, self.log.shelf()),
             Chore::Restart => self.restart_in = Some(RESTART_AFTER),
         }
     }

@@ -9,6 +9,8 @@
 //! time only says how many that are (`pace.rs`). What arrives is taken between two steps, as on the board.
 
 mod board;
+mod board_log;
+mod log_shelf;
 mod pace;
 pub mod parameter_file;
 mod sockets;
@@ -16,6 +18,7 @@ mod support;
 mod world;
 
 pub use board::{OutOfOrder, ParameterStore, SimulatedBoard};
+pub use log_shelf::LogShelf;
 pub use pace::Pace;
 pub use sockets::{Sockets, SocketsSetup};
 
@@ -54,8 +57,9 @@ impl ServedVehicle {
         seed: u64,
         params: &Params,
         store: Box<dyn ParameterStore>,
+        shelf: LogShelf,
     ) -> Result<Self, OutOfOrder> {
-        let board = SimulatedBoard::start(params, store)?;
+        let board = SimulatedBoard::start(params, store, shelf)?;
         let world = World::new(&model, seed);
         Ok(Self { model, seed, board, world, now_us: 0, simulated_us: 0, restarts: 0 })
     }

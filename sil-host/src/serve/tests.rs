@@ -1,12 +1,13 @@
 //! A served vehicle without sockets: bytes in, bytes out, by simulated time.
 
 use std::cell::RefCell;
+use std::path::Path;
 use std::rc::Rc;
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd, MavModeFlag, MavParamType, MavType,
-    PARAM_SET_DATA,
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, LOG_DATA_DATA, LOG_REQUEST_DATA_DATA, MANUAL_CONTROL_DATA, MavAutopilot, MavCmd,
+    MavModeFlag, MavParamType, MavType, PARAM_SET_DATA,
 };
 use shared_control::config::Controller;
 use shared_control::link::Receiver;
@@ -41,7 +42,7 @@ struct Flown {
 
 impl Flown {
     fn new(model: VehicleModel, params: &Params, kept: Kept) -> Self {
-        let mut vehicle = ServedVehicle::new(model, 1, params, Box::new(kept)).unwrap();
+        let mut vehicle = ServedVehicle::new(model, 1, params, Box::new(kept), LogShelf::in_memory()).unwrap();
         let receiver = Receiver::new(vehicle.board().link_settings());
         Self { vehicle, receiver, writer: FrameWriter::new(255, 190), said: Vec::new(), throttle: 0 }
     }
@@ -91,6 +92,23 @@ impl Flown {
         let mut finder = FrameFinder::default();
         let extra = |id| (id == HEARTBEAT_DATA::ID).then_some(HEARTBEAT_DATA::EXTRA_CRC);
         self.said.iter().filter_map(|byte| message(&finder.push(*byte, extra)?)).collect()
+    }
+
+    /// The bytes of `LOG_DATA` in what it said, at their places.
+    fn log_heard(&self) -> Vec<u8> {
+        let (mut rest, mut log) = (self.said.as_slice(), Vec::new());
+        while let [_, length, _, _, _, _, _, id0, id1, _, payload @ ..] = rest {
+            let mut data = payload[..usize::from(*length)].to_vec();
+            rest = &payload[data.len() + 2..];
+            if u32::from_le_bytes([*id0, *id1, 0, 0]) == LOG_DATA_DATA::ID {
+                // trailing zeros are not sent
+                data.resize(LOG_DATA_DATA::ENCODED_LEN, 0);
+                let offset = u32::from_le_bytes([data[0], data[1], data[2], data[3]]) as usize;
+                assert_eq!(offset, log.len(), "one after the other");
+                log.extend_from_slice(&data[7..7 + usize::from(data[6])]);
+            }
+        }
+        log
     }
 
     fn tilt_deg(&self) -> f64 {
@@ -168,4 +186,39 @@ fn a_restart_flies_what_was_stored() {
         flown.said
     };
     assert_eq!(run(), run());
+}
+
+/// A flight leaves a log, which outlasts a restart, comes over the link, and is read as other people's are.
+#[test]
+fn a_flight_leaves_a_log() {
+    let mut flown = Flown::free();
+    flown.pass(3.0);
+    flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
+    flown.pass(0.5);
+    flown.throttle = 600;
+    flown.pass(1.0);
+    flown.throttle = 0;
+    flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 0.0);
+    flown.pass(0.5);
+    // before the log has ended by itself
+    flown.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
+    flown.pass(1.0);
+    assert_eq!(flown.vehicle.restarts(), 1);
+    let all = LOG_REQUEST_DATA_DATA { count: u32::MAX, target_system: 1, ..LOG_REQUEST_DATA_DATA::DEFAULT };
+    flown.said.clear();
+    flown.send(&all);
+    flown.pass(20.0);
+    let log = crate::log::parse_bytes(Path::new("x.ulg"), flown.log_heard(), None).unwrap();
+    assert_eq!(log.flight_controller.as_deref(), Some("PX4"));
+    // armed for 1.5 s, and until 0.1 s after the restart was ordered
+    let duration_s = log.time_s[log.rows() - 1] - log.time_s[0];
+    assert!((2.0..2.2).contains(&duration_s), "{duration_s} s");
+    let motors = log.motors().unwrap();
+    let in_flight = |row: &usize| (1.0..1.4).contains(&(log.time_s[*row] - log.time_s[0]));
+    let rows: Vec<usize> = (0..log.rows()).filter(in_flight).collect();
+    let mean = |of: &[f64]| rows.iter().map(|row| of[*row]).sum::<f64>() / rows.len() as f64;
+    for motor in motors {
+        assert!((mean(motor) - 0.6).abs() < 0.02, "{}", mean(motor));
+    }
+    assert!(log.battery_v.is_some() && log.accel_body_m_s2.iter().all(Option::is_some));
 }

@@ -1,102 +1,86 @@
 //! From a [`Log`] to a ULog file with PX4's topics at the log's own rate, so that PX4's tools open it.
 //!
-//! Topics and fields are those of PX4 1.14 (user guide, "uORB Message Reference"); the geometry is that of its generic
-//! quad-X, whose motors are this project's. Numbers are 32 bit floats, as PX4's are, times whole microseconds.
+//! Messages, topics and head are those of the vehicle's own log ([`shared_control::onboard_log`]), filled from the
+//! log's columns in place of a step's input and output: what a CSV of the same flight says, this says. The topic of
+//! velocity and height is this file's own, as the flight core knows neither. Numbers are 32 bit floats, as PX4's are,
+//! times whole microseconds.
 
 use std::io::{self, Write};
 
-use shared_control::airframe::MOTORS;
+use shared_control::onboard_log::head;
+use shared_control::onboard_log::topics;
+use shared_control::onboard_log::ulog::{self, Content, Topic};
 
 use super::super::{Log, Quantity};
 use crate::axis::Axis;
 use crate::vehicle::quaternion_world_from_body;
 
-/// Magic, version 1, and the time at which the log began, us.
-const HEADER: &[u8; 16] = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0";
 /// Rows from one mark to the next, at which a reader of a damaged file begins again.
-const ROWS_PER_SYNC: usize = 200;
-const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12];
-/// `actuator_motors` has room for so many.
-const MOTORS_MAX: usize = 12;
+const ROWS_PER_MARK: usize = 200;
 
-/// A topic: name, fields, whether the log has what it needs, and the content of a row after its time stamp.
-struct Topic {
-    name: &'static str,
-    fields: &'static str,
+/// Velocity and height.
+const LOCAL_POSITION: Topic = Topic {
+    name: "vehicle_local_position",
+    fields: "uint64_t timestamp_sample;float z;float vx;float vy;float vz;bool z_valid;bool v_xy_valid;\
+             bool v_z_valid;",
+};
+
+/// A topic, whether the log has what it needs, and the content of a row.
+struct Column {
+    topic: Topic,
     is_there: fn(&Log) -> bool,
-    content: fn(&Log, usize, &mut Message),
+    content: fn(&Log, usize) -> Content,
 }
 
 /// In the order of their numbers.
-const TOPICS: [Topic; 7] = [
-    Topic {
-        name: "sensor_combined",
-        fields: "float[3] gyro_rad;uint32_t gyro_integral_dt;int32_t accelerometer_timestamp_relative;\
-                 float[3] accelerometer_m_s2;uint32_t accelerometer_integral_dt;",
+const COLUMNS: [Column; 7] = [
+    Column {
+        topic: topics::SENSOR_COMBINED,
         is_there: |log| log.accel_body_m_s2.iter().all(Option::is_some),
-        content: |log, row, message| {
+        content: |log, row| {
             let step_us = (log.mean_regular_step_s() * 1e6).round() as u32;
-            message.numbers(&triple(log, row, Quantity::Rate)).bytes(&step_us.to_le_bytes());
-            message
-                .bytes(&0_i32.to_le_bytes())
-                .numbers(&triple(log, row, Quantity::Accel))
-                .bytes(&step_us.to_le_bytes());
+            topics::sensor_combined(triple(log, row, Quantity::Rate), triple(log, row, Quantity::Accel), step_us)
         },
     },
-    Topic {
-        name: "vehicle_angular_velocity",
-        fields: "uint64_t timestamp_sample;float[3] xyz;",
+    Column {
+        topic: topics::ANGULAR_VELOCITY,
         is_there: |_| true,
-        content: |log, row, message| {
-            message.time(log, row).numbers(&triple(log, row, Quantity::Rate));
-        },
+        content: |log, row| topics::angular_velocity(time_us(log, row), triple(log, row, Quantity::Rate)),
     },
-    Topic {
-        name: "vehicle_attitude",
-        fields: "uint64_t timestamp_sample;float[4] q;",
+    Column {
+        topic: topics::ATTITUDE,
         is_there: |log| log.angle_rad.iter().any(Option::is_some),
-        content: |log, row, message| {
-            let angle_rad = triple(log, row, Quantity::Angle).map(|angle| if angle.is_nan() { 0.0 } else { angle });
-            message.time(log, row).numbers(&quaternion_world_from_body(angle_rad));
+        content: |log, row| {
+            let angle_rad = Axis::ALL.map(|axis| value(log, row, Quantity::Angle(axis)));
+            let angle_rad = angle_rad.map(|angle| if angle.is_nan() { 0.0 } else { angle });
+            topics::attitude(time_us(log, row), quaternion_world_from_body(angle_rad).map(|number| number as f32))
         },
     },
-    Topic {
-        name: "vehicle_attitude_setpoint",
-        fields: "float roll_body;float pitch_body;float yaw_body;",
+    Column {
+        topic: topics::ATTITUDE_SETPOINT,
         is_there: |log| log.reference_rad.iter().any(Option::is_some),
-        content: |log, row, message| {
-            message.numbers(&triple(log, row, Quantity::Reference));
-        },
+        content: |log, row| topics::attitude_setpoint(triple(log, row, Quantity::Reference)),
     },
-    Topic {
-        name: "actuator_motors",
-        fields: "uint64_t timestamp_sample;uint16_t reversible_flags;float[12] control;",
+    Column {
+        topic: topics::MOTORS,
         is_there: |log| log.motors().is_some(),
-        content: |log, row, message| {
-            // no number is a motor that is not there
-            let control = core::array::from_fn::<f64, MOTORS_MAX, _>(|motor| match log.motors() {
-                Some(motors) if motor < motors.len() => motors[motor][row],
-                _ => f64::NAN,
-            });
-            message.time(log, row).bytes(&0_u16.to_le_bytes()).numbers(&control);
+        content: |log, row| {
+            let commands = log.motors().map(|motors| motors.map(|motor| motor[row] as f32));
+            topics::motors(time_us(log, row), commands.unwrap_or([f32::NAN; 4]))
         },
     },
-    Topic {
-        name: "battery_status",
-        fields: "float voltage_v;",
+    Column {
+        topic: topics::BATTERY,
         is_there: |log| log.battery_v.is_some(),
-        content: |log, row, message| {
-            message.numbers(&[value(log, row, Quantity::Battery)]);
-        },
+        content: |log, row| topics::battery(value(log, row, Quantity::Battery) as f32),
     },
-    Topic {
-        name: "vehicle_local_position",
-        fields: "uint64_t timestamp_sample;float z;float vx;float vy;float vz;bool z_valid;bool v_xy_valid;\
-                 bool v_z_valid;",
+    Column {
+        topic: LOCAL_POSITION,
         is_there: |log| log.height_m.is_some() && log.velocity_ned_m_s.iter().all(Option::is_some),
-        content: |log, row, message| {
-            message.time(log, row).numbers(&[-value(log, row, Quantity::Height)]);
-            message.numbers(&triple(log, row, Quantity::Velocity)).bytes(&[1, 1, 1]);
+        content: |log, row| {
+            let down_m = -value(log, row, Quantity::Height) as f32;
+            let velocity_m_s = triple(log, row, Quantity::Velocity);
+            Content::default().time(time_us(log, row)).numbers(&[down_m]).numbers(&velocity_m_s).bytes(&[1, 1, 1])
         },
     },
 ];
@@ -113,61 +97,33 @@ pub(in super::super) fn write(log: &Log, out: &mut dyn Write) -> io::Result<()> 
     if log.time_s.iter().any(|time_s| time_s.is_nan() || *time_s < 0.0) {
         return Err(refused("a ULog file's times are not before 0".to_owned()));
     }
-    out.write_all(HEADER)?;
-    Message::of(b'B').bytes(&[0; 40]).write(out)?;
-    let topics: Vec<(u16, &Topic)> = (0..).zip(&TOPICS).filter(|(_, topic)| (topic.is_there)(log)).collect();
-    for (_, topic) in &topics {
-        let format = format!("{}:uint64_t timestamp;{}", topic.name, topic.fields);
-        Message::of(b'F').bytes(format.as_bytes()).write(out)?;
-    }
-    text(out, "sys_name", "sil")?;
-    for comment in &log.comments {
-        text(out, "comment", comment)?;
-    }
-    parameters(out)?;
-    for (number, topic) in &topics {
-        Message::of(b'A').bytes(&[0]).bytes(&number.to_le_bytes()).bytes(topic.name.as_bytes()).write(out)?;
-    }
+    let columns: Vec<&Column> = COLUMNS.iter().filter(|column| (column.is_there)(log)).collect();
+    let written: Vec<Topic> = columns.iter().map(|column| column.topic).collect();
+    let comments = log.comments.iter().map(|comment| ("comment", comment.as_str()));
+    let information: Vec<(&str, &str)> = [("sys_name", "sil")].into_iter().chain(comments).collect();
+    let mut bytes = Vec::new();
+    head(0, &written, &information, None, &mut |more: &[u8]| bytes.extend_from_slice(more));
     for row in 0..log.rows() {
-        if row % ROWS_PER_SYNC == 0 {
-            Message::of(b'S').bytes(&SYNC).write(out)?;
+        let put = &mut |more: &[u8]| bytes.extend_from_slice(more);
+        if row % ROWS_PER_MARK == 0 {
+            ulog::mark(put);
         }
-        for (number, topic) in &topics {
-            let mut message = Message::of(b'D');
-            message.bytes(&number.to_le_bytes()).time(log, row);
-            (topic.content)(log, row, &mut message);
-            message.write(out)?;
+        for (number, column) in (0..).zip(&columns) {
+            ulog::data(number, time_us(log, row), &(column.content)(log, row), put);
         }
+        out.write_all(&bytes)?;
+        bytes.clear();
     }
-    Ok(())
+    out.write_all(&bytes)
 }
 
 fn is_in_no_topic(log: &Log, quantity: Quantity) -> bool {
     log.column(quantity).is_some() && matches!(quantity, Quantity::Command(_) | Quantity::Thrust | Quantity::Rpm(_))
 }
 
-/// A piece of information, short enough for its message.
-fn text(out: &mut dyn Write, key: &str, value: &str) -> io::Result<()> {
-    let value = value.get(..value.len().min(u16::MAX.into())).unwrap_or_default();
-    let key = format!("char[{}] {key}", value.len());
-    Message::of(b'I').key(&key).bytes(value.as_bytes()).write(out)
-}
-
-/// PX4's generic quad-X: MAV_TYPE_QUADROTOR, airframe 4001, four rotors where docs/rig.md has them.
-fn parameters(out: &mut dyn Write) -> io::Result<()> {
-    for (name, value) in [("MAV_TYPE", 2_i32), ("SYS_AUTOSTART", 4001), ("CA_ROTOR_COUNT", 4)] {
-        Message::of(b'P').key(&format!("int32_t {name}")).bytes(&value.to_le_bytes()).write(out)?;
-    }
-    for (number, motor) in MOTORS.iter().enumerate() {
-        let counter_clockwise = -f32::from(motor.spin);
-        let place =
-            [("PX", f32::from(motor.forward)), ("PY", f32::from(motor.right)), ("KM", 0.05 * counter_clockwise)];
-        for (name, value) in place {
-            let key = format!("float CA_ROTOR{number}_{name}");
-            Message::of(b'P').key(&key).bytes(&value.to_le_bytes()).write(out)?;
-        }
-    }
-    Ok(())
+/// The time of a row, us.
+fn time_us(log: &Log, row: usize) -> u64 {
+    (log.time_s[row] * 1e6).round() as u64
 }
 
 /// A quantity in a row; NaN where the log has none.
@@ -175,48 +131,6 @@ fn value(log: &Log, row: usize, quantity: Quantity) -> f64 {
     log.column(quantity).and_then(|column| column.get(row)).copied().unwrap_or(f64::NAN)
 }
 
-fn triple(log: &Log, row: usize, quantity: fn(Axis) -> Quantity) -> [f64; 3] {
-    Axis::ALL.map(|axis| value(log, row, quantity(axis)))
-}
-
-/// One message on its way to the file.
-struct Message {
-    kind: u8,
-    content: Vec<u8>,
-}
-
-impl Message {
-    fn of(kind: u8) -> Message {
-        Message { kind, content: Vec::new() }
-    }
-
-    fn bytes(&mut self, bytes: &[u8]) -> &mut Message {
-        self.content.extend_from_slice(bytes);
-        self
-    }
-
-    /// The length and the text of a key.
-    fn key(&mut self, key: &str) -> &mut Message {
-        self.bytes(&[key.len() as u8]).bytes(key.as_bytes())
-    }
-
-    fn numbers(&mut self, numbers: &[f64]) -> &mut Message {
-        for number in numbers {
-            self.bytes(&(*number as f32).to_le_bytes());
-        }
-        self
-    }
-
-    /// The time of a row, us.
-    fn time(&mut self, log: &Log, row: usize) -> &mut Message {
-        self.bytes(&((log.time_s[row] * 1e6).round() as u64).to_le_bytes())
-    }
-
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let length = u16::try_from(self.content.len());
-        let length = length.map_err(|_| io::Error::new(io::ErrorKind::InvalidInput, "a message is too long"))?;
-        out.write_all(&length.to_le_bytes())?;
-        out.write_all(&[self.kind])?;
-        out.write_all(&self.content)
-    }
+fn triple(log: &Log, row: usize, quantity: fn(Axis) -> Quantity) -> [f32; 3] {
+    Axis::ALL.map(|axis| value(log, row, quantity(axis)) as f32)
 }

@@ -1,0 +1,125 @@
+//! The topics that board and simulator log, with PX4 1.14's names and fields (user guide, "uORB Message Reference"),
+//! and their messages' content. Body axes forward-right-down, world north-east-down, quaternions world from body (w, x,
+//! y, z), SI units. Of PX4's fields those are left out that nobody here knows.
+
+use nalgebra::UnitQuaternion;
+
+use super::ulog::{Content, Topic};
+use crate::flight_core::StepOutput;
+use crate::radio::RadioFrame;
+
+/// `actuator_motors` has room for so many.
+const MOTORS_MAX: usize = 12;
+/// `input_rc` has room for so many.
+const CHANNELS_MAX: usize = 18;
+/// Instead of the number of a plan's status, where there is no plan.
+const NO_PLAN: u8 = 255;
+
+/// What the IMU read.
+pub const SENSOR_COMBINED: Topic = Topic {
+    name: "sensor_combined",
+    fields: "float[3] gyro_rad;uint32_t gyro_integral_dt;int32_t accelerometer_timestamp_relative;\
+             float[3] accelerometer_m_s2;uint32_t accelerometer_integral_dt;",
+};
+
+/// Body rates as the controllers have them.
+pub const ANGULAR_VELOCITY: Topic =
+    Topic { name: "vehicle_angular_velocity", fields: "uint64_t timestamp_sample;float[3] xyz;" };
+
+/// Attitude as the controllers have it.
+pub const ATTITUDE: Topic = Topic { name: "vehicle_attitude", fields: "uint64_t timestamp_sample;float[4] q;" };
+
+/// Angles that are requested.
+pub const ATTITUDE_SETPOINT: Topic =
+    Topic { name: "vehicle_attitude_setpoint", fields: "float roll_body;float pitch_body;float yaw_body;" };
+
+/// Rates that the cascade's outer loop, or the pilot, requests, and the collective.
+pub const RATES_SETPOINT: Topic =
+    Topic { name: "vehicle_rates_setpoint", fields: "float roll;float pitch;float yaw;float[3] thrust_body;" };
+
+/// Commands to the motors.
+pub const MOTORS: Topic =
+    Topic { name: "actuator_motors", fields: "uint64_t timestamp_sample;uint16_t reversible_flags;float[12] control;" };
+
+/// The battery.
+pub const BATTERY: Topic = Topic { name: "battery_status", fields: "float voltage_v;" };
+
+/// The receiver's channels.
+pub const RADIO: Topic = Topic { name: "input_rc", fields: "uint16_t[18] values;uint8_t channel_count;bool rc_lost;" };
+
+/// How the MPC fares; not one of PX4's. `status` is [`PlanStatus::number`](crate::signals::PlanStatus::number), 255
+/// without a plan, `torque_source` is [`TorqueSource::number`](crate::flight_core::TorqueSource::number).
+pub const MPC: Topic = Topic {
+    name: "mpc_status",
+    fields: "float[3] torque_body_nm;uint32_t solve_us;uint32_t fallbacks;uint32_t deadline_misses;\
+             uint16_t iterations;uint8_t status;uint8_t torque_source;",
+};
+
+/// Content of [`SENSOR_COMBINED`]: means over the time before the time stamp.
+pub fn sensor_combined(rate_body_rad_s: [f32; 3], force_body_m_s2: [f32; 3], integral_us: u32) -> Content {
+    let integral = integral_us.to_le_bytes();
+    Content::default()
+        .numbers(&rate_body_rad_s)
+        .bytes(&integral)
+        .bytes(&0_i32.to_le_bytes())
+        .numbers(&force_body_m_s2)
+        .bytes(&integral)
+}
+
+/// Content of [`ANGULAR_VELOCITY`].
+pub fn angular_velocity(sample_us: u64, rate_body_rad_s: [f32; 3]) -> Content {
+    Content::default().time(sample_us).numbers(&rate_body_rad_s)
+}
+
+/// Content of [`ATTITUDE`]; the quaternion is w, x, y, z.
+pub fn attitude(sample_us: u64, q_world_from_body: [f32; 4]) -> Content {
+    Content::default().time(sample_us).numbers(&q_world_from_body)
+}
+
+/// Content of [`ATTITUDE_SETPOINT`]; the heading is no number where none is requested.
+pub fn attitude_setpoint(angles_rad: [f32; 3]) -> Content {
+    Content::default().numbers(&angles_rad)
+}
+
+/// Content of [`RATES_SETPOINT`]; thrust acts along -z.
+pub fn rates_setpoint(rate_body_rad_s: [f32; 3], throttle: f32) -> Content {
+    Content::default().numbers(&rate_body_rad_s).numbers(&[0.0, 0.0, -throttle])
+}
+
+/// Content of [`MOTORS`]: commands to motors 1 to 4, 0 to 1, in force from the time on.
+pub fn motors(time_us: u64, commands: [f32; 4]) -> Content {
+    // no number is a motor that is not there
+    let absent = [f32::NAN; MOTORS_MAX - 4];
+    Content::default().time(time_us).bytes(&0_u16.to_le_bytes()).numbers(&commands).numbers(&absent)
+}
+
+/// Content of [`BATTERY`].
+pub fn battery(voltage_v: f32) -> Content {
+    Content::default().numbers(&[voltage_v])
+}
+
+/// Content of [`RADIO`].
+pub fn radio(frame: &RadioFrame) -> Content {
+    let absent = [0_u16; CHANNELS_MAX - crate::radio::CHANNELS];
+    let values = frame.channels_us.iter().chain(&absent);
+    let content = values.fold(Content::default(), |content, value| content.bytes(&value.to_le_bytes()));
+    content.bytes(&[frame.count, u8::from(!frame.heard)])
+}
+
+/// Content of [`MPC`].
+pub fn mpc(output: &StepOutput) -> Content {
+    let planning = &output.planning;
+    let status = planning.status.map_or(NO_PLAN, |status| status.number() as u8);
+    Content::default()
+        .numbers(&output.wrench.torque_body_nm)
+        .bytes(&planning.duration_us.to_le_bytes())
+        .bytes(&planning.fallbacks.to_le_bytes())
+        .bytes(&planning.deadline_misses.to_le_bytes())
+        .bytes(&planning.iterations.to_le_bytes())
+        .bytes(&[status, output.source.number() as u8])
+}
+
+/// The four numbers of a rotation in ULog's order.
+pub fn quaternion(q_world_from_body: &UnitQuaternion<f32>) -> [f32; 4] {
+    [q_world_from_body.w, q_world_from_body.i, q_world_from_body.j, q_world_from_body.k]
+}
