@@ -87,7 +87,8 @@ fn a_log_is_fetched_and_diagnosed() -> Result<()> {
     let folder = tempfile::tempdir()?;
     let logs = folder.path().join("logs");
     std::fs::create_dir(&logs)?;
-    Page::sil(&logs, &["fly", "--rig", "gimbal", "--duration", "8", "--log", "log00001.ulg", "--controller", "pid"])?
+    std::fs::write(logs.join("s.toml"), "duration_s = 4.0\n[[step]]\nat_s = 1.0\nroll_deg = 20\n")?;
+    Page::sil(&logs, &["fly", "--script", "s.toml", "--log", "log-0001.ulg", "--controller", "pid"])?
         .map_err(anyhow::Error::msg)?;
     let (page, _served, mut vehicle) = connected(folder.path(), &["--logs", "logs"])?;
     carry_until(&page, &mut vehicle, "!document.querySelector('#board-list').closest('[hidden]')")?;
