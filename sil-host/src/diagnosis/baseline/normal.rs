@@ -31,7 +31,8 @@ const LIFT: f64 = 0.05;
 const LATENESS_S: f64 = 0.004;
 /// Of a consumer's gyro from one day to the next, after it was set to zero at rest.
 const GYRO_BIAS_RAD_S: f64 = 0.01;
-/// The same gyro's scale at other temperatures: by its data sheet the MPU-6000's changes by 2 % from -40 to 85 degrees C.
+/// The same gyro's scale at other temperatures: by its data sheet the MPU-6000's changes by 2 % from -40 to 85 degrees
+/// Celsius.
 const GYRO_SCALE: f64 = 0.01;
 /// An estimator's time is its settings'; a row's place in its packet is not.
 const ATTITUDE_DELAY_S: f64 = 0.003;

@@ -241,7 +241,8 @@ fn what_was_changed_in_a_record_of_the_same_flight_is_named() {
         let [finding] = &answer.findings[..] else { panic!("{effect}: {:#?}", answer.findings) };
         assert_eq!(finding.effect, effect, "{finding:?}");
         let [low, high] = finding.interval_95;
-        assert!((low..high).contains(&truth) && high - low < 0.3 * truth.abs(), "{finding:?}");
+        // the widest is a delay's: when within its row of 10 ms a command began is not known
+        assert!((low..high).contains(&truth) && high - low < 0.45 * truth.abs(), "{finding:?}");
         assert!(finding.parameters.contains_key(parameter), "{finding:?}");
         assert_eq!(answer.baseline.between, BetweenFlights::SameFlight);
     };
