@@ -38,17 +38,26 @@ fn basis(answer: &BaselineDiagnosis) -> String {
     let baseline = &answer.baseline;
     let flights = baseline.logs.len();
     let alone = if flights == 1 { " One flight alone shows no spread." } else { "" };
+    let chance = chance_text(baseline.chance);
+    if baseline.between == BetweenFlights::SameFlight {
+        return format!(
+            "{} is a record of the same flight: gusts and manoeuvres are in both, and only what was recorded \
+             differently is compared, stretch by stretch. {} causes were tried. The chance of such departures between \
+             equal records, all numbers together: {chance}.",
+            baseline.logs.join(", "),
+            baseline.looks
+        );
+    }
     let usual = baseline.usual_spread_as_flights;
     let between = match baseline.between {
-        BetweenFlights::Serviced => "of a vehicle whose propellers were changed or seated anew between flights",
         BetweenFlights::Untouched => "of a vehicle that nobody touched between flights",
+        _ => "of a vehicle whose propellers were changed or seated anew between flights",
     };
     format!(
         "Normal flights: {flights}.{alone} Their spread is estimated from them and from a usual one, {between}, which \
          counts as much as {usual:.0} flights. {} causes were tried. The chance of such departures in a normal flight, \
-         all numbers together: {}.",
-        baseline.looks,
-        chance_text(baseline.chance)
+         all numbers together: {chance}.",
+        baseline.looks
     )
 }
 

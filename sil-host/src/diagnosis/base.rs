@@ -79,8 +79,7 @@ pub(super) fn ordinary(scope: &Scope) -> Vec<Fitted> {
 
 /// The same, and what is shown of the sensors.
 pub(super) fn ordinary_with_sensors(scope: &Scope, sensors: &Kinematics) -> Vec<Fitted> {
-    let shown = Fitted::hypotheses(scope).into_iter().filter(|effect| sensors.is_shown(effect));
-    sensors.informed(ordinary(scope).into_iter().chain(shown).collect())
+    sensors.with_shown(scope, ordinary(scope))
 }
 
 /// What is ordinary of a vehicle whether anything holds it or not.

@@ -3,7 +3,7 @@
 //! little to add.
 
 use super::fitted::Fitted;
-use crate::effects::Prior;
+use crate::effects::{Prior, Scope};
 use crate::log::Log;
 use crate::log::sanity::{Measured, SensorAgreement, sensor_agreement};
 
@@ -25,9 +25,15 @@ impl Kinematics {
         effects.into_iter().map(informed).collect()
     }
 
+    /// Some effects, and what the sensors have beyond doubt.
+    pub(super) fn with_shown(&self, scope: &Scope, effects: Vec<Fitted>) -> Vec<Fitted> {
+        let shown = Fitted::hypotheses(scope).into_iter().filter(|effect| self.is_shown(effect));
+        self.informed(effects.into_iter().chain(shown).collect())
+    }
+
     /// True of an effect that the sensors have beyond doubt. Left out it would be taken for a disturbance, in whose
     /// noise nothing of the vehicle is seen.
-    pub(super) fn is_shown(&self, effect: &Fitted) -> bool {
+    fn is_shown(&self, effect: &Fitted) -> bool {
         self.measured(effect).is_some_and(|measured| measured.is_unusual)
     }
 

@@ -5,6 +5,7 @@ use super::numbers::{Number, NumberOf};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, as_terms, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
+use crate::diagnosis::kinematics::Kinematics;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::verdict::{MODEL_ERROR, estimates};
 use crate::diagnosis::{Estimate, base, lateness};
@@ -26,7 +27,10 @@ pub(super) fn base_numbers(log: &Log, subject: &Subject<'_>) -> Result<Vec<Numbe
     let thinned = log.thinned();
     let log = thinned.as_ref().unwrap_or(log);
     let nominal = || subject.model(log);
-    let (along, ordinary) = (subject.fitted_along(log)?, base::ordinary_of_any(&subject.scope(log)));
+    let scope = subject.scope(log);
+    // a late attitude that the model does not know would be taken for the vehicle's
+    let ordinary = Kinematics::of(log).with_shown(&scope, base::ordinary_of_any(&scope));
+    let along = subject.fitted_along(log)?;
     let shooting = base::in_own_noise(log, subject, &along, &ordinary)?;
     let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
     let base = base::fitted(&search, &ordinary).fit;
@@ -50,11 +54,11 @@ fn numbers(fit: &Fit<'_>, subject: &Subject<'_>, shooting: &Shooting<'_>, nomina
             }
             _ => continue,
         };
-        numbers.extend(own.filter(|own| own.std.is_finite()).map(|own| Number { of, own }));
+        numbers.extend(own.filter(|own| own.std.is_finite()).map(|own| Number::new(of, own)));
     }
     // separate axes have motors too: a fit that finds no lag of theirs has taken it for something else
     let is_whole = subject.is_vehicle() || fit.terms.iter().any(|term| term.effect.name() == "motor_lag");
-    numbers.extend(lateness::summed_s(fit).filter(|_| is_whole).map(|own| Number { of: NumberOf::Lateness, own }));
+    numbers.extend(lateness::summed_s(fit).filter(|_| is_whole).map(|own| Number::new(NumberOf::Lateness, own)));
     numbers
 }
 

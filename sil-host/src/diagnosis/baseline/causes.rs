@@ -29,13 +29,34 @@ pub(super) enum Cause {
     Lift,
     /// Of a separate axis.
     Inertia(Axis),
+    /// Commands that act more strongly than ones of that size did: in another unit, or with more lift each.
+    Commands {
+        /// Whether the collective is among them.
+        with_collective: bool,
+    },
     /// Commands that come later.
     Delay,
     /// Motors that follow more slowly.
     Lag,
     /// A gyro's reading at rest.
     GyroBias(Axis),
+    /// A gyro's reading per rate.
+    GyroScale(Axis),
+    /// An attitude that is reported later.
+    AttitudeDelay,
+    /// An IMU turned about the vertical axis.
+    Turn {
+        /// False where the attitude is another instrument's.
+        with_attitude: bool,
+    },
 }
+
+/// Sizes are found where changes are in proportion to them, as near as those of the last step.
+const STEPS: usize = 12;
+/// A size from which on changes are taken as in proportion to it.
+const SMALL: f64 = 1e-6;
+/// Least share that is left of a number whose cause takes it away.
+const LEAST_SHARE: f64 = 0.05;
 
 impl Cause {
     /// Its name in docs/effects.md; `added_weight` is a mass and a centre of gravity at once.
@@ -48,9 +69,13 @@ impl Cause {
             Cause::Mass => "mass_error",
             Cause::Lift => "thrust_scale",
             Cause::Inertia(_) => "inertia_error",
+            Cause::Commands { .. } => "input_gain",
             Cause::Delay => "actuation_delay",
             Cause::Lag => "motor_lag",
             Cause::GyroBias(_) => "gyro_bias",
+            Cause::GyroScale(_) => "gyro_scale",
+            Cause::AttitudeDelay => "attitude_delay",
+            Cause::Turn { .. } => "imu_misalignment",
         }
     }
 
@@ -64,7 +89,7 @@ impl Cause {
 
     pub(super) fn axis(self) -> Option<Axis> {
         match self {
-            Cause::Moment(axis) | Cause::Inertia(axis) | Cause::GyroBias(axis) => Some(axis),
+            Cause::Moment(axis) | Cause::Inertia(axis) | Cause::GyroBias(axis) | Cause::GyroScale(axis) => Some(axis),
             _ => None,
         }
     }
@@ -96,7 +121,12 @@ pub(super) struct Departures<'a> {
     pub(super) knows_motors: bool,
     /// True where a rig carries the vehicle: no mass shows.
     pub(super) is_held: bool,
+    /// Lift of one motor over its command, in any unit.
+    pub(super) lift: LiftCurve<'a>,
 }
+
+/// Lift of one motor over its command, in any unit.
+pub(super) type LiftCurve<'a> = &'a dyn Fn(f64) -> f64;
 
 impl Departures<'_> {
     /// Sum of squares in units of what is expected between normal flights.
@@ -110,13 +140,16 @@ impl Departures<'_> {
         Departures { by, ..*self }
     }
 
-    /// All causes that change what is compared.
+    /// All causes that change what is compared; of two that explain it alike the later one is named first.
     pub(super) fn causes(&self) -> Vec<Cause> {
         let mut causes: Vec<Cause> = (0..4).map(Cause::WeakMotor).collect();
-        causes.extend([Cause::Weight, Cause::MassShift, Cause::Mass, Cause::Lift, Cause::Delay, Cause::Lag]);
+        causes.extend([Cause::Weight, Cause::MassShift, Cause::Mass, Cause::Lift, Cause::Lag, Cause::Delay]);
         for axis in Axis::ALL {
-            causes.extend([Cause::Moment(axis), Cause::Inertia(axis), Cause::GyroBias(axis)]);
+            causes.extend([Cause::Moment(axis), Cause::Inertia(axis), Cause::GyroBias(axis), Cause::GyroScale(axis)]);
         }
+        let turns = [false, true].map(|with_attitude| Cause::Turn { with_attitude });
+        let commands = [true, false].map(|with_collective| Cause::Commands { with_collective });
+        causes.extend(turns.into_iter().chain([Cause::AttitudeDelay]).chain(commands));
         causes.retain(|cause| self.is_seen(*cause));
         causes
     }
@@ -134,8 +167,16 @@ impl Departures<'_> {
                 self.collective.is_some() && (has(NumberOf::Collective) || has(NumberOf::ThrustScale))
             }
             Cause::Inertia(axis) => has(NumberOf::InputGain(axis)),
+            Cause::Commands { with_collective } => {
+                let has_gain = Axis::ALL.into_iter().any(|axis| has(NumberOf::InputGain(axis)));
+                has_gain && (!with_collective || has(NumberOf::Collective))
+            }
             Cause::Delay | Cause::Lag => has(NumberOf::Lateness),
             Cause::GyroBias(axis) => has(NumberOf::GyroBias(axis)),
+            Cause::GyroScale(axis) => has(NumberOf::GyroScale(axis)),
+            Cause::AttitudeDelay => has(NumberOf::AttitudeDelay),
+            Cause::Turn { with_attitude: false } => has(NumberOf::GyroTurn),
+            Cause::Turn { with_attitude: true } => has(NumberOf::ImuTurn),
         }
     }
 
@@ -144,26 +185,69 @@ impl Departures<'_> {
         match cause {
             Cause::Weight => self.by_weight(),
             Cause::MassShift => self.by_shift(),
-            _ => self.along(cause, &|of| self.change(cause, of)),
+            _ => self.at_best(cause),
         }
     }
 
-    /// Change of a number per unit of a cause of one size.
-    fn change(&self, cause: Cause, of: NumberOf) -> f64 {
+    /// The best size of a cause. Some changes are in proportion to it only while it is small: the size is found by the
+    /// changes per size at the last one.
+    fn at_best(&self, cause: Cause) -> Option<Explanation> {
+        let mut size = SMALL;
+        let mut best = None;
+        for _ in 0..STEPS {
+            let per_size = |of: NumberOf| self.change(cause, size, of) / size;
+            let explanation = self.along(cause, &per_size)?;
+            let found = explanation.values[0];
+            best = Some(explanation);
+            if (found - size).abs() <= SMALL * size.abs() || found.abs() < SMALL {
+                break;
+            }
+            size = found;
+        }
+        best
+    }
+
+    /// Change of a number by a cause of some size.
+    fn change(&self, cause: Cause, size: f64, of: NumberOf) -> f64 {
         let mean = self.normal.mean(of).unwrap_or_default();
-        let relative =
-            self.collective.filter(|collective| *collective > 0.0).map_or(0.0, |collective| mean / collective);
+        let collective = self.collective.filter(|collective| *collective > 0.0);
+        // of all commands
+        let larger = collective.map_or(0.0, |collective| size / collective);
         match (cause, of) {
-            (Cause::WeakMotor(motor), NumberOf::Trim(axis)) => f64::from(TORQUE_SIGNS[axis.index()][motor]),
-            (Cause::Moment(axis), NumberOf::Trim(own)) if axis == own => 1.0,
-            (Cause::WeakMotor(_) | Cause::Mass | Cause::Lift, NumberOf::Collective) => 1.0,
+            (Cause::WeakMotor(motor), NumberOf::Trim(axis)) => size * f64::from(TORQUE_SIGNS[axis.index()][motor]),
+            (Cause::Moment(axis), NumberOf::Trim(own)) if axis == own => size,
+            (Cause::WeakMotor(_) | Cause::Mass | Cause::Lift, NumberOf::Collective) => size,
+            // larger commands for all that they balance
+            (Cause::Lift, NumberOf::Trim(_)) => larger * mean,
             // a lost share of lift is lost to the answer too
-            (Cause::WeakMotor(_) | Cause::Lift, NumberOf::InputGain(_)) => -relative,
+            (Cause::WeakMotor(_), NumberOf::InputGain(_) | NumberOf::ThrustScale) => -larger * mean,
+            (Cause::Lift, NumberOf::InputGain(_)) => mean * (1.0 / (1.0 + larger).max(LEAST_SHARE) - 1.0),
             // as the accelerometer shows lift over mass
-            (Cause::WeakMotor(_) | Cause::Lift | Cause::Mass, NumberOf::ThrustScale) => -relative,
-            (Cause::Inertia(axis), NumberOf::InputGain(own)) if axis == own => -mean,
-            (Cause::Delay | Cause::Lag, NumberOf::Lateness) => 1.0,
-            (Cause::GyroBias(axis), NumberOf::GyroBias(own)) if axis == own => 1.0,
+            (Cause::Lift | Cause::Mass, NumberOf::ThrustScale) => collective.map_or(0.0, |collective| {
+                mean * ((self.lift)(collective) / (self.lift)(collective * (1.0 + larger).max(LEAST_SHARE)) - 1.0)
+            }),
+            (Cause::Inertia(axis), NumberOf::InputGain(own)) if axis == own => -mean * size,
+            (Cause::Commands { .. }, NumberOf::InputGain(_)) => mean * size,
+            (Cause::Commands { with_collective: true }, NumberOf::Collective)
+            | (Cause::Commands { .. }, NumberOf::Trim(_)) => mean * (1.0 / (1.0 + size).max(LEAST_SHARE) - 1.0),
+            (Cause::Delay | Cause::Lag, NumberOf::Lateness) => size,
+            (Cause::GyroBias(axis), NumberOf::GyroBias(own)) if axis == own => size,
+            (Cause::GyroScale(axis), NumberOf::GyroScale(own)) if axis == own => mean * size,
+            (Cause::AttitudeDelay, NumberOf::AttitudeDelay) => size,
+            (Cause::Turn { .. }, NumberOf::ImuTurn) => size,
+            (Cause::Turn { with_attitude: false }, NumberOf::GyroTurn) => size,
+            // biases of the two axes pass to each other as their rates do
+            (Cause::Turn { .. }, NumberOf::GyroBias(own)) => {
+                let of = |axis| self.normal.mean(NumberOf::GyroBias(axis)).unwrap_or_default();
+                let (s, c) = libm::sincos(size);
+                match own {
+                    Axis::Roll => (c - 1.0) * mean + s * of(Axis::Pitch),
+                    Axis::Pitch => (c - 1.0) * mean - s * of(Axis::Roll),
+                    Axis::Yaw => 0.0,
+                }
+            }
+            // across is seen along no more
+            (Cause::Turn { .. }, NumberOf::InputGain(Axis::Roll | Axis::Pitch)) => mean * (libm::cos(size) - 1.0),
             _ => 0.0,
         }
     }
@@ -194,7 +278,7 @@ impl Departures<'_> {
             let change = |of: NumberOf| match of {
                 NumberOf::Trim(Axis::Roll) => left,
                 NumberOf::Trim(Axis::Pitch) => ahead,
-                _ => self.change(Cause::Mass, of),
+                _ => self.change(Cause::Mass, SMALL, of) / SMALL,
             };
             self.along(Cause::Weight, &change).map(|explanation| (explanation, left, ahead))
         };

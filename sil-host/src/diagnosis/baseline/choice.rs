@@ -12,6 +12,8 @@ const FALSE_ALARM: f64 = 0.05;
 const REST: f64 = 0.01;
 /// Natural logarithm of the likelihood within which two causes cannot be separated (as in `search`).
 const SEPARABLE: f64 = 3.0;
+/// The same of causes that do not differ.
+const ALIKE: f64 = 1e-6;
 /// A cause that a normal flight shows more often than this is not worth a word.
 const NEAREST: f64 = 0.5;
 /// Standard deviations from which on a size is something.
@@ -101,7 +103,8 @@ fn likeliest(rest: &Departures<'_>, tried: Vec<Explanation>, looks: usize, all: 
     let is_beyond = |one: &Explanation| chance(one) < FALSE_ALARM;
     let any = tried.iter().any(is_beyond);
     let candidates = tried.iter().filter(|one| !any || is_beyond(one));
-    let best = candidates.max_by(|a, b| worth(a).total_cmp(&worth(b)))?.clone();
+    // rounding does not decide between two that change all numbers alike
+    let best = candidates.reduce(|best, one| if worth(one) >= worth(best) - ALIKE { one } else { best })?.clone();
     let limit = likelihood(&best) - SEPARABLE;
     let mut others: Vec<Explanation> =
         tried.into_iter().filter(|one| one.cause != best.cause && likelihood(one) > limit).collect();

@@ -4,6 +4,7 @@
 //! each log -> numbers: what steady flight needs of the motors (steady), the base model's gains, lateness, biases
 //!                      (base_numbers)
 //! normal flights -> mean and spread between flights (normal) -> departures of the flight in question
+//!                      what gyro, attitude and commands say of each other without a model (log::sanity::figures)
 //! causes: how each changes all numbers together -> choice: beyond chance? the likeliest, and what is about as likely
 //! ```
 //!
@@ -16,6 +17,7 @@ mod causes;
 mod choice;
 mod normal;
 mod numbers;
+mod same_flight;
 mod steady;
 mod wording;
 
@@ -70,7 +72,7 @@ pub enum NotComparable {
     },
 }
 
-/// Compares a flight with normal flights of the same vehicle.
+/// Compares a flight with normal flights of the same vehicle; where it is another record of one of them, with that.
 ///
 /// # Errors
 /// A log has no window or no commands for its rig; or there is nothing to compare.
@@ -81,6 +83,14 @@ pub fn diagnose_against(
     given: Given<'_>,
     observer: Observer<'_>,
 ) -> Result<BaselineDiagnosis, NotComparable> {
+    if let Some((record, other)) = normal.iter().find_map(|normal| Some((same_flight::aligned(log, normal)?, normal))) {
+        let of_record = |record: &Log, log: &Log| {
+            FlightNumbers::of_record(record, subject)
+                .map_err(|source| NotComparable::Log { path: log.path.clone(), source })
+        };
+        let given = Given { between: BetweenFlights::SameFlight, ..given };
+        return compare_flights(&of_record(&record[0], log)?, &[of_record(&record[1], other)?], subject, given);
+    }
     let total = normal.len() + 1;
     let numbers = |(done, log): (usize, &Log)| {
         observer(Progress::Comparing { done, total });
@@ -107,7 +117,11 @@ pub fn compare_flights(
     if normal.numbers.is_empty() {
         return Err(NotComparable::NothingInCommon { path: suspect.log.path.clone() });
     }
-    let by = |mean: f64, of: NumberOf| suspect.get(of).map_or(0.0, |own| own.value - mean);
+    let by = |mean: f64, of: NumberOf| suspect.get(of).map_or(0.0, |number| of.difference(number.own.value, mean));
+    let of_model = |command: f64| match subject {
+        Subject::Vehicle(model) => model.propulsion.lift_n(command.min(1.0)),
+        Subject::Axes | Subject::Bench(_) => PROPORTIONAL(command),
+    };
     let collectives: Option<Vec<f64>> = flights.iter().map(|flight| flight.collective).collect();
     let departures = Departures {
         normal: &normal,
@@ -115,13 +129,10 @@ pub fn compare_flights(
         collective: collectives.map(|all| all.iter().sum::<f64>() / all.len() as f64).filter(|mean| *mean > 0.0),
         is_held: subject.is_held(),
         knows_motors: suspect.knows_motors && flights.iter().all(|flight| flight.knows_motors),
+        lift: &of_model,
     };
     let choice = choice::choose(&departures, given.known);
-    let of_model = |command: f64| match subject {
-        Subject::Vehicle(model) => model.propulsion.lift_n(command.min(1.0)),
-        Subject::Axes | Subject::Bench(_) => PROPORTIONAL(command),
-    };
-    let wording = Wording { departures: &departures, lift: &of_model };
+    let wording = Wording { departures: &departures };
     let findings: Vec<Difference> = choice.found.iter().map(|chosen| wording.difference(chosen)).collect();
     let verdict = match (findings.is_empty(), choice.leaves_something()) {
         (true, false) => Verdict::NoDiscrepancy,

@@ -2,8 +2,9 @@
 //! next. A few flights hardly show the latter, so that a usual spread counts as much as [`USUAL_FLIGHTS`] of them; one
 //! flight shows nothing of it, and the usual one is all there is.
 
-use super::numbers::{FlightNumbers, NumberOf};
+use super::numbers::{FlightNumbers, Number, NumberOf};
 use crate::axis::Axis;
+use crate::diagnosis::Estimate;
 
 /// As many flights' differences as the usual spread is worth.
 pub(super) const USUAL_FLIGHTS: f64 = 4.0;
@@ -30,6 +31,19 @@ const LIFT: f64 = 0.05;
 const LATENESS_S: f64 = 0.004;
 /// Of a consumer's gyro from one day to the next, after it was set to zero at rest.
 const GYRO_BIAS_RAD_S: f64 = 0.01;
+/// The same gyro's scale at other temperatures: by its data sheet the MPU-6000's changes by 2 % from -40 to 85 degrees
+/// Celsius.
+const GYRO_SCALE: f64 = 0.01;
+/// An estimator's time is its settings'; a row's place in its packet is not.
+const ATTITUDE_DELAY_S: f64 = 0.003;
+/// A flight controller that was taken out and put back, a degree; what the axes answer to the commands, which gusts
+/// turn too, three.
+const GYRO_TURN_RAD: f64 = 0.02;
+const IMU_TURN_RAD: f64 = 0.05;
+
+/// Two records of one flight differ at least by this share of the usual spread between flights: time within a row and
+/// noise are treated by steps, so that the same motion in another form does not give the same number to the last digit.
+const OF_ONE_FLIGHT: f64 = 0.1;
 
 /// What happened to the vehicle between the flights, besides what is sought.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -40,6 +54,9 @@ pub enum BetweenFlights {
     Serviced,
     /// Nothing: only what repeats from flight to flight is chance.
     Untouched,
+    /// It is one flight, recorded twice.
+    #[serde(rename = "same_flight")]
+    SameFlight,
 }
 
 /// A number of normal flights, and where another one is expected.
@@ -64,13 +81,21 @@ impl Normal {
     /// What the normal flights and the one in question both have.
     pub(super) fn of(flights: &[FlightNumbers], suspect: &FlightNumbers, between: BetweenFlights) -> Normal {
         let count = flights.len() as f64;
-        let freedom = USUAL_FLIGHTS + count - 1.0;
+        let freedom = match between {
+            BetweenFlights::SameFlight => stretches_beyond_one(flights, suspect).unwrap_or(USUAL_FLIGHTS),
+            _ => USUAL_FLIGHTS + count - 1.0,
+        };
         let mut numbers = Vec::new();
         for number in &suspect.numbers {
-            let normal: Vec<_> = flights.iter().filter_map(|flight| flight.get(number.of)).collect();
+            let normal: Vec<&Number> = flights.iter().filter_map(|flight| flight.get(number.of)).collect();
             if normal.is_empty() || normal.len() < flights.len() {
                 continue;
             }
+            if let (BetweenFlights::SameFlight, [other]) = (between, &normal[..]) {
+                numbers.push(of_one_flight(number, other, 1.0 / suspect.log.rate_hz));
+                continue;
+            }
+            let normal: Vec<Estimate> = normal.iter().map(|number| number.own).collect();
             let mean = normal.iter().map(|own| own.value).sum::<f64>() / count;
             let squares: f64 = normal.iter().map(|own| (own.value - mean) * (own.value - mean)).sum();
             let within = normal.iter().map(|own| own.std * own.std).sum::<f64>() / count;
@@ -94,9 +119,28 @@ impl Normal {
     }
 }
 
+/// A number of one of two records, and where that of the other is expected. When within its row a command began is
+/// not known of either.
+fn of_one_flight(number: &Number, other: &Number, row_s: f64) -> Expected {
+    let paired = number.figure.as_ref().zip(other.figure.as_ref()).and_then(|(own, other)| own.paired_with(other));
+    let share = OF_ONE_FLIGHT * usual(number.of, other.own.value, BetweenFlights::SameFlight);
+    let least = if number.of == NumberOf::Lateness { share.max(row_s / f64::sqrt(12.0)) } else { share };
+    let std = paired.map_or(0.0, |(std, _)| std).max(least);
+    Expected { of: number.of, mean: other.own.value, spread: std, std }
+}
+
+/// Degrees of freedom of differences between two records.
+fn stretches_beyond_one(flights: &[FlightNumbers], suspect: &FlightNumbers) -> Option<f64> {
+    let of = |number: &Number| {
+        let other = flights.first()?.get(number.of)?;
+        Some(number.figure.as_ref()?.paired_with(other.figure.as_ref()?)?.1)
+    };
+    suspect.numbers.iter().filter_map(of).min_by(f64::total_cmp)
+}
+
 fn usual(of: NumberOf, mean: f64, between: BetweenFlights) -> f64 {
     let commands = match between {
-        BetweenFlights::Serviced => SERVICED,
+        BetweenFlights::Serviced | BetweenFlights::SameFlight => SERVICED,
         BetweenFlights::Untouched => UNTOUCHED,
     };
     match of {
@@ -107,5 +151,9 @@ fn usual(of: NumberOf, mean: f64, between: BetweenFlights) -> f64 {
         NumberOf::ThrustScale => LIFT * mean.abs(),
         NumberOf::Lateness => LATENESS_S,
         NumberOf::GyroBias(_) => GYRO_BIAS_RAD_S,
+        NumberOf::GyroScale(_) => GYRO_SCALE * mean.abs(),
+        NumberOf::AttitudeDelay => ATTITUDE_DELAY_S,
+        NumberOf::GyroTurn => GYRO_TURN_RAD,
+        NumberOf::ImuTurn => IMU_TURN_RAD,
     }
 }

@@ -55,7 +55,7 @@ pub(super) fn steady(log: &Log, subject: &Subject<'_>) -> Result<Steady, NotPred
         // where the accelerometer shows lift over mass, the base model has it, whether or not a height was held
         let balances = collective.filter(|_| !subject.scope(log).pushed);
         let all = trims.chain(balances.map(|own| (NumberOf::Collective, own)));
-        numbers.extend(all.map(|(of, own)| Number { of, own }));
+        numbers.extend(all.map(|(of, own)| Number::new(of, own)));
     }
     Ok(Steady {
         numbers,

@@ -17,7 +17,7 @@ fn flight(name: &str, motors: [f64; 4]) -> FlightNumbers {
     let all = trims.into_iter().chain([(NumberOf::Collective, collective)]);
     FlightNumbers {
         log: LogSummary { path: name.to_owned(), rows: 1000, duration_s: 10.0, rate_hz: 100.0 },
-        numbers: all.map(|(of, value)| Number { of, own: own(value) }).collect(),
+        numbers: all.map(|(of, value)| Number::new(of, own(value))).collect(),
         collective: Some(collective),
         knows_motors: true,
     }
@@ -114,7 +114,7 @@ fn normal_flights_differ_in_nothing() {
 fn a_number_that_its_log_leaves_open_is_not_compared() {
     let with_lateness = |value: f64, std: f64| {
         let mut one = flight("late", MOTORS);
-        one.numbers.push(Number { of: NumberOf::Lateness, own: Estimate { value, std } });
+        one.numbers.push(Number::new(NumberOf::Lateness, Estimate { value, std }));
         one
     };
     let names = |std: f64| -> Vec<&str> {
@@ -190,4 +190,92 @@ fn on_the_testbed_a_weak_motor_and_a_delay_are_found() {
     assert!(names.contains(&"actuation_delay") && names.contains(&"motor_lag"), "{late:?}");
     let [low, high] = finding.interval_95;
     assert!((low..high).contains(&0.03), "{finding:?}");
+}
+
+/// Sensors and commands across flights: a number of each, as exact as in a flight that excites it.
+#[test]
+fn sensors_and_units_that_changed_between_flights_are_named() {
+    let with = |numbers: &[(NumberOf, f64, f64)], scale: f64| {
+        let mut one = flight("one", MOTORS.map(|motor| scale * motor));
+        one.numbers
+            .extend(numbers.iter().map(|(of, value, std)| Number::new(*of, Estimate { value: *value, std: *std })));
+        one
+    };
+    let [roll, pitch] = [Axis::Roll, Axis::Pitch];
+    let healthy = [
+        (NumberOf::InputGain(roll), 200.0, 4.0),
+        (NumberOf::InputGain(pitch), 180.0, 4.0),
+        (NumberOf::GyroScale(roll), 1.0, 3e-3),
+        (NumberOf::AttitudeDelay, 5e-3, 5e-4),
+        (NumberOf::ImuTurn, 0.01, 0.01),
+    ];
+    let normal: Vec<FlightNumbers> = (0..4).map(|_| with(&healthy, 1.0)).collect();
+    let expect = |effect: &str, truth: f64, changed: &[(usize, f64)], scale: f64| {
+        let mut numbers = healthy;
+        changed.iter().for_each(|(place, value)| numbers[*place].1 = *value);
+        let answer = compared(&with(&numbers, scale), &normal, &Known::default());
+        let [finding] = &answer.findings[..] else { panic!("{effect}: {:#?}", answer.findings) };
+        let [low, high] = finding.interval_95;
+        assert!(finding.effect == effect && (low..high).contains(&truth), "{finding:?}");
+    };
+    expect("gyro_scale", 1.2, &[(2, 1.2)], 1.0);
+    expect("attitude_delay", 0.03, &[(3, 0.035)], 1.0);
+    // across is seen along no more
+    expect("imu_misalignment", 0.4, &[(4, 0.41), (0, 200.0 * libm::cos(0.4)), (1, 180.0 * libm::cos(0.4))], 1.0);
+    // all commands logged at three quarters
+    expect("input_gain", 1.0 / 0.75, &[(0, 200.0 / 0.75), (1, 180.0 / 0.75)], 0.75);
+}
+
+/// A record of a flight in which something about the record was changed, against the flight: that is named, first and
+/// alone, with an interval that holds it. The motion stays, so that no model of the vehicle is needed.
+#[test]
+fn what_was_changed_in_a_record_of_the_same_flight_is_named() {
+    let recorded = free_flight(&["torque_bias:axis=roll,torque_nm=0.03"], 3);
+    let changed = |change: &dyn Fn(&mut Log)| {
+        let mut log = recorded.clone();
+        change(&mut log);
+        let given = Given { known: &Known::default(), between: BetweenFlights::Serviced };
+        diagnose_against(&log, std::slice::from_ref(&recorded), &Subject::Axes, given, &|_| ()).unwrap()
+    };
+    assert_eq!(changed(&|_| ()).verdict, Verdict::NoDiscrepancy);
+    let expect = |effect: &str, parameter: &str, truth: f64, change: &dyn Fn(&mut Log)| {
+        let answer = changed(change);
+        let [finding] = &answer.findings[..] else { panic!("{effect}: {:#?}", answer.findings) };
+        assert_eq!(finding.effect, effect, "{finding:?}");
+        let [low, high] = finding.interval_95;
+        // the widest is a delay's: when within its row of 10 ms a command began is not known
+        assert!((low..high).contains(&truth) && high - low < 0.45 * truth.abs(), "{finding:?}");
+        assert!(finding.parameters.contains_key(parameter), "{finding:?}");
+        assert_eq!(answer.baseline.between, BetweenFlights::SameFlight);
+    };
+    let each = |column: &mut Option<Vec<f64>>, of: &dyn Fn(f64) -> f64| {
+        column.iter_mut().flatten().for_each(|value| *value = of(*value));
+    };
+    expect("gyro_scale", "scale", 1.2, &|log| each(&mut log.rate_rad_s[0], &|rate| 1.2 * rate));
+    expect("gyro_bias", "bias_rad_s", 0.1, &|log| each(&mut log.rate_rad_s[1], &|rate| rate + 0.1));
+    expect("input_gain", "scale", 1.0 / 0.75, &|log| {
+        log.motor_command.iter_mut().for_each(|motor| each(motor, &|command| 0.75 * command));
+    });
+    expect("attitude_delay", "delay_s", 0.03, &|log| {
+        // 3 rows of 10 ms
+        log.angle_rad.iter_mut().flatten().for_each(|angle| {
+            angle.rotate_right(3);
+            (0..3).for_each(|row| angle[row] = angle[3]);
+        });
+    });
+    expect("actuation_delay", "delay_s", 0.03, &|log| {
+        log.motor_command.iter_mut().flatten().for_each(|command| {
+            let last = command[command.len() - 1];
+            command.rotate_left(3);
+            command.iter_mut().rev().take(3).for_each(|command| *command = last);
+        });
+    });
+    expect("imu_misalignment", "yaw_rad", 0.2, &|log| {
+        // near level the angles turn as the rates do
+        let (s, c) = libm::sincos(0.2);
+        for vector in [&mut log.rate_rad_s, &mut log.angle_rad, &mut log.accel_body_m_s2] {
+            let [Some(x), Some(y), _] = vector else { continue };
+            x.iter_mut().zip(y).for_each(|(x, y)| (*x, *y) = (c * *x + s * *y, c * *y - s * *x));
+        }
+    });
 }

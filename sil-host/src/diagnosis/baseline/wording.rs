@@ -18,14 +18,12 @@ const STEP: f64 = 0.01;
 /// Other causes beside one that cannot be told from it.
 const OTHERS_MAX: usize = 3;
 
-/// Lift of one motor over its command, in any unit.
-pub(super) type LiftCurve<'a> = &'a dyn Fn(f64) -> f64;
-
 impl Cause {
     fn origin(self) -> Origin {
         match self {
             Cause::WeakMotor(_) | Cause::Lift | Cause::Delay | Cause::Lag => Origin::Actuator,
-            Cause::GyroBias(_) => Origin::Sensor,
+            Cause::Commands { .. } => Origin::Actuator,
+            Cause::GyroBias(_) | Cause::GyroScale(_) | Cause::AttitudeDelay | Cause::Turn { .. } => Origin::Sensor,
             _ => Origin::Plant,
         }
     }
@@ -40,7 +38,13 @@ impl Cause {
             Cause::Lift => "measure the motors' lift on a stand".to_owned(),
             Cause::Inertia(_) => "measure the inertia on a pendulum".to_owned(),
             Cause::Delay | Cause::Lag => "log a motor's speed while its command steps".to_owned(),
+            Cause::Commands { .. } => {
+                "compare the unit of the logged commands; else measure lift on a stand".to_owned()
+            }
             Cause::GyroBias(_) => "log the gyro at rest".to_owned(),
+            Cause::GyroScale(axis) => format!("turn the vehicle by a known angle about {}", axis.name()),
+            Cause::AttitudeDelay => "turn the vehicle by hand, and log gyro and attitude".to_owned(),
+            Cause::Turn { .. } => "roll the vehicle by hand, and log the gyro: pitch must stay still".to_owned(),
         }
     }
 }
@@ -59,7 +63,6 @@ pub fn motor_place(motor: usize) -> String {
 /// Puts causes into words.
 pub(super) struct Wording<'a> {
     pub(super) departures: &'a Departures<'a>,
-    pub(super) lift: LiftCurve<'a>,
 }
 
 impl Wording<'_> {
@@ -115,7 +118,7 @@ impl Wording<'_> {
     /// The first parameter at a size.
     fn main(&self, cause: Cause, size: f64) -> f64 {
         let collective = self.departures.collective.unwrap_or_default();
-        let lift = |command: f64| (self.lift)(command.max(0.0));
+        let lift = |command: f64| (self.departures.lift)(command.max(0.0));
         match cause {
             Cause::WeakMotor(motor) => {
                 if self.departures.is_held {
@@ -134,7 +137,8 @@ impl Wording<'_> {
             Cause::Lift => lift(collective) / lift(collective + size),
             // of the gain's relative fall
             Cause::Inertia(_) => 1.0 / (1.0 - size),
-            Cause::MassShift | Cause::Moment(_) | Cause::Delay | Cause::Lag | Cause::GyroBias(_) => size,
+            Cause::Commands { .. } | Cause::GyroScale(_) => 1.0 + size,
+            _ => size,
         }
     }
 
@@ -177,7 +181,22 @@ impl Wording<'_> {
             Cause::Inertia(axis) => format!("the inertia about {} is {size} as large (95 %: {between})", axis.name()),
             Cause::Delay => format!("commands reach the motors later, by {size} s"),
             Cause::Lag => format!("the motors follow their commands more slowly, by {size} s"),
+            Cause::Commands { with_collective } => {
+                let which = if with_collective { "commands" } else { "commands of roll, pitch and yaw" };
+                format!(
+                    "{which} act {size} times as strongly as ones of the same size did (95 %: {between}): they are \
+                     logged in another unit, or the lift per command has changed"
+                )
+            }
             Cause::GyroBias(axis) => format!("the gyro's bias about {} has changed by {size} rad/s", axis.name()),
+            Cause::GyroScale(axis) => {
+                format!("the gyro reports {size} of the rate about {} that it did (95 %: {between})", axis.name())
+            }
+            Cause::AttitudeDelay => format!("the attitude is reported later, by {size} s"),
+            Cause::Turn { with_attitude } => {
+                let what = if with_attitude { "the IMU" } else { "the IMU, but not the attitude," };
+                format!("{what} is turned to the right about the vertical axis, by {size} rad")
+            }
         }
     }
 
@@ -216,10 +235,12 @@ impl Wording<'_> {
 fn main_name(cause: Cause) -> &'static str {
     match cause {
         Cause::WeakMotor(_) | Cause::Mass | Cause::Lift | Cause::Inertia(_) => "scale",
+        Cause::Commands { .. } | Cause::GyroScale(_) => "scale",
         Cause::Weight => "mass_scale",
         Cause::MassShift => "roll_trim",
         Cause::Moment(_) => "trim",
-        Cause::Delay => "delay_s",
+        Cause::Delay | Cause::AttitudeDelay => "delay_s",
+        Cause::Turn { .. } => "yaw_rad",
         Cause::Lag => "time_constant_s",
         Cause::GyroBias(_) => "bias_rad_s",
     }

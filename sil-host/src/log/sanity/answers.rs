@@ -101,19 +101,31 @@ impl Answers {
     /// How much later the responses come than their inputs, in groups: the top of the parabola through the best lag and
     /// its neighbours.
     pub(super) fn later_groups(&self) -> Option<Estimate> {
-        let later = |left_out| {
-            let shares = self.explained_by_lag(left_out);
-            let best = most(&shares)?;
-            let beside = |place: Option<usize>| place.and_then(|place| shares.get(place)).copied();
-            let top = match (beside(best.checked_sub(1)), beside(best.checked_add(1))) {
-                (Some(before), Some(after)) if before + after < 2.0 * shares[best] => {
-                    0.5 * (before - after) / (before - 2.0 * shares[best] + after)
-                }
-                _ => 0.0,
-            };
-            Some(self.first_lag as f64 + best as f64 + top)
+        jackknife(self.stretches, |left_out| self.later_groups_without(left_out))
+    }
+
+    /// The same without one stretch.
+    pub(super) fn later_groups_without(&self, left_out: Option<usize>) -> Option<f64> {
+        let shares = self.explained_by_lag(left_out);
+        let best = most(&shares)?;
+        let beside = |place: Option<usize>| place.and_then(|place| shares.get(place)).copied();
+        let top = match (beside(best.checked_sub(1)), beside(best.checked_add(1))) {
+            (Some(before), Some(after)) if before + after < 2.0 * shares[best] => {
+                0.5 * (before - after) / (before - 2.0 * shares[best] + after)
+            }
+            _ => 0.0,
         };
-        jackknife(self.stretches, later)
+        Some(self.first_lag as f64 + best as f64 + top)
+    }
+
+    /// How many stretches the log is in.
+    pub(super) fn stretches(&self) -> usize {
+        self.stretches
+    }
+
+    /// The sums at the best lag, without one stretch.
+    pub(super) fn sums(&self, left_out: Option<usize>) -> Sums {
+        self.by_lag[self.best].without(left_out)
     }
 
     /// The slope of a response on an input beside all the other inputs, at the best lag.
@@ -123,7 +135,7 @@ impl Answers {
 
     /// A figure of the sums at the best lag.
     pub(super) fn estimate(&self, figure: impl Fn(&Sums) -> Option<f64>) -> Option<Estimate> {
-        jackknife(self.stretches, |left_out| figure(&self.by_lag[self.best].without(left_out)))
+        jackknife(self.stretches, |left_out| figure(&self.sums(left_out)))
     }
 
     /// The slope in given sums.

@@ -24,6 +24,8 @@ pub(super) struct Bins {
     piece: Vec<usize>,
     /// Usual time from group to group, s.
     step_s: f64,
+    /// A stretch is at least so long, s.
+    stretch_s: f64,
 }
 
 impl Bins {
@@ -42,7 +44,8 @@ impl Bins {
                 from = row;
             }
         }
-        let mut bins = Bins { rows, time_s: Vec::new(), piece, step_s: log.mean_regular_step_s().max(STEP_S) };
+        let step_s = log.mean_regular_step_s().max(STEP_S);
+        let mut bins = Bins { rows, time_s: Vec::new(), piece, step_s, stretch_s: STRETCH_MIN_S };
         bins.time_s = bins.means(&log.time_s);
         let within = (1..bins.rows.len()).filter(|at| bins.piece[*at] == bins.piece[at - 1]);
         let steps_s: Vec<f64> = within.map(|at| bins.time_s[at] - bins.time_s[at - 1]).collect();
@@ -51,6 +54,12 @@ impl Bins {
             bins.step_s = steps_s.iter().sum::<f64>() / steps_s.len() as f64;
         }
         bins
+    }
+
+    /// The same in stretches of half the length: of two records of one flight disturbances drop out, however long a
+    /// vehicle remembers them.
+    pub(super) fn of_record(log: &Log) -> Bins {
+        Bins { stretch_s: 0.5 * STRETCH_MIN_S, ..Bins::of(log) }
     }
 
     /// Mean of a column in each group.
@@ -117,7 +126,7 @@ impl Bins {
     /// The usable groups in stretches of equal number; none where there are too few to tell scatter from.
     pub(super) fn stretches(&self, is_usable: &[bool]) -> Vec<Vec<usize>> {
         let usable: Vec<usize> = (0..self.rows.len()).filter(|at| is_usable[*at]).collect();
-        let count = (usable.len() as f64 * self.step_s / STRETCH_MIN_S) as usize;
+        let count = (usable.len() as f64 * self.step_s / self.stretch_s) as usize;
         if count < STRETCHES_MIN {
             return Vec::new();
         }

@@ -53,6 +53,12 @@ fn inputs(log: &Log) -> [Option<Vec<f64>>; 4] {
 
 /// `None` where the log is too short, or says nothing of rates and commands.
 pub(super) fn driving(log: &Log, bins: &Bins) -> Option<Driving> {
+    let answers = answers(log, bins, LATER_S)?;
+    Some(Driving { by_axis: by_axis(&answers), answers, is_by_motors: log.motors().is_some() })
+}
+
+/// The answers of the angular accelerations to the commands, later by no more than is given.
+pub(super) fn answers(log: &Log, bins: &Bins, later_s: [f64; 2]) -> Option<Answers> {
     let half = (bins.steps(HALF_SPAN_S).max(1)) as usize;
     let acceleration = |axis: Axis| {
         let rate = match log.column(Quantity::Rate(axis)) {
@@ -61,15 +67,17 @@ pub(super) fn driving(log: &Log, bins: &Bins) -> Option<Driving> {
         };
         log.axes[axis.index()].then(|| bins.slope(&rate, half))
     };
-    let is_by_motors = log.motors().is_some();
     let inputs = inputs(log).map(|input| Some(bins.mean_over(&bins.means(&input?), half)));
     let question = Question {
         inputs: inputs.into(),
         responses: Axis::ALL.map(acceleration).into(),
-        later_s: LATER_S,
+        later_s,
         is_usable: bins.all(&log.active_rows()),
     };
-    let answers = question.ask(bins)?;
+    question.ask(bins)
+}
+
+fn by_axis(answers: &Answers) -> [Answer; 3] {
     // the little yaw that motors make is hidden by any crossing of the others: its sign alone can be told
     let mut by_axis = [answers.answer(0, &[0, 1, 2]), answers.answer(1, &[0, 1, 2]), answers.answer(2, &[2])];
     for axis in 0..2 {
@@ -85,7 +93,7 @@ pub(super) fn driving(log: &Log, bins: &Bins) -> Option<Driving> {
             by_axis[axis] = answers.answer_by_elimination(axis, &unclaimed);
         }
     }
-    Some(Driving { answers, by_axis, is_by_motors })
+    by_axis
 }
 
 impl Driving {

@@ -20,6 +20,7 @@
 mod answers;
 mod bins;
 mod driving;
+mod figures;
 mod finding;
 mod minutes;
 mod regression;
@@ -30,6 +31,7 @@ mod weighing;
 use self::answers::Answer;
 use self::bins::Bins;
 use self::driving::Driving;
+pub(crate) use self::figures::{Figure, Figures, figures, figures_of_record};
 use self::finding::Columns;
 pub use self::finding::{Contradiction, Examination, MapLine};
 use super::map::Map;

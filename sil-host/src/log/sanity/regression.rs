@@ -35,10 +35,15 @@ impl Estimate {
 pub(super) fn jackknife(stretches: usize, figure: impl Fn(Option<usize>) -> Option<f64>) -> Option<Estimate> {
     let value = figure(None)?;
     let without: Vec<f64> = (0..stretches).map(|left_out| figure(Some(left_out))).collect::<Option<_>>()?;
-    let count = stretches as f64;
+    Some(Estimate { value, std: jackknife_std(&without), degrees_of_freedom: stretches as f64 - 1.0 })
+}
+
+/// The standard deviation of a figure, from what it is without each stretch.
+pub(super) fn jackknife_std(without: &[f64]) -> f64 {
+    let count = without.len() as f64;
     let mean = without.iter().sum::<f64>() / count;
     let squares: f64 = without.iter().map(|figure| (figure - mean) * (figure - mean)).sum();
-    Some(Estimate { value, std: f64::sqrt(squares * (count - 1.0) / count), degrees_of_freedom: count - 1.0 })
+    f64::sqrt(squares * (count - 1.0) / count)
 }
 
 /// Sums of products of several series in each stretch, about the stretch's means: what moves within a stretch counts,

@@ -22,7 +22,7 @@ const DEGREE_RAD: f64 = PI / 180.0;
 /// The scale of a gyro that nobody has calibrated is off by no more (the MPU-6000's by 3 %).
 const GYRO_SCALE_USUAL: f64 = 0.03;
 /// A scale that is known no better is not known.
-const GYRO_SCALE_STD_MAX: f64 = 0.1;
+pub(super) const GYRO_SCALE_STD_MAX: f64 = 0.1;
 /// What means over groups of rows may do to a slope, and to a time in groups: twice what they do in simulated logs.
 const SLOPE_STD: f64 = 0.004;
 const GROUP_SHARE: f64 = 0.02;

@@ -5,17 +5,19 @@
 //! - `... -- stand`: what the runs of the 3-DoF stand say of one vehicle's constants.
 //! - `... -- scoreboard [OPTIONS]`: how right the diagnosis is on every log (`campaigns::real_logs::scoreboard`).
 //! - `... -- injection [OPTIONS]`: are known effects named that were put into each log
-//!   (`campaigns::real_logs::injection_score`)?
+//!   (`campaigns::real_logs::injection_score`)? With `--against recorded` or `--against others` the answers are
+//!   those of `sil diagnose --baseline` (`campaigns::real_logs::injection_baseline`).
 //!
 //! Options: `--only TEXT` (repeatable) logs whose `VEHICLE/LOG` contains it; `--quick` without halves and cuts;
 //! `--no-cuts` without cuts; `--patience S` no further cut of a log after so many seconds; `--threads N` so many logs
 //! side by side (1); `--json FILE` all figures; `--list` the logs' names alone. An injection
-//! knows `--only`, `--threads`, `--json` and `--list`.
+//! knows `--only`, `--threads`, `--json`, `--list` and `--against`.
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 use std::sync::Mutex;
 
+use campaigns::real_logs::injection_baseline::{self, Normal};
 use campaigns::real_logs::scoreboard::{self, Effort, Entry, Scoreboard};
 use campaigns::real_logs::{folder, injection_score, stand, tables};
 
@@ -58,12 +60,13 @@ struct Options {
     threads: usize,
     json: Option<String>,
     is_list: bool,
+    against: Option<Normal>,
 }
 
 impl Options {
     fn read(arguments: &[String]) -> Result<Options, String> {
         let effort = Effort { halves: true, cuts: true, patience_s: f64::INFINITY };
-        let mut options = Options { only: Vec::new(), effort, threads: 1, json: None, is_list: false };
+        let mut options = Options { only: Vec::new(), effort, threads: 1, json: None, is_list: false, against: None };
         let mut arguments = arguments.iter();
         while let Some(option) = arguments.next() {
             let mut value = || arguments.next().cloned().ok_or(format!("{option} needs a value"));
@@ -74,6 +77,7 @@ impl Options {
                 "--patience" => options.effort.patience_s = number(&value()?)?,
                 "--quick" => options.effort = Effort { halves: false, cuts: false, ..options.effort },
                 "--no-cuts" => options.effort.cuts = false,
+                "--against" => options.against = Some(normal(&value()?)?),
                 "--list" => options.is_list = true,
                 other => return Err(format!("unknown option `{other}`")),
             }
@@ -120,10 +124,13 @@ impl Options {
     }
 
     fn inject(&self) -> Result<(), String> {
-        let outcomes =
-            scoreboard::side_by_side(&self.entries(), self.threads, injection_score::score, |_, outcomes| {
-                outcomes.iter().for_each(|one| eprintln!("{}", injection_score::line(one)))
-            });
+        let score = |entry: &Entry| match self.against {
+            Some(normal) => injection_baseline::score(entry, normal),
+            None => injection_score::score(entry),
+        };
+        let outcomes = scoreboard::side_by_side(&self.entries(), self.threads, score, |_, outcomes| {
+            outcomes.iter().for_each(|one| eprintln!("{}", injection_score::line(one)))
+        });
         if self.is_list {
             return Ok(());
         }
@@ -136,6 +143,14 @@ impl Options {
         let Some(file) = &self.json else { return Ok(()) };
         let text = serde_json::to_string_pretty(figures).map_err(|e| e.to_string())?;
         std::fs::write(file, text + "\n").map_err(|e| format!("{file}: {e}"))
+    }
+}
+
+fn normal(text: &str) -> Result<Normal, String> {
+    match text {
+        "recorded" => Ok(Normal::Recorded),
+        "others" => Ok(Normal::Others),
+        _ => Err(format!("`{text}` is no baseline: it may be `recorded` or `others`")),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Is an effect that was put into a real log named and measured? The log as it was recorded is the baseline: what its
 //! answer says is the vehicle's own, and only the difference counts. Where that answer does not name the effect, its
-//! size is asked for beside what was found: a vehicle may have a little of it already.
+//! size is asked for beside what was found: a vehicle may have a little of it already. With a baseline
+//! (`injection_baseline`) one answer says the difference by itself.
 
 use serde::Serialize;
 use sil_host::axis::Axis;
@@ -50,12 +51,19 @@ pub struct InjectedSize {
     pub found: Estimate,
     /// Distance, in standard deviations.
     pub z: f64,
+    /// Interval of 95 %.
+    pub interval_95: [f64; 2],
 }
 
 impl InjectedSize {
     /// True if the interval of 95 % holds the truth.
     pub fn is_held(&self) -> bool {
-        self.z.abs() <= INTERVAL
+        (self.interval_95[0]..=self.interval_95[1]).contains(&self.truth)
+    }
+
+    /// Half of the interval over what was put in, of a scale over what it changes.
+    pub fn relative_half_width(&self, nothing: f64) -> f64 {
+        0.5 * (self.interval_95[1] - self.interval_95[0]) / (self.truth - nothing).abs()
     }
 }
 
@@ -98,6 +106,25 @@ impl Injection {
         }
     }
 
+    /// The size of nothing put in: a difference of 0, a ratio of 1.
+    pub fn nothing(&self) -> f64 {
+        match self {
+            Injection::GyroScale { .. } | Injection::CommandScale { .. } => 1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// What was put in, of a scale of the commands what the vehicle answers by.
+    pub fn truth(&self) -> f64 {
+        match *self {
+            Injection::GyroScale { scale, .. } => scale,
+            Injection::GyroBias { bias_rad_s, .. } => bias_rad_s,
+            Injection::TurnedImu { yaw_rad } => yaw_rad,
+            Injection::AttitudeDelay { delay_s } | Injection::CommandDelay { delay_s } => delay_s,
+            Injection::CommandScale { scale } => 1.0 / scale,
+        }
+    }
+
     /// The name and the parameter that an answer gives it; of a scale of the commands any of the axes' gains, or the
     /// lift.
     fn answers(&self) -> Vec<(String, &'static str)> {
@@ -129,26 +156,20 @@ impl Injection {
 
     /// How far an answer to the injected log is from one to the recorded log, and from the truth.
     fn size(&self, recorded: Option<Estimate>, injected: Estimate) -> Option<InjectedSize> {
-        let difference = |truth: f64| {
+        let difference = || {
             let recorded = recorded.unwrap_or(Estimate { value: 0.0, std: 0.0 });
-            let found = Estimate { value: injected.value - recorded.value, std: injected.std.hypot(recorded.std) };
-            (truth, found)
+            Estimate { value: injected.value - recorded.value, std: injected.std.hypot(recorded.std) }
         };
-        let ratio = |truth: f64| {
+        let ratio = || {
             let recorded = recorded.unwrap_or(Estimate { value: 1.0, std: 0.0 });
             let value = injected.value / recorded.value;
             let relative = (injected.std / injected.value).hypot(recorded.std / recorded.value);
-            (truth, Estimate { value, std: (value * relative).abs() })
+            Estimate { value, std: (value * relative).abs() }
         };
-        let (truth, found) = match *self {
-            Injection::GyroScale { scale, .. } => ratio(scale),
-            Injection::GyroBias { bias_rad_s, .. } => difference(bias_rad_s),
-            Injection::TurnedImu { yaw_rad } => difference(yaw_rad),
-            Injection::AttitudeDelay { delay_s } | Injection::CommandDelay { delay_s } => difference(delay_s),
-            Injection::CommandScale { scale } => ratio(1.0 / scale),
-        };
+        let (truth, found) = (self.truth(), if self.nothing() == 1.0 { ratio() } else { difference() });
         let z = (found.value - truth) / found.std;
-        z.is_finite().then_some(InjectedSize { truth, found, z })
+        let interval_95 = [found.value - INTERVAL * found.std, found.value + INTERVAL * found.std];
+        z.is_finite().then_some(InjectedSize { truth, found, z, interval_95 })
     }
 }
 
@@ -203,11 +224,7 @@ fn judged(log: String, injection: Injection, recorded: &[Named], injected: &[Nam
     let size = answers.iter().find_map(|(name, parameter)| {
         injection.size(estimate(recorded, name, parameter), estimate(injected, name, parameter)?)
     });
-    // nothing put in is a difference of 0 or a ratio of 1
-    let nothing = match injection {
-        Injection::GyroScale { .. } | Injection::CommandScale { .. } => 1.0,
-        _ => 0.0,
-    };
+    let nothing = injection.nothing();
     let missing = |of: &[Named], from: &[Named]| -> Vec<String> {
         let is_missing = |one: &&Named| !is_answer(&one.name) && from.iter().all(|other| other.name != one.name);
         of.iter().filter(is_missing).map(|one| one.name.clone()).collect()
@@ -237,9 +254,16 @@ pub fn table(outcomes: &[Injected]) -> String {
     lines.extend(outcomes.iter().map(line));
     let tried: Vec<&Injected> = outcomes.iter().filter(|one| one.not_tried.is_none()).collect();
     let count = |of: &dyn Fn(&Injected) -> bool| tried.iter().filter(|one| of(one)).count();
+    let mut widths: Vec<f64> = tried
+        .iter()
+        .filter(|one| one.is_named)
+        .filter_map(|one| Some(one.size?.relative_half_width(one.injection.nothing())))
+        .collect();
+    widths.sort_by(f64::total_cmp);
+    let width_pct = widths.get(widths.len() / 2).map_or("-".to_owned(), |width| format!("{:.0}", 100.0 * width));
     lines.push(format!(
-        "\nnamed {} of {} (goal 90 %); interval holds the truth in {} of {} with a size (goal 90 %); other new names \
-         in {}; not tried {}\n",
+        "\nnamed {} of {} (goal 90 %); interval holds the truth in {} of {} with a size (goal 90 %), half width of \
+         those named {width_pct} % of the effect in the median (goal 15 %); other new names in {}; not tried {}\n",
         count(&|one| one.is_named),
         tried.len(),
         count(&|one| one.size.is_some_and(|size| size.is_held())),
@@ -256,7 +280,7 @@ pub fn line(one: &Injected) -> String {
     if let Some(reason) = &one.not_tried {
         return format!("| {} | {what} | not tried: {reason} | | | | |", one.log);
     }
-    let (size, z) = one.size.map_or(("-".to_owned(), "-".to_owned()), |InjectedSize { truth, found, z }| {
+    let (size, z) = one.size.map_or(("-".to_owned(), "-".to_owned()), |InjectedSize { truth, found, z, .. }| {
         (format!("{truth:.4}, {:.4} +- {:.4}", found.value, found.std), format!("{z:+.1}"))
     });
     let named = if one.is_named { "yes" } else { "NO" };

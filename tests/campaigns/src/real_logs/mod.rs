@@ -11,6 +11,7 @@ pub mod crazyflie_yaw;
 pub mod crazypad;
 pub mod crazypad_baseline;
 pub mod injection;
+pub mod injection_baseline;
 pub mod injection_score;
 mod least_squares;
 pub mod scoreboard;

@@ -70,6 +70,11 @@ impl Entry {
         load(&self.path, self.map).within(&self.spans_s).unwrap_or_else(|e| panic!("{e}"))
     }
 
+    /// True of another log of the same vehicle with the same columns.
+    pub fn is_like(&self, other: &Entry) -> bool {
+        (self.vehicle, self.map) == (other.vehicle, other.map) && self.path != other.path
+    }
+
     /// What the log is compared with.
     pub fn subject(&self) -> Subject<'_> {
         self.model.as_ref().map_or(Subject::Axes, Subject::Vehicle)
