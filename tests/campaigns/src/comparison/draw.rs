@@ -46,9 +46,23 @@ impl Draw {
         Self { seed, inertia: 1.0, lag: 1.0, thrust: 1.0, ring_moment_nm: 0.0 }
     }
 
-    /// The vehicle as it is.
+    /// The vehicle as it is, on the gimbal.
     pub fn model(&self) -> VehicleModel {
-        let effects = vec![
+        self.model_on(Rig::Gimbal)
+    }
+
+    /// The vehicle as it is: on the gimbal, or the real F450 in free flight, whose motors have a lag of their own.
+    pub fn model_on(&self, rig: Rig) -> VehicleModel {
+        let [inertia, thrust] = [self.inertia, self.thrust];
+        let mut effects = vec![
+            Effect::InertiaError(InertiaError { axis: Axis::Roll, scale: inertia }),
+            Effect::InertiaError(InertiaError { axis: Axis::Pitch, scale: inertia }),
+            Effect::ThrustScale(ThrustScale { scale: thrust }),
+        ];
+        if rig == Rig::Free {
+            return VehicleModel { effects, ..VehicleModel::nominal(rig) };
+        }
+        effects = vec![
             Effect::MotorLag(MotorLag { time_constant_s: self.lag * NOMINAL_LAG_S }),
             Effect::InertiaError(InertiaError { axis: Axis::Roll, scale: self.inertia }),
             Effect::InertiaError(InertiaError { axis: Axis::Pitch, scale: self.inertia }),
