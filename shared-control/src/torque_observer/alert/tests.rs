@@ -1,4 +1,7 @@
+//! What is an alert and what is none, and how soon a torque is found after one.
+
 extern crate std;
+
 use super::super::{DisturbanceAlert, ObserverConfig, ObserverState, Pace};
 use super::*;
 use crate::lagged_axis::{AxisMotion, LagStep};
