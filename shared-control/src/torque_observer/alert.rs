@@ -12,7 +12,7 @@
 //! 1 / n^2, until they meet those of calm. The next alert of the axis is [`PAUSE_S`] later at the earliest: that bounds
 //! what all alerts together do to the loop's margins (`docs/tuning.md`).
 //!
-//! **What is significant.** Over [`WINDOW`] steps the errors' sum s must be beyond
+//! **What is significant.** Over `WINDOW` steps the errors' sum s must be beyond
 //!
 //! ```text
 //!   |s| > SIGNIFICANT sqrt(WINDOW) sigma + MODEL_SHARE WINDOW x        x <- (1 - l1) x + h/J |m - mean of m|
