@@ -11,7 +11,15 @@
 //! ```
 //! puts both poles of the error at p = exp(-bandwidth dt): the observer is as fast as the bandwidth says, and does not
 //! overshoot. These are the steady gains of the Kalman filter for a torque that walks at random (an alpha-beta filter),
-//! but for its damping. It runs whoever flies, so that the controller can change without a jump.
+//! but for its damping. Where the tuning says so, an error that noise does not explain raises the gains for a while
+//! ([`alert`]). It runs whoever flies, so that the controller can change without a jump.
+//!
+//! A gyro that is late (its low-pass, notches) is a delay of the actuation to whoever sees nothing else: state and
+//! prediction are then those of the time at which the rate was true.
+
+pub mod alert;
+
+use alert::{AlertRule, AlertState, Gains};
 
 use crate::elementary::{exp, limit};
 use crate::lagged_axis::{AxisMotion, LagStep};
@@ -24,6 +32,29 @@ pub const DELAY_STEPS_MAX: usize = 16;
 /// Delivered torques that are kept: with a delay of n steps and a bit, n + 2 act between now and the next plan.
 const TORQUES_KEPT: usize = DELAY_STEPS_MAX + 2;
 
+/// When the observer raises its gains.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DisturbanceAlert {
+    /// Never: one bandwidth.
+    #[default]
+    Never,
+    /// When the error of the rate is significant.
+    Significant,
+    /// As often as it may, whatever the error: the state in which margins are measured.
+    Always,
+}
+
+/// What a loop asks of the observer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// How fast a disturbance is found in calm, rad/s; 0 for no estimate.
+    pub bandwidth_rad_s: f32,
+    /// When it is to be found faster.
+    pub alert: DisturbanceAlert,
+    /// Control step, s.
+    pub step_s: f32,
+}
+
 /// The observer, made once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObserverConfig {
@@ -35,15 +66,13 @@ pub struct ObserverConfig {
     /// The part of a step that the delay has beyond whole steps, and the rest of that step.
     late_part: LagStep,
     rest: LagStep,
-    rate_gain: f32,
+    alert: AlertRule,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct AxisConfig {
     inertia_kg_m2: f32,
     disturbance_max_nm: f32,
-    /// Disturbance torque per error of the rate, N m s/rad.
-    disturbance_gain_nm_s: f32,
 }
 
 /// What it remembers.
@@ -58,6 +87,7 @@ struct AxisState {
     rate_rad_s: f32,
     motor_nm: f32,
     disturbance_nm: f32,
+    alert: AlertState,
     /// In the last steps, the latest first.
     delivered_nm: [f32; TORQUES_KEPT],
 }
@@ -69,8 +99,7 @@ impl ObserverConfig {
         inertia_kg_m2: [f32; 3],
         disturbance_max_nm: [f32; 3],
         actuation: &Actuation,
-        bandwidth_rad_s: f32,
-        step_s: f32,
+        Pace { bandwidth_rad_s, alert, step_s }: Pace,
     ) -> Option<Self> {
         let steps = actuation.delay_s / step_s;
         if !(0.0..=DELAY_STEPS_MAX as f32).contains(&steps) {
@@ -78,13 +107,8 @@ impl ObserverConfig {
         }
         let delay_steps = steps as usize;
         let late_s = limit(actuation.delay_s - delay_steps as f32 * step_s, 0.0, step_s);
-        let pole = exp(-bandwidth_rad_s * step_s);
-        let disturbance_gain_1_s = (1.0 - pole) * (1.0 - pole) / step_s;
-        let mut axes = inertia_kg_m2.map(|inertia| AxisConfig {
-            inertia_kg_m2: inertia,
-            disturbance_max_nm: 0.0,
-            disturbance_gain_nm_s: disturbance_gain_1_s * inertia,
-        });
+        let calm = Gains::of_double_pole(exp(-bandwidth_rad_s * step_s), step_s);
+        let mut axes = inertia_kg_m2.map(|inertia_kg_m2| AxisConfig { inertia_kg_m2, disturbance_max_nm: 0.0 });
         for (axis, max_nm) in axes.iter_mut().zip(disturbance_max_nm) {
             axis.disturbance_max_nm = max_nm;
         }
@@ -94,7 +118,7 @@ impl ObserverConfig {
             whole_step: LagStep::new(step_s, actuation.lag_s),
             late_part: LagStep::new(late_s, actuation.lag_s),
             rest: LagStep::new(step_s - late_s, actuation.lag_s),
-            rate_gain: 1.0 - pole * pole,
+            alert: AlertRule::new(alert, calm, step_s),
         })
     }
 }
@@ -102,8 +126,9 @@ impl ObserverConfig {
 impl ObserverState {
     pub(crate) fn record(&self, words: &mut StateWords) {
         let Self { axes } = self;
-        for AxisState { rate_rad_s, motor_nm, disturbance_nm, delivered_nm } in axes {
+        for AxisState { rate_rad_s, motor_nm, disturbance_nm, alert, delivered_nm } in axes {
             words.numbers(&[*rate_rad_s, *motor_nm, *disturbance_nm]);
+            alert.record(words);
             words.numbers(delivered_nm);
         }
     }
@@ -116,6 +141,11 @@ impl ObserverState {
     /// Estimated disturbance torque, N m (roll, pitch, heading).
     pub fn disturbance_nm(&self) -> [f32; 3] {
         self.axes.map(|axis| axis.disturbance_nm)
+    }
+
+    /// Whether the gains are raised (roll, pitch, heading).
+    pub fn is_alert(&self, config: &ObserverConfig) -> [bool; 3] {
+        self.axes.map(|axis| config.alert.is_alert(&axis.alert))
     }
 
     /// Rates where it has brought them, rad/s (roll, pitch, heading).
@@ -173,9 +203,11 @@ impl AxisState {
         self.rate_rad_s = predicted.rate_rad_s;
         let error_rad_s = measured_rad_s - predicted.rate_rad_s;
         if error_rad_s.is_finite() {
-            let disturbance_nm = self.disturbance_nm + axis.disturbance_gain_nm_s * error_rad_s;
+            let motor_rad_s = config.whole_step.duration_s / axis.inertia_kg_m2 * predicted.motor_nm;
+            let gains = config.alert.gains(&mut self.alert, error_rad_s, motor_rad_s);
+            let disturbance_nm = self.disturbance_nm + gains.acceleration_1_s * axis.inertia_kg_m2 * error_rad_s;
             self.disturbance_nm = limit(disturbance_nm, -axis.disturbance_max_nm, axis.disturbance_max_nm);
-            self.rate_rad_s += config.rate_gain * error_rad_s;
+            self.rate_rad_s += gains.rate * error_rad_s;
         }
     }
 
@@ -212,7 +244,8 @@ mod tests {
 
     fn observer(delay_s: f32, lag_s: f32, bandwidth_rad_s: f32) -> ObserverConfig {
         let actuation = Actuation { delay_s, lag_s };
-        ObserverConfig::new([INERTIA_KG_M2; 3], [0.2; 3], &actuation, bandwidth_rad_s, STEP_S).unwrap()
+        let pace = Pace { bandwidth_rad_s, alert: DisturbanceAlert::Never, step_s: STEP_S };
+        ObserverConfig::new([INERTIA_KG_M2; 3], [0.2; 3], &actuation, pace).unwrap()
     }
 
     /// A body behind a delay, in slices of ten microseconds.
@@ -358,7 +391,8 @@ mod tests {
     fn a_delay_beyond_what_is_kept_is_refused() {
         let new = |delay_s| {
             let actuation = Actuation { delay_s, lag_s: 0.0 };
-            ObserverConfig::new([1.0; 3], [1.0; 3], &actuation, 10.0, STEP_S)
+            let pace = Pace { bandwidth_rad_s: 10.0, alert: DisturbanceAlert::Never, step_s: STEP_S };
+            ObserverConfig::new([1.0; 3], [1.0; 3], &actuation, pace)
         };
         assert!(new(0.04).is_some() && new(0.0401).is_none() && new(-0.001).is_none() && new(f32::NAN).is_none());
     }

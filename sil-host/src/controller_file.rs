@@ -13,6 +13,7 @@ use std::path::Path;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 use shared_control::config::{Controller, Tuning};
 use shared_control::mpc::{HORIZON, ReferenceAhead};
+use shared_control::torque_observer::DisturbanceAlert;
 
 use crate::document::with_hint;
 
@@ -179,6 +180,16 @@ impl InFile<ReferenceName> for ReferenceAhead {
     }
 }
 
+impl InFile<AlertName> for DisturbanceAlert {
+    fn in_file(self) -> Option<AlertName> {
+        Some(match self {
+            DisturbanceAlert::Never => AlertName::Never,
+            DisturbanceAlert::Significant => AlertName::Significant,
+            DisturbanceAlert::Always => AlertName::Always,
+        })
+    }
+}
+
 macro_rules! tuning_fields {
     ($($field:ident: $kind:ty),* $(,)?) => {
         /// Fields of [`Tuning`] that are given; the rest keeps what follows from the vehicle.
@@ -227,6 +238,8 @@ tuning_fields! {
     mpc_reference: ReferenceName,
     mpc_knows_actuation: bool,
     mpc_disturbance_bandwidth_rad_s: f32,
+    mpc_disturbance_alert: AlertName,
+    mpc_gyro_delay_s: f32,
     mpc_motor_limits: bool,
     mpc_torque_reserve: f32,
     mpc_linearisations: usize,
@@ -250,6 +263,26 @@ impl From<ReferenceName> for ReferenceAhead {
             ReferenceName::Setpoint => ReferenceAhead::Setpoint,
             ReferenceName::Held => ReferenceAhead::Held,
             ReferenceName::Shaped => ReferenceAhead::Shaped,
+        }
+    }
+}
+
+/// [`DisturbanceAlert`] by name: `never`, `significant` or `always`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs)] // named after what they stand for
+pub enum AlertName {
+    Never,
+    Significant,
+    Always,
+}
+
+impl From<AlertName> for DisturbanceAlert {
+    fn from(name: AlertName) -> Self {
+        match name {
+            AlertName::Never => DisturbanceAlert::Never,
+            AlertName::Significant => DisturbanceAlert::Significant,
+            AlertName::Always => DisturbanceAlert::Always,
         }
     }
 }

@@ -5,7 +5,7 @@ use super::error::ConfigError;
 use super::tuning::{Tuning, mpc_input_gain, mpc_torque_per_input_nm};
 use crate::mpc::schedule::Schedule;
 use crate::mpc::{MotorSettings, MpcSettings, Preview, ProblemSettings};
-use crate::torque_observer::ObserverConfig;
+use crate::torque_observer::{ObserverConfig, Pace};
 use crate::vehicle::{Actuation, VehicleParameters};
 
 /// The MPC's problem for a vehicle: inputs are the lift difference at the arm (N) for roll and pitch and the torque
@@ -55,14 +55,15 @@ pub(super) fn observer_config(
     let authority = vehicle.acceleration_authority_rad_s2();
     let disturbance_max_nm =
         core::array::from_fn(|axis| tuning.integral_share * authority[axis] * vehicle.inertia_kg_m2[axis]);
-    ObserverConfig::new(
-        vehicle.inertia_kg_m2,
-        disturbance_max_nm,
-        &known_actuation(vehicle, tuning),
-        tuning.mpc_disturbance_bandwidth_rad_s,
-        1.0 / loop_rate_hz,
-    )
-    .ok_or(ConfigError::OutOfRange("actuation.delay_s (at most 16 control steps)"))
+    let actuation = known_actuation(vehicle, tuning);
+    let seen = Actuation { delay_s: actuation.delay_s + tuning.mpc_gyro_delay_s, ..actuation };
+    let pace = Pace {
+        bandwidth_rad_s: tuning.mpc_disturbance_bandwidth_rad_s,
+        alert: tuning.mpc_disturbance_alert,
+        step_s: 1.0 / loop_rate_hz,
+    };
+    ObserverConfig::new(vehicle.inertia_kg_m2, disturbance_max_nm, &seen, pace)
+        .ok_or(ConfigError::OutOfRange("actuation.delay_s (with mpc_gyro_delay_s at most 16 control steps)"))
 }
 
 fn known_actuation(vehicle: &VehicleParameters, tuning: &Tuning) -> Actuation {

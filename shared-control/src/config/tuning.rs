@@ -4,6 +4,7 @@ use super::error::{ConfigError, not_negative, positive};
 use crate::elementary::limit;
 use crate::mpc::schedule::LINEARISATIONS_MAX;
 use crate::mpc::{HORIZON, ReferenceAhead};
+use crate::torque_observer::DisturbanceAlert;
 use crate::vehicle::VehicleParameters;
 
 /// Steepest tilt that a set-point in Euler angles can mean, rad.
@@ -58,6 +59,11 @@ pub struct Tuning {
     pub mpc_knows_actuation: bool,
     /// How fast the disturbance torque is estimated, rad/s; 0 for no estimate.
     pub mpc_disturbance_bandwidth_rad_s: f32,
+    /// When it is estimated faster than that.
+    pub mpc_disturbance_alert: DisturbanceAlert,
+    /// How late the gyro's filters are, s, as the MPC counts it: 0.225 over the low-pass' cut-off in Hz, and the
+    /// notches'; 0 leaves it out.
+    pub mpc_gyro_delay_s: f32,
     /// Whether the MPC's limits are the motors', which couple the axes (at most 10 free inputs); otherwise each axis
     /// has its own.
     pub mpc_motor_limits: bool,
@@ -107,6 +113,8 @@ impl Tuning {
             mpc_reference: ReferenceAhead::Shaped,
             mpc_knows_actuation: true,
             mpc_disturbance_bandwidth_rad_s: 10.0 / (1.0 + 20.0 * lag_s),
+            mpc_disturbance_alert: DisturbanceAlert::Never,
+            mpc_gyro_delay_s: 0.0,
             mpc_motor_limits: false,
             mpc_torque_reserve: 0.5,
             mpc_linearisations: 1,
@@ -148,6 +156,7 @@ impl Tuning {
         }
         not_negative("integral_share", self.integral_share)?;
         not_negative("mpc_disturbance_bandwidth_rad_s", self.mpc_disturbance_bandwidth_rad_s)?;
+        not_negative("mpc_gyro_delay_s", self.mpc_gyro_delay_s)?;
         if !(0.0..=0.5).contains(&self.mpc_torque_reserve) {
             return Err(ConfigError::OutOfRange("mpc_torque_reserve (0 to 0.5)"));
         }

@@ -58,8 +58,14 @@ impl Preview {
                     self.control_step_s,
                 );
                 let [roll, pitch, heading] = &mut ahead_rad;
+                let mut has_arrived = false;
                 for ((roll, pitch), heading) in roll.iter_mut().zip(pitch).zip(heading) {
-                    self.advance(&mut reference, request, parts, part_s);
+                    // a step that changes nothing is one that nothing follows
+                    if !has_arrived {
+                        let before = reference;
+                        self.advance(&mut reference, request, parts, part_s);
+                        has_arrived = reference == before;
+                    }
                     let [of_roll, of_pitch, of_heading] = reference.reference;
                     let [roll_lead_s, pitch_lead_s, heading_lead_s] = self.lead_s;
                     *roll = of_roll.angle_rad + roll_lead_s * of_roll.rate_rad_s;
@@ -106,13 +112,14 @@ mod tests {
     }
 
     proptest! {
-        /// What was said of the reference is what it then does, at every later time, to the bit.
+        /// What was said of the reference is what it then does, at every later time, to the bit; on its way, when it
+        /// arrives and long after.
         #[test]
         fn the_reference_goes_where_it_was_said(
             roll_rad in -1.5f32..1.5,
             pitch_rad in -1.5f32..1.5,
             yaw_rate_rad_s in -2f32..2.0,
-            steps_before in 0usize..100,
+            steps_before in prop_oneof![0usize..100, 100usize..1500],
             delay_steps in 0u8..8,
         ) {
             let setpoint = Setpoint { roll_rad, pitch_rad, yaw_rate_rad_s, throttle: 0.5, acro_rad_s: None };

@@ -3,10 +3,11 @@
 use super::contender::Contender;
 use super::contenders::{self, Shaping};
 use super::draw::{Draw, NOMINAL_LAG_S};
-use super::hover::Hover;
+use super::hover::{self, Hover};
 use super::stability::{Vehicle, eigenvalues, lift_gain, spectral_radius};
 use super::statistics::median;
 use super::table::{self, Result};
+use super::weather::{WEATHERS, Weather};
 
 /// Draws that decide.
 pub const DRAWS: u64 = 200;
@@ -22,6 +23,9 @@ const SCAN_DRAWS: u64 = 8;
 const SCAN_EVALUATIONS: usize = 20;
 /// Shapings of the scan: gain, 1/s, and acceleration share.
 const SCAN: [(f64, f64); 4] = [(7.1, 1.76), (9.0, 1.6), (12.0, 1.4), (20.0, 1.0)];
+
+/// How many of the contenders are flown in every weather: the two that were tuned, and the MPC without alerts.
+const CONTENDERS_IN_WEATHER: usize = 3;
 
 /// Lags beyond the model's own, s, and throttles of the table of spectral radii.
 const LAGS_S: [f64; 6] = [0.0, 0.01, 0.02, 0.03, 0.04, 0.05];
@@ -69,39 +73,54 @@ pub fn scan() -> String {
     text
 }
 
-/// Flights of a contender over draws, and all else that is told of it.
-pub fn result(contender: &Contender, draws: &[Draw]) -> Result {
-    let flights = contender.fly_all(draws);
+/// Flights of a contender over draws, in these weathers too, and all else that is told of it.
+pub fn result(contender: &Contender, draws: &[Draw], weathers: &[Weather]) -> Result {
+    let flights = contender.fly_all(draws, Weather::Still);
     let rms: Vec<f64> = flights.iter().map(|figures| figures.rms_deg).collect();
     eprintln!("{}: median RMS {:.3} deg", contender.name, median(&rms));
     Result {
         name: contender.name,
         flights,
+        weather: weathers.iter().map(|weather| (*weather, contender.fly_all(draws, *weather))).collect(),
+        pushes: hover::push_all(contender, draws),
         eigenvalues: [0, 1].map(|axis| eigenvalues(contender, axis, &Vehicle::nominal())),
         law: contender.law(),
         hover: Hover::of(contender),
     }
 }
 
-/// Every table over this many draws.
-pub fn report(count: u64) -> String {
+/// Every contender over this many draws; the first ones in all weathers.
+pub fn results(count: u64) -> Vec<Result> {
     let draws = draws(count);
-    let results: Vec<Result> = contenders::all().iter().map(|contender| result(contender, &draws)).collect();
+    let weathers = |index| if index < CONTENDERS_IN_WEATHER { &WEATHERS[1..] } else { &[] };
+    let all = contenders::all();
+    all.iter().enumerate().map(|(index, contender)| result(contender, &draws, weathers(index))).collect()
+}
+
+/// Every table of these results.
+pub fn report(results: &[Result]) -> String {
+    let count = results.first().map_or(0, |result| result.flights.len());
     let [mpc, cascade] = contenders::tuned();
     // parts that act at a bound only leave the linear loop as it is
     let mut linear: Vec<Result> = Vec::new();
-    for result in &results {
+    for result in results {
         if linear.iter().all(|other| other.eigenvalues != result.eigenvalues) {
             linear.push(result.clone());
         }
     }
     [
         format!("### Flights over {count} draws: median / 95th percentile\n"),
-        table::flights(&results),
+        table::flights(results),
         "### Differences with paired 95 % intervals\n".into(),
-        table::differences(&results),
+        table::differences(results),
+        "### The same in weather\n".into(),
+        table::weather(&results[..results.len().min(CONTENDERS_IN_WEATHER)]),
+        "### A torque step of 0.1 N m about roll on every drawn vehicle: median / 95th percentile\n".into(),
+        table::pushes(results),
         "### At hover, nominal vehicle: roll / pitch\n".into(),
-        table::hover(&results),
+        table::hover(results.iter().map(|result| (result.name, &result.hover))),
+        "### At hover in free flight, nominal F450 with the tuning that follows from it: roll / pitch\n".into(),
+        in_free_flight(),
         "### Eigenvalues at hover, nominal vehicle\n".into(),
         table::eigenvalues(&linear),
         "### Laws where no bound is active\n".into(),
@@ -112,6 +131,12 @@ pub fn report(count: u64) -> String {
         radii(&cascade),
     ]
     .join("\n")
+}
+
+fn in_free_flight() -> String {
+    let all = contenders::in_free_flight();
+    let hovers: Vec<Hover> = all.iter().map(Hover::of).collect();
+    table::hover(all.iter().map(|contender| contender.name).zip(&hovers))
 }
 
 /// Spectral radii over true lag and throttle of a controller that believes in the nominal vehicle.

@@ -3,17 +3,21 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use serde::Serialize;
+use shared_control::sensing::rotor_notches::NotchesConfig;
 use sil_host::control_setup::mpc_settings;
 use sil_host::controller_file::ControllerChoice;
 use sil_host::cosim::{self, control_side::ControlSide, record::FlightRecord};
 use sil_host::flight::FlightSetup;
 use sil_host::metrics::{self, AxisMetrics};
+use sil_host::model::Rig;
 use sil_host::planner::Planner;
 use sil_host::plant::Plant;
 use sil_host::scenario::Scenario;
 
 use super::draw::Draw;
 use super::lqi::Lqi;
+use super::weather::Weather;
 
 /// Weight of overshoot in the cost, degrees per %.
 const OVERSHOOT_WEIGHT_DEG: f64 = 0.1;
@@ -29,10 +33,14 @@ pub struct Contender {
     pub choice: ControllerChoice,
     /// The MPC's problem solved without its bounds and its end, and the result cut.
     pub without_bounds: bool,
+    /// The gyro's notches are on, as on the board.
+    pub with_notches: bool,
+    /// Where it flies.
+    pub rig: Rig,
 }
 
 /// Figures of a flight over the test sequence; errors are the true angles against the raw reference.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figures {
     /// RMS of the error, roll and pitch pooled, degrees.
     pub rms_deg: f64,
@@ -85,14 +93,14 @@ impl Contender {
     /// If the text can't be read: it is the project's own.
     pub fn new(name: &'static str, text: &str) -> Self {
         let choice = ControllerChoice::parse(text, name).unwrap_or_else(|error| panic!("{error}"));
-        Self { name, choice, without_bounds: false }
+        Self { name, choice, without_bounds: false, with_notches: false, rig: Rig::Gimbal }
     }
 
     /// A vehicle under this controller, which takes it for the nominal one.
     pub fn setup(&self, draw: &Draw, scenario: &Scenario) -> FlightSetup {
         FlightSetup {
-            model: draw.model(),
-            controller_model: Some(Draw::nominal(0).model()),
+            model: draw.model_on(self.rig),
+            controller_model: Some(Draw::nominal(0).model_on(self.rig)),
             choice: self.choice,
             scenario: scenario.clone(),
             seed: draw.seed,
@@ -111,11 +119,21 @@ impl Contender {
     pub fn control_side(&self) -> ControlSide {
         let setup = self.setup(&Draw::nominal(0), &Scenario::test_sequence());
         let control = setup.control_side().unwrap_or_else(|error| panic!("{}: {error}", self.name));
-        if !self.without_bounds {
+        if !self.without_bounds && !self.with_notches {
             return control;
         }
-        let problem = mpc_settings(&setup.known_model(), &setup.tuning(), self.choice.rate_hz);
-        ControlSide::new(*control.config(), Some(Planner::Law(Arc::new(Lqi::new(&problem)))))
+        let mut config = *control.config();
+        if self.with_notches {
+            let imu_rate_hz = setup.design_parameters().imu_rate_hz as f32;
+            config.sensing.imu.gyro_notches = Some(NotchesConfig::new(imu_rate_hz));
+        }
+        let planner = if self.without_bounds {
+            let problem = mpc_settings(&setup.known_model(), &setup.tuning(), self.choice.rate_hz);
+            Some(Planner::Law(Arc::new(Lqi::new(&problem))))
+        } else {
+            control.planner().cloned()
+        };
+        ControlSide::new(config, planner)
     }
 
     /// The MPC's law where no bound is active; none for the cascade.
@@ -123,26 +141,31 @@ impl Contender {
         self.control_side().planner().map(|planner| planner.unconstrained_gain().map(|axis| axis.map(f64::from)))
     }
 
-    /// A flight.
-    pub fn fly(&self, setup: &FlightSetup) -> FlightRecord {
+    /// A flight, under a torque from outside over time, N m.
+    pub fn fly(&self, setup: &FlightSetup, mut torque_nm: impl FnMut(f64) -> [f64; 3]) -> FlightRecord {
         let (mut plant, mut sensors) = (Plant::new(&setup.model), setup.sensors());
         let parameters = setup.design_parameters();
-        cosim::fly(&parameters, &mut plant, &mut sensors, &mut self.control_side(), &setup.scenario, None)
+        let mut probe = |plant: &Plant| torque_nm(plant.time_s());
+        cosim::fly(&parameters, &mut plant, &mut sensors, &mut self.control_side(), &setup.scenario, Some(&mut probe))
     }
 
-    /// The test sequence on many vehicles, in their order.
-    pub fn fly_all(&self, draws: &[Draw]) -> Vec<Figures> {
+    /// The test sequence on many vehicles, in their order; shaken ones have the notches on.
+    pub fn fly_all(&self, draws: &[Draw], weather: Weather) -> Vec<Figures> {
         let scenario = Scenario::test_sequence();
+        let contender = Self { with_notches: self.with_notches || weather == Weather::Vibration, ..self.clone() };
         let figures = |draw: &Draw| {
-            let setup = self.setup(draw, &scenario);
-            Figures::new(&self.fly(&setup), setup.model.base_command)
+            let mut setup = self.setup(draw, &scenario);
+            weather.shake(&mut setup.model);
+            let step_s = 1.0 / f64::from(setup.design_parameters().imu_rate_hz);
+            let record = contender.fly(&setup, weather.torque_nm(draw.seed, step_s));
+            Figures::new(&record, setup.model.base_command)
         };
         draws.par_iter().map(figures).collect()
     }
 
     /// Mean cost over vehicles, degrees.
     pub fn cost(&self, draws: &[Draw]) -> f64 {
-        let costs: Vec<f64> = self.fly_all(draws).iter().map(Figures::cost).collect();
+        let costs: Vec<f64> = self.fly_all(draws, Weather::Still).iter().map(Figures::cost).collect();
         metrics::mean(&costs)
     }
 }

@@ -2,6 +2,7 @@
 //! one of its parts.
 
 use sil_host::controller_file::ReferenceName;
+use sil_host::model::Rig;
 
 use super::contender::Contender;
 use super::tuning::{Form, Parameter, Tunable};
@@ -38,6 +39,14 @@ impl Shaping {
     }
 }
 
+/// Bandwidth of the disturbance's estimate in calm, rad/s: the greatest that leaves a peak sensitivity of 2.0 with
+/// alerts as often as they may be (docs/tuning.md).
+const CALM_BANDWIDTH_RAD_S: f64 = 10.0;
+/// Delay of the gyro's low-pass at 96 Hz, s.
+const GYRO_DELAY_S: f64 = 0.00234;
+/// What the bandwidth of the disturbance's estimate was tuned to by a cost without disturbances, rad/s.
+const ONE_BANDWIDTH_RAD_S: f32 = 3.225;
+
 /// The cascade before it is tuned.
 pub fn cascade(shaping: &Shaping) -> Tunable<6> {
     let tilt = |yaw| Form::Tilt { pitch: 1.0, yaw };
@@ -56,10 +65,11 @@ pub fn cascade(shaping: &Shaping) -> Tunable<6> {
 }
 
 /// The MPC before it is tuned.
-pub fn mpc(shaping: &Shaping) -> Tunable<5> {
+pub fn mpc(shaping: &Shaping) -> Tunable<4> {
     let fixed = format!(
         "controller = \"mpc\"\ncontrol_horizon = 10\n[tuning]\n{}mpc_motor_limits = true\nmpc_torque_reserve = 0.5\n\
-         mpc_linearisations = 3\n",
+         mpc_linearisations = 3\nmpc_disturbance_alert = \"significant\"\n\
+         mpc_disturbance_bandwidth_rad_s = {CALM_BANDWIDTH_RAD_S:?}\nmpc_gyro_delay_s = {GYRO_DELAY_S:?}\n",
         shaping.lines()
     );
     Tunable {
@@ -72,7 +82,6 @@ pub fn mpc(shaping: &Shaping) -> Tunable<5> {
                 start: 0.1,
             },
             Parameter { field: "mpc_lead_s", form: Form::Tilt { pitch: 1.0, yaw: 0.1 }, start: 0.05 },
-            Parameter { field: "mpc_disturbance_bandwidth_rad_s", form: Form::Number, start: 7.0 },
             Parameter { field: "mpc_prediction_step_s", form: Form::Number, start: 0.01 },
             Parameter { field: "gyro_cutoff_hz", form: Form::Number, start: 100.0 },
         ],
@@ -84,6 +93,18 @@ pub fn tuned() -> [Contender; 2] {
     [Contender::new("MPC", MPC_FILE), Contender::new("cascade", CASCADE_FILE)]
 }
 
+/// In free flight, as each follows from the vehicle: the MPC with alerts, as it is where nobody chooses them, and the
+/// cascade.
+pub fn in_free_flight() -> Vec<Contender> {
+    let of = |name, text| Contender { rig: Rig::Free, ..Contender::new(name, text) };
+    let alert = "controller = \"mpc\"\n[tuning]\nmpc_disturbance_alert = \"significant\"\nmpc_gyro_delay_s = 0.00225\n";
+    vec![
+        of("MPC, alerts", alert),
+        of("MPC, one bandwidth", "controller = \"mpc\"\n"),
+        of("cascade", "controller = \"pid\"\n"),
+    ]
+}
+
 /// Those of the full campaign, the MPC first.
 pub fn all() -> Vec<Contender> {
     let [mpc, cascade] = tuned();
@@ -93,6 +114,11 @@ pub fn all() -> Vec<Contender> {
         contender
     };
     let variants = [
+        changed("MPC, one bandwidth", |c| {
+            c.choice.tuning.mpc_disturbance_alert = None;
+            c.choice.tuning.mpc_gyro_delay_s = None;
+            c.choice.tuning.mpc_disturbance_bandwidth_rad_s = Some(ONE_BANDWIDTH_RAD_S);
+        }),
         changed("MPC without preview", |c| c.choice.tuning.mpc_reference = Some(ReferenceName::Held)),
         changed("MPC without disturbance", |c| c.choice.tuning.mpc_disturbance_bandwidth_rad_s = Some(0.0)),
         changed("MPC without lag", |c| c.choice.tuning.mpc_knows_actuation = Some(false)),

@@ -46,16 +46,28 @@ impl Draw {
         Self { seed, inertia: 1.0, lag: 1.0, thrust: 1.0, ring_moment_nm: 0.0 }
     }
 
-    /// The vehicle as it is.
+    /// The vehicle as it is, on the gimbal.
     pub fn model(&self) -> VehicleModel {
-        let effects = vec![
-            Effect::MotorLag(MotorLag { time_constant_s: self.lag * NOMINAL_LAG_S }),
+        self.model_on(Rig::Gimbal)
+    }
+
+    /// The vehicle as it is: on the gimbal, or the real F450 in free flight, whose motors have a lag of their own.
+    pub fn model_on(&self, rig: Rig) -> VehicleModel {
+        let is_held = rig == Rig::Gimbal;
+        let mut effects = Vec::new();
+        if is_held {
+            effects.push(Effect::MotorLag(MotorLag { time_constant_s: self.lag * NOMINAL_LAG_S }));
+        }
+        effects.extend([
             Effect::InertiaError(InertiaError { axis: Axis::Roll, scale: self.inertia }),
             Effect::InertiaError(InertiaError { axis: Axis::Pitch, scale: self.inertia }),
             Effect::ThrustScale(ThrustScale { scale: self.thrust }),
-            Effect::CgOffset(CgOffset { axis: Axis::Pitch, cos_moment_nm: self.ring_moment_nm, sin_moment_nm: 0.0 }),
-        ];
-        VehicleModel { effects, ..VehicleModel::nominal(Rig::Gimbal) }
+        ]);
+        if is_held {
+            let cos_moment_nm = self.ring_moment_nm;
+            effects.push(Effect::CgOffset(CgOffset { axis: Axis::Pitch, cos_moment_nm, sin_moment_nm: 0.0 }));
+        }
+        VehicleModel { effects, ..VehicleModel::nominal(rig) }
     }
 }
 

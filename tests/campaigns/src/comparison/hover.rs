@@ -1,6 +1,9 @@
 //! At hover on the nominal vehicle: what a torque from outside does, and what the sensors' noise makes the motors do.
 
+use rayon::prelude::*;
+use serde::Serialize;
 use sil_host::axis::Axis;
+use sil_host::controller_file::AlertName;
 use sil_host::cosim::record::FlightRecord;
 use sil_host::effects::{Effect, StepDisturbance};
 use sil_host::flight::FlightSetup;
@@ -9,8 +12,10 @@ use sil_host::metrics::mean;
 use sil_host::model::{SensorNoise, VehicleModel};
 use sil_host::scenario::Scenario;
 
+use super::alert_margins;
 use super::contender::Contender;
 use super::draw::Draw;
+use super::weather::Weather;
 
 /// The torque that sets in, N m: as much as the ring's centre of gravity can be wrong.
 const TORQUE_NM: f64 = 0.1;
@@ -21,9 +26,11 @@ const TORQUE_FLIGHT_S: f64 = 5.0;
 const NOISE_FLIGHT_S: f64 = 11.0;
 /// What is left of the start, s.
 const SETTLE_S: f64 = 1.0;
+/// Of a drawn vehicle: when all but the noise has settled, when the torque sets in, and the end, s.
+const PUSH_S: [f64; 3] = [2.5, 4.0, 5.5];
 
 /// Answer to a torque step of 0.1 N m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TorqueStep {
     /// Largest angle, degrees.
     pub peak_deg: f64,
@@ -31,39 +38,104 @@ pub struct TorqueStep {
     pub recovery_s: Option<f64>,
 }
 
+/// What a drawn vehicle does at hover, with its noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Push {
+    /// Largest change of the roll after a torque step of 0.1 N m, degrees.
+    pub peak_deg: f64,
+    /// Standard deviation of the motors' commands before.
+    pub command_deviation: f64,
+}
+
+/// Margins of roll while the observer is alert, as often as it may be.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AlertMargins {
+    /// Delay with which the loop still comes to rest, ms.
+    pub delay_ms: f64,
+    /// Largest part of a disturbing sine that is left at its own frequency.
+    pub sensitivity_peak: f64,
+}
+
 /// What a controller does at hover.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Hover {
     /// Torque steps about roll and pitch.
     pub torque_step: [TorqueStep; 2],
     /// Standard deviation of the motors' commands under the sensors' noise.
     pub command_deviation: f64,
-    /// Margins of roll and pitch; none if the loop oscillates by itself.
+    /// The torque step about roll with vibration and the gyro's notches against it, which are late.
+    pub torque_step_with_notches: TorqueStep,
+    /// Margins of roll and pitch in calm; none if the loop oscillates by itself.
     pub margins: Option<[Margins; 2]>,
+    /// With an observer that is alert as often as it may be; none where it never is.
+    pub alert: Option<AlertMargins>,
 }
 
 impl Hover {
     /// Flies and measures.
     pub fn of(contender: &Contender) -> Self {
-        let model = Draw::nominal(0).model();
-        let parameters = contender.setup(&Draw::nominal(0), &Scenario::hover(1.0)).design_parameters();
-        let responses = margins::measure(&model, &parameters, &contender.control_side());
+        let with_notches = Contender { with_notches: true, ..contender.clone() };
+        let noisy = fly(contender, Draw::nominal(0).model_on(contender.rig), NOISE_FLIGHT_S);
         Self {
             torque_step: [torque_step(contender, Axis::Roll), torque_step(contender, Axis::Pitch)],
-            command_deviation: command_deviation(&fly(contender, model, NOISE_FLIGHT_S)),
-            margins: responses.map(|axes| axes.map(|response| margins::margins(&response))),
+            command_deviation: command_deviation(&noisy, [SETTLE_S, NOISE_FLIGHT_S]),
+            torque_step_with_notches: torque_step(&with_notches, Axis::Roll),
+            margins: margins_of(&kept(contender, AlertName::Never)),
+            alert: match contender.choice.tuning.mpc_disturbance_alert {
+                Some(AlertName::Significant | AlertName::Always) => {
+                    Some(alert_margins::measured(&kept(contender, AlertName::Always)))
+                }
+                Some(AlertName::Never) | None => None,
+            },
         }
     }
 }
 
+/// With the observer in one state.
+fn kept(contender: &Contender, alert: AlertName) -> Contender {
+    let mut kept = contender.clone();
+    kept.choice.tuning.mpc_disturbance_alert = Some(alert);
+    kept
+}
+
+fn margins_of(contender: &Contender) -> Option<[Margins; 2]> {
+    let parameters = contender.setup(&Draw::nominal(0), &Scenario::hover(1.0)).design_parameters();
+    let model = Draw::nominal(0).model_on(contender.rig);
+    let responses = margins::measure(&model, &parameters, &contender.control_side());
+    responses.map(|axes| axes.map(|response| margins::margins(&response)))
+}
+
+/// Pushes many vehicles, in their order.
+pub fn push_all(contender: &Contender, draws: &[Draw]) -> Vec<Push> {
+    let [settled_s, set_in_s, end_s] = PUSH_S;
+    let push = |draw: &Draw| {
+        let setup = contender.setup(draw, &Scenario::hover(end_s));
+        let record = contender.fly(&setup, |time_s| [if time_s >= set_in_s { TORQUE_NM } else { 0.0 }, 0.0, 0.0]);
+        let roll_rad = record.angle_of(Axis::Roll.index());
+        let before = record.time_s.partition_point(|&time_s| time_s < set_in_s).saturating_sub(1);
+        let from_rad = roll_rad.get(before).copied().unwrap_or(f64::NAN);
+        let moved_rad = roll_rad.iter().skip(before).map(|roll_rad| (roll_rad - from_rad).abs());
+        Push {
+            peak_deg: moved_rad.fold(0.0, f64::max).to_degrees(),
+            command_deviation: command_deviation(&record, [settled_s, set_in_s]),
+        }
+    };
+    draws.par_iter().map(push).collect()
+}
+
 fn fly(contender: &Contender, model: VehicleModel, duration_s: f64) -> FlightRecord {
-    contender.fly(&FlightSetup { model, ..contender.setup(&Draw::nominal(0), &Scenario::hover(duration_s)) })
+    let setup = contender.setup(&Draw::nominal(0), &Scenario::hover(duration_s));
+    contender.fly(&FlightSetup { model, ..setup }, |_| [0.0; 3])
 }
 
 fn torque_step(contender: &Contender, axis: Axis) -> TorqueStep {
-    let mut model = Draw::nominal(0).model();
+    let mut model = Draw::nominal(0).model_on(contender.rig);
     model.effects.push(Effect::StepDisturbance(StepDisturbance { axis, torque_nm: TORQUE_NM, start_s: SETS_IN_S }));
     model.noise = SensorNoise::NONE;
+    if contender.with_notches {
+        // without lines to stop they would go out
+        Weather::Vibration.shake(&mut model);
+    }
     let record = fly(contender, model, TORQUE_FLIGHT_S);
     let angles_rad = record.angle_of(axis.index());
     let last_outside = angles_rad.iter().rposition(|angle| angle.abs() > RECOVERED_RAD);
@@ -74,8 +146,9 @@ fn torque_step(contender: &Contender, axis: Axis) -> TorqueStep {
     }
 }
 
-fn command_deviation(record: &FlightRecord) -> f64 {
-    let rows = record.time_s.partition_point(|&time_s| time_s < SETTLE_S)..record.len();
+fn command_deviation(record: &FlightRecord, within_s: [f64; 2]) -> f64 {
+    let [first, end] = within_s.map(|at_s| record.time_s.partition_point(|&time_s| time_s < at_s));
+    let rows = first..end;
     let variances = [0, 1, 2, 3].map(|motor| {
         let commands: Vec<f64> = record.commands[rows.clone()].iter().map(|motors| motors[motor]).collect();
         let middle = mean(&commands);

@@ -7,7 +7,7 @@
 use nalgebra::{SMatrix, SVector};
 
 /// States of the largest loop; those that a loop does not use stay zero.
-const STATES: usize = 9;
+const STATES: usize = 10;
 /// Slices of the Runge-Kutta method in a control step: a lag of 2 ms then spans sixteen of them.
 const SLICES: usize = 20;
 
@@ -35,8 +35,10 @@ pub struct PlannerLaw {
     pub inertia_kg_m2: f64,
     /// Lag of the motors that it believes in, s.
     pub lag_s: f64,
-    /// Bandwidth of the disturbance's estimate, rad/s.
+    /// Bandwidth of the disturbance's estimate in calm, rad/s.
     pub bandwidth_rad_s: f64,
+    /// How late it takes the gyro to be, s, at most a control step.
+    pub gyro_delay_s: f64,
 }
 
 /// The cascade near its target, where the square root is a line.
@@ -88,6 +90,9 @@ impl Body {
 
 /// Angle, rate and motors' torque after a time, by the model that controllers believe in.
 fn predicted([angle, rate, motor]: [f64; 3], torque: f64, disturbance: f64, law: &PlannerLaw, step_s: f64) -> [f64; 3] {
+    if step_s == 0.0 {
+        return [angle, rate, motor];
+    }
     let ratio = step_s / law.lag_s;
     let kept = libm::exp(-ratio);
     let c1 = (1.0 - kept) / ratio;
@@ -101,17 +106,19 @@ fn predicted([angle, rate, motor]: [f64; 3], torque: f64, disturbance: f64, law:
 }
 
 impl PlannerLaw {
-    /// One control step. State: body, torque from now on, torque until now, the observer's rate, motors' torque and
-    /// disturbance.
+    /// One control step. State: body, torque from now on, until now and before that, the observer's rate, motors' torque
+    /// and disturbance.
     fn step(&self, body: &Body, state: [f64; STATES]) -> [f64; STATES] {
-        let [a, w, m, f, torque, torque_before, rate, motor, disturbance] = state;
+        let [a, w, m, f, torque, torque_before, torque_earlier, rate, motor, disturbance] = state;
         let [angle_seen, rate_seen] = body.seen([a, w, m, f]);
-        let [_, rate, motor] = predicted([0.0, rate, motor], torque_before, disturbance, self, body.step_s);
+        let late_s = self.gyro_delay_s;
+        let middle = predicted([0.0, rate, motor], torque_earlier, disturbance, self, late_s);
+        let [_, rate, motor] = predicted(middle, torque_before, disturbance, self, body.step_s - late_s);
         let pole = libm::exp(-self.bandwidth_rad_s * body.step_s);
         let error = rate_seen - rate;
         let disturbance = disturbance + (1.0 - pole) * (1.0 - pole) / body.step_s * self.inertia_kg_m2 * error;
         let rate = rate + (1.0 - pole * pole) * error;
-        let now = [angle_seen, rate_seen, motor];
+        let now = predicted([angle_seen, rate_seen, motor], torque_before, disturbance, self, late_s);
         let [angle, rate_then, motor_then] = predicted(now, torque, disturbance, self, body.step_s);
         let [g_angle, g_rate, g_motor, g_torque] = self.gain;
         let next = g_angle * angle
@@ -120,7 +127,7 @@ impl PlannerLaw {
             + g_torque * (torque + disturbance)
             - disturbance;
         let [a, w, m, f] = body.advance([a, w, m, f], torque);
-        [a, w, m, f, next, torque, rate, motor, disturbance]
+        [a, w, m, f, next, torque, torque_before, rate, motor, disturbance]
     }
 
     /// Eigenvalues of the loop, magnitude and angle (rad a step), the largest first.
@@ -140,7 +147,7 @@ impl CascadeLaw {
         let derivative = self.derivative * (filtered_now - filtered) / body.step_s;
         let torque = self.inertia_kg_m2 * (self.proportional_1_s * error + integral + derivative);
         let [a, w, m, f] = body.advance([a, w, m, f], torque);
-        [a, w, m, f, -self.angle_gain_1_s * angle_seen, integral, filtered_now, 0.0, 0.0]
+        [a, w, m, f, -self.angle_gain_1_s * angle_seen, integral, filtered_now, 0.0, 0.0, 0.0]
     }
 
     /// Eigenvalues of the loop, magnitude and angle (rad a step), the largest first.
@@ -168,7 +175,8 @@ mod tests {
     use super::*;
 
     const BODY: Body = Body { inertia_kg_m2: 0.0115, lag_s: 0.03, gain: 1.0, gyro_lag_s: 0.00225, step_s: 0.0025 };
-    const IDLE: PlannerLaw = PlannerLaw { gain: [0.0; 4], inertia_kg_m2: 0.0115, lag_s: 0.03, bandwidth_rad_s: 20.0 };
+    const IDLE: PlannerLaw =
+        PlannerLaw { gain: [0.0; 4], inertia_kg_m2: 0.0115, lag_s: 0.03, bandwidth_rad_s: 20.0, gyro_delay_s: 0.001 };
 
     /// Of body, filter and observer without feedback each eigenvalue is known; the torque's own are zero.
     #[test]
@@ -179,7 +187,7 @@ mod tests {
         let found = open.eigenvalues(&BODY);
         let decay = |time_s: f64| libm::exp(-BODY.step_s / time_s);
         // angle and rate 1 each, the observer's rate and disturbance 1 each without correction
-        let expected = [1.0, 1.0, 1.0, 1.0, decay(0.03), decay(0.03), decay(0.00225), 0.0, 0.0];
+        let expected = [1.0, 1.0, 1.0, 1.0, decay(0.03), decay(0.03), decay(0.00225), 0.0, 0.0, 0.0];
         for (found, expected) in found.iter().zip(expected) {
             // the double root at 1 splits by the square root of rounding
             assert!((found[0] - expected).abs() < 1e-5, "{found:?} {expected}");

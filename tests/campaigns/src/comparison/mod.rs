@@ -2,9 +2,10 @@
 //!
 //! ```text
 //!  search over 50 draws -> controller files -> 200 other draws -> figures -> tables
-//!                                          `-> torque step, noise, margins, eigenvalues
+//!                    `-> in weather        `-> torque step, noise, margins, eigenvalues
 //! ```
 
+pub mod alert_margins;
 pub mod campaign;
 pub mod contender;
 pub mod contenders;
@@ -17,3 +18,4 @@ pub mod stability;
 pub mod statistics;
 pub mod table;
 pub mod tuning;
+pub mod weather;

@@ -54,6 +54,7 @@ pub fn eigenvalues(contender: &Contender, axis: AxisIndex, vehicle: &Vehicle) ->
             inertia_kg_m2,
             lag_s: f64::from(actuation.lag_s),
             bandwidth_rad_s: f64::from(tuning.mpc_disturbance_bandwidth_rad_s),
+            gyro_delay_s: f64::from(tuning.mpc_gyro_delay_s),
         };
         return law.eigenvalues(&body);
     }
@@ -104,7 +105,8 @@ mod tests {
             let (inertia_kg_m2, lag_s) = (f64::from(known.inertia_kg_m2[axis]), f64::from(known.actuation.lag_s));
             let body = Body { inertia_kg_m2, lag_s, gain: 1.0, gyro_lag_s: 1e-4, step_s: 0.0025 };
             let gain = mpc.law().unwrap()[axis];
-            let found = PlannerLaw { gain, inertia_kg_m2, lag_s, bandwidth_rad_s: 10.0 }.eigenvalues(&body);
+            let found = PlannerLaw { gain, inertia_kg_m2, lag_s, bandwidth_rad_s: 10.0, gyro_delay_s: 0.0 };
+            let found = found.eigenvalues(&body);
             for [magnitude, angle] in expected {
                 let near = |value: &&[f64; 2]| (value[0] - magnitude).abs() < 5e-3 && (value[1] - angle).abs() < 5e-3;
                 assert!(found.iter().any(|value| near(&value)), "{magnitude} {angle}: {found:?}");

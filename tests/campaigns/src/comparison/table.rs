@@ -2,17 +2,24 @@
 
 use std::fmt::Write;
 
+use serde::Serialize;
+
 use super::contender::Figures;
-use super::hover::Hover;
+use super::hover::{Hover, Push};
 use super::statistics::{Difference, median, paired_difference, quantile};
+use super::weather::Weather;
 
 /// A contender's flights over the draws, and what it does at hover.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Result {
     /// The contender.
     pub name: &'static str,
-    /// A flight per draw.
+    /// A flight per draw in still air.
     pub flights: Vec<Figures>,
+    /// The same in other weather, as far as it was flown.
+    pub weather: Vec<(Weather, Vec<Figures>)>,
+    /// A torque step per draw.
+    pub pushes: Vec<Push>,
     /// Its eigenvalues of roll and pitch at the nominal vehicle, magnitude and angle, the largest first.
     pub eigenvalues: [Vec<[f64; 2]>; 2],
     /// Torque per angle, rate, motors' torque and previous torque where no bound is active; none for the cascade.
@@ -89,33 +96,81 @@ pub fn differences(results: &[Result]) -> String {
     text
 }
 
+/// The first contender's figures less each other's in each weather, with paired 95 % intervals.
+pub fn weather(results: &[Result]) -> String {
+    let Some((ours, others)) = results.split_first() else {
+        return String::new();
+    };
+    let compared = &COMPARED[..4];
+    let header = [format!("{} less", ours.name), "weather".into(), format!("RMS of {}, deg", ours.name)];
+    let names = compared.iter().map(|compared| compared.name.into());
+    let mut text = row(header.into_iter().chain(names)) + &rule(2 + compared.len());
+    for theirs in others {
+        for ((weather, of_ours), (_, of_theirs)) in ours.weather.iter().zip(&theirs.weather) {
+            let rms = series(of_ours, |figures| figures.rms_deg);
+            let own = format!("{:.3} / {:.3}", median(&rms), quantile(&rms, 0.95));
+            let cells = compared.iter().map(|&Compared { figure, share, .. }| {
+                interval(&paired_difference(&series(of_ours, figure), &series(of_theirs, figure), share))
+            });
+            text += &row([theirs.name.into(), weather.name().into(), own].into_iter().chain(cells));
+        }
+    }
+    text
+}
+
+/// What a torque step and the sensors' noise do on the drawn vehicles: median and 95th percentile, and the first
+/// contender's less each other's with paired 95 % intervals.
+pub fn pushes(results: &[Result]) -> String {
+    let header = ["", "peak, deg", "less", "command deviation", "less"];
+    let mut text = row(header.map(Into::into)) + &rule(header.len() - 1);
+    let ours = results.first().map_or(&[][..], |result| &result.pushes);
+    for Result { name, pushes, .. } in results {
+        let cell = |figure: fn(&Push) -> f64, decimals: usize| {
+            let [values, own] = [pushes, ours].map(|pushes| pushes.iter().map(figure).collect::<Vec<f64>>());
+            let spread = format!("{:.decimals$} / {:.decimals$}", median(&values), quantile(&values, 0.95));
+            [spread, interval(&paired_difference(&own, &values, 0.5))]
+        };
+        let [peak, less_peak] = cell(|push| push.peak_deg, 2);
+        let [noise, less_noise] = cell(|push| push.command_deviation, 5);
+        text += &row([(*name).into(), peak, less_peak, noise, less_noise]);
+    }
+    text
+}
+
 /// Torque step, noise and margins; each cell is roll / pitch.
-pub fn hover(results: &[Result]) -> String {
+pub fn hover<'a>(results: impl IntoIterator<Item = (&'a str, &'a Hover)>) -> String {
     let names = [
         "peak after 0.1 N m, deg",
+        "roll with notches",
         "within 0.5 deg after, s",
         "command deviation",
         "gain margin, dB",
         "phase margin, deg",
         "delay margin, ms",
         "peak sensitivity",
+        "roll's delay margin alert, ms",
+        "roll's peak sensitivity alert",
     ];
     let mut text = row([""].into_iter().chain(names).map(Into::into)) + &rule(names.len());
-    for Result { name, hover, .. } in results {
+    for (name, hover) in results {
         let margin = |figure: fn(&sil_host::margins::Margins) -> Option<f64>, decimals| match &hover.margins {
             Some(axes) => pair(axes.map(|axis| figure(&axis)), decimals),
             None => "oscillates".into(),
         };
+        let none = || "none".to_owned();
         let step = &hover.torque_step;
         text += &row([
-            (*name).into(),
+            name.into(),
             pair(step.map(|axis| Some(axis.peak_deg)), 2),
+            format!("{:.2}", hover.torque_step_with_notches.peak_deg),
             pair(step.map(|axis| axis.recovery_s), 2),
             format!("{:.5}", hover.command_deviation),
             margin(|m| m.gain_db, 1),
             margin(|m| m.phase_deg, 1),
             margin(|m| m.delay_ms, 1),
             margin(|m| Some(m.sensitivity_peak), 2),
+            hover.alert.map_or_else(none, |alert| format!("{:.1}", alert.delay_ms)),
+            hover.alert.map_or_else(none, |alert| format!("{:.2}", alert.sensitivity_peak)),
         ]);
     }
     text
