@@ -199,6 +199,7 @@ impl Commander {
             Order::Restart => self.restart(disarmed),
             Order::Parameters(request) => self.parameters(request, disarmed),
             Order::Inquire(inquiry) => (None, Some(Chore::Tell(inquiry))),
+            Order::SetUpSigning(setup) => (None, Some(Chore::SetUpSigning(setup))),
             Order::Senseless(command) => (Some(Answer::Senseless(command)), None),
             Order::UnknownCommand(command) => (Some(Answer::Unknown(command)), None),
             Order::HilTick(_) => (None, None),

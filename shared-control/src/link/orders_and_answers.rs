@@ -4,6 +4,7 @@ use mavlink::dialects::common::MavCmd;
 
 use super::hil::HilTick;
 use super::mode::Mode;
+use super::signing::SigningSetup;
 use crate::params::table::Field;
 use crate::signals::{MotorTest, Setpoint};
 use crate::supervisor::Refusal;
@@ -43,6 +44,8 @@ pub enum Order {
     Parameters(ParameterRequest),
     /// Tell something else.
     Inquire(Inquiry),
+    /// Sign with this key, or with none.
+    SetUpSigning(SigningSetup),
     /// A command whose parameters make no sense.
     Senseless(MavCmd),
     /// A command that this vehicle does not know.
@@ -141,6 +144,8 @@ pub enum Chore {
     Parameters(ParameterRequest),
     /// Tell something else.
     Tell(Inquiry),
+    /// Sign with this key, or with none.
+    SetUpSigning(SigningSetup),
 }
 
 /// Text of a `STATUSTEXT`.

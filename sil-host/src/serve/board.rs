@@ -5,8 +5,9 @@ use std::collections::VecDeque;
 
 use shared_control::config::{ConfigError, Controller};
 use shared_control::flight_core::{FlightCore, State};
+use shared_control::link::signing::SigningRecord;
 use shared_control::link::telemetry::FIGURES;
-use shared_control::link::{Answer, Chore, Commander, LinkSettings, Order, Telemetry, VehicleStatus};
+use shared_control::link::{Answer, Chore, Commander, Guard, LinkSettings, Order, Receiver, Telemetry, VehicleStatus};
 use shared_control::mpc::MpcError;
 use shared_control::params::{Params, RECORD_LEN, Rig};
 use shared_control::radio::StickCurves;
@@ -28,6 +29,14 @@ const RESTART_AFTER: u8 = 10;
 pub trait ParameterStore {
     /// Keeps a record; false if that failed.
     fn keep(&mut self, record: &[u8; RECORD_LEN]) -> bool;
+}
+
+/// Where the key and the clock of signed frames last.
+pub trait SigningStore {
+    /// What was kept last.
+    fn kept(&self) -> SigningRecord;
+    /// Keeps a record; false if that failed.
+    fn keep(&mut self, record: &SigningRecord) -> bool;
 }
 
 /// What no board can start with.
@@ -66,6 +75,8 @@ pub struct SimulatedBoard {
     /// What the next start finds.
     stored: Params,
     store: Box<dyn ParameterStore>,
+    guard: Guard,
+    signing: Box<dyn SigningStore>,
     restart_in: Option<u8>,
     /// Orders that found no room.
     pub orders_dropped: u32,
@@ -76,7 +87,11 @@ impl SimulatedBoard {
     ///
     /// # Errors
     /// [`OutOfOrder`] where they cannot be flown.
-    pub fn start(params: &Params, store: Box<dyn ParameterStore>) -> Result<Self, OutOfOrder> {
+    pub fn start(
+        params: &Params,
+        store: Box<dyn ParameterStore>,
+        signing: Box<dyn SigningStore>,
+    ) -> Result<Self, OutOfOrder> {
         // the simulated vehicle is all around this board already
         let params = &Params { hil: false, ..*params };
         let setup = Setup::new(params).map_err(OutOfOrder::Config)?;
@@ -90,6 +105,11 @@ impl SimulatedBoard {
             vehicle_unusable: setup.vehicle_fault.is_some(),
             ..ArmingBlocks::default()
         };
+        let mut telemetry = Telemetry::new(&settings, params).with_signing(signing.kept());
+        let mut guard = Guard::open();
+        // nothing is let in before the key is known
+        let is_kept = |_: &SigningRecord| false;
+        guard.follow(&telemetry.update_signing((0, guard.refused), (0, false), is_kept));
         Ok(Self {
             setup,
             state: State::default(),
@@ -97,7 +117,7 @@ impl SimulatedBoard {
             plan: None,
             // there is neither radio nor safety button here
             commander: Commander::new(&settings, blocks),
-            telemetry: Telemetry::new(&settings, params),
+            telemetry,
             status: VehicleStatus::at_start(params.controller),
             input: StepInput::default(),
             orders: VecDeque::new(),
@@ -105,6 +125,8 @@ impl SimulatedBoard {
             sent: Vec::new(),
             stored: *params,
             store,
+            guard,
+            signing,
             restart_in: None,
             orders_dropped: 0,
         })
@@ -121,9 +143,10 @@ impl SimulatedBoard {
     /// As [`SimulatedBoard::start`].
     pub fn restart(&mut self) -> Result<(), OutOfOrder> {
         let store = std::mem::replace(&mut self.store, Box::new(Forgetful));
+        let signing = std::mem::replace(&mut self.signing, Box::new(Unsigned));
         let sent = std::mem::take(&mut self.sent);
         let dropped = self.orders_dropped;
-        *self = Self { sent, orders_dropped: dropped, ..Self::start(&self.stored, store)? };
+        *self = Self { sent, orders_dropped: dropped, ..Self::start(&self.stored, store, signing)? };
         Ok(())
     }
 
@@ -140,6 +163,16 @@ impl SimulatedBoard {
     /// State after the last step.
     pub fn status(&self) -> &VehicleStatus {
         &self.status
+    }
+
+    /// Takes a byte that came to one of its links; what it orders is obeyed in the next step. `is_local`: the sender
+    /// sits at this computer, and may set up signing.
+    pub fn hear(&mut self, receiver: &mut Receiver, byte: u8, is_local: bool) {
+        match receiver.receive(byte, &mut self.guard) {
+            Some(Order::SetUpSigning(_)) if !is_local => {}
+            Some(order) => self.order(order),
+            None => {}
+        }
     }
 
     /// Takes an order; it is obeyed in the next step.
@@ -189,8 +222,13 @@ impl SimulatedBoard {
     /// What has time: chores, and reports that are due.
     pub fn keep_house(&mut self, time_us: u64) {
         while let Some(chore) = self.chores.pop_front() {
-            self.attend_to(chore);
+            self.attend_to(chore, time_us);
         }
+        let seen = (self.guard.latest_seen(), self.guard.refused);
+        let signing = &mut self.signing;
+        // whoever has lost the key deletes its file: nobody may change it unsigned
+        let terms = self.telemetry.update_signing(seen, (time_us, false), |record| signing.keep(record));
+        self.guard.follow(&terms);
         let planning = self.status.planning;
         let mut figures = [("", 0); FIGURES];
         figures[..4].copy_from_slice(&[
@@ -215,7 +253,7 @@ impl SimulatedBoard {
         self.chores.extend(chore);
     }
 
-    fn attend_to(&mut self, chore: Chore) {
+    fn attend_to(&mut self, chore: Chore, time_us: u64) {
         let (store, stored) = (&mut self.store, &mut self.stored);
         let keep = |record: &[u8; RECORD_LEN]| {
             let kept = store.keep(record);
@@ -231,6 +269,11 @@ impl SimulatedBoard {
             Chore::Parameters(request) => self.telemetry.serve_parameters(&request, keep),
             Chore::CalibrateLevel => self.telemetry.calibrate_level(&self.status, keep),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
+            Chore::SetUpSigning(setup) => {
+                let signing = &mut self.signing;
+                let about = (&self.status, time_us, true);
+                self.telemetry.set_up_signing(&setup, about, |record| signing.keep(record));
+            }
             Chore::Restart => self.restart_in = Some(RESTART_AFTER),
         }
     }
@@ -241,6 +284,20 @@ struct Forgetful;
 
 impl ParameterStore for Forgetful {
     fn keep(&mut self, _: &[u8; RECORD_LEN]) -> bool {
+        false
+    }
+}
+
+/// A board that keeps no key; none lasts longer than it runs.
+#[derive(Debug)]
+pub struct Unsigned;
+
+impl SigningStore for Unsigned {
+    fn kept(&self) -> SigningRecord {
+        SigningRecord::default()
+    }
+
+    fn keep(&mut self, _: &SigningRecord) -> bool {
         false
     }
 }

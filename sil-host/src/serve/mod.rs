@@ -11,11 +11,12 @@
 mod board;
 mod pace;
 pub mod parameter_file;
+pub mod signing_file;
 mod sockets;
 mod support;
 mod world;
 
-pub use board::{OutOfOrder, ParameterStore, SimulatedBoard};
+pub use board::{OutOfOrder, ParameterStore, SigningStore, SimulatedBoard, Unsigned};
 pub use pace::Pace;
 pub use sockets::{Sockets, SocketsSetup};
 
@@ -54,8 +55,9 @@ impl ServedVehicle {
         seed: u64,
         params: &Params,
         store: Box<dyn ParameterStore>,
+        signing: Box<dyn SigningStore>,
     ) -> Result<Self, OutOfOrder> {
-        let board = SimulatedBoard::start(params, store)?;
+        let board = SimulatedBoard::start(params, store, signing)?;
         let world = World::new(&model, seed);
         Ok(Self { model, seed, board, world, now_us: 0, simulated_us: 0, restarts: 0 })
     }

@@ -41,7 +41,7 @@ struct Flown {
 
 impl Flown {
     fn new(model: VehicleModel, params: &Params, kept: Kept) -> Self {
-        let mut vehicle = ServedVehicle::new(model, 1, params, Box::new(kept)).unwrap();
+        let mut vehicle = ServedVehicle::new(model, 1, params, Box::new(kept), Box::new(Unsigned)).unwrap();
         let receiver = Receiver::new(vehicle.board().link_settings());
         Self { vehicle, receiver, writer: FrameWriter::new(255, 190), said: Vec::new(), throttle: 0 }
     }
@@ -58,9 +58,7 @@ impl Flown {
         let mut frame = heapless::Vec::<u8, 100>::new();
         assert!(self.writer.write(data, &mut frame));
         for byte in frame {
-            if let Some(order) = self.receiver.receive(byte) {
-                self.vehicle.board().order(order);
-            }
+            self.vehicle.board().hear(&mut self.receiver, byte, true);
         }
     }
 
