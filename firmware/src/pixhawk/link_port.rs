@@ -126,13 +126,12 @@ impl LinkIn {
     /// With nothing heard yet.
     pub fn new(
         port: LinkReceiver,
-        settings: LinkSettings,
-        terms: &Terms,
+        (settings, terms): (LinkSettings, Terms),
         orders: Producer<'static, Order>,
         ticks: Option<Producer<'static, HilTick>>,
     ) -> Self {
         let mut guard = Guard::open();
-        guard.follow(terms);
+        guard.follow(&terms);
         Self { port, receiver: Receiver::new(settings), guard, orders, ticks }
     }
 

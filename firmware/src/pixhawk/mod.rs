@@ -146,10 +146,8 @@ mod app {
         let (hil, baud) = (configuration.params.hil, configuration.link_baud());
         let buffers = (cx.local.ring, cx.local.buffer);
         let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, baud, buffers, &mut rcc);
-        let kept = (&configuration.params, memory, pins.usb);
-        let mut ground = Ground::new(&settings, kept, answers_out, chores_out);
-        let terms = ground.sign(Default::default(), 0);
-        let link = LinkIn::new(port, settings, &terms, orders, hil.then_some(ticks));
+        let mut ground = Ground::new(&settings, (&configuration.params, memory, pins.usb), answers_out, chores_out);
+        let link = LinkIn::new(port, (settings, ground.sign(Default::default(), 0)), orders, hil.then_some(ticks));
         ground.tell_start(&start);
         ground.tell_configuration(&configuration);
 

@@ -25,6 +25,7 @@ pub struct SigningRecord {
 
 impl SigningRecord {
     /// As bytes.
+    #[inline(never)] // in each of the places that store it, it costs flash
     pub fn encode(&self) -> [u8; SIGNING_RECORD_LEN] {
         let key = self.key.map_or([0; 32], |key| *key.bytes());
         let mut record = [0; SIGNING_RECORD_LEN];

@@ -35,6 +35,7 @@ impl core::fmt::Debug for Key {
 }
 
 /// The 13 bytes that follow a frame's CRC. `frame` is the frame from its first byte to its CRC, in parts.
+#[inline(never)] // once in the flash, not wherever a frame is written
 pub fn signature(key: &Key, frame: &[&[u8]], link_id: u8, timestamp: u64) -> [u8; SIGNATURE_LEN] {
     let [t0, t1, t2, t3, t4, t5, ..] = timestamp.to_le_bytes();
     let stamp = [link_id, t0, t1, t2, t3, t4, t5];
@@ -79,6 +80,7 @@ impl Signer {
     }
 
     /// Signs a frame; no two have the same timestamp.
+    #[inline(never)] // as above
     pub fn sign(&mut self, frame: &[u8]) -> [u8; SIGNATURE_LEN] {
         let signature = signature(&self.key, &[frame], self.link_id, self.next);
         self.next = self.next.saturating_add(1);
