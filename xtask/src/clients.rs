@@ -25,7 +25,7 @@ const PACKAGES: [&str; 11] = [
 ];
 
 /// What the clients do, a file each under `tests/clients`.
-const SCRIPTS: [&str; 5] = ["connect.py", "lossy.py", "console.py", "companion.py", "logs.py"];
+const SCRIPTS: [&str; 6] = ["connect.py", "lossy.py", "signing.py", "console.py", "companion.py", "logs.py"];
 
 /// Installs them in an environment of their own, once, and lets each meet the simulated vehicle.
 pub(crate) fn run(workspace: &Workspace) -> Result<()> {

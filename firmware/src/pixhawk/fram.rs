@@ -3,6 +3,7 @@
 //! Data sheet: Cypress 001-84497. It writes at the speed of the bus and without wear, so nothing waits for it; a
 //! transfer of the record takes 50 us.
 
+use shared_control::link::signing::{SIGNING_RECORD_LEN, SigningRecord};
 use shared_control::params::RECORD_LEN;
 use stm32f4xx_hal::gpio::{Alternate, Output, PB13, PB14, PB15, PD10};
 use stm32f4xx_hal::pac::SPI2;
@@ -14,8 +15,10 @@ use super::clock;
 const WRITE_ENABLE: u8 = 0x06;
 const WRITE: u8 = 0x02;
 const READ: u8 = 0x03;
-/// Where the record lies, high byte first.
+/// Where the record of parameters lies, high byte first.
 const RECORD_ADDRESS: [u8; 2] = [0, 0];
+/// Where key and clock of signed frames lie, by the lowest bit of their serial number.
+const SIGNING_ADDRESSES: [[u8; 2]; 2] = [[0x10, 0], [0x11, 0]];
 
 /// Clock, MISO, MOSI.
 pub type Pins = (PB13<Alternate<5>>, PB14<Alternate<5>>, PB15<Alternate<5>>);
@@ -41,8 +44,30 @@ impl Fram {
 
     /// What is stored; if no memory answers, equal bytes that no record begins with.
     pub fn read(&mut self) -> [u8; RECORD_LEN] {
-        let mut record = [0; RECORD_LEN];
-        self.begin(READ);
+        self.read_at(RECORD_ADDRESS)
+    }
+
+    /// The later of the two records of signing; one without a key if there is none.
+    pub fn read_signing(&mut self) -> SigningRecord {
+        let places = SIGNING_ADDRESSES.map(|address| SigningRecord::decode(&self.read_at(address)));
+        SigningRecord::latest(places)
+    }
+
+    /// Stores a record and reads it back; false if it is not what was written.
+    pub fn store(&mut self, record: &[u8; RECORD_LEN]) -> bool {
+        self.store_at(RECORD_ADDRESS, record)
+    }
+
+    /// The same for a record of signing; the one before stays in the other place.
+    pub fn store_signing(&mut self, record: &SigningRecord) -> bool {
+        let [even, odd] = SIGNING_ADDRESSES;
+        let bytes: [u8; SIGNING_RECORD_LEN] = record.encode();
+        self.store_at(if record.serial % 2 == 0 { even } else { odd }, &bytes)
+    }
+
+    fn read_at<const N: usize>(&mut self, address: [u8; 2]) -> [u8; N] {
+        let mut record = [0; N];
+        self.begin(READ, address);
         for byte in &mut record {
             *byte = self.exchange(0);
         }
@@ -50,23 +75,22 @@ impl Fram {
         record
     }
 
-    /// Stores a record and reads it back; false if it is not what was written.
-    pub fn store(&mut self, record: &[u8; RECORD_LEN]) -> bool {
+    fn store_at<const N: usize>(&mut self, address: [u8; 2], record: &[u8; N]) -> bool {
         self.select.set_low();
         self.exchange(WRITE_ENABLE);
         self.end();
-        self.begin(WRITE);
+        self.begin(WRITE, address);
         for byte in record {
             self.exchange(*byte);
         }
         self.end();
-        self.read() == *record
+        self.read_at::<N>(address) == *record
     }
 
-    fn begin(&mut self, opcode: u8) {
+    fn begin(&mut self, opcode: u8, address: [u8; 2]) {
         self.select.set_low();
         self.exchange(opcode);
-        for byte in RECORD_ADDRESS {
+        for byte in address {
             self.exchange(byte);
         }
     }

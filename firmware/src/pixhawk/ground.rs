@@ -4,6 +4,7 @@ use core::fmt::{Display, Write};
 
 use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
+use shared_control::link::signing::{Refused, Terms};
 use shared_control::link::telemetry::Figures;
 use shared_control::link::{Answer, Chore, LinkSettings, NoLogs, Telemetry, Text, VehicleStatus};
 use shared_control::params::{self, Params};
@@ -14,12 +15,13 @@ use super::counters::{FIRST_IMU_GIVEN_UP, FIRST_IMU_RESTORED};
 use super::fault::{self, FaultRecord};
 use super::fram::Fram;
 use super::link_port::{LinkSender, SendBuffer};
+use super::pins::UsbSense;
 use super::queue::Consumer;
 
 /// Calls of [`Ground::update`] between a restart's acknowledgement and the restart: 0.1 s, so that it leaves the port.
 const RESTART_UPDATES: u8 = 10;
 
-/// Bytes sent at once with hardware in the loop; the longest message has 66.
+/// Bytes sent at once with hardware in the loop; the longest message has 66, and a signature 13.
 const HIL_DUE_BYTES: usize = 100;
 
 /// Telemetry with its queues.
@@ -31,6 +33,7 @@ pub struct Ground {
     answers: Consumer<'static, Answer>,
     chores: Consumer<'static, Chore>,
     memory: Fram,
+    usb: UsbSense,
     /// Updates until the restart that was ordered.
     restart_in: Option<u8>,
     /// So often has it told that the first IMU was set up again, and that it was given up.
@@ -41,13 +44,13 @@ impl Ground {
     /// Begins with what happened before.
     pub fn new(
         settings: &LinkSettings,
-        (params, memory): (&Params, Fram),
+        (params, mut memory, usb): (&Params, Fram, UsbSense),
         answers: Consumer<'static, Answer>,
         chores: Consumer<'static, Chore>,
     ) -> Self {
-        let telemetry = Telemetry::new(settings, params);
+        let telemetry = Telemetry::new(settings, params).with_signing(memory.read_signing());
         let (due, hil, restart_in, registers_told) = (SendBuffer::new(), params.hil, None, [0; 2]);
-        Self { telemetry, due, hil, answers, chores, memory, restart_in, registers_told }
+        Self { telemetry, due, hil, answers, chores, memory, usb, restart_in, registers_told }
     }
 
     /// Tells a person something that should not have happened, or that explains the start.
@@ -96,7 +99,7 @@ impl Ground {
             self.telemetry.answer(answer);
         }
         while let Some(chore) = self.chores.dequeue() {
-            self.attend_to(chore, status);
+            self.attend_to(chore, (time_us, status));
         }
         self.tell_registers();
         if self.due.is_empty() {
@@ -107,6 +110,13 @@ impl Ground {
             Some(updates) => *updates -= 1,
             None => {}
         }
+    }
+
+    /// Takes what has come signed, and says what is let in from now on. Who can plug in a cable stands beside the
+    /// vehicle.
+    pub fn sign(&mut self, seen: (u64, Refused), time_us: u64) -> Terms {
+        let is_local = self.usb.has_power();
+        self.telemetry.update_signing(seen, (time_us, is_local), |record| self.memory.store_signing(record))
     }
 
     /// Does the memory hold a whole record of parameters?
@@ -148,7 +158,7 @@ impl Ground {
         }
     }
 
-    fn attend_to(&mut self, chore: Chore, status: &VehicleStatus) {
+    fn attend_to(&mut self, chore: Chore, (time_us, status): (u64, &VehicleStatus)) {
         match chore {
             Chore::ClearFaultRecord => FaultRecord::clear(),
             Chore::StoreConfiguration => self.telemetry.store_configuration(|record| self.memory.store(record)),
@@ -158,6 +168,10 @@ impl Ground {
             Chore::CalibrateLevel => self.telemetry.calibrate_level(status, |record| self.memory.store(record)),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
             Chore::Logs(request) => self.telemetry.take_log_request(&request, &mut NoLogs),
+            Chore::SetUpSigning(setup) => {
+                let about = (status, time_us, self.usb.has_power());
+                self.telemetry.set_up_signing(&setup, about, |record| self.memory.store_signing(record));
+            }
             Chore::Restart => self.restart_in = Some(RESTART_UPDATES),
         }
     }

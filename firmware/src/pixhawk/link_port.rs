@@ -11,7 +11,8 @@ use core::sync::atomic::{Ordering, fence};
 
 use heapless::Vec;
 use shared_control::link::hil::HilTick;
-use shared_control::link::{LinkSettings, Order, Receiver};
+use shared_control::link::signing::{Refused, Terms};
+use shared_control::link::{Guard, LinkSettings, Order, Receiver};
 use stm32f4xx_hal::gpio::{Alternate, PD5, PD6};
 use stm32f4xx_hal::pac::{DMA1, Interrupt, USART2, dma1};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -115,6 +116,7 @@ impl LinkReceiver {
 pub struct LinkIn {
     port: LinkReceiver,
     receiver: Receiver,
+    guard: Guard,
     orders: Producer<'static, Order>,
     /// With hardware in the loop.
     ticks: Option<Producer<'static, HilTick>>,
@@ -124,11 +126,23 @@ impl LinkIn {
     /// With nothing heard yet.
     pub fn new(
         port: LinkReceiver,
-        settings: LinkSettings,
+        (settings, terms): (LinkSettings, Terms),
         orders: Producer<'static, Order>,
         ticks: Option<Producer<'static, HilTick>>,
     ) -> Self {
-        Self { port, receiver: Receiver::new(settings), orders, ticks }
+        let mut guard = Guard::open();
+        guard.follow(&terms);
+        Self { port, receiver: Receiver::new(settings), guard, orders, ticks }
+    }
+
+    /// What has come signed, and what was not let in.
+    pub fn seen(&self) -> (u64, Refused) {
+        (self.guard.latest_seen(), self.guard.refused)
+    }
+
+    /// Lets in what these terms say.
+    pub fn follow(&mut self, terms: &Terms) {
+        self.guard.follow(terms);
     }
 
     /// Takes all that has arrived; at most a ring of it, however fast it comes.
@@ -136,7 +150,7 @@ impl LinkIn {
         self.port.acknowledge();
         for _ in 0..RING_BYTES {
             let Some(byte) = self.port.next_byte() else { break };
-            let Some(order) = self.receiver.receive(byte) else { continue };
+            let Some(order) = self.receiver.receive(byte, &mut self.guard) else { continue };
             let taken = match (order, &mut self.ticks) {
                 (Order::HilTick(tick), Some(ticks)) => {
                     let taken = ticks.enqueue(tick).is_ok();

@@ -85,7 +85,6 @@ mod app {
         imus: Imus,
         #[lock_free]
         io: IoPort,
-        #[lock_free]
         link: LinkIn,
         sender: LinkSender,
         request: Option<PlanRequest>,
@@ -147,8 +146,8 @@ mod app {
         let (hil, baud) = (configuration.params.hil, configuration.link_baud());
         let buffers = (cx.local.ring, cx.local.buffer);
         let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, baud, buffers, &mut rcc);
-        let link = LinkIn::new(port, settings, orders, hil.then_some(ticks));
-        let mut ground = Ground::new(&settings, (&configuration.params, memory), answers_out, chores_out);
+        let mut ground = Ground::new(&settings, (&configuration.params, memory, pins.usb), answers_out, chores_out);
+        let link = LinkIn::new(port, (settings, ground.sign(Default::default(), 0)), orders, hil.then_some(ticks));
         ground.tell_start(&start);
         ground.tell_configuration(&configuration);
 
@@ -276,14 +275,14 @@ mod app {
     /// When a message has arrived or the ring is half full, done within 22 ms. On a miss bytes are lost, and the CRC of
     /// their messages says so. Orders that find no room are lost; the ground repeats what is not answered.
     #[task(binds = USART2, priority = 3, shared = [link])]
-    fn link_idle(cx: link_idle::Context) {
-        load::LINK.measure(|| cx.shared.link.take());
+    fn link_idle(mut cx: link_idle::Context) {
+        load::LINK.measure(|| cx.shared.link.lock(LinkIn::take));
     }
 
     /// As [`link_idle`], when half of the ring is full.
     #[task(binds = DMA1_STREAM5, priority = 3, shared = [link])]
-    fn link_ring(cx: link_ring::Context) {
-        load::LINK.measure(|| cx.shared.link.take());
+    fn link_ring(mut cx: link_ring::Context) {
+        load::LINK.measure(|| cx.shared.link.lock(LinkIn::take));
     }
 
     /// When a transfer to the ground has ended: an answer that waited for it goes out, 3 bytes' time later at most.
@@ -314,7 +313,7 @@ mod app {
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
     #[task(
-        binds = CAN1_RX1, priority = 1, shared = [sender, status],
+        binds = CAN1_RX1, priority = 1, shared = [link, sender, status],
         local = [
             ground, light_and_tone, watchdog, clock: TimeBase = TimeBase::START,
             load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0,
@@ -331,7 +330,10 @@ mod app {
                 overruns: counters::LOOP_OVERRUNS.get(),
                 ..cx.shared.status.lock(|status| *status)
             };
-            local.ground.update(local.clock.now_us(), &status);
+            let (now_us, seen) = (local.clock.now_us(), cx.shared.link.lock(|link| link.seen()));
+            let terms = local.ground.sign(seen, now_us);
+            cx.shared.link.lock(|link| link.follow(&terms));
+            local.ground.update(now_us, &status);
             cx.shared.sender.lock(|sender| local.ground.hand_over(sender));
             local.self_tests.update(&status, || local.ground.memory_is_whole());
             if local.ticks.is_multiple_of(10) {

@@ -1,6 +1,6 @@
 //! Which pin does what (Pixhawk 1, FMUv2 schematic), each in the state that is safe until its device is set up.
 
-use stm32f4xx_hal::gpio::{Edge, ExtiPin, Output, PD10, PE3, PinState, Pull, Speed};
+use stm32f4xx_hal::gpio::{Edge, ExtiPin, Input, Output, PC0, PD10, PE3, PinState, Pull, Speed};
 use stm32f4xx_hal::pac::{EXTI, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
@@ -34,6 +34,18 @@ pub struct Pins {
     pub light_and_tone: light_and_tone::Pins,
     /// The battery's voltage behind its divider.
     pub battery: battery::Pin,
+    /// Whether USB has power.
+    pub usb: UsbSense,
+}
+
+/// The signal !USB_VALID: low while the USB connector has power.
+pub struct UsbSense(PC0<Input>);
+
+impl UsbSense {
+    /// Is a cable plugged in?
+    pub fn has_power(&self) -> bool {
+        self.0.is_low()
+    }
 }
 
 impl Pins {
@@ -91,6 +103,7 @@ impl Pins {
                 _buzzer: a.pa15.into_alternate(),
             },
             battery: a.pa2.into_analog(),
+            usb: UsbSense(c.pc0.into_pull_up_input()),
         }
     }
 }

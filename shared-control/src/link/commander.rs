@@ -201,6 +201,7 @@ impl Commander {
             Order::Inquire(inquiry) => (None, Some(Chore::Tell(inquiry))),
             Order::Logs(request) if disarmed => (None, Some(Chore::Logs(request))),
             Order::Logs(_) => (Some(Answer::LogsRefused(Refusal::Armed)), None),
+            Order::SetUpSigning(setup) => (None, Some(Chore::SetUpSigning(setup))),
             Order::Senseless(command) => (Some(Answer::Senseless(command)), None),
             Order::UnknownCommand(command) => (Some(Answer::Unknown(command)), None),
             Order::HilTick(_) => (None, None),

@@ -2,18 +2,23 @@
 //!
 //! Layout (<https://mavlink.io/en/guide/serialization.html>): 0xFD, payload length, incompatibility flags,
 //! compatibility flags, sequence, system, component, message id (3 bytes), payload without its trailing zeros, CRC (2
-//! bytes), and 13 bytes of signature if the first incompatibility flag says so. The signature is skipped, not checked.
+//! bytes), and 13 bytes of signature if the first incompatibility flag says so. Whether that is right, [`Guard`] says.
+//!
+//! [`Guard`]: super::signing::Guard
 
 use mavlink::{MAV_STX_V2, MavlinkVersion, MessageData, calculate_crc};
+
+use super::signing::signature::{SIGNATURE_LEN, Signer};
 
 /// Longest payload that is taken or written: any that MAVLink has.
 pub const PAYLOAD_MAX: usize = 255;
 /// Longest frame that is taken or written.
 pub const FRAME_MAX: usize = HEADER_LEN + PAYLOAD_MAX + CRC_LEN + SIGNATURE_LEN;
 
-const HEADER_LEN: usize = 10;
-const CRC_LEN: usize = 2;
-const SIGNATURE_LEN: usize = 13;
+/// Bytes of a header.
+pub const HEADER_LEN: usize = 10;
+/// Bytes of a CRC.
+pub const CRC_LEN: usize = 2;
 const FLAG_SIGNED: u8 = 1;
 
 /// A frame whose CRC is right.
@@ -27,6 +32,12 @@ pub struct Frame {
     pub message_id: u32,
     /// Payload without its trailing zeros.
     pub payload: heapless::Vec<u8, PAYLOAD_MAX>,
+    /// As it came.
+    pub header: [u8; HEADER_LEN],
+    /// As it came.
+    pub crc: [u8; CRC_LEN],
+    /// What follows the CRC, where the frame is signed.
+    pub signature: Option<[u8; SIGNATURE_LEN]>,
 }
 
 /// Finds frames in a stream. After bytes that make no frame it starts again at the next 0xFD among those it
@@ -91,14 +102,19 @@ impl FrameFinder {
         else {
             return Look::Wait;
         };
-        let (Some([low, high]), true) = (rest.get(payload_len..payload_len + CRC_LEN), self.held.len() >= total) else {
+        let behind = rest.get(payload_len..).unwrap_or_default();
+        let (Some((crc, behind)), true) = (behind.split_first_chunk::<CRC_LEN>(), self.held.len() >= total) else {
             return Look::Wait;
         };
-        if calculate_crc(checked, extra) != u16::from_le_bytes([*low, *high]) {
+        if calculate_crc(checked, extra) != u16::from_le_bytes(*crc) {
             return Look::NoFrame;
         }
-        let Ok(payload) = heapless::Vec::from_slice(payload) else { return Look::NoFrame };
-        Look::Found(Frame { system_id: *system_id, component_id: *component_id, message_id, payload }, total)
+        let signature = behind.first_chunk().filter(|_| signature_len > 0).copied();
+        let (Ok(payload), Some(header)) = (heapless::Vec::from_slice(payload), self.held.first_chunk().copied()) else {
+            return Look::NoFrame;
+        };
+        let (system_id, component_id) = (*system_id, *component_id);
+        Look::Found(Frame { system_id, component_id, message_id, payload, header, crc: *crc, signature }, total)
     }
 
     fn take_away(&mut self, count: usize) {
@@ -113,18 +129,24 @@ pub fn message<D: MessageData>(frame: &Frame) -> Option<D> {
     if frame.message_id == D::ID { D::deser(MavlinkVersion::V2, &frame.payload).ok() } else { None }
 }
 
-/// Numbers and writes the frames of one sender.
+/// Numbers, writes and, where there is a key, signs the frames of one sender.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameWriter {
     system_id: u8,
     component_id: u8,
     sequence: u8,
+    signer: Option<Signer>,
 }
 
 impl FrameWriter {
     /// A sender that has sent nothing.
     pub fn new(system_id: u8, component_id: u8) -> Self {
-        Self { system_id, component_id, sequence: 0 }
+        Self { system_id, component_id, sequence: 0, signer: None }
+    }
+
+    /// Who signs from now on, if anybody does.
+    pub fn signer(&mut self) -> &mut Option<Signer> {
+        &mut self.signer
     }
 
     /// Appends a frame. False, and nothing written, if there is no room for it.
@@ -146,8 +168,10 @@ impl FrameWriter {
         let zeros = payload.iter().skip(1).rev().take_while(|byte| **byte == 0).count();
         let length = payload.len() - zeros;
         let [id0, id1, id2, _] = message_id.to_le_bytes();
-        let header = [MAV_STX_V2, length as u8, 0, 0, self.sequence, self.system_id, self.component_id, id0, id1, id2];
-        if out.capacity() - out.len() < HEADER_LEN + length + CRC_LEN {
+        let (flags, signature_len) = if self.signer.is_some() { (FLAG_SIGNED, SIGNATURE_LEN) } else { (0, 0) };
+        let [system, component] = [self.system_id, self.component_id];
+        let header = [MAV_STX_V2, length as u8, flags, 0, self.sequence, system, component, id0, id1, id2];
+        if out.capacity() - out.len() < HEADER_LEN + length + CRC_LEN + signature_len {
             return false;
         }
         let start = out.len();
@@ -155,7 +179,10 @@ impl FrameWriter {
             && out.extend_from_slice(payload.get(..length).unwrap_or_default()).is_ok();
         let crc = calculate_crc(out.get(start + 1..).unwrap_or_default(), extra_crc);
         self.sequence = self.sequence.wrapping_add(1);
-        fits && out.extend_from_slice(&crc.to_le_bytes()).is_ok()
+        let written = fits && out.extend_from_slice(&crc.to_le_bytes()).is_ok();
+        let Some(signer) = &mut self.signer else { return written };
+        let signature = signer.sign(out.get(start..).unwrap_or_default());
+        written && out.extend_from_slice(&signature).is_ok()
     }
 }
 

@@ -35,6 +35,7 @@
 //! | `MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN` | param1 = 1: starts anew; only when disarmed |
 //! | `PARAM_REQUEST_LIST`, `PARAM_REQUEST_READ`, `PARAM_SET` | see [`parameters`]; set only when disarmed |
 //! | `LOG_REQUEST_LIST`, `LOG_REQUEST_DATA`, `LOG_ERASE`, `LOG_REQUEST_END` | see [`log_download`]; only when disarmed |
+//! | `SETUP_SIGNING` | only signed frames count from then on: see [`signing`]; only when disarmed |
 //! | `HIL_SENSOR` | hardware in the loop: see [`hil`] |
 //!
 //! Each command is answered with one `COMMAND_ACK`, a refusal also with a `STATUSTEXT` that gives the reason.
@@ -55,6 +56,7 @@ pub mod parameters;
 pub mod receiver;
 mod reports;
 pub mod settings;
+pub mod signing;
 pub mod streams;
 pub mod telemetry;
 pub mod vehicle_status;
@@ -66,6 +68,7 @@ pub use orders_and_answers::{Answer, Chore, Inquiry, Order, ParameterRequest, Te
 pub use parameters::Parameters;
 pub use receiver::Receiver;
 pub use settings::{COMPONENT_ID, LinkSettings};
+pub use signing::{Guard, Signing};
 pub use telemetry::Telemetry;
 pub use vehicle_status::VehicleStatus;
 

@@ -5,6 +5,7 @@ use mavlink::dialects::common::MavCmd;
 use super::hil::HilTick;
 use super::log_download::LogRequest;
 use super::mode::Mode;
+use super::signing::SigningSetup;
 use crate::params::table::Field;
 use crate::signals::{MotorTest, Setpoint};
 use crate::supervisor::Refusal;
@@ -46,6 +47,8 @@ pub enum Order {
     Inquire(Inquiry),
     /// List, send or erase logs.
     Logs(LogRequest),
+    /// Sign with this key, or with none.
+    SetUpSigning(SigningSetup),
     /// A command whose parameters make no sense.
     Senseless(MavCmd),
     /// A command that this vehicle does not know.
@@ -148,6 +151,8 @@ pub enum Chore {
     Tell(Inquiry),
     /// List, send or erase logs.
     Logs(LogRequest),
+    /// Sign with this key, or with none.
+    SetUpSigning(SigningSetup),
 }
 
 /// Text of a `STATUSTEXT`.

@@ -7,7 +7,8 @@ use mavlink::MessageData;
 use mavlink::dialects::common::{
     AUTOPILOT_VERSION_DATA, AttitudeTargetTypemask, COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA,
     HIL_SENSOR_DATA, MANUAL_CONTROL_DATA, MISSION_REQUEST_LIST_DATA, MavCmd, MavParamType, MavType,
-    PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, SET_ATTITUDE_TARGET_DATA, TIMESYNC_DATA,
+    PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, SET_ATTITUDE_TARGET_DATA, SETUP_SIGNING_DATA,
+    TIMESYNC_DATA,
 };
 use nalgebra::Quaternion;
 
@@ -17,6 +18,7 @@ use super::log_download;
 use super::mode::Mode;
 use super::orders_and_answers::{Inquiry, Order, ParameterRequest};
 use super::settings::{COMPONENT_ID, LinkSettings};
+use super::signing::{FIRST_TIMESTAMP_MAX, Guard, Key, SigningSetup};
 use crate::elementary::limit;
 use crate::frames::{euler_from_q, normalized};
 use crate::params::table::Field;
@@ -45,9 +47,12 @@ impl Receiver {
         Self { settings, finder: FrameFinder::default(), rejected: 0 }
     }
 
-    /// Takes one byte.
-    pub fn receive(&mut self, byte: u8) -> Option<Order> {
+    /// Takes one byte. A frame that the guard does not admit is as if it had not come.
+    pub fn receive(&mut self, byte: u8, guard: &mut Guard) -> Option<Order> {
         let frame = self.finder.push(byte, crc_extra)?;
+        if !guard.admits(&frame) {
+            return None;
+        }
         match frame.message_id {
             HEARTBEAT_DATA::ID => self.heartbeat(&frame),
             MANUAL_CONTROL_DATA::ID => self.manual_control(&frame),
@@ -55,6 +60,7 @@ impl Receiver {
             SET_ATTITUDE_TARGET_DATA::ID => self.attitude_target(&frame),
             MISSION_REQUEST_LIST_DATA::ID => self.plan_length(&frame),
             TIMESYNC_DATA::ID => self.timesync(&frame),
+            SETUP_SIGNING_DATA::ID => self.signing(&frame),
             HIL_SENSOR_DATA::ID => {
                 let tick = self.counted(message::<HIL_SENSOR_DATA>(&frame).map(|data| HilTick::new(&data)))?;
                 // a tick without a sample makes its step, and counts
@@ -127,6 +133,16 @@ impl Receiver {
         let data = self.counted(message::<TIMESYNC_DATA>(frame))?;
         // any other is somebody's answer
         (data.tc1 == 0).then_some(Order::Inquire(Inquiry::Time { their_ns: data.ts1 }))
+    }
+
+    fn signing(&mut self, frame: &Frame) -> Option<Order> {
+        let data = self.counted(message::<SETUP_SIGNING_DATA>(frame))?;
+        if !self.is_for_this_component(data.target_system, data.target_component) {
+            return None;
+        }
+        let first_timestamp = data.initial_timestamp;
+        let setup = SigningSetup { key: Key::new(data.secret_key), first_timestamp };
+        self.counted((first_timestamp <= FIRST_TIMESTAMP_MAX).then_some(Order::SetUpSigning(setup)))
     }
 
     fn parameters(&mut self, frame: &Frame) -> Option<ParameterRequest> {
@@ -314,6 +330,7 @@ fn crc_extra(message_id: u32) -> Option<u8> {
         PARAM_REQUEST_LIST_DATA::ID => Some(PARAM_REQUEST_LIST_DATA::EXTRA_CRC),
         PARAM_REQUEST_READ_DATA::ID => Some(PARAM_REQUEST_READ_DATA::EXTRA_CRC),
         PARAM_SET_DATA::ID => Some(PARAM_SET_DATA::EXTRA_CRC),
+        SETUP_SIGNING_DATA::ID => Some(SETUP_SIGNING_DATA::EXTRA_CRC),
         _ => log_download::crc_extra(message_id),
     }
 }

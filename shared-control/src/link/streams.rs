@@ -14,6 +14,8 @@ use mavlink::dialects::common::{
 const SHARE_PERCENT: u32 = 70;
 /// Header and CRC of a frame, bytes.
 const FRAME_BYTES: u32 = 12;
+/// Its signature, where there is one, bytes.
+const SIGNATURE_BYTES: u32 = 13;
 /// The shortest interval, µs: as often as reports are looked at.
 const SHORTEST_US: u64 = 10_000;
 /// The longest, µs.
@@ -95,8 +97,8 @@ impl Stream {
         Stream::ALL.into_iter().find(|stream| stream.row().0 == message_id)
     }
 
-    fn frame_bytes(self) -> u32 {
-        self.row().1 as u32 + FRAME_BYTES
+    fn frame_bytes(self, is_signed: bool) -> u32 {
+        self.row().1 as u32 + FRAME_BYTES + if is_signed { SIGNATURE_BYTES } else { 0 }
     }
 }
 
@@ -116,6 +118,8 @@ pub struct Streams {
     /// Requested once, whatever the interval.
     once: [bool; Stream::ALL.len()],
     bytes_s_max: u32,
+    /// Are frames signed? They take more of the line.
+    pub are_signed: bool,
 }
 
 impl Streams {
@@ -125,6 +129,7 @@ impl Streams {
             due: Stream::ALL.map(|stream| Due::every(stream.row().2)),
             once: [false; Stream::ALL.len()],
             bytes_s_max: line_bytes_s / 100 * SHARE_PERCENT,
+            are_signed: false,
         }
     }
 
@@ -191,7 +196,7 @@ impl Streams {
     fn bytes_s(&self) -> u32 {
         let of = |stream: Stream| {
             // at most 100 a second of 255 bytes
-            let per_second = |period_us: u64| u64::from(stream.frame_bytes()) * 1_000_000 / period_us;
+            let per_second = |period_us: u64| u64::from(stream.frame_bytes(self.are_signed)) * 1_000_000 / period_us;
             self.interval_us(stream).map_or(0, per_second) as u32
         };
         Stream::ALL.into_iter().map(of).sum()

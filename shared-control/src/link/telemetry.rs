@@ -1,5 +1,7 @@
 //! What the vehicle says of itself; at start, at rates that leave half of 57,600 baud free.
 
+mod signed;
+
 use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, MavCmd, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
 use nalgebra::Vector3;
@@ -15,6 +17,7 @@ use super::orders_and_answers::{Answer, Inquiry, ParameterRequest, Text};
 use super::parameters::Parameters;
 use super::reports::{attitude_quaternion, attitude_target, battery, highres_imu, landed, system_time, vibration};
 use super::settings::{COMPONENT_ID, LinkSettings};
+use super::signing::{Refused, Signing, SigningRecord};
 use super::streams::{Due, Stream, Streams};
 use super::vehicle_status::VehicleStatus;
 use crate::io_chip::IoState;
@@ -27,6 +30,9 @@ use crate::supervisor::{Arming, Refusal};
 
 /// Shortest time between two `STATUSTEXT`, µs.
 pub const TEXT_PERIOD_US: u64 = 100_000;
+
+/// Shortest time between two texts about frames that were not let in, µs: whoever floods is not to fill the line.
+const REFUSAL_PERIOD_US: u64 = 10_000_000;
 
 /// Time from one `NAMED_VALUE_INT` to the next, µs; they take turns.
 pub const FIGURE_PERIOD_US: u64 = 250_000;
@@ -60,6 +66,9 @@ pub struct Telemetry {
     streams: Streams,
     inquiries: Inquiries,
     logs: LogDownload,
+    signing: Signing,
+    told_refused: Refused,
+    refusal: Due,
     text: Due,
     figure: Due,
     /// Texts and answers for which there was no room.
@@ -85,6 +94,9 @@ impl Telemetry {
             streams: Streams::new(settings.line_bytes_s),
             inquiries: Inquiries::default(),
             logs: LogDownload::new(settings.line_bytes_s),
+            signing: Signing::new(SigningRecord::default()),
+            told_refused: Refused::default(),
+            refusal: Due::every(REFUSAL_PERIOD_US),
             text: Due::every(TEXT_PERIOD_US),
             figure: Due::every(FIGURE_PERIOD_US),
             dropped: 0,

@@ -14,7 +14,10 @@ use sil_host::answer::board_parameters::board_parameters;
 use sil_host::effects::Effect;
 use sil_host::model::VehicleModel;
 use sil_host::serve::parameter_file::{self, InMemory, ParameterFile};
-use sil_host::serve::{LogShelf, Pace, ParameterStore, ServedVehicle, Sockets, SocketsSetup, TICK_US};
+use sil_host::serve::signing_file::SigningFile;
+use sil_host::serve::{
+    LogShelf, Memory, Pace, ParameterStore, ServedVehicle, SigningStore, Sockets, SocketsSetup, TICK_US, Unsigned,
+};
 
 use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle_model, write_json};
 
@@ -47,6 +50,10 @@ pub struct ServeArguments {
     /// Keep the flights' logs (ULog) in this folder; made if it is not there [default: in memory]
     #[arg(long, value_name = "DIR")]
     logs: Option<PathBuf>,
+    /// Let only signed frames count, with the key in this file: 64 hexadecimal digits, or a passphrase of one line; the
+    /// clock of timestamps is kept beside it. Made by SETUP_SIGNING from this computer if it is not there
+    #[arg(long, value_name = "KEY")]
+    signing: Option<PathBuf>,
     /// How many times as fast as real time
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = speed)]
     speed: f64,
@@ -125,13 +132,8 @@ pub fn run(arguments: &ServeArguments) -> Result<(), Failure> {
         model.effects.push(effect.map_err(|problem| bad_input(format!("--effect {text}: {problem}")))?);
     }
     let (params, store) = parameters(arguments, &known)?;
-    let shelf = match &arguments.logs {
-        Some(folder) => {
-            LogShelf::in_folder(folder).map_err(|error| bad_input(format!("--logs {}: {error}", folder.display())))?
-        }
-        None => LogShelf::in_memory(),
-    };
-    let mut vehicle = ServedVehicle::new(model, arguments.seed, &params, store, shelf).map_err(bad_input)?;
+    let memory = Memory { parameters: store, signing: signing(arguments)?, logs: logs(arguments)? };
+    let mut vehicle = ServedVehicle::new(model, arguments.seed, &params, memory).map_err(bad_input)?;
     let setup = SocketsSetup { udp: arguments.udp.0, tcp: arguments.tcp.0 };
     let mut sockets = Sockets::open(&setup, vehicle.board().link_settings()).map_err(bad_input)?;
     print(introduction(arguments, &known, &params, &sockets))?;
@@ -159,7 +161,7 @@ fn serve(arguments: &ServeArguments, vehicle: &mut ServedVehicle, sockets: &mut 
         let due = pace.take_due(Instant::now(), TICK_US);
         for _ in 0..due {
             if vehicle.simulated_us().is_multiple_of(RECEIVE_US) {
-                sockets.receive(|order| vehicle.board().order(order));
+                sockets.receive(vehicle.board());
             }
             vehicle.advance().map_err(failed)?;
             sockets.send(&vehicle.board().take_sent());
@@ -193,6 +195,23 @@ fn parameters(arguments: &ServeArguments, known: &VehicleModel) -> Result<(Param
         file.write(&params).map_err(|error| failed(format!("{}: cannot be written: {error}", path.display())))?;
     }
     Ok((params, Box::new(file)))
+}
+
+/// Where the flights' logs are kept.
+fn logs(arguments: &ServeArguments) -> Result<LogShelf, Failure> {
+    match &arguments.logs {
+        Some(folder) => {
+            LogShelf::in_folder(folder).map_err(|error| bad_input(format!("--logs {}: {error}", folder.display())))
+        }
+        None => Ok(LogShelf::in_memory()),
+    }
+}
+
+/// Where key and clock of signed frames are kept.
+fn signing(arguments: &ServeArguments) -> Result<Box<dyn SigningStore>, Failure> {
+    let Some(path) = &arguments.signing else { return Ok(Box::new(Unsigned)) };
+    make_folder(path)?;
+    Ok(Box::new(SigningFile::open(path).map_err(bad_input)?))
 }
 
 /// What the parameters are where no file says otherwise: the vehicle's own numbers.

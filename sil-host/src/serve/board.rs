@@ -6,8 +6,9 @@ use std::collections::VecDeque;
 use mavlink::dialects::common::MavSeverity;
 use shared_control::config::{ConfigError, Controller};
 use shared_control::flight_core::{FlightCore, State};
+use shared_control::link::signing::SigningRecord;
 use shared_control::link::telemetry::FIGURES;
-use shared_control::link::{Answer, Chore, Commander, LinkSettings, Order, Telemetry, VehicleStatus};
+use shared_control::link::{Answer, Chore, Commander, Guard, LinkSettings, Order, Receiver, Telemetry, VehicleStatus};
 use shared_control::mpc::MpcError;
 use shared_control::params::{Params, RECORD_LEN, Rig};
 use shared_control::radio::StickCurves;
@@ -31,6 +32,24 @@ const RESTART_AFTER: u8 = 10;
 pub trait ParameterStore {
     /// Keeps a record; false if that failed.
     fn keep(&mut self, record: &[u8; RECORD_LEN]) -> bool;
+}
+
+/// Where the key and the clock of signed frames last.
+pub trait SigningStore {
+    /// What was kept last.
+    fn kept(&self) -> SigningRecord;
+    /// Keeps a record; false if that failed.
+    fn keep(&mut self, record: &SigningRecord) -> bool;
+}
+
+/// What lasts from one start of a board to the next.
+pub struct Memory {
+    /// Parameters.
+    pub parameters: Box<dyn ParameterStore>,
+    /// Key and clock of signed frames.
+    pub signing: Box<dyn SigningStore>,
+    /// Logs of flights.
+    pub logs: LogShelf,
 }
 
 /// What no board can start with.
@@ -70,6 +89,8 @@ pub struct SimulatedBoard {
     flown: Params,
     stored: Params,
     store: Box<dyn ParameterStore>,
+    guard: Guard,
+    signing: Box<dyn SigningStore>,
     log: BoardLog,
     restart_in: Option<u8>,
     /// Orders that found no room.
@@ -81,7 +102,8 @@ impl SimulatedBoard {
     ///
     /// # Errors
     /// [`OutOfOrder`] where they cannot be flown.
-    pub fn start(params: &Params, store: Box<dyn ParameterStore>, shelf: LogShelf) -> Result<Self, OutOfOrder> {
+    pub fn start(params: &Params, memory: Memory) -> Result<Self, OutOfOrder> {
+        let Memory { parameters: store, signing, logs } = memory;
         // the simulated vehicle is all around this board already
         let params = &Params { hil: false, ..*params };
         let setup = Setup::new(params).map_err(OutOfOrder::Config)?;
@@ -95,6 +117,11 @@ impl SimulatedBoard {
             vehicle_unusable: setup.vehicle_fault.is_some(),
             ..ArmingBlocks::default()
         };
+        let mut telemetry = Telemetry::new(&settings, params).with_signing(signing.kept());
+        let mut guard = Guard::open();
+        // nothing is let in before the key is known
+        let is_kept = |_: &SigningRecord| false;
+        guard.follow(&telemetry.update_signing((0, guard.refused), (0, false), is_kept));
         Ok(Self {
             setup,
             state: State::default(),
@@ -102,7 +129,7 @@ impl SimulatedBoard {
             plan: None,
             // there is neither radio nor safety button here
             commander: Commander::new(&settings, blocks),
-            telemetry: Telemetry::new(&settings, params),
+            telemetry,
             status: VehicleStatus::at_start(params.controller),
             input: StepInput::default(),
             orders: VecDeque::new(),
@@ -111,7 +138,9 @@ impl SimulatedBoard {
             flown: *params,
             stored: *params,
             store,
-            log: BoardLog::new(shelf),
+            guard,
+            signing,
+            log: BoardLog::new(logs),
             restart_in: None,
             orders_dropped: 0,
         })
@@ -127,11 +156,14 @@ impl SimulatedBoard {
     /// # Errors
     /// As [`SimulatedBoard::start`].
     pub fn restart(&mut self) -> Result<(), OutOfOrder> {
-        let store = std::mem::replace(&mut self.store, Box::new(Forgetful));
+        let memory = Memory {
+            parameters: std::mem::replace(&mut self.store, Box::new(Forgetful)),
+            signing: std::mem::replace(&mut self.signing, Box::new(Unsigned)),
+            logs: std::mem::replace(&mut self.log, BoardLog::new(LogShelf::in_memory())).into_shelf(),
+        };
         let sent = std::mem::take(&mut self.sent);
-        let shelf = std::mem::replace(&mut self.log, BoardLog::new(LogShelf::in_memory())).into_shelf();
         let dropped = self.orders_dropped;
-        *self = Self { sent, orders_dropped: dropped, ..Self::start(&self.stored, store, shelf)? };
+        *self = Self { sent, orders_dropped: dropped, ..Self::start(&self.stored, memory)? };
         Ok(())
     }
 
@@ -148,6 +180,16 @@ impl SimulatedBoard {
     /// State after the last step.
     pub fn status(&self) -> &VehicleStatus {
         &self.status
+    }
+
+    /// Takes a byte that came to one of its links; what it orders is obeyed in the next step. `is_local`: the sender
+    /// sits at this computer, and may set up signing.
+    pub fn hear(&mut self, receiver: &mut Receiver, byte: u8, is_local: bool) {
+        match receiver.receive(byte, &mut self.guard) {
+            Some(Order::SetUpSigning(_)) if !is_local => {}
+            Some(order) => self.order(order),
+            None => {}
+        }
     }
 
     /// Takes an order; it is obeyed in the next step.
@@ -198,8 +240,13 @@ impl SimulatedBoard {
     /// What has time: chores, and reports that are due.
     pub fn keep_house(&mut self, time_us: u64) {
         while let Some(chore) = self.chores.pop_front() {
-            self.attend_to(chore);
+            self.attend_to(chore, time_us);
         }
+        let seen = (self.guard.latest_seen(), self.guard.refused);
+        let signing = &mut self.signing;
+        // whoever has lost the key deletes its file: nobody may change it unsigned
+        let terms = self.telemetry.update_signing(seen, (time_us, false), |record| signing.keep(record));
+        self.guard.follow(&terms);
         let planning = self.status.planning;
         let mut figures = [("", 0); FIGURES];
         figures[..4].copy_from_slice(&[
@@ -228,7 +275,7 @@ impl SimulatedBoard {
         self.chores.extend(chore);
     }
 
-    fn attend_to(&mut self, chore: Chore) {
+    fn attend_to(&mut self, chore: Chore, time_us: u64) {
         let (store, stored) = (&mut self.store, &mut self.stored);
         let keep = |record: &[u8; RECORD_LEN]| {
             let kept = store.keep(record);
@@ -245,6 +292,11 @@ impl SimulatedBoard {
             Chore::CalibrateLevel => self.telemetry.calibrate_level(&self.status, keep),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
             Chore::Logs(request) => self.telemetry.take_log_request(&request, self.log.shelf()),
+            Chore::SetUpSigning(setup) => {
+                let signing = &mut self.signing;
+                let about = (&self.status, time_us, true);
+                self.telemetry.set_up_signing(&setup, about, |record| signing.keep(record));
+            }
             Chore::Restart => self.restart_in = Some(RESTART_AFTER),
         }
     }
@@ -255,6 +307,20 @@ struct Forgetful;
 
 impl ParameterStore for Forgetful {
     fn keep(&mut self, _: &[u8; RECORD_LEN]) -> bool {
+        false
+    }
+}
+
+/// A board that keeps no key; none lasts longer than it runs.
+#[derive(Debug)]
+pub struct Unsigned;
+
+impl SigningStore for Unsigned {
+    fn kept(&self) -> SigningRecord {
+        SigningRecord::default()
+    }
+
+    fn keep(&mut self, _: &SigningRecord) -> bool {
         false
     }
 }

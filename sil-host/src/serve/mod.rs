@@ -13,11 +13,12 @@ mod board_log;
 mod log_shelf;
 mod pace;
 pub mod parameter_file;
+pub mod signing_file;
 mod sockets;
 mod support;
 mod world;
 
-pub use board::{OutOfOrder, ParameterStore, SimulatedBoard};
+pub use board::{Memory, OutOfOrder, ParameterStore, SigningStore, SimulatedBoard, Unsigned};
 pub use log_shelf::LogShelf;
 pub use pace::Pace;
 pub use sockets::{Sockets, SocketsSetup};
@@ -56,10 +57,9 @@ impl ServedVehicle {
         model: VehicleModel,
         seed: u64,
         params: &Params,
-        store: Box<dyn ParameterStore>,
-        shelf: LogShelf,
+        memory: Memory,
     ) -> Result<Self, OutOfOrder> {
-        let board = SimulatedBoard::start(params, store, shelf)?;
+        let board = SimulatedBoard::start(params, memory)?;
         let world = World::new(&model, seed);
         Ok(Self { model, seed, board, world, now_us: 0, simulated_us: 0, restarts: 0 })
     }

@@ -6,7 +6,9 @@
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 
-use shared_control::link::{LinkSettings, Order, Receiver};
+use shared_control::link::{LinkSettings, Receiver};
+
+use super::SimulatedBoard;
 
 /// Largest datagram that is taken.
 const DATAGRAM_MAX: usize = 2048;
@@ -90,10 +92,10 @@ impl Sockets {
         std::mem::take(&mut self.news)
     }
 
-    /// Takes what has arrived and passes on the orders in it.
-    pub fn receive(&mut self, mut order: impl FnMut(Order)) {
+    /// Takes what has arrived and lets the board hear it.
+    pub fn receive(&mut self, board: &mut SimulatedBoard) {
         self.accept();
-        self.receive_udp(&mut order);
+        self.receive_udp(board);
         let (mut buffer, mut received) = ([0; DATAGRAM_MAX], 0);
         let news = &mut self.news;
         self.clients.retain_mut(|client| {
@@ -105,7 +107,7 @@ impl Sockets {
                     }
                     Ok(length) => {
                         received += length as u64;
-                        take_apart(&mut client.receiver, &buffer[..length], &mut order);
+                        hear(board, &mut client.receiver, client.address, &buffer[..length]);
                     }
                     Err(error) if is_nothing_yet(&error) => break,
                     Err(error) => {
@@ -154,7 +156,7 @@ impl Sockets {
         }
     }
 
-    fn receive_udp(&mut self, order: &mut impl FnMut(Order)) {
+    fn receive_udp(&mut self, board: &mut SimulatedBoard) {
         let Some(udp) = &self.udp else { return };
         let mut buffer = [0; DATAGRAM_MAX];
         for _ in 0..READS_PER_LOOK * PEERS_MAX {
@@ -170,7 +172,7 @@ impl Sockets {
                 self.udp_peers.push(Peer { stream: (), address: from, receiver: Receiver::new(self.settings) });
                 self.udp_peers.len() - 1
             });
-            take_apart(&mut self.udp_peers[at].receiver, &buffer[..length], order);
+            hear(board, &mut self.udp_peers[at].receiver, from, &buffer[..length]);
             if at > 0 {
                 // the latest last, but for the first
                 self.udp_peers[at..].rotate_left(1);
@@ -183,8 +185,8 @@ fn unspecified(like: SocketAddr) -> std::net::IpAddr {
     if like.is_ipv4() { std::net::Ipv4Addr::UNSPECIFIED.into() } else { std::net::Ipv6Addr::UNSPECIFIED.into() }
 }
 
-fn take_apart(receiver: &mut Receiver, bytes: &[u8], order: &mut impl FnMut(Order)) {
-    bytes.iter().filter_map(|byte| receiver.receive(*byte)).for_each(order);
+fn hear(board: &mut SimulatedBoard, receiver: &mut Receiver, from: SocketAddr, bytes: &[u8]) {
+    bytes.iter().for_each(|byte| board.hear(receiver, *byte, from.ip().is_loopback()));
 }
 
 fn is_nothing_yet(error: &io::Error) -> bool {

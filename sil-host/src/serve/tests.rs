@@ -42,7 +42,8 @@ struct Flown {
 
 impl Flown {
     fn new(model: VehicleModel, params: &Params, kept: Kept) -> Self {
-        let mut vehicle = ServedVehicle::new(model, 1, params, Box::new(kept), LogShelf::in_memory()).unwrap();
+        let memory = Memory { parameters: Box::new(kept), signing: Box::new(Unsigned), logs: LogShelf::in_memory() };
+        let mut vehicle = ServedVehicle::new(model, 1, params, memory).unwrap();
         let receiver = Receiver::new(vehicle.board().link_settings());
         Self { vehicle, receiver, writer: FrameWriter::new(255, 190), said: Vec::new(), throttle: 0 }
     }
@@ -59,9 +60,7 @@ impl Flown {
         let mut frame = heapless::Vec::<u8, 100>::new();
         assert!(self.writer.write(data, &mut frame));
         for byte in frame {
-            if let Some(order) = self.receiver.receive(byte) {
-                self.vehicle.board().order(order);
-            }
+            self.vehicle.board().hear(&mut self.receiver, byte, true);
         }
     }
 

@@ -8,7 +8,7 @@ use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State};
 use shared_control::link::frame::FrameWriter;
 use shared_control::link::hil::{self, HilTick};
-use shared_control::link::{COMPONENT_ID, Commander, LinkSettings, Order, Receiver, Telemetry, VehicleStatus};
+use shared_control::link::{COMPONENT_ID, Commander, Guard, LinkSettings, Order, Receiver, Telemetry, VehicleStatus};
 use shared_control::params::Params;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingBlocks, StepInput};
@@ -103,7 +103,7 @@ impl BoardTwin {
 impl Write for BoardTwin {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
         for byte in bytes {
-            if let Some(order) = self.receiver.receive(*byte) {
+            if let Some(order) = self.receiver.receive(*byte, &mut Guard::open()) {
                 self.order(order);
             }
         }

@@ -2,7 +2,7 @@
 
 extern crate std;
 use super::*;
-use crate::link::{Answer, Chore, Commander, LinkSettings, Order, Receiver};
+use crate::link::{Answer, Chore, Commander, Guard, LinkSettings, Order, Receiver};
 use crate::params::decode;
 use crate::params::tests::any_params;
 use crate::signals::ArmingBlocks;
@@ -19,7 +19,7 @@ fn order_of(data: &impl MessageData) -> Order {
     let mut bytes = heapless::Vec::<u8, 100>::new();
     assert!(FrameWriter::new(255, 190).write(data, &mut bytes));
     let mut receiver = Receiver::new(LinkSettings::NOMINAL);
-    let orders: Vec<_> = bytes.iter().filter_map(|byte| receiver.receive(*byte)).collect();
+    let orders: Vec<_> = bytes.iter().filter_map(|byte| receiver.receive(*byte, &mut Guard::open())).collect();
     assert_eq!(orders.len(), 1, "{orders:?}");
     orders[0]
 }

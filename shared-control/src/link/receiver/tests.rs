@@ -16,7 +16,7 @@ const SETTINGS: LinkSettings = LinkSettings {
 fn orders(receiver: &mut Receiver, data: &impl MessageData) -> Vec<Order> {
     let mut bytes = heapless::Vec::<u8, 100>::new();
     assert!(FrameWriter::new(255, 190).write(data, &mut bytes));
-    bytes.iter().filter_map(|byte| receiver.receive(*byte)).collect()
+    bytes.iter().filter_map(|byte| receiver.receive(*byte, &mut Guard::open())).collect()
 }
 
 fn order(data: &impl MessageData) -> Option<Order> {
@@ -121,7 +121,7 @@ fn a_motor_test_is_of_one_motor_in_percent_and_seconds() {
 fn garbage_is_counted_byte_by_byte_and_nonsense_frame_by_frame() {
     let mut receiver = Receiver::new(SETTINGS);
     for byte in [1, 2, 3, 4, 5] {
-        assert_eq!(receiver.receive(byte), None);
+        assert_eq!(receiver.receive(byte, &mut Guard::open()), None);
     }
     assert_eq!((receiver.bytes_skipped(), receiver.rejected), (5, 0));
     let heartbeat = HEARTBEAT_DATA { mavtype: MavType::MAV_TYPE_GCS, ..HEARTBEAT_DATA::DEFAULT };

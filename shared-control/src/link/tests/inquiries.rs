@@ -31,7 +31,7 @@ impl Vehicle {
 
     /// Everything that it says within 10 ms.
     fn says(&mut self, bytes: &[u8]) -> Vec<u8> {
-        for order in bytes.iter().filter_map(|byte| self.receiver.receive(*byte)) {
+        for order in bytes.iter().filter_map(|byte| self.receiver.receive(*byte, &mut Guard::open())) {
             let (answer, chore) = self.commander.order(&order, self.time_us);
             answer.into_iter().for_each(|answer| self.telemetry.answer(answer));
             if let Some(Chore::Tell(inquiry)) = chore {
@@ -111,7 +111,8 @@ fn every_command_is_answered_once() {
 #[test]
 fn commands_with_whole_numbers_mean_the_same() {
     let mut receiver = Receiver::new(SETTINGS);
-    let mut order = |data: &COMMAND_INT_DATA| encoded(data).iter().find_map(|byte| receiver.receive(*byte));
+    let mut order =
+        |data: &COMMAND_INT_DATA| encoded(data).iter().find_map(|byte| receiver.receive(*byte, &mut Guard::open()));
     let level = COMMAND_INT_DATA {
         command: MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION,
         x: 2,

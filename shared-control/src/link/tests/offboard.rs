@@ -25,7 +25,8 @@ fn target(roll_rad: f32, pitch_rad: f32, thrust: f32) -> SET_ATTITUDE_TARGET_DAT
 
 fn heard(data: &SET_ATTITUDE_TARGET_DATA) -> Option<Setpoint> {
     let mut receiver = Receiver::new(SETTINGS);
-    let orders: Vec<Order> = encoded(data).iter().filter_map(|byte| receiver.receive(*byte)).collect();
+    let orders: Vec<Order> =
+        encoded(data).iter().filter_map(|byte| receiver.receive(*byte, &mut Guard::open())).collect();
     assert_eq!(usize::from(receiver.rejected > 0), 1 - orders.len(), "what is no set-point is counted");
     match orders[..] {
         [Order::FlyOffboard(setpoint)] => Some(setpoint),

@@ -16,7 +16,7 @@ use proptest::prelude::*;
 use std::vec::Vec;
 
 fn orders(receiver: &mut Receiver, bytes: &[u8]) -> Vec<Order> {
-    bytes.iter().filter_map(|byte| receiver.receive(*byte)).collect()
+    bytes.iter().filter_map(|byte| receiver.receive(*byte, &mut Guard::open())).collect()
 }
 
 fn orders_of(bytes: &[u8]) -> Vec<Order> {

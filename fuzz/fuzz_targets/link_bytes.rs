@@ -1,0 +1,151 @@
+//! Raw bytes as what arrives on the link, through receiver, commander and telemetry.
+//!
+//! Of every chunk the first byte says what it is: bytes as they are, or the payload of a message that is understood,
+//! framed, or signed, or signed with another key. Whatever the bytes: no panic, set-points are numbers in their range,
+//! the vehicle speaks in frames, and while a key is in force nothing that is not signed with it commands.
+
+use shared_control::config::Controller;
+use shared_control::link::frame::FrameWriter;
+use shared_control::link::signing::{Key, Signer, SigningRecord};
+use shared_control::link::{Chore, Commander, Guard, LinkSettings, LogStore, Order, Receiver, Telemetry, VehicleStatus};
+use shared_control::params::Params;
+use shared_control::signals::ArmingBlocks;
+
+/// Message id and last byte of the CRC of what is understood (`message_definitions/v1.0/common.xml`).
+const UNDERSTOOD: [(u32, u8); 16] = [
+    (0, 50),
+    (20, 214),
+    (21, 159),
+    (23, 168),
+    (43, 132),
+    (69, 243),
+    (75, 158),
+    (76, 152),
+    (82, 49),
+    (107, 108),
+    (111, 34),
+    (117, 128),
+    (119, 116),
+    (121, 237),
+    (122, 203),
+    (256, 71),
+];
+const CHUNK_BYTES: usize = 48;
+
+/// Everything between two ends of a line, but for the control loop.
+struct Vehicle {
+    receiver: Receiver,
+    guard: Guard,
+    commander: Commander,
+    telemetry: Telemetry,
+    status: VehicleStatus,
+    logs: Logs,
+    time_us: u64,
+}
+
+/// So many logs of a kilobyte, until they are erased.
+struct Logs(u16);
+
+const LOG_BYTES: u32 = 1000;
+
+impl LogStore for Logs {
+    fn count(&mut self) -> u16 {
+        self.0
+    }
+
+    fn size_bytes(&mut self, id: u16) -> u32 {
+        if id < self.0 { LOG_BYTES } else { 0 }
+    }
+
+    fn read(&mut self, id: u16, offset: u32, piece: &mut [u8]) -> usize {
+        let left = self.size_bytes(id).saturating_sub(offset);
+        piece.len().min(left as usize)
+    }
+
+    fn erase(&mut self) {
+        self.0 = 0;
+    }
+}
+
+impl Vehicle {
+    fn hear(&mut self, byte: u8, may_command: bool) {
+        let Some(order) = self.receiver.receive(byte, &mut self.guard) else { return };
+        assert!(may_command || matches!(order, Order::HilTick(_)), "{order:?}");
+        let (answer, chore) = self.commander.order(&order, self.time_us);
+        answer.into_iter().for_each(|answer| self.telemetry.answer(answer));
+        match chore {
+            Some(Chore::Parameters(request)) => self.telemetry.serve_parameters(&request, |_| true),
+            Some(Chore::Tell(inquiry)) => self.telemetry.tell(&inquiry),
+            Some(Chore::SetUpSigning(setup)) => {
+                self.telemetry.set_up_signing(&setup, (&self.status, self.time_us, false), |_| true);
+            }
+            Some(Chore::Logs(request)) => self.telemetry.take_log_request(&request, &mut self.logs),
+            Some(Chore::CalibrateLevel) => self.telemetry.calibrate_level(&self.status, |_| true),
+            Some(Chore::StoreConfiguration) => self.telemetry.store_configuration(|_| true),
+            Some(Chore::ClearFaultRecord | Chore::Restart) | None => {}
+        }
+    }
+
+    fn pass(&mut self) {
+        self.time_us += 10_000;
+        let commands = self.commander.commands(self.time_us);
+        for share in [commands.setpoint.roll_rad, commands.setpoint.pitch_rad] {
+            assert!(share.abs() <= 1.1, "{commands:?}");
+        }
+        assert!((0.0..=1.0).contains(&commands.setpoint.throttle), "{commands:?}");
+        let seen = (self.guard.latest_seen(), self.guard.refused);
+        let terms = self.telemetry.update_signing(seen, (self.time_us, false), |_| true);
+        self.guard.follow(&terms);
+        let mut said = heapless::Vec::<u8, 280>::new();
+        self.telemetry.poll(self.time_us, &self.status, &mut said);
+        self.telemetry.send_logs(self.time_us, &self.status, &mut self.logs, &mut said);
+        let mut rest = said.as_slice();
+        while !rest.is_empty() {
+            let is_signed = rest[2] & 1 == 1;
+            assert!(rest[0] == 0xFD && is_signed == terms.key.is_some(), "{said:?}");
+            rest = &rest[12 + usize::from(rest[1]) + if is_signed { 13 } else { 0 }..];
+        }
+    }
+}
+
+/// What holds whatever the bytes.
+pub fn hold(bytes: &[u8]) {
+    let Some((first, bytes)) = bytes.split_first() else { return };
+    let (key, other) = (Key::new([1; 32]).expect("not zeros"), Key::new([2; 32]).expect("not zeros"));
+    let is_keyed = first & 1 == 1;
+    let kept = SigningRecord { key: is_keyed.then_some(key), ..SigningRecord::default() };
+    let settings = LinkSettings::NOMINAL;
+    let mut vehicle = Vehicle {
+        receiver: Receiver::new(settings),
+        guard: Guard::open(),
+        commander: Commander::new(&settings, ArmingBlocks::default()),
+        telemetry: Telemetry::new(&settings, &Params::DEFAULT).with_signing(kept),
+        status: VehicleStatus::at_start(Controller::Cascade),
+        logs: Logs(3),
+        time_us: 0,
+    };
+    let mut writer = FrameWriter::new(255, 190);
+    vehicle.pass();
+    for chunk in bytes.chunks(CHUNK_BYTES) {
+        let kind = chunk[0];
+        if kind % 5 == 0 {
+            chunk.iter().for_each(|byte| vehicle.hear(*byte, !is_keyed));
+        } else {
+            let signer = match kind % 5 {
+                3 => Some(key),
+                4 => Some(other),
+                _ => None,
+            };
+            *writer.signer() = signer.map(|key| Signer::new(key, kind / 5));
+            if let Some(signer) = writer.signer() {
+                signer.set_clock(vehicle.time_us / 10);
+            }
+            let mut frame = heapless::Vec::<u8, 100>::new();
+            assert!(writer.write_payload(UNDERSTOOD[usize::from(kind) % UNDERSTOOD.len()], &chunk[1..], &mut frame));
+            // what lies unfinished in the receiver may swallow it, or be ended by it
+            let may_command = !is_keyed || signer == Some(key);
+            frame.iter().for_each(|byte| vehicle.hear(*byte, may_command));
+        }
+        vehicle.pass();
+    }
+}

@@ -1,0 +1,31 @@
+//! The fuzz target of the link, a short run of it on random bytes: `LINK_RUNS=N` for a longer one.
+
+#[path = "../../fuzz/fuzz_targets/link_bytes.rs"]
+mod link_bytes;
+
+/// SplitMix64: a few lines, the same bytes everywhere.
+fn next(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *state;
+    z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ z >> 31
+}
+
+#[test]
+fn whatever_arrives_on_the_link_changes_nothing_that_it_may_not() {
+    let runs = std::env::var("LINK_RUNS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(3000);
+    for seed in 0..runs {
+        let mut state = seed;
+        let length = next(&mut state) % 400;
+        let bytes: Vec<u8> = (0..length)
+            .map(|_| match next(&mut state) {
+                // half of the bytes are such as frames are made of
+                word if word % 2 == 0 => word.to_le_bytes()[1],
+                word => [0, 1, 0xFD, 128][(word >> 8) as usize % 4],
+            })
+            .collect();
+        let shown = bytes.clone();
+        assert!(std::panic::catch_unwind(|| link_bytes::hold(&bytes)).is_ok(), "seed {seed}: {shown:?}");
+    }
+}
