@@ -19,6 +19,15 @@ fn key(byte: u8) -> Key {
     Key::new([byte; 32]).unwrap()
 }
 
+/// The order to arm as pymavlink 2.4.50 signs it, with key 1, 2, .. 32 on link 3 at [`TODAY`].
+#[rustfmt::skip]
+const BY_PYMAVLINK: [u8; 55] = [
+    0xfd, 0x1e, 0x01, 0x00, 0x00, 0xff, 0xbe, 0x4c, 0x00, 0x00, 0x00, 0x00, 0x80, 0x3f, 0x00, 0x00,
+    0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+    0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x90, 0x01, 0x37, 0xc9, 0x03, 0x00, 0xd8, 0x2d, 0x26, 0x1b,
+    0x22, 0x16, 0x21, 0xbe, 0xe3, 0x65, 0x8b,
+];
+
 /// An order to arm, signed so.
 fn arms(signer: Option<(Key, u8, u64)>) -> Vec<u8> {
     let command = MavCmd::MAV_CMD_COMPONENT_ARM_DISARM;
@@ -96,6 +105,15 @@ impl Vehicle {
         let (receiver, guard) = (&mut self.receiver, &mut self.guard);
         bytes.iter().filter_map(|byte| receiver.receive(*byte, guard)).count()
     }
+}
+
+#[test]
+fn a_frame_is_signed_as_pymavlink_signs_it() {
+    let key = Key::new(core::array::from_fn(|at| at as u8 + 1)).unwrap();
+    assert_eq!(arms(Some((key, 3, TODAY))), BY_PYMAVLINK);
+    let mut vehicle = Vehicle::start(SigningRecord::default());
+    vehicle.set_up(Some(key), TODAY);
+    assert_eq!([vehicle.hears(&BY_PYMAVLINK), vehicle.hears(&BY_PYMAVLINK)], [1, 0]);
 }
 
 #[test]
