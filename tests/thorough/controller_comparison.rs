@@ -31,8 +31,8 @@ fn the_mpc_tracks_better_than_the_cascade_and_pays_no_more_for_it() {
     assert!(mpc.iter().all(|figures| figures.fallbacks == 0), "the cascade never flies in the MPC's place");
 }
 
-/// The observer's alerts: a torque step throws the MPC less far than the cascade, with a third of the noise on the motors
-/// before.
+/// The observer's alerts: a torque step throws the MPC less far than the cascade, with a third of the noise on the
+/// motors before.
 #[test]
 fn a_torque_step_moves_the_mpc_less_than_the_cascade() {
     let draws = campaign::draws(campaign::DRAWS / 16);

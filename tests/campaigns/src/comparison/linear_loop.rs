@@ -106,8 +106,8 @@ fn predicted([angle, rate, motor]: [f64; 3], torque: f64, disturbance: f64, law:
 }
 
 impl PlannerLaw {
-    /// One control step. State: body, torque from now on, until now and before that, the observer's rate, motors' torque
-    /// and disturbance.
+    /// One control step. State: body, torque from now on, until now and before that, the observer's rate, motors'
+    /// torque and disturbance.
     fn step(&self, body: &Body, state: [f64; STATES]) -> [f64; STATES] {
         let [a, w, m, f, torque, torque_before, torque_earlier, rate, motor, disturbance] = state;
         let [angle_seen, rate_seen] = body.seen([a, w, m, f]);
