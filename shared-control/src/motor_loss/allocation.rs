@@ -1,9 +1,9 @@
 //! Torque about roll and pitch, and lift, from three motors: the one opposite to the lost motor can push one way only.
 //!
 //! Opposite the lost motor stands the far one, on the other diagonal the two sides, which turn alike. With roll and
-//! pitch as a complex number, a lift F at motor i gives the torque h F b_i with b = s_roll + i s_pitch; b of the far
-//! motor and of a side are at right angles, so the two parts of a torque are shared out one after the other: first the sides'
-//! difference, then the far motor, then the sum, which gives way.
+//! pitch as a complex number, a lift F at motor i gives the torque h F b_i with b = s_roll + i s_pitch; b of the
+//! far motor and of a side are at right angles, so the two parts of a torque are shared out one after the other:
+//! first the sides' difference, then the far motor, then the sum, which gives way.
 
 use crate::airframe::TORQUE_SIGNS;
 use crate::elementary::{larger, limit, magnitude, smaller};
