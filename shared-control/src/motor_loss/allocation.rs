@@ -79,7 +79,8 @@ mod tests {
             let across = |[x, y]: [f32; 2]| (x * far_pitch - y * far_roll) / 2.0;
             prop_assert!((across(made) - across([roll, pitch])).abs() < 1e-5);
             let wanted = along([roll, pitch]);
-            prop_assert!((along(made) - if wanted > 0.0 { wanted } else { 0.0 }).abs() < 1e-5);
+            let possible = if wanted > 0.0 { wanted } else { 0.0 };
+            prop_assert!((along(made) - possible).abs() < 1e-5);
             let wide = across([roll, pitch]).abs() / LEVER_M;
             let room = sum - lifts[far];
             if room > wide + 0.6 && room < 2.0 * LIFT_MAX_N - wide {
