@@ -82,7 +82,7 @@ pub fn rows(seeds: u64) -> Vec<Row> {
     for (noticed, yaw_drag, model_error) in
         [(false, 1.0, 0.0), (true, 1.0, 0.0), (true, 1.0, 0.1), (true, 0.5, 0.0), (true, 2.0, 0.0)]
     {
-        // a tenth of the table's failures tells how yaw drag matters
+        // with another yaw drag the two hardest
         let failures = if yaw_drag == 1.0 { &FAILURES[..] } else { &FAILURES[..2] };
         for (name, failure) in failures {
             let case = |seed| {
