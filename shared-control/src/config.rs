@@ -18,6 +18,7 @@ use crate::attitude::angle::AngleConfig;
 use crate::attitude::rate::RateGains;
 use crate::gravity_moment::GravityMoment;
 use crate::mixer::MixerConfig;
+use crate::motor_loss::MotorLossConfig;
 use crate::mpc::schedule::PitchInertia;
 use crate::output::OutputConfig;
 use crate::sensing::estimator::EstimatorConfig;
@@ -76,6 +77,8 @@ pub struct Config {
     pub ground_idle_command: f32,
     /// True where a rig carries the vehicle, in flight too.
     pub held_by_rig: bool,
+    /// How the loss of a motor is noticed and flown with; none where that is off.
+    pub motor_loss: Option<MotorLossConfig>,
 }
 
 impl Config {
@@ -127,6 +130,7 @@ impl Config {
             touchdown: TouchdownConfig::on_rig(vehicle.gravity_m_s2, loop_rate_hz),
             ground_idle_command: tuning.ground_idle_command,
             held_by_rig: vehicle.yaw_locked,
+            motor_loss: tuning.motor_loss.then(|| MotorLossConfig::new(vehicle, loop_rate_hz)).flatten(),
         })
     }
 

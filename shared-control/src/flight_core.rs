@@ -17,6 +17,8 @@ pub use coasting::COAST_MAX_US;
 pub use output::{StepOutput, TorqueSource};
 pub use state::State;
 
+use nalgebra::Vector3;
+
 use crate::attitude::acro;
 use crate::attitude::angle::{self, AngleState, RateTarget};
 use crate::attitude::rate::{self, Delivery, RateState};
@@ -24,6 +26,7 @@ use crate::config::{Config, Controller};
 use crate::elementary::{larger, limit, magnitude};
 use crate::frames::euler_from_q;
 use crate::mixer::{self, MixResult};
+use crate::motor_loss::{self, Stage};
 use crate::mpc::{Mpc, MpcState};
 use crate::sensing::battery::ABSENT_BELOW_V;
 use crate::sensing::imu_health::ImuHealth;
@@ -69,7 +72,8 @@ impl FlightCore {
         let cascade_nm = cascade_torque(config, state, &estimate);
         let (source, torque_body_nm) = choose(config, state, input, cascade_nm);
         let wrench = demand(config, state, source, torque_body_nm);
-        let mix = mix(config, state, source, &wrench);
+        let mut mix = mix(config, state, source, &wrench);
+        let source = with_motors_left(config, state, source, &mut mix, (&estimate, imu.force_m_s2, &wrench));
         state.last_wrench = wrench;
         state.last_mix = mix;
         state.last_source = source;
@@ -106,7 +110,11 @@ impl FlightCore {
     pub fn follow(config: &Config, state: &mut State, output: &StepOutput) -> Option<PlanRequest> {
         let motion = planning::EulerMotion::of(config, &output.estimate);
         match output.source {
-            TorqueSource::Disarmed | TorqueSource::MotorTest | TorqueSource::EscCalibration | TorqueSource::Idle => {
+            TorqueSource::Disarmed
+            | TorqueSource::MotorTest
+            | TorqueSource::EscCalibration
+            | TorqueSource::Idle
+            | TorqueSource::ReducedAttitude => {
                 state.angle = AngleState::at(&euler_from_q(&output.estimate.q_world_from_body));
                 state.rate = RateState::default();
                 state.rate_target = RateTarget::default();
@@ -123,6 +131,7 @@ impl FlightCore {
         }
         let request = match config.controller {
             Controller::Cascade => None,
+            Controller::Mpc if output.source == TorqueSource::ReducedAttitude => None,
             Controller::Mpc => planning::request(config, state, &motion, output),
         };
         state.planning.asked = request.is_some();
@@ -202,7 +211,8 @@ fn cascade_torque(config: &Config, state: &mut State, estimate: &AttitudeEstimat
         | TorqueSource::Disarmed
         | TorqueSource::MotorTest
         | TorqueSource::EscCalibration
-        | TorqueSource::Idle => {
+        | TorqueSource::Idle
+        | TorqueSource::ReducedAttitude => {
             let asked_nm = state.last_wrench.torque_body_nm;
             Delivery::NotApplied {
                 instead_rad_s2: core::array::from_fn(|axis| {
@@ -290,6 +300,25 @@ fn mix(config: &Config, state: &State, source: TorqueSource, wrench: &Wrench) ->
             MixResult { commands: MotorCommands([idle; 4]), ..MixResult::default() }
         }
         Arming::Armed | Arming::LinkLost { .. } | Arming::BatteryLow { .. } => mixer::mix(&config.mixer, wrench),
+    }
+}
+
+/// Where a motor fails, commands that do without it; and who made them.
+fn with_motors_left(
+    config: &Config,
+    state: &mut State,
+    source: TorqueSource,
+    mix: &mut MixResult,
+    (estimate, force_m_s2, wrench): (&AttitudeEstimate, Option<Vector3<f32>>, &Wrench),
+) -> TorqueSource {
+    let Some(motor_loss) = &config.motor_loss else { return source };
+    let flies = state.arming.is_armed() && state.watch.is_airborne();
+    let lift_per_motor_n = wrench.lift_per_motor_n;
+    let felt = motor_loss::Felt { estimate, force_m_s2, flies, lift_per_motor_n };
+    state.motor_loss.fly(motor_loss, &felt, mix);
+    match state.motor_loss.stage() {
+        Stage::Lost(_) => TorqueSource::ReducedAttitude,
+        Stage::Whole | Stage::Suspected(_) => source,
     }
 }
 

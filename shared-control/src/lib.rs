@@ -111,6 +111,7 @@ pub mod lift_curve;
 pub mod light_and_tone;
 pub mod link;
 pub mod mixer;
+pub mod motor_loss;
 pub mod mpc;
 pub mod onboard_log;
 pub mod output;

@@ -245,6 +245,7 @@ tuning_fields! {
     mpc_linearisations: usize,
     ground_idle_command: f32,
     flight_idle_command: f32,
+    motor_loss: bool,
 }
 
 /// [`ReferenceAhead`] by name: `setpoint`, `held` or `shaped`.

@@ -76,6 +76,8 @@ pub struct Tuning {
     pub ground_idle_command: f32,
     /// Least command of a motor in flight, so that none stops; likewise.
     pub flight_idle_command: f32,
+    /// Whether the loss of a motor in free flight is noticed and flown with ([`crate::motor_loss`]).
+    pub motor_loss: bool,
 }
 
 /// Largest idle command, percent: a vehicle that idles must not take off.
@@ -120,6 +122,7 @@ impl Tuning {
             mpc_linearisations: 1,
             ground_idle_command: 0.0,
             flight_idle_command: 0.0,
+            motor_loss: false,
         }
     }
 

@@ -29,6 +29,8 @@ pub enum TorqueSource {
     CascadeNoPlan,
     /// The cascade, because the plan was not solved.
     CascadeUnsolved(PlanStatus),
+    /// A motor is lost: the thrust's axis alone is controlled, with the three others.
+    ReducedAttitude,
 }
 
 impl TorqueSource {
@@ -43,6 +45,7 @@ impl TorqueSource {
             TorqueSource::CascadeUnsolved(status) => 5 + status.number(),
             TorqueSource::Idle => 9,
             TorqueSource::EscCalibration => 10,
+            TorqueSource::ReducedAttitude => 11,
         }
     }
 }

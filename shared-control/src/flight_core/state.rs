@@ -6,6 +6,7 @@ use crate::attitude::angle::{AngleState, RateTarget};
 use crate::attitude::rate::RateState;
 use crate::frames::{EulerAngles, q_world_from_euler};
 use crate::mixer::MixResult;
+use crate::motor_loss::{MotorLoss, Stage};
 use crate::record::state_words::{STATE_WORDS, StateWords};
 use crate::sensing::estimator::EstimatorState;
 use crate::sensing::imu_select::ImuPairState;
@@ -40,6 +41,7 @@ pub struct State {
     pub(super) last_wrench: Wrench,
     pub(super) last_mix: MixResult,
     pub(super) last_source: TorqueSource,
+    pub(super) motor_loss: MotorLoss,
 }
 
 impl State {
@@ -70,6 +72,7 @@ impl State {
             last_wrench: Wrench { lift_per_motor_n, torque_body_nm },
             last_mix,
             last_source,
+            motor_loss,
         } = self;
         words.word(*step);
         imus.record(words);
@@ -90,6 +93,12 @@ impl State {
         words.numbers(torque_body_nm);
         last_mix.record(words);
         words.word(last_source.number());
+        motor_loss.record(words);
+    }
+
+    /// Whether a motor is lost.
+    pub fn motor_loss(&self) -> Stage {
+        self.motor_loss.stage()
     }
 
     /// What the controllers follow: the set-point that was demanded, or what stands in for it without a link.

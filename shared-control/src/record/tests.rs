@@ -41,8 +41,9 @@ fn every_source_of_torque_has_its_number() {
         TorqueSource::MotorTest,
         TorqueSource::Idle,
         TorqueSource::EscCalibration,
+        TorqueSource::ReducedAttitude,
     ];
-    assert_eq!(without_status.map(|source| source.number()), [0, 1, 2, 3, 4, 9, 10]);
+    assert_eq!(without_status.map(|source| source.number()), [0, 1, 2, 3, 4, 9, 10, 11]);
     assert_eq!(STATUSES.map(|status| TorqueSource::CascadeUnsolved(status).number()), [5, 6, 7, 8]);
 }
 

@@ -21,13 +21,21 @@ pub(crate) struct Actuation {
     lagged: [f64; 4],
     /// How far a measured battery is below its mean of the first second, V; in place of the simulated one.
     measured_drop_v: Option<f64>,
+    /// What is left of each motor's lift, 0..1.
+    lift_left: [f64; 4],
 }
 
 impl Actuation {
     /// At rest under commands.
     pub(crate) fn new(chain: ActuatorChain, commands: [f64; 4]) -> Self {
-        let mut actuation =
-            Self { chain, under_way: VecDeque::new(), target: commands, lagged: commands, measured_drop_v: None };
+        let mut actuation = Self {
+            chain,
+            under_way: VecDeque::new(),
+            target: commands,
+            lagged: commands,
+            measured_drop_v: None,
+            lift_left: [1.0; 4],
+        };
         actuation.settle(commands);
         actuation
     }
@@ -99,7 +107,13 @@ impl Actuation {
     #[inline]
     pub(crate) fn lift_factors(&self, time_s: f64) -> [f64; 4] {
         let lift = &self.chain.lift;
-        lift.at(time_s, self.measured_drop_v.unwrap_or_else(|| lift.battery.drop_v(time_s)))
+        let factors = lift.at(time_s, self.measured_drop_v.unwrap_or_else(|| lift.battery.drop_v(time_s)));
+        core::array::from_fn(|motor| factors[motor] * self.lift_left[motor])
+    }
+
+    /// What is left of each motor's lift from now on, 0..1.
+    pub(crate) fn set_lift_left(&mut self, lift_left: [f64; 4]) {
+        self.lift_left = lift_left;
     }
 
     /// Takes a measured battery's drop below its mean of the first second in place of the simulated one, V.

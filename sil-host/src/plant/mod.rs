@@ -148,6 +148,13 @@ impl Plant {
         self.extended = true;
     }
 
+    /// What is left of each motor's lift and reaction torque from now on, 0..1: a propeller that is chipped or gone. A
+    /// motor that stops is one whose command is 0.
+    pub fn set_lift_left(&mut self, lift_left: [f64; 4]) {
+        self.actuation.set_lift_left(lift_left);
+        self.extended = true;
+    }
+
     /// Puts the vehicle at an attitude (roll, pitch, yaw; Z-Y-X, rad), turning at a body rate (p, q, r; rad/s).
     ///
     /// On the gimbal yaw is ignored, and of the rate the part that its axes allow is taken: `phi' = p`,

@@ -10,6 +10,7 @@
 //! | `controller_comparison` | MPC against cascade on vehicles that neither expects | `docs/mpc-against-cascade.md` |
 //! | `identification` | is a vehicle known from its log alone? | `docs/identification.md` |
 //! | `limits_and_switching` | motors' limits, several linearisations | `docs/motor-limits.md`, `docs/switching-mpc.md` |
+//! | `motor_loss` | a motor fails in free flight: noticed, named, flown on with three | `docs/motor-loss.md` |
 //! | `out_of_the_testbed` | the testbed's controllers in free flight, and those made again | `docs/out-of-the-testbed.md` |
 //! | `real_logs` | what other people's logs show, and how right the diagnosis is on them | `docs/real-logs.md` |
 //! | `refinement` | do the intervals of bench measurements hold? | `docs/refine.md` |
@@ -24,6 +25,7 @@ pub mod comparison;
 pub mod controller_blame;
 pub mod identification;
 pub mod limits_and_switching;
+pub mod motor_loss;
 pub mod notches;
 pub mod out_of_the_testbed;
 pub mod real_logs;

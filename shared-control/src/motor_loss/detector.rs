@@ -1,0 +1,299 @@
+//! Which motor lifts less than its command says.
+//!
+//! Where motor i lacks a lift x, three readings say the same number: the angular accelerations about roll and pitch,
+//! each by the lever with the signs of the motor's place, and the specific force along z. A gust's torque is felt
+//! without the force, and only by chance along one motor's arm. So each motor's hypothesis is as good as its worst
+//! witness:
+//!
+//! ```text
+//!   missing_i = min( -s_roll,i a_roll J_roll / h,  -s_pitch,i a_pitch J_pitch / h,  m a_z )
+//! ```
+//! with a the accelerations that the motors' lifts don't explain, by low-passes of [`FAST_S`] for the suspicion (which
+//! asks the first two alone) and [`SLOW_S`] for the verdict, less what was there all along (a low-pass of
+//! [`KNOWN_S`]: an offset of the centre of gravity, a steady wind, a weaker propeller). It is compared with the lift
+//! that the motor should make, and with how far the four differ: what is wrong in the model shows in proportion.
+
+use nalgebra::Vector3;
+
+use super::Stage;
+use super::allocation::opposite;
+use crate::airframe::TORQUE_SIGNS;
+use crate::elementary::{larger, smaller};
+use crate::lagged_axis::LagStep;
+use crate::record::state_words::StateWords;
+use crate::signals::AttitudeEstimate;
+use crate::vehicle::VehicleParameters;
+
+/// Low-pass of what raises a suspicion, s.
+pub const FAST_S: f32 = 0.008;
+/// Low-pass of what a verdict is made of, s.
+pub const SLOW_S: f32 = 0.02;
+/// Low-pass of what is taken for known, s; while a motor is suspected four times that.
+pub const KNOWN_S: f32 = 0.3;
+/// Low-pass of the mass as the accelerometer shows it, s.
+const MASS_S: f32 = 2.0;
+/// Share of its lift that a suspected motor lacks.
+pub const SUSPECTED_SHARE: f32 = 0.12;
+/// Share of its lift that a lost motor lacks.
+pub const LOST_SHARE: f32 = 0.45;
+/// The same for the specific force along z, the noisiest witness.
+const LOST_FORCE_SHARE: f32 = 0.3;
+/// Of the difference between the largest and the smallest of the four lifts, what a model's error may make.
+const DIFFERENCE_SHARE: f32 = 0.15;
+/// Steps in a row that a verdict takes: 5 ms at 400 Hz.
+const VERDICT_S: f32 = 0.005;
+/// A motor's lift is judged where it should be this share of the largest.
+const JUDGED_SHARE: f32 = 0.08;
+/// Time in flight after which it judges, s.
+const SETTLES_S: f32 = 0.5;
+
+/// What the detector needs to know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DetectorConfig {
+    step_s: f32,
+    lag: LagStep,
+    inertia_kg_m2: [f32; 3],
+    /// Torque of a lift about roll, pitch and yaw, m.
+    lever_m: [f32; 3],
+    judged_from_n: f32,
+    verdict_steps: u8,
+    settle_steps: u16,
+}
+
+/// A motor that seems to lift less than it should.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Suspicion {
+    /// 0 to 3.
+    pub motor: usize,
+    /// Lift that it lacks, N.
+    pub missing_n: f32,
+}
+
+/// Angular accelerations that no motor explains, behind a low-pass: the rate as it was predicted, pulled towards the
+/// measured one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Unexplained {
+    predicted_rad_s: [f32; 3],
+    rad_s2: [f32; 3],
+    /// Lifts behind the same low-pass, N.
+    lifts_n: [f32; 4],
+}
+
+impl Unexplained {
+    fn record(&self, words: &mut StateWords) {
+        let Self { predicted_rad_s, rad_s2, lifts_n } = self;
+        words.numbers(predicted_rad_s);
+        words.numbers(rad_s2);
+        words.numbers(lifts_n);
+    }
+
+    fn update(
+        &mut self,
+        low_pass_s: f32,
+        step_s: f32,
+        (rate, by_motors): (&Vector3<f32>, &[f32; 3]),
+        lifts: &[f32; 4],
+    ) {
+        for axis in 0..3 {
+            self.predicted_rad_s[axis] += step_s * (by_motors[axis] + self.rad_s2[axis]);
+            self.rad_s2[axis] = (rate[axis] - self.predicted_rad_s[axis]) / low_pass_s;
+        }
+        let share = step_s / low_pass_s;
+        for (held, now) in self.lifts_n.iter_mut().zip(lifts) {
+            *held += share * (now - *held);
+        }
+    }
+}
+
+/// What it remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DetectorState {
+    /// Commanded lifts, and where the motors' lag has brought them, N.
+    commanded_n: [f32; 4],
+    lifts_n: [f32; 4],
+    fast: Unexplained,
+    slow: Unexplained,
+    known_rad_s2: [f32; 3],
+    /// Specific force along z that the lifts don't explain, behind the slow low-pass and the known part, m/s^2.
+    force_m_s2: f32,
+    known_force_m_s2: f32,
+    mass_kg: f32,
+    steps: u16,
+    /// The motor that the verdict is about, and for how many steps.
+    accused: usize,
+    accused_steps: u8,
+}
+
+impl DetectorConfig {
+    /// For a vehicle and a loop.
+    pub fn new(vehicle: &VehicleParameters, loop_rate_hz: f32) -> Self {
+        let step_s = 1.0 / loop_rate_hz;
+        Self {
+            step_s,
+            lag: LagStep::new(step_s, vehicle.actuation.lag_s),
+            inertia_kg_m2: vehicle.inertia_kg_m2,
+            lever_m: [vehicle.lever_m(), vehicle.lever_m(), vehicle.torque_per_lift_m],
+            judged_from_n: JUDGED_SHARE * vehicle.lift_curve.lift_max_n,
+            verdict_steps: (VERDICT_S * loop_rate_hz) as u8,
+            settle_steps: (SETTLES_S * loop_rate_hz) as u16,
+        }
+    }
+
+    /// Angular acceleration of these lifts on a body that turns, rad/s^2.
+    fn by_motors_rad_s2(&self, lifts_n: &[f32; 4], rate: &Vector3<f32>) -> [f32; 3] {
+        let [ix, iy, iz] = self.inertia_kg_m2;
+        let gyroscopic_nm = [(iy - iz) * rate.y * rate.z, (iz - ix) * rate.z * rate.x, (ix - iy) * rate.x * rate.y];
+        core::array::from_fn(|axis| {
+            let lift_n: f32 = TORQUE_SIGNS[axis].iter().zip(lifts_n).map(|(sign, lift_n)| sign * lift_n).sum();
+            (self.lever_m[axis] * lift_n + gyroscopic_nm[axis]) / self.inertia_kg_m2[axis]
+        })
+    }
+
+    /// Lift that a motor lacks if it alone makes this acceleration about roll or pitch, N.
+    fn missing_n(&self, axis: usize, motor: usize, rad_s2: f32) -> f32 {
+        -TORQUE_SIGNS[axis & 1][motor & 3] * rad_s2 * self.inertia_kg_m2[axis & 1] / self.lever_m[axis & 1]
+    }
+}
+
+impl DetectorState {
+    pub(crate) fn record(&self, words: &mut StateWords) {
+        let Self {
+            commanded_n,
+            lifts_n,
+            fast,
+            slow,
+            known_rad_s2,
+            force_m_s2,
+            known_force_m_s2,
+            mass_kg,
+            steps,
+            accused,
+            accused_steps,
+        } = self;
+        words.numbers(commanded_n);
+        words.numbers(lifts_n);
+        fast.record(words);
+        slow.record(words);
+        words.numbers(known_rad_s2);
+        words.numbers(&[*force_m_s2, *known_force_m_s2, *mass_kg]);
+        words.word(u32::from(*steps));
+        words.word(*accused as u32);
+        words.word(u32::from(*accused_steps));
+    }
+
+    /// Lifts of the motors that are left by their commands and their lag, N.
+    pub fn lifts_n(&self) -> [f32; 4] {
+        self.lifts_n
+    }
+
+    /// What the motors are to lift until the next step, N; one that is lost (1 to 4) lifts nothing.
+    pub fn command(&mut self, config: &DetectorConfig, commanded_n: [f32; 4], lost_motor: Option<u8>) {
+        self.commanded_n = commanded_n;
+        if let Some(lost_n) = lost_motor.and_then(|motor| self.commanded_n.get_mut(usize::from(motor) - 1)) {
+            *lost_n = 0.0;
+        }
+        // it begins in steady flight: no motor is on its way
+        let kept = if self.steps > 1 { config.lag.kept } else { 0.0 };
+        for (lift_n, commanded_n) in self.lifts_n.iter_mut().zip(self.commanded_n) {
+            *lift_n = commanded_n + kept * (*lift_n - commanded_n);
+        }
+    }
+
+    /// Takes what a step measured.
+    pub fn judge(
+        &mut self,
+        config: &DetectorConfig,
+        estimate: &AttitudeEstimate,
+        force: Option<Vector3<f32>>,
+    ) -> Stage {
+        let rate = &estimate.rate_body_rad_s;
+        if self.steps == 0 {
+            *self = Self::default();
+            (self.fast.predicted_rad_s, self.slow.predicted_rad_s) = ((*rate).into(), (*rate).into());
+        }
+        let by_motors = config.by_motors_rad_s2(&self.lifts_n, rate);
+        self.fast.update(FAST_S, config.step_s, (rate, &by_motors), &self.lifts_n);
+        self.slow.update(SLOW_S, config.step_s, (rate, &by_motors), &self.lifts_n);
+        if let Some(force_m_s2) = force {
+            self.weigh(config, force_m_s2.z);
+        }
+        self.steps = self.steps.saturating_add(1);
+        let suspicion = self.suspect(config);
+        self.learn(config, suspicion.is_some());
+        if self.steps < config.settle_steps {
+            return Stage::Whole;
+        }
+        let accused = (0..4).find(|&motor| self.lacks_most(config, motor));
+        let again = accused == Some(self.accused);
+        self.accused_steps = if accused.is_none() || !again { 0 } else { self.accused_steps.saturating_add(1) };
+        self.accused = accused.unwrap_or(self.accused);
+        match (accused, suspicion) {
+            (Some(motor), _) if self.accused_steps >= config.verdict_steps => Stage::Lost(motor),
+            (_, Some(suspicion)) => Stage::Suspected(suspicion),
+            (_, None) => Stage::Whole,
+        }
+    }
+
+    /// The specific force along z, and the mass that it shows.
+    fn weigh(&mut self, config: &DetectorConfig, force_z_m_s2: f32) {
+        let lift_n: f32 = self.lifts_n.iter().sum();
+        if lift_n > 4.0 * config.judged_from_n && force_z_m_s2 < -1.0 {
+            let mass_kg = -lift_n / force_z_m_s2;
+            // a mean of all until then, so that a first step that is far off weighs no more than others
+            let share = larger(1.0 / (1.0 + f32::from(self.steps)), config.step_s / MASS_S);
+            self.mass_kg += share * (mass_kg - self.mass_kg);
+        }
+        if self.mass_kg > 0.0 {
+            let unexplained_m_s2 = force_z_m_s2 + lift_n / self.mass_kg;
+            self.force_m_s2 += config.step_s / SLOW_S * (unexplained_m_s2 - self.force_m_s2);
+        }
+    }
+
+    /// What stays is no news.
+    fn learn(&mut self, config: &DetectorConfig, suspected: bool) {
+        let share = config.step_s / if suspected { 4.0 * KNOWN_S } else { KNOWN_S };
+        for axis in 0..3 {
+            self.known_rad_s2[axis] += share * (self.slow.rad_s2[axis] - self.known_rad_s2[axis]);
+        }
+        self.known_force_m_s2 += share * (self.force_m_s2 - self.known_force_m_s2);
+    }
+
+    /// Lift that a motor lacks by the gyro alone, N.
+    fn missing_n(&self, config: &DetectorConfig, of: &Unexplained, motor: usize) -> f32 {
+        let [roll_n, pitch_n] =
+            [0, 1].map(|axis| config.missing_n(axis, motor, of.rad_s2[axis] - self.known_rad_s2[axis]));
+        smaller(roll_n, pitch_n)
+    }
+
+    /// What the model's errors may make of how far the four differ, N.
+    fn allowance_n(of: &Unexplained) -> f32 {
+        let [first, ..] = of.lifts_n;
+        let low = of.lifts_n.iter().fold(first, |low, lift_n| smaller(low, *lift_n));
+        let high = of.lifts_n.iter().fold(first, |high, lift_n| larger(high, *lift_n));
+        DIFFERENCE_SHARE * (high - low)
+    }
+
+    fn suspect(&self, config: &DetectorConfig) -> Option<Suspicion> {
+        let allowed_n = Self::allowance_n(&self.fast);
+        (0..4).find_map(|motor| {
+            let missing_n = self.missing_n(config, &self.fast, motor);
+            let lift_n = larger(self.fast.lifts_n[motor & 3], config.judged_from_n);
+            let lacks = missing_n > SUSPECTED_SHARE * lift_n + allowed_n;
+            lacks.then_some(Suspicion { motor, missing_n: smaller(missing_n, lift_n) })
+        })
+    }
+
+    /// All three witnesses say that a motor lacks nearly half of its lift, and the yaw torque does not say otherwise.
+    fn lacks_most(&self, config: &DetectorConfig, motor: usize) -> bool {
+        let lift_n = self.slow.lifts_n[motor & 3];
+        let missing_n = self.missing_n(config, &self.slow, motor);
+        let force_n = self.mass_kg * (self.force_m_s2 - self.known_force_m_s2);
+        let yaw_rad_s2 = self.slow.rad_s2[2] - self.known_rad_s2[2];
+        let allowed_n = Self::allowance_n(&self.slow);
+        lift_n > config.judged_from_n
+            && missing_n > LOST_SHARE * lift_n + allowed_n
+            && force_n > LOST_FORCE_SHARE * lift_n + allowed_n
+            && TORQUE_SIGNS[2][motor & 3] * yaw_rad_s2 < 0.0
+            && missing_n > self.missing_n(config, &self.slow, opposite(motor))
+    }
+}

@@ -1,0 +1,93 @@
+//! The thrust's axis with three motors: upright, from any attitude, while the vehicle spins about it.
+//!
+//! The two sides turn alike, so nothing holds the heading: the vehicle spins up until the air's drag balances their
+//! reaction torque. Upright, the far motor at rest and the sides carrying half of the weight each is an equilibrium;
+//! the sides' difference turns about one axis of the body, which passes through all directions as it spins.
+
+use super::Felt;
+use super::allocation::lifts_n;
+use super::complex::Complex;
+use super::spin_gains::SpinGains;
+use crate::airframe::TORQUE_SIGNS;
+use crate::elementary::{asin, larger, limit, sqrt};
+use crate::frames::down_in_body;
+use crate::lift_curve::LiftCurve;
+use crate::vehicle::VehicleParameters;
+
+/// Tilt that counts at most, rad: a vehicle that lies or is upside down turns back at the rate for this.
+const TILT_COUNTED_RAD: f32 = 1.2;
+/// Lift is raised for the tilt by at most this.
+const RAISE_MAX: f32 = 1.3;
+/// Of the largest lift, what the sides make at least: a rotor that stops takes long to start.
+const SIDE_MIN_SHARE: f32 = 0.06;
+
+/// What it needs to know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReducedAttitude {
+    gains: SpinGains,
+    inertia_kg_m2: [f32; 2],
+    lever_m: f32,
+}
+
+impl ReducedAttitude {
+    /// For a vehicle in free flight.
+    pub fn new(vehicle: &VehicleParameters) -> Self {
+        let [roll, pitch, yaw] = vehicle.inertia_kg_m2;
+        let mean = 0.5 * (roll + pitch);
+        Self {
+            gains: SpinGains::new((yaw - mean) / mean, vehicle.actuation.lag_s),
+            inertia_kg_m2: [roll, pitch],
+            lever_m: vehicle.lever_m(),
+        }
+    }
+
+    /// Commands of the four motors, of which one is lost, with what the others lift now, N.
+    pub fn commands(&self, felt: &Felt, lost: usize, lifting_n: &[f32; 4], curve: &LiftCurve) -> [f32; 4] {
+        let down = down_in_body(&felt.estimate.q_world_from_body);
+        let rate = &felt.estimate.rate_body_rad_s;
+        let now = [
+            tilt_error(down.x, down.y, down.z),
+            Complex { re: rate.x, im: rate.y },
+            Complex { re: self.turning(0, lifting_n), im: self.turning(1, lifting_n) },
+        ];
+        let mut wanted = Complex::ZERO;
+        for (gain, value) in self.gains.at(rate.z).into_iter().zip(now) {
+            wanted = wanted.plus(gain.times(value).scaled(-1.0));
+        }
+        let [roll, pitch] = self.inertia_kg_m2;
+        let torque_nm = [roll * finite(wanted.re), pitch * finite(wanted.im)];
+        let upright = limit(1.0 / larger(down.z, 0.5), 1.0, RAISE_MAX);
+        let sum_n = 4.0 * felt.lift_per_motor_n * upright;
+        let limits_n = [SIDE_MIN_SHARE * curve.lift_max_n, curve.lift_max_n];
+        let lifts = lifts_n(lost, torque_nm, sum_n, self.lever_m, limits_n);
+        let mut commands = [0.0; 4];
+        for (motor, (command, lift_n)) in commands.iter_mut().zip(lifts).enumerate() {
+            *command = if motor == lost { 0.0 } else { curve.command(lift_n) };
+        }
+        commands
+    }
+
+    /// Angular acceleration that the motors make about roll or pitch, rad/s^2.
+    fn turning(&self, axis: usize, lifting_n: &[f32; 4]) -> f32 {
+        let lift_n: f32 = TORQUE_SIGNS[axis].iter().zip(lifting_n).map(|(sign, lift_n)| sign * lift_n).sum();
+        self.lever_m * lift_n / self.inertia_kg_m2[axis]
+    }
+}
+
+/// The rotation about roll and pitch that brings the thrust upright, rad, from where down is in the body.
+fn tilt_error(x: f32, y: f32, z: f32) -> Complex {
+    let sine = sqrt(x * x + y * y);
+    let tilt_rad = if z > 0.0 { limit(asin(sine), 0.0, TILT_COUNTED_RAD) } else { TILT_COUNTED_RAD };
+    // straight upside down any way will do
+    if sine > 1e-6 {
+        Complex { re: -y, im: x }.scaled(tilt_rad / sine)
+    } else if z > 0.0 {
+        Complex::ZERO
+    } else {
+        Complex { re: TILT_COUNTED_RAD, im: 0.0 }
+    }
+}
+
+fn finite(value: f32) -> f32 {
+    if value.is_finite() { value } else { 0.0 }
+}

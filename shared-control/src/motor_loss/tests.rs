@@ -1,0 +1,156 @@
+//! Against a body of four lagging motors, integrated by the definition of torque and inertia alone.
+
+extern crate std;
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use super::*;
+use crate::airframe::TORQUE_SIGNS;
+use crate::frames::down_in_body;
+use crate::sensing::estimator::turned;
+
+const VEHICLE: VehicleParameters = VehicleParameters::F450_FREE;
+const STEP_S: f32 = 0.0025;
+const MASS_KG: f32 = 1.2;
+const YAW_DRAG_NM_S: f32 = 0.0117;
+
+/// A vehicle that hovers, and what has become of its motors.
+struct Body {
+    q: UnitQuaternion<f32>,
+    rate: Vector3<f32>,
+    lifts_n: [f32; 4],
+    left: [f32; 4],
+    outside_nm: [f32; 3],
+}
+
+impl Body {
+    fn hovering() -> Self {
+        let hover_n = MASS_KG * 9.81 / 4.0;
+        Self {
+            q: UnitQuaternion::identity(),
+            rate: Vector3::zeros(),
+            lifts_n: [hover_n; 4],
+            left: [1.0; 4],
+            outside_nm: [0.0; 3],
+        }
+    }
+
+    fn advance(&mut self, commands: &[f32; 4]) {
+        for _ in 0..5 {
+            let step_s = STEP_S / 5.0;
+            for (motor, lift_n) in self.lifts_n.iter_mut().enumerate() {
+                let wanted_n = VEHICLE.lift_curve.lift(commands[motor]);
+                *lift_n += step_s / VEHICLE.actuation.lag_s * (wanted_n - *lift_n);
+            }
+            let made_n: [f32; 4] = core::array::from_fn(|motor| self.lifts_n[motor] * self.left[motor]);
+            let arms_m = [VEHICLE.lever_m(), VEHICLE.lever_m(), VEHICLE.torque_per_lift_m];
+            let inertia = Vector3::from(VEHICLE.inertia_kg_m2);
+            let mut torque = Vector3::from_fn(|axis, _| {
+                let lift_n: f32 = (0..4).map(|motor| TORQUE_SIGNS[axis][motor] * made_n[motor]).sum();
+                arms_m[axis] * lift_n + self.outside_nm[axis]
+            });
+            torque.z -= YAW_DRAG_NM_S * self.rate.z;
+            torque -= self.rate.cross(&inertia.component_mul(&self.rate));
+            self.rate += torque.component_div(&inertia) * step_s;
+            self.q = turned(&self.q, &(self.rate * step_s));
+        }
+    }
+
+    fn estimate(&self) -> AttitudeEstimate {
+        AttitudeEstimate {
+            q_world_from_body: self.q,
+            rate_body_rad_s: self.rate,
+            gyro_bias_rad_s: Vector3::zeros(),
+            valid: true,
+        }
+    }
+
+    fn force_m_s2(&self) -> Vector3<f32> {
+        let lift_n: f32 = self.lifts_n.iter().zip(self.left).map(|(lift_n, left)| lift_n * left).sum();
+        Vector3::new(0.0, 0.0, -lift_n / MASS_KG)
+    }
+
+    fn tilt_deg(&self) -> f32 {
+        down_in_body(&self.q).z.clamp(-1.0, 1.0).acos().to_degrees()
+    }
+}
+
+/// Flies with the commands of hover, which nobody corrects, until the core takes over; the stage after every step.
+fn fly(body: &mut Body, loss: &mut MotorLoss, steps: usize) -> std::vec::Vec<Stage> {
+    let config = MotorLossConfig::new(&VEHICLE, 1.0 / STEP_S).unwrap();
+    let hover_n = MASS_KG * 9.81 / 4.0;
+    let hover = VEHICLE.lift_curve.command(hover_n);
+    (0..steps)
+        .map(|_| {
+            let mut mix = MixResult { commands: MotorCommands([hover; 4]), ..MixResult::default() };
+            let (estimate, force_m_s2) = (body.estimate(), Some(body.force_m_s2()));
+            let felt = Felt { estimate: &estimate, force_m_s2, flies: true, lift_per_motor_n: hover_n };
+            loss.fly(&config, &felt, &mut mix);
+            body.advance(&mix.commands.0);
+            loss.stage()
+        })
+        .collect()
+}
+
+fn hovering() -> (Body, MotorLoss) {
+    let (mut body, mut loss) = (Body::hovering(), MotorLoss::default());
+    let stages = fly(&mut body, &mut loss, 400);
+    assert!(stages.iter().all(|stage| *stage == Stage::Whole));
+    (body, loss)
+}
+
+/// Whichever it is: suspected in 20 ms, found in 60 ms, and the vehicle comes upright again and stays so, whatever
+/// attitude it passed through.
+#[test]
+fn a_lost_propeller_is_named_and_flown_without() {
+    for motor in 0..4 {
+        let (mut body, mut loss) = hovering();
+        body.left[motor] = 0.0;
+        let stages = fly(&mut body, &mut loss, 24);
+        let suspected = stages.iter().position(|stage| matches!(stage, Stage::Suspected(s) if s.motor == motor));
+        assert!(suspected.is_some_and(|steps| steps < 8), "{suspected:?}");
+        let lost = stages.iter().position(|stage| *stage == Stage::Lost(motor));
+        assert!(lost.is_some_and(|steps| steps < 24), "{stages:?}");
+        fly(&mut body, &mut loss, 1600);
+        for _ in 0..40 {
+            fly(&mut body, &mut loss, 50);
+            assert!(body.tilt_deg() < 15.0, "motor {}: {} deg at {:?}", motor + 1, body.tilt_deg(), body.rate);
+        }
+        assert!(body.rate.z.abs() > 10.0, "it spins: {}", body.rate.z);
+    }
+}
+
+/// A torque as large and as sudden as a lost motor's and along its arm, but without its loss of lift, is suspected and
+/// no more; when it has gone, so has the suspicion.
+#[test]
+fn a_gust_along_an_arm_is_suspected_and_forgotten() {
+    let (mut body, mut loss) = hovering();
+    let torque_nm = 0.5 * VEHICLE.lever_m() * MASS_KG * 9.81 / 4.0;
+    body.outside_nm = [torque_nm, -torque_nm, 0.0];
+    let during = fly(&mut body, &mut loss, 40);
+    assert!(during.iter().any(|stage| matches!(stage, Stage::Suspected(s) if s.motor == 0)), "{during:?}");
+    body.outside_nm = [0.0; 3];
+    let after = fly(&mut body, &mut loss, 200);
+    assert!(during.iter().chain(&after).all(|stage| stage.lost_motor().is_none()));
+    assert_eq!(after.last(), Some(&Stage::Whole));
+}
+
+/// On a rig, which holds the vehicle, there is none.
+#[test]
+fn a_rig_needs_none_of_this() {
+    assert!(MotorLossConfig::new(&VehicleParameters::F450_GIMBAL, 400.0).is_none());
+}
+
+/// Disarmed or on the ground, what was found is forgotten.
+#[test]
+fn on_the_ground_it_begins_anew() {
+    let (mut body, mut loss) = hovering();
+    body.left[2] = 0.0;
+    fly(&mut body, &mut loss, 40);
+    assert_eq!(loss.stage().lost_motor(), Some(3));
+    let config = MotorLossConfig::new(&VEHICLE, 400.0).unwrap();
+    let estimate = body.estimate();
+    let felt = Felt { estimate: &estimate, force_m_s2: None, flies: false, lift_per_motor_n: 0.0 };
+    loss.fly(&config, &felt, &mut MixResult::default());
+    assert_eq!(loss, MotorLoss::default());
+}
