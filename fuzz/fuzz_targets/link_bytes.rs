@@ -7,7 +7,9 @@
 use shared_control::config::Controller;
 use shared_control::link::frame::FrameWriter;
 use shared_control::link::signing::{Key, Signer, SigningRecord};
-use shared_control::link::{Chore, Commander, Guard, LinkSettings, LogStore, Order, Receiver, Telemetry, VehicleStatus};
+use shared_control::link::{
+    Chore, Commander, Guard, LinkSettings, LogStore, Order, Receiver, Telemetry, VehicleStatus,
+};
 use shared_control::params::Params;
 use shared_control::signals::ArmingBlocks;
 

@@ -53,12 +53,7 @@ impl ServedVehicle {
     ///
     /// # Errors
     /// [`OutOfOrder`] where the parameters cannot be flown.
-    pub fn new(
-        model: VehicleModel,
-        seed: u64,
-        params: &Params,
-        memory: Memory,
-    ) -> Result<Self, OutOfOrder> {
+    pub fn new(model: VehicleModel, seed: u64, params: &Params, memory: Memory) -> Result<Self, OutOfOrder> {
         let board = SimulatedBoard::start(params, memory)?;
         let world = World::new(&model, seed);
         Ok(Self { model, seed, board, world, now_us: 0, simulated_us: 0, restarts: 0 })

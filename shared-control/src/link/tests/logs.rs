@@ -69,7 +69,7 @@ impl Vehicle {
 
     fn hear(&mut self, frame: &[u8]) {
         for byte in frame {
-            let Some(order) = self.receiver.receive(*byte) else { continue };
+            let Some(order) = self.receiver.receive(*byte, &mut Guard::open()) else { continue };
             let (answer, chore) = self.commander.order(&order, self.time_us);
             if let Some(answer) = answer {
                 self.telemetry.answer(answer);
