@@ -92,10 +92,8 @@ mod tests {
     #[test]
     fn opposite_motors_stand_opposite() {
         for motor in 0..4 {
-            for axis in 0..2 {
-                assert_eq!(TORQUE_SIGNS[axis][motor], -TORQUE_SIGNS[axis][opposite(motor)]);
-            }
-            assert_eq!(TORQUE_SIGNS[2][motor], TORQUE_SIGNS[2][opposite(motor)]);
+            let [roll, pitch, yaw] = TORQUE_SIGNS.map(|signs| (signs[motor], signs[opposite(motor)]));
+            assert_eq!([roll.0, pitch.0, yaw.0], [-roll.1, -pitch.1, yaw.1]);
         }
     }
 }

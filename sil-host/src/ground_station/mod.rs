@@ -122,11 +122,9 @@ impl GroundStation {
             let all = LOG_REQUEST_LIST_DATA { start: 0, end: u16::MAX, target_system, target_component };
             self.write(&all, &mut out);
         }
-        match self.fetch.as_mut().map(|fetch| (fetch.id(), fetch.due(now_ms))) {
-            Some((id, Some((ofs, count)))) => {
-                self.write(&LOG_REQUEST_DATA_DATA { ofs, count, id, target_system, target_component }, &mut out);
-            }
-            Some((_, None)) | None => {}
+        let due = self.fetch.as_mut().and_then(|fetch| Some((fetch.id(), fetch.due(now_ms)?)));
+        if let Some((id, (ofs, count))) = due {
+            self.write(&LOG_REQUEST_DATA_DATA { ofs, count, id, target_system, target_component }, &mut out);
         }
         out
     }

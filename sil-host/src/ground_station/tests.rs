@@ -82,7 +82,7 @@ impl Link {
                 3 => self.waiting = Some(frame),
                 _ => out.extend(frame),
             }
-            if self.random.next_u32() % 2 == 0 {
+            if self.random.next_u32().is_multiple_of(2) {
                 out.extend(self.waiting.take().unwrap_or_default());
             }
         }

@@ -100,8 +100,8 @@ mod tests {
 
     #[test]
     fn a_torque_comes_stays_and_goes() {
-        let mut torque_nm = Weather::TorqueSteps.torque_nm(1, 0.001);
-        let found = [0.9, 1.1, 2.2, 3.2, 3.4, 5.7].map(|time_s| torque_nm(time_s));
+        let torque_nm = Weather::TorqueSteps.torque_nm(1, 0.001);
+        let found = [0.9, 1.1, 2.2, 3.2, 3.4, 5.7].map(torque_nm);
         let (off, on) = (0.0, TORQUE_NM);
         assert_eq!(found.map(|nm| nm[0]), [off, on, on, on, off, on]);
         assert_eq!(found.map(|nm| nm[1]), [off, off, on, on, on, off]);
