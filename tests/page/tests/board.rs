@@ -67,7 +67,6 @@ fn a_vehicle_behind_a_port_shows_how_it_lies_and_leaves_with_the_cable() -> Resu
     let caption = "document.querySelector('#board figcaption').textContent";
     carry_until(&page, &mut vehicle, &format!("/roll -?0°, pitch -?0°/.test({caption})"))?;
     assert_eq!(page.text("#board-state")?, "Vehicle 1, disarmed");
-    carry_until(&page, &mut vehicle, "document.querySelector('#board-words li')")?;
     page.browser.script("port.unplug()", &[])?;
     page.wait("port.isClosed")?;
     page.wait("document.getElementById('board-state').textContent === 'Not connected.'")?;

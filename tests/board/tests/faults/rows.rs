@@ -399,7 +399,7 @@ fn overflow_stack(flight: &mut Flight) {
 fn spoil_setpoint(flight: &mut Flight) {
     let control = flight.image.symbol_that_contains("local_resource_control").expect("the loop's memory");
     let throttle = (f32::from(HOVER_PERMILLE) / 1000.0).to_bits();
-    let memory: Vec<u32> = (0..1024).map(|place| flight.machine.word(control + 4 * place).unwrap()).collect();
+    let memory: Vec<u32> = (0..1280).map(|place| flight.machine.word(control + 4 * place).unwrap()).collect();
     // in a set-point it comes after three zeros while the vehicle hovers; those are left alone
     let kept = |place: &usize| memory[*place] == throttle && memory[place - 3..*place] != [0; 3];
     let places = (3..memory.len()).filter(kept).collect::<Vec<_>>();
