@@ -62,7 +62,7 @@ impl Fram {
     pub fn store_signing(&mut self, record: &SigningRecord) -> bool {
         let [even, odd] = SIGNING_ADDRESSES;
         let bytes: [u8; SIGNING_RECORD_LEN] = record.encode();
-        self.store_at(if record.serial % 2 == 0 { even } else { odd }, &bytes)
+        self.store_at(if record.serial.is_multiple_of(2) { even } else { odd }, &bytes)
     }
 
     fn read_at<const N: usize>(&mut self, address: [u8; 2]) -> [u8; N] {
