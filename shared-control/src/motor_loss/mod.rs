@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!   commands -> lag -> lifts ---.
-//!   rates, specific force ------+-> detector -> suspected (reversible): yaw given up, the opposite motor relaxed
+//!   rates, specific force ------+-> detector -> suspected (reversible): the opposite motor relaxed
 //!                                           '-> lost (latched, names the motor): reduced attitude -> three motors
 //! ```
 //! Where a motor is lost only the thrust's axis is controlled, and the vehicle spins about it (Mueller and D'Andrea,

@@ -400,10 +400,8 @@ fn spoil_setpoint(flight: &mut Flight) {
     let control = flight.image.symbol_that_contains("local_resource_control").expect("the loop's memory");
     let throttle = (f32::from(HOVER_PERMILLE) / 1000.0).to_bits();
     let memory: Vec<u32> = (0..1280).map(|place| flight.machine.word(control + 4 * place).unwrap()).collect();
-    // in a set-point it comes after three zeros while the vehicle hovers; those are left alone, and so is what is flown,
-    // behind one of them
-    let is_of_setpoint = |place: &usize| memory[place - 3..*place] == [0; 3] || memory[place - 1] == throttle;
-    let kept = |place: &usize| memory[*place] == throttle && !is_of_setpoint(place);
+    // in a set-point it comes after three zeros while the vehicle hovers; those are left alone
+    let kept = |place: &usize| memory[*place] == throttle && memory[place - 3..*place] != [0; 3];
     let places = (3..memory.len()).filter(kept).collect::<Vec<_>>();
     for place in places {
         flight.machine.poke(control + 4 * place as u32, &f32::NAN.to_bits().to_le_bytes());
