@@ -146,7 +146,7 @@ fn the_vehicle_is_the_first_that_was_heard_and_leaves_with_its_silence() {
     station.take(&frame(8, &|writer, out| writer.write(&attitude(0.9), out)), 300);
     let says = |text| STATUSTEXT_DATA { text, ..STATUSTEXT_DATA::DEFAULT };
     station.take(&frame(8, &|writer, out| writer.write(&says("another's".into()), out)), 300);
-    station.take(&frame(7, &|writer, out| writer.write(&says("disarmed".into()), out)), 300);
+    station.take(&frame(7, &|writer, out| writer.write(&says("disarmed".into()), out)), 200);
     assert_eq!(station.words().collect::<Vec<_>>(), ["disarmed"]);
     let vehicle = station.vehicle(400).unwrap();
     assert_eq!((vehicle.id, vehicle.is_armed, vehicle.attitude_rad), ((7, 1), true, Some([0.1, -0.2, 3.0])));
