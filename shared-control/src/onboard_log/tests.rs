@@ -180,10 +180,11 @@ fn a_second_of_log_is_as_long_as_the_page_says() {
             (topics::ATTITUDE, 4000, 37),
             (topics::MOTORS, 4000, 71),
             (topics::MPC, if controller == Controller::Mpc { 4000 } else { 0 }, 41),
-            (topics::ATTITUDE_SETPOINT, 100, 25),
+            (topics::ATTITUDE_SETPOINT, 100, 45),
             (topics::RATES_SETPOINT, 500, 37),
             (topics::RADIO, 100, 51),
-            (topics::BATTERY, 50, 17),
+            (topics::BATTERY, 50, 29),
+            (topics::STATUS, 20, 19),
         ];
         for (topic, count, bytes) in rows {
             let found = data(&log, &topic);
