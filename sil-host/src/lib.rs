@@ -60,6 +60,7 @@ pub mod axis;
 pub mod bench_mpc;
 pub mod closed_loop;
 pub mod comparison;
+pub mod console;
 pub mod control_setup;
 pub mod controller_file;
 pub mod cosim;

@@ -74,7 +74,7 @@ fn end_progress() {
 }
 
 /// With the ports that there are.
-fn no_port(name: &str, error: &serialport::Error) -> String {
+pub(super) fn no_port(name: &str, error: &serialport::Error) -> String {
     let there: Vec<_> =
         serialport::available_ports().unwrap_or_default().into_iter().map(|port| port.port_name).collect();
     let there = if there.is_empty() { "there is none".to_owned() } else { format!("there are: {}", there.join(", ")) };

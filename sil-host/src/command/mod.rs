@@ -2,6 +2,7 @@
 
 mod bench_mpc;
 mod compare;
+mod console;
 mod demonstration;
 mod diagnose;
 mod flight_arguments;
@@ -85,6 +86,7 @@ commands! {
     Fly(fly::FlyArguments): fly::run,
     Montecarlo(montecarlo::MontecarloArguments): montecarlo::run,
     Serve(serve::ServeArguments): serve::run,
+    Console(console::ConsoleArguments): console::run,
     Hitl(hitl::HitlArguments): hitl::run,
     Compare(compare::CompareArguments): compare::run,
     Diagnose(diagnose::DiagnoseArguments): diagnose::run,

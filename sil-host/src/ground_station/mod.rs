@@ -1,6 +1,7 @@
 //! The other end of a vehicle's link, as far as somebody with a log needs it: who is there, how it lies, which logs it
 //! keeps, and one of them whole. Bytes in and bytes out, time passed in; it commands nothing.
 
+mod from_vehicle;
 mod log_fetch;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -12,6 +13,7 @@ use mavlink::dialects::common::{
 };
 use shared_control::link::frame::{Frame, FrameFinder, FrameWriter, message};
 
+pub(crate) use from_vehicle::crc_extra;
 pub use log_fetch::{LogFetch, SIZE_MAX};
 
 /// Identity of a ground station, as QGroundControl has it.
@@ -200,18 +202,6 @@ impl GroundStation {
         } else if let (Some(part), Some(fetch)) = (message::<LOG_DATA_DATA>(frame), self.fetch.as_mut()) {
             fetch.take(&part, now_ms);
         }
-    }
-}
-
-/// Last byte of the CRC of the messages that are understood; the others are passed over.
-fn crc_extra(message_id: u32) -> Option<u8> {
-    match message_id {
-        HEARTBEAT_DATA::ID => Some(HEARTBEAT_DATA::EXTRA_CRC),
-        ATTITUDE_DATA::ID => Some(ATTITUDE_DATA::EXTRA_CRC),
-        STATUSTEXT_DATA::ID => Some(STATUSTEXT_DATA::EXTRA_CRC),
-        LOG_ENTRY_DATA::ID => Some(LOG_ENTRY_DATA::EXTRA_CRC),
-        LOG_DATA_DATA::ID => Some(LOG_DATA_DATA::EXTRA_CRC),
-        _ => None,
     }
 }
 

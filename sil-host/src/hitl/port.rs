@@ -8,7 +8,7 @@ use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, HEARTBEAT_DATA, HIL_ACTUATOR_CONTROLS_DATA, STATUSTEXT_DATA};
 use shared_control::link::frame::{Frame, FrameFinder, FrameWriter, message};
 
-use crate::ground_station;
+use crate::ground_station::{self, crc_extra};
 
 /// Longest frame that is sent.
 const FRAME_MAX: usize = 128;
@@ -149,15 +149,4 @@ fn understood(frame: &Frame) -> Option<FromBoard> {
 
 fn words(data: &STATUSTEXT_DATA) -> String {
     data.text.to_str().unwrap_or_default().to_owned()
-}
-
-/// Last byte of the CRC of the messages that are understood; the others are passed over.
-fn crc_extra(message_id: u32) -> Option<u8> {
-    match message_id {
-        HEARTBEAT_DATA::ID => Some(HEARTBEAT_DATA::EXTRA_CRC),
-        HIL_ACTUATOR_CONTROLS_DATA::ID => Some(HIL_ACTUATOR_CONTROLS_DATA::EXTRA_CRC),
-        COMMAND_ACK_DATA::ID => Some(COMMAND_ACK_DATA::EXTRA_CRC),
-        STATUSTEXT_DATA::ID => Some(STATUSTEXT_DATA::EXTRA_CRC),
-        _ => None,
-    }
 }

@@ -4,6 +4,7 @@
 mod bad_files;
 mod bad_inputs;
 mod compare;
+mod console;
 mod damage;
 mod demonstration;
 mod diagnosis;
