@@ -5,8 +5,8 @@ use sil_host::answer::{Answered, HeldAgainst, Said, SaidModel};
 use sil_host::diagnosis::{Effort, Fact, KnownScale, identify as identify_logs};
 
 use crate::arrays::python;
+use crate::chosen::controller_choice;
 use crate::errors::refused;
-use crate::flight::controller_choice;
 use crate::log::Log;
 use crate::model::Model;
 
