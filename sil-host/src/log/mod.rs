@@ -6,6 +6,7 @@
 //! controller's streams of several rates become rows, `recording.rs` says.
 
 mod blackbox;
+mod contradiction;
 mod csv;
 mod dataflash;
 pub mod draft;
@@ -35,6 +36,7 @@ mod write;
 
 use std::path::Path;
 
+pub use contradiction::{Contradiction, MapLine};
 pub use csv::parse;
 pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};

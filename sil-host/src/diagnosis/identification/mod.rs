@@ -17,6 +17,7 @@
 mod bench;
 mod file;
 mod fitting;
+mod folding;
 mod mismatch;
 mod numbers;
 mod seen;

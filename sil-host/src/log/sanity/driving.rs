@@ -3,10 +3,11 @@
 //! axis which is excited alone does not speak for the others.
 
 use super::super::Log;
+use super::super::contradiction::Contradiction;
 use super::super::quantity::Quantity;
 use super::answers::{Answer, Answers, Question};
 use super::bins::Bins;
-use super::finding::{Columns, Contradiction};
+use super::finding::Columns;
 use crate::axis::Axis;
 use shared_control::airframe::TORQUE_SIGNS;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8};

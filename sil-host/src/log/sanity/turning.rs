@@ -3,10 +3,11 @@
 //! angles are the body rates; rows with more than 60 degrees of tilt are left out.
 
 use super::super::Log;
+use super::super::contradiction::Contradiction;
 use super::super::quantity::Quantity;
 use super::answers::{Answer, Answers, Question};
 use super::bins::Bins;
-use super::finding::{Columns, Contradiction};
+use super::finding::Columns;
 use super::regression::Estimate;
 use super::{Measured, SensorAgreement};
 use crate::axis::Axis;

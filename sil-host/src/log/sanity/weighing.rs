@@ -2,10 +2,11 @@
 //! flies; and where it hangs or stands tilted, the part of gravity that its attitude says.
 
 use super::super::Log;
+use super::super::contradiction::Contradiction;
 use super::super::quantity::{GRAVITY_M_S2, Quantity};
 use super::answers::{Answer, Answers, Question};
 use super::bins::Bins;
-use super::finding::{Columns, Contradiction};
+use super::finding::Columns;
 use super::regression::{Estimate, jackknife};
 use crate::axis::Axis;
 
