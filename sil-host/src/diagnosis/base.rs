@@ -8,6 +8,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::estimate::Estimate;
 use super::fitted::{Fitted, LAG_AND_DELAY_S, per_unit_inertia};
 use super::found::Found;
 use super::kinematics::Kinematics;
@@ -15,7 +16,7 @@ use super::lateness::count_lateness;
 use super::noise::noise_beyond_sensors;
 use super::plausible::has_bound;
 use super::search::{Candidate, Search};
-use super::verdict::{Estimate, MODEL_ERROR, estimates};
+use super::verdict::{MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term, as_terms};
 use crate::diagnosis::fitting::shooting::Shooting;

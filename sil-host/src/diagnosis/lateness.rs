@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
+use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::search::Search;
-use super::verdict::Estimate;
 use crate::diagnosis::fitting::fit::Fit;
 use crate::prediction::force_track::Commands;
 use crate::prediction::lost_commands::lateness_of_held_s;

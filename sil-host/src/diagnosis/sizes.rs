@@ -4,11 +4,12 @@
 use std::collections::BTreeMap;
 
 use super::base;
+use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::kinematics::Kinematics;
 use super::noise::noise_beyond_sensors;
 use super::search::Search;
-use super::verdict::{Estimate, MODEL_ERROR, estimates};
+use super::verdict::{MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, as_terms, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;

@@ -23,7 +23,7 @@ mod numbers;
 mod seen;
 mod start;
 
-use super::verdict::Estimate;
+use super::estimate::Estimate;
 use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;

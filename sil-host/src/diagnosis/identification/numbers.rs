@@ -5,10 +5,11 @@ use serde::Serialize;
 
 use super::folding::mean_lift;
 use crate::axis::Axis;
+use crate::diagnosis::estimate::Estimate;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of, moved};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::lateness::held_std_s;
-use crate::diagnosis::verdict::{Estimate, model_error};
+use crate::diagnosis::verdict::model_error;
 use crate::model::VehicleModel;
 use crate::prediction::model::Model;
 use crate::statistics::dot;
