@@ -4,7 +4,7 @@
 const [decoder, encoder] = [new TextDecoder(), new TextEncoder()];
 // Of WebAssembly's 4 GB, what a log's rows and its answer need beside the files.
 const FILES_MAX = 1e9;
-let library, current, failure;
+let library, notStarted, current, failure;
 
 const bytesAt = (at, length) => new Uint8Array(library.memory.buffer, at, length);
 
@@ -22,9 +22,10 @@ function give(bytes) {
 async function answer({ id, request, files }) {
   current = id;
   failure = undefined;
-  const heldMb = () => Math.round(library.memory.buffer.byteLength / 1e6);
+  const heldMb = () => Math.round((library?.memory.buffer.byteLength ?? 0) / 1e6);
   try {
     const size = files.reduce((sum, file) => sum + file.size, 0);
+    if (!library) throw notStarted;
     if (size > FILES_MAX) throw new RangeError(`out of memory: files of ${Math.round(size / 1e6)} MB`);
     give(encoder.encode(JSON.stringify(request)));
     for (const file of files) give(new Uint8Array(await file.arrayBuffer()));
@@ -32,12 +33,7 @@ async function answer({ id, request, files }) {
     const text = decoder.decode(bytesAt(library.answer_at(), length));
     postMessage({ id, answer: JSON.parse(text), heldMb: heldMb() });
   } catch (error) {
-    postMessage({
-      id,
-      failure: failure ?? String(error),
-      isTrap: error instanceof WebAssembly.RuntimeError,
-      heldMb: heldMb(),
-    });
+    postMessage({ id, failure: failure ?? String(error), heldMb: heldMb() });
   }
 }
 
@@ -45,7 +41,11 @@ let last = Promise.resolve();
 onmessage = ({ data }) => {
   last = last.then(async () => {
     if (!data.library) return answer(data);
-    const { instance } = await WebAssembly.instantiate(data.library, { page: { said } });
-    library = instance.exports;
+    try {
+      const { instance } = await WebAssembly.instantiate(data.library, { page: { said } });
+      library = instance.exports;
+    } catch (error) {
+      notStarted = error;
+    }
   });
 };

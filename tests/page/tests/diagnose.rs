@@ -59,6 +59,33 @@ fn a_log_that_is_too_large_for_a_page_is_said_and_the_page_goes_on() -> Result<(
     Ok(())
 }
 
+/// Of the 4 GB that WebAssembly can address all but 10 MB are taken, so that the library runs out while it computes.
+#[test]
+fn memory_that_runs_out_while_computing_is_said_and_the_next_log_has_its_answer() -> Result<()> {
+    let page = Page::open()?;
+    page.click("#demonstration")?;
+    page.answer()?;
+    // what has read the log had all memory; what searches again is a worker anew, with this text
+    page.browser.script(
+        "const worker = document.getElementById('worker');
+         globalThis.roomy = worker.textContent;
+         const ready = 'library = instance.exports;';
+         const take = 'library.memory.grow(65536 - 160 - library.memory.buffer.byteLength / 65536);';
+         if (!roomy.includes(ready)) throw new Error('the worker has no such line: ' + ready);
+         worker.textContent = roomy.replace(ready, ready + take);",
+        &[],
+    )?;
+    page.click("#run")?;
+    page.wait("!document.getElementById('problem').hidden")?;
+    let said = page.text("#problem")?;
+    assert!(said.starts_with("The log needs more memory than a browser gives to a page (it had 4295 MB)"), "{said}");
+    assert_eq!(page.value("document.getElementById('progress').hidden")?, Value::Bool(true));
+    page.browser.script("document.getElementById('worker').textContent = roomy", &[])?;
+    page.click("#demonstration")?;
+    assert!(page.answer()?.starts_with("Pitch is out of balance"));
+    Ok(())
+}
+
 #[test]
 fn stop_stops_and_another_search_begins_anew() -> Result<()> {
     let page = Page::open()?;
