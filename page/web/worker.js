@@ -6,7 +6,8 @@ const [decoder, encoder] = [new TextDecoder(), new TextEncoder()];
 const FILES_MAX = 1e9;
 let library, notStarted, current, failure;
 
-const bytesAt = (at, length) => new Uint8Array(library.memory.buffer, at, length);
+// Places above 2 GB come out of WebAssembly as negative numbers.
+const bytesAt = (at, length) => new Uint8Array(library.memory.buffer, at >>> 0, length >>> 0);
 
 function said(at, length) {
   const what = JSON.parse(decoder.decode(bytesAt(at, length)));
@@ -29,7 +30,7 @@ async function answer({ id, request, files }) {
     if (size > FILES_MAX) throw new RangeError(`out of memory: files of ${Math.round(size / 1e6)} MB`);
     give(encoder.encode(JSON.stringify(request)));
     for (const file of files) give(new Uint8Array(await file.arrayBuffer()));
-    const length = library.answer();
+    const length = library.answer() >>> 0;
     const text = decoder.decode(bytesAt(library.answer_at(), length));
     postMessage({ id, answer: JSON.parse(text), heldMb: heldMb() });
   } catch (error) {
