@@ -8,9 +8,10 @@ use super::seen;
 use crate::axis::Axis;
 use crate::diagnosis::base;
 use crate::diagnosis::extension::model_with_terms;
-use crate::diagnosis::fitted::Fitted;
+use crate::diagnosis::fitted::{Fitted, LAG_AND_DELAY_S};
 use crate::diagnosis::fitting::fit::Term;
 use crate::diagnosis::fitting::sampling::Sampled;
+use crate::diagnosis::progress::{Observer, Progress};
 use crate::diagnosis::search::Search;
 use crate::effects::{Prior, Scope};
 use crate::log::Log;
@@ -61,15 +62,27 @@ fn unknowns(scope: &Scope, at_command: f64) -> Vec<Fitted> {
     UNKNOWN.iter().flat_map(of_name).chain(offset).chain(yaw).collect()
 }
 
+/// Fits of [`fine`]: the unknowns, the noise, the unknowns in that noise, the numbers with their intervals.
+const FINE_FITS: usize = 4;
+
+fn identifying(done: usize) -> Progress {
+    Progress::Identifying { done, total: LAG_AND_DELAY_S.len() + FINE_FITS }
+}
+
 /// A first fit from several lags and delays, in the sensors' noise.
-pub(super) fn rough(log: &Log, start: &VehicleModel) -> Result<Rough, NotIdentified> {
+pub(super) fn rough(log: &Log, start: &VehicleModel, observer: Observer<'_>) -> Result<Rough, NotIdentified> {
+    let observer = |progress| {
+        if let Progress::Fitting { done, .. } = progress {
+            observer(identifying(done));
+        }
+    };
     let subject = Subject::Vehicle(start);
     let unknowns = unknowns(&subject.scope(log), start.base_command);
     let (curve, others) = unknowns.split_at(unknowns.iter().take_while(|one| one.name() == "thrust_curve").count());
     let curve = curve.iter().map(|effect| Term { effect, values: effect.prior().map_or(vec![0.0], |p| vec![p.mean]) });
     let nominal = || subject.model(log);
     let shooting = subject.shooting(log, &subject.noise(log))?;
-    let search = Search::new(&shooting, &nominal, &[], curve.collect(), &|_| ());
+    let search = Search::new(&shooting, &nominal, &[], curve.collect(), &observer);
     let fit = base::fitted(&search, others).fit;
     let values = fit.terms.iter().map(|term| if is_own(term.effect) { vec![1.0] } else { term.values.clone() });
     Ok(Rough { model: with_assumed_yaw(folded(start, &fit.terms)), values: values.collect() })
@@ -77,7 +90,13 @@ pub(super) fn rough(log: &Log, start: &VehicleModel) -> Result<Rough, NotIdentif
 
 /// The fit in the noise of all that the model does not know, the commands between rows as the log shows them; the model
 /// with everything in it, and its numbers.
-pub(super) fn fine(log: &Log, rough: &Rough) -> Result<(VehicleModel, Vec<Identified>), NotIdentified> {
+pub(super) fn fine(
+    log: &Log,
+    rough: &Rough,
+    observer: Observer<'_>,
+) -> Result<(VehicleModel, Vec<Identified>), NotIdentified> {
+    let are_done = |fits: usize| observer(identifying(LAG_AND_DELAY_S.len() + fits));
+    are_done(0);
     let subject = Subject::Vehicle(&rough.model);
     let unknowns = unknowns(&subject.scope(log), rough.model.base_command);
     let terms = || -> Vec<Term<'_>> {
@@ -87,9 +106,12 @@ pub(super) fn fine(log: &Log, rough: &Rough) -> Result<(VehicleModel, Vec<Identi
     let nominal = || subject.model(log);
     let sampled = Sampled::new(log, &subject, None)?;
     let (search, found) = sampled.nominal(|shooting| Search::new(shooting, &nominal, &[], terms(), &|_| ()));
+    are_done(1);
     let shooting = base::in_noise_of(log, &subject, &search, &found.fit)?;
+    are_done(2);
     let search = Search::new(&shooting, &nominal, &[], terms(), &|_| ());
     let fit = search.refitted(found.fit.terms, &found.fit.starts);
+    are_done(3);
     let seen = seen::axes(&search, &fit);
     if seen == [false; 3] || base::acts_at_once(&fit.terms) {
         return Err(NotIdentified::Quiet);
