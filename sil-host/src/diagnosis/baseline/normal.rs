@@ -10,7 +10,7 @@ use crate::diagnosis::Estimate;
 pub(super) const USUAL_FLIGHTS: f64 = 4.0;
 
 /// A number that its log leaves open by so many usual spreads is not compared.
-const UNKNOWN_FROM: f64 = 3.0;
+const UNKNOWN_FROM: f64 = 10.0;
 
 /// Standard deviations of roll and pitch trim, yaw trim and collective, share of the full command.
 struct Usual {

@@ -4,7 +4,7 @@
 use std::fmt;
 
 use super::base_numbers::base_numbers;
-use super::steady::steady;
+use super::steady::{Centre, around_median, mean_of_record, steady};
 use crate::axis::Axis;
 use crate::diagnosis::{Estimate, LogSummary};
 use crate::log::Log;
@@ -144,7 +144,7 @@ impl FlightNumbers {
     /// # Errors
     /// The log has no window, or no commands for its rig.
     pub fn of(log: &Log, subject: &Subject<'_>) -> Result<FlightNumbers, NotPredictable> {
-        FlightNumbers::with(log, subject, |numbers| {
+        FlightNumbers::with(log, subject, around_median, |numbers| {
             let mut all = of_sensors(&figures(log));
             for number in base_numbers(log, subject)? {
                 match all.iter_mut().find(|other| other.of == number.of) {
@@ -164,7 +164,7 @@ impl FlightNumbers {
     /// # Errors
     /// The log has no window.
     pub(super) fn of_record(log: &Log, subject: &Subject<'_>) -> Result<FlightNumbers, NotPredictable> {
-        FlightNumbers::with(log, subject, |numbers| {
+        FlightNumbers::with(log, subject, mean_of_record, |numbers| {
             let figures = figures_of_record(log);
             numbers.extend(of_sensors(&figures));
             numbers.extend(of_motion(figures));
@@ -175,9 +175,10 @@ impl FlightNumbers {
     fn with(
         log: &Log,
         subject: &Subject<'_>,
+        centre: Centre,
         further: impl Fn(&mut Vec<Number>) -> Result<(), NotPredictable>,
     ) -> Result<FlightNumbers, NotPredictable> {
-        let steady = steady(log, subject)?;
+        let steady = steady(log, subject, centre)?;
         let mut numbers = steady.numbers;
         further(&mut numbers)?;
         Ok(FlightNumbers {
@@ -212,7 +213,7 @@ fn of_motion(figures: Figures) -> Vec<Number> {
     let Figures { gain_rad_s2, gyro_scale, later_s, .. } = figures;
     let gains = Axis::ALL.into_iter().zip(gain_rad_s2).zip(gyro_scale).filter_map(|((axis, gain), scale)| {
         let gain = gain?;
-        let true_gain = scale.map_or(Some(gain.clone()), |scale| gain.over(&scale)).unwrap_or(gain);
+        let true_gain = scale.map_or_else(|| gain.clone(), |scale| gain.over(&scale));
         Some(Number::of_figure(NumberOf::InputGain(axis), true_gain))
     });
     gains.chain(later_s.map(|later| Number::of_figure(NumberOf::Lateness, later))).collect()

@@ -22,6 +22,7 @@ mod bins;
 mod driving;
 mod figures;
 mod finding;
+mod held;
 mod minutes;
 mod regression;
 mod stuck;
