@@ -81,6 +81,7 @@ impl Vehicle {
             Some(Chore::SetUpSigning(setup)) => {
                 self.telemetry.set_up_signing(&setup, (&self.status, self.time_us, false), |_| true);
             }
+            Some(Chore::Files(request)) => self.telemetry.take_file_request(&request),
             Some(Chore::Logs(request)) => self.telemetry.take_log_request(&request, &mut self.logs),
             Some(Chore::CalibrateLevel) => self.telemetry.calibrate_level(&self.status, |_| true),
             Some(Chore::StoreConfiguration) => self.telemetry.store_configuration(|_| true),
@@ -100,7 +101,7 @@ impl Vehicle {
         self.guard.follow(&terms);
         let mut said = heapless::Vec::<u8, 280>::new();
         self.telemetry.poll(self.time_us, &self.status, &mut said);
-        self.telemetry.send_logs(self.time_us, &self.status, &mut self.logs, &mut said);
+        self.telemetry.send_files(self.time_us, &self.status, &mut self.logs, &mut said);
         let mut rest = said.as_slice();
         while !rest.is_empty() {
             let is_signed = rest[2] & 1 == 1;

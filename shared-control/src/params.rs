@@ -198,20 +198,14 @@ pub fn load(record: &[u8; RECORD_LEN]) -> (Params, Option<RecordError>) {
     }
 }
 
-/// CRC-32 of IEEE 802.3 (reflected 0x04C11DB7, start and end inverted), bit by bit: records are short and read once.
+/// CRC-32 of IEEE 802.3 (start and end inverted).
 pub fn crc32(bytes: &[u8]) -> u32 {
-    let mut crc = u32::MAX;
-    for byte in bytes {
-        crc ^= u32::from(*byte);
-        for _ in 0..8 {
-            let carry = crc & 1;
-            crc >>= 1;
-            if carry == 1 {
-                crc ^= 0xEDB8_8320;
-            }
-        }
-    }
-    !crc
+    !bytes.iter().fold(u32::MAX, |crc, byte| crc32_step(crc, *byte))
+}
+
+/// A byte more in a CRC-32 (reflected 0x04C11DB7), bit by bit: what it is for is short and read once.
+pub fn crc32_step(crc: u32, byte: u8) -> u32 {
+    (0..8).fold(crc ^ u32::from(byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 })
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ import time
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
-from served import Served, Stopwatch, expect
+from served import COMPONENT_METADATA, Served, Stopwatch, component_metadata, expect
 
 # of an answer, s; a ground station repeats its question after 1 s or more
 PATIENCE_S = 1.0
@@ -62,6 +62,7 @@ def connect(ground, watch):
     watch.lap(f"HEARTBEAT, mode {heartbeat.custom_mode:#x}")
     version = ground.request(mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION, "AUTOPILOT_VERSION")
     expect(version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_MAVLINK2, "MAVLink 2")
+    expect(version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_FTP, "files")
     expect(not version.capabilities & mavlink.MAV_PROTOCOL_CAPABILITY_MISSION_INT, "no missions promised")
     watch.lap(f"AUTOPILOT_VERSION, software {version.flight_sw_version:#010x}")
     # newer dialects have dropped the message, whose bytes are then all that is seen of it
@@ -80,8 +81,9 @@ def connect(ground, watch):
     current = ground.request(436, "CURRENT_MODE")
     expect(current.custom_mode == heartbeat.custom_mode, "the same mode in both")
     watch.lap("CURRENT_MODE")
-    expect(ground.command(mavlink.MAV_CMD_REQUEST_MESSAGE, 397) == DENIED, "COMPONENT_METADATA denied")
-    watch.lap("COMPONENT_METADATA: denied, there is no file transfer")
+    _, uri = component_metadata(ground.request(COMPONENT_METADATA, f"UNKNOWN_{COMPONENT_METADATA}"))
+    expect(uri == "mftp:///general.json", f"where the parameters are described: {uri}")
+    watch.lap(f"COMPONENT_METADATA: {uri}")
     parameters = {}
     ground.link.mav.param_request_list_send(1, 1)
     while True:

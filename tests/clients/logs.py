@@ -11,19 +11,19 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 
 import numpy
 from pymavlink import mavutil
 from pyulog import ULog
+from pyulog.px4 import PX4ULog
 
 from bad_link import BadLink
-from served import Served, Stopwatch, expect
+from served import Served, Stopwatch, expect, mavproxy
 
 PIECE = 90
 TOPICS = {"sensor_combined", "vehicle_angular_velocity", "vehicle_attitude", "actuator_motors",
-          "vehicle_attitude_setpoint", "vehicle_rates_setpoint", "battery_status", "mpc_status"}
+          "vehicle_attitude_setpoint", "vehicle_rates_setpoint", "battery_status", "mpc_status", "vehicle_status"}
 
 
 def fly(link):
@@ -100,24 +100,10 @@ def downloaded(link, entry):
 
 def by_mavproxy(folder, client_port):
     """What MAVProxy makes of the first log."""
-    mavproxy, path = pathlib.Path(sys.executable).with_name("mavproxy.py"), pathlib.Path(folder) / "mavproxy.ulg"
-    command = [sys.executable, str(mavproxy), "--master", f"udpout:127.0.0.1:{client_port}", "--non-interactive",
-               "--default-modules", "log", "--state-basedir", folder, "--aircraft", "sil",
-               "--cmd", f"log download 0 {path}"]
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                               text=True, cwd=folder)
-    lines = []
-    threading.Thread(target=lambda: lines.extend(process.stdout), daemon=True).start()
-    try:
-        until = time.monotonic() + 200
-        while time.monotonic() < until and not any("Finished downloading" in line for line in lines):
-            time.sleep(0.1)
-    finally:
-        process.kill()
-        process.wait()
-    found = [line.strip() for line in lines if "Finished downloading" in line]
-    expect(found, f"MAVProxy downloads the log: {''.join(lines)}")
-    return path.read_bytes(), found[0].split("ulg ")[-1]
+    path = pathlib.Path(folder) / "mavproxy.ulg"
+    found = mavproxy(f"udpout:127.0.0.1:{client_port}", "log", folder, "--cmd", f"log download 0 {path}",
+                     until="Finished downloading", patience_s=200)
+    return path.read_bytes(), found.split("ulg ")[-1]
 
 
 def held_against_telemetry(path, heard):
@@ -159,7 +145,23 @@ def held_against_telemetry(path, heard):
             expect(abs(pulse_us - getattr(message, f"servo{motor + 1}_raw")) <= 1, f"motor {motor + 1} of {message}")
         pulses += 1
     expect(pulses > 8, f"{pulses} pulses")
+    reads_as_flight_review(log, data)
     return compared, pulses
+
+
+def reads_as_flight_review(log, data):
+    """What the page of Flight Review takes first: angles from rotations, changes of the mode, the battery."""
+    px4 = PX4ULog(log)
+    px4.add_roll_pitch_yaw()
+    setpoint = log.get_dataset("vehicle_attitude_setpoint").data
+    for angle in ["roll", "pitch"]:
+        expect(numpy.allclose(setpoint[f"{angle}_d"], setpoint[f"{angle}_body"], atol=1e-5), f"{angle} set-point")
+    modes = [int(mode) for _, mode in log.get_dataset("vehicle_status").list_value_changes("nav_state")]
+    expect(modes == [15], f"stabilise all along: {modes}")
+    status = data["vehicle_status"]
+    expect(status["arming_state"][0] == 2 and status["arming_state"][-1] == 1, "armed, then disarmed")
+    expect(status["is_vtol"].max() == 0 and status["failsafe"].max() == 0, "no VTOL, no failsafe")
+    expect({"voltage_v", "current_a", "discharged_mah", "remaining"} <= set(data["battery_status"]), "the battery")
 
 
 def held_against_csv(sil, folder):

@@ -1,5 +1,6 @@
 """A vehicle of `sil serve` for as long as a `with` block lasts, at a TCP port of its own."""
 
+import pathlib
 import subprocess
 import sys
 import threading
@@ -25,6 +26,37 @@ class Served:
     def __exit__(self, *_):
         self.process.terminate()
         self.process.wait()
+
+
+def mavproxy(master, modules, folder, *arguments, until, patience_s):
+    """Runs MAVProxy without a screen until a line that it prints has `until` in it, which is returned, and ends it."""
+    path = pathlib.Path(sys.executable).with_name("mavproxy.py")
+    command = [sys.executable, str(path), "--master", master, "--non-interactive", "--default-modules", modules,
+               "--state-basedir", folder, "--aircraft", "sil", *arguments]
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                               text=True, cwd=folder)
+    lines = []
+    threading.Thread(target=lambda: lines.extend(process.stdout), daemon=True).start()
+    try:
+        end = time.monotonic() + patience_s
+        while time.monotonic() < end and not any(until in line for line in lines):
+            time.sleep(0.1)
+    finally:
+        process.kill()
+        process.wait()
+    found = [line.strip() for line in lines if until in line]
+    expect(found, f"MAVProxy says {until!r}: {''.join(lines)}")
+    return found[0]
+
+
+# pymavlink's dialects have no COMPONENT_METADATA: its bytes are all that is seen of it
+COMPONENT_METADATA = 397
+
+
+def component_metadata(message):
+    """CRC and address of the general file in a COMPONENT_METADATA."""
+    payload = bytes(message.data)[10:-2]
+    return int.from_bytes(payload[4:8], "little"), payload[8:].rstrip(b"\0").decode()
 
 
 def expect(holds, words):

@@ -25,7 +25,8 @@ const PACKAGES: [&str; 11] = [
 ];
 
 /// What the clients do, a file each under `tests/clients`.
-const SCRIPTS: [&str; 6] = ["connect.py", "lossy.py", "signing.py", "console.py", "companion.py", "logs.py"];
+const SCRIPTS: [&str; 7] =
+    ["connect.py", "metadata.py", "lossy.py", "signing.py", "console.py", "companion.py", "logs.py"];
 
 /// Installs them in an environment of their own, once, and lets each meet the simulated vehicle.
 pub(crate) fn run(workspace: &Workspace) -> Result<()> {

@@ -126,8 +126,15 @@ impl Control {
     /// What telemetry may report of a step.
     pub fn status(&self, output: &StepOutput) -> VehicleStatus {
         let (hil, io, radio_flies) = (!self.is_timed(), self.io, self.radio_flies);
-        let mode = self.commander.mode();
-        VehicleStatus { hil, io, radio_flies, mode, ..VehicleStatus::new(&self.config, &self.input, output) }
+        let (mode, link_losses) = (self.commander.mode(), self.commander.link_losses);
+        VehicleStatus {
+            hil,
+            io,
+            radio_flies,
+            mode,
+            link_losses,
+            ..VehicleStatus::new(&self.config, &self.input, output)
+        }
     }
 
     /// The answer to the step's tick, with hardware in the loop.

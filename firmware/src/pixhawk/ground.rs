@@ -146,12 +146,12 @@ impl Ground {
             // a step's answer may have to wait until this has left, so it is short: 1.1 ms at 921,600 baud
             let mut few = Vec::<u8, HIL_DUE_BYTES>::new();
             self.telemetry.poll(time_us, status, &mut few);
-            self.telemetry.send_logs(time_us, status, &mut NoLogs, &mut few);
+            self.telemetry.send_files(time_us, status, &mut NoLogs, &mut few);
             // the larger buffer is empty
             let _ = self.due.extend_from_slice(&few);
         } else {
             self.telemetry.poll(time_us, status, &mut self.due);
-            self.telemetry.send_logs(time_us, status, &mut NoLogs, &mut self.due);
+            self.telemetry.send_files(time_us, status, &mut NoLogs, &mut self.due);
         }
     }
 
@@ -164,6 +164,7 @@ impl Ground {
             }
             Chore::CalibrateLevel => self.telemetry.calibrate_level(status, |record| self.memory.store(record)),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
+            Chore::Files(request) => self.telemetry.take_file_request(&request),
             Chore::Logs(request) => self.telemetry.take_log_request(&request, &mut NoLogs),
             Chore::SetUpSigning(setup) => {
                 let about = (status, time_us, self.usb.has_power());

@@ -104,6 +104,8 @@ pub struct Commander {
     /// The request that the last [`Commands`] carried.
     asked: Asked,
     arming: Arming,
+    /// How often the link was lost, modulo 256: it shows what came and went to whoever looks at some steps only.
+    pub link_losses: u8,
 }
 
 impl Commander {
@@ -123,6 +125,7 @@ impl Commander {
             waiting: heapless::Deque::new(),
             asked: NOTHING,
             arming: Arming::default(),
+            link_losses: 0,
         }
     }
 
@@ -201,6 +204,7 @@ impl Commander {
             Order::Inquire(inquiry) => (None, Some(Chore::Tell(inquiry))),
             Order::Logs(request) if disarmed => (None, Some(Chore::Logs(request))),
             Order::Logs(_) => (Some(Answer::LogsRefused(Refusal::Armed)), None),
+            Order::Files(request) => (None, Some(Chore::Files(request))),
             Order::SetUpSigning(setup) => (None, Some(Chore::SetUpSigning(setup))),
             Order::Senseless(command) => (Some(Answer::Senseless(command)), None),
             Order::UnknownCommand(command) => (Some(Answer::Unknown(command)), None),
@@ -244,6 +248,8 @@ impl Commander {
     /// What came of the step that [`Self::commands`] was for; the answer to the request that it carried.
     pub fn answer(&mut self, arming: &Arming) -> Option<Answer> {
         let was_armed = self.is_armed();
+        let [was_lost, is_lost] = [&self.arming, arming].map(|arming| matches!(arming, Arming::LinkLost { .. }));
+        self.link_losses = self.link_losses.wrapping_add(u8::from(is_lost && !was_lost));
         self.arming = *arming;
         if !matches!(arming, Arming::Armed) {
             self.end_test_sequence();

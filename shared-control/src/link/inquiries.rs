@@ -5,12 +5,14 @@
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    AUTOPILOT_VERSION_DATA, AVAILABLE_MODES_DATA, MESSAGE_INTERVAL_DATA, MISSION_COUNT_DATA, MavCmd,
-    PROTOCOL_VERSION_DATA, TIMESYNC_DATA,
+    AUTOPILOT_VERSION_DATA, AVAILABLE_MODES_DATA, COMPONENT_METADATA_DATA, MESSAGE_INTERVAL_DATA, MISSION_COUNT_DATA,
+    MavCmd, PROTOCOL_VERSION_DATA, TIMESYNC_DATA,
 };
 
+use super::file_transfer::GENERAL_ADDRESS;
 use super::frame::FrameWriter;
 use super::identity::{autopilot_version, protocol_version};
+use super::messages::wrapped_ms;
 use super::mode::Mode;
 use super::orders_and_answers::{Answer, Inquiry};
 use super::streams::{IntervalRefused, Stream, Streams};
@@ -20,11 +22,23 @@ use crate::supervisor::Refusal;
 /// Messages that may wait; whoever wants more is told that the vehicle is busy.
 const WAITING_MAX: usize = 12;
 
+/// Bytes of a `COMPONENT_METADATA` with [`GENERAL_ADDRESS`].
+const METADATA_MAX: usize = 8 + GENERAL_ADDRESS.len();
+
+/// What the answers say.
+pub(super) struct About<'a> {
+    pub(super) streams: &'a Streams,
+    pub(super) status: &'a VehicleStatus,
+    /// CRC of the file at [`GENERAL_ADDRESS`], once it is known.
+    pub(super) general_crc: Option<u32>,
+}
+
 /// A message to be sent once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Single {
     AutopilotVersion,
     ProtocolVersion,
+    Metadata,
     /// Counted from 1.
     Mode(u8),
     Interval(u32),
@@ -86,6 +100,7 @@ impl Inquiries {
         match (message_id, index) {
             (AUTOPILOT_VERSION_DATA::ID, _) => self.push(&[Single::AutopilotVersion], command),
             (PROTOCOL_VERSION_DATA::ID, _) => self.push(&[Single::ProtocolVersion], command),
+            (COMPONENT_METADATA_DATA::ID, _) => self.push(&[Single::Metadata], command),
             (AVAILABLE_MODES_DATA::ID, 0) => {
                 self.push(&core::array::from_fn::<_, { Mode::ALL.len() }, _>(|at| Single::Mode(at as u8 + 1)), command)
             }
@@ -118,19 +133,28 @@ impl Inquiries {
     pub(super) fn write<const N: usize>(
         &mut self,
         writer: &mut FrameWriter,
-        streams: &Streams,
+        about: &About<'_>,
         time_us: u64,
-        status: &VehicleStatus,
         out: &mut heapless::Vec<u8, N>,
     ) {
         while let Some(single) = self.waiting.front() {
             let written = match *single {
                 Single::AutopilotVersion => writer.write(&autopilot_version(), out),
                 Single::ProtocolVersion => writer.write(&protocol_version(), out),
-                Single::Mode(index) => {
-                    Mode::listed(index, status.controller).is_none_or(|data| writer.write(&data, out))
+                Single::Metadata => {
+                    let Some(crc) = about.general_crc else { return };
+                    let head = [wrapped_ms(time_us), crc].map(u32::to_le_bytes);
+                    let mut payload = heapless::Vec::<u8, METADATA_MAX>::new();
+                    // the address without the zeros behind it: there is room for all of it
+                    let _ = payload.extend_from_slice(head.as_flattened());
+                    let _ = payload.extend_from_slice(GENERAL_ADDRESS.as_bytes());
+                    let message = (COMPONENT_METADATA_DATA::ID, COMPONENT_METADATA_DATA::EXTRA_CRC);
+                    writer.write_payload(message, &payload, out)
                 }
-                Single::Interval(message_id) => writer.write(&interval(message_id, streams), out),
+                Single::Mode(index) => {
+                    Mode::listed(index, about.status.controller).is_none_or(|data| writer.write(&data, out))
+                }
+                Single::Interval(message_id) => writer.write(&interval(message_id, about.streams), out),
                 Single::PlanLength { kind, asker: [system, component] } => {
                     // count 0; the kind is an extension of the message
                     let payload = [0, 0, system, component, kind];

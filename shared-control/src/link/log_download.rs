@@ -20,15 +20,12 @@ use mavlink::dialects::common::{
 };
 
 use super::frame::{Frame, FrameWriter, message};
+use super::spare_room::SpareRoom;
 
 /// Bytes of a log in one message.
 pub const PIECE_BYTES: usize = 90;
 /// Pieces that may wait: what MAVProxy asks for at once. What is beyond is asked for again.
 const WAITING_MAX: usize = 20;
-/// Of a line, the share that may be in use with logs under way, percent.
-const SHARE_PERCENT: u64 = 90;
-/// Room on the line that may be saved up, bytes: what is sent at once.
-const SAVED_MAX: i64 = 280;
 
 /// Where logs last.
 pub trait LogStore {
@@ -130,23 +127,14 @@ struct Wanted {
 }
 
 /// What is still to be listed and sent.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct LogDownload {
     /// Next and last id to be listed.
     listing: Option<(u16, u16)>,
     waiting: heapless::Deque<Wanted, WAITING_MAX>,
-    line_bytes_s: u32,
-    /// Room that the line has left, bytes.
-    room: i64,
-    looked_us: u64,
 }
 
 impl LogDownload {
-    /// Nothing to be sent, over a line of so many bytes per second.
-    pub(super) fn new(line_bytes_s: u32) -> Self {
-        Self { listing: None, waiting: heapless::Deque::new(), line_bytes_s, room: 0, looked_us: 0 }
-    }
-
     /// Takes a request.
     pub(super) fn take(&mut self, request: &LogRequest, store: &mut impl LogStore) {
         match *request {
@@ -176,20 +164,15 @@ impl LogDownload {
         self.waiting.clear();
     }
 
-    /// Writes what the line has room for beside what stands in `out` already.
+    /// Writes what there is room for, on the line and in `out`.
     pub(super) fn write<const N: usize>(
         &mut self,
         writer: &mut FrameWriter,
         store: &mut impl LogStore,
-        time_us: u64,
+        room: &mut SpareRoom,
         out: &mut heapless::Vec<u8, N>,
     ) {
-        // a second at most, so that no product overflows
-        let elapsed_us = time_us.saturating_sub(self.looked_us).min(1_000_000);
-        self.looked_us = time_us;
-        let more = elapsed_us * u64::from(self.line_bytes_s) * SHARE_PERCENT / 100_000_000;
-        self.room = (self.room + more as i64 - out.len() as i64).clamp(-SAVED_MAX, SAVED_MAX);
-        while self.room > 0 {
+        while room.is_left() {
             let before = out.len();
             let written = if self.listing.is_some() {
                 self.write_entry(writer, store, out)
@@ -199,7 +182,7 @@ impl LogDownload {
             if !written {
                 return;
             }
-            self.room -= (out.len() - before) as i64;
+            room.use_up(out.len() - before);
         }
     }
 

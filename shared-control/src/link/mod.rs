@@ -35,6 +35,7 @@
 //! | `MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN` | param1 = 1: starts anew; only when disarmed |
 //! | `PARAM_REQUEST_LIST`, `PARAM_REQUEST_READ`, `PARAM_SET` | see [`parameters`]; set only when disarmed |
 //! | `LOG_REQUEST_LIST`, `LOG_REQUEST_DATA`, `LOG_ERASE`, `LOG_REQUEST_END` | see [`log_download`]; only when disarmed |
+//! | `FILE_TRANSFER_PROTOCOL` | what describes the parameters, to be read: see [`file_transfer`] |
 //! | `SETUP_SIGNING` | only signed frames count from then on: see [`signing`]; only when disarmed |
 //! | `HIL_SENSOR` | hardware in the loop: see [`hil`] |
 //!
@@ -44,6 +45,7 @@
 //! <https://mavlink.io/en/guide/serialization.html>.
 
 pub mod commander;
+pub mod file_transfer;
 pub mod frame;
 pub mod hil;
 mod identity;
@@ -57,11 +59,13 @@ pub mod receiver;
 mod reports;
 pub mod settings;
 pub mod signing;
+mod spare_room;
 pub mod streams;
 pub mod telemetry;
 pub mod vehicle_status;
 
 pub use commander::{Commander, Commands};
+pub use file_transfer::FileRequest;
 pub use log_download::{LogRequest, LogStore, NoLogs};
 pub use mode::Mode;
 pub use orders_and_answers::{Answer, Chore, Inquiry, Order, ParameterRequest, Text};

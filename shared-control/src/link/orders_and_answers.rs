@@ -2,6 +2,7 @@
 
 use mavlink::dialects::common::MavCmd;
 
+use super::file_transfer::FileRequest;
 use super::hil::HilTick;
 use super::log_download::LogRequest;
 use super::mode::Mode;
@@ -47,6 +48,8 @@ pub enum Order {
     Inquire(Inquiry),
     /// List, send or erase logs.
     Logs(LogRequest),
+    /// Show a file.
+    Files(FileRequest),
     /// Sign with this key, or with none.
     SetUpSigning(SigningSetup),
     /// A command whose parameters make no sense.
@@ -151,6 +154,8 @@ pub enum Chore {
     Tell(Inquiry),
     /// List, send or erase logs.
     Logs(LogRequest),
+    /// Show a file.
+    Files(FileRequest),
     /// Sign with this key, or with none.
     SetUpSigning(SigningSetup),
 }

@@ -5,13 +5,14 @@
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    AUTOPILOT_VERSION_DATA, AttitudeTargetTypemask, COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA,
-    HIL_SENSOR_DATA, MANUAL_CONTROL_DATA, MISSION_REQUEST_LIST_DATA, MavCmd, MavParamType, MavType,
+    AUTOPILOT_VERSION_DATA, AttitudeTargetTypemask, COMMAND_INT_DATA, COMMAND_LONG_DATA, FILE_TRANSFER_PROTOCOL_DATA,
+    HEARTBEAT_DATA, HIL_SENSOR_DATA, MANUAL_CONTROL_DATA, MISSION_REQUEST_LIST_DATA, MavCmd, MavParamType, MavType,
     PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA, SET_ATTITUDE_TARGET_DATA, SETUP_SIGNING_DATA,
     TIMESYNC_DATA,
 };
 use nalgebra::Quaternion;
 
+use super::file_transfer::FileRequest;
 use super::frame::{Frame, FrameFinder, message};
 use super::hil::HilTick;
 use super::log_download;
@@ -61,6 +62,10 @@ impl Receiver {
             MISSION_REQUEST_LIST_DATA::ID => self.plan_length(&frame),
             TIMESYNC_DATA::ID => self.timesync(&frame),
             SETUP_SIGNING_DATA::ID => self.signing(&frame),
+            FILE_TRANSFER_PROTOCOL_DATA::ID => {
+                let (address, request) = FileRequest::of(&frame);
+                self.is_for_this_component(address[0], address[1]).then_some(Order::Files(request))
+            }
             HIL_SENSOR_DATA::ID => {
                 let tick = self.counted(message::<HIL_SENSOR_DATA>(&frame).map(|data| HilTick::new(&data)))?;
                 // a tick without a sample makes its step, and counts
@@ -331,6 +336,7 @@ fn crc_extra(message_id: u32) -> Option<u8> {
         PARAM_REQUEST_READ_DATA::ID => Some(PARAM_REQUEST_READ_DATA::EXTRA_CRC),
         PARAM_SET_DATA::ID => Some(PARAM_SET_DATA::EXTRA_CRC),
         SETUP_SIGNING_DATA::ID => Some(SETUP_SIGNING_DATA::EXTRA_CRC),
+        FILE_TRANSFER_PROTOCOL_DATA::ID => Some(FILE_TRANSFER_PROTOCOL_DATA::EXTRA_CRC),
         _ => log_download::crc_extra(message_id),
     }
 }

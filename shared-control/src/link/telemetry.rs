@@ -1,14 +1,16 @@
 //! What the vehicle says of itself; at start, at rates that leave half of 57,600 baud free.
 
+mod on_request;
 mod signed;
 
 use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, MavCmd, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
 use nalgebra::Vector3;
 
+use super::file_transfer::FileTransfer;
 use super::frame::FrameWriter;
-use super::inquiries::Inquiries;
-use super::log_download::{LogDownload, LogRequest, LogStore};
+use super::inquiries::{About, Inquiries};
+use super::log_download::LogDownload;
 use super::messages::{
     arming_words, attitude, command_result, heartbeat, io_words, radio_channels, servo_output, sys_status, wrapped_ms,
 };
@@ -18,6 +20,7 @@ use super::parameters::Parameters;
 use super::reports::{attitude_quaternion, attitude_target, battery, highres_imu, landed, system_time, vibration};
 use super::settings::{COMPONENT_ID, LinkSettings};
 use super::signing::{Refused, Signing, SigningRecord};
+use super::spare_room::SpareRoom;
 use super::streams::{Due, Stream, Streams};
 use super::vehicle_status::VehicleStatus;
 use crate::io_chip::IoState;
@@ -55,6 +58,7 @@ pub struct Telemetry {
     texts: heapless::Deque<(MavSeverity, Text), TEXTS_MAX>,
     parameters: Parameters,
     told: Option<Arming>,
+    told_link_losses: u8,
     told_unit: ImuUnit,
     told_io: IoState,
     /// Was the radio heard when that was told last?
@@ -65,7 +69,9 @@ pub struct Telemetry {
     next_figure: usize,
     streams: Streams,
     inquiries: Inquiries,
+    files: FileTransfer,
     logs: LogDownload,
+    room: SpareRoom,
     signing: Signing,
     told_refused: Refused,
     refusal: Due,
@@ -84,6 +90,7 @@ impl Telemetry {
             texts: heapless::Deque::new(),
             parameters: Parameters::new(params),
             told: None,
+            told_link_losses: 0,
             told_unit: ImuUnit::default(),
             told_io: IoState::default(),
             told_radio: false,
@@ -93,7 +100,9 @@ impl Telemetry {
             next_figure: 0,
             streams: Streams::new(settings.line_bytes_s),
             inquiries: Inquiries::default(),
-            logs: LogDownload::new(settings.line_bytes_s),
+            files: FileTransfer::default(),
+            logs: LogDownload::default(),
+            room: SpareRoom::new(settings.line_bytes_s),
             signing: Signing::new(SigningRecord::default()),
             told_refused: Refused::default(),
             refusal: Due::every(REFUSAL_PERIOD_US),
@@ -139,25 +148,6 @@ impl Telemetry {
         }
     }
 
-    /// Takes what the ground demands of the logs.
-    pub fn take_log_request(&mut self, request: &LogRequest, store: &mut impl LogStore) {
-        self.logs.take(request, store);
-    }
-
-    /// Writes of the logs what the line has room for, after [`Self::poll`] and behind what that wrote into `out`.
-    pub fn send_logs<const N: usize>(
-        &mut self,
-        time_us: u64,
-        status: &VehicleStatus,
-        store: &mut impl LogStore,
-        out: &mut heapless::Vec<u8, N>,
-    ) {
-        if status.arming.is_armed() {
-            self.logs.stop();
-        }
-        self.logs.write(&mut self.writer, store, time_us, out);
-    }
-
     /// Stores the choices as they are, and says what came of it.
     pub fn store_configuration(&mut self, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) {
         let kept = self.parameters.store(store);
@@ -196,6 +186,7 @@ impl Telemetry {
 
     /// Writes what is due and fits into `out`; what does not fit stays due.
     pub fn poll<const N: usize>(&mut self, time_us: u64, status: &VehicleStatus, out: &mut heapless::Vec<u8, N>) {
+        self.tell_link_loss(status);
         self.tell_arming(&status.arming);
         self.tell_unit(status.imu_unit);
         self.tell_io(status);
@@ -217,7 +208,9 @@ impl Telemetry {
             self.text.done(time_us);
             self.texts.pop_front();
         }
-        self.inquiries.write(&mut self.writer, &self.streams, time_us, status, out);
+        self.files.survey();
+        let about = About { streams: &self.streams, status, general_crc: self.files.general_crc() };
+        self.inquiries.write(&mut self.writer, &about, time_us, out);
         self.parameters.write_next(&mut self.writer, out);
         for stream in Stream::ALL {
             self.write_stream(stream, time_us, status, out);
@@ -270,6 +263,22 @@ impl Telemetry {
             self.next_figure = if self.next_figure + 1 < self.figures.len() { self.next_figure + 1 } else { 0 };
         }
         told
+    }
+
+    /// A loss of the link, also one that is over already: what came of it is told as of any other.
+    fn tell_link_loss(&mut self, status: &VehicleStatus) {
+        if self.told_link_losses == status.link_losses {
+            return;
+        }
+        self.told_link_losses = status.link_losses;
+        let lost = match status.arming {
+            lost @ Arming::LinkLost { .. } => lost,
+            _ => Arming::LinkLost { since_us: 0 },
+        };
+        if matches!(self.told, Some(Arming::LinkLost { .. })) {
+            self.tell_arming(&Arming::Armed);
+        }
+        self.tell_arming(&lost);
     }
 
     /// Refusals have been reported by their answer.

@@ -3,6 +3,7 @@
 extern crate std;
 
 mod commander;
+mod files;
 mod inquiries;
 mod logs;
 mod offboard;

@@ -43,6 +43,8 @@ pub struct VehicleStatus {
     pub radio_flies: bool,
     /// What the set-point means and where it comes from.
     pub mode: Mode,
+    /// See [`Commander::link_losses`](super::Commander::link_losses).
+    pub link_losses: u8,
     /// What is requested.
     pub setpoint: Setpoint,
     /// Rate that the cascade requests, body frame, rad/s.
@@ -90,6 +92,7 @@ impl VehicleStatus {
             io: IoReport::default(),
             radio_flies: false,
             mode: Mode::Stabilise,
+            link_losses: 0,
             setpoint: Setpoint::default(),
             rate_target_rad_s: Vector3::zeros(),
             felt: None,

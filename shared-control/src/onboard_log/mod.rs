@@ -15,12 +15,13 @@
 //! | `vehicle_attitude` | every step | 37 |
 //! | `actuator_motors` | every step | 71 |
 //! | `mpc_status`, this project's own | every step with a plan, or with the cascade in the MPC's place | 41 |
-//! | `vehicle_attitude_setpoint` | where angles are flown: when it changes, and ten times a second | 25 |
+//! | `vehicle_attitude_setpoint` | where angles are flown: when it changes, and ten times a second | 45 |
 //! | `vehicle_rates_setpoint` | 50 times a second | 37 |
 //! | `input_rc` | ten times a second, where there is a receiver | 51 |
-//! | `battery_status` | five times a second, where it is measured | 17 |
+//! | `battery_status` | five times a second, where it is measured | 29 |
+//! | `vehicle_status` | when it changes, and twice a second | 19 |
 //!
-//! The bytes are those of a whole message. Only the last four rows are thinned. At 400 steps a second that is 79 kB/s
+//! The bytes are those of a whole message. Only the last five rows are thinned. At 400 steps a second that is 79 kB/s
 //! under the cascade and 95 kB/s under the MPC.
 //!
 //! Formats: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>, topics: PX4 1.14, "uORB Message Reference".

@@ -8,6 +8,8 @@ use super::topics;
 use super::ulog::{self, Content, Topic};
 use crate::config::Config;
 use crate::flight_core::{StepOutput, TorqueSource};
+use crate::frames::euler_from_q;
+use crate::link::Mode;
 use crate::radio::RadioFrame;
 use crate::sensing::imu::ImuConfig;
 use crate::sensing::imu_select::ImuUnit;
@@ -15,11 +17,11 @@ use crate::signals::{ImuBatch, Setpoint, StepInput};
 
 /// After disarming the log goes on for so long, us, so that it shows the motors stop.
 pub const AFTERWARDS_US: u64 = 1_000_000;
-/// Longest record of a step: all topics, a mark and a dropout are 377 bytes.
-const RECORD_MAX: usize = 400;
+/// Longest record of a step: all topics, a mark and a dropout are 428 bytes.
+const RECORD_MAX: usize = 440;
 
 /// In the order of their numbers in the log.
-const TOPICS: [Topic; 9] = [
+const TOPICS: [Topic; 10] = [
     topics::SENSOR_COMBINED,
     topics::ANGULAR_VELOCITY,
     topics::ATTITUDE,
@@ -29,6 +31,7 @@ const TOPICS: [Topic; 9] = [
     topics::RATES_SETPOINT,
     topics::RADIO,
     topics::BATTERY,
+    topics::STATUS,
 ];
 
 /// What there is to do for whoever empties the ring.
@@ -60,6 +63,9 @@ pub struct Recorder<const N: usize> {
     rates_due: Periodic,
     radio_due: Periodic,
     battery_due: Periodic,
+    /// As it was told last.
+    status: Option<Content>,
+    status_due: Periodic,
     mark_due: Periodic,
     /// From here on steps found no room.
     dropping_since_us: Option<u64>,
@@ -89,6 +95,8 @@ impl<const N: usize> Recorder<N> {
             rates_due: Periodic::every(20_000),
             radio_due: Periodic::every(100_000),
             battery_due: Periodic::every(200_000),
+            status: None,
+            status_due: Periodic::every(500_000),
             mark_due: Periodic::every(500_000),
             dropping_since_us: None,
             steps_dropped: 0,
@@ -122,7 +130,13 @@ impl<const N: usize> Recorder<N> {
     }
 
     /// Takes a step, once its output is written.
-    pub fn record(&mut self, config: &Config, input: &StepInput, output: &StepOutput, radio: &RadioFrame) {
+    pub fn record(
+        &mut self,
+        config: &Config,
+        input: &StepInput,
+        output: &StepOutput,
+        (radio, mode): (&RadioFrame, Mode),
+    ) {
         self.move_on(input.time_us, output.arming.is_armed());
         let since_us = self.sampled_us;
         self.sampled_us = imu_in_use(config, input, output).1.last().map_or(since_us, |last| last.time_us);
@@ -141,6 +155,11 @@ impl<const N: usize> Recorder<N> {
         }
         put_every_step(config, input, output, since_us, put);
         self.put_now_and_then(input, output, radio, put);
+        let status = topics::status(&output.arming, mode);
+        if self.status_due.takes(input.time_us) || self.status.as_ref() != Some(&status) {
+            put_topic(&topics::STATUS, input.time_us, &status, put);
+        }
+        self.status = Some(status);
         if self.ring.push(&record) {
             self.dropping_since_us = None;
         } else {
@@ -158,7 +177,7 @@ impl<const N: usize> Recorder<N> {
                 for due in [&mut self.setpoint_due, &mut self.rates_due, &mut self.radio_due] {
                     due.next_us = 0;
                 }
-                (self.battery_due.next_us, self.mark_due.next_us) = (0, 0);
+                (self.battery_due.next_us, self.status_due.next_us, self.mark_due.next_us) = (0, 0, 0);
             }
             // the file is still open: the log goes on
             Stage::Ended if is_armed => self.stage = Stage::Running { start_us: time_us },
@@ -182,7 +201,9 @@ impl<const N: usize> Recorder<N> {
         let (time_us, setpoint) = (input.time_us, &input.setpoint);
         // in acro nobody requests angles
         if setpoint.acro_rad_s.is_none() && (self.setpoint_due.takes(time_us) || self.setpoint != *setpoint) {
-            let content = topics::attitude_setpoint([setpoint.roll_rad, setpoint.pitch_rad, f32::NAN]);
+            let heading_rad = euler_from_q(&output.estimate.q_world_from_body).yaw_rad;
+            let angles_rad = [setpoint.roll_rad, setpoint.pitch_rad, f32::NAN];
+            let content = topics::attitude_setpoint(angles_rad, setpoint.yaw_rate_rad_s, heading_rad);
             put_topic(&topics::ATTITUDE_SETPOINT, time_us, &content, put);
         }
         self.setpoint = *setpoint;

@@ -9,9 +9,11 @@ use std::vec::Vec;
 use super::*;
 use crate::config::{Config, Controller, Tuning};
 use crate::flight_core::{FlightCore, State, StepOutput};
+use crate::link::Mode;
 use crate::params::Params;
 use crate::radio::RadioFrame;
 use crate::signals::{ArmingRequest, Plan, PlanStatus, RawImuSample, Setpoint, StepInput};
+use crate::supervisor::Arming;
 use crate::vehicle::VehicleParameters;
 
 const STEP_US: u64 = 2500;
@@ -69,7 +71,7 @@ impl<const N: usize> Bench<N> {
         };
         let output = FlightCore::fast(&self.config, &mut self.state, &input);
         FlightCore::follow(&self.config, &mut self.state, &output);
-        self.recorder.record(&self.config, &input, &output, &RADIO);
+        self.recorder.record(&self.config, &input, &output, (&RADIO, Mode::Stabilise));
         self.steps.push((input, output));
         self.step += 1;
     }
@@ -154,9 +156,14 @@ fn what_a_step_gave_out_is_in_the_log_to_the_bit() {
     let setpoints = data(&log, &topics::ATTITUDE_SETPOINT);
     let change = setpoints.iter().find(|content| number(content, 8) != 0.0).unwrap();
     assert_eq!((time_us(change), number(change, 8)), ((REST_STEPS + 400) * STEP_US, 0.25), "when it changes");
+    // half of 0.25 rad about the forward axis, at the heading of a vehicle that has not turned
+    let q_d = [24, 28, 32, 36].map(|at| number(change, at));
+    let expected = [0.125_f32.cos(), 0.125_f32.sin(), 0.0, 0.0];
+    assert!(q_d.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-3), "{q_d:?}");
     let radio = &data(&log, &topics::RADIO)[0];
     assert_eq!((&radio[8..10], &radio[40..46]), (&[0xDC, 5][..], &[0, 0, 0, 0, 8, 0][..]));
-    assert_eq!(number(&data(&log, &topics::BATTERY)[0], 8), 11.5);
+    assert_eq!([8, 12, 16, 20].map(|at| number(&data(&log, &topics::BATTERY)[0], at)), [11.5, -1.0, -1.0, -1.0]);
+    assert_eq!(data(&log, &topics::STATUS)[0][8..], [2, 15, 1, 0, 0, 0], "armed, stabilised");
 }
 
 /// The table of this module's first page, on 10 s of each controller.
@@ -173,10 +180,11 @@ fn a_second_of_log_is_as_long_as_the_page_says() {
             (topics::ATTITUDE, 4000, 37),
             (topics::MOTORS, 4000, 71),
             (topics::MPC, if controller == Controller::Mpc { 4000 } else { 0 }, 41),
-            (topics::ATTITUDE_SETPOINT, 100, 25),
+            (topics::ATTITUDE_SETPOINT, 100, 45),
             (topics::RATES_SETPOINT, 500, 37),
             (topics::RADIO, 100, 51),
-            (topics::BATTERY, 50, 17),
+            (topics::BATTERY, 50, 29),
+            (topics::STATUS, 20, 19),
         ];
         for (topic, count, bytes) in rows {
             let found = data(&log, &topic);
@@ -271,4 +279,18 @@ fn a_file_cut_off_at_any_byte_is_readable_to_there() {
         let key: String = std::format!("float CA_ROTOR2_{name}");
         assert!(has(b'P', &[&[key.len() as u8], key.as_bytes(), &f32::to_le_bytes(value)].concat()), "{name}");
     }
+}
+
+/// As PX4 numbers them: a vehicle that comes down by itself is in a failsafe, whatever its mode.
+#[test]
+fn the_status_has_mode_and_failsafe() {
+    let status = |arming, mode| {
+        let mut bytes = vec![];
+        ulog::data(0, 0, &topics::status(&arming, mode), &mut |more: &[u8]| bytes.extend_from_slice(more));
+        bytes[13..].to_vec()
+    };
+    assert_eq!(status(Arming::default(), Mode::Stabilise), [1, 15, 1, 0, 0, 0]);
+    assert_eq!(status(Arming::Armed, Mode::Acro), [2, 10, 1, 0, 0, 0]);
+    assert_eq!(status(Arming::Armed, Mode::Offboard), [2, 14, 1, 0, 0, 0]);
+    assert_eq!(status(Arming::LinkLost { since_us: 1 }, Mode::Offboard), [2, 12, 1, 0, 1, 0]);
 }

@@ -6,7 +6,10 @@ use nalgebra::UnitQuaternion;
 
 use super::ulog::{Content, Topic};
 use crate::flight_core::StepOutput;
+use crate::frames::{EulerAngles, q_world_from_euler};
+use crate::link::Mode;
 use crate::radio::RadioFrame;
+use crate::supervisor::Arming;
 
 /// `actuator_motors` has room for so many.
 const MOTORS_MAX: usize = 12;
@@ -29,9 +32,11 @@ pub const ANGULAR_VELOCITY: Topic =
 /// Attitude as the controllers have it.
 pub const ATTITUDE: Topic = Topic { name: "vehicle_attitude", fields: "uint64_t timestamp_sample;float[4] q;" };
 
-/// Angles that are requested.
-pub const ATTITUDE_SETPOINT: Topic =
-    Topic { name: "vehicle_attitude_setpoint", fields: "float roll_body;float pitch_body;float yaw_body;" };
+/// Angles that are requested, and as a rotation, which is what Flight Review draws.
+pub const ATTITUDE_SETPOINT: Topic = Topic {
+    name: "vehicle_attitude_setpoint",
+    fields: "float roll_body;float pitch_body;float yaw_body;float yaw_sp_move_rate;float[4] q_d;",
+};
 
 /// Rates that the cascade's outer loop, or the pilot, requests, and the collective.
 pub const RATES_SETPOINT: Topic =
@@ -42,7 +47,15 @@ pub const MOTORS: Topic =
     Topic { name: "actuator_motors", fields: "uint64_t timestamp_sample;uint16_t reversible_flags;float[12] control;" };
 
 /// The battery.
-pub const BATTERY: Topic = Topic { name: "battery_status", fields: "float voltage_v;" };
+pub const BATTERY: Topic =
+    Topic { name: "battery_status", fields: "float voltage_v;float current_a;float discharged_mah;float remaining;" };
+
+/// Mode and arming, by which Flight Review colours its plots.
+pub const STATUS: Topic = Topic {
+    name: "vehicle_status",
+    fields: "uint8_t arming_state;uint8_t nav_state;uint8_t vehicle_type;bool is_vtol;bool failsafe;\
+             bool failsafe_and_user_took_over;",
+};
 
 /// The receiver's channels.
 pub const RADIO: Topic = Topic { name: "input_rc", fields: "uint16_t[18] values;uint8_t channel_count;bool rc_lost;" };
@@ -76,9 +89,13 @@ pub fn attitude(sample_us: u64, q_world_from_body: [f32; 4]) -> Content {
     Content::default().time(sample_us).numbers(&q_world_from_body)
 }
 
-/// Content of [`ATTITUDE_SETPOINT`]; the heading is no number where none is requested.
-pub fn attitude_setpoint(angles_rad: [f32; 3]) -> Content {
-    Content::default().numbers(&angles_rad)
+/// Content of [`ATTITUDE_SETPOINT`]; the heading is no number where none is requested, and in the rotation then the
+/// vehicle's own.
+pub fn attitude_setpoint(angles_rad: [f32; 3], yaw_rate_rad_s: f32, heading_rad: f32) -> Content {
+    let [roll_rad, pitch_rad, requested_rad] = angles_rad;
+    let yaw_rad = if requested_rad.is_nan() { heading_rad } else { requested_rad };
+    let q = q_world_from_euler(EulerAngles { roll_rad, pitch_rad, yaw_rad });
+    Content::default().numbers(&angles_rad).numbers(&[yaw_rate_rad_s]).numbers(&quaternion(&q))
 }
 
 /// Content of [`RATES_SETPOINT`]; thrust acts along -z.
@@ -95,7 +112,28 @@ pub fn motors(time_us: u64, commands: [f32; 4]) -> Content {
 
 /// Content of [`BATTERY`].
 pub fn battery(voltage_v: f32) -> Content {
-    Content::default().numbers(&[voltage_v])
+    // -1 where PX4 does not know
+    Content::default().numbers(&[voltage_v, -1.0, -1.0, -1.0])
+}
+
+/// Content of [`STATUS`], with PX4's numbers; on its way down by itself it is in a failsafe.
+pub fn status(arming: &Arming, mode: Mode) -> Content {
+    const DISARMED: u8 = 1;
+    const ARMED: u8 = 2;
+    const ROTARY_WING: u8 = 1;
+    const ACRO: u8 = 10;
+    const DESCEND: u8 = 12;
+    const OFFBOARD: u8 = 14;
+    const STABILISED: u8 = 15;
+    let descends = arming.descends_since_us().is_some();
+    let flown = match mode {
+        Mode::Stabilise => STABILISED,
+        Mode::Acro => ACRO,
+        Mode::Offboard => OFFBOARD,
+    };
+    let nav_state = if descends { DESCEND } else { flown };
+    let arming_state = if arming.is_armed() { ARMED } else { DISARMED };
+    Content::default().bytes(&[arming_state, nav_state, ROTARY_WING, 0, descends.into(), 0])
 }
 
 /// Content of [`RADIO`].

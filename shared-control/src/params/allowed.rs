@@ -21,6 +21,15 @@ impl Allowed {
         }
     }
 
+    /// The least and the largest of them.
+    pub fn ends(self) -> (i32, i32) {
+        match self {
+            Allowed::Range(least, most) => (least.into(), most.into()),
+            Allowed::Either(one, other) => (one.min(other).into(), one.max(other).into()),
+            Allowed::Signed(most) => (-i32::from(most), most.into()),
+        }
+    }
+
     /// The number that a field's bits are.
     pub fn number(self, bits: u16) -> i32 {
         match self {

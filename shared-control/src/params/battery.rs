@@ -54,15 +54,15 @@ impl BatteryParams {
     }
 }
 
-/// Name, range and meaning.
-pub(super) const fn row(part: BatteryPart) -> (&'static str, Allowed, &'static str) {
+/// Name, range, unit and meaning.
+pub(super) const fn row(part: BatteryPart) -> (&'static str, Allowed, &'static str, &'static str) {
     const ANY: Allowed = Allowed::Range(0, u16::MAX);
     match part {
-        BatteryPart::ArmingMin => ("BATT_ARM_MIN_MV", ANY, "battery voltage needed to arm, mV"),
-        BatteryPart::Low => ("BATT_LOW_MV", ANY, "battery voltage below which a flight is warned, mV; 0 never"),
-        BatteryPart::Critical => ("BATT_CRT_MV", ANY, "battery voltage below which it comes down, mV; 0 never"),
+        BatteryPart::ArmingMin => ("BATT_ARM_MIN_MV", ANY, "mV", "battery voltage needed to arm"),
+        BatteryPart::Low => ("BATT_LOW_MV", ANY, "mV", "battery voltage below which a flight is warned; 0 never"),
+        BatteryPart::Critical => ("BATT_CRT_MV", ANY, "mV", "battery voltage below which it comes down; 0 never"),
         BatteryPart::Timer => {
-            ("BATT_LOW_TIMER", Allowed::Range(1, 60), "time for which the voltage must be below either, s")
+            ("BATT_LOW_TIMER", Allowed::Range(1, 60), "s", "time for which the voltage must be below either")
         }
     }
 }

@@ -70,17 +70,18 @@ impl LevelParams {
     }
 }
 
-/// Name, range and meaning of a number of the first or the second IMU.
-pub(super) const fn row(second: bool, part: LevelPart) -> (&'static str, Allowed, &'static str) {
-    const ROLL: &str = "roll that the IMU shows while the vehicle is level, 1/100 degree";
-    const PITCH: &str = "pitch that the IMU shows while the vehicle is level, 1/100 degree";
-    const DOWN: &str = "what its accelerometer says too much downwards, mm/s^2";
+/// Name, range, unit and meaning of a number of the first or the second IMU.
+pub(super) const fn row(second: bool, part: LevelPart) -> (&'static str, Allowed, &'static str, &'static str) {
+    const CDEG: &str = "1/100 deg";
+    const ROLL: &str = "roll that the IMU shows while the vehicle is level";
+    const PITCH: &str = "pitch that the IMU shows while the vehicle is level";
+    const DOWN: &str = "what its accelerometer says too much downwards";
     match (second, part) {
-        (false, LevelPart::Roll) => ("IMU1_ROLL_CDEG", TRIM_CDEG, ROLL),
-        (true, LevelPart::Roll) => ("IMU2_ROLL_CDEG", TRIM_CDEG, ROLL),
-        (false, LevelPart::Pitch) => ("IMU1_PITCH_CDEG", TRIM_CDEG, PITCH),
-        (true, LevelPart::Pitch) => ("IMU2_PITCH_CDEG", TRIM_CDEG, PITCH),
-        (false, LevelPart::Down) => ("IMU1_DOWN_MM_S2", OFFSET_MM_S2, DOWN),
-        (true, LevelPart::Down) => ("IMU2_DOWN_MM_S2", OFFSET_MM_S2, DOWN),
+        (false, LevelPart::Roll) => ("IMU1_ROLL_CDEG", TRIM_CDEG, CDEG, ROLL),
+        (true, LevelPart::Roll) => ("IMU2_ROLL_CDEG", TRIM_CDEG, CDEG, ROLL),
+        (false, LevelPart::Pitch) => ("IMU1_PITCH_CDEG", TRIM_CDEG, CDEG, PITCH),
+        (true, LevelPart::Pitch) => ("IMU2_PITCH_CDEG", TRIM_CDEG, CDEG, PITCH),
+        (false, LevelPart::Down) => ("IMU1_DOWN_MM_S2", OFFSET_MM_S2, "mm/s^2", DOWN),
+        (true, LevelPart::Down) => ("IMU2_DOWN_MM_S2", OFFSET_MM_S2, "mm/s^2", DOWN),
     }
 }

@@ -87,36 +87,32 @@ impl PilotParams {
     }
 }
 
-/// Name, range and meaning. Rates end where the rate loop's targets do (5 and 2 rad/s), tilts below them.
-pub(super) const fn row(part: PilotPart) -> (&'static str, Allowed, &'static str) {
+/// Name, range, unit and meaning. Rates end where the rate loop's targets do (5 and 2 rad/s), tilts below them.
+pub(super) const fn row(part: PilotPart) -> (&'static str, Allowed, &'static str, &'static str) {
     match part {
-        PilotPart::Tilt => {
-            ("PILOT_TILT_DEG", Allowed::Range(10, 60), "stabilise: roll and pitch at full stick, degrees")
-        }
+        PilotPart::Tilt => ("PILOT_TILT_DEG", Allowed::Range(10, 60), "deg", "stabilise: roll and pitch at full stick"),
         PilotPart::YawRate => {
-            ("PILOT_Y_RATE", Allowed::Range(10, 114), "stabilise: turning rate at full stick, degrees per second")
+            ("PILOT_Y_RATE", Allowed::Range(10, 114), "deg/s", "stabilise: turning rate at full stick")
         }
         PilotPart::Expo => (
             "PILOT_EXPO_PCT",
             Allowed::Range(0, 100),
-            "stabilise: share of a cube in the sticks' curves, percent; 0 is straight",
+            "%",
+            "stabilise: share of a cube in the sticks' curves; 0 is straight",
         ),
         PilotPart::AcroTiltRate => {
-            ("ACRO_RP_RATE", Allowed::Range(10, 286), "acro: rate of roll and pitch at full stick, degrees per second")
+            ("ACRO_RP_RATE", Allowed::Range(10, 286), "deg/s", "acro: rate of roll and pitch at full stick")
         }
-        PilotPart::AcroYawRate => {
-            ("ACRO_Y_RATE", Allowed::Range(10, 114), "acro: rate of yaw at full stick, degrees per second")
-        }
+        PilotPart::AcroYawRate => ("ACRO_Y_RATE", Allowed::Range(10, 114), "deg/s", "acro: rate of yaw at full stick"),
         PilotPart::AcroExpo => {
-            ("ACRO_EXPO_PCT", Allowed::Range(0, 100), "acro: share of a cube in the sticks' curves, percent")
+            ("ACRO_EXPO_PCT", Allowed::Range(0, 100), "%", "acro: share of a cube in the sticks' curves")
         }
-        PilotPart::ThrottleMid => {
-            ("THR_MID_PCT", Allowed::Range(20, 80), "throttle in the middle of its stick, percent")
-        }
+        PilotPart::ThrottleMid => ("THR_MID_PCT", Allowed::Range(20, 80), "%", "throttle in the middle of its stick"),
         PilotPart::ThrottleExpo => (
             "THR_EXPO_PCT",
             Allowed::Range(0, 100),
-            "share of a cube in the throttle's curve, percent: the more, the finer about the middle",
+            "%",
+            "share of a cube in the throttle's curve: the more, the finer about the middle",
         ),
     }
 }

@@ -169,50 +169,60 @@ impl RadioParams {
 }
 
 /// What a person is to know of a number.
-pub(super) const fn row(part: RadioPart) -> (&'static str, Allowed, &'static str) {
+pub(super) const fn row(part: RadioPart) -> (&'static str, Allowed, &'static str, &'static str) {
     match part {
-        RadioPart::Flies => {
-            ("RC", Allowed::Either(0, 1), "whose sticks fly: 0 the ground station's, 1 the radio's at the RC connector")
-        }
+        RadioPart::Flies => (
+            "RC",
+            Allowed::Either(0, 1),
+            "",
+            "whose sticks fly: 0 the ground station's, 1 the radio's at the RC connector",
+        ),
         RadioPart::KillChannel => {
-            ("RC_KILL_CH", Allowed::Range(0, 16), "channel of the switch that stops the motors at once; 0 none")
+            ("RC_KILL_CH", Allowed::Range(0, 16), "", "channel of the switch that stops the motors at once; 0 none")
         }
         RadioPart::KillReversed => {
-            ("RC_KILL_REV", Allowed::Either(0, 1), "0: it stops them above 1750 us; 1: below 1250 us")
+            ("RC_KILL_REV", Allowed::Either(0, 1), "", "0: it stops them above 1750 us; 1: below 1250 us")
         }
-        RadioPart::AcroChannel => {
-            ("RC_ACRO_CH", Allowed::Range(0, 16), "channel of the mode switch, stabilise or acro; 0 none: stabilise")
-        }
-        RadioPart::AcroReversed => {
-            ("RC_ACRO_REV", Allowed::Either(0, 1), "0: acro above 1750 us, stabilise below 1250 us; 1: the other way")
-        }
+        RadioPart::AcroChannel => (
+            "RC_ACRO_CH",
+            Allowed::Range(0, 16),
+            "",
+            "channel of the mode switch, stabilise or acro; 0 none: stabilise",
+        ),
+        RadioPart::AcroReversed => (
+            "RC_ACRO_REV",
+            Allowed::Either(0, 1),
+            "",
+            "0: acro above 1750 us, stabilise below 1250 us; 1: the other way",
+        ),
         RadioPart::FailBelow => (
             "RC_FAIL_US",
             Allowed::Range(0, 1500),
-            "throttle pulse below which the receiver has lost its transmitter, us; 0: it says so otherwise",
+            "us",
+            "throttle pulse below which the receiver has lost its transmitter; 0: it says so otherwise",
         ),
     }
 }
 
 /// A stick's numbers, with names as PX4 has them for channels.
-pub(super) const fn stick_row(stick: Stick, part: StickPart) -> (&'static str, Allowed, &'static str) {
+pub(super) const fn stick_row(stick: Stick, part: StickPart) -> (&'static str, Allowed, &'static str, &'static str) {
     const NAMES: [[&str; 6]; 4] = [
         ["RC_ROLL_CH", "RC_ROLL_MIN", "RC_ROLL_TRIM", "RC_ROLL_MAX", "RC_ROLL_REV", "RC_ROLL_DZ"],
         ["RC_PITCH_CH", "RC_PITCH_MIN", "RC_PITCH_TRIM", "RC_PITCH_MAX", "RC_PITCH_REV", "RC_PITCH_DZ"],
         ["RC_THR_CH", "RC_THR_MIN", "RC_THR_TRIM", "RC_THR_MAX", "RC_THR_REV", "RC_THR_DZ"],
         ["RC_YAW_CH", "RC_YAW_MIN", "RC_YAW_TRIM", "RC_YAW_MAX", "RC_YAW_REV", "RC_YAW_DZ"],
     ];
-    let (allowed, meaning) = match part {
-        StickPart::Channel => (Allowed::Range(1, 16), "the stick's channel"),
-        StickPart::Min => (Allowed::Range(800, 2200), "its shortest pulse, us"),
-        StickPart::Trim => (Allowed::Range(800, 2200), "its pulse in the middle, us (not of the throttle)"),
-        StickPart::Max => (Allowed::Range(800, 2200), "its longest pulse, us"),
+    let (allowed, unit, meaning) = match part {
+        StickPart::Channel => (Allowed::Range(1, 16), "", "the stick's channel"),
+        StickPart::Min => (Allowed::Range(800, 2200), "us", "its shortest pulse"),
+        StickPart::Trim => (Allowed::Range(800, 2200), "us", "its pulse in the middle (not of the throttle)"),
+        StickPart::Max => (Allowed::Range(800, 2200), "us", "its longest pulse"),
         StickPart::Reversed => {
-            (Allowed::Either(0, 1), "1: the shorter pulse is right, nose up, more throttle, clockwise")
+            (Allowed::Either(0, 1), "", "1: the shorter pulse is right, nose up, more throttle, clockwise")
         }
         StickPart::DeadZone => {
-            (Allowed::Range(0, 200), "so near to the middle (the throttle: to its low end) it is there, us")
+            (Allowed::Range(0, 200), "us", "so near to the middle (the throttle: to its low end) it is there")
         }
     };
-    (NAMES[stick as usize][part as usize], allowed, meaning)
+    (NAMES[stick as usize][part as usize], allowed, unit, meaning)
 }

@@ -15,6 +15,9 @@ use crate::output::PulseKind;
 /// Longest name, bytes: what a MAVLink parameter has room for.
 pub const NAME_MAX: usize = 16;
 
+/// Of a choice between two.
+const EITHER: Allowed = Allowed::Either(0, 1);
+
 /// One of the owner's choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
@@ -73,6 +76,8 @@ pub struct Row {
     pub name: &'static str,
     /// What it can be.
     pub allowed: Allowed,
+    /// Its unit; empty where it has none.
+    pub unit: &'static str,
     /// What it does.
     pub meaning: &'static str,
 }
@@ -159,76 +164,65 @@ impl Field {
         Field::Vehicle(VehiclePart::Delay),
     ];
 
-    /// Its name, range and meaning.
+    /// What it belongs to, for lists that put together what is set together.
+    pub const fn group(self) -> &'static str {
+        match self {
+            Field::Controller | Field::ControlHorizon | Field::MotorLimits | Field::Linearisations => "Controller",
+            Field::Battery(_) => "Battery",
+            Field::Radio(_) | Field::Stick(..) => "Radio",
+            Field::Pilot(_) => "Sticks",
+            Field::Level(..) | Field::GyroNotches => "IMU",
+            Field::Vehicle(_) | Field::Rig | Field::HoverThrottle | Field::RotorDrag => "Vehicle",
+            Field::Pulses | Field::PwmRate | Field::GroundIdle | Field::FlightIdle | Field::EscCalibration => "Motors",
+            Field::LoopRate | Field::Hil | Field::Telem1Rate | Field::SafetyButton => "Board",
+        }
+    }
+
+    /// Its name, range, unit and meaning.
     pub const fn row(self) -> Row {
-        let (name, allowed, meaning) = match self {
-            Field::Controller => ("CONTROLLER", Allowed::Either(0, 1), "who flies: 0 PID cascade, 1 MPC"),
-            Field::ControlHorizon => {
-                ("CONTROL_HORIZON", Allowed::Range(1, HORIZON as u16), "free inputs per axis of the MPC (M)")
-            }
-            Field::MotorLimits => (
-                "MOTOR_LIMITS",
-                Allowed::Either(0, 1),
+        #[rustfmt::skip] // a field a line or two, as in a table
+        let (name, allowed, unit, meaning) = match self {
+            Field::Controller => ("CONTROLLER", EITHER, "", "who flies: 0 PID cascade, 1 MPC"),
+            Field::ControlHorizon =>
+                ("CONTROL_HORIZON", Allowed::Range(1, HORIZON as u16), "", "free inputs per axis of the MPC (M)"),
+            Field::MotorLimits => ("MOTOR_LIMITS", EITHER, "",
                 "1: the MPC keeps the motors' limits, all axes together, where CONTROL_HORIZON is at most 10; \
-                 0: bounds of each axis' own",
-            ),
-            Field::Linearisations => (
-                "LINEARISATIONS",
-                Allowed::Range(1, LINEARISATIONS_MAX as u16),
-                "models of the pitch axis that the MPC switches between as roll grows",
-            ),
-            Field::LoopRate => ("LOOP_RATE_HZ", Allowed::Either(100, 400), "steps of the control loop per second"),
-            Field::Pulses => ("PULSES", Allowed::Either(0, 1), "pulse to the ESCs: 0 PWM, 1 OneShot125"),
-            Field::PwmRate => (
-                "PWM_RATE_HZ",
-                Allowed::Range(50, 490),
+                 0: bounds of each axis' own"),
+            Field::Linearisations => ("LINEARISATIONS", Allowed::Range(1, LINEARISATIONS_MAX as u16), "",
+                "models of the pitch axis that the MPC switches between as roll grows"),
+            Field::LoopRate =>
+                ("LOOP_RATE_HZ", Allowed::Either(100, 400), "Hz", "steps of the control loop per second"),
+            Field::Pulses => ("PULSES", EITHER, "", "pulse to the ESCs: 0 PWM, 1 OneShot125"),
+            Field::PwmRate => ("PWM_RATE_HZ", Allowed::Range(50, 490), "Hz",
                 "pulses per second with PWM; \
-                 their delay is constant if this is a multiple or a divisor of LOOP_RATE_HZ",
-            ),
-            Field::Rig => {
-                ("RIG", Allowed::Either(0, 1), "vehicle: 0 F450 on the gimbal (yaw locked), 1 F450 in free flight")
-            }
-            Field::HoverThrottle => {
-                ("HOVER_PERMILLE", Allowed::Range(0, 1000), "throttle of the test sequence, 1/1000")
-            }
-            Field::RotorDrag => (
-                "ROTOR_DRAG_PM_S",
-                Allowed::Range(10, 2000),
-                "drag of the rotors over airspeed and mass, 1/1000 1/s: what shows the tilt in free flight",
-            ),
-            Field::GyroNotches => {
-                ("GYRO_NOTCHES", Allowed::Either(0, 1), "1: notches follow the rotors, where LOOP_RATE_HZ is 400")
-            }
+                 their delay is constant if this is a multiple or a divisor of LOOP_RATE_HZ"),
+            Field::Rig => ("RIG", EITHER, "", "vehicle: 0 F450 on the gimbal (yaw locked), 1 F450 in free flight"),
+            Field::HoverThrottle =>
+                ("HOVER_PERMILLE", Allowed::Range(0, 1000), "1/1000", "throttle of the test sequence"),
+            Field::RotorDrag => ("ROTOR_DRAG_PM_S", Allowed::Range(10, 2000), "1/1000 1/s",
+                "drag of the rotors over airspeed and mass: what shows the tilt in free flight"),
+            Field::GyroNotches =>
+                ("GYRO_NOTCHES", EITHER, "", "1: notches follow the rotors, where LOOP_RATE_HZ is 400"),
             Field::Battery(part) => battery::row(part),
-            Field::Hil => (
-                "HIL",
-                Allowed::Either(0, 1),
-                "1: hardware in the loop, the IMU is simulated on the link and the pulses stay disarmed",
-            ),
-            Field::GroundIdle => (
-                "MOT_SPIN_ARM_PCT",
-                Allowed::Range(0, IDLE_PERCENT_MAX),
-                "command of all motors when armed on the ground, percent",
-            ),
-            Field::FlightIdle => {
-                ("MOT_SPIN_MIN_PCT", Allowed::Range(0, IDLE_PERCENT_MAX), "least command of a motor in flight, percent")
-            }
-            Field::Telem1Rate => {
-                ("TELEM1_KBAUD", Allowed::Either(57, 115), "TELEM1's rate: 57 is 57600 bits per second, 115 is 115200")
-            }
-            Field::EscCalibration => {
-                ("ESC_CALIBRATION", Allowed::Either(0, 1), "1: propellers are off, ESCs are calibrated, no arming")
-            }
-            Field::SafetyButton => {
-                ("SAFETY_BUTTON", Allowed::Either(0, 1), "1: no arming before the safety button was held for a second")
-            }
+            Field::Hil => ("HIL", EITHER, "",
+                "1: hardware in the loop, the IMU is simulated on the link and the pulses stay disarmed"),
+            Field::GroundIdle => ("MOT_SPIN_ARM_PCT", Allowed::Range(0, IDLE_PERCENT_MAX), "%",
+                "command of all motors when armed on the ground"),
+            Field::FlightIdle =>
+                ("MOT_SPIN_MIN_PCT", Allowed::Range(0, IDLE_PERCENT_MAX), "%", "least command of a motor in flight"),
+            Field::Telem1Rate => ("TELEM1_KBAUD", Allowed::Either(57, 115), "",
+                "TELEM1's rate: 57 is 57600 bits per second, 115 is 115200"),
+            Field::EscCalibration =>
+                ("ESC_CALIBRATION", EITHER, "", "1: propellers are off, ESCs are calibrated, no arming"),
+            Field::SafetyButton =>
+                ("SAFETY_BUTTON", EITHER, "", "1: no arming before the safety button was held for a second"),
             Field::Radio(part) => radio::row(part),
             Field::Stick(stick, part) => radio::stick_row(stick, part),
             Field::Pilot(part) => pilot::row(part),
             Field::Level(second, part) => level::row(second, part),
             Field::Vehicle(part) => vehicle::row(part),
         };
-        Row { name, allowed, meaning }
+        Row { name, allowed, unit, meaning }
     }
 
     /// The field of a name.

@@ -260,32 +260,36 @@ fn straight_speed(lift_min_n: f32, lift_max_n: f32) -> LiftCurve {
     LiftCurve { lift_min_n, lift_max_n, command_at }
 }
 
-/// Name, range and meaning.
-pub(super) const fn row(part: VehiclePart) -> (&'static str, Allowed, &'static str) {
+/// Name, range, unit and meaning.
+pub(super) const fn row(part: VehiclePart) -> (&'static str, Allowed, &'static str, &'static str) {
     const INERTIA: Allowed = Allowed::Range(10, u16::MAX);
     match part {
         VehiclePart::Flown => (
             "VEHICLE",
             Allowed::Range(0, 2),
+            "",
             "vehicle: 1 that of VEH_..., 2 the F450 on its RIG, 0 not said: on the gimbal the F450, free none arms",
         ),
-        VehiclePart::Mass => ("VEH_MASS_G", Allowed::Range(100, 10_000), "mass, g"),
-        VehiclePart::Arm => ("VEH_ARM_MM", Allowed::Range(50, 1000), "motor to centre, mm"),
-        VehiclePart::Roll => ("VEH_IXX_E5", INERTIA, "inertia of the body about roll, 1e-5 kg m^2"),
-        VehiclePart::Pitch => ("VEH_IYY_E5", INERTIA, "inertia of the body about pitch, 1e-5 kg m^2"),
-        VehiclePart::Yaw => ("VEH_IZZ_E5", INERTIA, "inertia of the body about yaw, 1e-5 kg m^2"),
+        VehiclePart::Mass => ("VEH_MASS_G", Allowed::Range(100, 10_000), "g", "mass"),
+        VehiclePart::Arm => ("VEH_ARM_MM", Allowed::Range(50, 1000), "mm", "motor to centre"),
+        VehiclePart::Roll => ("VEH_IXX_E5", INERTIA, "1e-5 kg m^2", "inertia of the body about roll"),
+        VehiclePart::Pitch => ("VEH_IYY_E5", INERTIA, "1e-5 kg m^2", "inertia of the body about pitch"),
+        VehiclePart::Yaw => ("VEH_IZZ_E5", INERTIA, "1e-5 kg m^2", "inertia of the body about yaw"),
         VehiclePart::Ring => (
             "VEH_RING_E5",
             Allowed::Range(0, u16::MAX),
-            "inertia of the gimbal's ring, 1e-5 kg m^2; not in free flight",
+            "1e-5 kg m^2",
+            "inertia of the gimbal's ring; not in free flight",
         ),
         VehiclePart::TorquePerLift => {
-            ("VEH_TQ_LIFT_UM", Allowed::Range(1000, u16::MAX), "reaction torque over lift of a motor, 1e-6 m")
+            ("VEH_TQ_LIFT_UM", Allowed::Range(1000, u16::MAX), "1e-6 m", "reaction torque over lift of a motor")
         }
-        VehiclePart::LiftMin => ("VEH_LIFT_MIN_MN", Allowed::Range(0, 20_000), "lift of a motor at command 0, mN"),
-        VehiclePart::LiftMax => ("VEH_LIFT_MAX_MN", Allowed::Range(200, u16::MAX), "lift of a motor at command 1, mN"),
-        VehiclePart::Lag => ("VEH_LAG_E4", Allowed::Range(0, 2000), "time constant from command to lift, 1e-4 s"),
-        VehiclePart::Delay => ("VEH_DELAY_E4", Allowed::Range(0, 300), "pure delay from command to lift, 1e-4 s"),
+        VehiclePart::LiftMin => ("VEH_LIFT_MIN_MN", Allowed::Range(0, 20_000), "mN", "lift of a motor at command 0"),
+        VehiclePart::LiftMax => {
+            ("VEH_LIFT_MAX_MN", Allowed::Range(200, u16::MAX), "mN", "lift of a motor at command 1")
+        }
+        VehiclePart::Lag => ("VEH_LAG_E4", Allowed::Range(0, 2000), "1e-4 s", "time constant from command to lift"),
+        VehiclePart::Delay => ("VEH_DELAY_E4", Allowed::Range(0, 300), "1e-4 s", "pure delay from command to lift"),
     }
 }
 

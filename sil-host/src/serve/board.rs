@@ -230,9 +230,10 @@ impl SimulatedBoard {
             // not timed: the same flight is to give the same bytes
             self.plan = Some(planner.plan(&request));
         }
-        self.log.record(&self.setup.config, &self.input, &output, &self.status.io.radio);
-        let mode = self.commander.mode();
-        self.status = VehicleStatus { mode, ..VehicleStatus::new(&self.setup.config, &self.input, &output) };
+        let (mode, link_losses) = (self.commander.mode(), self.commander.link_losses);
+        self.log.record(&self.setup.config, &self.input, &output, (&self.status.io.radio, mode));
+        self.status =
+            VehicleStatus { mode, link_losses, ..VehicleStatus::new(&self.setup.config, &self.input, &output) };
         self.input.imu.clear();
         Driven { commands: output.mix.commands.0.map(f64::from), turning: output.arming.motors_turn() }
     }
@@ -261,7 +262,7 @@ impl SimulatedBoard {
         }
         let mut due = heapless::Vec::<u8, SEND_BYTES>::new();
         self.telemetry.poll(time_us, &self.status, &mut due);
-        self.telemetry.send_logs(time_us, &self.status, self.log.shelf(), &mut due);
+        self.telemetry.send_files(time_us, &self.status, self.log.shelf(), &mut due);
         self.sent.extend_from_slice(&due);
         if let Some(updates) = &mut self.restart_in {
             *updates = updates.saturating_sub(1);
@@ -291,6 +292,7 @@ impl SimulatedBoard {
             Chore::Parameters(request) => self.telemetry.serve_parameters(&request, keep),
             Chore::CalibrateLevel => self.telemetry.calibrate_level(&self.status, keep),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
+            Chore::Files(request) => self.telemetry.take_file_request(&request),
             Chore::Logs(request) => self.telemetry.take_log_request(&request, self.log.shelf()),
             Chore::SetUpSigning(setup) => {
                 let signing = &mut self.signing;

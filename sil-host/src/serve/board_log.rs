@@ -4,6 +4,7 @@ use std::io;
 
 use shared_control::config::Config;
 use shared_control::flight_core::StepOutput;
+use shared_control::link::Mode;
 use shared_control::onboard_log::{Recorder, Stage, head};
 use shared_control::params::Params;
 use shared_control::radio::RadioFrame;
@@ -41,8 +42,14 @@ impl BoardLog {
     }
 
     /// Takes a step of the loop.
-    pub(super) fn record(&mut self, config: &Config, input: &StepInput, output: &StepOutput, radio: &RadioFrame) {
-        self.recorder.record(config, input, output, radio);
+    pub(super) fn record(
+        &mut self,
+        config: &Config,
+        input: &StepInput,
+        output: &StepOutput,
+        pilot: (&RadioFrame, Mode),
+    ) {
+        self.recorder.record(config, input, output, pilot);
     }
 
     /// Writes what waits.

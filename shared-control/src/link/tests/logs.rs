@@ -84,7 +84,7 @@ impl Vehicle {
     fn poll(&mut self) -> Vec<MavMessage> {
         let mut out = heapless::Vec::<u8, 280>::new();
         self.telemetry.poll(self.time_us, &self.status, &mut out);
-        self.telemetry.send_logs(self.time_us, &self.status, &mut self.shelf, &mut out);
+        self.telemetry.send_files(self.time_us, &self.status, &mut self.shelf, &mut out);
         self.time_us += POLL_US;
         decoded(&out)
     }
@@ -265,7 +265,7 @@ fn the_line_is_not_overbooked_by_a_log() {
             let mut out = heapless::Vec::<u8, 280>::new();
             vehicle.telemetry.poll(vehicle.time_us, &vehicle.status, &mut out);
             regular += decoded(&out).len();
-            vehicle.telemetry.send_logs(vehicle.time_us, &vehicle.status, &mut vehicle.shelf, &mut out);
+            vehicle.telemetry.send_files(vehicle.time_us, &vehicle.status, &mut vehicle.shelf, &mut out);
             bytes += out.len();
             vehicle.time_us += POLL_US;
         }

@@ -244,3 +244,46 @@ fn what_is_no_level_vehicle_is_not_stored() {
         assert!(decoded(&out).iter().any(is_ack), "{refusal:?}");
     }
 }
+
+/// The loop looks at every step, telemetry at some: what was lost and back between two looks is told all the same.
+#[test]
+fn a_link_that_is_lost_for_a_few_steps_is_told() {
+    use crate::signals::ArmingBlocks;
+    use crate::supervisor::DisarmedBecause;
+    let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
+    let mut commander = Commander::new(&SETTINGS, ArmingBlocks::default());
+    let mut time_us = 0;
+    let mut told = |steps: &[Arming]| {
+        for arming in steps {
+            commander.answer(arming);
+        }
+        let link_losses = commander.link_losses;
+        let seen = VehicleStatus { link_losses, ..status(*steps.last().unwrap()) };
+        let mut words = Vec::new();
+        for _ in 0..50 {
+            let mut out = heapless::Vec::<u8, 512>::new();
+            telemetry.poll(time_us, &seen, &mut out);
+            time_us += 10_000;
+            let text = |m: MavMessage| {
+                if let MavMessage::STATUSTEXT(t) = m { t.text.to_str().ok().map(Into::into) } else { None }
+            };
+            words.extend(decoded(&out).into_iter().filter_map(text));
+        }
+        words
+    };
+    let lost = |since_us| Arming::LinkLost { since_us };
+    let (lost_words, back_words) = ("link lost: level, then down", "link back: armed");
+    let disarmed = Arming::Disarmed(DisarmedBecause::LinkLost);
+    let cases: [(&[Arming], &[&str]); 6] = [
+        (&[Arming::Armed], &["armed"]),
+        (&[lost(1), Arming::Armed], &[lost_words, back_words]),
+        (&[lost(2)], &[lost_words]),
+        (&[lost(2), Arming::Armed, lost(3)], &[back_words, lost_words]),
+        (&[Arming::Armed], &[back_words]),
+        (&[lost(4), disarmed], &[lost_words, "disarmed: link lost"]),
+    ];
+    for (steps, expected) in cases {
+        let words: Vec<std::string::String> = told(steps);
+        assert_eq!(words, expected, "{steps:?}");
+    }
+}

@@ -59,7 +59,11 @@ const COLUMNS: [Column; 7] = [
     Column {
         topic: topics::ATTITUDE_SETPOINT,
         is_there: |log| log.reference_rad.iter().any(Option::is_some),
-        content: |log, row| topics::attitude_setpoint(triple(log, row, Quantity::Reference)),
+        content: |log, row| {
+            let heading_rad = value(log, row, Quantity::Angle(Axis::Yaw));
+            let heading_rad = if heading_rad.is_nan() { 0.0 } else { heading_rad as f32 };
+            topics::attitude_setpoint(triple(log, row, Quantity::Reference), f32::NAN, heading_rad)
+        },
     },
     Column {
         topic: topics::MOTORS,

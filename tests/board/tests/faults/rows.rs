@@ -161,9 +161,10 @@ pub const ROWS: &[Row] = &[
         ..NOTHING
     },
     Row {
-        // the link counts as lost for a few steps only, which housekeeping, every 10 ms, may tell or miss
+        // the link counts as lost for a few steps only, fewer than from one housekeeping to the next
         fault: "test sequence's set-point not a number (kept for 3 s: the last that was one; then down to idle)",
         end: End::Idle,
+        says: &["link lost", "link back"],
         inject: spoil_setpoint,
         watch_ms: 6500,
         ..NOTHING

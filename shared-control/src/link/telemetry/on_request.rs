@@ -1,0 +1,34 @@
+//! Files and logs, which are sent with what the line has left.
+
+use super::Telemetry;
+use crate::link::file_transfer::FileRequest;
+use crate::link::log_download::{LogRequest, LogStore};
+use crate::link::vehicle_status::VehicleStatus;
+
+impl Telemetry {
+    /// Takes what somebody demands of the files.
+    pub fn take_file_request(&mut self, request: &FileRequest) {
+        self.files.take(request);
+    }
+
+    /// Takes what the ground demands of the logs.
+    pub fn take_log_request(&mut self, request: &LogRequest, store: &mut impl LogStore) {
+        self.logs.take(request, store);
+    }
+
+    /// Writes of files and logs what the line has room for, after [`Self::poll`] and behind what that wrote into `out`.
+    pub fn send_files<const N: usize>(
+        &mut self,
+        time_us: u64,
+        status: &VehicleStatus,
+        logs: &mut impl LogStore,
+        out: &mut heapless::Vec<u8, N>,
+    ) {
+        if status.arming.is_armed() {
+            self.logs.stop();
+        }
+        self.room.pass_time(time_us, out.len());
+        self.files.write(&mut self.writer, time_us, &mut self.room, out);
+        self.logs.write(&mut self.writer, logs, &mut self.room, out);
+    }
+}
