@@ -37,8 +37,8 @@ const SETTINGS: [(u8, u8); 6] = [
 /// LOW_ODR, which the L3GD20H alone has: full rate, data-ready active high, I2C off.
 const SETTINGS_H: [(u8, u8); 1] = [(0x39, 0x08)];
 
-/// Of either variant. Its turn-on time is 250 ms (table 4); after another range or filter its low-pass of 100 Hz settles
-/// in a few samples.
+/// Of either variant. Its turn-on time is 250 ms (table 4); after another range or filter its low-pass of 100 Hz
+/// settles in a few samples.
 const fn watched(identity: u8) -> Watched {
     Watched {
         identity: (WHO_AM_I, identity),

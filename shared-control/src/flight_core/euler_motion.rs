@@ -1,4 +1,5 @@
-//! Motion in Euler angles, in which the observer and the MPC's model count; torques about the body turned to their axes.
+//! Motion in Euler angles, in which the observer and the MPC's model count; torques about the body turned to their
+//! axes.
 
 use nalgebra::Vector3;
 

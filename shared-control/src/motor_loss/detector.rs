@@ -326,7 +326,8 @@ impl DetectorState {
         })
     }
 
-    /// All three witnesses say that a motor lacks nearly half of its lift and will lack more, and the yaw torque does not say otherwise.
+    /// All three witnesses say that a motor lacks nearly half of its lift and will lack more, and the yaw torque does
+    /// not say otherwise.
     fn lacks_most(&self, config: &DetectorConfig, motor: usize) -> bool {
         let lift_n = self.slow.lifts_n[motor & 3];
         let missing_n = self.missing_n(config, &self.slow, motor, 0.0);

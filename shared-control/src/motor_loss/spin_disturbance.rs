@@ -13,8 +13,8 @@ use super::complex::Complex;
 use crate::elementary::{sin_cos, sqrt};
 use crate::record::state_words::StateWords;
 
-/// Time constant of the observer (two poles), s: shorter than wind's gusts; a quicker one swings with motors that are not
-/// as the model has them (docs/motor-loss.md).
+/// Time constant of the observer (two poles), s: shorter than wind's gusts; a quicker one swings with motors that are
+/// not as the model has them (docs/motor-loss.md).
 const OBSERVER_S: f32 = 0.6;
 
 /// What is remembered of it.
@@ -35,8 +35,8 @@ impl SpinDisturbance {
         words.numbers(&[rate_rad_s.re, rate_rad_s.im, rad_s2.re, rad_s2.im]);
     }
 
-    /// A step of so many seconds at a spin, rad/s, in which the motors made this acceleration, rad/s^2; `at_most`, rad/s^2.
-    /// Returns the torque over the inertia, rad/s^2.
+    /// A step of so many seconds at a spin, rad/s, in which the motors made this acceleration, rad/s^2. Returns the
+    /// torque over the inertia, rad/s^2, bounded.
     pub fn update(
         &mut self,
         step_s: f32,

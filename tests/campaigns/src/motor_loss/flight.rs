@@ -219,7 +219,7 @@ impl Gust {
         let share = 1e-6 * (STEP_US / SAMPLES_PER_STEP) as f64 / GUST_S;
         let noise = (2.0 / share).sqrt() * GUST_NM;
         self.along_nm += share * (noise * draws.normal() - self.along_nm);
-        // across: a part that is lagged once, and the same lagged again, in the shares of (1 + root 3 T s) / (1 + T s)^2
+        // a part that is lagged once, and the same lagged again, in the shares of (1 + root 3 T s) / (1 + T s)^2
         let [once, twice] = &mut self.across;
         *once += share * (noise / 2f64.sqrt() * draws.normal() - *once);
         *twice += share * (*once - *twice);
