@@ -2,7 +2,8 @@
 //! next. A few flights hardly show the latter, so that a usual spread counts as much as [`USUAL_FLIGHTS`] of them; one
 //! flight shows nothing of it, and the usual one is all there is.
 
-use super::numbers::{FlightNumbers, Number, NumberOf};
+use super::flight_numbers::FlightNumbers;
+use super::numbers::{Number, NumberOf};
 use crate::axis::Axis;
 use crate::diagnosis::Estimate;
 
