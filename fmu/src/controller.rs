@@ -12,10 +12,9 @@ use sil_host::model::VehicleModel;
 use sil_host::scenario::{Scenario, Waypoint};
 use sil_host::sensors::imu;
 
-use crate::component::{Behaviour, Refusal, SAME_TIME_S, START_MAX_S, check_step};
+use crate::behaviour::{Behaviour, Refusal, SAME_TIME_S, START_MAX_S, check_step};
 use crate::variable::{Value, Variable};
-use crate::vehicle::SAMPLES;
-use crate::vehicle_variables::{sample_names, which_sample};
+use crate::vehicle_variables::{SAMPLES, sample_names, which_sample};
 
 /// A controller, and what was chosen for it.
 #[derive(Clone)]

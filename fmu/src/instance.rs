@@ -5,7 +5,8 @@
 //!                               '--> event <--> continuous time         (model exchange)
 //! ```
 
-use crate::component::{Component, Content, Refusal, Stop};
+use crate::behaviour::{Refusal, Stop};
+use crate::component::{Component, Content};
 use crate::variable::{Causality, Value, Variability};
 use crate::vehicle::Vehicle;
 

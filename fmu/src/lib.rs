@@ -11,6 +11,7 @@
 //! The binding is written here, as the published ones (`fmi-export` 0.3) abort the importing tool in functions that
 //! they lack, hand back no environment to its log, and know neither units nor a saved state.
 
+mod behaviour;
 pub mod component;
 mod controller;
 pub mod description;

@@ -12,12 +12,9 @@ use sil_host::plant::{Plant, Truth};
 use sil_host::sensors::Sensors;
 use sil_host::sensors::imu;
 
-use crate::component::{Behaviour, Refusal, SAME_TIME_S, START_MAX_S, Stop, check_step, span_s};
+use crate::behaviour::{Behaviour, Refusal, SAME_TIME_S, START_MAX_S, Stop, check_step, span_s};
 use crate::variable::{Value, Variable};
-use crate::vehicle_variables::{Place, places};
-
-/// Samples of the IMU that are handed over, the newest first.
-pub(crate) const SAMPLES: usize = 3;
+use crate::vehicle_variables::{Choices, Place, SAMPLES, places};
 
 /// Samples of the IMU per second, where nobody says otherwise: three a step of the core at 400 Hz.
 pub(crate) const IMU_RATE_HZ: u64 = 1200;
@@ -35,15 +32,6 @@ pub struct Vehicle {
     start_states: Vec<Option<f64>>,
     /// None until something wants to know, and after every change before the start.
     motion: Option<Motion>,
-}
-
-/// Parameters.
-#[derive(Clone)]
-pub(crate) struct Choices {
-    pub(crate) effects: String,
-    pub(crate) seed: u64,
-    pub(crate) imu_rate_hz: u64,
-    pub(crate) released_at_s: f64,
 }
 
 #[derive(Clone, Copy, PartialEq)]

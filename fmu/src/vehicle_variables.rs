@@ -4,7 +4,18 @@ use sil_host::model::{Rig, VehicleModel};
 use sil_host::plant::{Plant, Truth};
 
 use crate::variable::{AXES, Value, Variable};
-use crate::vehicle::{Choices, SAMPLES};
+
+/// Samples of the IMU that are handed over, the newest first.
+pub(crate) const SAMPLES: usize = 3;
+
+/// Parameters.
+#[derive(Clone)]
+pub(crate) struct Choices {
+    pub(crate) effects: String,
+    pub(crate) seed: u64,
+    pub(crate) imu_rate_hz: u64,
+    pub(crate) released_at_s: f64,
+}
 
 /// What a variable is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -25,7 +25,7 @@ unsafe extern "C" {
 
 /// Gives the page something to show before the answer is there.
 #[cfg(target_family = "wasm")]
-fn say(text: &str) {
+pub(crate) fn say(text: &str) {
     // SAFETY: the page reads these bytes before it returns, and nothing else
     unsafe { said(text.as_ptr(), text.len()) }
 }

@@ -9,4 +9,6 @@
 //! file. [`requests::answer`] is the same natively, which the tests call.
 
 mod boundary;
+#[cfg(target_family = "wasm")]
+mod memory;
 pub mod requests;

@@ -91,6 +91,22 @@ fn what_cannot_be_is_answered_with_the_librarys_message() {
 }
 
 #[test]
+fn a_log_is_recognised_with_how_far_it_went() {
+    let mut log = "time_s,roll_deg,pitch_rad,p_deg_s,q_rad_s,motor1,motor2,motor3,motor4,battery_v\n".to_owned();
+    for row in 0..200 {
+        let (roll, rate) = if row == 100 { (-25.0, -310.0) } else { (1.0, 2.0) };
+        log += &format!(
+            "{:.2},{roll},0,{rate},0,0.5,0.5,0.5,0.5,{:.3}\n",
+            0.01 * f64::from(row),
+            12.6 - 0.005 * f64::from(row)
+        );
+    }
+    let request = json!({ "request": "recognise", "name": "a.csv", "options": { "whole": true, "unchecked": true } });
+    let reached = &answered(&request, &[log.as_bytes()])["ok"]["reached"];
+    assert_eq!(*reached, json!(["tilt of 25 degrees", "rate of 310 deg/s", "battery from 12.6 to 11.6 V"]));
+}
+
+#[test]
 fn a_file_that_is_no_log_is_recognised_as_none() {
     let request = json!({ "request": "recognise", "name": "a.csv" });
     let known = answered(&request, &[b"this,that\n1,2\n3,4\n"]);

@@ -128,13 +128,17 @@ function logPanel(log) {
     [text.format, [known.format]],
     [text.size, [text.rowsOf(known.rows, known.duration_s, known.rate_hz)]],
     [text.holds, [known.has.join(", ")]],
+    [text.reached, [known.reached.join(", ")]],
     [text.noted, [...known.comments, ...known.notes]],
-    [text.says, known.facts],
   ].filter(([, values]) => values.length > 0);
   const list = lines.flatMap(([name, values]) => [
     make("dt", {}, name),
     make("dd", {}, ...values.map((value) => make("p", {}, value))),
   ]);
+  const facts =
+    known.facts.length > 0
+      ? make("details", {}, make("summary", {}, text.says), ...known.facts.map((fact) => make("p", {}, fact)))
+      : null;
   const map = known.map
     ? make(
         "details",
@@ -154,14 +158,29 @@ function logPanel(log) {
   return make(
     "section",
     { class: "panel log" },
-    make("details", { open: logs.length === 1 }, summary, make("dl", {}, ...list), map),
+    make("details", { open: logs.length === 1 }, summary, make("dl", {}, ...list), facts, map),
     foot,
   );
 }
 
-function showProgress({ done, total, what }) {
-  at("progress").hidden = false;
-  at("progress-text").textContent = what;
+// The present step, and when the page first heard of it.
+let step = {};
+
+// What a step still takes at the pace that it has had, in words; nothing of one that has just begun.
+function timeLeft({ done, total, what }) {
+  if (step.what !== what) step = { what, done, since_ms: performance.now() };
+  const took_s = (performance.now() - step.since_ms) / 1000;
+  const left_s = (took_s * (total - done)) / (done - step.done);
+  return took_s > 1 && left_s > 1 && Number.isFinite(left_s) ? text.timeLeft(left_s) : "";
+}
+
+function showProgress(progress) {
+  const { done, total, what } = progress;
+  if (at("progress").hidden) {
+    at("progress").hidden = false;
+    at("progress").scrollIntoView({ block: "nearest" });
+  }
+  at("progress-text").textContent = what + (total ? timeLeft(progress) : "");
   const bar = at("progress-bar");
   if (total) bar.value = done / total;
   else bar.removeAttribute("value");
@@ -171,6 +190,7 @@ function showProblem(problem) {
   at("progress").hidden = true;
   at("problem").hidden = false;
   at("problem").replaceChildren(make("pre", {}, problem ?? text.stopped));
+  at("problem").scrollIntoView({ block: "nearest" });
 }
 
 async function run() {

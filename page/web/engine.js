@@ -3,8 +3,6 @@ import { text } from "./text.js";
 
 // A worker that holds more memory than this after an answer is replaced: WebAssembly's memory never shrinks.
 const KEPT_MB = 256;
-// A trap without a message, with more than this in use, is memory that ran out.
-const MUCH_MB = 1000;
 
 let unpacked;
 function library() {
@@ -48,7 +46,7 @@ export class Engine {
     return worker;
   }
 
-  #take({ id, progress, answer, failure, isTrap, heldMb }) {
+  #take({ id, progress, answer, failure, heldMb }) {
     const waiting = this.#waiting.get(id);
     if (!waiting) return;
     if (progress) return waiting.onProgress(progress);
@@ -59,7 +57,8 @@ export class Engine {
       if (heldMb > KEPT_MB && this.#waiting.size === 0) this.stop();
       return;
     }
-    const isMemory = /memory|NotReadable|allocation/i.test(failure) || (isTrap && heldMb > MUCH_MB);
+    // the library's word, or the browser's about a file or about a worker that it has no room for
+    const isMemory = /memory|NotReadable|allocation/i.test(failure);
     waiting.reject(isMemory ? text.outOfMemory(heldMb) : text.crashed(failure));
     this.stop();
   }

@@ -24,6 +24,7 @@ export const text = {
   reading: "Reading",
   preparing: "Finding what to hold the log against",
   working: "Working",
+  timeLeft: (seconds) => `, about ${Math.ceil(seconds)} s left`,
   foot:
     "Computed by the same library as the command line: sil diagnose, sil fly, sil synth. Source and " +
     "documentation come with the project.",
@@ -31,6 +32,7 @@ export const text = {
   size: "Rows",
   holds: "Holds",
   says: "The file says",
+  reached: "Reached",
   noted: "Noted",
   rowsOf: (rows, seconds, rate) => `${rows} rows over ${seconds.toFixed(1)} s, ${rate.toFixed(0)} per second`,
   normal: "A normal flight of the healthy vehicle: compare the other log with it",

@@ -4,9 +4,10 @@
 const [decoder, encoder] = [new TextDecoder(), new TextEncoder()];
 // Of WebAssembly's 4 GB, what a log's rows and its answer need beside the files.
 const FILES_MAX = 1e9;
-let library, current, failure;
+let library, notStarted, current, failure;
 
-const bytesAt = (at, length) => new Uint8Array(library.memory.buffer, at, length);
+// Places above 2 GB come out of WebAssembly as negative numbers.
+const bytesAt = (at, length) => new Uint8Array(library.memory.buffer, at >>> 0, length >>> 0);
 
 function said(at, length) {
   const what = JSON.parse(decoder.decode(bytesAt(at, length)));
@@ -22,22 +23,18 @@ function give(bytes) {
 async function answer({ id, request, files }) {
   current = id;
   failure = undefined;
-  const heldMb = () => Math.round(library.memory.buffer.byteLength / 1e6);
+  const heldMb = () => Math.round((library?.memory.buffer.byteLength ?? 0) / 1e6);
   try {
     const size = files.reduce((sum, file) => sum + file.size, 0);
+    if (!library) throw notStarted;
     if (size > FILES_MAX) throw new RangeError(`out of memory: files of ${Math.round(size / 1e6)} MB`);
     give(encoder.encode(JSON.stringify(request)));
     for (const file of files) give(new Uint8Array(await file.arrayBuffer()));
-    const length = library.answer();
+    const length = library.answer() >>> 0;
     const text = decoder.decode(bytesAt(library.answer_at(), length));
     postMessage({ id, answer: JSON.parse(text), heldMb: heldMb() });
   } catch (error) {
-    postMessage({
-      id,
-      failure: failure ?? String(error),
-      isTrap: error instanceof WebAssembly.RuntimeError,
-      heldMb: heldMb(),
-    });
+    postMessage({ id, failure: failure ?? String(error), heldMb: heldMb() });
   }
 }
 
@@ -45,7 +42,11 @@ let last = Promise.resolve();
 onmessage = ({ data }) => {
   last = last.then(async () => {
     if (!data.library) return answer(data);
-    const { instance } = await WebAssembly.instantiate(data.library, { page: { said } });
-    library = instance.exports;
+    try {
+      const { instance } = await WebAssembly.instantiate(data.library, { page: { said } });
+      library = instance.exports;
+    } catch (error) {
+      notStarted = error;
+    }
   });
 };

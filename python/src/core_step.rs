@@ -7,8 +7,8 @@ use sil_host::cosim::control_side::ControlSide;
 use sil_host::scenario::Waypoint;
 use sil_host::sensors;
 
+use crate::chosen::setup;
 use crate::errors::refused;
-use crate::flight::setup;
 use crate::model::Model;
 use crate::plant::Plant;
 

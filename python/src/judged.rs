@@ -5,8 +5,8 @@ use sil_host::answer::{Answered, HeldAgainst, Said, SaidModel};
 use sil_host::diagnosis::{Effort, Fact, KnownScale, identify as identify_logs};
 
 use crate::arrays::python;
+use crate::chosen::controller_choice;
 use crate::errors::refused;
-use crate::flight::controller_choice;
 use crate::log::Log;
 use crate::model::Model;
 
@@ -48,7 +48,7 @@ pub(crate) fn diagnose(
     // gaps would end a controller's replay
     let log = if said.controller.is_none() { log.0.clone().examined() } else { log.0.clone() };
     let answered = py.detach(|| {
-        let against = HeldAgainst::of(&log, &said, &facts, None)?;
+        let against = HeldAgainst::of(&log, &said, &facts, None, &|_| ())?;
         Answered::of(log, against, effort, &|_| ())
     });
     answered.map(Diagnosis).map_err(refused)
@@ -95,7 +95,8 @@ pub(crate) fn compare<'py>(
     controller: Option<&str>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let said = said(model, controller)?;
-    let compared = py.detach(|| HeldAgainst::of(&log.0, &said, &[], None)?.compare(&log.0)).map_err(refused)?;
+    let compared =
+        py.detach(|| HeldAgainst::of(&log.0, &said, &[], None, &|_| ())?.compare(&log.0)).map_err(refused)?;
     python(py, &compared.summary())
 }
 

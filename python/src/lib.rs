@@ -9,6 +9,7 @@
 //! What Python sees is in `sil_host/_native.pyi`; `cargo xtask python` builds the wheel and runs its tests.
 
 mod arrays;
+mod chosen;
 mod core_step;
 mod errors;
 mod flight;

@@ -10,8 +10,8 @@ use sil_host::log::{self, Map, Quantity, Rows, Wanted};
 use sil_host::synthesis::Synthesis;
 
 use crate::arrays::series;
+use crate::chosen::{controller_choice, scenario};
 use crate::errors::refused;
-use crate::flight::{controller_choice, scenario};
 use crate::model::Model;
 
 /// A flight's rows in SI units, under the names of docs/log-format.md.

@@ -10,8 +10,8 @@ use sil_host::model::VehicleModel;
 use sil_host::montecarlo::{self, About, Part, Share, StoreError};
 use sil_host::scenario::Scenario;
 
+use crate::chosen::scenario;
 use crate::errors::refused;
-use crate::flight::scenario;
 use crate::model::Model;
 
 /// The texts that a study is made of, so that another process makes the same.

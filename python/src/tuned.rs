@@ -4,8 +4,8 @@ use pyo3::prelude::*;
 use sil_host::controller_file::TuningChange;
 
 use crate::arrays::python;
+use crate::chosen::setup;
 use crate::errors::refused;
-use crate::flight::setup;
 use crate::model::Model;
 
 /// Margins of roll and pitch in hover, measured on the running code; none where the loop oscillates by itself.

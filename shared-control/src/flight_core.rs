@@ -9,6 +9,7 @@
 //! at the price of one sample of delay.
 
 mod coasting;
+mod euler_motion;
 mod output;
 mod planning;
 mod state;
@@ -37,6 +38,7 @@ use crate::supervisor::flight_watch::Felt;
 use crate::supervisor::touchdown::Load;
 use crate::supervisor::{self, Arming, EscStage, Findings};
 use crate::torque_observer::ObserverState;
+use euler_motion::EulerMotion;
 
 /// The control core. It has no data of its own: configuration, state and input come in, the output goes out.
 pub struct FlightCore;
@@ -108,7 +110,7 @@ impl FlightCore {
     /// Right after the outputs are written: the attitude loop and the observer, whoever flies, and in MPC mode the
     /// question to the planner.
     pub fn follow(config: &Config, state: &mut State, output: &StepOutput) -> Option<PlanRequest> {
-        let motion = planning::EulerMotion::of(config, &output.estimate);
+        let motion = EulerMotion::of(config, &output.estimate);
         match output.source {
             TorqueSource::Disarmed
             | TorqueSource::MotorTest

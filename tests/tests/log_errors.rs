@@ -71,7 +71,8 @@ fn malformed_files_are_named_by_line_and_column() {
         (
             "missing column",
             with_header(&HEADER.replace("q_rad_s", "q")),
-            "run.csv:1: `q_rad_s`: required column is missing (for other names use --map); the header has: \
+            "run.csv:1: `q_rad_s`: required column is missing (for other names give a map, --map; `sil map LOG` \
+             drafts one); the header has: \
              time_s, roll_rad, pitch_rad, p_rad_s, q, motor1, motor2, motor3, motor4",
         ),
         (
@@ -166,7 +167,8 @@ fn wrong_units_and_missing_axes_are_named_with_a_hint() {
         (
             "axis commands for pitch alone",
             with_header("time_s,roll_rad,pitch_rad,p_rad_s,q_rad_s,pitch_cmd,thrust_cmd,note,other"),
-            "run.csv:1: `roll_cmd`: required column is missing (for other names use --map); the header has: \
+            "run.csv:1: `roll_cmd`: required column is missing (for other names give a map, --map; `sil map LOG` \
+             drafts one); the header has: \
              time_s, roll_rad, pitch_rad, p_rad_s, q_rad_s, pitch_cmd, thrust_cmd, note, other",
         ),
     ]);

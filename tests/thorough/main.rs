@@ -10,6 +10,7 @@ mod gate_spoiled;
 mod identification;
 mod margins;
 mod montecarlo;
+mod motor_loss;
 mod out_of_the_testbed;
 mod real_baseline;
 mod real_logs;

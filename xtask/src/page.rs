@@ -60,20 +60,21 @@ pub(crate) fn build(workspace: &Workspace) -> Result<PathBuf> {
 
 /// Builds the file, and tests it in Chromium beside the command line of `cargo test`'s own build.
 pub(crate) fn test(workspace: &Workspace) -> Result<()> {
-    in_a_browser(workspace, &[])
+    in_a_browser(workspace, "dev", &[])
 }
 
-/// The same, but only how long its user waits.
+/// The same, but only how long its user waits, also beside the command line as it is shipped.
 pub(crate) fn speed(workspace: &Workspace) -> Result<()> {
-    in_a_browser(workspace, &["speed::", "--", "--ignored", "--nocapture"])
+    in_a_browser(workspace, "release", &["speed::", "--", "--ignored", "--nocapture"])
 }
 
-fn in_a_browser(workspace: &Workspace, tests: &[&str]) -> Result<()> {
+fn in_a_browser(workspace: &Workspace, profile: &str, tests: &[&str]) -> Result<()> {
     let place = build(workspace)?;
-    process::run(workspace.cargo("build").args(["--bin", "sil"]))?;
+    process::run(workspace.cargo("build").args(["--bin", "sil", "--profile", profile]))?;
+    let folder = if profile == "dev" { "debug" } else { profile };
     let mut command = workspace.cargo("test");
     command.args(["--test", "browser"]).args(tests).env("SIL_PAGE", place);
-    process::run(command.env("SIL_BINARY", workspace.target_dir.join("debug/sil")))
+    process::run(command.env("SIL_BINARY", workspace.target_dir.join(folder).join("sil")))
 }
 
 /// The page with everything in the places that it has for it.

@@ -61,6 +61,23 @@ pub static FIRST_IMU: ImuCounters = ImuCounters::new();
 pub static FIRST_IMU_RESTORED: Counter = Counter::new();
 /// Settings were lost and not kept when they were written again: it is out of use.
 pub static FIRST_IMU_GIVEN_UP: Counter = Counter::new();
+/// The same of the L3GD20.
+pub static L3GD20_RESTORED: Counter = Counter::new();
+/// The same of the L3GD20.
+pub static L3GD20_GIVEN_UP: Counter = Counter::new();
+/// The same of the LSM303D.
+pub static LSM303D_RESTORED: Counter = Counter::new();
+/// The same of the LSM303D.
+pub static LSM303D_GIVEN_UP: Counter = Counter::new();
+/// What is told to the ground when one of them counts.
+pub const SETTINGS_LOST: [(&Counter, &str); 6] = [
+    (&FIRST_IMU_RESTORED, "MPU6000 lost its settings: set up again"),
+    (&FIRST_IMU_GIVEN_UP, "MPU6000 does not keep its settings: out of use"),
+    (&L3GD20_RESTORED, "L3GD20 lost its settings: set up again"),
+    (&L3GD20_GIVEN_UP, "L3GD20 does not keep its settings: out of use"),
+    (&LSM303D_RESTORED, "LSM303D lost its settings: set up again"),
+    (&LSM303D_GIVEN_UP, "LSM303D does not keep its settings: out of use"),
+];
 /// The L3GD20's and LSM303D's.
 pub static SECOND_IMU: ImuCounters = ImuCounters::new();
 /// Steps that were still worked on when the next was due.
@@ -80,6 +97,10 @@ pub fn report() {
     SECOND_IMU.report("second");
     let [restored, given_up] = [FIRST_IMU_RESTORED.get(), FIRST_IMU_GIVEN_UP.get()];
     defmt::info!("first IMU: set up again {=u32}, given up {=u32}", restored, given_up);
+    let [restored, given_up] = [L3GD20_RESTORED.get(), L3GD20_GIVEN_UP.get()];
+    defmt::info!("second gyro: set up again {=u32}, given up {=u32}", restored, given_up);
+    let [restored, given_up] = [LSM303D_RESTORED.get(), LSM303D_GIVEN_UP.get()];
+    defmt::info!("second accelerometer: set up again {=u32}, given up {=u32}", restored, given_up);
     defmt::info!(
         "overruns {=u32}, late plans {=u32}, orders dropped {=u32}, answers dropped {=u32}, IO damaged {=u32}",
         LOOP_OVERRUNS.get(),

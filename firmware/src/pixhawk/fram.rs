@@ -15,6 +15,8 @@ use super::clock;
 const WRITE_ENABLE: u8 = 0x06;
 const WRITE: u8 = 0x02;
 const READ: u8 = 0x03;
+/// What slept until it was selected answers this much later (tREC), us; a little more.
+const WAKE_US: u32 = 450;
 /// Where the record of parameters lies, high byte first.
 const RECORD_ADDRESS: [u8; 2] = [0, 0];
 /// Where key and clock of signed frames lie, by the lowest bit of their serial number.
@@ -39,7 +41,17 @@ impl Fram {
             w.cpol().set_bit().cpha().set_bit().mstr().set_bit().ssm().set_bit().ssi().set_bit().br().div8();
             w.spe().set_bit()
         });
-        Self { spi, select, _pins: pins }
+        let mut memory = Self { spi, select, _pins: pins };
+        memory.wake();
+        memory
+    }
+
+    /// Whoever ran before may have sent it to sleep, which lasts over a restart without a loss of power: a select wakes
+    /// it.
+    fn wake(&mut self) {
+        self.select.set_low();
+        self.end();
+        clock::wait_us(WAKE_US);
     }
 
     /// What is stored; if no memory answers, equal bytes that no record begins with.

@@ -11,7 +11,7 @@ use shared_control::params::{self, Params};
 
 use super::boot::Start;
 use super::configuration::Configuration;
-use super::counters::{FIRST_IMU_GIVEN_UP, FIRST_IMU_RESTORED};
+use super::counters::SETTINGS_LOST;
 use super::fault::{self, FaultRecord};
 use super::fram::Fram;
 use super::link_port::{LinkSender, SendBuffer};
@@ -36,8 +36,8 @@ pub struct Ground {
     usb: UsbSense,
     /// Updates until the restart that was ordered.
     restart_in: Option<u8>,
-    /// So often has it told that the first IMU was set up again, and that it was given up.
-    registers_told: [u32; 2],
+    /// So often has it told each of [`SETTINGS_LOST`].
+    registers_told: [u32; SETTINGS_LOST.len()],
 }
 
 impl Ground {
@@ -49,7 +49,7 @@ impl Ground {
         chores: Consumer<'static, Chore>,
     ) -> Self {
         let telemetry = Telemetry::new(settings, params).with_signing(memory.read_signing());
-        let (due, hil, restart_in, registers_told) = (SendBuffer::new(), params.hil, None, [0; 2]);
+        let (due, hil, restart_in, registers_told) = (SendBuffer::new(), params.hil, None, [0; _]);
         Self { telemetry, due, hil, answers, chores, memory, usb, restart_in, registers_told }
     }
 
@@ -131,16 +131,13 @@ impl Ground {
         }
     }
 
-    /// Tells what became of the first IMU's settings since the last call.
+    /// Tells what became of the sensors' settings since the last call.
     fn tell_registers(&mut self) {
-        let counts = [FIRST_IMU_RESTORED.get(), FIRST_IMU_GIVEN_UP.get()];
-        let [restored, given_up] = [0, 1].map(|place| counts[place] != self.registers_told[place]);
-        self.registers_told = counts;
-        if restored {
-            self.tell("MPU6000 lost its settings: set up again");
-        }
-        if given_up {
-            self.tell("MPU6000 does not keep its settings: out of use");
+        for (place, (counter, words)) in SETTINGS_LOST.iter().enumerate() {
+            let count = counter.get();
+            if core::mem::replace(&mut self.registers_told[place], count) != count {
+                self.tell(words);
+            }
         }
     }
 

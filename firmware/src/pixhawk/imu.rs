@@ -1,8 +1,8 @@
 //! The two IMUs on their one bus: data-ready, DMA, sample queues.
 //!
 //! ```text
-//!   MPU6000 ready -> transfer ------------------------> first queue; behind it a register is looked at
-//!   L3GD20 ready  -> transfer -> LSM303D's transfer ---> second queue
+//!   MPU6000 ready -> transfer ------------------------> first queue
+//!   L3GD20 ready  -> transfer -> LSM303D's transfer ---> second queue;  behind each a register is looked at
 //! ```
 //! Who comes while the bus is busy waits and is served when the transfer under way ends, the first IMU before the
 //! second. A transfer that does not end in [`TRANSFER_MAX_US`] is broken off by whatever comes next, at the latest by
@@ -22,14 +22,13 @@ use super::clock;
 use super::counters::{FIRST_IMU, SECOND_IMU};
 use super::queue::{Producer, Queue};
 use super::register_watch::{Access, RegisterWatch};
-use super::sensor_bus::{READ, SensorBus, SensorFault};
+use super::sensor_bus::{Chip, READ, SensorBus, SensorFault};
 use super::transfer::{Buffers, Transfer};
+use super::watches::Watches;
 use super::{l3gd20, lsm303d, mpu6000};
 
 /// A transfer takes 13 us, one of a register 25; what lasts this long has failed.
 const TRANSFER_MAX_US: u32 = 200;
-/// The first IMU, which has a sample every 1 ms, is silent.
-const SILENT_US: u32 = 3_000;
 /// Longest wait for a DMA stream to stop, turns of a loop; it takes a few cycles.
 const STOP_TURNS: u32 = 100;
 /// Room for the samples of two steps at 100 Hz.
@@ -66,26 +65,28 @@ pub struct ReadyPins {
 
 /// What the checks of the sensors found.
 pub struct Checked {
-    first: Result<mpu6000::Settings, SensorFault>,
-    second: Result<AxisMap, SensorFault>,
+    first: Result<RegisterWatch, SensorFault>,
+    second: Result<(AxisMap, [RegisterWatch; 2]), SensorFault>,
 }
 
 impl Checked {
     /// Sets all of them up; one that does not pass is reported and never delivers.
     pub fn set_up(bus: &mut SensorBus) -> Self {
         // the second first, since its gyro takes a while to settle
-        let second = l3gd20::set_up(bus).and_then(|axes| lsm303d::set_up(bus).map(|()| axes));
+        let second = l3gd20::set_up(bus)
+            .and_then(|(axes, gyro)| lsm303d::set_up(bus).map(|accelerometer| (axes, [gyro, accelerometer])));
         Self { first: mpu6000::set_up(bus), second }
     }
 
     /// The axes of the second gyro, of which there are two variants.
     pub fn second_gyro_axes(&self) -> Option<AxisMap> {
-        self.second.ok()
+        self.second.as_ref().ok().map(|(axes, _)| *axes)
     }
 
     /// For a person.
     pub fn faults(&self) -> impl Iterator<Item = SensorFault> {
-        self.first.err().into_iter().chain(self.second.err())
+        let faults = [self.first.as_ref().err().copied(), self.second.as_ref().err().copied()];
+        faults.into_iter().flatten()
     }
 }
 
@@ -109,8 +110,7 @@ pub struct Imus {
     under_way: Option<UnderWay>,
     first_due_us: Option<u32>,
     second_due_us: Option<u32>,
-    watch: Option<RegisterWatch>,
-    first_heard_us: u32,
+    watches: Watches,
 }
 
 const RECEIVE: usize = 0;
@@ -141,8 +141,7 @@ impl Imus {
             under_way: None,
             first_due_us: None,
             second_due_us: None,
-            watch: None,
-            first_heard_us: 0,
+            watches: Watches::NONE,
         };
         imus.prepare_dma();
         imus
@@ -166,11 +165,12 @@ impl Imus {
     }
 
     /// Listens to those that passed.
-    pub fn start(&mut self, checked: &Checked, exti: &mut EXTI) {
+    pub fn start(&mut self, checked: Checked, exti: &mut EXTI) {
+        let first_is_usable = checked.first.is_ok();
         self.second_is_usable = checked.second.is_ok();
-        self.watch = checked.first.ok().map(RegisterWatch::new);
-        self.first_heard_us = clock::now_us();
-        if self.watch.is_some() {
+        let second = checked.second.ok().map(|(_, watches)| watches);
+        self.watches = Watches::new(checked.first.ok(), second, clock::now_us());
+        if first_is_usable {
             self.ready.first.clear_interrupt_pending_bit();
             self.ready.first.enable_interrupt(exti);
         }
@@ -201,17 +201,10 @@ impl Imus {
             self.second_due_us = self.second_due_us.or(Some(now_us));
         }
         self.serve(now_us);
-        self.look_at_silent_first(now_us);
-    }
-
-    /// It may have been reset, and sleep: then nothing but this would find out.
-    fn look_at_silent_first(&mut self, now_us: u32) {
         if self.under_way.is_none()
-            && now_us.wrapping_sub(self.first_heard_us) >= SILENT_US
-            && let Some(watch) = &mut self.watch
+            && let Some(chip) = self.watches.silent(now_us)
         {
-            watch.is_silent();
-            self.begin_access(now_us);
+            self.begin_access(chip, now_us);
         }
     }
 
@@ -253,17 +246,19 @@ impl Imus {
                 return;
             }
             Transfer::Lsm303d(gyro) => (l3gd20::decode(&half).map(|accel| (gyro, accel)), &mut self.samples_second),
-            Transfer::Register => return self.take_register(b1, now_us),
-        };
-        if matches!(transfer, Transfer::Mpu6000) {
-            self.first_heard_us = now_us;
-            if let Some(watch) = &mut self.watch
-                && !watch.trusts(now_us)
-            {
+            Transfer::Register(chip) => {
+                if let Some(watch) = self.watches.of(chip) {
+                    watch.answered(b1, now_us);
+                }
                 return;
             }
-        }
+        };
+        let is_trusted = match transfer {
+            Transfer::Mpu6000 => self.watches.trust_first(now_us),
+            _ => self.watches.trust_second(now_us),
+        };
         match sample {
+            _ if !is_trusted => {}
             None => transfer.counters().old.add(),
             Some((gyro_counts, accel_counts)) => {
                 if queue.enqueue(TimedSample { counter_us, gyro_counts, accel_counts }).is_err() {
@@ -288,37 +283,29 @@ impl Imus {
         }
     }
 
-    /// Right behind a sample of the first IMU, since reading a register takes back that the next one is ready.
+    /// Right behind a sample, since reading a register of the MPU6000 takes back that its next one is ready.
     fn look_at_registers(&mut self, ended: Transfer, now_us: u32) {
-        let goes_on = match ended {
-            Transfer::Mpu6000 => true,
-            Transfer::Register => self.watch.as_ref().is_some_and(RegisterWatch::is_busy),
-            Transfer::L3gd20 | Transfer::Lsm303d(_) => false,
-        };
-        if goes_on && self.under_way.is_none() {
-            self.begin_access(now_us);
+        if self.under_way.is_none()
+            && let Some(chip) = self.watches.behind(ended)
+        {
+            self.begin_access(chip, now_us);
         }
     }
 
-    fn take_register(&mut self, answer: u8, now_us: u32) {
-        let Some(watch) = &mut self.watch else { return };
-        watch.answered(answer, now_us);
-    }
-
-    /// What the watch over the first IMU's registers wants.
-    fn begin_access(&mut self, now_us: u32) {
-        let Some(access) = self.watch.as_ref().and_then(RegisterWatch::access) else { return };
+    /// What the watch over a chip's registers wants.
+    fn begin_access(&mut self, chip: Chip, now_us: u32) {
+        let Some(access) = self.watches.of(chip).and_then(|watch| watch.access()) else { return };
         let [address, value] = match access {
             Access::Read(register) => [READ | register, 0],
             Access::Write(register, value) => [register, value],
         };
         [self.buffers.register[0], self.buffers.register[1]] = [address, value];
-        self.begin(Transfer::Register, now_us, now_us);
+        self.begin(Transfer::Register(chip), now_us, now_us);
     }
 
     fn release(&mut self, transfer: Transfer) {
         match transfer {
-            Transfer::Register => self.bus.release_register(transfer.chip()),
+            Transfer::Register(_) => self.bus.release_register(transfer.chip()),
             _ => self.bus.release(transfer.chip()),
         }
     }
@@ -329,13 +316,13 @@ impl Imus {
             Transfer::Mpu6000 => &self.buffers.mpu6000,
             Transfer::L3gd20 => &self.buffers.l3gd20,
             Transfer::Lsm303d(_) => &self.buffers.lsm303d,
-            Transfer::Register => &self.buffers.register,
+            Transfer::Register(_) => &self.buffers.register,
         };
         self.clear_flags();
         // SAFETY: a buffer that lives for ever and outside the CCM
         unsafe { self.dma.st(SEND).m0ar().write(|w| w.m0a().bits(ptr::addr_of!(*request) as u32)) };
         match transfer {
-            Transfer::Register => self.bus.begin_register(transfer.chip()),
+            Transfer::Register(_) => self.bus.begin_register(transfer.chip()),
             _ => self.bus.begin_sample(transfer.chip()),
         }
         fence(Ordering::Release);

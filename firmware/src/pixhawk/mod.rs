@@ -43,6 +43,7 @@ mod supply;
 mod trace;
 mod transfer;
 mod watchdog;
+mod watches;
 
 use defmt_rtt as _;
 
@@ -157,7 +158,7 @@ mod app {
         let producers = [samples, samples_second];
         let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
         if !hil {
-            imus.start(&checked, &mut device.EXTI);
+            imus.start(checked, &mut device.EXTI);
         }
         let io = IoPort::open(device.USART6, pins.io, cx.local.io_buffers, reports, &mut rcc);
         // the simulated vehicle's battery is never low

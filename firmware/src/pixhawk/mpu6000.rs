@@ -3,15 +3,15 @@
 use shared_control::setup::IMU_RATE_HZ;
 
 use super::clock;
+use super::counters::{FIRST_IMU_GIVEN_UP, FIRST_IMU_RESTORED};
+use super::register_watch::{self, RegisterWatch, Watched};
 use super::sensor_bus::{Chip, Flaw, READ, SensorBus, SensorFault};
 
 /// Sleep, reset, clock.
-pub const PWR_MGMT_1: u8 = 0x6B;
+const PWR_MGMT_1: u8 = 0x6B;
 const SIGNAL_PATH_RESET: u8 = 0x68;
-/// Who it is.
-pub const WHO_AM_I: u8 = 0x75;
-/// What it says to that.
-pub const IDENTITY: u8 = 0x68;
+const WHO_AM_I: u8 = 0x75;
+const IDENTITY: u8 = 0x68;
 /// Not in the register map: product in the high half, revision in the low one.
 const PRODUCT_ID: u8 = 0x0C;
 /// Revision C, as an engineering sample and as sold (PX4's `mpu6000` and ArduPilot's `Invensense` drivers).
@@ -28,13 +28,18 @@ pub const SAMPLE_ADDRESS: u8 = READ | INT_STATUS;
 /// Address, status, three accelerations, temperature, three rotations.
 pub const SAMPLE_BYTES: u16 = 16;
 
-/// How many registers are set.
-pub const SETTINGS: usize = 9;
-/// Each with its value.
-pub type Settings = [(u8, u8); SETTINGS];
+/// Two samples after its ranges were set again; its gyro takes 30 ms to wake (product specification 6.1).
+static WATCHED: Watched = Watched {
+    identity: (WHO_AM_I, IDENTITY),
+    power: PWR_MGMT_1,
+    settle_us: 2_000,
+    wake_us: 50_000,
+    restored: &FIRST_IMU_RESTORED,
+    given_up: &FIRST_IMU_GIVEN_UP,
+};
 
 /// What is written, in this order, and must read back.
-const fn settings(accel_config: u8) -> Settings {
+const fn settings(accel_config: u8) -> [(u8, u8); 9] {
     [
         (PWR_MGMT_1, 0x01),                     // awake, clock from the gyro
         (0x6C, 0x00),                           // PWR_MGMT_2: all axes on
@@ -57,8 +62,9 @@ fn accel_config(product: u8) -> u8 {
 /// So often is it reset until it answers: it may come up badly, with zeros for all that is read (PX4 tries as often).
 const ATTEMPTS: usize = 5;
 
-/// Resets it, checks who answers, writes the settings, reads them back; again, if that fails. Returns what was set.
-pub fn set_up(bus: &mut SensorBus) -> Result<Settings, SensorFault> {
+/// Resets it, checks who answers, writes the settings, reads them back; again, if that fails. Returns the watch
+/// over what was set.
+pub fn set_up(bus: &mut SensorBus) -> Result<RegisterWatch, SensorFault> {
     let mut outcome = attempt(bus);
     for _ in 1..ATTEMPTS {
         if outcome.is_err() {
@@ -68,7 +74,7 @@ pub fn set_up(bus: &mut SensorBus) -> Result<Settings, SensorFault> {
     outcome
 }
 
-fn attempt(bus: &mut SensorBus) -> Result<Settings, SensorFault> {
+fn attempt(bus: &mut SensorBus) -> Result<RegisterWatch, SensorFault> {
     let chip = Chip::Mpu6000;
     // register map 4.28: on SPI the signal paths are reset after the device, with 100 ms for each
     bus.write(chip, PWR_MGMT_1, 0x80);
@@ -83,7 +89,8 @@ fn attempt(bus: &mut SensorBus) -> Result<Settings, SensorFault> {
     bus.write_all(chip, &settings);
     // the gyro's oscillator takes over
     clock::wait_us(50 * 1000);
-    bus.verify(chip, &settings).map(|()| settings)
+    bus.verify(chip, &settings)?;
+    Ok(RegisterWatch::new(&WATCHED, register_watch::settings(&[&settings]), 0))
 }
 
 /// Rotation and acceleration of a transfer in counts; none if they are not new.

@@ -52,17 +52,18 @@ pub enum Transfer {
     L3gd20,
     /// With what the gyro has said.
     Lsm303d([i16; 3]),
-    /// A register of the MPU6000.
-    Register,
+    /// A register.
+    Register(Chip),
 }
 
 impl Transfer {
     /// Who is selected.
     pub fn chip(self) -> Chip {
         match self {
-            Self::Mpu6000 | Self::Register => Chip::Mpu6000,
+            Self::Mpu6000 => Chip::Mpu6000,
             Self::L3gd20 => Chip::L3gd20,
             Self::Lsm303d(_) => Chip::Lsm303d,
+            Self::Register(chip) => chip,
         }
     }
 
@@ -71,15 +72,15 @@ impl Transfer {
         match self {
             Self::Mpu6000 => mpu6000::SAMPLE_BYTES,
             Self::L3gd20 | Self::Lsm303d(_) => l3gd20::SAMPLE_BYTES,
-            Self::Register => REGISTER_BYTES,
+            Self::Register(_) => REGISTER_BYTES,
         }
     }
 
     /// Where it is counted.
     pub fn counters(self) -> &'static ImuCounters {
         match self {
-            Self::Mpu6000 | Self::Register => &FIRST_IMU,
-            Self::L3gd20 | Self::Lsm303d(_) => &SECOND_IMU,
+            Self::Mpu6000 | Self::Register(Chip::Mpu6000) => &FIRST_IMU,
+            Self::L3gd20 | Self::Lsm303d(_) | Self::Register(_) => &SECOND_IMU,
         }
     }
 }

@@ -6,7 +6,8 @@ use std::path::Path;
 use std::ptr::null_mut;
 
 use super::{ERROR, FATAL, Handle, Log, LogMessage, OK, call, panic_text, text};
-use crate::component::{Component, Refusal};
+use crate::behaviour::Refusal;
+use crate::component::Component;
 use crate::instance::{Instance, Interface};
 
 #[unsafe(no_mangle)]

@@ -19,7 +19,7 @@ use std::any::Any;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::component::Refusal;
+use crate::behaviour::Refusal;
 use crate::instance::Instance;
 
 const OK: c_int = 0;

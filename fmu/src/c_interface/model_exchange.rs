@@ -3,7 +3,7 @@
 use std::ffi::{c_int, c_void};
 
 use super::{Handle, call, put, slice, slice_mut};
-use crate::component::Refusal;
+use crate::behaviour::Refusal;
 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterContinuousTimeMode(instance: *mut c_void) -> c_int {

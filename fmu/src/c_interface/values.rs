@@ -3,7 +3,7 @@
 use std::ffi::{c_char, c_int, c_void};
 
 use super::{Handle, c_text, call, slice, slice_mut, text};
-use crate::component::Refusal;
+use crate::behaviour::Refusal;
 use crate::variable::Value;
 
 /// Hands each referenced value to `take`, with its place among the references.

@@ -49,7 +49,7 @@ impl Diagnose {
         let (said, facts) = (self.options.said(drafted.is_some())?, self.options.facts()?);
         // gaps would end a controller's replay
         let log = if said.controller.is_none() { log.examined() } else { log };
-        let against = HeldAgainst::of(&log, &said, &facts, None).map_err(message)?;
+        let against = HeldAgainst::of(&log, &said, &facts, None, observer).map_err(message)?;
         Answered::of(log, against, self.options.effort(), observer).map_err(message)
     }
 
@@ -81,7 +81,7 @@ impl Diagnose {
         let normal =
             normal.iter().map(|normal| Ok(read(normal)?.log.examined())).collect::<Result<Vec<Log>, String>>()?;
         let (log, said, facts) = (log.examined(), self.options.said(drafted.is_some())?, self.options.facts()?);
-        let against = HeldAgainst::of_normal(&normal, &said, &facts).map_err(message)?;
+        let against = HeldAgainst::of_normal(&normal, &said, &facts, observer).map_err(message)?;
         let between = if self.options.untouched { BetweenFlights::Untouched } else { BetweenFlights::Serviced };
         let given = Given { known: &against.known, between };
         let answer = diagnose_against(&log, &normal, &against.subject(), given, observer).map_err(message)?;

@@ -27,6 +27,7 @@ impl Recognise {
                 "duration_s": log.duration_s(),
                 "rate_hz": log.rate_hz(),
                 "has": columns(&log),
+                "reached": reached(&log),
                 "comments": log.comments,
                 "notes": log.notes,
                 "facts": log.facts.iter().map(ToString::to_string).collect::<Vec<_>>(),
@@ -43,6 +44,28 @@ fn format(log: &Log, is_drafted: bool) -> String {
         (None, true) => "a table with columns of its own, read by a map that was drafted for it".to_owned(),
         (None, false) => "a table".to_owned(),
     }
+}
+
+/// How far the flight went, in the figures by which people know it.
+fn reached(log: &Log) -> Vec<String> {
+    let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let mut said = Vec::new();
+    if let [Some(roll), Some(pitch), _] = &log.angle_rad {
+        let tilt_rad = |(roll, pitch): (&f64, &f64)| (roll.cos() * pitch.cos()).clamp(-1.0, 1.0).acos();
+        let tilt_rad = most(&mut roll.iter().zip(pitch).map(tilt_rad));
+        said.push(format!("tilt of {:.0} degrees", tilt_rad.to_degrees()));
+    }
+    let rates = log.rate_rad_s.iter().flatten().flatten().map(|rate_rad_s| rate_rad_s.abs());
+    said.push(format!("rate of {:.0} deg/s", most(&mut rates.into_iter()).to_degrees()));
+    if log.velocity_ned_m_s.iter().any(Option::is_some) {
+        let square = |row: usize| log.velocity_ned_m_s.iter().flatten().map(|column| column[row].powi(2)).sum::<f64>();
+        let speed_m_s = most(&mut (0..log.rows()).map(square)).sqrt();
+        said.push(format!("speed of {speed_m_s:.1} m/s"));
+    }
+    if let Some((first, last)) = log.battery_v.as_ref().and_then(|volts| Some((volts.first()?, volts.last()?))) {
+        said.push(format!("battery from {first:.1} to {last:.1} V"));
+    }
+    said
 }
 
 /// Which quantities it has.

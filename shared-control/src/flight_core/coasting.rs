@@ -7,7 +7,7 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::planning::EulerMotion;
+use super::euler_motion::EulerMotion;
 use crate::config::Config;
 use crate::record::state_words::StateWords;
 use crate::sensing::estimator::turned;

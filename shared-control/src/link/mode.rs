@@ -6,7 +6,6 @@
 
 use mavlink::dialects::common::{AVAILABLE_MODES_DATA, CURRENT_MODE_DATA, MavModeProperty, MavStandardMode};
 
-use super::vehicle_status::VehicleStatus;
 use crate::config::Controller;
 
 /// What the set-point means and where it comes from.
@@ -56,6 +55,16 @@ impl Mode {
         }
     }
 
+    /// What is told while it is in use.
+    pub(super) fn in_use(self, controller: Controller) -> CURRENT_MODE_DATA {
+        let custom_mode = self.custom_mode(controller);
+        CURRENT_MODE_DATA {
+            custom_mode,
+            intended_custom_mode: custom_mode,
+            standard_mode: MavStandardMode::MAV_STANDARD_MODE_NON_STANDARD,
+        }
+    }
+
     /// Its entry in the list of modes; `None` beyond the list, which counts from 1.
     pub(super) fn listed(index: u8, controller: Controller) -> Option<AVAILABLE_MODES_DATA> {
         let mode = Mode::ALL.get(usize::from(index.checked_sub(1)?))?;
@@ -77,16 +86,6 @@ impl Mode {
             standard_mode: MavStandardMode::MAV_STANDARD_MODE_NON_STANDARD,
             mode_name: mode.name(controller).into(),
         })
-    }
-}
-
-/// The mode in use.
-pub(super) fn current_mode(status: &VehicleStatus) -> CURRENT_MODE_DATA {
-    let custom_mode = status.mode.custom_mode(status.controller);
-    CURRENT_MODE_DATA {
-        custom_mode,
-        intended_custom_mode: custom_mode,
-        standard_mode: MavStandardMode::MAV_STANDARD_MODE_NON_STANDARD,
     }
 }
 

@@ -14,7 +14,7 @@ use super::log_download::LogDownload;
 use super::messages::{
     arming_words, attitude, command_result, heartbeat, io_words, radio_channels, servo_output, sys_status, wrapped_ms,
 };
-use super::mode::{Mode, current_mode};
+use super::mode::Mode;
 use super::orders_and_answers::{Answer, Inquiry, ParameterRequest, Text};
 use super::parameters::Parameters;
 use super::reports::{attitude_quaternion, attitude_target, battery, highres_imu, landed, system_time, vibration};
@@ -244,7 +244,7 @@ impl Telemetry {
             Stream::Landed => writer.write(&landed(status), out),
             Stream::Battery => battery(status).is_none_or(|data| writer.write(&data, out)),
             Stream::Vibration => writer.write(&vibration(time_us, status), out),
-            Stream::Mode => writer.write(&current_mode(status), out),
+            Stream::Mode => writer.write(&status.mode.in_use(status.controller), out),
             Stream::Time => writer.write(&system_time(time_us), out),
             Stream::Imu => highres_imu(time_us, status).is_none_or(|data| writer.write(&data, out)),
         };

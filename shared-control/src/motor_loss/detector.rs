@@ -34,8 +34,12 @@ pub const KNOWN_S: f32 = 0.3;
 const MASS_S: f32 = 2.0;
 /// Share of its lift that a suspected motor lacks.
 pub const SUSPECTED_SHARE: f32 = 0.12;
+/// Or that it lacks, where it will lack the other when its lag is over.
+const SUSPECTED_EARLY_SHARES: [f32; 2] = [0.05, 0.4];
 /// Share of its lift that a lost motor lacks.
-pub const LOST_SHARE: f32 = 0.45;
+pub const LOST_SHARE: f32 = 0.42;
+/// Share that it will lack when its lag is over.
+pub const LOST_AHEAD_SHARE: f32 = 0.6;
 /// The same for the specific force along z, the noisiest witness.
 const LOST_FORCE_SHARE: f32 = 0.3;
 /// Of the difference between the largest and the smallest of the four lifts, what a model's error may make.
@@ -52,6 +56,7 @@ const SETTLES_S: f32 = 0.5;
 pub struct DetectorConfig {
     step_s: f32,
     lag: LagStep,
+    lag_s: f32,
     inertia_kg_m2: [f32; 3],
     /// Torque of a lift about roll, pitch and yaw, m.
     lever_m: [f32; 3],
@@ -67,6 +72,8 @@ pub struct Suspicion {
     pub motor: usize,
     /// Lift that it lacks, N.
     pub missing_n: f32,
+    /// Lift that it will lack one lag of the motors on, N.
+    pub ahead_n: f32,
 }
 
 /// Angular accelerations that no motor explains, behind a low-pass: the rate as it was predicted, pulled towards the
@@ -75,15 +82,18 @@ pub struct Suspicion {
 struct Unexplained {
     predicted_rad_s: [f32; 3],
     rad_s2: [f32; 3],
+    /// How fast they grow, behind the same low-pass, rad/s^3.
+    rise_rad_s3: [f32; 3],
     /// Lifts behind the same low-pass, N.
     lifts_n: [f32; 4],
 }
 
 impl Unexplained {
     fn record(&self, words: &mut StateWords) {
-        let Self { predicted_rad_s, rad_s2, lifts_n } = self;
+        let Self { predicted_rad_s, rad_s2, rise_rad_s3, lifts_n } = self;
         words.numbers(predicted_rad_s);
         words.numbers(rad_s2);
+        words.numbers(rise_rad_s3);
         words.numbers(lifts_n);
     }
 
@@ -94,11 +104,14 @@ impl Unexplained {
         (rate, by_motors): (&Vector3<f32>, &[f32; 3]),
         lifts: &[f32; 4],
     ) {
+        let share = step_s / low_pass_s;
         for axis in 0..3 {
             self.predicted_rad_s[axis] += step_s * (by_motors[axis] + self.rad_s2[axis]);
-            self.rad_s2[axis] = (rate[axis] - self.predicted_rad_s[axis]) / low_pass_s;
+            let rad_s2 = (rate[axis] - self.predicted_rad_s[axis]) / low_pass_s;
+            let rise_rad_s3 = (rad_s2 - self.rad_s2[axis]) / step_s;
+            self.rise_rad_s3[axis] += share * (rise_rad_s3 - self.rise_rad_s3[axis]);
+            self.rad_s2[axis] = rad_s2;
         }
-        let share = step_s / low_pass_s;
         for (held, now) in self.lifts_n.iter_mut().zip(lifts) {
             *held += share * (now - *held);
         }
@@ -131,12 +144,23 @@ impl DetectorConfig {
         Self {
             step_s,
             lag: LagStep::new(step_s, vehicle.actuation.lag_s),
+            lag_s: vehicle.actuation.lag_s,
             inertia_kg_m2: vehicle.inertia_kg_m2,
             lever_m: [vehicle.lever_m(), vehicle.lever_m(), vehicle.torque_per_lift_m],
             judged_from_n: JUDGED_SHARE * vehicle.lift_curve.lift_max_n,
             verdict_steps: (VERDICT_S * loop_rate_hz) as u8,
             settle_steps: (SETTLES_S * loop_rate_hz) as u16,
         }
+    }
+
+    /// Lift from which on a motor is judged, N.
+    pub(super) fn judged_from_n(&self) -> f32 {
+        self.judged_from_n
+    }
+
+    /// A lift one step later, N, on its way to the wanted one.
+    pub(super) fn lagged_n(&self, lift_n: f32, wanted_n: f32) -> f32 {
+        wanted_n + self.lag.kept * (lift_n - wanted_n)
     }
 
     /// Angular acceleration of these lifts on a body that turns, rad/s^2.
@@ -186,6 +210,12 @@ impl DetectorState {
         self.lifts_n
     }
 
+    /// Angular acceleration about roll and pitch that was there all along, rad/s^2.
+    pub fn known_rad_s2(&self) -> [f32; 2] {
+        let [roll, pitch, _] = self.known_rad_s2;
+        [roll, pitch]
+    }
+
     /// What the motors are to lift until the next step, N; one that is lost (1 to 4) lifts nothing.
     pub fn command(&mut self, config: &DetectorConfig, commanded_n: [f32; 4], lost_motor: Option<u8>) {
         self.commanded_n = commanded_n;
@@ -228,7 +258,13 @@ impl DetectorState {
         self.accused_steps = if accused.is_none() || !again { 0 } else { self.accused_steps.saturating_add(1) };
         self.accused = accused.unwrap_or(self.accused);
         match (accused, suspicion) {
-            (Some(motor), _) if self.accused_steps >= config.verdict_steps => Stage::Lost(motor),
+            (Some(motor), _) if self.accused_steps >= config.verdict_steps => {
+                let missing_n = self.missing_n(config, &self.fast, motor, 0.0);
+                if let Some(lift_n) = self.lifts_n.get_mut(motor) {
+                    *lift_n = larger(*lift_n - missing_n, 0.0);
+                }
+                Stage::Lost(motor)
+            }
             (_, Some(suspicion)) => Stage::Suspected(suspicion),
             (_, None) => Stage::Whole,
         }
@@ -258,10 +294,12 @@ impl DetectorState {
         self.known_force_m_s2 += share * (self.force_m_s2 - self.known_force_m_s2);
     }
 
-    /// Lift that a motor lacks by the gyro alone, N.
-    fn missing_n(&self, config: &DetectorConfig, of: &Unexplained, motor: usize) -> f32 {
-        let [roll_n, pitch_n] =
-            [0, 1].map(|axis| config.missing_n(axis, motor, of.rad_s2[axis] - self.known_rad_s2[axis]));
+    /// Lift that a motor lacks by the gyro alone, N, and will lack so much later, s, at the rate at which that grows.
+    fn missing_n(&self, config: &DetectorConfig, of: &Unexplained, motor: usize, later_s: f32) -> f32 {
+        let [roll_n, pitch_n] = [0, 1].map(|axis| {
+            let rad_s2 = of.rad_s2[axis] + later_s * of.rise_rad_s3[axis] - self.known_rad_s2[axis];
+            config.missing_n(axis, motor, rad_s2)
+        });
         smaller(roll_n, pitch_n)
     }
 
@@ -276,24 +314,32 @@ impl DetectorState {
     fn suspect(&self, config: &DetectorConfig) -> Option<Suspicion> {
         let allowed_n = Self::allowance_n(&self.fast);
         (0..4).find_map(|motor| {
-            let missing_n = self.missing_n(config, &self.fast, motor);
+            let missing_n = self.missing_n(config, &self.fast, motor, 0.0);
             let lift_n = larger(self.fast.lifts_n[motor & 3], config.judged_from_n);
-            let lacks = missing_n > SUSPECTED_SHARE * lift_n + allowed_n;
-            lacks.then_some(Suspicion { motor, missing_n: smaller(missing_n, lift_n) })
+            let ahead_n = larger(missing_n, self.missing_n(config, &self.fast, motor, config.lag_s));
+            let lacks_share = |lacking_n: f32, share: f32| lacking_n > share * lift_n + allowed_n;
+            let [early, then] = SUSPECTED_EARLY_SHARES;
+            let lacks =
+                lacks_share(missing_n, SUSPECTED_SHARE) || lacks_share(missing_n, early) && lacks_share(ahead_n, then);
+            let [missing_n, ahead_n] = [missing_n, ahead_n].map(|lacking_n| smaller(lacking_n, lift_n));
+            lacks.then_some(Suspicion { motor, missing_n, ahead_n })
         })
     }
 
-    /// All three witnesses say that a motor lacks nearly half of its lift, and the yaw torque does not say otherwise.
+    /// All three witnesses say that a motor lacks nearly half of its lift and will lack more, and the yaw torque does
+    /// not say otherwise.
     fn lacks_most(&self, config: &DetectorConfig, motor: usize) -> bool {
         let lift_n = self.slow.lifts_n[motor & 3];
-        let missing_n = self.missing_n(config, &self.slow, motor);
+        let missing_n = self.missing_n(config, &self.slow, motor, 0.0);
+        let ahead_n = self.missing_n(config, &self.slow, motor, config.lag_s);
         let force_n = self.mass_kg * (self.force_m_s2 - self.known_force_m_s2);
         let yaw_rad_s2 = self.slow.rad_s2[2] - self.known_rad_s2[2];
         let allowed_n = Self::allowance_n(&self.slow);
         lift_n > config.judged_from_n
             && missing_n > LOST_SHARE * lift_n + allowed_n
+            && ahead_n > LOST_AHEAD_SHARE * lift_n + allowed_n
             && force_n > LOST_FORCE_SHARE * lift_n + allowed_n
             && TORQUE_SIGNS[2][motor & 3] * yaw_rad_s2 < 0.0
-            && missing_n > self.missing_n(config, &self.slow, opposite(motor))
+            && missing_n > self.missing_n(config, &self.slow, opposite(motor), 0.0)
     }
 }

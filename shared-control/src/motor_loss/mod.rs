@@ -13,11 +13,12 @@ pub mod allocation;
 pub mod complex;
 pub mod detector;
 pub mod reduced_attitude;
+pub mod spin_disturbance;
 pub mod spin_gains;
 
 use nalgebra::Vector3;
 
-use crate::elementary::larger;
+use crate::elementary::{larger, limit, smaller};
 use crate::lift_curve::LiftCurve;
 use crate::mixer::MixResult;
 use crate::record::state_words::StateWords;
@@ -25,6 +26,10 @@ use crate::signals::{AttitudeEstimate, MotorCommands};
 use crate::vehicle::VehicleParameters;
 use detector::{DetectorConfig, DetectorState, Suspicion};
 use reduced_attitude::ReducedAttitude;
+use spin_disturbance::SpinDisturbance;
+
+/// Share of a lift that is made up for by a higher command at most.
+const RAISED_SHARE_MAX: f32 = 0.5;
 
 /// What flies with three motors, made once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +50,7 @@ impl MotorLossConfig {
         }
         Some(Self {
             detector: DetectorConfig::new(vehicle, loop_rate_hz),
-            control: ReducedAttitude::new(vehicle),
+            control: ReducedAttitude::new(vehicle, loop_rate_hz),
             lift_curve: vehicle.lift_curve,
         })
     }
@@ -78,6 +83,9 @@ impl Stage {
 pub struct MotorLoss {
     detector: DetectorState,
     stage: Stage,
+    /// Lift that the suspected motor makes beyond what the mixer asked of it, N, behind its lag.
+    raised_n: f32,
+    outside: SpinDisturbance,
 }
 
 /// What a step knows.
@@ -95,16 +103,18 @@ pub struct Felt<'a> {
 
 impl MotorLoss {
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { detector, stage } = self;
+        let Self { detector, stage, raised_n, outside } = self;
         detector.record(words);
-        let (number, motor, missing_n) = match stage {
-            Stage::Whole => (0, 0, 0.0),
-            Stage::Suspected(Suspicion { motor, missing_n }) => (1, *motor, *missing_n),
-            Stage::Lost(motor) => (2, *motor, 0.0),
+        words.number(*raised_n);
+        outside.record(words);
+        let (number, motor, lacking_n) = match stage {
+            Stage::Whole => (0, 0, [0.0; 2]),
+            Stage::Suspected(Suspicion { motor, missing_n, ahead_n }) => (1, *motor, [*missing_n, *ahead_n]),
+            Stage::Lost(motor) => (2, *motor, [0.0; 2]),
         };
         words.word(number);
         words.word(motor as u32);
-        words.number(missing_n);
+        words.numbers(&lacking_n);
     }
 
     /// How it stands.
@@ -121,13 +131,14 @@ impl MotorLoss {
         }
         if let Stage::Whole | Stage::Suspected(_) = self.stage {
             self.stage = self.detector.judge(&config.detector, felt.estimate, felt.force_m_s2);
+            self.outside = config.control.begin(felt, self.detector.known_rad_s2());
         }
         match self.stage {
-            Stage::Whole => {}
-            Stage::Suspected(suspicion) => relax_opposite(config, &suspicion, mix),
+            Stage::Whole => self.raised_n = 0.0,
+            Stage::Suspected(suspicion) => self.balance(config, &suspicion, mix),
             Stage::Lost(motor) => {
                 let lifts_n = self.detector.lifts_n();
-                let commands = config.control.commands(felt, motor, &lifts_n, &config.lift_curve);
+                let commands = config.control.commands(felt, &mut self.outside, motor, &lifts_n, &config.lift_curve);
                 *mix =
                     MixResult { commands: MotorCommands(commands), saturated: mix.saturated, ..MixResult::default() };
             }
@@ -135,15 +146,21 @@ impl MotorLoss {
         let turning = mix.commands.0.map(|command| config.lift_curve.lift(command));
         self.detector.command(&config.detector, turning, self.stage.lost_motor());
     }
-}
 
-/// The motor opposite to the suspected one lifts as much less as that seems to, so that the two are balanced again;
-/// the two of a diagonal turn alike, and so it takes part of the yaw torque as well.
-fn relax_opposite(config: &MotorLossConfig, suspicion: &Suspicion, mix: &mut MixResult) {
-    let opposite = allocation::opposite(suspicion.motor);
-    if let Some(command) = mix.commands.0.get_mut(opposite) {
-        let lift_n = config.lift_curve.lift(*command) - suspicion.missing_n;
-        *command = config.lift_curve.command(larger(lift_n, config.lift_curve.lift_min_n));
+    /// The suspected motor is told to lift so much more that a part of one that is left makes up for the rest. Until
+    /// its lag is over, and for good where nothing is left, the motor opposite lifts less instead: the two are
+    /// balanced, and as the two of a diagonal turn alike, part of the yaw torque is, too.
+    fn balance(&mut self, config: &MotorLossConfig, suspicion: &Suspicion, mix: &mut MixResult) {
+        let curve = &config.lift_curve;
+        let (own, opposite) = (suspicion.motor & 3, allocation::opposite(suspicion.motor));
+        let lifting_n = larger(self.detector.lifts_n()[own], config.detector.judged_from_n());
+        let share = limit(suspicion.missing_n / lifting_n, 0.0, RAISED_SHARE_MAX);
+        let [own_n, opposite_n] = [own, opposite].map(|motor| curve.lift(mix.commands.0[motor]));
+        let wanted_n = smaller(own_n / (1.0 - share), curve.lift_max_n) - own_n;
+        let less_n = larger(suspicion.ahead_n - self.raised_n, 0.0);
+        mix.commands.0[own] = curve.command(own_n + larger(wanted_n, 0.0));
+        mix.commands.0[opposite] = curve.command(larger(opposite_n - less_n, curve.lift_min_n));
+        self.raised_n = config.detector.lagged_n(self.raised_n, larger(wanted_n, 0.0));
     }
 }
 

@@ -7,6 +7,7 @@
 use super::Felt;
 use super::allocation::lifts_n;
 use super::complex::Complex;
+use super::spin_disturbance::SpinDisturbance;
 use super::spin_gains::SpinGains;
 use crate::airframe::TORQUE_SIGNS;
 use crate::elementary::{asin, larger, limit, sqrt};
@@ -18,6 +19,11 @@ use crate::vehicle::VehicleParameters;
 const TILT_COUNTED_RAD: f32 = 1.2;
 /// Lift is raised for the tilt by at most this.
 const RAISE_MAX: f32 = 1.3;
+/// Torque from outside that is counted at most, of that of a motor's largest lift.
+const OUTSIDE_SHARE_MAX: f32 = 0.25;
+/// A torque of the world is made while the body turns: the sides' axis makes a half of it in the mean, the far motor,
+/// which pushes one way only, a quarter.
+const OUTSIDE_FACTOR: f32 = 4.0 / 3.0;
 /// Of the largest lift, what the sides make at least: a rotor that stops takes long to start.
 const SIDE_MIN_SHARE: f32 = 0.06;
 
@@ -26,31 +32,55 @@ const SIDE_MIN_SHARE: f32 = 0.06;
 pub struct ReducedAttitude {
     gains: SpinGains,
     inertia_kg_m2: [f32; 2],
+    inertia_ratio: f32,
     lever_m: f32,
+    lag_s: f32,
+    step_s: f32,
+    outside_max_rad_s2: f32,
 }
 
 impl ReducedAttitude {
     /// For a vehicle in free flight.
-    pub fn new(vehicle: &VehicleParameters) -> Self {
+    pub fn new(vehicle: &VehicleParameters, loop_rate_hz: f32) -> Self {
         let [roll, pitch, yaw] = vehicle.inertia_kg_m2;
         let mean = 0.5 * (roll + pitch);
+        let inertia_ratio = (yaw - mean) / mean;
         Self {
-            gains: SpinGains::new((yaw - mean) / mean, vehicle.actuation.lag_s),
+            gains: SpinGains::new(inertia_ratio, vehicle.actuation.lag_s),
             inertia_kg_m2: [roll, pitch],
+            inertia_ratio,
             lever_m: vehicle.lever_m(),
+            lag_s: vehicle.actuation.lag_s,
+            step_s: 1.0 / loop_rate_hz,
+            outside_max_rad_s2: OUTSIDE_SHARE_MAX * vehicle.lever_m() * vehicle.lift_curve.lift_max_n / mean,
         }
     }
 
+    /// What is known of a torque from outside as it takes over, from the angular acceleration that no motor explained
+    /// until then, rad/s^2.
+    pub fn begin(&self, felt: &Felt, [roll_rad_s2, pitch_rad_s2]: [f32; 2]) -> SpinDisturbance {
+        let rate = &felt.estimate.rate_body_rad_s;
+        SpinDisturbance::at(Complex { re: rate.x, im: rate.y }, Complex { re: roll_rad_s2, im: pitch_rad_s2 })
+    }
+
     /// Commands of the four motors, of which one is lost, with what the others lift now, N.
-    pub fn commands(&self, felt: &Felt, lost: usize, lifting_n: &[f32; 4], curve: &LiftCurve) -> [f32; 4] {
+    pub fn commands(
+        &self,
+        felt: &Felt,
+        outside: &mut SpinDisturbance,
+        lost: usize,
+        lifting_n: &[f32; 4],
+        curve: &LiftCurve,
+    ) -> [f32; 4] {
         let down = down_in_body(&felt.estimate.q_world_from_body);
         let rate = &felt.estimate.rate_body_rad_s;
-        let now = [
-            tilt_error(down.x, down.y, down.z),
-            Complex { re: rate.x, im: rate.y },
-            Complex { re: self.turning(0, lifting_n), im: self.turning(1, lifting_n) },
-        ];
-        let mut wanted = Complex::ZERO;
+        let turning = Complex { re: self.turning(0, lifting_n), im: self.turning(1, lifting_n) };
+        let rolling = Complex { re: rate.x, im: rate.y };
+        let seen = (self.inertia_ratio, rate.z, self.outside_max_rad_s2);
+        let against = outside.update(self.step_s, seen, rolling, turning).scaled(-1.0);
+        let now = [tilt_error(down.x, down.y, down.z), rolling, turning.plus(against.scaled(-1.0))];
+        // it turns with the world, so the motors' lag is led by as much
+        let mut wanted = against.times(Complex { re: 1.0, im: -rate.z * self.lag_s }).scaled(OUTSIDE_FACTOR);
         for (gain, value) in self.gains.at(rate.z).into_iter().zip(now) {
             wanted = wanted.plus(gain.times(value).scaled(-1.0));
         }

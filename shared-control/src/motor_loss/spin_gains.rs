@@ -9,10 +9,10 @@
 //! ```
 //! and v = -k . (t, w, u) makes the least of the integral of 100 |t|^2 + R(r) |v|^2. Spinning backwards is the mirror
 //! image: the conjugate gains. R is larger where the spin is slow: the far motor then can't push its way for a long
-//! time, and a loop that counts on it swings up.
+//! time, and a loop that counts on it swings.
 
 use super::complex::Complex;
-use crate::elementary::{limit, magnitude};
+use crate::elementary::{larger, limit, magnitude};
 
 /// Rates of the table, rad/s: `0, SPIN_STEP_RAD_S, ...`.
 const SPIN_STEP_RAD_S: f32 = 4.0;
@@ -23,9 +23,9 @@ const DESIGN_S: f32 = 0.005;
 /// Enough for the slowest closed loop to settle: 2.5 s.
 const ITERATIONS: usize = 500;
 const ANGLE_WEIGHT: f32 = 100.0;
-/// Weight of the motors' acceleration: at a slow spin, and at a fast one.
-const INPUT_WEIGHT: [f32; 2] = [0.05, 0.6];
-/// At this rate it begins to rise, with the fourth power, rad/s.
+/// Weight of the motors' acceleration: at a fast spin, and at a slow one.
+const INPUT_WEIGHT: [f32; 2] = [0.01, 0.04];
+/// Below this rate it rises, with the fourth power, rad/s.
 const FAST_SPIN_RAD_S: f32 = 14.0;
 
 type Matrix = [[Complex; 3]; 3];
@@ -67,7 +67,7 @@ impl SpinGains {
 
 fn input_weight(spin_rad_s: f32) -> f32 {
     let [fast, slow] = INPUT_WEIGHT;
-    let ratio = FAST_SPIN_RAD_S / if spin_rad_s > 1.0 { spin_rad_s } else { 1.0 };
+    let ratio = FAST_SPIN_RAD_S / larger(spin_rad_s, 1.0);
     limit(fast * ratio * ratio * ratio * ratio, fast, slow)
 }
 

@@ -7,7 +7,7 @@ use crate::comparison::{Comparison, compare};
 use crate::controller_file::ControllerChoice;
 use crate::diagnosis::{
     Diagnosis, Effort, Fact, Identification, Known, KnownScale, NotKnown, Observer, diagnose_flown_by,
-    diagnose_observed, identify, mismatch,
+    diagnose_observed, identify_observed, mismatch,
 };
 use crate::log::Log;
 use crate::model::{BenchModel, Rig, VehicleModel};
@@ -101,8 +101,10 @@ impl HeldAgainst {
         said: &Said,
         facts: &[Fact],
         wants_vehicle: Option<&'static str>,
+        observer: Observer<'_>,
     ) -> Result<HeldAgainst, NotHeldAgainst> {
-        Self::of_flights((log, std::slice::from_ref(log)), "this log", said, facts, wants_vehicle)
+        let flights = (log, std::slice::from_ref(log));
+        Self::of_flights(flights, "this log", (said, facts), wants_vehicle, observer)
     }
 
     /// The same for a flight that is compared with normal ones: these say what is normal, so that where nobody said it
@@ -110,9 +112,14 @@ impl HeldAgainst {
     ///
     /// # Errors
     /// As [`HeldAgainst::of`].
-    pub fn of_normal(normal: &[Log], said: &Said, facts: &[Fact]) -> Result<HeldAgainst, NotHeldAgainst> {
+    pub fn of_normal(
+        normal: &[Log],
+        said: &Said,
+        facts: &[Fact],
+        observer: Observer<'_>,
+    ) -> Result<HeldAgainst, NotHeldAgainst> {
         match normal.first() {
-            Some(first) => Self::of_flights((first, normal), "the normal flights", said, facts, None),
+            Some(first) => Self::of_flights((first, normal), "the normal flights", (said, facts), None, observer),
             None => Ok(HeldAgainst::default()),
         }
     }
@@ -121,14 +128,14 @@ impl HeldAgainst {
     fn of_flights(
         (log, together): (&Log, &[Log]),
         called: &str,
-        said: &Said,
-        facts: &[Fact],
+        (said, facts): (&Said, &[Fact]),
         wants_vehicle: Option<&'static str>,
+        observer: Observer<'_>,
     ) -> Result<HeldAgainst, NotHeldAgainst> {
         let wants_vehicle = wants_vehicle.or(facts.first().map(|_| "--known"));
         let mut chosen = match chosen_without_identifying(log, said, wants_vehicle)? {
             Some(chosen) => chosen,
-            None => identified_from(together, called, wants_vehicle)?,
+            None => identified_from(together, called, wants_vehicle, observer)?,
         };
         chosen.controller = said.controller.clone();
         if let Some(model) = &chosen.vehicle {
@@ -202,7 +209,8 @@ fn chosen_without_identifying(
             }
             Some(why) if !log.shows_a_vehicle() => {
                 let said = format!(
-                    "No --model, and the project's \"{}\" does not fit: {why}. Each axis by itself.",
+                    "No --model, and the project's \"{}\" does not fit: {why}. Instead each axis is examined by \
+                     itself.",
                     model.name
                 );
                 return axes(log, wants_vehicle, said).map(Some);
@@ -211,7 +219,8 @@ fn chosen_without_identifying(
         }
     }
     if !log.shows_a_vehicle() {
-        let said = "No --model, and the log is not known to be a free flight with motors: each axis by itself.";
+        let said =
+            "No --model, and the log is not known to be a free flight with motors: each axis is examined by itself.";
         return axes(log, wants_vehicle, said.to_owned()).map(Some);
     }
     Ok(None)
@@ -222,8 +231,9 @@ fn identified_from(
     flights: &[Log],
     called: &str,
     wants_vehicle: Option<&'static str>,
+    observer: Observer<'_>,
 ) -> Result<HeldAgainst, NotHeldAgainst> {
-    match identify(flights, KnownScale::default()) {
+    match identify_observed(flights, KnownScale::default(), observer) {
         Ok(identified) => Ok(HeldAgainst {
             vehicle: Some(identified.model.clone()),
             said: format!(
@@ -234,8 +244,10 @@ fn identified_from(
             ..HeldAgainst::default()
         }),
         Err(error) => {
-            let said =
-                format!("No --model, and no vehicle could be identified from {called}: {error}. Each axis by itself.");
+            let said = format!(
+                "No --model, and no vehicle could be identified from {called}: {error}. Instead each axis is examined \
+                 by itself."
+            );
             match flights.first() {
                 Some(log) => axes(log, wants_vehicle, said),
                 None => Ok(HeldAgainst { said, ..HeldAgainst::default() }),

@@ -14,7 +14,7 @@
 //!
 //! let bytes = include_bytes!("../../demonstration/rig-log.csv");
 //! let log = Wanted::default().read("rig-log.csv".as_ref(), &mut &bytes[..])?;
-//! let against = HeldAgainst::of(&log, &Said::default(), &[], None)?;
+//! let against = HeldAgainst::of(&log, &Said::default(), &[], None, &|_| ())?;
 //! let answered = Answered::of(log, against, Effort::Quick, &|progress| println!("{progress:?}"))?;
 //! assert_eq!(answered.diagnosis.findings[0].effect, "cg_offset");
 //! let (page, json) = (answered.page("dropped here").to_html(), json(&answered.diagnosis)?);

@@ -8,6 +8,7 @@ use sil_host::answer::comparison::{Compared, Entry, Run, page, several_json, sev
 use sil_host::report::Page;
 
 use super::log_arguments::LogArguments;
+use super::progress_line::ProgressLine;
 use super::{Failure, bad_input, print, write_file, write_json};
 
 /// Compare measured logs with the simulation: closed loop and open-loop prediction
@@ -39,7 +40,10 @@ impl CompareArguments {
     fn compared(&self, path: &Path) -> Result<Compared, Failure> {
         let (said, controllers) = self.log.said_of_several()?;
         let log = self.log.read(path)?;
-        let against = HeldAgainst::of(&log, &said, &[], None).map_err(bad_input)?;
+        let against = {
+            let line = ProgressLine::new();
+            HeldAgainst::of(&log, &said, &[], None, &|progress| line.show(progress)).map_err(bad_input)?
+        };
         Compared::of(log, against, &controllers).map_err(bad_input)
     }
 

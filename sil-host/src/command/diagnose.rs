@@ -99,7 +99,10 @@ impl DiagnoseArguments {
             return Err(bad_input(format!("--baseline compares flights, not controllers: leave out {option}")));
         }
         let normal = self.baseline.iter().map(|path| self.log.read_examined(path)).collect::<Result<Vec<Log>, _>>()?;
-        let against = HeldAgainst::of_normal(&normal, said, facts).map_err(bad_input)?;
+        let against = {
+            let line = ProgressLine::new();
+            HeldAgainst::of_normal(&normal, said, facts, &|progress| line.show(progress)).map_err(bad_input)?
+        };
         print(against.text())?;
         let answer = {
             let line = ProgressLine::new();
@@ -125,8 +128,9 @@ impl DiagnoseArguments {
         for path in &paths {
             let line = ProgressLine::of_several(rows.len() + 1, paths.len());
             let answered = self.log.read_examined(path).and_then(|log| {
-                let against = HeldAgainst::of(&log, said, facts, None).map_err(bad_input)?;
-                Answered::of(log, against, self.effort(), &|progress| line.show(progress)).map_err(bad_input)
+                let show = |progress| line.show(progress);
+                let against = HeldAgainst::of(&log, said, facts, None, &show).map_err(bad_input)?;
+                Answered::of(log, against, self.effort(), &show).map_err(bad_input)
             });
             rows.push(Row::of(path, answered.map_err(|failure| failure.message)));
         }
@@ -199,7 +203,10 @@ pub fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     if !arguments.baseline.is_empty() {
         return arguments.against_baseline(&log, &said, &facts);
     }
-    let against = HeldAgainst::of(&log, &said, &facts, arguments.wants_vehicle()).map_err(bad_input)?;
+    let against = {
+        let (line, wants) = (ProgressLine::new(), arguments.wants_vehicle());
+        HeldAgainst::of(&log, &said, &facts, wants, &|progress| line.show(progress)).map_err(bad_input)?
+    };
     print(against.text())?;
     let answered = {
         let line = ProgressLine::new();

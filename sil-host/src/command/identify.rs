@@ -6,10 +6,11 @@ use clap::Args;
 use serde::Serialize;
 use sil_host::answer::board_parameters::{board_parameters, params_file};
 use sil_host::answer::identified::{table, table_of};
-use sil_host::diagnosis::{Identified, KnownScale, identify, identify_axes};
+use sil_host::diagnosis::{Identified, KnownScale, identify_axes, identify_observed};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
+use super::progress_line::ProgressLine;
 use super::{Failure, bad_input, print, to_stdout, write_file, write_json};
 
 /// Make a model of a vehicle from its own logs: what each motor does, how late, how lift grows with the command
@@ -59,7 +60,10 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     }
     let refused = |error: sil_host::diagnosis::NotIdentified| bad_input(format!("{}: {error}", logs[0].path));
     let (shown, toml, answer) = if arguments.log.is_of_vehicle(&logs)? {
-        let identified = identify(&logs, scale).map_err(refused)?;
+        let identified = {
+            let line = ProgressLine::new();
+            identify_observed(&logs, scale, &|progress| line.show(progress)).map_err(refused)?
+        };
         if let Some(path) = &arguments.params {
             let not_for_a_board = |reason| {
                 bad_input(format!("--params: {reason}; without --params, what these logs do not show is marked"))

@@ -9,6 +9,7 @@ use sil_host::log::{self, Log, Map, Rows, Wanted};
 use sil_host::model::Rig;
 
 use super::output::STANDARD_STREAM;
+use super::progress_line::ProgressLine;
 use super::{Failure, bad_input};
 
 // A doc comment here would stand in the place of the command's own help.
@@ -87,7 +88,10 @@ impl LogArguments {
         if path == Path::new(STANDARD_STREAM) {
             return wanted.read(Path::new("stdin"), &mut std::io::stdin().lock()).map_err(bad_input);
         }
-        let log = log::read(path, wanted.map.as_ref()).map_err(bad_input)?;
+        let log = {
+            let line = ProgressLine::new();
+            log::read_observed(path, wanted.map.as_ref(), &|done, of| line.show_read(done, of)).map_err(bad_input)?
+        };
         wanted.of(log).map_err(bad_input)
     }
 

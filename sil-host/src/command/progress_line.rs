@@ -1,7 +1,12 @@
-//! How far a diagnosis or a study is, on a terminal; silent where stderr is none.
+//! How far the reading of a log, a diagnosis or a study is, on a terminal; silent where stderr is none.
+
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use sil_host::diagnosis::Progress;
+
+/// What is done sooner shows no line: it would only flicker.
+const SILENT: Duration = Duration::from_millis(300);
 
 /// A line on stderr that is gone with the value.
 pub struct ProgressLine {
@@ -37,9 +42,26 @@ impl ProgressLine {
         self.bar.set_message(format!("{done} of {total} {of}"));
     }
 
+    /// So many bytes of a file.
+    pub fn show_read(&self, done: usize, of: usize) {
+        self.show_step(done, of, "reading the log");
+    }
+
     pub fn show(&self, progress: Progress) {
         let (done, total, message) = progress.step();
-        self.bar.set_length(total as u64);
+        self.show_step(done, total, &message);
+    }
+
+    fn show_step(&self, done: usize, total: usize, message: &str) {
+        if self.bar.elapsed() < SILENT {
+            return;
+        }
+        // each step has its own pace
+        if self.bar.length() != Some(total as u64) {
+            self.bar.set_length(total as u64);
+            self.bar.set_position(done as u64);
+            self.bar.reset_eta();
+        }
         self.bar.set_position(done as u64);
         self.bar.set_message(format!("{}{message}", self.log));
     }

@@ -8,14 +8,16 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::estimate::Estimate;
 use super::fitted::{Fitted, LAG_AND_DELAY_S, per_unit_inertia};
 use super::found::Found;
 use super::kinematics::Kinematics;
 use super::lateness::count_lateness;
 use super::noise::noise_beyond_sensors;
 use super::plausible::has_bound;
+use super::progress::Progress;
 use super::search::{Candidate, Search};
-use super::verdict::{Estimate, MODEL_ERROR, estimates};
+use super::verdict::{MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Term, as_terms};
 use crate::diagnosis::fitting::shooting::Shooting;
@@ -96,7 +98,9 @@ pub(super) fn fitted<'e>(search: &Search<'e>, ordinary: &'e [Fitted]) -> Candida
         (has_bound(terms) || !has_own_lag && acts_at_once(terms), fit.fit.training)
     };
     let mut best: Option<Candidate<'e>> = None;
-    for start in &LAG_AND_DELAY_S {
+    let total = LAG_AND_DELAY_S.len();
+    for (done, start) in LAG_AND_DELAY_S.iter().enumerate() {
+        (search.observer)(Progress::Fitting { done, total });
         let mut terms = search.gains.clone();
         terms.extend(ordinary.iter().map(|effect| Term { effect, values: effect.beginning(start) }));
         // a start that can't come near the best so far is given up

@@ -60,6 +60,11 @@ impl Fitted {
         }
     }
 
+    /// Where its first number was expected before the log was seen, if anywhere.
+    pub(super) fn prior(&self) -> Option<Prior> {
+        self.unknowns().first().and_then(|unknown| unknown.prior)
+    }
+
     /// Its name in docs/effects.md.
     pub(super) fn name(&self) -> &'static str {
         match self {

@@ -3,18 +3,18 @@
 
 use std::collections::BTreeMap;
 
+use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::search::Search;
-use super::verdict::Estimate;
 use crate::diagnosis::fitting::fit::Fit;
 use crate::prediction::force_track::Commands;
-use crate::prediction::lost_commands::lateness_of_held_s;
+use crate::prediction::lost_commands::{lateness_of_held_s, usual_step_s};
 
 /// Lag and delay together, s; none where the fit has not both.
 pub(super) fn together_s(search: &Search<'_>, fit: &Fit<'_>) -> Option<Estimate> {
     let has_both = fit.terms.iter().filter(|term| term.effect.is_late()).count() == 2;
     let summed = summed_s(fit).filter(|_| has_both)?;
-    Some(Estimate { std: libm::hypot(summed.std, held_s(search)), ..summed })
+    Some(Estimate { std: libm::hypot(summed.std, unknown_std_s(search)), ..summed })
 }
 
 /// The sum of what a fit has of them, s.
@@ -33,9 +33,8 @@ pub(super) fn summed_s(fit: &Fit<'_>) -> Option<Estimate> {
     (!places.is_empty() && variance.is_finite()).then(|| Estimate { value, std: variance.max(0.0).sqrt() })
 }
 
-/// Counts in the interval of a lag or a delay what no fit knows: whether commands acted from row to row or between rows
-/// too (beside a base model lag and delay make up for either, and the likelihood decides nothing), and that neither is
-/// more than both together.
+/// Counts in the interval of a lag or a delay what no fit knows ([`of_rows_std_s`]), and that neither is more than both
+/// together.
 pub(super) fn count_lateness(
     search: &Search<'_>,
     fit: &Fit<'_>,
@@ -46,18 +45,43 @@ pub(super) fn count_lateness(
         return;
     }
     if let Some(delay) = parameters.get_mut("delay_s") {
-        delay.std = libm::hypot(delay.std, held_s(search));
+        delay.std = libm::hypot(delay.std, unknown_std_s(search));
     }
     if let Some(together) = together_s(search, fit) {
         parameters.values_mut().for_each(|own| own.std = own.std.min(together.value + together.std));
     }
 }
 
-fn held_s(search: &Search<'_>) -> f64 {
-    if search.has_base() { held_std_s(&search.shooting.log.commands) } else { 0.0 }
+fn unknown_std_s(search: &Search<'_>) -> f64 {
+    if search.has_base() { of_rows_std_s(&search.shooting.log.commands) } else { 0.0 }
+}
+
+/// Standard deviation of what rows leave open of a real log's lateness, s. First, whether commands acted from row to
+/// row or between rows too: beside a base model lag and delay make up for either, and the likelihood decides nothing.
+/// Second, when within its row each column's value was taken: a logger writes the newest one that it has of command and
+/// of rate, each of them up to a row old, and loggers have been seen to slip by a row in the middle of a flight.
+pub(super) fn of_rows_std_s(commands: &Commands) -> f64 {
+    libm::hypot(held_std_s(commands), usual_step_s(commands) / 6f64.sqrt())
 }
 
 /// Standard deviation of what held commands may be late by, s: uniform, as much too late as too early.
 pub(super) fn held_std_s(commands: &Commands) -> f64 {
     lateness_of_held_s(commands) / 3f64.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of 10 ms: held ones come 3.75 ms later than those of a usual controller, to either side; and two columns
+    /// that are each up to a row old differ by less than a row, most likely by nothing: a triangle.
+    #[test]
+    fn rows_leave_open_how_old_their_commands_and_rates_are() {
+        let commands =
+            Commands { time_s: (0..100).map(|row| 0.01 * f64::from(row)).collect(), value: vec![[0.0; 4]; 100] };
+        let expected_s = f64::sqrt(0.00375 * 0.00375 / 3.0 + 0.01 * 0.01 / 6.0);
+        assert!((of_rows_std_s(&commands) - expected_s).abs() < 1e-9);
+        let single = Commands { time_s: vec![0.0], value: vec![[0.0; 4]] };
+        assert_eq!(of_rows_std_s(&single), 0.0);
+    }
 }

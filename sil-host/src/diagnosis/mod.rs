@@ -19,6 +19,7 @@ mod base;
 mod baseline;
 mod block_bootstrap;
 pub mod controller;
+mod estimate;
 mod evidence;
 mod extension;
 mod finding_json;
@@ -62,6 +63,7 @@ pub use baseline::{
     Baseline, BaselineDiagnosis, BetweenFlights, Compared, Difference, FlightNumbers, Given, NotComparable, NumberOf,
     compare_flights, diagnose_against, motor_place,
 };
+pub use estimate::Estimate;
 pub use evidence::bootstrap::Gain;
 pub use evidence::conditions::{Condition, Spectrum};
 pub use evidence::excitation::{Excitation, Excited};
@@ -79,7 +81,7 @@ pub use flown_by::{ClosedLoops, diagnose_flown_by};
 use found::Found;
 pub use identification::{
     BenchIdentification, Identification, Identified, KnownScale, NotIdentified, effectiveness_rad_s2, identify,
-    identify_axes, manoeuvres_for, mismatch,
+    identify_axes, identify_observed, manoeuvres_for, mismatch,
 };
 use kinematics::Kinematics;
 pub use known::{Fact, Known, NotKnown};
@@ -89,7 +91,7 @@ use search::Search;
 pub use sizes::{Asked, Size, sizes, sizes_beside_base};
 pub use stability::Effort;
 use stability::Stability;
-pub use verdict::{Estimate, Finding, Rejected, Verdict};
+pub use verdict::{Finding, Rejected, Verdict};
 
 /// Why the controller is not judged where none is given.
 pub const NO_CONTROLLER: &str = "no controller given";

@@ -3,6 +3,20 @@
 /// What is being done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
+    /// The base model is fitted, from several starts.
+    Fitting {
+        /// Starts done.
+        done: usize,
+        /// Of so many.
+        total: usize,
+    },
+    /// A vehicle is identified.
+    Identifying {
+        /// Fits done.
+        done: usize,
+        /// Of so many.
+        total: usize,
+    },
     /// Hypotheses are tried beside the effects that were found so far; how many rounds there will be shows only at the
     /// end.
     Searching {
@@ -42,6 +56,8 @@ impl Progress {
     /// How much of the present step is done, of how much, and the step in words.
     pub fn step(self) -> (usize, usize, String) {
         match self {
+            Progress::Fitting { done, total } => (done, total, "fitting the base model".to_owned()),
+            Progress::Identifying { done, total } => (done, total, "identifying the vehicle".to_owned()),
             Progress::Searching { effects: 0, done, total } => (done, total, "testing effects".to_owned()),
             Progress::Searching { effects, done, total } => {
                 (done, total, format!("{effects} found, testing for another"))

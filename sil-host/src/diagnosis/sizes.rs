@@ -4,11 +4,13 @@
 use std::collections::BTreeMap;
 
 use super::base;
+use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::kinematics::Kinematics;
+use super::lateness::of_rows_std_s;
 use super::noise::noise_beyond_sensors;
 use super::search::Search;
-use super::verdict::{Estimate, MODEL_ERROR, estimates};
+use super::verdict::{MODEL_ERROR, estimates};
 use crate::axis::Axis;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, as_terms, fit, model_of};
 use crate::diagnosis::fitting::shooting::Shooting;
@@ -64,7 +66,13 @@ pub fn sizes_beside_base(
     let base = base::fitted(&search, &ordinary).fit;
     let beside = sensors.informed(Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis)));
     let terms = with_asked(base.terms, &beside, asked);
-    Ok(fitted_to_all(&shooting, &nominal, terms).sizes(asked))
+    let mut sizes = fitted_to_all(&shooting, &nominal, terms).sizes(asked);
+    let of_rows_s = of_rows_std_s(&shooting.log.commands);
+    let delays = asked.iter().zip(&mut sizes).filter(|((name, _), _)| *name == "actuation_delay");
+    for delay in delays.filter_map(|(_, size)| size.as_mut()?.get_mut("delay_s")) {
+        delay.std = delay.std.hypot(of_rows_s);
+    }
+    Ok(sizes)
 }
 
 /// Some terms, and what is asked for beside them.

@@ -1,6 +1,6 @@
 //! What a reader asked of a document: the keys that a file may have, as the code that reads them knows them.
 
-use super::section::Admissible;
+use super::admissible::Admissible;
 
 /// A key that was asked for.
 #[derive(Clone, Debug)]

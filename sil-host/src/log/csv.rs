@@ -9,8 +9,9 @@
 //! each message must name the very line that an editor shows.
 
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
-use super::map::{Map, MappedColumn, Term};
+use super::map::{BUILT_IN_MAPS, Map, MappedColumn, Term};
 use super::messages::Table;
+use super::passage::Passage;
 use super::quantity::Quantity;
 use super::recording::{Recording, Stream, StreamColumn};
 use super::style::Style;
@@ -20,7 +21,10 @@ use crate::axis::Axis;
 /// Whatever is no other format is taken for CSV, so that its messages say what was expected.
 pub(super) const FORMAT: Format = Format {
     recognises: |_, _| true,
-    read: |file, bytes, map| parse(file, &source::text(file, bytes)?, map).map(|log| Content::Log(Box::new(log))),
+    read: |file, bytes, map, passage| {
+        let text = source::text(file, bytes)?;
+        parse_observed(file, &text, map, passage).map(|log| Content::Log(Box::new(log)))
+    },
 };
 
 /// Reads a log from text; `file` is for messages.
@@ -28,6 +32,10 @@ pub(super) const FORMAT: Format = Format {
 /// # Errors
 /// Whatever docs/log-format.md calls an error, with file, line and column.
 pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError> {
+    parse_observed(file, text, map, &Passage::through(text.len(), &|_, _| ()))
+}
+
+fn parse_observed(file: &str, text: &str, map: Option<&Map>, passage: &Passage<'_>) -> Result<Log, LogError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
         return Err(error_in(file, None, None, LogErrorKind::Empty));
@@ -52,6 +60,11 @@ pub fn parse(file: &str, text: &str, map: Option<&Map>) -> Result<Log, LogError>
     };
     let fields = fields.map_err(|(column, kind)| error_in(file, Some(header_line), column, kind))?;
     let turn_deg = map.map_or(0.0, |map| map.frame_turn_deg);
+    let mut read_bytes = 0;
+    let lines = lines.inspect(|(_, line)| {
+        read_bytes += line.len() + 1;
+        passage.is_at(read_bytes);
+    });
     let rows = read_rows(file, lines, &names, &fields, &mut style)?;
     if let Some(cut) = cut {
         log.notes.push(format!("line {cut} left out: it has no line end and may be cut off"));
@@ -274,9 +287,24 @@ fn mapped_field(names: &[&str], mapped: &MappedColumn, map: &str) -> Result<Fiel
 fn missing(quantity: Quantity, others: &[Quantity], names: &[&str]) -> HeaderError {
     let others: Vec<String> = others.iter().map(|other| other.name()).collect();
     let others = if others.is_empty() { String::new() } else { format!(", and so are {}", others.join(", ")) };
-    let reason = format!("required column is missing{others} (for other names use --map)");
+    let reason = format!("required column is missing{others} ({})", way_out(names));
     let kind = LogErrorKind::MissingColumn { reason, present: names.join(", ") };
     (Some(quantity.name()), kind)
+}
+
+/// What helps whose columns have other names: the maps that ship and find all of theirs, else a map of the log's own. A
+/// map of columns under this project's names says nothing of whose log it is.
+fn way_out(names: &[&str]) -> String {
+    let renames = |map: &Map| map.columns.iter().any(|mapped| mapped.called() != mapped.quantity.name());
+    let fits =
+        |map: &Map| map.columns.iter().flat_map(|mapped| &mapped.terms).all(|term| names.contains(&&*term.column));
+    let fitting = BUILT_IN_MAPS.iter().filter(|(name, _)| Map::load(name).is_ok_and(|map| renames(&map) && fits(&map)));
+    let fitting: Vec<String> = fitting.map(|(name, _)| format!("--map {name}")).collect();
+    if fitting.is_empty() {
+        "for other names give a map, --map; `sil map LOG` drafts one".to_owned()
+    } else {
+        format!("{} ships and knows these columns", fitting.join(" or "))
+    }
 }
 
 fn note_ignored(log: &mut Log, ignored: &[&str]) {

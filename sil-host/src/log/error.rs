@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::sanity::Contradiction;
+use super::contradiction::Contradiction;
 
 /// A log or a map that can't be read: file, line, column, and what was expected.
 #[derive(Debug, thiserror::Error)]

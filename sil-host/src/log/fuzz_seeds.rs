@@ -22,19 +22,24 @@ fn table() -> Vec<u8> {
     text.into_bytes()
 }
 
+/// A file of each format, with its name.
+pub(super) fn seeds() -> [(&'static str, Vec<u8>); 5] {
+    [
+        ("x.ulg", ulog::tests::whole()),
+        ("x.bin", dataflash::tests::whole()),
+        ("x.bbl", blackbox::tests::file("Betaflight 4.4.2", "")),
+        ("x", usdlog::tests::file(2)),
+        ("x.csv", table()),
+    ]
+}
+
 /// `FUZZ_SEEDS=FOLDER cargo test -p sil-host fuzz_seeds -- --ignored`
 #[test]
 #[ignore = "writes files: FUZZ_SEEDS names the folder"]
 fn are_written() {
     let folder = std::env::var("FUZZ_SEEDS").expect("FUZZ_SEEDS: the folder for the seeds");
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder);
-    for (target, name, mut bytes) in [
-        ("ulog", "x.ulg", ulog::tests::whole()),
-        ("dataflash", "x.bin", dataflash::tests::whole()),
-        ("blackbox", "x.bbl", blackbox::tests::file("Betaflight 4.4.2", "")),
-        ("usdlog", "x", usdlog::tests::file(2)),
-        ("csv", "x.csv", table()),
-    ] {
+    for (target, (name, mut bytes)) in ["ulog", "dataflash", "blackbox", "usdlog", "csv"].into_iter().zip(seeds()) {
         bytes.truncate((SHARE * bytes.len() as f64) as usize);
         let log = parse_bytes(Path::new(name), bytes.clone(), None).expect("a seed is a log");
         assert!(log.rows() >= 100, "{target}");

@@ -6,6 +6,7 @@
 //! controller's streams of several rates become rows, `recording.rs` says.
 
 mod blackbox;
+mod contradiction;
 mod csv;
 mod dataflash;
 pub mod draft;
@@ -20,6 +21,7 @@ mod messages;
 mod motor_order;
 mod other_files;
 mod part;
+mod passage;
 mod quantity;
 mod recording;
 mod rig_shown;
@@ -35,9 +37,12 @@ mod write;
 
 use std::path::Path;
 
+pub use contradiction::{Contradiction, MapLine};
 pub use csv::parse;
 pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};
+use passage::Passage;
+pub use passage::ReadObserver;
 pub use quantity::{GRAVITY_M_S2, Quantity};
 pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
 pub use rig_shown::RigShown;
@@ -54,8 +59,8 @@ struct Format {
     read: Reader,
 }
 
-/// Reads the bytes of a file, whose name is for messages.
-type Reader = fn(&str, Vec<u8>, Option<&Map>) -> Result<Content, LogError>;
+/// Reads the bytes of a file, whose name is for messages, and says on the way how far it is.
+type Reader = fn(&str, Vec<u8>, Option<&Map>, &Passage<'_>) -> Result<Content, LogError>;
 
 /// What a format holds.
 enum Content {
@@ -74,8 +79,16 @@ const FORMATS: [Format; 5] = [ulog::FORMAT, dataflash::FORMAT, blackbox::FORMAT,
 /// # Errors
 /// Whatever docs/log-format.md calls an error, with file, line and column.
 pub fn read(path: &Path, map: Option<&Map>) -> Result<Log, LogError> {
+    read_observed(path, map, UNOBSERVED)
+}
+
+/// The same, and says on the way how far it is.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_observed(path: &Path, map: Option<&Map>, observer: ReadObserver<'_>) -> Result<Log, LogError> {
     let bytes = source::load(path)?;
-    parse_bytes(path, bytes, map)
+    parse_observed(path, bytes, map, observer)
 }
 
 /// The same of a stream that is no file; the name is for messages.
@@ -91,8 +104,12 @@ pub fn read_from(name: &Path, from: &mut impl std::io::Read, map: Option<&Map>) 
 /// # Errors
 /// As [`read`].
 pub fn parse_bytes(path: &Path, bytes: Vec<u8>, map: Option<&Map>) -> Result<Log, LogError> {
+    parse_observed(path, bytes, map, UNOBSERVED)
+}
+
+fn parse_observed(path: &Path, bytes: Vec<u8>, map: Option<&Map>, observer: ReadObserver<'_>) -> Result<Log, LogError> {
     let file = path.display().to_string();
-    match content(path, &file, bytes, map)? {
+    match content(path, &file, bytes, map, observer)? {
         Content::Log(log) => Ok(*log),
         Content::Recording(recording) => time_base::log_of(&file, recording, map),
     }
@@ -104,16 +121,26 @@ pub fn parse_bytes(path: &Path, bytes: Vec<u8>, map: Option<&Map>) -> Result<Log
 /// As [`read`].
 pub fn read_recording(path: &Path) -> Result<Option<Recording>, LogError> {
     let bytes = source::load(path)?;
-    match content(path, &path.display().to_string(), bytes, None)? {
+    match content(path, &path.display().to_string(), bytes, None, UNOBSERVED)? {
         Content::Log(_) => Ok(None),
         Content::Recording(recording) => Ok(Some(recording)),
     }
 }
 
-fn content(path: &Path, file: &str, bytes: Vec<u8>, map: Option<&Map>) -> Result<Content, LogError> {
+fn content(
+    path: &Path,
+    file: &str,
+    bytes: Vec<u8>,
+    map: Option<&Map>,
+    observer: ReadObserver<'_>,
+) -> Result<Content, LogError> {
     let format = FORMATS.iter().find(|format| (format.recognises)(path, &bytes)).unwrap_or(&csv::FORMAT);
-    (format.read)(file, bytes, map)
+    let passage = Passage::through(bytes.len(), observer);
+    (format.read)(file, bytes, map, &passage)
 }
+
+/// Nobody waits.
+const UNOBSERVED: ReadObserver<'static> = &|_, _| ();
 
 /// True for a name that ends so, whatever its case, compressed or not.
 fn has_extension(path: &Path, extension: &str) -> bool {

@@ -93,10 +93,18 @@ pub enum FactValue {
 impl std::fmt::Display for FactValue {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            FactValue::Number(number) => write!(out, "{number}"),
+            FactValue::Number(number) => write!(out, "{}", as_stored(*number)),
             FactValue::Text(text) => write!(out, "{text}"),
         }
     }
+}
+
+/// Digits of a parameter: flight controllers keep them in 32 bits, whose 0.14 is 0.14000000059604645 in 64.
+const DIGITS: usize = 7;
+
+/// The shortest number that is the same to so many digits.
+fn as_stored(number: f64) -> f64 {
+    format!("{number:.*e}", DIGITS - 1).parse().unwrap_or(number)
 }
 
 impl std::fmt::Display for Fact {

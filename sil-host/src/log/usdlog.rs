@@ -9,6 +9,7 @@
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
 use super::messages::{Messages, Table};
+use super::passage::Passage;
 use super::quantity::{GRAVITY_M_S2, Quantity};
 use super::recording::{Fact, FactValue, Recording, Stream};
 use super::{Content, Format};
@@ -28,14 +29,14 @@ const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 /// Recognised by its first bytes alone: such files have no extension.
 pub(super) const FORMAT: Format = Format {
     recognises: |_, bytes| bytes.first() == Some(&MAGIC) && matches!(bytes.get(1..3), Some([1 | 2, 0])),
-    read: |file, bytes, map| read(file, &bytes, map).map(Content::Recording),
+    read: |file, bytes, map, passage| read(file, &bytes, map, passage).map(Content::Recording),
 };
 
 /// What such a log recorded; with a map what that names, as `event.variable`.
-fn read(file: &str, bytes: &[u8], map: Option<&Map>) -> Result<Recording, LogError> {
+fn read(file: &str, bytes: &[u8], map: Option<&Map>, passage: &Passage<'_>) -> Result<Recording, LogError> {
     let fail = |kind| LogError { file: file.to_owned(), line: None, column: None, kind };
     let damaged = |reason| fail(LogErrorKind::Damaged { format: "usdlog (Crazyflie)", reason });
-    let messages = messages(bytes).map_err(damaged)?;
+    let messages = messages(bytes, passage).map_err(damaged)?;
     let recording =
         Recording { flight_controller: "Crazyflie".to_owned(), notes: messages.notes.clone(), ..Recording::default() };
     match map {
@@ -79,7 +80,7 @@ struct Event {
 }
 
 /// The events of a file, by name.
-fn messages(bytes: &[u8]) -> Result<Messages, String> {
+fn messages(bytes: &[u8], passage: &Passage<'_>) -> Result<Messages, String> {
     let mut messages = Messages::default();
     let end = bytes.len().saturating_sub(CHECKSUM_BYTES);
     let mut content = Bytes { all: &bytes[..end], at: 1 };
@@ -110,6 +111,7 @@ fn messages(bytes: &[u8]) -> Result<Messages, String> {
     let unit_ms = if version == 1 { 1.0 } else { 1e-3 };
     while content.at < end {
         let begin = content.at;
+        passage.is_at(begin);
         let Some((name, row)) = event(&mut content, &events, stamp_bytes, unit_ms) else {
             messages.notes.push(format!("the file is cut off or damaged from byte {begin} of {} on", bytes.len()));
             break;

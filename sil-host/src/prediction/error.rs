@@ -16,6 +16,14 @@ pub enum NotPredictable {
         /// Its duration, s.
         duration_s: f64,
     },
+    /// In no row of the log do the motors run.
+    #[error("the motors run in none of the {rows} rows over {duration_s:.1} s: the vehicle was not armed, or stood")]
+    MotorsStand {
+        /// Rows of the log.
+        rows: usize,
+        /// Its duration, s.
+        duration_s: f64,
+    },
     /// The rows are too far apart to find a start state or judge a window.
     #[error("rows every {step_s} s are too few: a window of {window_s} s needs at least {rows_min}")]
     TooSlow {

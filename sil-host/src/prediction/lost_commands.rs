@@ -61,13 +61,17 @@ pub(crate) fn smooth(commands: &Commands, rate_hz: f64) -> Commands {
 /// How much later commands act on average that are held from one to the next than those of a controller at the usual
 /// rate, s: half of the time between them less half of its step.
 pub(crate) fn lateness_of_held_s(commands: &Commands) -> f64 {
+    (0.5 * (usual_step_s(commands) - 1.0 / USUAL_CONTROL_RATE_HZ)).max(0.0)
+}
+
+/// The usual time from one command to the next, s; 0 of a single one.
+pub(crate) fn usual_step_s(commands: &Commands) -> f64 {
     let mut steps_s: Vec<f64> = commands.time_s.windows(2).map(|step| step[1] - step[0]).collect();
     if steps_s.is_empty() {
         return 0.0;
     }
     let middle = steps_s.len() / 2;
-    let (_, step_s, _) = steps_s.select_nth_unstable_by(middle, f64::total_cmp);
-    (0.5 * (*step_s - 1.0 / USUAL_CONTROL_RATE_HZ)).max(0.0)
+    *steps_s.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Angular accelerations that lost commands leave unknown: their means from row to row, as white noise.

@@ -72,6 +72,9 @@ fn windows_among(log: &Log, active: &[bool]) -> Result<Vec<Window>, NotPredictab
         cut(&log.time_s, first, end, 0.5 * step_s, &mut windows);
     }
     share_out(log, &mut windows);
+    if !active.contains(&true) {
+        return Err(NotPredictable::MotorsStand { rows: log.rows(), duration_s: log.duration_s() });
+    }
     if windows.is_empty() {
         return Err(NotPredictable::NoWindow { window_s: WINDOW_S, rows: log.rows(), duration_s: log.duration_s() });
     }
@@ -392,6 +395,9 @@ mod tests {
         let mut standing = log_at((0..1000).map(|row| f64::from(row) * 0.01).collect());
         standing.thrust_command = Some(vec![0.0; 1000]);
         standing.active_when = Some(Threshold { quantity: Quantity::Thrust, above: 0.0 });
+        assert_eq!(windows(&standing), Err(NotPredictable::MotorsStand { rows: 1000, duration_s: 9.99 }));
+        // a moment is too short for a window
+        standing.thrust_command.as_mut().unwrap()[500..510].fill(0.5);
         assert!(matches!(windows(&standing), Err(NotPredictable::NoWindow { .. })));
     }
 }

@@ -198,7 +198,7 @@ fn of_diagnose_is_what_the_library_makes_of_the_bytes() {
     let asked = ["diagnose", "log.csv", "--quick", "--json", "out.json", "--report", "out.html"];
     let outcome = folder.sil(&asked).assert_done();
     let log = Wanted::default().read("log.csv".as_ref(), &mut RIG_LOG.as_bytes()).unwrap();
-    let against = HeldAgainst::of(&log, &Said::default(), &[], None).unwrap();
+    let against = HeldAgainst::of(&log, &Said::default(), &[], None, &|_| ()).unwrap();
     let before = against.text();
     let answered = Answered::of(log, against, Effort::Quick, &|_| ()).unwrap();
     assert_eq!(json(&answered.diagnosis).unwrap().as_bytes(), folder.bytes("out.json"));

@@ -160,6 +160,36 @@ impl Machine {
         board.mpu6000.lose_settings(now);
     }
 
+    /// The second IMU's gyro alone starts anew.
+    pub fn restart_l3gd20(&mut self) {
+        let mut board = self.board.borrow_mut();
+        let now = board.now;
+        board.l3gd20.lose_settings(now);
+    }
+
+    /// The second IMU's accelerometer alone starts anew.
+    pub fn restart_lsm303d(&mut self) {
+        let mut board = self.board.borrow_mut();
+        let now = board.now;
+        board.lsm303d.lose_settings(now);
+    }
+
+    /// A register of the second IMU's gyro holds another value from now on; for good if it keeps nothing that is
+    /// written.
+    pub fn turn_l3gd20_register(&mut self, register: u8, value: u8, for_good: bool) {
+        self.board.borrow_mut().l3gd20.turn_register(register, value, for_good);
+    }
+
+    /// The same of its accelerometer.
+    pub fn turn_lsm303d_register(&mut self, register: u8, value: u8, for_good: bool) {
+        self.board.borrow_mut().lsm303d.turn_register(register, value, for_good);
+    }
+
+    /// The FRAM sleeps, as another program may have left it; only its power or its select line wakes it.
+    pub fn put_fram_to_sleep(&mut self) {
+        self.board.borrow_mut().fram.fall_asleep();
+    }
+
     /// A register of the MPU6000 holds another value from now on; for good if it keeps nothing that is written.
     pub fn turn_mpu6000_register(&mut self, register: u8, value: u8, for_good: bool) {
         self.board.borrow_mut().mpu6000.turn_register(register, value, for_good);

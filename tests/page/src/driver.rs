@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 /// How long a script in the page may take, ms.
 const SCRIPT_MS: u32 = 60_000;
 
-/// Of `/proc`, on every Linux that Debian builds.
-const TICKS_PER_S: f64 = 100.0;
+/// Of the times in `/proc`, on every Linux that Debian builds.
+pub const TICKS_PER_S: f64 = 100.0;
 
 /// What a hand does with a mouse.
 #[derive(Clone, Copy, Debug)]

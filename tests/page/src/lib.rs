@@ -7,6 +7,6 @@ mod driver;
 mod page;
 mod served;
 
-pub use driver::{Browser, Mouse};
+pub use driver::{Browser, Mouse, TICKS_PER_S};
 pub use page::Page;
 pub use served::Served;

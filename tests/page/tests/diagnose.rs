@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use page_test::Page;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Where the demonstration log lies.
 fn demonstration() -> PathBuf {
@@ -56,6 +56,42 @@ fn a_log_that_is_too_large_for_a_page_is_said_and_the_page_goes_on() -> Result<(
     assert!(shown.starts_with("The log needs more memory than a browser gives to a page"), "{shown}");
     page.click("#demonstration")?;
     assert!(page.answer()?.starts_with("Pitch is out of balance"));
+    Ok(())
+}
+
+/// Begins the search again in a worker that has so many pages of 64 kB left of the 4 GB that WebAssembly can address.
+fn search_with(page: &Page, pages_left: u32) -> Result<()> {
+    page.browser.script(
+        "const worker = document.getElementById('worker');
+         globalThis.roomy ??= worker.textContent;
+         const ready = 'library = instance.exports;';
+         const pages = `65536 - ${arguments[0]} - library.memory.buffer.byteLength / 65536`;
+         if (!roomy.includes(ready)) throw new Error('the worker has no such line: ' + ready);
+         worker.textContent = roomy.replace(ready, `${ready} library.memory.grow(${pages});`);
+         document.getElementById('run').click();",
+        &[json!(pages_left)],
+    )?;
+    Ok(())
+}
+
+#[test]
+fn memory_that_runs_out_while_computing_is_said_and_the_next_log_has_its_answer() -> Result<()> {
+    let page = Page::open()?;
+    page.click("#demonstration")?;
+    let answer = page.answer()?;
+    // 10 MB are enough to begin the search, not to end it
+    search_with(&page, 160)?;
+    page.wait("!document.getElementById('problem').hidden")?;
+    let said = page.text("#problem")?;
+    assert!(said.starts_with("The log needs more memory than a browser gives to a page (it had 429"), "{said}");
+    assert_eq!(page.value("document.getElementById('progress').hidden")?, Value::Bool(true));
+    // 100 MB are enough, all of them at addresses that are negative for JavaScript
+    search_with(&page, 1600)?;
+    assert_eq!(page.answer()?, answer);
+    page.browser.script("document.getElementById('worker').textContent = roomy", &[])?;
+    page.click("#demonstration")?;
+    page.wait("document.querySelector('#answer h1') && document.getElementById('progress').hidden")?;
+    assert_eq!(page.answer()?, answer);
     Ok(())
 }
 

@@ -94,12 +94,7 @@ impl Vehicle {
         payload[2..5].copy_from_slice(&[session, opcode, size]);
         payload[8..12].copy_from_slice(&offset.to_le_bytes());
         payload[12..12 + data.len()].copy_from_slice(data);
-        let message = FILE_TRANSFER_PROTOCOL_DATA {
-            target_network: 0,
-            target_system: 1,
-            target_component: 1,
-            payload: payload.into(),
-        };
+        let message = FILE_TRANSFER_PROTOCOL_DATA { target_network: 0, target_system: 1, target_component: 1, payload };
         let mut raw = MAVLinkV2MessageRaw::new();
         let [system_id, component_id] = self.asker;
         raw.serialize_message_data(MavHeader { system_id: system_id.into(), component_id, sequence: 0 }, &message);

@@ -16,6 +16,10 @@ const ANGLE_PREFERRED: f64 = 0.5;
 /// Share of the rows with a motor at its limit that a reader must know of.
 const SATURATED_MIN: f64 = 0.02;
 
+/// What to do where no model was found.
+const WITHOUT_A_MODEL: &str = "If the vehicle lay, hung or was held in a part of the log, cut that part away. Else fly \
+                               steps of roll and pitch to 20 degrees for 15 s, logged at 100 rows/s or more.";
+
 /// What came out, in a sentence.
 pub fn headline(answer: &Diagnosis) -> String {
     let others = match answer.findings.len() {
@@ -24,7 +28,7 @@ pub fn headline(answer: &Diagnosis) -> String {
         count => format!(", and {} effects more", count - 1),
     };
     match (answer.verdict, answer.findings.first()) {
-        (Verdict::NotAModel, _) => "This is no model of the vehicle that flew".to_owned(),
+        (Verdict::NotAModel, _) => "No model was found of the vehicle that flew".to_owned(),
         (Verdict::NotShown, _) => "Something beside its commands moves this vehicle as much".to_owned(),
         (_, Some(first)) => format!("{}{others}", sentence(first)),
         (Verdict::NoDiscrepancy, None) => "The simulation agrees with this log".to_owned(),
@@ -55,7 +59,8 @@ pub fn lead(log: &Log, answer: &Diagnosis) -> Vec<String> {
             with_unit(100.0 * saturated, "%")
         )
     });
-    improvement(answer).into_iter().chain(at_limit).collect()
+    let advice = (answer.verdict == Verdict::NotAModel).then(|| WITHOUT_A_MODEL.to_owned());
+    improvement(answer).into_iter().chain(at_limit).chain(advice).collect()
 }
 
 /// How much better the model predicts, in the channel that is shown.

@@ -40,7 +40,9 @@ pub fn headline(verdict: Verdict) -> &'static str {
             "The simulation gets something wrong in this log that no effect of the catalogue explains."
         }
         Verdict::NotAModel => {
-            "Not a model of this vehicle yet: whatever is added, it predicts no better than the measurements' mean."
+            "Not a model of this vehicle yet: whatever is added, it predicts no better than the measurements' mean. If \
+             the vehicle lay, hung or was held in a part of the log, cut that away (--from, --to); else fly steps of \
+             roll and pitch to 20 degrees for 15 s, logged at 100 rows/s or more."
         }
         Verdict::NotShown => {
             "Not shown by this log: something beside the commands moves the vehicle as much, so that no model of them \

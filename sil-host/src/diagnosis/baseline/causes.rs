@@ -40,7 +40,7 @@ pub(super) enum Cause {
     Lag,
     /// A gyro's reading at rest.
     GyroBias(Axis),
-    /// A gyro's reading per rate.
+    /// A gyro's reading per rate, and its bias with it.
     GyroScale(Axis),
     /// An attitude that is reported later.
     AttitudeDelay,
@@ -232,7 +232,7 @@ impl Departures<'_> {
             | (Cause::Commands { .. }, NumberOf::Trim(_)) => mean * (1.0 / (1.0 + size).max(LEAST_SHARE) - 1.0),
             (Cause::Delay | Cause::Lag, NumberOf::Lateness) => size,
             (Cause::GyroBias(axis), NumberOf::GyroBias(own)) if axis == own => size,
-            (Cause::GyroScale(axis), NumberOf::GyroScale(own)) if axis == own => mean * size,
+            (Cause::GyroScale(axis), NumberOf::GyroScale(own) | NumberOf::GyroBias(own)) if axis == own => mean * size,
             (Cause::AttitudeDelay, NumberOf::AttitudeDelay) => size,
             (Cause::Turn { .. }, NumberOf::ImuTurn) => size,
             (Cause::Turn { with_attitude: false }, NumberOf::GyroTurn) => size,

@@ -3,6 +3,7 @@
 //! only, and so departures follow Student's distribution (of several numbers), not a normal one.
 
 use super::causes::{Cause, Departures, Explanation};
+use super::normal::Expected;
 use crate::diagnosis::known::Known;
 use crate::statistics::f_exceeded;
 
@@ -37,7 +38,7 @@ pub(super) struct Choice {
     pub(super) found: Vec<Chosen>,
     /// The likeliest cause where none is beyond chance, and that one is not usual either.
     pub(super) nearest: Option<Chosen>,
-    /// Causes that were tried.
+    /// Causes that were tried, those that differ in no number as one.
     pub(super) looks: usize,
     /// The chance of departures as large as these in a normal flight, and of what the findings leave of them.
     pub(super) chance: f64,
@@ -56,6 +57,7 @@ pub(super) fn choose(departures: &Departures<'_>, known: &Known) -> Choice {
     let causes: Vec<Cause> =
         departures.causes().into_iter().filter(|cause| !known.excludes(cause.held_as(), cause.axis())).collect();
     let all = departures.squares();
+    let looks = looks(departures, &causes);
     let mut explained = vec![0.0; departures.by.len()];
     let mut found: Vec<Chosen> = Vec::new();
     let mut nearest = None;
@@ -64,7 +66,7 @@ pub(super) fn choose(departures: &Departures<'_>, known: &Known) -> Choice {
         let is_new = |cause: &&Cause| found.iter().all(|chosen| chosen.best.cause != **cause);
         let tried: Vec<Explanation> =
             causes.iter().filter(is_new).filter_map(|cause| rest.explained_by(*cause)).filter(has_size).collect();
-        let Some(chosen) = likeliest(&rest, tried, causes.len(), all) else { break };
+        let Some(chosen) = likeliest(&rest, tried, looks, all) else { break };
         if chosen.chance >= FALSE_ALARM {
             nearest = (found.is_empty() && chosen.chance < NEAREST).then_some(chosen);
             break;
@@ -74,7 +76,19 @@ pub(super) fn choose(departures: &Departures<'_>, known: &Known) -> Choice {
     }
     let chance = chance_of(departures, all);
     let chance_of_rest = chance_of(departures, departures.without(&explained).squares());
-    Choice { found, nearest, looks: causes.len(), chance, chance_of_rest }
+    Choice { found, nearest, looks, chance, chance_of_rest }
+}
+
+/// How many looks at a flight some causes are: two that explain the same of every number, as a delay and a lag do, are
+/// one.
+fn looks(departures: &Departures<'_>, causes: &[Cause]) -> usize {
+    let all: Vec<Explanation> = causes.iter().filter_map(|cause| departures.explained_by(*cause)).collect();
+    let is_alike = |one: &Explanation, other: &Explanation| {
+        let numbers = one.predicted.iter().zip(&other.predicted).zip(&departures.normal.numbers);
+        let is_same = |((one, other), number): ((&f64, &f64), &Expected)| (one - other).abs() <= ALIKE * number.std;
+        one.values.len() == other.values.len() && numbers.into_iter().all(is_same)
+    };
+    (0..all.len()).filter(|place| all[..*place].iter().all(|other| !is_alike(other, &all[*place]))).count().max(1)
 }
 
 /// Is one of its sizes known to be something? One that is not explains a departure that any size does.

@@ -2,7 +2,8 @@
 //! next. A few flights hardly show the latter, so that a usual spread counts as much as [`USUAL_FLIGHTS`] of them; one
 //! flight shows nothing of it, and the usual one is all there is.
 
-use super::numbers::{FlightNumbers, Number, NumberOf};
+use super::flight_numbers::FlightNumbers;
+use super::numbers::{Number, NumberOf};
 use crate::axis::Axis;
 use crate::diagnosis::Estimate;
 
@@ -10,7 +11,7 @@ use crate::diagnosis::Estimate;
 pub(super) const USUAL_FLIGHTS: f64 = 4.0;
 
 /// A number that its log leaves open by so many usual spreads is not compared.
-const UNKNOWN_FROM: f64 = 3.0;
+const UNKNOWN_FROM: f64 = 10.0;
 
 /// Standard deviations of roll and pitch trim, yaw trim and collective, share of the full command.
 struct Usual {

@@ -6,6 +6,7 @@ use super::numbers::{Number, NumberOf};
 use crate::axis::Axis;
 use crate::diagnosis::Estimate;
 use crate::log::Log;
+use crate::log::sanity::Figure;
 use crate::prediction::window::windows;
 use crate::prediction::{NotPredictable, Subject};
 use crate::vehicle::signed_sums;
@@ -29,23 +30,33 @@ pub(super) struct Steady {
     pub(super) knows_motors: bool,
 }
 
-/// The median over all windows of their mean commands: take-off and landing, which are a few windows, do not count.
+/// What stands for all windows' mean commands.
+pub(super) type Centre = fn(Vec<f64>) -> Centred;
+
+/// A number of all windows, and the figure that it is, for a record that is compared with another one of its flight.
+#[derive(Clone)]
+pub(super) struct Centred {
+    own: Estimate,
+    figure: Option<Figure>,
+}
+
+/// The steady commands of a log.
 ///
 /// # Errors
 /// The log has no window.
-pub(super) fn steady(log: &Log, subject: &Subject<'_>) -> Result<Steady, NotPredictable> {
+pub(super) fn steady(log: &Log, subject: &Subject<'_>, centre: Centre) -> Result<Steady, NotPredictable> {
     let windows = windows(log)?;
-    let median_of = |command: &dyn Fn(usize) -> f64| -> Estimate {
+    let centre_of = |command: &dyn Fn(usize) -> f64| -> Centred {
         let mean = |start: usize, end: usize| (start..end).map(command).sum::<f64>() / (end - start).max(1) as f64;
-        around_median(windows.iter().map(|window| mean(window.start, window.end)).collect())
+        centre(windows.iter().map(|window| mean(window.start, window.end)).collect())
     };
     let motors = log.motors();
-    let collective = log.collective().map(|collective| median_of(&|row| collective[row]));
+    let collective = log.collective().map(|collective| centre_of(&|row| collective[row]));
     let trim = |axis: Axis| match (motors, &log.axis_command[axis.index()]) {
-        (Some(motors), _) => Some(median_of(&|row| 0.25 * signed_sums(motors.map(|motor| motor[row]))[axis.index()])),
+        (Some(motors), _) => Some(centre_of(&|row| 0.25 * signed_sums(motors.map(|motor| motor[row]))[axis.index()])),
         (None, Some(command)) => {
             let per_command = log.motor_per_axis_command.map_or(PER_AXIS_COMMAND, |per| per[axis.index()]);
-            Some(median_of(&|row| per_command * command[row]))
+            Some(centre_of(&|row| per_command * command[row]))
         }
         (None, None) => None,
     };
@@ -53,13 +64,13 @@ pub(super) fn steady(log: &Log, subject: &Subject<'_>) -> Result<Steady, NotPred
     if !subject.is_held() {
         let trims = Axis::ALL.into_iter().filter_map(|axis| Some((NumberOf::Trim(axis), trim(axis)?)));
         // where the accelerometer shows lift over mass, the base model has it, whether or not a height was held
-        let balances = collective.filter(|_| !subject.scope(log).pushed);
-        let all = trims.chain(balances.map(|own| (NumberOf::Collective, own)));
-        numbers.extend(all.map(|(of, own)| Number::new(of, own)));
+        let balances = collective.clone().filter(|_| !subject.scope(log).pushed);
+        let all = trims.chain(balances.map(|of| (NumberOf::Collective, of)));
+        numbers.extend(all.map(|(of, Centred { own, figure })| Number { of, own, figure }));
     }
     Ok(Steady {
         numbers,
-        collective: collective.map(|own| own.value),
+        collective: collective.map(|of| of.own.value),
         knows_motors: motors.is_some() || log.motor_per_axis_command.is_some(),
     })
 }
@@ -69,16 +80,29 @@ pub(super) fn steady(log: &Log, subject: &Subject<'_>) -> Result<Steady, NotPred
 /// # Errors
 /// The log has no window.
 pub(in crate::diagnosis) fn steady_collective(log: &Log) -> Result<Option<f64>, NotPredictable> {
-    Ok(steady(log, &Subject::Axes)?.collective)
+    Ok(steady(log, &Subject::Axes, around_median)?.collective)
 }
 
 /// The median with its standard deviation, as windows scatter from one to the next: what changes slowly over a mission
-/// changes so in every flight of it.
-fn around_median(values: Vec<f64>) -> Estimate {
+/// changes so in every flight of it. Take-off and landing, which are a few windows, do not count.
+pub(super) fn around_median(values: Vec<f64>) -> Centred {
     let independent = (values.len() as f64 / BLOCK).max(1.0);
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     let scatter = OF_ABSOLUTE * median(steps) / core::f64::consts::SQRT_2;
-    Estimate { value: median(values), std: OF_MEDIAN * scatter / independent.sqrt() }
+    let own = Estimate { value: median(values), std: OF_MEDIAN * scatter / independent.sqrt() };
+    Centred { own, figure: None }
+}
+
+/// The mean, of which two records of one flight differ by what they differ by window by window: take-off and landing
+/// are in both.
+pub(super) fn mean_of_record(values: Vec<f64>) -> Centred {
+    let sum: f64 = values.iter().sum();
+    let count = values.len() as f64;
+    let mean =
+        |left_out: Option<usize>| Some(left_out.map_or(sum / count, |window| (sum - values[window]) / (count - 1.0)));
+    let figure = if values.len() > 1 { Figure::of(values.len(), mean) } else { None };
+    let own = Estimate { value: sum / count, std: figure.as_ref().map_or(0.0, |figure| figure.std) };
+    Centred { own, figure }
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -110,7 +134,7 @@ mod tests {
     fn trims_are_what_each_motor_is_off_the_mean_and_the_ground_does_not_count() {
         // rear left (motor 2) by 0.08 more: a quarter of it in each trim, with the signs of its torque
         let noisy = log(|random| [0.6, 0.68, 0.6, 0.6].map(|command| command + 0.02 * random.normal()), 1);
-        let steady = steady(&noisy, &Subject::Axes).unwrap();
+        let steady = steady(&noisy, &Subject::Axes, around_median).unwrap();
         let expected = [0.02, -0.02, 0.02, 0.62];
         assert_eq!(steady.numbers.len(), 4);
         for (number, expected) in steady.numbers.iter().zip(expected) {
@@ -133,11 +157,11 @@ mod tests {
         of_axes.motor_per_axis_command = Some(per_command);
         let thrust = |row: usize| 0.25 * motors.iter().map(|motor| motor[row]).sum::<f64>();
         of_axes.thrust_command = Some((0..1200).map(thrust).collect());
-        let [motors, axes] = [&of_motors, &of_axes].map(|log| steady(log, &Subject::Axes).unwrap());
+        let [motors, axes] = [&of_motors, &of_axes].map(|log| steady(log, &Subject::Axes, around_median).unwrap());
         for (motors, axes) in motors.numbers.iter().zip(&axes.numbers) {
             assert!(motors.of == axes.of && (motors.own.value - axes.own.value).abs() < 1e-12, "{motors:?} {axes:?}");
         }
         of_axes.motor_per_axis_command = None;
-        assert!(axes.knows_motors && !steady(&of_axes, &Subject::Axes).unwrap().knows_motors);
+        assert!(axes.knows_motors && !steady(&of_axes, &Subject::Axes, around_median).unwrap().knows_motors);
     }
 }

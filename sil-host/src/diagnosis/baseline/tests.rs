@@ -129,6 +129,19 @@ fn a_number_that_its_log_leaves_open_is_not_compared() {
     assert_eq!(refused.to_string(), "empty has no number in common with all logs of normal flights");
 }
 
+/// A delay and a lag change one number alike: whoever tries both has looked once.
+#[test]
+fn causes_that_differ_in_nothing_are_one_look() {
+    let with_lateness = |value: f64| {
+        let mut one = flight("late", MOTORS.map(|motor| motor + value));
+        one.numbers.push(Number::new(NumberOf::Lateness, Estimate { value, std: 1e-4 }));
+        one
+    };
+    let without = |value: f64| flight("late", MOTORS.map(|motor| motor + value));
+    let looks = |of: &dyn Fn(f64) -> FlightNumbers| compared(&of(0.03), &[of(0.02)], &Known::default()).baseline.looks;
+    assert_eq!(looks(&with_lateness), looks(&without) + 1);
+}
+
 /// 8 s of free flight with these effects.
 fn free_flight(effects: &[&str], seed: u64) -> Log {
     let mut model = VehicleModel::generic(Rig::Free);
@@ -230,7 +243,8 @@ fn sensors_and_units_that_changed_between_flights_are_named() {
 /// alone, with an interval that holds it. The motion stays, so that no model of the vehicle is needed.
 #[test]
 fn what_was_changed_in_a_record_of_the_same_flight_is_named() {
-    let recorded = free_flight(&["torque_bias:axis=roll,torque_nm=0.03"], 3);
+    // a bias that there is to be scaled is no cause of its own
+    let recorded = free_flight(&["torque_bias:axis=roll,torque_nm=0.03", "gyro_bias:axis=roll,bias_rad_s=0.1"], 3);
     let changed = |change: &dyn Fn(&mut Log)| {
         let mut log = recorded.clone();
         change(&mut log);
@@ -269,6 +283,15 @@ fn what_was_changed_in_a_record_of_the_same_flight_is_named() {
             command.rotate_left(3);
             command.iter_mut().rev().take(3).for_each(|command| *command = last);
         });
+    });
+    // half a row more, at which no row answers best, is no weaker answer: it was named with an inertia beside it
+    expect("actuation_delay", "delay_s", 0.035, &|log| {
+        for column in log.rate_rad_s.iter_mut().chain(&mut log.angle_rad).flatten() {
+            let measured = column.clone();
+            for row in 4..column.len() {
+                column[row] = 0.5 * (measured[row - 3] + measured[row - 4]);
+            }
+        }
     });
     expect("imu_misalignment", "yaw_rad", 0.2, &|log| {
         // near level the angles turn as the rates do

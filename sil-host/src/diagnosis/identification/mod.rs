@@ -17,12 +17,14 @@
 mod bench;
 mod file;
 mod fitting;
+mod folding;
 mod mismatch;
 mod numbers;
 mod seen;
 mod start;
 
-use super::verdict::Estimate;
+use super::estimate::Estimate;
+use super::progress::Observer;
 use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
@@ -84,12 +86,24 @@ pub struct Identification {
 /// # Errors
 /// No motors, too quiet, or numbers that no vehicle has.
 pub fn identify(logs: &[Log], scale: KnownScale) -> Result<Identification, NotIdentified> {
+    identify_observed(logs, scale, &|_| ())
+}
+
+/// The same, and says on the way how far it is.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_observed(
+    logs: &[Log],
+    scale: KnownScale,
+    observer: Observer<'_>,
+) -> Result<Identification, NotIdentified> {
     let joined = Log::joined(logs)?;
     let thinned = joined.thinned();
     let log = thinned.as_ref().unwrap_or(&joined);
     let start = start::vehicle(log, scale)?;
-    let rough = fitting::rough(log, &start)?;
-    let (model, numbers) = fitting::fine(log, &rough)?;
+    let rough = fitting::rough(log, &start, observer)?;
+    let (model, numbers) = fitting::fine(log, &rough, observer)?;
     if numbers.iter().filter(|number| number.is_of_tilt()).all(|number| number.to_fly.is_some()) {
         return Err(NotIdentified::Quiet);
     }

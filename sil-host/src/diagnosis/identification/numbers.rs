@@ -3,12 +3,13 @@
 
 use serde::Serialize;
 
-use super::fitting::{expected, mean_lift};
+use super::folding::mean_lift;
 use crate::axis::Axis;
+use crate::diagnosis::estimate::Estimate;
 use crate::diagnosis::fitting::fit::{Fit, Nominal, Term, model_of, moved};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::diagnosis::lateness::held_std_s;
-use crate::diagnosis::verdict::{Estimate, model_error};
+use crate::diagnosis::verdict::model_error;
 use crate::model::VehicleModel;
 use crate::prediction::model::Model;
 use crate::statistics::dot;
@@ -170,7 +171,7 @@ fn of_terms(terms: &[Term<'_>], model: &Model) -> Vec<Derived> {
     let moments = model.acceleration_by_moments();
     let mut all = Vec::new();
     for term in terms {
-        let (value, prior_std) = (term.values[0], expected(term.effect).map(|prior| prior.std));
+        let (value, prior_std) = (term.values[0], term.effect.prior().map(|prior| prior.std));
         let axis = term.effect.axis();
         let of = |axis: Axis, what: &str| format!("{}_{what}", axis.name());
         let one = match (term.effect.name(), axis) {

@@ -32,8 +32,8 @@ pub(super) fn unexplained(
         let (name, sigmas) = (worst.channel.name(), worst.deviation);
         let words = format!("the residual of {name} is correlated from row to row ({sigmas:.0} sigma)");
         let Some(axis) = worst.channel.turning_axis() else { return words };
-        let frequency = signature::frequency(search, &whole.fit, axis).unwrap_or_default();
-        format!("{}: {words}, {frequency}", axis.name())
+        let frequency = signature::frequency(search, &whole.fit, axis).map(|hz| format!(", {hz}")).unwrap_or_default();
+        format!("{}: {words}{frequency}", axis.name())
     });
     let cancelled = cancelling::cancelling(&whole.fit, search.always.len());
     let cancelling = cancelled.is_some();

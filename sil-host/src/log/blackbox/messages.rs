@@ -11,6 +11,7 @@ use blackbox_log::ParserEvent;
 use blackbox_log::frame::{Frame, FrameDef};
 
 use super::super::messages::{Messages, Table};
+use super::super::passage::Passage;
 
 /// The first line of each log of a file.
 pub(super) const FIRST_LINE: &[u8] = b"H Product:Blackbox flight data recorder by Nicholas Sherlock\n";
@@ -29,7 +30,7 @@ const ACCEPTED: [(&str, &str); 2] = [("INAV", "INAV 8.0.0"), ("", "Betaflight 4.
 ///
 /// # Errors
 /// In words: there is no log, or its head can't be read.
-pub(super) fn messages(bytes: &[u8]) -> Result<Messages, String> {
+pub(super) fn messages(bytes: &[u8], passage: &Passage<'_>) -> Result<Messages, String> {
     let starts: Vec<usize> = find_all(bytes, FIRST_LINE);
     let ends = starts.iter().skip(1).copied().chain([bytes.len()]);
     let logs: Vec<&[u8]> = starts.iter().zip(ends).map(|(start, end)| &bytes[*start..end]).collect();
@@ -42,7 +43,7 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, String> {
         messages.notes.push(note);
     }
     let accepted = accepted(&messages.texts)?;
-    let table = frames(&[accepted.as_bytes(), data].concat(), &mut messages)?;
+    let table = frames(&[accepted.as_bytes(), data].concat(), &mut messages, passage)?;
     messages.tables.insert(FRAMES.to_owned(), table);
     Ok(messages)
 }
@@ -104,7 +105,7 @@ fn accepted(head: &BTreeMap<String, String>) -> Result<String, String> {
 }
 
 /// The wanted fields of all main frames.
-fn frames(log: &[u8], messages: &mut Messages) -> Result<Table, String> {
+fn frames(log: &[u8], messages: &mut Messages, passage: &Passage<'_>) -> Result<Table, String> {
     let file = blackbox_log::File::new(log);
     let headers = file.parse(0).ok_or("it holds no log")?.map_err(|error| error.to_string())?;
     let is_wanted = |name: &str| FIELDS.contains(&name.split('[').next().unwrap_or_default());
@@ -119,7 +120,9 @@ fn frames(log: &[u8], messages: &mut Messages) -> Result<Table, String> {
     // rows that are whole by themselves; the others follow from those before them
     let mut whole: Vec<usize> = Vec::new();
     let mut parser = headers.data_parser();
-    while let Some(event) = parser.next() {
+    loop {
+        passage.is_at((f64::from(parser.stats().progress) * log.len() as f64) as usize);
+        let Some(event) = parser.next() else { break };
         let ParserEvent::Main(frame) = event else { continue };
         let iteration = frame.get_raw(0).unwrap_or_default();
         if interval.is_some_and(|interval| interval > 0 && iteration % interval == 0) {

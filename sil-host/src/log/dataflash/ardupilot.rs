@@ -64,7 +64,7 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     let mut recording = head(messages);
     let other = messages.texts.values().find(|text| ["Plane", "Rover", "Sub V"].iter().any(|kind| text.contains(kind)));
     if let Some(text) = other {
-        return Err(format!("the vehicle is no quadrotor: \"{text}\"; name the columns in a --map"));
+        return Err(format!("the vehicle is no quadrotor: \"{text}\"; only quadrotors are simulated"));
     }
     let order = motor_order(messages, &mut recording.facts, &mut recording.frame_turn_deg)?;
     recording.streams.extend(imu(messages));

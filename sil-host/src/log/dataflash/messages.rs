@@ -7,6 +7,7 @@
 use ardupilot_binlog::{Entry, Reader};
 
 use super::super::messages::{Messages, Table};
+use super::super::passage::Passage;
 
 /// The head of a definition: two bytes before each message, and the number of the message `FMT`.
 pub(super) const DEFINITION: &[u8] = &[0xa3, 0x95, 0x80];
@@ -19,7 +20,11 @@ const HEAD_BYTES: u8 = 3;
 ///
 /// # Errors
 /// In words: it is no DataFlash file.
-pub(super) fn messages(mut bytes: Vec<u8>, is_wanted: &dyn Fn(&str) -> bool) -> Result<Messages, String> {
+pub(super) fn messages(
+    mut bytes: Vec<u8>,
+    is_wanted: &dyn Fn(&str) -> bool,
+    passage: &Passage<'_>,
+) -> Result<Messages, String> {
     if !bytes.starts_with(DEFINITION) {
         return Err("it does not begin with a definition of messages".to_owned());
     }
@@ -30,6 +35,7 @@ pub(super) fn messages(mut bytes: Vec<u8>, is_wanted: &dyn Fn(&str) -> bool) -> 
     while let Some(entry) = reader.next() {
         let entry = entry.map_err(|error| error.to_string())?;
         read_bytes += reader.formats().get(&entry.msg_type).map_or(0, |format| usize::from(format.msg_len));
+        passage.is_at(read_bytes);
         take(&mut messages, &entry, is_wanted);
     }
     let left_out = bytes.len().saturating_sub(read_bytes);

@@ -7,24 +7,25 @@ pub(super) mod tests;
 
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
+use super::passage::Passage;
 use super::recording::Recording;
 use super::{Content, Format, has_extension};
 
 /// Recognised by its first definition, or by its name where it is damaged.
 pub(super) const FORMAT: Format = Format {
     recognises: |path, bytes| bytes.starts_with(messages::DEFINITION) || has_extension(path, "bin"),
-    read: |file, bytes, map| recording(file, bytes, map).map(Content::Recording),
+    read: |file, bytes, map, passage| recording(file, bytes, map, passage).map(Content::Recording),
 };
 
 /// What an ArduPilot log recorded; with a map what that names.
-fn recording(file: &str, bytes: Vec<u8>, map: Option<&Map>) -> Result<Recording, LogError> {
+fn recording(file: &str, bytes: Vec<u8>, map: Option<&Map>, passage: &Passage<'_>) -> Result<Recording, LogError> {
     let fail = |kind| LogError { file: file.to_owned(), line: None, column: None, kind };
     let is_wanted = |name: &str| match map {
         Some(map) => map.names_field_of(name),
         None => ardupilot::MESSAGES.contains(&name),
     };
     let damaged = |reason| fail(LogErrorKind::Damaged { format: "DataFlash (ArduPilot)", reason });
-    let messages = messages::messages(bytes, &is_wanted).map_err(damaged)?;
+    let messages = messages::messages(bytes, &is_wanted, passage).map_err(damaged)?;
     match map {
         Some(map) => ardupilot::head(&messages).by_map(file, &messages, map),
         None => ardupilot::recording(&messages).map_err(|why| fail(LogErrorKind::NotThisVehicle(why))),

@@ -9,11 +9,12 @@ use std::path::Path;
 
 use self::entry::{Entry, entry};
 use self::names::{Named, is_command_of_some_axis, named};
+use super::contradiction::Contradiction;
 use super::error::{LogError, LogErrorKind};
 use super::map::Map;
 use super::messages::Table;
 use super::quantity::Quantity;
-use super::sanity::{Contradiction, examine};
+use super::sanity::examine;
 use super::{FORMATS, csv, source};
 use crate::axis::Axis;
 

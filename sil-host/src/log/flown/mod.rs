@@ -8,9 +8,9 @@
 //! out (`ground`). Without a collective nothing says more
 //! than the rows in which the motors run ([`Log::active_rows`]).
 //!
-//! A flight ends before a *crash*: within its last seconds the accelerometer shows a blow, or the vehicle lies on its
-//! side or back at the end. *Saturation* and *end stops* are shown, not cut: the diagnosis knows the former, and a
-//! stop is certain only to who sees the bench.
+//! A flight ends before a *crash*: within its last seconds the accelerometer shows a blow, or at the end the vehicle
+//! lies on its side or back, however long. *Saturation* and *end stops* are shown, not cut: the diagnosis knows the
+//! former, and a stop is certain only to who sees the bench.
 
 mod ground;
 
@@ -28,7 +28,7 @@ const SHORTEST_S: f64 = 1.0;
 /// Motors whose commands differ by this share of what they usually do, each as a share of the collective, steer: idling
 /// motors are told one and the same.
 const STEERED: f64 = 0.2;
-/// A crash is looked for so long before a flight's end, s.
+/// A blow is looked for so long before a flight's end, or before the vehicle lay down, s.
 const CRASH_WITHIN_S: f64 = 3.0;
 /// What happens before a crash belongs to it: the motors or the pilot gave up, s.
 const BEFORE_CRASH_S: f64 = 0.5;
@@ -230,10 +230,12 @@ fn flight(log: &Log, Range { start: from, end }: Range<usize>) -> Flight {
     let began = if from == 0 { "the log begins" } else { "it lifts off, or the motors start" };
     let ended = if end == log.rows() { "the log ends" } else { "it lands, or the motors stop" };
     let (from_s, to_s) = (log.time_s[from], log.time_s[end - 1]);
-    let looked_at = log.time_s[from..end].partition_point(|time_s| *time_s < to_s - CRASH_WITHIN_S) + from;
+    // a vehicle on its back may lie there for long, its motors running; one that never is upright wears its sensor so
+    let lying = (from..end).rev().take_while(|row| is_lying(log, *row)).last().filter(|row| *row > from);
+    let crashed_s = lying.map_or(to_s, |row| log.time_s[row]);
+    let looked_at = log.time_s[from..end].partition_point(|time_s| *time_s < crashed_s - CRASH_WITHIN_S) + from;
     let blow = (looked_at..end).find(|row| blow_m_s2(log, *row).is_some_and(|blow| blow > BLOW_M_S2));
-    let upright = (looked_at..end).rev().take_while(|row| is_lying(log, *row)).last();
-    match (blow, upright) {
+    match (blow, lying) {
         (None, None) => Flight { from_s, to_s, began, ended },
         (first, other) => {
             let row = first.unwrap_or(end).min(other.unwrap_or(end));
@@ -384,6 +386,12 @@ mod tests {
         log.angle_rad = [Some((0..1500).map(|row| if row < 940 { 0.1 } else { 1.7 }).collect()), None, None];
         assert_eq!(spans(&log), [[0.0, 8.9]]);
         assert_eq!(Flown::of(&log).flights[0].ended, "a crash: it lies");
+        // it lay for long, its motors running
+        log.angle_rad[0] = Some((0..1500).map(|row| if row < 340 { 0.1 } else { 3.1 }).collect());
+        assert_eq!(spans(&log), [[0.0, 2.9]]);
+        // a sensor that is mounted upside down is no crash
+        log.angle_rad[0] = Some(vec![3.1; 1500]);
+        assert_eq!(Flown::of(&log).flights[0].ended, "it lands, or the motors stop");
     }
 
     #[test]

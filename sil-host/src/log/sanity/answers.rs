@@ -1,19 +1,63 @@
 //! Which input an axis answers to, and with which sign, as the log shows it: the one question behind the checks of
 //! angles against rates, of rates against motors and of the accelerometer against the attitude.
 
+use std::ops::Range;
+
 use super::bins::Bins;
+use super::held::Held;
 use super::regression::{Estimate, Products, Sums, jackknife};
 
 /// Inputs and responses of a log, in its [`Bins`]. Input `i` is what should move response `i`, with a positive slope.
-pub(super) struct Question {
-    /// One for each response, `None` where the log has none; others that may have a part in it after those.
-    pub(super) inputs: Vec<Option<Vec<f64>>>,
+pub(super) struct Question<'l> {
+    pub(super) inputs: Inputs<'l>,
     /// `None` where the log has none.
     pub(super) responses: Vec<Option<Vec<f64>>>,
     /// How much later than its input a response may come, s, least and most.
     pub(super) later_s: [f64; 2],
     /// The groups in which it is asked.
     pub(super) is_usable: Vec<bool>,
+}
+
+/// One for each response, `None` where the log has none; others that may have a part in it after those.
+pub(super) enum Inputs<'l> {
+    /// Measured values, at lags of whole groups.
+    Sampled(Vec<Option<Vec<f64>>>),
+    /// Commands as their means over so many groups to each side, at lags of a quarter of a group: at a lag beside the
+    /// right one an answer looks weaker than it is.
+    Held { commands: Vec<Option<Held<'l>>>, half: usize },
+}
+
+/// Lags of commands in a group.
+const LAGS_OF_HELD: usize = 4;
+/// Without a stretch the best lag is within so many groups of the whole log's.
+const NEAR_GROUPS: usize = 2;
+
+impl Inputs<'_> {
+    fn lags_in_a_group(&self) -> usize {
+        match self {
+            Inputs::Sampled(_) => 1,
+            Inputs::Held { .. } => LAGS_OF_HELD,
+        }
+    }
+
+    /// Which of them there are.
+    fn are_there(&self) -> Vec<bool> {
+        match self {
+            Inputs::Sampled(values) => values.iter().map(Option::is_some).collect(),
+            Inputs::Held { commands, .. } => commands.iter().map(Option::is_some).collect(),
+        }
+    }
+
+    /// Those that there are, so many lags earlier.
+    fn earlier(&self, bins: &Bins, by: isize) -> Vec<Vec<f64>> {
+        match self {
+            Inputs::Sampled(values) => values.iter().flatten().map(|values| bins.earlier(values, by)).collect(),
+            Inputs::Held { commands, half } => {
+                let earlier_s = by as f64 * bins.step_s() / LAGS_OF_HELD as f64;
+                commands.iter().flatten().map(|command| command.means(bins.spans(*half, earlier_s))).collect()
+            }
+        }
+    }
 }
 
 /// What a response answers to.
@@ -35,36 +79,37 @@ pub(super) struct Answers {
     responses: Vec<Option<usize>>,
     /// How many inputs have a response of their own.
     labelled: usize,
-    /// At lags of one more group each, and how many groups the first is.
+    /// At lags of one more each, and how many the first is.
     by_lag: Vec<Products>,
     first_lag: isize,
+    lags_in_a_group: usize,
     /// The lag at which all inputs together explain most.
     best: usize,
 }
 
-impl Question {
+impl Question<'_> {
     /// Computes what is needed to answer it; `None` where the log is too short.
     pub(super) fn ask(self, bins: &Bins) -> Option<Answers> {
         let stretches = bins.stretches(&self.is_usable);
         if stretches.is_empty() {
             return None;
         }
-        let (inputs, here) = places(&self.inputs, 0);
-        let (responses, responding) = places(&self.responses, here.len());
-        let first_lag = bins.steps(self.later_s[0]);
-        let lags = first_lag..=bins.steps(self.later_s[1]);
+        let inputs = places(&self.inputs.are_there(), 0);
+        let are_there: Vec<bool> = self.responses.iter().map(Option::is_some).collect();
+        let responses = places(&are_there, inputs.iter().flatten().count());
+        let lags_in_a_group = self.inputs.lags_in_a_group();
+        let [first_lag, last_lag] = self.later_s.map(|s| bins.steps(s) * lags_in_a_group as isize);
+        let lags = first_lag..=last_lag;
         let products = |by: isize| {
-            let series: Vec<Vec<f64>> = here
-                .iter()
-                .map(|input| bins.earlier(input, by))
-                .chain(responding.iter().map(|r| (*r).clone()))
-                .collect();
+            let mut series = self.inputs.earlier(bins, by);
+            series.extend(self.responses.iter().flatten().cloned());
             Products::of(&series, &stretches)
         };
         let by_lag: Vec<Products> = lags.map(products).collect();
         let (stretches, labelled) = (stretches.len(), responses.len());
-        let mut answers = Answers { stretches, inputs, responses, labelled, by_lag, first_lag, best: 0 };
-        answers.best = most(&answers.explained_by_lag(None))?;
+        let mut answers =
+            Answers { stretches, inputs, responses, labelled, by_lag, first_lag, lags_in_a_group, best: 0 };
+        answers.best = most(&answers.explained_by_lag(None, 0..answers.by_lag.len()))?;
         Some(answers)
     }
 }
@@ -75,27 +120,20 @@ fn most(shares: &[f64]) -> Option<usize> {
 }
 
 /// Where each series stands among those that are there, counted from `first`.
-fn places(series: &[Option<Vec<f64>>], first: usize) -> (Vec<Option<usize>>, Vec<&Vec<f64>>) {
-    let here: Vec<&Vec<f64>> = series.iter().flatten().collect();
-    let mut next = first;
-    let place = |series: &Option<Vec<f64>>| {
-        series.is_some().then(|| {
-            next += 1;
-            next - 1
-        })
-    };
-    (series.iter().map(place).collect(), here)
+fn places(are_there: &[bool], first: usize) -> Vec<Option<usize>> {
+    let before = |place: usize| are_there[..place].iter().filter(|is_there| **is_there).count();
+    (0..are_there.len()).map(|place| are_there[place].then(|| first + before(place))).collect()
 }
 
 impl Answers {
-    /// What all inputs together explain of all responses, at each lag.
-    fn explained_by_lag(&self, left_out: Option<usize>) -> Vec<f64> {
+    /// What all inputs together explain of all responses, at some lags.
+    fn explained_by_lag(&self, left_out: Option<usize>, lags: Range<usize>) -> Vec<f64> {
         let inputs: Vec<usize> = self.inputs.iter().flatten().copied().collect();
         let explained = |products: &Products| {
             let sums = products.without(left_out);
             self.responses.iter().flatten().map(|response| sums.explained(*response, &inputs)).sum()
         };
-        self.by_lag.iter().map(explained).collect()
+        self.by_lag[lags].iter().map(explained).collect()
     }
 
     /// How much later the responses come than their inputs, in groups: the top of the parabola through the best lag and
@@ -106,7 +144,17 @@ impl Answers {
 
     /// The same without one stretch.
     pub(super) fn later_groups_without(&self, left_out: Option<usize>) -> Option<f64> {
-        let shares = self.explained_by_lag(left_out);
+        let (best, top) = self.top(left_out)?;
+        Some((self.first_lag as f64 + best as f64 + top) / self.lags_in_a_group as f64)
+    }
+
+    /// The lag at which all inputs together explain most, and how far beyond it the top of the parabola through it and
+    /// its neighbours is. Without a stretch it is sought near that of the whole log: in an oscillation the next period
+    /// explains about as much, and a jump to it says nothing of how well this one is known.
+    fn top(&self, left_out: Option<usize>) -> Option<(usize, f64)> {
+        let near = left_out.map_or(self.by_lag.len(), |_| NEAR_GROUPS * self.lags_in_a_group);
+        let first = self.best.saturating_sub(near);
+        let shares = self.explained_by_lag(left_out, first..(self.best + near + 1).min(self.by_lag.len()));
         let best = most(&shares)?;
         let beside = |place: Option<usize>| place.and_then(|place| shares.get(place)).copied();
         let top = match (beside(best.checked_sub(1)), beside(best.checked_add(1))) {
@@ -115,7 +163,18 @@ impl Answers {
             }
             _ => 0.0,
         };
-        Some(self.first_lag as f64 + best as f64 + top)
+        Some((first + best, top))
+    }
+
+    /// The slope of a response on an input beside all the other inputs, without one stretch: at the lag at which all
+    /// inputs explain most of that log, between those that were tried by the parabola through three of them.
+    pub(super) fn slope_at_top(&self, left_out: Option<usize>, response: usize, input: usize) -> Option<f64> {
+        let (best, top) = self.top(left_out)?;
+        let slope = |lag: usize| self.slope_in(&self.by_lag.get(lag)?.without(left_out), response, input);
+        let here = slope(best)?;
+        let [before, after] = [best.checked_sub(1).and_then(slope), slope(best + 1)];
+        let (Some(before), Some(after)) = (before, after) else { return Some(here) };
+        Some(here + 0.5 * top * (after - before) + 0.5 * top * top * (after - 2.0 * here + before))
     }
 
     /// How many stretches the log is in.

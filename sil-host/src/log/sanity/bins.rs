@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::super::Log;
+use super::held::Span;
 use crate::statistics::wrapped;
 
 /// Means are taken over this or, in slower logs, are the rows: the motion of a vehicle with motors lies below 50 Hz.
@@ -22,6 +23,8 @@ pub(super) struct Bins {
     time_s: Vec<f64>,
     /// The number of the piece between two gaps that each group lies in.
     piece: Vec<usize>,
+    /// The rows of each piece.
+    pieces: Vec<Range<usize>>,
     /// Usual time from group to group, s.
     step_s: f64,
     /// A stretch is at least so long, s.
@@ -31,21 +34,24 @@ pub(super) struct Bins {
 impl Bins {
     pub(super) fn of(log: &Log) -> Bins {
         let longest_s = log.longest_regular_step_s();
-        let (mut rows, mut piece, mut pieces) = (Vec::new(), Vec::new(), 0);
-        let mut from = 0;
+        let (mut rows, mut piece, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut from, mut piece_from) = (0, 0);
         for row in 1..=log.rows() {
             let is_gap = row < log.rows() && log.time_s[row] - log.time_s[row - 1] > longest_s;
             // a hundredth of the step for stamps that are rounded
             let is_full = row < log.rows() && log.time_s[row] - log.time_s[from] >= 0.99 * STEP_S;
             if is_gap || is_full || row == log.rows() {
                 rows.push(from..row);
-                piece.push(pieces);
-                pieces += usize::from(is_gap);
+                piece.push(pieces.len());
                 from = row;
+                if is_gap || row == log.rows() {
+                    pieces.push(piece_from..row);
+                    piece_from = row;
+                }
             }
         }
         let step_s = log.mean_regular_step_s().max(STEP_S);
-        let mut bins = Bins { rows, time_s: Vec::new(), piece, step_s, stretch_s: STRETCH_MIN_S };
+        let mut bins = Bins { rows, time_s: Vec::new(), piece, pieces, step_s, stretch_s: STRETCH_MIN_S };
         bins.time_s = bins.means(&log.time_s);
         let within = (1..bins.rows.len()).filter(|at| bins.piece[*at] == bins.piece[at - 1]);
         let steps_s: Vec<f64> = within.map(|at| bins.time_s[at] - bins.time_s[at - 1]).collect();
@@ -112,6 +118,17 @@ impl Bins {
             integral[at] = integral[at - 1] + 0.5 * (values[at] + values[at - 1]) * step_s;
         }
         self.slope(&integral, half)
+    }
+
+    /// The time over which [`Bins::slope`] takes the difference at each group, so much earlier; none beside a gap.
+    pub(super) fn spans(&self, half: usize, earlier_s: f64) -> impl Iterator<Item = Option<Span>> {
+        (0..self.rows.len()).map(move |at| {
+            let (before, after) = (at.checked_sub(half)?, at + half);
+            let piece = self.piece[before];
+            let is_one_piece = self.piece.get(after) == Some(&piece);
+            let s = [self.time_s[before] - earlier_s, self.time_s.get(after)? - earlier_s];
+            is_one_piece.then(|| Span { s, rows: self.pieces[piece].clone() })
+        })
     }
 
     /// Values of some groups earlier (later where negative); NaN where that is beyond a gap.

@@ -3,10 +3,12 @@
 //! axis which is excited alone does not speak for the others.
 
 use super::super::Log;
+use super::super::contradiction::Contradiction;
 use super::super::quantity::Quantity;
-use super::answers::{Answer, Answers, Question};
+use super::answers::{Answer, Answers, Inputs, Question};
 use super::bins::Bins;
-use super::finding::{Columns, Contradiction};
+use super::finding::Columns;
+use super::held::Held;
 use crate::axis::Axis;
 use shared_control::airframe::TORQUE_SIGNS;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8};
@@ -67,9 +69,9 @@ pub(super) fn answers(log: &Log, bins: &Bins, later_s: [f64; 2]) -> Option<Answe
         };
         log.axes[axis.index()].then(|| bins.slope(&rate, half))
     };
-    let inputs = inputs(log).map(|input| Some(bins.mean_over(&bins.means(&input?), half)));
+    let commands = inputs(log).map(|command| command.map(|command| Held::new(&log.time_s, command)));
     let question = Question {
-        inputs: inputs.into(),
+        inputs: Inputs::Held { commands: commands.into(), half },
         responses: Axis::ALL.map(acceleration).into(),
         later_s,
         is_usable: bins.all(&log.active_rows()),

@@ -59,7 +59,7 @@ pub(crate) struct Figures {
 
 impl Figure {
     /// From all stretches, and from all but each.
-    fn of(stretches: usize, figure: impl Fn(Option<usize>) -> Option<f64>) -> Option<Figure> {
+    pub(crate) fn of(stretches: usize, figure: impl Fn(Option<usize>) -> Option<f64>) -> Option<Figure> {
         let value = figure(None).filter(|value| value.is_finite())?;
         let without: Vec<f64> = (0..stretches).map(|left_out| figure(Some(left_out))).collect::<Option<_>>()?;
         let std = jackknife_std(&without);
@@ -72,12 +72,17 @@ impl Figure {
         Figure::of(stretches, |left_out| Some(whole_rad + wrapped(angle_rad(left_out)? - whole_rad)))
     }
 
-    /// This over another figure of the same log; none where they are not in the same stretches.
-    pub(crate) fn over(&self, other: &Figure) -> Option<Figure> {
+    /// This over another figure of the same log, which is in other stretches of it where the two can't be left out
+    /// together.
+    pub(crate) fn over(&self, other: &Figure) -> Figure {
         let value = self.value / other.value;
-        let without: Vec<f64> = self.without.iter().zip(&other.without).map(|(own, other)| own / other).collect();
-        let is_alike = self.without.len() == other.without.len() && value.is_finite();
-        is_alike.then(|| Figure { value, std: jackknife_std(&without), without })
+        if self.without.len() == other.without.len() {
+            let without: Vec<f64> = self.without.iter().zip(&other.without).map(|(own, other)| own / other).collect();
+            return Figure { value, std: jackknife_std(&without), without };
+        }
+        let relative = (self.std / self.value).hypot(other.std / other.value);
+        let without = self.without.iter().map(|own| own / other.value).collect();
+        Figure { value, std: (value * relative).abs(), without }
     }
 
     /// Standard deviation of what two records of one flight differ by, and its degrees of freedom; none where they are
@@ -107,12 +112,12 @@ fn figures_in(log: &Log, bins: &Bins) -> Figures {
         figures.gyro_scale = Axis::ALL.map(|axis| gyro_scale(&answers, axis.index()));
         figures.attitude_delay_s = later_s(&answers, bins);
         // an angle is turned by the true rates, of which the reported ones are the turned ones
-        figures.gyro_turn_rad = turn(&answers, |sums| [[sums[1][0], sums[1][1]], [-sums[0][1], sums[0][0]]]);
+        figures.gyro_turn_rad = turn(&answers, |[roll, pitch]| [[pitch[0], pitch[1]], [-roll[1], roll[0]]]);
     }
     if let Some(answers) = driving::answers(log, bins, LATER_S) {
-        figures.gain_rad_s2 = Axis::ALL.map(|axis| slope(&answers, axis.index(), axis.index()));
+        figures.gain_rad_s2 = Axis::ALL.map(|axis| gain(&answers, axis.index()));
         figures.later_s = later_s(&answers, bins);
-        figures.imu_turn_rad = turn(&answers, |sums| [[-sums[1][0], sums[0][0]], [sums[0][1], sums[1][1]]]);
+        figures.imu_turn_rad = turn(&answers, |[roll, pitch]| [[-pitch[0], roll[0]], [roll[1], pitch[1]]]);
     }
     let is_known = |scale: &&Figure| scale.std < GYRO_SCALE_STD_MAX;
     let scales = figures.gyro_scale.each_ref().map(|scale| scale.as_ref().filter(is_known).map_or(1.0, |of| of.value));
@@ -120,8 +125,10 @@ fn figures_in(log: &Log, bins: &Bins) -> Figures {
     figures
 }
 
-fn slope(answers: &Answers, response: usize, input: usize) -> Option<Figure> {
-    let figure = |left_out| answers.slope_in(&answers.sums(left_out), response, input);
+/// At the lag that the log has without each stretch: beside it the answer looks weaker, and a delay would look like an
+/// inertia.
+fn gain(answers: &Answers, axis: usize) -> Option<Figure> {
+    let figure = |left_out| answers.slope_at_top(left_out, axis, axis);
     Figure::of(answers.stretches(), figure).filter(|figure| figure.value != 0.0)
 }
 
@@ -146,17 +153,18 @@ fn gyro_scale(answers: &Answers, i: usize) -> Option<Figure> {
 /// A turn about z, from the responses of roll and pitch to both inputs: `sides` gives opposite and adjacent side of the
 /// turn's triangle twice, each independent of how strongly the axes answer. The surer one counts for more.
 fn turn(answers: &Answers, sides: impl Fn([[f64; 2]; 2]) -> [[f64; 2]; 2]) -> Option<Figure> {
+    let stretches = answers.stretches();
     let angle_rad = |left_out: Option<usize>, which: usize| {
         let sums = answers.sums(left_out);
         let slope = |response, input| answers.slope_in(&sums, response, input);
         let [opposite, adjacent] = sides([[slope(0, 0)?, slope(0, 1)?], [slope(1, 0)?, slope(1, 1)?]])[which];
         (opposite != 0.0 || adjacent != 0.0).then(|| libm::atan2(opposite, adjacent))
     };
-    let each = [0, 1].map(|which| Figure::of_angle(answers.stretches(), |left_out| angle_rad(left_out, which)));
+    let each = [0, 1].map(|which| Figure::of_angle(stretches, |left_out| angle_rad(left_out, which)));
     let [Some(first), Some(second)] = each else { return None };
     let weights = [&first, &second].map(|figure| 1.0 / (figure.std * figure.std).max(f64::MIN_POSITIVE));
     let share = weights[0] / (weights[0] + weights[1]);
-    Figure::of_angle(answers.stretches(), |left_out| {
+    Figure::of_angle(stretches, |left_out| {
         let [first, second] = [angle_rad(left_out, 0)?, angle_rad(left_out, 1)?];
         Some(first + (1.0 - share) * wrapped(second - first))
     })

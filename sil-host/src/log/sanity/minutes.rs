@@ -4,8 +4,9 @@
 //! that hardly any logger reaches.
 
 use super::super::Log;
+use super::super::contradiction::Contradiction;
 use super::super::quantity::Quantity;
-use super::finding::{Columns, Contradiction};
+use super::finding::Columns;
 use crate::axis::Axis;
 
 const MINUTE_S: f64 = 60.0;

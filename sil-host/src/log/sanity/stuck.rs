@@ -4,8 +4,9 @@
 use std::ops::Range;
 
 use super::super::Log;
+use super::super::contradiction::Contradiction;
 use super::super::quantity::Quantity;
-use super::finding::{Columns, Contradiction};
+use super::finding::Columns;
 use crate::axis::Axis;
 use crate::statistics::variance;
 

@@ -3,10 +3,11 @@
 //! angles are the body rates; rows with more than 60 degrees of tilt are left out.
 
 use super::super::Log;
+use super::super::contradiction::Contradiction;
 use super::super::quantity::Quantity;
-use super::answers::{Answer, Answers, Question};
+use super::answers::{Answer, Answers, Inputs, Question};
 use super::bins::Bins;
-use super::finding::{Columns, Contradiction};
+use super::finding::Columns;
 use super::regression::Estimate;
 use super::{Measured, SensorAgreement};
 use crate::axis::Axis;
@@ -35,7 +36,7 @@ pub(super) fn answers(log: &Log, bins: &Bins) -> Option<Answers> {
     let rate = |axis: Axis| Some(bins.mean_over(&bins.means(log.column(Quantity::Rate(axis))?), half));
     let turn = |axis: Axis| Some(bins.slope(&bins.means_of_angle(log.column(Quantity::Angle(axis))?), half));
     let question = Question {
-        inputs: Axis::ALL.map(rate).into(),
+        inputs: Inputs::Sampled(Axis::ALL.map(rate).into()),
         responses: Axis::ALL.map(turn).into(),
         later_s: LATER_S,
         is_usable: bins.all(&is_near_level(log)),

@@ -2,10 +2,11 @@
 //! flies; and where it hangs or stands tilted, the part of gravity that its attitude says.
 
 use super::super::Log;
+use super::super::contradiction::Contradiction;
 use super::super::quantity::{GRAVITY_M_S2, Quantity};
-use super::answers::{Answer, Answers, Question};
+use super::answers::{Answer, Answers, Inputs, Question};
 use super::bins::Bins;
-use super::finding::{Columns, Contradiction};
+use super::finding::Columns;
 use super::regression::{Estimate, jackknife};
 use crate::axis::Axis;
 
@@ -144,7 +145,7 @@ fn tilt(log: &Log, bins: &Bins, may_fly: bool) -> Option<Answers> {
         inputs.extend(drag);
     }
     let question = Question {
-        inputs,
+        inputs: Inputs::Sampled(inputs),
         responses: vec![force(Axis::Roll), force(Axis::Pitch)],
         later_s: LATER_S,
         is_usable: bins.all(&vec![true; log.rows()]),
@@ -159,7 +160,7 @@ pub(super) fn shows_lift(log: &Log, bins: &Bins) -> Option<bool> {
     let (lift, command) = (log.column(Quantity::Accel(Axis::Yaw))?, bins.means(&collective));
     let mean = collective.iter().sum::<f64>() / collective.len().max(1) as f64;
     let question = Question {
-        inputs: vec![Some(command)],
+        inputs: Inputs::Sampled(vec![Some(command)]),
         responses: vec![Some(bins.means(lift))],
         later_s: COMMANDED_LATER_S,
         is_usable: bins.all(&log.active_rows()),

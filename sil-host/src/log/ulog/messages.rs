@@ -12,6 +12,7 @@ use px4_ulog::stream_parser::model::{FlattenedField, FlattenedFieldType, Flatten
 use px4_ulog::stream_parser::{DataMessage, LogParser, ParameterMessage};
 
 use super::super::messages::{Messages, Table};
+use super::super::passage::Passage;
 
 /// First bytes of every file; the eighth is the version.
 pub(super) const MAGIC: &[u8] = b"ULog\x01\x12\x35";
@@ -34,7 +35,11 @@ const ARRAY_MAX: usize = 64;
 ///
 /// # Errors
 /// In words: it is no ULog file, or of an unknown kind.
-pub(super) fn messages(bytes: &[u8], is_wanted: &dyn Fn(&str) -> bool) -> Result<Messages, String> {
+pub(super) fn messages(
+    bytes: &[u8],
+    is_wanted: &dyn Fn(&str) -> bool,
+    passage: &Passage<'_>,
+) -> Result<Messages, String> {
     if bytes.len() < HEADER_BYTES || !bytes.starts_with(MAGIC) {
         return Err("its head is not that of a ULog file".to_owned());
     }
@@ -60,7 +65,7 @@ pub(super) fn messages(bytes: &[u8], is_wanted: &dyn Fn(&str) -> bool) -> Result
         parser.set_parameter_message_callback(&mut on_parameter);
         parser.set_info_message_callback(&mut on_info);
         parser.consume_bytes(&bytes[..HEADER_BYTES]).map_err(|error| error.description)?;
-        feed(&mut parser, bytes, is_wanted, &mut damages)?;
+        feed(&mut parser, bytes, is_wanted, &mut damages, passage)?;
     }
     let tables = topics.into_values().map(|topic| (topic.name, topic.table)).collect();
     Ok(Messages { tables, parameters, texts, notes: damages.notes(bytes.len()) })
@@ -73,6 +78,7 @@ fn feed(
     bytes: &[u8],
     is_wanted: &dyn Fn(&str) -> bool,
     damages: &mut Damages,
+    passage: &Passage<'_>,
 ) -> Result<(), String> {
     let mut at = HEADER_BYTES;
     let mut subscriptions = Subscriptions::default();
@@ -99,6 +105,7 @@ fn feed(
             }
         }
         at += message.len();
+        passage.is_at(at);
     }
     Ok(())
 }

@@ -57,6 +57,14 @@ const PARAMETERS: [(&str, &str, f64); 26] = [
 
 /// MAVLink's `MAV_TYPE_QUADROTOR`.
 const QUADROTOR: f64 = 2.0;
+/// Others of that list, in words.
+const KINDS: [(&[f64], &str); 5] = [
+    (&[1.0], "an aeroplane"),
+    (&[10.0, 11.0, 12.0], "a vehicle on the ground or in water"),
+    (&[13.0], "a hexarotor"),
+    (&[14.0], "an octorotor"),
+    (&[19.0, 20.0, 21.0, 22.0, 23.0, 24.0, 25.0], "a VTOL"),
+];
 
 /// What the messages of a PX4 log mean.
 ///
@@ -66,8 +74,11 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     let mut recording = head(messages);
     let kind = messages.parameter("MAV_TYPE");
     if let Some(kind) = kind.filter(|kind| *kind != QUADROTOR) {
+        let called = KINDS.iter().find(|(kinds, _)| kinds.contains(&kind)).map(|(_, called)| format!(", {called}"));
         return Err(format!(
-            "the vehicle is no quadrotor: its parameter MAV_TYPE is {kind}; name the columns in a --map"
+            "the vehicle is no quadrotor: its parameter MAV_TYPE is {kind}{}; only quadrotors are simulated, and if it \
+             is one all the same, a --map that names the fields reads it",
+            called.unwrap_or_default()
         ));
     }
     let order = motor_order(messages, &mut recording.facts, &mut recording.frame_turn_deg)?;

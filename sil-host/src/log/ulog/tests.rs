@@ -4,6 +4,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
+use super::super::passage::Passage;
 use super::super::{FactValue, Log, LogErrorKind, Map, Quantity, Recording, parse_bytes};
 use super::write;
 use crate::axis::Axis;
@@ -50,7 +51,8 @@ impl File {
     }
 
     fn recording(&self) -> Recording {
-        super::recording("x.ulg", &self.0, None).unwrap()
+        let passage = Passage::through(self.0.len(), &|_, _| ());
+        super::recording("x.ulg", &self.0, None, &passage).unwrap()
     }
 }
 

@@ -167,6 +167,11 @@ impl Fram {
         self.content.0.as_slice()
     }
 
+    /// As if it had been sent to sleep and let go of.
+    pub(crate) fn fall_asleep(&mut self) {
+        (self.opcode, self.selected) = (Some(SLEEP), false);
+    }
+
     /// Forgets all.
     pub(crate) fn blank(&mut self) {
         self.content = Content::default();

@@ -39,6 +39,7 @@ pub(crate) const L3GD20: Kind = Kind {
     drives_data_ready,
     holds_while_read,
     check_settings,
+    counts_at_range,
     too_fast: "L3GD20 accessed at more than 10 MHz",
 };
 
@@ -53,6 +54,7 @@ pub(crate) const L3GD20H: Kind = Kind {
         0 | I2C_OFF => check_settings(registers),
         _ => Err("L3GD20H with LOW_ODR"),
     },
+    counts_at_range,
     too_fast: "L3GD20H accessed at more than 10 MHz",
 };
 
@@ -67,6 +69,15 @@ fn drives_data_ready(registers: &Registers) -> bool {
 
 fn holds_while_read(registers: &Registers) -> bool {
     registers[CTRL_REG4] & BLOCK_DATA_UPDATE != 0
+}
+
+/// 8.75, 17.5 and 70 thousandths of a degree a second to the count, by bits 5 and 4 of CTRL_REG4 (table 4).
+fn counts_at_range(registers: &Registers) -> f64 {
+    match registers[CTRL_REG4] >> 4 & 0b11 {
+        0 => 70.0 / 8.75,
+        1 => 70.0 / 17.5,
+        _ => 1.0,
+    }
 }
 
 /// The counts are for +-2000 deg/s.

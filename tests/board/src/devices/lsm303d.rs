@@ -18,6 +18,8 @@ const DATA_READY_ON_INT1: u8 = 1 << 2;
 const SPECIAL: u8 = 0b11;
 /// Full scale, CTRL2 bits 5 to 3: 8 g.
 const RANGE_8_G: u8 = 3;
+/// Thousandths of g to the count at each full scale, 2 to 16 g (table 3).
+const MG_PER_COUNT: [f64; 5] = [0.061, 0.122, 0.183, 0.244, 0.732];
 
 /// Samples in eight seconds by the four highest bits of CTRL1: 3.125 to 1600 Hz, 0 is power-down.
 const SAMPLES_IN_8_S: [u64; 11] = [0, 25, 50, 100, 200, 400, 800, 1600, 3200, 6400, 12_800];
@@ -29,12 +31,18 @@ pub(crate) const LSM303D: Kind = Kind {
     drives_data_ready: |registers| registers[CTRL3] & DATA_READY_ON_INT1 != 0,
     holds_while_read: |registers| registers[CTRL1] & BLOCK_DATA_UPDATE != 0,
     check_settings,
+    counts_at_range,
     too_fast: "LSM303D accessed at more than 10 MHz",
 };
 
 fn period(registers: &Registers) -> Option<Ticks> {
     let samples = SAMPLES_IN_8_S.get(usize::from(registers[CTRL1] >> 4)).copied().filter(|samples| *samples > 0)?;
     Some(8 * TICKS_PER_S / samples)
+}
+
+fn counts_at_range(registers: &Registers) -> f64 {
+    let range = usize::from(registers[CTRL2] >> 3 & 7);
+    MG_PER_COUNT.get(range).map_or(1.0, |mg_per_count| MG_PER_COUNT[usize::from(RANGE_8_G)] / mg_per_count)
 }
 
 /// The counts are for +-8 g.

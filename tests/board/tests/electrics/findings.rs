@@ -7,7 +7,7 @@ use emulated_board::time::{TICKS_PER_US, Ticks};
 use emulated_board::{
     EscMode, EscTraits, Flight, LSI_RANGE_HZ, Load, MILLISECOND, Mpu6000Revision, Pulse, Sensor, SensorFault,
 };
-use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd, MavParamType, PARAM_SET_DATA};
+use mavlink::dialects::common::{COMMAND_LONG_DATA, MavCmd, MavParamType, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA};
 use shared_control::params::Params;
 use shared_control::params::encode;
 use shared_control::sensing::imu_select::ImuUnit;
@@ -35,6 +35,7 @@ pub const FINDINGS: &[Finding] = &[
     Finding { name: "AUX after a watchdog reset", source: "PX4 #7182", look: aux_at_watchdog },
     Finding { name: "a parameter sticks", source: "FM25V01 001-84497, AC characteristics", look: parameter_sticks },
     Finding { name: "a protected FRAM is noticed", source: "FM25V01 001-84497, status register", look: protected_fram },
+    Finding { name: "FRAM left asleep", source: "FM25V01 001-84497, sleep mode, tREC", look: sleeping_fram },
     Finding {
         name: "FRAM's deselect time",
         source: "FM25V01 001-84497, tD",
@@ -255,6 +256,32 @@ fn protected_fram() -> Evidence {
         (false, true) => Ok("the ground is told that nothing was stored".to_owned()),
         (false, false) => Err(format!("not stored; said: {said}")),
     }
+}
+
+/// Asleep while the board starts anew without a loss of power: what was stored counts.
+fn sleeping_fram() -> Evidence {
+    unless_stopped(|| {
+        let mut flight = start();
+        flight.run_for(2000 * MILLISECOND);
+        set(&mut flight, "PWM_RATE_HZ", 50.0);
+        flight.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
+        let before = flight.machine.counters().resets;
+        while flight.machine.counters().resets == before {
+            flight.run_for(MILLISECOND);
+        }
+        flight.machine.put_fram_to_sleep();
+        flight.run_for(2000 * MILLISECOND);
+        let (param_id, target_system, target_component) = ("PWM_RATE_HZ".into(), 1, 1);
+        let request = PARAM_REQUEST_READ_DATA { param_index: -1, target_system, target_component, param_id };
+        flight.ground.send(&mut flight.machine, &request);
+        flight.run_for(300 * MILLISECOND);
+        let kept = flight.ground.parameter("PWM_RATE_HZ");
+        if kept == Some(50.0) {
+            Ok("what was stored before is read behind a restart".to_owned())
+        } else {
+            Err(format!("PWM_RATE_HZ 50 was stored, {kept:?} is read"))
+        }
+    })
 }
 
 fn texts(flight: &Flight) -> Vec<String> {

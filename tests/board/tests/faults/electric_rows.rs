@@ -6,7 +6,7 @@ use mavlink::dialects::common::MavCmd;
 
 use crate::rows::{
     BRANCH_TO_SELF, End, HOUSEKEEPING, LINK_LOST_MS, LOOP, NOTHING, PULSE_MS, RESTART_MS, Row, SILENCE_MS,
-    WATCH_LOST_LINK_MS, WATCHDOG_MS, break_code, no_second_imu,
+    WATCH_LOST_LINK_MS, WATCHDOG_MS, break_code, no_first_imu, no_second_imu,
 };
 
 /// Half a second until it lies, and as long for its filters; then two without an answer.
@@ -18,6 +18,16 @@ const LEAST_RANGE: u8 = 0;
 /// One of nine registers is looked at behind each sample.
 const ALL_REGISTERS_MS: u64 = 10;
 const SET_UP_AGAIN: &str = "MPU6000 lost its settings: set up again";
+
+/// The L3GD20's range, 250 deg/s in the place of 2000, words of one sample (DocID022116 7.5).
+const CTRL_REG4: u8 = 0x23;
+const GYRO_250_DEG_S: u8 = 0x80;
+/// The LSM303D's range, 2 g in the place of 8 (DocID023312 8.17).
+const CTRL2: u8 = 0x21;
+const ACCELEROMETER_2_G: u8 = 0x40;
+/// One of its eight is looked at behind every other of 760 samples a second.
+const ALL_SECOND_REGISTERS_MS: u64 = 24;
+const GYRO_SET_UP_AGAIN: &str = "L3GD20 lost its settings: set up again";
 
 const FLIES_ON: Row = Row { end: End::FliesOn, ..NOTHING };
 const BITTEN: Row =
@@ -227,6 +237,39 @@ pub const ELECTRIC_ROWS: &[Row] = &[
         says: &["disarmed: IMU sends nothing", "MPU6000 does not keep its settings: out of use"],
         inject: |flight| flight.machine.turn_mpu6000_register(GYRO_CONFIG, LEAST_RANGE, true),
         ..NOTHING
+    },
+    Row {
+        fault: "L3GD20 starts anew and has lost its settings",
+        says: &[GYRO_SET_UP_AGAIN],
+        inject: |flight| flight.machine.restart_l3gd20(),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "L3GD20 loses its range (a bit turned), no first IMU",
+        before: no_first_imu,
+        says: &[GYRO_SET_UP_AGAIN],
+        inject: |flight| flight.machine.turn_l3gd20_register(CTRL_REG4, GYRO_250_DEG_S, false),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "L3GD20 loses its range and does not keep it again, no first IMU",
+        within_ms: SILENCE_MS + ALL_SECOND_REGISTERS_MS,
+        before: no_first_imu,
+        says: &["disarmed: IMU sends nothing", "L3GD20 does not keep its settings: out of use"],
+        inject: |flight| flight.machine.turn_l3gd20_register(CTRL_REG4, GYRO_250_DEG_S, true),
+        ..NOTHING
+    },
+    Row {
+        fault: "LSM303D starts anew and has lost its settings",
+        says: &["LSM303D lost its settings: set up again"],
+        inject: |flight| flight.machine.restart_lsm303d(),
+        ..FLIES_ON
+    },
+    Row {
+        fault: "LSM303D loses its range and does not keep it again",
+        says: &["LSM303D does not keep its settings: out of use"],
+        inject: |flight| flight.machine.turn_lsm303d_register(CTRL2, ACCELEROMETER_2_G, true),
+        ..FLIES_ON
     },
     Row {
         fault: "second IMU's gyro gone",

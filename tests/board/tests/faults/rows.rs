@@ -372,6 +372,11 @@ pub fn no_second_imu(flight: &mut Flight) {
     flight.machine.break_sensor(Sensor::Lsm303d, SensorFault::Removed(0xff));
 }
 
+/// On the board from the start.
+pub fn no_first_imu(flight: &mut Flight) {
+    flight.machine.break_sensor(Sensor::Mpu6000, SensorFault::Removed(0xff));
+}
+
 /// Other instructions at the start of a handler, until the board has reset itself.
 pub fn break_code(flight: &mut Flight, handler: &str, instructions: &[u8]) {
     let address = flight.image.symbol(handler).expect("a handler") & !1;

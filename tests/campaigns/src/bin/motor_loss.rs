@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use campaigns::motor_loss::{alarm_table, alarms, rows, table};
 
 /// Flights of each failure, and minutes without one in each of hover, steps and gusts.
-const SEEDS: u64 = 300;
-const MINUTES: u64 = 120;
+const SEEDS: u64 = 60;
+const MINUTES: u64 = 240;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -17,10 +17,11 @@ use sil_host::sensors::random::RandomStream;
 pub const YAW_DRAG_NM_S: f64 = 0.0117;
 /// Motor's bell and propeller, `models/f450-free.toml`.
 const ROTOR_INERTIA_KG_M2: f64 = 5.44e-5;
-/// Torque of the gusts about roll and pitch, standard deviation, N m, and how long one lasts, s: a first-order Markov
-/// process, rougher than Dryden's.
+/// Torque of the gusts about each horizontal axis of the world, standard deviation, N m.
 const GUST_NM: f64 = 0.2;
-const GUST_S: f64 = 0.5;
+/// How long a gust lasts: Dryden's length of horizontal turbulence at 6 m (MIL-F-8785C 3.7.3.4: h / (0.177 +
+/// 0.000823 h)^1.2 in feet) over a mean wind of 5 m/s.
+const GUST_S: f64 = 8.7;
 /// A step of the control loop has three samples.
 const SAMPLES_PER_STEP: u64 = 3;
 const STEP_US: u64 = 2500;
@@ -90,6 +91,8 @@ pub struct Outcome {
     pub upright_s: f64,
     /// Largest tilt in the last five seconds, degrees.
     pub late_tilt_deg: f64,
+    /// Largest error of roll or pitch against what is flown, degrees.
+    pub deviation_deg: f64,
     /// Largest change of the heading in the first two seconds, degrees.
     pub heading_deg: f64,
     /// Rate of the spin at the end, rad/s.
@@ -148,7 +151,7 @@ impl Vehicle {
         let model = self.drawn(case, &mut draws);
         let (mut plant, mut sensors) = (Plant::new(&model), Sensors::new(&model.noise, case.seed));
         let (mut state, mut watch) = (State::default(), Watch::new(motor, if whole { u64::MAX } else { fails_us }));
-        let mut gust_nm = [0.0; 2];
+        let mut gust = Gust::new(&mut draws);
         let mut input = StepInput::default();
         let end_us = fails_us + (1e6 * case.duration_s) as u64;
         for sample in 0.. {
@@ -163,11 +166,13 @@ impl Vehicle {
                     left[motor] = 1.0 - lost * if within_s > 0.0 { (since_s / within_s).min(1.0) } else { 1.0 };
                     plant.set_lift_left(left);
                 }
+                let truth = plant.truth();
+                let mut torque_nm = [0.0; 3];
                 if case.flown == Flown::Gusts {
-                    gust_nm = gust_nm.map(|nm| next_gust_nm(nm, &mut draws));
+                    torque_nm = in_body(&truth.q_world_from_body, gust.next_nm(&mut draws));
                 }
-                let yaw_nm = -case.yaw_drag * YAW_DRAG_NM_S * plant.truth().rate_body_rad_s[2];
-                plant.set_disturbance_torque_body_nm([gust_nm[0], gust_nm[1], yaw_nm]);
+                torque_nm[2] -= case.yaw_drag * YAW_DRAG_NM_S * truth.rate_body_rad_s[2];
+                plant.set_disturbance_torque_body_nm(torque_nm);
                 plant.advance(1e-6 * (STEP_US / SAMPLES_PER_STEP) as f64);
             }
             let reading =
@@ -195,9 +200,41 @@ impl Vehicle {
     }
 }
 
-fn next_gust_nm(gust_nm: f64, draws: &mut RandomStream) -> f64 {
-    let keeps = libm::exp(-1e-6 * (STEP_US / SAMPLES_PER_STEP) as f64 / GUST_S);
-    keeps * gust_nm + (1.0 - keeps * keeps).sqrt() * GUST_NM * draws.normal()
+/// Wind that pushes the rotors' drag over the centre of gravity, along the mean wind and across it, by Dryden's spectra
+/// (MIL-F-8785C 3.7.1.2): along, white noise behind one lag; across, behind two and a lead of root 3 of it.
+struct Gust {
+    along_nm: f64,
+    across: [f64; 2],
+}
+
+impl Gust {
+    /// Somewhere in it: the lags hold what they hold in the long run.
+    fn new(draws: &mut RandomStream) -> Self {
+        let once = GUST_NM / 2f64.sqrt() * draws.normal();
+        let twice = once / 2.0 + GUST_NM / 8f64.sqrt() * draws.normal();
+        Self { along_nm: GUST_NM * draws.normal(), across: [once, twice] }
+    }
+
+    fn next_nm(&mut self, draws: &mut RandomStream) -> [f64; 3] {
+        let share = 1e-6 * (STEP_US / SAMPLES_PER_STEP) as f64 / GUST_S;
+        let noise = (2.0 / share).sqrt() * GUST_NM;
+        self.along_nm += share * (noise * draws.normal() - self.along_nm);
+        // a part that is lagged once, and the same lagged again, in the shares of (1 + root 3 T s) / (1 + T s)^2
+        let [once, twice] = &mut self.across;
+        *once += share * (noise / 2f64.sqrt() * draws.normal() - *once);
+        *twice += share * (*once - *twice);
+        let root = 3f64.sqrt();
+        [self.along_nm, root * *once + (1.0 - root) * *twice, 0.0]
+    }
+}
+
+fn in_body([w, x, y, z]: &[f64; 4], [north, east, down]: [f64; 3]) -> [f64; 3] {
+    // transposed rotation matrix times the vector
+    [
+        (1.0 - 2.0 * (y * y + z * z)) * north + 2.0 * (x * y + w * z) * east + 2.0 * (x * z - w * y) * down,
+        2.0 * (x * y - w * z) * north + (1.0 - 2.0 * (x * x + z * z)) * east + 2.0 * (y * z + w * x) * down,
+        2.0 * (x * z + w * y) * north + 2.0 * (y * z - w * x) * east + (1.0 - 2.0 * (x * x + y * y)) * down,
+    ]
 }
 
 fn setpoint(flown: Flown, now_us: u64, base_command: f64) -> Setpoint {
@@ -260,6 +297,9 @@ impl Watch {
             found.heading_deg = found.heading_deg.max(libm::asin(libm::sin(turned_rad / 2.0)).abs().to_degrees() * 2.0);
         }
         found.tilt_deg = found.tilt_deg.max(tilt_deg);
+        let [roll_rad, pitch_rad, _] = state.shaped_reference_rad().map(f64::from);
+        let apart_rad = (truth.roll_rad - roll_rad).abs().max((truth.pitch_rad - pitch_rad).abs());
+        found.deviation_deg = found.deviation_deg.max(apart_rad.to_degrees());
         if tilt_deg > 30.0 {
             found.upright_s = since_s;
         }

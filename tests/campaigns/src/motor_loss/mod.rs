@@ -13,6 +13,8 @@ use flight::{Case, Failure, Flown, Outcome, Vehicle};
 pub struct Row {
     /// What fails.
     pub failure: &'static str,
+    /// `hover`, `steps` or `gusts`.
+    pub flown: &'static str,
     /// Whether the core knows of lost motors.
     pub noticed: bool,
     /// Yaw drag over the assumed one.
@@ -39,6 +41,8 @@ pub struct Row {
     pub upright_in_4_s_pct: f64,
     /// Largest tilt of the last five of ten seconds, 95th percentile, degrees.
     pub late_tilt_95_deg: f64,
+    /// Largest error of roll or pitch against what is flown, 95th percentile, degrees.
+    pub deviation_95_deg: f64,
     /// Largest change of the heading in two seconds, 95th percentile, degrees.
     pub heading_95_deg: f64,
     /// Median rate of the spin at the end, rad/s.
@@ -84,20 +88,27 @@ pub fn rows(seeds: u64) -> Vec<Row> {
     {
         // with another yaw drag the two hardest
         let failures = if yaw_drag == 1.0 { &FAILURES[..] } else { &FAILURES[..2] };
-        for (name, failure) in failures {
-            let case = |seed| {
-                let (_, flown) = FLOWN[seed as usize % 3];
-                Case { seed, flown, failure: *failure, yaw_drag, model_error, noticed, duration_s: 10.0 }
+        for ((name, failure), (flown_name, flown)) in
+            failures.iter().flat_map(|one| FLOWN.iter().map(move |f| (one, f)))
+        {
+            let case = |seed| Case {
+                seed,
+                flown: *flown,
+                failure: *failure,
+                yaw_drag,
+                model_error,
+                noticed,
+                duration_s: 10.0,
             };
             let vehicle = &vehicles[usize::from(noticed)];
             let outcomes: Vec<Outcome> = (1..=seeds).into_par_iter().map(|seed| vehicle.fly(&case(seed))).collect();
-            rows.push(row(name, &case(1), &outcomes));
+            rows.push(row((name, flown_name), &case(1), &outcomes));
         }
     }
     rows
 }
 
-fn row(failure: &'static str, case: &Case, outcomes: &[Outcome]) -> Row {
+fn row((failure, flown): (&'static str, &'static str), case: &Case, outcomes: &[Outcome]) -> Row {
     let share = |holds: &dyn Fn(&Outcome) -> bool| {
         100.0 * outcomes.iter().filter(|outcome| holds(outcome)).count() as f64 / outcomes.len() as f64
     };
@@ -114,6 +125,7 @@ fn row(failure: &'static str, case: &Case, outcomes: &[Outcome]) -> Row {
     let within = |time_s: Option<f64>, limit_s: f64| time_s.is_some_and(|time_s| (0.0..=limit_s).contains(&time_s));
     Row {
         failure,
+        flown,
         noticed: case.noticed,
         yaw_drag: case.yaw_drag,
         model_error: case.model_error,
@@ -130,6 +142,7 @@ fn row(failure: &'static str, case: &Case, outcomes: &[Outcome]) -> Row {
         upright_in_2_s_pct: share(&|outcome| outcome.upright_s <= 2.0),
         upright_in_4_s_pct: share(&|outcome| outcome.upright_s <= 4.0),
         late_tilt_95_deg: quantile(&|outcome| outcome.late_tilt_deg, 0.95),
+        deviation_95_deg: quantile(&|outcome| outcome.deviation_deg, 0.95),
         heading_95_deg: quantile(&|outcome| outcome.heading_deg, 0.95),
         spin_rad_s: quantile(&|outcome| outcome.spin_rad_s.abs(), 0.5),
     }
@@ -176,17 +189,19 @@ pub fn alarms(minutes: u64) -> Vec<Alarms> {
 /// Failures as a table.
 pub fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| failure | noticed | yaw drag | model off by | suspected in 20 ms, % | 99 % in, ms | lost in 60 ms, % | \
-         99 % in, ms | wrong | tilt: median / 95 %, deg | upright in 2 s / 4 s, % | late tilt 95 %, deg | \
-         heading 95 %, deg | spin, rad/s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        "| failure | flown | noticed | yaw drag | model off by | suspected in 20 ms, % | 99 % in, ms | \
+         lost in 60 ms, % | 99 % in, ms | wrong | tilt: median / 95 %, deg | upright in 2 s / 4 s, % | \
+         late tilt 95 %, deg | deviation 95 %, deg | heading 95 %, deg | spin, rad/s |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let cell = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));
     for row in rows {
         let [median, most] = row.tilt_deg;
         text += &format!(
-            "| {} | {} | {} | {:.0} % | {:.1} | {} | {:.1} | {} | {} | {median:.0} / {most:.0} \
-             | {:.1} / {:.1} | {:.1} | {:.1} | {:.1} |\n",
+            "| {} | {} | {} | {} | {:.0} % | {:.1} | {} | {:.1} | {} | {} | {median:.0} / {most:.0} \
+             | {:.1} / {:.1} | {:.1} | {:.1} | {:.1} | {:.1} |\n",
             row.failure,
+            row.flown,
             if row.noticed { "yes" } else { "no" },
             row.yaw_drag,
             100.0 * row.model_error,
@@ -198,6 +213,7 @@ pub fn table(rows: &[Row]) -> String {
             row.upright_in_2_s_pct,
             row.upright_in_4_s_pct,
             row.late_tilt_95_deg,
+            row.deviation_95_deg,
             row.heading_95_deg,
             row.spin_rad_s,
         );

@@ -6,7 +6,7 @@
 //! | gyro scale, gyro bias | the rate of one axis times the scale, or plus the bias |
 //! | IMU turned by psi about z | p' = c p + s q, q' = c q - s p, specific force likewise; angles of R_wb Rz(psi) |
 //! | attitude delay | angles of so long before, by linear interpolation |
-//! | command delay | commands of so long after, each in force up to the next row: the vehicle answers later |
+//! | command delay | commands of the row nearest to so long after: the vehicle answers later |
 //! | command scale | commands times the scale: the vehicle answers as if each did its reciprocal |
 //!
 //! Rows for which a delay would take a value from beyond a gap or the log's ends are left out.
@@ -147,22 +147,21 @@ fn delay_attitude(log: &Log, delay_s: f64) -> Result<Log, LogError> {
 }
 
 fn delay_commands(log: &Log, delay_s: f64) -> Result<Log, LogError> {
-    let sources: Vec<Option<(usize, f64)>> =
-        log.time_s.iter().map(|time_s| between_rows(log, time_s + delay_s)).collect();
+    let sources: Vec<Option<usize>> = log.time_s.iter().map(|time_s| nearest_row(log, time_s + delay_s)).collect();
     let mut injected = log.clone();
     let thrust = core::slice::from_mut(&mut injected.thrust_command);
     let columns = injected.motor_command.iter_mut().chain(&mut injected.axis_command).chain(thrust);
     for column in columns.flatten() {
         let logged = column.clone();
         for (value, source) in column.iter_mut().zip(&sources) {
-            *value = source.map_or(*value, |(row, _)| logged[row]);
+            *value = source.map_or(*value, |row| logged[row]);
         }
     }
     kept(&injected, &sources)
 }
 
 /// The rows that have a source.
-fn kept(log: &Log, sources: &[Option<(usize, f64)>]) -> Result<Log, LogError> {
+fn kept<S>(log: &Log, sources: &[Option<S>]) -> Result<Log, LogError> {
     log.within(&spans_of(log, |row| sources[row].is_some()))
 }
 
@@ -177,6 +176,13 @@ fn between_rows(log: &Log, at_s: f64) -> Option<(usize, f64)> {
     }
     let step_s = log.time_s.get(row + 1)? - log.time_s[row];
     (step_s <= log.longest_regular_step_s()).then(|| (row, into_s / step_s))
+}
+
+/// The row nearest to a time, none beyond the log's ends and in gaps. What was in force at that time is mostly the row
+/// before where rows come a little unevenly and delays are whole ones: then each command would be late by a row less.
+fn nearest_row(log: &Log, at_s: f64) -> Option<usize> {
+    let (row, share) = between_rows(log, at_s)?;
+    Some(if share > 0.5 { row + 1 } else { row })
 }
 
 fn short_way(angle_rad: f64) -> f64 {
@@ -295,12 +301,26 @@ mod tests {
             assert!((roll - angles(time_s - 0.025)[0]).abs() < 1.1e-5, "{time_s}");
         }
         assert!(late.time_s.iter().all(|t| *t >= 0.025 - 1e-9 && !(6.0..7.025 - 1e-9).contains(t)));
-        let early = Injection::CommandDelay { delay_s: 0.025 }.into_log(&log).unwrap();
+        let early = Injection::CommandDelay { delay_s: 0.024 }.into_log(&log).unwrap();
         for (time_s, command) in early.time_s.iter().zip(early.axis_command[0].as_ref().unwrap()) {
-            // the row in force 25 ms later began 20 ms later
+            // the row nearest to 24 ms later began 20 ms later
             assert!((command - 0.3 * libm::sin(3.0 * (time_s + 0.02))).abs() < 1e-9, "{time_s}");
         }
         assert!(early.time_s.iter().all(|t| !(5.966..7.0 - 1e-9).contains(t)));
+    }
+
+    #[test]
+    fn commands_of_uneven_rows_are_as_late_as_they_should_be() {
+        let mut log = log();
+        // steps of 9.99 and 10.01 ms by turns: half of the rows four usual steps later come just after that time
+        log.time_s.iter_mut().enumerate().for_each(|(row, time_s)| *time_s += 1e-5 * (row / 2 % 2) as f64);
+        log.axis_command[0] = Some(log.time_s.clone());
+        let early = Injection::CommandDelay { delay_s: 0.04 }.into_log(&log).unwrap();
+        let later =
+            early.time_s.iter().zip(early.axis_command[0].as_ref().unwrap()).map(|(row_s, began_s)| began_s - row_s);
+        let later: Vec<f64> = later.collect();
+        let mean_s = later.iter().sum::<f64>() / later.len() as f64;
+        assert!((mean_s - 0.04).abs() < 1e-4, "{mean_s}");
     }
 
     #[test]
