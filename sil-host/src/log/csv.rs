@@ -9,7 +9,7 @@
 //! each message must name the very line that an editor shows.
 
 use super::error::{LogError, LogErrorKind, ROWS_MIN};
-use super::map::{BUILT_IN_MAPS, Map, MappedColumn, Term};
+use super::map::{Map, MappedColumn, Term};
 use super::messages::Table;
 use super::passage::Passage;
 use super::quantity::Quantity;
@@ -292,14 +292,9 @@ fn missing(quantity: Quantity, others: &[Quantity], names: &[&str]) -> HeaderErr
     (Some(quantity.name()), kind)
 }
 
-/// What helps whose columns have other names: the maps that ship and find all of theirs, else a map of the log's own. A
-/// map of columns under this project's names says nothing of whose log it is.
+/// What helps whose columns have other names: the maps that ship and find all of theirs, else a map of the log's own.
 fn way_out(names: &[&str]) -> String {
-    let renames = |map: &Map| map.columns.iter().any(|mapped| mapped.called() != mapped.quantity.name());
-    let fits =
-        |map: &Map| map.columns.iter().flat_map(|mapped| &mapped.terms).all(|term| names.contains(&&*term.column));
-    let fitting = BUILT_IN_MAPS.iter().filter(|(name, _)| Map::load(name).is_ok_and(|map| renames(&map) && fits(&map)));
-    let fitting: Vec<String> = fitting.map(|(name, _)| format!("--map {name}")).collect();
+    let fitting: Vec<String> = Map::built_in_for(names).map(|name| format!("--map {name}")).collect();
     if fitting.is_empty() {
         "for other names give a map, --map; `sil map LOG` drafts one".to_owned()
     } else {

@@ -119,6 +119,19 @@ fn one() -> f64 {
 }
 
 impl Map {
+    /// The built-in maps whose columns a header has all. One of columns under this project's names says nothing of
+    /// whose log it is, and is none of them.
+    pub(super) fn built_in_for(names: &[&str]) -> impl Iterator<Item = &'static str> {
+        let fits = |map: &Map| {
+            let renames = map.columns.iter().any(|mapped| mapped.called() != mapped.quantity.name());
+            renames && map.columns.iter().flat_map(|one| &one.terms).all(|term| names.contains(&term.column.as_str()))
+        };
+        BUILT_IN_MAPS
+            .into_iter()
+            .filter(move |(name, text)| Map::parse(name, text).is_ok_and(|map| fits(&map)))
+            .map(|(name, _)| name)
+    }
+
     /// Takes a file if there is one at that path, else the built-in map of that name.
     ///
     /// # Errors
