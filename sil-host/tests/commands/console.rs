@@ -45,6 +45,7 @@ fn has(outcome: &Outcome, words: &[&str]) {
 }
 
 #[test]
+#[ignore = "seconds long: one of the thorough tests, which CI runs"]
 fn an_owner_sets_calibrates_arms_and_fetches_the_log() {
     let folder = Folder::new();
     let served = Served::new(&["--udp", "off", "--rig", "gimbal"]);
