@@ -12,12 +12,14 @@ pub use tuning::Tuning;
 
 use cascade::{angle_config, gyro_cutoff, rate_gains};
 use error::{not_negative, positive};
-use prediction::observer_config;
+pub(crate) use prediction::observed;
+use prediction::{learning_config, observer_config};
 
 use crate::attitude::angle::AngleConfig;
 use crate::attitude::rate::RateGains;
 use crate::gravity_moment::GravityMoment;
 use crate::mixer::MixerConfig;
+use crate::learning::LearningConfig;
 use crate::motor_loss::MotorLossConfig;
 use crate::mpc::schedule::PitchInertia;
 use crate::output::OutputConfig;
@@ -79,6 +81,8 @@ pub struct Config {
     pub held_by_rig: bool,
     /// How the loss of a motor is noticed and flown with; none where that is off.
     pub motor_loss: Option<MotorLossConfig>,
+    /// How gain and lag are learnt; none where that is off.
+    pub learning: Option<LearningConfig>,
 }
 
 impl Config {
@@ -130,6 +134,7 @@ impl Config {
             touchdown: TouchdownConfig::on_rig(vehicle.gravity_m_s2, loop_rate_hz),
             ground_idle_command: tuning.ground_idle_command,
             held_by_rig: vehicle.yaw_locked,
+            learning: learning_config(vehicle, tuning, loop_rate_hz),
             motor_loss: tuning.motor_loss.then(|| MotorLossConfig::new(vehicle, loop_rate_hz)).flatten(),
         })
     }

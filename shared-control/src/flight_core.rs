@@ -121,6 +121,7 @@ impl FlightCore {
                 state.rate = RateState::default();
                 state.rate_target = RateTarget::default();
                 state.observer = ObserverState::at(motion.rate_rad_s);
+                planning::pause_learning(config, &mut state.learning);
             }
             TorqueSource::Mpc
             | TorqueSource::Cascade
@@ -129,6 +130,7 @@ impl FlightCore {
                 state.rate_target = next_rate_target(config, state, &output.estimate);
                 let seen = !state.coasting.coasts;
                 planning::observe(config, &mut state.observer, &motion, output, seen);
+                planning::learn(config, state, &motion, seen);
             }
         }
         let request = match config.controller {

@@ -107,6 +107,7 @@ pub mod frames;
 pub mod gravity_moment;
 pub mod io_chip;
 pub mod lagged_axis;
+pub mod learning;
 pub mod lift_curve;
 pub mod light_and_tone;
 pub mod link;

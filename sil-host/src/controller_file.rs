@@ -246,6 +246,7 @@ tuning_fields! {
     ground_idle_command: f32,
     flight_idle_command: f32,
     motor_loss: bool,
+    learning: bool,
 }
 
 /// [`ReferenceAhead`] by name: `setpoint`, `held` or `shaped`.

@@ -9,7 +9,9 @@ use shared_control::mpc::MpcError;
 
 use crate::control_setup::{core_config, mpc_settings, vehicle_parameters};
 use crate::controller_file::ControllerChoice;
-use crate::cosim::{self, contract::DesignParameters, control_side::ControlSide, record::FlightRecord};
+use crate::cosim::{
+    self, contract::DesignParameters, control_side::ControlSide, idle_learning::IdleLearning, record::FlightRecord,
+};
 use crate::margins::{self, Margins};
 use crate::metrics::{self, AxisMetrics};
 use crate::model::VehicleModel;
@@ -151,7 +153,11 @@ impl FlightSetup {
             Controller::Cascade => None,
             Controller::Mpc => Some(Planner::new(control_horizon, &mpc_settings(&known, &tuning, rate_hz))?),
         };
-        Ok(ControlSide::new(config, planner))
+        let side = ControlSide::new(config, planner);
+        Ok(match config.learning {
+            None => side,
+            Some(_) => side.with_learning(IdleLearning::new(vehicle_parameters(&known), self.choice)),
+        })
     }
 
     /// Flies it.

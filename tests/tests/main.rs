@@ -13,6 +13,7 @@ mod flight_safety;
 mod gate_map;
 mod gate_real;
 mod hitl;
+mod learning;
 mod limits_and_switching;
 mod log_errors;
 mod qp_reference;

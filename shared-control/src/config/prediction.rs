@@ -3,6 +3,7 @@
 use super::cascade::angle_config;
 use super::error::ConfigError;
 use super::tuning::{Tuning, mpc_input_gain, mpc_torque_per_input_nm};
+use crate::learning::{Circumstances, LearningConfig};
 use crate::mpc::schedule::Schedule;
 use crate::mpc::{MotorSettings, MpcSettings, Preview, ProblemSettings};
 use crate::torque_observer::{ObserverConfig, Pace};
@@ -55,6 +56,13 @@ pub(super) fn observer_config(
     let authority = vehicle.acceleration_authority_rad_s2();
     let disturbance_max_nm =
         core::array::from_fn(|axis| tuning.integral_share * authority[axis] * vehicle.inertia_kg_m2[axis]);
+    let (seen, pace) = observed(vehicle, tuning, loop_rate_hz);
+    ObserverConfig::new(vehicle.inertia_kg_m2, disturbance_max_nm, &seen, pace)
+        .ok_or(ConfigError::OutOfRange("actuation.delay_s (with mpc_gyro_delay_s at most 16 control steps)"))
+}
+
+/// What the observer counts on between command and gyro, and its pace.
+pub(crate) fn observed(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: f32) -> (Actuation, Pace) {
     let actuation = known_actuation(vehicle, tuning);
     let seen = Actuation { delay_s: actuation.delay_s + tuning.mpc_gyro_delay_s, ..actuation };
     let pace = Pace {
@@ -62,8 +70,26 @@ pub(super) fn observer_config(
         alert: tuning.mpc_disturbance_alert,
         step_s: 1.0 / loop_rate_hz,
     };
-    ObserverConfig::new(vehicle.inertia_kg_m2, disturbance_max_nm, &seen, pace)
-        .ok_or(ConfigError::OutOfRange("actuation.delay_s (with mpc_gyro_delay_s at most 16 control steps)"))
+    (seen, pace)
+}
+
+/// Learning, where the tuning wants it.
+pub(super) fn learning_config(
+    vehicle: &VehicleParameters,
+    tuning: &Tuning,
+    loop_rate_hz: f32,
+) -> Option<LearningConfig> {
+    let [roll_kg_m2, pitch_kg_m2, _] = vehicle.inertia_kg_m2;
+    let [roll, pitch, _] = angle_config(vehicle, tuning).shaping;
+    tuning.learning.then(|| {
+        LearningConfig::new(&Circumstances {
+            inertia_kg_m2: [roll_kg_m2, pitch_kg_m2],
+            delay_s: vehicle.actuation.delay_s + tuning.gyro_delay_s(),
+            reference_max_rad_s2: [roll.acceleration_max_rad_s2, pitch.acceleration_max_rad_s2],
+            step_s: 1.0 / loop_rate_hz,
+            pitch_inertia: vehicle.pitch_inertia(),
+        })
+    })
 }
 
 fn known_actuation(vehicle: &VehicleParameters, tuning: &Tuning) -> Actuation {

@@ -10,6 +10,9 @@ use crate::vehicle::VehicleParameters;
 /// Steepest tilt that a set-point in Euler angles can mean, rad.
 const TILT_MAX_RAD: f32 = 1.5;
 
+/// Delay of the gyro's low-pass, of second order (Butterworth), in periods of its cut-off: sqrt 2 / (2 pi).
+const GYRO_DELAY_PERIODS: f32 = 0.225;
+
 /// Weight of a squared change of the angular acceleration in the MPC's cost, 1/(rad/s^2)^2, beside 100/rad^2 on the
 /// angle.
 const MPC_ACCELERATION_WEIGHT: f32 = 2.5e-3;
@@ -78,6 +81,8 @@ pub struct Tuning {
     pub flight_idle_command: f32,
     /// Whether the loss of a motor in free flight is noticed and flown with ([`crate::motor_loss`]).
     pub motor_loss: bool,
+    /// Whether gain and lag of roll and pitch are learnt in flight ([`crate::learning`]).
+    pub learning: bool,
 }
 
 /// Largest idle command, percent: a vehicle that idles must not take off.
@@ -123,6 +128,7 @@ impl Tuning {
             ground_idle_command: 0.0,
             flight_idle_command: 0.0,
             motor_loss: false,
+            learning: false,
         }
     }
 
@@ -134,6 +140,11 @@ impl Tuning {
         let gains = mpc_input_gain(vehicle);
         tuning.mpc_increment_weight = core::array::from_fn(|axis| of_acceleration[axis] * gains[axis] * gains[axis]);
         tuning
+    }
+
+    /// How late the gyro's filters are, s: as said, else its low-pass by itself.
+    pub fn gyro_delay_s(&self) -> f32 {
+        if self.mpc_gyro_delay_s > 0.0 { self.mpc_gyro_delay_s } else { GYRO_DELAY_PERIODS / self.gyro_cutoff_hz }
     }
 
     /// The vehicle as it is flown: in the air no motor turns slower than at idle, so that the lift begins there.

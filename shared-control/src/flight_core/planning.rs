@@ -5,6 +5,7 @@ use super::output::StepOutput;
 use super::state::State;
 use crate::config::Config;
 use crate::elementary::wrap_pi;
+use crate::learning::{LearningState, Shown};
 use crate::signals::PlanRequest;
 use crate::torque_observer::ObserverState;
 
@@ -24,6 +25,33 @@ pub(super) fn observe(
         let known_nm = about_axes(motion.gravity_about_body_nm(config));
         let measured_rad_s = if seen { motion.rate_rad_s } else { UNSEEN_RAD_S };
         observer.update(&config.observer, measured_rad_s, about_axes(delivered_nm(output)), known_nm);
+    }
+}
+
+/// One step of learning, by the torques that the observer remembers.
+pub(super) fn learn(config: &Config, state: &mut State, motion: &EulerMotion, seen: bool) {
+    let Some(learning) = &config.learning else { return };
+    let [roll_rad, ..] = motion.angle_rad;
+    // with a single linearisation the controllers take the level vehicle's answer everywhere
+    let pitch_share = match config.pitch_inertia {
+        Some(_) => 1.0,
+        None => learning.pitch_inertia.gain_share(roll_rad),
+    };
+    let shown = Shown {
+        observer: &state.observer,
+        rate_rad_s: motion.rate_rad_s,
+        gain_share: [1.0, pitch_share],
+        known_nm: motion.about_axes_nm(config, motion.gravity_about_body_nm(config)),
+        reference_rad_s: state.angle.reference.map(|axis| axis.rate_rad_s),
+        seen: seen && !motion.is_too_steep(),
+    };
+    state.learning.update(learning, &shown);
+}
+
+/// Nothing is flown from which to learn.
+pub(super) fn pause_learning(config: &Config, state: &mut LearningState) {
+    if let Some(learning) = &config.learning {
+        state.rest(learning);
     }
 }
 

@@ -5,6 +5,8 @@ use super::output::TorqueSource;
 use crate::attitude::angle::{AngleState, RateTarget};
 use crate::attitude::rate::RateState;
 use crate::frames::{EulerAngles, q_world_from_euler};
+use crate::learning::LearningState;
+use crate::learning::confidence::Learnt;
 use crate::mixer::MixResult;
 use crate::motor_loss::{MotorLoss, Stage};
 use crate::record::state_words::{STATE_WORDS, StateWords};
@@ -42,6 +44,7 @@ pub struct State {
     pub(super) last_mix: MixResult,
     pub(super) last_source: TorqueSource,
     pub(super) motor_loss: MotorLoss,
+    pub(super) learning: LearningState,
 }
 
 impl State {
@@ -73,6 +76,7 @@ impl State {
             last_mix,
             last_source,
             motor_loss,
+            learning,
         } = self;
         words.word(*step);
         imus.record(words);
@@ -94,11 +98,17 @@ impl State {
         last_mix.record(words);
         words.word(last_source.number());
         motor_loss.record(words);
+        learning.record(words);
     }
 
     /// Whether a motor is lost.
     pub fn motor_loss(&self) -> Stage {
         self.motor_loss.stage()
+    }
+
+    /// What has been learnt of the vehicle; to be asked in idle time. None while nothing has.
+    pub fn learnt(&self) -> Option<Learnt> {
+        self.learning.learnt()
     }
 
     /// What the controllers follow: the set-point that was demanded, or what stands in for it without a link.

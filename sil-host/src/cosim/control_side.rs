@@ -5,6 +5,7 @@ use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::signals::{ArmingBlocks, ImuBatch, Plan, StepInput};
 
 use crate::cosim::contract::{Events, Monitored};
+use crate::cosim::idle_learning::{IdleLearning, Prepared};
 use crate::planner::Planner;
 
 /// Core, state and planner of one flight.
@@ -15,6 +16,7 @@ pub struct ControlSide {
     planner: Option<Planner>,
     plan: Option<Plan>,
     change: Option<Box<Change>>,
+    learning: Option<Box<IdleLearning>>,
 }
 
 /// Another configuration and MPC, prepared aside, and when they take over.
@@ -28,7 +30,17 @@ struct Change {
 impl ControlSide {
     /// A core at rest. The planner is needed where the configuration says MPC; without one the cascade flies.
     pub fn new(config: Config, planner: Option<Planner>) -> Self {
-        Self { config, state: State::default(), planner, plan: None, change: None }
+        Self { config, state: State::default(), planner, plan: None, change: None, learning: None }
+    }
+
+    /// With what idle time makes of what is learnt; the configuration says whether anything is.
+    pub fn with_learning(self, learning: IdleLearning) -> Self {
+        Self { learning: Some(Box::new(learning)), ..self }
+    }
+
+    /// What was made of what was learnt, where that is asked for.
+    pub fn learning(&self) -> Option<&IdleLearning> {
+        self.learning.as_deref()
     }
 
     /// Has the configuration and the MPC of another side, prepared already, take over in flight: weights, models, gains
@@ -70,7 +82,15 @@ impl ControlSide {
             (Some(request), Some(planner)) => Some(planner.plan(&request)),
             _ => None,
         };
+        self.work_in_idle_time(time_us);
         (output, self.plan)
+    }
+
+    fn work_in_idle_time(&mut self, time_us: u64) {
+        let Some(learning) = &mut self.learning else { return };
+        if let Some(Prepared { at_us, config, planner }) = learning.work(&self.config, &self.state, time_us) {
+            self.change = Some(Box::new(Change { at_us, config, planner: Some(planner) }));
+        }
     }
 
     /// The shaped reference of the cascade, rad (roll, pitch, yaw).

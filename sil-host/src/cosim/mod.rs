@@ -10,6 +10,7 @@
 pub mod clock;
 pub mod contract;
 pub mod control_side;
+pub mod idle_learning;
 mod pilot;
 pub mod record;
 

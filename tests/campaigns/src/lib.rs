@@ -17,6 +17,7 @@
 //! | `thesis_case` | the thesis' case from the log to the better controller | `docs/thesis-case.md` |
 //! | `worst_case` | the most passes that the MPC's solver can take | `docs/solver.md` |
 
+pub mod adaptation;
 pub mod attitude_error;
 pub mod attitude_replay;
 pub mod blind;

@@ -1,0 +1,119 @@
+//! What a board does in its idle time with what it has learnt: another model, its controller, the rehearsal, and the
+//! time at which it is to take over.
+
+use shared_control::config::{Config, Controller, Tuning, mpc_settings};
+use shared_control::flight_core::State;
+use shared_control::learning::adoption::{Candidate, LearntModel, Refusal, prove};
+use shared_control::learning::confidence::Learnt;
+use shared_control::vehicle::VehicleParameters;
+
+use crate::controller_file::ControllerChoice;
+use crate::planner::Planner;
+
+/// How often it looks, µs.
+const LOOK_US: u64 = 100_000;
+/// From a look to the change: what the board's idle time takes to make and to rehearse a controller, µs.
+const WORK_US: u64 = 250_000;
+
+/// Looks at what was learnt, and has it taken over.
+#[derive(Clone, Debug)]
+pub struct IdleLearning {
+    /// What everything began with.
+    first: VehicleParameters,
+    choice: ControllerChoice,
+    /// What flies, or will.
+    flown: LearntModel,
+    look_us: u64,
+    looks: Vec<Look>,
+}
+
+/// A controller to take over.
+pub struct Prepared {
+    /// When, µs.
+    pub at_us: u64,
+    /// Its configuration.
+    pub config: Config,
+    /// Its MPC.
+    pub planner: Planner,
+}
+
+/// A look after which something was to change.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// When, µs.
+    pub time_us: u64,
+    /// What had been learnt.
+    pub learnt: Learnt,
+    /// The model that it came to.
+    pub model: LearntModel,
+    /// Why that may not fly; none where it was taken over.
+    pub refusal: Option<Refusal>,
+}
+
+impl IdleLearning {
+    /// For a vehicle as it is known at first.
+    pub fn new(first: VehicleParameters, choice: ControllerChoice) -> Self {
+        Self { first, choice, flown: LearntModel::first(&first), look_us: 0, looks: Vec::new() }
+    }
+
+    /// What flies, or will.
+    pub fn flown(&self) -> &LearntModel {
+        &self.flown
+    }
+
+    /// All looks that were to change something, in order.
+    pub fn looks(&self) -> &[Look] {
+        &self.looks
+    }
+
+    /// After a step: a controller, where another is to take over. The cascade has no rehearsal, and keeps its model.
+    pub fn work(&mut self, config: &Config, state: &State, time_us: u64) -> Option<Prepared> {
+        if time_us < self.look_us || config.controller == Controller::Cascade {
+            return None;
+        }
+        self.look_us = time_us + LOOK_US;
+        let learnt = state.learnt()?;
+        let model = self.flown.corrected(&learnt)?;
+        let (prepared, refusal) = match self.prepare(config, &model, &learnt, time_us) {
+            Ok(prepared) => (prepared, None),
+            Err(refusal) => (None, Some(refusal)),
+        };
+        self.looks.push(Look { time_us, learnt, model, refusal });
+        self.look_us = time_us + WORK_US + LOOK_US;
+        if prepared.is_some() {
+            self.flown = model;
+        }
+        prepared
+    }
+
+    fn prepare(
+        &self,
+        config: &Config,
+        model: &LearntModel,
+        learnt: &Learnt,
+        time_us: u64,
+    ) -> Result<Option<Prepared>, Refusal> {
+        let vehicle = model.of(&self.first);
+        let tuning = self.choice.tuning.over(Tuning::for_vehicle(&vehicle));
+        let loop_rate_hz = config.loop_rate_hz;
+        // what senses stays as it is, whatever the IMU's rate
+        let made = Config::new(&vehicle, &tuning, loop_rate_hz, loop_rate_hz, Controller::Mpc);
+        let settings = mpc_settings(&vehicle, &tuning, loop_rate_hz);
+        // numbers that no controller can be made for are no vehicle's
+        let (Ok(made), Ok(planner)) = (made, Planner::new(self.choice.control_horizon, &settings)) else {
+            return Ok(None);
+        };
+        let law = planner.unconstrained_gain();
+        prove(&Candidate { vehicle: &vehicle, tuning: &tuning, loop_rate_hz, law }, &self.first, learnt)?;
+        // so does what watches and what learns
+        let config = Config {
+            angle: made.angle,
+            rate: made.rate,
+            inertia_kg_m2: made.inertia_kg_m2,
+            observer: made.observer,
+            pitch_inertia: made.pitch_inertia,
+            ..*config
+        };
+        Ok(Some(Prepared { at_us: time_us + WORK_US, config, planner }))
+    }
+}

@@ -1,0 +1,46 @@
+//! What the core learns of its vehicle in flight, and what it makes of that, on the simulated rig.
+
+use shared_control::learning::rehearsal::{AxisBody, AxisController, rehearse};
+use shared_control::torque_observer::{DisturbanceAlert, Pace};
+use shared_control::vehicle::Actuation;
+use sil_host::control_setup::vehicle_parameters;
+use sil_host::controller_file::ControllerChoice;
+use sil_host::flight::FlightSetup;
+use sil_host::model::{Rig, VehicleModel};
+use sil_host::scenario::Scenario;
+
+/// The rehearsal of a loop has the peak sensitivity that is measured on the whole of it, in calm: the simulated rig,
+/// its sensors, the running core.
+#[test]
+fn a_rehearsed_loop_is_as_sensitive_as_the_measured_one() {
+    let text = "controller = \"mpc\"\n[tuning]\nmpc_gyro_delay_s = 0.00225\n";
+    for rig in [Rig::Gimbal, Rig::Free] {
+        let setup = FlightSetup {
+            model: VehicleModel::nominal(rig),
+            controller_model: None,
+            choice: ControllerChoice::parse(text, "c.toml").unwrap(),
+            scenario: Scenario::test_sequence(),
+            seed: 1,
+        };
+        let measured = setup.margins().unwrap().unwrap();
+        let (vehicle, tuning) = (vehicle_parameters(&setup.known_model()), setup.tuning());
+        let law = setup.control_side().unwrap().planner().unwrap().unconstrained_gain();
+        let actuation = Actuation { delay_s: vehicle.actuation.delay_s + 0.00225, ..vehicle.actuation };
+        for axis in 0..2 {
+            let pace = Pace {
+                bandwidth_rad_s: tuning.mpc_disturbance_bandwidth_rad_s,
+                alert: DisturbanceAlert::Never,
+                step_s: 0.0025,
+            };
+            let inertia_kg_m2 = vehicle.inertia_kg_m2[axis];
+            let controller = AxisController { law: law[axis], inertia_kg_m2, seen: actuation, pace };
+            let body = AxisBody { inertia_kg_m2, actuation };
+            let rehearsed = rehearse(&controller, &body, DisturbanceAlert::Never).unwrap();
+            assert!(rehearsed.is_stable());
+            let peak = f64::from(rehearsed.peak_sensitivity);
+            // the gyro's filter is more than a delay, and the grids of frequencies differ
+            let expected = measured[axis].sensitivity_peak;
+            assert!((peak / expected - 1.0).abs() < 0.03, "{rig:?}, axis {axis}: {peak}, measured {expected}");
+        }
+    }
+}
