@@ -130,7 +130,7 @@ impl FlightCore {
                 state.rate_target = next_rate_target(config, state, &output.estimate);
                 let seen = !state.coasting.coasts;
                 planning::observe(config, &mut state.observer, &motion, output, seen);
-                planning::learn(config, state, &motion, seen);
+                planning::learn(config, state, &motion, output, seen);
             }
         }
         let request = match config.controller {

@@ -143,13 +143,6 @@ impl ObserverState {
         self.axes.map(|axis| axis.disturbance_nm)
     }
 
-    /// Torques of an axis (roll, pitch, heading) that were in force in the last step behind a delay of whole steps and a
-    /// bit: until the bit was over, and from then on, N m.
-    pub fn acting_nm(&self, axis: usize, delay_steps: usize) -> [f32; 2] {
-        // the latest is in force from now on
-        self.axes.get(axis).map_or([0.0; 2], |axis| axis.acting_nm(delay_steps + 1))
-    }
-
     /// Whether the gains are raised (roll, pitch, heading).
     pub fn is_alert(&self, config: &ObserverConfig) -> [bool; 3] {
         self.axes.map(|axis| config.alert.is_alert(&axis.alert))

@@ -9,9 +9,9 @@ use shared_control::mpc::MpcError;
 
 use crate::control_setup::{core_config, mpc_settings, vehicle_parameters};
 use crate::controller_file::ControllerChoice;
-use crate::cosim::{
-    self, contract::DesignParameters, control_side::ControlSide, idle_learning::IdleLearning, record::FlightRecord,
-};
+use crate::cosim::contract::{DesignParameters, flight_time_s};
+use crate::cosim::idle_learning::{IdleLearning, Look};
+use crate::cosim::{self, control_side::ControlSide, record::FlightRecord};
 use crate::margins::{self, Margins};
 use crate::metrics::{self, AxisMetrics};
 use crate::model::VehicleModel;
@@ -80,6 +80,22 @@ pub struct RunSummary {
     pub real_time_factor: f64,
     /// What the MPC did.
     pub mpc: Option<MpcSummary>,
+    /// What was made of what was learnt in flight, in order; empty where nothing was, or was to be.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub learning: Vec<LearntSummary>,
+}
+
+/// Another model, from what was learnt in flight.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LearntSummary {
+    /// When the data were looked at, s.
+    pub time_s: f64,
+    /// Angular acceleration per torque over the first model's, roll and pitch.
+    pub gain: [f64; 2],
+    /// Time constant of the motors' lag, s.
+    pub lag_s: f64,
+    /// Whether its controller passed the rehearsal and was flown.
+    pub is_flown: bool,
 }
 
 /// Figures per axis.
@@ -89,6 +105,17 @@ pub struct Axes {
     pub roll: AxisMetrics,
     /// Pitch.
     pub pitch: AxisMetrics,
+}
+
+impl LearntSummary {
+    fn of(look: &Look) -> Self {
+        Self {
+            time_s: flight_time_s(look.time_us),
+            gain: look.model.gain.map(f64::from),
+            lag_s: f64::from(look.model.lag_s),
+            is_flown: look.refusal.is_none(),
+        }
+    }
 }
 
 /// What the MPC did over a flight.
@@ -165,20 +192,26 @@ impl FlightSetup {
     /// # Errors
     /// [`SetupError`] where the configuration can't be flown.
     pub fn fly(&self) -> Result<Flight, SetupError> {
-        let control = self.control_side()?;
+        let mut control = self.control_side()?;
         // a browser's WebAssembly has no such clock
         let start = (!cfg!(target_family = "wasm")).then(Instant::now);
-        let record = self.fly_under(control);
+        let record = self.fly_and_leave(&mut control);
         let computing_s = start.map_or(f64::NAN, |start| start.elapsed().as_secs_f64());
-        let summary = self.summarise(&record, computing_s);
+        let mut summary = self.summarise(&record, computing_s);
+        summary.learning =
+            control.learning().map_or(&[][..], IdleLearning::looks).iter().map(LearntSummary::of).collect();
         Ok(Flight { record, summary })
     }
 
     /// Flies it under a control side that [`FlightSetup::control_side`] made, of this set-up or of one that differs in
     /// nothing that the controller knows.
     pub fn fly_under(&self, mut control: ControlSide) -> FlightRecord {
+        self.fly_and_leave(&mut control)
+    }
+
+    fn fly_and_leave(&self, control: &mut ControlSide) -> FlightRecord {
         let (mut plant, mut sensors) = (Plant::new(&self.model), self.sensors());
-        cosim::fly(&self.design_parameters(), &mut plant, &mut sensors, &mut control, &self.scenario, None)
+        cosim::fly(&self.design_parameters(), &mut plant, &mut sensors, control, &self.scenario, None)
     }
 
     /// Figures of roll and pitch of a flight.
@@ -202,6 +235,7 @@ impl FlightSetup {
             effort: metrics::effort(&record.commands, self.model.base_command),
             saturated_pct: metrics::saturated_pct(&record.commands),
             real_time_factor: duration_s / computing_s,
+            learning: Vec::new(),
             mpc: (self.choice.controller == Controller::Mpc).then(|| self.mpc_summary(record)),
         }
     }

@@ -2,6 +2,7 @@
 //! runs them, `cargo test` does not: `cargo test -p integration-tests --test thorough [MODULE::]`. Tests of that kind
 //! that stand elsewhere are ignored there; `cargo xtask ci --step "thorough tests"` runs both.
 
+mod adaptation;
 mod better_controller;
 mod blind_diagnosis;
 mod closed_loop_table;

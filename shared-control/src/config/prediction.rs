@@ -83,6 +83,8 @@ pub(super) fn learning_config(
     let [roll, pitch, _] = angle_config(vehicle, tuning).shaping;
     tuning.learning.then(|| {
         LearningConfig::new(&Circumstances {
+            lift_curve: &vehicle.lift_curve,
+            lever_m: vehicle.lever_m(),
             inertia_kg_m2: [roll_kg_m2, pitch_kg_m2],
             delay_s: vehicle.actuation.delay_s + tuning.gyro_delay_s(),
             reference_max_rad_s2: [roll.acceleration_max_rad_s2, pitch.acceleration_max_rad_s2],

@@ -28,20 +28,20 @@ pub(super) fn observe(
     }
 }
 
-/// One step of learning, by the torques that the observer remembers.
-pub(super) fn learn(config: &Config, state: &mut State, motion: &EulerMotion, seen: bool) {
+/// One step of learning, by the commands that the motors get.
+pub(super) fn learn(config: &Config, state: &mut State, motion: &EulerMotion, output: &StepOutput, seen: bool) {
     let Some(learning) = &config.learning else { return };
     let [roll_rad, ..] = motion.angle_rad;
-    // with a single linearisation the controllers take the level vehicle's answer everywhere
-    let pitch_share = match config.pitch_inertia {
-        Some(_) => 1.0,
-        None => learning.pitch_inertia.gain_share(roll_rad),
+    // a rig turns about its own axes, a free vehicle about those of its body
+    let rate_rad_s = match config.angle.yaw_locked {
+        true => motion.rate_rad_s,
+        false => output.estimate.rate_body_rad_s.into(),
     };
     let shown = Shown {
-        observer: &state.observer,
-        rate_rad_s: motion.rate_rad_s,
-        gain_share: [1.0, pitch_share],
-        known_nm: motion.about_axes_nm(config, motion.gravity_about_body_nm(config)),
+        commands: output.mix.commands.0,
+        rate_rad_s,
+        gain_share: [1.0, learning.pitch_inertia.gain_share(roll_rad)],
+        known_nm: motion.gravity_about_body_nm(config),
         reference_rad_s: state.angle.reference.map(|axis| axis.rate_rad_s),
         seen: seen && !motion.is_too_steep(),
     };

@@ -6,6 +6,7 @@
 //! flies on.
 
 use super::confidence::{AXES, Learnt, Range};
+use super::lag_bank::LAG_MAX_S;
 use super::rehearsal::{AxisBody, AxisController, rehearse};
 use crate::config::{Tuning, observed};
 use crate::elementary::{larger, magnitude};
@@ -71,7 +72,10 @@ impl LearntModel {
     /// Another model, where the data say that this one is wrong and are certain of what is right.
     pub fn corrected(&self, learnt: &Learnt) -> Option<Self> {
         let Learnt { gain, lag_s } = learnt;
-        if 0.5 * (lag_s.high - lag_s.low) > larger(LAG_CERTAIN_S, LAG_CERTAIN * lag_s.best) {
+        let lag_is_certain = 0.5 * (lag_s.high - lag_s.low) <= larger(LAG_CERTAIN_S, LAG_CERTAIN * lag_s.best);
+        // a lag that may be beyond the bank is none, and one that no gain goes with is no motors'
+        let is_known = gain.iter().flatten().any(is_certain) && lag_s.high < LAG_MAX_S;
+        if !(lag_is_certain && is_known) {
             return None;
         }
         let differs = |range: &Range, flown: f32, alike: f32| {

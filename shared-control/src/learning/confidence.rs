@@ -6,9 +6,12 @@
 //! ```text
 //!   chi^2(T) = sum over the axes of n/c (rest(T) / least rest - 1)
 //! ```
-//! The remaining errors of neighbouring samples are alike, so that n samples count as n/c. The set holds the lags whose
-//! chi^2 is within [`SIGNIFICANT`] of the least, and for each gain what goes with these lags, two standard deviations
-//! about it.
+//! The remaining errors of neighbouring samples are alike, so that n samples count as n/c. And they are not only noise:
+//! the controller answers to a gust, so that what the gust does stands beside a torque that goes with it, and least
+//! squares takes one for the other. If errors and torque are correlated by r, a gain is wrong by up to r times the
+//! root of remaining over explained sum, and a wrong lag may leave less than the right one by up to 4 r^2 of it. The set
+//! holds the lags whose chi^2 is within [`SIGNIFICANT`] and that of the least, and for each gain what goes with these
+//! lags, two standard deviations and that about it. In still air little remains, and it is small.
 
 use super::lag_bank::{AxisSums, LAGS, LAGS_S};
 use crate::elementary::{larger, smaller, sqrt};
@@ -20,6 +23,8 @@ pub const AXES: usize = 2;
 const ALIKE: f32 = 20.0;
 /// 95 of 100 of a chi^2 with one degree of freedom.
 const SIGNIFICANT: f32 = 4.0;
+/// r: how strongly torque and errors may go together.
+const FEEDBACK: f32 = 0.3;
 /// Least number of samples that anything is said of.
 const SAMPLES_MIN: f32 = 60.0;
 /// Parts of the interval between two lags of the bank.
@@ -53,7 +58,8 @@ pub struct Learnt {
 #[derive(Clone, Copy, Debug)]
 struct Fit {
     gain: f32,
-    deviation: f32,
+    /// Half of the gain's range.
+    half_width: f32,
     rest: f32,
 }
 
@@ -72,7 +78,8 @@ impl AxisSums {
         }
         // rounding of the sums leaves no less
         let rest = larger(self.yy - xy * xy / xx, 1e-6 * self.yy);
-        Some(Fit { gain: xy / xx, deviation: sqrt(ALIKE * rest / (self.samples * xx)), rest })
+        let root = sqrt(rest / xx);
+        Some(Fit { gain: xy / xx, half_width: (2.0 * sqrt(ALIKE / self.samples) + FEEDBACK) * root, rest })
     }
 }
 
@@ -115,16 +122,19 @@ pub fn learnt(axes: &[AxisSums; AXES]) -> Option<Learnt> {
         }
     }
     let (least_chi, at, part, best_s) = best;
+    let counted: f32 =
+        axes.iter().zip(least).filter(|(_, least)| least.is_finite()).map(|(axis, _)| axis.samples).sum();
+    let allowed = least_chi + SIGNIFICANT + 4.0 * FEEDBACK * FEEDBACK * counted / ALIKE;
     let mut lag_s = Range { best: best_s, low: best_s, high: best_s };
     let mut gain = axes.each_ref().map(|axis| axis.fit(at, part).map(|fit| Range::about(fit.gain)));
     for (at, part, here_s) in grid() {
-        if chi_squared(at, part) > least_chi + SIGNIFICANT {
+        if chi_squared(at, part) > allowed {
             continue;
         }
         lag_s.widen(here_s, here_s);
         for (gain, axis) in gain.iter_mut().zip(axes) {
             if let (Some(gain), Some(fit)) = (gain, axis.fit(at, part)) {
-                gain.widen(fit.gain - 2.0 * fit.deviation, fit.gain + 2.0 * fit.deviation);
+                gain.widen(fit.gain - fit.half_width, fit.gain + fit.half_width);
             }
         }
     }

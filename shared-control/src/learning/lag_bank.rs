@@ -1,41 +1,33 @@
 //! What one axis does in answer to its motors, for a bank of lags at once.
 //!
 //! With the motors' lag T and the axis' gain k (its acceleration per torque over that of the model) the rate moves in a
-//! step by k times what the model's body would under the delivered torque u lagged by T, and by what nobody knows. Both
-//! sides pass the same filter,
+//! step by k times what the model's body would under the torque that motors of that lag make ([`super::motors`]), and by
+//! what nobody knows. Both sides pass the same filter,
 //!
 //! ```text
-//!   F = (1 - 1/z) / (1 - p/z)^2        y = F (w - w/z)        x(T) = F (rotation by u lagged by T)        y = k x(T) + e
+//!   F = (1 - 1/z) / (1 - p/z)^2        y = F (w - w/z)        x(T) = F (rotation by that torque)        y = k x(T) + e
 //! ```
 //! whose 1 - 1/z takes off what stays (a bias of the gyro has gone with the difference, a constant torque goes here),
 //! and which makes white what the observer of bandwidth p is for: a torque that walks at random under white noise of
-//! the gyro. Lag and filter commute, so that the torque is filtered once and lagged for each T. For any lag between two
-//! of the bank a mean of both neighbours' x is taken, so that sums of squares and of products of neighbours are all
-//! that has to be kept.
+//! the gyro. For any lag between two of the bank a mean of both neighbours' x is taken, so that sums of squares and of
+//! products of neighbours are all that has to be kept.
 
-use crate::lagged_axis::LagStep;
+use crate::elementary::exp;
 use crate::record::state_words::StateWords;
 
 /// Lags of the bank, s.
-pub const LAGS_S: [f32; 12] = [0.002, 0.004, 0.007, 0.011, 0.016, 0.022, 0.03, 0.04, 0.053, 0.07, 0.092, 0.12];
+pub const LAGS_S: [f32; LAGS] = [0.003, 0.006, 0.01, 0.015, 0.021, 0.029, 0.039, 0.051, 0.066, 0.084, 0.106, 0.13];
+/// The longest.
+pub const LAG_MAX_S: f32 = LAGS_S[LAGS - 1];
 /// How many.
-pub const LAGS: usize = LAGS_S.len();
-
-/// The bank for a loop's step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LagBank {
-    steps: [LagStep; LAGS],
-    pole: f32,
-}
+pub const LAGS: usize = 12;
 
 /// Filters and sums of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisSums {
     rate_before_rad_s: f32,
     measured: Filter,
-    turned: Filter,
-    /// Lagged part of the filtered torque, as rotation in a step, rad/s, a lag each.
-    lagged_rad_s: [f32; LAGS],
+    turned: [Filter; LAGS],
     /// Weight of all samples.
     pub samples: f32,
     /// Sum of y^2, (rad/s)^2.
@@ -55,8 +47,8 @@ pub struct Motion {
     pub rate_rad_s: f32,
     /// Part of its change that is known from elsewhere (gravity's), rad/s.
     pub known_rad_s: f32,
-    /// Change that the torque in force would have given the model's body without lag, rad/s.
-    pub turned_rad_s: f32,
+    /// Change that motors of each lag would have given the model's body, rad/s.
+    pub turned_rad_s: [f32; LAGS],
 }
 
 /// F of the page's head.
@@ -76,30 +68,24 @@ impl Filter {
     }
 }
 
-impl LagBank {
-    /// For steps of `step_s`, and a filter as fast as the bandwidth says.
-    pub fn new(step_s: f32, bandwidth_rad_s: f32) -> Self {
-        let pole = crate::elementary::exp(-bandwidth_rad_s * step_s);
-        Self { steps: LAGS_S.map(|lag_s| LagStep::new(step_s, lag_s)), pole }
-    }
+/// Pole of F for a bandwidth.
+pub fn pole(bandwidth_rad_s: f32, step_s: f32) -> f32 {
+    exp(-bandwidth_rad_s * step_s)
 }
 
 impl AxisSums {
     /// One step on. Where it counts it comes into the sums with a weight of one, and those before keep `kept` of theirs.
-    pub fn update(&mut self, bank: &LagBank, motion: &Motion, kept: Option<f32>) {
+    pub fn update(&mut self, pole: f32, motion: &Motion, kept: Option<f32>) {
         let moved_rad_s = motion.rate_rad_s - self.rate_before_rad_s;
         self.rate_before_rad_s = motion.rate_rad_s;
         if !moved_rad_s.is_finite() {
-            (self.measured, self.turned, self.lagged_rad_s) = Default::default();
+            (self.measured, self.turned) = Default::default();
             return;
         }
-        let y = self.measured.pass(bank.pole, moved_rad_s - motion.known_rad_s);
-        let turned = self.turned.pass(bank.pole, motion.turned_rad_s);
-        let mut x = [0.0; LAGS];
-        for ((x, lagged), step) in x.iter_mut().zip(&mut self.lagged_rad_s).zip(&bank.steps) {
-            let lacking = *lagged - turned;
-            *x = turned + step.rate_share * lacking;
-            *lagged = turned + step.kept * lacking;
+        let y = self.measured.pass(pole, moved_rad_s - motion.known_rad_s);
+        let mut x = motion.turned_rad_s;
+        for (x, filter) in x.iter_mut().zip(&mut self.turned) {
+            *x = filter.pass(pole, *x);
         }
         if let Some(kept) = kept {
             self.add(&x, y, kept);
@@ -119,12 +105,11 @@ impl AxisSums {
     }
 
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { rate_before_rad_s, measured, turned, lagged_rad_s, samples, yy, xy, xx, next } = self;
+        let Self { rate_before_rad_s, measured, turned, samples, yy, xy, xx, next } = self;
         words.number(*rate_before_rad_s);
-        for Filter { input, once, twice } in [measured, turned] {
+        for Filter { input, once, twice } in turned.iter().chain([measured]) {
             words.numbers(&[*input, *once, *twice]);
         }
-        words.numbers(lagged_rad_s);
         words.numbers(&[*samples, *yy]);
         for sums in [xy, xx, next] {
             words.numbers(sums);

@@ -12,17 +12,19 @@
 pub mod adoption;
 pub mod confidence;
 pub mod lag_bank;
+pub mod motors;
 pub mod rehearsal;
 
 use crate::elementary::magnitude;
+use crate::lift_curve::LiftCurve;
 use crate::mpc::schedule::PitchInertia;
 use crate::record::state_words::StateWords;
-use crate::torque_observer::ObserverState;
 use confidence::{AXES, Learnt};
-use lag_bank::{AxisSums, LagBank, Motion};
+use lag_bank::{AxisSums, Motion};
+use motors::{MotorBank, MotorBankState};
 
 /// Bandwidth of the filter that both sides pass, rad/s.
-const BANDWIDTH_RAD_S: f32 = 20.0;
+const BANDWIDTH_RAD_S: f32 = 7.0;
 /// Memory of the sums, in time that counts, s.
 const MEMORY_S: f32 = 2.0;
 /// How long samples count after the reference has accelerated, s.
@@ -35,24 +37,23 @@ const MANOEUVRE_SHARE: f32 = 0.2;
 /// Made once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearningConfig {
-    bank: LagBank,
+    motors: MotorBank,
+    pole: f32,
     /// Rotation in a step per torque of the model, 1/(kg m^2 / s), roll and pitch.
     turn_per_nm: [f32; AXES],
-    /// Whole steps from command to motor, filters of the gyro included, and the part of a step beyond.
-    delay_steps: usize,
-    delay_part: f32,
     step_s: f32,
     manoeuvre_rad_s2: [f32; AXES],
     after_steps: u32,
     settling_steps: u32,
     kept: f32,
-    /// How pitch answers to torque when rolled.
+    /// How pitch answers to torque when rolled: a rig's does less.
     pub pitch_inertia: PitchInertia,
 }
 
 /// What is kept from step to step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LearningState {
+    motors: MotorBankState,
     axes: [AxisSums; AXES],
     reference_rad_s: [f32; AXES],
     /// Steps that still count, an axis each.
@@ -63,7 +64,11 @@ pub struct LearningState {
 
 /// What the learner is told of the vehicle and its loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Circumstances {
+pub struct Circumstances<'a> {
+    /// The motors' lift over command.
+    pub lift_curve: &'a LiftCurve,
+    /// From a motor to the axis of roll and of pitch, m.
+    pub lever_m: f32,
     /// The model's inertia, roll and pitch, kg m^2.
     pub inertia_kg_m2: [f32; AXES],
     /// From command to motor and through the gyro's filters, s.
@@ -78,13 +83,12 @@ pub struct Circumstances {
 
 /// What a step shows: roll, pitch and heading.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown<'a> {
-    /// Delivered torques are remembered there.
-    pub observer: &'a ObserverState,
+pub struct Shown {
+    /// Commands that are in force from now on, 0..1.
+    pub commands: [f32; 4],
     /// Rates, rad/s.
     pub rate_rad_s: [f32; 3],
-    /// What a torque turns an axis by, over what it does when level, roll and pitch, as far as the torques that the
-    /// observer remembers do not hold it already.
+    /// What a torque turns an axis by, over what it does when level, roll and pitch.
     pub gain_share: [f32; AXES],
     /// Torque that is known from elsewhere (gravity's), N m.
     pub known_nm: [f32; 3],
@@ -96,15 +100,13 @@ pub struct Shown<'a> {
 
 impl LearningConfig {
     /// For a vehicle and its loop.
-    pub fn new(circumstances: &Circumstances) -> Self {
-        let Circumstances { inertia_kg_m2, delay_s, reference_max_rad_s2, step_s, pitch_inertia } = *circumstances;
-        let steps = delay_s / step_s;
-        let delay_steps = steps as usize;
+    pub fn new(circumstances: &Circumstances<'_>) -> Self {
+        let Circumstances { lift_curve, lever_m, inertia_kg_m2, delay_s, reference_max_rad_s2, step_s, pitch_inertia } =
+            *circumstances;
         Self {
-            bank: LagBank::new(step_s, BANDWIDTH_RAD_S),
+            motors: MotorBank::new(lift_curve, lever_m, delay_s, step_s),
+            pole: lag_bank::pole(BANDWIDTH_RAD_S, step_s),
             turn_per_nm: inertia_kg_m2.map(|inertia_kg_m2| step_s / inertia_kg_m2),
-            delay_steps,
-            delay_part: steps - delay_steps as f32,
             step_s,
             manoeuvre_rad_s2: reference_max_rad_s2.map(|most| MANOEUVRE_SHARE * most),
             after_steps: (AFTER_S / step_s) as u32,
@@ -117,10 +119,11 @@ impl LearningConfig {
 
 impl LearningState {
     /// One step, flown by the torque that the observer remembers.
-    pub fn update(&mut self, config: &LearningConfig, shown: &Shown<'_>) {
+    pub fn update(&mut self, config: &LearningConfig, shown: &Shown) {
         if !shown.seen {
             self.settling = config.settling_steps;
         }
+        let torque_nm = self.motors.update(&config.motors, shown.commands);
         for (axis, sums) in self.axes.iter_mut().enumerate() {
             let moved_rad_s = shown.reference_rad_s[axis] - self.reference_rad_s[axis];
             self.reference_rad_s[axis] = shown.reference_rad_s[axis];
@@ -128,14 +131,13 @@ impl LearningState {
             let manoeuvres = magnitude(moved_rad_s) > config.manoeuvre_rad_s2[axis] * config.step_s;
             *counting = if manoeuvres { config.after_steps } else { counting.saturating_sub(1) };
             let counts = *counting > 0 && self.settling == 0;
-            let [early_nm, late_nm] = shown.observer.acting_nm(axis, config.delay_steps);
-            let acting_nm = config.delay_part * early_nm + (1.0 - config.delay_part) * late_nm;
+            let turn_per_nm = config.turn_per_nm[axis] * shown.gain_share[axis];
             let motion = Motion {
                 rate_rad_s: if shown.seen { shown.rate_rad_s[axis] } else { f32::NAN },
-                known_rad_s: config.turn_per_nm[axis] * shown.known_nm[axis],
-                turned_rad_s: config.turn_per_nm[axis] * shown.gain_share[axis] * acting_nm,
+                known_rad_s: turn_per_nm * shown.known_nm[axis],
+                turned_rad_s: torque_nm.map(|torque_nm| turn_per_nm * torque_nm[axis]),
             };
-            sums.update(&config.bank, &motion, counts.then_some(config.kept));
+            sums.update(config.pole, &motion, counts.then_some(config.kept));
         }
         self.settling = self.settling.saturating_sub(1);
     }
@@ -151,7 +153,8 @@ impl LearningState {
     }
 
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { axes, reference_rad_s, counting, settling } = self;
+        let Self { motors, axes, reference_rad_s, counting, settling } = self;
+        motors.record(words);
         for axis in axes {
             axis.record(words);
         }

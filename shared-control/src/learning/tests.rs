@@ -1,55 +1,72 @@
 extern crate std;
 
+use super::adoption::{Candidate, LearntModel, prove};
+use super::confidence::Range;
 use super::confidence::{AXES, Learnt};
+use super::rehearsal::{AxisBody, AxisController, rehearse};
 use super::*;
-use crate::lagged_axis::{AxisMotion, LagStep};
-use crate::torque_observer::{DisturbanceAlert, ObserverConfig, Pace};
-use crate::vehicle::Actuation;
+use crate::airframe::TORQUE_SIGNS;
+use crate::config::{Tuning, mpc_settings};
+use crate::lift_curve::LIFT_INTERVALS;
+use crate::mpc::Mpc;
+use crate::torque_observer::{DisturbanceAlert, Pace};
+use crate::vehicle::{Actuation, VehicleParameters};
 use proptest::prelude::*;
 
 const STEP_S: f32 = 0.0025;
 const MODEL_KG_M2: f32 = 0.0115;
+const LEVER_M: f32 = 0.16;
 const DELAY_S: f32 = 0.00225;
 /// Parts of a control step in which the body is integrated.
-const SLICES: usize = 200;
+const SLICES: usize = 100;
+/// Of every motor where nothing turns, and what a roll or a pitch of one rad/s^2 changes it by.
+const HOVER: f32 = 0.5;
+const LIFT_MAX_N: f32 = 8.0;
 
-/// A body with a gain and a lag, whose motors are told what turns it as the reference does.
+/// A body with gains and a lag, whose motors are told what turns it as the reference does.
 struct Flight {
     gain: [f32; AXES],
     lag_s: f32,
     noise_rad_s: f32,
     config: LearningConfig,
-    observer_config: ObserverConfig,
     learning: LearningState,
-    observer: ObserverState,
-    body: [AxisMotion; AXES],
-    told_nm: std::vec::Vec<[f32; AXES]>,
+    rate_rad_s: [f32; AXES],
+    motors: [f32; 4],
+    told: std::vec::Vec<[f32; 4]>,
     random: u32,
 }
 
 impl Flight {
     fn new(gain: [f32; AXES], lag_s: f32, noise_rad_s: f32) -> Self {
+        // lift as the square of the command
+        let mut lift_curve = LiftCurve::straight(LIFT_MAX_N);
+        lift_curve.command_at = core::array::from_fn(|k| (k as f32 / LIFT_INTERVALS as f32).sqrt());
         let circumstances = Circumstances {
+            lift_curve: &lift_curve,
+            lever_m: LEVER_M,
             inertia_kg_m2: [MODEL_KG_M2; AXES],
             delay_s: DELAY_S,
             reference_max_rad_s2: [20.0; AXES],
             step_s: STEP_S,
             pitch_inertia: PitchInertia { level_kg_m2: MODEL_KG_M2, rolled_kg_m2: MODEL_KG_M2 },
         };
-        let pace = Pace { bandwidth_rad_s: 0.0, alert: DisturbanceAlert::Never, step_s: STEP_S };
-        let actuation = Actuation { delay_s: 0.0, lag_s: 0.03 };
-        Self {
+        let mut flight = Self {
             gain,
             lag_s,
             noise_rad_s,
             config: LearningConfig::new(&circumstances),
-            observer_config: ObserverConfig::new([MODEL_KG_M2; 3], [0.3; 3], &actuation, pace).unwrap(),
             learning: LearningState::default(),
-            observer: ObserverState::default(),
-            body: [AxisMotion::default(); AXES],
-            told_nm: std::vec::Vec::new(),
+            rate_rad_s: [0.0; AXES],
+            motors: [HOVER; 4],
+            told: std::vec::Vec::new(),
             random: 1,
+        };
+        flight.learning.rest(&flight.config);
+        // what the filters take to settle
+        for _ in 0..300 {
+            flight.step([0.0; AXES], 0.0, [0.0; AXES], true);
         }
+        flight
     }
 
     /// Uniform, -1 to 1.
@@ -60,16 +77,20 @@ impl Flight {
 
     /// One step with a torque on both axes, a torque from outside, and the reference's rates.
     fn step(&mut self, told_nm: [f32; AXES], outside_nm: f32, reference_rad_s: [f32; AXES], seen: bool) {
+        let commands = core::array::from_fn(|motor| {
+            let turning_n: f32 =
+                (0..AXES).map(|axis| TORQUE_SIGNS[axis][motor] * told_nm[axis] / (4.0 * LEVER_M)).sum();
+            (HOVER * HOVER + turning_n / LIFT_MAX_N).sqrt()
+        });
         let mut rate_rad_s = [0.0; 3];
         for axis in 0..AXES {
-            rate_rad_s[axis] = self.body[axis].rate_rad_s + self.noise_rad_s * self.noise();
+            rate_rad_s[axis] = self.rate_rad_s[axis] + self.noise_rad_s * self.noise();
         }
         if !seen {
             rate_rad_s = [f32::NAN; 3];
         }
-        self.observer.update(&self.observer_config, rate_rad_s, [told_nm[0], told_nm[1], 0.0], [0.0; 3]);
         let shown = Shown {
-            observer: &self.observer,
+            commands,
             rate_rad_s,
             gain_share: [1.0; AXES],
             known_nm: [0.0; 3],
@@ -77,15 +98,19 @@ impl Flight {
             seen,
         };
         self.learning.update(&self.config, &shown);
-        self.told_nm.push(told_nm);
+        self.told.push(commands);
         let late = (DELAY_S / STEP_S * SLICES as f32) as usize;
-        let slice = LagStep::new(STEP_S / SLICES as f32, self.lag_s);
-        let now = (self.told_nm.len() - 1) * SLICES;
+        let slice_s = STEP_S / SLICES as f32;
+        let now = (self.told.len() - 1) * SLICES;
         for at in now..now + SLICES {
-            let told_nm = at.checked_sub(late).map_or([0.0; AXES], |then| self.told_nm[then / SLICES]);
+            let told = at.checked_sub(late).map_or([HOVER; 4], |then| self.told[then / SLICES]);
+            for motor in 0..4 {
+                self.motors[motor] += slice_s / self.lag_s * (told[motor] - self.motors[motor]);
+            }
             for axis in 0..AXES {
-                let inertia_kg_m2 = MODEL_KG_M2 / self.gain[axis];
-                self.body[axis] = slice.advance(&self.body[axis], told_nm[axis], outside_nm, inertia_kg_m2);
+                let lift_n = |motor: usize| LIFT_MAX_N * self.motors[motor] * self.motors[motor];
+                let torque_nm: f32 = (0..4).map(|motor| LEVER_M * TORQUE_SIGNS[axis][motor] * lift_n(motor)).sum();
+                self.rate_rad_s[axis] += slice_s * self.gain[axis] / MODEL_KG_M2 * (torque_nm + outside_nm);
             }
         }
     }
@@ -95,10 +120,9 @@ impl Flight {
         for step in 0..steps {
             let axis = step / 200 % 2;
             let phase = step % 200;
-            // a fifth of a second forth, a fifth back: at rest after it
             let push_rad_s2 = match phase {
-                0..40 => 15.0,
-                40..80 => -15.0,
+                0..40 => 25.0,
+                40..80 => -25.0,
                 _ => 0.0,
             };
             let (mut told_nm, mut reference_rad_s) = ([0.0; AXES], [0.0; AXES]);
@@ -117,8 +141,8 @@ fn holds(learnt: &Learnt, gain: [f32; AXES], lag_s: f32) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Gain and lag are found within 5 % (a short lag within 2 ms), whatever they are, under a torque that nobody knows
-    /// and with a bad gyro's noise.
+    /// Gain and lag are found within 6 % (a short lag within 2 ms), whatever they are, under a torque that nobody knows
+    /// and with a bad gyro's noise: half of it is the mean of two lags that stands for one between them.
     #[test]
     fn gain_and_lag_are_found(
         roll in 0.5f32..1.8,
@@ -130,9 +154,9 @@ proptest! {
         flight.manoeuvres(800);
         let learnt = flight.learning.learnt().unwrap();
         prop_assert!(holds(&learnt, [roll, pitch], lag_s), "{learnt:?}");
-        prop_assert!((learnt.lag_s.best - lag_s).abs() < 0.002f32.max(0.05 * lag_s), "{learnt:?}");
+        prop_assert!((learnt.lag_s.best - lag_s).abs() < 0.002f32.max(0.06 * lag_s), "{learnt:?}");
         for (range, gain) in learnt.gain.iter().zip([roll, pitch]) {
-            prop_assert!((range.unwrap().best / gain - 1.0).abs() < 0.05, "{learnt:?}");
+            prop_assert!((range.unwrap().best / gain - 1.0).abs() < 0.06, "{learnt:?}");
         }
     }
 }
@@ -164,15 +188,14 @@ fn hover_teaches_nothing() {
 fn an_axis_at_rest_is_not_spoken_of() {
     let mut flight = Flight::new([0.7, 1.4], 0.045, 0.002);
     for step in 0..200usize {
-        let push = if step < 40 { 15.0 } else if step < 80 { -15.0 } else { 0.0 };
+        let push = if step < 40 {
+            25.0
+        } else if step < 80 {
+            -25.0
+        } else {
+            0.0
+        };
         let reference_rad_s = 15.0 * STEP_S * step.min(80usize.saturating_sub(step)) as f32;
-        // what the filters take to settle comes first
-        if step == 0 {
-            flight.learning.rest(&flight.config);
-            for _ in 0..300 {
-                flight.step([0.0; AXES], 0.0, [0.0; AXES], true);
-            }
-        }
         flight.step([MODEL_KG_M2 * push, 0.0], 0.0, [reference_rad_s, 0.0], true);
     }
     let learnt = flight.learning.learnt().unwrap();
@@ -194,4 +217,40 @@ fn what_was_not_seen_does_not_count() {
     assert_eq!(flight.learning.learnt(), before.learnt());
     flight.manoeuvres(1600);
     assert!(holds(&flight.learning.learnt().unwrap(), [0.7, 1.4], 0.045), "{:?}", flight.learning.learnt());
+}
+
+/// What was learnt of a slow vehicle is flown with; a controller made for a fast one is refused for it.
+#[test]
+fn a_controller_flies_only_if_its_rehearsal_holds() {
+    let first = VehicleParameters::F450_FREE;
+    let range = |best: f32, half: f32| Range { best, low: best - half, high: best + half };
+    let learnt = Learnt { gain: [Some(range(0.7, 0.03)), Some(range(1.3, 0.06))], lag_s: range(0.075, 0.006) };
+    let model = LearntModel::first(&first).corrected(&learnt).unwrap();
+    assert_eq!(model, LearntModel { gain: [0.7, 1.3], lag_s: 0.075 });
+    assert_eq!(model.corrected(&learnt), None, "what flies is right");
+    let proven = |lag_s: f32, gain: f32| {
+        let vehicle = LearntModel { gain: [gain * 0.7, gain * 1.3], lag_s }.of(&first);
+        let tuning = Tuning::for_vehicle(&vehicle);
+        let mpc = Mpc::<5>::prepare(&mpc_settings(&vehicle, &tuning, 400.0)).unwrap();
+        let law = mpc.unconstrained_gain();
+        prove(&Candidate { vehicle: &vehicle, tuning: &tuning, loop_rate_hz: 400.0, law }, &first, &learnt)
+    };
+    assert_eq!(proven(0.075, 1.0), Ok(()));
+    // lift that is not there has the loop too slow, which is safe; a gain of a fifth makes it five times too strong
+    assert!(proven(0.01, 0.2).is_err(), "{:?}", proven(0.01, 0.2));
+}
+
+/// A loop's sensitivity where it is known in closed form: without feedback it is 1 at every frequency, and a push is
+/// gone at once.
+#[test]
+fn without_feedback_a_rehearsal_shows_the_push_alone() {
+    let actuation = Actuation { delay_s: 0.003, lag_s: 0.03 };
+    let pace = Pace { bandwidth_rad_s: 0.0, alert: DisturbanceAlert::Never, step_s: STEP_S };
+    let controller = AxisController { law: [0.0; 4], inertia_kg_m2: 0.01, seen: actuation, pace };
+    let body = AxisBody { inertia_kg_m2: 0.01, actuation };
+    let standing = rehearse(&controller, &body, DisturbanceAlert::Never).unwrap();
+    assert!((standing.peak_sensitivity - 1.0).abs() < 1e-5 && standing.left == 0.0, "{standing:?}");
+    // an angle that is fed back alone, without rate: two integrators that swing up
+    let undamped = AxisController { law: [-1.0, 0.0, 0.0, 0.0], ..controller };
+    assert!(!rehearse(&undamped, &body, DisturbanceAlert::Never).unwrap().is_stable());
 }

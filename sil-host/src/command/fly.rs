@@ -8,7 +8,7 @@ use sil_host::answer::flight::flown::{FlownController, fly_one};
 use sil_host::answer::flight::page::page;
 use sil_host::answer::flight::text::summary_text;
 use sil_host::answer::montecarlo::drawn_text;
-use sil_host::flight::RunSummary;
+use sil_host::flight::{LearntSummary, RunSummary};
 use sil_host::flight_log::flight_log;
 use sil_host::montecarlo::{Draw, Lot};
 
@@ -64,6 +64,9 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
     }
     print(summary_text(&flown))?;
     for one in &flown {
+        print(learnt_text(&one.name, &one.flight.summary.learning))?;
+    }
+    for one in &flown {
         if let Some(path) = &arguments.log {
             let path = log_path(path, &one.name, flown.len() > 1);
             write_log(&path, one)?;
@@ -75,6 +78,19 @@ pub fn run(arguments: &FlyArguments) -> Result<(), Failure> {
         print(format!("report  {}\n", path.display()))?;
     }
     write_json(arguments.json.as_deref(), &FlyJson { runs: flown.iter().map(|one| &one.flight.summary).collect() })
+}
+
+/// What was learnt in flight, a line each.
+fn learnt_text(controller: &str, learnt: &[LearntSummary]) -> String {
+    let line = |LearntSummary { time_s, gain: [roll, pitch], lag_s, is_flown }: &LearntSummary| {
+        let lag_ms = 1e3 * lag_s;
+        let what = if *is_flown { "flown with from then on" } else { "refused by the rehearsal" };
+        format!(
+            "{controller} at {time_s:.1} s: roll {roll:.2} and pitch {pitch:.2} times the model's acceleration per \
+             torque, motors' lag {lag_ms:.0} ms; {what}\n"
+        )
+    };
+    learnt.iter().map(line).collect()
 }
 
 /// The command that repeats this run.

@@ -272,6 +272,7 @@ impl Series {
             effort: metrics::effort(&self.commands, setup.model.base_command),
             saturated_pct: metrics::saturated_pct(&self.commands),
             real_time_factor: duration_s / computing_s,
+            learning: Vec::new(),
             mpc: None,
         }
     }

@@ -3,6 +3,7 @@
 //!
 //! | binary | question | page |
 //! |---|---|---|
+//! | `adaptation` | does the MPC learn the vehicle that it flies? | `docs/learning.md` |
 //! | `attitude_error` | how wrong is the attitude in vibration and with a gyro that drifts? | `docs/attitude-error.md` |
 //! | `blind_diagnosis` | does the diagnosis name and measure what is hidden in a log? | `docs/diagnosis.md` |
 //! | `closed_loop_table` | both controllers under each effect | `docs/closed-loop.md` |

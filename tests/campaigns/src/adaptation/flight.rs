@@ -4,7 +4,8 @@
 use serde::Serialize;
 use shared_control::learning::adoption::Refusal;
 use sil_host::axis::Axis;
-use sil_host::controller_file::ControllerChoice;
+use sil_host::control_setup::vehicle_parameters;
+use sil_host::controller_file::{ControllerChoice, TuningChange};
 use sil_host::cosim::contract::HELD_US;
 use sil_host::cosim::idle_learning::IdleLearning;
 use sil_host::cosim::{self, record::FlightRecord};
@@ -15,14 +16,48 @@ use sil_host::model::{Rig, VehicleModel};
 use sil_host::plant::Plant;
 use sil_host::scenario::Scenario;
 use sil_host::sensors::random::RandomStream;
+use sil_host::vehicle::propulsion::Propulsion;
 
+use crate::comparison::contenders::MPC_FILE;
 use crate::comparison::weather::Weather;
 
 /// Time constant of the motors that the controller knows, on the gimbal, beyond those of the model itself, s.
 const KNOWN_LAG_S: f64 = 0.03;
-/// What the gyro's low-pass adds to the lag's own delay is counted, as on the board.
-const CONTROLLER: &str = "controller = \"mpc\"\n[tuning]\nmpc_disturbance_alert = \"significant\"\n\
-                          mpc_gyro_delay_s = 0.00225\n";
+/// When what was learnt from the first steps is to have taken effect, s.
+const LATE_S: f64 = 5.0;
+/// Time constant of the F450's motors in free flight, s: what the core takes from the model.
+const FREE_LAG_S: f64 = 0.0528285;
+/// What follows from the vehicle, with alerts; the gyro's delay is counted, as on the board.
+const SHIPPED: &str = "controller = \"mpc\"\n[tuning]\nmpc_disturbance_alert = \"significant\"\n\
+                       mpc_gyro_delay_s = 0.00225\n";
+
+/// Whose gains fly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Tuned {
+    /// Those that follow from the vehicle, the reference's shaping included.
+    Shipped,
+    /// Those of docs/mpc-against-cascade.md, whose reference is the same for every vehicle.
+    Compared,
+}
+
+impl Tuned {
+    /// What tables call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shipped => "shipped",
+            Self::Compared => "compared",
+        }
+    }
+
+    fn choice(self, learning: bool) -> ControllerChoice {
+        let text = match self {
+            Self::Shipped => SHIPPED,
+            Self::Compared => MPC_FILE,
+        };
+        let choice = ControllerChoice::parse(text, "adaptation").unwrap_or_else(|error| panic!("{error}"));
+        ControllerChoice { tuning: TuningChange { learning: Some(learning), ..choice.tuning }, ..choice }
+    }
+}
 
 /// A vehicle.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -33,7 +68,7 @@ pub struct Vehicle {
     pub gain: [f64; 2],
     /// Lift over what the controller knows; the rest of the gain is inertia.
     pub thrust: f64,
-    /// Time constant of the lag beside the model's own, s.
+    /// Time constant of the motors' lag: on the gimbal beside the model's own 2 ms, in free flight the whole, s.
     pub lag_s: f64,
     /// Moment of the ring's centre of gravity, N m.
     pub ring_moment_nm: f64,
@@ -70,9 +105,9 @@ pub struct Change {
 /// What a flight came to.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
-    /// RMS of the error, roll and pitch pooled, whole sequence, degrees.
-    pub rms_deg: f64,
-    /// The same from 5 s on.
+    /// Lag as the core would count it if it knew the vehicle, s.
+    pub true_lag_s: f64,
+    /// RMS of the error from 5 s on, roll and pitch pooled, degrees.
     pub late_rms_deg: f64,
     /// Largest |roll| or |pitch|, degrees.
     pub tilt_deg: f64,
@@ -96,8 +131,8 @@ impl Vehicle {
         let (lag_s, ring_moment_nm) = (uniform(0.008, 0.078), uniform(-0.05, 0.05));
         match rig {
             Rig::Gimbal => Self { seed, gain, thrust, lag_s, ring_moment_nm },
-            // the motors' own 53 ms are there in any case; who hovers knows the lift
-            Rig::Free => Self { seed, gain, thrust: 1.0, lag_s: 0.4 * lag_s, ring_moment_nm: 0.0 },
+            // who hovers knows the lift
+            Rig::Free => Self { seed, gain, thrust: 1.0, lag_s: lag_s + 0.002, ring_moment_nm: 0.0 },
         }
     }
 
@@ -108,33 +143,32 @@ impl Vehicle {
             Effect::InertiaError(InertiaError { axis: Axis::Pitch, scale: pitch }),
             Effect::ThrustScale(ThrustScale { scale: self.thrust }),
         ];
-        if self.lag_s > 0.0 {
-            effects.push(Effect::MotorLag(MotorLag { time_constant_s: self.lag_s }));
+        let mut nominal = VehicleModel::nominal(rig);
+        match rig {
+            Rig::Gimbal => effects.push(Effect::MotorLag(MotorLag { time_constant_s: self.lag_s })),
+            Rig::Free => turn_slower(&mut nominal, self.lag_s / FREE_LAG_S),
         }
         if self.ring_moment_nm != 0.0 {
             let cos_moment_nm = self.ring_moment_nm;
             effects.push(Effect::CgOffset(CgOffset { axis: Axis::Pitch, cos_moment_nm, sin_moment_nm: 0.0 }));
         }
-        VehicleModel { effects, ..VehicleModel::nominal(rig) }
+        VehicleModel { effects, ..nominal }
     }
 
     /// Flies the sequence.
     ///
     /// # Panics
     /// If the configuration can't be flown.
-    pub fn fly(&self, rig: Rig, knows: Knows, weather: Weather, scenario: &Scenario) -> Outcome {
+    pub fn fly(&self, rig: Rig, tuned: Tuned, knows: Knows, weather: Weather, scenario: &Scenario) -> Outcome {
         let known = match (knows, rig) {
             (Knows::Right, _) => Self { ring_moment_nm: 0.0, ..*self },
             (_, Rig::Gimbal) => Self::nominal(0),
-            (_, Rig::Free) => Self { lag_s: 0.0, ..Self::nominal(0) },
+            (_, Rig::Free) => Self { lag_s: FREE_LAG_S, ..Self::nominal(0) },
         };
-        let learning = if knows == Knows::Learns { "learning = true\n" } else { "" };
-        let choice = ControllerChoice::parse(&format!("{}{learning}", std::env::var("CTRL").unwrap_or(CONTROLLER.into())), "adaptation")
-            .unwrap_or_else(|error| panic!("{error}"));
         let setup = FlightSetup {
             model: self.model(rig),
             controller_model: Some(known.model(rig)),
-            choice,
+            choice: tuned.choice(knows == Knows::Learns),
             scenario: scenario.clone(),
             seed: self.seed,
         };
@@ -144,17 +178,11 @@ impl Vehicle {
         let mut torque_nm = weather.torque_nm(self.seed, 1.0 / f64::from(parameters.imu_rate_hz));
         let mut probe = |plant: &Plant| torque_nm(plant.time_s());
         let record = cosim::fly(&parameters, &mut plant, &mut sensors, &mut control, scenario, Some(&mut probe));
-        self.outcome(&record, control.learning(), f64::from(known_lag_s(&known.model(rig))), known.lag_s)
+        let true_lag_s = f64::from(vehicle_parameters(&setup.model).actuation.lag_s);
+        self.outcome(&record, control.learning(), true_lag_s)
     }
 
-    fn outcome(
-        &self,
-        record: &FlightRecord,
-        learning: Option<&IdleLearning>,
-        known_lag_s: f64,
-        known_extra_s: f64,
-    ) -> Outcome {
-        let true_lag_s = known_lag_s + self.lag_s - known_extra_s;
+    fn outcome(&self, record: &FlightRecord, learning: Option<&IdleLearning>, true_lag_s: f64) -> Outcome {
         let moved = record.reference_rad.iter().position(|reference| *reference != record.reference_rad[0]);
         let first_step_s = moved.map_or(0.0, |row| record.time_s[row]);
         let changes = learning.map_or(&[][..], IdleLearning::looks).iter().map(|look| {
@@ -175,18 +203,11 @@ impl Vehicle {
                 }),
             }
         });
-        let rms_from = |from_s: f64| {
-            let errors: Vec<f64> = (0..record.len())
-                .filter(|row| record.time_s[*row] >= from_s)
-                .flat_map(|row| [0, 1].map(|axis| record.angle_rad[row][axis] - record.reference_rad[row][axis]))
-                .map(f64::to_degrees)
-                .collect();
-            if record.ended_early { f64::NAN } else { metrics::mean(&errors.iter().map(|e| e * e).collect::<Vec<_>>()).sqrt() }
-        };
-        let largest = record.angle_rad.iter().flat_map(|angles| [angles[0], angles[1]]).fold(0.0, |a: f64, b| a.max(b.abs()));
+        let largest =
+            record.angle_rad.iter().flat_map(|angles| [angles[0], angles[1]]).fold(0.0, |a: f64, b| a.max(b.abs()));
         Outcome {
-            rms_deg: rms_from(0.0),
-            late_rms_deg: rms_from(5.0),
+            true_lag_s,
+            late_rms_deg: if record.ended_early { f64::NAN } else { rms_deg(record) },
             tilt_deg: largest.to_degrees(),
             changes: changes.collect(),
             model: learning.map_or([f64::NAN; 3], |learning| {
@@ -197,6 +218,18 @@ impl Vehicle {
     }
 }
 
-fn known_lag_s(model: &VehicleModel) -> f32 {
-    sil_host::control_setup::vehicle_parameters(model).actuation.lag_s
+/// Of the errors of roll and pitch from [`LATE_S`] on.
+fn rms_deg(record: &FlightRecord) -> f64 {
+    let rows = (0..record.len()).filter(|row| record.time_s[*row] >= LATE_S);
+    let errors = rows.flat_map(|row| [0, 1].map(|axis| record.angle_rad[row][axis] - record.reference_rad[row][axis]));
+    let squares: Vec<f64> = errors.map(|error_rad| error_rad.to_degrees().powi(2)).collect();
+    metrics::mean(&squares).sqrt()
+}
+
+/// Heavier or lighter rotors: their speed follows the command so much later.
+fn turn_slower(model: &mut VehicleModel, factor: f64) {
+    if let Propulsion::Device(device) = &mut model.propulsion {
+        device.motor_inertia_kg_m2 *= factor;
+        device.rotor_inertia_kg_m2 *= factor;
+    }
 }
