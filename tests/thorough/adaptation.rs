@@ -1,5 +1,5 @@
-//! The MPC learns its vehicle: a few rows of docs/learning.md's campaign, on vehicles that are not in it, and an hour of
-//! hover.
+//! The MPC learns its vehicle: a few rows of docs/learning.md's campaign, on vehicles that are not in it, and an hour
+//! of hover.
 
 use campaigns::adaptation::flight::{Knows, Tuned, Vehicle};
 use campaigns::adaptation::row;
@@ -8,14 +8,16 @@ use rayon::prelude::*;
 use sil_host::model::Rig;
 use sil_host::scenario::Scenario;
 
-/// Gain and lag within 10 % in the first second of the first step, four fifths of what the wrong model costs given back.
+/// Gain and lag within 10 % in the first second of the first step, four fifths of what the wrong model costs given
+/// back.
 #[test]
 fn gain_and_lag_are_found_in_a_second_and_flown_with() {
     for (rig, tuned) in [(Rig::Gimbal, Tuned::Shipped), (Rig::Gimbal, Tuned::Compared), (Rig::Free, Tuned::Shipped)] {
         let row = row(rig, tuned, Weather::Still, 9001..=9012);
         assert!(row.changed_pct > 90.0 && row.first_s[0] < 1.0, "{row:?}");
         assert!(row.first_error_pct.iter().all(|error_pct| *error_pct < 12.0), "{row:?}");
-        assert!(row.recovered_pct > 80.0 && row.lost[2] == 0, "{row:?}");
+        let pays = row.costly == 0 || row.recovered_pct > 80.0;
+        assert!(pays && row.worst_pct < 2.5 && row.lost[2] == 0, "{row:?}");
     }
 }
 

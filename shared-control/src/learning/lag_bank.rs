@@ -1,8 +1,8 @@
 //! What one axis does in answer to its motors, for a bank of lags at once.
 //!
 //! With the motors' lag T and the axis' gain k (its acceleration per torque over that of the model) the rate moves in a
-//! step by k times what the model's body would under the torque that motors of that lag make ([`super::motors`]), and by
-//! what nobody knows. Both sides pass the same filter,
+//! step by k times what the model's body would under the torque that motors of that lag make ([`super::motors`]), and
+//! by what nobody knows. Both sides pass the same filter,
 //!
 //! ```text
 //!   F = (1 - 1/z) / (1 - p/z)^2        y = F (w - w/z)        x(T) = F (rotation by that torque)        y = k x(T) + e
@@ -74,7 +74,8 @@ pub fn pole(bandwidth_rad_s: f32, step_s: f32) -> f32 {
 }
 
 impl AxisSums {
-    /// One step on. Where it counts it comes into the sums with a weight of one, and those before keep `kept` of theirs.
+    /// One step on. Where it counts it comes into the sums with a weight of one, and those before keep `kept` of
+    /// theirs.
     pub fn update(&mut self, pole: f32, motion: &Motion, kept: Option<f32>) {
         let moved_rad_s = motion.rate_rad_s - self.rate_before_rad_s;
         self.rate_before_rad_s = motion.rate_rad_s;

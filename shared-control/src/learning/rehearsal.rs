@@ -1,5 +1,6 @@
-//! What a controller would do with a vehicle that is not quite the one it is made for, tried on the very code that would
-//! fly: the observer, the prediction to the next plan, the MPC's law, in a loop with a body of chosen gain and lag.
+//! What a controller would do with a vehicle that is not quite the one it is made for, tried on the very code that
+//! would fly: the observer, the prediction to the next plan, the MPC's law, in a loop with a body of chosen gain and
+//! lag.
 //!
 //! A short push at the motors' torque goes round the loop; what the motors make of it, push included, is the loop's
 //! sensitivity as an impulse response. Its largest Fourier component is the peak sensitivity, and a response that does

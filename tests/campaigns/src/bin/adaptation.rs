@@ -1,5 +1,5 @@
-//! Vehicles that are not what their controller knows, as the tables of docs/learning.md: `cargo run --release -p campaigns
-//! --bin adaptation`, with `-- --json FILE` also as rows in a file; `tenth` flies a tenth of it.
+//! Vehicles that are not what their controller knows, as the tables of docs/learning.md: `cargo run --release -p
+//! campaigns --bin adaptation`, with `-- --json FILE` also as rows in a file; `tenth` flies a tenth of it.
 
 use std::process::ExitCode;
 
