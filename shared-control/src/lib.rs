@@ -110,6 +110,7 @@ pub mod lagged_axis;
 pub mod lift_curve;
 pub mod light_and_tone;
 pub mod link;
+pub mod log_card;
 pub mod mixer;
 pub mod motor_loss;
 pub mod mpc;

@@ -1,0 +1,136 @@
+//! From a stream of bytes to a log on the card: blocks that cards like, a size about once a second.
+
+use super::directory::LogName;
+use super::log_file::LogFile;
+use super::volume::Volume;
+use super::{CardError, SECTOR_BYTES, Sectors};
+
+/// What is written at once, bytes: a card writes eight sectors in about the time of one.
+pub const BLOCK_BYTES: usize = 8 * SECTOR_BYTES;
+/// How often the file's size is written, us: what a power cut takes at most, and what the card's pauses last.
+const FLUSH_PERIOD_US: u64 = 1_000_000;
+
+/// The writing end of a log.
+#[derive(Clone, Debug)]
+pub struct CardLog {
+    volume: Volume,
+    file: Option<LogFile>,
+    block: [u8; BLOCK_BYTES],
+    filled: usize,
+    flushed_us: u64,
+    /// What went wrong in a place that cannot say so.
+    failure: Option<CardError>,
+}
+
+impl CardLog {
+    /// With a card that is ready.
+    ///
+    /// # Errors
+    /// If it has no file system that can be written, or no room.
+    pub fn mount(card: &mut impl Sectors) -> Result<Self, CardError> {
+        let volume = Volume::mount(card)?;
+        Ok(Self { volume, file: None, block: [0; BLOCK_BYTES], filled: 0, flushed_us: 0, failure: None })
+    }
+
+    /// Is a log under way?
+    pub fn is_open(&self) -> bool {
+        self.file.is_some()
+    }
+
+    /// Begins a log.
+    ///
+    /// # Errors
+    /// If the card is full or fails.
+    pub fn begin(&mut self, card: &mut impl Sectors, now_us: u64) -> Result<LogName, CardError> {
+        let file = LogFile::create(&mut self.volume, card)?;
+        (self.filled, self.flushed_us) = (0, now_us);
+        self.file = Some(file);
+        Ok(file.name())
+    }
+
+    /// Room before the next write, bytes: never 0.
+    pub fn room(&self) -> usize {
+        BLOCK_BYTES.saturating_sub(self.filled).max(1)
+    }
+
+    /// Adds bytes; what fills a block is written.
+    ///
+    /// # Errors
+    /// If the card is full or fails; then the log ends, as it was when its size was written last.
+    pub fn append(&mut self, card: &mut impl Sectors, bytes: &[u8]) -> Result<(), CardError> {
+        for byte in bytes {
+            if let Some(place) = self.block.get_mut(self.filled) {
+                *place = *byte;
+                self.filled += 1;
+            }
+            if self.filled >= BLOCK_BYTES {
+                self.filled = 0;
+                let (Some(file), volume) = (&mut self.file, &mut self.volume) else { continue };
+                let written = file.append(volume, card, &self.block);
+                self.given_up_if(written)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The same for a caller that cannot be told: [`Self::flush`] says so.
+    pub fn put(&mut self, card: &mut impl Sectors, bytes: &[u8]) {
+        if let (None, Err(error)) = (self.failure, self.append(card, bytes)) {
+            self.failure = Some(error);
+        }
+    }
+
+    /// Is it time to flush?
+    pub fn is_due(&self, now_us: u64) -> bool {
+        self.file.is_some() && now_us.saturating_sub(self.flushed_us) >= FLUSH_PERIOD_US
+    }
+
+    /// Writes all that there is, and the size.
+    ///
+    /// # Errors
+    /// As [`Self::append`].
+    pub fn flush(&mut self, card: &mut impl Sectors, now_us: u64) -> Result<(), CardError> {
+        self.flushed_us = now_us;
+        let written = match (self.failure.take(), &mut self.file) {
+            (Some(error), _) => Err(error),
+            (None, None) => Ok(()),
+            (None, Some(file)) => {
+                let whole = self.filled / SECTOR_BYTES * SECTOR_BYTES;
+                let (full, rest) = self.block.split_at_checked(whole).unwrap_or((&[], &[]));
+                let rest = rest.get(..self.filled.saturating_sub(whole)).unwrap_or_default();
+                file.append(&mut self.volume, card, full).and_then(|()| file.flush(&mut self.volume, card, rest))
+            }
+        };
+        self.given_up_if(written)?;
+        self.keep_rest();
+        Ok(())
+    }
+
+    /// Ends the log.
+    ///
+    /// # Errors
+    /// As [`Self::append`].
+    pub fn end(&mut self, card: &mut impl Sectors, now_us: u64) -> Result<(), CardError> {
+        self.flush(card, now_us)?;
+        match self.file.take() {
+            Some(file) => file.close(&mut self.volume, card),
+            None => Ok(()),
+        }
+    }
+
+    /// What does not fill a sector goes to the block's beginning.
+    fn keep_rest(&mut self) {
+        let whole = self.filled / SECTOR_BYTES * SECTOR_BYTES;
+        let mut rest = [0; SECTOR_BYTES];
+        super::put(&mut rest, 0, self.block.get(whole..self.filled).unwrap_or_default());
+        self.filled = self.filled.saturating_sub(whole);
+        super::put(&mut self.block, 0, &rest);
+    }
+
+    fn given_up_if(&mut self, written: Result<(), CardError>) -> Result<(), CardError> {
+        if written.is_err() {
+            (self.file, self.filled) = (None, 0);
+        }
+        written
+    }
+}
