@@ -1,8 +1,9 @@
 //! From a stream of bytes to a log on the card: blocks that cards like, a size about once a second.
 
-use super::directory::LogName;
+use super::directory::{Listed, LogName};
 use super::log_file::LogFile;
-use super::volume::Volume;
+use super::log_shelf::{LogShelf, WINDOW_BYTES, Wanted};
+use super::volume::{Next, Volume};
 use super::{CardError, SECTOR_BYTES, Sectors};
 
 /// What is written at once, bytes: a card writes eight sectors in about the time of one.
@@ -20,6 +21,8 @@ pub struct CardLog {
     flushed_us: u64,
     /// What went wrong in a place that cannot say so.
     failure: Option<CardError>,
+    /// Where reading has come to: first cluster of the log, how many clusters on, which one.
+    found: Option<(u32, u32, u32)>,
 }
 
 impl CardLog {
@@ -29,7 +32,7 @@ impl CardLog {
     /// If it has no file system that can be written, or no room.
     pub fn mount(card: &mut impl Sectors) -> Result<Self, CardError> {
         let volume = Volume::mount(card)?;
-        Ok(Self { volume, file: None, block: [0; BLOCK_BYTES], filled: 0, flushed_us: 0, failure: None })
+        Ok(Self { volume, file: None, block: [0; BLOCK_BYTES], filled: 0, flushed_us: 0, failure: None, found: None })
     }
 
     /// Is a log under way?
@@ -116,6 +119,61 @@ impl CardLog {
             Some(file) => file.close(&mut self.volume, card),
             None => Ok(()),
         }
+    }
+
+    /// Lists the card's logs.
+    ///
+    /// # Errors
+    /// If the card fails, or makes no sense.
+    pub fn list(&mut self, card: &mut impl Sectors) -> Result<LogShelf, CardError> {
+        let mut shelf = LogShelf::EMPTY;
+        self.volume.look_through(card, &mut |log| shelf.note(log))?;
+        Ok(shelf)
+    }
+
+    /// Reads what somebody waits for; how many bytes that is.
+    ///
+    /// # Errors
+    /// As [`Self::list`].
+    pub fn fetch(
+        &mut self,
+        card: &mut impl Sectors,
+        wanted: &Wanted,
+        window: &mut [u8; WINDOW_BYTES],
+    ) -> Result<usize, CardError> {
+        let mut count = 0;
+        for part in window.chunks_exact_mut(SECTOR_BYTES) {
+            let offset = wanted.offset.saturating_add(count as u32);
+            let left = wanted.log.size_bytes.saturating_sub(offset);
+            if left == 0 {
+                break;
+            }
+            let sector = self.find_sector(card, &wanted.log, offset)?;
+            super::put(part, 0, self.volume.read(card, sector)?);
+            count += (left as usize).min(SECTOR_BYTES);
+        }
+        Ok(count)
+    }
+
+    /// The sector that has a byte of a log. Who reads on begins where the last search ended.
+    fn find_sector(&mut self, card: &mut impl Sectors, log: &Listed, offset: u32) -> Result<u32, CardError> {
+        // a cluster has a power of two of bytes
+        let within = offset & (self.volume.cluster_bytes() - 1);
+        let index = (offset - within) >> self.volume.cluster_bytes().trailing_zeros();
+        let (mut at, mut cluster) = match self.found {
+            Some((first, at, cluster)) if first == log.first && at <= index => (at, cluster),
+            _ => (0, log.first),
+        };
+        // a file has at most as many clusters as the card
+        while at < index {
+            match self.volume.next(card, cluster)? {
+                Next::Cluster(next) => cluster = next,
+                Next::End | Next::Free => return Err(CardError::Damaged),
+            }
+            at += 1;
+        }
+        self.found = Some((log.first, at, cluster));
+        Ok(self.volume.layout.sector_of(cluster)? + within / SECTOR_BYTES as u32)
     }
 
     /// What does not fill a sector goes to the block's beginning.

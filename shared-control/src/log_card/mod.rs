@@ -19,12 +19,14 @@
 mod card_log;
 mod directory;
 mod log_file;
+mod log_shelf;
 mod partition;
 mod volume;
 
 pub use card_log::{BLOCK_BYTES, CardLog};
 pub use directory::LogName;
 pub use log_file::LogFile;
+pub use log_shelf::{LogShelf, WINDOW_BYTES, Wanted};
 pub use volume::Volume;
 
 /// Bytes of a sector, the only size that cards have.

@@ -14,6 +14,7 @@ use std::vec::Vec;
 use fatfs::{FatType, FileSystem, FormatVolumeOptions, FsOptions};
 
 use super::*;
+use crate::link::LogStore;
 
 const MEGABYTE: usize = 1 << 20;
 
@@ -187,4 +188,44 @@ fn cards_without_fat16_or_fat32_are_named() {
     assert_eq!(CardLog::mount(&mut blank).err(), Some(CardError::UnknownFormat));
     let mut small = Memory::formatted(FatType::Fat12, 2, 0);
     assert_eq!(CardLog::mount(&mut small).err(), Some(CardError::UnknownFormat));
+}
+
+#[test]
+fn logs_are_listed_by_age_and_read_from_anywhere() {
+    for (fat_type, megabytes, start) in kinds() {
+        let mut card = Memory::formatted(fat_type, megabytes, start);
+        let mut log = CardLog::mount(&mut card).unwrap();
+        let lengths = [100_001, 5, 0];
+        for length in lengths {
+            write_log(&mut log, &mut card, &stream(length), 777).unwrap();
+        }
+        let mut shelf = log.list(&mut card).unwrap();
+        assert_eq!(shelf.count(), 3);
+        assert_eq!([0, 1, 2, 3].map(|id| shelf.size_bytes(id)), [100_001, 5, 0, 0]);
+        for offset in [0, 1, 450, 511, 512, 90_000, 7, 99_999, 100_000, 100_001, 200_000] {
+            let whole = stream(100_001);
+            let expected = &whole[offset.min(100_001)..(offset + 90).min(100_001)];
+            let mut window = [0; WINDOW_BYTES];
+            if !shelf.is_ready(0, offset as u32) {
+                let wanted = shelf.wanted().unwrap();
+                let count = log.fetch(&mut card, &wanted, &mut window).unwrap();
+                shelf.bring(wanted, &window[..count]);
+            }
+            let mut piece = [0; 90];
+            assert!(shelf.is_ready(0, offset as u32));
+            let count = shelf.read(0, offset as u32, &mut piece);
+            assert_eq!(&piece[..count], expected, "{fat_type:?} {offset}");
+        }
+    }
+}
+
+#[test]
+fn of_many_logs_the_newest_are_listed() {
+    let mut card = Memory::formatted(FatType::Fat32, 40, 0);
+    let mut log = CardLog::mount(&mut card).unwrap();
+    for number in 1..=70 {
+        write_log(&mut log, &mut card, &stream(number), 9).unwrap();
+    }
+    let mut shelf = log.list(&mut card).unwrap();
+    assert_eq!((shelf.count(), shelf.size_bytes(0), shelf.size_bytes(63)), (64, 7, 70));
 }
