@@ -119,7 +119,8 @@ impl Control {
         &self.input
     }
 
-    /// Records the step for the log, if one is wanted.
+    /// Records the step for the log, if one is wanted; by itself, so that its buffers are not the step's.
+    #[inline(never)]
     pub fn record(&mut self, output: &StepOutput, recorder: &mut FlightRecorder) {
         flight_log::set_armed(output.arming.is_armed());
         if flight_log::is_wanted() {

@@ -129,7 +129,8 @@ impl FlightLog {
         Ok(())
     }
 
-    /// Looks what is in the slot.
+    /// Looks what is in the slot. By itself, so that its buffers lie on the stack only on the ground.
+    #[inline(never)]
     fn look(&mut self, now_us: u64, shelf: &mut impl Mutex<T = LogShelf>) {
         let mounted = self.card.identify().and_then(|()| CardLog::mount(&mut self.card));
         let listed = mounted.and_then(|log| {

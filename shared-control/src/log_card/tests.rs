@@ -136,6 +136,13 @@ fn what_was_taken_and_not_needed_is_free_again() {
         write_log(&mut log, &mut card, &stream(100_000), 1000).unwrap();
         let (after, _) = free(&mut card);
         assert_eq!(before - after, 100_000_u32.div_ceil(cluster_bytes), "{fat_type:?}");
+        // the second FAT is as the first
+        let boot = &card.bytes[start * 512..];
+        let (short, long) = (u16_at(boot, 22), u32_at(boot, 36));
+        let bytes = 512 * if short == 0 { long } else { u32::from(short) } as usize;
+        let fat = 512 * usize::from(u16_at(boot, 14));
+        assert_eq!(boot[16], 2);
+        assert!(boot[fat..fat + bytes] == boot[fat + bytes..fat + 2 * bytes], "{fat_type:?}");
     }
 }
 

@@ -1,6 +1,5 @@
 //! The loop's side of the log: steps into a ring of bytes, from arming until a second after disarming.
 
-use heapless::Vec;
 use nalgebra::Vector3;
 
 use super::ring::Ring;
@@ -28,7 +27,19 @@ const BATTERY_PERIOD_US: u64 = 200_000;
 const STATUS_PERIOD_US: u64 = 500_000;
 const MARK_PERIOD_US: u64 = 500_000;
 
-/// In the order of their numbers in the log.
+// their numbers in the log
+const SENSOR_COMBINED: u16 = 0;
+const ANGULAR_VELOCITY: u16 = 1;
+const ATTITUDE: u16 = 2;
+const MOTORS: u16 = 3;
+const MPC: u16 = 4;
+const ATTITUDE_SETPOINT: u16 = 5;
+const RATES_SETPOINT: u16 = 6;
+const RADIO: u16 = 7;
+const BATTERY: u16 = 8;
+const STATUS: u16 = 9;
+
+/// In the order of those.
 const TOPICS: [Topic; 10] = [
     topics::SENSOR_COMBINED,
     topics::ANGULAR_VELOCITY,
@@ -151,9 +162,9 @@ impl<const N: usize> Recorder<N> {
         if !matches!(self.stage, Stage::Running { .. }) {
             return;
         }
-        let mut record = Vec::<u8, RECORD_MAX>::new();
+        let (mut record, mut length) = ([0; RECORD_MAX], 0);
         // there is room for all of it
-        let put = &mut |bytes: &[u8]| drop(record.extend_from_slice(bytes));
+        let put = &mut |bytes: &[u8]| ulog::append(&mut record, &mut length, bytes);
         if let Some(since_us) = self.dropping_since_us {
             let duration_ms = (input.time_us.saturating_sub(since_us) / 1000).min(u64::from(u16::MAX));
             ulog::dropout(duration_ms as u16, put);
@@ -165,10 +176,10 @@ impl<const N: usize> Recorder<N> {
         self.put_now_and_then(input, output, radio, put);
         let status = topics::status(&output.arming, mode);
         if self.status_due.takes(input.time_us, STATUS_PERIOD_US) || self.status.as_ref() != Some(&status) {
-            put_topic(&topics::STATUS, input.time_us, &status, put);
+            ulog::data(STATUS, input.time_us, &status, put);
         }
         self.status = Some(status);
-        if self.ring.push(&record) {
+        if self.ring.push(record.get(..length).unwrap_or_default()) {
             self.dropping_since_us = None;
         } else {
             self.dropping_since_us.get_or_insert(input.time_us);
@@ -214,20 +225,20 @@ impl<const N: usize> Recorder<N> {
             let heading_rad = euler_from_q(&output.estimate.q_world_from_body).yaw_rad;
             let angles_rad = [setpoint.roll_rad, setpoint.pitch_rad, f32::NAN];
             let content = topics::attitude_setpoint(angles_rad, setpoint.yaw_rate_rad_s, heading_rad);
-            put_topic(&topics::ATTITUDE_SETPOINT, time_us, &content, put);
+            ulog::data(ATTITUDE_SETPOINT, time_us, &content, put);
         }
         self.setpoint = *setpoint;
         if self.rates_due.takes(time_us, RATES_PERIOD_US) {
             let content = topics::rates_setpoint(output.rate_target_rad_s.into(), setpoint.throttle);
-            put_topic(&topics::RATES_SETPOINT, time_us, &content, put);
+            ulog::data(RATES_SETPOINT, time_us, &content, put);
         }
         if radio.count > 0 && self.radio_due.takes(time_us, RADIO_PERIOD_US) {
-            put_topic(&topics::RADIO, time_us, &topics::radio(radio), put);
+            ulog::data(RADIO, time_us, &topics::radio(radio), put);
         }
         if let Some(voltage_v) = input.battery_v
             && self.battery_due.takes(time_us, BATTERY_PERIOD_US)
         {
-            put_topic(&topics::BATTERY, time_us, &topics::battery(voltage_v), put);
+            ulog::data(BATTERY, time_us, &topics::battery(voltage_v), put);
         }
     }
 }
@@ -244,17 +255,17 @@ fn put_every_step(config: &Config, input: &StepInput, output: &StepOutput, since
         let force_m_s2 = samples.iter().map(|sample| imu.specific_force_m_s2(sample)).sum::<Vector3<f32>>() * share;
         let integral_us = sample_us.saturating_sub(since_us).min(u64::from(u32::MAX)) as u32;
         let content = topics::sensor_combined(rate_rad_s.into(), force_m_s2.into(), integral_us);
-        put_topic(&topics::SENSOR_COMBINED, sample_us, &content, put);
+        ulog::data(SENSOR_COMBINED, sample_us, &content, put);
     }
     let estimate = &output.estimate;
     let rate = topics::angular_velocity(sample_us, estimate.rate_body_rad_s.into());
-    put_topic(&topics::ANGULAR_VELOCITY, time_us, &rate, put);
+    ulog::data(ANGULAR_VELOCITY, time_us, &rate, put);
     let q = topics::quaternion(&estimate.q_world_from_body);
-    put_topic(&topics::ATTITUDE, time_us, &topics::attitude(sample_us, q), put);
-    put_topic(&topics::MOTORS, time_us, &topics::motors(time_us, output.mix.commands.0), put);
+    ulog::data(ATTITUDE, time_us, &topics::attitude(sample_us, q), put);
+    ulog::data(MOTORS, time_us, &topics::motors(time_us, output.mix.commands.0), put);
     let fell_back = matches!(output.source, TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_));
     if fell_back || output.planning.status.is_some() {
-        put_topic(&topics::MPC, time_us, &topics::mpc(output), put);
+        ulog::data(MPC, time_us, &topics::mpc(output), put);
     }
 }
 
@@ -263,12 +274,6 @@ fn imu_in_use<'a>(config: &'a Config, input: &'a StepInput, output: &StepOutput)
     match output.imu_unit {
         ImuUnit::First => (&config.sensing.imu, &input.imu),
         ImuUnit::Second => (&config.sensing.imu_second, &input.imu_second),
-    }
-}
-
-fn put_topic(topic: &Topic, time_us: u64, content: &Content, put: &mut impl FnMut(&[u8])) {
-    if let Some((number, _)) = (0..).zip(&TOPICS).find(|(_, one)| *one == topic) {
-        ulog::data(number, time_us, content, put);
     }
 }
 

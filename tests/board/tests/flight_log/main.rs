@@ -2,6 +2,7 @@
 //! the flight does not notice.
 
 mod card;
+mod cost;
 mod download;
 mod faults;
 
