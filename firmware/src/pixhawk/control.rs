@@ -14,7 +14,7 @@ use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
 use super::battery::Battery;
 use super::clock::TimeBase;
 use super::counters;
-use super::flight_log::{self, FlightRecorder};
+use super::flight_log::FlightRecorder;
 use super::imu::TimedSample;
 use super::io_port::REPORTS;
 use super::queue::{Consumer, Producer, Queue};
@@ -119,13 +119,10 @@ impl Control {
         &self.input
     }
 
-    /// Records the step for the log, if one is wanted; by itself, so that its buffers are not the step's.
+    /// Records the step for the log; by itself, so that its buffers are not the step's.
     #[inline(never)]
     pub fn record(&mut self, output: &StepOutput, recorder: &mut FlightRecorder) {
-        flight_log::set_armed(output.arming.is_armed());
-        if flight_log::is_wanted() {
-            recorder.record(&self.config, &self.input, output, (&self.io.radio, self.commander.mode()));
-        }
+        recorder.record(&self.config, &self.input, output, (&self.io.radio, self.commander.mode()));
     }
 
     /// What the core remembers.

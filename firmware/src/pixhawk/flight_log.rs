@@ -6,6 +6,7 @@
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use rtic::Mutex;
+use shared_control::link::VehicleStatus;
 use shared_control::log_card::{BLOCK_BYTES, CardError, CardLog, LogShelf, WINDOW_BYTES};
 use shared_control::onboard_log::{self, Recorder, Stage};
 use shared_control::params::Params;
@@ -32,17 +33,10 @@ const LOOK_PERIOD_US: u64 = 2_000_000;
 
 /// A log is wanted: there is a card for it.
 static WANTED: AtomicBool = AtomicBool::new(false);
-/// Nobody has to be afraid that a look at the slot takes the place of a log.
-static ARMED: AtomicBool = AtomicBool::new(false);
 
 /// Is there a card for a log?
 pub fn is_wanted() -> bool {
     WANTED.load(Ordering::Relaxed)
-}
-
-/// Says whether the vehicle is armed.
-pub fn set_armed(armed: bool) {
-    ARMED.store(armed, Ordering::Relaxed);
 }
 
 /// What the ground is told of the card.
@@ -86,11 +80,11 @@ impl FlightLog {
         &mut self,
         recorder: &mut impl Mutex<T = &'static mut FlightRecorder>,
         shelf: &mut impl Mutex<T = LogShelf>,
+        status: &mut impl Mutex<T = VehicleStatus>,
     ) {
         let now_us = self.clock.now_us();
         if self.log.is_none() {
-            let is_time = now_us >= self.look_us && !ARMED.load(Ordering::Relaxed);
-            if is_time {
+            if now_us >= self.look_us && !status.lock(|status| status.arming.is_armed()) {
                 self.look(now_us, shelf);
                 recorder.lock(|recorder| recorder.close());
             }

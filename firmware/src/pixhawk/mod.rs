@@ -69,7 +69,7 @@ mod app {
     use super::configuration::{BoardMpc, Configuration, MpcPlace};
     use super::control::{AnswerQueue, ChoreQueue, Control, Ends, OrderQueue, TickQueue};
     use super::fault::{self, Cause};
-    use super::flight_log::{FlightLog, FlightRecorder, NewsQueue};
+    use super::flight_log::{self, FlightLog, FlightRecorder, NewsQueue};
     use super::fram::Fram;
     use super::ground::Ground;
     use super::imu::{Checked, Imus, SampleQueue};
@@ -246,7 +246,9 @@ mod app {
                 cx.shared.request.lock(|open| ask(open, request));
             }
             local.trace.publish(local.control.input(), &output, local.control.state());
-            cx.shared.recorder.lock(|recorder| local.control.record(&output, recorder));
+            if flight_log::is_wanted() {
+                cx.shared.recorder.lock(|recorder| local.control.record(&output, recorder));
+            }
             Some(output)
         });
         if let Some(output) = step {
@@ -374,10 +376,11 @@ mod app {
     }
 
     /// Writes the log, and sleeps until an interrupt. On a miss steps are left out of the log, and counted.
-    #[idle(local = [flight_log], shared = [recorder, shelf])]
+    #[idle(local = [flight_log], shared = [recorder, shelf, status])]
     fn idle(mut cx: idle::Context) -> ! {
         loop {
-            cx.local.flight_log.update(&mut cx.shared.recorder, &mut cx.shared.shelf);
+            let idle::SharedResources { recorder, shelf, status, .. } = &mut cx.shared;
+            cx.local.flight_log.update(recorder, shelf, status);
             load::sleep();
         }
     }

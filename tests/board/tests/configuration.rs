@@ -264,7 +264,7 @@ fn pulses_come_as_chosen_and_in_phase_with_the_loop() {
     ];
     for (params, rate_hz, width_us) in choices {
         let mut bench = Bench::new(&encode(&params));
-        bench.run_for(600 * MILLISECOND);
+        bench.run_for(700 * MILLISECOND);
         let said = bench.said();
         assert!(!texts(&said).iter().any(|text| text.contains("jitter")), "{params:?}");
         let pulses = bench.pulses_of_motor_1();
