@@ -111,6 +111,7 @@ pub mod learning;
 pub mod lift_curve;
 pub mod light_and_tone;
 pub mod link;
+pub mod log_card;
 pub mod mixer;
 pub mod motor_loss;
 pub mod mpc;

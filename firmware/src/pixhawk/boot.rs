@@ -150,7 +150,8 @@ fn release_clocks(rcc: &RCC, exti: &EXTI) {
     });
     rcc.apb1rstr().reset();
     rcc.apb2rstr().write(|w| {
-        w.tim1rst().set_bit().usart6rst().set_bit().spi1rst().set_bit().adcrst().set_bit().syscfgrst().set_bit()
+        w.tim1rst().set_bit().usart6rst().set_bit().spi1rst().set_bit();
+        w.adcrst().set_bit().sdiorst().set_bit().syscfgrst().set_bit()
     });
     rcc.apb2rstr().reset();
     // EXTI has no reset of its own

@@ -30,7 +30,9 @@ pub fn start(rcc: RCC) -> Rcc {
     let config = Config::hse(board::CRYSTAL_HZ.Hz())
         .sysclk(board::CORE_HZ.Hz())
         .pclk1(board::APB1_HZ.Hz())
-        .pclk2(board::APB2_HZ.Hz());
+        .pclk2(board::APB2_HZ.Hz())
+        // the SD card's
+        .require_pll48clk();
     let rcc = rcc.freeze(config);
     rcc.cr().modify(|_, w| w.csson().set_bit());
     rcc

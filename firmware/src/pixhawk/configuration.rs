@@ -3,7 +3,7 @@
 use core::mem::MaybeUninit;
 
 use shared_control::config::Controller;
-use shared_control::link::{Commander, LinkSettings};
+use shared_control::link::{Commander, LinkSettings, VehicleStatus};
 use shared_control::mpc::{HORIZON, Mpc};
 use shared_control::params::{self, Params, RecordError, Rig};
 use shared_control::radio::{Pilot, StickCurves};
@@ -101,5 +101,11 @@ impl Configuration {
     /// Ticks of the loop per housekeeping.
     pub fn housekeeping_ticks(&self) -> u32 {
         u32::from(self.params.loop_rate_hz / board::HOUSEKEEPING_HZ)
+    }
+
+    /// What is reported before the first step.
+    pub fn status_at_start(&self) -> VehicleStatus {
+        let (hil, radio_flies) = (self.params.hil, self.params.radio.flies);
+        VehicleStatus { hil, radio_flies, ..VehicleStatus::at_start(self.params.controller) }
     }
 }

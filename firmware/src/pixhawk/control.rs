@@ -14,6 +14,7 @@ use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
 use super::battery::Battery;
 use super::clock::TimeBase;
 use super::counters;
+use super::flight_log::FlightRecorder;
 use super::imu::TimedSample;
 use super::io_port::REPORTS;
 use super::queue::{Consumer, Producer, Queue};
@@ -116,6 +117,12 @@ impl Control {
     /// Input of the last step.
     pub fn input(&self) -> &StepInput {
         &self.input
+    }
+
+    /// Records the step for the log; by itself, so that its buffers are not the step's.
+    #[inline(never)]
+    pub fn record(&mut self, output: &StepOutput, recorder: &mut FlightRecorder) {
+        recorder.record(&self.config, &self.input, output, (&self.io.radio, self.commander.mode()));
     }
 
     /// What the core remembers.

@@ -88,6 +88,8 @@ pub static LATE_PLANS: Counter = Counter::new();
 pub static ORDERS_DROPPED: Counter = Counter::new();
 /// Replies of the IO chip that were damaged or came late.
 pub static IO_DAMAGED: Counter = Counter::new();
+/// Steps that the log on the SD card leaves out, since the card was slower than the loop.
+pub static LOG_STEPS_LEFT_OUT: Counter = Counter::new();
 /// Answers and chores for which there was no room.
 pub static ANSWERS_DROPPED: Counter = Counter::new();
 
@@ -109,4 +111,5 @@ pub fn report() {
         ANSWERS_DROPPED.get(),
         IO_DAMAGED.get(),
     );
+    defmt::info!("log: steps left out {=u32}", LOG_STEPS_LEFT_OUT.get());
 }

@@ -6,13 +6,15 @@ use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
 use shared_control::link::signing::{Refused, Terms};
 use shared_control::link::telemetry::Figures;
-use shared_control::link::{Answer, Chore, LinkSettings, NoLogs, Telemetry, Text, VehicleStatus};
+use shared_control::link::{Answer, Chore, LinkSettings, LogRequest, Telemetry, Text, VehicleStatus};
+use shared_control::log_card::LogShelf;
 use shared_control::params::{self, Params};
 
 use super::boot::Start;
 use super::configuration::Configuration;
 use super::counters::SETTINGS_LOST;
 use super::fault::{self, FaultRecord};
+use super::flight_log::News;
 use super::fram::Fram;
 use super::link_port::{LinkSender, SendBuffer};
 use super::pins::UsbSense;
@@ -32,6 +34,7 @@ pub struct Ground {
     hil: bool,
     answers: Consumer<'static, Answer>,
     chores: Consumer<'static, Chore>,
+    news: Consumer<'static, News>,
     memory: Fram,
     usb: UsbSense,
     /// Updates until the restart that was ordered.
@@ -45,12 +48,11 @@ impl Ground {
     pub fn new(
         settings: &LinkSettings,
         (params, mut memory, usb): (&Params, Fram, UsbSense),
-        answers: Consumer<'static, Answer>,
-        chores: Consumer<'static, Chore>,
+        (answers, chores, news): (Consumer<'static, Answer>, Consumer<'static, Chore>, Consumer<'static, News>),
     ) -> Self {
         let telemetry = Telemetry::new(settings, params).with_signing(memory.read_signing());
         let (due, hil, restart_in, registers_told) = (SendBuffer::new(), params.hil, None, [0; _]);
-        Self { telemetry, due, hil, answers, chores, memory, usb, restart_in, registers_told }
+        Self { telemetry, due, hil, answers, chores, news, memory, usb, restart_in, registers_told }
     }
 
     /// Tells a person something that should not have happened, or that explains the start.
@@ -61,8 +63,8 @@ impl Ground {
         self.telemetry.text(MavSeverity::MAV_SEVERITY_WARNING, &text);
     }
 
-    /// Tells why the board has started, and what came before.
-    pub fn tell_start(&mut self, start: &Start) {
+    /// Tells why the board has started, what came before, and what is out of the ordinary about the configuration.
+    pub fn tell_start(&mut self, start: &Start, configuration: &Configuration) {
         self.tell(start.reset_cause);
         if start.supply_was_low {
             self.tell("waited for a supply above 2.9 V");
@@ -70,10 +72,6 @@ impl Ground {
         if let Some(record) = start.record {
             self.tell(record.words());
         }
-    }
-
-    /// Tells what is out of the ordinary about the configuration.
-    pub fn tell_configuration(&mut self, configuration: &Configuration) {
         if let Some(fault) = configuration.fault {
             self.tell(fault);
         }
@@ -94,16 +92,19 @@ impl Ground {
     }
 
     /// To be called at least every 40 ms, the period of the fastest message.
-    pub fn update(&mut self, time_us: u64, status: &VehicleStatus) {
+    pub fn update(&mut self, time_us: u64, status: &VehicleStatus, logs: &mut LogShelf) {
         while let Some(answer) = self.answers.dequeue() {
             self.telemetry.answer(answer);
         }
         while let Some(chore) = self.chores.dequeue() {
-            self.attend_to(chore, (time_us, status));
+            self.attend_to(chore, (time_us, status), logs);
+        }
+        while let Some(news) = self.news.dequeue() {
+            self.tell_news(news);
         }
         self.tell_registers();
         if self.due.is_empty() {
-            self.make_due(time_us, status);
+            self.make_due((time_us, status), logs);
         }
         match &mut self.restart_in {
             Some(0) => fault::restart(),
@@ -141,21 +142,35 @@ impl Ground {
         }
     }
 
-    fn make_due(&mut self, time_us: u64, status: &VehicleStatus) {
+    /// Tells how the log fares.
+    fn tell_news(&mut self, news: News) {
+        match news {
+            News::Begun(number) => {
+                let mut text = Text::new();
+                // 26 letters at most
+                let _ = write!(text, "log {number} on the SD card");
+                self.telemetry.text(MavSeverity::MAV_SEVERITY_INFO, &text);
+            }
+            News::LeftOut(steps) => self.tell(format_args!("SD card too slow: {steps} steps not in log")),
+            News::Failed(error) => self.tell(error.words()),
+        }
+    }
+
+    fn make_due(&mut self, (time_us, status): (u64, &VehicleStatus), logs: &mut LogShelf) {
         if self.hil {
             // a step's answer may have to wait until this has left, so it is short: 1.1 ms at 921,600 baud
             let mut few = Vec::<u8, HIL_DUE_BYTES>::new();
             self.telemetry.poll(time_us, status, &mut few);
-            self.telemetry.send_files(time_us, status, &mut NoLogs, &mut few);
+            self.telemetry.send_files(time_us, status, logs, &mut few);
             // the larger buffer is empty
             let _ = self.due.extend_from_slice(&few);
         } else {
             self.telemetry.poll(time_us, status, &mut self.due);
-            self.telemetry.send_files(time_us, status, &mut NoLogs, &mut self.due);
+            self.telemetry.send_files(time_us, status, logs, &mut self.due);
         }
     }
 
-    fn attend_to(&mut self, chore: Chore, (time_us, status): (u64, &VehicleStatus)) {
+    fn attend_to(&mut self, chore: Chore, (time_us, status): (u64, &VehicleStatus), logs: &mut LogShelf) {
         match chore {
             Chore::ClearFaultRecord => FaultRecord::clear(),
             Chore::StoreConfiguration => self.telemetry.store_configuration(|record| self.memory.store(record)),
@@ -165,7 +180,12 @@ impl Ground {
             Chore::CalibrateLevel => self.telemetry.calibrate_level(status, |record| self.memory.store(record)),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
             Chore::Files(request) => self.telemetry.take_file_request(&request),
-            Chore::Logs(request) => self.telemetry.take_log_request(&request, &mut NoLogs),
+            Chore::Logs(request) => {
+                if request == LogRequest::Erase {
+                    self.tell("logs stay on the SD card: empty it elsewhere");
+                }
+                self.telemetry.take_log_request(&request, logs);
+            }
             Chore::SetUpSigning(setup) => {
                 let about = (status, time_us, self.usb.has_power());
                 self.telemetry.set_up_signing(&setup, about, |record| self.memory.store_signing(record));

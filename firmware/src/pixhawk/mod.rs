@@ -11,6 +11,7 @@
 //!     link_sent                TELEM1: what was waiting for the line
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
 //!  1  housekeeping             telemetry, light and tone, load, watchdog
+//!  0  idle                     the loop's record -> SD card; sleep
 //! ```
 
 mod battery;
@@ -21,6 +22,7 @@ mod configuration;
 mod control;
 mod counters;
 mod fault;
+mod flight_log;
 mod fram;
 mod ground;
 mod imu;
@@ -37,6 +39,8 @@ mod outputs;
 mod pins;
 mod queue;
 mod register_watch;
+mod sd_bus;
+mod sd_card;
 mod self_test;
 mod sensor_bus;
 mod supply;
@@ -55,6 +59,7 @@ mod app {
     use shared_control::flight_core::FlightCore;
     use shared_control::light_and_tone::Sign;
     use shared_control::link::VehicleStatus;
+    use shared_control::log_card::LogShelf;
     use shared_control::mpc::{HORIZON, MpcState};
     use shared_control::signals::{Plan, PlanRequest};
     use stm32f4xx_hal::pac::Interrupt;
@@ -64,6 +69,7 @@ mod app {
     use super::configuration::{BoardMpc, Configuration, MpcPlace};
     use super::control::{AnswerQueue, ChoreQueue, Control, Ends, OrderQueue, TickQueue};
     use super::fault::{self, Cause};
+    use super::flight_log::{self, FlightLog, FlightRecorder, NewsQueue};
     use super::fram::Fram;
     use super::ground::Ground;
     use super::imu::{Checked, Imus, SampleQueue};
@@ -73,6 +79,8 @@ mod app {
     use super::load::{self, LoadMeter};
     use super::loop_timer::LoopTimer;
     use super::outputs::Outputs;
+    use super::sd_bus::{self, SdBus};
+    use super::sd_card::SdCard;
     use super::self_test::SelfTests;
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
@@ -91,6 +99,8 @@ mod app {
         request: Option<PlanRequest>,
         plan: Option<Plan>,
         status: VehicleStatus,
+        recorder: &'static mut FlightRecorder,
+        shelf: LogShelf,
     }
 
     #[local]
@@ -105,6 +115,7 @@ mod app {
         ground: Ground,
         light_and_tone: LightAndTone,
         watchdog: Watchdog,
+        flight_log: FlightLog,
     }
 
     /// Interrupts are off until it returns.
@@ -115,7 +126,8 @@ mod app {
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
         ticks: TickQueue = TickQueue::new(), conversions: battery::Ring = [0; battery::CONVERSIONS],
-        mpc_place: MpcPlace = MpcPlace::uninit(),
+        mpc_place: MpcPlace = MpcPlace::uninit(), recorder: FlightRecorder = FlightRecorder::new(),
+        card_buffer: sd_bus::Buffer = sd_bus::Buffer::NEW, news: NewsQueue = NewsQueue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let (mut core, mut device) = (cx.core, cx.device);
@@ -143,14 +155,14 @@ mod app {
         let (samples, samples_out) = cx.local.samples.split();
         let (samples_second, samples_second_out) = cx.local.samples_second.split();
         let (ticks, ticks_out) = cx.local.ticks.split();
-        let (reports, reports_out) = cx.local.reports.split();
+        let ((reports, reports_out), (news, news_out)) = (cx.local.reports.split(), cx.local.news.split());
         let (hil, baud) = (configuration.params.hil, configuration.link_baud());
         let buffers = (cx.local.ring, cx.local.buffer);
         let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, baud, buffers, &mut rcc);
-        let mut ground = Ground::new(&settings, (&configuration.params, memory, pins.usb), answers_out, chores_out);
+        let (choices, queues) = (&configuration.params, (answers_out, chores_out, news_out));
+        let mut ground = Ground::new(&settings, (choices, memory, pins.usb), queues);
         let link = LinkIn::new(port, (settings, ground.sign(Default::default(), 0)), orders, hil.then_some(ticks));
-        ground.tell_start(&start);
-        ground.tell_configuration(&configuration);
+        ground.tell_start(&start, &configuration);
 
         let checked = Checked::set_up(&mut bus);
         checked.faults().for_each(|fault| ground.tell(fault.words()));
@@ -161,6 +173,8 @@ mod app {
             imus.start(checked, &mut device.EXTI);
         }
         let io = IoPort::open(device.USART6, pins.io, cx.local.io_buffers, reports, &mut rcc);
+        let bus = SdBus::new(device.SDIO, pins.card, cx.local.card_buffer, &mut rcc);
+        let flight_log = FlightLog::new(SdCard::new(bus), &configuration.params, news);
         // the simulated vehicle's battery is never low
         let (adc, conversions) = ((device.ADC1, &device.ADC_COMMON), cx.local.conversions);
         let battery = (!hil).then(|| Battery::start(adc, pins.battery, conversions, &mut rcc));
@@ -173,19 +187,17 @@ mod app {
             answers, chores,
         };
         let control = Control::new(configuration.setup.config, commander, ends);
-        let (trace, mpc_state) = (Trace::new(), MpcState::new());
         let light_and_tone = LightAndTone::new(device.TIM2, pins.light_and_tone, &mut rcc);
         let watchdog = Watchdog::start(device.IWDG);
         loop_timer.start();
         io_port::start_slots(&mut core.SYST);
-        let housekeeping_ticks = configuration.housekeeping_ticks();
-        let radio_flies = configuration.params.radio.flies;
-        let status = VehicleStatus { hil, radio_flies, ..VehicleStatus::at_start(configuration.params.controller) };
         #[rustfmt::skip]
         let local = Local {
-            control, outputs, loop_timer, trace, housekeeping_ticks, mpc, mpc_state, ground, light_and_tone, watchdog,
+            control, outputs, loop_timer, trace: Trace::new(), housekeeping_ticks: configuration.housekeeping_ticks(),
+            mpc, mpc_state: MpcState::new(), ground, light_and_tone, watchdog, flight_log,
         };
-        (Shared { imus, io, link, sender, request: None, plan: None, status }, local)
+        let (status, recorder, shelf) = (configuration.status_at_start(), cx.local.recorder, LogShelf::EMPTY);
+        (Shared { imus, io, link, sender, request: None, plan: None, status, recorder, shelf }, local)
     }
 
     /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up
@@ -214,7 +226,7 @@ mod app {
     #[task(
         binds = TIM3, priority = 5,
         local = [control, outputs, loop_timer, trace, housekeeping_ticks, ticks: u32 = 0],
-        shared = [sender, request, plan, status]
+        shared = [sender, request, plan, status, recorder]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
@@ -234,6 +246,9 @@ mod app {
                 cx.shared.request.lock(|open| ask(open, request));
             }
             local.trace.publish(local.control.input(), &output, local.control.state());
+            if flight_log::is_wanted() {
+                cx.shared.recorder.lock(|recorder| local.control.record(&output, recorder));
+            }
             Some(output)
         });
         if let Some(output) = step {
@@ -314,7 +329,7 @@ mod app {
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
     #[task(
-        binds = CAN1_RX1, priority = 1, shared = [link, sender, status],
+        binds = CAN1_RX1, priority = 1, shared = [link, sender, status, shelf],
         local = [
             ground, light_and_tone, watchdog, clock: TimeBase = TimeBase::START,
             load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0,
@@ -334,7 +349,7 @@ mod app {
             let (now_us, seen) = (local.clock.now_us(), cx.shared.link.lock(|link| link.seen()));
             let terms = local.ground.sign(seen, now_us);
             cx.shared.link.lock(|link| link.follow(&terms));
-            local.ground.update(now_us, &status);
+            cx.shared.shelf.lock(|shelf| local.ground.update(now_us, &status, shelf));
             cx.shared.sender.lock(|sender| local.ground.hand_over(sender));
             local.self_tests.update(&status, || local.ground.memory_is_whole());
             if local.ticks.is_multiple_of(10) {
@@ -360,10 +375,12 @@ mod app {
         }
     }
 
-    /// Nothing to do: sleep until an interrupt.
-    #[idle]
-    fn idle(_: idle::Context) -> ! {
+    /// Writes the log, and sleeps until an interrupt. On a miss steps are left out of the log, and counted.
+    #[idle(local = [flight_log], shared = [recorder, shelf, status])]
+    fn idle(mut cx: idle::Context) -> ! {
         loop {
+            let idle::SharedResources { recorder, shelf, status, .. } = &mut cx.shared;
+            cx.local.flight_log.update(recorder, shelf, status);
             load::sleep();
         }
     }

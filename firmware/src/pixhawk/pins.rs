@@ -5,7 +5,7 @@ use stm32f4xx_hal::pac::{EXTI, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::{battery, fram, imu, io_port, light_and_tone, link_port, outputs, sensor_bus};
+use super::{battery, fram, imu, io_port, light_and_tone, link_port, outputs, sd_bus, sensor_bus};
 
 /// The ports that they belong to.
 pub type Ports = (GPIOA, GPIOB, GPIOC, GPIOD, GPIOE);
@@ -36,6 +36,8 @@ pub struct Pins {
     pub battery: battery::Pin,
     /// Whether USB has power.
     pub usb: UsbSense,
+    /// SDIO.
+    pub card: sd_bus::Pins,
 }
 
 /// The signal !USB_VALID: low while the USB connector has power.
@@ -104,6 +106,15 @@ impl Pins {
             },
             battery: a.pa2.into_analog(),
             usb: UsbSense(c.pc0.into_pull_up_input()),
+            // all but the clock rest high, also where no card is there
+            card: (
+                c.pc8.into_alternate().speed(Speed::High).internal_resistor(Pull::Up),
+                c.pc9.into_alternate().speed(Speed::High).internal_resistor(Pull::Up),
+                c.pc10.into_alternate().speed(Speed::High).internal_resistor(Pull::Up),
+                c.pc11.into_alternate().speed(Speed::High).internal_resistor(Pull::Up),
+                c.pc12.into_alternate().speed(Speed::High),
+                d.pd2.into_alternate().speed(Speed::High).internal_resistor(Pull::Up),
+            ),
         }
     }
 }

@@ -33,6 +33,11 @@ pub trait LogStore {
     fn count(&mut self) -> u16;
     /// How long one is, bytes; 0 where there is none of this id.
     fn size_bytes(&mut self, id: u16) -> u32;
+    /// Are the bytes from there on at hand? Where they have to be fetched first, that begins now, and the question is
+    /// repeated until they are.
+    fn is_ready(&mut self, _id: u16, _offset: u32) -> bool {
+        true
+    }
     /// Reads from a byte on, as much as there is and `piece` has room for; how much that is.
     fn read(&mut self, id: u16, offset: u32, piece: &mut [u8]) -> usize;
     /// Erases all.
@@ -221,6 +226,9 @@ impl LogDownload {
         out: &mut heapless::Vec<u8, N>,
     ) -> bool {
         let Some(wanted) = self.waiting.front_mut() else { return false };
+        if !store.is_ready(wanted.id, wanted.next) {
+            return false;
+        }
         let mut data = [0; PIECE_BYTES];
         let left = (wanted.end.saturating_sub(wanted.next) as usize).min(PIECE_BYTES);
         let count = data.get_mut(..left).map_or(0, |piece| store.read(wanted.id, wanted.next, piece).min(left));

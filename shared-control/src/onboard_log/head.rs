@@ -45,7 +45,7 @@ fn geometry(put: &mut impl FnMut(&[u8])) {
     for (name, value) in [("MAV_TYPE", 2), ("SYS_AUTOSTART", 4001), ("CA_ROTOR_COUNT", 4)] {
         ulog::whole_parameter(name, value, put);
     }
-    for (number, motor) in ('0'..).zip(&MOTORS) {
+    for (number, motor) in ['0', '1', '2', '3'].into_iter().zip(&MOTORS) {
         let counter_clockwise = -f32::from(motor.spin);
         let numbers = [
             ("PX", f32::from(motor.forward)),

@@ -1,6 +1,5 @@
 //! The loop's side of the log: steps into a ring of bytes, from arming until a second after disarming.
 
-use heapless::Vec;
 use nalgebra::Vector3;
 
 use super::ring::Ring;
@@ -20,7 +19,27 @@ pub const AFTERWARDS_US: u64 = 1_000_000;
 /// Longest record of a step: all topics, a mark and a dropout are 428 bytes.
 const RECORD_MAX: usize = 440;
 
-/// In the order of their numbers in the log.
+// of the topics that are thinned
+const SETPOINT_PERIOD_US: u64 = 100_000;
+const RATES_PERIOD_US: u64 = 20_000;
+const RADIO_PERIOD_US: u64 = 100_000;
+const BATTERY_PERIOD_US: u64 = 200_000;
+const STATUS_PERIOD_US: u64 = 500_000;
+const MARK_PERIOD_US: u64 = 500_000;
+
+// their numbers in the log
+const SENSOR_COMBINED: u16 = 0;
+const ANGULAR_VELOCITY: u16 = 1;
+const ATTITUDE: u16 = 2;
+const MOTORS: u16 = 3;
+const MPC: u16 = 4;
+const ATTITUDE_SETPOINT: u16 = 5;
+const RATES_SETPOINT: u16 = 6;
+const RADIO: u16 = 7;
+const BATTERY: u16 = 8;
+const STATUS: u16 = 9;
+
+/// In the order of those.
 const TOPICS: [Topic; 10] = [
     topics::SENSOR_COMBINED,
     topics::ANGULAR_VELOCITY,
@@ -91,13 +110,13 @@ impl<const N: usize> Recorder<N> {
             armed_us: 0,
             sampled_us: 0,
             setpoint: Setpoint { roll_rad: 0.0, pitch_rad: 0.0, yaw_rate_rad_s: 0.0, throttle: 0.0, acro_rad_s: None },
-            setpoint_due: Periodic::every(100_000),
-            rates_due: Periodic::every(20_000),
-            radio_due: Periodic::every(100_000),
-            battery_due: Periodic::every(200_000),
+            setpoint_due: Periodic::NEW,
+            rates_due: Periodic::NEW,
+            radio_due: Periodic::NEW,
+            battery_due: Periodic::NEW,
             status: None,
-            status_due: Periodic::every(500_000),
-            mark_due: Periodic::every(500_000),
+            status_due: Periodic::NEW,
+            mark_due: Periodic::NEW,
             dropping_since_us: None,
             steps_dropped: 0,
         }
@@ -143,24 +162,24 @@ impl<const N: usize> Recorder<N> {
         if !matches!(self.stage, Stage::Running { .. }) {
             return;
         }
-        let mut record = Vec::<u8, RECORD_MAX>::new();
+        let (mut record, mut length) = ([0; RECORD_MAX], 0);
         // there is room for all of it
-        let put = &mut |bytes: &[u8]| drop(record.extend_from_slice(bytes));
+        let put = &mut |bytes: &[u8]| ulog::append(&mut record, &mut length, bytes);
         if let Some(since_us) = self.dropping_since_us {
             let duration_ms = (input.time_us.saturating_sub(since_us) / 1000).min(u64::from(u16::MAX));
             ulog::dropout(duration_ms as u16, put);
         }
-        if self.mark_due.takes(input.time_us) {
+        if self.mark_due.takes(input.time_us, MARK_PERIOD_US) {
             ulog::mark(put);
         }
         put_every_step(config, input, output, since_us, put);
         self.put_now_and_then(input, output, radio, put);
         let status = topics::status(&output.arming, mode);
-        if self.status_due.takes(input.time_us) || self.status.as_ref() != Some(&status) {
-            put_topic(&topics::STATUS, input.time_us, &status, put);
+        if self.status_due.takes(input.time_us, STATUS_PERIOD_US) || self.status.as_ref() != Some(&status) {
+            ulog::data(STATUS, input.time_us, &status, put);
         }
         self.status = Some(status);
-        if self.ring.push(&record) {
+        if self.ring.push(record.get(..length).unwrap_or_default()) {
             self.dropping_since_us = None;
         } else {
             self.dropping_since_us.get_or_insert(input.time_us);
@@ -200,24 +219,26 @@ impl<const N: usize> Recorder<N> {
     ) {
         let (time_us, setpoint) = (input.time_us, &input.setpoint);
         // in acro nobody requests angles
-        if setpoint.acro_rad_s.is_none() && (self.setpoint_due.takes(time_us) || self.setpoint != *setpoint) {
+        if setpoint.acro_rad_s.is_none()
+            && (self.setpoint_due.takes(time_us, SETPOINT_PERIOD_US) || self.setpoint != *setpoint)
+        {
             let heading_rad = euler_from_q(&output.estimate.q_world_from_body).yaw_rad;
             let angles_rad = [setpoint.roll_rad, setpoint.pitch_rad, f32::NAN];
             let content = topics::attitude_setpoint(angles_rad, setpoint.yaw_rate_rad_s, heading_rad);
-            put_topic(&topics::ATTITUDE_SETPOINT, time_us, &content, put);
+            ulog::data(ATTITUDE_SETPOINT, time_us, &content, put);
         }
         self.setpoint = *setpoint;
-        if self.rates_due.takes(time_us) {
+        if self.rates_due.takes(time_us, RATES_PERIOD_US) {
             let content = topics::rates_setpoint(output.rate_target_rad_s.into(), setpoint.throttle);
-            put_topic(&topics::RATES_SETPOINT, time_us, &content, put);
+            ulog::data(RATES_SETPOINT, time_us, &content, put);
         }
-        if radio.count > 0 && self.radio_due.takes(time_us) {
-            put_topic(&topics::RADIO, time_us, &topics::radio(radio), put);
+        if radio.count > 0 && self.radio_due.takes(time_us, RADIO_PERIOD_US) {
+            ulog::data(RADIO, time_us, &topics::radio(radio), put);
         }
         if let Some(voltage_v) = input.battery_v
-            && self.battery_due.takes(time_us)
+            && self.battery_due.takes(time_us, BATTERY_PERIOD_US)
         {
-            put_topic(&topics::BATTERY, time_us, &topics::battery(voltage_v), put);
+            ulog::data(BATTERY, time_us, &topics::battery(voltage_v), put);
         }
     }
 }
@@ -234,17 +255,17 @@ fn put_every_step(config: &Config, input: &StepInput, output: &StepOutput, since
         let force_m_s2 = samples.iter().map(|sample| imu.specific_force_m_s2(sample)).sum::<Vector3<f32>>() * share;
         let integral_us = sample_us.saturating_sub(since_us).min(u64::from(u32::MAX)) as u32;
         let content = topics::sensor_combined(rate_rad_s.into(), force_m_s2.into(), integral_us);
-        put_topic(&topics::SENSOR_COMBINED, sample_us, &content, put);
+        ulog::data(SENSOR_COMBINED, sample_us, &content, put);
     }
     let estimate = &output.estimate;
     let rate = topics::angular_velocity(sample_us, estimate.rate_body_rad_s.into());
-    put_topic(&topics::ANGULAR_VELOCITY, time_us, &rate, put);
+    ulog::data(ANGULAR_VELOCITY, time_us, &rate, put);
     let q = topics::quaternion(&estimate.q_world_from_body);
-    put_topic(&topics::ATTITUDE, time_us, &topics::attitude(sample_us, q), put);
-    put_topic(&topics::MOTORS, time_us, &topics::motors(time_us, output.mix.commands.0), put);
+    ulog::data(ATTITUDE, time_us, &topics::attitude(sample_us, q), put);
+    ulog::data(MOTORS, time_us, &topics::motors(time_us, output.mix.commands.0), put);
     let fell_back = matches!(output.source, TorqueSource::CascadeNoPlan | TorqueSource::CascadeUnsolved(_));
     if fell_back || output.planning.status.is_some() {
-        put_topic(&topics::MPC, time_us, &topics::mpc(output), put);
+        ulog::data(MPC, time_us, &topics::mpc(output), put);
     }
 }
 
@@ -256,30 +277,22 @@ fn imu_in_use<'a>(config: &'a Config, input: &'a StepInput, output: &StepOutput)
     }
 }
 
-fn put_topic(topic: &Topic, time_us: u64, content: &Content, put: &mut impl FnMut(&[u8])) {
-    if let Some((number, _)) = (0..).zip(&TOPICS).find(|(_, one)| *one == topic) {
-        ulog::data(number, time_us, content, put);
-    }
-}
-
-/// Something that is due every so often.
+/// Something that is due every so often. A new one is all zeros, as is a new recorder: an image then holds none of its
+/// ring.
 #[derive(Clone, Copy, Debug)]
 struct Periodic {
-    period_us: u64,
     next_us: u64,
 }
 
 impl Periodic {
-    const fn every(period_us: u64) -> Self {
-        Self { period_us, next_us: 0 }
-    }
+    const NEW: Self = Self { next_us: 0 };
 
     /// Is it due now? If so the next time is a period later; what was missed is not made up for.
-    fn takes(&mut self, time_us: u64) -> bool {
+    fn takes(&mut self, time_us: u64, period_us: u64) -> bool {
         let due = time_us >= self.next_us;
         if due {
-            let on_time = self.next_us.saturating_add(self.period_us);
-            self.next_us = if on_time > time_us { on_time } else { time_us.saturating_add(self.period_us) };
+            let on_time = self.next_us.saturating_add(period_us);
+            self.next_us = if on_time > time_us { on_time } else { time_us.saturating_add(period_us) };
         }
         due
     }

@@ -27,13 +27,11 @@ impl<const N: usize> Ring<N> {
         if record.len() > N - self.length {
             return false;
         }
-        let mut at = Self::wrapped(self.start + self.length);
-        for byte in record {
-            if let Some(place) = self.bytes.get_mut(at) {
-                *place = *byte;
-            }
-            at = Self::wrapped(at + 1);
-        }
+        let at = Self::wrapped(self.start + self.length);
+        let (before, after) = self.bytes.split_at_mut_checked(at).unwrap_or_default();
+        let (fits, wraps) = record.split_at_checked(after.len()).unwrap_or((record, &[]));
+        copy(fits, after);
+        copy(wraps, before);
         self.length += record.len();
         true
     }
@@ -41,10 +39,12 @@ impl<const N: usize> Ring<N> {
     /// Gives the oldest bytes, as many as there are and as `block` has room for.
     pub(super) fn take(&mut self, block: &mut [u8]) -> usize {
         let count = block.len().min(self.length);
-        for place in block.iter_mut().take(count) {
-            *place = self.bytes.get(self.start).copied().unwrap_or_default();
-            self.start = Self::wrapped(self.start + 1);
-        }
+        let (before, after) = self.bytes.split_at_checked(self.start).unwrap_or_default();
+        let wanted = block.get_mut(..count).unwrap_or_default();
+        let (first, rest) = wanted.split_at_mut_checked(after.len().min(count)).unwrap_or_default();
+        copy(after, first);
+        copy(before, rest);
+        self.start = Self::wrapped(self.start + count);
         self.length -= count;
         count
     }
@@ -52,6 +52,13 @@ impl<const N: usize> Ring<N> {
     /// Places up to twice the ring's length.
     const fn wrapped(at: usize) -> usize {
         if at < N { at } else { at - N }
+    }
+}
+
+/// As many as there are and as there is room for.
+fn copy(bytes: &[u8], places: &mut [u8]) {
+    for (place, byte) in places.iter_mut().zip(bytes) {
+        *place = *byte;
     }
 }
 

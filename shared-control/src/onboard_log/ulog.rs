@@ -5,7 +5,7 @@
 
 use core::fmt::Write;
 
-use heapless::{String, Vec};
+use heapless::String;
 
 /// Magic and version 1, before the time at which the log began.
 const MAGIC: [u8; 8] = *b"ULog\x01\x12\x35\x01";
@@ -28,19 +28,31 @@ pub struct Topic {
 }
 
 /// Content of a data message after its time stamp. What is beyond 64 bytes is left out.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Content(Vec<u8, CONTENT_MAX>);
+#[derive(Clone, Debug, PartialEq)]
+pub struct Content {
+    bytes: [u8; CONTENT_MAX],
+    length: usize,
+}
+
+impl Default for Content {
+    fn default() -> Self {
+        Self { bytes: [0; CONTENT_MAX], length: 0 }
+    }
+}
 
 impl Content {
     /// Appends bytes, or nothing where they find no room.
     pub fn bytes(mut self, bytes: &[u8]) -> Self {
-        let _ = self.0.extend_from_slice(bytes);
+        append(&mut self.bytes, &mut self.length, bytes);
         self
     }
 
     /// Appends 32 bit floats.
-    pub fn numbers(self, numbers: &[f32]) -> Self {
-        numbers.iter().fold(self, |content, number| content.bytes(&number.to_le_bytes()))
+    pub fn numbers(mut self, numbers: &[f32]) -> Self {
+        for number in numbers {
+            append(&mut self.bytes, &mut self.length, &number.to_le_bytes());
+        }
+        self
     }
 
     /// Appends a time, us.
@@ -92,7 +104,8 @@ pub fn subscription(number: u16, topic: &Topic, put: &mut impl FnMut(&[u8])) {
 
 /// A data message.
 pub fn data(number: u16, time_us: u64, content: &Content, put: &mut impl FnMut(&[u8])) {
-    message(b'D', &[&number.to_le_bytes(), &time_us.to_le_bytes(), &content.0], put);
+    let content = content.bytes.get(..content.length).unwrap_or_default();
+    message(b'D', &[&number.to_le_bytes(), &time_us.to_le_bytes(), content], put);
 }
 
 /// A place at which a reader of a damaged file begins again.
@@ -103,6 +116,19 @@ pub fn mark(put: &mut impl FnMut(&[u8])) {
 /// For so long nothing was logged.
 pub fn dropout(duration_ms: u16, put: &mut impl FnMut(&[u8])) {
     message(b'O', &[&duration_ms.to_le_bytes()], put);
+}
+
+/// Appends bytes to those that a buffer holds, or nothing where they find no room. The record of a step takes 7,100
+/// cycles so (MPC, 2026-11-24, `tests/board/tests/flight_log/cost.rs`); with `heapless::Vec`, and its topics found by
+/// name, it took 22,400.
+pub(super) fn append(buffer: &mut [u8], length: &mut usize, bytes: &[u8]) {
+    let end = length.saturating_add(bytes.len());
+    if let Some(places) = buffer.get_mut(*length..end) {
+        for (place, byte) in places.iter_mut().zip(bytes) {
+            *place = *byte;
+        }
+        *length = end;
+    }
 }
 
 /// A message; its parts together have at most 65,535 bytes.

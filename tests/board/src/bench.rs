@@ -6,6 +6,7 @@ use crate::board::serial::Connector;
 use crate::devices::io_chip::{CHANNELS, IoChip, IoFault, IoFirmware};
 use crate::devices::mpu6000::Mpu6000Revision;
 use crate::devices::mpu6000_start::START_UP;
+use crate::devices::sd_card::SdCard;
 use crate::devices::{Sensor, SensorFault};
 use crate::machine::Machine;
 use crate::peripherals::line_noise::LineNoise;
@@ -99,6 +100,17 @@ impl Machine {
     /// Bytes that the FRAM holds.
     pub fn read_fram(&self, address: usize, length: usize) -> Vec<u8> {
         self.board.borrow().fram.content().iter().cycle().skip(address).take(length).copied().collect()
+    }
+
+    /// Puts a card into the slot, in the place of one that was there.
+    pub fn insert_card(&mut self, mut card: SdCard) {
+        card.power_up();
+        self.board.borrow_mut().card = Some(card);
+    }
+
+    /// Does something to the card, if there is one, or looks at it.
+    pub fn with_card<T>(&mut self, action: impl FnOnce(&mut SdCard) -> T) -> Option<T> {
+        self.board.borrow_mut().card.as_mut().map(action)
     }
 
     /// These rules of the documents stop nothing when they are broken, all others do.

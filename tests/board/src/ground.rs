@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavResult, MavType,
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, LOG_ENTRY_DATA, MANUAL_CONTROL_DATA, MavCmd, MavMessage, MavResult, MavType,
 };
 use mavlink::{MavlinkVersion, Message, MessageData};
 use shared_control::link::frame::{FrameFinder, FrameWriter};
@@ -20,6 +20,8 @@ pub struct Ground {
     parameters: BTreeMap<String, f32>,
     results: Vec<(MavCmd, MavResult)>,
     heartbeats: u32,
+    log_entries: Vec<LOG_ENTRY_DATA>,
+    log_data: BTreeMap<(u16, u32), Vec<u8>>,
 }
 
 impl Default for Ground {
@@ -32,6 +34,8 @@ impl Default for Ground {
             parameters,
             results,
             heartbeats: 0,
+            log_entries: Vec::new(),
+            log_data: BTreeMap::new(),
         }
     }
 }
@@ -78,6 +82,10 @@ impl Ground {
                 }
                 Ok(MavMessage::COMMAND_ACK(answer)) => self.results.push((answer.command, answer.result)),
                 Ok(MavMessage::HEARTBEAT(_)) => self.heartbeats += 1,
+                Ok(MavMessage::LOG_ENTRY(entry)) => self.log_entries.push(entry),
+                Ok(MavMessage::LOG_DATA(piece)) => {
+                    self.log_data.insert((piece.id, piece.ofs), piece.data[..piece.count.into()].to_vec());
+                }
                 _ => {}
             }
         }
@@ -96,6 +104,21 @@ impl Ground {
     /// What the board said last of a parameter.
     pub fn parameter(&self, name: &str) -> Option<f32> {
         self.parameters.get(name).copied()
+    }
+
+    /// Logs that the board has listed so far.
+    pub fn log_entries(&self) -> &[LOG_ENTRY_DATA] {
+        &self.log_entries
+    }
+
+    /// Pieces of logs so far, by the log's id and the piece's first byte.
+    pub fn log_data(&self) -> &BTreeMap<(u16, u32), Vec<u8>> {
+        &self.log_data
+    }
+
+    /// What comes from here on is all that there is.
+    pub fn forget_log_data(&mut self) {
+        self.log_data.clear();
     }
 
     /// Heartbeats of the board so far.

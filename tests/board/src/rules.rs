@@ -10,11 +10,12 @@ pub use crate::devices::io_chip::registers::{
 };
 pub use crate::devices::mpu6000::SELECT_HOLD_TOO_SHORT;
 pub use crate::devices::mpu6000_start::PATHS_NOT_RESET;
+pub use crate::devices::sd_card::{BLOCK_UNAWAITED, CLOCK_TOO_FAST};
 pub use crate::devices::sensor_rail::{BACK_FED, RAMP_NOT_FROM_ZERO, SOURCES_CURRENT};
 pub use crate::peripherals::spi_clock::{CLOCK_FLOATS, LAST_BIT_LATE, PIN_TOO_SLOW};
 
 /// Every one of them.
-pub const ALL: [&str; 14] = [
+pub const ALL: [&str; 16] = [
     DESELECT_TOO_SHORT,
     SELECT_HOLD_TOO_SHORT,
     PATHS_NOT_RESET,
@@ -29,6 +30,8 @@ pub const ALL: [&str; 14] = [
     MAIN_DRIVEN,
     AMBIGUOUS_ARMING,
     NO_SUCH_REGISTER,
+    CLOCK_TOO_FAST,
+    BLOCK_UNAWAITED,
 ];
 
 /// A rule that was broken without stopping the run.

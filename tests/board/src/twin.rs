@@ -3,9 +3,12 @@
 use std::collections::VecDeque;
 
 use shared_control::config::{Config, Controller};
-use shared_control::flight_core::{FlightCore, State, TorqueSource};
+use shared_control::flight_core::{FlightCore, State, StepOutput, TorqueSource};
+use shared_control::link::Mode;
 use shared_control::mpc::{HORIZON, Mpc, MpcState};
+use shared_control::onboard_log::{Recorder, Stage};
 use shared_control::params::Params;
+use shared_control::radio::RadioFrame;
 use shared_control::record::trace::StepTrace;
 use shared_control::sensing::imu::AxisMap;
 use shared_control::setup::Setup;
@@ -32,6 +35,9 @@ pub struct Planned {
     pub unsolved: u64,
 }
 
+/// Of a step's record, at least.
+const RECORD_MAX: usize = 1024;
+
 /// Configuration, state, and plans that may still arrive.
 #[derive(Clone)]
 pub struct Twin {
@@ -43,6 +49,8 @@ pub struct Twin {
     questions: VecDeque<PlanRequest>,
     steps: u64,
     planned: Planned,
+    recorder: Box<Recorder<RECORD_MAX>>,
+    recorded: Vec<u8>,
 }
 
 impl Twin {
@@ -53,7 +61,8 @@ impl Twin {
     pub fn new(params: &Params, gyro: SecondGyro) -> Self {
         let (config, mpc) = prepared(params, gyro);
         let (state, mpc_state, questions) = (State::default(), MpcState::new(), VecDeque::new());
-        Self { config, gyro, state, mpc, mpc_state, questions, steps: 0, planned: Planned::default() }
+        let (recorder, recorded, planned) = (Box::default(), Vec::new(), Planned::default());
+        Self { config, gyro, state, mpc, mpc_state, questions, steps: 0, planned, recorder, recorded }
     }
 
     /// Starts again with what is stored, as the board does after a reset.
@@ -83,6 +92,7 @@ impl Twin {
         // samples beyond the count are left over from earlier steps on the board
         (host.sample, host.sample_second) = (board.sample, board.sample_second);
         assert_eq!(&host, board, "step {}", board.step);
+        self.record(&input, &output);
         self.steps += 1;
         match output.source {
             TorqueSource::Mpc => self.planned.flown += 1,
@@ -90,6 +100,22 @@ impl Twin {
             TorqueSource::CascadeUnsolved(_) => self.planned.unsolved += 1,
             _ => {}
         }
+    }
+
+    /// What a log would hold of the step, flown without a radio and in the usual mode.
+    fn record(&mut self, input: &StepInput, output: &StepOutput) {
+        self.recorder.record(&self.config, input, output, (&RadioFrame::default(), Mode::Stabilise));
+        let mut record = [0; RECORD_MAX];
+        let count = self.recorder.take(&mut record);
+        self.recorded.extend_from_slice(&record[..count]);
+        if self.recorder.stage() == Stage::Ended {
+            self.recorder.close();
+        }
+    }
+
+    /// What logs would hold of all steps so far, without their heads.
+    pub fn recorded(&self) -> &[u8] {
+        &self.recorded
     }
 
     /// Each plan that the board made arrives in some input; the questions before its own were not answered.

@@ -264,7 +264,7 @@ fn pulses_come_as_chosen_and_in_phase_with_the_loop() {
     ];
     for (params, rate_hz, width_us) in choices {
         let mut bench = Bench::new(&encode(&params));
-        bench.run_for(600 * MILLISECOND);
+        bench.run_for(700 * MILLISECOND);
         let said = bench.said();
         assert!(!texts(&said).iter().any(|text| text.contains("jitter")), "{params:?}");
         let pulses = bench.pulses_of_motor_1();
@@ -273,11 +273,11 @@ fn pulses_come_as_chosen_and_in_phase_with_the_loop() {
         assert!((pulses.len() as u64).abs_diff(rate_hz / 5) <= 1, "{params:?}: {}", pulses.len());
         assert!(pulses.iter().all(|pulse| pulse.width == width_us * TICKS_PER_US), "{params:?}");
         assert!(pulses.windows(2).all(|two| two[1].rise - two[0].rise == period), "{params:?}");
-        // a pulse rises 500 us after a tick of the loop; the step that begins there takes 50 to 310 us until it is
-        // recorded
+        // a pulse rises 500 us after a tick of the loop; the step that begins there takes 50 to 330 us until it is
+        // recorded, with those interrupts of the sensors that fall into it
         let step_end = bench.end_of_next_step();
         let later = (pulses[0].rise + 1000 * step.max(period) - step_end) % step.min(period);
-        assert!((190..450).contains(&(later / TICKS_PER_US)), "{params:?}: {} us", later / TICKS_PER_US);
+        assert!((170..450).contains(&(later / TICKS_PER_US)), "{params:?}: {} us", later / TICKS_PER_US);
     }
 }
 

@@ -8,6 +8,7 @@ use crate::peripherals::adc::Adc;
 use crate::peripherals::dma::Dma;
 use crate::peripherals::gpio::Gpio;
 use crate::peripherals::rcc::ClockGate;
+use crate::peripherals::sdio::Sdio;
 use crate::peripherals::spi::Spi;
 use crate::peripherals::syscfg::SysCfg;
 use crate::peripherals::timer::Timer;
@@ -21,7 +22,7 @@ const RCC: u32 = 0x4002_3800;
 type Reset = fn(&mut Board);
 
 /// What a reset by RCC puts back, besides ports and DMA.
-const RESETS: [(ClockGate, Reset); 12] = [
+const RESETS: [(ClockGate, Reset); 13] = [
     (ClockGate::apb1(0), |board| board.tim2 = Timer::general(u32::MAX)),
     (ClockGate::apb1(1), |board| board.tim3 = Timer::general(0xffff)),
     (ClockGate::apb1(3), |board| board.tim5 = Timer::general(u32::MAX)),
@@ -33,6 +34,7 @@ const RESETS: [(ClockGate, Reset); 12] = [
     (ClockGate::apb2(5), |board| board.usart6.reset()),
     // all three converters together
     (ClockGate::apb2(8), |board| board.adc1 = Adc::default()),
+    (ClockGate::apb2(11), |board| board.sdio = Sdio::default()),
     (ClockGate::apb2(12), |board| board.spi1 = Spi::default()),
     (ClockGate::apb2(14), |board| board.syscfg = SysCfg::default()),
 ];
@@ -53,6 +55,7 @@ impl Board {
             0x4001_0000 => (&mut self.tim1, gate(ClockGate::apb2(0))),
             0x4001_1400 => (&mut self.usart6, gate(ClockGate::apb2(5))),
             0x4001_2000 => (&mut self.adc1, gate(ClockGate::apb2(8))),
+            0x4001_2c00 => (&mut self.sdio, gate(ClockGate::apb2(11))),
             0x4001_3000 => (&mut self.spi1, gate(ClockGate::apb2(12))),
             0x4001_3800 => (&mut self.syscfg, gate(ClockGate::apb2(14))),
             0x4001_3c00 => (&mut self.exti, None),
@@ -100,6 +103,7 @@ impl Board {
         self.clocks = self.rcc.clocks().unwrap_or(self.clocks);
         self.spi1.set_bus_cycle(self.clocks.apb2);
         self.spi2.set_bus_cycle(self.clocks.apb1);
+        self.sdio.set_source_cycle(self.clocks.pll48);
         self.usart2.set_bus_cycle(self.clocks.apb1);
         self.usart3.set_bus_cycle(self.clocks.apb1);
         self.usart6.set_bus_cycle(self.clocks.apb2);

@@ -10,17 +10,18 @@
 //!  USART3 <----> TELEM2       DMA1 S1 <-- received    S3, S4 --> to send
 //!  USART6 <----> IO chip      DMA2 S1, S2 <-- received    S6, S7 --> to send
 //!  PA2 (battery) -> ADC1      DMA2 S4 <-- conversions
+//!  SDIO <-------> SD card     DMA2 S3, S6 <-> blocks
 //!  PA15 (buzzer) <- TIM2      TIM5: time base      RCC: clocks of all of them
 //! ```
 //!
 //! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults,
 //! `electrics` what lies between pins and parts, `analog` battery and buzzer, `serial` the connectors, `io_chip` the
-//! second processor, `wiring` DMA
-//! requests and interrupt lines.
+//! second processor, `card_slot` the SD card, `wiring` DMA requests and interrupt lines.
 
 mod address_map;
 mod analog;
 mod buses;
+mod card_slot;
 mod electrics;
 mod io_chip;
 mod sensors;
@@ -38,6 +39,7 @@ use crate::devices::l3gd20::{L3GD20, L3GD20H};
 use crate::devices::level_shifter::FLOATS_LOW;
 use crate::devices::lsm303d::LSM303D;
 use crate::devices::mpu6000::Mpu6000;
+use crate::devices::sd_card::SdCard;
 use crate::devices::sensor_rail::{CAPACITANCE_UF, SensorRail};
 use crate::devices::st_sensor::StSensor;
 use crate::devices::{SecondGyro, SensorFault};
@@ -54,6 +56,7 @@ use crate::peripherals::iwdg::{Iwdg, LSI_HZ};
 use crate::peripherals::pin::Load;
 use crate::peripherals::pwr::Pwr;
 use crate::peripherals::rcc::{Clocks, Rcc};
+use crate::peripherals::sdio::Sdio;
 use crate::peripherals::spi::Spi;
 use crate::peripherals::syscfg::SysCfg;
 use crate::peripherals::timer::Timer;
@@ -97,6 +100,9 @@ pub(crate) struct Board {
     usart2: Usart,
     usart3: Usart,
     usart6: Usart,
+    sdio: Sdio,
+    /// In the slot, or it was.
+    pub(crate) card: Option<SdCard>,
     pub(crate) io: IoChip,
     iwdg: Iwdg,
     dbgmcu: DbgMcu,
@@ -131,7 +137,7 @@ impl Board {
     /// As after power-on.
     pub(crate) fn new(world: Box<dyn World>, seed: u64) -> Self {
         let rcc = Rcc::new(POWER_ON, true);
-        let clocks = Clocks { core: 21, apb1: 21, apb2: 21, apb1_timers: 21, apb2_timers: 21 };
+        let clocks = Clocks { core: 21, apb1: 21, apb2: 21, apb1_timers: 21, apb2_timers: 21, pll48: None };
         let gyro = if world.second_gyro() == Some(SecondGyro::L3gd20h) { &L3GD20H } else { &L3GD20 };
         let second_imu = world.second_gyro().is_none().then_some(SensorFault::Removed(FLOATING));
         let mut board = Self {
@@ -154,6 +160,8 @@ impl Board {
             usart2: Usart::new(USUAL_BAUD),
             usart3: Usart::new(USUAL_BAUD),
             usart6: Usart::new(io::BAUD),
+            sdio: Sdio::default(),
+            card: None,
             io: IoChip::new(IoFirmware::Px4V4, 0),
             iwdg: Iwdg::new(LSI_HZ),
             dbgmcu: DbgMcu::default(),
@@ -187,7 +195,10 @@ impl Board {
     pub(crate) fn reset(&mut self, flags: u32) {
         self.tim1.cut_pulses(self.now);
         self.pass_on_pulses();
+        // a card stays as it is, in the middle of a transfer perhaps
+        let card = self.card.take();
         let mut fresh = self.without_power(0);
+        fresh.card = card;
         std::mem::swap(&mut fresh.backup_ram, &mut self.backup_ram);
         std::mem::swap(&mut fresh.mpu6000, &mut self.mpu6000);
         std::mem::swap(&mut fresh.l3gd20, &mut self.l3gd20);
@@ -227,6 +238,10 @@ impl Board {
         std::mem::swap(&mut fresh.broken, &mut self.broken);
         std::mem::swap(&mut fresh.tolerated, &mut self.tolerated);
         fresh.fram.power_up(self.now);
+        fresh.card = self.card.take();
+        if let Some(card) = &mut fresh.card {
+            card.power_up();
+        }
         fresh.load = self.load;
         fresh.rail = SensorRail::new(CAPACITANCE_UF[1]);
         fresh.aux_floats_low = self.aux_floats_low;
@@ -283,6 +298,7 @@ impl Board {
         self.tick_serial(now, memory);
         self.tick_io(now, memory);
         self.tick_adc1(now, memory);
+        self.tick_card(now, memory);
         self.refresh_lines(now);
     }
 
@@ -297,6 +313,7 @@ impl Board {
             self.usart2.next_event(),
             self.usart3.next_event(),
             self.usart6.next_event(),
+            self.card_event(),
             self.io.next_event(),
             self.mpu6000.next_event(),
             self.l3gd20.next_event(),

@@ -58,6 +58,13 @@ pub(super) const USART6_DMA: [DmaWire; 4] = [
     DmaWire::new(1, 7, 5, true, |board| board.usart6.requests_transmit_dma()),
 ];
 
+pub(super) const SDIO_DMA: [DmaWire; 4] = [
+    DmaWire::new(1, 3, 4, false, |board| board.sdio.requests_receive_dma()),
+    DmaWire::new(1, 6, 4, false, |board| board.sdio.requests_receive_dma()),
+    DmaWire::new(1, 3, 4, true, |board| board.sdio.requests_transmit_dma()),
+    DmaWire::new(1, 6, 4, true, |board| board.sdio.requests_transmit_dma()),
+];
+
 /// Interrupts of the streams (RM0090 table 62).
 const DMA1_INTERRUPTS: [u8; 8] = [11, 12, 13, 14, 15, 16, 17, 47];
 const DMA2_INTERRUPTS: [u8; 8] = [56, 57, 58, 59, 60, 68, 69, 70];
@@ -156,6 +163,7 @@ impl Board {
             | interrupt_line(25, self.tim1.update_interrupt())
             | interrupt_line(27, self.tim1.other_interrupts())
             | interrupt_line(29, self.tim3.interrupt())
+            | interrupt_line(49, self.sdio.interrupt())
             | interrupt_line(50, self.tim5.interrupt())
             | interrupt_line(35, self.spi1.interrupt())
             | interrupt_line(36, self.spi2.interrupt())

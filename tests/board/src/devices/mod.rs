@@ -10,6 +10,7 @@ pub(crate) mod level_shifter;
 pub(crate) mod lsm303d;
 pub(crate) mod mpu6000;
 pub(crate) mod mpu6000_start;
+pub mod sd_card;
 pub(crate) mod sensor_rail;
 pub(crate) mod st_sensor;
 

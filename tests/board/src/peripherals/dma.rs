@@ -1,6 +1,7 @@
-//! DMA controller: eight streams in direct mode. RM0090 section 10.5. An item moves whenever its peripheral asks.
+//! DMA controller: eight streams. RM0090 section 10.5. An item moves whenever its peripheral asks.
 //!
-//! Streams do not compete for the bus: items of one request move one after the other, at once.
+//! Streams do not compete for the bus: items of one request move one after the other, at once. The FIFO of a stream
+//! passes on what it gets at once; bursts are held to the rules for them and move as single items.
 
 use super::{Peripheral, Unmodelled};
 use crate::time::Ticks;
@@ -11,12 +12,21 @@ const TO_PERIPHERAL: u32 = 1 << 6;
 const CIRC: u32 = 1 << 8;
 const PINC: u32 = 1 << 9;
 const MINC: u32 = 1 << 10;
-/// Item sizes at the peripheral and in memory: bytes or half-words, the same on both sides.
+/// The peripheral says when the last item has moved, as SDIO alone can (section 10.3.15).
+const PFCTRL: u32 = 1 << 5;
+/// Item sizes at the peripheral and in memory: bytes, half-words or words, the same on both sides.
 const SIZES: u32 = 0b1111 << 11;
 const BYTES: u32 = 0;
 const HALF_WORDS: u32 = 0b0101 << 11;
-/// PFCTRL, memory to memory, PINCOS, double buffer.
-const UNUSED: u32 = 1 << 5 | 1 << 7 | PINC | 1 << 15 | 1 << 18;
+const WORDS: u32 = 0b1010 << 11;
+/// Memory to memory, PINCOS, double buffer.
+const UNUSED: u32 = 1 << 7 | PINC | 1 << 15 | 1 << 18;
+/// Bursts at the peripheral and in memory.
+const BURSTS: u32 = 0b1111 << 21;
+/// In SxFCR: no direct mode, so that there may be bursts (section 10.3.11).
+const DMDIS: u32 = 1 << 2;
+/// What NDTR is taken for where the peripheral is the flow controller.
+const MOST_ITEMS: u32 = 0xffff;
 
 const TRANSFER_ERROR: u32 = 1 << 3;
 const HALF: u32 = 1 << 4;
@@ -30,7 +40,7 @@ const FLAG_SHIFT: [u32; 4] = [0, 6, 16, 22];
 pub(crate) struct Item {
     pub(crate) memory_address: u32,
     pub(crate) peripheral_address: u32,
-    /// Bytes, 1 or 2.
+    /// Bytes, 1, 2 or 4.
     pub(crate) size: u32,
 }
 
@@ -49,7 +59,35 @@ struct Stream {
 
 impl Stream {
     fn item_bytes(&self) -> u32 {
-        if self.control & SIZES == HALF_WORDS { 2 } else { 1 }
+        match self.control & SIZES {
+            WORDS => 4,
+            HALF_WORDS => 2,
+            _ => 1,
+        }
+    }
+
+    /// Bytes that memory moves at once.
+    fn access_bytes(&self) -> u32 {
+        let beats = [1, 4, 8, 16][(self.control >> 23 & 3) as usize];
+        self.item_bytes() * beats
+    }
+
+    fn check_start(&self, control: u32) -> Result<(), Unmodelled> {
+        let starting = Self { control, ..*self };
+        if control & UNUSED != 0 || ![BYTES, HALF_WORDS, WORDS].contains(&(control & SIZES)) {
+            return Err(Unmodelled("DMA other than items of one size between memory and a fixed peripheral register"));
+        }
+        if control & BURSTS != 0 && self.fifo & DMDIS == 0 {
+            return Err(Unmodelled("DMA bursts in direct mode"));
+        }
+        // what is aligned to its bursts crosses no border of a kilobyte either
+        if !self.memory_address[0].is_multiple_of(starting.access_bytes()) {
+            return Err(Unmodelled("DMA to or from an address that is not aligned to its accesses"));
+        }
+        if control & PFCTRL != 0 && control & CIRC != 0 {
+            return Err(Unmodelled("DMA in a circle with the peripheral as flow controller"));
+        }
+        Ok(())
     }
 
     fn interrupt(&self) -> bool {
@@ -92,6 +130,15 @@ impl Dma {
             } else {
                 stream.control &= !EN;
             }
+        }
+    }
+
+    /// The peripheral has moved its last item: the stream ends, if that is the flow controller.
+    pub(crate) fn peripheral_ended(&mut self, stream: usize) {
+        let stream = &mut self.streams[stream];
+        if stream.control & (EN | PFCTRL) == EN | PFCTRL {
+            stream.flags |= COMPLETE;
+            stream.control &= !EN;
         }
     }
 
@@ -155,14 +202,15 @@ fn write_stream(stream: &mut Stream, offset: u32, value: u32) -> Result<(), Unmo
     let enabled = stream.control & EN != 0;
     match offset {
         0x00 => {
-            if value & EN != 0 && (value & UNUSED != 0 || ![BYTES, HALF_WORDS].contains(&(value & SIZES))) {
-                return Err(Unmodelled(
-                    "DMA other than bytes or half-words between memory and a fixed peripheral register",
-                ));
+            if value & EN != 0 {
+                stream.check_start(value)?;
             }
             let starts = value & EN != 0 && !enabled;
             if starts && stream.flags & COMPLETE != 0 {
                 return Err(Unmodelled("DMA stream enabled before its flags are cleared"));
+            }
+            if starts && value & PFCTRL != 0 {
+                stream.left = MOST_ITEMS;
             }
             if starts {
                 stream.block = stream.left;
@@ -233,6 +281,36 @@ mod tests {
         let item = dma.item(0, 0, false).unwrap();
         assert_eq!((item.memory_address, item.size), (0x2000_0002, 2));
         assert!(Dma::default().write(0x10, EN | 0b01 << 11, 0).is_err());
+    }
+
+    #[test]
+    fn bursts_want_a_fifo_and_an_aligned_address() {
+        let burst = 1 << 23 | 1 << 21 | WORDS | MINC | EN;
+        let with = |fifo, address| {
+            let mut dma = Dma::default();
+            dma.write(0x24, fifo, 0).unwrap();
+            dma.write(0x1c, address, 0).unwrap();
+            dma.write(0x14, 4, 0).unwrap();
+            dma.write(0x10, burst, 0)
+        };
+        assert!(with(DMDIS | 3, 0x2000_0010).is_ok());
+        assert!(with(0, 0x2000_0010).is_err());
+        assert!(with(DMDIS | 3, 0x2000_0008).is_err());
+    }
+
+    #[test]
+    fn the_peripheral_as_flow_controller_ends_the_stream() {
+        let mut dma = stream_0(WORDS | MINC | PFCTRL | 1 << 4, 0);
+        dma.moved(0);
+        assert_eq!(dma.item(0, 0, false).unwrap().memory_address, 0x2000_0004);
+        assert!(!dma.interrupt(0));
+        dma.peripheral_ended(0);
+        assert!(dma.interrupt(0));
+        assert_eq!(dma.item(0, 0, false), None);
+        // of a stream that counts by itself that is no affair
+        let mut counted = stream_0(WORDS | MINC, 2);
+        counted.peripheral_ended(0);
+        assert!(counted.item(0, 0, false).is_some());
     }
 
     #[test]

@@ -12,6 +12,7 @@ pub(crate) mod line_noise;
 pub(crate) mod pin;
 pub(crate) mod pwr;
 pub(crate) mod rcc;
+pub(crate) mod sdio;
 pub(crate) mod spi;
 pub(crate) mod spi_clock;
 pub(crate) mod syscfg;

@@ -8,6 +8,8 @@ use crate::time::{TICKS_PER_S, Ticks};
 
 const HSI_HZ: u64 = 16_000_000;
 const HSE_HZ: u64 = 24_000_000;
+/// What PLLQ may give (section 6.3.2).
+const PLL48_MAX_HZ: u64 = 48_000_000;
 
 const CR: u32 = 0x00;
 const PLLCFGR: u32 = 0x04;
@@ -64,6 +66,8 @@ pub(crate) struct Clocks {
     pub(crate) apb2: Ticks,
     pub(crate) apb1_timers: Ticks,
     pub(crate) apb2_timers: Ticks,
+    /// The PLL's second output; none while it gives nothing.
+    pub(crate) pll48: Option<Ticks>,
 }
 
 #[derive(Clone, Debug)]
@@ -170,7 +174,16 @@ impl Rcc {
             apb2: core << shift2,
             apb1_timers: core << shift1.saturating_sub(1),
             apb2_timers: core << shift2.saturating_sub(1),
+            pll48: self.pll48_cycle(),
         })
+    }
+
+    /// Of SDIO, USB and the random number generator.
+    fn pll48_cycle(&self) -> Option<Ticks> {
+        let pll = self.word(PLLCFGR);
+        let p = u64::from(pll >> 16 & 3) * 2 + 2;
+        let hz = self.pll_hz()? * p / u64::from(pll >> 24 & 0xf).max(1);
+        (self.is_ready(FROM_PLL) && hz <= PLL48_MAX_HZ).then(|| whole_ticks(hz)).flatten()
     }
 
     fn pll_hz(&self) -> Option<u64> {
@@ -258,7 +271,7 @@ mod tests {
         rcc.write(CR, HSION | HSEON | PLLON, 0).unwrap();
         rcc.write(CFGR, 5 << 10 | 4 << 13 | 2, 0).unwrap();
         let clocks = rcc.clocks().unwrap();
-        assert_eq!(clocks, Clocks { core: 2, apb1: 8, apb2: 4, apb1_timers: 4, apb2_timers: 2 });
+        assert_eq!(clocks, Clocks { core: 2, apb1: 8, apb2: 4, apb1_timers: 4, apb2_timers: 2, pll48: Some(7) });
         assert_eq!(rcc.read(CFGR, 0).unwrap() >> 2 & 3, 2);
     }
 
