@@ -151,8 +151,8 @@ fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
 /// What is found, as Markdown.
 pub fn table_of_learning(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| rig | tuning | air | vehicles | changed, % | first change: median, 95 %, s | roll's gain, lag then, % | \
-         gain, lag at the end, % | ranges that hold: gain, lag, % | refused, % |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        "| rig | tuning | air | vehicles | changed, % | first change: median, 95 %, s | roll's gain, lag then, % \
+         | gain, lag at the end, % | ranges that hold: gain, lag, % | refused, % |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         text += &format!(
@@ -179,9 +179,9 @@ pub fn table_of_learning(rows: &[Row]) -> String {
 /// What it is worth, as Markdown.
 pub fn table_of_flying(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| rig | tuning | air | RMS, deg: wrong model | right model | learning | costly vehicles | \
-         of their loss given back, % | worst beside both, % | worst beside the wrong model, % | lost: wrong, right, learning |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|\n",
+        "| rig | tuning | air | RMS, deg: wrong model | right model | learning | costly vehicles \
+         | of their loss given back, % | worst beside both, % | worst beside the wrong model, % \
+         | lost: wrong, right, learning |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         let [wrong, right, learns] = row.rms_deg;
