@@ -14,7 +14,7 @@ use shared_control::params::Params;
 use shared_control::signals::ArmingBlocks;
 
 /// Message id and last byte of the CRC of what is understood (`message_definitions/v1.0/common.xml`).
-const UNDERSTOOD: [(u32, u8); 16] = [
+const UNDERSTOOD: [(u32, u8); 17] = [
     (0, 50),
     (20, 214),
     (21, 159),
@@ -25,6 +25,7 @@ const UNDERSTOOD: [(u32, u8); 16] = [
     (76, 152),
     (82, 49),
     (107, 108),
+    (110, 84),
     (111, 34),
     (117, 128),
     (119, 116),

@@ -1,5 +1,7 @@
-//! The fuzz target of the link, a short run of it on random bytes: `LINK_RUNS=N` for a longer one.
+//! The fuzz targets of frames and link, a short run of them on random bytes: `LINK_RUNS=N` for a longer one.
 
+#[path = "../../fuzz/fuzz_targets/frame_bytes.rs"]
+mod frame_bytes;
 #[path = "../../fuzz/fuzz_targets/link_bytes.rs"]
 mod link_bytes;
 
@@ -12,8 +14,8 @@ fn next(state: &mut u64) -> u64 {
     z ^ z >> 31
 }
 
-#[test]
-fn whatever_arrives_on_the_link_changes_nothing_that_it_may_not() {
+/// Random bytes, many times, for what holds whatever they are.
+fn hold_for_a_moment(hold: fn(&[u8])) {
     let runs = std::env::var("LINK_RUNS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(3000);
     for seed in 0..runs {
         let mut state = seed;
@@ -26,6 +28,16 @@ fn whatever_arrives_on_the_link_changes_nothing_that_it_may_not() {
             })
             .collect();
         let shown = bytes.clone();
-        assert!(std::panic::catch_unwind(|| link_bytes::hold(&bytes)).is_ok(), "seed {seed}: {shown:?}");
+        assert!(std::panic::catch_unwind(|| hold(&bytes)).is_ok(), "seed {seed}: {shown:?}");
     }
+}
+
+#[test]
+fn the_frames_of_a_stream_are_found_whatever_lies_between_them() {
+    hold_for_a_moment(frame_bytes::hold);
+}
+
+#[test]
+fn whatever_arrives_on_the_link_changes_nothing_that_it_may_not() {
+    hold_for_a_moment(link_bytes::hold);
 }
