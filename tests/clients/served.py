@@ -11,6 +11,7 @@ class Served:
     """Starts `sil serve` and finds its port in what it prints."""
 
     def __init__(self, sil, *arguments, udp="off", seconds=120):
+        self.lines = []
         self.command = [sil, "serve", "--tcp", "0", "--udp", udp, "--for", str(seconds), *arguments]
 
     def __enter__(self):
@@ -18,10 +19,14 @@ class Served:
         for line in self.process.stdout:
             if line.startswith("TCP  waits for clients at "):
                 self.port = int(line.rsplit(":", 1)[1])
-                # nobody reads on: what else it prints must not fill the pipe
-                threading.Thread(target=self.process.stdout.read, daemon=True).start()
+                # somebody reads on: what else it prints must not fill the pipe
+                threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
                 return self
         raise SystemExit(f"{' '.join(self.command)} ended without a port")
+
+    def wait(self, patience_s=120):
+        """Until it ends by itself."""
+        self.process.wait(patience_s)
 
     def __exit__(self, *_):
         self.process.terminate()
