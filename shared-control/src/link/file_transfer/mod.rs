@@ -33,6 +33,9 @@ const AROUND_PIECE: usize = HEADER_LEN + HEAD_AT + HEAD_LEN + CRC_LEN + SIGNATUR
 /// Pieces of a burst: a second's worth at 57,600 baud. Of one that takes much longer pymavlink's `mavftp` believes that
 /// the vehicle is silent, since it counts from what it sent itself (3.7 s).
 const BURST_PIECES: u8 = 24;
+/// Numbers by which a request may be older than one that came before it: a network that swaps neighbours, whose sender
+/// asks for the next before it has an answer.
+const OVERTAKEN_MAX: u16 = 4;
 /// Requests that may wait; what is beyond is asked for again.
 const WAITING_MAX: usize = 8;
 /// Who may have a file open at once.
@@ -327,9 +330,11 @@ impl FileTransfer {
 }
 
 impl Client {
-    /// A request that comes again, late, does not close what was opened since.
+    /// A request that comes again, late, does not close what was opened since, nor one that what opened it has overtaken
+    /// on the way.
     fn close(&mut self, by: u16) {
-        if self.closed_by != Some(by) {
+        let overtaken_by = self.open.map_or(0, |(_, opened_by)| opened_by.wrapping_sub(by));
+        if self.closed_by != Some(by) && !(1..=OVERTAKEN_MAX).contains(&overtaken_by) {
             (self.open, self.burst, self.closed_by) = (None, None, Some(by));
         }
     }

@@ -226,8 +226,8 @@ fn every_piece_is_that_of_the_whole() {
     }
 }
 
-/// Of a second at 57,600 baud, so that nobody who asks takes the vehicle for silent; each says where it ends, and the next
-/// begins there.
+/// Of a second at 57,600 baud, so that nobody who asks takes the vehicle for silent; each says where it ends, and the
+/// next begins there.
 #[test]
 fn bursts_are_the_file_and_say_where_they_end() {
     let mut vehicle = Vehicle::new();
@@ -295,6 +295,20 @@ fn a_late_repetition_ends_nothing() {
     vehicle.hear(closed_by, (session, CLOSE), (0, 0), b"");
     assert_eq!(vehicle.answers(20)[0].opcode, ACK);
     assert_eq!(vehicle.ask((session, READ), (10, 0), b"").opcode, ACK, "still open");
+}
+
+/// A program that starts ends all sessions and opens a file at once; a network may swap the two.
+#[test]
+fn a_reset_that_was_overtaken_ends_nothing() {
+    let mut vehicle = Vehicle::new();
+    vehicle.hear(41, (0, OPEN), (PATH.len() as u8, 0), PATH);
+    let session = vehicle.answers(20)[0].session;
+    vehicle.hear(40, (0, CLOSE_ALL), (0, 0), b"");
+    assert_eq!(vehicle.answers(20)[0].opcode, ACK, "answered all the same");
+    assert_eq!(vehicle.ask((session, READ), (10, 0), b"").opcode, ACK, "still open");
+    vehicle.hear(43, (0, CLOSE_ALL), (0, 0), b"");
+    assert_eq!(vehicle.answers(20)[0].opcode, ACK);
+    assert_eq!(vehicle.ask((session, READ), (10, 0), b"").refusal(), Some(NO_SESSION), "in its turn it ends all");
 }
 
 #[test]
