@@ -1,8 +1,8 @@
 //! A stream of bytes through the finder of frames, against a second parser that has the whole stream before it.
 //!
-//! Of every chunk the first byte says what it is: bytes as they are, or a frame around them, whole, with a byte changed,
-//! or cut off. Whatever the bytes: exactly the frames are found that the stream holds when it is read from its start,
-//! and every other byte is counted as skipped or still held.
+//! Of every chunk the first byte says what it is: bytes as they are, or a frame around them, whole, with a byte
+//! changed, or cut off. Whatever the bytes: exactly the frames are found that the stream holds when it is read from its
+//! start, and every other byte is counted as skipped.
 
 use shared_control::link::frame::{Frame, FrameFinder, PAYLOAD_MAX};
 

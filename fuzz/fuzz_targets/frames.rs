@@ -1,5 +1,5 @@
-//! Raw bytes on a line, as frames: see `frame_bytes.rs`, which `shared-control/tests/link_bytes.rs` runs for a moment as
-//! well.
+//! Raw bytes on a line, as frames: see `frame_bytes.rs`, which `shared-control/tests/link_bytes.rs` runs for a moment
+//! as well.
 //!
 //! `cargo +nightly fuzz run frames`, in the project's root.
 #![no_main]

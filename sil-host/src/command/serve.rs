@@ -60,7 +60,8 @@ pub struct ServeArguments {
     signing: Option<PathBuf>,
     /// Fly the vehicle of another program, a simulator for PX4 that waits at this address, as tcp:127.0.0.1:4560; the
     /// board's parameters say what it is, by default an F450 in free flight
-    #[arg(long, value_name = "tcp:HOST:PORT", value_parser = simulator, conflicts_with_all = ["effect", "speed", "seed"])]
+    #[arg(long, value_name = "tcp:HOST:PORT", value_parser = simulator)]
+    #[arg(conflicts_with_all = ["effect", "speed", "seed"])]
     simulator: Option<SocketAddr>,
     /// How many times as fast as real time
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = speed)]

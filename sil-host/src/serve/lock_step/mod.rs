@@ -215,8 +215,8 @@ impl LockStep {
                 longest as f64 / 1e3
             )),
             Beat::Unusable(sample_us) => self.news.push(format!(
-                "its HIL_SENSORs come every {:.3} ms, and the core waits: it flies with one in 0.156 to 10 ms, best 2.5 \
-                 or 4",
+                "its HIL_SENSORs come every {:.3} ms, and the core waits: it flies with one in 0.156 to 10 ms, best \
+                 2.5 or 4",
                 sample_us / 1e3
             )),
             Beat::Found(pace) => {

@@ -163,8 +163,8 @@ fn the_same_samples_have_the_same_answers() {
     assert_eq!(run(), run());
 }
 
-/// Of a vehicle whose only IMU is gone nobody can hold the attitude: in flight it goes on for 40 ms, on the ground less,
-/// then the motors stop (docs/pixhawk.md).
+/// Of a vehicle whose only IMU is gone nobody can hold the attitude: in flight it goes on for 40 ms, on the ground
+/// less, then the motors stop (docs/pixhawk.md).
 #[test]
 fn without_its_simulator_an_armed_vehicle_stops() {
     let mut standing = Standing::new(2500);
