@@ -187,4 +187,5 @@ def goes_away(ground, served, watch):
     watch.lap("another simulator, at 400 sensors per second: flown and landed")
 
 
-main()
+if __name__ == "__main__":
+    main()

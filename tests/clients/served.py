@@ -33,6 +33,31 @@ class Served:
         self.process.wait()
 
 
+class Board:
+    """The emulated board, which executes the firmware's own ELF: its TELEM1 at a TCP port, for one client at a time."""
+
+    def __init__(self, server, elf):
+        self.command, self.lines = [server, elf, "0"], []
+
+    def __enter__(self):
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        if not line.startswith("TELEM1 at tcp:"):
+            raise SystemExit(f"{' '.join(self.command)} ended without a port")
+        self.port = int(line.rsplit(":", 1)[1])
+        threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+
+    def speed(self):
+        """Its own time over real time, as it says last."""
+        said = [line for line in self.lines if "times real time" in line]
+        return said[-1].split(" at ")[1].strip() if said else "unknown"
+
+
 def mavproxy(master, modules, folder, *arguments, until, patience_s):
     """Runs MAVProxy without a screen until a line that it prints has `until` in it, which is returned, and ends it."""
     path = pathlib.Path(sys.executable).with_name("mavproxy.py")
