@@ -8,7 +8,7 @@
 //!   was silent longest makes room for a fifth, once that is [`FORGOTTEN_AFTER_US`].
 //! - A request that comes again, because the answer was lost, has the same answer: bytes and sizes do not change, who
 //!   opens twice is given the same session, and who closes twice hears that it is closed.
-//! - A burst is pieces of the size that is wanted, or of what there is room for, up to [`BURST_PIECES`] or the file's
+//! - A burst is pieces of the size that is wanted, or of what there is room for, up to 24 of them or the file's
 //!   end; its answers' numbers go up by one. The last says that it is complete; whoever asks on there has the next
 //!   burst, or behind the end hears of it.
 
@@ -330,8 +330,8 @@ impl FileTransfer {
 }
 
 impl Client {
-    /// A request that comes again, late, does not close what was opened since, nor one that what opened it has overtaken
-    /// on the way.
+    /// A request that comes again, late, does not close what was opened since, nor does one that the opening has
+    /// overtaken on the way.
     fn close(&mut self, by: u16) {
         let overtaken_by = self.open.map_or(0, |(_, opened_by)| opened_by.wrapping_sub(by));
         if self.closed_by != Some(by) && !(1..=OVERTAKEN_MAX).contains(&overtaken_by) {
