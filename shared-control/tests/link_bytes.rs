@@ -41,3 +41,18 @@ fn the_frames_of_a_stream_are_found_whatever_lies_between_them() {
 fn whatever_arrives_on_the_link_changes_nothing_that_it_may_not() {
     hold_for_a_moment(link_bytes::hold);
 }
+
+/// Found by libFuzzer: a frame that is signed with the key, held up by bytes that look like the head of another, is
+/// obeyed only when that has proved to be none, in the middle of unsigned bytes.
+#[test]
+fn a_signed_frame_that_was_held_up_is_obeyed_late() {
+    let digits = concat!(
+        "d5ff30fd00000000000000000000000000000096fd000000cefffd00000034117e00000000cefffd400000cefffd000000e4",
+        "000000fd00000052cefffdf600000000000000000000003b0000000000000000000000000000000000000000000000000001",
+        "00000000000000000000000000000096fd000000cefffd00000034117e0000000000580000cefffd400000cefffd000000e4",
+        "000000fd00000052cefffdf600000000400000000000003b52435f5049000000000000000000000000000000000000000000",
+        "0000000600000000007e000000010101010101010101010101010101ffffffff",
+    );
+    let byte = |at: usize| u8::from_str_radix(&digits[at..at + 2], 16).unwrap();
+    link_bytes::hold(&(0..digits.len()).step_by(2).map(byte).collect::<Vec<_>>());
+}
