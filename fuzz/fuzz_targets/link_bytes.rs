@@ -99,8 +99,8 @@ impl Vehicle {
         }
     }
 
-    /// Each order needs a frame that is signed with the key. It need not be the last that was heard: what lies unfinished
-    /// in the receiver may hold it up, or swallow it.
+    /// Each order needs a frame that is signed with the key. It need not be the last that was heard: what lies
+    /// unfinished in the receiver may hold it up, or swallow it.
     fn answer_for(&mut self, order: &Order) {
         let oldest = self.bytes_heard.saturating_sub(HELD_UP_MAX);
         self.rightly_signed.retain(|from| *from >= oldest);
