@@ -5,7 +5,7 @@
 //! the vehicle speaks in frames, and while a key is in force nothing that is not signed with it commands.
 
 use shared_control::config::Controller;
-use shared_control::link::frame::FrameWriter;
+use shared_control::link::frame::{FRAME_MAX, FrameWriter};
 use shared_control::link::signing::{Key, Signer, SigningRecord};
 use shared_control::link::{
     Chore, Commander, Guard, LinkSettings, LogStore, Order, Receiver, Telemetry, VehicleStatus,
@@ -14,7 +14,7 @@ use shared_control::params::Params;
 use shared_control::signals::ArmingBlocks;
 
 /// Message id and last byte of the CRC of what is understood (`message_definitions/v1.0/common.xml`).
-const UNDERSTOOD: [(u32, u8); 16] = [
+const UNDERSTOOD: [(u32, u8); 17] = [
     (0, 50),
     (20, 214),
     (21, 159),
@@ -25,6 +25,7 @@ const UNDERSTOOD: [(u32, u8); 16] = [
     (76, 152),
     (82, 49),
     (107, 108),
+    (110, 84),
     (111, 34),
     (117, 128),
     (119, 116),
@@ -33,6 +34,8 @@ const UNDERSTOOD: [(u32, u8); 16] = [
     (256, 71),
 ];
 const CHUNK_BYTES: usize = 48;
+/// Bytes after which a frame has been found, if it is: itself, and a longest one that held it up.
+const HELD_UP_MAX: usize = 2 * FRAME_MAX;
 
 /// Everything between two ends of a line, but for the control loop.
 struct Vehicle {
@@ -43,6 +46,10 @@ struct Vehicle {
     status: VehicleStatus,
     logs: Logs,
     time_us: u64,
+    is_keyed: bool,
+    bytes_heard: usize,
+    /// Bytes that were heard before each frame that is signed with the key and was not obeyed yet.
+    rightly_signed: Vec<usize>,
 }
 
 /// So many logs of a kilobyte, until they are erased.
@@ -70,9 +77,12 @@ impl LogStore for Logs {
 }
 
 impl Vehicle {
-    fn hear(&mut self, byte: u8, may_command: bool) {
+    fn hear(&mut self, byte: u8) {
+        self.bytes_heard += 1;
         let Some(order) = self.receiver.receive(byte, &mut self.guard) else { return };
-        assert!(may_command || matches!(order, Order::HilTick(_)), "{order:?}");
+        if self.is_keyed && !matches!(order, Order::HilTick(_)) {
+            self.answer_for(&order);
+        }
         let (answer, chore) = self.commander.order(&order, self.time_us);
         answer.into_iter().for_each(|answer| self.telemetry.answer(answer));
         match chore {
@@ -87,6 +97,15 @@ impl Vehicle {
             Some(Chore::StoreConfiguration) => self.telemetry.store_configuration(|_| true),
             Some(Chore::ClearFaultRecord | Chore::Restart) | None => {}
         }
+    }
+
+    /// Each order needs a frame that is signed with the key. It need not be the last that was heard: what lies
+    /// unfinished in the receiver may hold it up, or swallow it.
+    fn answer_for(&mut self, order: &Order) {
+        let oldest = self.bytes_heard.saturating_sub(HELD_UP_MAX);
+        self.rightly_signed.retain(|from| *from >= oldest);
+        assert!(!self.rightly_signed.is_empty(), "{order:?}");
+        self.rightly_signed.remove(0);
     }
 
     fn pass(&mut self) {
@@ -126,13 +145,16 @@ pub fn hold(bytes: &[u8]) {
         status: VehicleStatus::at_start(Controller::Cascade),
         logs: Logs(3),
         time_us: 0,
+        is_keyed,
+        bytes_heard: 0,
+        rightly_signed: Vec::new(),
     };
     let mut writer = FrameWriter::new(255, 190);
     vehicle.pass();
     for chunk in bytes.chunks(CHUNK_BYTES) {
         let kind = chunk[0];
         if kind % 5 == 0 {
-            chunk.iter().for_each(|byte| vehicle.hear(*byte, !is_keyed));
+            chunk.iter().for_each(|byte| vehicle.hear(*byte));
         } else {
             let signer = match kind % 5 {
                 3 => Some(key),
@@ -145,9 +167,10 @@ pub fn hold(bytes: &[u8]) {
             }
             let mut frame = heapless::Vec::<u8, 100>::new();
             assert!(writer.write_payload(UNDERSTOOD[usize::from(kind) % UNDERSTOOD.len()], &chunk[1..], &mut frame));
-            // what lies unfinished in the receiver may swallow it, or be ended by it
-            let may_command = !is_keyed || signer == Some(key);
-            frame.iter().for_each(|byte| vehicle.hear(*byte, may_command));
+            if signer == Some(key) {
+                vehicle.rightly_signed.push(vehicle.bytes_heard);
+            }
+            frame.iter().for_each(|byte| vehicle.hear(*byte));
         }
         vehicle.pass();
     }

@@ -51,6 +51,24 @@ impl Setup {
     /// # Errors
     /// Names a value out of its range. Choices out of a record ([`crate::params::decode`]) have none.
     pub fn new(params: &Params) -> Result<Setup, ConfigError> {
+        let loop_rate_hz = f32::from(params.loop_rate_hz);
+        // with hardware in the loop every step brings its one sample
+        let imu_rate_hz = if params.hil { loop_rate_hz } else { IMU_RATE_HZ as f32 };
+        let mut setup = Self::at_rates(params, loop_rate_hz, imu_rate_hz)?;
+        // at 100 Hz ten samples a step of each IMU would take the time until the pulses
+        if params.gyro_notches && !params.hil && params.loop_rate_hz == 400 {
+            setup.config.sensing.imu.gyro_notches = Some(NotchesConfig::new(imu_rate_hz));
+            setup.config.sensing.imu_second.gyro_notches = Some(NotchesConfig::new(L3GD20_RATE_HZ));
+        }
+        Ok(setup)
+    }
+
+    /// The same for a core that somebody else gives the time, as a simulator does: `loop_rate_hz` in place of the
+    /// choices' own, with so many samples of the IMU a second, and without notches. The timers are the choices'.
+    ///
+    /// # Errors
+    /// As [`Setup::new`], and for rates that the core cannot keep ([`Config::new`]).
+    pub fn at_rates(params: &Params, loop_rate_hz: f32, imu_rate_hz: f32) -> Result<Setup, ConfigError> {
         for field in Field::ALL {
             let row = field.row();
             if !row.allowed.contains(params.get(field)) {
@@ -67,15 +85,7 @@ impl Setup {
         };
         let loop_timer = TimerPeriod::new(LOOP_TIMER_HZ, params.loop_rate_hz.into());
         let pulse_timer = TimerPeriod::new(PULSE_TIMER_HZ, pulse_rate_hz(params).into());
-        let loop_rate_hz = f32::from(params.loop_rate_hz);
-        // with hardware in the loop every step brings its one sample
-        let imu_rate_hz = if params.hil { loop_rate_hz } else { IMU_RATE_HZ as f32 };
         let mut core = Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?;
-        // at 100 Hz ten samples a step of each IMU would take the time until the pulses
-        if params.gyro_notches && !params.hil && params.loop_rate_hz == 400 {
-            core.sensing.imu.gyro_notches = Some(NotchesConfig::new(imu_rate_hz));
-            core.sensing.imu_second.gyro_notches = Some(NotchesConfig::new(L3GD20_RATE_HZ));
-        }
         let [first, second] = params.level.map(|level| level.trim().mounting());
         (core.sensing.imu.mounting, core.sensing.imu_second.mounting) = (first, second);
         core.sensing.estimator.levelling.rotor_drag_1_s = f32::from(params.rotor_drag_permille_1_s) / 1000.0;
@@ -269,6 +279,18 @@ mod tests {
             assert!(setup.pulses_keep_phase());
             assert_eq!(setup.pulse_timer.cycles(), PULSE_TIMER_HZ / u32::from(loop_rate_hz));
         }
+    }
+
+    /// A simulator's rates change what is made for a rate, and nothing else.
+    #[test]
+    fn a_core_that_is_given_the_time_is_made_for_it() {
+        let params = Params { gyro_notches: false, ..Params::DEFAULT };
+        assert_eq!(Setup::at_rates(&params, 400.0, 1000.0), Setup::new(&params));
+        let setup = Setup::at_rates(&Params::DEFAULT, 250.0, 250.0).unwrap();
+        assert_eq!((setup.config.loop_rate_hz, setup.mpc.preview.control_step_s), (250.0, 0.004));
+        assert!(setup.config.sensing.imu.gyro_notches.is_none());
+        // fewer samples than steps
+        assert!(Setup::at_rates(&params, 400.0, 250.0).is_err());
     }
 
     #[test]

@@ -69,4 +69,5 @@ def main():
             asyncio.run(fly(served.port, Stopwatch()))
 
 
-main()
+if __name__ == "__main__":
+    main()

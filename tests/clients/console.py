@@ -6,12 +6,17 @@ import tempfile
 from served import Served, Stopwatch, expect, mavproxy
 
 
-def main():
-    with Served(sys.argv[1]) as served, tempfile.TemporaryDirectory() as folder:
-        watch = Stopwatch()
-        found = mavproxy(f"tcp:127.0.0.1:{served.port}", "param,arm,mode", folder, until="Received", patience_s=20)
+def loads_parameters(port, watch):
+    with tempfile.TemporaryDirectory() as folder:
+        found = mavproxy(f"tcp:127.0.0.1:{port}", "param,arm,mode", folder, until="Received", patience_s=30)
         expect("77 parameters" in found, f"all parameters loaded: {found}")
         watch.lap(found)
 
 
-main()
+def main():
+    with Served(sys.argv[1]) as served:
+        loads_parameters(served.port, Stopwatch())
+
+
+if __name__ == "__main__":
+    main()

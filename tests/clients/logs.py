@@ -218,4 +218,5 @@ def main():
         watch.lap(f"sil fly: {rows} rows of {columns} columns as in the CSV")
 
 
-main()
+if __name__ == "__main__":
+    main()

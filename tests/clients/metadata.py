@@ -190,4 +190,5 @@ def main():
             watch.lap(f"{bad.lost} of {bad.lost + bad.passed} datagrams lost, seed {SEED}")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -11,6 +11,7 @@ class Served:
     """Starts `sil serve` and finds its port in what it prints."""
 
     def __init__(self, sil, *arguments, udp="off", seconds=120):
+        self.lines = []
         self.command = [sil, "serve", "--tcp", "0", "--udp", udp, "--for", str(seconds), *arguments]
 
     def __enter__(self):
@@ -18,14 +19,43 @@ class Served:
         for line in self.process.stdout:
             if line.startswith("TCP  waits for clients at "):
                 self.port = int(line.rsplit(":", 1)[1])
-                # nobody reads on: what else it prints must not fill the pipe
-                threading.Thread(target=self.process.stdout.read, daemon=True).start()
+                # somebody reads on: what else it prints must not fill the pipe
+                threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
                 return self
         raise SystemExit(f"{' '.join(self.command)} ended without a port")
+
+    def wait(self, patience_s=120):
+        """Until it ends by itself."""
+        self.process.wait(patience_s)
 
     def __exit__(self, *_):
         self.process.terminate()
         self.process.wait()
+
+
+class Board:
+    """The emulated board, which executes the firmware's own ELF: its TELEM1 at a TCP port, for one client at a time."""
+
+    def __init__(self, server, elf):
+        self.command, self.lines = [server, elf, "0"], []
+
+    def __enter__(self):
+        self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        if not line.startswith("TELEM1 at tcp:"):
+            raise SystemExit(f"{' '.join(self.command)} ended without a port")
+        self.port = int(line.rsplit(":", 1)[1])
+        threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+
+    def speed(self):
+        """Its own time over real time, as it says last."""
+        said = [line for line in self.lines if "times real time" in line]
+        return said[-1].split(" at ")[1].strip() if said else "unknown"
 
 
 def mavproxy(master, modules, folder, *arguments, until, patience_s):

@@ -1,10 +1,14 @@
-//! Holding the link against the programs that people connect with: released clients fly a vehicle of `sil serve`.
+//! Holding the link against the programs that people connect with: released clients fly a vehicle of `sil serve`, and
+//! the firmware's own image on the emulated board.
 
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::Instant;
 
 use anyhow::Result;
 
+use crate::board;
+use crate::firmware::Target;
 use crate::process;
 use crate::workspace::Workspace;
 
@@ -24,11 +28,14 @@ const PACKAGES: [&str; 11] = [
     "numpy==2.4.6",
 ];
 
-/// What the clients do, a file each under `tests/clients`.
-const SCRIPTS: [&str; 7] =
-    ["connect.py", "metadata.py", "lossy.py", "signing.py", "console.py", "companion.py", "logs.py"];
+/// What the clients do, a file each under `tests/clients`; the last is no ground station but a simulator that `sil`
+/// connects to.
+const SCRIPTS: [&str; 8] =
+    ["connect.py", "metadata.py", "lossy.py", "signing.py", "console.py", "companion.py", "logs.py", "lock_step.py"];
+/// What they do with the board.
+const BOARD_SCRIPT: &str = "board.py";
 
-/// Installs them in an environment of their own, once, and lets each meet the simulated vehicle.
+/// Installs them in an environment of their own, once, and lets each meet the simulated vehicle, and then the board.
 pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     let folder = workspace.target_dir.join("clients");
     let python = folder.join("bin").join("python");
@@ -39,11 +46,19 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     process::run(Command::new(&python).args(install).args(PACKAGES))?;
     process::run(workspace.cargo("build").args(["--bin", "sil"]))?;
     let sil = workspace.target_dir.join("debug").join("sil");
-    for script in SCRIPTS {
+    let meet = |script: &str, vehicle: &[PathBuf]| -> Result<()> {
         let start = Instant::now();
         let path = workspace.root.join("tests").join("clients").join(script);
-        process::run(Command::new(&python).arg(path).arg(&sil))?;
+        process::run(Command::new(&python).arg(path).args(vehicle))?;
         eprintln!("{script}: {:.1} s", start.elapsed().as_secs_f64());
+        Ok(())
+    };
+    for script in SCRIPTS {
+        meet(script, std::slice::from_ref(&sil))?;
     }
-    Ok(())
+    board::check_tools()?;
+    let image = Target::find(workspace)?.build_image()?;
+    process::run(workspace.cargo("build").args(["--package", "emulated-board", "--example", "serve_image"]))?;
+    let server = workspace.target_dir.join("debug").join("examples").join("serve_image");
+    meet(BOARD_SCRIPT, &[server, image])
 }

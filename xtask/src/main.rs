@@ -62,7 +62,8 @@ enum Task {
     Mutants(mutants::Arguments),
     /// Hold the readers of logs against pyulog and pymavlink (needs python3 with venv and pip)
     Decoders,
-    /// Have ground stations' own clients fly the simulated vehicle (needs python3 with venv and pip)
+    /// Have ground stations' own clients fly the simulated vehicle and the emulated board (needs python3 with venv and
+    /// pip, cmake, libclang)
     Clients,
     /// Build the page that runs in a browser, one file (target/page/sil.html)
     Page,

@@ -50,21 +50,26 @@ pub struct HilSample {
 }
 
 impl HilSample {
-    /// None unless all six values are there and finite.
-    pub fn new(data: &HIL_SENSOR_DATA) -> Option<HilSample> {
+    /// Does the message say that all six values are new?
+    pub fn is_announced(data: &HIL_SENSOR_DATA) -> bool {
         let imu_fields = HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_XACC
             | HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_YACC
             | HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_ZACC
             | HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_XGYRO
             | HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_YGYRO
             | HilSensorUpdatedFlags::HIL_SENSOR_UPDATED_ZGYRO;
+        data.fields_updated.contains(imu_fields)
+    }
+
+    /// None unless all six values are there and finite.
+    pub fn new(data: &HIL_SENSOR_DATA) -> Option<HilSample> {
         let sample = HilSample {
             time_us: data.time_usec,
             specific_force_m_s2: [data.xacc, data.yacc, data.zacc],
             rate_rad_s: [data.xgyro, data.ygyro, data.zgyro],
         };
         let mut values = sample.specific_force_m_s2.iter().chain(&sample.rate_rad_s);
-        let complete = data.fields_updated.contains(imu_fields) && values.all(|value| value.is_finite());
+        let complete = Self::is_announced(data) && values.all(|value| value.is_finite());
         complete.then_some(sample)
     }
 

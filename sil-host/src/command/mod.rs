@@ -16,6 +16,7 @@ mod output;
 mod progress_line;
 mod refine;
 mod serve;
+mod serve_simulator;
 mod shell;
 mod synth;
 mod thesis;

@@ -7,18 +7,21 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use serde::Serialize;
 use shared_control::config::Controller;
+use shared_control::link::LinkSettings;
 use shared_control::params::table::Field;
 use shared_control::params::vehicle::VehicleNumbers;
 use shared_control::params::{Params, Rig};
 use sil_host::answer::board_parameters::board_parameters;
 use sil_host::effects::Effect;
 use sil_host::model::VehicleModel;
+use sil_host::serve::lock_step::{LockStep, LockStepFigures, SimulatorPort};
 use sil_host::serve::parameter_file::{self, InMemory, ParameterFile};
 use sil_host::serve::signing_file::SigningFile;
 use sil_host::serve::{
     LogShelf, Memory, Pace, ParameterStore, ServedVehicle, SigningStore, Sockets, SocketsSetup, TICK_US, Unsigned,
 };
 
+use super::serve_simulator::{in_lock_step, simulator};
 use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle_model, write_json};
 
 /// Simulate a vehicle in real time that ground stations connect to
@@ -26,7 +29,8 @@ use super::{Failure, RigArgument, bad_input, failed, make_folder, print, vehicle
 /// The control core flies it as on the board, with the board's parameters and its link (MAVLink 2). It sends to a
 /// ground station's UDP port and waits for TCP clients; all share one link. Parameters set over the link are kept in
 /// the file of --params. From arming until a second after disarming it writes a log, which ground stations download.
-/// Ctrl-C ends it.
+/// With --simulator another program's vehicle is flown instead, in real time or as fast as that program goes. Ctrl-C
+/// ends it.
 #[derive(Args)]
 #[command(after_help = "Example: sil serve --rig free --params out/f450.params\n\n\
 QGroundControl finds it by itself; others listen at udp:127.0.0.1:14550 or connect to\n\
@@ -54,6 +58,11 @@ pub struct ServeArguments {
     /// clock of timestamps is kept beside it. Made by SETUP_SIGNING from this computer if it is not there
     #[arg(long, value_name = "KEY")]
     signing: Option<PathBuf>,
+    /// Fly the vehicle of another program, a simulator for PX4 that waits at this address, as tcp:127.0.0.1:4560; the
+    /// board's parameters say what it is, by default an F450 in free flight
+    #[arg(long, value_name = "tcp:HOST:PORT", value_parser = simulator)]
+    #[arg(conflicts_with_all = ["effect", "speed", "seed"])]
+    simulator: Option<SocketAddr>,
     /// How many times as fast as real time
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = speed)]
     speed: f64,
@@ -107,6 +116,9 @@ struct ServeFigures {
     bytes_sent: u64,
     /// Orders that found no room.
     orders_dropped: u32,
+    /// Of the talk with another program's simulator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    simulator: Option<LockStepFigures>,
 }
 
 fn address(text: &str) -> Result<Place, String> {
@@ -125,26 +137,14 @@ fn speed(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &ServeArguments) -> Result<(), Failure> {
-    let known = vehicle_model(arguments.model.as_deref(), arguments.rig.map(Into::into))?;
-    let mut model = known.clone();
-    for text in &arguments.effect {
-        let effect = Effect::parse_for(text, model.rig(), model.inertia_kg_m2);
-        model.effects.push(effect.map_err(|problem| bad_input(format!("--effect {text}: {problem}")))?);
-    }
+    let free_unless_said = arguments.simulator.filter(|_| arguments.model.is_none()).map(|_| RigArgument::Free);
+    let rig = arguments.rig.or(free_unless_said);
+    let known = vehicle_model(arguments.model.as_deref(), rig.map(Into::into))?;
     let (params, store) = parameters(arguments, &known)?;
     let memory = Memory { parameters: store, signing: signing(arguments)?, logs: logs(arguments)? };
-    let mut vehicle = ServedVehicle::new(model, arguments.seed, &params, memory).map_err(bad_input)?;
-    let setup = SocketsSetup { udp: arguments.udp.0, tcp: arguments.tcp.0 };
-    let mut sockets = Sockets::open(&setup, vehicle.board().link_settings()).map_err(bad_input)?;
-    print(introduction(arguments, &known, &params, &sockets))?;
-    let missed_s = serve(arguments, &mut vehicle, &mut sockets)?;
-    let figures = ServeFigures {
-        simulated_s: vehicle.simulated_us() as f64 * 1e-6,
-        missed_s,
-        restarts: vehicle.restarts(),
-        bytes_received: sockets.bytes_received,
-        bytes_sent: sockets.bytes_sent,
-        orders_dropped: vehicle.board().orders_dropped,
+    let figures = match arguments.simulator {
+        Some(address) => serve_in_lock_step(arguments, address, &params, memory)?,
+        None => serve_simulated(arguments, &known, &params, memory)?,
     };
     print(format!(
         "{:.1} s simulated, {} bytes received, {} sent\n",
@@ -153,9 +153,72 @@ pub fn run(arguments: &ServeArguments) -> Result<(), Failure> {
     write_json(arguments.json.as_deref(), &figures)
 }
 
+/// The vehicle is this program's.
+fn serve_simulated(
+    arguments: &ServeArguments,
+    known: &VehicleModel,
+    params: &Params,
+    memory: Memory,
+) -> Result<ServeFigures, Failure> {
+    let mut model = known.clone();
+    for text in &arguments.effect {
+        let effect = Effect::parse_for(text, model.rig(), model.inertia_kg_m2);
+        model.effects.push(effect.map_err(|problem| bad_input(format!("--effect {text}: {problem}")))?);
+    }
+    let mut vehicle = ServedVehicle::new(model, arguments.seed, params, memory).map_err(bad_input)?;
+    let mut sockets = open(arguments, vehicle.board().link_settings())?;
+    print(introduction(arguments, known, params, &sockets))?;
+    let missed_s = serve(arguments, &mut vehicle, &mut sockets)?;
+    Ok(ServeFigures {
+        simulated_s: vehicle.simulated_us() as f64 * 1e-6,
+        missed_s,
+        restarts: vehicle.restarts(),
+        bytes_received: sockets.bytes_received,
+        bytes_sent: sockets.bytes_sent,
+        orders_dropped: vehicle.board().orders_dropped,
+        simulator: None,
+    })
+}
+
+/// The vehicle is another program's.
+fn serve_in_lock_step(
+    arguments: &ServeArguments,
+    address: SocketAddr,
+    params: &Params,
+    memory: Memory,
+) -> Result<ServeFigures, Failure> {
+    let mut lock_step = LockStep::new(params, memory).map_err(bad_input)?;
+    let mut sockets = open(arguments, lock_step.board().link_settings())?;
+    let what = format!("{}, the vehicle is another program's", controller(params));
+    print(format!("{what}\n{}", whereabouts(arguments, &sockets)))?;
+    let mut port = SimulatorPort::new(address);
+    in_lock_step(arguments.end_us(), &mut lock_step, &mut port, &mut sockets)?;
+    Ok(ServeFigures {
+        simulated_s: lock_step.simulated_us() as f64 * 1e-6,
+        missed_s: 0.0,
+        restarts: lock_step.restarts(),
+        bytes_received: sockets.bytes_received,
+        bytes_sent: sockets.bytes_sent,
+        orders_dropped: lock_step.board().orders_dropped,
+        simulator: Some(lock_step.figures().clone()),
+    })
+}
+
+fn open(arguments: &ServeArguments, settings: LinkSettings) -> Result<Sockets, Failure> {
+    let setup = SocketsSetup { udp: arguments.udp.0, tcp: arguments.tcp.0 };
+    Sockets::open(&setup, settings).map_err(bad_input)
+}
+
+impl ServeArguments {
+    /// Simulated time at which it ends, µs.
+    fn end_us(&self) -> u64 {
+        self.duration_s.map_or(u64::MAX, |seconds| (seconds.max(0.0) * 1e6) as u64)
+    }
+}
+
 /// Until its time is over; simulated time that was left out, s.
 fn serve(arguments: &ServeArguments, vehicle: &mut ServedVehicle, sockets: &mut Sockets) -> Result<f64, Failure> {
-    let end_us = arguments.duration_s.map_or(u64::MAX, |seconds| (seconds.max(0.0) * 1e6) as u64);
+    let end_us = arguments.end_us();
     let mut pace = Pace::new(arguments.speed, Instant::now());
     while vehicle.simulated_us() < end_us {
         let due = pace.take_due(Instant::now(), TICK_US);
@@ -234,14 +297,11 @@ fn defaults(arguments: &ServeArguments, known: &VehicleModel) -> Result<Params, 
 
 /// What is simulated and where it is found.
 fn introduction(arguments: &ServeArguments, known: &VehicleModel, params: &Params, sockets: &Sockets) -> String {
-    let controller = match params.controller {
-        Controller::Cascade => "PID cascade",
-        Controller::Mpc => "MPC",
-    };
     let speed = match arguments.speed {
         1.0 => "in real time".to_owned(),
         speed => format!("{speed} times as fast as real time"),
     };
+    let controller = controller(params);
     let mut text = format!("{}, {controller} at {} Hz, {speed}\n", known.name, params.loop_rate_hz);
     let board_rig = if params.rig == Rig::Free { "free" } else { "gimbal" };
     if known.rig().name() != board_rig {
@@ -250,6 +310,19 @@ fn introduction(arguments: &ServeArguments, known: &VehicleModel, params: &Param
             known.rig().name()
         ));
     }
+    text + &whereabouts(arguments, sockets)
+}
+
+fn controller(params: &Params) -> &'static str {
+    match params.controller {
+        Controller::Cascade => "PID cascade",
+        Controller::Mpc => "MPC",
+    }
+}
+
+/// Where ground stations find it, and where it keeps what lasts.
+fn whereabouts(arguments: &ServeArguments, sockets: &Sockets) -> String {
+    let mut text = String::new();
     if let Some(ground) = arguments.udp.0 {
         text.push_str(&format!("UDP  sends to {ground}, answers whoever speaks\n"));
     }

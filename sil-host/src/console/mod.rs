@@ -1,7 +1,7 @@
 //! What a vehicle's owner wants of it, in words: a line in, lines out, over any stream of bytes that leads to its link.
 //!
 //! [`Console::obey`] takes one of the lines that [`HELP`] lists. The vehicle decides: what it refuses comes back with
-//! its own words and with what to do about it ([`advice`]). Nothing is signed: a vehicle with a key hears nothing here.
+//! its own words and with what to do about it (`advice`). Nothing is signed: a vehicle with a key hears nothing here.
 
 mod advice;
 mod link;

@@ -6,6 +6,7 @@ use std::collections::VecDeque;
 use mavlink::dialects::common::MavSeverity;
 use shared_control::config::{ConfigError, Controller};
 use shared_control::flight_core::{FlightCore, State};
+use shared_control::link::hil::HilSample;
 use shared_control::link::signing::SigningRecord;
 use shared_control::link::telemetry::FIGURES;
 use shared_control::link::{Answer, Chore, Commander, Guard, LinkSettings, Order, Receiver, Telemetry, VehicleStatus};
@@ -63,6 +64,15 @@ pub enum OutOfOrder {
     Planner(#[from] MpcError),
 }
 
+/// Who gives the core its time, where it is not the board's own clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GivenRates {
+    /// Steps per second.
+    pub loop_hz: f32,
+    /// Samples of the IMU per second, one in each step at least.
+    pub imu_hz: f32,
+}
+
 /// What it does to its motors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driven {
@@ -75,6 +85,7 @@ pub struct Driven {
 /// The board.
 pub struct SimulatedBoard {
     setup: Setup,
+    given: Option<GivenRates>,
     state: State,
     planner: Option<Planner>,
     plan: Option<Plan>,
@@ -103,10 +114,18 @@ impl SimulatedBoard {
     /// # Errors
     /// [`OutOfOrder`] where they cannot be flown.
     pub fn start(params: &Params, memory: Memory) -> Result<Self, OutOfOrder> {
+        Self::start_at(params, memory, None)
+    }
+
+    fn start_at(params: &Params, memory: Memory, given: Option<GivenRates>) -> Result<Self, OutOfOrder> {
         let Memory { parameters: store, signing, logs } = memory;
         // the simulated vehicle is all around this board already
         let params = &Params { hil: false, ..*params };
-        let setup = Setup::new(params).map_err(OutOfOrder::Config)?;
+        let setup = match given {
+            None => Setup::new(params),
+            Some(rates) => Setup::at_rates(params, rates.loop_hz, rates.imu_hz),
+        };
+        let setup = setup.map_err(OutOfOrder::Config)?;
         let planner = match params.controller {
             Controller::Cascade => None,
             Controller::Mpc => Some(Planner::new(params.control_horizon.into(), &setup.mpc)?),
@@ -124,6 +143,7 @@ impl SimulatedBoard {
         guard.follow(&telemetry.update_signing((0, guard.refused), (0, false), is_kept));
         Ok(Self {
             setup,
+            given,
             state: State::default(),
             planner,
             plan: None,
@@ -156,6 +176,14 @@ impl SimulatedBoard {
     /// # Errors
     /// As [`SimulatedBoard::start`].
     pub fn restart(&mut self) -> Result<(), OutOfOrder> {
+        self.restart_at(self.given)
+    }
+
+    /// The same at other rates; none for those of its parameters.
+    ///
+    /// # Errors
+    /// As [`SimulatedBoard::start`], and for rates that the core cannot keep.
+    pub fn restart_at(&mut self, given: Option<GivenRates>) -> Result<(), OutOfOrder> {
         let memory = Memory {
             parameters: std::mem::replace(&mut self.store, Box::new(Forgetful)),
             signing: std::mem::replace(&mut self.signing, Box::new(Unsigned)),
@@ -163,7 +191,7 @@ impl SimulatedBoard {
         };
         let sent = std::mem::take(&mut self.sent);
         let dropped = self.orders_dropped;
-        *self = Self { sent, orders_dropped: dropped, ..Self::start(&self.stored, memory)? };
+        *self = Self { sent, orders_dropped: dropped, ..Self::start_at(&self.stored, memory, given)? };
         Ok(())
     }
 
@@ -212,15 +240,20 @@ impl SimulatedBoard {
         let _ = self.input.imu.push(sample);
     }
 
+    /// The same in SI units and body axes, as a simulator has it: rounded to what the IMU would have sent.
+    pub fn sample_in_units(&mut self, sample: &HilSample) {
+        self.sample(sample.raw(&self.setup.config.sensing.imu));
+    }
+
     /// A step of the loop.
-    pub fn step(&mut self, time_us: u64, battery_v: f64) -> Driven {
+    pub fn step(&mut self, time_us: u64, battery_v: Option<f64>) -> Driven {
         self.input.time_us = time_us;
         while let Some(order) = self.orders.pop_front() {
             let (answer, chore) = self.commander.order(&order, time_us);
             self.pass_on(answer, chore);
         }
         self.commander.commands(time_us).fill(&mut self.input);
-        self.input.battery_v = Some(battery_v as f32);
+        self.input.battery_v = battery_v.map(|volts| volts as f32);
         self.input.plan = self.plan.take();
         let output = FlightCore::fast(&self.setup.config, &mut self.state, &self.input);
         let answer = self.commander.answer(&output.arming);

@@ -10,6 +10,7 @@
 
 mod board;
 mod board_log;
+pub mod lock_step;
 mod log_shelf;
 mod pace;
 pub mod parameter_file;
@@ -18,7 +19,7 @@ mod sockets;
 mod support;
 mod world;
 
-pub use board::{Memory, OutOfOrder, ParameterStore, SigningStore, SimulatedBoard, Unsigned};
+pub use board::{GivenRates, Memory, OutOfOrder, ParameterStore, SigningStore, SimulatedBoard, Unsigned};
 pub use log_shelf::LogShelf;
 pub use pace::Pace;
 pub use sockets::{Sockets, SocketsSetup};
@@ -89,7 +90,7 @@ impl ServedVehicle {
             self.board.sample(self.world.sample(self.now_us));
         }
         if self.now_us.is_multiple_of(self.board.step_us()) {
-            let driven = self.board.step(self.now_us, self.world.battery_v());
+            let driven = self.board.step(self.now_us, Some(self.world.battery_v()));
             self.world.drive(&driven);
         }
         if self.now_us.is_multiple_of(HOUSEKEEPING_US) {

@@ -331,6 +331,13 @@ fn pages_describe_the_json_of_a_board_in_the_loop() {
     assert_described("hitl", &serde_json::to_value(flight.figures()).unwrap());
 }
 
+/// What there is only while another program simulates the vehicle.
+#[test]
+fn figures_of_a_lock_step_are_described() {
+    let figures = sil_host::serve::lock_step::LockStepFigures::default();
+    assert_described("serve --simulator", &serde_json::json!({ "simulator": figures }));
+}
+
 /// Every field of the JSON stands in the page's table, with its type, and the table has no other.
 fn assert_described(command: &str, json: &Value) {
     let (_, page) = page("commands.md");

@@ -116,6 +116,12 @@ fn what_cannot_be_served_is_named() {
     serve(&["--speed", "0"]).assert_refused(&["--speed", "expected 0.01 to 100"]);
     folder.sil(&["serve", "--udp", "nowhere"]).assert_refused(&["--udp", "expected a port, an address"]);
     serve(&["--effect", "torque"]).assert_refused(&["--effect torque"]);
+    serve(&["--simulator", "nowhere"]).assert_refused(&["--simulator", "as tcp:127.0.0.1:4560"]);
+    serve(&["--simulator", "4560", "--speed", "2"]).assert_refused(&["--simulator", "--speed"]);
+    // nobody waits at port 1: it goes on by the wall clock, and says so
+    let alone = serve(&["--simulator", "tcp:127.0.0.1:1", "--json", "alone.json"]).assert_done();
+    assert!(alone.stdout.contains("waits for a simulator at 127.0.0.1:1"), "{}", alone.stdout);
+    assert_eq!(folder.json("alone.json")["simulator"]["sensors"], 0);
     folder.write("bad.params", "1 1 CONTROLLER 1 9\n1 1 LOOP_RATE_HZ 250 9\n");
     serve(&["--params", "bad.params"]).assert_refused(&["bad.params, line 2", "LOOP_RATE_HZ: 250", "100 or 400"]);
     // a file that is not there is made, and what the command line says of it counts

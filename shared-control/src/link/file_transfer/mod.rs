@@ -8,8 +8,9 @@
 //!   was silent longest makes room for a fifth, once that is [`FORGOTTEN_AFTER_US`].
 //! - A request that comes again, because the answer was lost, has the same answer: bytes and sizes do not change, who
 //!   opens twice is given the same session, and who closes twice hears that it is closed.
-//! - A burst is pieces of the size that is wanted, or of what there is room for, until the file's end; its answers'
-//!   numbers go up by one. The last says that it is complete, and whoever reads on behind it hears of the end.
+//! - A burst is pieces of the size that is wanted, or of what there is room for, up to 24 of them or the file's
+//!   end; its answers' numbers go up by one. The last says that it is complete; whoever asks on there has the next
+//!   burst, or behind the end hears of it.
 
 mod files;
 mod request;
@@ -29,6 +30,12 @@ use request::{DATA_MAX, HEAD_AT, HEAD_LEN, Place};
 const PIECE_BYTES: usize = 128;
 /// Bytes of a message before its piece, and behind it.
 const AROUND_PIECE: usize = HEADER_LEN + HEAD_AT + HEAD_LEN + CRC_LEN + SIGNATURE_LEN;
+/// Pieces of a burst: a second's worth at 57,600 baud. Of one that takes much longer pymavlink's `mavftp` believes that
+/// the vehicle is silent, since it counts from what it sent itself (3.7 s).
+const BURST_PIECES: u8 = 24;
+/// Numbers by which a request may be older than one that came before it: a network that swaps neighbours, whose sender
+/// asks for the next before it has an answer.
+const OVERTAKEN_MAX: u16 = 4;
 /// Requests that may wait; what is beyond is asked for again.
 const WAITING_MAX: usize = 8;
 /// Who may have a file open at once.
@@ -88,6 +95,8 @@ struct Burst {
     size: u8,
     /// Next byte.
     offset: u32,
+    /// Pieces that may still follow, the next one included.
+    left: u8,
 }
 
 /// An answer.
@@ -214,7 +223,7 @@ impl FileTransfer {
                 let size = if request.size == 0 { DATA_MAX } else { request.size };
                 let piece = usize::from(size).min(piece_max);
                 let (sequence, offset) = (request.sequence.wrapping_add(1), request.offset);
-                let burst = Burst { file, sequence, size: piece as u8, offset };
+                let burst = Burst { file, sequence, size: piece as u8, offset, left: BURST_PIECES };
                 read_piece(&mut self.files, (file, offset), piece, reply)?;
                 let next = self.next_of(burst, reply);
                 if let Some(client) = self.known(request.asker, time_us) {
@@ -280,9 +289,10 @@ impl FileTransfer {
     fn next_of(&self, burst: Burst, reply: &mut Reply) -> Option<Burst> {
         let offset = burst.offset.saturating_add(reply.data.len() as u32);
         let length = self.files.extent(burst.file).unwrap_or_default().length;
-        reply.burst_complete = offset >= length;
+        let left = burst.left.saturating_sub(1);
+        reply.burst_complete = offset >= length || left == 0;
         let sequence = burst.sequence.wrapping_add(1);
-        (!reply.burst_complete).then_some(Burst { sequence, offset, ..burst })
+        (!reply.burst_complete).then_some(Burst { sequence, offset, left, ..burst })
     }
 
     /// False where there is no burst, or no room.
@@ -320,9 +330,11 @@ impl FileTransfer {
 }
 
 impl Client {
-    /// A request that comes again, late, does not close what was opened since.
+    /// A request that comes again, late, does not close what was opened since, nor does one that the opening has
+    /// overtaken on the way.
     fn close(&mut self, by: u16) {
-        if self.closed_by != Some(by) {
+        let overtaken_by = self.open.map_or(0, |(_, opened_by)| opened_by.wrapping_sub(by));
+        if self.closed_by != Some(by) && !(1..=OVERTAKEN_MAX).contains(&overtaken_by) {
             (self.open, self.burst, self.closed_by) = (None, None, Some(by));
         }
     }
