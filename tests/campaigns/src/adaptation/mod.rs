@@ -152,7 +152,8 @@ fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
 pub fn table_of_learning(rows: &[Row]) -> String {
     let mut text = String::from(
         "| rig | tuning | air | vehicles | changed, % | first change: median, 95 %, s | roll's gain, lag then, % \
-         | gain, lag at the end, % | ranges that hold: gain, lag, % | refused, % |\n|---|---|---|---|---|---|---|---|---|---|\n",
+         | gain, lag at the end, % | ranges that hold: gain, lag, % | refused, % |\n\
+         |---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         text += &format!(
