@@ -38,7 +38,7 @@ fn a_rehearsed_loop_is_as_sensitive_as_the_measured_one() {
             let rehearsed = rehearse(&controller, &body, DisturbanceAlert::Never).unwrap();
             assert!(rehearsed.is_stable());
             let peak = f64::from(rehearsed.peak_sensitivity);
-            // the gyro's filter is more than a delay, the motors are no first-order lag, the grids of frequencies differ
+            // the gyro's filter is more than a delay, motors are no first-order lags, the grids of frequencies differ
             let expected = measured[axis].sensitivity_peak;
             assert!((peak / expected - 1.0).abs() < 0.04, "{rig:?}, axis {axis}: {peak}, measured {expected}");
         }

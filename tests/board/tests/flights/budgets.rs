@@ -32,7 +32,7 @@ pub fn check(flown: &[Flown]) {
     for flight in flown {
         let cascade_alone = flight.name.starts_with("PID");
         let worst = flight.tasks["loop"].worst_cycles;
-        let most = CYCLES_PER_S / 100 * PID_LOOP_PERCENT_MAX / flight.loop_rate_hz;
+        let most = CYCLES_PER_S / 100 * PID_LOOP_PERCENT_MAX / u32::from(flight.loop_rate_hz);
         assert!(!cascade_alone || worst < most, "{}: {worst}", flight.name);
         let worst_step = flight.worst_step_permille();
         let is_fast = flight.loop_rate_hz == 400;
