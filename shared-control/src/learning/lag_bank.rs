@@ -13,7 +13,6 @@
 //! products of neighbours are all that has to be kept.
 
 use crate::elementary::exp;
-use crate::record::state_words::StateWords;
 
 /// Lags of the bank, s.
 pub const LAGS_S: [f32; LAGS] = [0.003, 0.006, 0.01, 0.015, 0.021, 0.029, 0.039, 0.051, 0.066, 0.084, 0.106, 0.13];
@@ -75,13 +74,13 @@ pub fn pole(bandwidth_rad_s: f32, step_s: f32) -> f32 {
 
 impl AxisSums {
     /// One step on. Where it counts it comes into the sums with a weight of one, and those before keep `kept` of
-    /// theirs.
-    pub fn update(&mut self, pole: f32, motion: &Motion, kept: Option<f32>) {
+    /// theirs. Gives y, and x of each lag.
+    pub fn update(&mut self, pole: f32, motion: &Motion, kept: Option<f32>) -> (f32, [f32; LAGS]) {
         let moved_rad_s = motion.rate_rad_s - self.rate_before_rad_s;
         self.rate_before_rad_s = motion.rate_rad_s;
         if !moved_rad_s.is_finite() {
             (self.measured, self.turned) = Default::default();
-            return;
+            return (0.0, [0.0; LAGS]);
         }
         let y = self.measured.pass(pole, moved_rad_s - motion.known_rad_s);
         let mut x = motion.turned_rad_s;
@@ -91,6 +90,7 @@ impl AxisSums {
         if let Some(kept) = kept {
             self.add(&x, y, kept);
         }
+        (y, x)
     }
 
     fn add(&mut self, x: &[f32; LAGS], y: f32, kept: f32) {
@@ -102,18 +102,6 @@ impl AxisSums {
             *xy = kept * *xy + x * y;
             *xx = kept * *xx + x * x;
             *next = kept * *next + x * following.next().unwrap_or(&0.0);
-        }
-    }
-
-    pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { rate_before_rad_s, measured, turned, samples, yy, xy, xx, next } = self;
-        words.number(*rate_before_rad_s);
-        for Filter { input, once, twice } in turned.iter().chain([measured]) {
-            words.numbers(&[*input, *once, *twice]);
-        }
-        words.numbers(&[*samples, *yy]);
-        for sums in [xy, xx, next] {
-            words.numbers(sums);
         }
     }
 }

@@ -60,6 +60,8 @@ pub struct LearningState {
     counting: [u32; AXES],
     /// Steps until the filters have forgotten how they began.
     settling: u32,
+    /// Of all that came in, in order: what two targets compare in place of hundreds of words.
+    digest: u32,
 }
 
 /// What the learner is told of the vehicle and its loop.
@@ -137,13 +139,16 @@ impl LearningState {
                 known_rad_s: turn_per_nm * shown.known_nm[axis],
                 turned_rad_s: torque_nm.map(|torque_nm| turn_per_nm * torque_nm[axis]),
             };
-            sums.update(config.pole, &motion, counts.then_some(config.kept));
+            let (y, x) = sums.update(config.pole, &motion, counts.then_some(config.kept));
+            let came_in = x.iter().chain([&y]).map(|value| value.to_bits()).chain([u32::from(counts)]);
+            self.digest = came_in.fold(self.digest, digest);
         }
         self.settling = self.settling.saturating_sub(1);
     }
 
     /// Nothing is flown: the filters begin anew, what was learnt stays.
     pub fn rest(&mut self, config: &LearningConfig) {
+        self.digest = digest(self.digest, self.settling);
         (self.reference_rad_s, self.counting, self.settling) = ([0.0; AXES], [0; AXES], config.settling_steps);
     }
 
@@ -153,17 +158,13 @@ impl LearningState {
     }
 
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { motors, axes, reference_rad_s, counting, settling } = self;
-        motors.record(words);
-        for axis in axes {
-            axis.record(words);
-        }
-        words.numbers(reference_rad_s);
-        for counting in counting {
-            words.word(*counting);
-        }
-        words.word(*settling);
+        words.word(self.digest);
     }
+}
+
+/// One more word in a digest (Knuth's multiplicative hash, The Art of Computer Programming 3, section 6.4).
+fn digest(so_far: u32, word: u32) -> u32 {
+    (so_far.rotate_left(5) ^ word).wrapping_mul(0x9e37_79b1)
 }
 
 #[cfg(test)]

@@ -10,7 +10,6 @@ use super::lag_bank::{LAGS, LAGS_S};
 use crate::airframe::TORQUE_SIGNS;
 use crate::lagged_axis::LagStep;
 use crate::lift_curve::LiftCurve;
-use crate::record::state_words::StateWords;
 
 /// Commands that are kept: with a delay of n steps and a bit, those of n + 2 steps ago are the oldest.
 const COMMANDS_KEPT: usize = 18;
@@ -84,12 +83,5 @@ impl MotorBankState {
             }
         }
         torque_nm
-    }
-
-    pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { commands, lagged } = self;
-        for motors in commands.iter().chain(lagged) {
-            words.numbers(motors);
-        }
     }
 }

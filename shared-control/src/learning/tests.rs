@@ -7,6 +7,7 @@ use super::rehearsal::{AxisBody, AxisController, rehearse};
 use super::*;
 use crate::airframe::TORQUE_SIGNS;
 use crate::config::{Tuning, mpc_settings};
+use crate::elementary::larger;
 use crate::lift_curve::LIFT_INTERVALS;
 use crate::mpc::Mpc;
 use crate::torque_observer::{DisturbanceAlert, Pace};
@@ -83,8 +84,8 @@ impl Flight {
             (HOVER * HOVER + turning_n / LIFT_MAX_N).sqrt()
         });
         let mut rate_rad_s = [0.0; 3];
-        for axis in 0..AXES {
-            rate_rad_s[axis] = self.rate_rad_s[axis] + self.noise_rad_s * self.noise();
+        for (seen_rad_s, rate_rad_s) in rate_rad_s.iter_mut().zip(self.rate_rad_s) {
+            *seen_rad_s = rate_rad_s + self.noise_rad_s * self.noise();
         }
         if !seen {
             rate_rad_s = [f32::NAN; 3];
@@ -104,13 +105,14 @@ impl Flight {
         let now = (self.told.len() - 1) * SLICES;
         for at in now..now + SLICES {
             let told = at.checked_sub(late).map_or([HOVER; 4], |then| self.told[then / SLICES]);
-            for motor in 0..4 {
-                self.motors[motor] += slice_s / self.lag_s * (told[motor] - self.motors[motor]);
+            for (motor, told) in self.motors.iter_mut().zip(told) {
+                *motor += slice_s / self.lag_s * (told - *motor);
             }
-            for axis in 0..AXES {
-                let lift_n = |motor: usize| LIFT_MAX_N * self.motors[motor] * self.motors[motor];
-                let torque_nm: f32 = (0..4).map(|motor| LEVER_M * TORQUE_SIGNS[axis][motor] * lift_n(motor)).sum();
-                self.rate_rad_s[axis] += slice_s * self.gain[axis] / MODEL_KG_M2 * (torque_nm + outside_nm);
+            let axes = self.rate_rad_s.iter_mut().zip(self.gain).zip(TORQUE_SIGNS);
+            for ((rate_rad_s, gain), signs) in axes {
+                let lifts_n = self.motors.map(|motor| LIFT_MAX_N * motor * motor);
+                let torque_nm: f32 = lifts_n.iter().zip(signs).map(|(lift_n, sign)| LEVER_M * sign * lift_n).sum();
+                *rate_rad_s += slice_s * gain / MODEL_KG_M2 * (torque_nm + outside_nm);
             }
         }
     }
@@ -154,7 +156,7 @@ proptest! {
         flight.manoeuvres(800);
         let learnt = flight.learning.learnt().unwrap();
         prop_assert!(holds(&learnt, [roll, pitch], lag_s), "{learnt:?}");
-        prop_assert!((learnt.lag_s.best - lag_s).abs() < 0.002f32.max(0.06 * lag_s), "{learnt:?}");
+        prop_assert!((learnt.lag_s.best - lag_s).abs() < larger(0.002, 0.06 * lag_s), "{learnt:?}");
         for (range, gain) in learnt.gain.iter().zip([roll, pitch]) {
             prop_assert!((range.unwrap().best / gain - 1.0).abs() < 0.06, "{learnt:?}");
         }

@@ -34,7 +34,7 @@ impl Memory {
         let (start, cluster_bytes) = (start_sector * 512, if fat_type == FatType::Fat32 { 512 } else { 4096 });
         let mut bytes = vec![0; megabytes * MEGABYTE];
         let options = FormatVolumeOptions::new().fat_type(fat_type).bytes_per_cluster(cluster_bytes);
-        fatfs::format_volume(&mut Cursor::new(&mut bytes[start..]), options).unwrap();
+        fatfs::format_volume(Cursor::new(&mut bytes[start..]), options).unwrap();
         if start > 0 {
             bytes[446 + 4] = 0x0c;
             bytes[454..458].copy_from_slice(&(start_sector as u32).to_le_bytes());
@@ -53,7 +53,7 @@ impl Sectors for Memory {
 
     fn write(&mut self, number: u32, bytes: &[u8]) -> Result<(), CardError> {
         let at = number as usize * 512;
-        assert!(!bytes.is_empty() && bytes.len() % 512 == 0);
+        assert!(!bytes.is_empty() && bytes.len().is_multiple_of(512));
         self.writes_left = self.writes_left.checked_sub(1).ok_or(CardError::Failed)?;
         self.bytes.get_mut(at..at + bytes.len()).ok_or(CardError::Failed)?.copy_from_slice(bytes);
         self.writes.push((number, bytes.to_vec()));
