@@ -10,7 +10,7 @@
 //! the controller answers to a gust, so that what the gust does stands beside a torque that goes with it, and least
 //! squares takes one for the other. If errors and torque are correlated by r, a gain is wrong by up to r times the
 //! root of remaining over explained sum, and a wrong lag may leave less than the right one by up to 4 r^2 of it. The
-//! set holds the lags whose chi^2 is within [`SIGNIFICANT`] and that of the least, and for each gain what goes with
+//! set holds the lags whose chi^2 is within `SIGNIFICANT` and that of the least, and for each gain what goes with
 //! these lags, two standard deviations and that about it. In still air little remains, and it is small.
 
 use super::lag_bank::{AxisSums, LAGS, LAGS_S};

@@ -14,7 +14,7 @@ pub fn formatted(fat_type: FatType) -> Content {
     let megabytes = if fat_type == FatType::Fat32 { 272 } else { 32 };
     let mut image = vec![0; megabytes << 20];
     let options = FormatVolumeOptions::new().fat_type(fat_type).bytes_per_cluster(CLUSTER_BYTES);
-    fatfs::format_volume(&mut Cursor::new(&mut image), options).unwrap();
+    fatfs::format_volume(Cursor::new(&mut image), options).unwrap();
     Content::of_image(&image)
 }
 

@@ -8,6 +8,9 @@ use shared_control::params::Params;
 use crate::card::{files, files_of, formatted, insert};
 use crate::{PID, fly, heard, with_card};
 
+/// What happens to a card.
+type Event = fn(&mut SdCard);
+
 /// In flight for two seconds, then this happens to the card, then two seconds more.
 fn flown_through(params: &Params, event: impl FnOnce(&mut SdCard)) -> Flight {
     let mut flight = with_card(params, FatType::Fat16, Pauses { long_one_in: 0, ..Pauses::USUAL });
@@ -32,7 +35,7 @@ fn begins_like(log: &[u8], flight: &Flight, least: usize) {
 
 #[test]
 fn a_card_that_fails_in_flight_ends_the_log_in_words_and_nothing_else() {
-    let faults: [(&str, fn(&mut SdCard)); 4] = [
+    let faults: [(&str, Event); 4] = [
         ("removed", SdCard::remove),
         ("write error", |card| card.set_fault(Some(CardFault::WriteError))),
         ("refused", |card| card.set_fault(Some(CardFault::BlocksRefused))),
