@@ -50,7 +50,7 @@ pub struct Motion {
     pub turned_rad_s: [f32; LAGS],
 }
 
-/// F of the page's head.
+/// F of the head of this file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Filter {
     input: f32,

@@ -1,7 +1,7 @@
 //! Learning the vehicle in flight: how strongly roll and pitch answer to torque, and how slow the motors are.
 //!
 //! ```text
-//!   rate, delivered torque -> filters, a bank of lags -> sums, where the reference moves      every step
+//!   rate, commands -> a bank of lags, filters -> sums, where the reference moves              every step
 //!   sums -> best fit and all that the data allow -> model -> MPC -> rehearsal -> taken over   aside, in idle time
 //! ```
 //! Samples count only while the shaped reference accelerates and shortly after: then the motors' torque is what the
@@ -120,7 +120,7 @@ impl LearningConfig {
 }
 
 impl LearningState {
-    /// One step, flown by the torque that the observer remembers.
+    /// One step, with the commands that the motors get from now on.
     pub fn update(&mut self, config: &LearningConfig, shown: &Shown) {
         if !shown.seen {
             self.settling = config.settling_steps;

@@ -63,10 +63,10 @@ impl Standing {
 /// A push and its way round the loop; none for a delay beyond what the observer takes.
 pub fn rehearse(controller: &AxisController, body: &AxisBody, alert: DisturbanceAlert) -> Option<Standing> {
     let step_s = controller.pace.step_s;
-    let observer = observer(controller.inertia_kg_m2, &controller.seen, Pace { alert, ..controller.pace })?;
+    let observer = observer_of(controller.inertia_kg_m2, &controller.seen, Pace { alert, ..controller.pace })?;
     // an observer without corrections is a body
     let unmoved = Pace { bandwidth_rad_s: 0.0, alert: DisturbanceAlert::Never, step_s };
-    let true_body = observer_of_body(body, unmoved)?;
+    let true_body = observer_of(body.inertia_kg_m2, &body.actuation, unmoved)?;
     let mut trial = Trial::default();
     let mut spectrum = Spectrum::new(step_s);
     let steps = (WATCHED_S / step_s) as u32;
@@ -81,12 +81,8 @@ pub fn rehearse(controller: &AxisController, body: &AxisBody, alert: Disturbance
     Some(Standing { peak_sensitivity: spectrum.largest(), left: left / largest })
 }
 
-fn observer(inertia_kg_m2: f32, seen: &Actuation, pace: Pace) -> Option<ObserverConfig> {
+fn observer_of(inertia_kg_m2: f32, seen: &Actuation, pace: Pace) -> Option<ObserverConfig> {
     ObserverConfig::new([inertia_kg_m2; 3], [1.0; 3], seen, pace)
-}
-
-fn observer_of_body(body: &AxisBody, pace: Pace) -> Option<ObserverConfig> {
-    observer(body.inertia_kg_m2, &body.actuation, pace)
 }
 
 /// Body, observer and law between two steps.
