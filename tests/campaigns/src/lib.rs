@@ -19,6 +19,7 @@
 //! | `worst_case` | the most passes that the MPC's solver can take | `docs/solver.md` |
 
 pub mod adaptation;
+pub mod arguments;
 pub mod attitude_error;
 pub mod attitude_replay;
 pub mod blind;

@@ -3,6 +3,7 @@
 
 use std::process::ExitCode;
 
+use campaigns::arguments::Arguments;
 use campaigns::motor_loss::{alarm_table, alarms, rows, table};
 
 /// Flights of each failure, and minutes without one in each of hover, steps and gusts.
@@ -10,25 +11,11 @@ const SEEDS: u64 = 60;
 const MINUTES: u64 = 240;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let parts = if arguments.iter().any(|argument| argument == "tenth") { 10 } else { 1 };
-    let arguments: Vec<_> = arguments.into_iter().filter(|argument| argument != "tenth").collect();
-    let file = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => None,
-        ["--json", file] => Some(file.to_owned()),
-        _ => {
-            eprintln!("usage: motor_loss [tenth] [--json FILE]");
-            return ExitCode::from(2);
-        }
+    let arguments = match Arguments::of_process("motor_loss") {
+        Ok(arguments) => arguments,
+        Err(status) => return status,
     };
-    let (rows, alarms) = (rows(SEEDS / parts), alarms(MINUTES / parts));
+    let (rows, alarms) = (rows(SEEDS / arguments.parts), alarms(MINUTES / arguments.parts));
     print!("{}\n{}", table(&rows), alarm_table(&alarms));
-    let both = serde_json::json!({ "failures": rows, "alarms": alarms });
-    if let Some(file) = file
-        && let Err(error) = std::fs::write(&file, serde_json::to_string_pretty(&both).expect("plain numbers"))
-    {
-        eprintln!("{file}: {error}");
-        return ExitCode::FAILURE;
-    }
-    ExitCode::SUCCESS
+    arguments.write(&serde_json::json!({ "failures": rows, "alarms": alarms }))
 }
