@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use sil_host::answer::board_parameters::{board_parameters, params_file};
 use sil_host::answer::identified::{table, table_of};
-use sil_host::diagnosis::{Identified, KnownScale, identify_axes, identify_observed};
+use sil_host::diagnosis::{Identified, KnownScale, identify_axes_observed, identify_observed};
 use sil_host::log::Log;
 
 use super::log_arguments::LogArguments;
@@ -79,7 +79,10 @@ pub fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
         if arguments.params.is_some() {
             return Err(bad_input("--params: separate axes are no vehicle that a board could fly"));
         }
-        let identified = identify_axes(&logs).map_err(refused)?;
+        let identified = {
+            let line = ProgressLine::new();
+            identify_axes_observed(&logs, &|progress| line.show(progress)).map_err(refused)?
+        };
         let (shown, toml) = (table_of(&identified.numbers), identified.to_toml());
         (shown, toml, Answer { source: identified.source, numbers: identified.numbers })
     };

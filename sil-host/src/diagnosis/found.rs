@@ -119,6 +119,7 @@ impl<'e> Search<'e> {
         }
         let kept = judged(self, base.clone(), all);
         let kept = if kept.terms.len() == first { base.clone() } else { kept };
+        let kept = self.with_parts_left_out(kept);
         let is_kept = |term: &Term<'e>| kept.terms.iter().any(|other| other.effect.is_the_same(term.effect));
         let terms = chosen.fit.terms[first..].iter().zip(alternatives);
         let alternatives = terms.filter(|(term, _)| is_kept(term)).map(|(_, others)| others).collect();

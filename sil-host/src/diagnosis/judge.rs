@@ -116,12 +116,9 @@ pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<us
 /// Is one of a term's numbers further from what changes nothing than chance explains? Where the fit of the rest has
 /// other optima, a term of no size may seem to pay.
 fn differs_from_nothing(fit: &Fit<'_>, index: usize) -> bool {
-    let (term, covariance) = (&fit.terms[index], fit.covariance_of(index));
+    let term = &fit.terms[index];
     let mut numbers = term.effect.unknowns().iter().zip(&term.values).enumerate();
-    numbers.any(|(i, (unknown, value))| {
-        let variance = covariance[i * term.values.len() + i];
-        (value - unknown.nominal).powi(2) > SIGMAS.powi(2) * variance
-    })
+    numbers.any(|(i, (unknown, value))| (value - unknown.nominal).powi(2) > SIGMAS.powi(2) * fit.variance_of(index, i))
 }
 
 /// Does a model pay for what another lacks: a share of the error, beyond chance? What puts one channel right is not to

@@ -19,18 +19,14 @@ pub(super) fn together_s(search: &Search<'_>, fit: &Fit<'_>) -> Option<Estimate>
 
 /// The sum of what a fit has of them, s.
 pub(super) fn summed_s(fit: &Fit<'_>) -> Option<Estimate> {
-    let size = fit.size();
-    let (mut places, mut place, mut value) = (Vec::new(), 0, 0.0);
+    let (mut slope, mut value) = (Vec::new(), 0.0);
     for term in &fit.terms {
-        if term.effect.is_late() {
-            places.push(place);
-            value += term.values.iter().sum::<f64>();
-        }
-        place += term.values.len();
+        let is_late = term.effect.is_late();
+        slope.extend(term.values.iter().map(|_| if is_late { 1.0 } else { 0.0 }));
+        value += if is_late { term.values.iter().sum() } else { 0.0 };
     }
-    let pairs = places.iter().flat_map(|i| places.iter().map(move |j| fit.scattered_covariance[i * size + j]));
-    let variance: f64 = pairs.sum();
-    (!places.is_empty() && variance.is_finite()).then(|| Estimate { value, std: variance.max(0.0).sqrt() })
+    let variance = fit.variance_along(&slope);
+    (slope.contains(&1.0) && variance.is_finite()).then(|| Estimate { value, std: variance.max(0.0).sqrt() })
 }
 
 /// Counts in the interval of a lag or a delay what no fit knows ([`of_rows_std_s`]), and that neither is more than both

@@ -200,6 +200,12 @@ impl<'e> Search<'e> {
         refitted
     }
 
+    /// The same fit with what leaving out parts of its windows says of its numbers.
+    pub(super) fn with_parts_left_out(&self, refitted: Fit<'e>) -> Fit<'e> {
+        let windows = self.shooting.log.part(&[Part::Fit, Part::Choice]);
+        refitted.with_parts_left_out(self.shooting, self.nominal, &windows)
+    }
+
     /// Start states of the training windows at their best under these effects, from the measured ones on.
     pub(super) fn settled_starts(&self, terms: &[Term<'e>]) -> Vec<State> {
         let driven = self.shooting.log.drive(model_of(self.nominal, terms));

@@ -66,7 +66,8 @@ pub fn sizes_beside_base(
     let base = base::fitted(&search, &ordinary).fit;
     let beside = sensors.informed(Fitted::beside(&scope, |axis| base::is_trimmed(&base, axis)));
     let terms = with_asked(base.terms, &beside, asked);
-    let mut sizes = fitted_to_all(&shooting, &nominal, terms).sizes(asked);
+    let fit = fitted_to_all(&shooting, &nominal, terms);
+    let mut sizes = fit.with_parts_left_out(&shooting, &nominal, &shooting.log.in_use()).sizes(asked);
     let of_rows_s = of_rows_std_s(&shooting.log.commands);
     let delays = asked.iter().zip(&mut sizes).filter(|((name, _), _)| *name == "actuation_delay");
     for delay in delays.filter_map(|(_, size)| size.as_mut()?.get_mut("delay_s")) {

@@ -165,7 +165,7 @@ fn a_disturbance_under_control_misleads_a_fit_that_knows_sensors_only() {
         let noise = shooting.most_likely_noise(&left, &training, &fit.starts);
         // (error, standard deviation) of gain, lag and stiffness
         let errors = [(0, 200.0), (1, 0.02), (2, 9.0)]
-            .map(|(term, truth)| (fit.terms[term].values[0] - truth, fit.covariance_of(term)[0].sqrt()));
+            .map(|(term, truth)| (fit.terms[term].values[0] - truth, fit.variance_of(term, 0).sqrt()));
         (errors, noise)
     };
     let shooting = subject.shooting(&log, &noise).unwrap();

@@ -16,7 +16,6 @@ use crate::diagnosis::evidence::bootstrap::Gain;
 use crate::diagnosis::fitting::fit::{Fit, Term};
 use crate::effects::{Effect, Origin};
 use crate::prediction::windowed_log::WindowedLog;
-use crate::statistics::dot;
 
 /// The accuracy of the integration, as a share of an effect.
 pub(super) const MODEL_ERROR: f64 = 5e-4;
@@ -198,8 +197,7 @@ fn finding(search: &Search<'_>, found: &Found<'_>, index: usize, gain_pct: f64) 
 /// Values by name with standard deviations: the fit's, carried over to what is reported, and the model's own accuracy.
 pub(super) fn estimates(fit: &Fit<'_>, index: usize, model_error: f64) -> BTreeMap<&'static str, Estimate> {
     let Term { effect, values } = &fit.terms[index];
-    let size = values.len();
-    let covariance = fit.covariance_of(index);
+    let (size, first) = (values.len(), fit.first_place_of(index));
     let reported = effect.reported(values);
     let slopes: Vec<Vec<f64>> = (0..size)
         .map(|i| {
@@ -216,10 +214,10 @@ pub(super) fn estimates(fit: &Fit<'_>, index: usize, model_error: f64) -> BTreeM
         .collect();
     let mut estimates = BTreeMap::new();
     for (place, (name, value)) in reported.iter().enumerate() {
-        let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[place]).collect();
-        let carried: Vec<f64> = (0..size).map(|i| dot(&covariance[i * size..(i + 1) * size], &slope)).collect();
+        let mut slope = vec![0.0; fit.size()];
+        (0..size).for_each(|i| slope[first + i] = slopes[i][place]);
         let own = model_error * (value - effect.nominal(name));
-        let std = (dot(&slope, &carried).max(0.0) + own * own).sqrt();
+        let std = (fit.variance_along(&slope).max(0.0) + own * own).sqrt();
         estimates.insert(*name, Estimate { value: *value, std });
     }
     if let Some(motor) = effect.motor() {

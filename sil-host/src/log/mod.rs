@@ -41,8 +41,8 @@ pub use contradiction::{Contradiction, MapLine};
 pub use csv::parse;
 pub use error::{LogError, LogErrorKind, ROWS_MIN};
 pub use map::{BUILT_IN_MAPS, Map, Threshold};
-use passage::Passage;
 pub use passage::ReadObserver;
+use passage::{Passage, UNOBSERVED};
 pub use quantity::{GRAVITY_M_S2, Quantity};
 pub use recording::{Fact, FactValue, Recording, Stream, StreamColumn};
 pub use rig_shown::RigShown;
@@ -87,7 +87,7 @@ pub fn read(path: &Path, map: Option<&Map>) -> Result<Log, LogError> {
 /// # Errors
 /// As [`read`].
 pub fn read_observed(path: &Path, map: Option<&Map>, observer: ReadObserver<'_>) -> Result<Log, LogError> {
-    let bytes = source::load(path)?;
+    let bytes = source::load_observed(path, observer)?;
     parse_observed(path, bytes, map, observer)
 }
 
@@ -138,9 +138,6 @@ fn content(
     let passage = Passage::through(bytes.len(), observer);
     (format.read)(file, bytes, map, &passage)
 }
-
-/// Nobody waits.
-const UNOBSERVED: ReadObserver<'static> = &|_, _| ();
 
 /// True for a name that ends so, whatever its case, compressed or not.
 fn has_extension(path: &Path, extension: &str) -> bool {

@@ -5,6 +5,9 @@ use std::cell::Cell;
 /// Is called now and then with the bytes that were read so far, and all there are.
 pub type ReadObserver<'a> = &'a dyn Fn(usize, usize);
 
+/// Nobody waits.
+pub(super) const UNOBSERVED: ReadObserver<'static> = &|_, _| ();
+
 /// So often at most is it called in the course of a file: a row then costs one comparison more.
 const REPORTS: usize = 200;
 
@@ -28,6 +31,11 @@ impl<'a> Passage<'a> {
             self.next.set(byte + 1 + self.bytes / REPORTS);
             (self.observer)(byte, self.bytes);
         }
+    }
+
+    /// So many bytes are left.
+    pub(super) fn is_before(&self, left: usize) {
+        self.is_at(self.bytes - left);
     }
 }
 

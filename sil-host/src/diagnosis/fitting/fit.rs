@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::fitted::Fitted;
+use crate::diagnosis::fitting::left_out::LeftOut;
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal};
 use crate::diagnosis::fitting::scatter::scattered;
 use crate::diagnosis::fitting::shooting::Shooting;
@@ -44,7 +45,9 @@ pub(in crate::diagnosis) struct Fit<'e> {
     /// Covariance of all parameters one behind the other if the noise is what it is taken for, row by row.
     pub(in crate::diagnosis) covariance: Vec<f64>,
     /// The same as the scatter of the windows' own wishes has it ([`scattered`]).
-    pub(in crate::diagnosis) scattered_covariance: Vec<f64>,
+    scattered_covariance: Vec<f64>,
+    /// What becomes of them where a part of the windows is left out; nothing as long as nobody asked.
+    left_out: LeftOut,
     /// Sum of squares over the training windows, in units of the noise.
     pub(in crate::diagnosis) training: f64,
     /// Start states of all windows, those that were not fitted as given.
@@ -57,12 +60,41 @@ impl<'e> Fit<'e> {
         self.terms.iter().map(|term| term.values.len()).sum()
     }
 
-    /// Covariance of the parameters of one term as the scatter has it, rows one behind the other.
-    pub(in crate::diagnosis) fn covariance_of(&self, term: usize) -> Vec<f64> {
-        let before: usize = self.terms[..term].iter().map(|term| term.values.len()).sum();
-        let (size, own) = (self.size(), self.terms[term].values.len());
-        let at = |i: usize, j: usize| self.scattered_covariance[(before + i) * size + before + j];
-        (0..own * own).map(|k| at(k / own, k % own)).collect()
+    /// All parameters, one behind the other.
+    pub(super) fn values(&self) -> Vec<f64> {
+        self.terms.iter().flat_map(|term| term.values.iter().copied()).collect()
+    }
+
+    /// The same fit to those windows with what leaving out parts of them says of its numbers.
+    pub(in crate::diagnosis) fn with_parts_left_out(
+        mut self,
+        shooting: &Shooting<'_>,
+        nominal: Nominal<'_>,
+        windows: &[usize],
+    ) -> Fit<'e> {
+        self.left_out = LeftOut::of(&self, shooting, nominal, windows);
+        self
+    }
+
+    /// Variance of a number that depends on all parameters by these slopes: the larger one of what the scatter of the
+    /// windows' wishes has, and of what leaving out parts of the flight has. Infinite where the fit says nothing.
+    pub(in crate::diagnosis) fn variance_along(&self, slope: &[f64]) -> f64 {
+        let rows = self.scattered_covariance.chunks(slope.len().max(1));
+        let carried: Vec<f64> = rows.map(|row| dot(row, slope)).collect();
+        let scattered = dot(slope, &carried);
+        if scattered.is_finite() { scattered.max(self.left_out.variance_along(slope)) } else { f64::INFINITY }
+    }
+
+    /// Variance of one of a term's parameters.
+    pub(in crate::diagnosis) fn variance_of(&self, term: usize, parameter: usize) -> f64 {
+        let mut slope = vec![0.0; self.size()];
+        slope[self.first_place_of(term) + parameter] = 1.0;
+        self.variance_along(&slope)
+    }
+
+    /// Place of a term's first parameter among all.
+    pub(in crate::diagnosis) fn first_place_of(&self, term: usize) -> usize {
+        self.terms[..term].iter().map(|term| term.values.len()).sum()
     }
 
     /// How all numbers move to first order, within their ranges, where those of some terms are known to change
@@ -105,6 +137,7 @@ impl<'e> Fit<'e> {
             terms: kept.collect(),
             covariance: others(&self.covariance),
             scattered_covariance: others(&self.scattered_covariance),
+            left_out: LeftOut::default(),
             training: self.training,
             starts: self.starts.clone(),
         }
@@ -300,7 +333,14 @@ impl<'e> Round<'e> {
         let scores: Vec<(usize, &[f64])> =
             training.iter().zip(&self.normals).map(|(index, normal)| (*index, normal.right.as_slice())).collect();
         let scattered_covariance = scattered(&covariance, spread, &scores);
-        Fit { terms: self.terms, covariance, scattered_covariance, training: self.normal.chi2, starts: self.starts }
+        Fit {
+            terms: self.terms,
+            covariance,
+            scattered_covariance,
+            left_out: LeftOut::default(),
+            training: self.normal.chi2,
+            starts: self.starts,
+        }
     }
 }
 

@@ -8,6 +8,7 @@ pub(in crate::diagnosis) mod eigen;
 pub(in crate::diagnosis) mod fit;
 pub(in crate::diagnosis) mod hints;
 mod innovation;
+mod left_out;
 pub(in crate::diagnosis) mod linearisation;
 pub(in crate::diagnosis) mod process_noise;
 pub(in crate::diagnosis) mod sampling;

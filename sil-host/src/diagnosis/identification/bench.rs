@@ -9,6 +9,7 @@ use crate::diagnosis::estimate::Estimate;
 use crate::diagnosis::fitted::per_unit_inertia;
 use crate::diagnosis::fitting::fit::{Term, as_terms};
 use crate::diagnosis::lateness::{count_lateness, together_s};
+use crate::diagnosis::progress::{Observer, Progress};
 use crate::diagnosis::search::Search;
 use crate::diagnosis::verdict::{MODEL_ERROR, estimates};
 use crate::log::Log;
@@ -31,6 +32,14 @@ pub struct BenchIdentification {
 /// # Errors
 /// No window, no commands, or axes whose commands never change.
 pub fn identify_axes(logs: &[Log]) -> Result<BenchIdentification, NotIdentified> {
+    identify_axes_observed(logs, &|_| ())
+}
+
+/// The same, and says on the way how far it is.
+///
+/// # Errors
+/// As [`identify_axes`].
+pub fn identify_axes_observed(logs: &[Log], observer: Observer<'_>) -> Result<BenchIdentification, NotIdentified> {
     let joined = Log::joined(logs)?;
     let thinned = joined.thinned();
     let log = thinned.as_ref().unwrap_or(&joined);
@@ -38,8 +47,12 @@ pub fn identify_axes(logs: &[Log]) -> Result<BenchIdentification, NotIdentified>
     let nominal = || subject.model(log);
     let along = subject.fitted_along(log)?;
     let ordinary = base::ordinary(&subject.scope(log));
-    let shooting = base::in_own_noise(log, &subject, &along, &ordinary)?;
-    let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &|_| ());
+    // in the noise of the sensors, then in that of all that the first model leaves
+    let (first, second) = (|progress| show(progress, 0, observer), |progress| show(progress, 1, observer));
+    let in_sensors = subject.shooting(log, &subject.noise(log))?;
+    let search = Search::new(&in_sensors, &nominal, &[], as_terms(&along), &first);
+    let shooting = base::disturbed(log, &subject, &search, &ordinary)?;
+    let search = Search::new(&shooting, &nominal, &[], as_terms(&along), &second);
     let base = base::fitted(&search, &ordinary).fit;
     let search = search.from(&base, &[]);
     let fit = search.refitted(base.terms, &base.starts);
@@ -61,6 +74,13 @@ pub fn identify_axes(logs: &[Log]) -> Result<BenchIdentification, NotIdentified>
         to_fly: None,
     }));
     Ok(BenchIdentification { model, numbers, source: super::source(logs, &joined) })
+}
+
+/// The starts of one of two fits, counted among those of both.
+fn show(progress: Progress, fit: usize, observer: Observer<'_>) {
+    if let Progress::Fitting { done, total } = progress {
+        observer(Progress::Identifying { done: fit * total + done, total: 2 * total });
+    }
 }
 
 /// Puts a fitted number in its place.

@@ -28,7 +28,7 @@ use super::progress::Observer;
 use crate::log::{Log, LogError};
 use crate::model::VehicleModel;
 use crate::prediction::NotPredictable;
-pub use bench::{BenchIdentification, identify_axes};
+pub use bench::{BenchIdentification, identify_axes, identify_axes_observed};
 pub use mismatch::mismatch;
 pub use numbers::{Identified, effectiveness_rad_s2, manoeuvres_for};
 

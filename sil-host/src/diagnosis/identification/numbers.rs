@@ -12,7 +12,6 @@ use crate::diagnosis::lateness::held_std_s;
 use crate::diagnosis::verdict::model_error;
 use crate::model::VehicleModel;
 use crate::prediction::model::Model;
-use crate::statistics::dot;
 
 /// A number of an identified vehicle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -98,10 +97,9 @@ pub(super) fn of(
     let half_row_s = held_std_s(&shooting.log.commands);
     let finish = |(at, one): (usize, Derived)| {
         let slope: Vec<f64> = slopes.iter().map(|slopes| slopes[at]).collect();
-        let carried: Vec<f64> = fit.scattered_covariance.chunks(steps.len()).map(|row| dot(row, &slope)).collect();
         let late_s = if one.is_late { half_row_s } else { 0.0 };
         let own = model_error * one.value;
-        let variance = dot(&slope, &carried);
+        let variance = fit.variance_along(&slope);
         let std = (variance.max(0.0) + late_s * late_s + own * own).sqrt();
         // a fit without a covariance knows nothing
         let std = if variance.is_finite() { std } else { f64::INFINITY };
