@@ -89,7 +89,7 @@ impl Vehicle {
             Some(Chore::Parameters(request)) => self.telemetry.serve_parameters(&request, |_| true),
             Some(Chore::Tell(inquiry)) => self.telemetry.tell(&inquiry),
             Some(Chore::SetUpSigning(setup)) => {
-                self.telemetry.set_up_signing(&setup, (&self.status, self.time_us, false), |_| true);
+                self.telemetry.set_up_signing(&setup, (&self.status, self.time_us), |_| true);
             }
             Some(Chore::Files(request)) => self.telemetry.take_file_request(&request),
             Some(Chore::Logs(request)) => self.telemetry.take_log_request(&request, &mut self.logs),
@@ -116,7 +116,7 @@ impl Vehicle {
         }
         assert!((0.0..=1.0).contains(&commands.setpoint.throttle), "{commands:?}");
         let seen = (self.guard.latest_seen(), self.guard.refused);
-        let terms = self.telemetry.update_signing(seen, (self.time_us, false), |_| true);
+        let terms = self.telemetry.update_signing(seen, self.time_us, |_| true);
         self.guard.follow(&terms);
         let mut said = heapless::Vec::<u8, 280>::new();
         self.telemetry.poll(self.time_us, &self.status, &mut said);

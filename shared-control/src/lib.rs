@@ -128,4 +128,5 @@ pub mod signals;
 pub mod supervisor;
 pub mod test_sequence;
 pub mod torque_observer;
+pub mod usb;
 pub mod vehicle;

@@ -144,6 +144,9 @@ fn release_clocks(rcc: &RCC, exti: &EXTI) {
         w.dma1rst().set_bit().dma2rst().set_bit()
     });
     rcc.ahb1rstr().reset();
+    // a bootloader's pull-up, so that a computer sees that this is another device
+    rcc.ahb2rstr().write(|w| w.otgfsrst().set_bit());
+    rcc.ahb2rstr().reset();
     rcc.apb1rstr().write(|w| {
         w.tim2rst().set_bit().tim3rst().set_bit().tim5rst().set_bit();
         w.spi2rst().set_bit().usart2rst().set_bit().pwrrst().set_bit()

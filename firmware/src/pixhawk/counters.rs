@@ -86,6 +86,8 @@ pub static LOOP_OVERRUNS: Counter = Counter::new();
 pub static LATE_PLANS: Counter = Counter::new();
 /// Orders of the ground for which the loop had no room.
 pub static ORDERS_DROPPED: Counter = Counter::new();
+/// Messages for USB that were lost, since the computer did not fetch those before.
+pub static USB_DROPPED: Counter = Counter::new();
 /// Replies of the IO chip that were damaged or came late.
 pub static IO_DAMAGED: Counter = Counter::new();
 /// Steps that the log on the SD card leaves out, since the card was slower than the loop.
@@ -111,5 +113,5 @@ pub fn report() {
         ANSWERS_DROPPED.get(),
         IO_DAMAGED.get(),
     );
-    defmt::info!("log: steps left out {=u32}", LOG_STEPS_LEFT_OUT.get());
+    defmt::info!("log: steps left out {=u32}; USB: dropped {=u32}", LOG_STEPS_LEFT_OUT.get(), USB_DROPPED.get());
 }

@@ -12,13 +12,13 @@ use shared_control::params::{self, Params};
 
 use super::boot::Start;
 use super::configuration::Configuration;
-use super::counters::SETTINGS_LOST;
+use super::counters::{SETTINGS_LOST, USB_DROPPED};
 use super::fault::{self, FaultRecord};
 use super::flight_log::News;
 use super::fram::Fram;
 use super::link_port::{LinkSender, SendBuffer};
-use super::pins::UsbSense;
 use super::queue::Consumer;
+use super::usb_port::{self, UsbPort};
 
 /// Calls of [`Ground::update`] between a restart's acknowledgement and the restart: 0.1 s, so that it leaves the port.
 const RESTART_UPDATES: u8 = 10;
@@ -36,7 +36,6 @@ pub struct Ground {
     chores: Consumer<'static, Chore>,
     news: Consumer<'static, News>,
     memory: Fram,
-    usb: UsbSense,
     /// Updates until the restart that was ordered.
     restart_in: Option<u8>,
     /// So often has it told each of [`SETTINGS_LOST`].
@@ -47,12 +46,12 @@ impl Ground {
     /// Begins with what happened before.
     pub fn new(
         settings: &LinkSettings,
-        (params, mut memory, usb): (&Params, Fram, UsbSense),
+        (params, mut memory): (&Params, Fram),
         (answers, chores, news): (Consumer<'static, Answer>, Consumer<'static, Chore>, Consumer<'static, News>),
     ) -> Self {
         let telemetry = Telemetry::new(settings, params).with_signing(memory.read_signing());
         let (due, hil, restart_in, registers_told) = (SendBuffer::new(), params.hil, None, [0; _]);
-        Self { telemetry, due, hil, answers, chores, news, memory, usb, restart_in, registers_told }
+        Self { telemetry, due, hil, answers, chores, news, memory, restart_in, registers_told }
     }
 
     /// Tells a person something that should not have happened, or that explains the start.
@@ -91,8 +90,14 @@ impl Ground {
         self.telemetry.figures(figures);
     }
 
-    /// To be called at least every 40 ms, the period of the fastest message.
-    pub fn update(&mut self, time_us: u64, status: &VehicleStatus, logs: &mut LogShelf) {
+    /// To be called at least every 40 ms, the period of the fastest message. What TELEM1 sends USB sends, too, and
+    /// files and logs go to the port that was asked for them last.
+    pub fn update(
+        &mut self,
+        (time_us, status): (u64, &VehicleStatus),
+        logs: &mut LogShelf,
+        (usb, files_over_usb): (&mut UsbPort, bool),
+    ) {
         while let Some(answer) = self.answers.dequeue() {
             self.telemetry.answer(answer);
         }
@@ -103,8 +108,22 @@ impl Ground {
             self.tell_news(news);
         }
         self.tell_registers();
-        if self.due.is_empty() {
-            self.make_due((time_us, status), logs);
+        let is_new = self.due.is_empty();
+        if is_new {
+            self.make_due((time_us, status), logs, files_over_usb);
+        }
+        if usb.is_open() {
+            let mut out = Vec::<u8, { usb_port::SEND_BYTES }>::new();
+            if is_new {
+                // the larger buffer is empty
+                let _ = out.extend_from_slice(&self.due);
+            }
+            if files_over_usb && usb.is_free() {
+                self.telemetry.fill_with_files(time_us, status, logs, &mut out);
+            }
+            if !out.is_empty() && !usb.send(&out) {
+                USB_DROPPED.add();
+            }
         }
         match &mut self.restart_in {
             Some(0) => fault::restart(),
@@ -113,11 +132,9 @@ impl Ground {
         }
     }
 
-    /// Takes what has come signed, and says what is let in from now on. Who can plug in a cable stands beside the
-    /// vehicle.
+    /// Takes what has come signed, and says what is let in from now on.
     pub fn sign(&mut self, seen: (u64, Refused), time_us: u64) -> Terms {
-        let is_local = self.usb.has_power();
-        self.telemetry.update_signing(seen, (time_us, is_local), |record| self.memory.store_signing(record))
+        self.telemetry.update_signing(seen, time_us, |record| self.memory.store_signing(record))
     }
 
     /// Does the memory hold a whole record of parameters?
@@ -156,17 +173,21 @@ impl Ground {
         }
     }
 
-    fn make_due(&mut self, (time_us, status): (u64, &VehicleStatus), logs: &mut LogShelf) {
+    fn make_due(&mut self, (time_us, status): (u64, &VehicleStatus), logs: &mut LogShelf, files_over_usb: bool) {
         if self.hil {
             // a step's answer may have to wait until this has left, so it is short: 1.1 ms at 921,600 baud
             let mut few = Vec::<u8, HIL_DUE_BYTES>::new();
             self.telemetry.poll(time_us, status, &mut few);
-            self.telemetry.send_files(time_us, status, logs, &mut few);
+            if !files_over_usb {
+                self.telemetry.send_files(time_us, status, logs, &mut few);
+            }
             // the larger buffer is empty
             let _ = self.due.extend_from_slice(&few);
         } else {
             self.telemetry.poll(time_us, status, &mut self.due);
-            self.telemetry.send_files(time_us, status, logs, &mut self.due);
+            if !files_over_usb {
+                self.telemetry.send_files(time_us, status, logs, &mut self.due);
+            }
         }
     }
 
@@ -187,8 +208,7 @@ impl Ground {
                 self.telemetry.take_log_request(&request, logs);
             }
             Chore::SetUpSigning(setup) => {
-                let about = (status, time_us, self.usb.has_power());
-                self.telemetry.set_up_signing(&setup, about, |record| self.memory.store_signing(record));
+                self.telemetry.set_up_signing(&setup, (status, time_us), |record| self.memory.store_signing(record));
             }
             Chore::Restart => self.restart_in = Some(RESTART_UPDATES),
         }

@@ -112,10 +112,13 @@ impl LinkReceiver {
     }
 }
 
-/// From bytes to orders.
+/// From bytes to orders, TELEM1's and USB's.
 pub struct LinkIn {
     port: LinkReceiver,
     receiver: Receiver,
+    usb_receiver: Receiver,
+    /// Were files and logs asked for over USB last?
+    files_over_usb: bool,
     guard: Guard,
     orders: Producer<'static, Order>,
     /// With hardware in the loop.
@@ -132,7 +135,8 @@ impl LinkIn {
     ) -> Self {
         let mut guard = Guard::open();
         guard.follow(&terms);
-        Self { port, receiver: Receiver::new(settings), guard, orders, ticks }
+        let (receiver, usb_receiver) = (Receiver::new(settings), Receiver::local(settings));
+        Self { port, receiver, usb_receiver, files_over_usb: false, guard, orders, ticks }
     }
 
     /// What has come signed, and what was not let in.
@@ -158,12 +162,39 @@ impl LinkIn {
                     rtic::pend(Interrupt::TIM3);
                     taken
                 }
-                (order, _) => self.orders.enqueue(order).is_ok(),
+                (order, _) => self.pass_on(order, false),
             };
             if !taken {
                 counters::ORDERS_DROPPED.add();
             }
         }
+    }
+
+    /// Takes what came over USB. Hardware in the loop is TELEM1's alone.
+    pub fn take_from_usb(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            match self.usb_receiver.receive(*byte, &mut self.guard) {
+                None | Some(Order::HilTick(_)) => {}
+                Some(order) => {
+                    if !self.pass_on(order, true) {
+                        counters::ORDERS_DROPPED.add();
+                    }
+                }
+            }
+        }
+    }
+
+    /// Are files and logs to be sent over USB?
+    pub fn files_over_usb(&self) -> bool {
+        self.files_over_usb
+    }
+
+    /// False if there is no room for it.
+    fn pass_on(&mut self, order: Order, over_usb: bool) -> bool {
+        if matches!(order, Order::Files(_) | Order::Logs(_)) {
+            self.files_over_usb = over_usb;
+        }
+        self.orders.enqueue(order).is_ok()
     }
 }
 

@@ -10,7 +10,7 @@
 //!  3  link_idle, link_ring     TELEM1: bytes -> orders
 //!     link_sent                TELEM1: what was waiting for the line
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
-//!  1  housekeeping             telemetry, light and tone, load, watchdog
+//!  1  housekeeping             USB, telemetry, light and tone, load, watchdog
 //!  0  idle                     the loop's record -> SD card; sleep
 //! ```
 
@@ -46,6 +46,8 @@ mod sensor_bus;
 mod supply;
 mod trace;
 mod transfer;
+mod usb_port;
+mod usb_registers;
 mod watchdog;
 mod watches;
 
@@ -85,6 +87,8 @@ mod app {
     use super::sensor_bus::SensorBus;
     use super::trace::Trace;
     use super::transfer::Buffers;
+    use super::usb_port::UsbPort;
+    use super::usb_registers::Registers;
     use super::watchdog::{self, Watchdog};
     use super::{boot, clock, counters, last_pulse, supply};
 
@@ -113,6 +117,7 @@ mod app {
         mpc: Option<&'static mut BoardMpc>,
         mpc_state: MpcState<HORIZON>,
         ground: Ground,
+        usb: UsbPort,
         light_and_tone: LightAndTone,
         watchdog: Watchdog,
         flight_log: FlightLog,
@@ -160,7 +165,7 @@ mod app {
         let buffers = (cx.local.ring, cx.local.buffer);
         let (port, sender) = link_port::open(device.USART2, device.DMA1, pins.link, baud, buffers, &mut rcc);
         let (choices, queues) = (&configuration.params, (answers_out, chores_out, news_out));
-        let mut ground = Ground::new(&settings, (choices, memory, pins.usb), queues);
+        let mut ground = Ground::new(&settings, (choices, memory), queues);
         let link = LinkIn::new(port, (settings, ground.sign(Default::default(), 0)), orders, hil.then_some(ticks));
         ground.tell_start(&start, &configuration);
 
@@ -179,14 +184,14 @@ mod app {
         let (adc, conversions) = ((device.ADC1, &device.ADC_COMMON), cx.local.conversions);
         let battery = (!hil).then(|| Battery::start(adc, pins.battery, conversions, &mut rcc));
 
-        let commander = configuration.commander(start.record.is_some());
-        let ticks = hil.then_some(ticks_out);
+        let (commander, ticks) = (configuration.commander(start.record.is_some()), hil.then_some(ticks_out));
         #[rustfmt::skip]
         let ends = Ends {
             samples: [samples_out, samples_second_out], battery, ticks, reports: reports_out, orders: orders_out,
             answers, chores,
         };
         let control = Control::new(configuration.setup.config, commander, ends);
+        let usb = UsbPort::new(Registers::new(device.OTG_FS_GLOBAL), (pins.usb_power, pins.usb), &mut rcc);
         let light_and_tone = LightAndTone::new(device.TIM2, pins.light_and_tone, &mut rcc);
         let watchdog = Watchdog::start(device.IWDG);
         loop_timer.start();
@@ -194,7 +199,7 @@ mod app {
         #[rustfmt::skip]
         let local = Local {
             control, outputs, loop_timer, trace: Trace::new(), housekeeping_ticks: configuration.housekeeping_ticks(),
-            mpc, mpc_state: MpcState::new(), ground, light_and_tone, watchdog, flight_log,
+            mpc, mpc_state: MpcState::new(), ground, usb, light_and_tone, watchdog, flight_log,
         };
         let (status, recorder, shelf) = (configuration.status_at_start(), cx.local.recorder, LogShelf::EMPTY);
         (Shared { imus, io, link, sender, request: None, plan: None, status, recorder, shelf }, local)
@@ -331,7 +336,7 @@ mod app {
     #[task(
         binds = CAN1_RX1, priority = 1, shared = [link, sender, status, shelf],
         local = [
-            ground, light_and_tone, watchdog, clock: TimeBase = TimeBase::START,
+            ground, usb, light_and_tone, watchdog, clock: TimeBase = TimeBase::START,
             load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0,
             self_tests: SelfTests = SelfTests::NEW,
         ]
@@ -349,7 +354,13 @@ mod app {
             let (now_us, seen) = (local.clock.now_us(), cx.shared.link.lock(|link| link.seen()));
             let terms = local.ground.sign(seen, now_us);
             cx.shared.link.lock(|link| link.follow(&terms));
-            cx.shared.shelf.lock(|shelf| local.ground.update(now_us, &status, shelf));
+            let came = local.usb.look();
+            let files_over_usb = cx.shared.link.lock(|link| {
+                link.take_from_usb(&came);
+                link.files_over_usb()
+            });
+            let usb = (local.usb, files_over_usb);
+            cx.shared.shelf.lock(|shelf| local.ground.update((now_us, &status), shelf, usb));
             cx.shared.sender.lock(|sender| local.ground.hand_over(sender));
             local.self_tests.update(&status, || local.ground.memory_is_whole());
             if local.ticks.is_multiple_of(10) {

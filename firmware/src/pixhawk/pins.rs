@@ -1,11 +1,11 @@
 //! Which pin does what (Pixhawk 1, FMUv2 schematic), each in the state that is safe until its device is set up.
 
-use stm32f4xx_hal::gpio::{Edge, ExtiPin, Input, Output, PC0, PD10, PE3, PinState, Pull, Speed};
+use stm32f4xx_hal::gpio::{Edge, ExtiPin, Output, PD10, PE3, PinState, Pull, Speed};
 use stm32f4xx_hal::pac::{EXTI, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, SYSCFG};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 
-use super::{battery, fram, imu, io_port, light_and_tone, link_port, outputs, sd_bus, sensor_bus};
+use super::{battery, fram, imu, io_port, light_and_tone, link_port, outputs, sd_bus, sensor_bus, usb_port};
 
 /// The ports that they belong to.
 pub type Ports = (GPIOA, GPIOB, GPIOC, GPIOD, GPIOE);
@@ -34,20 +34,12 @@ pub struct Pins {
     pub light_and_tone: light_and_tone::Pins,
     /// The battery's voltage behind its divider.
     pub battery: battery::Pin,
-    /// Whether USB has power.
-    pub usb: UsbSense,
+    /// USB's data lines.
+    pub usb: usb_port::Lines,
+    /// Whether its connector has 5 V.
+    pub usb_power: usb_port::Power,
     /// SDIO.
     pub card: sd_bus::Pins,
-}
-
-/// The signal !USB_VALID: low while the USB connector has power.
-pub struct UsbSense(PC0<Input>);
-
-impl UsbSense {
-    /// Is a cable plugged in?
-    pub fn has_power(&self) -> bool {
-        self.0.is_low()
-    }
 }
 
 impl Pins {
@@ -105,7 +97,9 @@ impl Pins {
                 _buzzer: a.pa15.into_alternate(),
             },
             battery: a.pa2.into_analog(),
-            usb: UsbSense(c.pc0.into_pull_up_input()),
+            usb: (a.pa11.into_alternate(), a.pa12.into_alternate()),
+            // the connector's light pulls it low
+            usb_power: a.pa9.into_floating_input(),
             // all but the clock rest high, also where no card is there
             card: (
                 c.pc8.into_alternate().speed(Speed::High).internal_resistor(Pull::Up),

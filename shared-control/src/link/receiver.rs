@@ -38,6 +38,7 @@ const OFFBOARD_TILT_MAX_RAD: f32 = core::f32::consts::FRAC_PI_3 + 1e-3;
 pub struct Receiver {
     settings: LinkSettings,
     finder: FrameFinder,
+    is_local: bool,
     /// Frames with a right CRC and a content that makes no sense: values that don't exist, NaN, invalid axes.
     pub rejected: u32,
 }
@@ -45,13 +46,18 @@ pub struct Receiver {
 impl Receiver {
     /// A receiver that has heard nothing.
     pub fn new(settings: LinkSettings) -> Self {
-        Self { settings, finder: FrameFinder::default(), rejected: 0 }
+        Self { settings, finder: FrameFinder::default(), is_local: false, rejected: 0 }
+    }
+
+    /// The same of a link that only somebody beside the vehicle can use: signing may be set up over it.
+    pub fn local(settings: LinkSettings) -> Self {
+        Self { is_local: true, ..Self::new(settings) }
     }
 
     /// Takes one byte. A frame that the guard does not admit is as if it had not come.
     pub fn receive(&mut self, byte: u8, guard: &mut Guard) -> Option<Order> {
         let frame = self.finder.push(byte, crc_extra)?;
-        if !guard.admits(&frame) {
+        if !guard.admits(&frame, self.is_local) {
             return None;
         }
         match frame.message_id {
@@ -146,7 +152,7 @@ impl Receiver {
             return None;
         }
         let first_timestamp = data.initial_timestamp;
-        let setup = SigningSetup { key: Key::new(data.secret_key), first_timestamp };
+        let setup = SigningSetup { key: Key::new(data.secret_key), first_timestamp, is_local: self.is_local };
         self.counted((first_timestamp <= FIRST_TIMESTAMP_MAX).then_some(Order::SetUpSigning(setup)))
     }
 

@@ -19,6 +19,11 @@ impl SpareRoom {
         Self { line_bytes_s, room_bytes: 0, looked_us: 0 }
     }
 
+    /// Of a line that takes whatever there is to send.
+    pub(super) fn endless() -> Self {
+        Self { line_bytes_s: 0, room_bytes: i64::MAX, looked_us: 0 }
+    }
+
     /// Time has passed, in which regular messages of so many bytes were written.
     pub(super) fn pass_time(&mut self, time_us: u64, written_bytes: usize) {
         // a second at most, so that no product overflows

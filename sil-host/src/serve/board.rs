@@ -7,7 +7,7 @@ use mavlink::dialects::common::MavSeverity;
 use shared_control::config::{ConfigError, Controller};
 use shared_control::flight_core::{FlightCore, State};
 use shared_control::link::hil::HilSample;
-use shared_control::link::signing::SigningRecord;
+use shared_control::link::signing::{SigningRecord, SigningSetup};
 use shared_control::link::telemetry::FIGURES;
 use shared_control::link::{Answer, Chore, Commander, Guard, LinkSettings, Order, Receiver, Telemetry, VehicleStatus};
 use shared_control::mpc::MpcError;
@@ -140,7 +140,7 @@ impl SimulatedBoard {
         let mut guard = Guard::open();
         // nothing is let in before the key is known
         let is_kept = |_: &SigningRecord| false;
-        guard.follow(&telemetry.update_signing((0, guard.refused), (0, false), is_kept));
+        guard.follow(&telemetry.update_signing((0, guard.refused), 0, is_kept));
         Ok(Self {
             setup,
             given,
@@ -215,6 +215,7 @@ impl SimulatedBoard {
     pub fn hear(&mut self, receiver: &mut Receiver, byte: u8, is_local: bool) {
         match receiver.receive(byte, &mut self.guard) {
             Some(Order::SetUpSigning(_)) if !is_local => {}
+            Some(Order::SetUpSigning(setup)) => self.order(Order::SetUpSigning(SigningSetup { is_local, ..setup })),
             Some(order) => self.order(order),
             None => {}
         }
@@ -279,7 +280,7 @@ impl SimulatedBoard {
         let seen = (self.guard.latest_seen(), self.guard.refused);
         let signing = &mut self.signing;
         // whoever has lost the key deletes its file: nobody may change it unsigned
-        let terms = self.telemetry.update_signing(seen, (time_us, false), |record| signing.keep(record));
+        let terms = self.telemetry.update_signing(seen, time_us, |record| signing.keep(record));
         self.guard.follow(&terms);
         let planning = self.status.planning;
         let mut figures = [("", 0); FIGURES];
@@ -329,8 +330,7 @@ impl SimulatedBoard {
             Chore::Logs(request) => self.telemetry.take_log_request(&request, self.log.shelf()),
             Chore::SetUpSigning(setup) => {
                 let signing = &mut self.signing;
-                let about = (&self.status, time_us, true);
-                self.telemetry.set_up_signing(&setup, about, |record| signing.keep(record));
+                self.telemetry.set_up_signing(&setup, (&self.status, time_us), |record| signing.keep(record));
             }
             Chore::Restart => self.restart_in = Some(RESTART_AFTER),
         }

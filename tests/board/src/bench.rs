@@ -7,6 +7,7 @@ use crate::devices::io_chip::{CHANNELS, IoChip, IoFault, IoFirmware};
 use crate::devices::mpu6000::Mpu6000Revision;
 use crate::devices::mpu6000_start::START_UP;
 use crate::devices::sd_card::SdCard;
+use crate::devices::usb_host::UsbHost;
 use crate::devices::{Sensor, SensorFault};
 use crate::machine::Machine;
 use crate::peripherals::line_noise::LineNoise;
@@ -111,6 +112,16 @@ impl Machine {
     /// Does something to the card, if there is one, or looks at it.
     pub fn with_card<T>(&mut self, action: impl FnOnce(&mut SdCard) -> T) -> Option<T> {
         self.board.borrow_mut().card.as_mut().map(action)
+    }
+
+    /// Does something at the computer that USB leads to, or looks at it; nothing is plugged in at first.
+    pub fn with_usb<T>(&mut self, action: impl FnOnce(&mut UsbHost) -> T) -> T {
+        action(&mut self.board.borrow_mut().usb)
+    }
+
+    /// Does the board pull USB's D+ up, whether anything is plugged in or not?
+    pub fn pulls_usb_up(&self) -> bool {
+        self.board.borrow().otg_fs.is_attached()
     }
 
     /// These rules of the documents stop nothing when they are broken, all others do.

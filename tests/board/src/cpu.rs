@@ -146,7 +146,7 @@ impl Cpu {
         map(&mut engine, memory::SYSTEM, Prot::READ, &memory::system_page())?;
         let hooked = Rc::new(Hooked::default());
         hooked.places.replace(vec![0; memory::FLASH.size as usize / 2]);
-        for region in [memory::PERIPHERALS, memory::PERIPHERAL_BIT_BAND, memory::PRIVATE] {
+        for region in [memory::PERIPHERALS, memory::USB, memory::PERIPHERAL_BIT_BAND, memory::PRIVATE] {
             map_bus(&mut engine, region, bus, &hooked)?;
         }
         install_hooks(&mut engine, &hooked)?;

@@ -1,4 +1,4 @@
-//! The ground station on TELEM1.
+//! The ground station on TELEM1, or on USB.
 
 use std::collections::BTreeMap;
 
@@ -8,12 +8,14 @@ use mavlink::dialects::common::{
 use mavlink::{MavlinkVersion, Message, MessageData};
 use shared_control::link::frame::{FrameFinder, FrameWriter};
 
+use crate::devices::usb_host::UsbHost;
 use crate::machine::Machine;
 use crate::time::Ticks;
 
 /// What it sends and what it was told.
 #[derive(Clone)]
 pub struct Ground {
+    over_usb: bool,
     writer: FrameWriter,
     finder: FrameFinder,
     texts: Vec<(Ticks, String)>,
@@ -28,6 +30,7 @@ impl Default for Ground {
     fn default() -> Self {
         let (texts, parameters, results) = (Vec::new(), BTreeMap::new(), Vec::new());
         Self {
+            over_usb: false,
             writer: FrameWriter::new(255, 190),
             finder: FrameFinder::default(),
             texts,
@@ -41,6 +44,11 @@ impl Default for Ground {
 }
 
 impl Ground {
+    /// One on the computer that USB leads to.
+    pub fn on_usb() -> Self {
+        Self { over_usb: true, ..Self::default() }
+    }
+
     /// Sends a message.
     ///
     /// # Panics
@@ -48,7 +56,11 @@ impl Ground {
     pub fn send(&mut self, machine: &mut Machine, message: &impl MessageData) {
         let mut bytes = heapless::Vec::<u8, 128>::new();
         assert!(self.writer.write(message, &mut bytes));
-        machine.telem1_send(&bytes);
+        if self.over_usb {
+            machine.with_usb(|computer| computer.send(&bytes));
+        } else {
+            machine.telem1_send(&bytes);
+        }
     }
 
     /// Sends a command with one parameter.
@@ -70,7 +82,8 @@ impl Ground {
 
     /// Takes what the board has sent.
     pub fn listen(&mut self, machine: &mut Machine) {
-        for byte in machine.telem1_receive() {
+        let received = if self.over_usb { machine.with_usb(UsbHost::take_received) } else { machine.telem1_receive() };
+        for byte in received {
             let Some(frame) = self.finder.push(byte, |id| Some(MavMessage::extra_crc(id))) else { continue };
             match MavMessage::parse(MavlinkVersion::V2, frame.message_id, &frame.payload) {
                 Ok(MavMessage::STATUSTEXT(status)) => {

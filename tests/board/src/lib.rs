@@ -39,6 +39,7 @@ pub use devices::esc::{Esc, Mode as EscMode, Traits as EscTraits};
 pub use devices::io_chip::{CHANNELS, IoFault, IoFirmware};
 pub use devices::mpu6000::Mpu6000Revision;
 pub use devices::sd_card::{CardFault, Content, Pauses, SECTOR_BYTES, SdCard, Sector};
+pub use devices::usb_host::{Enumerated, Failure as UsbFailure, Request as UsbRequest, UsbHost};
 pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
 pub use entry::EntryState;
 pub use flight::{Flight, LOOK, MILLISECOND};

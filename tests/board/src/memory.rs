@@ -30,6 +30,8 @@ pub const CCM: Region = Region { start: 0x1000_0000, size: 0x1_0000 };
 pub const SYSTEM: Region = Region { start: 0x1fff_7000, size: 0x1000 };
 /// All peripherals on APB1, APB2 and AHB1.
 pub const PERIPHERALS: Region = Region { start: 0x4000_0000, size: 0x8_0000 };
+/// OTG_FS, on AHB2.
+pub const USB: Region = Region { start: 0x5000_0000, size: 0x4_0000 };
 /// Each bit of [`PERIPHERALS`] as a word.
 pub const PERIPHERAL_BIT_BAND: Region = Region { start: 0x4200_0000, size: 0x100_0000 };
 /// Private peripheral bus of the core.

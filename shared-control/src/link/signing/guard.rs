@@ -45,7 +45,7 @@ pub struct Guard {
 impl Guard {
     /// Lets everything in, until there is a key.
     pub fn open() -> Self {
-        let terms = Terms { key: None, floor: 0, ceiling: 0, now: 0, is_local: false };
+        let terms = Terms { key: None, floor: 0, ceiling: 0, now: 0 };
         Self { terms, senders: heapless::Vec::new(), forgotten: 0, latest_seen: 0, refused: Refused::default() }
     }
 
@@ -63,18 +63,18 @@ impl Guard {
         self.latest_seen
     }
 
-    /// Is this frame let in?
+    /// Is this frame let in? `is_local`: only somebody beside the vehicle can have sent it.
     #[inline(never)] // at each of the places where bytes arrive, it costs flash
-    pub fn admits(&mut self, frame: &Frame) -> bool {
+    pub fn admits(&mut self, frame: &Frame, is_local: bool) -> bool {
         let Some(key) = self.terms.key else { return true };
         let Some(found) = &frame.signature else {
-            let admitted = self.admits_unsigned(frame.message_id);
+            let admitted = admits_unsigned(frame.message_id, is_local);
             self.refused.unsigned = counted(self.refused.unsigned, admitted);
             return admitted;
         };
         if !is_signed_with(&key, frame, found) {
             // whoever stands beside the vehicle may have another key
-            let admitted = self.admits_unsigned(frame.message_id);
+            let admitted = admits_unsigned(frame.message_id, is_local);
             self.refused.wrong = counted(self.refused.wrong, admitted);
             return admitted;
         }
@@ -83,10 +83,6 @@ impl Guard {
         self.latest_seen = self.latest_seen.max(timestamp);
         self.refused.untimely = counted(self.refused.untimely, admitted);
         admitted
-    }
-
-    fn admits_unsigned(&self, message_id: u32) -> bool {
-        message_id == HIL_SENSOR_DATA::ID || message_id == SETUP_SIGNING_DATA::ID && self.terms.is_local
     }
 
     /// Later than all that this sender has signed, and neither too old nor beyond the ceiling; then it is remembered.
@@ -122,6 +118,10 @@ impl Guard {
             let _ = self.senders.push(newcomer);
         }
     }
+}
+
+fn admits_unsigned(message_id: u32, is_local: bool) -> bool {
+    message_id == HIL_SENSOR_DATA::ID || message_id == SETUP_SIGNING_DATA::ID && is_local
 }
 
 /// All bytes are compared, wherever the first difference is: how long it takes says nothing about it.

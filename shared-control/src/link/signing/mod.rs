@@ -17,9 +17,11 @@
 //! nothing is let in.
 //!
 //! Unsigned, with a key in force, these are let in: `HIL_SENSOR`, which has an effect only where the pins stay
-//! disarmed, and `SETUP_SIGNING` on a link that only somebody beside the vehicle can use ([`Terms::is_local`]), since
+//! disarmed, and `SETUP_SIGNING` on a link that only somebody beside the vehicle can use ([`Receiver::local`]), since
 //! whoever has lost the key needs a way out. An unsigned `HEARTBEAT` keeps no link alive, and `RADIO_STATUS` means
 //! nothing here.
+//!
+//! [`Receiver::local`]: crate::link::Receiver::local
 
 mod guard;
 pub mod record;
@@ -45,6 +47,8 @@ pub struct SigningSetup {
     pub key: Option<Key>,
     /// Where timestamps begin.
     pub first_timestamp: u64,
+    /// Did it come over a link that only somebody beside the vehicle can use?
+    pub is_local: bool,
 }
 
 /// What a [`Guard`] goes by.
@@ -58,8 +62,6 @@ pub struct Terms {
     pub ceiling: u64,
     /// The vehicle's clock.
     pub now: u64,
-    /// Can only somebody beside the vehicle use this link?
-    pub is_local: bool,
 }
 
 /// The key in force and the vehicle's clock of timestamps.
@@ -119,9 +121,9 @@ impl Signing {
     }
 
     /// What a guard goes by.
-    pub fn terms(&self, time_us: u64, is_local: bool) -> Terms {
+    pub fn terms(&self, time_us: u64) -> Terms {
         let SigningRecord { key, ceiling, .. } = self.kept;
-        Terms { key, floor: self.floor, ceiling, now: self.now(time_us), is_local }
+        Terms { key, floor: self.floor, ceiling, now: self.now(time_us) }
     }
 
     fn keep(&mut self, record: SigningRecord, store: impl FnOnce(&SigningRecord) -> bool) -> bool {

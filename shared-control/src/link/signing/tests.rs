@@ -74,7 +74,7 @@ impl Vehicle {
 
     fn set_up(&mut self, key: Option<Key>, first_timestamp: u64) {
         let memory = &mut self.memory;
-        let setup = SigningSetup { key, first_timestamp };
+        let setup = SigningSetup { key, first_timestamp, is_local: true };
         assert!(self.signing.set_up(&setup, self.time_us, |record| {
             *memory = *record;
             true
@@ -92,7 +92,7 @@ impl Vehicle {
                 }
                 works
             });
-            self.guard.follow(&self.signing.terms(self.time_us, false));
+            self.guard.follow(&self.signing.terms(self.time_us));
             self.time_us += 10_000;
         }
     }
@@ -239,7 +239,7 @@ fn a_forgotten_sender_is_not_new() {
 fn signing_is_set_up_beside_the_vehicle() {
     let data =
         SETUP_SIGNING_DATA { initial_timestamp: TODAY, target_system: 1, target_component: 1, secret_key: [2; 32] };
-    let wanted = Order::SetUpSigning(SigningSetup { key: Some(key(2)), first_timestamp: TODAY });
+    let wanted = Order::SetUpSigning(SigningSetup { key: Some(key(2)), first_timestamp: TODAY, is_local: true });
     let order = |vehicle: &mut Vehicle, signer| {
         let bytes = frame(&data, signer);
         bytes.iter().find_map(|byte| vehicle.receiver.receive(*byte, &mut vehicle.guard))
@@ -247,7 +247,7 @@ fn signing_is_set_up_beside_the_vehicle() {
     let mut vehicle = Vehicle::with_key(1);
     assert_eq!(order(&mut vehicle, None), None);
     assert_eq!(order(&mut vehicle, Some((key(2), 0, TODAY))), None);
-    vehicle.guard.follow(&vehicle.signing.terms(vehicle.time_us, true));
+    vehicle.receiver = Receiver::local(LinkSettings::NOMINAL);
     assert_eq!(order(&mut vehicle, None), Some(wanted));
     assert_eq!(vehicle.hears(&arms(None)), 0, "nothing else is");
     vehicle.set_up(Some(key(2)), TODAY);

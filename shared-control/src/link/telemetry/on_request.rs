@@ -3,6 +3,7 @@
 use super::Telemetry;
 use crate::link::file_transfer::FileRequest;
 use crate::link::log_download::{LogRequest, LogStore};
+use crate::link::spare_room::SpareRoom;
 use crate::link::vehicle_status::VehicleStatus;
 
 impl Telemetry {
@@ -30,5 +31,21 @@ impl Telemetry {
         self.room.pass_time(time_us, out.len());
         self.files.write(&mut self.writer, time_us, &mut self.room, out);
         self.logs.write(&mut self.writer, logs, &mut self.room, out);
+    }
+
+    /// The same for a port that takes as much as fits into `out`.
+    pub fn fill_with_files<const N: usize>(
+        &mut self,
+        time_us: u64,
+        status: &VehicleStatus,
+        logs: &mut impl LogStore,
+        out: &mut heapless::Vec<u8, N>,
+    ) {
+        if status.arming.is_armed() {
+            self.logs.stop();
+        }
+        let mut room = SpareRoom::endless();
+        self.files.write(&mut self.writer, time_us, &mut room, out);
+        self.logs.write(&mut self.writer, logs, &mut room, out);
     }
 }

@@ -16,17 +16,17 @@ impl Telemetry {
         Self { signing: Signing::new(kept), ..self }
     }
 
-    /// Does what `SETUP_SIGNING` wants, where somebody beside the vehicle wants it (`is_local`) and it is disarmed, and
+    /// Does what `SETUP_SIGNING` wants, where somebody beside the vehicle wants it and it is disarmed, and
     /// says what came of it. `store` puts a record into lasting memory; false if it was not kept.
     pub fn set_up_signing(
         &mut self,
         setup: &SigningSetup,
-        (status, time_us, is_local): (&VehicleStatus, u64, bool),
+        (status, time_us): (&VehicleStatus, u64),
         store: impl FnOnce(&SigningRecord) -> bool,
     ) {
         let (severity, words) = if !matches!(status.arming, Arming::Disarmed(_)) {
             (MavSeverity::MAV_SEVERITY_WARNING, "signing not changed: armed")
-        } else if !is_local {
+        } else if !setup.is_local {
             (MavSeverity::MAV_SEVERITY_WARNING, "signing not changed: only by cable")
         } else if !self.signing.set_up(setup, time_us, store) {
             (MavSeverity::MAV_SEVERITY_WARNING, "signing not changed: memory failed")
@@ -46,7 +46,7 @@ impl Telemetry {
     pub fn update_signing(
         &mut self,
         (seen, refused): (u64, Refused),
-        (time_us, is_local): (u64, bool),
+        time_us: u64,
         store: impl FnOnce(&SigningRecord) -> bool,
     ) -> Terms {
         self.signing.update(seen, time_us, store);
@@ -60,7 +60,7 @@ impl Telemetry {
             signer.set_clock(self.signing.now(time_us));
         }
         self.tell_refused(refused, time_us);
-        self.signing.terms(time_us, is_local)
+        self.signing.terms(time_us)
     }
 
     fn tell_refused(&mut self, refused: Refused, time_us: u64) {

@@ -22,7 +22,8 @@ const RCC: u32 = 0x4002_3800;
 type Reset = fn(&mut Board);
 
 /// What a reset by RCC puts back, besides ports and DMA.
-const RESETS: [(ClockGate, Reset); 13] = [
+const RESETS: [(ClockGate, Reset); 14] = [
+    (ClockGate::ahb2(7), |board| board.otg_fs.reset()),
     (ClockGate::apb1(0), |board| board.tim2 = Timer::general(u32::MAX)),
     (ClockGate::apb1(1), |board| board.tim3 = Timer::general(0xffff)),
     (ClockGate::apb1(3), |board| board.tim5 = Timer::general(u32::MAX)),
@@ -43,6 +44,9 @@ impl Board {
     /// The peripheral at an address, the gate of its clock, its first address.
     fn at(&mut self, address: u32) -> Option<(&mut dyn Peripheral, Option<ClockGate>, u32)> {
         let (base, gate): (u32, _) = (address & !0x3ff, |gate| Some(gate));
+        if memory::USB.contains(address, 1) {
+            return Some((&mut self.otg_fs, gate(ClockGate::ahb2(7)), memory::USB.start));
+        }
         let found: (&mut dyn Peripheral, _) = match base {
             0x4000_0000 => (&mut self.tim2, gate(ClockGate::apb1(0))),
             0x4000_0400 => (&mut self.tim3, gate(ClockGate::apb1(1))),
@@ -104,6 +108,7 @@ impl Board {
         self.spi1.set_bus_cycle(self.clocks.apb2);
         self.spi2.set_bus_cycle(self.clocks.apb1);
         self.sdio.set_source_cycle(self.clocks.pll48);
+        self.otg_fs.set_phy_cycle(self.clocks.pll48);
         self.usart2.set_bus_cycle(self.clocks.apb1);
         self.usart3.set_bus_cycle(self.clocks.apb1);
         self.usart6.set_bus_cycle(self.clocks.apb2);

@@ -11,12 +11,13 @@
 //!  USART6 <----> IO chip      DMA2 S1, S2 <-- received    S6, S7 --> to send
 //!  PA2 (battery) -> ADC1      DMA2 S4 <-- conversions
 //!  SDIO <-------> SD card     DMA2 S3, S6 <-> blocks
+//!  OTG_FS <-----> computer    PA9, PC0 <-- is there 5 V at its connector?
 //!  PA15 (buzzer) <- TIM2      TIM5: time base      RCC: clocks of all of them
 //! ```
 //!
 //! `address_map` is what the core sees of it, `buses` who answers on SPI1 and SPI2, `sensors` their clocks and faults,
 //! `electrics` what lies between pins and parts, `analog` battery and buzzer, `serial` the connectors, `io_chip` the
-//! second processor, `card_slot` the SD card, `wiring` DMA requests and interrupt lines.
+//! second processor, `card_slot` the SD card, `usb_socket` USB, `wiring` DMA requests and interrupt lines.
 
 mod address_map;
 mod analog;
@@ -26,6 +27,7 @@ mod electrics;
 mod io_chip;
 mod sensors;
 pub(crate) mod serial;
+mod usb_socket;
 mod wiring;
 
 use analog::USUAL_BATTERY_V;
@@ -42,6 +44,7 @@ use crate::devices::mpu6000::Mpu6000;
 use crate::devices::sd_card::SdCard;
 use crate::devices::sensor_rail::{CAPACITANCE_UF, SensorRail};
 use crate::devices::st_sensor::StSensor;
+use crate::devices::usb_host::UsbHost;
 use crate::devices::{SecondGyro, SensorFault};
 use crate::memory::{self, Memory};
 use crate::peripherals::Peripheral;
@@ -53,6 +56,7 @@ use crate::peripherals::flash::Flash;
 use crate::peripherals::flash_timing::AccessControl;
 use crate::peripherals::gpio::Gpio;
 use crate::peripherals::iwdg::{Iwdg, LSI_HZ};
+use crate::peripherals::otg_fs::OtgFs;
 use crate::peripherals::pin::Load;
 use crate::peripherals::pwr::Pwr;
 use crate::peripherals::rcc::{Clocks, Rcc};
@@ -104,6 +108,9 @@ pub(crate) struct Board {
     /// In the slot, or it was.
     pub(crate) card: Option<SdCard>,
     pub(crate) io: IoChip,
+    pub(crate) otg_fs: OtgFs,
+    /// At the USB connector.
+    pub(crate) usb: UsbHost,
     iwdg: Iwdg,
     dbgmcu: DbgMcu,
     backup_ram: Vec<u8>,
@@ -163,6 +170,8 @@ impl Board {
             sdio: Sdio::default(),
             card: None,
             io: IoChip::new(IoFirmware::Px4V4, 0),
+            otg_fs: OtgFs::default(),
+            usb: UsbHost::default(),
             iwdg: Iwdg::new(LSI_HZ),
             dbgmcu: DbgMcu::default(),
             backup_ram: memory::noise(0x1000, seed ^ 0xbac),
@@ -254,6 +263,7 @@ impl Board {
         fresh.usart3.reset();
         fresh.usart6.reset();
         fresh.io = self.io.clone();
+        fresh.usb = std::mem::take(&mut self.usb);
         fresh.io.restart(self.now);
         fresh.sensor_faults = self.sensor_faults;
         fresh.battery_v = self.battery_v;
@@ -299,6 +309,7 @@ impl Board {
         self.tick_io(now, memory);
         self.tick_adc1(now, memory);
         self.tick_card(now, memory);
+        self.tick_usb(now);
         self.refresh_lines(now);
     }
 
@@ -315,6 +326,7 @@ impl Board {
             self.usart6.next_event(),
             self.card_event(),
             self.io.next_event(),
+            self.usb.next_event(),
             self.mpu6000.next_event(),
             self.l3gd20.next_event(),
             self.lsm303d.next_event(),

@@ -169,6 +169,7 @@ impl Board {
             | interrupt_line(36, self.spi2.interrupt())
             | interrupt_line(38, self.usart2.interrupt())
             | interrupt_line(39, self.usart3.interrupt())
+            | interrupt_line(67, self.otg_fs.interrupt())
             | interrupt_line(71, self.usart6.interrupt())
     }
 }

@@ -13,6 +13,7 @@ pub(crate) mod mpu6000_start;
 pub mod sd_card;
 pub(crate) mod sensor_rail;
 pub(crate) mod st_sensor;
+pub mod usb_host;
 
 /// One reading of an IMU: counts in the sensor's axes, at the ranges that the firmware sets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

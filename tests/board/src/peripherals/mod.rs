@@ -9,6 +9,7 @@ pub(crate) mod flash_timing;
 pub(crate) mod gpio;
 pub(crate) mod iwdg;
 pub(crate) mod line_noise;
+pub(crate) mod otg_fs;
 pub(crate) mod pin;
 pub(crate) mod pwr;
 pub(crate) mod rcc;

@@ -50,6 +50,9 @@ impl ClockGate {
     pub(crate) const fn ahb1(bit: u32) -> Self {
         Self { register: 0x00, bit }
     }
+    pub(crate) const fn ahb2(bit: u32) -> Self {
+        Self { register: 0x04, bit }
+    }
     pub(crate) const fn apb1(bit: u32) -> Self {
         Self { register: 0x10, bit }
     }

@@ -79,6 +79,11 @@ pub const FINDINGS: &[Finding] = &[
     },
     Finding { name: "MPU6000's zero-g offset", source: "MPU-6000 PS 6.2", look: zero_g_offset },
     Finding { name: "flash prefetch", source: "RM0090 3.5.2", look: prefetch },
+    Finding {
+        name: "USB's pull-up only with the connector's 5 V",
+        source: "USB 2.0 7.1.5.1; AN4879, self-powered devices",
+        look: usb_pull_up,
+    },
     Finding { name: "a dip of the supply of a microsecond", source: "RM0090 5.2.2", look: short_dip },
     Finding { name: "a supply that fails", source: "RM0090 5.2.2", look: long_dip },
     Finding { name: "the fault record without main power", source: "RM0090 5.1.2, schematic B601", look: backup },
@@ -635,4 +640,22 @@ fn slow_heartbeats() -> Evidence {
     flight.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
     flight.run_for(10_000 * MILLISECOND);
     if flight.is_armed() { Ok("armed for 10 s".to_owned()) } else { Err(texts(&flight).join("; ")) }
+}
+
+/// Fed by a battery, with a cable that comes and goes.
+fn usb_pull_up() -> Evidence {
+    /// A look at the pin every 10 ms, and as long again.
+    const IN_TIME: Ticks = 20 * MILLISECOND;
+    let mut flight = start();
+    flight.run_for(500 * MILLISECOND);
+    let mut seen = Vec::new();
+    for plugged in [false, true, false, true] {
+        flight.machine.with_usb(|computer| computer.plug(plugged));
+        flight.run_for(IN_TIME);
+        let first = flight.machine.pulls_usb_up();
+        flight.run_for(300 * MILLISECOND);
+        seen.push([first, flight.machine.pulls_usb_up()]);
+    }
+    let wanted = [[false; 2], [true; 2], [false; 2], [true; 2]];
+    if seen == wanted { Ok("follows within 20 ms".to_owned()) } else { Err(format!("{seen:?}")) }
 }
