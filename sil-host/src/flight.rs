@@ -275,6 +275,6 @@ impl FlightSetup {
         let gains = Planner::new(self.choice.control_horizon, &settings)?.unconstrained_gain();
         let inertia_kg_m2 = vehicle_parameters(&known).inertia_kg_m2;
         let step = LagStep::new(1.0 / self.choice.rate_hz as f32, settings.motor_lag_s);
-        Ok(Some([0, 1].map(|axis| margins::mpc_eigenvalues(gains[axis], &step, inertia_kg_m2[axis]))))
+        Ok(gains.map(|gains| [0, 1].map(|axis| margins::mpc_eigenvalues(gains[axis], &step, inertia_kg_m2[axis]))))
     }
 }

@@ -5,18 +5,26 @@
 //! reads M from a command line or a file, and takes the type with room for the longest.
 
 use std::fmt::Debug;
-use std::sync::Arc;
 
 use shared_control::mpc::{HORIZON, Mpc, MpcError, MpcSettings, MpcState};
-use shared_control::signals::{Plan, PlanRequest};
+use shared_control::signals::{AttitudeEstimate, Plan, PlanRequest};
 
-/// A feedback law that an MPC is compared with: it remembers nothing between requests.
+/// A controller that an MPC is compared with, in its place.
 pub trait Law: Debug + Send + Sync {
-    /// Answers one request.
-    fn plan(&self, request: &PlanRequest) -> Plan;
+    /// Answers one request, made of this estimate; it may remember what it likes until the next.
+    fn plan(&mut self, request: &PlanRequest, estimate: &AttitudeEstimate) -> Plan;
 
-    /// As [`Mpc::unconstrained_gain`].
-    fn unconstrained_gain(&self) -> [[f32; 4]; 3];
+    /// As [`Mpc::unconstrained_gain`]; none of a law that is more than feedback of these.
+    fn unconstrained_gain(&self) -> Option<[[f32; 4]; 3]>;
+
+    /// The same with all that it remembers.
+    fn boxed(&self) -> Box<dyn Law>;
+}
+
+impl Clone for Box<dyn Law> {
+    fn clone(&self) -> Self {
+        self.boxed()
+    }
 }
 
 /// A planner.
@@ -30,7 +38,7 @@ pub enum Planner {
         state: Box<MpcState<HORIZON>>,
     },
     /// A law in the MPC's place.
-    Law(Arc<dyn Law>),
+    Law(Box<dyn Law>),
 }
 
 impl Planner {
@@ -49,17 +57,17 @@ impl Planner {
     }
 
     /// Answers one request; see [`Mpc::plan`] and [`Law::plan`].
-    pub fn plan(&mut self, request: &PlanRequest) -> Plan {
+    pub fn plan(&mut self, request: &PlanRequest, estimate: &AttitudeEstimate) -> Plan {
         match self {
             Self::Mpc { mpc, state } => mpc.plan(state, request),
-            Self::Law(law) => law.plan(request),
+            Self::Law(law) => law.plan(request, estimate),
         }
     }
 
-    /// The feedback law where no bound is active; see [`Mpc::unconstrained_gain`].
-    pub fn unconstrained_gain(&self) -> [[f32; 4]; 3] {
+    /// The feedback law where no bound is active, where there is one; see [`Mpc::unconstrained_gain`].
+    pub fn unconstrained_gain(&self) -> Option<[[f32; 4]; 3]> {
         match self {
-            Self::Mpc { mpc, .. } => mpc.unconstrained_gain(),
+            Self::Mpc { mpc, .. } => Some(mpc.unconstrained_gain()),
             Self::Law(law) => law.unconstrained_gain(),
         }
     }

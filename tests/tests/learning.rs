@@ -24,7 +24,7 @@ fn a_rehearsed_loop_is_as_sensitive_as_the_measured_one() {
         };
         let measured = setup.margins().unwrap().unwrap();
         let (vehicle, tuning) = (vehicle_parameters(&setup.known_model()), setup.tuning());
-        let law = setup.control_side().unwrap().planner().unwrap().unconstrained_gain();
+        let law = setup.control_side().unwrap().planner().unwrap().unconstrained_gain().unwrap();
         let actuation = Actuation { delay_s: vehicle.actuation.delay_s + 0.00225, ..vehicle.actuation };
         for axis in 0..2 {
             let pace = Pace {

@@ -3,6 +3,7 @@
 
 mod counting;
 mod instances;
+mod options;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -36,6 +37,9 @@ pub(crate) struct Arguments {
     /// Write the figures as JSON
     #[arg(long, value_name = "OUT.json")]
     json: Option<PathBuf>,
+    /// Count what the options of the MPC take at most, instead of the instance files
+    #[arg(long, conflicts_with_all = ["folder", "json"])]
+    options: bool,
     /// Leave the images here, to be counted again
     #[arg(long, value_name = "FOLDER")]
     keep: Option<PathBuf>,
@@ -48,6 +52,9 @@ pub(crate) fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let folder = arguments.folder.clone().unwrap_or_else(|| workspace.root.join("tests/instances"));
     let images = arguments.keep.clone().unwrap_or_else(|| workspace.target_dir.join("bench-mcu"));
     fs::create_dir_all(&images).with_context(|| format!("cannot make {}", images.display()))?;
+    if arguments.options {
+        return options::run(&target, &counter, &images);
+    }
     let mut cases = Vec::new();
     for path in instance_files(&folder)? {
         let instances = Instances::read(&path)?;

@@ -7,7 +7,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 pub use crate::attitude::shaping::AngleState;
-use crate::attitude::shaping::{ShapingConfig, follow_angle, follow_rate};
+use crate::attitude::shaping::{Goal, ShapingConfig, follow};
 use crate::attitude::square_root::square_root_controller;
 use crate::elementary::{atan2, limit, sqrt, wrap_pi};
 use crate::frames::{q_world_from_euler, rate_body_from_euler_rates};
@@ -40,6 +40,13 @@ impl AngleConfig {
     /// A roll or pitch set-point within its limit; what is no number stays none.
     pub fn tilt_asked_rad(&self, angle_rad: f32) -> f32 {
         if angle_rad.is_finite() { limit(angle_rad, -self.tilt_max_rad, self.tilt_max_rad) } else { angle_rad }
+    }
+
+    /// What the reference of each axis moves towards.
+    pub fn goals(&self, setpoint: &Setpoint) -> [Goal; 3] {
+        let [roll, pitch] =
+            [setpoint.roll_rad, setpoint.pitch_rad].map(|angle_rad| Goal::Angle(self.tilt_asked_rad(angle_rad)));
+        [roll, pitch, if self.yaw_locked { Goal::Rest } else { Goal::Rate(setpoint.yaw_rate_rad_s) }]
     }
 }
 
@@ -109,12 +116,8 @@ fn hold_back_heading(state: &mut AngleState, error_rad: &mut f32) {
 
 /// Moves the reference on; gives its acceleration (Euler angles), rad/s^2.
 pub fn shape(config: &AngleConfig, state: &mut AngleState, setpoint: &Setpoint, dt_s: f32) -> [f32; 3] {
-    let [roll, pitch, yaw] = &mut state.reference;
-    [
-        follow_angle(&config.shaping[0], roll, config.tilt_asked_rad(setpoint.roll_rad), dt_s),
-        follow_angle(&config.shaping[1], pitch, config.tilt_asked_rad(setpoint.pitch_rad), dt_s),
-        if config.yaw_locked { 0.0 } else { follow_rate(&config.shaping[2], yaw, setpoint.yaw_rate_rad_s, dt_s) },
-    ]
+    let goals = config.goals(setpoint);
+    core::array::from_fn(|axis| follow(&config.shaping[axis], &mut state.reference[axis], goals[axis], dt_s))
 }
 
 /// Rotation still to make, body frame, rad: x and y move the thrust axis, z is what is then left of the heading.

@@ -10,6 +10,7 @@
 
 pub mod acro;
 pub mod angle;
+pub mod course;
 pub mod rate;
 pub mod shaping;
 pub mod square_root;

@@ -28,6 +28,17 @@ pub struct ShapedReference {
     pub rate_rad_s: f32,
 }
 
+/// What the target of an axis moves towards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// An angle, rad: roll and pitch.
+    Angle(f32),
+    /// A rate, rad/s: heading.
+    Rate(f32),
+    /// Nothing: it stays, its rate included.
+    Rest,
+}
+
 /// Shaped references of roll, pitch and heading, rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AngleState {
@@ -53,6 +64,15 @@ impl AngleState {
         for ShapedReference { angle_rad, rate_rad_s } in reference {
             words.numbers(&[*angle_rad, *rate_rad_s]);
         }
+    }
+}
+
+/// Moves the target of an axis by one step. Gives the acceleration of this move, rad/s^2.
+pub fn follow(config: &ShapingConfig, state: &mut ShapedReference, goal: Goal, dt_s: f32) -> f32 {
+    match goal {
+        Goal::Angle(setpoint_rad) => follow_angle(config, state, setpoint_rad, dt_s),
+        Goal::Rate(rate_rad_s) => follow_rate(config, state, rate_rad_s, dt_s),
+        Goal::Rest => 0.0,
     }
 }
 

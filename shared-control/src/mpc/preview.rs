@@ -1,7 +1,9 @@
 //! What the MPC takes for the reference over its horizon.
 
 use super::HORIZON;
-use crate::attitude::angle::{self, AngleConfig, AngleState};
+use crate::attitude::angle::AngleConfig;
+use crate::attitude::course::Course;
+use crate::attitude::shaping::{Goal, ShapedReference};
 use crate::signals::PlanRequest;
 
 /// What is known of the reference ahead.
@@ -37,8 +39,8 @@ pub struct Preview {
 impl Preview {
     /// Reference at the end of each prediction step, its lead included, rad, per axis (roll, pitch, heading).
     pub fn references_rad(&self, request: &PlanRequest) -> [[f32; HORIZON]; 3] {
-        let mut reference = request.reference;
-        let mut ahead_rad = reference.reference.map(|axis| [axis.angle_rad; HORIZON]);
+        let reference = &request.reference.reference;
+        let mut ahead_rad = reference.map(|axis| [axis.angle_rad; HORIZON]);
         match self.ahead {
             ReferenceAhead::Held => {}
             ReferenceAhead::Setpoint => {
@@ -47,39 +49,27 @@ impl Preview {
                 *pitch = [self.shaping.tilt_asked_rad(request.setpoint.pitch_rad); HORIZON];
             }
             ReferenceAhead::Shaped => {
-                // in control steps, as it will move; in parts a little longer or shorter where the prediction step is
-                // no multiple
-                let parts = whole_steps(self.prediction_step_s, self.control_step_s).max(1);
-                let part_s = self.prediction_step_s / f32::from(parts);
-                self.advance(
-                    &mut reference,
-                    request,
-                    whole_steps(self.delay_s, self.control_step_s),
-                    self.control_step_s,
-                );
-                let [roll, pitch, heading] = &mut ahead_rad;
-                let mut has_arrived = false;
-                for ((roll, pitch), heading) in roll.iter_mut().zip(pitch).zip(heading) {
-                    // a step that changes nothing is one that nothing follows
-                    if !has_arrived {
-                        let before = reference;
-                        self.advance(&mut reference, request, parts, part_s);
-                        has_arrived = reference == before;
-                    }
-                    let [of_roll, of_pitch, of_heading] = reference.reference;
-                    let [roll_lead_s, pitch_lead_s, heading_lead_s] = self.lead_s;
-                    *roll = of_roll.angle_rad + roll_lead_s * of_roll.rate_rad_s;
-                    *pitch = of_pitch.angle_rad + pitch_lead_s * of_pitch.rate_rad_s;
-                    *heading = of_heading.angle_rad + heading_lead_s * of_heading.rate_rad_s;
+                let goals = self.shaping.goals(&request.setpoint);
+                for (axis, ((ahead_rad, start), goal)) in ahead_rad.iter_mut().zip(reference).zip(goals).enumerate() {
+                    self.run_ahead(axis, *start, goal, ahead_rad);
                 }
             }
         }
         ahead_rad
     }
 
-    fn advance(&self, reference: &mut AngleState, request: &PlanRequest, steps: u8, step_s: f32) {
-        for _ in 0..steps {
-            angle::shape(&self.shaping, reference, &request.setpoint, step_s);
+    /// In control steps, as the reference will move; in parts a little longer or shorter where the prediction step is
+    /// no multiple.
+    fn run_ahead(&self, axis: usize, start: ShapedReference, goal: Goal, ahead_rad: &mut [f32; HORIZON]) {
+        let shaping = &self.shaping.shaping[axis];
+        let delay_steps = whole_steps(self.delay_s, self.control_step_s);
+        let start = Course::new(shaping, start, goal, self.control_step_s, delay_steps).advance();
+        let parts = whole_steps(self.prediction_step_s, self.control_step_s).max(1);
+        let part_s = self.prediction_step_s / f32::from(parts);
+        let mut course = Course::new(shaping, start, goal, part_s, parts);
+        for ahead_rad in ahead_rad {
+            let then = course.advance();
+            *ahead_rad = then.angle_rad + self.lead_s[axis] * then.rate_rad_s;
         }
     }
 }
@@ -92,6 +82,7 @@ fn whole_steps(duration_s: f32, step_s: f32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::attitude::angle::{self, AngleState};
     use crate::attitude::shaping::ShapingConfig;
     use crate::signals::Setpoint;
     use proptest::prelude::*;

@@ -79,7 +79,7 @@ impl ControlSide {
         let output = FlightCore::fast(&self.config, &mut self.state, &input);
         let request = FlightCore::follow(&self.config, &mut self.state, &output);
         self.plan = match (request, &mut self.planner) {
-            (Some(request), Some(planner)) => Some(planner.plan(&request)),
+            (Some(request), Some(planner)) => Some(planner.plan(&request, &output.estimate)),
             _ => None,
         };
         self.work_in_idle_time(time_us);

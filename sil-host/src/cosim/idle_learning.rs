@@ -103,7 +103,7 @@ impl IdleLearning {
         let (Ok(made), Ok(planner)) = (made, Planner::new(self.choice.control_horizon, &settings)) else {
             return Ok(None);
         };
-        let law = planner.unconstrained_gain();
+        let Some(law) = planner.unconstrained_gain() else { return Ok(None) };
         prove(&Candidate { vehicle: &vehicle, tuning: &tuning, loop_rate_hz, law }, &self.first, learnt)?;
         // so does what watches and what learns
         let config = Config {

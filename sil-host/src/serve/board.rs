@@ -262,7 +262,7 @@ impl SimulatedBoard {
         let request = FlightCore::follow(&self.setup.config, &mut self.state, &output);
         if let (Some(request), Some(planner)) = (request, &mut self.planner) {
             // not timed: the same flight is to give the same bytes
-            self.plan = Some(planner.plan(&request));
+            self.plan = Some(planner.plan(&request, &output.estimate));
         }
         let (mode, link_losses) = (self.commander.mode(), self.commander.link_losses);
         self.log.record(&self.setup.config, &self.input, &output, (&self.status.io.radio, mode));

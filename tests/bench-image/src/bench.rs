@@ -1,4 +1,5 @@
-//! The sequence of solves: of the problem that flies, or of the thesis' regulation problem.
+//! The sequence of solves: of the problem that flies, of the thesis' regulation problem, or of every option that can be
+//! chosen.
 
 #![allow(unsafe_code)] // names that an emulator finds
 
@@ -10,6 +11,7 @@ use shared_control::signals::PlanStatus;
 use crate::start::Console;
 
 mod flight;
+mod options;
 mod regulation;
 
 /// `CASE`, `PROBLEM`, `CONTROL_HORIZON`, `SETTINGS` and `INSTANCES`, written by `cargo xtask bench-mcu`.
@@ -29,6 +31,7 @@ type Theta = [f32; 12];
 enum Problem {
     Flight,
     Regulation,
+    Options,
 }
 
 /// Marks the start of what is counted.
@@ -51,6 +54,7 @@ pub(crate) fn run(console: &mut Console) -> core::fmt::Result {
     match data::PROBLEM {
         Problem::Flight => flight::run(console),
         Problem::Regulation => regulation::run(console),
+        Problem::Options => options::run(console),
     }
 }
 
@@ -61,6 +65,7 @@ fn refuse(console: &mut Console, error: impl Display) -> core::fmt::Result {
 /// One line per solve: how it ended, and the three inputs or torques.
 fn report(
     console: &mut Console,
+    case: &str,
     index: usize,
     status: PlanStatus,
     iterations: u16,
@@ -72,5 +77,5 @@ fn report(
         PlanStatus::Infeasible => "infeasible",
         PlanStatus::NumericalError => "numerical_error",
     };
-    writeln!(console, "{} {index} {status} {iterations} {u0:e} {u1:e} {u2:e}", data::CASE)
+    writeln!(console, "{case} {index} {status} {iterations} {u0:e} {u1:e} {u2:e}")
 }

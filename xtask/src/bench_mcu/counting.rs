@@ -44,7 +44,24 @@ impl Counter {
 
     pub(crate) fn count(&self, image: &Path) -> Result<Counts> {
         let text = process::output(Command::new(&self.program).arg(image))?;
-        let mut counts = Counts { solves: Vec::new(), flash_bytes: solver_bytes(image)?, data_bytes: 0 };
+        Counts::parse(&text, solver_bytes(image)?).with_context(|| image.display().to_string())
+    }
+
+    /// The same of an image that begins every sequence with a line `option NAME`.
+    pub(crate) fn count_options(&self, image: &Path) -> Result<Vec<(String, Counts)>> {
+        let text = process::output(Command::new(&self.program).arg(image))?;
+        let flash_bytes = solver_bytes(image)?;
+        let options = text.split("option ").skip(1).map(|option| {
+            let (name, lines) = option.split_once('\n').context("an option without a solve")?;
+            Ok((name.to_owned(), Counts::parse(lines, flash_bytes)?))
+        });
+        options.collect::<Result<Vec<_>>>().with_context(|| image.display().to_string())
+    }
+}
+
+impl Counts {
+    fn parse(text: &str, flash_bytes: u64) -> Result<Self> {
+        let mut counts = Self { solves: Vec::new(), flash_bytes, data_bytes: 0 };
         let mut counted = None;
         for line in text.lines() {
             let words = line.split_whitespace().collect::<Vec<_>>();
@@ -59,14 +76,12 @@ impl Counter {
                     let input = [u0.parse()?, u1.parse()?, u2.parse()?];
                     counts.solves.push(Solve { instructions, stack_bytes, is_solved, iterations, input });
                 }
-                _ => bail!("{}: {line}", image.display()),
+                _ => bail!("{line}"),
             }
         }
         Ok(counts)
     }
-}
 
-impl Counts {
     pub(crate) fn solved(&self) -> usize {
         self.solves.iter().filter(|solve| solve.is_solved).count()
     }

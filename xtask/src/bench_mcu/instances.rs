@@ -18,6 +18,8 @@ pub(crate) enum Problem {
     Flight,
     /// The thesis' and the file's own: double integrators, a constant reference.
     Regulation,
+    /// Every option that can be chosen, with requests of the image's own.
+    Options,
 }
 
 impl Problem {
@@ -25,6 +27,7 @@ impl Problem {
         match self {
             Self::Flight => "flight",
             Self::Regulation => "regulation",
+            Self::Options => "options",
         }
     }
 }
@@ -56,6 +59,24 @@ impl Instances {
         }
         let json = serde_json::from_slice(&bytes).with_context(in_file)?;
         Self::parse(&json).with_context(in_file)
+    }
+
+    /// None, of a problem that the image does not solve.
+    pub(crate) fn none() -> Self {
+        Self {
+            case: "none".into(),
+            sub: "i".into(),
+            step_s: 0.01,
+            horizon: 30,
+            control_horizon: 1,
+            input_gain: vec![1.0; 3],
+            tracking_weight: vec![1.0; 3],
+            increment_weight: vec![1.0; 3],
+            input_max: vec![1.0; 3],
+            angle_max_rad: 1.0,
+            theta: Vec::new(),
+            exact: Vec::new(),
+        }
     }
 
     fn parse(json: &Value) -> Result<Self> {

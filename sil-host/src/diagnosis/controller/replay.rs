@@ -83,7 +83,7 @@ impl Design {
             }
             let request = FlightCore::follow(&config, &mut state, &output);
             plan = match (request, &mut planner) {
-                (Some(request), Some(planner)) => Some(planner.plan(&request)),
+                (Some(request), Some(planner)) => Some(planner.plan(&request, &output.estimate)),
                 _ => None,
             };
         }

@@ -71,7 +71,7 @@ pub(super) fn run(console: &mut Console) -> core::fmt::Result {
         roi_begin();
         let plan = solve(&mpc, &mut state, black_box(&request));
         roi_end();
-        report(console, index, plan.status, plan.iterations, plan.torque_nm)?;
+        report(console, data::CASE, index, plan.status, plan.iterations, plan.torque_nm)?;
     }
     Ok(())
 }

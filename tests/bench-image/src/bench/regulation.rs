@@ -42,7 +42,7 @@ pub(super) fn run(console: &mut Console) -> core::fmt::Result {
         roi_begin();
         let plan = solve(&mpc, &mut state, theta);
         roi_end();
-        report(console, index, plan.status, plan.iterations, plan.input)?;
+        report(console, data::CASE, index, plan.status, plan.iterations, plan.input)?;
     }
     Ok(())
 }

@@ -39,8 +39,8 @@ fn main() -> ExitCode {
 
 fn tune() -> ExitCode {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("comparison");
-    let [mpc, cascade] = campaign::tune();
-    for (name, text) in [("mpc.toml", mpc), ("cascade.toml", cascade)] {
+    let [mpc, cascade, indi] = campaign::tune();
+    for (name, text) in [("mpc.toml", mpc), ("cascade.toml", cascade), ("indi.toml", indi)] {
         std::fs::write(folder.join(name), &text).expect("the folder is there");
         print!("{text}");
     }

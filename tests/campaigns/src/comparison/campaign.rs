@@ -24,8 +24,8 @@ const SCAN_EVALUATIONS: usize = 20;
 /// Shapings of the scan: gain, 1/s, and acceleration share.
 const SCAN: [(f64, f64); 4] = [(7.1, 1.76), (9.0, 1.6), (12.0, 1.4), (20.0, 1.0)];
 
-/// How many of the contenders are flown in every weather: the two that were tuned, and the MPC without alerts.
-const CONTENDERS_IN_WEATHER: usize = 3;
+/// How many of the contenders are flown in every weather: the three that were tuned, and the MPC without alerts.
+const CONTENDERS_IN_WEATHER: usize = 4;
 
 /// Lags beyond the model's own, s, and throttles of the table of spectral radii.
 const LAGS_S: [f64; 6] = [0.0, 0.01, 0.02, 0.03, 0.04, 0.05];
@@ -40,10 +40,12 @@ fn tuning_draws(count: u64) -> Vec<Draw> {
     (TUNING_FIRST..TUNING_FIRST + count).map(Draw::new).collect()
 }
 
-/// Tunes both controllers and gives their files, the MPC's first.
-pub fn tune() -> [String; 2] {
+/// Tunes the controllers and gives their files: MPC, cascade, INDI.
+pub fn tune() -> [String; 3] {
     let draws = tuning_draws(TUNING_DRAWS);
     let (mpc, cascade) = (contenders::mpc(&contenders::SHAPING), contenders::cascade(&contenders::SHAPING));
+    let indi = contenders::indi(&contenders::SHAPING);
+    let indi_found = indi.tune(&draws, EVALUATIONS, SEARCH_SEED);
     let mpc_found = mpc.tune(&draws, EVALUATIONS, SEARCH_SEED);
     let cascade_found = cascade.tune(&draws, EVALUATIONS, SEARCH_SEED);
     let commented = |file: String, cost: f64, first: f64| {
@@ -55,6 +57,7 @@ pub fn tune() -> [String; 2] {
     [
         commented(mpc.file(&mpc_found.point), mpc_found.cost, mpc_found.history[0]),
         commented(cascade.file(&cascade_found.point), cascade_found.cost, cascade_found.history[0]),
+        commented(indi.file(&indi_found.point), indi_found.cost, indi_found.history[0]),
     ]
 }
 
@@ -104,7 +107,7 @@ pub fn report(results: &[Result]) -> String {
     // parts that act at a bound only leave the linear loop as it is
     let mut linear: Vec<Result> = Vec::new();
     for result in results {
-        if linear.iter().all(|other| other.eigenvalues != result.eigenvalues) {
+        if !result.eigenvalues[0].is_empty() && linear.iter().all(|other| other.eigenvalues != result.eigenvalues) {
             linear.push(result.clone());
         }
     }

@@ -1,11 +1,9 @@
 //! A controller that takes part: what `sil fly --controller FILE` flies, on vehicles that are not what it believes.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 use serde::Serialize;
 use shared_control::sensing::rotor_notches::NotchesConfig;
-use sil_host::control_setup::mpc_settings;
+use sil_host::control_setup::{mpc_settings, vehicle_parameters};
 use sil_host::controller_file::ControllerChoice;
 use sil_host::cosim::{self, control_side::ControlSide, record::FlightRecord};
 use sil_host::flight::FlightSetup;
@@ -16,6 +14,7 @@ use sil_host::plant::Plant;
 use sil_host::scenario::Scenario;
 
 use super::draw::Draw;
+use super::indi::Indi;
 use super::lqi::Lqi;
 use super::weather::Weather;
 
@@ -31,12 +30,21 @@ pub struct Contender {
     pub name: &'static str,
     /// Controller and tuning.
     pub choice: ControllerChoice,
-    /// The MPC's problem solved without its bounds and its end, and the result cut.
-    pub without_bounds: bool,
+    /// What flies in the place of the file's controller, if anything.
+    pub stand_in: Option<StandIn>,
     /// The gyro's notches are on, as on the board.
     pub with_notches: bool,
     /// Where it flies.
     pub rig: Rig,
+}
+
+/// A law in the MPC's place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StandIn {
+    /// The MPC's problem solved without its bounds and its end, and the result cut.
+    Lqi,
+    /// Increments on what the motors do, by the gains that the file has for the cascade.
+    Indi,
 }
 
 /// Figures of a flight over the test sequence; errors are the true angles against the raw reference.
@@ -93,7 +101,7 @@ impl Contender {
     /// If the text can't be read: it is the project's own.
     pub fn new(name: &'static str, text: &str) -> Self {
         let choice = ControllerChoice::parse(text, name).unwrap_or_else(|error| panic!("{error}"));
-        Self { name, choice, without_bounds: false, with_notches: false, rig: Rig::Gimbal }
+        Self { name, choice, stand_in: None, with_notches: false, rig: Rig::Gimbal }
     }
 
     /// A vehicle under this controller, which takes it for the nominal one.
@@ -119,7 +127,7 @@ impl Contender {
     pub fn control_side(&self) -> ControlSide {
         let setup = self.setup(&Draw::nominal(0), &Scenario::test_sequence());
         let control = setup.control_side().unwrap_or_else(|error| panic!("{}: {error}", self.name));
-        if !self.without_bounds && !self.with_notches {
+        if self.stand_in.is_none() && !self.with_notches {
             return control;
         }
         let mut config = *control.config();
@@ -127,18 +135,23 @@ impl Contender {
             let imu_rate_hz = setup.design_parameters().imu_rate_hz as f32;
             config.sensing.imu.gyro_notches = Some(NotchesConfig::new(imu_rate_hz));
         }
-        let planner = if self.without_bounds {
-            let problem = mpc_settings(&setup.known_model(), &setup.tuning(), self.choice.rate_hz);
-            Some(Planner::Law(Arc::new(Lqi::new(&problem))))
-        } else {
-            control.planner().cloned()
+        let (known, tuning, rate_hz) = (setup.known_model(), setup.tuning(), self.choice.rate_hz);
+        let problem = mpc_settings(&known, &tuning, rate_hz);
+        let planner = match self.stand_in {
+            None => control.planner().cloned(),
+            Some(StandIn::Lqi) => Some(Planner::Law(Box::new(Lqi::new(&problem)))),
+            Some(StandIn::Indi) => {
+                let vehicle = vehicle_parameters(&known);
+                let indi = Indi::new(&vehicle, &tuning, problem.torque_max_nm(), rate_hz as f32);
+                Some(Planner::Law(Box::new(indi)))
+            }
         };
         ControlSide::new(config, planner)
     }
 
-    /// The MPC's law where no bound is active; none for the cascade.
+    /// The law of the MPC or what stands in for it where no bound is active; none for cascade and INDI.
     pub fn law(&self) -> Option<[[f64; 4]; 3]> {
-        self.control_side().planner().map(|planner| planner.unconstrained_gain().map(|axis| axis.map(f64::from)))
+        self.control_side().planner()?.unconstrained_gain().map(|gains| gains.map(|axis| axis.map(f64::from)))
     }
 
     /// A flight, under a torque from outside over time, N m.

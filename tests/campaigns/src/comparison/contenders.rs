@@ -4,11 +4,13 @@
 use sil_host::controller_file::ReferenceName;
 use sil_host::model::Rig;
 
-use super::contender::Contender;
+use super::contender::{Contender, StandIn};
 use super::tuning::{Form, Parameter, Tunable};
 
 /// The file of the cascade, as tuned.
 pub const CASCADE_FILE: &str = include_str!("../../comparison/cascade.toml");
+/// The file of the INDI, as tuned.
+pub const INDI_FILE: &str = include_str!("../../comparison/indi.toml");
 /// The file of the MPC, as tuned.
 pub const MPC_FILE: &str = include_str!("../../comparison/mpc.toml");
 
@@ -52,6 +54,7 @@ pub fn cascade(shaping: &Shaping) -> Tunable<6> {
     let tilt = |yaw| Form::Tilt { pitch: 1.0, yaw };
     Tunable {
         name: "cascade",
+        stand_in: None,
         fixed: format!("controller = \"pid\"\n[tuning]\n{}", shaping.lines()),
         parameters: [
             Parameter { field: "angle_gain_1_s", form: tilt(3.0), start: 22.0 },
@@ -74,6 +77,7 @@ pub fn mpc(shaping: &Shaping) -> Tunable<4> {
     );
     Tunable {
         name: "MPC",
+        stand_in: None,
         fixed,
         parameters: [
             Parameter {
@@ -86,6 +90,32 @@ pub fn mpc(shaping: &Shaping) -> Tunable<4> {
             Parameter { field: "gyro_cutoff_hz", form: Form::Number, start: 100.0 },
         ],
     }
+}
+
+/// The INDI before it is tuned. Its file is an MPC's, in whose place it flies; the gains are fields of the cascade's
+/// with the same meaning, and the cut-off is that of the derivative.
+pub fn indi(shaping: &Shaping) -> Tunable<5> {
+    let tilt = |yaw| Form::Tilt { pitch: 1.0, yaw };
+    Tunable {
+        name: "INDI",
+        stand_in: Some(StandIn::Indi),
+        fixed: format!(
+            "controller = \"mpc\"\n[tuning]\n{}mpc_reference = \"held\"\nmpc_disturbance_bandwidth_rad_s = 0.0\n",
+            shaping.lines()
+        ),
+        parameters: [
+            Parameter { field: "angle_gain_1_s", form: tilt(3.0), start: 5.381 },
+            Parameter { field: "rate_proportional_1_s", form: tilt(9.0), start: 13.16 },
+            Parameter { field: "rate_derivative_cutoff_hz", form: Form::Number, start: 19.13 },
+            Parameter { field: "acceleration_feed_forward", form: Form::Number, start: 0.7798 },
+            Parameter { field: "gyro_cutoff_hz", form: Form::Number, start: 66.43 },
+        ],
+    }
+}
+
+/// The INDI, as tuned.
+pub fn tuned_indi() -> Contender {
+    Contender { stand_in: Some(StandIn::Indi), ..Contender::new("INDI", INDI_FILE) }
 }
 
 /// The two, as tuned.
@@ -123,9 +153,9 @@ pub fn all() -> Vec<Contender> {
         changed("MPC without disturbance", |c| c.choice.tuning.mpc_disturbance_bandwidth_rad_s = Some(0.0)),
         changed("MPC without lag", |c| c.choice.tuning.mpc_knows_actuation = Some(false)),
         changed("MPC, an axis at a time", |c| c.choice.tuning.mpc_motor_limits = Some(false)),
-        changed("LQI", |c| c.without_bounds = true),
+        changed("LQI", |c| c.stand_in = Some(StandIn::Lqi)),
     ];
-    [mpc.clone(), cascade].into_iter().chain(variants).collect()
+    [mpc.clone(), cascade, tuned_indi()].into_iter().chain(variants).collect()
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix4, RowVector4, Vector4};
 use shared_control::mpc::{HORIZON, MpcSettings, Preview};
-use shared_control::signals::{Plan, PlanRequest, PlanStatus};
+use shared_control::signals::{AttitudeEstimate, Plan, PlanRequest, PlanStatus};
 use sil_host::planner::Law;
 
 /// Most steps of the iteration to the Riccati equation's solution; it ends when nothing changes any more.
@@ -58,7 +58,7 @@ impl Lqi {
 }
 
 impl Law for Lqi {
-    fn plan(&self, request: &PlanRequest) -> Plan {
+    fn plan(&mut self, request: &PlanRequest, _: &AttitudeEstimate) -> Plan {
         let references_rad = self.preview.references_rad(request);
         let torque_nm = [0, 1, 2].map(|axis| {
             let known_rad = &references_rad[axis][..self.known_steps];
@@ -67,8 +67,12 @@ impl Law for Lqi {
         Plan { step: request.step, torque_nm, status: PlanStatus::Solved, iterations: 0, duration_us: 0 }
     }
 
-    fn unconstrained_gain(&self) -> [[f32; 4]; 3] {
-        self.feedback().map(|axis| axis.map(|gain| gain as f32))
+    fn unconstrained_gain(&self) -> Option<[[f32; 4]; 3]> {
+        Some(self.feedback().map(|axis| axis.map(|gain| gain as f32)))
+    }
+
+    fn boxed(&self) -> Box<dyn Law> {
+        Box::new(self.clone())
     }
 }
 
@@ -158,12 +162,23 @@ fn riccati(a: &Matrix4<f64>, b: &Vector4<f64>, q: &Matrix4<f64>, rho: f64) -> Ma
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::{UnitQuaternion, Vector3};
     use shared_control::attitude::angle::AngleState;
     use shared_control::config::Tuning;
     use shared_control::signals::Setpoint;
     use sil_host::control_setup::{mpc_settings, vehicle_parameters};
     use sil_host::model::{Rig, VehicleModel};
     use sil_host::planner::Planner;
+
+    /// Which this law does not look at.
+    fn level() -> AttitudeEstimate {
+        AttitudeEstimate {
+            q_world_from_body: UnitQuaternion::identity(),
+            rate_body_rad_s: Vector3::zeros(),
+            gyro_bias_rad_s: Vector3::zeros(),
+            valid: true,
+        }
+    }
 
     fn settings(lag_s: f32) -> MpcSettings {
         let model = VehicleModel::nominal(Rig::Gimbal);
@@ -190,7 +205,7 @@ mod tests {
         // a loop that is done within the horizon
         settings.problem.increment_weight = [0.1, 0.1, 10.0];
         let planner = Planner::new(HORIZON, &settings).unwrap();
-        for (mpc, lqi) in planner.unconstrained_gain().iter().zip(Lqi::new(&settings).feedback()).take(2) {
+        for (mpc, lqi) in planner.unconstrained_gain().unwrap().iter().zip(Lqi::new(&settings).feedback()).take(2) {
             for (mpc, lqi) in mpc.iter().zip(lqi) {
                 assert!((f64::from(*mpc) / lqi - 1.0).abs() < 1e-2, "{mpc} {lqi}");
             }
@@ -201,7 +216,7 @@ mod tests {
     #[test]
     fn it_arrives_at_the_reference_in_spite_of_a_disturbance() {
         let (settings, disturbance_nm) = (settings(0.03), 0.05);
-        let lqi = Lqi::new(&settings);
+        let mut lqi = Lqi::new(&settings);
         let acceleration = f64::from(settings.problem.input_gain[0] / settings.torque_per_input_nm[0]);
         let step = transition(f64::from(settings.problem.prediction_step_s), 0.03, acceleration);
         let setpoint = Setpoint { roll_rad: 0.3, ..Setpoint::default() };
@@ -213,7 +228,7 @@ mod tests {
             let mut request = PlanRequest { reference, setpoint, ..PlanRequest::default() };
             (request.angle_rad[0], request.rate_rad_s[0], request.motor_nm[0]) = (angle, rate, motor);
             (request.torque_prev_nm[0], request.disturbance_nm[0]) = (previous, disturbance_nm);
-            state[3] = f64::from(lqi.plan(&request).torque_nm[0]);
+            state[3] = f64::from(lqi.plan(&request, &level()).torque_nm[0]);
             // the disturbance is a torque that motors and demand lack
             let lacking = Vector4::new(0.0, 0.0, f64::from(disturbance_nm), f64::from(disturbance_nm));
             state = step * (state + lacking) - lacking;
@@ -224,11 +239,12 @@ mod tests {
 
     #[test]
     fn no_torque_beyond_what_the_motors_have() {
-        let lqi = Lqi::new(&settings(0.03));
+        let mut lqi = Lqi::new(&settings(0.03));
         let setpoint = Setpoint { roll_rad: 1.0, pitch_rad: -1.0, ..Setpoint::default() };
         let mut reference = AngleState::default();
         (reference.reference[0].angle_rad, reference.reference[1].angle_rad) = (1.0, -1.0);
-        let plan = lqi.plan(&PlanRequest { reference, setpoint, ..PlanRequest::default() });
+        let request = PlanRequest { reference, setpoint, ..PlanRequest::default() };
+        let plan = lqi.plan(&request, &level());
         let lever_nm = vehicle_parameters(&VehicleModel::nominal(Rig::Gimbal)).arm_m;
         assert!(plan.torque_nm[0] > 0.0 && plan.torque_nm[1] < 0.0);
         assert!(plan.torque_nm.iter().all(|torque| torque.abs() <= 2.0 * lever_nm));

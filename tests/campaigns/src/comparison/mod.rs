@@ -1,4 +1,5 @@
-//! MPC against the cascade on the gimbal, over vehicles that differ from what both believe.
+//! MPC against the cascade, and a plain INDI beside them, on the gimbal, over vehicles that differ from what they
+//! believe.
 //!
 //! ```text
 //!  search over 50 draws -> controller files -> 200 other draws -> figures -> tables
@@ -11,6 +12,7 @@ pub mod contender;
 pub mod contenders;
 pub mod draw;
 pub mod hover;
+pub mod indi;
 pub mod linear_loop;
 pub mod lqi;
 pub mod search;

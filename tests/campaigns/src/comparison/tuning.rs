@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use super::contender::Contender;
+use super::contender::{Contender, StandIn};
 use super::draw::Draw;
 use super::search::{self, Found};
 
@@ -38,6 +38,8 @@ pub enum Form {
 pub struct Tunable<const N: usize> {
     /// What tables call it.
     pub name: &'static str,
+    /// What flies in the place of the file's controller, if anything.
+    pub stand_in: Option<StandIn>,
     /// The file's lines that stay.
     pub fixed: String,
     /// What the search changes.
@@ -63,7 +65,7 @@ impl<const N: usize> Tunable<N> {
 
     /// The contender of a point.
     pub fn contender(&self, point: &[f64; N]) -> Contender {
-        Contender::new(self.name, &self.file(point))
+        Contender { stand_in: self.stand_in, ..Contender::new(self.name, &self.file(point)) }
     }
 
     /// Where the search begins.
@@ -98,6 +100,7 @@ mod tests {
     fn a_point_becomes_a_file_that_says_what_it_is() {
         let tunable = Tunable {
             name: "pid",
+            stand_in: None,
             fixed: "controller = \"pid\"\n[tuning]\n".into(),
             parameters: [
                 Parameter { field: "angle_gain_1_s", form: Form::Tilt { pitch: 1.0, yaw: 3.0 }, start: 6.0 },
