@@ -52,10 +52,11 @@ pub(super) fn messages(
     Ok(messages)
 }
 
-/// Overwrites the heads of definitions of messages that would be shorter than their own head; how many.
+/// Overwrites the heads of definitions of messages that would be shorter than their own head; how many. From the end
+/// on: where damaged definitions overlap, the head that is overwritten may be the length that an earlier one says.
 fn spoil_bad_definitions(bytes: &mut [u8]) -> usize {
     let mut spoiled = 0;
-    for at in 0..bytes.len().saturating_sub(DEFINITION_BYTES - 1) {
+    for at in (0..bytes.len().saturating_sub(DEFINITION_BYTES - 1)).rev() {
         if bytes[at..].starts_with(DEFINITION) && bytes[at + DEFINITION.len() + 1] < HEAD_BYTES {
             bytes[at] = 0;
             spoiled += 1;

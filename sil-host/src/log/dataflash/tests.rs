@@ -152,6 +152,16 @@ fn damaged_bytes_cost_their_messages_and_are_counted() {
     assert!(cut.notes.iter().any(|note| note.starts_with("14 of ")), "{:?}", cut.notes);
 }
 
+/// Found by fuzzing: a definition of the definitions themselves, whose length is the first byte of another one that
+/// says no length at all.
+#[test]
+fn definitions_that_overlap_are_none() {
+    let mut first = vec![128, 0xa3, 0x95, 0x80, 84, 0];
+    first.resize(86, b'B');
+    let refused = File(Vec::new()).message(128, &first).definition(129, 19, "PARM", "Nf", "Name,Value").read();
+    assert!(refused.is_err(), "{refused:?}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
