@@ -116,8 +116,14 @@ fn hold_back_heading(state: &mut AngleState, error_rad: &mut f32) {
 
 /// Moves the reference on; gives its acceleration (Euler angles), rad/s^2.
 pub fn shape(config: &AngleConfig, state: &mut AngleState, setpoint: &Setpoint, dt_s: f32) -> [f32; 3] {
-    let goals = config.goals(setpoint);
-    core::array::from_fn(|axis| follow(&config.shaping[axis], &mut state.reference[axis], goals[axis], dt_s))
+    let [to_roll, to_pitch, to_heading] = config.goals(setpoint);
+    let [of_roll, of_pitch, of_heading] = &config.shaping;
+    let [roll, pitch, heading] = &mut state.reference;
+    [
+        follow(of_roll, roll, to_roll, dt_s),
+        follow(of_pitch, pitch, to_pitch, dt_s),
+        follow(of_heading, heading, to_heading, dt_s),
+    ]
 }
 
 /// Rotation still to make, body frame, rad: x and y move the thrust axis, z is what is then left of the heading.

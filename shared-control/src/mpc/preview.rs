@@ -3,7 +3,7 @@
 use super::HORIZON;
 use crate::attitude::angle::AngleConfig;
 use crate::attitude::course::Course;
-use crate::attitude::shaping::{Goal, ShapedReference};
+use crate::attitude::shaping::{Goal, ShapedReference, ShapingConfig};
 use crate::signals::PlanRequest;
 
 /// What is known of the reference ahead.
@@ -50,8 +50,9 @@ impl Preview {
             }
             ReferenceAhead::Shaped => {
                 let goals = self.shaping.goals(&request.setpoint);
-                for (axis, ((ahead_rad, start), goal)) in ahead_rad.iter_mut().zip(reference).zip(goals).enumerate() {
-                    self.run_ahead(axis, *start, goal, ahead_rad);
+                let axes = self.shaping.shaping.iter().zip(goals).zip(self.lead_s).zip(reference);
+                for (ahead_rad, (((shaping, goal), lead_s), start)) in ahead_rad.iter_mut().zip(axes) {
+                    self.run_ahead(shaping, (*start, goal), lead_s, ahead_rad);
                 }
             }
         }
@@ -60,8 +61,13 @@ impl Preview {
 
     /// In control steps, as the reference will move; in parts a little longer or shorter where the prediction step is
     /// no multiple.
-    fn run_ahead(&self, axis: usize, start: ShapedReference, goal: Goal, ahead_rad: &mut [f32; HORIZON]) {
-        let shaping = &self.shaping.shaping[axis];
+    fn run_ahead(
+        &self,
+        shaping: &ShapingConfig,
+        (start, goal): (ShapedReference, Goal),
+        lead_s: f32,
+        ahead_rad: &mut [f32; HORIZON],
+    ) {
         let delay_steps = whole_steps(self.delay_s, self.control_step_s);
         let start = Course::new(shaping, start, goal, self.control_step_s, delay_steps).advance();
         let parts = whole_steps(self.prediction_step_s, self.control_step_s).max(1);
@@ -69,7 +75,7 @@ impl Preview {
         let mut course = Course::new(shaping, start, goal, part_s, parts);
         for ahead_rad in ahead_rad {
             let then = course.advance();
-            *ahead_rad = then.angle_rad + self.lead_s[axis] * then.rate_rad_s;
+            *ahead_rad = then.angle_rad + lead_s * then.rate_rad_s;
         }
     }
 }
@@ -83,7 +89,6 @@ fn whole_steps(duration_s: f32, step_s: f32) -> u8 {
 mod tests {
     use super::*;
     use crate::attitude::angle::{self, AngleState};
-    use crate::attitude::shaping::ShapingConfig;
     use crate::signals::Setpoint;
     use proptest::prelude::*;
 
