@@ -1,6 +1,6 @@
 //! How uncertain fitted numbers are, by what they would be had a part of the flight been another: the fit is made again
-//! without each of up to eight parts of its windows, one after the other in time, and the numbers' scatter is carried over to
-//! the whole (the jackknife with groups left out: Shao and Tu, The Jackknife and Bootstrap, 1995, section 2.3).
+//! without each of up to eight parts of its windows, one after the other in time, and the numbers' scatter is carried
+//! over to the whole (the jackknife with groups left out: Shao and Tu, The Jackknife and Bootstrap, 1995, section 2.3).
 //!
 //! The scatter of the windows' wishes at one optimum (`scatter`) says the same as long as a fit is linear in its
 //! numbers. On a real log it is not always: a delay and a lag change places, a brake comes and goes with a trim, and
