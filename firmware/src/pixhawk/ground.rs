@@ -173,21 +173,16 @@ impl Ground {
         }
     }
 
-    fn make_due(&mut self, (time_us, status): (u64, &VehicleStatus), logs: &mut LogShelf, files_over_usb: bool) {
+    fn make_due(&mut self, about: (u64, &VehicleStatus), logs: &mut LogShelf, files_over_usb: bool) {
+        let Self { telemetry, due, .. } = self;
         if self.hil {
             // a step's answer may have to wait until this has left, so it is short: 1.1 ms at 921,600 baud
             let mut few = Vec::<u8, HIL_DUE_BYTES>::new();
-            self.telemetry.poll(time_us, status, &mut few);
-            if !files_over_usb {
-                self.telemetry.send_files(time_us, status, logs, &mut few);
-            }
+            write_due(telemetry, about, logs, files_over_usb, &mut few);
             // the larger buffer is empty
-            let _ = self.due.extend_from_slice(&few);
+            let _ = due.extend_from_slice(&few);
         } else {
-            self.telemetry.poll(time_us, status, &mut self.due);
-            if !files_over_usb {
-                self.telemetry.send_files(time_us, status, logs, &mut self.due);
-            }
+            write_due(telemetry, about, logs, files_over_usb, due);
         }
     }
 
@@ -212,5 +207,18 @@ impl Ground {
             }
             Chore::Restart => self.restart_in = Some(RESTART_UPDATES),
         }
+    }
+}
+
+fn write_due<const N: usize>(
+    telemetry: &mut Telemetry,
+    (time_us, status): (u64, &VehicleStatus),
+    logs: &mut LogShelf,
+    files_over_usb: bool,
+    out: &mut Vec<u8, N>,
+) {
+    telemetry.poll(time_us, status, out);
+    if !files_over_usb {
+        telemetry.send_files(time_us, status, logs, out);
     }
 }

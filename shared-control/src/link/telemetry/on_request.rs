@@ -25,12 +25,8 @@ impl Telemetry {
         logs: &mut impl LogStore,
         out: &mut heapless::Vec<u8, N>,
     ) {
-        if status.arming.is_armed() {
-            self.logs.stop();
-        }
         self.room.pass_time(time_us, out.len());
-        self.files.write(&mut self.writer, time_us, &mut self.room, out);
-        self.logs.write(&mut self.writer, logs, &mut self.room, out);
+        self.room = self.write_files((time_us, status), logs, self.room, out);
     }
 
     /// The same for a port that takes as much as fits into `out`.
@@ -41,11 +37,22 @@ impl Telemetry {
         logs: &mut impl LogStore,
         out: &mut heapless::Vec<u8, N>,
     ) {
+        self.write_files((time_us, status), logs, SpareRoom::endless(), out);
+    }
+
+    /// Gives what is left of the room.
+    fn write_files<const N: usize>(
+        &mut self,
+        (time_us, status): (u64, &VehicleStatus),
+        logs: &mut impl LogStore,
+        mut room: SpareRoom,
+        out: &mut heapless::Vec<u8, N>,
+    ) -> SpareRoom {
         if status.arming.is_armed() {
             self.logs.stop();
         }
-        let mut room = SpareRoom::endless();
         self.files.write(&mut self.writer, time_us, &mut room, out);
         self.logs.write(&mut self.writer, logs, &mut room, out);
+        room
     }
 }
