@@ -193,8 +193,7 @@ impl<'e> Search<'e> {
 
     /// A model fitted to all windows but those of the report, from values and start states on.
     pub(super) fn refitted(&self, terms: Vec<Term<'e>>, starts: &[State]) -> Fit<'e> {
-        let windows = self.shooting.log.part(&[Part::Fit, Part::Choice]);
-        let mut refitted = self.fit_within_bounds(terms, starts, &windows, f64::INFINITY);
+        let mut refitted = self.fit_within_bounds(terms, starts, &self.unreported(), f64::INFINITY);
         let driven = self.shooting.log.drive(model_of(self.nominal, &refitted.terms));
         self.shooting.settle(&driven, &self.report, &mut refitted.starts);
         refitted
@@ -202,8 +201,12 @@ impl<'e> Search<'e> {
 
     /// The same fit with what leaving out parts of its windows says of its numbers.
     pub(super) fn with_parts_left_out(&self, refitted: Fit<'e>) -> Fit<'e> {
-        let windows = self.shooting.log.part(&[Part::Fit, Part::Choice]);
-        refitted.with_parts_left_out(self.shooting, self.nominal, &windows)
+        refitted.with_parts_left_out(self.shooting, self.nominal, &self.unreported())
+    }
+
+    /// All windows but those of the report.
+    fn unreported(&self) -> Vec<usize> {
+        self.shooting.log.part(&[Part::Fit, Part::Choice])
     }
 
     /// Start states of the training windows at their best under these effects, from the measured ones on.
