@@ -111,16 +111,14 @@ impl Moment for CgOffset {
             }
             return;
         }
-        let (sin_theta, cos_theta) = libm::sincos(motion.angle_rad[1]);
+        let [(sin_phi, cos_phi), (sin_theta, cos_theta)] =
+            motion.separate.unwrap_or_else(|| [motion.roll, libm::sincos(motion.angle_rad[1])]);
         match self.axis {
-            Axis::Roll if motion.has_separate_axes => {
-                let (sin_phi, cos_phi) = libm::sincos(motion.angle_rad[0]);
-                moment[0] += cos_theta * (c * cos_phi - s * sin_phi);
-            }
             Axis::Roll => {
-                let (sin_phi, cos_phi) = motion.roll;
                 moment[0] += cos_theta * (c * cos_phi - s * sin_phi);
-                moment[1] -= sin_theta * (c * sin_phi + s * cos_phi);
+                if motion.separate.is_none() {
+                    moment[1] -= sin_theta * (c * sin_phi + s * cos_phi);
+                }
             }
             Axis::Pitch | Axis::Yaw => moment[1] -= c * cos_theta + s * sin_theta,
         }

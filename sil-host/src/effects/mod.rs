@@ -143,6 +143,18 @@ macro_rules! catalogue {
             }
         }
 
+        impl Moment for Effect {
+            // by its kind, not by pointers: each stage of each step of a fit comes here
+            #[inline]
+            fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
+                match self {
+                    $(Self::$effect(effect) => if let Some(own) = Extension::moment(effect) {
+                        own.add(motion, moment);
+                    },)*
+                }
+            }
+        }
+
         /// All hypotheses that a log can be tested for: those of an axis together, then those of the whole vehicle.
         pub(crate) fn hypotheses(scope: &Scope) -> Vec<Hypothesis> {
             let mut all = Vec::new();
@@ -256,15 +268,6 @@ impl Effect {
     /// Longest step of an explicit integration that still follows it on a body of these principal moments, s.
     pub(crate) fn step_max_s(&self, inertia_kg_m2: [f64; 3]) -> f64 {
         self.extension().step_max_s(inertia_kg_m2)
-    }
-}
-
-impl Moment for Effect {
-    #[inline]
-    fn add(&self, motion: &Motion, moment: &mut [f64; 3]) {
-        if let Some(own) = self.extension().moment() {
-            own.add(motion, moment);
-        }
     }
 }
 

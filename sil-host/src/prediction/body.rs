@@ -45,25 +45,22 @@ impl Body {
     }
 
     /// The motion of a state, as moments see it.
-    fn motion(&self, time_s: f64, x: &Turning, roll: (f64, f64), motors: ForceAndSpin) -> Motion {
+    #[inline]
+    fn motion(
+        &self,
+        time_s: f64,
+        x: &Turning,
+        roll: (f64, f64),
+        separate: Option<[(f64, f64); 2]>,
+        motors: ForceAndSpin,
+    ) -> Motion {
         let per_weight_1_n = match self {
             Body::Free { body, .. } => Some(body.per_weight_1_n()),
             Body::Gimbal { .. } | Body::Axes { .. } => None,
         };
         let (angle_rad, rate_rad_s) = ([x[0], x[1], x[2]], [x[3], x[4], x[5]]);
         let ForceAndSpin { force, spin } = motors;
-        let has_separate_axes = matches!(self, Body::Axes { .. });
-        Motion {
-            time_s,
-            onset: Onset::Ramp,
-            angle_rad,
-            rate_rad_s,
-            roll,
-            has_separate_axes,
-            force,
-            spin,
-            per_weight_1_n,
-        }
+        Motion { time_s, onset: Onset::Ramp, angle_rad, rate_rad_s, roll, separate, force, spin, per_weight_1_n }
     }
 
     /// Change of the state under what the motors do, and moments.
@@ -74,11 +71,14 @@ impl Body {
         motors: &ForceAndSpin,
         moments: &[Box<dyn Moment>],
     ) -> Turning {
-        let roll = match self {
-            Body::Axes { .. } => (0.0, 1.0),
-            Body::Gimbal { .. } | Body::Free { .. } => libm::sincos(x[0]),
+        let (roll, separate) = match self {
+            Body::Axes { turns_as_one, .. } => {
+                let needed = *turns_as_one || !moments.is_empty();
+                ((0.0, 1.0), needed.then(|| [libm::sincos(x[0]), libm::sincos(x[1])]))
+            }
+            Body::Gimbal { .. } | Body::Free { .. } => (libm::sincos(x[0]), None),
         };
-        let moment = sum(moments, || self.motion(time_s, x, roll, *motors));
+        let moment = sum(moments, || self.motion(time_s, x, roll, separate, *motors));
         let force = motors.force;
         let rate = [x[3], x[4], x[5]];
         match self {
@@ -95,9 +95,9 @@ impl Body {
             Body::Axes { gain_rad_s2, input, turns_as_one } => {
                 let command = input.about_axes(force);
                 let acceleration = |i: usize| gain_rad_s2[i] * command[i] + moment[i];
-                let [a, b, c] = match turns_as_one {
-                    true => euler_rates_rad_s(libm::sincos(x[0]), libm::sincos(x[1]), rate),
-                    false => rate,
+                let [a, b, c] = match separate {
+                    Some([roll, pitch]) if *turns_as_one => euler_rates_rad_s(roll, pitch, rate),
+                    _ => rate,
                 };
                 [a, b, c, acceleration(0), acceleration(1), acceleration(2)]
             }
@@ -122,7 +122,7 @@ impl Body {
         };
         let [roll, pitch, yaw, p, q, r, north, east, down, _] = *x;
         let attitude = Attitude::of([roll, pitch, yaw]);
-        let moment = sum(moments, || self.motion(time_s, &turning(x), attitude.roll, motors));
+        let moment = sum(moments, || self.motion(time_s, &turning(x), attitude.roll, None, motors));
         let torque = airframe.torque_body_nm(lifts_n);
         let [a, b, c, d, e, f] = free(body, attitude.roll, attitude.pitch, [p, q, r], torque, moment);
         let push = air.push_n(attitude.in_body(air.against_m_s([north, east, down])));

@@ -14,8 +14,9 @@ use crate::vehicle::{Airframe, Changes, NominalBody};
 
 /// Most parts of a step of the body in which dry friction turns round, a millisecond or two each.
 const DRY_PARTS: f64 = 8.0;
-/// The rate changes in each by no more than this share of that within which friction turns round.
-const DRY_SHARE: f64 = 0.25;
+/// The rate changes in each by no more than this share of that within which friction turns round: 1e-4 of the friction's
+/// impulse in a part is lost then.
+const DRY_SHARE: f64 = 0.5;
 
 /// A model with whatever effects it is given.
 pub(crate) struct Model {
@@ -206,32 +207,31 @@ impl Model {
         let motors = |place: f64| step.at(place, &factor);
         let (begin, from_s) =
             if duration_s < 0.0 { (1.0, step.start_s + step.duration_s) } else { (-1.0, step.start_s) };
-        let count = self.parts(from_s, x, &motors(begin), duration_s, change);
+        let mut first = change(from_s, x, &motors(begin));
+        let count = self.parts(x, &first, duration_s);
         let parts = f64::from(count);
         let part_s = duration_s / parts;
         let mut state = *x;
         for part in 0..count {
             let passed = f64::from(part) / parts;
             let place = |share: f64| begin * (1.0 - 2.0 * (passed + share / parts));
-            let along = [motors(place(0.0)), motors(place(0.5)), motors(place(1.0))];
-            state = runge_kutta_4(from_s + passed * duration_s, &state, &along, part_s, change);
+            let part_from_s = from_s + passed * duration_s;
+            if part > 0 {
+                first = change(part_from_s, &state, &motors(place(0.0)));
+            }
+            let along = [motors(place(0.5)), motors(place(1.0))];
+            state = runge_kutta_4(part_from_s, &state, &first, &along, part_s, change);
         }
         state
     }
 
-    /// Into how many parts a step is cut: more than one where a rate goes through 0 against dry friction.
-    fn parts<const N: usize>(
-        &self,
-        from_s: f64,
-        x: &[f64; N],
-        motors: &ForceAndSpin,
-        duration_s: f64,
-        change: &impl Change<N>,
-    ) -> u8 {
+    /// Into how many parts a step is cut, from how the state changes at its begin: more than one where a rate goes
+    /// through 0 against dry friction.
+    #[inline]
+    fn parts<const N: usize>(&self, x: &[f64; N], change: &[f64; N], duration_s: f64) -> u8 {
         if self.turns_round_rad_s == [None; 3] {
             return 1;
         }
-        let change = change(from_s, x, motors);
         let of_axis = |axis: usize| {
             let (within, passed_rad_s) = (self.turns_round_rad_s[axis]?, (change[3 + axis] * duration_s).abs());
             let turns_round = x[3 + axis].abs() < passed_rad_s + 4.0 * within;
@@ -306,19 +306,19 @@ fn turned<const N: usize>(x: &[f64; N]) -> Turning {
     core::array::from_fn(|i| x[i])
 }
 
-/// Runge-Kutta 4, under what the motors do at the beginning, in the middle and at the end.
+/// Runge-Kutta 4, given how the state changes at the beginning, under what the motors do in the middle and at the end.
 #[inline]
 fn runge_kutta_4<const N: usize>(
     from_s: f64,
     x: &[f64; N],
-    [first, middle, last]: &[ForceAndSpin; 3],
+    k1: &[f64; N],
+    [middle, last]: &[ForceAndSpin; 2],
     duration_s: f64,
     change: &impl Change<N>,
 ) -> [f64; N] {
     let along = |k: &[f64; N], scale: f64| -> [f64; N] { core::array::from_fn(|i| x[i] + scale * k[i]) };
     let half_s = 0.5 * duration_s;
-    let k1 = change(from_s, x, first);
-    let k2 = change(from_s + half_s, &along(&k1, half_s), middle);
+    let k2 = change(from_s + half_s, &along(k1, half_s), middle);
     let k3 = change(from_s + half_s, &along(&k2, half_s), middle);
     let k4 = change(from_s + duration_s, &along(&k3, duration_s), last);
     core::array::from_fn(|i| x[i] + duration_s / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
