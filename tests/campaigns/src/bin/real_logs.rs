@@ -9,9 +9,9 @@
 //!   those of `sil diagnose --baseline` (`campaigns::real_logs::injection_baseline`).
 //!
 //! Options: `--only TEXT` (repeatable) logs whose `VEHICLE/LOG` contains it; `--quick` without halves and cuts;
-//! `--no-cuts` without cuts; `--patience S` no further cut of a log after so many seconds; `--threads N` so many logs
-//! side by side (1); `--json FILE` all figures; `--list` the logs' names alone. An injection
-//! knows `--only`, `--threads`, `--json`, `--list` and `--against`.
+//! `--no-cuts` without cuts; `--no-stability` each answer as `sil diagnose --quick` gives it; `--patience S` no further
+//! cut of a log after so many seconds; `--threads N` so many logs side by side (1); `--json FILE` all figures; `--list`
+//! the logs' names alone. An injection knows `--only`, `--threads`, `--json`, `--list` and `--against`.
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
@@ -65,7 +65,7 @@ struct Options {
 
 impl Options {
     fn read(arguments: &[String]) -> Result<Options, String> {
-        let effort = Effort { halves: true, cuts: true, patience_s: f64::INFINITY };
+        let effort = Effort { stability: true, halves: true, cuts: true, patience_s: f64::INFINITY };
         let mut options = Options { only: Vec::new(), effort, threads: 1, json: None, is_list: false, against: None };
         let mut arguments = arguments.iter();
         while let Some(option) = arguments.next() {
@@ -77,6 +77,7 @@ impl Options {
                 "--patience" => options.effort.patience_s = number(&value()?)?,
                 "--quick" => options.effort = Effort { halves: false, cuts: false, ..options.effort },
                 "--no-cuts" => options.effort.cuts = false,
+                "--no-stability" => options.effort.stability = false,
                 "--against" => options.against = Some(normal(&value()?)?),
                 "--list" => options.is_list = true,
                 other => return Err(format!("unknown option `{other}`")),

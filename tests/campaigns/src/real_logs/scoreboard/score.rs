@@ -26,6 +26,8 @@ const NO_REMAINDER_PCT: f64 = 0.05;
 /// How much is done with each log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
+    /// Whether each answer says how stable its names are, which takes ten times as long as a first answer.
+    pub stability: bool,
     /// Whether its halves are diagnosed.
     pub halves: bool,
     /// Whether other cuts of it are.
@@ -135,9 +137,8 @@ pub fn score(entry: &Entry, effort: &Effort) -> LogScore {
             *first_s.lock().unwrap_or_else(PoisonError::into_inner) = Some(begin.elapsed().as_secs_f64());
         }
     };
-    let answer = caught(|| {
-        diagnose_observed(&log, &subject, &known, diagnosis::Effort::Usual, &observe).map_err(|e| e.to_string())
-    });
+    let of_answer = if effort.stability { diagnosis::Effort::Usual } else { diagnosis::Effort::Quick };
+    let answer = caught(|| diagnose_observed(&log, &subject, &known, of_answer, &observe).map_err(|e| e.to_string()));
     let checked_s = begin.elapsed().as_secs_f64();
     let mut score = LogScore {
         vehicle: entry.vehicle,
