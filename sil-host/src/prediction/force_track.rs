@@ -10,9 +10,11 @@ use super::drive_curve::DriveCurve;
 use crate::vehicle::propulsion::{Propulsion, RotorState};
 use crate::vehicle::{CommandPath, NetSpin, StraightLine, on_the_way, spin_sum};
 
-/// Longest step of the body, s: where 15 1/s brake it, Runge-Kutta 4 errs by 6e-7 of a rate in one; a quick sine of 10 Hz
-/// is read to 5e-5.
-const BODY_STEP_MAX_S: f64 = 10e-3;
+/// Longest step of a vehicle's body, s.
+const BODY_STEP_MAX_S: f64 = 5e-3;
+/// The same of separate axes, whose forces are straight lines: where 15 1/s brake them, Runge-Kutta 4 errs by 6e-7 of a
+/// rate in one; a sine of 10 Hz is read to 5e-5.
+const AXES_STEP_MAX_S: f64 = 10e-3;
 /// Longest step of the motors as a share of what is quickest in them: the thesis' motors ring with 98 Hz, 1.6 ms for
 /// the reciprocal of that in rad/s, and take 0.4 ms. Runge-Kutta 4 then errs by 8e-6 of an exponential.
 const MOTOR_STEP_SHARE: f64 = 0.25;
@@ -91,11 +93,15 @@ impl ForceTrack {
             at_row: Vec::with_capacity(rows_s.len()),
         };
         let mut motors = Motors::settled(commands, path, drive);
+        let step_max_s = match drive {
+            Drive::Motors(_) => BODY_STEP_MAX_S,
+            Drive::Direct(_) => AXES_STEP_MAX_S,
+        };
         for interval in rows_s.windows(2) {
             track.first_step.push(track.steps.len());
             track.at_row.push(motors.forces());
             let from_s = interval[0].max(interval[1] - INTERVAL_MAX_S);
-            let count = ((interval[1] - from_s) / BODY_STEP_MAX_S - 1e-6).ceil().max(1.0);
+            let count = ((interval[1] - from_s) / step_max_s - 1e-6).ceil().max(1.0);
             let duration_s = (interval[1] - from_s) / count;
             for k in 0..count as usize {
                 let start_s = from_s + k as f64 * duration_s;
