@@ -14,8 +14,8 @@ use crate::vehicle::{Airframe, Changes, NominalBody};
 
 /// Most parts of a step of the body in which dry friction turns round, a millisecond or two each.
 const DRY_PARTS: f64 = 8.0;
-/// The rate changes in each by no more than this share of that within which friction turns round: 1e-4 of the friction's
-/// impulse in a part is lost then.
+/// The rate changes in each by no more than this share of that within which friction turns round: 1e-4 of the
+/// friction's impulse in a part is lost then.
 const DRY_SHARE: f64 = 0.5;
 
 /// A model with whatever effects it is given.
