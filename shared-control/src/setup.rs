@@ -263,6 +263,7 @@ mod tests {
                 let params = Params { rig, control_horizon, motor_limits, linearisations, ..Params::DEFAULT };
                 let settings = Setup::new(&params).unwrap().mpc;
                 assert_eq!(settings.motors.is_some(), motor_limits && control_horizon <= 10);
+                assert!(settings.motors.is_none_or(|motors| motors.work_limit == 20_000), "2.5 ms a plan");
                 let prepared = Mpc::<HORIZON>::prepare_shorter(control_horizon.into(), &settings);
                 assert!(prepared.is_ok(), "{params:?}");
             }

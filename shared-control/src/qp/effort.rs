@@ -1,8 +1,9 @@
 //! What a solve may cost and has cost, counted before each part of it begins: no solve costs more than it may.
 //!
 //! One unit is an entry of a row multiplied and added: two loads, two operations and their share of the loop, some
-//! seven instructions of a Cortex-M4F. What a part costs follows from sizes alone; the numbers below stand for the heads
-//! of loops, divisions, roots and copies, so that a unit is about the same whatever it is spent on (`docs/solver.md`).
+//! seven instructions of a Cortex-M4F. What a part costs follows from sizes alone; the numbers below stand for the
+//! heads of loops, divisions, roots and copies, so that a unit is about the same whatever it is spent on
+//! (`docs/solver.md`).
 
 use super::{Settings, Status};
 
