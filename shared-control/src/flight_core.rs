@@ -266,13 +266,13 @@ fn plan_in_time(state: &State, input: &StepInput) -> Option<Plan> {
     input.plan.filter(|plan| plan.step == state.step.wrapping_sub(1))
 }
 
-/// The plan's torque if it was solved, else the cascade's.
+/// The plan's torque if it was solved, if need be cut to what the motors have, else the cascade's.
 fn torque_of_solved(config: &Config, plan: &Plan, cascade_nm: [f32; 3]) -> (TorqueSource, [f32; 3]) {
     match plan.status {
-        PlanStatus::Solved if !is_admissible(config, plan) => {
+        PlanStatus::Solved | PlanStatus::Curtailed if !is_admissible(config, plan) => {
             (TorqueSource::CascadeUnsolved(PlanStatus::NumericalError), cascade_nm)
         }
-        PlanStatus::Solved => (TorqueSource::Mpc, plan.torque_nm),
+        PlanStatus::Solved | PlanStatus::Curtailed => (TorqueSource::Mpc, plan.torque_nm),
         PlanStatus::IterationLimit | PlanStatus::Infeasible | PlanStatus::NumericalError => {
             (TorqueSource::CascadeUnsolved(plan.status), cascade_nm)
         }

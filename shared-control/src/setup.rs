@@ -22,6 +22,10 @@ pub const IMU_RATE_HZ: u32 = 1000;
 /// Mean share of the hovering lift with which a vehicle that lost its link comes down.
 const SINK_LIFT_SHARE: f32 = 0.9;
 
+/// Work that the board has a second for plans of the motors' limits, in units of [`crate::qp::Settings::work_limit`]:
+/// with the rest of the dearest plan it is two thirds of a step at 400 Hz (`docs/solver.md`).
+pub const COUPLED_WORK_PER_S: usize = 8_000_000;
+
 /// What a set of choices means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
@@ -78,6 +82,7 @@ impl Setup {
         let (vehicle, vehicle_fault) = vehicle(params);
         let tuning = Tuning {
             mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
+            mpc_work_limit: COUPLED_WORK_PER_S / usize::from(params.loop_rate_hz.max(1)),
             mpc_linearisations: params.linearisations.into(),
             ground_idle_command: f32::from(params.ground_idle_percent) / 100.0,
             flight_idle_command: f32::from(params.flight_idle_percent) / 100.0,
@@ -258,6 +263,7 @@ mod tests {
                 let params = Params { rig, control_horizon, motor_limits, linearisations, ..Params::DEFAULT };
                 let settings = Setup::new(&params).unwrap().mpc;
                 assert_eq!(settings.motors.is_some(), motor_limits && control_horizon <= 10);
+                assert!(settings.motors.is_none_or(|motors| motors.work_limit == 20_000), "2.5 ms a plan");
                 let prepared = Mpc::<HORIZON>::prepare_shorter(control_horizon.into(), &settings);
                 assert!(prepared.is_ok(), "{params:?}");
             }

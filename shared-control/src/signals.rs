@@ -192,7 +192,7 @@ pub struct Plan {
     pub step: u32,
     /// First torque of the plan, N m (roll, pitch, heading).
     pub torque_nm: [f32; 3],
-    /// How the solution ended; only [`PlanStatus::Solved`] may be applied.
+    /// How the solution ended; only [`PlanStatus::Solved`] and [`PlanStatus::Curtailed`] may be applied.
     pub status: PlanStatus,
     /// Solver iterations, summed over the axes.
     pub iterations: u16,
@@ -228,6 +228,9 @@ pub enum PlanStatus {
     /// The data were not finite, or the factorisation broke down.
     #[default]
     NumericalError,
+    /// Each axis is solved, and together they ask for more than the motors have; the program that couples them ended at
+    /// its work limit. The torque is what it had come to, cut to what the motors have.
+    Curtailed,
 }
 
 impl PlanStatus {
@@ -238,6 +241,7 @@ impl PlanStatus {
             PlanStatus::IterationLimit => 1,
             PlanStatus::Infeasible => 2,
             PlanStatus::NumericalError => 3,
+            PlanStatus::Curtailed => 4,
         }
     }
 
@@ -247,6 +251,7 @@ impl PlanStatus {
             0 => PlanStatus::Solved,
             1 => PlanStatus::IterationLimit,
             2 => PlanStatus::Infeasible,
+            4 => PlanStatus::Curtailed,
             _ => PlanStatus::NumericalError,
         }
     }

@@ -242,6 +242,7 @@ tuning_fields! {
     mpc_gyro_delay_s: f32,
     mpc_motor_limits: bool,
     mpc_torque_reserve: f32,
+    mpc_work_limit: usize,
     mpc_linearisations: usize,
     ground_idle_command: f32,
     flight_idle_command: f32,

@@ -45,3 +45,20 @@ fn a_torque_step_moves_the_mpc_less_than_the_cascade() {
         assert!(ours[0] < theirs[0] && 3.0 * ours[1] < theirs[1], "{share}: {ours:?} {theirs:?}");
     }
 }
+
+/// Against the INDI the order is that of the table: it tracks worse than the MPC on every vehicle, is thrown farther by
+/// a torque step, and has the least noise on the motors; and it is the INDI that flies, at every step.
+#[test]
+fn the_plain_indi_is_the_quietest_and_tracks_worse() {
+    let draws = campaign::draws(campaign::DRAWS / 50);
+    let [mpc, _] = contenders::tuned();
+    let both = [mpc, contenders::tuned_indi()];
+    let [mpc, indi] = both.each_ref().map(|contender| contender.fly_all(&draws, Weather::Still));
+    assert!(mpc.iter().zip(&indi).all(|(mpc, indi)| mpc.rms_deg < indi.rms_deg), "{mpc:?} {indi:?}");
+    assert!(indi.iter().all(|figures| figures.fallbacks == 0 && figures.overshoot_pct < 10.0), "{indi:?}");
+    let [mpc, indi] = both.each_ref().map(|contender| push_all(contender, &draws));
+    for (mpc, indi) in mpc.iter().zip(&indi) {
+        assert!(3.0 * mpc.peak_deg < indi.peak_deg && indi.peak_deg < 3.0, "{mpc:?} {indi:?}");
+        assert!(indi.command_deviation < 0.7 * mpc.command_deviation, "{mpc:?} {indi:?}");
+    }
+}

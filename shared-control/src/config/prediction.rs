@@ -34,6 +34,7 @@ pub fn mpc_settings(vehicle: &VehicleParameters, tuning: &Tuning, loop_rate_hz: 
             torque_reserve: tuning.mpc_torque_reserve,
             lift_per_torque_1_m: [vehicle.lever_m(), vehicle.lever_m(), vehicle.torque_per_lift_m]
                 .map(|arm_m| 0.25 / arm_m),
+            work_limit: u32::try_from(tuning.mpc_work_limit).ok().filter(|limit| *limit > 0).unwrap_or(u32::MAX),
             yaw_locked: vehicle.yaw_locked,
         }),
         preview: Preview {

@@ -73,6 +73,10 @@ pub struct Tuning {
     /// With these: share of the motors' span that is kept for torque on either side of the collective, 0 (the
     /// collective is kept, whatever torque that costs) to 1/2 (it gives way as far as the mixer lets it).
     pub mpc_torque_reserve: f32,
+    /// With these: most work of one plan's coupled program, in units of a row's entry multiplied and added; what it has
+    /// come to by then is cut to what the motors have. 0 for no limit; the board has 20,000 at 400 Hz, 80,000 at 100
+    /// Hz.
+    pub mpc_work_limit: usize,
     /// Linearisations of the pitch axis along roll, 1 to [`LINEARISATIONS_MAX`].
     pub mpc_linearisations: usize,
     /// Command of every motor that is armed on the ground; 0 where the motors of a simulation have no dead band.
@@ -124,6 +128,7 @@ impl Tuning {
             mpc_gyro_delay_s: 0.0,
             mpc_motor_limits: false,
             mpc_torque_reserve: 0.5,
+            mpc_work_limit: 0,
             mpc_linearisations: 1,
             ground_idle_command: 0.0,
             flight_idle_command: 0.0,

@@ -27,7 +27,7 @@ pub enum TorqueSource {
     Mpc,
     /// The cascade, because no plan came in time.
     CascadeNoPlan,
-    /// The cascade, because the plan was not solved.
+    /// The cascade, because the plan was not solved; never one that is [`PlanStatus::Curtailed`], which flies.
     CascadeUnsolved(PlanStatus),
     /// A motor is lost: the thrust's axis alone is controlled, with the three others.
     ReducedAttitude,

@@ -19,6 +19,8 @@ pub struct MotorSettings {
     pub torque_reserve: f32,
     /// Lift per motor that a torque takes, 1/m (roll, pitch, yaw).
     pub lift_per_torque_1_m: [f32; 3],
+    /// Most work of a plan's coupled program, in units of [`crate::qp::Settings::work_limit`].
+    pub work_limit: u32,
     /// True on a rig whose heading can't move: yaw torque is not requested.
     pub yaw_locked: bool,
 }
@@ -116,7 +118,7 @@ impl Coupled<'_> {
         self.room.holds(self.shares_n(torque_nm))
     }
 
-    /// The first torques of the coupled plan, N m, zero unless solved; with status and iterations.
+    /// The first torques of the coupled plan, N m, zero unless solved or cut short; with status and iterations.
     pub(super) fn solve(
         &self,
         linearisation: usize,
@@ -129,7 +131,7 @@ impl Coupled<'_> {
         let [roll_n, pitch_n, yaw_n] = self.shares_n(torque_prev_nm);
         let forecasts = [(roll, roll_n), (pitch, pitch_n), (heading, yaw_n)]
             .map(|(axis, previous_n)| AxisForecast { error_rad: axis.error_rad, previous_n });
-        let plan = program.solve(&forecasts, &self.room, warm_start);
+        let plan = program.solve(&forecasts, &self.room, self.motors.work_limit, warm_start);
         let mut torque_nm = plan.shares_n;
         for (torque_nm, lift_per_torque_1_m) in torque_nm.iter_mut().zip(self.motors.lift_per_torque_1_m) {
             *torque_nm /= lift_per_torque_1_m;

@@ -45,6 +45,7 @@ fn worse(plan: PlanStatus, axis: Status) -> PlanStatus {
         (PlanStatus::NumericalError, _) | (_, Status::NumericalError) => PlanStatus::NumericalError,
         (PlanStatus::Infeasible, _) | (_, Status::Infeasible) => PlanStatus::Infeasible,
         (PlanStatus::IterationLimit, _) | (_, Status::IterationLimit) => PlanStatus::IterationLimit,
+        (PlanStatus::Curtailed, _) | (_, Status::WorkLimit) => PlanStatus::Curtailed,
         (PlanStatus::Solved, Status::Solved) => PlanStatus::Solved,
     }
 }

@@ -16,7 +16,7 @@
 
 use super::HORIZON;
 use crate::airframe::TORQUE_SIGNS;
-use crate::elementary::{larger, limit, smaller};
+use crate::elementary::{larger, limit, magnitude, smaller};
 use crate::lift_curve::LiftCurve;
 use crate::qp::{Bounds, Qp, QpError, Settings, Status, Workspace};
 
@@ -73,6 +73,24 @@ impl Room {
         smaller(self.down_n, self.up_n)
     }
 
+    /// What the motors can make of the axes' shares, N: roll and pitch scaled down by the same factor, and of yaw what
+    /// fits beside them, as in [`crate::mixer`].
+    pub fn cut(&self, [roll_n, pitch_n, yaw_n]: [f32; 3]) -> [f32; 3] {
+        let [roll, pitch, yaw] = TORQUE_SIGNS;
+        let tilt_n = [0, 1, 2, 3].map(|motor| roll[motor] * roll_n + pitch[motor] * pitch_n);
+        let tilt_share = self.largest_share([0.0; 4], tilt_n);
+        let yaw_share = self.largest_share(tilt_n.map(|motor_n| tilt_share * motor_n), yaw.map(|sign| sign * yaw_n));
+        [tilt_share * roll_n, tilt_share * pitch_n, yaw_share * yaw_n]
+    }
+
+    /// The largest share, at most 1, of `more_n` that each motor has room for beside `held_n`.
+    fn largest_share(&self, held_n: [f32; 4], more_n: [f32; 4]) -> f32 {
+        held_n.iter().zip(more_n).fold(1.0, |share, (held_n, more_n)| {
+            let left_n = larger(if more_n > 0.0 { self.up_n - held_n } else { self.down_n + held_n }, 0.0);
+            if share * magnitude(more_n) > left_n { left_n / magnitude(more_n) } else { share }
+        })
+    }
+
     /// Whether all four motors stay within the room under the axes' shares, N; false for what is no number, and for a
     /// room without end, which no motor has.
     pub fn holds(&self, [roll_n, pitch_n, yaw_n]: [f32; 3]) -> bool {
@@ -110,7 +128,8 @@ pub struct AxisForecast {
 /// The first block of a coupled plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoupledPlan {
-    /// Roll, pitch and yaw share, N; zero unless solved.
+    /// Roll, pitch and yaw share, N; zero unless solved. Where the work limit came first, what the motors can make of
+    /// what had been found.
     pub shares_n: [f32; 3],
     /// How the solve ended.
     pub status: Status,
@@ -154,8 +173,15 @@ impl<const V: usize, const R: usize> MotorLimits<V, R> {
         Ok(Self { qp, axes, yaw_locked })
     }
 
-    /// Solves for these forecasts (roll, pitch, yaw; without yaw torque the last is not read) and this room.
-    pub fn solve(&self, forecasts: &[AxisForecast; 3], room: &Room, warm_start: &mut Workspace<V>) -> CoupledPlan {
+    /// Solves for these forecasts (roll, pitch, yaw; without yaw torque the last is not read) and this room, with at
+    /// most so much work ([`Settings::work_limit`]).
+    pub fn solve(
+        &self,
+        forecasts: &[AxisForecast; 3],
+        room: &Room,
+        work_limit: u32,
+        warm_start: &mut Workspace<V>,
+    ) -> CoupledPlan {
         let shares = shares_of_motors(self.yaw_locked);
         let mut linear = [0.0; V];
         for ((axis, forecast), shares) in self.axes.iter().zip(forecasts).zip(shares) {
@@ -165,11 +191,16 @@ impl<const V: usize, const R: usize> MotorLimits<V, R> {
         let (down_n, up_n) =
             if self.yaw_locked { (room.single_axis_n(), room.single_axis_n()) } else { (room.down_n, room.up_n) };
         let bounds = Bounds { lower: [-down_n; V], upper: [up_n; V], row_lower: [-down_n; R], row_upper: [up_n; R] };
-        let settings = Settings { iteration_limit: ITERATION_LIMIT, ..Settings::default() };
+        let settings = Settings { iteration_limit: ITERATION_LIMIT, work_limit, ..Settings::default() };
         let solution = self.qp.solve(&linear, &bounds, &settings, warm_start);
         let dot =
             |weights: &[f32]| weights.iter().zip(&solution.x).fold(0.0, |sum, (weight, motor)| sum + weight * motor);
         let plan = CoupledPlan { shares_n: shares.map(dot), status: solution.status, iterations: solution.iterations };
+        let plan = if plan.status == Status::WorkLimit {
+            CoupledPlan { shares_n: room.cut(plan.shares_n), ..plan }
+        } else {
+            plan
+        };
         // errors of 1e15 rad leave single precision no digits for the limits
         if room.holds(plan.shares_n) {
             plan

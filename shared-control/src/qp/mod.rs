@@ -21,6 +21,7 @@
 //!
 //! Everything is `+ - * /`, `sqrt` and comparisons in a fixed order: the same bits on every machine.
 
+mod effort;
 mod factor;
 mod prepare;
 mod solve;
@@ -50,6 +51,9 @@ pub struct Bounds<const N: usize, const R: usize> {
 pub struct Settings {
     /// Most changes of the working set, plus one; at least 1.
     pub iteration_limit: u16,
+    /// Most work, in units of one entry of a row multiplied and added; a solve that would take more ends before. With
+    /// room to spare in the type the same solve is counted as more.
+    pub work_limit: u32,
     /// Largest violation that counts as none, as a distance in the norm of H relative to that of z; above the rounding
     /// of a dot product.
     pub feasibility_tolerance: f32,
@@ -59,7 +63,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { iteration_limit: 500, feasibility_tolerance: 1e-6, dependence_tolerance: 1e-5 }
+        Self { iteration_limit: 500, work_limit: u32::MAX, feasibility_tolerance: 1e-6, dependence_tolerance: 1e-5 }
     }
 }
 
@@ -110,6 +114,8 @@ pub enum Status {
     Solved,
     /// The iteration limit was reached first.
     IterationLimit,
+    /// The work limit would have been passed first.
+    WorkLimit,
     /// No point satisfies all constraints.
     Infeasible,
     /// The data were not usable numbers, or overflowed.
@@ -119,17 +125,21 @@ pub enum Status {
 /// What a solve returns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution<const N: usize> {
-    /// The minimiser, inside its bounds to the last bit; all zero unless [`Status::Solved`].
+    /// The minimiser, inside its bounds to the last bit. With [`Status::WorkLimit`] the point reached, inside its
+    /// bounds too, but perhaps not within the general rows; else zero.
     pub x: [f32; N],
     /// How the solve ended.
     pub status: Status,
     /// Working sets examined; 1 when the first was already optimal.
     pub iterations: u16,
+    /// Work done, in the units of [`Settings::work_limit`], and never above it.
+    pub work: u32,
 }
 
 /// The warm start: the constraints that were active at the last solution, and their multipliers.
 ///
-/// Any content is a valid start, also one from another problem; it only costs iterations. A failed solve empties it.
+/// Any content is a valid start, also one from another problem; it only costs iterations. A failed solve empties it;
+/// one that ends at its work limit leaves what it had come to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workspace<const N: usize> {
     active: [HalfSpace; N],

@@ -5,6 +5,7 @@
 //! multipliers. The loop carries multipliers that are dual feasible from the first pass to the last and never lowers
 //! the dual objective; what it works for is primal feasibility.
 
+use super::effort::{Effort, Size};
 use super::factor::Appended;
 use super::prepare::{Qp, length};
 use super::working_set::{HalfSpace, Inequality, WorkingSet};
@@ -21,20 +22,26 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         settings: &Settings,
         workspace: &mut Workspace<N>,
     ) -> Solution<N> {
-        let mut iterations = 0;
+        let mut effort = Effort::new(settings);
         let result = self.check(linear, bounds).and_then(|()| {
             let problem = Projection::new(self, linear, bounds);
-            let mut working = problem.warm_start(workspace, settings.dependence_tolerance);
-            let point = problem.search(&mut working, settings, &mut iterations)?;
-            let x = problem.minimiser(&point, working.active(), bounds)?;
-            Ok((x, working.store()))
+            let mut working = problem.warm_start(workspace, settings.dependence_tolerance, &mut effort);
+            let mut point = [0.0; N];
+            let status = match problem.search(&mut working, &mut point, settings, &mut effort) {
+                Ok(()) => Status::Solved,
+                Err(Status::WorkLimit) => Status::WorkLimit,
+                Err(status) => return Err(status),
+            };
+            *workspace = working.store();
+            Ok((problem.minimiser(&point, working.active(), bounds)?, status))
         });
-        let (x, status, warm_start) = match result {
-            Ok((x, warm_start)) => (x, Status::Solved, warm_start),
-            Err(status) => ([0.0; N], status, Workspace::new()),
-        };
-        *workspace = warm_start;
-        Solution { x, status, iterations }
+        let (x, status) = result.unwrap_or_else(|status| ([0.0; N], status));
+        // what is unfinished goes on from there at the next solve: its multipliers suit any linear term
+        if !matches!(status, Status::Solved | Status::WorkLimit) {
+            *workspace = Workspace::new();
+        }
+        let Effort { iterations, work, .. } = effort;
+        Solution { x, status, iterations, work }
     }
 
     /// Whether the data are numbers, and each constraint for itself can be met.
@@ -55,6 +62,9 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         Ok(())
     }
 }
+
+/// One part in so many of the work limit is for the warm start; what it does not reach is taken in anew where needed.
+const WARM_START_PART: u32 = 2;
 
 /// A constraint outside of which the point lies.
 struct Violation<const N: usize> {
@@ -87,10 +97,18 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
         Self { qp, target: qp.target(linear), limits }
     }
 
+    fn size(&self) -> Size {
+        Size { variables: self.qp.variables().end, rows: self.qp.rows().end, room: N }
+    }
+
     /// The working set of the last solution, as far as this problem has its constraints and they are independent.
-    fn warm_start(&self, workspace: &Workspace<N>, dependence_tolerance: f32) -> WorkingSet<N> {
+    fn warm_start(&self, workspace: &Workspace<N>, dependence_tolerance: f32, effort: &mut Effort) -> WorkingSet<N> {
+        let size = self.size();
         let mut working = WorkingSet::new(self.qp.variable_count, dependence_tolerance);
         for (&half_space, &multiplier) in workspace.active.iter().zip(&workspace.multipliers).take(workspace.count) {
+            if !effort.spend_within(WARM_START_PART, size.appending(working.active().len())) {
+                break;
+            }
             if let Some(inequality) = self.inequality(half_space) {
                 // Any multipliers >= 0 are dual feasible, whatever the linear term has become.
                 let usable = multiplier > 0.0 && multiplier.is_finite();
@@ -100,45 +118,55 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
         working
     }
 
-    /// Changes the working set, one constraint at a time, until all conditions hold; returns the point w.
+    /// Changes the working set, one constraint at a time, until all conditions hold at the point w; or, at the work
+    /// limit, until then.
     fn search(
         &self,
         working: &mut WorkingSet<N>,
+        point: &mut [f32; N],
         settings: &Settings,
-        iterations: &mut u16,
-    ) -> Result<[f32; N], Status> {
+        effort: &mut Effort,
+    ) -> Result<(), Status> {
+        let size = self.size();
         loop {
-            count(iterations, settings)?;
+            effort.examine()?;
+            effort.spend(size.projecting(working.active().len()))?;
             // Stationarity and complementarity: the nearest point with the working set as equalities.
-            let (point, multipliers) = working.nearest_point(&self.target);
+            let multipliers;
+            (*point, multipliers) = working.nearest_point(&self.target);
 
             // Dual infeasible there: walk until the first multiplier vanishes and let go of its constraint.
             if let Some(blocking) = working.walk_to(&multipliers) {
+                effort.spend(size.removing(blocking.position, working.active().len()))?;
                 working.release(blocking);
                 continue;
             }
 
             // Dual and primal feasible: the minimiser.
-            let Some(violated) = self.most_violated(&point, working.active(), settings)? else {
-                return Ok(point);
+            effort.spend(size.comparing(working.active().len()))?;
+            let Some(violated) = self.most_violated(point, working.active(), settings)? else {
+                return Ok(());
             };
 
             // Primal infeasible: hold the most violated constraint. Where its row depends on those held,
             // g = sum c_i g_i, raising its multiplier by t and lowering theirs by c_i t keeps stationarity and raises
             // the dual objective, until the first of theirs vanishes and makes room.
             let mut multiplier = 0.0;
+            effort.spend(size.appending(working.active().len()))?;
             while let Appended::Dependent(combination) = working.append(&violated.constraint, multiplier) {
-                count(iterations, settings)?;
+                effort.examine()?;
                 let fall = combination.map(|entry| -entry);
                 let Some(blocking) = working.first_to_vanish(&fall) else {
                     // None vanishes, the dual objective has no bound: no point is primal feasible (Farkas). Unless the
                     // limits contradict each other by less than the tolerance that each of them has.
                     let shares = fall.iter().fold(1.0, |sum, share| sum + share.abs());
                     let within_tolerance = violated.amount <= shares * violated.tolerance;
-                    return if within_tolerance { Ok(point) } else { Err(Status::Infeasible) };
+                    return if within_tolerance { Ok(()) } else { Err(Status::Infeasible) };
                 };
+                effort.spend(size.removing(blocking.position, working.active().len()))?;
                 working.walk(&fall, blocking.step);
                 working.release(blocking);
+                effort.spend(size.appending(working.active().len()))?;
                 multiplier += blocking.step;
             }
         }
@@ -218,13 +246,4 @@ impl<'a, const N: usize, const R: usize> Projection<'a, N, R> {
         }
         if x.iter().all(|entry| entry.is_finite()) { Ok(x) } else { Err(Status::NumericalError) }
     }
-}
-
-/// Counts one more working set, unless the limit is reached.
-fn count(iterations: &mut u16, settings: &Settings) -> Result<(), Status> {
-    if *iterations >= settings.iteration_limit {
-        return Err(Status::IterationLimit);
-    }
-    *iterations += 1;
-    Ok(())
 }

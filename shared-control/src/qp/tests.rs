@@ -202,6 +202,55 @@ proptest! {
         }
     }
 
+    /// From any start, and for rows that contradict each other as for others: no more work than the limit allows. What
+    /// is solved below it is optimal, what is not is within its bounds, and nothing else comes of a limit.
+    #[test]
+    fn no_solve_works_beyond_its_limit(
+        problem in feasible::<8, 4>(), start in garbage::<8>(), work_limit in 0u32..20_000, contradicts: bool,
+    ) {
+        let mut problem = problem;
+        if contradicts {
+            let negated = problem.rows[0].map(|entry| -entry);
+            problem.rows[3] = negated;
+            (problem.bounds.row_upper[0], problem.bounds.row_upper[3]) = (-1.0, -1.0);
+            (problem.bounds.row_lower[0], problem.bounds.row_lower[3]) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
+        }
+        let settings = Settings { work_limit, ..Settings::default() };
+        let mut workspace = start;
+        let solution = problem.prepare().solve(&problem.linear, &problem.bounds, &settings, &mut workspace);
+        prop_assert!(solution.work <= work_limit, "{} of {}", solution.work, work_limit);
+        match solution.status {
+            Status::Solved => problem.check_optimal(&solution, &workspace)?,
+            Status::WorkLimit => for (entry, (lower, upper)) in
+                solution.x.iter().zip(problem.bounds.lower.iter().zip(&problem.bounds.upper))
+            {
+                prop_assert!(lower <= entry && entry <= upper);
+            },
+            status => prop_assert!(contradicts && status == Status::Infeasible, "{:?}", status),
+        }
+    }
+
+    /// Solved again and again from where it ended, a program comes to its optimum although no solve may do all the
+    /// work: the multipliers that it leaves are as feasible as those that it found.
+    #[test]
+    fn what_a_limit_ends_goes_on_at_the_next_solve(problem in feasible::<8, 4>()) {
+        let (whole, _) = problem.solve();
+        // two full warm starts, and a pass of everything
+        let settings = Settings { work_limit: 9_000, ..Settings::default() };
+        let (qp, mut workspace) = (problem.prepare(), Workspace::new());
+        let mut solves = 0;
+        loop {
+            let solution = qp.solve(&problem.linear, &problem.bounds, &settings, &mut workspace);
+            solves += 1;
+            prop_assert!(solves <= whole.iterations, "no solve without a pass");
+            if solution.status == Status::Solved {
+                problem.check_optimal(&solution, &workspace)?;
+                break;
+            }
+            prop_assert_eq!(solution.status, Status::WorkLimit);
+        }
+    }
+
     /// A last row that is a negative combination of the others, with a limit that contradicts theirs.
     #[test]
     fn contradictory_rows_are_infeasible(
@@ -431,6 +480,25 @@ fn iteration_limit_is_kept() {
         assert_eq!((solution.status, solution.iterations), (expected, iteration_limit));
         assert_eq!(workspace == Workspace::new(), expected == Status::IterationLimit);
     }
+}
+
+/// Each part of a pass costs what it was counted for: at a limit of exactly the work that was needed the same is solved
+/// with the same bits, at one unit less it is not.
+#[test]
+fn work_limit_is_kept() {
+    let mut problem = Problem::<6, 0>::identity([-9.0, 9.0, -8.0, 8.0, -7.0, 7.0]);
+    (problem.bounds.lower, problem.bounds.upper) = ([-1.0; 6], [1.0; 6]);
+    let (whole, _) = problem.solve();
+    let solve = |work_limit| {
+        let settings = Settings { work_limit, ..Settings::default() };
+        problem.prepare().solve(&problem.linear, &problem.bounds, &settings, &mut Workspace::new())
+    };
+    assert_eq!(solve(whole.work), whole);
+    let less = solve(whole.work - 1);
+    assert_eq!(less.status, Status::WorkLimit);
+    assert_eq!(less.x, whole.x, "all but the last look was done");
+    let nothing = solve(0);
+    assert_eq!((nothing.status, nothing.work, nothing.x), (Status::WorkLimit, 0, [0.0; 6]));
 }
 
 #[test]

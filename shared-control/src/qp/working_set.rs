@@ -41,7 +41,7 @@ pub(super) struct WorkingSet<const N: usize> {
 /// Where a walk of the multipliers ends: the first of them to reach zero, after this share of the way.
 #[derive(Clone, Copy)]
 pub(super) struct Blocking {
-    position: usize,
+    pub(super) position: usize,
     pub(super) step: f32,
 }
 

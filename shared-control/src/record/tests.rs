@@ -9,6 +9,7 @@ use crate::supervisor::{Arming, DisarmedBecause, EscStage, Refusal};
 use std::collections::BTreeSet;
 use std::vec::Vec;
 
+/// Those that the cascade may fly for, and the one that it never does.
 const STATUSES: [PlanStatus; 4] =
     [PlanStatus::Solved, PlanStatus::IterationLimit, PlanStatus::Infeasible, PlanStatus::NumericalError];
 
@@ -19,7 +20,8 @@ fn units_healths_and_plans_count_from_nought() {
     assert_eq!(ImuFault::ALL.map(|fault| ImuHealth::Bad(fault).number()), [1, 2, 3, 4]);
     assert_eq!(STATUSES.map(|status| status.number()), [0, 1, 2, 3]);
     assert_eq!(STATUSES.map(|status| PlanStatus::of_number(status.number())), STATUSES);
-    assert_eq!(PlanStatus::of_number(4), PlanStatus::NumericalError);
+    assert_eq!(PlanStatus::of_number(PlanStatus::Curtailed.number()), PlanStatus::Curtailed);
+    assert_eq!((PlanStatus::Curtailed.number(), PlanStatus::of_number(5)), (4, PlanStatus::NumericalError));
     let armings = [
         Arming::Armed,
         Arming::default(),

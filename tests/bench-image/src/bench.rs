@@ -76,6 +76,7 @@ fn report(
         PlanStatus::IterationLimit => "iteration_limit",
         PlanStatus::Infeasible => "infeasible",
         PlanStatus::NumericalError => "numerical_error",
+        PlanStatus::Curtailed => "curtailed",
     };
     writeln!(console, "{case} {index} {status} {iterations} {u0:e} {u1:e} {u2:e}")
 }

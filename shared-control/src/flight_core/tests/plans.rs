@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn a_plan_flies_only_if_it_is_for_this_step_and_solved() {
+fn a_plan_flies_only_if_it_is_for_this_step_and_solved_or_curtailed() {
     let (config, state) = armed(Controller::Mpc);
     let plan = Plan { step: state.step, torque_nm: [0.1, 0.0, 0.0], status: PlanStatus::Solved, ..Plan::default() };
     let source_with = |plan| {
@@ -11,6 +11,10 @@ fn a_plan_flies_only_if_it_is_for_this_step_and_solved() {
         FlightCore::fast(&config, &mut state, &input(1, 0.5, ArmingRequest::None, plan)).source
     };
     assert_eq!(source_with(Some(plan)), TorqueSource::Mpc);
+    let curtailed = Plan { status: PlanStatus::Curtailed, ..plan };
+    assert_eq!(source_with(Some(curtailed)), TorqueSource::Mpc);
+    let beyond = Plan { torque_nm: [3e38, 0.0, 0.0], ..curtailed };
+    assert_eq!(source_with(Some(beyond)), TorqueSource::CascadeUnsolved(PlanStatus::NumericalError));
     assert_eq!(source_with(None), TorqueSource::CascadeNoPlan);
     assert_eq!(source_with(Some(Plan { step: plan.step.wrapping_sub(1), ..plan })), TorqueSource::CascadeNoPlan);
     for status in [PlanStatus::IterationLimit, PlanStatus::Infeasible, PlanStatus::NumericalError] {

@@ -187,7 +187,7 @@ fn agrees_with_the_reference<const V: usize, const R: usize>(
     let expected = reference.solve(forecasts, room);
     let mut warm = Workspace::new();
     for _ in 0..2 {
-        let plan = program.solve(forecasts, room, &mut warm);
+        let plan = program.solve(forecasts, room, u32::MAX, &mut warm);
         prop_assert_eq!(plan.status, Status::Solved);
         prop_assert!(room.holds(plan.shares_n), "{:?} {:?}", plan, room);
         for (found, expected) in plan.shares_n.iter().zip(expected) {
@@ -234,7 +234,7 @@ fn it_is_more_than_cutting_the_axes_own_plans() {
     let (room, forecasts) = (Room { down_n: 0.5, up_n: 0.5 }, steps_of([1.0, 1.0, 0.0]));
     let axes = responses(VEHICLE, 240.0);
     let program = MotorLimits::<10, 0>::prepare(HORIZON, 5, &axes, true).unwrap();
-    let [roll_n, pitch_n, _] = program.solve(&forecasts, &room, &mut Workspace::new()).shares_n;
+    let [roll_n, pitch_n, _] = program.solve(&forecasts, &room, u32::MAX, &mut Workspace::new()).shares_n;
     assert!((roll_n + pitch_n - 0.5).abs() < 1e-5, "motor 3 at its limit: {roll_n} {pitch_n}");
     let reference = Reference { axes, blocks: 5, axis_count: 2 };
     let alone = |axis: usize| {
@@ -259,8 +259,8 @@ fn without_room_there_is_no_torque() {
         assert_eq!(room.single_axis_n(), 0.0);
         let forecasts = steps_of([0.6, -0.3, 0.2]);
         for plan in [
-            locked.solve(&forecasts, &room, &mut Workspace::new()),
-            free.solve(&forecasts, &room, &mut Workspace::new()),
+            locked.solve(&forecasts, &room, u32::MAX, &mut Workspace::new()),
+            free.solve(&forecasts, &room, u32::MAX, &mut Workspace::new()),
         ] {
             assert_eq!(plan.status, Status::Solved);
             assert!(plan.shares_n.iter().all(|share_n| share_n.abs() <= 1e-5), "{plan:?}");
@@ -318,7 +318,7 @@ proptest! {
             forecast.previous_n = bits[1];
         }
         let room = Room { down_n: bits[9], up_n: bits[10] };
-        let plan = program.solve(&forecasts, &room, &mut Workspace::new());
+        let plan = program.solve(&forecasts, &room, u32::MAX, &mut Workspace::new());
         prop_assert!(plan.shares_n.iter().all(|share_n| share_n.is_finite()));
         prop_assert!(plan.status == Status::Solved || plan.shares_n == [0.0; 3], "{:?}", plan);
         let numbers = forecasts.iter().flat_map(|forecast| forecast.error_rad.iter().chain([&forecast.previous_n]));
@@ -346,7 +346,7 @@ fn figures() {
         for _ in 0..2000 {
             let forecasts = forecasts().new_tree(&mut runner).unwrap().current();
             let room = rooms().new_tree(&mut runner).unwrap().current();
-            let plan = program.solve(&forecasts, &room, &mut Workspace::new());
+            let plan = program.solve(&forecasts, &room, u32::MAX, &mut Workspace::new());
             assert_eq!(plan.status, Status::Solved, "M = {blocks}, {yaw_locked}: {plan:?} {room:?} {forecasts:?}");
             coupled += u32::from(plan.iterations > 1);
             iterations.push(plan.iterations);

@@ -123,15 +123,24 @@ pub fn tuned() -> [Contender; 2] {
     [Contender::new("MPC", MPC_FILE), Contender::new("cascade", CASCADE_FILE)]
 }
 
-/// In free flight, as each follows from the vehicle: the MPC with alerts, as it is where nobody chooses them, and the
-/// cascade.
+/// Motors' lag of the gimbal's nominal vehicle over that of the F450 in free flight, 32 ms over 53 ms.
+const LAG_RATIO: f32 = 0.032 / 0.053;
+
+/// In free flight, as each follows from the vehicle: the MPC with alerts, as it is where nobody chooses them, the
+/// cascade, and the INDI, for which nothing does: its tuned gains, slower by as much as the motors are.
 pub fn in_free_flight() -> Vec<Contender> {
     let of = |name, text| Contender { rig: Rig::Free, ..Contender::new(name, text) };
     let alert = "controller = \"mpc\"\n[tuning]\nmpc_disturbance_alert = \"significant\"\nmpc_gyro_delay_s = 0.00225\n";
+    let mut indi = Contender { rig: Rig::Free, ..tuned_indi() };
+    let tuning = &mut indi.choice.tuning;
+    for gains in [&mut tuning.angle_gain_1_s, &mut tuning.rate_proportional_1_s].into_iter().flatten() {
+        *gains = gains.map(|gain_1_s| LAG_RATIO * gain_1_s);
+    }
     vec![
         of("MPC, alerts", alert),
         of("MPC, one bandwidth", "controller = \"mpc\"\n"),
         of("cascade", "controller = \"pid\"\n"),
+        indi,
     ]
 }
 

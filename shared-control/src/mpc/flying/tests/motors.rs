@@ -20,6 +20,7 @@ pub(super) fn with_motors(span_n: f32, yaw_locked: bool) -> MpcSettings {
         lift_curve: LiftCurve::straight(span_n),
         torque_reserve: 0.1,
         lift_per_torque_1_m: LIFT_PER_TORQUE_1_M,
+        work_limit: u32::MAX,
         yaw_locked,
     };
     MpcSettings {
@@ -98,6 +99,22 @@ proptest! {
             for axis in 0..3 {
                 prop_assert!((plan.torque_nm[axis] - cold.torque_nm[axis]).abs() <= 1e-5, "{:?} {:?}", plan, cold);
             }
+        }
+    }
+
+    /// However little work a plan may take, whatever the request and the warm start: it is one that the motors can
+    /// make, and is flown.
+    #[test]
+    fn plans_that_are_cut_short_are_what_the_motors_can_make(
+        requests in prop::collection::vec(request(), 4), yaw_locked: bool, work_limit in 0u32..30_000
+    ) {
+        let mut settings = with_motors(2.0, yaw_locked);
+        settings.motors.as_mut().unwrap().work_limit = work_limit;
+        let (mpc, mut state) = (Mpc::<10>::prepare(&settings).unwrap(), MpcState::new());
+        for request in requests {
+            let plan = mpc.plan(&mut state, &request);
+            prop_assert!(matches!(plan.status, PlanStatus::Solved | PlanStatus::Curtailed), "{:?}", plan);
+            prop_assert!(room_of(&settings, &request).holds(shares_n(plan.torque_nm)), "{:?}", plan);
         }
     }
 
@@ -244,6 +261,23 @@ fn the_coupled_programs_work_is_counted() {
     let fits = together([plan.torque_nm[0], plan.torque_nm[1]]);
     assert!(fits < 0.9 * together([own[0].input, own[1].input]), "together they don't fit: {plan:?} {own:?}");
     assert!(plan.iterations > iterations(&own), "{plan:?}");
+}
+
+/// With too little work for the coupled program, what it came to turns the vehicle the same way, and the status says
+/// that it was cut short.
+#[test]
+fn a_plan_that_is_cut_short_says_so() {
+    let plan_with = |work_limit| {
+        let mut settings = with_motors(2.0, false);
+        settings.motors.as_mut().unwrap().work_limit = work_limit;
+        let mut request = PlanRequest { lift_per_motor_n: 1.0, ..PlanRequest::default() };
+        (request.reference.reference[0].angle_rad, request.reference.reference[1].angle_rad) = (1.0, 1.0);
+        Mpc::<5>::prepare(&settings).unwrap().plan(&mut MpcState::new(), &request)
+    };
+    let (whole, half) = (plan_with(u32::MAX), plan_with(2_000));
+    assert_eq!((whole.status, half.status), (PlanStatus::Solved, PlanStatus::Curtailed));
+    assert!(half.iterations < whole.iterations, "{half:?} {whole:?}");
+    assert!(whole.torque_nm[0] > 0.0 && half.torque_nm[0] > 0.5 * whole.torque_nm[0], "{half:?} {whole:?}");
 }
 
 /// Yaw torque takes most of a motor's lift: beside it roll gets what is left, however little it wants.
