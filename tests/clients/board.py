@@ -35,6 +35,16 @@ def owner(ground, watch):
     watch.lap(f"a new board: \"{text.text}\", confirmed")
 
 
+def arm(ground, patience_s=60):
+    """As soon as it may be: on a busy computer the board is slower than time."""
+    until, result = time.monotonic() + patience_s, None
+    while result != connect.ACCEPTED and time.monotonic() < until:
+        ground.beat()
+        ground.wait("HEARTBEAT", patience_s=1)
+        result = ground.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+    expect(result == connect.ACCEPTED, f"armed within {patience_s} s")
+
+
 def describes_itself(port, watch):
     with tempfile.TemporaryDirectory() as folder:
         link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{port}", source_system=255)
