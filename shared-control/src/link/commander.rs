@@ -5,7 +5,8 @@
 //! set-point from the sticks ends it: from then on they fly. Their throttle counts once it was low after arming, so
 //! that no vehicle takes off with a stick that stands in the middle. Sticks that fall silent for half a second leave
 //! the throttle as it is and mean level. The link's age counts from the last `MANUAL_CONTROL` where the sticks fly,
-//! else from the last `MANUAL_CONTROL` or `HEARTBEAT`.
+//! else from the last `MANUAL_CONTROL` or `HEARTBEAT`; on the ground sticks fly no longer once they were silent as long
+//! as loses a link.
 //!
 //! In offboard a companion computer's set-points fly instead of sticks, with the same rules when they fall silent. The
 //! mode is entered on command while they come, and left on command or when the vehicle is disarmed.
@@ -24,7 +25,7 @@ use super::settings::LinkSettings;
 use crate::io_chip::{IoReport, Safety};
 use crate::radio::{Pilot, StickOrder, Sticks};
 use crate::signals::{ArmingBlocks, ArmingRequest, Setpoint, StepInput};
-use crate::supervisor::{Arming, DisarmedBecause, IDLE_THROTTLE_MAX, Refusal};
+use crate::supervisor::{Arming, DisarmedBecause, IDLE_THROTTLE_MAX, LINK_LOST_AFTER_US, Refusal};
 use crate::test_sequence;
 
 /// Orders that may wait for their step; what comes beyond that is answered as busy.
@@ -215,6 +216,7 @@ impl Commander {
     /// What the next step is to do. Carries at most one request.
     pub fn commands(&mut self, time_us: u64) -> Commands {
         self.take_radio(time_us);
+        self.forget_sticks(time_us);
         let killed = self.pilot.as_ref().is_some_and(|pilot| pilot.kills(time_us));
         let stops = killed && !matches!(self.arming, Arming::Disarmed(_));
         // what waits is refused in the next step
@@ -310,6 +312,16 @@ impl Commander {
                 self.throttle_counts |= self.is_armed() && sticks.throttle <= IDLE_THROTTLE_MAX;
                 self.source = self.sticks_of(&sticks, time_us);
             }
+        }
+    }
+
+    /// On the ground a joystick that was put away holds nobody up: whoever is there without one may arm. In the air its
+    /// silence is a lost link, whatever heartbeats say.
+    fn forget_sticks(&mut self, time_us: u64) {
+        if let (Source::Sticks { heard_us, .. }, Arming::Disarmed(_), None) = (&self.source, &self.arming, &self.pilot)
+            && time_us.saturating_sub(*heard_us) >= LINK_LOST_AFTER_US
+        {
+            self.source = Source::Nobody;
         }
     }
 

@@ -10,8 +10,8 @@ use mavlink::{MAV_STX_V2, MavlinkVersion, MessageData, calculate_crc};
 
 use super::signing::signature::{SIGNATURE_LEN, Signer};
 
-/// Longest payload that is taken: that of `LOG_DATA`, which a ground station takes. Longer ones may be written.
-pub const PAYLOAD_MAX: usize = 97;
+/// Longest payload that is taken: that of `FILE_TRANSFER_PROTOCOL`, the longest message that is understood.
+pub const PAYLOAD_MAX: usize = 254;
 /// Longest frame that is taken or written.
 pub const FRAME_MAX: usize = HEADER_LEN + PAYLOAD_MAX + CRC_LEN + SIGNATURE_LEN;
 
