@@ -142,6 +142,11 @@ impl Ground {
         self.bytes_heard
     }
 
+    /// Of these, such that belonged to no frame.
+    pub fn bytes_skipped(&self) -> u32 {
+        self.finder.bytes_skipped
+    }
+
     /// Heartbeats of the board so far.
     pub fn heartbeats(&self) -> u32 {
         self.heartbeats
