@@ -26,8 +26,6 @@ FLOWN_S = 10.5
 MODEL = pathlib.Path(__file__).parents[2] / "models" / "f450-gimbal.toml"
 # of what the vehicle has: what an interval of 95 % may miss, and what a second-order motor leaves of a first-order lag
 SCALE_WITHIN, LAG_WITHIN_S = 0.1, 0.006
-# from power-on until a computer has found the serial port
-FOUND_S = 10
 # the right model is faster by about a quarter in pitch; roll, which turns less inertia, by a tenth
 BETTER = 0.95
 
@@ -37,7 +35,7 @@ def restart(ground, port):
     expect(ground.command(mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == connect.ACCEPTED, "restarts")
     ground.link.close()
     time.sleep(2.0)
-    return connect.Ground(port, FOUND_S)
+    return connect.Ground(port, board.FOUND_S)
 
 
 def set_parameter(ground, name, value):
@@ -108,7 +106,7 @@ def main():
     effects = [f"{name}:{parameter}={value}" for name, (parameter, value) in EFFECTS.items()]
     with tempfile.TemporaryDirectory() as folder, Board(server, elf, *effects) as served:
         watch = Stopwatch()
-        ground = connect.Ground(served.usb_port, FOUND_S)
+        ground = connect.Ground(served.usb_port, board.FOUND_S)
         board.owner(ground, watch)
         set_parameter(ground, "CONTROLLER", 1.0)
         ground = restart(ground, served.usb_port)

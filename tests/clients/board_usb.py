@@ -20,8 +20,6 @@ import signing
 from bad_link import SEED, AsDatagrams, BadLink
 from served import Board, Stopwatch, expect
 
-# from power-on until a computer has found the serial port, on a busy computer
-FOUND_S = 10
 # a download over the bad link, on a busy computer
 PATIENCE_S = 300
 
@@ -42,7 +40,7 @@ def log_something(ground):
 
 
 def downloads(served, folder, watch):
-    ground = connect.Ground(served.usb_port, FOUND_S)
+    ground = connect.Ground(served.usb_port, board.FOUND_S)
     board.owner(ground, watch)
     log_something(ground)
     entries = logs.listed(ground.link)
@@ -92,7 +90,7 @@ def signs(served, watch):
     owner.link.mav.command_long_send(1, 1, mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 0, 1, 0, 0, 0, 0, 0, 0)
     time.sleep(1.0)
     owner, radio = signing.Ground(served.usb_port, signing.KEY), signing.Ground(served.port)
-    expect(owner.read(FOUND_S, "HEARTBEAT"), "the board is back")
+    expect(owner.read(board.FOUND_S, "HEARTBEAT"), "the board is back")
     radio.repeat(replayed)
     expect(owner.read(1, "COMMAND_ACK") is None, "nothing old passes a restart")
     expect(owner.obeyed_soon(), "the owner does")

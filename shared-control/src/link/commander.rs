@@ -25,7 +25,7 @@ use super::settings::LinkSettings;
 use crate::io_chip::{IoReport, Safety};
 use crate::radio::{Pilot, StickOrder, Sticks};
 use crate::signals::{ArmingBlocks, ArmingRequest, Setpoint, StepInput};
-use crate::supervisor::{Arming, DisarmedBecause, IDLE_THROTTLE_MAX, LINK_LOST_AFTER_US, Refusal};
+use crate::supervisor::{Arming, DisarmedBecause, IDLE_THROTTLE_MAX, Refusal};
 use crate::test_sequence;
 
 /// Orders that may wait for their step; what comes beyond that is answered as busy.
@@ -312,16 +312,6 @@ impl Commander {
                 self.throttle_counts |= self.is_armed() && sticks.throttle <= IDLE_THROTTLE_MAX;
                 self.source = self.sticks_of(&sticks, time_us);
             }
-        }
-    }
-
-    /// On the ground a joystick that was put away holds nobody up: whoever is there without one may arm. In the air its
-    /// silence is a lost link, whatever heartbeats say.
-    fn forget_sticks(&mut self, time_us: u64) {
-        if let (Source::Sticks { heard_us, .. }, Arming::Disarmed(_), None) = (&self.source, &self.arming, &self.pilot)
-            && time_us.saturating_sub(*heard_us) >= LINK_LOST_AFTER_US
-        {
-            self.source = Source::Nobody;
         }
     }
 

@@ -34,10 +34,10 @@ const CARD_BYTES_MIN: usize = 32 << 20;
 const CLUSTER_BYTES: u32 = 4096;
 /// The loop's interrupt (TIM3).
 const LOOP: u8 = 29;
-/// Seven messages that can be had at a rate of one's own, at intervals that their owner's line has no room for together.
+/// Messages that can be had at a rate of one's own, at intervals that the line has no room for together.
 const STREAMS: [f32; 7] = [30.0, 31.0, 83.0, 36.0, 65.0, 105.0, 1.0];
-/// Steps that the log may leave out, 1/1000: where several of the card's long pauses, 100 to 250 ms in one of 25 writes,
-/// come close together, the ring's 0.65 s are used up (1.4 in ten minutes).
+/// Steps that the log may leave out, 1/1000: where several of the card's long pauses, 100 to 250 ms in one of 25
+/// writes, come close together, the ring's 0.65 s are used up (1.4 in ten minutes).
 const LEFT_OUT_PERMILLE_MAX: u64 = 5;
 /// From an FTP burst to the next: a burst is two dozen pieces.
 const BURST_MS: u64 = 200;

@@ -1,5 +1,5 @@
-//! A bus on which packets are damaged: who receives one ignores it (USB 2.0, sections 8.6 and 8.7.1), and the host tries
-//! the transaction again.
+//! A bus on which packets are damaged: who receives one ignores it (USB 2.0, sections 8.6 and 8.7.1), and the host
+//! tries the transaction again.
 
 /// What a transaction has lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
