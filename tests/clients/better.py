@@ -26,8 +26,8 @@ FLOWN_S = 10.5
 MODEL = pathlib.Path(__file__).parents[2] / "models" / "f450-gimbal.toml"
 # of what the vehicle has: what an interval of 95 % may miss, and what a second-order motor leaves of a first-order lag
 SCALE_WITHIN, LAG_WITHIN_S = 0.1, 0.006
-# the whole sequence by `sil fly` with and without the right model: 5 % less in roll, 20 % in pitch; this beginning of it
-# has more roll. Telemetry at 25 Hz sees each step of 30 degrees up to 40 ms late, 2 % of the mean
+# the whole sequence by `sil fly` with and without the right model: 5 % less in roll, 20 % in pitch; this beginning of
+# it has more roll. Telemetry at 25 Hz sees each step of 30 degrees up to 40 ms late, 2 % of the mean
 BETTER = 0.95
 
 

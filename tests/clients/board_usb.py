@@ -51,7 +51,8 @@ def downloads(served, folder, watch):
     read = ULog(str(path))
     topics = {one.name for one in read.data_list}
     # the cascade flies: nothing of the MPC
-    expect(topics == logs.TOPICS - {"mpc_status"} and not read.dropouts and not read.file_corruption, f"pyulog opens it: {topics}")
+    expect(topics == logs.TOPICS - {"mpc_status"}, f"pyulog opens it: {topics}")
+    expect(not read.dropouts and not read.file_corruption, "nothing is missing, nothing damaged")
     ground.link.close()
     watch.lap(f"{len(log)} bytes of log by pymavlink, {len(topics)} topics in it")
     found, words = logs.by_mavproxy(folder, f"tcp:127.0.0.1:{served.usb_port}")

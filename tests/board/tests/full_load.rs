@@ -122,11 +122,11 @@ impl Load {
                 self.usb.send(&mut flight.machine, &heartbeat);
             }
             let at_ms = slice * SLICE_MS;
-            if at_ms % 1000 == 0 {
+            if at_ms.is_multiple_of(1000) {
                 let list = PARAM_REQUEST_LIST_DATA { target_system: 1, target_component: 1 };
                 self.usb.send(&mut flight.machine, &list);
             }
-            if at_ms % BURST_MS == 0 {
+            if at_ms.is_multiple_of(BURST_MS) {
                 // open it, then have it in bursts, again and again
                 let (opcode, name) = if self.files_asked == 0 { (4, &b"/parameters.json"[..]) } else { (15, &b""[..]) };
                 self.files_asked += 1;
