@@ -4,11 +4,11 @@
 //! changed, or cut off. Whatever the bytes: exactly the frames are found that the stream holds when it is read from its
 //! start, and every other byte is counted as skipped.
 
-use shared_control::link::frame::{Frame, FrameFinder, PAYLOAD_MAX};
+use shared_control::link::frame::{FRAME_MAX, Frame, FrameFinder, PAYLOAD_MAX};
 
 const CHUNK_BYTES: usize = 40;
 /// More than the longest frame, so that none is left unfinished at the end.
-const TAIL_BYTES: usize = 130;
+const TAIL_BYTES: usize = FRAME_MAX + 1;
 const SIGNED: u8 = 1;
 
 /// Some messages are understood, others are not.

@@ -1,4 +1,4 @@
-"""A link that loses a fifth of the datagrams, doubles and swaps others."""
+"""A link that loses a fifth of the datagrams, doubles and swaps others, and how a serial line becomes one."""
 
 import random
 import socket
@@ -6,6 +6,51 @@ import threading
 
 LOST, DOUBLED, SWAPPED = 0.2, 0.1, 0.1
 SEED = 1
+
+
+# of a frame of MAVLink 2: its start, and its length without payload and signature
+START, AROUND, SIGNATURE = 0xFD, 12, 13
+
+
+class AsDatagrams(threading.Thread):
+    """A serial line at a TCP port as a link of datagrams, each a frame: what an adapter with a network does."""
+
+    def __init__(self, port, ground_port):
+        super().__init__(daemon=True)
+        self.line = socket.create_connection(("127.0.0.1", port))
+        self.line.settimeout(0.005)
+        self.link, self.to = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), ("127.0.0.1", ground_port)
+        self.link.setblocking(False)
+        self.held, self.ended = b"", threading.Event()
+
+    def run(self):
+        while not self.ended.is_set():
+            try:
+                self.held += self.line.recv(4096)
+            except TimeoutError:
+                pass
+            for frame in self.frames():
+                self.link.sendto(frame, self.to)
+            try:
+                while True:
+                    self.line.sendall(self.link.recv(4096))
+            except BlockingIOError:
+                pass
+        self.line.close()
+
+    def frames(self):
+        """All whole frames; what lies between them is nobody's."""
+        while (start := self.held.find(START)) >= 0 and len(self.held) >= start + AROUND:
+            signature = SIGNATURE if self.held[start + 2] & 1 else 0
+            end = start + AROUND + self.held[start + 1] + signature
+            if len(self.held) < end:
+                return
+            yield self.held[start:end]
+            self.held = self.held[end:]
+
+    def end(self):
+        self.ended.set()
+        self.join()
 
 
 class BadLink(threading.Thread):

@@ -21,6 +21,8 @@ from served import Board, Stopwatch, expect
 
 # of power-on or a restart until the gyro is calibrated
 REST_S = 5.0
+# from power-on until the board is heard, over USB until a computer has found the port; on a busy computer
+FOUND_S = 10
 
 
 def owner(ground, watch):
@@ -33,6 +35,16 @@ def owner(ground, watch):
     expect(text is not None and "confirm defaults" in text.text, f"the reason in words: {text}")
     expect(ground.command(mavlink.MAV_CMD_PREFLIGHT_STORAGE, 1) == connect.ACCEPTED, "confirmed")
     watch.lap(f"a new board: \"{text.text}\", confirmed")
+
+
+def arm(ground, patience_s=60):
+    """As soon as it may be: on a busy computer the board is slower than time."""
+    until, result = time.monotonic() + patience_s, None
+    while result != connect.ACCEPTED and time.monotonic() < until:
+        ground.beat()
+        ground.wait("HEARTBEAT", patience_s=1)
+        result = ground.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+    expect(result == connect.ACCEPTED, f"armed within {patience_s} s")
 
 
 def describes_itself(port, watch):
@@ -53,7 +65,7 @@ def main():
     start = time.monotonic()
     with Board(*sys.argv[1:3]) as board:
         watch = Stopwatch()
-        ground = connect.Ground(board.port)
+        ground = connect.Ground(board.port, FOUND_S)
         owner(ground, watch)
         connect.connect(ground, watch)
         connect.answers(ground, watch)
@@ -66,7 +78,6 @@ def main():
         # what it sets is stored for the next start, which does not come
         describes_itself(board.port, watch)
         asyncio.run(companion.fly(board.port, watch))
-        # last of all: once there were sticks, the vehicle waits for sticks, whatever heartbeats say
         connect.flies(connect.Ground(board.port), watch)
         print(f"  {time.monotonic() - start:.0f} s; the board ran at {board.speed()}")
 

@@ -19,10 +19,10 @@ UNSUPPORTED, DENIED, ACCEPTED, REJECTED = 3, 2, 0, 1
 class Ground:
     """A ground station's side of the link."""
 
-    def __init__(self, port):
+    def __init__(self, port, patience_s=3):
         self.link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{port}", source_system=255, source_component=190)
-        self.heartbeat = self.link.wait_heartbeat(timeout=3)
-        expect(self.heartbeat is not None, "a heartbeat within 3 s")
+        self.heartbeat = self.link.wait_heartbeat(timeout=patience_s)
+        expect(self.heartbeat is not None, f"a heartbeat within {patience_s} s")
         self.beat()
 
     def beat(self):

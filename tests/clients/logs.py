@@ -22,6 +22,8 @@ from bad_link import BadLink
 from served import Served, Stopwatch, expect, mavproxy
 
 PIECE = 90
+# requests that wait at the vehicle
+WAITING_MAX = 20
 TOPICS = {"sensor_combined", "vehicle_angular_velocity", "vehicle_attitude", "actuator_motors",
           "vehicle_attitude_setpoint", "vehicle_rates_setpoint", "battery_status", "mpc_status", "vehicle_status"}
 
@@ -77,17 +79,29 @@ def listed(link):
     expect(False, f"the list is whole: {entries}")
 
 
-def downloaded(link, entry):
-    """A log in chunks of 512 pieces, as QGroundControl asks for it."""
+def gaps(missing):
+    """Runs of pieces without a break: first and last."""
+    runs = []
+    for piece in missing:
+        if runs and runs[-1][1] + 1 == piece:
+            runs[-1][1] = piece
+        else:
+            runs.append([piece, piece])
+    return runs
+
+
+def downloaded(link, entry, patience_s=60):
+    """A log in chunks of 512 pieces, as QGroundControl asks for it, and then its gaps, as many as may wait."""
     log, have = bytearray(entry.size), set()
     pieces = math.ceil(entry.size / PIECE)
-    asked, asked_chunk, end = 0.0, None, time.monotonic() + 60
+    asked, asked_chunk, end = 0.0, None, time.monotonic() + patience_s
     while len(have) < pieces and time.monotonic() < end:
         chunk = min(at for at in range(pieces) if at not in have) // 512 * 512
-        missing = [at for at in range(chunk, min(chunk + 512, pieces)) if at not in have]
         if time.monotonic() - asked > 1.0 or chunk != asked_chunk:
             asked, asked_chunk = time.monotonic(), chunk
-            link.mav.log_request_data_send(1, 1, entry.id, missing[0] * PIECE, (missing[-1] + 1 - missing[0]) * PIECE)
+            missing = [at for at in range(chunk, min(chunk + 512, pieces)) if at not in have]
+            for first, last in gaps(missing)[:WAITING_MAX]:
+                link.mav.log_request_data_send(1, 1, entry.id, first * PIECE, (last + 1 - first) * PIECE)
         piece = link.recv_match(type="LOG_DATA", blocking=True, timeout=0.1)
         if piece is not None and piece.id == entry.id and piece.count:
             asked = time.monotonic()
@@ -98,10 +112,10 @@ def downloaded(link, entry):
     return bytes(log)
 
 
-def by_mavproxy(folder, client_port):
+def by_mavproxy(folder, master):
     """What MAVProxy makes of the first log."""
     path = pathlib.Path(folder) / "mavproxy.ulg"
-    found = mavproxy(f"udpout:127.0.0.1:{client_port}", "log", folder, "--cmd", f"log download 0 {path}",
+    found = mavproxy(master, "log", folder, "--cmd", f"log download 0 {path}",
                      until="Finished downloading", patience_s=200)
     return path.read_bytes(), found.split("ulg ")[-1]
 
@@ -207,7 +221,7 @@ def main():
             watch.lap(f"pyulog: {len(TOPICS)} topics, {attitudes} attitudes and {pulses} pulses as the link had them")
             link.close()
             bad.start()
-            found, words = by_mavproxy(folder, client_port)
+            found, words = by_mavproxy(folder, f"udpout:127.0.0.1:{client_port}")
             expect(found == log, "what MAVProxy downloaded is what was written")
             watch.lap(f"MAVProxy, {bad.lost} of {bad.lost + bad.passed} datagrams lost: {words}")
             link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{served.port}", source_system=255)

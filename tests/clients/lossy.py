@@ -12,6 +12,27 @@ from bad_link import SEED, BadLink
 from served import Served, Stopwatch, expect
 
 
+def parameters(link, patience_s=30):
+    """All of them: name and value by index."""
+    found, count = {}, None
+    until, last_news = time.monotonic() + patience_s, 0.0
+    while time.monotonic() < until and (count is None or len(found) < count):
+        if time.monotonic() - last_news > 0.5:
+            link.mav.heartbeat_send(6, 8, 0, 0, 0)
+            if count is None:
+                link.mav.param_request_list_send(1, 1)
+            else:
+                for index in [index for index in range(count) if index not in found][:10]:
+                    link.mav.param_request_read_send(1, 1, b"", index)
+            last_news = time.monotonic()
+        value = link.recv_match(type="PARAM_VALUE", blocking=True, timeout=0.1)
+        if value is not None:
+            count, last_news = value.param_count, time.monotonic()
+            found[value.param_index] = (value.param_id, value.param_value)
+    expect(count is not None and len(found) == count, f"{len(found)} of {count} parameters in {patience_s} s")
+    return found
+
+
 def main():
     bad = BadLink()
     bad.start()
@@ -19,24 +40,10 @@ def main():
     with Served(sys.argv[1], udp=str(ground_port)):
         watch = Stopwatch()
         link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{client_port}", source_system=255)
-        found, count = {}, None
-        until, last_news = time.monotonic() + 30, 0.0
-        while time.monotonic() < until and (count is None or len(found) < count):
-            if time.monotonic() - last_news > 0.5:
-                link.mav.heartbeat_send(6, 8, 0, 0, 0)
-                if count is None:
-                    link.mav.param_request_list_send(1, 1)
-                else:
-                    for index in [index for index in range(count) if index not in found][:10]:
-                        link.mav.param_request_read_send(1, 1, b"", index)
-                last_news = time.monotonic()
-            value = link.recv_match(type="PARAM_VALUE", blocking=True, timeout=0.1)
-            if value is not None:
-                count, last_news = value.param_count, time.monotonic()
-                found[value.param_index] = (value.param_id, value.param_value)
-        expect(count is not None and len(found) == count, f"{len(found)} of {count} parameters in 30 s")
+        found = parameters(link)
         expect(bad.lost > 10, "the link was bad")
-        watch.lap(f"{count} parameters, {bad.lost} of {bad.lost + bad.passed} datagrams lost, seed {SEED}")
+        watch.lap(f"{len(found)} parameters, {bad.lost} of {bad.lost + bad.passed} datagrams lost, seed {SEED}")
 
 
-main()
+if __name__ == "__main__":
+    main()

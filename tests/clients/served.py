@@ -34,19 +34,24 @@ class Served:
 
 
 class Board:
-    """The emulated board, which executes the firmware's own ELF: its TELEM1 at a TCP port, for one client at a time."""
+    """The emulated board, which executes the firmware's own ELF: TELEM1 and USB each at a TCP port, for one client at a
+    time; in its slot an empty card. Effects are what its vehicle is beyond the one that it takes it for."""
 
-    def __init__(self, server, elf):
-        self.command, self.lines = [server, elf, "0"], []
+    def __init__(self, server, elf, *effects):
+        self.command, self.lines = [server, elf, "0", "0", *effects], []
 
     def __enter__(self):
         self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, text=True)
-        line = self.process.stdout.readline()
-        if not line.startswith("TELEM1 at tcp:"):
-            raise SystemExit(f"{' '.join(self.command)} ended without a port")
-        self.port = int(line.rsplit(":", 1)[1])
+        self.port, self.usb_port = [self.found(name) for name in ["TELEM1", "USB"]]
         threading.Thread(target=lambda: self.lines.extend(self.process.stdout), daemon=True).start()
         return self
+
+    def found(self, name):
+        """The port that its next line says."""
+        line = self.process.stdout.readline()
+        if not line.startswith(f"{name} at tcp:"):
+            raise SystemExit(f"{' '.join(self.command)} ended without a port")
+        return int(line.rsplit(":", 1)[1])
 
     def __exit__(self, *_):
         self.process.terminate()

@@ -32,8 +32,8 @@ const PACKAGES: [&str; 11] = [
 /// connects to.
 const SCRIPTS: [&str; 8] =
     ["connect.py", "metadata.py", "lossy.py", "signing.py", "console.py", "companion.py", "logs.py", "lock_step.py"];
-/// What they do with the board.
-const BOARD_SCRIPT: &str = "board.py";
+/// What they do with the board, over TELEM1 and over USB; the last, from a flight to a better one, by `sil`, too.
+const BOARD_SCRIPTS: [&str; 3] = ["board.py", "board_usb.py", "better.py"];
 
 /// Installs them in an environment of their own, once, and lets each meet the simulated vehicle, and then the board.
 pub(crate) fn run(workspace: &Workspace) -> Result<()> {
@@ -60,5 +60,6 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     let image = Target::find(workspace)?.build_image()?;
     process::run(workspace.cargo("build").args(["--package", "emulated-board", "--example", "serve_image"]))?;
     let server = workspace.target_dir.join("debug").join("examples").join("serve_image");
-    meet(BOARD_SCRIPT, &[server, image])
+    let board = [server, image, sil];
+    BOARD_SCRIPTS.into_iter().try_for_each(|script| meet(script, &board))
 }

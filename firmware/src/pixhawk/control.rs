@@ -6,7 +6,7 @@ use heapless::Vec;
 use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::io_chip::IoReport;
-use shared_control::link::frame::{FRAME_MAX, FrameWriter};
+use shared_control::link::frame::{CRC_LEN, FrameWriter, HEADER_LEN};
 use shared_control::link::hil::{self, HilTick};
 use shared_control::link::{Answer, COMPONENT_ID, Chore, Commander, LinkSettings, Order, VehicleStatus};
 use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
@@ -75,8 +75,10 @@ pub struct Control {
 /// A quarter of a second at 400 Hz, a second at 100.
 const BEATS_WITHOUT_MESSAGE: u32 = 100;
 
-/// An answer to a tick with hardware in the loop.
-pub type HilAnswer = Vec<u8, FRAME_MAX>;
+/// Bytes of `HIL_ACTUATOR_CONTROLS`, whose payload has 81.
+const HIL_ANSWER_LEN: usize = HEADER_LEN + 81 + CRC_LEN;
+/// An answer to a tick with hardware in the loop; not signed.
+pub type HilAnswer = Vec<u8, HIL_ANSWER_LEN>;
 
 impl Control {
     /// Before the first step.

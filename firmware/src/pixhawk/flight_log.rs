@@ -69,10 +69,10 @@ pub struct FlightLog {
 }
 
 impl FlightLog {
-    /// Before the first look at the slot; `told` as if an empty one had been reported, which is no news.
+    /// Before the first look at the slot.
     pub fn new(card: SdCard, params: &Params, news: Producer<'static, News>) -> Self {
-        let (clock, told) = (TimeBase::START, Some(CardError::Absent));
-        Self { card, log: None, params: *params, news, clock, look_us: 0, told, left_out_before: 0 }
+        let clock = TimeBase::START;
+        Self { card, log: None, params: *params, news, clock, look_us: 0, told: None, left_out_before: 0 }
     }
 
     /// Does what there is to do, a block at most. Recorder and shelf are held as long as it takes to copy a piece.

@@ -62,7 +62,8 @@ pub static LINK: Meter = Meter::new();
 /// Housekeeping.
 pub static HOUSEKEEPING: Meter = Meter::new();
 
-/// Worst cycles of each task, the deepest stack, bytes, and how the last plan and all before it fared.
+/// Worst cycles of each task, the deepest stack, bytes, how the last plan and all before it fared, and what was lost of
+/// the IO chip's replies, of the log and of what USB was to carry.
 pub fn figures(planning: &PlanReport) -> Figures {
     [
         ("cyc_loop", LOOP.worst_cycles()),
@@ -79,6 +80,8 @@ pub fn figures(planning: &PlanReport) -> Figures {
         ("plan_late", planning.deadline_misses),
         ("fallbacks", planning.fallbacks),
         ("io_damaged", counters::IO_DAMAGED.get()),
+        ("log_drop", counters::LOG_STEPS_LEFT_OUT.get()),
+        ("usb_drop", counters::USB_DROPPED.get()),
     ]
 }
 

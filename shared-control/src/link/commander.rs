@@ -5,7 +5,8 @@
 //! set-point from the sticks ends it: from then on they fly. Their throttle counts once it was low after arming, so
 //! that no vehicle takes off with a stick that stands in the middle. Sticks that fall silent for half a second leave
 //! the throttle as it is and mean level. The link's age counts from the last `MANUAL_CONTROL` where the sticks fly,
-//! else from the last `MANUAL_CONTROL` or `HEARTBEAT`.
+//! else from the last `MANUAL_CONTROL` or `HEARTBEAT`; on the ground sticks fly no longer once they were silent as long
+//! as loses a link.
 //!
 //! In offboard a companion computer's set-points fly instead of sticks, with the same rules when they fall silent. The
 //! mode is entered on command while they come, and left on command or when the vehicle is disarmed.
@@ -215,6 +216,7 @@ impl Commander {
     /// What the next step is to do. Carries at most one request.
     pub fn commands(&mut self, time_us: u64) -> Commands {
         self.take_radio(time_us);
+        self.forget_sticks(time_us);
         let killed = self.pilot.as_ref().is_some_and(|pilot| pilot.kills(time_us));
         let stops = killed && !matches!(self.arming, Arming::Disarmed(_));
         // what waits is refused in the next step

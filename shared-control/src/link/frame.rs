@@ -10,8 +10,8 @@ use mavlink::{MAV_STX_V2, MavlinkVersion, MessageData, calculate_crc};
 
 use super::signing::signature::{SIGNATURE_LEN, Signer};
 
-/// Longest payload that is taken: that of `LOG_DATA`, which a ground station takes. Longer ones may be written.
-pub const PAYLOAD_MAX: usize = 97;
+/// Longest payload that is taken: that of `FILE_TRANSFER_PROTOCOL`, the longest message that is understood.
+pub const PAYLOAD_MAX: usize = 254;
 /// Longest frame that is taken or written.
 pub const FRAME_MAX: usize = HEADER_LEN + PAYLOAD_MAX + CRC_LEN + SIGNATURE_LEN;
 
@@ -49,13 +49,12 @@ pub struct FrameFinder {
     pub bytes_skipped: u32,
 }
 
-enum Look {
+/// Why the first byte begins no frame.
+enum NoFrame {
     /// Not enough bytes yet.
-    Wait,
-    /// What the first byte begins is no frame that is understood.
-    NoFrame,
-    /// A frame of this many bytes.
-    Found(Frame, usize),
+    Yet,
+    /// None that is understood.
+    Ever,
 }
 
 impl FrameFinder {
@@ -68,12 +67,14 @@ impl FrameFinder {
         // each round takes at least one byte away
         while !self.held.is_empty() {
             match self.look(&crc_extra) {
-                Look::Wait => return None,
-                Look::NoFrame => {
-                    self.take_away(1);
-                    self.bytes_skipped = self.bytes_skipped.saturating_add(1);
+                Err(NoFrame::Yet) => return None,
+                Err(NoFrame::Ever) => {
+                    let next = self.held.iter().skip(1).position(|byte| *byte == MAV_STX_V2);
+                    let skipped = next.map_or(self.held.len(), |at| at.saturating_add(1));
+                    self.take_away(skipped);
+                    self.bytes_skipped = self.bytes_skipped.saturating_add(skipped as u32);
                 }
-                Look::Found(frame, length) => {
+                Ok((frame, length)) => {
                     self.take_away(length);
                     return Some(frame);
                 }
@@ -82,39 +83,40 @@ impl FrameFinder {
         None
     }
 
-    fn look(&self, crc_extra: impl Fn(u32) -> Option<u8>) -> Look {
+    /// The frame that the first byte begins, and its length.
+    fn look(&self, crc_extra: impl Fn(u32) -> Option<u8>) -> Result<(Frame, usize), NoFrame> {
         if self.held.first() != Some(&MAV_STX_V2) {
-            return Look::NoFrame;
+            return Err(NoFrame::Ever);
         }
         let [_, length, incompatible, _, _, system_id, component_id, id0, id1, id2, rest @ ..] = self.held.as_slice()
         else {
-            return Look::Wait;
+            return Err(NoFrame::Yet);
         };
         let message_id = u32::from_le_bytes([*id0, *id1, *id2, 0]);
         let payload_len = usize::from(*length);
-        let Some(extra) = crc_extra(message_id) else { return Look::NoFrame };
+        let Some(extra) = crc_extra(message_id) else { return Err(NoFrame::Ever) };
         if payload_len > PAYLOAD_MAX || incompatible & !FLAG_SIGNED != 0 {
-            return Look::NoFrame;
+            return Err(NoFrame::Ever);
         }
         let signature_len = if incompatible & FLAG_SIGNED == 0 { 0 } else { SIGNATURE_LEN };
         let total = HEADER_LEN + payload_len + CRC_LEN + signature_len;
         let (Some(payload), Some(checked)) = (rest.get(..payload_len), self.held.get(1..HEADER_LEN + payload_len))
         else {
-            return Look::Wait;
+            return Err(NoFrame::Yet);
         };
         let behind = rest.get(payload_len..).unwrap_or_default();
         let (Some((crc, behind)), true) = (behind.split_first_chunk::<CRC_LEN>(), self.held.len() >= total) else {
-            return Look::Wait;
+            return Err(NoFrame::Yet);
         };
         if calculate_crc(checked, extra) != u16::from_le_bytes(*crc) {
-            return Look::NoFrame;
+            return Err(NoFrame::Ever);
         }
         let signature = behind.first_chunk().filter(|_| signature_len > 0).copied();
         let (Ok(payload), Some(header)) = (heapless::Vec::from_slice(payload), self.held.first_chunk().copied()) else {
-            return Look::NoFrame;
+            return Err(NoFrame::Ever);
         };
         let (system_id, component_id) = (*system_id, *component_id);
-        Look::Found(Frame { system_id, component_id, message_id, payload, header, crc: *crc, signature }, total)
+        Ok((Frame { system_id, component_id, message_id, payload, header, crc: *crc, signature }, total))
     }
 
     fn take_away(&mut self, count: usize) {

@@ -41,7 +41,7 @@ const REFUSAL_PERIOD_US: u64 = 10_000_000;
 pub const FIGURE_PERIOD_US: u64 = 250_000;
 
 /// Figures that there is room for.
-pub const FIGURES: usize = 14;
+pub const FIGURES: usize = 16;
 
 /// What a board measures of itself: names of at most 10 characters, and values.
 pub type Figures = [(&'static str, u32); FIGURES];

@@ -5,12 +5,25 @@ use shared_control::params::vehicle::{FlownVehicle, VehicleFault, VehicleNumbers
 use shared_control::params::{Params, Rig};
 
 use crate::control_setup::vehicle_parameters;
+use crate::effects::Effect;
 use crate::model::{Mounting, VehicleModel};
 
 /// Small step of the command about hover, for the slope of the rotors' speed.
 const COMMAND_STEP: f32 = 0.01;
+/// Effects whose sizes are in `VEH_...`.
+const WITH_PARAMETERS: [&str; 5] = ["inertia_error", "mass_error", "thrust_scale", "motor_lag", "actuation_delay"];
+
+/// Effects of a model for which a board has no parameter, each once: it flies the vehicle without them.
+pub fn without_parameters(vehicle_model: &VehicleModel) -> Vec<&'static str> {
+    let mut names: Vec<&str> = vehicle_model.effects.iter().map(Effect::name).collect();
+    names.retain(|name| !WITH_PARAMETERS.contains(name));
+    names.sort_unstable();
+    names.dedup();
+    names
+}
 
 /// The parameters that make a board fly this vehicle: all of `VEH_...`, `VEHICLE`, `RIG` and, free, `HOVER_PERMILLE`.
+/// What the model's effects make of its inertia, mass, lift, lag and delay is in them.
 ///
 /// # Errors
 /// What a board would say against it, or which number it has no room for.
@@ -18,7 +31,7 @@ pub fn board_parameters(vehicle_model: &VehicleModel) -> Result<Vec<(&'static st
     let vehicle = vehicle_parameters(vehicle_model);
     let curve = &vehicle.lift_curve;
     let (rig, mass_kg) = match vehicle_model.mounting {
-        Mounting::Free { mass_kg } => (Rig::Free, mass_kg as f32),
+        Mounting::Free { mass_kg } => (Rig::Free, (vehicle_model.changes().body.mass_scale * mass_kg) as f32),
         Mounting::Gimbal { .. } => (Rig::Gimbal, f32::from(VehicleNumbers::DEFAULT.mass_g) / 1000.0),
     };
     let hover = match rig {
@@ -110,6 +123,41 @@ mod tests {
             for command in [0.9 * hover, hover, 1.1 * hover] {
                 let (found, known) = (found.lift_curve.lift(command), known.lift_curve.lift(command));
                 assert!(near(found, known, 0.03), "{rig:?} at {command}: {found} {known}");
+            }
+        }
+    }
+
+    /// As a diagnosis extends a model: the numbers are those of the vehicle with its effects.
+    #[test]
+    fn effects_are_in_the_numbers_and_what_has_no_parameter_is_named() {
+        let number = |model: &VehicleModel, name: &str| {
+            let found = board_parameters(model).unwrap().into_iter().find(|(known, _)| *known == name);
+            f64::from(found.unwrap().1)
+        };
+        for rig in [model::Rig::Free, model::Rig::Gimbal] {
+            let nominal = VehicleModel::nominal(rig);
+            let mut extended = nominal.clone();
+            let mut texts = vec![
+                "thrust_scale:scale=1.5",
+                "inertia_error:axis=roll,scale=1.2",
+                "motor_lag:time_constant_s=0.02",
+                "actuation_delay:delay_s=0.01",
+                "cg_offset:axis=pitch,cos_moment_nm=0.01",
+                "cg_offset:axis=roll,cos_moment_nm=0.01",
+            ];
+            texts.extend((rig == model::Rig::Free).then_some("mass_error:scale=1.3"));
+            let effects = texts.iter().map(|text| Effect::parse_for(text, rig, nominal.inertia_kg_m2).unwrap());
+            extended.effects.extend(effects);
+            assert_eq!(without_parameters(&extended), ["cg_offset"]);
+            let grown = |name: &str| number(&extended, name) - number(&nominal, name);
+            // half a unit at either end
+            assert!((grown("VEH_LAG_E4") - 200.0).abs() <= 1.0 && (grown("VEH_DELAY_E4") - 100.0).abs() <= 1.0);
+            let scale = |name: &str| number(&extended, name) / number(&nominal, name);
+            assert!((scale("VEH_IXX_E5") - 1.2).abs() < 1e-3 && (scale("VEH_IYY_E5") - 1.0).abs() < 1e-3);
+            match rig {
+                model::Rig::Free => assert!((scale("VEH_MASS_G") - 1.3).abs() < 1e-3),
+                // of the same command; free, another command hovers, where another line touches the curve
+                model::Rig::Gimbal => assert!((scale("VEH_LIFT_MAX_MN") - 1.5).abs() < 1e-3),
             }
         }
     }

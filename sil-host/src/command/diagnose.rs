@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use sil_host::answer::board_parameters::{board_parameters, params_file, without_parameters};
 use sil_host::answer::{Answered, HeldAgainst, Row, Said, baseline, several_json, several_page, several_text};
 use sil_host::diagnosis::{BetweenFlights, Effort, Fact, Given, Verdict, diagnose_against};
 use sil_host::log::Log;
@@ -18,7 +19,8 @@ use super::{Failure, bad_input, print, write_file, write_json};
     after_help = "Example: sil diagnose out/rig.csv --report out/diagnosis.html   (sil synth out/rig.csv makes a log)\n\
 Example: sil diagnose bench.csv.gz --map antx\n\
 Example: sil diagnose today.csv --baseline normal1.csv --baseline normal2.csv\n\
-Example: sil diagnose flights/*.ulg --report out/flights.html   (one table)\n\n\
+Example: sil diagnose flights/*.ulg --report out/flights.html   (one table)\n\
+Example: sil diagnose LOG00001.ULG --model models/f450-gimbal.toml --params out/better.params   (to fly better)\n\n\
 Effects are fitted to half of the log, in windows of 0.5 s, chosen by a quarter, judged by the rest. Then\n\
 `sil compare LOG --model out/extended.toml` shows what remains. docs/reading-a-diagnosis.md explains the figures."
 )]
@@ -26,7 +28,7 @@ pub struct DiagnoseArguments {
     #[command(flatten)]
     log: LogArguments,
     /// More logs, each with its own answer, all in one table; one that can't be read is a row that says why
-    #[arg(value_name = "MORE", conflicts_with_all = ["baseline", "extended", "experiment"])]
+    #[arg(value_name = "MORE", conflicts_with_all = ["baseline", "extended", "params", "experiment"])]
     more: Vec<PathBuf>,
     /// Search the whole log only, not other cuts of it: the answer comes sooner, and without how far it hangs on where
     /// the log was cut
@@ -41,7 +43,7 @@ pub struct DiagnoseArguments {
     known: Vec<String>,
     /// Compare with this log of a normal flight of the same vehicle, and report only the difference; may be given
     /// several times
-    #[arg(long, value_name = "NORMAL", conflicts_with_all = ["extended", "experiment"])]
+    #[arg(long, value_name = "NORMAL", conflicts_with_all = ["extended", "params", "experiment"])]
     baseline: Vec<PathBuf>,
     /// With --baseline: nothing was changed between these flights but what is sought (no propeller, no battery moved),
     /// so that only what repeats from flight to flight is chance
@@ -50,6 +52,9 @@ pub struct DiagnoseArguments {
     /// Write the model with the findings and the base model in it
     #[arg(long, value_name = "OUT.toml")]
     extended: Option<PathBuf>,
+    /// Write the parameters with which a board flies the vehicle of --extended, as a ground station loads them
+    #[arg(long, value_name = "OUT.params")]
+    params: Option<PathBuf>,
     /// Write the flight that would separate effects which this log cannot, for `sil fly --script`
     #[arg(long, value_name = "OUT.toml")]
     experiment: Option<PathBuf>,
@@ -85,7 +90,8 @@ impl DiagnoseArguments {
     /// The option that separate axes can't serve.
     fn wants_vehicle(&self) -> Option<&'static str> {
         let extended = self.extended.as_ref().map(|_| "--extended");
-        extended.or(self.experiment.as_ref().map(|_| "--experiment"))
+        let params = self.params.as_ref().map(|_| "--params");
+        extended.or(params).or(self.experiment.as_ref().map(|_| "--experiment"))
     }
 
     fn facts(&self) -> Result<Vec<Fact>, Failure> {
@@ -153,6 +159,15 @@ impl DiagnoseArguments {
         if let (Some(path), Some(extended)) = (&self.extended, answered.extended().map_err(bad_input)?) {
             write_file(path, extended.to_toml().as_bytes())?;
             print(format!("extended model  {}\n", path.display()))?;
+        }
+        if let (Some(path), Some(extended)) = (&self.params, answered.extended().map_err(bad_input)?) {
+            let parameters = board_parameters(&extended).map_err(|reason| bad_input(format!("--params: {reason}")))?;
+            write_file(path, params_file(&extended.name, &parameters).as_bytes())?;
+            let without = match without_parameters(&extended) {
+                names if names.is_empty() => String::new(),
+                names => format!("   (a board has no parameter for {})", names.join(", ")),
+            };
+            print(format!("parameters      {}{without}\n", path.display()))?;
         }
         let Some(path) = &self.experiment else { return Ok(()) };
         match answered.diagnosis.experiment.as_ref().and_then(|experiment| experiment.scenario.as_ref()) {

@@ -22,6 +22,7 @@ pub struct Ground {
     parameters: BTreeMap<String, f32>,
     results: Vec<(MavCmd, MavResult)>,
     heartbeats: u32,
+    bytes_heard: u64,
     log_entries: Vec<LOG_ENTRY_DATA>,
     log_data: BTreeMap<(u16, u32), Vec<u8>>,
 }
@@ -37,6 +38,7 @@ impl Default for Ground {
             parameters,
             results,
             heartbeats: 0,
+            bytes_heard: 0,
             log_entries: Vec::new(),
             log_data: BTreeMap::new(),
         }
@@ -83,6 +85,7 @@ impl Ground {
     /// Takes what the board has sent.
     pub fn listen(&mut self, machine: &mut Machine) {
         let received = if self.over_usb { machine.with_usb(UsbHost::take_received) } else { machine.telem1_receive() };
+        self.bytes_heard += received.len() as u64;
         for byte in received {
             let Some(frame) = self.finder.push(byte, |id| Some(MavMessage::extra_crc(id))) else { continue };
             match MavMessage::parse(MavlinkVersion::V2, frame.message_id, &frame.payload) {
@@ -132,6 +135,16 @@ impl Ground {
     /// What comes from here on is all that there is.
     pub fn forget_log_data(&mut self) {
         self.log_data.clear();
+    }
+
+    /// Bytes that the board has sent so far.
+    pub fn bytes_heard(&self) -> u64 {
+        self.bytes_heard
+    }
+
+    /// Of these, such that belonged to no frame.
+    pub fn bytes_skipped(&self) -> u32 {
+        self.finder.bytes_skipped
     }
 
     /// Heartbeats of the board so far.

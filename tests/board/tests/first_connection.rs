@@ -66,7 +66,7 @@ fn each_line_is_answered_as_the_page_says() {
     flight.machine.blank_fram();
     flight.run_for(REST_MS * MILLISECOND);
     let said = flight.ground.texts().iter().map(|(_, text)| text.as_str()).collect::<Vec<_>>();
-    assert_eq!(said, ["started by power-on", "configuration: none stored"]);
+    assert_eq!(said, ["started by power-on", "configuration: none stored", "no SD card: no log"]);
     let lines = session();
     assert!(lines.len() >= 10, "{lines:?}");
     for (line, answer) in &lines {

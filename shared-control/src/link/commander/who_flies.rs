@@ -6,7 +6,7 @@ use super::{Commander, STICKS_STALE_US, Source};
 use crate::link::mode::Mode;
 use crate::link::orders_and_answers::Answer;
 use crate::signals::Setpoint;
-use crate::supervisor::{Arming, Refusal};
+use crate::supervisor::{Arming, LINK_LOST_AFTER_US, Refusal};
 
 impl Commander {
     /// What the set-point means and where it comes from.
@@ -39,6 +39,16 @@ impl Commander {
                 self.source = Source::Sticks { setpoint, heard_us };
                 Answer::Accepted(COMMAND)
             }
+        }
+    }
+
+    /// On the ground a joystick that was put away holds nobody up: whoever is there without one may arm. In the air its
+    /// silence is a lost link, whatever heartbeats say.
+    pub(super) fn forget_sticks(&mut self, time_us: u64) {
+        if let (Source::Sticks { heard_us, .. }, Arming::Disarmed(_), None) = (&self.source, &self.arming, &self.pilot)
+            && time_us.saturating_sub(*heard_us) >= LINK_LOST_AFTER_US
+        {
+            self.source = Source::Nobody;
         }
     }
 

@@ -76,6 +76,27 @@ fn the_age_of_the_link_is_that_of_whoever_flies() {
     assert_eq!((input.setpoint, input.link_age_us), (setpoint, Some(800)));
 }
 
+/// In the air silent sticks are a lost link; on the ground they are somebody who has put the joystick away.
+#[test]
+fn sticks_that_were_put_away_on_the_ground_are_not_waited_for() {
+    for arming in [Arming::Armed, Arming::Disarmed(DisarmedBecause::Requested)] {
+        let mut commander = commander();
+        commander.order(&Order::Fly(Setpoint { throttle: 0.3, ..Setpoint::default() }), 0);
+        commander.answer(&arming);
+        commander.order(&Order::Heartbeat, LINK_LOST_AFTER_US - 100);
+        assert_eq!(commander.commands(LINK_LOST_AFTER_US - 1).link_age_us, LINK_LOST_AFTER_US - 1);
+        let commands = commander.commands(LINK_LOST_AFTER_US);
+        if arming.is_armed() {
+            assert_eq!((commands.link_age_us, commands.setpoint.throttle), (LINK_LOST_AFTER_US, 0.0));
+        } else {
+            assert_eq!((commands.link_age_us, commands.setpoint), (100, Setpoint::default()));
+            // and back in hand they fly
+            commander.order(&Order::Fly(Setpoint { roll_rad: 0.1, ..Setpoint::default() }), 4_000_000);
+            assert_eq!(commander.commands(4_000_000).setpoint.roll_rad, 0.1);
+        }
+    }
+}
+
 #[test]
 fn the_test_sequence_flies_only_when_armed_and_ends_disarmed() {
     let mut commander = commander();

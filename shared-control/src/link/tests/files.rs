@@ -323,6 +323,8 @@ fn what_cannot_be_is_refused_with_its_reason() {
     for (opcode, path) in [(OPEN, b"/nothing".as_slice()), (OPEN, b"/"), (CRC, b"/"), (LIST, PATH), (LIST, b"/x")] {
         assert_eq!(vehicle.path(opcode, path).refusal(), Some(NOT_FOUND), "{opcode}");
     }
+    // as long as a message can be
+    assert_eq!(vehicle.path(OPEN, &[b'a'; 239]).refusal(), Some(NOT_FOUND));
     for opcode in [CLOSE, READ, BURST] {
         assert_eq!(vehicle.ask((0, opcode), (80, 0), b"").refusal(), Some(NO_SESSION), "{opcode}");
     }

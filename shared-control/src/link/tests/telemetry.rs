@@ -77,7 +77,7 @@ fn what_the_board_measured_of_itself_is_sent_in_turns() {
         .iter()
         .filter_map(|message| if let MavMessage::NAMED_VALUE_INT(value) = message { Some(value) } else { None })
         .map(|value| (value.name.to_str().unwrap(), value.value));
-    // fourteen places, one every quarter of a second: each comes every 3.5 s, those without a name not at all
+    // sixteen places, one every quarter of a second: each comes every 4 s, those without a name not at all
     assert!(reported.eq([("cyc_loop", 24_500), ("stack_b", 7976)].into_iter().cycle().take(6)));
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use emulated_board::time::TICKS_PER_US;
 use emulated_board::{Flight, MILLISECOND};
+use shared_control::log_card::CardError;
 
 use crate::rows::{End, Row};
 
@@ -81,8 +82,9 @@ impl Outcome {
         };
         let live = pulses.last_live_end().saturating_sub(fault_at);
         let live_ms = matches!(end, End::Disarmed | End::NoPulses).then_some(live.div_ceil(MILLISECOND));
-        let mut reports =
-            flight.ground.texts()[heard..].iter().map(|(_, text)| without_addresses(text)).collect::<Vec<_>>();
+        // the slot is empty in all of them, which is no fault's doing
+        let of_fault = flight.ground.texts()[heard..].iter().filter(|(_, text)| text != CardError::Absent.words());
+        let mut reports = of_fault.map(|(_, text)| without_addresses(text)).collect::<Vec<_>>();
         reports.dedup();
         let resets = flight.machine.counters().resets - resets;
         let longest_us = longest / TICKS_PER_US;

@@ -2,6 +2,7 @@
 
 use emulated_board::time::TICKS_PER_US;
 use emulated_board::{Flight, Ground, MILLISECOND};
+use mavlink::dialects::common::MavCmd;
 use shared_control::params::Params;
 
 use crate::{PLUGGED_MS, plug_and_open, run};
@@ -78,4 +79,35 @@ fn a_flood_is_held_back_by_the_bus() {
     println!("{taken_bytes_s} bytes/s taken; worst cycles of housekeeping and loop: {quiet:?}, flooded {full:?}");
     assert!((15_000..=27_000).contains(&taken_bytes_s), "{taken_bytes_s}");
     assert_nothing_noticed(&mut flight);
+}
+
+/// A fifth of the transactions lose token, data or handshake: nothing is lost, nothing comes twice, either way.
+#[test]
+fn a_bus_with_errors_loses_and_doubles_nothing() {
+    const COMMANDS: usize = 40;
+    let (mut flight, mut ground) = in_the_air();
+    flight.machine.with_usb(|computer| computer.disturb(200));
+    run(&mut flight, &mut ground, 1000);
+    let before = (ground.heartbeats(), ground.bytes_heard(), flight.machine.with_usb(|computer| computer.disturbed()));
+    for _ in 0..COMMANDS {
+        // one that no vehicle has here is answered at once
+        ground.command(&mut flight.machine, MavCmd::MAV_CMD_NAV_TAKEOFF, 0.0);
+        run(&mut flight, &mut ground, 100);
+    }
+    run(&mut flight, &mut ground, 500);
+    let answers = ground.results().iter().filter(|(command, _)| *command == MavCmd::MAV_CMD_NAV_TAKEOFF).count();
+    let disturbed = flight.machine.with_usb(|computer| computer.disturbed()) - before.2;
+    println!("{disturbed} transactions disturbed, {} bytes heard", ground.bytes_heard() - before.1);
+    assert_eq!((answers, ground.bytes_skipped()), (COMMANDS, 0), "answers, bytes of no frame");
+    assert!(disturbed > 500 && ground.heartbeats() >= before.0 + 4, "{disturbed}");
+    assert_eq!(flight.counter("USB_DROPPED"), 0);
+    assert_nothing_noticed(&mut flight);
+    // and the port is found again on such a bus
+    flight.machine.with_usb(|computer| computer.disturb(50));
+    flight.machine.with_usb(|computer| computer.plug(false));
+    flight.run_for(300 * MILLISECOND);
+    plug_and_open(&mut flight);
+    let before = ground.heartbeats();
+    run(&mut flight, &mut ground, 2000);
+    assert!(ground.heartbeats() > before, "it is not heard on a disturbed bus");
 }

@@ -4,11 +4,13 @@
 //! Time is that of the bus: a frame is 1 ms, a transaction takes its bytes and 13 more (section 5.8.4). What the device
 //! does not accept, or has not got, is asked for again 0.1 ms later.
 
+mod bus_noise;
 mod control;
 mod enumeration;
 
 use std::collections::VecDeque;
 
+use bus_noise::{BusNoise, Hurt};
 pub use control::{Failure, Request};
 use control::{Outcome, Transfer};
 pub use enumeration::Enumerated;
@@ -80,6 +82,7 @@ pub struct UsbHost {
     received: Vec<u8>,
     reads: bool,
     resets: u32,
+    noise: BusNoise,
 }
 
 impl Default for UsbHost {
@@ -103,6 +106,7 @@ impl Default for UsbHost {
             received: Vec::new(),
             reads: true,
             resets: 0,
+            noise: BusNoise::default(),
         }
     }
 }
@@ -178,6 +182,16 @@ impl UsbHost {
     /// Whether anybody reads the port; who does not keeps it open all the same.
     pub fn set_reading(&mut self, reads: bool) {
         self.reads = reads;
+    }
+
+    /// So many of a thousand transactions lose a packet or a handshake from now on, by a cable that is too long.
+    pub fn disturb(&mut self, permille: u32) {
+        self.noise.set(permille);
+    }
+
+    /// Transactions that were disturbed so far.
+    pub fn disturbed(&self) -> u32 {
+        self.noise.hurt()
     }
 
     pub(crate) fn next_event(&self) -> Option<Ticks> {
@@ -272,7 +286,10 @@ impl UsbHost {
         if at < *begin {
             return None;
         }
-        let (outcome, mut over) = transfer.step(device, address, packet);
+        let (outcome, mut over) = match self.noise.draw() {
+            Hurt::Token => (Outcome::Silence, None),
+            _ => transfer.step(device, address, packet),
+        };
         *silences = if outcome == Outcome::Silence { *silences + 1 } else { 0 };
         if *silences >= SILENCES_MAX || at > *begin + REQUEST_MAX {
             over = Some(Err(Failure::TimedOut));
@@ -322,7 +339,16 @@ impl UsbHost {
 
     fn read(&mut self, device: &mut OtgFs) -> Option<Outcome> {
         let pipe = self.input.as_mut()?;
-        match device.input(self.address, pipe.endpoint) {
+        let answer = match self.noise.draw() {
+            Hurt::Nothing => device.input(self.address, pipe.endpoint),
+            Hurt::Token => return Some(Outcome::Silence),
+            Hurt::Data => {
+                device.input_without_acknowledgement(self.address, pipe.endpoint);
+                return Some(Outcome::Silence);
+            }
+            Hurt::Handshake => device.input_without_acknowledgement(self.address, pipe.endpoint),
+        };
+        match answer {
             Answer::Data(bytes, toggle) => {
                 // a packet of the other toggle is one that was had before
                 if toggle == pipe.toggle {
@@ -339,8 +365,16 @@ impl UsbHost {
         let pipe = self.output.as_mut()?;
         let count = self.outgoing.len().min(pipe.packet_bytes);
         let bytes: Vec<u8> = self.outgoing.range(..count).copied().collect();
+        let hurt = self.noise.draw();
+        if matches!(hurt, Hurt::Token | Hurt::Data) {
+            return Some(Outcome::Silence);
+        }
         if device.output(self.address, pipe.endpoint, &bytes, pipe.toggle) != Answer::Ack {
             return Some(Outcome::Nak);
+        }
+        if hurt == Hurt::Handshake {
+            // it was taken, and comes again
+            return Some(Outcome::Silence);
         }
         self.outgoing.drain(..count);
         pipe.toggle = !pipe.toggle;

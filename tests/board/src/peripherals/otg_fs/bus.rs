@@ -126,13 +126,19 @@ impl OtgFs {
             return Answer::Silence;
         }
         self.end_setup(endpoint);
-        let answer = self.ins[endpoint].token();
+        let answer = self.ins[endpoint].token(true);
         if let (0, Answer::Data(bytes, _)) = (endpoint, &answer)
             && bytes.is_empty()
         {
             self.address = ((self.device_config & ADDRESS) >> 4) as u8;
         }
         answer
+    }
+
+    /// An IN token behind which no acknowledgement comes: what the device sent was damaged on its way, or the
+    /// acknowledgement was. Not of endpoint 0.
+    pub(crate) fn input_without_acknowledgement(&mut self, address: u8, endpoint: usize) -> Answer {
+        if self.answers(address, endpoint) { self.ins[endpoint].token(false) } else { Answer::Silence }
     }
 
     /// An OUT token with its packet.

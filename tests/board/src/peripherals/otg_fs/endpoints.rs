@@ -208,8 +208,9 @@ impl InEndpoint {
         self.fifo.clear();
     }
 
-    /// An IN token. A packet counts as acknowledged: the bus loses none.
-    pub(super) fn token(&mut self) -> Answer {
+    /// An IN token. A packet that is not acknowledged stays in the FIFO with its toggle, for the next token (USB 2.0,
+    /// section 8.6; packet count and transfer size fall with acknowledged packets alone).
+    pub(super) fn token(&mut self, is_acknowledged: bool) -> Answer {
         let common = &mut self.common;
         if !common.is(USBAEP) {
             return Answer::Silence;
@@ -224,11 +225,15 @@ impl InEndpoint {
             }
             return Answer::Nak;
         }
-        let mut data: Vec<u8> = self.fifo.drain(..bytes.div_ceil(4)).flat_map(u32::to_le_bytes).collect();
+        let mut data: Vec<u8> = self.fifo.range(..bytes.div_ceil(4)).flat_map(|word| word.to_le_bytes()).collect();
         data.truncate(bytes);
+        let toggle = common.is(TOGGLE);
+        if !is_acknowledged {
+            return Answer::Data(data, toggle);
+        }
+        self.fifo.drain(..bytes.div_ceil(4));
         self.unsent -= bytes;
         common.count_packet();
-        let toggle = common.is(TOGGLE);
         common.control ^= TOGGLE;
         if common.packets_left() == 0 {
             common.control &= !EPENA;

@@ -4,7 +4,8 @@
 //! `bus` is what happens at the connector, `endpoints` and `fifo` what the tokens there meet. Device mode, by slave
 //! accesses: no host mode, no OTG protocols, no isochronous endpoints, no global NAK, no power saving.
 //!
-//! The bus has no errors: no packet is lost or damaged, and what the device sends counts as acknowledged.
+//! What is lost or damaged on the bus never came: the device is silent, or sends the packet again that nobody has
+//! acknowledged. Of control transfers only tokens get lost.
 
 mod bus;
 mod endpoints;
