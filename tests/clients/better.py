@@ -74,10 +74,7 @@ def fly(ground):
 def fetched(ground, folder):
     """The only log on the card."""
     # it is complete a second after disarming, and then listed
-    until = time.monotonic() + 4
-    while time.monotonic() < until:
-        ground.beat()
-        ground.wait("HEARTBEAT", patience_s=1)
+    board.stay(ground, 4)
     entries = logs.listed(ground.link)
     expect(len(entries) == 1, f"one log: {entries}")
     path = pathlib.Path(folder) / "flown.ulg"

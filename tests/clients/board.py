@@ -37,6 +37,14 @@ def owner(ground, watch):
     watch.lap(f"a new board: \"{text.text}\", confirmed")
 
 
+def stay(ground, seconds):
+    """Does nothing but be there."""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        ground.beat()
+        ground.wait("HEARTBEAT", patience_s=1)
+
+
 def arm(ground, patience_s=60):
     """As soon as it may be: on a busy computer the board is slower than time."""
     until, result = time.monotonic() + patience_s, None

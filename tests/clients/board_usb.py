@@ -24,19 +24,12 @@ from served import Board, Stopwatch, expect
 PATIENCE_S = 300
 
 
-def wait(ground, seconds):
-    until = time.monotonic() + seconds
-    while time.monotonic() < until:
-        ground.beat()
-        ground.wait("HEARTBEAT", patience_s=1)
-
-
 def log_something(ground):
     """A short log: armed, idling."""
     board.arm(ground)
     ground.wait("HEARTBEAT", patience_s=1)
     expect(ground.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0) == connect.ACCEPTED, "disarmed")
-    wait(ground, 5)
+    board.stay(ground, 5)
 
 
 def downloads(served, folder, watch):

@@ -8,7 +8,7 @@
 //! plugged in all the time; who connects to its port opens the serial port, and whoever goes closes it.
 
 use std::cell::RefCell;
-use std::io::{Cursor, ErrorKind, Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::rc::Rc;
@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 
 use emulated_board::time::{TICKS_PER_US, Ticks};
 use emulated_board::{Content, Image, MILLISECOND, Machine, Pauses, SdCard, Surroundings, UsbHost, Vehicle};
-use fatfs::{FatType, FormatVolumeOptions};
+use fatfs::FatType;
 use sil_host::effects::Effect;
 use sil_host::model::{Rig, VehicleModel};
 
@@ -26,7 +26,6 @@ const SLICE_MS: u64 = 5;
 /// How often it says how fast it is.
 const REPORT_EVERY: Duration = Duration::from_secs(10);
 const CARD_BYTES: usize = 64 << 20;
-const CLUSTER_BYTES: u32 = 4096;
 
 /// Where the board has a connector.
 #[derive(Clone, Copy, PartialEq)]
@@ -85,10 +84,7 @@ fn main() {
 }
 
 fn empty_card() -> SdCard {
-    let mut image = vec![0; CARD_BYTES];
-    let options = FormatVolumeOptions::new().fat_type(FatType::Fat16).bytes_per_cluster(CLUSTER_BYTES);
-    fatfs::format_volume(Cursor::new(&mut image), options).expect("a file system");
-    SdCard::new(Content::of_image(&image), Pauses::USUAL, 1)
+    SdCard::new(Content::formatted(FatType::Fat16, CARD_BYTES), Pauses::USUAL, 1)
 }
 
 /// A hand at the gimbal.

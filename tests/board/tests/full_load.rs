@@ -10,7 +10,7 @@ use std::io::Cursor;
 use emulated_board::pilot::{MIDDLE_US, PITCH, ROLL};
 use emulated_board::time::{TICKS_PER_US, seconds};
 use emulated_board::{Content, Flight, Ground, MILLISECOND, Pauses, SdCard, Transmitter};
-use fatfs::{FatType, FileSystem, FormatVolumeOptions, FsOptions};
+use fatfs::{FatType, FileSystem, FsOptions};
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, FILE_TRANSFER_PROTOCOL_DATA, HEARTBEAT_DATA, MavCmd, MavType, PARAM_REQUEST_LIST_DATA,
 };
@@ -31,7 +31,6 @@ const USB_AHEAD_BYTES: usize = 4096;
 /// The log's, with the MPC (docs/pixhawk.md), rounded up, and a file system around it.
 const LOG_BYTES_S: usize = 100_000;
 const CARD_BYTES_MIN: usize = 32 << 20;
-const CLUSTER_BYTES: u32 = 4096;
 /// The loop's interrupt (TIM3).
 const LOOP: u8 = 29;
 /// Messages that can be had at a rate of one's own, at intervals that the line has no room for together.
@@ -57,10 +56,7 @@ fn duration_s() -> u64 {
 /// Room for the whole flight's log.
 fn card(flight_s: u64) -> SdCard {
     let bytes = CARD_BYTES_MIN.max((flight_s as usize + 10) * LOG_BYTES_S * 5 / 4).next_multiple_of(1 << 20);
-    let mut image = vec![0; bytes];
-    let options = FormatVolumeOptions::new().fat_type(FatType::Fat16).bytes_per_cluster(CLUSTER_BYTES);
-    fatfs::format_volume(Cursor::new(&mut image), options).unwrap();
-    SdCard::new(Content::of_image(&image), Pauses::USUAL, 1)
+    SdCard::new(Content::formatted(FatType::Fat16, bytes), Pauses::USUAL, 1)
 }
 
 /// Bytes of the only log.

@@ -4,18 +4,12 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 
 use emulated_board::{Content, Flight, Pauses, SdCard};
-use fatfs::{FatType, FileSystem, FormatVolumeOptions, FsOptions};
-
-/// Cards in use have clusters of 4 Kbyte and more.
-const CLUSTER_BYTES: u32 = 4096;
+use fatfs::{FatType, FileSystem, FsOptions};
 
 /// A card with an empty file system: 32 MB of FAT16, or 272 of FAT32, which has 65,525 clusters at least.
 pub fn formatted(fat_type: FatType) -> Content {
     let megabytes = if fat_type == FatType::Fat32 { 272 } else { 32 };
-    let mut image = vec![0; megabytes << 20];
-    let options = FormatVolumeOptions::new().fat_type(fat_type).bytes_per_cluster(CLUSTER_BYTES);
-    fatfs::format_volume(Cursor::new(&mut image), options).unwrap();
-    Content::of_image(&image)
+    Content::formatted(fat_type, megabytes << 20)
 }
 
 /// Puts a card into the slot.

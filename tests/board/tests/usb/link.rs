@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 
 use emulated_board::{Content, Flight, Ground, MILLISECOND, Pauses, SdCard};
-use fatfs::{FatType, FileSystem, FormatVolumeOptions, FsOptions};
+use fatfs::{FatType, FileSystem, FsOptions};
 use mavlink::dialects::common::{LOG_REQUEST_DATA_DATA, MavCmd, PARAM_REQUEST_READ_DATA, SETUP_SIGNING_DATA};
 use shared_control::params::Params;
 
@@ -39,10 +39,7 @@ fn both_ports_hear_and_answer() {
 }
 
 fn card() -> SdCard {
-    let mut image = vec![0; 32 << 20];
-    let options = FormatVolumeOptions::new().fat_type(FatType::Fat16).bytes_per_cluster(4096);
-    fatfs::format_volume(Cursor::new(&mut image), options).unwrap();
-    SdCard::new(Content::of_image(&image), Pauses::USUAL, 1)
+    SdCard::new(Content::formatted(FatType::Fat16, 32 << 20), Pauses::USUAL, 1)
 }
 
 fn file(flight: &mut Flight, name: &str) -> Vec<u8> {

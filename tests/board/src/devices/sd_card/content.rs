@@ -1,11 +1,17 @@
 //! What a card holds: sectors, and the order in which they were written.
 
 use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use fatfs::{FatType, FormatVolumeOptions};
 
 /// A sector, the only block that a high capacity card knows.
 pub const SECTOR_BYTES: usize = 512;
 /// Its bytes.
 pub type Sector = [u8; SECTOR_BYTES];
+
+/// Cards in use have clusters of 4 Kbyte and more.
+const CLUSTER_BYTES: u32 = 4096;
 
 /// The sectors of a card. What was never written reads as zeros.
 #[derive(Clone, Debug)]
@@ -32,6 +38,17 @@ impl Content {
         let held = (0..).zip(sectors).filter(|(_, sector)| sector.iter().any(|byte| *byte != 0));
         let held = held.map(|(number, sector)| (number, *sector)).collect();
         Self { sectors: u32::try_from(sectors.len()).expect("a card's size"), held, writes: Vec::new() }
+    }
+
+    /// One of so many bytes with an empty file system, made by another implementation of FAT than the vehicle's.
+    ///
+    /// # Panics
+    /// If a file system of that type has no such size.
+    pub fn formatted(fat_type: FatType, bytes: usize) -> Self {
+        let mut image = vec![0; bytes];
+        let options = FormatVolumeOptions::new().fat_type(fat_type).bytes_per_cluster(CLUSTER_BYTES);
+        fatfs::format_volume(Cursor::new(&mut image), options).expect("a size that the file system has");
+        Self::of_image(&image)
     }
 
     /// How many sectors there are.
