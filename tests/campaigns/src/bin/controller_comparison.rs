@@ -1,8 +1,8 @@
 //! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune | front |
 //! chosen [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several shapings, `tune` writes the controller files of
 //! those tuned for RMS, `front` makes the Pareto study and writes the files of its balanced points, all under
-//! tests/campaigns/comparison; `chosen` flies these two over so many draws (200), otherwise all contenders are flown.
-//! Rows of the last three as JSON.
+//! tests/campaigns/comparison; `chosen` flies these two over so many draws (200), otherwise all that were tuned for RMS
+//! and parts of them are flown. Rows of the last three as JSON.
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -118,11 +118,14 @@ fn kept(contender: &Contender, alert: AlertName) -> Contender {
     kept
 }
 
-/// Margins of many vehicles in calm, in their order; a loop that oscillates has none.
+/// Margins of many vehicles in calm, in their order, their rings balanced; a loop that oscillates has none.
 pub fn margins_all(contender: &Contender, draws: &[Draw]) -> Vec<LeastMargins> {
     let calm = kept(contender, AlertName::Never);
     let oscillates = LeastMargins { delay_ms: 0.0, sensitivity_peak: f64::INFINITY };
-    let of = |draw: &Draw| margins_of(&calm, draw).as_ref().and_then(LeastMargins::of_both).unwrap_or(oscillates);
+    // the constant torque against the ring's moment would count as an oscillation
+    let balanced = |draw: &Draw| Draw { ring_moment_nm: 0.0, ..*draw };
+    let of =
+        |draw: &Draw| margins_of(&calm, &balanced(draw)).as_ref().and_then(LeastMargins::of_both).unwrap_or(oscillates);
     draws.par_iter().map(of).collect()
 }
 

@@ -80,7 +80,7 @@ fn rows<const A: usize, const B: usize>(tunable: &Tunable<A>, side: &Side<'_, A>
             on_front,
             is_balanced: balanced == Some(number),
             dominated_by: point.measured.filter(|_| on_front).map_or_else(Vec::new, |point| other.dominating(&point)),
-            parameters: tunable.values(&point.at).map(|(field, value)| (field, value)).collect(),
+            parameters: tunable.values(&point.at).collect(),
             measured: point.measured,
         }
     };

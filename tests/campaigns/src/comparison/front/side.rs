@@ -15,11 +15,14 @@ pub struct Point<const N: usize> {
     pub measured: Option<Measured>,
 }
 
+/// Measures a point.
+type Evaluate<'a, const N: usize> = dyn FnMut(&[f64; N]) -> Option<Measured> + 'a;
+
 /// A controller with N parameters, and how its points are measured.
 pub struct Side<'a, const N: usize> {
     /// All points that were measured, in their order.
     pub points: Vec<Point<N>>,
-    evaluate: Box<dyn FnMut(&[f64; N]) -> Option<Measured> + 'a>,
+    evaluate: Box<Evaluate<'a, N>>,
     /// Places in the other side's list of points that were goals.
     goals: BTreeSet<usize>,
 }
@@ -95,9 +98,56 @@ impl<'a, const N: usize> Side<'a, N> {
         front.filter(beats).collect()
     }
 
-    /// The point of the front at which the columns' sum, in their scales, is least.
+    /// The point of the front at which the columns' sum, in their scales, is least, of those that a torque step throws
+    /// no farther than it may; of all if there is none.
     pub fn balanced(&self) -> Option<usize> {
-        let cost = |place: usize| self.points[place].measured.map_or(f64::MAX, |point| point.cost(&[1.0; 6]));
-        self.front().into_iter().min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
+        let key = |place: usize| {
+            let measured = self.points[place].measured;
+            measured.map_or((true, f64::MAX), |point| (!point.is_thrown_little(), point.cost(&[1.0; 6])))
+        };
+        let order = |a: usize, b: usize| {
+            let ((a_is_thrown, a_cost), (b_is_thrown, b_cost)) = (key(a), key(b));
+            a_is_thrown.cmp(&b_is_thrown).then(a_cost.total_cmp(&b_cost))
+        };
+        self.front().into_iter().min_by(|&a, &b| order(a, b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINT: Measured = Measured {
+        rms_deg: 8.0,
+        overshoot_pct: 1.0,
+        settling_s: 0.35,
+        peak_deg: 0.3,
+        command_deviation: 0.02,
+        delay_margin_ms: 15.0,
+        sensitivity_peak: 1.9,
+    };
+
+    fn side_of(points: &[Measured]) -> Side<'_, 1> {
+        let points = points.iter().map(|&measured| Point { at: [0.0], measured: Some(measured) }).collect();
+        Side { points, evaluate: Box::new(|_| None), goals: BTreeSet::new() }
+    }
+
+    /// A sum that is less does not make up for a peak beyond what a torque step may do, unless no point keeps that.
+    #[test]
+    fn what_is_chosen_is_thrown_little_where_any_is() {
+        let thrown = Measured { peak_deg: 0.4, rms_deg: 7.0, ..POINT };
+        let slower = Measured { rms_deg: 8.2, settling_s: 0.34, ..POINT };
+        assert_eq!(side_of(&[thrown, POINT, slower]).balanced(), Some(1));
+        let farther = Measured { peak_deg: 0.5, rms_deg: 6.95, ..POINT };
+        assert_eq!(side_of(&[farther, thrown]).balanced(), Some(1));
+        assert_eq!(side_of(&[Measured { sensitivity_peak: 2.1, ..POINT }]).balanced(), None);
+    }
+
+    #[test]
+    fn a_point_is_dominated_by_those_that_are_ahead_of_it() {
+        let ahead = Measured { rms_deg: 7.9, ..POINT };
+        let elsewhere = Measured { rms_deg: 8.1, settling_s: 0.3, ..POINT };
+        assert_eq!(side_of(&[ahead, elsewhere]).dominating(&POINT), [0]);
+        assert_eq!(side_of(&[ahead, elsewhere]).front(), [0, 1]);
     }
 }
