@@ -18,7 +18,7 @@ use sil_host::scenario::Scenario;
 use sil_host::sensors::random::RandomStream;
 use sil_host::vehicle::propulsion::Propulsion;
 
-use crate::comparison::contenders::MPC_FILE;
+use crate::comparison::contenders::MPC_FOR_RMS_FILE;
 use crate::comparison::weather::Weather;
 
 /// Time constant of the motors that the controller knows, on the gimbal, beyond those of the model itself, s.
@@ -36,7 +36,7 @@ const SHIPPED: &str = "controller = \"mpc\"\n[tuning]\nmpc_disturbance_alert = \
 pub enum Tuned {
     /// Those that follow from the vehicle, the reference's shaping included.
     Shipped,
-    /// Those of docs/mpc-against-cascade.md, whose reference is the same for every vehicle.
+    /// Those of docs/mpc-against-cascade.md that were tuned for RMS, whose reference is the same for every vehicle.
     Compared,
 }
 
@@ -52,7 +52,7 @@ impl Tuned {
     fn choice(self, learning: bool) -> ControllerChoice {
         let text = match self {
             Self::Shipped => SHIPPED,
-            Self::Compared => MPC_FILE,
+            Self::Compared => MPC_FOR_RMS_FILE,
         };
         let choice = ControllerChoice::parse(text, "adaptation").unwrap_or_else(|error| panic!("{error}"));
         ControllerChoice { tuning: TuningChange { learning: Some(learning), ..choice.tuning }, ..choice }

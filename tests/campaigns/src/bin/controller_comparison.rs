@@ -1,48 +1,83 @@
-//! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune | DRAWS]
-//! [--json FILE]`. `scan` tunes both at several shapings, `tune` writes the controller files under
-//! tests/campaigns/comparison, otherwise the tables over so many draws (200) come out, and their figures as JSON.
+//! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune | front |
+//! chosen [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several shapings, `tune` writes the controller files of
+//! those tuned for RMS, `front` makes the Pareto study and writes the files of its balanced points, all under
+//! tests/campaigns/comparison; `chosen` flies these two over so many draws (200), otherwise all that were tuned for RMS
+//! and parts of them are flown. Rows of the last three as JSON.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use campaigns::comparison::campaign;
+use serde::Serialize;
 
 fn main() -> ExitCode {
     // flights are many and short; more threads than this are somebody else's
     rayon::ThreadPoolBuilder::new().num_threads(2).build_global().expect("the first pool");
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (count, file) = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["scan"] => {
-            print!("{}", campaign::scan());
-            return ExitCode::SUCCESS;
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    let named = words.iter().position(|word| word == "--json");
+    let file = named.filter(|&place| place + 2 == words.len()).and_then(|place| words.drain(place..).nth(1));
+    match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["scan"] if file.is_none() => print!("{}", campaign::scan()),
+        ["tune"] if file.is_none() => tune(),
+        ["front"] => return front(file.as_deref()),
+        ["chosen"] => return chosen(campaign::DRAWS, file.as_deref()),
+        ["chosen", count] if draws(count).is_some() => return chosen(draws(count).unwrap_or(1), file.as_deref()),
+        [] => return all(campaign::DRAWS, file.as_deref()),
+        [count] if draws(count).is_some() => return all(draws(count).unwrap_or(1), file.as_deref()),
+        _ => {
+            eprintln!("usage: controller_comparison [scan | tune | front | chosen [DRAWS] | DRAWS] [--json FILE]");
+            return ExitCode::from(2);
         }
-        ["tune"] => return tune(),
-        [] => (Ok(campaign::DRAWS), None),
-        ["--json", file] => (Ok(campaign::DRAWS), Some(file.to_owned())),
-        [count] => (count.parse(), None),
-        [count, "--json", file] => (count.parse(), Some(file.to_owned())),
-        _ => (Ok(0), None),
-    };
-    let Ok(count @ 1..) = count else {
-        eprintln!("usage: controller_comparison [scan | tune | DRAWS] [--json FILE]");
-        return ExitCode::from(2);
-    };
-    let results = campaign::results(count);
-    print!("{}", campaign::report(&results));
-    if let Some(file) = file
-        && let Err(error) = std::fs::write(&file, serde_json::to_string(&results).expect("plain numbers"))
-    {
-        eprintln!("{file}: {error}");
-        return ExitCode::FAILURE;
     }
     ExitCode::SUCCESS
 }
 
-fn tune() -> ExitCode {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("comparison");
-    let [mpc, cascade, indi] = campaign::tune();
-    for (name, text) in [("mpc.toml", mpc), ("cascade.toml", cascade), ("indi.toml", indi)] {
-        std::fs::write(folder.join(name), &text).expect("the folder is there");
-        print!("{text}");
+fn draws(word: &str) -> Option<u64> {
+    word.parse().ok().filter(|&count| count > 0)
+}
+
+fn all(count: u64, file: Option<&str>) -> ExitCode {
+    let results = campaign::results(count);
+    print!("{}", campaign::report(&results));
+    write_rows(file, &results)
+}
+
+fn chosen(count: u64, file: Option<&str>) -> ExitCode {
+    let chosen = campaign::chosen(count);
+    print!("{}", campaign::chosen_report(&chosen));
+    write_rows(file, &chosen)
+}
+
+fn front(file: Option<&str>) -> ExitCode {
+    let outcome = campaign::front();
+    print!("{}", campaign::front_report(&outcome));
+    for (name, text) in ["mpc.toml", "cascade.toml"].into_iter().zip(&outcome.files) {
+        match text {
+            Some(text) => keep(name, text),
+            None => eprintln!("{name}: no point within the limits, the file stays"),
+        }
+    }
+    write_rows(file, &outcome.rows)
+}
+
+fn tune() {
+    let names = ["mpc-for-rms.toml", "cascade-for-rms.toml", "indi.toml"];
+    names.into_iter().zip(&campaign::tune()).for_each(|(name, text)| keep(name, text));
+}
+
+/// Writes a controller file, and shows it.
+fn keep(name: &str, text: &str) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("comparison");
+    std::fs::write(folder.join(name), text).expect("the folder is there");
+    println!("\n{name}:\n{text}");
+}
+
+fn write_rows(file: Option<&str>, rows: &impl Serialize) -> ExitCode {
+    if let Some(file) = file
+        && let Err(error) = std::fs::write(file, serde_json::to_string(rows).expect("plain numbers"))
+    {
+        eprintln!("{file}: {error}");
+        return ExitCode::FAILURE;
     }
     ExitCode::SUCCESS
 }

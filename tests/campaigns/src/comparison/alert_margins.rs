@@ -11,7 +11,7 @@ use sil_host::scenario::Scenario;
 
 use super::contender::Contender;
 use super::draw::Draw;
-use super::hover::AlertMargins;
+use super::hover::LeastMargins;
 
 /// Frequencies of the sines, Hz: about the loop's crossover, where its sensitivity peaks.
 const FREQUENCIES_HZ: [f64; 13] = [1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 5.0, 6.0, 7.0, 8.5, 10.0, 14.0];
@@ -32,11 +32,11 @@ const REST_S: f64 = 9.0;
 const AT_REST_RAD_S: f64 = 0.02;
 
 /// Of the roll loop as the contender is set.
-pub fn measured(contender: &Contender) -> AlertMargins {
+pub fn measured(contender: &Contender) -> LeastMargins {
     let peak = FREQUENCIES_HZ.iter().map(|&frequency_hz| sensitivity(contender, frequency_hz)).fold(0.0, f64::max);
     let delays = (1..).map(|step| DELAY_STEP_MS * f64::from(step)).take_while(|&ms| ms <= DELAY_MAX_MS);
     let delay_ms = delays.take_while(|&ms| comes_to_rest(contender, 1e-3 * ms)).last().unwrap_or(0.0);
-    AlertMargins { delay_ms, sensitivity_peak: peak }
+    LeastMargins { delay_ms, sensitivity_peak: peak }
 }
 
 fn flown(contender: &Contender, delay_s: f64, end_s: f64, torque_nm: impl FnMut(f64) -> [f64; 3]) -> FlightRecord {

@@ -1,9 +1,12 @@
 //! The whole comparison: tuning on some draws, flights on others, tables.
 
+use serde::Serialize;
+
 use super::contender::Contender;
 use super::contenders::{self, Shaping};
 use super::draw::{Draw, NOMINAL_LAG_S};
-use super::hover::{self, Hover};
+use super::front::{self, study::Budget};
+use super::hover::{self, Hover, LeastMargins};
 use super::stability::{Vehicle, eigenvalues, lift_gain, spectral_radius};
 use super::statistics::median;
 use super::table::{self, Result};
@@ -24,6 +27,13 @@ const SCAN_EVALUATIONS: usize = 20;
 /// Shapings of the scan: gain, 1/s, and acceleration share.
 const SCAN: [(f64, f64); 4] = [(7.1, 1.76), (9.0, 1.6), (12.0, 1.4), (20.0, 1.0)];
 
+/// Draws of the Pareto study: the first on which controllers are tuned.
+const FRONT_DRAWS: u64 = 8;
+/// Points of each controller in it: 67.
+const FRONT_BUDGET: Budget = Budget { per_preference: 6, goals: 6, per_goal: 6 };
+/// Draws whose margins are measured beside the flights of the chosen points.
+const MARGIN_DRAWS: usize = 32;
+
 /// How many of the contenders are flown in every weather: the three that were tuned, and the MPC without alerts.
 const CONTENDERS_IN_WEATHER: usize = 4;
 
@@ -40,7 +50,7 @@ fn tuning_draws(count: u64) -> Vec<Draw> {
     (TUNING_FIRST..TUNING_FIRST + count).map(Draw::new).collect()
 }
 
-/// Tunes the controllers and gives their files: MPC, cascade, INDI.
+/// Tunes the controllers for RMS and overshoot, and gives their files: MPC, cascade, INDI.
 pub fn tune() -> [String; 3] {
     let draws = tuning_draws(TUNING_DRAWS);
     let (mpc, cascade) = (contenders::mpc(&contenders::SHAPING), contenders::cascade(&contenders::SHAPING));
@@ -76,6 +86,72 @@ pub fn scan() -> String {
     text
 }
 
+/// The Pareto study of MPC and cascade.
+pub fn front() -> front::Outcome {
+    front::study(&tuning_draws(FRONT_DRAWS), &FRONT_BUDGET)
+}
+
+/// The tables of the study.
+pub fn front_report(outcome: &front::Outcome) -> String {
+    let [mpc, cascade] = &outcome.rows;
+    [
+        format!("### The two fronts, on {FRONT_DRAWS} draws\n"),
+        front::table::summary(&outcome.rows),
+        "### The cascade's front\n".into(),
+        front::table::front(cascade, "MPC"),
+        "### The MPC's front\n".into(),
+        front::table::front(mpc, "cascade"),
+    ]
+    .join("\n")
+}
+
+/// The points that were chosen from the fronts, over draws that the study has not seen.
+#[derive(Clone, Debug, Serialize)]
+pub struct Chosen {
+    /// MPC and cascade in all weathers.
+    pub results: Vec<Result>,
+    /// Margins in calm of the first draws, of each.
+    pub margins: Vec<Vec<LeastMargins>>,
+}
+
+/// Flies them over this many draws.
+pub fn chosen(count: u64) -> Chosen {
+    let draws = draws(count);
+    let margin_draws = &draws[..draws.len().min(MARGIN_DRAWS)];
+    let contenders = contenders::tuned();
+    Chosen {
+        results: contenders.iter().map(|contender| result(contender, &draws, &WEATHERS[1..])).collect(),
+        margins: contenders.iter().map(|contender| hover::margins_all(contender, margin_draws)).collect(),
+    }
+}
+
+/// Their tables.
+pub fn chosen_report(chosen: &Chosen) -> String {
+    let Chosen { results, margins } = chosen;
+    let count = |count: Option<usize>| count.unwrap_or(0);
+    [
+        format!(
+            "### Chosen points over {} unseen draws: median / 95th percentile\n",
+            count(results.first().map(|of| of.flights.len()))
+        ),
+        table::flights(results),
+        "### Their differences with paired 95 % intervals\n".into(),
+        table::differences(results),
+        "### In weather\n".into(),
+        table::weather(results),
+        "### A torque step of 0.1 N m about roll on every drawn vehicle: median / 95th percentile\n".into(),
+        table::pushes(results),
+        format!(
+            "### Margins in calm over {} draws, the worse of roll and pitch: median / worst twentieth\n",
+            count(margins.first().map(Vec::len))
+        ),
+        table::margins(results.iter().map(|result| result.name).zip(margins)),
+        "### At hover, nominal vehicle: roll / pitch\n".into(),
+        table::hover(results.iter().map(|result| (result.name, &result.hover))),
+    ]
+    .join("\n")
+}
+
 /// Flights of a contender over draws, in these weathers too, and all else that is told of it.
 pub fn result(contender: &Contender, draws: &[Draw], weathers: &[Weather]) -> Result {
     let flights = contender.fly_all(draws, Weather::Still);
@@ -103,7 +179,7 @@ pub fn results(count: u64) -> Vec<Result> {
 /// Every table of these results.
 pub fn report(results: &[Result]) -> String {
     let count = results.first().map_or(0, |result| result.flights.len());
-    let [mpc, cascade] = contenders::tuned();
+    let [mpc, cascade] = contenders::tuned_for_rms();
     // parts that act at a bound only leave the linear loop as it is
     let mut linear: Vec<Result> = Vec::new();
     for result in results {

@@ -1,5 +1,5 @@
-//! Who takes part: the two controllers that were tuned, as their files are kept, and what is left of the MPC without
-//! one of its parts.
+//! Who takes part: the controllers that were tuned, as their files are kept, and what is left of the MPC without one of
+//! its parts.
 
 use sil_host::controller_file::ReferenceName;
 use sil_host::model::Rig;
@@ -7,16 +7,20 @@ use sil_host::model::Rig;
 use super::contender::{Contender, StandIn};
 use super::tuning::{Form, Parameter, Tunable};
 
-/// The file of the cascade, as tuned.
+/// The file of the cascade, as chosen from its front.
 pub const CASCADE_FILE: &str = include_str!("../../comparison/cascade.toml");
-/// The file of the INDI, as tuned.
-pub const INDI_FILE: &str = include_str!("../../comparison/indi.toml");
-/// The file of the MPC, as tuned.
+/// The file of the MPC, as chosen from its front.
 pub const MPC_FILE: &str = include_str!("../../comparison/mpc.toml");
+/// The file of the cascade, as tuned for RMS and overshoot alone.
+pub const CASCADE_FOR_RMS_FILE: &str = include_str!("../../comparison/cascade-for-rms.toml");
+/// The file of the MPC, as tuned for RMS and overshoot alone.
+pub const MPC_FOR_RMS_FILE: &str = include_str!("../../comparison/mpc-for-rms.toml");
+/// The file of the INDI, as tuned for RMS and overshoot alone.
+pub const INDI_FILE: &str = include_str!("../../comparison/indi.toml");
 
 /// Squared ratio of the axes' input gains: what makes an increment of the torque as dear about pitch, measured by the
 /// acceleration that it gives, as about roll. (0.0115118 / 0.0365651)^2
-const PITCH_WEIGHT: f64 = 0.0991;
+pub(super) const PITCH_WEIGHT: f64 = 0.0991;
 
 /// The shaping of both controllers' reference: how fast it closes in, 1/s, and which share it uses of the acceleration
 /// that roll and pitch can both have at the same time.
@@ -118,9 +122,14 @@ pub fn tuned_indi() -> Contender {
     Contender { stand_in: Some(StandIn::Indi), ..Contender::new("INDI", INDI_FILE) }
 }
 
-/// The two, as tuned.
+/// The two, as chosen from their fronts.
 pub fn tuned() -> [Contender; 2] {
     [Contender::new("MPC", MPC_FILE), Contender::new("cascade", CASCADE_FILE)]
+}
+
+/// The two, as tuned for RMS and overshoot alone, behind one shaping of the reference.
+pub fn tuned_for_rms() -> [Contender; 2] {
+    [Contender::new("MPC", MPC_FOR_RMS_FILE), Contender::new("cascade", CASCADE_FOR_RMS_FILE)]
 }
 
 /// Motors' lag of the gimbal's nominal vehicle over that of the F450 in free flight, 32 ms over 53 ms.
@@ -144,9 +153,9 @@ pub fn in_free_flight() -> Vec<Contender> {
     ]
 }
 
-/// Those of the full campaign, the MPC first.
+/// Those of the campaign that says what each part of the MPC is worth: all tuned for RMS, the MPC first.
 pub fn all() -> Vec<Contender> {
-    let [mpc, cascade] = tuned();
+    let [mpc, cascade] = tuned_for_rms();
     let changed = |name, change: fn(&mut Contender)| {
         let mut contender = Contender { name, ..mpc.clone() };
         change(&mut contender);
@@ -172,8 +181,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_fly_the_same_reference() {
-        let [mpc, cascade] = tuned().map(|contender| contender.choice.tuning);
+    fn both_fly_the_same_reference_where_they_were_tuned_for_rms() {
+        let [mpc, cascade] = tuned_for_rms().map(|contender| contender.choice.tuning);
         assert!(mpc.shaping_gain_1_s.is_some() && mpc.acceleration_share.is_some() && mpc.rate_max_rad_s.is_some());
         assert_eq!(mpc.shaping_gain_1_s, cascade.shaping_gain_1_s);
         assert_eq!(mpc.acceleration_share, cascade.acceleration_share);

@@ -47,13 +47,23 @@ pub struct Push {
     pub command_deviation: f64,
 }
 
-/// Margins of roll while the observer is alert, as often as it may be.
+/// How much later a loop may be, and how much of a disturbance it makes more of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct AlertMargins {
+pub struct LeastMargins {
     /// Delay with which the loop still comes to rest, ms.
     pub delay_ms: f64,
     /// Largest part of a disturbing sine that is left at its own frequency.
     pub sensitivity_peak: f64,
+}
+
+impl LeastMargins {
+    /// The worse of roll and pitch; none of a loop without a delay margin.
+    pub fn of_both([roll, pitch]: &[Margins; 2]) -> Option<Self> {
+        Some(Self {
+            delay_ms: roll.delay_ms?.min(pitch.delay_ms?),
+            sensitivity_peak: roll.sensitivity_peak.max(pitch.sensitivity_peak),
+        })
+    }
 }
 
 /// What a controller does at hover.
@@ -68,7 +78,7 @@ pub struct Hover {
     /// Margins of roll and pitch in calm; none if the loop oscillates by itself.
     pub margins: Option<[Margins; 2]>,
     /// With an observer that is alert as often as it may be; none where it never is.
-    pub alert: Option<AlertMargins>,
+    pub alert: Option<LeastMargins>,
 }
 
 impl Hover {
@@ -80,14 +90,24 @@ impl Hover {
             torque_step: [torque_step(contender, Axis::Roll), torque_step(contender, Axis::Pitch)],
             command_deviation: command_deviation(&noisy, [SETTLE_S, NOISE_FLIGHT_S]),
             torque_step_with_notches: torque_step(&with_notches, Axis::Roll),
-            margins: margins_of(&kept(contender, AlertName::Never)),
-            alert: match contender.choice.tuning.mpc_disturbance_alert {
-                Some(AlertName::Significant | AlertName::Always) => {
-                    Some(alert_margins::measured(&kept(contender, AlertName::Always)))
-                }
-                Some(AlertName::Never) | None => None,
-            },
+            margins: margins_in_calm(contender),
+            alert: margins_in_alert(contender),
         }
+    }
+}
+
+/// Margins of roll and pitch in calm; none if the loop oscillates by itself.
+pub fn margins_in_calm(contender: &Contender) -> Option<[Margins; 2]> {
+    margins_of(&kept(contender, AlertName::Never), &Draw::nominal(0))
+}
+
+/// Margins of roll with an observer that is alert as often as it may be; none where it never is.
+pub fn margins_in_alert(contender: &Contender) -> Option<LeastMargins> {
+    match contender.choice.tuning.mpc_disturbance_alert {
+        Some(AlertName::Significant | AlertName::Always) => {
+            Some(alert_margins::measured(&kept(contender, AlertName::Always)))
+        }
+        Some(AlertName::Never) | None => None,
     }
 }
 
@@ -98,9 +118,20 @@ fn kept(contender: &Contender, alert: AlertName) -> Contender {
     kept
 }
 
-fn margins_of(contender: &Contender) -> Option<[Margins; 2]> {
-    let parameters = contender.setup(&Draw::nominal(0), &Scenario::hover(1.0)).design_parameters();
-    let model = Draw::nominal(0).model_on(contender.rig);
+/// Margins of many vehicles in calm, in their order, their rings balanced; a loop that oscillates has none.
+pub fn margins_all(contender: &Contender, draws: &[Draw]) -> Vec<LeastMargins> {
+    let calm = kept(contender, AlertName::Never);
+    let oscillates = LeastMargins { delay_ms: 0.0, sensitivity_peak: f64::INFINITY };
+    // the constant torque against the ring's moment would count as an oscillation
+    let balanced = |draw: &Draw| Draw { ring_moment_nm: 0.0, ..*draw };
+    let of =
+        |draw: &Draw| margins_of(&calm, &balanced(draw)).as_ref().and_then(LeastMargins::of_both).unwrap_or(oscillates);
+    draws.par_iter().map(of).collect()
+}
+
+fn margins_of(contender: &Contender, draw: &Draw) -> Option<[Margins; 2]> {
+    let parameters = contender.setup(draw, &Scenario::hover(1.0)).design_parameters();
+    let model = draw.model_on(contender.rig);
     let responses = margins::measure(&model, &parameters, &contender.control_side());
     responses.map(|axes| axes.map(|response| margins::margins(&response)))
 }

@@ -11,6 +11,7 @@ pub mod campaign;
 pub mod contender;
 pub mod contenders;
 pub mod draw;
+pub mod front;
 pub mod hover;
 pub mod indi;
 pub mod linear_loop;

@@ -122,7 +122,7 @@ mod tests {
     #[test]
     #[ignore = "seconds long: one of the thorough tests, which CI runs"]
     fn tuned_loops_hold_away_from_the_nominal_vehicle() {
-        for contender in contenders::tuned() {
+        for contender in contenders::tuned().into_iter().chain(contenders::tuned_for_rms()) {
             for (lag_s, throttle) in [(0.0, 0.35), (0.0, 0.7), (0.03, 0.5), (0.05, 0.35), (0.05, 0.7)] {
                 for authority in [0.8 / 1.2, 1.0, 1.2 / 0.8] {
                     let vehicle = Vehicle { lag_s, throttle, authority };

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::contender::Figures;
-use super::hover::{Hover, Push};
+use super::hover::{Hover, LeastMargins, Push};
 use super::statistics::{Difference, median, paired_difference, quantile};
 use super::weather::Weather;
 
@@ -133,6 +133,27 @@ pub fn pushes(results: &[Result]) -> String {
         let [peak, less_peak] = cell(|push| push.peak_deg, 2);
         let [noise, less_noise] = cell(|push| push.command_deviation, 5);
         text += &row([(*name).into(), peak, less_peak, noise, less_noise]);
+    }
+    text
+}
+
+/// Margins over the drawn vehicles: median and worst twentieth, and the first contender's less each other's with paired
+/// 95 % intervals.
+pub fn margins<'a>(contenders: impl Iterator<Item = (&'a str, &'a Vec<LeastMargins>)>) -> String {
+    let header = ["", "delay margin, ms", "less", "peak sensitivity", "less"];
+    let mut text = row(header.map(Into::into)) + &rule(header.len() - 1);
+    let mut ours: Option<[Vec<f64>; 2]> = None;
+    for (name, margins) in contenders {
+        let delays: Vec<f64> = margins.iter().map(|margins| margins.delay_ms).collect();
+        let peaks: Vec<f64> = margins.iter().map(|margins| margins.sensitivity_peak).collect();
+        let [our_delays, our_peaks] = ours.get_or_insert_with(|| [delays.clone(), peaks.clone()]);
+        text += &row([
+            name.into(),
+            format!("{:.1} / {:.1}", median(&delays), quantile(&delays, 0.05)),
+            interval(&paired_difference(our_delays, &delays, 0.5)),
+            format!("{:.2} / {:.2}", median(&peaks), quantile(&peaks, 0.95)),
+            interval(&paired_difference(our_peaks, &peaks, 0.5)),
+        ]);
     }
     text
 }

@@ -47,11 +47,15 @@ pub struct Tunable<const N: usize> {
 }
 
 impl<const N: usize> Tunable<N> {
+    /// Names and values of a point's parameters, those of roll.
+    pub fn values(&self, point: &[f64; N]) -> impl Iterator<Item = (&'static str, f64)> {
+        self.parameters.iter().zip(point).map(|(parameter, &log)| (parameter.field, rounded(libm::exp(log))))
+    }
+
     /// The file of a point, whose coordinates are the logarithms of the parameters.
     pub fn file(&self, point: &[f64; N]) -> String {
         let mut text = self.fixed.clone();
-        for (parameter, &logarithm) in self.parameters.iter().zip(point) {
-            let value = rounded(libm::exp(logarithm));
+        for (parameter, (_, value)) in self.parameters.iter().zip(self.values(point)) {
             // writing into a string does not fail
             let _ = match parameter.form {
                 Form::Number => writeln!(text, "{} = {value:?}", parameter.field),
