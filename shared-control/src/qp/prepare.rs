@@ -100,20 +100,22 @@ impl<const N: usize, const R: usize> Qp<N, R> {
             general_lengths: [0.0; R],
             general_count: rows.len(),
         };
-        for (variable, row) in qp.bound_rows[..variable_count].iter_mut().enumerate() {
+        let bounds = qp.bound_rows.iter_mut().zip(&mut qp.bound_lengths).zip(hessian);
+        for (variable, ((row, bound_length), entries)) in bounds.enumerate() {
             // The square of the row's length is (H^-1)_ii.
             let length = normalise(row).ok_or(QpError::IllConditioned { variable })?;
-            if hessian[variable][variable] * length * length > CONDITION_LIMIT {
+            let diagonal = entries.get(variable).copied().unwrap_or_default();
+            if diagonal * length * length > CONDITION_LIMIT {
                 return Err(QpError::IllConditioned { variable });
             }
-            qp.bound_lengths[variable] = length;
+            *bound_length = length;
         }
-        for (index, source) in rows.iter().enumerate() {
-            let row = &mut qp.general_rows[index];
+        let general = qp.general_rows.iter_mut().zip(&mut qp.general_lengths).zip(rows);
+        for (index, ((row, general_length), source)) in general.enumerate() {
             for (weight, inverse_row) in source.iter().zip(&inverse[..variable_count]) {
                 add_scaled(row, *weight, inverse_row);
             }
-            qp.general_lengths[index] = normalise(row).ok_or(QpError::EmptyRow { row: index })?;
+            *general_length = normalise(row).ok_or(QpError::EmptyRow { row: index })?;
         }
         Ok(qp)
     }
@@ -195,9 +197,10 @@ fn normalise(row: &mut [f32]) -> Option<f32> {
     Some(length)
 }
 
-/// The upper triangular R with R'R = `hessian`.
+/// The upper triangular R with R'R = `hessian`. No row is behind the last column, and the compiler sees it: then there is
+/// no panic behind an index, and a board may prepare after its start.
 fn cholesky<const N: usize>(hessian: &[[f32; N]]) -> Result<[[f32; N]; N], QpError> {
-    let size = hessian.len();
+    let size = hessian.len().min(N);
     let mut factor = [[0.0; N]; N];
     for row in 0..size {
         for column in row..size {
@@ -223,7 +226,7 @@ fn cholesky<const N: usize>(hessian: &[[f32; N]]) -> Result<[[f32; N]; N], QpErr
 /// Inverse of the leading part of an upper triangular matrix with a positive diagonal, by back substitution.
 fn invert_upper<const N: usize>(factor: &[[f32; N]; N], size: usize) -> [[f32; N]; N] {
     let mut inverse = [[0.0; N]; N];
-    for column in 0..size {
+    for column in 0..size.min(N) {
         inverse[column][column] = 1.0 / factor[column][column];
         for row in (0..column).rev() {
             let mut sum = 0.0;
