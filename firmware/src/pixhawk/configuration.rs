@@ -16,7 +16,7 @@ use super::fram::Fram;
 
 /// Room for every control horizon that can be chosen.
 pub type BoardMpc = Mpc<HORIZON>;
-/// Where it lies; 24 KB, which the stack has no room for.
+/// Where it lies; 41 KB, which the stack has no room for.
 pub type MpcPlace = MaybeUninit<BoardMpc>;
 
 /// Writes an MPC into its place, whose plans are not solved until it is prepared.

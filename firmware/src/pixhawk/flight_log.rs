@@ -90,7 +90,9 @@ impl FlightLog {
         self.params = *params;
     }
 
-    /// Does what there is to do, a block at most. Recorder and shelf are held as long as it takes to copy a piece.
+    /// Does what there is to do, a block at most. Recorder and shelf are held as long as it takes to copy a piece. Not
+    /// inlined: while parameters are made its buffers need not be on the stack.
+    #[inline(never)]
     pub fn update(
         &mut self,
         recorder: &mut impl Mutex<T = &'static mut FlightRecorder>,
