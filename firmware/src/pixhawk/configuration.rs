@@ -91,11 +91,12 @@ impl Configuration {
         }
     }
 
-    /// The second IMU's gyro was found to sit like this.
-    pub fn fit_second_gyro(&mut self, axes: Option<AxisMap>) {
+    /// The second IMU's gyro was found to sit like this; passes it on.
+    pub fn fit_second_gyro(&mut self, axes: Option<AxisMap>) -> Option<AxisMap> {
         if let Some(axes) = axes {
             self.setup.config.sensing.imu_second.gyro_axes = axes;
         }
+        axes
     }
 
     /// Ticks of the loop per housekeeping.

@@ -160,12 +160,11 @@ mod app {
         let loop_timer = LoopTimer::new(device.TIM3, &setup.loop_timer, &mut rcc);
 
         let settings = configuration.link_settings();
-        let (orders, orders_out) = cx.local.orders.split();
         let (answers, answers_out) = cx.local.answers.split();
         let (chores, chores_out) = cx.local.chores.split();
         let (samples, samples_out) = cx.local.samples.split();
         let (samples_second, samples_second_out) = cx.local.samples_second.split();
-        let (ticks, ticks_out) = cx.local.ticks.split();
+        let ((ticks, ticks_out), (orders, orders_out)) = (cx.local.ticks.split(), cx.local.orders.split());
         let ((reports, reports_out), (news, news_out)) = (cx.local.reports.split(), cx.local.news.split());
         let (hil, baud) = (configuration.params.hil, configuration.link_baud());
         let buffers = (cx.local.ring, cx.local.buffer);
@@ -177,8 +176,7 @@ mod app {
 
         let checked = Checked::set_up(&mut bus);
         checked.faults().for_each(|fault| ground.tell(fault.words()));
-        let second_gyro = checked.second_gyro_axes();
-        configuration.fit_second_gyro(second_gyro);
+        let second_gyro = configuration.fit_second_gyro(checked.second_gyro_axes());
         let producers = [samples, samples_second];
         let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
         if !hil {
@@ -186,8 +184,7 @@ mod app {
         }
         let io = IoPort::open(device.USART6, pins.io, cx.local.io_buffers, reports, &mut rcc);
         let bus = SdBus::new(device.SDIO, pins.card, cx.local.card_buffer, &mut rcc);
-        let flight_log = FlightLog::new(SdCard::new(bus), &configuration.params, news);
-        let workshop = Workshop::new(spare, second_gyro, flight_log);
+        let workshop = Workshop::new(spare, second_gyro, FlightLog::new(SdCard::new(bus), &configuration.params, news));
         // the simulated vehicle's battery is never low
         let (adc, conversions) = ((device.ADC1, &device.ADC_COMMON), cx.local.conversions);
         let battery = (!hil).then(|| Battery::start(adc, pins.battery, conversions, &mut rcc));

@@ -230,11 +230,12 @@ fn invert_upper<const N: usize>(matrix: &mut [[f32; N]; N], size: usize) {
     for column in (0..size.min(N)).rev() {
         matrix[column][column] = 1.0 / matrix[column][column];
         for row in (0..column).rev() {
+            let entries = matrix[row];
             let mut sum = 0.0;
-            for inner in row + 1..=column {
-                sum += matrix[row][inner] * matrix[inner][column];
+            for (entry, inverse_row) in entries.iter().zip(matrix.iter()).take(column + 1).skip(row + 1) {
+                sum += entry * inverse_row[column];
             }
-            matrix[row][column] = -sum / matrix[row][row];
+            matrix[row][column] = -sum / entries[row];
         }
     }
 }

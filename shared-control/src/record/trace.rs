@@ -237,8 +237,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 8, requests 15, battery 2, plan 8; exchanges 1;
-        // outputs 33; state; no padding
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 8, requests 15, battery 2, plan 8; exchanges
+        // 1; outputs 33; state; no padding
         assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 33 + 1 + 33 + STATE_WORDS));
     }
 }
