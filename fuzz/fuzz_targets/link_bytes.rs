@@ -5,12 +5,17 @@
 //! the vehicle speaks in frames, and while a key is in force nothing that is not signed with it commands.
 
 use shared_control::config::Controller;
+use shared_control::exchange::Exchange;
+use shared_control::flight_core::State;
 use shared_control::link::frame::{FRAME_MAX, FrameWriter};
+use shared_control::link::parameters::QUIET_US;
 use shared_control::link::signing::{Key, Signer, SigningRecord};
 use shared_control::link::{
     Chore, Commander, Guard, LinkSettings, LogStore, Order, Receiver, Telemetry, VehicleStatus,
 };
 use shared_control::params::Params;
+use shared_control::radio::StickCurves;
+use shared_control::setup::Setup;
 use shared_control::signals::ArmingBlocks;
 
 /// Message id and last byte of the CRC of what is understood (`message_definitions/v1.0/common.xml`).
@@ -85,8 +90,13 @@ impl Vehicle {
         }
         let (answer, chore) = self.commander.order(&order, self.time_us);
         answer.into_iter().for_each(|answer| self.telemetry.answer(answer));
+        if chore.as_ref().is_some_and(Chore::changes_parameters) {
+            self.commander.await_change();
+        }
         match chore {
-            Some(Chore::Parameters(request)) => self.telemetry.serve_parameters(&request, |_| true),
+            Some(Chore::Parameters(request)) => {
+                self.telemetry.serve_parameters(&request, &self.status, |_| true);
+            }
             Some(Chore::Tell(inquiry)) => self.telemetry.tell(&inquiry),
             Some(Chore::SetUpSigning(setup)) => {
                 self.telemetry.set_up_signing(&setup, (&self.status, self.time_us), |_| true);
@@ -108,8 +118,22 @@ impl Vehicle {
         self.rightly_signed.remove(0);
     }
 
+    /// Whatever was set can be flown, and is taken whole.
+    fn bring_into_use(&mut self) {
+        if let Some(wanted) = self.telemetry.parameters_wanted(self.time_us).copied() {
+            let setup = Setup::new(&wanted).expect("what a record can hold");
+            let next = Exchange::new(&wanted, &setup);
+            let mut config = setup.config;
+            assert!(next.take_up(&mut config, &mut State::default(), &mut self.commander));
+            self.receiver.use_curves(&StickCurves::new(&wanted.pilot));
+            self.telemetry.parameters_in_use(&wanted, &next.senseless());
+        }
+        self.commander.settle(self.telemetry.parameters_settled(&self.status));
+    }
+
     fn pass(&mut self) {
         self.time_us += 10_000;
+        self.bring_into_use();
         let commands = self.commander.commands(self.time_us);
         for share in [commands.setpoint.roll_rad, commands.setpoint.pitch_rad] {
             assert!(share.abs() <= 1.1, "{commands:?}");
@@ -174,4 +198,7 @@ pub fn hold(bytes: &[u8]) {
         }
         vehicle.pass();
     }
+    vehicle.time_us += QUIET_US;
+    vehicle.pass();
+    assert!(!vehicle.commander.commands(vehicle.time_us).blocks.parameters_waiting, "all that was set is in use");
 }

@@ -10,6 +10,7 @@
 
 mod coasting;
 mod euler_motion;
+mod exchange;
 mod output;
 mod planning;
 mod state;

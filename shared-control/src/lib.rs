@@ -101,6 +101,7 @@ pub mod airframe;
 pub mod attitude;
 pub mod config;
 pub mod elementary;
+pub mod exchange;
 pub mod filter;
 pub mod flight_core;
 pub mod frames;

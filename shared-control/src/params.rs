@@ -10,6 +10,7 @@
 
 mod allowed;
 pub mod battery;
+pub mod counts;
 pub mod level;
 pub mod pilot;
 pub mod radio;

@@ -88,6 +88,8 @@ pub struct ArmingBlocks {
     pub radio_unusable: bool,
     /// The owner's vehicle is to fly, and its numbers make no sense; or a free one that nobody has named.
     pub vehicle_unusable: bool,
+    /// Parameters were set that are not in use yet.
+    pub parameters_waiting: bool,
 }
 
 /// A request to change the arming state; the supervisor decides.

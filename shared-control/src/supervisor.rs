@@ -228,6 +228,8 @@ fn standing_refusal(input: &StepInput, findings: &Findings) -> Option<Refusal> {
         Some(Refusal::RadioUnusable)
     } else if input.blocks.vehicle_unusable {
         Some(Refusal::VehicleUnusable)
+    } else if input.blocks.parameters_waiting {
+        Some(Refusal::ParametersWaiting)
     } else if !input.setpoint.is_finite() {
         Some(Refusal::SetpointNotFinite)
     } else if link_is_lost(input, findings) {

@@ -83,7 +83,6 @@ def main():
         connect.intervals(ground, watch, interval_us=100_000)
         ground.link.close()
         console.loads_parameters(board.port, watch)
-        # what it sets is stored for the next start, which does not come
         describes_itself(board.port, watch)
         asyncio.run(companion.fly(board.port, watch))
         connect.flies(connect.Ground(board.port), watch)

@@ -8,7 +8,7 @@ fn the_page_has_every_parameter_as_it_is() {
     let rows = Field::ALL.map(|field| {
         let (row, default) = (field.row(), field.row().allowed.number(Params::DEFAULT.get(field)));
         let unit = if row.unit.is_empty() { "-" } else { row.unit };
-        format!("| `{}` | {} | {default} | {unit} | {} |\n", row.name, row.allowed, row.meaning)
+        format!("| `{}` | {} | {default} | {unit} | {} | {} |\n", row.name, row.allowed, row.counts, row.meaning)
     });
     let table = rows.concat();
     let page = include_str!("../../docs/configuration.md");

@@ -5,8 +5,8 @@ use core::mem::MaybeUninit;
 use shared_control::config::Controller;
 use shared_control::link::{Commander, LinkSettings, VehicleStatus};
 use shared_control::mpc::{HORIZON, Mpc};
-use shared_control::params::{self, Params, RecordError, Rig};
-use shared_control::radio::{Pilot, StickCurves};
+use shared_control::params::{self, Params, RecordError};
+use shared_control::radio::Pilot;
 use shared_control::sensing::imu::AxisMap;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingBlocks, MotorCommands};
@@ -16,10 +16,16 @@ use super::fram::Fram;
 
 /// Room for every control horizon that can be chosen.
 pub type BoardMpc = Mpc<HORIZON>;
-/// Where it lies; 24 KB, which the stack has no room for.
+/// Where it lies; 41 KB, which the stack has no room for.
 pub type MpcPlace = MaybeUninit<BoardMpc>;
 
-/// How this board is set up until its next start.
+/// Writes an MPC into its place, whose plans are not solved until it is prepared.
+#[inline(never)]
+pub fn unprepared(place: &'static mut MpcPlace) -> &'static mut BoardMpc {
+    place.write(Mpc::unprepared())
+}
+
+/// How this board is set up at its start.
 pub struct Configuration {
     /// What was chosen, or the defaults.
     pub params: Params,
@@ -38,18 +44,17 @@ impl Configuration {
         Self { params, fault, setup }
     }
 
-    /// The MPC, where it flies. Not inlined: the 30 KB of stack that it takes to prepare are gone when it returns, and
-    /// who flies the cascade never needs them.
+    /// The MPC, prepared where it flies. Not inlined: the 30 KB of stack that it takes to prepare are gone when it
+    /// returns, and who flies the cascade never needs them.
     #[inline(never)]
-    pub fn mpc(&self, place: &'static mut MpcPlace) -> Option<&'static mut BoardMpc> {
-        if self.params.controller == Controller::Cascade {
-            return None;
-        }
-        let mpc = place.write(Mpc::unprepared());
-        if mpc.prepare_in_place(self.params.control_horizon.into(), &self.setup.mpc).is_err() {
+    pub fn mpc(&self, place: &'static mut MpcPlace) -> &'static mut BoardMpc {
+        let mpc = unprepared(place);
+        if self.params.controller == Controller::Mpc
+            && mpc.prepare_in_place(self.params.control_horizon.into(), &self.setup.mpc).is_err()
+        {
             panic!("every control horizon can be prepared");
         }
-        Some(mpc)
+        mpc
     }
 
     /// Compare value of the disarmed pulse.
@@ -57,15 +62,10 @@ impl Configuration {
         self.setup.config.output.compare_counts(&MotorCommands::default(), false)[0]
     }
 
-    /// Identity and reach of the sticks, the hover throttle that was chosen, and whether the test sequence is for this
-    /// vehicle: one that could fly away has none, but in a simulation.
+    /// Identity, what the sticks mean, and what TELEM1 carries.
     pub fn link_settings(&self) -> LinkSettings {
-        let hover_throttle = f32::from(self.params.hover_throttle_permille) / 1000.0;
-        let has_test_sequence = self.params.rig == Rig::Gimbal || self.params.hil;
-        let curves = StickCurves::new(&self.params.pilot);
         // ten bits a byte
-        let line_bytes_s = self.link_baud() / 10;
-        LinkSettings { hover_throttle, has_test_sequence, curves, line_bytes_s, ..LinkSettings::NOMINAL }
+        LinkSettings::of(&self.params, self.link_baud() / 10)
     }
 
     /// Who takes the ground's and the pilot's wishes, with what stands against arming.
@@ -91,11 +91,12 @@ impl Configuration {
         }
     }
 
-    /// The second IMU's gyro was found to sit like this.
-    pub fn fit_second_gyro(&mut self, axes: Option<AxisMap>) {
+    /// The second IMU's gyro was found to sit like this; passes it on.
+    pub fn fit_second_gyro(&mut self, axes: Option<AxisMap>) -> Option<AxisMap> {
         if let Some(axes) = axes {
             self.setup.config.sensing.imu_second.gyro_axes = axes;
         }
+        axes
     }
 
     /// Ticks of the loop per housekeeping.

@@ -3,6 +3,8 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use heapless::Vec;
+use rtic::Mutex;
+use rtic::mutex_prelude::*;
 use shared_control::config::Config;
 use shared_control::flight_core::{FlightCore, State, StepOutput};
 use shared_control::io_chip::IoReport;
@@ -14,9 +16,11 @@ use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
 use super::battery::Battery;
 use super::clock::TimeBase;
 use super::counters;
+use super::exchange::{self, Offer};
 use super::flight_log::FlightRecorder;
 use super::imu::TimedSample;
 use super::io_port::REPORTS;
+use super::planning::Planning;
 use super::queue::{Consumer, Producer, Queue};
 
 /// Room for orders that arrive within one step, and for what they bring about within one housekeeping.
@@ -100,6 +104,20 @@ impl Control {
         self.ends.ticks.as_ref().is_some_and(Consumer::is_ready)
     }
 
+    /// Takes what is offered in the place of what is in use, or refuses it: in flight nothing changes. Not while a plan
+    /// is under way, so that the one that comes next is all of one kind. A comparison where nothing is offered.
+    pub fn consider(&mut self, offer: &mut impl Mutex<T = Offer>, planning: &mut impl Mutex<T = Planning>) {
+        (offer, planning).lock(|offer, planning| {
+            let Some(next) = offer.next.as_ref().filter(|_| !planning.is_under_way()) else { return };
+            offer.taken = next.take_up(&mut self.config, &mut self.state, &mut self.commander);
+            offer.next = None;
+            if offer.taken {
+                planning.swap(&mut offer.mpc);
+                self.radio_flies = self.commander.radio_flies();
+            }
+        });
+    }
+
     /// Makes the step whose input is gathered.
     pub fn fast(&mut self, plan: Option<Plan>) -> StepOutput {
         self.input.plan = plan;
@@ -174,6 +192,7 @@ impl Control {
         }
         self.obey();
         self.listen_to_io();
+        self.commander.settle(exchange::settled());
         self.commander.commands(self.input.time_us).fill(&mut self.input);
         self.input.battery_v = self.ends.battery.as_ref().map(Battery::voltage_v);
         true
@@ -215,9 +234,13 @@ impl Control {
 
     fn pass_on(&mut self, answer: Option<Answer>, chore: Option<Chore>) {
         let no_room = answer.is_some_and(|answer| self.ends.answers.enqueue(answer).is_err());
+        let changes_parameters = chore.as_ref().is_some_and(Chore::changes_parameters);
         let nor_here = chore.is_some_and(|chore| self.ends.chores.enqueue(chore).is_err());
         if no_room || nor_here {
             counters::ANSWERS_DROPPED.add();
+        }
+        if changes_parameters && !nor_here {
+            self.commander.await_change();
         }
     }
 }

@@ -10,6 +10,7 @@ use shared_control::link::VehicleStatus;
 use shared_control::log_card::{BLOCK_BYTES, CardError, CardLog, LogShelf, WINDOW_BYTES};
 use shared_control::onboard_log::{self, Recorder, Stage};
 use shared_control::params::Params;
+use shared_control::supervisor::Arming;
 
 use super::clock::TimeBase;
 use super::counters;
@@ -37,6 +38,15 @@ static WANTED: AtomicBool = AtomicBool::new(false);
 /// Is there a card for a log?
 pub fn is_wanted() -> bool {
     WANTED.load(Ordering::Relaxed)
+}
+
+/// Nothing is recorded, nor may a motor turn.
+pub fn is_idle(
+    recorder: &mut impl Mutex<T = &'static mut FlightRecorder>,
+    status: &mut impl Mutex<T = VehicleStatus>,
+) -> bool {
+    let is_disarmed = status.lock(|status| matches!(status.arming, Arming::Disarmed(_)));
+    is_disarmed && recorder.lock(|recorder| recorder.stage() == Stage::Idle)
 }
 
 /// What the ground is told of the card.
@@ -75,7 +85,14 @@ impl FlightLog {
         Self { card, log: None, params: *params, news, clock, look_us: 0, told: None, left_out_before: 0 }
     }
 
-    /// Does what there is to do, a block at most. Recorder and shelf are held as long as it takes to copy a piece.
+    /// What the next log's head is to say; none is under way.
+    pub fn use_params(&mut self, params: &Params) {
+        self.params = *params;
+    }
+
+    /// Does what there is to do, a block at most. Recorder and shelf are held as long as it takes to copy a piece. Not
+    /// inlined: while parameters are made its buffers need not be on the stack.
+    #[inline(never)]
     pub fn update(
         &mut self,
         recorder: &mut impl Mutex<T = &'static mut FlightRecorder>,

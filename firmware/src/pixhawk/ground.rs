@@ -4,19 +4,22 @@ use core::fmt::{Display, Write};
 
 use heapless::Vec;
 use mavlink::dialects::common::MavSeverity;
+use rtic::Mutex;
 use shared_control::link::signing::{Refused, Terms};
 use shared_control::link::telemetry::Figures;
 use shared_control::link::{Answer, Chore, LinkSettings, LogRequest, Telemetry, Text, VehicleStatus};
 use shared_control::log_card::LogShelf;
 use shared_control::params::{self, Params};
+use shared_control::radio::StickCurves;
 
 use super::boot::Start;
 use super::configuration::Configuration;
 use super::counters::{SETTINGS_LOST, USB_DROPPED};
+use super::exchange::{self, Demand, Made};
 use super::fault::{self, FaultRecord};
 use super::flight_log::News;
 use super::fram::Fram;
-use super::link_port::{LinkSender, SendBuffer};
+use super::link_port::{LinkIn, LinkSender, SendBuffer};
 use super::queue::Consumer;
 use super::usb_port::{self, UsbPort};
 
@@ -56,10 +59,7 @@ impl Ground {
 
     /// Tells a person something that should not have happened, or that explains the start.
     pub fn tell(&mut self, words: impl Display) {
-        let mut text = Text::new();
-        // what does not fit is left out
-        let _ = write!(text, "{words}");
-        self.telemetry.text(MavSeverity::MAV_SEVERITY_WARNING, &text);
+        self.telemetry.warn(words);
     }
 
     /// Tells why the board has started, what came before, and what is out of the ordinary about the configuration.
@@ -137,6 +137,27 @@ impl Ground {
         self.telemetry.update_signing(seen, time_us, |record| self.memory.store_signing(record))
     }
 
+    /// Passes on which parameters are wanted in use, and says which have come into it.
+    pub fn bring_into_use(
+        &mut self,
+        (time_us, status): (u64, &VehicleStatus),
+        demand: &mut impl Mutex<T = Demand>,
+        link: &mut impl Mutex<T = LinkIn>,
+    ) {
+        match demand.lock(|demand| demand.made.take()) {
+            None => {}
+            Some(Made::InUse(params, senseless)) => {
+                self.telemetry.parameters_in_use(&params, &senseless);
+                let curves = StickCurves::new(&params.pilot);
+                link.lock(|link| link.use_curves(&curves));
+            }
+            Some(Made::NotUsable) => self.telemetry.parameters_not_usable(),
+        }
+        let wanted = self.telemetry.parameters_wanted(time_us).copied();
+        demand.lock(|demand| demand.wanted = wanted);
+        exchange::settle(self.telemetry.parameters_settled(status));
+    }
+
     /// Does the memory hold a whole record of parameters?
     pub fn memory_is_whole(&mut self) -> bool {
         params::load(&self.memory.read()).1.is_none()
@@ -191,7 +212,7 @@ impl Ground {
             Chore::ClearFaultRecord => FaultRecord::clear(),
             Chore::StoreConfiguration => self.telemetry.store_configuration(|record| self.memory.store(record)),
             Chore::Parameters(request) => {
-                self.telemetry.serve_parameters(&request, |record| self.memory.store(record));
+                self.telemetry.serve_parameters(&request, status, |record| self.memory.store(record));
             }
             Chore::CalibrateLevel => self.telemetry.calibrate_level(status, |record| self.memory.store(record)),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),

@@ -13,6 +13,7 @@ use heapless::Vec;
 use shared_control::link::hil::HilTick;
 use shared_control::link::signing::{Refused, Terms};
 use shared_control::link::{Guard, LinkSettings, Order, Receiver};
+use shared_control::radio::StickCurves;
 use stm32f4xx_hal::gpio::{Alternate, PD5, PD6};
 use stm32f4xx_hal::pac::{DMA1, Interrupt, USART2, dma1};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -147,6 +148,12 @@ impl LinkIn {
     /// Lets in what these terms say.
     pub fn follow(&mut self, terms: &Terms) {
         self.guard.follow(terms);
+    }
+
+    /// What the ground's sticks mean from now on.
+    pub fn use_curves(&mut self, curves: &StickCurves) {
+        self.receiver.use_curves(curves);
+        self.usb_receiver.use_curves(curves);
     }
 
     /// Takes all that has arrived; at most a ring of it, however fast it comes.

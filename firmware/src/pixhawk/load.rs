@@ -64,7 +64,7 @@ pub static HOUSEKEEPING: Meter = Meter::new();
 
 /// Worst cycles of each task, the deepest stack, bytes, how the last plan and all before it fared, and what was lost of
 /// the IO chip's replies, of the log and of what USB was to carry.
-pub fn figures(planning: &PlanReport) -> Figures {
+fn figures(planning: &PlanReport) -> Figures {
     [
         ("cyc_loop", LOOP.worst_cycles()),
         ("cyc_plan", PLAN.worst_cycles()),
@@ -85,11 +85,13 @@ pub fn figures(planning: &PlanReport) -> Figures {
     ]
 }
 
-/// Sends the figures to a probe, if one listens.
-pub fn report(figures: &Figures) {
-    for (name, value) in figures {
+/// The same, sent to a probe, if one listens.
+pub fn report(planning: &PlanReport) -> Figures {
+    let figures = figures(planning);
+    for (name, value) in &figures {
         defmt::info!("{=str} {=u32}", name, value);
     }
+    figures
 }
 
 /// Time asleep, µs, wrapping.

@@ -11,7 +11,7 @@
 //!     link_sent                TELEM1: what was waiting for the line
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
 //!  1  housekeeping             USB, telemetry, light and tone, load, watchdog
-//!  0  idle                     the loop's record -> SD card; sleep
+//!  0  idle                     the loop's record -> SD card; parameters that were set -> what the loop takes; sleep
 //! ```
 
 mod battery;
@@ -21,6 +21,7 @@ mod clock;
 mod configuration;
 mod control;
 mod counters;
+mod exchange;
 mod fault;
 mod flight_log;
 mod fram;
@@ -37,6 +38,7 @@ mod lsm303d;
 mod mpu6000;
 mod outputs;
 mod pins;
+mod planning;
 mod queue;
 mod register_watch;
 mod sd_bus;
@@ -63,13 +65,14 @@ mod app {
     use shared_control::link::VehicleStatus;
     use shared_control::log_card::LogShelf;
     use shared_control::mpc::{HORIZON, MpcState};
-    use shared_control::signals::{Plan, PlanRequest};
+    use shared_control::signals::Plan;
     use stm32f4xx_hal::pac::Interrupt;
 
     use super::battery::{self, Battery};
     use super::clock::TimeBase;
-    use super::configuration::{BoardMpc, Configuration, MpcPlace};
+    use super::configuration::{self, Configuration, MpcPlace};
     use super::control::{AnswerQueue, ChoreQueue, Control, Ends, OrderQueue, TickQueue};
+    use super::exchange::{Demand, Offer, Workshop};
     use super::fault::{self, Cause};
     use super::flight_log::{self, FlightLog, FlightRecorder, NewsQueue};
     use super::fram::Fram;
@@ -81,6 +84,7 @@ mod app {
     use super::load::{self, LoadMeter};
     use super::loop_timer::LoopTimer;
     use super::outputs::Outputs;
+    use super::planning::Planning;
     use super::sd_bus::{self, SdBus};
     use super::sd_card::SdCard;
     use super::self_test::SelfTests;
@@ -100,8 +104,10 @@ mod app {
         io: IoPort,
         link: LinkIn,
         sender: LinkSender,
-        request: Option<PlanRequest>,
+        planning: Planning,
         plan: Option<Plan>,
+        offer: Offer,
+        demand: Demand,
         status: VehicleStatus,
         recorder: &'static mut FlightRecorder,
         shelf: LogShelf,
@@ -114,13 +120,12 @@ mod app {
         loop_timer: LoopTimer,
         trace: Trace,
         housekeeping_ticks: u32,
-        mpc: Option<&'static mut BoardMpc>,
         mpc_state: MpcState<HORIZON>,
         ground: Ground,
         usb: UsbPort,
         light_and_tone: LightAndTone,
         watchdog: Watchdog,
-        flight_log: FlightLog,
+        workshop: Workshop,
     }
 
     /// Interrupts are off until it returns.
@@ -131,7 +136,8 @@ mod app {
         answers: AnswerQueue = AnswerQueue::new(), chores: ChoreQueue = ChoreQueue::new(),
         imu_buffers: Buffers = Buffers::NEW, ring: [u8; RING_BYTES] = [0; RING_BYTES], buffer: SendBuffer = Vec::new(),
         ticks: TickQueue = TickQueue::new(), conversions: battery::Ring = [0; battery::CONVERSIONS],
-        mpc_place: MpcPlace = MpcPlace::uninit(), recorder: FlightRecorder = FlightRecorder::new(),
+        mpc_place: MpcPlace = MpcPlace::uninit(), spare_place: MpcPlace = MpcPlace::uninit(),
+        recorder: FlightRecorder = FlightRecorder::new(),
         card_buffer: sd_bus::Buffer = sd_bus::Buffer::NEW, news: NewsQueue = NewsQueue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
@@ -146,7 +152,7 @@ mod app {
         let mut bus = SensorBus::new(device.SPI1, pins.sensor_bus, pins.selects, &mut pins.sensor_supply, &mut rcc);
         let mut memory = Fram::new(device.SPI2, pins.fram, pins.fram_select, &mut rcc);
         let mut configuration = Configuration::read(&mut memory);
-        let mpc = configuration.mpc(cx.local.mpc_place);
+        let (mpc, spare) = (configuration.mpc(cx.local.mpc_place), configuration::unprepared(cx.local.spare_place));
         let disarmed_count = configuration.disarmed_count();
         let setup = &configuration.setup;
         let outputs = Outputs::new(device.TIM1, pins.motors, &setup.pulse_timer, disarmed_count, &mut rcc);
@@ -154,12 +160,11 @@ mod app {
         let loop_timer = LoopTimer::new(device.TIM3, &setup.loop_timer, &mut rcc);
 
         let settings = configuration.link_settings();
-        let (orders, orders_out) = cx.local.orders.split();
         let (answers, answers_out) = cx.local.answers.split();
         let (chores, chores_out) = cx.local.chores.split();
         let (samples, samples_out) = cx.local.samples.split();
         let (samples_second, samples_second_out) = cx.local.samples_second.split();
-        let (ticks, ticks_out) = cx.local.ticks.split();
+        let ((ticks, ticks_out), (orders, orders_out)) = (cx.local.ticks.split(), cx.local.orders.split());
         let ((reports, reports_out), (news, news_out)) = (cx.local.reports.split(), cx.local.news.split());
         let (hil, baud) = (configuration.params.hil, configuration.link_baud());
         let buffers = (cx.local.ring, cx.local.buffer);
@@ -171,7 +176,7 @@ mod app {
 
         let checked = Checked::set_up(&mut bus);
         checked.faults().for_each(|fault| ground.tell(fault.words()));
-        configuration.fit_second_gyro(checked.second_gyro_axes());
+        let second_gyro = configuration.fit_second_gyro(checked.second_gyro_axes());
         let producers = [samples, samples_second];
         let mut imus = Imus::new(bus, device.DMA2, pins.imu_ready, cx.local.imu_buffers, producers, &mut rcc);
         if !hil {
@@ -179,7 +184,7 @@ mod app {
         }
         let io = IoPort::open(device.USART6, pins.io, cx.local.io_buffers, reports, &mut rcc);
         let bus = SdBus::new(device.SDIO, pins.card, cx.local.card_buffer, &mut rcc);
-        let flight_log = FlightLog::new(SdCard::new(bus), &configuration.params, news);
+        let workshop = Workshop::new(spare, second_gyro, FlightLog::new(SdCard::new(bus), &configuration.params, news));
         // the simulated vehicle's battery is never low
         let (adc, conversions) = ((device.ADC1, &device.ADC_COMMON), cx.local.conversions);
         let battery = (!hil).then(|| Battery::start(adc, pins.battery, conversions, &mut rcc));
@@ -199,10 +204,11 @@ mod app {
         #[rustfmt::skip]
         let local = Local {
             control, outputs, loop_timer, trace: Trace::new(), housekeeping_ticks: configuration.housekeeping_ticks(),
-            mpc, mpc_state: MpcState::new(), ground, usb, light_and_tone, watchdog, flight_log,
+            mpc_state: MpcState::new(), ground, usb, light_and_tone, watchdog, workshop,
         };
         let (status, recorder, shelf) = (configuration.status_at_start(), cx.local.recorder, LogShelf::EMPTY);
-        (Shared { imus, io, link, sender, request: None, plan: None, status, recorder, shelf }, local)
+        let (planning, offer, demand) = (Planning::new(mpc), Offer::NOTHING, Demand::NOTHING);
+        (Shared { imus, io, link, sender, planning, plan: None, offer, demand, status, recorder, shelf }, local)
     }
 
     /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up
@@ -231,12 +237,13 @@ mod app {
     #[task(
         binds = TIM3, priority = 5,
         local = [control, outputs, loop_timer, trace, housekeeping_ticks, ticks: u32 = 0],
-        shared = [sender, request, plan, status, recorder]
+        shared = [sender, planning, plan, offer, status, recorder]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
         let ticked = local.loop_timer.take_tick();
         let step = load::LOOP.measure(|| {
+            local.control.consider(&mut cx.shared.offer, &mut cx.shared.planning);
             if !local.control.gather() {
                 return None;
             }
@@ -248,7 +255,7 @@ mod app {
             local.outputs.write(output.compare_counts, local.control.motors_turn(&output));
             if let Some(request) = local.control.follow(&output) {
                 watchdog::expect_plan();
-                cx.shared.request.lock(|open| ask(open, request));
+                cx.shared.planning.lock(|planning| planning.ask(request));
             }
             local.trace.publish(local.control.input(), &output, local.control.state());
             if flight_log::is_wanted() {
@@ -312,29 +319,21 @@ mod app {
         load::LINK.measure(|| cx.shared.sender.lock(|sender| sender.transfer_ended()));
     }
 
-    /// Asks for a plan, unless the one before is still being made: then the next step does without, and is counted.
-    fn ask(open: &mut Option<PlanRequest>, request: PlanRequest) {
-        if open.is_none() {
-            *open = Some(request);
-            rtic::pend(Interrupt::CAN1_RX0);
-        }
-    }
-
     /// In MPC mode once a step, to be done before the next. On a miss that next step takes the cascade's torque, and
     /// its own request is not made.
-    #[task(binds = CAN1_RX0, priority = 2, local = [mpc, mpc_state], shared = [request, plan])]
+    #[task(binds = CAN1_RX0, priority = 2, local = [mpc_state], shared = [planning, plan])]
     fn plan(mut cx: plan::Context) {
-        let (Some(request), Some(mpc)) = (cx.shared.request.lock(|open| *open), cx.local.mpc) else { return };
-        let (plan, duration_us) = load::PLAN.time(|| FlightCore::plan(mpc, cx.local.mpc_state, &request));
+        let Some((request, mpc)) = cx.shared.planning.lock(Planning::begin) else { return };
+        let (plan, duration_us) = load::PLAN.time(|| FlightCore::plan(&*mpc, cx.local.mpc_state, &request));
         let plan = Plan { duration_us, ..plan };
         watchdog::report_plan();
         // at once, so that a step between the two neither misses the plan nor finds its own request refused
-        (cx.shared.request, cx.shared.plan).lock(|open, latest| (*open, *latest) = (None, Some(plan)));
+        (cx.shared.planning, cx.shared.plan).lock(|planning, latest| *latest = Some(planning.done(mpc, plan)));
     }
 
     /// Every 10 ms, done within 20 ms of the last. On a miss the watchdog resets the board.
     #[task(
-        binds = CAN1_RX1, priority = 1, shared = [link, sender, status, shelf],
+        binds = CAN1_RX1, priority = 1, shared = [link, sender, status, shelf, demand],
         local = [
             ground, usb, light_and_tone, watchdog, clock: TimeBase = TimeBase::START,
             load_meter: LoadMeter = LoadMeter::NEW, load_permille: u16 = 0, ticks: u32 = 0,
@@ -361,6 +360,7 @@ mod app {
             });
             let usb = (local.usb, files_over_usb);
             cx.shared.shelf.lock(|shelf| local.ground.update((now_us, &status), shelf, usb));
+            local.ground.bring_into_use((now_us, &status), &mut cx.shared.demand, &mut cx.shared.link);
             cx.shared.sender.lock(|sender| local.ground.hand_over(sender));
             local.self_tests.update(&status, || local.ground.memory_is_whole());
             if local.ticks.is_multiple_of(10) {
@@ -368,11 +368,9 @@ mod app {
             }
             if local.ticks.is_multiple_of(100) {
                 *local.load_permille = local.load_meter.permille();
-                let figures = load::figures(&status.planning);
-                load::report(&figures);
+                local.ground.figures(load::report(&status.planning));
                 counters::report();
                 local.self_tests.report();
-                local.ground.figures(figures);
             }
         });
     }
@@ -386,12 +384,13 @@ mod app {
         }
     }
 
-    /// Writes the log, and sleeps until an interrupt. On a miss steps are left out of the log, and counted.
-    #[idle(local = [flight_log], shared = [recorder, shelf, status])]
+    /// Writes the log, or makes what the loop is to take of parameters that were set, and sleeps until an interrupt. On
+    /// a miss steps are left out of the log, and counted; parameters come into use later.
+    #[idle(local = [workshop], shared = [recorder, shelf, status, demand, offer])]
     fn idle(mut cx: idle::Context) -> ! {
         loop {
-            let idle::SharedResources { recorder, shelf, status, .. } = &mut cx.shared;
-            cx.local.flight_log.update(recorder, shelf, status);
+            let idle::SharedResources { recorder, shelf, status, demand, offer, .. } = &mut cx.shared;
+            cx.local.workshop.turn((recorder, shelf, status), (demand, offer));
             load::sleep();
         }
     }

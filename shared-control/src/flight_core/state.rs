@@ -45,6 +45,8 @@ pub struct State {
     pub(super) last_source: TorqueSource,
     pub(super) motor_loss: MotorLoss,
     pub(super) learning: LearningState,
+    /// Exchanges of the configuration since start.
+    pub(super) exchanges: u32,
 }
 
 impl State {
@@ -77,6 +79,7 @@ impl State {
             last_source,
             motor_loss,
             learning,
+            exchanges,
         } = self;
         words.word(*step);
         imus.record(words);
@@ -99,6 +102,12 @@ impl State {
         words.word(last_source.number());
         motor_loss.record(words);
         learning.record(words);
+        words.word(*exchanges);
+    }
+
+    /// How often another configuration was taken since start.
+    pub fn exchanges(&self) -> u32 {
+        self.exchanges
     }
 
     /// Whether a motor is lost.

@@ -16,11 +16,12 @@
 //! once. The ground's commands are obeyed as before, but for the choice of a mode. Its mode switch chooses between
 //! stabilise and acro; the ground's sticks and the test sequence fly angles.
 
+mod choices;
 mod who_flies;
 
 use mavlink::dialects::common::MavCmd;
 
-use super::orders_and_answers::{Answer, Chore, Order, ParameterRequest};
+use super::orders_and_answers::{Answer, Chore, Order};
 use super::settings::LinkSettings;
 use crate::io_chip::{IoReport, Safety};
 use crate::radio::{Pilot, StickOrder, Sticks};
@@ -98,6 +99,11 @@ pub struct Commander {
     throttle_counts: bool,
     heard_us: Option<u64>,
     blocks: ArmingBlocks,
+    /// Changes of parameters that were handed on, and those of them that need not be waited for, modulo 256.
+    changes: u8,
+    settled: u8,
+    /// Since when a request to arm waits for them.
+    arming_held_us: Option<u64>,
     /// The board will start anew: nothing turns any more.
     restarting: bool,
     /// Requests that wait for a step, oldest first.
@@ -122,6 +128,9 @@ impl Commander {
             throttle_counts: false,
             heard_us: None,
             blocks,
+            changes: 0,
+            settled: 0,
+            arming_held_us: None,
             restarting: false,
             waiting: heapless::Deque::new(),
             asked: NOTHING,
@@ -201,7 +210,7 @@ impl Commander {
             Order::FaultRecordRead => (Some(Answer::Refused(MavCmd::MAV_CMD_USER_1, Refusal::Armed)), None),
             Order::CalibrateLevel => self.calibrate_level(disarmed),
             Order::Restart => self.restart(disarmed),
-            Order::Parameters(request) => self.parameters(request, disarmed),
+            Order::Parameters(request) => self.parameters(request),
             Order::Inquire(inquiry) => (None, Some(Chore::Tell(inquiry))),
             Order::Logs(request) if disarmed => (None, Some(Chore::Logs(request))),
             Order::Logs(_) => (Some(Answer::LogsRefused(Refusal::Armed)), None),
@@ -220,7 +229,7 @@ impl Commander {
         let killed = self.pilot.as_ref().is_some_and(|pilot| pilot.kills(time_us));
         let stops = killed && !matches!(self.arming, Arming::Disarmed(_));
         // what waits is refused in the next step
-        self.asked = if stops { NOTHING } else { self.waiting.pop_front().unwrap_or(NOTHING) };
+        self.asked = if stops { NOTHING } else { self.next_request(time_us) };
         let mut arming = if stops { ArmingRequest::Kill } else { self.asked.0 };
         let (setpoint, heard_us) = match self.source {
             Source::Nobody => (Setpoint::default(), self.heard_us),
@@ -243,7 +252,8 @@ impl Commander {
             None => heard_us.map(|heard_us| time_us.saturating_sub(heard_us)),
         };
         let safety_on = self.safety_button && self.safety != Safety::Off;
-        let blocks = ArmingBlocks { safety_on, kill_switch: killed, ..self.blocks };
+        let parameters_waiting = self.parameters_waiting();
+        let blocks = ArmingBlocks { safety_on, kill_switch: killed, parameters_waiting, ..self.blocks };
         Commands { setpoint, arming, link_age_us: age_us.unwrap_or(u64::MAX), blocks }
     }
 
@@ -332,32 +342,6 @@ impl Commander {
         }
         self.restarting = true;
         (Some(Answer::Accepted(COMMAND)), Some(Chore::Restart))
-    }
-
-    /// Whether the vehicle stands still is seen, and answered, where it is stored.
-    fn calibrate_level(&self, disarmed: bool) -> (Option<Answer>, Option<Chore>) {
-        let refused = |refusal| (Some(Answer::Refused(MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION, refusal)), None);
-        if !disarmed {
-            refused(Refusal::Armed)
-        } else if self.blocks.configuration_unconfirmed {
-            refused(Refusal::ConfigurationUnconfirmed)
-        } else {
-            (None, Some(Chore::CalibrateLevel))
-        }
-    }
-
-    /// Telling is always allowed. Setting is not while defaults stand in for a bad record: one field would vouch for
-    /// all.
-    fn parameters(&self, request: ParameterRequest, disarmed: bool) -> (Option<Answer>, Option<Chore>) {
-        match request {
-            ParameterRequest::Set { field, .. } if !disarmed => {
-                (Some(Answer::ParameterRefused(field, Refusal::Armed)), None)
-            }
-            ParameterRequest::Set { field, .. } if self.blocks.configuration_unconfirmed => {
-                (Some(Answer::ParameterRefused(field, Refusal::ConfigurationUnconfirmed)), None)
-            }
-            _ => (None, Some(Chore::Parameters(request))),
-        }
     }
 
     fn request(&mut self, request: ArmingRequest) -> Option<Answer> {

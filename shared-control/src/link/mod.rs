@@ -33,7 +33,7 @@
 //! | `MAV_CMD_PREFLIGHT_STORAGE` | param1 = 1: confirms the configuration in use and stores it; only when disarmed |
 //! | `MAV_CMD_USER_1` | the fault record has been read; only when disarmed |
 //! | `MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN` | param1 = 1: starts anew; only when disarmed |
-//! | `PARAM_REQUEST_LIST`, `PARAM_REQUEST_READ`, `PARAM_SET` | see [`parameters`]; set only when disarmed |
+//! | `PARAM_REQUEST_LIST`, `PARAM_REQUEST_READ`, `PARAM_SET` | see [`parameters`] |
 //! | `LOG_REQUEST_LIST`, `LOG_REQUEST_DATA`, `LOG_ERASE`, `LOG_REQUEST_END` | see [`log_download`]; only when disarmed |
 //! | `FILE_TRANSFER_PROTOCOL` | what describes the parameters, to be read: see [`file_transfer`] |
 //! | `SETUP_SIGNING` | only signed frames count from then on: see [`signing`]; only when disarmed |

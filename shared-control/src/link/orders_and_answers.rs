@@ -160,5 +160,12 @@ pub enum Chore {
     SetUpSigning(SigningSetup),
 }
 
+impl Chore {
+    /// Does it change parameters? Whoever hands it on has the commander wait for what comes of it.
+    pub fn changes_parameters(&self) -> bool {
+        matches!(self, Chore::Parameters(ParameterRequest::Set { .. }) | Chore::CalibrateLevel)
+    }
+}
+
 /// Text of a `STATUSTEXT`.
 pub type Text = heapless::String<50>;

@@ -23,7 +23,7 @@ use super::signing::{FIRST_TIMESTAMP_MAX, Guard, Key, SigningSetup};
 use crate::elementary::limit;
 use crate::frames::{euler_from_q, normalized};
 use crate::params::table::Field;
-use crate::radio::Sticks;
+use crate::radio::{StickCurves, Sticks};
 use crate::signals::{MotorTest, Setpoint};
 
 /// Parameter 2 of `MAV_CMD_COMPONENT_ARM_DISARM` that overrides checks: the message definitions' magic number.
@@ -52,6 +52,11 @@ impl Receiver {
     /// The same of a link that only somebody beside the vehicle can use: signing may be set up over it.
     pub fn local(settings: LinkSettings) -> Self {
         Self { is_local: true, ..Self::new(settings) }
+    }
+
+    /// What the sticks mean from now on.
+    pub fn use_curves(&mut self, curves: &StickCurves) {
+        self.settings.curves = *curves;
     }
 
     /// Takes one byte. A frame that the guard does not admit is as if it had not come.

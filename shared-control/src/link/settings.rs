@@ -1,5 +1,6 @@
 //! Who this vehicle is on the link, and what a full stick means.
 
+use crate::params::{Params, Rig};
 use crate::radio::StickCurves;
 
 /// Identity on the link and the reach of the sticks.
@@ -34,6 +35,17 @@ impl LinkSettings {
         line_bytes_s: 5760,
         has_test_sequence: true,
     };
+}
+
+impl LinkSettings {
+    /// What these choices mean on a line that carries so many bytes per second. The test sequence is not for a vehicle
+    /// that could fly away, but in a simulation.
+    pub fn of(params: &Params, line_bytes_s: u32) -> Self {
+        let hover_throttle = f32::from(params.hover_throttle_permille) / 1000.0;
+        let has_test_sequence = params.rig == Rig::Gimbal || params.hil;
+        let curves = StickCurves::new(&params.pilot);
+        LinkSettings { hover_throttle, has_test_sequence, curves, line_bytes_s, ..LinkSettings::NOMINAL }
+    }
 }
 
 /// MAVLink component id of this vehicle: `MAV_COMP_ID_AUTOPILOT1`.

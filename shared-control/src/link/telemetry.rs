@@ -1,11 +1,8 @@
 //! What the vehicle says of itself; at start, at rates that leave half of 57,600 baud free.
 
+mod choices;
 mod on_request;
 mod signed;
-
-use mavlink::MessageData;
-use mavlink::dialects::common::{COMMAND_ACK_DATA, MavCmd, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
-use nalgebra::Vector3;
 
 use super::file_transfer::FileTransfer;
 use super::frame::FrameWriter;
@@ -15,7 +12,7 @@ use super::messages::{
     arming_words, attitude, command_result, heartbeat, io_words, radio_channels, servo_output, sys_status, wrapped_ms,
 };
 use super::mode::Mode;
-use super::orders_and_answers::{Answer, Inquiry, ParameterRequest, Text};
+use super::orders_and_answers::{Answer, Inquiry, Text};
 use super::parameters::Parameters;
 use super::reports::{attitude_quaternion, attitude_target, battery, highres_imu, landed, system_time, vibration};
 use super::settings::{COMPONENT_ID, LinkSettings};
@@ -24,12 +21,11 @@ use super::spare_room::SpareRoom;
 use super::streams::{Due, Stream, Streams};
 use super::vehicle_status::VehicleStatus;
 use crate::io_chip::IoState;
-use crate::params::level::LevelParams;
-use crate::params::{Params, RECORD_LEN};
-use crate::sensing::imu::STANDARD_GRAVITY_M_S2;
+use crate::params::Params;
 use crate::sensing::imu_select::ImuUnit;
-use crate::sensing::level_trim::LevelTrim;
-use crate::supervisor::{Arming, Refusal};
+use crate::supervisor::Arming;
+use mavlink::MessageData;
+use mavlink::dialects::common::{COMMAND_ACK_DATA, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
 
 /// Shortest time between two `STATUSTEXT`, µs.
 pub const TEXT_PERIOD_US: u64 = 100_000;
@@ -138,37 +134,6 @@ impl Telemetry {
     pub fn tell(&mut self, inquiry: &Inquiry) {
         if let Some(answer) = self.inquiries.take(inquiry, &mut self.streams) {
             self.answer(answer);
-        }
-    }
-
-    /// Serves the parameters; `store` as in [`Parameters::serve`].
-    pub fn serve_parameters(&mut self, request: &ParameterRequest, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) {
-        if let Some(words) = self.parameters.serve(request, store) {
-            self.text(MavSeverity::MAV_SEVERITY_NOTICE, &words);
-        }
-    }
-
-    /// Stores the choices as they are, and says what came of it.
-    pub fn store_configuration(&mut self, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) {
-        let kept = self.parameters.store(store);
-        let words = if kept { "configuration stored" } else { "configuration not stored: memory failed" };
-        self.text(MavSeverity::MAV_SEVERITY_NOTICE, words);
-    }
-
-    /// Stores how the IMUs sit on a vehicle that stands still and level, and says what came of it.
-    pub fn calibrate_level(&mut self, status: &VehicleStatus, store: impl FnOnce(&[u8; RECORD_LEN]) -> bool) {
-        const COMMAND: MavCmd = MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION;
-        let [first, second] = status.rest_force_m_s2;
-        let trim = |force_m_s2: Vector3<f32>| LevelTrim::of_level_vehicle(&force_m_s2, STANDARD_GRAVITY_M_S2);
-        let Some(force_m_s2) = first else { return self.answer(Answer::Refused(COMMAND, Refusal::VehicleMoves)) };
-        let Some(found) = trim(force_m_s2) else { return self.answer(Answer::Refused(COMMAND, Refusal::NotLevel)) };
-        let second = second.and_then(trim).map(|trim| LevelParams::new(&trim));
-        if self.parameters.set_level((LevelParams::new(&found), second), store) {
-            self.answer(Answer::Accepted(COMMAND));
-            self.text(MavSeverity::MAV_SEVERITY_NOTICE, "level stored for the next start");
-        } else {
-            self.answer(Answer::Busy(COMMAND));
-            self.text(MavSeverity::MAV_SEVERITY_WARNING, "level not stored: memory failed");
         }
     }
 

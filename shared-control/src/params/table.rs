@@ -2,6 +2,7 @@
 
 pub use super::allowed::Allowed;
 use super::battery::{self, BatteryPart};
+pub use super::counts::Counts;
 use super::level::{self, LevelPart};
 use super::pilot::{self, PilotPart};
 use super::radio::{self, RadioPart, Stick, StickPart};
@@ -80,6 +81,8 @@ pub struct Row {
     pub unit: &'static str,
     /// What it does.
     pub meaning: &'static str,
+    /// From when on it counts.
+    pub counts: Counts,
 }
 
 impl Field {
@@ -178,7 +181,7 @@ impl Field {
         }
     }
 
-    /// Its name, range, unit and meaning.
+    /// Its name, range, unit and meaning, and when it counts.
     pub const fn row(self) -> Row {
         #[rustfmt::skip] // a field a line or two, as in a table
         let (name, allowed, unit, meaning) = match self {
@@ -222,7 +225,7 @@ impl Field {
             Field::Level(second, part) => level::row(second, part),
             Field::Vehicle(part) => vehicle::row(part),
         };
-        Row { name, allowed, unit, meaning }
+        Row { name, allowed, unit, meaning, counts: self.counts() }
     }
 
     /// The field of a name.

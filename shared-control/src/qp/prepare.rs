@@ -91,29 +91,33 @@ impl<const N: usize, const R: usize> Qp<N, R> {
         if !entries.all(|entry| entry.is_finite()) {
             return Err(QpError::NotFinite);
         }
-        let inverse = invert_upper(&cholesky(hessian)?, variable_count);
         let mut qp = Self {
             variable_count,
-            bound_rows: inverse,
+            bound_rows: [[0.0; N]; N],
             bound_lengths: [0.0; N],
             general_rows: [[0.0; N]; R],
             general_lengths: [0.0; R],
             general_count: rows.len(),
         };
-        for (variable, row) in qp.bound_rows[..variable_count].iter_mut().enumerate() {
-            // The square of the row's length is (H^-1)_ii.
-            let length = normalise(row).ok_or(QpError::IllConditioned { variable })?;
-            if hessian[variable][variable] * length * length > CONDITION_LIMIT {
-                return Err(QpError::IllConditioned { variable });
-            }
-            qp.bound_lengths[variable] = length;
-        }
-        for (index, source) in rows.iter().enumerate() {
-            let row = &mut qp.general_rows[index];
-            for (weight, inverse_row) in source.iter().zip(&inverse[..variable_count]) {
+        // made where it stays: a board's stack has no room for copies
+        cholesky(hessian, &mut qp.bound_rows)?;
+        invert_upper(&mut qp.bound_rows, variable_count);
+        let general = qp.general_rows.iter_mut().zip(&mut qp.general_lengths).zip(rows);
+        for (index, ((row, general_length), source)) in general.enumerate() {
+            for (weight, inverse_row) in source.iter().zip(&qp.bound_rows[..variable_count]) {
                 add_scaled(row, *weight, inverse_row);
             }
-            qp.general_lengths[index] = normalise(row).ok_or(QpError::EmptyRow { row: index })?;
+            *general_length = normalise(row).ok_or(QpError::EmptyRow { row: index })?;
+        }
+        let bounds = qp.bound_rows.iter_mut().zip(&mut qp.bound_lengths).zip(hessian);
+        for (variable, ((row, bound_length), entries)) in bounds.enumerate() {
+            // The square of the row's length is (H^-1)_ii.
+            let length = normalise(row).ok_or(QpError::IllConditioned { variable })?;
+            let diagonal = entries.get(variable).copied().unwrap_or_default();
+            if diagonal * length * length > CONDITION_LIMIT {
+                return Err(QpError::IllConditioned { variable });
+            }
+            *bound_length = length;
         }
         Ok(qp)
     }
@@ -195,10 +199,10 @@ fn normalise(row: &mut [f32]) -> Option<f32> {
     Some(length)
 }
 
-/// The upper triangular R with R'R = `hessian`.
-fn cholesky<const N: usize>(hessian: &[[f32; N]]) -> Result<[[f32; N]; N], QpError> {
-    let size = hessian.len();
-    let mut factor = [[0.0; N]; N];
+/// The upper triangular R with R'R = `hessian`, into zeros. No row is behind the last column, and the compiler sees it:
+/// then there is no panic behind an index, and a board may prepare after its start.
+fn cholesky<const N: usize>(hessian: &[[f32; N]], factor: &mut [[f32; N]; N]) -> Result<(), QpError> {
+    let size = hessian.len().min(N);
     for row in 0..size {
         for column in row..size {
             if hessian[row][column] != hessian[column][row] {
@@ -217,21 +221,21 @@ fn cholesky<const N: usize>(hessian: &[[f32; N]]) -> Result<[[f32; N]; N], QpErr
             }
         }
     }
-    Ok(factor)
+    Ok(())
 }
 
-/// Inverse of the leading part of an upper triangular matrix with a positive diagonal, by back substitution.
-fn invert_upper<const N: usize>(factor: &[[f32; N]; N], size: usize) -> [[f32; N]; N] {
-    let mut inverse = [[0.0; N]; N];
-    for column in 0..size {
-        inverse[column][column] = 1.0 / factor[column][column];
+/// The leading part of an upper triangular matrix with a positive diagonal becomes its inverse, by back substitution:
+/// the last column first, since each needs the columns before it as they were.
+fn invert_upper<const N: usize>(matrix: &mut [[f32; N]; N], size: usize) {
+    for column in (0..size.min(N)).rev() {
+        matrix[column][column] = 1.0 / matrix[column][column];
         for row in (0..column).rev() {
+            let entries = matrix[row];
             let mut sum = 0.0;
-            for inner in row + 1..=column {
-                sum += factor[row][inner] * inverse[inner][column];
+            for (entry, inverse_row) in entries.iter().zip(matrix.iter()).take(column + 1).skip(row + 1) {
+                sum += entry * inverse_row[column];
             }
-            inverse[row][column] = -sum / factor[row][row];
+            matrix[row][column] = -sum / entries[row];
         }
     }
-    inverse
 }

@@ -54,6 +54,11 @@ impl Pilot {
         }
     }
 
+    /// How its sticks and switches are set up.
+    pub fn setup(&self) -> &RadioSetup {
+        &self.setup
+    }
+
     /// Takes a report of the receiver.
     pub fn take(&mut self, frame: &RadioFrame, time_us: u64) {
         self.sticks = self.setup.sticks(frame);

@@ -106,7 +106,7 @@ pub(super) fn plan_of_words(words: &[u32; 8]) -> Option<Plan> {
     })
 }
 
-pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 7] {
+pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 8] {
     let ArmingBlocks {
         fault_record_unread,
         configuration_unconfirmed,
@@ -115,20 +115,21 @@ pub(super) fn words_of_blocks(blocks: &ArmingBlocks) -> [u32; 7] {
         kill_switch,
         radio_unusable,
         vehicle_unusable,
+        parameters_waiting,
     } = *blocks;
     #[rustfmt::skip]
     let all = [
         fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable,
-        vehicle_unusable,
+        vehicle_unusable, parameters_waiting,
     ];
     all.map(u32::from)
 }
 
-pub(super) fn blocks_of_words(words: &[u32; 7]) -> ArmingBlocks {
+pub(super) fn blocks_of_words(words: &[u32; 8]) -> ArmingBlocks {
     #[rustfmt::skip]
     let [
         fault_record_unread, configuration_unconfirmed, esc_calibration, safety_on, kill_switch, radio_unusable,
-        vehicle_unusable,
+        vehicle_unusable, parameters_waiting,
     ] = words.map(|word| word == 1);
     ArmingBlocks {
         fault_record_unread,
@@ -138,5 +139,6 @@ pub(super) fn blocks_of_words(words: &[u32; 7]) -> ArmingBlocks {
         kill_switch,
         radio_unusable,
         vehicle_unusable,
+        parameters_waiting,
     }
 }

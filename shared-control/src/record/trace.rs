@@ -33,12 +33,14 @@ pub struct StepTrace {
     /// 1 if there is a link, and its age, µs.
     pub link_age: [u32; 3],
     /// 1 each: fault record unread, configuration unconfirmed, set to calibrate ESCs, safety on, kill switch on, radio
-    /// unusable, vehicle's numbers unusable.
-    pub blocks: [u32; 7],
+    /// unusable, vehicle's numbers unusable, parameters not in use yet.
+    pub blocks: [u32; 8],
     /// 1 if a battery voltage is there, and the voltage.
     pub battery: [u32; 2],
     /// 1 if a plan is there, its step, status, iterations, duration, µs, and three torques.
     pub plan: [u32; 8],
+    /// Exchanges of the configuration before the step.
+    pub exchanges: u32,
     /// Compare values of motors 1 to 4.
     pub compare_counts: [u32; 4],
     /// [`Arming::number`](crate::supervisor::Arming::number).
@@ -81,9 +83,10 @@ impl StepTrace {
         setpoint: [0; 8],
         arming_request: [0; 4],
         link_age: [0; 3],
-        blocks: [0; 7],
+        blocks: [0; 8],
         battery: [0; 2],
         plan: [0; 8],
+        exchanges: 0,
         compare_counts: [0; 4],
         arming: 0,
         imu_unit: 0,
@@ -115,6 +118,7 @@ impl StepTrace {
         self.blocks = words_of_blocks(&input.blocks);
         self.battery = input.battery_v.map_or([0; 2], |volts| [1, volts.to_bits()]);
         self.plan = input.plan.as_ref().map_or([0; 8], words_of_plan);
+        self.exchanges = state.exchanges();
         self.record_output(output);
         self.state = state.words();
     }
@@ -198,7 +202,7 @@ mod tests {
             acro_rad_s in proptest::option::of(any::<[u8; 3]>()),
             request in any_request(),
             link_age_us in proptest::option::of(any::<u64>()),
-            blocks in any::<[bool; 7]>(),
+            blocks in any::<[bool; 8]>(),
             battery_v in proptest::option::of(0f32..20.0),
             plan in proptest::option::of(any_plan()),
         ) {
@@ -233,8 +237,8 @@ mod tests {
 
     #[test]
     fn its_size_is_the_sum_of_its_words() {
-        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 8, requests 14, battery 2, plan 8; outputs 33;
-        // state; no padding
-        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 32 + 33 + STATE_WORDS));
+        // step, time: 3; counts and 16 * 8 for samples, twice; set-point 8, requests 15, battery 2, plan 8; exchanges
+        // 1; outputs 33; state; no padding
+        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 33 + 1 + 33 + STATE_WORDS));
     }
 }

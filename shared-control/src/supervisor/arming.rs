@@ -223,12 +223,14 @@ pub enum Refusal {
     NoSetpoints,
     /// The line has no room for more messages.
     LineFull,
+    /// Parameters were set that are not in use yet.
+    ParametersWaiting,
 }
 
 impl Refusal {
     /// All that say everything by themselves, in the order of their numbers.
     #[cfg(test)]
-    pub(crate) const WITHOUT_DETAIL: [Refusal; 29] = [
+    pub(crate) const WITHOUT_DETAIL: [Refusal; 30] = [
         Refusal::SetpointNotFinite,
         Refusal::ThrottleNotZero,
         Refusal::AttitudeUnknown,
@@ -258,6 +260,7 @@ impl Refusal {
         Refusal::RadioFlies,
         Refusal::NoSetpoints,
         Refusal::LineFull,
+        Refusal::ParametersWaiting,
     ];
 
     /// Its number in the words of a state.
@@ -292,6 +295,7 @@ impl Refusal {
             Refusal::RadioFlies => 26,
             Refusal::NoSetpoints => 27,
             Refusal::LineFull => 28,
+            Refusal::ParametersWaiting => 29,
             Refusal::ImuUnhealthy(fault) => 0x20 + fault.number(),
         }
     }
@@ -331,6 +335,7 @@ impl Refusal {
             Refusal::RadioFlies => "refused: the radio has the sticks",
             Refusal::NoSetpoints => "refused: send set-points first",
             Refusal::LineFull => "refused: the line has no room, slow others down",
+            Refusal::ParametersWaiting => "refused: new parameters are not in use yet",
             Refusal::NotLevel => "refused: over 10 degrees off level, or not 1 g",
         }
     }

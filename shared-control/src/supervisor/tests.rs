@@ -17,6 +17,7 @@ const BLOCKED: ArmingBlocks = ArmingBlocks {
     kill_switch: true,
     radio_unusable: true,
     vehicle_unusable: true,
+    parameters_waiting: true,
 };
 
 const GOOD: Findings = Findings {
@@ -148,7 +149,7 @@ fn every_disarmed_state_arms_if_all_is_well() {
 
 #[test]
 fn each_reason_against_arming_suffices() {
-    let cases: [(Refusal, Change); 21] = [
+    let cases: [(Refusal, Change); 22] = [
         (Refusal::ThrottleNotZero, |input, _| input.setpoint.throttle = 0.03),
         (Refusal::SetpointNotFinite, |input, _| input.setpoint.throttle = f32::NAN),
         (Refusal::SetpointNotFinite, |input, _| input.setpoint.pitch_rad = f32::INFINITY),
@@ -170,6 +171,7 @@ fn each_reason_against_arming_suffices() {
         (Refusal::KillSwitch, |input, _| input.blocks.kill_switch = true),
         (Refusal::SafetyOn, |input, _| input.blocks.safety_on = true),
         (Refusal::RadioUnusable, |input, _| input.blocks.radio_unusable = true),
+        (Refusal::ParametersWaiting, |input, _| input.blocks.parameters_waiting = true),
     ];
     for (refusal, change) in cases {
         assert_eq!(after(Arming::default(), ArmingRequest::Arm, change), refused(refusal));

@@ -21,7 +21,7 @@ pub use parameters::HeldParameters;
 pub const HELP: &str = "\
 status                            who is there, how it lies, its battery, whether it would arm
 params [WORD]                     parameters whose name or group has the word, with what they do
-set NAME VALUE                    change a parameter; it counts from the next start
+set NAME VALUE                    change a parameter; the vehicle says when it counts
 rig gimbal | rig free f450|own    what the vehicle hangs on, and in free flight whose numbers are flown
 calibrate level                   the vehicle stands level and still: store how its IMUs sit
 calibrate gyro                    how the gyro is calibrated, and whether it is

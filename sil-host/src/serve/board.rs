@@ -1,17 +1,19 @@
 //! A board in this process: the parts of the core that the firmware wires together, in its order, between bytes of a
 //! link and a simulated vehicle.
 
+mod exchange;
+
 use std::collections::VecDeque;
 
 use mavlink::dialects::common::MavSeverity;
-use shared_control::config::{ConfigError, Controller};
+use shared_control::config::ConfigError;
 use shared_control::flight_core::{FlightCore, State};
 use shared_control::link::hil::HilSample;
 use shared_control::link::signing::{SigningRecord, SigningSetup};
 use shared_control::link::telemetry::FIGURES;
 use shared_control::link::{Answer, Chore, Commander, Guard, LinkSettings, Order, Receiver, Telemetry, VehicleStatus};
 use shared_control::mpc::MpcError;
-use shared_control::params::{Params, RECORD_LEN, Rig};
+use shared_control::params::{Params, RECORD_LEN};
 use shared_control::radio::StickCurves;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingBlocks, Plan, RawImuSample, StepInput};
@@ -96,9 +98,11 @@ pub struct SimulatedBoard {
     orders: VecDeque<Order>,
     chores: VecDeque<Chore>,
     sent: Vec<u8>,
-    /// What it started with, and what the next start finds.
+    /// What is in use, and what the next start finds.
     flown: Params,
     stored: Params,
+    /// What the ground's sticks mean.
+    curves: StickCurves,
     store: Box<dyn ParameterStore>,
     guard: Guard,
     signing: Box<dyn SigningStore>,
@@ -121,16 +125,8 @@ impl SimulatedBoard {
         let Memory { parameters: store, signing, logs } = memory;
         // the simulated vehicle is all around this board already
         let params = &Params { hil: false, ..*params };
-        let setup = match given {
-            None => Setup::new(params),
-            Some(rates) => Setup::at_rates(params, rates.loop_hz, rates.imu_hz),
-        };
-        let setup = setup.map_err(OutOfOrder::Config)?;
-        let planner = match params.controller {
-            Controller::Cascade => None,
-            Controller::Mpc => Some(Planner::new(params.control_horizon.into(), &setup.mpc)?),
-        };
-        let settings = link_settings(params);
+        let (setup, planner) = exchange::made_of(params, given)?;
+        let settings = LinkSettings::of(params, LINE_BYTES_S);
         let blocks = ArmingBlocks {
             esc_calibration: params.esc_calibration,
             vehicle_unusable: setup.vehicle_fault.is_some(),
@@ -157,6 +153,7 @@ impl SimulatedBoard {
             sent: Vec::new(),
             flown: *params,
             stored: *params,
+            curves: settings.curves,
             store,
             guard,
             signing,
@@ -197,7 +194,7 @@ impl SimulatedBoard {
 
     /// Identity on the link, for whoever takes bytes apart.
     pub fn link_settings(&self) -> LinkSettings {
-        link_settings(&self.stored)
+        LinkSettings::of(&self.flown, LINE_BYTES_S)
     }
 
     /// Length of a step, µs.
@@ -213,6 +210,7 @@ impl SimulatedBoard {
     /// Takes a byte that came to one of its links; what it orders is obeyed in the next step. `is_local`: the sender
     /// sits at this computer, and may set up signing.
     pub fn hear(&mut self, receiver: &mut Receiver, byte: u8, is_local: bool) {
+        receiver.use_curves(&self.curves);
         match receiver.receive(byte, &mut self.guard) {
             Some(Order::SetUpSigning(_)) if !is_local => {}
             Some(Order::SetUpSigning(setup)) => self.order(Order::SetUpSigning(SigningSetup { is_local, ..setup })),
@@ -277,6 +275,7 @@ impl SimulatedBoard {
         while let Some(chore) = self.chores.pop_front() {
             self.attend_to(chore, time_us);
         }
+        self.bring_into_use(time_us);
         let seen = (self.guard.latest_seen(), self.guard.refused);
         let signing = &mut self.signing;
         // whoever has lost the key deletes its file: nobody may change it unsigned
@@ -307,6 +306,9 @@ impl SimulatedBoard {
         if let Some(answer) = answer {
             self.telemetry.answer(answer);
         }
+        if chore.as_ref().is_some_and(Chore::changes_parameters) {
+            self.commander.await_change();
+        }
         self.chores.extend(chore);
     }
 
@@ -323,7 +325,7 @@ impl SimulatedBoard {
             // no fault of this board is recorded
             Chore::ClearFaultRecord => {}
             Chore::StoreConfiguration => self.telemetry.store_configuration(keep),
-            Chore::Parameters(request) => self.telemetry.serve_parameters(&request, keep),
+            Chore::Parameters(request) => self.telemetry.serve_parameters(&request, &self.status, keep),
             Chore::CalibrateLevel => self.telemetry.calibrate_level(&self.status, keep),
             Chore::Tell(inquiry) => self.telemetry.tell(&inquiry),
             Chore::Files(request) => self.telemetry.take_file_request(&request),
@@ -357,16 +359,5 @@ impl SigningStore for Unsigned {
 
     fn keep(&mut self, _: &SigningRecord) -> bool {
         false
-    }
-}
-
-/// As the firmware makes them of its parameters.
-fn link_settings(params: &Params) -> LinkSettings {
-    LinkSettings {
-        hover_throttle: f32::from(params.hover_throttle_permille) / 1000.0,
-        has_test_sequence: params.rig == Rig::Gimbal,
-        curves: StickCurves::new(&params.pilot),
-        line_bytes_s: LINE_BYTES_S,
-        ..LinkSettings::NOMINAL
     }
 }

@@ -34,6 +34,11 @@ impl BoardLog {
         &mut self.shelf
     }
 
+    /// Nothing is recorded, and no log is open.
+    pub(super) fn is_idle(&self) -> bool {
+        self.recorder.stage() == Stage::Idle
+    }
+
     /// The shelf, for the next start of the board; a log under way ends here.
     pub(super) fn into_shelf(mut self) -> LogShelf {
         // what fails now nobody is there to be told

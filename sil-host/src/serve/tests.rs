@@ -68,6 +68,31 @@ impl Flown {
         self.send(&COMMAND_LONG_DATA { command, param1, ..COMMAND_LONG_DATA::DEFAULT });
     }
 
+    fn set(&mut self, name: &str, param_value: f32) {
+        let (param_id, param_type) = (name.into(), MavParamType::MAV_PARAM_TYPE_REAL32);
+        self.send(&PARAM_SET_DATA { param_value, param_id, param_type, ..PARAM_SET_DATA::DEFAULT });
+    }
+
+    /// Were these words said?
+    fn heard(&self, words: &str) -> bool {
+        self.said.windows(words.len()).any(|said| said == words.as_bytes())
+    }
+
+    /// A parameter in the head of a log, by ULog's format: its type and name, then 4 bytes.
+    fn logged(&mut self, id: u16, name: &str) -> i32 {
+        let all = LOG_REQUEST_DATA_DATA { id, count: u32::MAX, target_system: 1, ..LOG_REQUEST_DATA_DATA::DEFAULT };
+        self.said.clear();
+        self.send(&all);
+        self.pass(60.0);
+        let (log, key) = (self.log_heard(), format!("int32_t {name}"));
+        let length = key.len() as u8;
+        let at = |log: &[u8]| {
+            log.windows(key.len() + 1).position(|bytes| bytes[0] == length && bytes[1..] == *key.as_bytes())
+        };
+        let value = at(&log).expect("the parameter") + 1 + key.len();
+        i32::from_le_bytes(log[value..value + 4].try_into().unwrap())
+    }
+
     /// With sticks ten times and heartbeats once a second.
     fn pass(&mut self, seconds: f64) {
         for tick in 0..(seconds * 1e6) as u64 / TICK_US {
@@ -161,7 +186,7 @@ fn on_the_rig_a_hand_holds_the_vehicle_level() {
     assert!(flown.vehicle.truth().rate_body_rad_s[0].abs() < 1e-3);
 }
 
-/// A parameter that was set over the link counts from the restart that was ordered over it, and the same again gives
+/// A parameter that sets up a timer counts from the restart that was ordered over the link, and the same again gives
 /// the same bytes.
 #[test]
 fn a_restart_flies_what_was_stored() {
@@ -169,22 +194,86 @@ fn a_restart_flies_what_was_stored() {
         let kept = Kept::default();
         let mut flown = Flown::new(VehicleModel::nominal(model::Rig::Gimbal), &Params::DEFAULT, kept.clone());
         flown.pass(1.0);
-        flown.send(&PARAM_SET_DATA {
-            param_value: 1.0,
-            param_id: "CONTROLLER".into(),
-            param_type: MavParamType::MAV_PARAM_TYPE_REAL32,
-            ..PARAM_SET_DATA::DEFAULT
-        });
+        flown.set("LOOP_RATE_HZ", 100.0);
         flown.pass(0.5);
-        assert_eq!(kept.0.borrow().map(|params| params.controller), Some(Controller::Mpc));
-        assert_eq!(flown.heartbeats().last().map(|beat| beat.custom_mode & 1), Some(0), "not before");
+        assert_eq!(kept.0.borrow().map(|params| params.loop_rate_hz), Some(100));
+        assert_eq!(flown.vehicle.board().step_us(), 2500, "not before");
         flown.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
         flown.pass(1.0);
-        assert_eq!(flown.vehicle.restarts(), 1);
-        assert_eq!(flown.heartbeats().last().map(|beat| beat.custom_mode & 1), Some(1));
+        assert_eq!((flown.vehicle.restarts(), flown.vehicle.board().step_us()), (1, 10_000));
+        assert!(flown.heard("LOOP_RATE_HZ stored for the next start"));
         flown.said
     };
     assert_eq!(run(), run());
+}
+
+/// On the ground what is set flies without a restart, and the log of each flight says what that was flown with.
+#[test]
+fn what_is_set_on_the_ground_flies_next() {
+    let mut flown = Flown::new(VehicleModel::nominal(model::Rig::Gimbal), &Params::DEFAULT, Kept::default());
+    flown.pass(3.0);
+    for (controller, horizon) in [(0.0, 5.0), (1.0, 12.0), (0.0, 12.0)] {
+        flown.set("CONTROLLER", controller);
+        flown.set("CONTROL_HORIZON", horizon);
+        // no pause: arming waits
+        flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
+        flown.pass(0.1);
+        let is_changed = (controller, horizon) != (0.0, 5.0);
+        assert_eq!(flown.arming() == Arming::Armed, !is_changed, "{controller}");
+        flown.pass(0.6);
+        assert_eq!(flown.arming(), Arming::Armed, "{controller}");
+        flown.throttle = 500;
+        flown.pass(1.0);
+        let status = *flown.vehicle.board().status();
+        assert_eq!(status.controller == Controller::Mpc, controller == 1.0);
+        assert_eq!(status.planning.status.is_some(), controller == 1.0);
+        assert!(status.estimate.valid, "the attitude is not lost");
+        flown.throttle = 0;
+        flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 0.0);
+        flown.pass(2.0);
+    }
+    assert!(flown.heard("2 parameters in use now") && flown.heard("CONTROLLER in use now"));
+    for (log, (controller, horizon)) in [(0, 5), (1, 12), (0, 12)].into_iter().enumerate() {
+        assert_eq!(flown.logged(log as u16, "CONTROLLER"), controller);
+        assert_eq!(flown.logged(log as u16, "CONTROL_HORIZON"), horizon);
+    }
+}
+
+/// In the air nothing changes; after the flight and its log it counts.
+#[test]
+fn what_is_set_in_the_air_counts_after_disarming() {
+    let mut flown = Flown::free();
+    flown.pass(3.0);
+    flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
+    flown.pass(0.5);
+    flown.throttle = 600;
+    flown.pass(1.0);
+    flown.set("CONTROLLER", 1.0);
+    flown.pass(1.0);
+    assert!(flown.heard("CONTROLLER stored; counts after disarming"));
+    assert_eq!(flown.vehicle.board().status().controller, Controller::Cascade);
+    flown.throttle = 0;
+    flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 0.0);
+    flown.pass(0.5);
+    assert_eq!(flown.vehicle.board().status().controller, Controller::Cascade, "its log is not complete yet");
+    flown.pass(1.0);
+    assert!(flown.heard("CONTROLLER in use now"));
+    assert_eq!(flown.vehicle.board().status().controller, Controller::Mpc);
+    assert_eq!(flown.logged(0, "CONTROLLER"), 0);
+}
+
+/// Sticks mean what was set a moment before.
+#[test]
+fn the_grounds_sticks_follow_their_curves() {
+    let mut flown = Flown::free();
+    flown.pass(3.0);
+    flown.throttle = 500;
+    flown.pass(0.2);
+    let throttle = |flown: &mut Flown| flown.vehicle.board().status().setpoint.throttle;
+    let before = throttle(&mut flown);
+    flown.set("THR_MID_PCT", 30.0);
+    flown.pass(0.6);
+    assert!((before - 0.5).abs() < 1e-3 && (throttle(&mut flown) - 0.3).abs() < 1e-3, "{}", throttle(&mut flown));
 }
 
 /// A flight leaves a log, which outlasts a restart, comes over the link, and is read as other people's are.

@@ -52,11 +52,11 @@ fn an_owner_sets_calibrates_arms_and_fetches_the_log() {
     let done =
         served.console(&folder, &["status", "params BATT", "set pilot_tilt_deg 25", "params PILOT_TILT"]).assert_done();
     has(&done, &["vehicle 1.1: disarmed", "battery: ", "BATT_LOW_MV = 10500 mV (0 to 65535; default 10500): battery"]);
-    has(&done, &["PILOT_TILT_DEG stored for the next start", "PILOT_TILT_DEG = 25 deg (10 to 60; default 30)"]);
+    has(&done, &["PILOT_TILT_DEG in use now", "PILOT_TILT_DEG = 25 deg (10 to 60; default 30)"]);
     let done = served.console(&folder, &["wait 4", "calibrate gyro", "calibrate level"]).assert_done();
-    has(&done, &["vehicle: level stored for the next start", "the attitude is known"]);
+    has(&done, &["vehicle: level stored", "the attitude is known"]);
     let done = served
-        .console(&folder, &["wait 1", "arm", "wait 1", "disarm", "wait 2", "logs", "fetch 0 flown.ulg"])
+        .console(&folder, &["wait 4", "arm", "wait 1", "disarm", "wait 2", "logs", "fetch 0 flown.ulg"])
         .assert_done();
     has(&done, &["vehicle: armed", "vehicle: disarmed", "log 0: ", "flown.ulg: "]);
     assert!(std::fs::read(folder.path("flown.ulg")).unwrap().starts_with(b"ULog"));
@@ -73,11 +73,13 @@ fn an_owner_sets_calibrates_arms_and_fetches_the_log() {
 fn what_is_refused_is_told_with_its_reason() {
     let folder = Folder::new();
     let served = Served::new(&["--udp", "off", "--rig", "gimbal"]);
-    let refused = served.console(&folder, &["wait 4", "arm", "set RIG 1"]);
+    let stored = served.console(&folder, &["wait 4", "arm", "set CONTROLLER 1"]).assert_done();
+    has(&stored, &["vehicle: CONTROLLER stored; counts after disarming"]);
+    let refused = served.console(&folder, &["calibrate level"]);
     assert_eq!(refused.status, Some(1), "{}", refused.stdout);
-    assert!(refused.stderr.contains("RIG was not set"), "{}", refused.stderr);
     has(&refused, &["vehicle: refused: only when disarmed"]);
-    served.console(&folder, &["disarm"]).assert_done();
+    let done = served.console(&folder, &["disarm", "wait 2"]).assert_done();
+    has(&done, &["vehicle: CONTROLLER in use now"]);
     let radio = served.console(&folder, &["radio 0.5"]);
     assert!(radio.stderr.contains("no receiver is heard"), "{}", radio.stderr);
     served.console(&folder, &["set RIG 7"]).assert_message_of_status_2(&["RIG 7: expected 0 or 1"]);

@@ -208,12 +208,12 @@ impl Flight {
         self.twin.restart(params);
     }
 
-    /// What the board flies with since it has started.
+    /// What the board flies with now.
     pub fn params(&self) -> &Params {
         &self.params
     }
 
-    /// The ground sets a parameter and is told its value, which counts from the next start on.
+    /// The ground sets a parameter and is told its value.
     ///
     /// # Panics
     /// If the board says another value, or none.
@@ -297,6 +297,10 @@ impl Flight {
             self.twin.restart(&self.params);
         } else {
             assert_eq!(trace.step, self.last.step + 1, "a step was missed");
+            if trace.exchanges != self.last.exchanges {
+                self.params = self.params.with_what_counts_of(&params::load(&self.stored()).0);
+                self.twin.take_up(&self.params);
+            }
         }
         self.twin.repeat(&trace);
         self.last = trace;

@@ -48,6 +48,7 @@ pub fn step_trace(machine: &mut Machine, address: u32) -> Option<StepTrace> {
         blocks: words.words()?,
         battery: words.words()?,
         plan: words.words()?,
+        exchanges: words.word()?,
         compare_counts: words.words()?,
         arming: words.word()?,
         imu_unit: words.word()?,

@@ -49,6 +49,8 @@ pub struct Twin {
     questions: VecDeque<PlanRequest>,
     steps: u64,
     planned: Planned,
+    /// Another configuration, which the next step begins with.
+    next: Option<(Config, Mpc<HORIZON>)>,
     recorder: Box<Recorder<RECORD_MAX>>,
     recorded: Vec<u8>,
 }
@@ -62,7 +64,7 @@ impl Twin {
         let (config, mpc) = prepared(params, gyro);
         let (state, mpc_state, questions) = (State::default(), MpcState::new(), VecDeque::new());
         let (recorder, recorded, planned) = (Box::default(), Vec::new(), Planned::default());
-        Self { config, gyro, state, mpc, mpc_state, questions, steps: 0, planned, recorder, recorded }
+        Self { config, gyro, state, mpc, mpc_state, questions, steps: 0, planned, next: None, recorder, recorded }
     }
 
     /// Starts again with what is stored, as the board does after a reset.
@@ -75,6 +77,14 @@ impl Twin {
         self.questions.clear();
     }
 
+    /// The board takes other choices with its next step.
+    ///
+    /// # Panics
+    /// As [`Twin::new`].
+    pub fn take_up(&mut self, params: &Params) {
+        self.next = Some(prepared(params, self.gyro));
+    }
+
     /// Makes the board's step again.
     ///
     /// # Panics
@@ -84,6 +94,10 @@ impl Twin {
         let asked = self.questions.back().is_some_and(|question| question.step == self.state.step);
         self.planned.missed += u64::from(asked && input.plan.is_none_or(|plan| plan.step != self.state.step));
         self.repeat_plan(&input);
+        if let Some((config, mpc)) = self.next.take() {
+            assert!(FlightCore::exchange(&mut self.config, &mut self.state, &config), "exchanged in the air");
+            self.mpc = mpc;
+        }
         let output = FlightCore::fast(&self.config, &mut self.state, &input);
         let question = FlightCore::follow(&self.config, &mut self.state, &output);
         self.questions.extend(question);

@@ -204,7 +204,7 @@ fn a_damaged_record_gives_the_defaults_and_blocks_arming_until_they_are_confirme
 }
 
 #[test]
-fn what_is_set_over_the_link_is_stored_at_once_and_flies_after_a_restart() {
+fn what_sets_up_a_timer_is_stored_at_once_and_counts_after_a_restart() {
     let mut bench = Bench::new(&encode(&Params::DEFAULT));
     bench.run_for(START);
     let mut all = bench.ask(&PARAM_REQUEST_LIST_DATA { target_system: 1, target_component: 1 });
@@ -229,7 +229,11 @@ fn what_is_set_over_the_link_is_stored_at_once_and_flies_after_a_restart() {
     bench.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
     assert!(bench.is_armed());
     let armed = bench.set("PWM_RATE_HZ", 100.0);
-    assert_eq!((values(&armed), texts(&armed)), (vec![("PWM_RATE_HZ", 50.0)], vec!["refused: only when disarmed"]));
+    assert_eq!(
+        (values(&armed), texts(&armed)),
+        (vec![("PWM_RATE_HZ", 100.0)], vec!["PWM_RATE_HZ stored for the next start"])
+    );
+    assert!(bench.fram_holds(&Params { pwm_rate_hz: 100, ..Params::DEFAULT }));
     let restart = bench.command(MavCmd::MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0);
     assert_eq!(acknowledged(&restart), Some(MavResult::MAV_RESULT_TEMPORARILY_REJECTED));
     assert_eq!(bench.machine.counters().resets, 0);
@@ -243,7 +247,7 @@ fn what_is_set_over_the_link_is_stored_at_once_and_flies_after_a_restart() {
     assert!(widths.iter().all(|width| *width == MILLISECOND), "the restart cut a pulse: {:?}", widths.iter().min());
     bench.run_for(START);
     assert!(texts(&bench.said()).contains(&"started by software reset"));
-    assert_eq!(bench.pulses_of_motor_1().len(), 10);
+    assert_eq!(bench.pulses_of_motor_1().len(), 20);
     bench.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
     assert!(bench.is_armed());
 }

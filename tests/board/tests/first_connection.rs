@@ -84,5 +84,6 @@ fn each_line_is_answered_as_the_page_says() {
         };
         assert_eq!(result, expected, "{line}");
     }
-    assert_eq!(flight.params().hover_throttle_permille, 540, "what was set counts after the restart");
+    let counts = (flight.params().hover_throttle_permille, flight.params().pwm_rate_hz);
+    assert_eq!(counts, (540, 200), "what was set counts");
 }

@@ -6,7 +6,7 @@
 
 use core::fmt::{Result, Write};
 
-use crate::params::table::{Allowed, Field};
+use crate::params::table::{Allowed, Counts, Field};
 use crate::params::{Params, crc32_step};
 
 /// Address of [`File::General`], as `COMPONENT_METADATA` has it.
@@ -168,5 +168,5 @@ fn write_parameter(field: Field, to: &mut dyn Write) -> Result {
         write!(to, r#""values":[{{"value":{one},"description":"{one}"}},"#)?;
         write!(to, r#"{{"value":{other},"description":"{other}"}}],"#)?;
     }
-    to.write_str(r#""rebootRequired":true}"#)
+    write!(to, r#""rebootRequired":{}}}"#, row.counts == Counts::NextStart)
 }

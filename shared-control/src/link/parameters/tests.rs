@@ -6,7 +6,7 @@ use crate::link::{Answer, Chore, Commander, Guard, LinkSettings, Order, Receiver
 use crate::params::decode;
 use crate::params::tests::any_params;
 use crate::signals::ArmingBlocks;
-use crate::supervisor::{Arming, Refusal};
+use crate::supervisor::Refusal;
 use mavlink::MessageData;
 use mavlink::dialects::common::{MavMessage, PARAM_REQUEST_LIST_DATA, PARAM_REQUEST_READ_DATA, PARAM_SET_DATA};
 use mavlink::{MAVLinkV2MessageRaw, MavlinkVersion, Message};
@@ -75,12 +75,12 @@ fn told(parameters: &mut Parameters) -> Vec<(std::string::String, f32, u16, u16)
 
 /// Serves with a memory that must not be touched.
 fn serve_without_storing(parameters: &mut Parameters, request: &ParameterRequest) -> Option<Text> {
-    parameters.serve(request, |_| panic!("nothing is to be stored"))
+    parameters.serve(request, false, |_| panic!("nothing is to be stored"))
 }
 
 proptest! {
     /// From one set of choices to any other, one field at a time over the link; what the memory holds after each is the
-    /// record of it, and the last is the whole.
+    /// record of it, and the last is the whole. Nothing arms until what counts at once is in use.
     #[test]
     fn every_field_makes_the_round_trip(from in any_params(), to in any_params()) {
         let mut parameters = Parameters::new(&from);
@@ -88,18 +88,31 @@ proptest! {
         for field in Field::ALL {
             let name = field.row().name;
             let request = accepted(order_of(&set(name, number(&to, field))));
-            let words = parameters.serve(&request, |record| {
+            let words = parameters.serve(&request, false, |record| {
                 memory = *record;
                 true
             });
             expected = expected.with(field, to.get(field)).unwrap();
             prop_assert_eq!(memory, encode(&expected));
-            let words = words.unwrap();
-            prop_assert_eq!(words.as_str(), std::format!("{name} stored for the next start"));
+            let said = match (field.counts(), to.get(field) == from.get(field)) {
+                (Counts::NextStart, _) => Some(std::format!("{name} stored for the next start")),
+                (Counts::AtOnce, true) => Some(std::format!("{name} in use now")),
+                (Counts::AtOnce, false) => None,
+            };
+            prop_assert_eq!(words.as_deref(), said.as_deref());
             let value = (name.to_string(), number(&to, field), field.index().into(), Field::ALL.len() as u16);
             prop_assert_eq!(told(&mut parameters), std::vec![value]);
         }
         prop_assert_eq!(decode(&memory), Ok(to));
+        let wanted = parameters.wanted().copied();
+        prop_assert_eq!(wanted.unwrap_or(from), from.with_what_counts_of(&to));
+        let changes = Field::ALL.len() as u8;
+        prop_assert_eq!(parameters.settled(false) == changes, wanted.is_none());
+        if let Some(wanted) = wanted {
+            parameters.now_in_use(&wanted);
+        }
+        prop_assert_eq!(parameters.wanted(), None);
+        prop_assert_eq!(parameters.settled(false), changes);
     }
 
     /// Whatever number comes, only what the table allows is stored, and the answer is the value that then stands.
@@ -109,7 +122,7 @@ proptest! {
         let value = f32::from_bits(bits);
         let mut parameters = Parameters::new(&Params::DEFAULT);
         let request = ParameterRequest::Set { field, value };
-        parameters.serve(&request, |record| {
+        parameters.serve(&request, false, |record| {
             assert!(decode(record).is_ok_and(|params| number(&params, field) == value));
             true
         });
@@ -177,7 +190,7 @@ fn what_cannot_be_is_refused_in_words_and_answered_with_what_stands() {
 fn a_memory_that_fails_leaves_the_value_that_stands() {
     let mut parameters = Parameters::new(&Params::DEFAULT);
     let request = ParameterRequest::Set { field: Field::ControlHorizon, value: 7.0 };
-    let words = parameters.serve(&request, |_| false).unwrap();
+    let words = parameters.serve(&request, false, |_| false).unwrap();
     assert_eq!(words.as_str(), "CONTROL_HORIZON not stored: memory failed");
     assert_eq!(told(&mut parameters)[0].1, 5.0);
     let mut memory = [0; RECORD_LEN];
@@ -189,17 +202,81 @@ fn a_memory_that_fails_leaves_the_value_that_stands() {
     assert!(!parameters.store(|_| false));
 }
 
+/// Sets a field and keeps it; what is said of it at once.
+fn kept(parameters: &mut Parameters, field: Field, value: f32, is_armed: bool) -> Option<Text> {
+    parameters.serve(&ParameterRequest::Set { field, value }, is_armed, |_| true)
+}
+
 #[test]
-fn nothing_is_set_while_armed_or_before_a_bad_record_is_confirmed() {
+fn what_is_set_on_the_ground_is_said_when_it_is_in_use() {
+    let mut parameters = Parameters::new(&Params::DEFAULT);
+    let now_in_use = |parameters: &mut Parameters| {
+        let wanted = *parameters.wanted().unwrap();
+        parameters.now_in_use(&wanted)
+    };
+    assert_eq!(kept(&mut parameters, Field::FlightIdle, 12.0, false), None);
+    assert_eq!(parameters.settled(false), 0, "arming waits");
+    assert_eq!(now_in_use(&mut parameters).as_str(), "MOT_SPIN_MIN_PCT in use now");
+    assert_eq!((parameters.settled(false), parameters.wanted()), (1, None));
+    assert_eq!(kept(&mut parameters, Field::FlightIdle, 13.0, false), None);
+    assert_eq!(kept(&mut parameters, Field::ControlHorizon, 7.0, false), None);
+    // one more comes while these are being made
+    let being_made = *parameters.wanted().unwrap();
+    assert_eq!(kept(&mut parameters, Field::GroundIdle, 9.0, false), None);
+    assert_eq!(parameters.now_in_use(&being_made).as_str(), "2 parameters in use now");
+    assert_eq!(parameters.settled(false), 1, "the last is still waited for");
+    assert_eq!(now_in_use(&mut parameters).as_str(), "MOT_SPIN_ARM_PCT in use now");
+    assert_eq!(parameters.settled(false), 4);
+    // there and back again before anybody looked: nothing is to be made
+    assert_eq!(kept(&mut parameters, Field::ControlHorizon, 8.0, false), None);
+    assert_eq!(kept(&mut parameters, Field::ControlHorizon, 7.0, false).unwrap(), "CONTROL_HORIZON in use now");
+    assert_eq!((parameters.settled(false), parameters.wanted()), (6, None));
+}
+
+#[test]
+fn what_is_set_in_the_air_waits_and_nobody_waits_for_it() {
+    let mut parameters = Parameters::new(&Params::DEFAULT);
+    let words = kept(&mut parameters, Field::ControlHorizon, 7.0, true).unwrap();
+    assert_eq!(words.as_str(), "CONTROL_HORIZON stored; counts after disarming");
+    let words = kept(&mut parameters, Field::LoopRate, 100.0, true).unwrap();
+    assert_eq!(words.as_str(), "LOOP_RATE_HZ stored for the next start");
+    // whoever has to start again at once can
+    assert_eq!([true, false].map(|is_armed| parameters.settled(is_armed)), [2, 2]);
+    assert_eq!(parameters.wanted(), Some(&Params { control_horizon: 7, ..Params::DEFAULT }));
+    for field in Field::ALL {
+        let longest = std::format!("{} stored; counts after disarming", field.row().name);
+        assert!(longest.len() <= 50, "{longest}");
+    }
+}
+
+/// A file of parameters goes in as a whole.
+#[test]
+fn what_is_set_waits_for_the_last_of_it() {
+    let mut parameters = Parameters::new(&Params::DEFAULT);
+    for change in 0..5_u8 {
+        kept(&mut parameters, Field::ControlHorizon, 7.0 + f32::from(change), false);
+        for passed_us in [0, 90_000] {
+            assert_eq!(parameters.wanted_once_quiet(u64::from(change) * 100_000 + passed_us), None);
+        }
+    }
+    assert_eq!(parameters.wanted_once_quiet(400_000 + QUIET_US - 1), None);
+    let wanted = parameters.wanted_once_quiet(400_000 + QUIET_US).map(|wanted| wanted.control_horizon);
+    assert_eq!(wanted, Some(11));
+}
+
+/// No record is known to hold such; a board would go on as it is, and say so.
+#[test]
+fn what_cannot_be_flown_is_not_wanted_again() {
+    let mut parameters = Parameters::new(&Params::DEFAULT);
+    kept(&mut parameters, Field::ControlHorizon, 7.0, false);
+    parameters.not_usable();
+    assert_eq!((parameters.settled(false), parameters.wanted()), (1, None));
+}
+
+#[test]
+fn nothing_is_set_before_a_bad_record_is_confirmed() {
     let order = order_of(&set("PULSES", 1.0));
     let refused = |because| (Some(Answer::ParameterRefused(Field::Pulses, because)), None);
-    let mut armed = Commander::new(&LinkSettings::NOMINAL, ArmingBlocks::default());
-    armed.answer(&Arming::Armed);
-    assert_eq!(armed.order(&order, 0), refused(Refusal::Armed));
-    // reading is always allowed
-    let list = Order::Parameters(ParameterRequest::List);
-    assert_eq!(armed.order(&list, 0), (None, Some(Chore::Parameters(ParameterRequest::List))));
-
     // one good field must not vouch for defaults that nobody has looked at
     let blocks = ArmingBlocks { configuration_unconfirmed: true, ..ArmingBlocks::default() };
     let mut unconfirmed = Commander::new(&LinkSettings::NOMINAL, blocks);

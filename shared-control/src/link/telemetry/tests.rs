@@ -3,6 +3,7 @@
 extern crate std;
 use super::*;
 use crate::config::Controller;
+use crate::link::ParameterRequest;
 use crate::params::decode;
 use crate::params::table::Field;
 use mavlink::MessageData;
@@ -46,7 +47,8 @@ fn a_parameter_that_is_set_is_stored_and_reported() {
     let mut telemetry = telemetry();
     let mut stored = None;
     let request = ParameterRequest::Set { field: Field::LoopRate, value: 100.0 };
-    telemetry.serve_parameters(&request, |record| {
+    let status = VehicleStatus::at_start(Controller::Cascade);
+    telemetry.serve_parameters(&request, &status, |record| {
         stored = decode(record).ok();
         true
     });
@@ -54,9 +56,9 @@ fn a_parameter_that_is_set_is_stored_and_reported() {
     let frames = sent(&mut telemetry, 0);
     assert!(has(&frames, PARAM_VALUE_DATA::ID) && has(&frames, STATUSTEXT_DATA::ID));
     // what is no number of the field is refused with the numbers that are
-    telemetry.serve_parameters(&ParameterRequest::Set { field: Field::LoopRate, value: 250.0 }, |_| true);
+    telemetry.serve_parameters(&ParameterRequest::Set { field: Field::LoopRate, value: 250.0 }, &status, |_| true);
     assert_eq!(texts(&mut telemetry, 1_000_000), ["bad LOOP_RATE_HZ: 100 or 400".to_string()]);
-    telemetry.serve_parameters(&ParameterRequest::Set { field: Field::PwmRate, value: 491.0 }, |_| true);
+    telemetry.serve_parameters(&ParameterRequest::Set { field: Field::PwmRate, value: 491.0 }, &status, |_| true);
     assert_eq!(texts(&mut telemetry, 2_000_000), ["bad PWM_RATE_HZ: 50 to 490".to_string()]);
 }
 

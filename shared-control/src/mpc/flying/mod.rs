@@ -116,6 +116,15 @@ impl<const M: usize> Mpc<M> {
         self.rolled_pitch.clear();
         settings.problem.check_horizon(control_horizon, M)?;
         settings.validate()?;
+        self.prepare_axes(control_horizon, settings)?;
+        self.prepare_coupling(control_horizon, settings)?;
+        self.preview = Some(settings.preview);
+        Ok(())
+    }
+
+    /// By itself, so that its stack is free again when the motors' limits are prepared, which take as much.
+    #[inline(never)]
+    fn prepare_axes(&mut self, control_horizon: usize, settings: &MpcSettings) -> Result<(), MpcError> {
         for axis in 0..3 {
             // there is room for three
             let _ = self.axes.push(TrackingAxis::prepare(control_horizon, settings, axis, 1.0)?);
@@ -126,8 +135,6 @@ impl<const M: usize> Mpc<M> {
             let axis = TrackingAxis::prepare(control_horizon, settings, PITCH, linearisation.gain_share)?;
             let _ = self.rolled_pitch.push(axis);
         }
-        self.prepare_coupling(control_horizon, settings)?;
-        self.preview = Some(settings.preview);
         Ok(())
     }
 
