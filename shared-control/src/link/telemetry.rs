@@ -4,6 +4,9 @@ mod choices;
 mod on_request;
 mod signed;
 
+use mavlink::MessageData;
+use mavlink::dialects::common::{COMMAND_ACK_DATA, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
+
 use super::file_transfer::FileTransfer;
 use super::frame::FrameWriter;
 use super::inquiries::{About, Inquiries};
@@ -24,8 +27,6 @@ use crate::io_chip::IoState;
 use crate::params::Params;
 use crate::sensing::imu_select::ImuUnit;
 use crate::supervisor::Arming;
-use mavlink::MessageData;
-use mavlink::dialects::common::{COMMAND_ACK_DATA, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
 
 /// Shortest time between two `STATUSTEXT`, µs.
 pub const TEXT_PERIOD_US: u64 = 100_000;

@@ -118,6 +118,17 @@ impl Flown {
         self.said.iter().filter_map(|byte| message(&finder.push(*byte, extra)?)).collect()
     }
 
+    /// A free vehicle that has stood, armed, and climbed for a second.
+    fn in_the_air() -> Self {
+        let mut flown = Self::free();
+        flown.pass(3.0);
+        flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
+        flown.pass(0.5);
+        flown.throttle = 600;
+        flown.pass(1.0);
+        flown
+    }
+
     /// The bytes of `LOG_DATA` in what it said, at their places.
     fn log_heard(&self) -> Vec<u8> {
         let (mut rest, mut log) = (self.said.as_slice(), Vec::new());
@@ -242,12 +253,7 @@ fn what_is_set_on_the_ground_flies_next() {
 /// In the air nothing changes; after the flight and its log it counts.
 #[test]
 fn what_is_set_in_the_air_counts_after_disarming() {
-    let mut flown = Flown::free();
-    flown.pass(3.0);
-    flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
-    flown.pass(0.5);
-    flown.throttle = 600;
-    flown.pass(1.0);
+    let mut flown = Flown::in_the_air();
     flown.set("CONTROLLER", 1.0);
     flown.pass(1.0);
     assert!(flown.heard("CONTROLLER stored; counts after disarming"));
@@ -279,12 +285,7 @@ fn the_grounds_sticks_follow_their_curves() {
 /// A flight leaves a log, which outlasts a restart, comes over the link, and is read as other people's are.
 #[test]
 fn a_flight_leaves_a_log() {
-    let mut flown = Flown::free();
-    flown.pass(3.0);
-    flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 1.0);
-    flown.pass(0.5);
-    flown.throttle = 600;
-    flown.pass(1.0);
+    let mut flown = Flown::in_the_air();
     flown.throttle = 0;
     flown.command(MavCmd::MAV_CMD_COMPONENT_ARM_DISARM, 0.0);
     flown.pass(0.5);

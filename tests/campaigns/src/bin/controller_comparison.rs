@@ -16,20 +16,27 @@ fn main() -> ExitCode {
     let mut words: Vec<String> = std::env::args().skip(1).collect();
     let named = words.iter().position(|word| word == "--json");
     let file = named.filter(|&place| place + 2 == words.len()).and_then(|place| words.drain(place..).nth(1));
-    match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["scan"] if file.is_none() => print!("{}", campaign::scan()),
-        ["tune"] if file.is_none() => tune(),
-        ["front"] => return front(file.as_deref()),
-        ["chosen"] => return chosen(campaign::DRAWS, file.as_deref()),
-        ["chosen", count] if draws(count).is_some() => return chosen(draws(count).unwrap_or(1), file.as_deref()),
-        [] => return all(campaign::DRAWS, file.as_deref()),
-        [count] if draws(count).is_some() => return all(draws(count).unwrap_or(1), file.as_deref()),
-        _ => {
-            eprintln!("usage: controller_comparison [scan | tune | front | chosen [DRAWS] | DRAWS] [--json FILE]");
-            return ExitCode::from(2);
+    let file = file.as_deref();
+    let ended = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["scan"] if file.is_none() => {
+            print!("{}", campaign::scan());
+            Some(ExitCode::SUCCESS)
         }
-    }
-    ExitCode::SUCCESS
+        ["tune"] if file.is_none() => {
+            tune();
+            Some(ExitCode::SUCCESS)
+        }
+        ["front"] => Some(front(file)),
+        ["chosen"] => Some(chosen(campaign::DRAWS, file)),
+        ["chosen", count] => draws(count).map(|count| chosen(count, file)),
+        [] => Some(all(campaign::DRAWS, file)),
+        [count] => draws(count).map(|count| all(count, file)),
+        _ => None,
+    };
+    ended.unwrap_or_else(|| {
+        eprintln!("usage: controller_comparison [scan | tune | front | chosen [DRAWS] | DRAWS] [--json FILE]");
+        ExitCode::from(2)
+    })
 }
 
 fn draws(word: &str) -> Option<u64> {

@@ -20,7 +20,7 @@ pub const INDI_FILE: &str = include_str!("../../comparison/indi.toml");
 
 /// Squared ratio of the axes' input gains: what makes an increment of the torque as dear about pitch, measured by the
 /// acceleration that it gives, as about roll. (0.0115118 / 0.0365651)^2
-pub(super) const PITCH_WEIGHT: f64 = 0.0991;
+const PITCH_WEIGHT: f64 = 0.0991;
 
 /// The shaping of both controllers' reference: how fast it closes in, 1/s, and which share it uses of the acceleration
 /// that roll and pitch can both have at the same time.
@@ -35,21 +35,24 @@ pub struct Shaping {
 /// The one that was chosen: see docs/mpc-against-cascade.md.
 pub const SHAPING: Shaping = Shaping { gain_1_s: 9.0, acceleration_share: 1.6 };
 
+/// How fast a reference may turn, whatever shapes it.
+pub(super) const RATE_MAX: &str = "rate_max_rad_s = [8.0, 8.0, 2.0]\n";
+
 impl Shaping {
     fn lines(&self) -> String {
         let Self { gain_1_s, acceleration_share } = self;
         format!(
             "shaping_gain_1_s = [{gain_1_s:?}, {gain_1_s:?}, 3.0]\nacceleration_share = {acceleration_share:?}\n\
-             rate_max_rad_s = [8.0, 8.0, 2.0]\n"
+             {RATE_MAX}"
         )
     }
 }
 
 /// Bandwidth of the disturbance's estimate in calm, rad/s: the greatest that leaves a peak sensitivity of 2.0 with
 /// alerts as often as they may be (docs/tuning.md).
-const CALM_BANDWIDTH_RAD_S: f64 = 10.0;
+pub(super) const CALM_BANDWIDTH_RAD_S: f64 = 10.0;
 /// Delay of the gyro's low-pass at 96 Hz, s.
-const GYRO_DELAY_S: f64 = 0.00234;
+pub(super) const GYRO_DELAY_S: f64 = 0.00234;
 /// What the bandwidth of the disturbance's estimate was tuned to by a cost without disturbances, rad/s.
 const ONE_BANDWIDTH_RAD_S: f32 = 3.225;
 
@@ -71,28 +74,38 @@ pub fn cascade(shaping: &Shaping) -> Tunable<6> {
     }
 }
 
+/// What every MPC's file begins with: horizon, these lines about its reference, motors' limits, alerts.
+pub(super) fn mpc_head(reference: &str) -> String {
+    format!(
+        "controller = \"mpc\"\ncontrol_horizon = 10\n[tuning]\n{reference}mpc_motor_limits = true\n\
+         mpc_torque_reserve = 0.5\nmpc_linearisations = 3\nmpc_disturbance_alert = \"significant\"\n"
+    )
+}
+
+/// Its parameters but for what filters: increments' weight, lead and prediction step, and where they begin.
+pub(super) const fn mpc_plan([weight, lead_s, step_s]: [f64; 3]) -> [Parameter; 3] {
+    [
+        Parameter {
+            field: "mpc_increment_weight",
+            form: Form::Tilt { pitch: PITCH_WEIGHT, yaw: 3000.0 },
+            start: weight,
+        },
+        Parameter { field: "mpc_lead_s", form: Form::Tilt { pitch: 1.0, yaw: 0.1 }, start: lead_s },
+        Parameter { field: "mpc_prediction_step_s", form: Form::Number, start: step_s },
+    ]
+}
+
 /// The MPC before it is tuned.
 pub fn mpc(shaping: &Shaping) -> Tunable<4> {
-    let fixed = format!(
-        "controller = \"mpc\"\ncontrol_horizon = 10\n[tuning]\n{}mpc_motor_limits = true\nmpc_torque_reserve = 0.5\n\
-         mpc_linearisations = 3\nmpc_disturbance_alert = \"significant\"\n\
-         mpc_disturbance_bandwidth_rad_s = {CALM_BANDWIDTH_RAD_S:?}\nmpc_gyro_delay_s = {GYRO_DELAY_S:?}\n",
-        shaping.lines()
-    );
+    let [weight, lead, step] = mpc_plan([0.1, 0.05, 0.01]);
     Tunable {
         name: "MPC",
         stand_in: None,
-        fixed,
-        parameters: [
-            Parameter {
-                field: "mpc_increment_weight",
-                form: Form::Tilt { pitch: PITCH_WEIGHT, yaw: 3000.0 },
-                start: 0.1,
-            },
-            Parameter { field: "mpc_lead_s", form: Form::Tilt { pitch: 1.0, yaw: 0.1 }, start: 0.05 },
-            Parameter { field: "mpc_prediction_step_s", form: Form::Number, start: 0.01 },
-            Parameter { field: "gyro_cutoff_hz", form: Form::Number, start: 100.0 },
-        ],
+        fixed: mpc_head(&shaping.lines())
+            + &format!(
+                "mpc_disturbance_bandwidth_rad_s = {CALM_BANDWIDTH_RAD_S:?}\nmpc_gyro_delay_s = {GYRO_DELAY_S:?}\n"
+            ),
+        parameters: [weight, lead, step, Parameter { field: "gyro_cutoff_hz", form: Form::Number, start: 100.0 }],
     }
 }
 
