@@ -48,10 +48,16 @@ fn a_motor_that_lost_a_part_is_kept() {
     }
 }
 
-/// Gusts of 0.2 N m on a vehicle that is up to 20 % off raise suspicions, which cost nothing, and no motor is given up.
+/// Strong gusts of 0.2 N m on a vehicle that is up to 20 % off raise suspicions, which cost nothing, and no motor is given up.
 #[test]
 fn gusts_take_no_motor() {
-    let gusts = |noticed| Case { flown: Flown::Gusts, model_error: 0.2, noticed, duration_s: 20.0, ..CALM };
+    let gusts = |noticed| Case {
+        flown: Flown::Gusts { deviation_nm: 0.2 },
+        model_error: 0.2,
+        noticed,
+        duration_s: 20.0,
+        ..CALM
+    };
     let tilt_deg = [true, false].map(|noticed| {
         let vehicle = Vehicle::new(noticed);
         let outcomes: Vec<Outcome> =

@@ -3,6 +3,7 @@
 //!
 //! | binary | question | page |
 //! |---|---|---|
+//! | `active_limits` | does the MPC come to rest while motors are at their limits? | `docs/mpc-against-cascade.md` |
 //! | `adaptation` | does the MPC learn the vehicle that it flies? | `docs/learning.md` |
 //! | `attitude_error` | how wrong is the attitude in vibration and with a gyro that drifts? | `docs/attitude-error.md` |
 //! | `blind_diagnosis` | does the diagnosis name and measure what is hidden in a log? | `docs/diagnosis.md` |
@@ -18,6 +19,7 @@
 //! | `thesis_case` | the thesis' case from the log to the better controller | `docs/thesis-case.md` |
 //! | `worst_case` | the most passes that the MPC's solver can take | `docs/solver.md` |
 
+pub mod active_limits;
 pub mod adaptation;
 pub mod arguments;
 pub mod attitude_error;

@@ -1,8 +1,9 @@
 //! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune | front |
-//! chosen [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several shapings, `tune` writes the controller files of
-//! those tuned for RMS, `front` makes the Pareto study and writes the files of its balanced points, all under
-//! tests/campaigns/comparison; `chosen` flies these two over so many draws (200), otherwise all that were tuned for RMS
-//! and parts of them are flown. Rows of the last three as JSON.
+//! chosen [DRAWS] | free [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several shapings, `tune` writes the
+//! controller files of those tuned for RMS, `front` makes the Pareto study and writes the files of its balanced points,
+//! all under tests/campaigns/comparison; `chosen` flies these two over so many draws (200), `free` in free flight what
+//! follows from the vehicle; otherwise all that were tuned for RMS and parts of them are flown. Rows of the last four as
+//! JSON.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -27,14 +28,18 @@ fn main() -> ExitCode {
             Some(ExitCode::SUCCESS)
         }
         ["front"] => Some(front(file)),
-        ["chosen"] => Some(chosen(campaign::DRAWS, file)),
-        ["chosen", count] => draws(count).map(|count| chosen(count, file)),
+        ["chosen"] => Some(show(&campaign::chosen(campaign::DRAWS), file)),
+        ["chosen", count] => draws(count).map(|count| show(&campaign::chosen(count), file)),
+        ["free"] => Some(show(&campaign::in_free_flight(campaign::DRAWS), file)),
+        ["free", count] => draws(count).map(|count| show(&campaign::in_free_flight(count), file)),
         [] => Some(all(campaign::DRAWS, file)),
         [count] => draws(count).map(|count| all(count, file)),
         _ => None,
     };
     ended.unwrap_or_else(|| {
-        eprintln!("usage: controller_comparison [scan | tune | front | chosen [DRAWS] | DRAWS] [--json FILE]");
+        eprintln!(
+            "usage: controller_comparison [scan | tune | front | chosen [DRAWS] | free [DRAWS] | DRAWS] [--json FILE]"
+        );
         ExitCode::from(2)
     })
 }
@@ -49,10 +54,9 @@ fn all(count: u64, file: Option<&str>) -> ExitCode {
     write_rows(file, &results)
 }
 
-fn chosen(count: u64, file: Option<&str>) -> ExitCode {
-    let chosen = campaign::chosen(count);
-    print!("{}", campaign::chosen_report(&chosen));
-    write_rows(file, &chosen)
+fn show(shown: &campaign::Shown, file: Option<&str>) -> ExitCode {
+    print!("{}", campaign::shown_report(shown));
+    write_rows(file, shown)
 }
 
 fn front(file: Option<&str>) -> ExitCode {

@@ -6,9 +6,9 @@ use std::process::ExitCode;
 use campaigns::arguments::Arguments;
 use campaigns::motor_loss::{alarm_table, alarms, rows, table};
 
-/// Flights of each failure, and minutes without one in each of hover, steps and gusts.
-const SEEDS: u64 = 60;
-const MINUTES: u64 = 240;
+/// Flights of each failure, 10,080 in all with a core that can notice it; and minutes without one, 100 hours in all.
+const SEEDS: u64 = 140;
+const MINUTES: u64 = 750;
 
 fn main() -> ExitCode {
     let arguments = match Arguments::of_process("motor_loss") {

@@ -105,33 +105,44 @@ pub fn front_report(outcome: &front::Outcome) -> String {
     .join("\n")
 }
 
-/// The points that were chosen from the fronts, over draws that the study has not seen.
+/// A few contenders, over draws that nobody has tuned on.
 #[derive(Clone, Debug, Serialize)]
-pub struct Chosen {
-    /// MPC and cascade in all weathers.
+pub struct Shown {
+    /// What they are called together.
+    pub title: &'static str,
+    /// Each in all weathers.
     pub results: Vec<Result>,
     /// Margins in calm of the first draws, of each.
     pub margins: Vec<Vec<LeastMargins>>,
 }
 
-/// Flies them over this many draws.
-pub fn chosen(count: u64) -> Chosen {
+/// The points that were chosen from the fronts, over this many draws.
+pub fn chosen(count: u64) -> Shown {
+    show("Chosen points", &contenders::tuned(), count, &WEATHERS[1..])
+}
+
+/// In free flight, with the tuning that follows from the vehicle. The vibration's figures are of the gimbal.
+pub fn in_free_flight(count: u64) -> Shown {
+    show("In free flight", &contenders::in_free_flight(), count, &[Weather::TorqueSteps, Weather::Gusts])
+}
+
+fn show(title: &'static str, contenders: &[Contender], count: u64, weathers: &[Weather]) -> Shown {
     let draws = draws(count);
     let margin_draws = &draws[..draws.len().min(MARGIN_DRAWS)];
-    let contenders = contenders::tuned();
-    Chosen {
-        results: contenders.iter().map(|contender| result(contender, &draws, &WEATHERS[1..])).collect(),
+    Shown {
+        title,
+        results: contenders.iter().map(|contender| result(contender, &draws, weathers)).collect(),
         margins: contenders.iter().map(|contender| hover::margins_all(contender, margin_draws)).collect(),
     }
 }
 
 /// Their tables.
-pub fn chosen_report(chosen: &Chosen) -> String {
-    let Chosen { results, margins } = chosen;
+pub fn shown_report(shown: &Shown) -> String {
+    let Shown { title, results, margins } = shown;
     let count = |count: Option<usize>| count.unwrap_or(0);
     [
         format!(
-            "### Chosen points over {} unseen draws: median / 95th percentile\n",
+            "### {title} over {} unseen draws: median / 95th percentile\n",
             count(results.first().map(|of| of.flights.len()))
         ),
         table::flights(results),
@@ -199,7 +210,7 @@ pub fn report(results: &[Result]) -> String {
         "### At hover, nominal vehicle: roll / pitch\n".into(),
         table::hover(results.iter().map(|result| (result.name, &result.hover))),
         "### At hover in free flight, nominal F450 with the tuning that follows from it: roll / pitch\n".into(),
-        in_free_flight(),
+        hover_in_free_flight(),
         "### Eigenvalues at hover, nominal vehicle\n".into(),
         table::eigenvalues(&linear),
         "### Laws where no bound is active\n".into(),
@@ -212,7 +223,7 @@ pub fn report(results: &[Result]) -> String {
     .join("\n")
 }
 
-fn in_free_flight() -> String {
+fn hover_in_free_flight() -> String {
     let all = contenders::in_free_flight();
     let hovers: Vec<Hover> = all.iter().map(Hover::of).collect();
     table::hover(all.iter().map(|contender| contender.name).zip(&hovers))

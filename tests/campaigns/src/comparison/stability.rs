@@ -33,8 +33,11 @@ impl Vehicle {
 }
 
 /// Eigenvalues of an axis under a contender, magnitude and angle (rad per control step), the largest first; none of the
-/// INDI, whose linear loop nobody has written down.
+/// INDI and of free flight, whose linear loops nobody has written down.
 pub fn eigenvalues(contender: &Contender, axis: AxisIndex, vehicle: &Vehicle) -> Vec<[f64; 2]> {
+    if contender.rig != Rig::Gimbal {
+        return Vec::new();
+    }
     let setup = contender.setup(&Draw::nominal(0), &Scenario::test_sequence());
     let (tuning, known) = (setup.tuning(), vehicle_parameters(&setup.known_model()));
     let inertia_kg_m2 = f64::from(known.inertia_kg_m2[axis]);

@@ -17,8 +17,6 @@ use sil_host::sensors::random::RandomStream;
 pub const YAW_DRAG_NM_S: f64 = 0.0117;
 /// Motor's bell and propeller, `models/f450-free.toml`.
 const ROTOR_INERTIA_KG_M2: f64 = 5.44e-5;
-/// Torque of the gusts about each horizontal axis of the world, standard deviation, N m.
-const GUST_NM: f64 = 0.2;
 /// How long a gust lasts: Dryden's length of horizontal turbulence at 6 m (MIL-F-8785C 3.7.3.4: h / (0.177 +
 /// 0.000823 h)^1.2 in feet) over a mean wind of 5 m/s.
 const GUST_S: f64 = 8.7;
@@ -38,7 +36,10 @@ pub enum Flown {
     /// Roll and pitch by turns to 20 degrees.
     Steps,
     /// Hover in gusts.
-    Gusts,
+    Gusts {
+        /// Their torque about each horizontal axis of the world, standard deviation, N m.
+        deviation_nm: f64,
+    },
 }
 
 /// How a motor fails.
@@ -168,8 +169,9 @@ impl Vehicle {
                 }
                 let truth = plant.truth();
                 let mut torque_nm = [0.0; 3];
-                if case.flown == Flown::Gusts {
-                    torque_nm = in_body(&truth.q_world_from_body, gust.next_nm(&mut draws));
+                if let Flown::Gusts { deviation_nm } = case.flown {
+                    let gust_nm = gust.next(&mut draws).map(|deviations| deviations * deviation_nm);
+                    torque_nm = in_body(&truth.q_world_from_body, gust_nm);
                 }
                 torque_nm[2] -= case.yaw_drag * YAW_DRAG_NM_S * truth.rate_body_rad_s[2];
                 plant.set_disturbance_torque_body_nm(torque_nm);
@@ -201,30 +203,31 @@ impl Vehicle {
 }
 
 /// Wind that pushes the rotors' drag over the centre of gravity, along the mean wind and across it, by Dryden's spectra
-/// (MIL-F-8785C 3.7.1.2): along, white noise behind one lag; across, behind two and a lead of root 3 of it.
+/// (MIL-F-8785C 3.7.1.2): along, white noise behind one lag; across, behind two and a lead of root 3 of it. In standard
+/// deviations.
 struct Gust {
-    along_nm: f64,
+    along: f64,
     across: [f64; 2],
 }
 
 impl Gust {
     /// Somewhere in it: the lags hold what they hold in the long run.
     fn new(draws: &mut RandomStream) -> Self {
-        let once = GUST_NM / 2f64.sqrt() * draws.normal();
-        let twice = once / 2.0 + GUST_NM / 8f64.sqrt() * draws.normal();
-        Self { along_nm: GUST_NM * draws.normal(), across: [once, twice] }
+        let once = draws.normal() / 2f64.sqrt();
+        let twice = once / 2.0 + draws.normal() / 8f64.sqrt();
+        Self { along: draws.normal(), across: [once, twice] }
     }
 
-    fn next_nm(&mut self, draws: &mut RandomStream) -> [f64; 3] {
+    fn next(&mut self, draws: &mut RandomStream) -> [f64; 3] {
         let share = 1e-6 * (STEP_US / SAMPLES_PER_STEP) as f64 / GUST_S;
-        let noise = (2.0 / share).sqrt() * GUST_NM;
-        self.along_nm += share * (noise * draws.normal() - self.along_nm);
+        let noise = (2.0 / share).sqrt();
+        self.along += share * (noise * draws.normal() - self.along);
         // a part that is lagged once, and the same lagged again, in the shares of (1 + root 3 T s) / (1 + T s)^2
         let [once, twice] = &mut self.across;
         *once += share * (noise / 2f64.sqrt() * draws.normal() - *once);
         *twice += share * (*once - *twice);
         let root = 3f64.sqrt();
-        [self.along_nm, root * *once + (1.0 - root) * *twice, 0.0]
+        [self.along, root * *once + (1.0 - root) * *twice, 0.0]
     }
 }
 
@@ -243,7 +246,7 @@ fn setpoint(flown: Flown, now_us: u64, base_command: f64) -> Setpoint {
     let turn = now_us.saturating_sub(FREE_US) / 500_000;
     let (roll_rad, pitch_rad) = match flown {
         Flown::Steps => (tilt_rad[turn as usize % 4], tilt_rad[(turn / 2 + 1) as usize % 4]),
-        Flown::Hover | Flown::Gusts => (0.0, 0.0),
+        Flown::Hover | Flown::Gusts { .. } => (0.0, 0.0),
     };
     Setpoint { roll_rad, pitch_rad, throttle, ..Setpoint::default() }
 }
