@@ -48,7 +48,8 @@ fn a_motor_that_lost_a_part_is_kept() {
     }
 }
 
-/// Strong gusts of 0.2 N m on a vehicle that is up to 20 % off raise suspicions, which cost nothing, and no motor is given up.
+/// Strong gusts of 0.2 N m on a vehicle that is up to 20 % off raise suspicions, which cost nothing, and no motor is
+/// given up.
 #[test]
 fn gusts_take_no_motor() {
     let gusts = |noticed| Case {

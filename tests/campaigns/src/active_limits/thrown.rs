@@ -1,5 +1,5 @@
-//! The whole of what flies, core, sensors and the gimbal's own motion, thrown out of level by a torque from outside that
-//! nobody announces, on vehicles that the MPC does not expect.
+//! The whole of what flies, core, sensors and the gimbal's own motion, thrown out of level by a torque from outside
+//! that nobody announces, on vehicles that the MPC does not expect.
 
 use rayon::prelude::*;
 use serde::Serialize;

@@ -2,8 +2,8 @@
 //! chosen [DRAWS] | free [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several shapings, `tune` writes the
 //! controller files of those tuned for RMS, `front` makes the Pareto study and writes the files of its balanced points,
 //! all under tests/campaigns/comparison; `chosen` flies these two over so many draws (200), `free` in free flight what
-//! follows from the vehicle; otherwise all that were tuned for RMS and parts of them are flown. Rows of the last four as
-//! JSON.
+//! follows from the vehicle; otherwise all that were tuned for RMS and parts of them are flown. Rows of the last four
+//! as JSON.
 
 use std::path::Path;
 use std::process::ExitCode;
