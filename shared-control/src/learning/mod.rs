@@ -13,6 +13,7 @@ pub mod adoption;
 pub mod confidence;
 pub mod lag_bank;
 pub mod motors;
+pub mod proposal;
 pub mod rehearsal;
 
 use crate::elementary::magnitude;

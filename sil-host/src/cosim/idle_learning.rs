@@ -1,10 +1,11 @@
 //! What a board does in its idle time with what it has learnt: another model, its controller, the rehearsal, and the
 //! time at which it is to take over.
 
-use shared_control::config::{Config, Controller, Tuning, mpc_settings};
+use shared_control::config::{Config, Controller, Tuning};
 use shared_control::flight_core::State;
-use shared_control::learning::adoption::{Candidate, LearntModel, Refusal, prove};
+use shared_control::learning::adoption::{LearntModel, Refusal};
 use shared_control::learning::confidence::Learnt;
+use shared_control::learning::proposal::Proposal;
 use shared_control::vehicle::VehicleParameters;
 
 use crate::controller_file::ControllerChoice;
@@ -93,27 +94,13 @@ impl IdleLearning {
         learnt: &Learnt,
         time_us: u64,
     ) -> Result<Option<Prepared>, Refusal> {
-        let vehicle = model.of(&self.first);
-        let tuning = self.choice.tuning.over(Tuning::for_vehicle(&vehicle));
-        let loop_rate_hz = config.loop_rate_hz;
-        // what senses stays as it is, whatever the IMU's rate
-        let made = Config::new(&vehicle, &tuning, loop_rate_hz, loop_rate_hz, Controller::Mpc);
-        let settings = mpc_settings(&vehicle, &tuning, loop_rate_hz);
-        // numbers that no controller can be made for are no vehicle's
-        let (Ok(made), Ok(planner)) = (made, Planner::new(self.choice.control_horizon, &settings)) else {
-            return Ok(None);
-        };
+        let tuning_of = |vehicle: &VehicleParameters| self.choice.tuning.over(Tuning::for_vehicle(vehicle));
+        let Some(proposal) = Proposal::new(model, &self.first, tuning_of, config.loop_rate_hz) else { return Ok(None) };
+        // numbers that no MPC can be made for are no vehicle's
+        let Ok(planner) = Planner::new(self.choice.control_horizon, &proposal.mpc()) else { return Ok(None) };
         let Some(law) = planner.unconstrained_gain() else { return Ok(None) };
-        prove(&Candidate { vehicle: &vehicle, tuning: &tuning, loop_rate_hz, law }, &self.first, learnt)?;
-        // so does what watches and what learns
-        let config = Config {
-            angle: made.angle,
-            rate: made.rate,
-            inertia_kg_m2: made.inertia_kg_m2,
-            observer: made.observer,
-            pitch_inertia: made.pitch_inertia,
-            ..*config
-        };
+        proposal.prove(law, &self.first, learnt)?;
+        let config = proposal.in_place_of(config);
         Ok(Some(Prepared { at_us: time_us + WORK_US, config, planner }))
     }
 }

@@ -1,0 +1,53 @@
+//! Another controller for what was learnt, as idle time makes it: what it is made of; its MPC, which the caller makes
+//! where there is room for it; the rehearsal; and what the loop takes over.
+
+use super::adoption::{Candidate, LearntModel, Refusal, prove};
+use super::confidence::Learnt;
+use crate::config::{Config, Controller, Tuning, mpc_settings};
+use crate::mpc::MpcSettings;
+use crate::vehicle::VehicleParameters;
+
+/// A controller that is being made.
+#[derive(Clone, Copy, Debug)]
+pub struct Proposal {
+    vehicle: VehicleParameters,
+    tuning: Tuning,
+    made: Config,
+}
+
+impl Proposal {
+    /// For a model, by the tuning that goes with its vehicle. None of numbers that no controller can be made for: they
+    /// are no vehicle's.
+    pub fn new(
+        model: &LearntModel,
+        first: &VehicleParameters,
+        tuning_of: impl FnOnce(&VehicleParameters) -> Tuning,
+        loop_rate_hz: f32,
+    ) -> Option<Self> {
+        let vehicle = model.of(first);
+        let tuning = tuning_of(&vehicle);
+        // what senses stays as it is, whatever the IMU's rate
+        let made = Config::new(&vehicle, &tuning, loop_rate_hz, loop_rate_hz, Controller::Mpc).ok()?;
+        Some(Self { vehicle, tuning, made })
+    }
+
+    /// What its MPC is to be prepared with.
+    pub fn mpc(&self) -> MpcSettings {
+        mpc_settings(&self.vehicle, &self.tuning, self.made.loop_rate_hz)
+    }
+
+    /// Rehearses it by its MPC's law ([`Mpc::unconstrained_gain`](crate::mpc::Mpc::unconstrained_gain)).
+    ///
+    /// # Errors
+    /// Why it may not fly.
+    pub fn prove(&self, law: [[f32; 4]; 3], first: &VehicleParameters, learnt: &Learnt) -> Result<(), Refusal> {
+        let Self { vehicle, tuning, made } = self;
+        prove(&Candidate { vehicle, tuning, loop_rate_hz: made.loop_rate_hz, law }, first, learnt)
+    }
+
+    /// What flies from then on: what senses, watches and learns stays as it is.
+    pub fn in_place_of(&self, flown: &Config) -> Config {
+        let Config { angle, rate, inertia_kg_m2, observer, pitch_inertia, .. } = self.made;
+        Config { angle, rate, inertia_kg_m2, observer, pitch_inertia, ..*flown }
+    }
+}
