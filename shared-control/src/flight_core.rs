@@ -104,6 +104,7 @@ impl FlightCore {
             vibration_m_s2: imu.vibration_m_s2,
             rest_force_m_s2: imu.rest_force_m_s2,
             planning,
+            motors: state.motor_loss.report(),
             rate_target_rad_s: state.rate_target.rate_rad_s,
         }
     }
@@ -196,6 +197,7 @@ fn findings(
         airborne: state.watch.is_airborne(),
         crashed: state.watch.has_crashed(input.time_us),
         idle_us: state.watch.idle_us(input.time_us),
+        motor_lost: state.motor_loss.stage().lost_motor().is_some(),
         battery_seen: state.battery_seen,
         battery: state.battery.feel(&config.supervisor.battery, input.battery_v, input.time_us),
     }
@@ -317,13 +319,14 @@ fn with_motors_left(
     (estimate, force_m_s2, wrench): (&AttitudeEstimate, Option<Vector3<f32>>, &Wrench),
 ) -> TorqueSource {
     let Some(motor_loss) = &config.motor_loss else { return source };
-    let flies = state.arming.is_armed() && state.watch.is_airborne();
+    let armed = state.arming.is_armed();
+    let flies = armed && state.watch.is_airborne();
     let lift_per_motor_n = wrench.lift_per_motor_n;
-    let felt = motor_loss::Felt { estimate, force_m_s2, flies, lift_per_motor_n };
+    let felt = motor_loss::Felt { estimate, force_m_s2, flies, armed, lift_per_motor_n };
     state.motor_loss.fly(motor_loss, &felt, mix);
     match state.motor_loss.stage() {
-        Stage::Lost(_) => TorqueSource::ReducedAttitude,
-        Stage::Whole | Stage::Suspected(_) => source,
+        Stage::Lost(_) if flies => TorqueSource::ReducedAttitude,
+        Stage::Whole | Stage::Suspected(_) | Stage::Lost(_) => source,
     }
 }
 

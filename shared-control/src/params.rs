@@ -30,7 +30,7 @@ use vehicle::VehicleNumbers;
 pub const RECORD_LEN: usize = HEAD_LEN + PAYLOAD_LEN + CRC_LEN;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 7;
+const VERSION: u16 = 8;
 const HEAD_LEN: usize = 8;
 const PAYLOAD_LEN: usize = 2 * Field::ALL.len();
 const CRC_LEN: usize = 4;
@@ -67,6 +67,8 @@ pub struct Params {
     pub rotor_drag_permille_1_s: u16,
     /// Notches in the gyro that follow the rotors.
     pub gyro_notches: bool,
+    /// The loss of a motor in free flight is noticed and flown with ([`crate::motor_loss`]).
+    pub motor_loss: bool,
     /// Free inputs per axis of the MPC, 1 to 30.
     pub control_horizon: u8,
     /// The motors' limits in the MPC, which couple the axes: with at most
@@ -108,6 +110,7 @@ impl Params {
         hover_throttle_permille: 500,
         rotor_drag_permille_1_s: 450,
         gyro_notches: true,
+        motor_loss: false,
         control_horizon: 5,
         motor_limits: false,
         linearisations: 1,
@@ -222,7 +225,7 @@ pub(crate) mod tests {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
-        (any::<[bool; 9]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
+        (any::<[bool; 10]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
             |(
                 switches,
                 pwm_rate_hz,
@@ -233,7 +236,7 @@ pub(crate) mod tests {
                 (safety_button, radio),
                 (pilot, level, vehicle),
             )| {
-                let [mpc, one_shot, free, hil, slow, limits, escs, fast, gyro_notches] = switches;
+                let [mpc, one_shot, free, hil, slow, limits, escs, fast, gyro_notches, motor_loss] = switches;
                 Params {
                     controller: if mpc { Controller::Mpc } else { Controller::Cascade },
                     loop_rate_hz: if slow { 100 } else { 400 },
@@ -245,6 +248,7 @@ pub(crate) mod tests {
                     hover_throttle_permille: hover,
                     rotor_drag_permille_1_s: rotor_drag,
                     gyro_notches,
+                    motor_loss,
                     control_horizon: inputs.0,
                     motor_limits: limits,
                     linearisations: inputs.1,
@@ -360,12 +364,12 @@ pub(crate) mod tests {
         assert_eq!(crc32(b""), 0);
     }
 
-    /// The head of a record: magic, version 7, and the length of what lies between head and CRC.
+    /// The head of a record: magic, version 8, and the length of what lies between head and CRC.
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x07\0\x9a\0");
-        assert_eq!(record.len(), 8 + 154 + 4);
+        assert_eq!(record[..8], *b"QCFG\x08\0\x9c\0");
+        assert_eq!(record.len(), 8 + 156 + 4);
         // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
         assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }

@@ -84,6 +84,7 @@ impl Setup {
             mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
             mpc_work_limit: COUPLED_WORK_PER_S / usize::from(params.loop_rate_hz.max(1)),
             mpc_linearisations: params.linearisations.into(),
+            motor_loss: params.motor_loss,
             ground_idle_command: f32::from(params.ground_idle_percent) / 100.0,
             flight_idle_command: f32::from(params.flight_idle_percent) / 100.0,
             ..Tuning::for_vehicle(&vehicle)
@@ -254,6 +255,24 @@ mod tests {
         let curve = VehicleParameters::F450_FREE.lift_curve;
         let sinks = curve.lift(throttle(Rig::Free)) / curve.lift(0.54);
         assert!((sinks * (1.0 - LOST_TO_DIPS) - SINK_LIFT_SHARE).abs() < 1e-4, "{sinks}");
+    }
+
+    /// The parameter and a controller file's `motor_loss` end in the same configuration; the rig needs none.
+    #[test]
+    fn the_loss_of_a_motor_is_flown_where_it_is_chosen_and_nothing_holds_the_vehicle() {
+        use crate::params::vehicle::VehicleNumbers;
+        let chosen = |motor_loss, rig| {
+            let params = Params { motor_loss, rig, vehicle: VehicleNumbers::F450, ..Params::DEFAULT };
+            Setup::new(&params).unwrap().config.motor_loss
+        };
+        let vehicle = VehicleParameters::F450_FREE;
+        // what the parameters' idle commands are, too
+        let idle = Tuning { ground_idle_command: 0.1, flight_idle_command: 0.15, ..Tuning::for_vehicle(&vehicle) };
+        let tuning = Tuning { motor_loss: true, ..idle };
+        let by_tuning = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap().motor_loss;
+        assert!(by_tuning.is_some());
+        assert_eq!(chosen(true, Rig::Free), by_tuning);
+        assert_eq!((chosen(false, Rig::Free), chosen(true, Rig::Gimbal)), (None, None));
     }
 
     #[test]

@@ -12,8 +12,9 @@
 //!     '------ time is up, Disarm, Arm, link lost --'
 //! ```
 //! A nearly empty battery leads from armed to BatteryLow: on the way down as without a link, the pilot steering, and
-//! only the ground ends it. In the air nothing but a request (as the kill switch), a failed IMU, an unknown attitude
-//! and a crash takes the motors away: no tilt does, and no lost link before the vehicle is down.
+//! only the ground ends it. The ground also ends a flight in which a motor was lost. In the air nothing but a request
+//! (as the kill switch), a failed IMU, an unknown attitude and a crash takes the motors away: no tilt does, and no lost
+//! link before the vehicle is down.
 
 mod arming;
 pub mod battery_watch;
@@ -86,6 +87,8 @@ pub struct Findings {
     pub crashed: bool,
     /// Time for which it has been flown at idle, µs.
     pub idle_us: u64,
+    /// A motor was lost since it took off.
+    pub motor_lost: bool,
     /// A battery was connected at some time since start.
     pub battery_seen: bool,
     /// How the battery is.
@@ -137,7 +140,7 @@ pub fn update(config: &SupervisorConfig, arming: Arming, input: &StepInput, find
 }
 
 /// What no flight goes on with.
-fn taken_away(findings: &Findings) -> Option<DisarmedBecause> {
+fn not_to_be_flown(findings: &Findings) -> Option<DisarmedBecause> {
     match findings.imu {
         ImuHealth::Bad(fault) => Some(DisarmedBecause::ImuFailed(fault)),
         ImuHealth::Good if !findings.attitude_valid => Some(DisarmedBecause::AttitudeUnknown),
@@ -157,6 +160,12 @@ fn if_left_alone(input: &StepInput, findings: &Findings) -> Arming {
         (true, true) => Arming::LinkLost { since_us: input.time_us },
         (true, false) => Arming::Disarmed(DisarmedBecause::LinkLost),
     }
+}
+
+/// What no flight goes on with, or none that has come down with three motors: it would take off once more with four.
+fn taken_away(findings: &Findings) -> Option<DisarmedBecause> {
+    let landed_without = findings.motor_lost && !findings.airborne;
+    not_to_be_flown(findings).or(landed_without.then_some(DisarmedBecause::MotorLost))
 }
 
 /// The link is back, or the vehicle is down, or it goes on as it does.

@@ -5,6 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::{DCB, DWT};
 use shared_control::link::telemetry::Figures;
+use shared_control::motor_loss::MotorReport;
 use shared_control::signals::PlanReport;
 
 use super::{board, clock, counters};
@@ -62,9 +63,10 @@ pub static LINK: Meter = Meter::new();
 /// Housekeeping.
 pub static HOUSEKEEPING: Meter = Meter::new();
 
-/// Worst cycles of each task, the deepest stack, bytes, how the last plan and all before it fared, and what was lost of
-/// the IO chip's replies, of the log and of what USB was to carry.
-fn figures(planning: &PlanReport) -> Figures {
+/// Worst cycles of each task, the deepest stack, bytes, how the last plan and all before it fared, how the motors are,
+/// and what was lost of the IO chip's replies, of the log and of what USB was to carry.
+fn figures(planning: &PlanReport, motors: &MotorReport) -> Figures {
+    let [state, number, lack] = motors.figures();
     [
         ("cyc_loop", LOOP.worst_cycles()),
         ("cyc_plan", PLAN.worst_cycles()),
@@ -79,6 +81,9 @@ fn figures(planning: &PlanReport) -> Figures {
         ("plan_us", planning.duration_us),
         ("plan_late", planning.deadline_misses),
         ("fallbacks", planning.fallbacks),
+        state,
+        number,
+        lack,
         ("io_damaged", counters::IO_DAMAGED.get()),
         ("log_drop", counters::LOG_STEPS_LEFT_OUT.get()),
         ("usb_drop", counters::USB_DROPPED.get()),
@@ -86,8 +91,8 @@ fn figures(planning: &PlanReport) -> Figures {
 }
 
 /// The same, sent to a probe, if one listens.
-pub fn report(planning: &PlanReport) -> Figures {
-    let figures = figures(planning);
+pub fn report(planning: &PlanReport, motors: &MotorReport) -> Figures {
+    let figures = figures(planning, motors);
     for (name, value) in &figures {
         defmt::info!("{=str} {=u32}", name, value);
     }

@@ -368,7 +368,7 @@ mod app {
             }
             if local.ticks.is_multiple_of(100) {
                 *local.load_permille = local.load_meter.permille();
-                local.ground.figures(load::report(&status.planning));
+                local.ground.figures(load::report(&status.planning, &status.motors));
                 counters::report();
                 local.self_tests.report();
             }

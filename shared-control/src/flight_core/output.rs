@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::mixer::MixResult;
+use crate::motor_loss::MotorReport;
 use crate::sensing::imu_health::ImuHealth;
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{AttitudeEstimate, PlanReport, PlanStatus, Wrench};
@@ -88,6 +89,8 @@ pub struct StepOutput {
     pub rest_force_m_s2: [Option<Vector3<f32>>; 2],
     /// How the MPC's plans fare.
     pub planning: PlanReport,
+    /// How the motors are.
+    pub motors: MotorReport,
     /// Rate that the cascade requested, body frame, rad/s.
     pub rate_target_rad_s: Vector3<f32>,
 }

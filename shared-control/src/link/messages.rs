@@ -35,6 +35,7 @@ pub(super) fn arming_words(arming: &Arming) -> Option<(MavSeverity, &'static str
             DisarmedBecause::EscsCalibrated => (NOTICE, "ESCs calibrated: set ESC_CALIBRATION to 0"),
             DisarmedBecause::EscCalibrationEnded => (CRITICAL, "ESC calibration broken off: disconnect battery"),
             DisarmedBecause::BatteryLow => (CRITICAL, "disarmed: battery empty"),
+            DisarmedBecause::MotorLost => (CRITICAL, "landed, disarmed: a motor was lost"),
             DisarmedBecause::LinkLost => (CRITICAL, "disarmed: link lost"),
             DisarmedBecause::AttitudeUnknown => (CRITICAL, "disarmed: attitude unknown"),
             DisarmedBecause::ImuFailed(ImuFault::Stale) => (CRITICAL, "disarmed: IMU sends nothing"),
@@ -159,8 +160,10 @@ pub(super) fn io_words(state: IoState) -> Option<&'static str> {
 /// The counters that only this project has go into `errors_count`: set-points rejected, overruns, late plans.
 pub(super) fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
     let control = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ANGULAR_RATE_CONTROL
-        | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ATTITUDE_STABILIZATION
-        | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
+        | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_ATTITUDE_STABILIZATION;
+    let motors = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
+    let all_motors = status.motors.lost_motor().is_none();
+    let healthy_motors = if all_motors { motors } else { MavSysStatusSensor::empty() };
     let attitude = MavSysStatusSensor::MAV_SYS_STATUS_AHRS;
     let imu = MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_GYRO | MavSysStatusSensor::MAV_SYS_STATUS_SENSOR_3D_ACCEL;
     let imu_second =
@@ -181,7 +184,7 @@ pub(super) fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
     let prearm = MavSysStatusSensor::MAV_SYS_STATUS_PREARM_CHECK;
     let can_arm = status.arming.is_armed() || status.arming_refusal.is_none();
     let healthy_prearm = if can_arm { prearm } else { MavSysStatusSensor::empty() };
-    let present = imu | second_imu | control | attitude | measured_battery | fitted_radio | prearm;
+    let present = imu | second_imu | control | motors | attitude | measured_battery | fitted_radio | prearm;
     let healthy_attitude = if status.estimate.valid { attitude } else { MavSysStatusSensor::empty() };
     let count = |number: u32| number.min(u32::from(u16::MAX)) as u16;
     SYS_STATUS_DATA {
@@ -191,6 +194,7 @@ pub(super) fn sys_status(status: &VehicleStatus) -> SYS_STATUS_DATA {
             | second_imu
             | healthy_attitude
             | control
+            | healthy_motors
             | healthy_battery
             | healthy_radio
             | healthy_prearm,

@@ -4,6 +4,8 @@ mod choices;
 mod on_request;
 mod signed;
 
+use core::fmt::Write;
+
 use mavlink::MessageData;
 use mavlink::dialects::common::{COMMAND_ACK_DATA, MavSeverity, NAMED_VALUE_INT_DATA, STATUSTEXT_DATA};
 
@@ -24,6 +26,7 @@ use super::spare_room::SpareRoom;
 use super::streams::{Due, Stream, Streams};
 use super::vehicle_status::VehicleStatus;
 use crate::io_chip::IoState;
+use crate::motor_loss::MotorReport;
 use crate::params::Params;
 use crate::sensing::imu_select::ImuUnit;
 use crate::supervisor::Arming;
@@ -38,7 +41,7 @@ const REFUSAL_PERIOD_US: u64 = 10_000_000;
 pub const FIGURE_PERIOD_US: u64 = 250_000;
 
 /// Figures that there is room for.
-pub const FIGURES: usize = 16;
+pub const FIGURES: usize = 19;
 
 /// What a board measures of itself: names of at most 10 characters, and values.
 pub type Figures = [(&'static str, u32); FIGURES];
@@ -62,6 +65,8 @@ pub struct Telemetry {
     told_radio: bool,
     told_mode: Mode,
     told_battery_low: bool,
+    /// Motor whose loss was told, 1 to 4.
+    told_motor_lost: Option<u8>,
     figures: Figures,
     next_figure: usize,
     streams: Streams,
@@ -93,6 +98,7 @@ impl Telemetry {
             told_radio: false,
             told_mode: Mode::Stabilise,
             told_battery_low: false,
+            told_motor_lost: None,
             figures: [("", 0); FIGURES],
             next_figure: 0,
             streams: Streams::new(settings.line_bytes_s),
@@ -157,6 +163,7 @@ impl Telemetry {
         self.tell_unit(status.imu_unit);
         self.tell_io(status);
         self.tell_battery(status);
+        self.tell_motors(&status.motors);
         while let Some(answer) = self.answers.front() {
             if let Some((command, result)) = command_result(answer) {
                 let [low, high] = command.to_le_bytes();
@@ -305,6 +312,17 @@ impl Telemetry {
             self.text(MavSeverity::MAV_SEVERITY_CRITICAL, "battery low: land");
         }
         self.told_battery_low = low;
+    }
+
+    fn tell_motors(&mut self, motors: &MotorReport) {
+        let lost = motors.lost_motor();
+        if let (Some(motor), true) = (lost, self.told_motor_lost != lost) {
+            let mut words = Text::new();
+            // 44 bytes fit
+            let _ = write!(words, "motor {motor} lost: three fly on, heading given up");
+            self.text(MavSeverity::MAV_SEVERITY_EMERGENCY, &words);
+        }
+        self.told_motor_lost = lost;
     }
 
     fn count_dropped(&mut self, dropped: bool) {

@@ -6,6 +6,7 @@ use super::mode::Mode;
 use crate::config::{Config, Controller};
 use crate::flight_core::StepOutput;
 use crate::io_chip::IoReport;
+use crate::motor_loss::MotorReport;
 use crate::sensing::imu_health::{ImuFault, ImuHealth};
 use crate::sensing::imu_select::ImuUnit;
 use crate::signals::{ArmingBlocks, AttitudeEstimate, PlanReport, Setpoint, StepInput};
@@ -67,6 +68,8 @@ pub struct VehicleStatus {
     pub overruns: u32,
     /// How the MPC's plans fare.
     pub planning: PlanReport,
+    /// How the motors are.
+    pub motors: MotorReport,
 }
 
 impl VehicleStatus {
@@ -104,6 +107,7 @@ impl VehicleStatus {
             setpoints_rejected: 0,
             overruns: 0,
             planning: PlanReport::default(),
+            motors: MotorReport::default(),
         }
     }
 
@@ -126,6 +130,7 @@ impl VehicleStatus {
             },
             blocks: input.blocks,
             planning: output.planning,
+            motors: output.motors,
             setpoint: input.setpoint,
             rate_target_rad_s: output.rate_target_rad_s,
             felt: felt(config, input, output.imu_unit),

@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 use super::Stage;
 use super::allocation::opposite;
 use crate::airframe::TORQUE_SIGNS;
-use crate::elementary::{larger, smaller};
+use crate::elementary::{larger, limit, smaller};
 use crate::lagged_axis::LagStep;
 use crate::record::state_words::StateWords;
 use crate::signals::AttitudeEstimate;
@@ -301,6 +301,12 @@ impl DetectorState {
             config.missing_n(axis, motor, rad_s2)
         });
         smaller(roll_n, pitch_n)
+    }
+
+    /// Share of its lift that a motor lacks by the gyro, 0 to 1.
+    pub(super) fn lacks_share(&self, config: &DetectorConfig, motor: usize) -> f32 {
+        let lift_n = larger(self.fast.lifts_n[motor & 3], config.judged_from_n);
+        limit(self.missing_n(config, &self.fast, motor, 0.0) / lift_n, 0.0, 1.0)
     }
 
     /// What the model's errors may make of how far the four differ, N.

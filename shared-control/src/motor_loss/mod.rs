@@ -13,6 +13,7 @@ pub mod allocation;
 pub mod complex;
 pub mod detector;
 pub mod reduced_attitude;
+mod report;
 pub mod spin_disturbance;
 pub mod spin_gains;
 
@@ -25,6 +26,8 @@ use crate::record::state_words::StateWords;
 use crate::signals::{AttitudeEstimate, MotorCommands};
 use crate::vehicle::VehicleParameters;
 use detector::{DetectorConfig, DetectorState, Suspicion};
+pub use report::{MotorReport, Verdict};
+
 use reduced_attitude::ReducedAttitude;
 use spin_disturbance::SpinDisturbance;
 
@@ -83,6 +86,8 @@ impl Stage {
 pub struct MotorLoss {
     detector: DetectorState,
     stage: Stage,
+    /// Share of its lift that the motor lacks which the stage is about, 0 to 1.
+    lacks_share: f32,
     /// Lift that the suspected motor makes beyond what the mixer asked of it, N, behind its lag.
     raised_n: f32,
     outside: SpinDisturbance,
@@ -97,15 +102,17 @@ pub struct Felt<'a> {
     pub force_m_s2: Option<Vector3<f32>>,
     /// In the air, armed, and seen by an IMU that works.
     pub flies: bool,
+    /// Armed, in the air or not.
+    pub armed: bool,
     /// Lift of each of four motors that is wanted, N.
     pub lift_per_motor_n: f32,
 }
 
 impl MotorLoss {
     pub(crate) fn record(&self, words: &mut StateWords) {
-        let Self { detector, stage, raised_n, outside } = self;
+        let Self { detector, stage, lacks_share, raised_n, outside } = self;
         detector.record(words);
-        words.number(*raised_n);
+        words.numbers(&[*lacks_share, *raised_n]);
         outside.record(words);
         let (number, motor, lacking_n) = match stage {
             Stage::Whole => (0, 0, [0.0; 2]),
@@ -122,15 +129,28 @@ impl MotorLoss {
         self.stage
     }
 
+    /// The same for link and log.
+    pub fn report(&self) -> MotorReport {
+        MotorReport::new(self.stage, self.lacks_share)
+    }
+
     /// One step: judges what the last commands did, and changes what the mixer made for four motors where one of them
-    /// fails. On the ground and disarmed everything begins anew.
+    /// fails. On the ground everything begins anew; which motor was lost is known until the next arming.
     pub fn fly(&mut self, config: &MotorLossConfig, felt: &Felt, mix: &mut MixResult) {
         if !felt.flies {
-            *self = Self::default();
+            let lost = self.stage.lost_motor().is_some() && !felt.armed;
+            let (stage, lacks_share) = if lost { (self.stage, self.lacks_share) } else { Default::default() };
+            *self = Self { stage, lacks_share, ..Self::default() };
             return;
         }
         if let Stage::Whole | Stage::Suspected(_) = self.stage {
             self.stage = self.detector.judge(&config.detector, felt.estimate, felt.force_m_s2);
+            self.lacks_share = match self.stage {
+                Stage::Whole => 0.0,
+                Stage::Suspected(Suspicion { motor, .. }) | Stage::Lost(motor) => {
+                    self.detector.lacks_share(&config.detector, motor)
+                }
+            };
             self.outside = config.control.begin(felt, self.detector.known_rad_s2());
         }
         match self.stage {

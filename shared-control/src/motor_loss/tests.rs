@@ -84,7 +84,7 @@ fn fly(body: &mut Body, loss: &mut MotorLoss, steps: usize) -> std::vec::Vec<Sta
         .map(|_| {
             let mut mix = MixResult { commands: MotorCommands([hover; 4]), ..MixResult::default() };
             let (estimate, force_m_s2) = (body.estimate(), Some(body.force_m_s2()));
-            let felt = Felt { estimate: &estimate, force_m_s2, flies: true, lift_per_motor_n: hover_n };
+            let felt = Felt { estimate: &estimate, force_m_s2, flies: true, armed: true, lift_per_motor_n: hover_n };
             loss.fly(&config, &felt, &mut mix);
             body.advance(&mix.commands.0);
             loss.stage()
@@ -141,7 +141,7 @@ fn a_rig_needs_none_of_this() {
     assert!(MotorLossConfig::new(&VehicleParameters::F450_GIMBAL, 400.0).is_none());
 }
 
-/// Disarmed or on the ground, what was found is forgotten.
+/// Disarmed it is still said which motor was lost; armed on the ground that is forgotten, too.
 #[test]
 fn on_the_ground_it_begins_anew() {
     let (mut body, mut loss) = hovering();
@@ -150,7 +150,16 @@ fn on_the_ground_it_begins_anew() {
     assert_eq!(loss.stage().lost_motor(), Some(3));
     let config = MotorLossConfig::new(&VEHICLE, 400.0).unwrap();
     let estimate = body.estimate();
-    let felt = Felt { estimate: &estimate, force_m_s2: None, flies: false, lift_per_motor_n: 0.0 };
-    loss.fly(&config, &felt, &mut MixResult::default());
-    assert_eq!(loss, MotorLoss::default());
+    let report = loss.report();
+    assert!((report.verdict, report.motor) == (Verdict::Lost, 3) && report.lacks_permille > 420, "{report:?}");
+    let mut stand = |armed| {
+        let felt = Felt { estimate: &estimate, force_m_s2: None, flies: false, armed, lift_per_motor_n: 0.0 };
+        let mut mix = MixResult::default();
+        loss.fly(&config, &felt, &mut mix);
+        assert_eq!(mix, MixResult::default());
+        loss
+    };
+    let disarmed = stand(false);
+    assert_eq!((disarmed.report(), disarmed.detector), (report, DetectorState::default()));
+    assert_eq!(stand(true), MotorLoss::default());
 }

@@ -20,8 +20,9 @@
 //! | `input_rc` | ten times a second, where there is a receiver | 51 |
 //! | `battery_status` | five times a second, where it is measured | 29 |
 //! | `vehicle_status` | when it changes, and twice a second | 19 |
+//! | `failure_detector_status` | where `MOTOR_LOSS` is 1: when it changes, and twice a second | 16 |
 //!
-//! The bytes are those of a whole message. Only the last five rows are thinned. At 400 steps a second that is 79 kB/s
+//! The bytes are those of a whole message. Only the last six rows are thinned. At 400 steps a second that is 79 kB/s
 //! under the cascade and 95 kB/s under the MPC.
 //!
 //! Formats: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>, topics: PX4 1.14, "uORB Message Reference".

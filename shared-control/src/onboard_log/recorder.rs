@@ -16,8 +16,8 @@ use crate::signals::{ImuBatch, Setpoint, StepInput};
 
 /// After disarming the log goes on for so long, us, so that it shows the motors stop.
 pub const AFTERWARDS_US: u64 = 1_000_000;
-/// Longest record of a step: all topics, a mark and a dropout are 428 bytes.
-const RECORD_MAX: usize = 440;
+/// Longest record of a step: all topics, a mark and a dropout are 444 bytes.
+const RECORD_MAX: usize = 456;
 
 // of the topics that are thinned
 const SETPOINT_PERIOD_US: u64 = 100_000;
@@ -38,9 +38,10 @@ const RATES_SETPOINT: u16 = 6;
 const RADIO: u16 = 7;
 const BATTERY: u16 = 8;
 const STATUS: u16 = 9;
+const FAILURES: u16 = 10;
 
 /// In the order of those.
-const TOPICS: [Topic; 10] = [
+const TOPICS: [Topic; 11] = [
     topics::SENSOR_COMBINED,
     topics::ANGULAR_VELOCITY,
     topics::ATTITUDE,
@@ -51,6 +52,7 @@ const TOPICS: [Topic; 10] = [
     topics::RADIO,
     topics::BATTERY,
     topics::STATUS,
+    topics::FAILURES,
 ];
 
 /// What there is to do for whoever empties the ring.
@@ -85,6 +87,9 @@ pub struct Recorder<const N: usize> {
     /// As it was told last.
     status: Option<Content>,
     status_due: Periodic,
+    failures_due: Periodic,
+    /// Motor whose loss was told last.
+    lost_motor: Option<u8>,
     mark_due: Periodic,
     /// From here on steps found no room.
     dropping_since_us: Option<u64>,
@@ -116,6 +121,8 @@ impl<const N: usize> Recorder<N> {
             battery_due: Periodic::NEW,
             status: None,
             status_due: Periodic::NEW,
+            failures_due: Periodic::NEW,
+            lost_motor: None,
             mark_due: Periodic::NEW,
             dropping_since_us: None,
             steps_dropped: 0,
@@ -174,6 +181,7 @@ impl<const N: usize> Recorder<N> {
         }
         put_every_step(config, input, output, since_us, put);
         self.put_now_and_then(input, output, radio, put);
+        self.put_failures(config, input, output, put);
         let status = topics::status(&output.arming, mode);
         if self.status_due.takes(input.time_us, STATUS_PERIOD_US) || self.status.as_ref() != Some(&status) {
             ulog::data(STATUS, input.time_us, &status, put);
@@ -197,6 +205,7 @@ impl<const N: usize> Recorder<N> {
                     due.next_us = 0;
                 }
                 (self.battery_due.next_us, self.status_due.next_us, self.mark_due.next_us) = (0, 0, 0);
+                self.failures_due.next_us = 0;
             }
             // the file is still open: the log goes on
             Stage::Ended if is_armed => self.stage = Stage::Running { start_us: time_us },
@@ -208,6 +217,17 @@ impl<const N: usize> Recorder<N> {
         if is_armed {
             self.armed_us = time_us;
         }
+    }
+
+    /// Where somebody looks for them.
+    fn put_failures(&mut self, config: &Config, input: &StepInput, output: &StepOutput, put: &mut impl FnMut(&[u8])) {
+        let lost_motor = output.motors.lost_motor();
+        if config.motor_loss.is_some()
+            && (self.failures_due.takes(input.time_us, STATUS_PERIOD_US) || self.lost_motor != lost_motor)
+        {
+            ulog::data(FAILURES, input.time_us, &topics::failures(&output.motors), put);
+        }
+        self.lost_motor = lost_motor;
     }
 
     fn put_now_and_then(

@@ -281,6 +281,29 @@ fn a_file_cut_off_at_any_byte_is_readable_to_there() {
     }
 }
 
+/// Where somebody looks for failures of motors, and with motor 3 as bit 2; where nobody does there is no such topic.
+#[test]
+fn a_lost_motor_is_in_the_log_where_somebody_looks_for_it() {
+    use crate::motor_loss::{MotorReport, Verdict};
+    let vehicle = VehicleParameters::F450_FREE;
+    let mut bench = Bench::<100_000>::new(Controller::Cascade);
+    bench.fly(400);
+    assert!(data(&bench.taken(), &topics::FAILURES).is_empty());
+    let tuning = Tuning { motor_loss: true, ..Tuning::for_vehicle(&vehicle) };
+    let config = Config::new(&vehicle, &tuning, 400.0, 1000.0, Controller::Cascade).unwrap();
+    let lost = MotorReport { verdict: Verdict::Lost, motor: 3, lacks_permille: 900 };
+    let mut recorder = Recorder::<100_000>::new();
+    for (number, (input, output)) in bench.steps.iter().enumerate() {
+        let motors = if number < 50 { MotorReport::default() } else { lost };
+        recorder.record(&config, input, &StepOutput { motors, ..*output }, (&RADIO, Mode::Stabilise));
+    }
+    let mut log = vec![0; recorder.waiting()];
+    recorder.take(&mut log);
+    let found: Vec<Vec<u8>> = data(&log, &topics::FAILURES).iter().map(|content| content[8..].to_vec()).collect();
+    // at the start, when it changes, and once in each of the two halves of a second
+    assert_eq!(found, [vec![0, 0, 0], vec![1, 4, 0], vec![1, 4, 0]]);
+}
+
 /// As PX4 numbers them: a vehicle that comes down by itself is in a failsafe, whatever its mode.
 #[test]
 fn the_status_has_mode_and_failsafe() {

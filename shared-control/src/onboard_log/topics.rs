@@ -8,6 +8,7 @@ use super::ulog::{Content, Topic};
 use crate::flight_core::StepOutput;
 use crate::frames::{EulerAngles, q_world_from_euler};
 use crate::link::Mode;
+use crate::motor_loss::MotorReport;
 use crate::radio::RadioFrame;
 use crate::supervisor::Arming;
 
@@ -56,6 +57,10 @@ pub const STATUS: Topic = Topic {
     fields: "uint8_t arming_state;uint8_t nav_state;uint8_t vehicle_type;bool is_vtol;bool failsafe;\
              bool failsafe_and_user_took_over;",
 };
+
+/// Whether a motor is given up, and a bit for each such, the first for motor 1.
+pub const FAILURES: Topic =
+    Topic { name: "failure_detector_status", fields: "bool fd_motor;uint16_t motor_failure_mask;" };
 
 /// The receiver's channels.
 pub const RADIO: Topic = Topic { name: "input_rc", fields: "uint16_t[18] values;uint8_t channel_count;bool rc_lost;" };
@@ -134,6 +139,12 @@ pub fn status(arming: &Arming, mode: Mode) -> Content {
     let nav_state = if descends { DESCEND } else { flown };
     let arming_state = if arming.is_armed() { ARMED } else { DISARMED };
     Content::default().bytes(&[arming_state, nav_state, ROTARY_WING, 0, descends.into(), 0])
+}
+
+/// Content of [`FAILURES`].
+pub fn failures(motors: &MotorReport) -> Content {
+    let mask = motors.lost_motor().map_or(0, |motor| 1_u16 << (motor.saturating_sub(1) & 3));
+    Content::default().bytes(&[u8::from(mask != 0)]).bytes(&mask.to_le_bytes())
 }
 
 /// Content of [`RADIO`].

@@ -44,6 +44,7 @@ impl Field {
             | Field::HoverThrottle
             | Field::RotorDrag
             | Field::GyroNotches
+            | Field::MotorLoss
             | Field::Battery(_)
             | Field::GroundIdle
             | Field::FlightIdle

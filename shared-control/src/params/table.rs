@@ -44,6 +44,8 @@ pub enum Field {
     RotorDrag,
     /// [`Params::gyro_notches`].
     GyroNotches,
+    /// [`Params::motor_loss`].
+    MotorLoss,
     /// One of the battery's numbers.
     Battery(BatteryPart),
     /// [`Params::hil`].
@@ -87,7 +89,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 77] = [
+    pub const ALL: [Field; 78] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -99,6 +101,7 @@ impl Field {
         Field::HoverThrottle,
         Field::RotorDrag,
         Field::GyroNotches,
+        Field::MotorLoss,
         Field::Battery(BatteryPart::ArmingMin),
         Field::Battery(BatteryPart::Low),
         Field::Battery(BatteryPart::Critical),
@@ -176,7 +179,8 @@ impl Field {
             Field::Pilot(_) => "Sticks",
             Field::Level(..) | Field::GyroNotches => "IMU",
             Field::Vehicle(_) | Field::Rig | Field::HoverThrottle | Field::RotorDrag => "Vehicle",
-            Field::Pulses | Field::PwmRate | Field::GroundIdle | Field::FlightIdle | Field::EscCalibration => "Motors",
+            Field::Pulses | Field::PwmRate | Field::GroundIdle | Field::FlightIdle => "Motors",
+            Field::EscCalibration | Field::MotorLoss => "Motors",
             Field::LoopRate | Field::Hil | Field::Telem1Rate | Field::SafetyButton => "Board",
         }
     }
@@ -206,6 +210,8 @@ impl Field {
                 "drag of the rotors over airspeed and mass: what shows the tilt in free flight"),
             Field::GyroNotches =>
                 ("GYRO_NOTCHES", EITHER, "", "1: notches follow the rotors, where LOOP_RATE_HZ is 400"),
+            Field::MotorLoss => ("MOTOR_LOSS", EITHER, "",
+                "1: in free flight a motor that fails is noticed, and flown without, the heading given up"),
             Field::Battery(part) => battery::row(part),
             Field::Hil => ("HIL", EITHER, "",
                 "1: hardware in the loop, the IMU is simulated on the link and the pulses stay disarmed"),
@@ -259,6 +265,7 @@ impl Params {
             Field::HoverThrottle => self.hover_throttle_permille,
             Field::RotorDrag => self.rotor_drag_permille_1_s,
             Field::GyroNotches => u16::from(self.gyro_notches),
+            Field::MotorLoss => u16::from(self.motor_loss),
             Field::Battery(part) => self.battery.get(part),
             Field::Hil => u16::from(self.hil),
             Field::GroundIdle => u16::from(self.ground_idle_percent),
@@ -295,6 +302,7 @@ impl Params {
             Field::HoverThrottle => params.hover_throttle_permille = value,
             Field::RotorDrag => params.rotor_drag_permille_1_s = value,
             Field::GyroNotches => params.gyro_notches = value == 1,
+            Field::MotorLoss => params.motor_loss = value == 1,
             Field::Battery(part) => params.battery.set(part, value),
             Field::Hil => params.hil = value == 1,
             Field::GroundIdle => params.ground_idle_percent = value as u8,
@@ -357,6 +365,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(77)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(78)), (None, None, None));
     }
 }

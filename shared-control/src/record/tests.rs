@@ -63,8 +63,9 @@ fn every_reason_to_stand_still_has_its_number() {
         DisarmedBecause::EscCalibrationEnded,
         DisarmedBecause::Killed,
         DisarmedBecause::BatteryLow,
+        DisarmedBecause::MotorLost,
     ];
-    assert_eq!(causes.map(|because| because.number()), [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
+    assert_eq!(causes.map(|because| because.number()), [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
     assert_eq!(ImuFault::ALL.map(|fault| DisarmedBecause::ImuFailed(fault).number()), [0x10, 0x11, 0x12, 0x13]);
     let refused = |refusal| DisarmedBecause::Refused(refusal).number();
     assert!(Refusal::WITHOUT_DETAIL.map(refused).into_iter().eq(0x100..0x11E));

@@ -138,6 +138,8 @@ pub enum DisarmedBecause {
     Killed,
     /// The battery is nearly empty.
     BatteryLow,
+    /// Landed without one of its motors.
+    MotorLost,
 }
 
 impl DisarmedBecause {
@@ -154,6 +156,7 @@ impl DisarmedBecause {
             DisarmedBecause::EscCalibrationEnded => 7,
             DisarmedBecause::Killed => 8,
             DisarmedBecause::BatteryLow => 9,
+            DisarmedBecause::MotorLost => 10,
             DisarmedBecause::ImuFailed(fault) => 0x10 + fault.number(),
             DisarmedBecause::Refused(refusal) => 0x100 + refusal.number(),
         }

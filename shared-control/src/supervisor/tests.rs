@@ -28,6 +28,7 @@ const GOOD: Findings = Findings {
     airborne: true,
     crashed: false,
     idle_us: 0,
+    motor_lost: false,
     battery_seen: true,
     battery: BatteryStage::Good,
 };
@@ -76,6 +77,7 @@ fn states() -> Vec<Arming> {
         Arming::Disarmed(DisarmedBecause::EscsCalibrated),
         Arming::Disarmed(DisarmedBecause::EscCalibrationEnded),
         Arming::Disarmed(DisarmedBecause::Killed),
+        Arming::Disarmed(DisarmedBecause::MotorLost),
         refused(Refusal::BatteryLow),
     ]);
     states
@@ -192,6 +194,16 @@ fn an_armed_vehicle_loses_its_arming_to_the_sensors_and_a_crash_only() {
         let crashed = |_: &mut StepInput, findings: &mut Findings| findings.crashed = true;
         assert_eq!(after(state, ArmingRequest::None, crashed), Arming::Disarmed(DisarmedBecause::Crashed));
     }
+    // a motor that is lost takes nothing away before the vehicle is down; then the next arming is as any
+    let lost = |airborne| {
+        move |_: &mut StepInput, findings: &mut Findings| {
+            (findings.motor_lost, findings.airborne) = (true, airborne);
+        }
+    };
+    assert_eq!(after(Arming::Armed, ArmingRequest::None, lost(true)), Arming::Armed);
+    let landed = Arming::Disarmed(DisarmedBecause::MotorLost);
+    assert_eq!(after(Arming::Armed, ArmingRequest::None, lost(false)), landed);
+    assert_eq!(after(landed, ArmingRequest::Arm, lost(false)), Arming::Armed);
     // what only forbids arming does not stop a flight
     let in_flight = |input: &mut StepInput, findings: &mut Findings| {
         input.setpoint.throttle = 0.7;

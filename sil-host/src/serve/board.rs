@@ -283,11 +283,15 @@ impl SimulatedBoard {
         self.guard.follow(&terms);
         let planning = self.status.planning;
         let mut figures = [("", 0); FIGURES];
-        figures[..4].copy_from_slice(&[
+        let [state, number, lack] = self.status.motors.figures();
+        figures[..7].copy_from_slice(&[
             ("plan_iter", planning.iterations.into()),
             ("plan_us", planning.duration_us),
             ("plan_late", planning.deadline_misses),
             ("fallbacks", planning.fallbacks),
+            state,
+            number,
+            lack,
         ]);
         self.telemetry.figures(figures);
         if self.log.write(&self.flown).is_err() {

@@ -28,6 +28,10 @@ const LONG_PULSE: Ticks = 2500 * TICKS_PER_US;
 /// From one attitude to the other.
 const TURN_S: f64 = 0.5;
 
+/// Yaw torque of the air over the rate of a spin, N m s/rad: Mueller and D'Andrea (ICRA 2014) measured 2.75e-3 on a
+/// vehicle of 0.5 kg and 0.17 m of arm; in proportion to mass and the arm's square.
+const YAW_DRAG_NM_S: f64 = 0.0117;
+
 /// On its way to lie somewhere, or in somebody's hand: roll and pitch.
 #[derive(Clone)]
 struct Turn {
@@ -53,6 +57,10 @@ pub struct Vehicle {
     standing: Option<Standing>,
     turn: Option<Turn>,
     commands: [f64; 4],
+    /// Of whoever pushes, N m.
+    pushed_nm: [f64; 3],
+    /// Motor without its propeller, 0 to 3.
+    lost_propeller: Option<usize>,
     pulses: Pulses,
     recorded: Option<Vec<Pulse>>,
     /// On the lines behind the level shifters.
@@ -80,6 +88,8 @@ impl Vehicle {
             standing: Plant::new(model).flies_free().then(|| Standing::new(model)),
             turn: None,
             commands: [0.0; 4],
+            pushed_nm: [0.0; 3],
+            lost_propeller: None,
             pulses: Pulses::new(PulseKind::Pwm),
             recorded: None,
             line_recorded: Vec::new(),
@@ -182,7 +192,24 @@ impl Vehicle {
 
     /// A gust pushes: torque about the body axes from now on, N m.
     pub fn push(&mut self, torque_body_nm: [f64; 3]) {
-        self.plant.set_disturbance_torque_body_nm(torque_body_nm);
+        self.pushed_nm = torque_body_nm;
+    }
+
+    /// The propeller of a motor, 0 to 3, flies off; the air then brakes the spin.
+    pub fn lose_propeller(&mut self, motor: usize) {
+        self.lost_propeller = Some(motor);
+        self.leave_out_what_is_lost();
+    }
+
+    fn leave_out_what_is_lost(&mut self) {
+        if let Some(lost) = self.lost_propeller {
+            self.plant.set_lift_left(std::array::from_fn(|motor| if motor == lost { 0.0 } else { 1.0 }));
+        }
+    }
+
+    /// Rate about the vertical axis of the body, rad/s.
+    pub fn spin_rad_s(&self) -> f64 {
+        self.plant.truth().rate_body_rad_s[2]
     }
 
     /// What the ESCs were told last, motors 1 to 4, 0..1.
@@ -212,9 +239,15 @@ impl Vehicle {
 
     fn move_to(&mut self, now: Ticks) {
         if !self.held && now > self.moved_to {
+            let mut torque_nm = self.pushed_nm;
+            if self.lost_propeller.is_some() {
+                torque_nm[2] -= YAW_DRAG_NM_S * self.plant.rate_body_rad_s()[2];
+            }
+            self.plant.set_disturbance_torque_body_nm(torque_nm);
             self.plant.advance(seconds(now - self.moved_to));
             if let Some(landed) = self.standing.as_mut().and_then(|standing| standing.meet(&self.plant)) {
                 (self.plant, self.held) = (landed, true);
+                self.leave_out_what_is_lost();
             }
         }
         self.turn_on(now);

@@ -3,6 +3,7 @@
 extern crate std;
 use super::*;
 use crate::config::Controller;
+use crate::motor_loss::{MotorReport, Verdict};
 use crate::signals::PlanReport;
 use crate::supervisor::Refusal;
 use mavlink::dialects::common::MavCmd;
@@ -95,6 +96,7 @@ fn every_change_of_arming_has_its_words() {
         disarmed(DisarmedBecause::EscCalibrationEnded),
         disarmed(DisarmedBecause::Crashed),
         disarmed(DisarmedBecause::Killed),
+        disarmed(DisarmedBecause::MotorLost),
         disarmed(DisarmedBecause::LinkLost),
         disarmed(DisarmedBecause::AttitudeUnknown),
     ];
@@ -159,6 +161,8 @@ fn sensors_show_what_is_there_and_what_works() {
     let second = Sensors::MAV_SYS_STATUS_SENSOR_3D_GYRO2 | Sensors::MAV_SYS_STATUS_SENSOR_3D_ACCEL2;
     let [attitude, battery] = [Sensors::MAV_SYS_STATUS_AHRS, Sensors::MAV_SYS_STATUS_SENSOR_BATTERY];
     let prearm = Sensors::MAV_SYS_STATUS_PREARM_CHECK;
+    let motors = Sensors::MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS;
+    let motor = |verdict| MotorReport { verdict, motor: 2, lacks_permille: 700 };
     let all = control | first | attitude | battery | prearm;
     let bad = ImuHealth::Bad(ImuFault::Stuck);
     let healthy = status(ARMED);
@@ -171,6 +175,8 @@ fn sensors_show_what_is_there_and_what_works() {
         (of_second, all | second, (all - first) | second),
         (VehicleStatus { standby_health: ImuHealth::Good, imu_health: bad, ..of_second }, all, all),
         (VehicleStatus { battery_low: true, ..healthy }, all, all - battery),
+        (VehicleStatus { motors: motor(Verdict::Suspected), ..healthy }, all, all),
+        (VehicleStatus { motors: motor(Verdict::Lost), ..healthy }, all, all - motors),
         (VehicleStatus { battery_v: None, ..healthy }, all - battery, all - battery),
         (VehicleStatus { estimate: invalid, ..healthy }, all, all - attitude),
         // what stands against arming counts while disarmed

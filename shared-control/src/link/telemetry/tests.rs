@@ -106,7 +106,8 @@ fn messages_keep_their_times_and_make_up_for_nothing() {
 /// Every place has its turn, the last too, and then the first again.
 #[test]
 fn figures_take_turns_from_the_first_to_the_last() {
-    const NAMES: [&str; FIGURES] = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o", "p"];
+    const NAMES: [&str; FIGURES] =
+        ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o", "p", "q", "r", "s"];
     let mut telemetry = telemetry();
     telemetry.figures(core::array::from_fn(|place| (NAMES[place], place as u32)));
     for turn in 0..2 * FIGURES {

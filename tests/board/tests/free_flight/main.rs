@@ -1,6 +1,7 @@
 //! Free flight by radio on the emulated board: the image flies, the host's core repeats every step to the bit.
 
 mod endings;
+mod lost_propeller;
 mod owners_choices;
 mod shaken;
 

@@ -1,0 +1,83 @@
+//! A propeller flies off in hover: the image flies on with three motors, says so, and is landed.
+
+use emulated_board::pilot::{HALF_US, MIDDLE_US, PITCH, ROLL};
+use emulated_board::{Flight, MILLISECOND, Transmitter};
+use shared_control::flight_core::TorqueSource;
+
+use crate::{FREE, hovering, said};
+
+const HEIGHT_M: f64 = 3.0;
+/// The loop's interrupt.
+const LOOP: u8 = 29;
+/// Of motors 1 to 4.
+const LOST: usize = 2;
+
+/// Tilt, degrees.
+fn tilt_deg(flight: &Flight) -> f64 {
+    let [roll_rad, pitch_rad] = flight.vehicle.borrow().tilt_rad();
+    (roll_rad.cos() * pitch_rad.cos()).clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// Median and worst instructions of the loop, and its worst cycles, over a second; no step late.
+fn loop_costs(flight: &mut Flight, when: &str) {
+    flight.machine.restart_profile();
+    flight.fly_at(HEIGHT_M, 1000);
+    let profile = flight.machine.profile();
+    let mut instructions = profile.of_interrupt(LOOP).to_vec();
+    instructions.sort_unstable();
+    let (median, worst) = (instructions[instructions.len() / 2], instructions[instructions.len() - 1]);
+    let worst_cycles = profile.cycles_of_interrupt(LOOP).iter().max().copied().unwrap_or_default();
+    println!("{when}: a step takes {median} instructions in the median, {worst} at most, {worst_cycles} cycles");
+    assert_eq!(flight.counter("LOOP_OVERRUNS"), 0, "{when}");
+}
+
+/// On the ground, with `MOTOR_LOSS` set over the link, then at its height.
+fn hovering_with_motor_loss() -> Flight {
+    let mut flight = Flight::new(&FREE, 1);
+    flight.transmitter = Some(Transmitter::new());
+    flight.run_for(3500 * MILLISECOND);
+    flight.set_parameter("MOTOR_LOSS", 1.0);
+    flight.run_for(500 * MILLISECOND);
+    assert!(said(&flight, "MOTOR_LOSS in use now"), "{:?}", flight.ground.texts());
+    flight.arm_by_sticks();
+    flight.take_off_to(HEIGHT_M);
+    flight
+}
+
+/// Steps of 15 degrees in roll and pitch give no motor up; the one that is lost is given up within 60 ms, the vehicle
+/// upright again within 2 s, landed while it spins, and disarmed by itself.
+#[test]
+fn a_lost_propeller_is_flown_without_and_landed() {
+    loop_costs(&mut hovering(), "MOTOR_LOSS 0");
+    let mut flight = hovering_with_motor_loss();
+    for stick in [ROLL, PITCH] {
+        flight.set_stick(stick, HALF_US);
+        flight.fly_at(HEIGHT_M, 600);
+        flight.set_stick(stick, MIDDLE_US);
+        flight.fly_at(HEIGHT_M, 600);
+    }
+    loop_costs(&mut flight, "MOTOR_LOSS 1, all four");
+    assert!(!said(&flight, "lost"), "{:?}", flight.ground.texts());
+
+    flight.vehicle.borrow_mut().lose_propeller(LOST);
+    let gone = flight.machine.now();
+    while flight.last().source != TorqueSource::ReducedAttitude.number() {
+        flight.run_for(2 * MILLISECOND);
+        assert!(flight.machine.now() < gone + 60 * MILLISECOND, "not given up: {} deg", tilt_deg(&flight));
+    }
+    println!("given up after {} ms, at {:.0} deg", (flight.machine.now() - gone) / MILLISECOND, tilt_deg(&flight));
+    flight.fly_at(HEIGHT_M, 2000);
+    let mut steepest_deg: f64 = 0.0;
+    for _ in 0..100 {
+        flight.fly_at(HEIGHT_M, 20);
+        steepest_deg = steepest_deg.max(tilt_deg(&flight));
+    }
+    println!("from 2 to 4 s at most {steepest_deg:.1} deg, spin {:.1} rad/s", flight.vehicle.borrow().spin_rad_s());
+    assert!(flight.is_armed() && steepest_deg < 30.0, "{steepest_deg}");
+    assert!(said(&flight, "motor 3 lost: three fly on, heading given up"), "{:?}", flight.ground.texts());
+    loop_costs(&mut flight, "MOTOR_LOSS 1, three");
+
+    flight.land();
+    assert!(said(&flight, "landed, disarmed: a motor was lost"), "{:?}", flight.ground.texts());
+    println!("{} steps repeated to the bit", flight.twin.steps());
+}
