@@ -268,7 +268,7 @@ fn a_lost_motor_is_told_once() {
     };
     let lost = (MavSeverity::MAV_SEVERITY_EMERGENCY, "motor 3 lost: three fly on, heading given up".into());
     assert_eq!(told(Verdict::Suspected, 3), []);
-    assert_eq!(told(Verdict::Lost, 3), [lost.clone()]);
+    assert_eq!(told(Verdict::Lost, 3), core::slice::from_ref(&lost));
     assert_eq!(told(Verdict::Lost, 3), []);
     assert_eq!(told(Verdict::Whole, 0), []);
     assert_eq!(told(Verdict::Lost, 3), [lost]);
