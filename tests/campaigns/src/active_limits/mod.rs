@@ -105,7 +105,8 @@ pub fn find(samples: u64, throws: u64) -> Findings {
     }
 }
 
-/// The share of all that at most may be lost where none of so many samples was, but for [`DOUBT`]: 1 - DOUBT^(1/n).
+/// The share of all that at most may be lost where none of so many samples was, but for a chance of `DOUBT`:
+/// 1 - DOUBT^(1/n).
 pub fn lost_at_most(samples: u64) -> f64 {
     -libm::expm1(libm::log(DOUBT) / samples as f64)
 }
