@@ -7,6 +7,9 @@ use shared_control::mpc::{HORIZON, MpcSettings};
 /// Rows over angle in rad, rate in rad/s, motors' torque in N m, torque requested in N m.
 pub type Rows<const M: usize> = SMatrix<f64, M, 4>;
 
+/// Angle, rate and motors' torque after a time: what comes of them, and what of a torque requested.
+pub type Motion = (Matrix3<f64>, Vector3<f64>);
+
 /// A rigid body behind motors with a lag (the core's `lagged_axis`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
@@ -26,8 +29,8 @@ impl Body {
         }
     }
 
-    /// Angle, rate and motors' torque after a time: what of them comes from themselves, and what per torque requested.
-    pub fn motion(&self, time_s: f64) -> (Matrix3<f64>, Vector3<f64>) {
+    /// What it does in a time.
+    pub fn motion(&self, time_s: f64) -> Motion {
         let Self { inertia_kg_m2, lag_s } = *self;
         let lacking = -libm::expm1(-time_s / lag_s);
         // integral of exp(-t / T), and of that

@@ -18,6 +18,7 @@ use crate::comparison::contender::Contender;
 use crate::comparison::contenders;
 use crate::comparison::draw::Draw;
 use law::{ClosedLoop, plan_rows};
+use quiet_set::QuietSet;
 use regulation::{Regulation, Settled};
 use thrown::Thrown;
 
@@ -53,7 +54,7 @@ pub struct Reach {
 }
 
 impl Reach {
-    fn of(set: &quiet_set::QuietSet) -> Self {
+    fn of(set: &QuietSet) -> Self {
         Self { angle_deg: set.reach(0).to_degrees(), rate_rad_s: set.reach(1), motor_nm: set.reach(2) }
     }
 }
@@ -90,10 +91,9 @@ pub fn find(samples: u64, throws: u64) -> Findings {
         let plan = plan_rows::<1>(&settings, axis);
         let looped = ClosedLoop::new(&believed[axis], &believed[axis], &plan, regulation.control_step_s());
         let most_nm = regulation.torque_max_nm[axis];
-        let quiet = |falls: &_| quiet_set::QuietSet::new(&looped, falls, most_nm);
-        let falls = quiet_set::widest(|falls| quiet(falls).map_or(0.0, |set| set.reach(0)));
+        let quiet = QuietSet::new(&looped, &QuietSet::widest_falls(&looped, most_nm), most_nm);
         let (certain, share) = one_input::widest(&looped, most_nm).expect("a stable loop");
-        (Reach::of(&quiet(&falls).expect("a stable loop")), Reach::of(&certain), share)
+        (Reach::of(&quiet.expect("a stable loop")), Reach::of(&certain), share)
     });
     Findings {
         quiet: [0, 1].map(|axis| Reach::of(&regulation.quiet_set(axis, &believed[axis]).expect("a stable loop"))),

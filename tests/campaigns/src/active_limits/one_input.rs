@@ -8,7 +8,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::law::ClosedLoop;
-use super::quiet_set::{QuietSet, lyapunov};
+use super::quiet_set::{self, QuietSet, lyapunov};
 
 /// Shares for whose loop the Lyapunov functions are made.
 const MADE_FOR: [f64; 7] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.1];
@@ -21,7 +21,6 @@ pub fn certificate(
     torque_max_nm: f64,
 ) -> Option<(QuietSet, f64)> {
     let shape = lyapunov(&looped.step_with(made_for), falls)?;
-    let inverse = shape.try_inverse()?;
     if shape.cholesky().is_none() || !falls_under(&shape, &looped.step) {
         return None;
     }
@@ -30,10 +29,7 @@ pub fn certificate(
         let middle = 0.5 * (stable + not);
         if falls_under(&shape, &looped.step_with(middle)) { stable = middle } else { not = middle }
     }
-    let law = looped.plan.row(0);
-    let most = (law * inverse * law.transpose())[0];
-    let limit_nm = torque_max_nm / stable;
-    Some((QuietSet { shape, level: limit_nm * limit_nm / most }, stable))
+    Some((QuietSet::within(shape, &looped.plan, torque_max_nm / stable)?, stable))
 }
 
 /// The certificate with the largest angle at rest.
@@ -42,7 +38,7 @@ pub fn widest(looped: &ClosedLoop<1>, torque_max_nm: f64) -> Option<(QuietSet, f
         let all = MADE_FOR.iter().filter_map(|&share| certificate(looped, falls, share, torque_max_nm));
         all.max_by(|(one, _), (other, _)| one.reach(0).total_cmp(&other.reach(0)))
     };
-    of(&super::quiet_set::widest(|falls| of(falls).map_or(0.0, |(set, _)| set.reach(0))))
+    of(&quiet_set::widest(|falls| of(falls).map_or(0.0, |(set, _)| set.reach(0))))
 }
 
 /// Whether the Lyapunov function falls in a step, everywhere but at rest.

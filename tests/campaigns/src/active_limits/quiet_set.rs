@@ -4,7 +4,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::law::ClosedLoop;
+use super::law::{ClosedLoop, Rows};
 
 /// { z : z' P z <= level }
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,11 +19,20 @@ impl QuietSet {
     /// For a loop all of whose planned torques may be `torque_max_nm`, by the Lyapunov function that falls by
     /// `z' diag(falls) z` in a step; none where the loop is not stable.
     pub fn new<const M: usize>(looped: &ClosedLoop<M>, falls: &Vector4<f64>, torque_max_nm: f64) -> Option<Self> {
-        let shape = lyapunov(&looped.step, falls)?;
+        Self::within(lyapunov(&looped.step, falls)?, &looped.plan, torque_max_nm)
+    }
+
+    /// The largest ellipsoid on which none of these rows is beyond a limit.
+    pub fn within<const M: usize>(shape: Matrix4<f64>, rows: &Rows<M>, limit_nm: f64) -> Option<Self> {
         let inverse = shape.try_inverse()?;
         // the largest of a row over the ellipsoid is sqrt(level row P^-1 row')
-        let widest = looped.plan.row_iter().map(|row| (row * inverse * row.transpose())[0]).fold(0.0, f64::max);
-        Some(Self { shape, level: torque_max_nm * torque_max_nm / widest })
+        let widest = rows.row_iter().map(|row| (row * inverse * row.transpose())[0]).fold(0.0, f64::max);
+        Some(Self { shape, level: limit_nm * limit_nm / widest })
+    }
+
+    /// What the Lyapunov function is to fall by for [`Self::new`] to reach the largest angle at rest.
+    pub fn widest_falls<const M: usize>(looped: &ClosedLoop<M>, torque_max_nm: f64) -> Vector4<f64> {
+        widest(|falls| Self::new(looped, falls, torque_max_nm).map_or(0.0, |set| set.reach(0)))
     }
 
     /// Lyapunov function of a state over the level: at most 1 within.
@@ -55,7 +64,8 @@ pub fn lyapunov(step: &Matrix4<f64>, falls: &Vector4<f64>) -> Option<Matrix4<f64
     None
 }
 
-/// What the Lyapunov function falls by in a step, chosen for the largest value: each weight in turn by factors of 3.
+/// What the Lyapunov function falls by in a step, chosen for the largest value: each weight in turn by factors from 81
+/// down to 1.5.
 pub fn widest(value: impl Fn(&Vector4<f64>) -> f64) -> Vector4<f64> {
     let mut best = Vector4::repeat(1.0);
     let mut most = value(&best);

@@ -9,7 +9,7 @@ use shared_control::mpc::{Mpc, MpcSettings, MpcState};
 use shared_control::signals::{PlanRequest, PlanStatus};
 use sil_host::sensors::random::RandomStream;
 
-use super::law::{Body, ClosedLoop, Rows, plan_rows};
+use super::law::{Body, ClosedLoop, Motion, Rows, plan_rows};
 use super::quiet_set::QuietSet;
 
 /// Free inputs of the MPC that is flown.
@@ -27,6 +27,8 @@ pub struct Regulation {
     mpc: Mpc<FREE_INPUTS>,
     plans: [Rows<FREE_INPUTS>; 2],
     believed: [Body; 2],
+    /// What these do in a control step.
+    predicted: [Motion; 2],
     falls: [Vector4<f64>; 2],
     control_step_s: f64,
     lift_per_motor_n: f32,
@@ -47,7 +49,7 @@ pub struct Settled {
     pub time_s: [f64; 2],
     /// Share of the steps until then with a plan at the motors' limits, mean, %.
     pub limited_pct: f64,
-    /// Largest angle on the way over the one at the beginning or 1 degree, longest of all.
+    /// Largest angle on the way of any of them, rad.
     pub widest_rad: f64,
 }
 
@@ -68,26 +70,28 @@ impl Regulation {
         let room = Room::at(&motors.lift_curve, lift_per_motor_n as f32, motors.torque_reserve);
         let torque_max_nm =
             [0, 1].map(|axis| f64::from(room.single_axis_n()) / f64::from(motors.lift_per_torque_1_m[axis]));
+        let believed = [0, 1].map(|axis| Body::believed(settings, axis));
+        let control_step_s = 1.0 / control_rate_hz;
         let mut regulation = Self {
             mpc: Mpc::prepare(settings).expect("settings can be prepared"),
             plans: [0, 1].map(|axis| plan_rows(settings, axis)),
-            believed: [0, 1].map(|axis| Body::believed(settings, axis)),
+            believed,
+            predicted: believed.map(|body| body.motion(control_step_s)),
             falls: [Vector4::repeat(1.0); 2],
-            control_step_s: 1.0 / control_rate_hz,
+            control_step_s,
             lift_per_motor_n: lift_per_motor_n as f32,
             torque_max_nm,
         };
         regulation.falls = [0, 1].map(|axis| {
-            super::quiet_set::widest(|falls| {
-                regulation.quiet_set_by(axis, &regulation.believed[axis], falls).map_or(0.0, |set| set.reach(0))
-            })
+            let looped = regulation.looped(axis, &regulation.believed[axis]);
+            QuietSet::widest_falls(&looped, regulation.quiet_max_nm(axis))
         });
         regulation
     }
 
     /// The quiet set of an axis on a body, half of the motors being left to the other axis.
     pub fn quiet_set(&self, axis: usize, body: &Body) -> Option<QuietSet> {
-        self.quiet_set_by(axis, body, &self.falls[axis])
+        QuietSet::new(&self.looped(axis, body), &self.falls[axis], self.quiet_max_nm(axis))
     }
 
     /// The axis without limits.
@@ -100,8 +104,8 @@ impl Regulation {
         self.believed
     }
 
-    fn quiet_set_by(&self, axis: usize, body: &Body, falls: &Vector4<f64>) -> Option<QuietSet> {
-        QuietSet::new(&self.looped(axis, body), falls, 0.5 * self.torque_max_nm[axis])
+    fn quiet_max_nm(&self, axis: usize) -> f64 {
+        0.5 * self.torque_max_nm[axis]
     }
 
     /// Flies samples of a campaign's seeds, on bodies up to a share off.
@@ -168,7 +172,7 @@ impl Regulation {
     fn plan(&self, states: &[Vector4<f64>; 2], memory: &mut MpcState<FREE_INPUTS>) -> [f64; 2] {
         let mut request = PlanRequest { lift_per_motor_n: self.lift_per_motor_n, ..PlanRequest::default() };
         for (axis, state) in states.iter().enumerate() {
-            let (from, requested) = self.believed[axis].motion(self.control_step_s);
+            let (from, requested) = &self.predicted[axis];
             let then: Vector3<f64> = from * state.fixed_rows::<3>(0) + requested * state[3];
             request.angle_rad[axis] = then[0] as f32;
             request.rate_rad_s[axis] = then[1] as f32;
@@ -200,6 +204,6 @@ impl Regulation {
 }
 
 /// Uniform in -1 to 1.
-fn around_zero(draws: &mut RandomStream) -> f64 {
+pub(super) fn around_zero(draws: &mut RandomStream) -> f64 {
     2.0 * draws.uniform() - 1.0
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 use sil_host::scenario::Scenario;
 use sil_host::sensors::random::RandomStream;
 
+use super::regulation::around_zero;
 use crate::comparison::contender::Contender;
 use crate::comparison::draw::Draw;
 
@@ -56,7 +57,7 @@ pub fn throw(contender: &Contender, flights: u64) -> Vec<Thrown> {
 /// Largest angle, degrees; whether it ended level; samples with a motor at a limit, %.
 fn fly(contender: &Contender, seed: u64) -> (f64, bool, f64) {
     let mut draws = RandomStream::new(seed, "thrown");
-    let torque_nm = TORQUE_MAX_NM.map(|most_nm| most_nm * (2.0 * draws.uniform() - 1.0));
+    let torque_nm = TORQUE_MAX_NM.map(|most_nm| most_nm * around_zero(&mut draws));
     let end_s = THROWN_S + LONGEST_S * draws.uniform();
     let setup = contender.setup(&Draw::new(seed), &Scenario::hover(END_S));
     let record = contender.fly(&setup, |time_s| {
