@@ -30,7 +30,7 @@ use vehicle::VehicleNumbers;
 pub const RECORD_LEN: usize = HEAD_LEN + PAYLOAD_LEN + CRC_LEN;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 8;
+const VERSION: u16 = 9;
 const HEAD_LEN: usize = 8;
 const PAYLOAD_LEN: usize = 2 * Field::ALL.len();
 const CRC_LEN: usize = 4;
@@ -76,6 +76,8 @@ pub struct Params {
     pub motor_limits: bool,
     /// Linearisations of the MPC's pitch axis, 1 to 4.
     pub linearisations: u8,
+    /// The MPC is tuned as the fronts have it ([`Tuning::quick`](crate::config::Tuning::quick)).
+    pub mpc_quick: bool,
     /// Command of every motor that is armed on the ground, percent.
     pub ground_idle_percent: u8,
     /// Least command of a motor in flight, percent.
@@ -114,6 +116,7 @@ impl Params {
         control_horizon: 5,
         motor_limits: false,
         linearisations: 1,
+        mpc_quick: false,
         ground_idle_percent: 10,
         flight_idle_percent: 15,
         telem1_kbaud: 57,
@@ -225,7 +228,7 @@ pub(crate) mod tests {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
-        (any::<[bool; 10]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
+        (any::<[bool; 11]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
             |(
                 switches,
                 pwm_rate_hz,
@@ -236,7 +239,8 @@ pub(crate) mod tests {
                 (safety_button, radio),
                 (pilot, level, vehicle),
             )| {
-                let [mpc, one_shot, free, hil, slow, limits, escs, fast, gyro_notches, motor_loss] = switches;
+                let [mpc, one_shot, free, hil, slow, limits, escs, fast, gyro_notches, motor_loss, mpc_quick] =
+                    switches;
                 Params {
                     controller: if mpc { Controller::Mpc } else { Controller::Cascade },
                     loop_rate_hz: if slow { 100 } else { 400 },
@@ -252,6 +256,7 @@ pub(crate) mod tests {
                     control_horizon: inputs.0,
                     motor_limits: limits,
                     linearisations: inputs.1,
+                    mpc_quick,
                     ground_idle_percent: idle.0,
                     flight_idle_percent: idle.1,
                     telem1_kbaud: if fast { 115 } else { 57 },
@@ -364,13 +369,13 @@ pub(crate) mod tests {
         assert_eq!(crc32(b""), 0);
     }
 
-    /// The head of a record: magic, version 8, and the length of what lies between head and CRC.
+    /// The head of a record: magic, version 9, and the length of what lies between head and CRC.
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x08\0\x9c\0");
-        assert_eq!(record.len(), 8 + 156 + 4);
-        // a field of 16 bits each: the first is the controller, the fifth the rate of the loop
+        assert_eq!(record[..8], *b"QCFG\x09\0\x9e\0");
+        assert_eq!(record.len(), 8 + 158 + 4);
+        // a field of 16 bits each: the first is the controller, the sixth the rate of the loop
         assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
     }
 

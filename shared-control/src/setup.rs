@@ -1,7 +1,7 @@
 //! From the owner's choices to everything that flies: the vehicle, its tuning, the configuration of the core, the MPC's
 //! problem and the two timers.
 
-use crate::config::{self, Config, ConfigError, Tuning};
+use crate::config::{self, Config, ConfigError, Controller, Tuning};
 use crate::mpc::MpcSettings;
 use crate::mpc::motor_limits::COUPLED_INPUTS_MAX;
 use crate::output::{LOOP_TIMER_HZ, OutputConfig, PULSE_TIMER_HZ, PulseKind, TimerPeriod};
@@ -80,6 +80,9 @@ impl Setup {
             }
         }
         let (vehicle, vehicle_fault) = vehicle(params);
+        let usual = Tuning::for_vehicle(&vehicle);
+        // the cascade would overshoot behind the quick MPC's reference
+        let is_quick = params.mpc_quick && params.controller == Controller::Mpc;
         let tuning = Tuning {
             mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
             mpc_work_limit: COUPLED_WORK_PER_S / usize::from(params.loop_rate_hz.max(1)),
@@ -87,7 +90,7 @@ impl Setup {
             motor_loss: params.motor_loss,
             ground_idle_command: f32::from(params.ground_idle_percent) / 100.0,
             flight_idle_command: f32::from(params.flight_idle_percent) / 100.0,
-            ..Tuning::for_vehicle(&vehicle)
+            ..if is_quick { usual.quick(&vehicle) } else { usual }
         };
         let loop_timer = TimerPeriod::new(LOOP_TIMER_HZ, params.loop_rate_hz.into());
         let pulse_timer = TimerPeriod::new(PULSE_TIMER_HZ, pulse_rate_hz(params).into());
@@ -171,7 +174,6 @@ fn pulse_rate_hz(params: &Params) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Controller;
     use crate::mpc::{HORIZON, Mpc};
     use crate::params::tests::any_params;
     use proptest::prelude::*;
@@ -255,6 +257,20 @@ mod tests {
         let curve = VehicleParameters::F450_FREE.lift_curve;
         let sinks = curve.lift(throttle(Rig::Free)) / curve.lift(0.54);
         assert!((sinks * (1.0 - LOST_TO_DIPS) - SINK_LIFT_SHARE).abs() < 1e-4, "{sinks}");
+    }
+
+    /// The parameter is the quick tuning, with the owner's choices beside it, and leaves the cascade as it is.
+    #[test]
+    fn quick_is_of_the_mpc() {
+        let of = |controller, mpc_quick| {
+            let params = Params { controller, mpc_quick, linearisations: 3, ..Params::DEFAULT };
+            Setup::new(&params).unwrap()
+        };
+        let (usual, quick) = (of(Controller::Mpc, false), of(Controller::Mpc, true));
+        assert_eq!(quick.tuning, usual.tuning.quick(&usual.vehicle));
+        assert_eq!(quick.config.rate, usual.config.rate);
+        assert_ne!(quick.config.angle, usual.config.angle);
+        assert_eq!(of(Controller::Cascade, true).config, of(Controller::Cascade, false).config);
     }
 
     /// The parameter and a controller file's `motor_loss` end in the same configuration; the rig needs none.

@@ -1,9 +1,10 @@
-//! Controllers by name or by file: `pid`, `mpc`, or a TOML file with the gains that flew.
+//! Controllers by name or by file: `pid`, `mpc`, `mpc-quick`, or a TOML file with the gains that flew.
 //!
 //! ```toml
 //! controller = "pid"            # or "mpc"
 //! rate_hz = 400                 # optional
 //! control_horizon = 1           # optional, MPC
+//! quick = true                  # optional, MPC: by the fronts of docs/mpc-against-cascade.md
 //! [tuning]                      # optional; any field of the core's Tuning; the rest follows the motors' lag
 //! angle_gain_1_s = [8.0, 7.0, 4.0]
 //! ```
@@ -14,6 +15,7 @@ use serde::{Deserialize, Deserializer, Serialize, de::Error};
 use shared_control::config::{Controller, Tuning};
 use shared_control::mpc::{HORIZON, ReferenceAhead};
 use shared_control::torque_observer::DisturbanceAlert;
+use shared_control::vehicle::VehicleParameters;
 
 use crate::document::with_hint;
 
@@ -28,6 +30,8 @@ pub struct ControllerChoice {
     pub rate_hz: u32,
     /// Free inputs per axis of the MPC.
     pub control_horizon: usize,
+    /// The MPC is that of [`Tuning::quick`].
+    pub quick: bool,
 }
 
 /// Free inputs per axis where nothing else is said.
@@ -37,7 +41,7 @@ pub const CONTROL_HORIZON_DEFAULT: usize = 5;
 #[derive(Debug, thiserror::Error)]
 pub enum ControllerFileError {
     /// Neither a known name nor a readable file.
-    #[error("--controller {given}: neither \"pid\" nor \"mpc\" nor a readable file: {source}")]
+    #[error("--controller {given}: neither \"pid\" nor \"mpc\" nor \"mpc-quick\" nor a readable file: {source}")]
     Unreadable {
         /// What was given.
         given: String,
@@ -57,10 +61,17 @@ pub enum ControllerFileError {
 impl ControllerChoice {
     /// A controller with the tuning that follows from the vehicle.
     pub fn nominal(controller: Controller) -> Self {
-        Self { controller, tuning: TuningChange::default(), rate_hz: 400, control_horizon: CONTROL_HORIZON_DEFAULT }
+        let (tuning, control_horizon) = (TuningChange::default(), CONTROL_HORIZON_DEFAULT);
+        Self { controller, tuning, rate_hz: 400, control_horizon, quick: false }
     }
 
-    /// `pid`, `mpc`, or the path of a file.
+    /// Gains and weights for a vehicle: those that follow from it, and what differs.
+    pub fn tuning_for(&self, vehicle: &VehicleParameters) -> Tuning {
+        let usual = Tuning::for_vehicle(vehicle);
+        self.tuning.over(if self.quick { usual.quick(vehicle) } else { usual })
+    }
+
+    /// `pid`, `mpc`, `mpc-quick`, or the path of a file.
     ///
     /// # Errors
     /// [`ControllerFileError`], with the place.
@@ -68,6 +79,7 @@ impl ControllerChoice {
         match argument {
             "pid" => Ok(Self::nominal(Controller::Cascade)),
             "mpc" => Ok(Self::nominal(Controller::Mpc)),
+            "mpc-quick" => Ok(Self { quick: true, ..Self::nominal(Controller::Mpc) }),
             path => match std::fs::read_to_string(Path::new(path)) {
                 Ok(text) => Self::parse(&text, path),
                 Err(source) => Err(ControllerFileError::Unreadable { given: path.into(), source }),
@@ -75,7 +87,7 @@ impl ControllerChoice {
         }
     }
 
-    /// `pid`, `mpc`, the path of a file, or the text of one, which has a `=`.
+    /// `pid`, `mpc`, `mpc-quick`, the path of a file, or the text of one, which has a `=`.
     ///
     /// # Errors
     /// [`ControllerFileError`], with the place.
@@ -96,8 +108,13 @@ impl ControllerChoice {
             Kind::Pid => Controller::Cascade,
             Kind::Mpc => Controller::Mpc,
         };
+        if document.quick && controller == Controller::Cascade {
+            let message = "quick = true is of the MPC: the cascade has no such tuning".into();
+            return Err(ControllerFileError::Malformed { file: file.into(), message });
+        }
         let nominal = Self::nominal(controller);
         Ok(Self {
+            quick: document.quick,
             tuning: document.tuning.unwrap_or_default(),
             rate_hz: document.rate_hz.unwrap_or(nominal.rate_hz),
             control_horizon: document.control_horizon.unwrap_or(nominal.control_horizon),
@@ -127,6 +144,8 @@ struct Document {
     rate_hz: Option<u32>,
     #[serde(default, deserialize_with = "control_horizon")]
     control_horizon: Option<usize>,
+    #[serde(default)]
+    quick: bool,
     tuning: Option<TuningChange>,
 }
 
@@ -309,12 +328,25 @@ mod tests {
     }
 
     #[test]
+    fn quick_is_what_a_file_changes_then() {
+        let vehicle = VehicleParameters::F450_FREE;
+        let by_name = ControllerChoice::from_argument("mpc-quick").unwrap();
+        let by_file = ControllerChoice::parse("controller = \"mpc\"\nquick = true\n", "c.toml").unwrap();
+        assert_eq!(by_name, by_file);
+        assert_eq!(by_name.tuning_for(&vehicle), Tuning::for_vehicle(&vehicle).quick(&vehicle));
+        let changed = "controller = \"mpc\"\nquick = true\n[tuning]\nacceleration_share = 0.5\n";
+        let changed = ControllerChoice::parse(changed, "c.toml").unwrap().tuning_for(&vehicle);
+        assert_eq!(changed, Tuning { acceleration_share: 0.5, ..by_name.tuning_for(&vehicle) });
+    }
+
+    #[test]
     fn mistakes_are_named_with_their_place() {
         for (text, expected) in [
             ("controller = \"pdi\"\n", "line 1"),
             ("controller = \"pid\"\n[tuning]\nangle_gain = 3\n", "line 3"),
             ("controller = \"mpc\"\n[tuning]\nmpc_reference = \"ahead\"\n", "line 3"),
             ("controller = \"pid\"\nrate_hz = 0\n", "line 2"),
+            ("controller = \"pid\"\nquick = true\n", "is of the MPC"),
             ("controller = \"pid\"\nrate_hz = 1001\n", "expected 50 to 1000"),
             ("controller = \"pid\"\ncontrol_horizon = 0\n", "line 2"),
             ("controller = \"pid\"\ncontrol_horizon = 31\n", "expected 1 to 30"),

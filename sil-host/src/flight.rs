@@ -8,7 +8,7 @@ use shared_control::lagged_axis::LagStep;
 use shared_control::mpc::MpcError;
 
 use crate::control_setup::{core_config, mpc_settings, vehicle_parameters};
-use crate::controller_file::ControllerChoice;
+use crate::controller_file::{AlertName, ControllerChoice};
 use crate::cosim::contract::{DesignParameters, flight_time_s};
 use crate::cosim::idle_learning::{IdleLearning, Look};
 use crate::cosim::{self, control_side::ControlSide, record::FlightRecord};
@@ -152,7 +152,7 @@ impl FlightSetup {
 
     /// Gains and weights: what follows from the vehicle as the controller knows it, with what the choice changes.
     pub fn tuning(&self) -> Tuning {
-        self.choice.tuning.over(Tuning::for_vehicle(&vehicle_parameters(&self.known_model())))
+        self.choice.tuning_for(&vehicle_parameters(&self.known_model()))
     }
 
     /// The vehicle's sensors, with noise and with their effects.
@@ -253,12 +253,15 @@ impl FlightSetup {
         }
     }
 
-    /// Margins of roll and pitch at hover; none if the loop oscillates by itself.
+    /// Margins of roll and pitch at hover; none if the loop oscillates by itself. An MPC's observer stays calm, for a
+    /// loop whose gains change with time has no frequency response.
     ///
     /// # Errors
     /// [`SetupError`] where the configuration can't be flown.
     pub fn margins(&self) -> Result<Option<[Margins; 2]>, SetupError> {
-        let responses = margins::measure(&self.model, &self.design_parameters(), &self.control_side()?);
+        let mut calm = self.clone();
+        calm.choice.tuning.mpc_disturbance_alert = Some(AlertName::Never);
+        let responses = margins::measure(&self.model, &self.design_parameters(), &calm.control_side()?);
         Ok(responses.map(|axes| axes.map(|response| margins::margins(&response))))
     }
 

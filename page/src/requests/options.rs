@@ -106,7 +106,7 @@ impl Options {
             Some(name) => Some(SaidRig::Vehicle(rig(name)?)),
         };
         let controller = |text: &String| match text.as_str() {
-            "pid" | "mpc" => ControllerChoice::from_argument(text).map(|choice| (text.clone(), choice)),
+            "pid" | "mpc" | "mpc-quick" => ControllerChoice::from_argument(text).map(|choice| (text.clone(), choice)),
             text => ControllerChoice::parse(text, "controller.toml").map(|choice| ("controller.toml".into(), choice)),
         };
         Ok(Said {

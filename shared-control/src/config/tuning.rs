@@ -17,6 +17,9 @@ const GYRO_DELAY_PERIODS: f32 = 0.225;
 /// angle.
 const MPC_ACCELERATION_WEIGHT: f32 = 2.5e-3;
 
+/// The same of the quick tuning, roll and pitch, and yaw, whose torque costs the motors most.
+const QUICK_ACCELERATION_WEIGHT: [f32; 3] = [1.5e-4, 1.5e-4, 1.0];
+
 /// Gains that don't depend on the vehicle's size; arrays are roll, pitch, yaw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
@@ -147,6 +150,32 @@ impl Tuning {
         tuning
     }
 
+    /// With the MPC as the fronts have it on which it is weighed against the cascade (`docs/mpc-against-cascade.md`):
+    /// what was learnt with motors of 32 ms on the gimbal and of 53 ms in free flight, as a rule over the lag
+    /// (`docs/tuning.md`). For a vehicle whose lag is known to a fifth.
+    pub fn quick(self, vehicle: &VehicleParameters) -> Tuning {
+        let lag_s = limit(vehicle.actuation.lag_s, 0.0, 0.2);
+        let [_, _, shaping_yaw_1_s] = self.shaping_gain_1_s;
+        let [_, _, lead_yaw_s] = self.mpc_lead_s;
+        let tilt_lead_s = 0.1 + 0.2 * lag_s;
+        let gains = mpc_input_gain(vehicle);
+        Tuning {
+            // the raw step but for the acceleration, which the prediction knows
+            shaping_gain_1_s: [60.0, 60.0, shaping_yaw_1_s],
+            acceleration_share: 0.04 / lag_s.max(0.04 / 1.7),
+            rate_max_rad_s: [8.0, 8.0, 2.0],
+            mpc_increment_weight: core::array::from_fn(|axis| {
+                QUICK_ACCELERATION_WEIGHT[axis] * gains[axis] * gains[axis]
+            }),
+            mpc_lead_s: [tilt_lead_s, tilt_lead_s, lead_yaw_s],
+            mpc_prediction_step_s: 0.0045,
+            mpc_disturbance_bandwidth_rad_s: 5.0,
+            mpc_disturbance_alert: DisturbanceAlert::Significant,
+            mpc_gyro_delay_s: GYRO_DELAY_PERIODS / self.gyro_cutoff_hz,
+            ..self
+        }
+    }
+
     /// How late the gyro's filters are, s: as said, else its low-pass by itself.
     pub fn gyro_delay_s(&self) -> f32 {
         if self.mpc_gyro_delay_s > 0.0 { self.mpc_gyro_delay_s } else { GYRO_DELAY_PERIODS / self.gyro_cutoff_hz }
@@ -207,6 +236,7 @@ pub(super) fn mpc_input_gain(vehicle: &VehicleParameters) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vehicle::Actuation;
 
     fn is(found: [f32; 3], expected: [f32; 3]) -> bool {
         found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() <= 2e-3 * expected)
@@ -252,6 +282,24 @@ mod tests {
         }
         assert_eq!(Tuning::for_motor_lag(f32::NAN), Tuning::for_motor_lag(0.0));
         assert_eq!(Tuning::for_motor_lag(3.0), Tuning::for_motor_lag(0.2));
+    }
+
+    /// The numbers of `docs/tuning.md` for the F450 in free flight, and what is the owner's or the cascade's as it was.
+    #[test]
+    fn quick_is_the_mpc_alone() {
+        let vehicle = VehicleParameters::F450_FREE;
+        let usual = Tuning { mpc_linearisations: 3, mpc_motor_limits: true, ..Tuning::for_vehicle(&vehicle) };
+        let quick = usual.quick(&vehicle);
+        let lag_s = vehicle.actuation.lag_s;
+        assert!((quick.acceleration_share * lag_s - 0.04).abs() < 1e-6 && lag_s > 0.05, "{quick:?}");
+        assert!(is(quick.mpc_increment_weight, [0.0578, 0.0578, 2500.0]), "{quick:?}");
+        assert!((quick.mpc_gyro_delay_s - 0.00225).abs() < 1e-6);
+        assert_eq!((quick.shaping_gain_1_s[2], quick.mpc_lead_s[2]), (usual.shaping_gain_1_s[2], usual.mpc_lead_s[2]));
+        assert_eq!((quick.mpc_linearisations, quick.mpc_motor_limits), (3, true));
+        assert_eq!(quick.angle_gain_1_s, usual.angle_gain_1_s);
+        assert_eq!(quick.rate_proportional_1_s, usual.rate_proportional_1_s);
+        let swift = VehicleParameters { actuation: Actuation { lag_s: 0.0, ..vehicle.actuation }, ..vehicle };
+        assert!((usual.quick(&swift).acceleration_share - 1.7).abs() < 1e-5);
     }
 
     /// Vehicles that differ in nothing but their inertia weigh a change of the angular acceleration alike: 0.0025 per

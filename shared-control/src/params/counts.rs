@@ -40,6 +40,7 @@ impl Field {
             | Field::ControlHorizon
             | Field::MotorLimits
             | Field::Linearisations
+            | Field::MpcTuning
             | Field::Rig
             | Field::HoverThrottle
             | Field::RotorDrag

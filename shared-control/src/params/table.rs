@@ -30,6 +30,8 @@ pub enum Field {
     MotorLimits,
     /// [`Params::linearisations`].
     Linearisations,
+    /// [`Params::mpc_quick`].
+    MpcTuning,
     /// [`Params::loop_rate_hz`].
     LoopRate,
     /// [`Params::pulses`].
@@ -89,11 +91,12 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 78] = [
+    pub const ALL: [Field; 79] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
         Field::Linearisations,
+        Field::MpcTuning,
         Field::LoopRate,
         Field::Pulses,
         Field::PwmRate,
@@ -173,7 +176,8 @@ impl Field {
     /// What it belongs to, for lists that put together what is set together.
     pub const fn group(self) -> &'static str {
         match self {
-            Field::Controller | Field::ControlHorizon | Field::MotorLimits | Field::Linearisations => "Controller",
+            Field::Controller | Field::ControlHorizon | Field::MotorLimits => "Controller",
+            Field::Linearisations | Field::MpcTuning => "Controller",
             Field::Battery(_) => "Battery",
             Field::Radio(_) | Field::Stick(..) => "Radio",
             Field::Pilot(_) => "Sticks",
@@ -197,6 +201,8 @@ impl Field {
                  0: bounds of each axis' own"),
             Field::Linearisations => ("LINEARISATIONS", Allowed::Range(1, LINEARISATIONS_MAX as u16), "",
                 "models of the pitch axis that the MPC switches between as roll grows"),
+            Field::MpcTuning => ("MPC_TUNING", EITHER, "",
+                "the MPC's: 0 for motors that nobody has measured, 1 quick, where their lag is known to a fifth"),
             Field::LoopRate =>
                 ("LOOP_RATE_HZ", Allowed::Either(100, 400), "Hz", "steps of the control loop per second"),
             Field::Pulses => ("PULSES", EITHER, "", "pulse to the ESCs: 0 PWM, 1 OneShot125"),
@@ -258,6 +264,7 @@ impl Params {
             Field::ControlHorizon => u16::from(self.control_horizon),
             Field::MotorLimits => u16::from(self.motor_limits),
             Field::Linearisations => u16::from(self.linearisations),
+            Field::MpcTuning => u16::from(self.mpc_quick),
             Field::LoopRate => self.loop_rate_hz,
             Field::Pulses => u16::from(self.pulses == PulseKind::OneShot125),
             Field::PwmRate => self.pwm_rate_hz,
@@ -295,6 +302,7 @@ impl Params {
             Field::ControlHorizon => params.control_horizon = value as u8,
             Field::MotorLimits => params.motor_limits = value == 1,
             Field::Linearisations => params.linearisations = value as u8,
+            Field::MpcTuning => params.mpc_quick = value == 1,
             Field::LoopRate => params.loop_rate_hz = value,
             Field::Pulses => params.pulses = if value == 0 { PulseKind::Pwm } else { PulseKind::OneShot125 },
             Field::PwmRate => params.pwm_rate_hz = value,
@@ -365,6 +373,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(78)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(79)), (None, None, None));
     }
 }

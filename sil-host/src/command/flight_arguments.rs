@@ -16,7 +16,7 @@ use super::{Failure, RigArgument, bad_input, vehicle_model};
 #[derive(Args)]
 pub struct FlightArguments {
     /// Which controller flies: the PID cascade of APM:Copter, model predictive control with the cascade as fallback,
-    /// one after the other, or what a file says; may be given several times, to compare what they do
+    /// one after the other, `mpc-quick`, or what a file says; may be given several times, to compare what they do
     #[arg(long, value_name = "pid|mpc|both|C.toml", default_value = BOTH)]
     controller: Vec<String>,
     /// Which rig holds the vehicle [default: that of the model, else gimbal]

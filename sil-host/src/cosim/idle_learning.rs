@@ -1,7 +1,7 @@
 //! What a board does in its idle time with what it has learnt: another model, its controller, the rehearsal, and the
 //! time at which it is to take over.
 
-use shared_control::config::{Config, Controller, Tuning};
+use shared_control::config::{Config, Controller};
 use shared_control::flight_core::State;
 use shared_control::learning::adoption::{LearntModel, Refusal};
 use shared_control::learning::confidence::Learnt;
@@ -94,7 +94,7 @@ impl IdleLearning {
         learnt: &Learnt,
         time_us: u64,
     ) -> Result<Option<Prepared>, Refusal> {
-        let tuning_of = |vehicle: &VehicleParameters| self.choice.tuning.over(Tuning::for_vehicle(vehicle));
+        let tuning_of = |vehicle: &VehicleParameters| self.choice.tuning_for(vehicle);
         let Some(proposal) = Proposal::new(model, &self.first, tuning_of, config.loop_rate_hz) else { return Ok(None) };
         // numbers that no MPC can be made for are no vehicle's
         let Ok(planner) = Planner::new(self.choice.control_horizon, &proposal.mpc()) else { return Ok(None) };
