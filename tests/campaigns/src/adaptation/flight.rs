@@ -38,6 +38,8 @@ pub enum Tuned {
     Shipped,
     /// Those of docs/mpc-against-cascade.md that were tuned for RMS, whose reference is the same for every vehicle.
     Compared,
+    /// Those of the quick MPC, which are for a vehicle whose lag is known.
+    Quick,
 }
 
 impl Tuned {
@@ -46,6 +48,7 @@ impl Tuned {
         match self {
             Self::Shipped => "shipped",
             Self::Compared => "compared",
+            Self::Quick => "quick",
         }
     }
 
@@ -53,6 +56,7 @@ impl Tuned {
         let text = match self {
             Self::Shipped => SHIPPED,
             Self::Compared => MPC_FOR_RMS_FILE,
+            Self::Quick => "controller = \"mpc\"\nquick = true\n",
         };
         let choice = ControllerChoice::parse(text, "adaptation").unwrap_or_else(|error| panic!("{error}"));
         ControllerChoice { tuning: TuningChange { learning: Some(learning), ..choice.tuning }, ..choice }

@@ -47,10 +47,19 @@ pub struct Row {
     pub lost: [usize; 3],
 }
 
+/// Rigs and controllers.
+pub const LINES: [(Rig, Tuned); 5] = [
+    (Rig::Gimbal, Tuned::Shipped),
+    (Rig::Gimbal, Tuned::Compared),
+    (Rig::Gimbal, Tuned::Quick),
+    (Rig::Free, Tuned::Shipped),
+    (Rig::Free, Tuned::Quick),
+];
+
 /// Every rig, controller and weather: so many vehicles each.
 pub fn rows(vehicles: u64) -> Vec<Row> {
     let mut rows = Vec::new();
-    for (rig, tuned) in [(Rig::Gimbal, Tuned::Shipped), (Rig::Gimbal, Tuned::Compared), (Rig::Free, Tuned::Shipped)] {
+    for (rig, tuned) in LINES {
         for weather in [Weather::Still, Weather::Gusts] {
             rows.push(row(rig, tuned, weather, 1..=vehicles));
         }

@@ -1,15 +1,16 @@
-//! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune | front |
-//! chosen [DRAWS] | free [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several shapings, `tune` writes the
-//! controller files of those tuned for RMS, `front` makes the Pareto study and writes the files of its balanced points,
-//! all under tests/campaigns/comparison; `chosen` flies these two over so many draws (200), `free` in free flight what
-//! follows from the vehicle; otherwise all that were tuned for RMS and parts of them are flown. Rows of the last four
-//! as JSON.
+//! MPC against the cascade: `cargo run --release -p campaigns --bin controller_comparison -- [scan | tune |
+//! front [free] | chosen [DRAWS] | free [DRAWS] | DRAWS] [--json FILE]`. `scan` tunes both at several shapings, `tune`
+//! writes the controller files of those tuned for RMS, `front` makes the Pareto study, on the gimbal or in free flight,
+//! and writes the files of its balanced points, all under tests/campaigns/comparison; `chosen` flies those of the
+//! gimbal over so many draws (200), `free` those of free flight and what follows from the vehicle; otherwise all that
+//! were tuned for RMS and parts of them are flown. Rows of the last four as JSON.
 
 use std::path::Path;
 use std::process::ExitCode;
 
 use campaigns::comparison::campaign;
 use serde::Serialize;
+use sil_host::model::Rig;
 
 fn main() -> ExitCode {
     // flights are many and short; more threads than this are somebody else's
@@ -27,7 +28,8 @@ fn main() -> ExitCode {
             tune();
             Some(ExitCode::SUCCESS)
         }
-        ["front"] => Some(front(file)),
+        ["front"] => Some(front(Rig::Gimbal, file)),
+        ["front", "free"] => Some(front(Rig::Free, file)),
         ["chosen"] => Some(show(&campaign::chosen(campaign::DRAWS), file)),
         ["chosen", count] => draws(count).map(|count| show(&campaign::chosen(count), file)),
         ["free"] => Some(show(&campaign::in_free_flight(campaign::DRAWS), file)),
@@ -38,7 +40,8 @@ fn main() -> ExitCode {
     };
     ended.unwrap_or_else(|| {
         eprintln!(
-            "usage: controller_comparison [scan | tune | front | chosen [DRAWS] | free [DRAWS] | DRAWS] [--json FILE]"
+            "usage: controller_comparison [scan | tune | front [free] | chosen [DRAWS] | free [DRAWS] | DRAWS] \
+             [--json FILE]"
         );
         ExitCode::from(2)
     })
@@ -59,10 +62,14 @@ fn show(shown: &campaign::Shown, file: Option<&str>) -> ExitCode {
     write_rows(file, shown)
 }
 
-fn front(file: Option<&str>) -> ExitCode {
-    let outcome = campaign::front();
+fn front(rig: Rig, file: Option<&str>) -> ExitCode {
+    let outcome = campaign::front(rig);
     print!("{}", campaign::front_report(&outcome));
-    for (name, text) in ["mpc.toml", "cascade.toml"].into_iter().zip(&outcome.files) {
+    let names = match rig {
+        Rig::Gimbal => ["mpc.toml", "cascade.toml"],
+        Rig::Free => ["mpc-free.toml", "cascade-free.toml"],
+    };
+    for (name, text) in names.into_iter().zip(&outcome.files) {
         match text {
             Some(text) => keep(name, text),
             None => eprintln!("{name}: no point within the limits, the file stays"),

@@ -1,6 +1,7 @@
 //! The whole comparison: tuning on some draws, flights on others, tables.
 
 use serde::Serialize;
+use sil_host::model::Rig;
 
 use super::contender::Contender;
 use super::contenders::{self, Shaping};
@@ -87,8 +88,8 @@ pub fn scan() -> String {
 }
 
 /// The Pareto study of MPC and cascade.
-pub fn front() -> front::Outcome {
-    front::study(&tuning_draws(FRONT_DRAWS), &FRONT_BUDGET)
+pub fn front(rig: Rig) -> front::Outcome {
+    front::study(rig, &tuning_draws(FRONT_DRAWS), &FRONT_BUDGET)
 }
 
 /// The tables of the study.
@@ -121,7 +122,8 @@ pub fn chosen(count: u64) -> Shown {
     show("Chosen points", &contenders::tuned(), count, &WEATHERS[1..])
 }
 
-/// In free flight, with the tuning that follows from the vehicle. The vibration's figures are of the gimbal.
+/// In free flight, those chosen from the fronts there and those that follow from the vehicle. The vibration's figures
+/// are of the gimbal.
 pub fn in_free_flight(count: u64) -> Shown {
     show("In free flight", &contenders::in_free_flight(), count, &[Weather::TorqueSteps, Weather::Gusts])
 }

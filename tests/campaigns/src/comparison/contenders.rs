@@ -11,6 +11,10 @@ use super::tuning::{Form, Parameter, Tunable};
 pub const CASCADE_FILE: &str = include_str!("../../comparison/cascade.toml");
 /// The file of the MPC, as chosen from its front.
 pub const MPC_FILE: &str = include_str!("../../comparison/mpc.toml");
+/// The file of the cascade in free flight, as chosen from its front there.
+pub const CASCADE_FREE_FILE: &str = include_str!("../../comparison/cascade-free.toml");
+/// The file of the MPC in free flight, as chosen from its front there.
+pub const MPC_FREE_FILE: &str = include_str!("../../comparison/mpc-free.toml");
 /// The file of the cascade, as tuned for RMS and overshoot alone.
 pub const CASCADE_FOR_RMS_FILE: &str = include_str!("../../comparison/cascade-for-rms.toml");
 /// The file of the MPC, as tuned for RMS and overshoot alone.
@@ -62,6 +66,7 @@ pub fn cascade(shaping: &Shaping) -> Tunable<6> {
     Tunable {
         name: "cascade",
         stand_in: None,
+        rig: Rig::Gimbal,
         fixed: format!("controller = \"pid\"\n[tuning]\n{}", shaping.lines()),
         parameters: [
             Parameter { field: "angle_gain_1_s", form: tilt(3.0), start: 22.0 },
@@ -101,6 +106,7 @@ pub fn mpc(shaping: &Shaping) -> Tunable<4> {
     Tunable {
         name: "MPC",
         stand_in: None,
+        rig: Rig::Gimbal,
         fixed: mpc_head(&shaping.lines())
             + &format!(
                 "mpc_disturbance_bandwidth_rad_s = {CALM_BANDWIDTH_RAD_S:?}\nmpc_gyro_delay_s = {GYRO_DELAY_S:?}\n"
@@ -116,6 +122,7 @@ pub fn indi(shaping: &Shaping) -> Tunable<5> {
     Tunable {
         name: "INDI",
         stand_in: Some(StandIn::Indi),
+        rig: Rig::Gimbal,
         fixed: format!(
             "controller = \"mpc\"\n[tuning]\n{}mpc_reference = \"held\"\nmpc_disturbance_bandwidth_rad_s = 0.0\n",
             shaping.lines()
@@ -148,8 +155,9 @@ pub fn tuned_for_rms() -> [Contender; 2] {
 /// Motors' lag of the gimbal's nominal vehicle over that of the F450 in free flight, 32 ms over 53 ms.
 const LAG_RATIO: f32 = 0.032 / 0.053;
 
-/// In free flight, as each follows from the vehicle: the MPC with alerts, as it is where nobody chooses them, the
-/// cascade, and the INDI, for which nothing does: its tuned gains, slower by as much as the motors are.
+/// In free flight: the two as chosen from their fronts there; the MPC's quick tuning; both as they follow from the
+/// vehicle, the MPC with alerts and, as where nobody chooses them, without; and the INDI, for which nothing follows:
+/// its tuned gains, slower by as much as the motors are.
 pub fn in_free_flight() -> Vec<Contender> {
     let of = |name, text| Contender { rig: Rig::Free, ..Contender::new(name, text) };
     let alert = "controller = \"mpc\"\n[tuning]\nmpc_disturbance_alert = \"significant\"\nmpc_gyro_delay_s = 0.00225\n";
@@ -159,9 +167,12 @@ pub fn in_free_flight() -> Vec<Contender> {
         *gains = gains.map(|gain_1_s| LAG_RATIO * gain_1_s);
     }
     vec![
-        of("MPC, alerts", alert),
-        of("MPC, one bandwidth", "controller = \"mpc\"\n"),
-        of("cascade", "controller = \"pid\"\n"),
+        of("MPC", MPC_FREE_FILE),
+        of("cascade", CASCADE_FREE_FILE),
+        of("MPC, quick", "controller = \"mpc\"\nquick = true\n"),
+        of("MPC as it follows, alerts", alert),
+        of("MPC as it follows", "controller = \"mpc\"\n"),
+        of("cascade as it follows", "controller = \"pid\"\n"),
         indi,
     ]
 }

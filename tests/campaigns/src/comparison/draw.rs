@@ -4,6 +4,7 @@ use sil_host::axis::Axis;
 use sil_host::effects::{CgOffset, Effect, InertiaError, MotorLag, ThrustScale};
 use sil_host::model::{Rig, VehicleModel};
 use sil_host::sensors::random::RandomStream;
+use sil_host::vehicle::propulsion::Propulsion;
 
 /// Lag of the nominal vehicle's motors beyond that of the thesis' model, s.
 pub const NOMINAL_LAG_S: f64 = 0.03;
@@ -19,7 +20,7 @@ pub struct Draw {
     pub seed: u64,
     /// True inertia over nominal, both axes, the ring included.
     pub inertia: f64,
-    /// True additional lag over nominal.
+    /// True lag of the motors over nominal; on the gimbal of what is additional.
     pub lag: f64,
     /// True lift over nominal.
     pub thrust: f64,
@@ -51,12 +52,17 @@ impl Draw {
         self.model_on(Rig::Gimbal)
     }
 
-    /// The vehicle as it is: on the gimbal, or the real F450 in free flight, whose motors have a lag of their own.
+    /// The vehicle as it is: on the gimbal, or the real F450 in free flight, whose motors have a lag of their own, in
+    /// proportion to their inertia.
     pub fn model_on(&self, rig: Rig) -> VehicleModel {
         let is_held = rig == Rig::Gimbal;
+        let mut model = VehicleModel::nominal(rig);
         let mut effects = Vec::new();
         if is_held {
             effects.push(Effect::MotorLag(MotorLag { time_constant_s: self.lag * NOMINAL_LAG_S }));
+        } else if let Propulsion::Device(device) = &mut model.propulsion {
+            device.motor_inertia_kg_m2 *= self.lag;
+            device.rotor_inertia_kg_m2 *= self.lag;
         }
         effects.extend([
             Effect::InertiaError(InertiaError { axis: Axis::Roll, scale: self.inertia }),
@@ -67,13 +73,14 @@ impl Draw {
             let cos_moment_nm = self.ring_moment_nm;
             effects.push(Effect::CgOffset(CgOffset { axis: Axis::Pitch, cos_moment_nm, sin_moment_nm: 0.0 }));
         }
-        VehicleModel { effects, ..VehicleModel::nominal(rig) }
+        VehicleModel { effects, ..model }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sil_host::control_setup::vehicle_parameters;
 
     #[test]
     fn the_nominal_vehicle_is_the_one_of_the_file() {
@@ -85,6 +92,15 @@ mod tests {
         // its tolerances are those of the model that ships, the campaign draws by its own
         let VehicleModel { name, effects, tolerances, .. } = nominal.clone();
         assert_eq!(VehicleModel { name, effects, tolerances, ..of_file }, nominal);
+    }
+
+    #[test]
+    fn in_free_flight_a_motor_is_as_late_as_drawn() {
+        let late = Draw { lag: 1.2, ..Draw::nominal(0) }.model_on(Rig::Free);
+        let lag_s = |model| vehicle_parameters(&model).actuation.lag_s;
+        let ratio = lag_s(late) / lag_s(VehicleModel::nominal(Rig::Free));
+        // beside the inertias stands the winding's, a hundredth of the lag
+        assert!((ratio - 1.2).abs() < 0.01, "{ratio}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
+use shared_control::torque_observer::DisturbanceAlert;
 use sil_host::axis::Axis;
 use sil_host::controller_file::AlertName;
 use sil_host::cosim::record::FlightRecord;
@@ -103,12 +104,9 @@ pub fn margins_in_calm(contender: &Contender) -> Option<[Margins; 2]> {
 
 /// Margins of roll with an observer that is alert as often as it may be; none where it never is.
 pub fn margins_in_alert(contender: &Contender) -> Option<LeastMargins> {
-    match contender.choice.tuning.mpc_disturbance_alert {
-        Some(AlertName::Significant | AlertName::Always) => {
-            Some(alert_margins::measured(&kept(contender, AlertName::Always)))
-        }
-        Some(AlertName::Never) | None => None,
-    }
+    let tuning = contender.setup(&Draw::nominal(0), &Scenario::hover(1.0)).tuning();
+    let is_ever = contender.stand_in.is_none() && tuning.mpc_disturbance_alert != DisturbanceAlert::Never;
+    is_ever.then(|| alert_margins::measured(&kept(contender, AlertName::Always)))
 }
 
 /// With the observer in one state.

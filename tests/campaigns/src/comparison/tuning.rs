@@ -4,6 +4,8 @@
 
 use std::fmt::Write;
 
+use sil_host::model::Rig;
+
 use super::contender::{Contender, StandIn};
 use super::draw::Draw;
 use super::search::{self, Found};
@@ -40,6 +42,8 @@ pub struct Tunable<const N: usize> {
     pub name: &'static str,
     /// What flies in the place of the file's controller, if anything.
     pub stand_in: Option<StandIn>,
+    /// Where it flies.
+    pub rig: Rig,
     /// The file's lines that stay.
     pub fixed: String,
     /// What the search changes.
@@ -69,7 +73,7 @@ impl<const N: usize> Tunable<N> {
 
     /// The contender of a point.
     pub fn contender(&self, point: &[f64; N]) -> Contender {
-        Contender { stand_in: self.stand_in, ..Contender::new(self.name, &self.file(point)) }
+        Contender { stand_in: self.stand_in, rig: self.rig, ..Contender::new(self.name, &self.file(point)) }
     }
 
     /// Where the search begins.
@@ -92,7 +96,7 @@ impl<const N: usize> Tunable<N> {
 }
 
 /// Four significant digits: what is beyond them says nothing, and files stay short.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
@@ -105,6 +109,7 @@ mod tests {
         let tunable = Tunable {
             name: "pid",
             stand_in: None,
+            rig: Rig::Gimbal,
             fixed: "controller = \"pid\"\n[tuning]\n".into(),
             parameters: [
                 Parameter { field: "angle_gain_1_s", form: Form::Tilt { pitch: 1.0, yaw: 3.0 }, start: 6.0 },

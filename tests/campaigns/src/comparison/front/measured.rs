@@ -48,7 +48,7 @@ pub type Columns = [f64; COLUMNS.len()];
 /// Figures of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Measured {
-    /// Means over the draws of the test sequence in still air.
+    /// Means over the draws of the test sequence, in each weather of the study.
     pub rms_deg: f64,
     /// Of the steps of both axes, %.
     pub overshoot_pct: f64,
@@ -65,8 +65,8 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Flies and measures; none of what can't be flown, leaves the numbers, or oscillates by itself.
-    pub fn of(contender: &Contender, draws: &[Draw]) -> Option<Self> {
+    /// Flies in these weathers and measures; none of what can't be flown, leaves the numbers, or oscillates by itself.
+    pub fn of(contender: &Contender, draws: &[Draw], weathers: &[Weather]) -> Option<Self> {
         if !contender.can_fly() {
             return None;
         }
@@ -74,7 +74,7 @@ impl Measured {
         // alerts need as much time again, and what is beyond a limit in calm is so whatever they do
         let is_within = calm.delay_ms >= DELAY_MARGIN_MIN_MS && calm.sensitivity_peak <= SENSITIVITY_PEAK_MAX;
         let alert = if is_within { hover::margins_in_alert(contender).unwrap_or(calm) } else { calm };
-        let flights = contender.fly_all(draws, Weather::Still);
+        let flights: Vec<Figures> = weathers.iter().flat_map(|&weather| contender.fly_all(draws, weather)).collect();
         let pushes = hover::push_all(contender, draws);
         let flown = |figure: fn(&Figures) -> f64| mean(&flights.iter().map(figure).collect::<Vec<_>>());
         let pushed = |figure: fn(&Push) -> f64| mean(&pushes.iter().map(figure).collect::<Vec<_>>());

@@ -14,9 +14,11 @@ pub mod study;
 pub mod table;
 
 use serde::Serialize;
+use sil_host::model::Rig;
 
 use super::draw::Draw;
 use super::tuning::Tunable;
+use super::weather::Weather;
 use measured::Measured;
 use side::Side;
 use study::Budget;
@@ -48,9 +50,17 @@ pub struct Outcome {
     pub files: [Option<String>; 2],
 }
 
+/// Weathers of the study: free flight has been told of gusts and torque steps too.
+pub const fn weathers(rig: Rig) -> &'static [Weather] {
+    match rig {
+        Rig::Gimbal => &[Weather::Still],
+        Rig::Free => &[Weather::Still, Weather::TorqueSteps, Weather::Gusts],
+    }
+}
+
 /// The study over these draws.
-pub fn study(draws: &[Draw], budget: &Budget) -> Outcome {
-    let (mpc, cascade) = (candidates::mpc(), candidates::cascade());
+pub fn study(rig: Rig, draws: &[Draw], budget: &Budget) -> Outcome {
+    let (mpc, cascade) = (candidates::mpc(rig), candidates::cascade(rig));
     let mut ours = side_of(&mpc, draws);
     let mut theirs = side_of(&cascade, draws);
     study::run(&mut ours, &mut theirs, budget);
@@ -63,7 +73,7 @@ pub fn study(draws: &[Draw], budget: &Budget) -> Outcome {
 fn side_of<'a, const N: usize>(tunable: &'a Tunable<N>, draws: &'a [Draw]) -> Side<'a, N> {
     let mut count = 0;
     Side::new(tunable.start(), move |at| {
-        let measured = Measured::of(&tunable.contender(at), draws);
+        let measured = Measured::of(&tunable.contender(at), draws, weathers(tunable.rig));
         count += 1;
         eprintln!("{} {count:4}: {measured:?}", tunable.name);
         measured
@@ -91,7 +101,8 @@ fn file<const N: usize>(tunable: &Tunable<N>, side: &Side<'_, N>, draws: usize) 
     let place = side.balanced()?;
     let all = side.points.len();
     Some(format!(
-        "# Chosen by `controller_comparison front`: point {place} of {all}, each measured on {draws} draws.\n{}",
+        "# Chosen by `controller_comparison front{}`: point {place} of {all}, each measured on {draws} draws.\n{}",
+        if tunable.rig == Rig::Free { " free" } else { "" },
         tunable.file(&side.points[place].at)
     ))
 }
