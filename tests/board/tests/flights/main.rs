@@ -35,13 +35,14 @@ const fn mpc(loop_rate_hz: u16, control_horizon: u8) -> Params {
 const COUPLED: Params = Params { motor_limits: true, linearisations: 4, ..mpc(400, 10) };
 
 /// The longest first, so that two threads end at about the same time.
-const PLANS: [Plan; 10] = [
+const PLANS: [Plan; 11] = [
     Plan { name: "MPC 400 Hz M=30", params: mpc(400, 30), duration_s: 10.0 },
     Plan { name: "MPC 100 Hz, largest M", params: mpc(100, LARGEST_IN_TIME), duration_s: WHOLE_S },
     Plan { name: "PID 400 Hz", params: PID, duration_s: WHOLE_S },
     Plan { name: "MPC 400 Hz M=10, motor limits", params: COUPLED, duration_s: 10.0 },
     Plan { name: "MPC 400 Hz M=10", params: mpc(400, 10), duration_s: 8.0 },
     Plan { name: "MPC 400 Hz M=5", params: mpc(400, 5), duration_s: 8.0 },
+    Plan { name: "MPC 400 Hz M=5, quick", params: Params { mpc_quick: true, ..mpc(400, 5) }, duration_s: 8.0 },
     Plan { name: "MPC 400 Hz M=1", params: mpc(400, 1), duration_s: 8.0 },
     Plan { name: "MPC 100 Hz M=1", params: mpc(100, 1), duration_s: 8.0 },
     Plan { name: "PID 100 Hz", params: Params { loop_rate_hz: 100, ..PID }, duration_s: 8.0 },
