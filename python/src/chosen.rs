@@ -8,7 +8,7 @@ use sil_host::scenario::Scenario;
 use crate::errors::refused;
 use crate::model::Model;
 
-/// `pid`, `mpc`, the path of a controller file, or the text of one.
+/// `pid`, `mpc`, `mpc-quick`, the path of a controller file, or the text of one.
 pub(crate) fn controller_choice(controller: &str) -> PyResult<ControllerChoice> {
     ControllerChoice::from_argument_or_text(controller).map_err(refused)
 }

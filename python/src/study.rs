@@ -136,7 +136,13 @@ impl Study {
 
 /// As `sil montecarlo` names it: a file among several by its name, everything else by its kind.
 fn controller(argument: String, are_many: bool) -> PyResult<Controller> {
-    let choice = ControllerChoice::from_argument_or_text(&argument).map_err(refused)?;
+    let text = match argument.as_str() {
+        "pid" | "mpc" => format!("controller = \"{argument}\"\n"),
+        "mpc-quick" => "controller = \"mpc\"\nquick = true\n".to_owned(),
+        text if text.contains('=') => text.to_owned(),
+        path => std::fs::read_to_string(path).map_err(|error| refused(format!("{path}: {error}")))?,
+    };
+    let choice = ControllerChoice::parse(&text, &argument).map_err(refused)?;
     let file = Path::new(&argument).file_stem().filter(|_| are_many && !argument.contains('='));
     let name = file.map_or_else(|| choice.name().to_owned(), |stem| stem.to_string_lossy().into_owned());
     Ok(Controller { name, argument, text })

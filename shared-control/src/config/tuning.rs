@@ -1,7 +1,7 @@
 //! The gains: what does not depend on the vehicle's size, and the project's choice for a vehicle.
 
 use super::error::{ConfigError, not_negative, positive};
-use crate::elementary::limit;
+use crate::elementary::{larger, limit};
 use crate::mpc::schedule::LINEARISATIONS_MAX;
 use crate::mpc::{HORIZON, ReferenceAhead};
 use crate::torque_observer::DisturbanceAlert;
@@ -162,7 +162,7 @@ impl Tuning {
         Tuning {
             // the raw step but for the acceleration, which the prediction knows
             shaping_gain_1_s: [60.0, 60.0, shaping_yaw_1_s],
-            acceleration_share: 0.04 / lag_s.max(0.04 / 1.7),
+            acceleration_share: 0.04 / larger(lag_s, 0.04 / 1.7),
             rate_max_rad_s: [8.0, 8.0, 2.0],
             mpc_increment_weight: core::array::from_fn(|axis| {
                 QUICK_ACCELERATION_WEIGHT[axis] * gains[axis] * gains[axis]
