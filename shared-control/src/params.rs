@@ -30,7 +30,7 @@ use vehicle::VehicleNumbers;
 pub const RECORD_LEN: usize = HEAD_LEN + PAYLOAD_LEN + CRC_LEN;
 
 const MAGIC: [u8; 4] = *b"QCFG";
-const VERSION: u16 = 9;
+const VERSION: u16 = 10;
 const HEAD_LEN: usize = 8;
 const PAYLOAD_LEN: usize = 2 * Field::ALL.len();
 const CRC_LEN: usize = 4;
@@ -69,6 +69,8 @@ pub struct Params {
     pub gyro_notches: bool,
     /// The loss of a motor in free flight is noticed and flown with ([`crate::motor_loss`]).
     pub motor_loss: bool,
+    /// The MPC learns its vehicle in flight ([`crate::learning`]).
+    pub learning: bool,
     /// Free inputs per axis of the MPC, 1 to 30.
     pub control_horizon: u8,
     /// The motors' limits in the MPC, which couple the axes: with at most
@@ -113,6 +115,7 @@ impl Params {
         rotor_drag_permille_1_s: 450,
         gyro_notches: true,
         motor_loss: false,
+        learning: false,
         control_horizon: 5,
         motor_limits: false,
         linearisations: 1,
@@ -228,7 +231,7 @@ pub(crate) mod tests {
         let inputs = (1u8..=30, 1u8..=4);
         let idle = (0u8..=30, 0u8..=30);
         let lift = (0u16..=1000, 10u16..=2000);
-        (any::<[bool; 11]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
+        (any::<[bool; 12]>(), 50u16..=490, any_battery(), lift, inputs, idle, any_radio(), any_owner()).prop_map(
             |(
                 switches,
                 pwm_rate_hz,
@@ -239,7 +242,7 @@ pub(crate) mod tests {
                 (safety_button, radio),
                 (pilot, level, vehicle),
             )| {
-                let [mpc, one_shot, free, hil, slow, limits, escs, fast, gyro_notches, motor_loss, mpc_quick] =
+                let [mpc, one_shot, free, hil, slow, limits, escs, fast, gyro_notches, motor_loss, quick, learning] =
                     switches;
                 Params {
                     controller: if mpc { Controller::Mpc } else { Controller::Cascade },
@@ -253,10 +256,11 @@ pub(crate) mod tests {
                     rotor_drag_permille_1_s: rotor_drag,
                     gyro_notches,
                     motor_loss,
+                    learning,
                     control_horizon: inputs.0,
                     motor_limits: limits,
                     linearisations: inputs.1,
-                    mpc_quick,
+                    mpc_quick: quick,
                     ground_idle_percent: idle.0,
                     flight_idle_percent: idle.1,
                     telem1_kbaud: if fast { 115 } else { 57 },
@@ -369,14 +373,14 @@ pub(crate) mod tests {
         assert_eq!(crc32(b""), 0);
     }
 
-    /// The head of a record: magic, version 9, and the length of what lies between head and CRC.
+    /// The head of a record: magic, version 10, and the length of what lies between head and CRC.
     #[test]
     fn a_record_begins_with_its_head() {
         let record = encode(&Params::DEFAULT);
-        assert_eq!(record[..8], *b"QCFG\x09\0\x9e\0");
-        assert_eq!(record.len(), 8 + 158 + 4);
+        assert_eq!(record[..8], *b"QCFG\x0a\0\xa0\0");
+        assert_eq!(record.len(), 8 + 160 + 4);
         // a field of 16 bits each: the first is the controller, the sixth the rate of the loop
-        assert_eq!(record[8..18], [0, 0, 5, 0, 0, 0, 1, 0, 0x90, 1]);
+        assert_eq!(record[8..20], [0, 0, 5, 0, 0, 0, 1, 0, 0, 0, 0x90, 1]);
     }
 
     #[test]

@@ -80,18 +80,7 @@ impl Setup {
             }
         }
         let (vehicle, vehicle_fault) = vehicle(params);
-        let usual = Tuning::for_vehicle(&vehicle);
-        // the cascade would overshoot behind the quick MPC's reference
-        let is_quick = params.mpc_quick && params.controller == Controller::Mpc;
-        let tuning = Tuning {
-            mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
-            mpc_work_limit: COUPLED_WORK_PER_S / usize::from(params.loop_rate_hz.max(1)),
-            mpc_linearisations: params.linearisations.into(),
-            motor_loss: params.motor_loss,
-            ground_idle_command: f32::from(params.ground_idle_percent) / 100.0,
-            flight_idle_command: f32::from(params.flight_idle_percent) / 100.0,
-            ..if is_quick { usual.quick(&vehicle) } else { usual }
-        };
+        let tuning = tuning(params, &vehicle);
         let loop_timer = TimerPeriod::new(LOOP_TIMER_HZ, params.loop_rate_hz.into());
         let pulse_timer = TimerPeriod::new(PULSE_TIMER_HZ, pulse_rate_hz(params).into());
         let mut core = Config::new(&vehicle, &tuning, loop_rate_hz, imu_rate_hz, params.controller)?;
@@ -125,6 +114,29 @@ impl Setup {
         let (step, pulse) = (cycles_per_count * self.loop_timer.cycles(), self.pulse_timer.cycles());
         step.is_multiple_of(pulse) || pulse.is_multiple_of(step)
     }
+}
+
+/// The tuning for a vehicle by these choices: for the one that they name, or for the same as flights have corrected it
+/// ([`Proposal`](crate::learning::proposal::Proposal)).
+pub fn tuning(params: &Params, vehicle: &VehicleParameters) -> Tuning {
+    let usual = Tuning::for_vehicle(vehicle);
+    // the cascade would overshoot behind the quick MPC's reference
+    let is_quick = params.mpc_quick && params.controller == Controller::Mpc;
+    Tuning {
+        mpc_motor_limits: params.motor_limits && usize::from(params.control_horizon) <= COUPLED_INPUTS_MAX,
+        mpc_work_limit: COUPLED_WORK_PER_S / usize::from(params.loop_rate_hz.max(1)),
+        mpc_linearisations: params.linearisations.into(),
+        motor_loss: params.motor_loss,
+        learning: params.learning && params.controller == Controller::Mpc,
+        ground_idle_command: f32::from(params.ground_idle_percent) / 100.0,
+        flight_idle_command: f32::from(params.flight_idle_percent) / 100.0,
+        ..if is_quick { usual.quick(vehicle) } else { usual }
+    }
+}
+
+/// The vehicle that these choices name, or the one that stands in for it.
+pub fn flown_vehicle(params: &Params) -> VehicleParameters {
+    vehicle(params).0
 }
 
 /// The owner's vehicle, if it is to be flown and makes sense; else the F450 on its rig, and what does not.
@@ -271,6 +283,16 @@ mod tests {
         assert_eq!(quick.config.rate, usual.config.rate);
         assert_ne!(quick.config.angle, usual.config.angle);
         assert_eq!(of(Controller::Cascade, true).config, of(Controller::Cascade, false).config);
+    }
+
+    /// The parameter is the tuning's, and the cascade, which has no rehearsal, learns nothing.
+    #[test]
+    fn learning_is_of_the_mpc() {
+        let of = |controller, learning| Setup::new(&Params { controller, learning, ..Params::DEFAULT }).unwrap().config;
+        let (learns, not) = (of(Controller::Mpc, true), of(Controller::Mpc, false));
+        assert!(learns.learning.is_some());
+        assert_eq!(Config { learning: None, ..learns }, not);
+        assert_eq!(of(Controller::Cascade, true), of(Controller::Cascade, false));
     }
 
     /// The parameter and a controller file's `motor_loss` end in the same configuration; the rig needs none.

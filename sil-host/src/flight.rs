@@ -10,7 +10,7 @@ use shared_control::mpc::MpcError;
 use crate::control_setup::{core_config, mpc_settings, vehicle_parameters};
 use crate::controller_file::{AlertName, ControllerChoice};
 use crate::cosim::contract::{DesignParameters, flight_time_s};
-use crate::cosim::idle_learning::{IdleLearning, Look};
+use crate::cosim::idle_learning::{IdleLearning, Look, TunedBy};
 use crate::cosim::{self, control_side::ControlSide, record::FlightRecord};
 use crate::margins::{self, Margins};
 use crate::metrics::{self, AxisMetrics};
@@ -183,7 +183,7 @@ impl FlightSetup {
         let side = ControlSide::new(config, planner);
         Ok(match config.learning {
             None => side,
-            Some(_) => side.with_learning(IdleLearning::new(vehicle_parameters(&known), self.choice)),
+            Some(_) => side.with_learning(IdleLearning::new(vehicle_parameters(&known), TunedBy::Choice(self.choice))),
         })
     }
 

@@ -9,7 +9,7 @@ from served import Served, Stopwatch, expect, mavproxy
 def loads_parameters(port, watch):
     with tempfile.TemporaryDirectory() as folder:
         found = mavproxy(f"tcp:127.0.0.1:{port}", "param,arm,mode", folder, until="Received", patience_s=30)
-        expect("79 parameters" in found, f"all parameters loaded: {found}")
+        expect("80 parameters" in found, f"all parameters loaded: {found}")
         watch.lap(found)
 
 

@@ -104,7 +104,7 @@ def values(link):
     return dict(found.values())
 
 
-def describe(link, folder, watch, tries):
+def describe(link, folder, watch, tries=1):
     """Reads the files, checks them, and returns the parameters' descriptions by name, and the file."""
     request = (1, 1, mavlink.MAV_CMD_REQUEST_MESSAGE, 0, COMPONENT_METADATA, 0, 0, 0, 0, 0, 0)
     kind = f"UNKNOWN_{COMPONENT_METADATA}"
@@ -175,7 +175,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         with Served(sil) as served:
             link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{served.port}", source_system=255)
-            by_name, file, reader = describe(link, folder, watch, tries=1)
+            by_name, file, reader = describe(link, folder, watch)
             expect(reader.crc(file["uri"]) == file["fileCrc"], "CalcFileCRC32 says the same")
             held_against_list(by_name, values(link))
             watch.lap(f"{len(by_name)} parameters as described")

@@ -16,10 +16,11 @@ use shared_control::signals::{ImuBatch, Plan, PlanRequest, StepInput};
 use super::battery::Battery;
 use super::clock::TimeBase;
 use super::counters;
-use super::exchange::{self, Offer};
+use super::exchange::{self, Next, Offer};
 use super::flight_log::FlightRecorder;
 use super::imu::TimedSample;
 use super::io_port::REPORTS;
+use super::learner::Slate;
 use super::planning::Planning;
 use super::queue::{Consumer, Producer, Queue};
 
@@ -104,12 +105,19 @@ impl Control {
         self.ends.ticks.as_ref().is_some_and(Consumer::is_ready)
     }
 
-    /// Takes what is offered in the place of what is in use, or refuses it: in flight nothing changes. Not while a plan
-    /// is under way, so that the one that comes next is all of one kind. A comparison where nothing is offered.
+    /// Takes what is offered in the place of what is in use, or refuses it: in flight nothing changes but by what was
+    /// learnt. Not while a plan is under way, so that the one that comes next is all of one kind. A comparison where
+    /// nothing is offered.
     pub fn consider(&mut self, offer: &mut impl Mutex<T = Offer>, planning: &mut impl Mutex<T = Planning>) {
         (offer, planning).lock(|offer, planning| {
             let Some(next) = offer.next.as_ref().filter(|_| !planning.is_under_way()) else { return };
-            offer.taken = next.take_up(&mut self.config, &mut self.state, &mut self.commander);
+            offer.taken = match next {
+                Next::Chosen(exchange) => exchange.take_up(&mut self.config, &mut self.state, &mut self.commander),
+                Next::Learnt(taught) => {
+                    FlightCore::learn(&mut self.config, &mut self.state, taught);
+                    true
+                }
+            };
             offer.next = None;
             if offer.taken {
                 planning.swap(&mut offer.mpc);
@@ -132,6 +140,13 @@ impl Control {
         let answer = self.commander.answer(&output.arming);
         self.pass_on(answer, None);
         FlightCore::follow(&self.config, &mut self.state, output)
+    }
+
+    /// Lets the idle loop have what was learnt up to this step, if it has asked. A comparison where it has not.
+    pub fn teach(&self, slate: &mut Slate) {
+        if slate.is_wanted() {
+            slate.write(self.state.lesson());
+        }
     }
 
     /// Input of the last step.

@@ -85,6 +85,11 @@ impl FlightLog {
         Self { card, log: None, params: *params, news, clock, look_us: 0, told: None, left_out_before: 0 }
     }
 
+    /// What a log's head says.
+    pub fn params(&self) -> &Params {
+        &self.params
+    }
+
     /// What the next log's head is to say; none is under way.
     pub fn use_params(&mut self, params: &Params) {
         self.params = *params;

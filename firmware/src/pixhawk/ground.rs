@@ -15,7 +15,7 @@ use shared_control::radio::StickCurves;
 use super::boot::Start;
 use super::configuration::Configuration;
 use super::counters::{SETTINGS_LOST, USB_DROPPED};
-use super::exchange::{self, Demand, Made};
+use super::exchange::{self, Demand, Learning, Made};
 use super::fault::{self, FaultRecord};
 use super::flight_log::News;
 use super::fram::Fram;
@@ -83,6 +83,14 @@ impl Ground {
         if !configuration.setup.pulses_keep_phase() {
             self.tell("PWM_RATE_HZ and LOOP_RATE_HZ unrelated: jitter");
         }
+    }
+
+    /// Tells a person what has happened as it should.
+    fn inform(&mut self, words: &dyn Display) {
+        let mut text = Text::new();
+        // 50 letters at most
+        let _ = write!(text, "{words}");
+        self.telemetry.text(MavSeverity::MAV_SEVERITY_INFO, &text);
     }
 
     /// Takes what the board has measured of itself, to be sent in turns.
@@ -153,6 +161,11 @@ impl Ground {
             }
             Some(Made::NotUsable) => self.telemetry.parameters_not_usable(),
         }
+        match demand.lock(|demand| demand.learnt.take()) {
+            None => {}
+            Some(Learning::Flown(model)) => self.inform(&model),
+            Some(Learning::Refused(refusal)) => self.inform(&refusal),
+        }
         let wanted = self.telemetry.parameters_wanted(time_us).copied();
         demand.lock(|demand| demand.wanted = wanted);
         exchange::settle(self.telemetry.parameters_settled(status));
@@ -183,12 +196,7 @@ impl Ground {
     /// Tells how the log fares.
     fn tell_news(&mut self, news: News) {
         match news {
-            News::Begun(number) => {
-                let mut text = Text::new();
-                // 26 letters at most
-                let _ = write!(text, "log {number} on the SD card");
-                self.telemetry.text(MavSeverity::MAV_SEVERITY_INFO, &text);
-            }
+            News::Begun(number) => self.inform(&format_args!("log {number} on the SD card")),
             News::LeftOut(steps) => self.tell(format_args!("SD card too slow: {steps} steps not in log")),
             News::Failed(error) => self.tell(error.words()),
         }

@@ -11,7 +11,7 @@
 //!     link_sent                TELEM1: what was waiting for the line
 //!  2  plan                     MPC; its result is used by the next step, a late one by none
 //!  1  housekeeping             USB, telemetry, light and tone, load, watchdog
-//!  0  idle                     the loop's record -> SD card; parameters that were set -> what the loop takes; sleep
+//!  0  idle                     the loop's record -> SD card; parameters, lessons -> what the loop takes; sleep
 //! ```
 
 mod battery;
@@ -30,6 +30,7 @@ mod imu;
 mod io_port;
 mod l3gd20;
 mod last_pulse;
+mod learner;
 mod light_and_tone;
 mod link_port;
 mod load;
@@ -79,6 +80,7 @@ mod app {
     use super::ground::Ground;
     use super::imu::{Checked, Imus, SampleQueue};
     use super::io_port::{self, IoPort, ReportQueue};
+    use super::learner::Slate;
     use super::light_and_tone::LightAndTone;
     use super::link_port::{self, LinkIn, LinkSender, RING_BYTES, SendBuffer};
     use super::load::{self, LoadMeter};
@@ -107,6 +109,7 @@ mod app {
         planning: Planning,
         plan: Option<Plan>,
         offer: Offer,
+        slate: Slate,
         demand: Demand,
         status: VehicleStatus,
         recorder: &'static mut FlightRecorder,
@@ -207,8 +210,8 @@ mod app {
             mpc_state: MpcState::new(), ground, usb, light_and_tone, watchdog, workshop,
         };
         let (status, recorder, shelf) = (configuration.status_at_start(), cx.local.recorder, LogShelf::EMPTY);
-        let (planning, offer, demand) = (Planning::new(mpc), Offer::NOTHING, Demand::NOTHING);
-        (Shared { imus, io, link, sender, planning, plan: None, offer, demand, status, recorder, shelf }, local)
+        let (planning, offer, demand, slate) = (Planning::new(mpc), Offer::NOTHING, Demand::NOTHING, Slate::BLANK);
+        (Shared { imus, io, link, sender, planning, plan: None, offer, slate, demand, status, recorder, shelf }, local)
     }
 
     /// Every 1 ms, done within 3 us. If it comes while the sample before still waits for the bus, that one is given up
@@ -237,7 +240,7 @@ mod app {
     #[task(
         binds = TIM3, priority = 5,
         local = [control, outputs, loop_timer, trace, housekeeping_ticks, ticks: u32 = 0],
-        shared = [sender, planning, plan, offer, status, recorder]
+        shared = [sender, planning, plan, offer, slate, status, recorder]
     )]
     fn control_step(mut cx: control_step::Context) {
         let local = cx.local;
@@ -247,8 +250,7 @@ mod app {
             if !local.control.gather() {
                 return None;
             }
-            let plan = cx.shared.plan.lock(Option::take);
-            let output = local.control.fast(plan);
+            let output = local.control.fast(cx.shared.plan.lock(Option::take));
             if let Some(answer) = local.control.hil_answer(&output) {
                 cx.shared.sender.lock(|sender| sender.send_first(answer));
             }
@@ -257,6 +259,7 @@ mod app {
                 watchdog::expect_plan();
                 cx.shared.planning.lock(|planning| planning.ask(request));
             }
+            cx.shared.slate.lock(|slate| local.control.teach(slate));
             local.trace.publish(local.control.input(), &output, local.control.state());
             if flight_log::is_wanted() {
                 cx.shared.recorder.lock(|recorder| local.control.record(&output, recorder));
@@ -386,11 +389,11 @@ mod app {
 
     /// Writes the log, or makes what the loop is to take of parameters that were set, and sleeps until an interrupt. On
     /// a miss steps are left out of the log, and counted; parameters come into use later.
-    #[idle(local = [workshop], shared = [recorder, shelf, status, demand, offer])]
+    #[idle(local = [workshop], shared = [recorder, shelf, status, demand, offer, slate])]
     fn idle(mut cx: idle::Context) -> ! {
         loop {
-            let idle::SharedResources { recorder, shelf, status, demand, offer, .. } = &mut cx.shared;
-            cx.local.workshop.turn((recorder, shelf, status), (demand, offer));
+            let idle::SharedResources { recorder, shelf, status, demand, offer, slate, .. } = &mut cx.shared;
+            cx.local.workshop.turn((recorder, shelf, status), (demand, offer, slate));
             load::sleep();
         }
     }

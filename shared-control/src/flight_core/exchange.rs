@@ -1,8 +1,9 @@
-//! Another configuration in place of the one in use, between two steps and on the ground.
+//! Another configuration in place of the one in use, between two steps: on the ground, or what was learnt.
 
 use super::FlightCore;
 use super::state::State;
 use crate::config::Config;
+use crate::learning::lesson::Taught;
 use crate::supervisor::Arming;
 
 impl FlightCore {
@@ -32,6 +33,7 @@ impl FlightCore {
             motor_loss,
             learning,
             exchanges,
+            taught: _,
             // of the vehicle and the world, or of a step that turned no motor
             step: _,
             arming: _,
@@ -55,5 +57,14 @@ impl FlightCore {
         *exchanges = exchanges.wrapping_add(1);
         *config = *next;
         true
+    }
+
+    /// Takes what was made of what a flight taught, from the next step on, in flight too. All that passes from step to
+    /// step is in SI units and means the same to the other controller, whose MPC comes with it.
+    pub fn learn(config: &mut Config, state: &mut State, taught: &Taught) {
+        let Taught { step, angle, rate, inertia_kg_m2, observer, pitch_inertia } = *taught;
+        *config = Config { angle, rate, inertia_kg_m2, observer, pitch_inertia, ..*config };
+        let [times, _] = state.taught;
+        state.taught = [times.wrapping_add(1), step];
     }
 }

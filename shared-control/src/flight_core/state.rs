@@ -6,7 +6,7 @@ use crate::attitude::angle::{AngleState, RateTarget};
 use crate::attitude::rate::RateState;
 use crate::frames::{EulerAngles, q_world_from_euler};
 use crate::learning::LearningState;
-use crate::learning::confidence::Learnt;
+use crate::learning::lesson::Lesson;
 use crate::mixer::MixResult;
 use crate::motor_loss::{MotorLoss, Stage};
 use crate::record::state_words::{STATE_WORDS, StateWords};
@@ -45,6 +45,8 @@ pub struct State {
     pub(super) last_source: TorqueSource,
     pub(super) motor_loss: MotorLoss,
     pub(super) learning: LearningState,
+    /// How often what was learnt was taken, and after which step the last lesson was.
+    pub(super) taught: [u32; 2],
     /// Exchanges of the configuration since start.
     pub(super) exchanges: u32,
 }
@@ -79,6 +81,7 @@ impl State {
             last_source,
             motor_loss,
             learning,
+            taught,
             exchanges,
         } = self;
         words.word(*step);
@@ -102,6 +105,7 @@ impl State {
         words.word(last_source.number());
         motor_loss.record(words);
         learning.record(words);
+        taught.iter().for_each(|word| words.word(*word));
         words.word(*exchanges);
     }
 
@@ -115,9 +119,14 @@ impl State {
         self.motor_loss.stage()
     }
 
-    /// What has been learnt of the vehicle; to be asked in idle time. None while nothing has.
-    pub fn learnt(&self) -> Option<Learnt> {
-        self.learning.learnt()
+    /// What idle time is to be given of what is learnt of the vehicle.
+    pub fn lesson(&self) -> Lesson {
+        self.learning.lesson(self.step)
+    }
+
+    /// How often what was learnt was taken since start, and after which step the last lesson was.
+    pub fn taught(&self) -> [u32; 2] {
+        self.taught
     }
 
     /// What the controllers follow: the set-point that was demanded, or what stands in for it without a link.

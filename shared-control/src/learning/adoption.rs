@@ -112,11 +112,16 @@ pub struct Candidate<'a> {
 }
 
 /// Rehearses a candidate with every vehicle at the ends of what the data allow of the first one. An axis of which
-/// nothing certain is known keeps its gain, and is rehearsed with that.
+/// nothing certain is known keeps its gain, and is rehearsed with that. Before each part of the work there is a pause.
 ///
 /// # Errors
 /// The first reason against it.
-pub fn prove(candidate: &Candidate<'_>, first: &VehicleParameters, learnt: &Learnt) -> Result<(), Refusal> {
+pub fn prove(
+    candidate: &Candidate<'_>,
+    first: &VehicleParameters,
+    learnt: &Learnt,
+    mut pause: impl FnMut(),
+) -> Result<(), Refusal> {
     let (seen, pace) = observed(candidate.vehicle, candidate.tuning, candidate.loop_rate_hz);
     let delay_s = first.actuation.delay_s + candidate.tuning.gyro_delay_s();
     let alerts: &[DisturbanceAlert] = match candidate.tuning.mpc_disturbance_alert {
@@ -142,6 +147,7 @@ pub fn prove(candidate: &Candidate<'_>, first: &VehicleParameters, learnt: &Lear
                 actuation: Actuation { delay_s, lag_s: larger(lag_s, 0.0) },
             };
             for alert in alerts {
+                pause();
                 match rehearse(&controller, &body, *alert) {
                     Some(standing) if !standing.is_stable() => return Err(Refusal::Unstable { axis }),
                     Some(standing) if standing.peak_sensitivity > PEAK_SENSITIVITY_MAX => {

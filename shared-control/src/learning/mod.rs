@@ -12,16 +12,19 @@
 pub mod adoption;
 pub mod confidence;
 pub mod lag_bank;
+pub mod lesson;
 pub mod motors;
 pub mod proposal;
 pub mod rehearsal;
+mod words;
 
 use crate::elementary::magnitude;
 use crate::lift_curve::LiftCurve;
 use crate::mpc::schedule::PitchInertia;
 use crate::record::state_words::StateWords;
-use confidence::{AXES, Learnt};
+use confidence::AXES;
 use lag_bank::{AxisSums, Motion};
+use lesson::Lesson;
 use motors::{MotorBank, MotorBankState};
 
 /// Bandwidth of the filter that both sides pass, rad/s.
@@ -153,9 +156,9 @@ impl LearningState {
         (self.reference_rad_s, self.counting, self.settling) = ([0.0; AXES], [0; AXES], config.settling_steps);
     }
 
-    /// What has been learnt; to be asked in idle time. None while nothing has.
-    pub fn learnt(&self) -> Option<Learnt> {
-        confidence::learnt(&self.axes)
+    /// All that idle time needs of it, as it stands after a step.
+    pub fn lesson(&self, step: u32) -> Lesson {
+        Lesson { step, axes: self.axes }
     }
 
     pub(crate) fn record(&self, words: &mut StateWords) {

@@ -3,6 +3,7 @@
 
 use super::adoption::{Candidate, LearntModel, Refusal, prove};
 use super::confidence::Learnt;
+use super::lesson::Taught;
 use crate::config::{Config, Controller, Tuning, mpc_settings};
 use crate::mpc::MpcSettings;
 use crate::vehicle::VehicleParameters;
@@ -36,18 +37,25 @@ impl Proposal {
         mpc_settings(&self.vehicle, &self.tuning, self.made.loop_rate_hz)
     }
 
-    /// Rehearses it by its MPC's law ([`Mpc::unconstrained_gain`](crate::mpc::Mpc::unconstrained_gain)).
+    /// Rehearses it by its MPC's law ([`Mpc::unconstrained_gain`](crate::mpc::Mpc::unconstrained_gain)), with a pause
+    /// between its up to sixteen parts.
     ///
     /// # Errors
     /// Why it may not fly.
-    pub fn prove(&self, law: [[f32; 4]; 3], first: &VehicleParameters, learnt: &Learnt) -> Result<(), Refusal> {
+    pub fn prove(
+        &self,
+        law: [[f32; 4]; 3],
+        first: &VehicleParameters,
+        learnt: &Learnt,
+        pause: impl FnMut(),
+    ) -> Result<(), Refusal> {
         let Self { vehicle, tuning, made } = self;
-        prove(&Candidate { vehicle, tuning, loop_rate_hz: made.loop_rate_hz, law }, first, learnt)
+        prove(&Candidate { vehicle, tuning, loop_rate_hz: made.loop_rate_hz, law }, first, learnt, pause)
     }
 
-    /// What flies from then on: what senses, watches and learns stays as it is.
-    pub fn in_place_of(&self, flown: &Config) -> Config {
+    /// What the loop takes of it, made of the lesson after this step.
+    pub fn taught(&self, step: u32) -> Taught {
         let Config { angle, rate, inertia_kg_m2, observer, pitch_inertia, .. } = self.made;
-        Config { angle, rate, inertia_kg_m2, observer, pitch_inertia, ..*flown }
+        Taught { step, angle, rate, inertia_kg_m2, observer, pitch_inertia }
     }
 }

@@ -154,7 +154,7 @@ proptest! {
     ) {
         let mut flight = Flight::new([roll, pitch], lag_s, noise_rad_s);
         flight.manoeuvres(800);
-        let learnt = flight.learning.learnt().unwrap();
+        let learnt = flight.learning.lesson(0).learnt().unwrap();
         prop_assert!(holds(&learnt, [roll, pitch], lag_s), "{learnt:?}");
         prop_assert!((learnt.lag_s.best - lag_s).abs() < larger(0.002, 0.06 * lag_s), "{learnt:?}");
         for (range, gain) in learnt.gain.iter().zip([roll, pitch]) {
@@ -171,18 +171,18 @@ fn hover_teaches_nothing() {
         let torque_nm = if step % 7 < 3 { 0.05 } else { -0.04 };
         flight.step([torque_nm; AXES], -0.03, [0.0; AXES], true);
     }
-    assert_eq!(flight.learning.learnt(), None);
+    assert_eq!(flight.learning.lesson(0).learnt(), None);
     flight.manoeuvres(800);
     // what the last manoeuvre leaves
     for _ in 0..100 {
         flight.step([0.0; AXES], 0.02, [0.0; AXES], true);
     }
-    let before = flight.learning.learnt().unwrap();
+    let before = flight.learning.lesson(0).learnt().unwrap();
     for step in 0..4000u16 {
         let torque_nm = if step % 7 < 3 { 0.05 } else { -0.04 };
         flight.step([torque_nm; AXES], -0.03, [0.0; AXES], true);
     }
-    assert_eq!(flight.learning.learnt(), Some(before));
+    assert_eq!(flight.learning.lesson(0).learnt(), Some(before));
 }
 
 /// An axis that was not moved has no gain, and the other one tells the lag.
@@ -200,7 +200,7 @@ fn an_axis_at_rest_is_not_spoken_of() {
         let reference_rad_s = 15.0 * STEP_S * step.min(80usize.saturating_sub(step)) as f32;
         flight.step([MODEL_KG_M2 * push, 0.0], 0.0, [reference_rad_s, 0.0], true);
     }
-    let learnt = flight.learning.learnt().unwrap();
+    let learnt = flight.learning.lesson(0).learnt().unwrap();
     assert!((learnt.lag_s.best - 0.045).abs() < 0.003, "{learnt:?}");
     assert!((learnt.gain[0].unwrap().best - 0.7).abs() < 0.03, "{learnt:?}");
     assert!(learnt.gain[1].is_none_or(|gain| gain.half_width_share().abs() > 0.2), "{learnt:?}");
@@ -216,9 +216,13 @@ fn what_was_not_seen_does_not_count() {
         flight.step([0.1; AXES], 0.0, [3.0, -3.0], false);
     }
     flight.manoeuvres(150);
-    assert_eq!(flight.learning.learnt(), before.learnt());
+    assert_eq!(flight.learning.lesson(0).learnt(), before.lesson(0).learnt());
     flight.manoeuvres(1600);
-    assert!(holds(&flight.learning.learnt().unwrap(), [0.7, 1.4], 0.045), "{:?}", flight.learning.learnt());
+    assert!(
+        holds(&flight.learning.lesson(0).learnt().unwrap(), [0.7, 1.4], 0.045),
+        "{:?}",
+        flight.learning.lesson(0).learnt()
+    );
 }
 
 /// What was learnt of a slow vehicle is flown with; a controller made for a fast one is refused for it.
@@ -235,7 +239,7 @@ fn a_controller_flies_only_if_its_rehearsal_holds() {
         let tuning = Tuning::for_vehicle(&vehicle);
         let mpc = Mpc::<5>::prepare(&mpc_settings(&vehicle, &tuning, 400.0)).unwrap();
         let law = mpc.unconstrained_gain();
-        prove(&Candidate { vehicle: &vehicle, tuning: &tuning, loop_rate_hz: 400.0, law }, &first, &learnt)
+        prove(&Candidate { vehicle: &vehicle, tuning: &tuning, loop_rate_hz: 400.0, law }, &first, &learnt, || ())
     };
     assert_eq!(proven(0.075, 1.0), Ok(()));
     // lift that is not there has the loop too slow, which is safe; a gain of a fifth makes it five times too strong

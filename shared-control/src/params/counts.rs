@@ -46,6 +46,7 @@ impl Field {
             | Field::RotorDrag
             | Field::GyroNotches
             | Field::MotorLoss
+            | Field::Learning
             | Field::Battery(_)
             | Field::GroundIdle
             | Field::FlightIdle

@@ -48,6 +48,8 @@ pub enum Field {
     GyroNotches,
     /// [`Params::motor_loss`].
     MotorLoss,
+    /// [`Params::learning`].
+    Learning,
     /// One of the battery's numbers.
     Battery(BatteryPart),
     /// [`Params::hil`].
@@ -91,7 +93,7 @@ pub struct Row {
 
 impl Field {
     /// All of them, in the order of their index on the link.
-    pub const ALL: [Field; 79] = [
+    pub const ALL: [Field; 80] = [
         Field::Controller,
         Field::ControlHorizon,
         Field::MotorLimits,
@@ -105,6 +107,7 @@ impl Field {
         Field::RotorDrag,
         Field::GyroNotches,
         Field::MotorLoss,
+        Field::Learning,
         Field::Battery(BatteryPart::ArmingMin),
         Field::Battery(BatteryPart::Low),
         Field::Battery(BatteryPart::Critical),
@@ -177,7 +180,7 @@ impl Field {
     pub const fn group(self) -> &'static str {
         match self {
             Field::Controller | Field::ControlHorizon | Field::MotorLimits => "Controller",
-            Field::Linearisations | Field::MpcTuning => "Controller",
+            Field::Linearisations | Field::MpcTuning | Field::Learning => "Controller",
             Field::Battery(_) => "Battery",
             Field::Radio(_) | Field::Stick(..) => "Radio",
             Field::Pilot(_) => "Sticks",
@@ -218,6 +221,8 @@ impl Field {
                 ("GYRO_NOTCHES", EITHER, "", "1: notches follow the rotors, where LOOP_RATE_HZ is 400"),
             Field::MotorLoss => ("MOTOR_LOSS", EITHER, "",
                 "1: in free flight a motor that fails is noticed, and flown without, the heading given up"),
+            Field::Learning => ("LEARNING", EITHER, "",
+                "1: in flight the MPC learns how roll and pitch answer and how slow the motors are"),
             Field::Battery(part) => battery::row(part),
             Field::Hil => ("HIL", EITHER, "",
                 "1: hardware in the loop, the IMU is simulated on the link and the pulses stay disarmed"),
@@ -273,6 +278,7 @@ impl Params {
             Field::RotorDrag => self.rotor_drag_permille_1_s,
             Field::GyroNotches => u16::from(self.gyro_notches),
             Field::MotorLoss => u16::from(self.motor_loss),
+            Field::Learning => u16::from(self.learning),
             Field::Battery(part) => self.battery.get(part),
             Field::Hil => u16::from(self.hil),
             Field::GroundIdle => u16::from(self.ground_idle_percent),
@@ -311,6 +317,7 @@ impl Params {
             Field::RotorDrag => params.rotor_drag_permille_1_s = value,
             Field::GyroNotches => params.gyro_notches = value == 1,
             Field::MotorLoss => params.motor_loss = value == 1,
+            Field::Learning => params.learning = value == 1,
             Field::Battery(part) => params.battery.set(part, value),
             Field::Hil => params.hil = value == 1,
             Field::GroundIdle => params.ground_idle_percent = value as u8,
@@ -373,6 +380,6 @@ mod tests {
             assert_eq!(usize::from(field.index()), index);
             assert!(allowed.contains(Params::DEFAULT.get(field)), "{name}");
         }
-        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(79)), (None, None, None));
+        assert_eq!((Field::by_name(b"PWM_RATE"), Field::by_name(b""), Field::by_index(80)), (None, None, None));
     }
 }

@@ -41,6 +41,8 @@ pub struct StepTrace {
     pub plan: [u32; 8],
     /// Exchanges of the configuration before the step.
     pub exchanges: u32,
+    /// How often what was learnt had been taken, and after which step the last lesson was.
+    pub taught: [u32; 2],
     /// Compare values of motors 1 to 4.
     pub compare_counts: [u32; 4],
     /// [`Arming::number`](crate::supervisor::Arming::number).
@@ -87,6 +89,7 @@ impl StepTrace {
         battery: [0; 2],
         plan: [0; 8],
         exchanges: 0,
+        taught: [0; 2],
         compare_counts: [0; 4],
         arming: 0,
         imu_unit: 0,
@@ -119,6 +122,7 @@ impl StepTrace {
         self.battery = input.battery_v.map_or([0; 2], |volts| [1, volts.to_bits()]);
         self.plan = input.plan.as_ref().map_or([0; 8], words_of_plan);
         self.exchanges = state.exchanges();
+        self.taught = state.taught();
         self.record_output(output);
         self.state = state.words();
     }
@@ -238,7 +242,7 @@ mod tests {
     #[test]
     fn its_size_is_the_sum_of_its_words() {
         // step, time: 3; counts and 16 * 8 for samples, twice; set-point 8, requests 15, battery 2, plan 8; exchanges
-        // 1; outputs 33; state; no padding
-        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 33 + 1 + 33 + STATE_WORDS));
+        // 1, taught 2; outputs 33; state; no padding
+        assert_eq!(size_of::<StepTrace>(), 4 * (3 + 2 * 129 + 33 + 3 + 33 + STATE_WORDS));
     }
 }

@@ -17,6 +17,7 @@ pub struct ControlSide {
     plan: Option<Plan>,
     change: Option<Box<Change>>,
     learning: Option<Box<IdleLearning>>,
+    prepared: Option<Box<Prepared>>,
 }
 
 /// Another configuration and MPC, prepared aside, and when they take over.
@@ -30,7 +31,7 @@ struct Change {
 impl ControlSide {
     /// A core at rest. The planner is needed where the configuration says MPC; without one the cascade flies.
     pub fn new(config: Config, planner: Option<Planner>) -> Self {
-        Self { config, state: State::default(), planner, plan: None, change: None, learning: None }
+        Self { config, state: State::default(), planner, plan: None, change: None, learning: None, prepared: None }
     }
 
     /// With what idle time makes of what is learnt; the configuration says whether anything is.
@@ -60,10 +61,20 @@ impl ControlSide {
         }
     }
 
+    fn learn(&mut self, Prepared { taught, planner, .. }: Prepared) {
+        FlightCore::learn(&mut self.config, &mut self.state, &taught);
+        if let Some(flying) = &mut self.planner {
+            flying.take_over(planner);
+        }
+    }
+
     /// One step. The plan that it requests is the next step's.
     pub fn step(&mut self, time_us: u64, monitored: &mut Monitored, events: &Events) -> (StepOutput, Option<Plan>) {
         if let Some(change) = self.change.take_if(|change| change.at_us <= time_us) {
             self.take_over(*change);
+        }
+        if let Some(prepared) = self.prepared.take_if(|prepared| prepared.at_us <= time_us) {
+            self.learn(*prepared);
         }
         let input = StepInput {
             time_us,
@@ -88,8 +99,8 @@ impl ControlSide {
 
     fn work_in_idle_time(&mut self, time_us: u64) {
         let Some(learning) = &mut self.learning else { return };
-        if let Some(Prepared { at_us, config, planner }) = learning.work(&self.config, &self.state, time_us) {
-            self.change = Some(Box::new(Change { at_us, config, planner: Some(planner) }));
+        if let Some(prepared) = learning.work(&self.config, &self.state, time_us) {
+            self.prepared = Some(Box::new(prepared));
         }
     }
 

@@ -1,11 +1,14 @@
 //! What a board does in its idle time with what it has learnt: another model, its controller, the rehearsal, and the
 //! time at which it is to take over.
 
-use shared_control::config::{Config, Controller};
+use shared_control::config::{Config, Controller, Tuning};
 use shared_control::flight_core::State;
 use shared_control::learning::adoption::{LearntModel, Refusal};
 use shared_control::learning::confidence::Learnt;
+use shared_control::learning::lesson::Taught;
 use shared_control::learning::proposal::Proposal;
+use shared_control::params::Params;
+use shared_control::setup;
 use shared_control::vehicle::VehicleParameters;
 
 use crate::controller_file::ControllerChoice;
@@ -16,12 +19,37 @@ const LOOK_US: u64 = 100_000;
 /// From a look to the change: what the board's idle time takes to make and to rehearse a controller, µs.
 const WORK_US: u64 = 250_000;
 
+/// By what the controller for another vehicle is tuned.
+#[derive(Clone, Copy, Debug)]
+pub enum TunedBy {
+    /// A controller by name or file.
+    Choice(ControllerChoice),
+    /// A board's parameters.
+    Parameters(Params),
+}
+
+impl TunedBy {
+    fn tuning(&self, vehicle: &VehicleParameters) -> Tuning {
+        match self {
+            Self::Choice(choice) => choice.tuning_for(vehicle),
+            Self::Parameters(params) => setup::tuning(params, vehicle),
+        }
+    }
+
+    fn control_horizon(&self) -> usize {
+        match self {
+            Self::Choice(choice) => choice.control_horizon,
+            Self::Parameters(params) => params.control_horizon.into(),
+        }
+    }
+}
+
 /// Looks at what was learnt, and has it taken over.
 #[derive(Clone, Debug)]
 pub struct IdleLearning {
     /// What everything began with.
     first: VehicleParameters,
-    choice: ControllerChoice,
+    tuned_by: TunedBy,
     /// What flies, or will.
     flown: LearntModel,
     look_us: u64,
@@ -29,11 +57,12 @@ pub struct IdleLearning {
 }
 
 /// A controller to take over.
+#[derive(Clone)]
 pub struct Prepared {
     /// When, µs.
     pub at_us: u64,
-    /// Its configuration.
-    pub config: Config,
+    /// What the loop takes of it.
+    pub taught: Taught,
     /// Its MPC.
     pub planner: Planner,
 }
@@ -53,8 +82,8 @@ pub struct Look {
 
 impl IdleLearning {
     /// For a vehicle as it is known at first.
-    pub fn new(first: VehicleParameters, choice: ControllerChoice) -> Self {
-        Self { first, choice, flown: LearntModel::first(&first), look_us: 0, looks: Vec::new() }
+    pub fn new(first: VehicleParameters, tuned_by: TunedBy) -> Self {
+        Self { first, tuned_by, flown: LearntModel::first(&first), look_us: 0, looks: Vec::new() }
     }
 
     /// What flies, or will.
@@ -73,9 +102,10 @@ impl IdleLearning {
             return None;
         }
         self.look_us = time_us + LOOK_US;
-        let learnt = state.learnt()?;
+        let lesson = state.lesson();
+        let learnt = lesson.learnt()?;
         let model = self.flown.corrected(&learnt)?;
-        let (prepared, refusal) = match self.prepare(config, &model, &learnt, time_us) {
+        let (prepared, refusal) = match self.prepare(config, &model, (lesson.step, &learnt), time_us) {
             Ok(prepared) => (prepared, None),
             Err(refusal) => (None, Some(refusal)),
         };
@@ -91,16 +121,15 @@ impl IdleLearning {
         &self,
         config: &Config,
         model: &LearntModel,
-        learnt: &Learnt,
+        (step, learnt): (u32, &Learnt),
         time_us: u64,
     ) -> Result<Option<Prepared>, Refusal> {
-        let tuning_of = |vehicle: &VehicleParameters| self.choice.tuning_for(vehicle);
+        let tuning_of = |vehicle: &VehicleParameters| self.tuned_by.tuning(vehicle);
         let Some(proposal) = Proposal::new(model, &self.first, tuning_of, config.loop_rate_hz) else { return Ok(None) };
         // numbers that no MPC can be made for are no vehicle's
-        let Ok(planner) = Planner::new(self.choice.control_horizon, &proposal.mpc()) else { return Ok(None) };
+        let Ok(planner) = Planner::new(self.tuned_by.control_horizon(), &proposal.mpc()) else { return Ok(None) };
         let Some(law) = planner.unconstrained_gain() else { return Ok(None) };
-        proposal.prove(law, &self.first, learnt)?;
-        let config = proposal.in_place_of(config);
-        Ok(Some(Prepared { at_us: time_us + WORK_US, config, planner }))
+        proposal.prove(law, &self.first, learnt, || ())?;
+        Ok(Some(Prepared { at_us: time_us + WORK_US, taught: proposal.taught(step), planner }))
     }
 }

@@ -2,6 +2,7 @@
 //! link and a simulated vehicle.
 
 mod exchange;
+mod learner;
 
 use std::collections::VecDeque;
 
@@ -17,6 +18,8 @@ use shared_control::params::{Params, RECORD_LEN};
 use shared_control::radio::StickCurves;
 use shared_control::setup::Setup;
 use shared_control::signals::{ArmingBlocks, Plan, RawImuSample, StepInput};
+
+use learner::Learner;
 
 use super::board_log::BoardLog;
 use super::log_shelf::LogShelf;
@@ -107,6 +110,7 @@ pub struct SimulatedBoard {
     guard: Guard,
     signing: Box<dyn SigningStore>,
     log: BoardLog,
+    learner: Option<Learner>,
     restart_in: Option<u8>,
     /// Orders that found no room.
     pub orders_dropped: u32,
@@ -138,6 +142,7 @@ impl SimulatedBoard {
         let is_kept = |_: &SigningRecord| false;
         guard.follow(&telemetry.update_signing((0, guard.refused), 0, is_kept));
         Ok(Self {
+            learner: Learner::new(params, &setup),
             setup,
             given,
             state: State::default(),
@@ -254,6 +259,7 @@ impl SimulatedBoard {
         self.commander.commands(time_us).fill(&mut self.input);
         self.input.battery_v = battery_v.map(|volts| volts as f32);
         self.input.plan = self.plan.take();
+        self.learn(time_us);
         let output = FlightCore::fast(&self.setup.config, &mut self.state, &self.input);
         let answer = self.commander.answer(&output.arming);
         self.pass_on(answer, None);
@@ -262,6 +268,7 @@ impl SimulatedBoard {
             // not timed: the same flight is to give the same bytes
             self.plan = Some(planner.plan(&request, &output.estimate));
         }
+        self.work_in_idle_time(time_us);
         let (mode, link_losses) = (self.commander.mode(), self.commander.link_losses);
         self.log.record(&self.setup.config, &self.input, &output, (&self.status.io.radio, mode));
         self.status =

@@ -301,6 +301,10 @@ impl Flight {
                 self.params = self.params.with_what_counts_of(&params::load(&self.stored()).0);
                 self.twin.take_up(&self.params);
             }
+            let ([times, step], [before, _]) = (trace.taught, self.last.taught);
+            if times != before {
+                self.twin.learn(step);
+            }
         }
         self.twin.repeat(&trace);
         self.last = trace;

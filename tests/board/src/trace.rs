@@ -49,6 +49,7 @@ pub fn step_trace(machine: &mut Machine, address: u32) -> Option<StepTrace> {
         battery: words.words()?,
         plan: words.words()?,
         exchanges: words.word()?,
+        taught: words.words()?,
         compare_counts: words.words()?,
         arming: words.word()?,
         imu_unit: words.word()?,

@@ -4,6 +4,9 @@ use std::collections::VecDeque;
 
 use shared_control::config::{Config, Controller};
 use shared_control::flight_core::{FlightCore, State, StepOutput, TorqueSource};
+use shared_control::learning::adoption::LearntModel;
+use shared_control::learning::lesson::{Lesson, Taught};
+use shared_control::learning::proposal::Proposal;
 use shared_control::link::Mode;
 use shared_control::mpc::{HORIZON, Mpc, MpcState};
 use shared_control::onboard_log::{Recorder, Stage};
@@ -11,8 +14,9 @@ use shared_control::params::Params;
 use shared_control::radio::RadioFrame;
 use shared_control::record::trace::StepTrace;
 use shared_control::sensing::imu::AxisMap;
-use shared_control::setup::Setup;
+use shared_control::setup::{self, Setup};
 use shared_control::signals::{Plan, PlanRequest, StepInput};
+use shared_control::vehicle::VehicleParameters;
 
 use crate::devices::SecondGyro;
 
@@ -35,6 +39,8 @@ pub struct Planned {
     pub unsolved: u64,
 }
 
+/// Steps within which the board makes a controller of a lesson.
+const LESSONS: usize = 800;
 /// Of a step's record, at least.
 const RECORD_MAX: usize = 1024;
 
@@ -51,6 +57,11 @@ pub struct Twin {
     planned: Planned,
     /// Another configuration, which the next step begins with.
     next: Option<(Config, Mpc<HORIZON>)>,
+    params: Params,
+    /// The model that flies, what the board may have been taught of late, and what the next step begins with of that.
+    flown: LearntModel,
+    lessons: VecDeque<Lesson>,
+    taught: Option<(Taught, Mpc<HORIZON>)>,
     recorder: Box<Recorder<RECORD_MAX>>,
     recorded: Vec<u8>,
 }
@@ -64,7 +75,13 @@ impl Twin {
         let (config, mpc) = prepared(params, gyro);
         let (state, mpc_state, questions) = (State::default(), MpcState::new(), VecDeque::new());
         let (recorder, recorded, planned) = (Box::default(), Vec::new(), Planned::default());
-        Self { config, gyro, state, mpc, mpc_state, questions, steps: 0, planned, next: None, recorder, recorded }
+        let (params, flown, lessons) = (*params, first_model(params), VecDeque::new());
+        #[rustfmt::skip]
+        let twin = Self {
+            config, gyro, state, mpc, mpc_state, questions, steps: 0, planned, next: None, params, flown, lessons,
+            taught: None, recorder, recorded,
+        };
+        twin
     }
 
     /// Starts again with what is stored, as the board does after a reset.
@@ -74,6 +91,7 @@ impl Twin {
     pub fn restart(&mut self, params: &Params) {
         (self.config, self.mpc) = prepared(params, self.gyro);
         (self.state, self.mpc_state) = (State::default(), MpcState::new());
+        (self.params, self.flown) = (*params, first_model(params));
         self.questions.clear();
     }
 
@@ -83,6 +101,23 @@ impl Twin {
     /// As [`Twin::new`].
     pub fn take_up(&mut self, params: &Params) {
         self.next = Some(prepared(params, self.gyro));
+        (self.params, self.flown) = (*params, first_model(params));
+    }
+
+    /// The board takes with its next step what it has made of the lesson after this one.
+    ///
+    /// # Panics
+    /// If nothing follows from that lesson, or what follows may not fly.
+    pub fn learn(&mut self, step: u32) {
+        let lesson = self.lessons.iter().find(|lesson| lesson.step == step).expect("a lesson of late");
+        let learnt = lesson.learnt().expect("something was learnt");
+        let (params, first) = (self.params, setup::flown_vehicle(&self.params));
+        let model = self.flown.corrected(&learnt).expect("another model");
+        let tuning_of = |vehicle: &VehicleParameters| setup::tuning(&params, vehicle);
+        let proposal = Proposal::new(&model, &first, tuning_of, f32::from(params.loop_rate_hz)).unwrap();
+        let mpc = Mpc::prepare_shorter(params.control_horizon.into(), &proposal.mpc()).unwrap();
+        proposal.prove(mpc.unconstrained_gain(), &first, &learnt, || ()).expect("it may fly");
+        (self.flown, self.taught) = (model, Some((proposal.taught(step), mpc)));
     }
 
     /// Makes the board's step again.
@@ -98,9 +133,17 @@ impl Twin {
             assert!(FlightCore::exchange(&mut self.config, &mut self.state, &config), "exchanged in the air");
             self.mpc = mpc;
         }
+        if let Some((taught, mpc)) = self.taught.take() {
+            FlightCore::learn(&mut self.config, &mut self.state, &taught);
+            self.mpc = mpc;
+        }
         let output = FlightCore::fast(&self.config, &mut self.state, &input);
         let question = FlightCore::follow(&self.config, &mut self.state, &output);
         self.questions.extend(question);
+        if self.config.learning.is_some() {
+            self.lessons.truncate(LESSONS - 1);
+            self.lessons.push_front(self.state.lesson());
+        }
         let mut host = StepTrace::EMPTY;
         host.record(&input, &output, &self.state);
         // samples beyond the count are left over from earlier steps on the board
@@ -164,6 +207,10 @@ impl Twin {
     pub fn has_mpc(&self) -> bool {
         self.config.controller == Controller::Mpc
     }
+}
+
+fn first_model(params: &Params) -> LearntModel {
+    LearntModel::first(&setup::flown_vehicle(params))
 }
 
 fn prepared(params: &Params, gyro: SecondGyro) -> (Config, Mpc<HORIZON>) {

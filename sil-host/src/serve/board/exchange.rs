@@ -7,6 +7,7 @@ use shared_control::radio::StickCurves;
 use shared_control::setup::Setup;
 use shared_control::supervisor::Arming;
 
+use super::learner::Learner;
 use super::{GivenRates, OutOfOrder, SimulatedBoard};
 use crate::planner::Planner;
 
@@ -45,6 +46,7 @@ impl SimulatedBoard {
         if !next.take_up(&mut self.setup.config, &mut self.state, &mut self.commander) {
             return;
         }
+        self.learner = Learner::new(params, &setup);
         self.setup = setup;
         match (&mut self.planner, planner) {
             (Some(flying), Some(other)) => flying.take_over(other),
