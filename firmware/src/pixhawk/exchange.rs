@@ -15,12 +15,13 @@ use rtic::Mutex;
 use shared_control::config::Controller;
 use shared_control::exchange::{Exchange, Senseless};
 use shared_control::learning::adoption::{LearntModel, Refusal};
+use shared_control::learning::confidence::Learnt;
 use shared_control::learning::lesson::Taught;
 use shared_control::link::VehicleStatus;
 use shared_control::log_card::LogShelf;
 use shared_control::params::Params;
 use shared_control::sensing::imu::AxisMap;
-use shared_control::setup::Setup;
+use shared_control::setup::{self, Setup};
 
 use super::configuration::BoardMpc;
 use super::flight_log::{self, FlightLog, FlightRecorder};
@@ -117,7 +118,7 @@ enum Offered {
 impl Workshop {
     /// With a place for another MPC.
     pub fn new(spare: &'static mut BoardMpc, second_gyro: Option<AxisMap>, log: FlightLog) -> Self {
-        Self { spare: Some(spare), second_gyro, offered: None, learner: Learner::new(log.params()), log }
+        Self { spare: Some(spare), second_gyro, offered: None, learner: Learner::NEW, log }
     }
 
     /// A turn of the idle loop: what there is to make, and what there is to log.
@@ -132,13 +133,15 @@ impl Workshop {
     ) {
         if let Some(params) = self.update(demand, offer, || flight_log::is_idle(recorder, status)) {
             self.log.use_params(&params);
-            self.learner = Learner::new(&params);
+            self.learner = Learner::NEW;
         }
         if !matches!(self.offered, Some(Offered::Chosen(..))) {
             self.log.update(recorder, shelf, status);
         }
-        if self.offered.is_none() {
-            self.learn((recorder, shelf, status), (demand, offer, slate));
+        if self.offered.is_none()
+            && let Some((lesson, learnt)) = self.learner.look(self.log.params(), slate)
+        {
+            self.learn((recorder, shelf, status), (demand, offer), (lesson, &learnt));
         }
     }
 
@@ -152,17 +155,19 @@ impl Workshop {
             &mut impl Mutex<T = LogShelf>,
             &mut impl Mutex<T = VehicleStatus>,
         ),
-        (demand, offer, slate): (&mut impl Mutex<T = Demand>, &mut impl Mutex<T = Offer>, &mut impl Mutex<T = Slate>),
+        (demand, offer): (&mut impl Mutex<T = Demand>, &mut impl Mutex<T = Offer>),
+        (lesson, learnt): (u32, &Learnt),
     ) {
         let Self { spare, learner, log, offered, .. } = self;
-        let Some((lesson, learnt)) = learner.look(slate) else { return };
-        let Some((model, proposal)) = learner.propose(&learnt) else { return };
+        let params = *log.params();
+        let first = setup::flown_vehicle(&params);
+        let Some((model, proposal)) = learner.propose((&params, &first), learnt) else { return };
         let Some(mpc) = spare.as_mut() else { return };
-        if mpc.prepare_in_place(learner.control_horizon(), &proposal.mpc()).is_err() {
+        if mpc.prepare_in_place(params.control_horizon.into(), &proposal.mpc()).is_err() {
             return;
         }
         let law = mpc.unconstrained_gain();
-        match proposal.prove(law, learner.first(), &learnt, || log.update(recorder, shelf, status)) {
+        match proposal.prove(law, &first, learnt, || log.update(recorder, shelf, status)) {
             Ok(()) => {
                 *offered = Some(Offered::Learnt(model));
                 let next = Some(Next::Learnt(proposal.taught(lesson)));

@@ -44,11 +44,10 @@ impl Slate {
     }
 }
 
-/// What everything began with, and what flies.
+/// What flies, and what was said of what may not. Parameters and the vehicle that they name come from whoever has them.
 pub struct Learner {
-    params: Params,
-    first: VehicleParameters,
-    flown: LearntModel,
+    /// None before anything was learnt.
+    flown: Option<LearntModel>,
     clock: TimeBase,
     look_us: u64,
     /// The last refusal, so that each is told once.
@@ -57,15 +56,11 @@ pub struct Learner {
 
 impl Learner {
     /// For parameters that have come into use.
-    pub fn new(params: &Params) -> Self {
-        let first = setup::flown_vehicle(params);
-        let flown = LearntModel::first(&first);
-        Self { params: *params, first, flown, clock: TimeBase::START, look_us: 0, refused: None }
-    }
+    pub const NEW: Self = Self { flown: None, clock: TimeBase::START, look_us: 0, refused: None };
 
     /// Asks for a lesson now and then, and reads it: after which step it was, and what it says.
-    pub fn look(&mut self, slate: &mut impl Mutex<T = Slate>) -> Option<(u32, Learnt)> {
-        if !(self.params.learning && self.params.controller == Controller::Mpc) {
+    pub fn look(&mut self, params: &Params, slate: &mut impl Mutex<T = Slate>) -> Option<(u32, Learnt)> {
+        if !(params.learning && params.controller == Controller::Mpc) {
             return None;
         }
         if let Some(lesson) = slate.lock(|slate| slate.lesson.take()) {
@@ -79,27 +74,21 @@ impl Learner {
         None
     }
 
-    /// Another model, where this one is wrong, and the controller for it.
-    pub fn propose(&self, learnt: &Learnt) -> Option<(LearntModel, Proposal)> {
-        let model = self.flown.corrected(learnt)?;
-        let tuning_of = |vehicle: &VehicleParameters| setup::tuning(&self.params, vehicle);
-        let proposal = Proposal::new(&model, &self.first, tuning_of, f32::from(self.params.loop_rate_hz))?;
+    /// Another model, where the one that flies is wrong, and the controller for it.
+    pub fn propose(
+        &self,
+        (params, first): (&Params, &VehicleParameters),
+        learnt: &Learnt,
+    ) -> Option<(LearntModel, Proposal)> {
+        let model = self.flown.unwrap_or(LearntModel::first(first)).corrected(learnt)?;
+        let tuning_of = |vehicle: &VehicleParameters| setup::tuning(params, vehicle);
+        let proposal = Proposal::new(&model, first, tuning_of, f32::from(params.loop_rate_hz))?;
         Some((model, proposal))
-    }
-
-    /// Free inputs of its MPC.
-    pub fn control_horizon(&self) -> usize {
-        self.params.control_horizon.into()
-    }
-
-    /// The vehicle that the parameters name.
-    pub fn first(&self) -> &VehicleParameters {
-        &self.first
     }
 
     /// This model flies now.
     pub fn flies(&mut self, model: LearntModel) {
-        (self.flown, self.refused) = (model, None);
+        (self.flown, self.refused) = (Some(model), None);
     }
 
     /// Is it another reason than the one before?
