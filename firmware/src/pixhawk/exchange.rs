@@ -74,6 +74,7 @@ pub enum Learning {
 }
 
 /// What the loop may take.
+#[allow(clippy::large_enum_variant)] // there is one place for either, and no heap
 pub enum Next {
     /// Parameters that were set; on the ground.
     Chosen(Exchange),
