@@ -19,7 +19,7 @@ pub(crate) fn run(workspace: &Workspace) -> Result<()> {
     px4::run(workspace)?;
     let target = Target::find(workspace)?;
     let mut command = workspace.cargo("test");
-    command.args(PACKAGE).args(["--", "--nocapture"]);
+    command.arg("--no-fail-fast").args(PACKAGE).args(["--", "--nocapture"]);
     process::run(command.env("FIRMWARE_ELF", target.image()))
 }
 

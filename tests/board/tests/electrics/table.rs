@@ -47,5 +47,6 @@ pub fn renew(text: &str) {
 /// Is it what is kept?
 pub fn compare(text: &str) {
     let kept = std::fs::read_to_string(path()).unwrap_or_default();
-    assert!(kept == text, "ELECTRICS.md is not what was found: {RENEW}=1 cargo xtask board-test writes it\n{text}");
+    let other = text.lines().filter(|row| !kept.lines().any(|line| line == *row)).collect::<Vec<_>>().join("\n");
+    assert!(kept == text, "ELECTRICS.md is not what was found: {RENEW}=1 cargo xtask board-test writes it\n{other}");
 }
