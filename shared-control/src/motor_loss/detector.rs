@@ -11,7 +11,9 @@
 //! with a the accelerations that the motors' lifts don't explain, by low-passes of [`FAST_S`] for the suspicion (which
 //! asks the first two alone) and [`SLOW_S`] for the verdict, less what was there all along (a low-pass of
 //! [`KNOWN_S`]: an offset of the centre of gravity, a steady wind, a weaker propeller). It is compared with the lift
-//! that the motor should make, and with how far the four differ: what is wrong in the model shows in proportion.
+//! that the motor should make, and with how far the four differ: what is wrong in the model shows in proportion; and
+//! with how far off the model has been of late (a mean of the unexplained over [`DOUBT_S`]): on other people's vehicles
+//! that is most of what looks like a lost motor (docs/motor-loss.md, "On real logs").
 
 use nalgebra::Vector3;
 
@@ -28,10 +30,18 @@ use crate::vehicle::VehicleParameters;
 pub const FAST_S: f32 = 0.008;
 /// Low-pass of what a verdict is made of, s.
 pub const SLOW_S: f32 = 0.02;
-/// Low-pass of what is taken for known, s; while a motor is suspected four times that.
+/// Low-pass of what is taken for known, s.
 pub const KNOWN_S: f32 = 0.3;
+/// While a motor is suspected what is learnt takes so many times as long.
+const SUSPECTED_TIMES: f32 = 4.0;
 /// Low-pass of the mass as the accelerometer shows it, s.
 const MASS_S: f32 = 2.0;
+/// How wrong the model has been is a mean over so long, s.
+pub const DOUBT_S: f32 = 2.0;
+/// So many times that mean is added to what a motor must lack.
+const DOUBTS: f32 = 1.0;
+/// So many times that of yaw must speak against a loss: a rotor's own inertia turns the vehicle, and no model has it.
+const DOUBTS_YAW: f32 = 3.0;
 /// Share of its lift that a suspected motor lacks.
 pub const SUSPECTED_SHARE: f32 = 0.12;
 /// Or that it lacks, where it will lack the other when its lag is over.
@@ -131,6 +141,8 @@ pub struct DetectorState {
     force_m_s2: f32,
     known_force_m_s2: f32,
     mass_kg: f32,
+    /// How far the angular accelerations were off in the mean, beyond what is known, rad/s^2.
+    doubt_rad_s2: [f32; 3],
     steps: u16,
     /// The motor that the verdict is about, and for how many steps.
     accused: usize,
@@ -190,6 +202,7 @@ impl DetectorState {
             force_m_s2,
             known_force_m_s2,
             mass_kg,
+            doubt_rad_s2,
             steps,
             accused,
             accused_steps,
@@ -200,6 +213,7 @@ impl DetectorState {
         slow.record(words);
         words.numbers(known_rad_s2);
         words.numbers(&[*force_m_s2, *known_force_m_s2, *mass_kg]);
+        words.numbers(doubt_rad_s2);
         words.word(u32::from(*steps));
         words.word(*accused as u32);
         words.word(u32::from(*accused_steps));
@@ -285,13 +299,17 @@ impl DetectorState {
         }
     }
 
-    /// What stays is no news.
+    /// What stays is no news, and what comes and goes without a motor's loss is the model's error. Both more slowly
+    /// while a motor is suspected: that would be its loss.
     fn learn(&mut self, config: &DetectorConfig, suspected: bool) {
-        let share = config.step_s / if suspected { 4.0 * KNOWN_S } else { KNOWN_S };
+        let step_s = if suspected { config.step_s / SUSPECTED_TIMES } else { config.step_s };
+        let (known, doubted) = (step_s / KNOWN_S, step_s / DOUBT_S);
         for axis in 0..3 {
-            self.known_rad_s2[axis] += share * (self.slow.rad_s2[axis] - self.known_rad_s2[axis]);
+            let off_rad_s2 = self.slow.rad_s2[axis] - self.known_rad_s2[axis];
+            self.doubt_rad_s2[axis] += doubted * (off_rad_s2.abs() - self.doubt_rad_s2[axis]);
+            self.known_rad_s2[axis] += known * off_rad_s2;
         }
-        self.known_force_m_s2 += share * (self.force_m_s2 - self.known_force_m_s2);
+        self.known_force_m_s2 += known * (self.force_m_s2 - self.known_force_m_s2);
     }
 
     /// Lift that a motor lacks by the gyro alone, N, and will lack so much later, s, at the rate at which that grows.
@@ -309,16 +327,18 @@ impl DetectorState {
         limit(self.missing_n(config, &self.fast, motor, 0.0) / lift_n, 0.0, 1.0)
     }
 
-    /// What the model's errors may make of how far the four differ, N.
-    fn allowance_n(of: &Unexplained) -> f32 {
+    /// What the model's errors may make of how far the four differ, and have made of late, N.
+    fn allowance_n(&self, config: &DetectorConfig, of: &Unexplained) -> f32 {
         let [first, ..] = of.lifts_n;
         let low = of.lifts_n.iter().fold(first, |low, lift_n| smaller(low, *lift_n));
         let high = of.lifts_n.iter().fold(first, |high, lift_n| larger(high, *lift_n));
-        DIFFERENCE_SHARE * (high - low)
+        let [roll_n, pitch_n] = [0, 1].map(|axis| config.missing_n(axis, 0, self.doubt_rad_s2[axis]).abs());
+        // the lesser of both counts as missing, so the lesser doubt is the one that counts
+        DIFFERENCE_SHARE * (high - low) + DOUBTS * smaller(roll_n, pitch_n)
     }
 
     fn suspect(&self, config: &DetectorConfig) -> Option<Suspicion> {
-        let allowed_n = Self::allowance_n(&self.fast);
+        let allowed_n = self.allowance_n(config, &self.fast);
         (0..4).find_map(|motor| {
             let missing_n = self.missing_n(config, &self.fast, motor, 0.0);
             let lift_n = larger(self.fast.lifts_n[motor & 3], config.judged_from_n);
@@ -340,12 +360,12 @@ impl DetectorState {
         let ahead_n = self.missing_n(config, &self.slow, motor, config.lag_s);
         let force_n = self.mass_kg * (self.force_m_s2 - self.known_force_m_s2);
         let yaw_rad_s2 = self.slow.rad_s2[2] - self.known_rad_s2[2];
-        let allowed_n = Self::allowance_n(&self.slow);
+        let allowed_n = self.allowance_n(config, &self.slow);
         lift_n > config.judged_from_n
             && missing_n > LOST_SHARE * lift_n + allowed_n
             && ahead_n > LOST_AHEAD_SHARE * lift_n + allowed_n
             && force_n > LOST_FORCE_SHARE * lift_n + allowed_n
-            && TORQUE_SIGNS[2][motor & 3] * yaw_rad_s2 < 0.0
+            && TORQUE_SIGNS[2][motor & 3] * yaw_rad_s2 < DOUBTS_YAW * self.doubt_rad_s2[2]
             && missing_n > self.missing_n(config, &self.slow, opposite(motor), 0.0)
     }
 }

@@ -135,6 +135,30 @@ fn a_gust_along_an_arm_is_suspected_and_forgotten() {
     assert_eq!(after.last(), Some(&Stage::Whole));
 }
 
+/// A torque that swings along a motor's arm twice a second, as a model's errors do in flight, by a quarter of what the
+/// motor makes, is suspected at first and then expected; a lost propeller is named all the same.
+#[test]
+fn a_model_that_is_often_wrong_is_doubted() {
+    let (mut body, mut loss) = hovering();
+    let torque_nm = 0.25 * VEHICLE.lever_m() * MASS_KG * 9.81 / 4.0;
+    let mut swing = |seconds: usize| -> usize {
+        (0..400 * seconds)
+            .filter(|step| {
+                let now_nm = torque_nm * (core::f32::consts::TAU * 2.0 * *step as f32 * STEP_S).sin();
+                body.outside_nm = [now_nm, -now_nm, 0.0];
+                let stage = fly(&mut body, &mut loss, 1)[0];
+                assert_eq!(stage.lost_motor(), None);
+                stage != Stage::Whole
+            })
+            .count()
+    };
+    let (first, _, last) = (swing(1), swing(6), swing(1));
+    assert!(first > 40 && last == 0, "{first}, {last} of 400 steps");
+    (body.outside_nm, body.left[3]) = ([0.0; 3], 0.0);
+    let stages = fly(&mut body, &mut loss, 24);
+    assert!(stages.contains(&Stage::Lost(3)), "{stages:?}");
+}
+
 /// On a rig, which holds the vehicle, there is none.
 #[test]
 fn a_rig_needs_none_of_this() {

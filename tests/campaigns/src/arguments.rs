@@ -8,6 +8,8 @@ use serde::Serialize;
 pub struct Arguments {
     /// 10 for a tenth of the campaign, 1 for the whole.
     pub parts: u64,
+    /// Recorded flights instead of simulated ones; only of a program that says so.
+    pub on_logs: bool,
     file: Option<String>,
 }
 
@@ -20,9 +22,11 @@ impl Arguments {
         let mut arguments: Vec<String> = std::env::args().skip(1).collect();
         let parts = if arguments.iter().any(|argument| argument == "tenth") { 10 } else { 1 };
         arguments.retain(|argument| argument != "tenth");
+        let on_logs = program == "motor_loss" && arguments.first().is_some_and(|argument| argument == "logs");
+        arguments.drain(..usize::from(on_logs));
         match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-            [] => Ok(Self { parts, file: None }),
-            ["--json", file] => Ok(Self { parts, file: Some(file.to_owned()) }),
+            [] => Ok(Self { parts, on_logs, file: None }),
+            ["--json", file] => Ok(Self { parts, on_logs, file: Some(file.to_owned()) }),
             _ => {
                 eprintln!("usage: {program} [tenth] [--json FILE]");
                 Err(ExitCode::from(2))

@@ -2,6 +2,8 @@
 //! core and with the one that knows of it. The figures of docs/motor-loss.md.
 
 pub mod flight;
+pub mod real_logs;
+pub mod recorded;
 
 use rayon::prelude::*;
 use serde::Serialize;

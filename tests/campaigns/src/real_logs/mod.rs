@@ -64,7 +64,7 @@ pub fn load(path: &Path, map: &str) -> Log {
 }
 
 /// A log's name without folder and endings.
-fn name_of(path: &Path) -> String {
+pub(crate) fn name_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.trim_end_matches(".csv.gz").to_owned()
 }
