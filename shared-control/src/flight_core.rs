@@ -105,6 +105,7 @@ impl FlightCore {
             rest_force_m_s2: imu.rest_force_m_s2,
             planning,
             motors: state.motor_loss.report(),
+            learnt_model: state.learnt_model,
             rate_target_rad_s: state.rate_target.rate_rad_s,
         }
     }

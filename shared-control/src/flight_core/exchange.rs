@@ -33,6 +33,7 @@ impl FlightCore {
             motor_loss,
             learning,
             exchanges,
+            learnt_model,
             taught: _,
             // of the vehicle and the world, or of a step that turned no motor
             step: _,
@@ -53,7 +54,7 @@ impl FlightCore {
             *battery = Default::default();
         }
         (*angle, *rate, *rate_target, *observer) = Default::default();
-        (*motor_loss, *learning) = Default::default();
+        (*motor_loss, *learning, *learnt_model) = Default::default();
         *exchanges = exchanges.wrapping_add(1);
         *config = *next;
         true
@@ -62,9 +63,10 @@ impl FlightCore {
     /// Takes what was made of what a flight taught, from the next step on, in flight too. All that passes from step to
     /// step is in SI units and means the same to the other controller, whose MPC comes with it.
     pub fn learn(config: &mut Config, state: &mut State, taught: &Taught) {
-        let Taught { step, angle, rate, inertia_kg_m2, observer, pitch_inertia } = *taught;
+        let Taught { step, model, angle, rate, inertia_kg_m2, observer, pitch_inertia } = *taught;
         *config = Config { angle, rate, inertia_kg_m2, observer, pitch_inertia, ..*config };
         let [times, _] = state.taught;
         state.taught = [times.wrapping_add(1), step];
+        state.learnt_model = Some(model);
     }
 }

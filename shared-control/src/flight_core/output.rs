@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::learning::adoption::LearntModel;
 use crate::mixer::MixResult;
 use crate::motor_loss::MotorReport;
 use crate::sensing::imu_health::ImuHealth;
@@ -91,6 +92,8 @@ pub struct StepOutput {
     pub planning: PlanReport,
     /// How the motors are.
     pub motors: MotorReport,
+    /// The model that the controllers are made for, where it was learnt.
+    pub learnt_model: Option<LearntModel>,
     /// Rate that the cascade requested, body frame, rad/s.
     pub rate_target_rad_s: Vector3<f32>,
 }

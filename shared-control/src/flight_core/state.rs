@@ -6,6 +6,7 @@ use crate::attitude::angle::{AngleState, RateTarget};
 use crate::attitude::rate::RateState;
 use crate::frames::{EulerAngles, q_world_from_euler};
 use crate::learning::LearningState;
+use crate::learning::adoption::LearntModel;
 use crate::learning::lesson::Lesson;
 use crate::mixer::MixResult;
 use crate::motor_loss::{MotorLoss, Stage};
@@ -47,6 +48,8 @@ pub struct State {
     pub(super) learning: LearningState,
     /// How often what was learnt was taken, and after which step the last lesson was.
     pub(super) taught: [u32; 2],
+    /// The model that flies, where it was learnt.
+    pub(super) learnt_model: Option<LearntModel>,
     /// Exchanges of the configuration since start.
     pub(super) exchanges: u32,
 }
@@ -82,6 +85,7 @@ impl State {
             motor_loss,
             learning,
             taught,
+            learnt_model,
             exchanges,
         } = self;
         words.word(*step);
@@ -106,6 +110,10 @@ impl State {
         motor_loss.record(words);
         learning.record(words);
         taught.iter().for_each(|word| words.word(*word));
+        let LearntModel { gain, lag_s } = learnt_model.unwrap_or(LearntModel { gain: [0.0; 2], lag_s: 0.0 });
+        words.word(u32::from(learnt_model.is_some()));
+        words.numbers(&gain);
+        words.number(lag_s);
         words.word(*exchanges);
     }
 

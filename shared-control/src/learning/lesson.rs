@@ -1,5 +1,6 @@
 //! What idle time is given of a flight, and what it gives back.
 
+use super::adoption::LearntModel;
 use super::confidence::{self, AXES, Learnt};
 use super::lag_bank::AxisSums;
 use crate::attitude::angle::AngleConfig;
@@ -28,6 +29,8 @@ impl Lesson {
 pub struct Taught {
     /// After which step the lesson was.
     pub step: u32,
+    /// What it was made for.
+    pub model: LearntModel,
     pub(crate) angle: AngleConfig,
     pub(crate) rate: [RateGains; 3],
     pub(crate) inertia_kg_m2: [f32; 3],

@@ -11,6 +11,7 @@ use crate::vehicle::VehicleParameters;
 /// A controller that is being made.
 #[derive(Clone, Copy, Debug)]
 pub struct Proposal {
+    model: LearntModel,
     vehicle: VehicleParameters,
     tuning: Tuning,
     made: Config,
@@ -29,7 +30,7 @@ impl Proposal {
         let tuning = tuning_of(&vehicle);
         // what senses stays as it is, whatever the IMU's rate
         let made = Config::new(&vehicle, &tuning, loop_rate_hz, loop_rate_hz, Controller::Mpc).ok()?;
-        Some(Self { vehicle, tuning, made })
+        Some(Self { model: *model, vehicle, tuning, made })
     }
 
     /// What its MPC is to be prepared with.
@@ -49,13 +50,13 @@ impl Proposal {
         learnt: &Learnt,
         pause: impl FnMut(),
     ) -> Result<(), Refusal> {
-        let Self { vehicle, tuning, made } = self;
+        let Self { vehicle, tuning, made, .. } = self;
         prove(&Candidate { vehicle, tuning, loop_rate_hz: made.loop_rate_hz, law }, first, learnt, pause)
     }
 
     /// What the loop takes of it, made of the lesson after this step.
     pub fn taught(&self, step: u32) -> Taught {
         let Config { angle, rate, inertia_kg_m2, observer, pitch_inertia, .. } = self.made;
-        Taught { step, angle, rate, inertia_kg_m2, observer, pitch_inertia }
+        Taught { step, model: self.model, angle, rate, inertia_kg_m2, observer, pitch_inertia }
     }
 }

@@ -61,10 +61,15 @@ const JUDGED_SHARE: f32 = 0.08;
 /// Time in flight after which it judges, s.
 const SETTLES_S: f32 = 0.5;
 
+/// Commands that are kept, the last and those that are under way: 30 ms of delay at 400 Hz, the most that the board's
+/// parameters take.
+const COMMANDS_KEPT: usize = 13;
+
 /// What the detector needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetectorConfig {
     step_s: f32,
+    delay_steps: usize,
     lag: LagStep,
     lag_s: f32,
     inertia_kg_m2: [f32; 3],
@@ -131,8 +136,8 @@ impl Unexplained {
 /// What it remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DetectorState {
-    /// Commanded lifts, and where the motors' lag has brought them, N.
-    commanded_n: [f32; 4],
+    /// Commanded lifts, the last first, and where the motors' lag has brought what has arrived of them, N.
+    commanded_n: [[f32; 4]; COMMANDS_KEPT],
     lifts_n: [f32; 4],
     fast: Unexplained,
     slow: Unexplained,
@@ -155,6 +160,8 @@ impl DetectorConfig {
         let step_s = 1.0 / loop_rate_hz;
         Self {
             step_s,
+            // to the nearest step: what is left over is at most half of one
+            delay_steps: (vehicle.actuation.delay_s * loop_rate_hz + 0.5) as usize,
             lag: LagStep::new(step_s, vehicle.actuation.lag_s),
             lag_s: vehicle.actuation.lag_s,
             inertia_kg_m2: vehicle.inertia_kg_m2,
@@ -207,7 +214,7 @@ impl DetectorState {
             accused,
             accused_steps,
         } = self;
-        words.numbers(commanded_n);
+        commanded_n.iter().for_each(|commanded_n| words.numbers(commanded_n));
         words.numbers(lifts_n);
         fast.record(words);
         slow.record(words);
@@ -231,15 +238,19 @@ impl DetectorState {
     }
 
     /// What the motors are to lift until the next step, N; one that is lost (1 to 4) lifts nothing.
-    pub fn command(&mut self, config: &DetectorConfig, commanded_n: [f32; 4], lost_motor: Option<u8>) {
-        self.commanded_n = commanded_n;
-        if let Some(lost_n) = lost_motor.and_then(|motor| self.commanded_n.get_mut(usize::from(motor) - 1)) {
+    pub fn command(&mut self, config: &DetectorConfig, mut commanded_n: [f32; 4], lost_motor: Option<u8>) {
+        if let Some(lost_n) = lost_motor.and_then(|motor| commanded_n.get_mut(usize::from(motor) - 1)) {
             *lost_n = 0.0;
         }
-        // it begins in steady flight: no motor is on its way
-        let kept = if self.steps > 1 { config.lag.kept } else { 0.0 };
-        for (lift_n, commanded_n) in self.lifts_n.iter_mut().zip(self.commanded_n) {
-            *lift_n = commanded_n + kept * (*lift_n - commanded_n);
+        // it begins in steady flight: no command is under way and no motor on its way
+        let is_first = self.steps <= 1;
+        self.commanded_n.rotate_right(1);
+        let kept = if is_first { COMMANDS_KEPT } else { 1 };
+        self.commanded_n.iter_mut().take(kept).for_each(|under_way_n| *under_way_n = commanded_n);
+        let arrived_n = self.commanded_n.get(config.delay_steps).or(self.commanded_n.last()).copied();
+        let kept = if is_first { 0.0 } else { config.lag.kept };
+        for (lift_n, arrived_n) in self.lifts_n.iter_mut().zip(arrived_n.unwrap_or(commanded_n)) {
+            *lift_n = arrived_n + kept * (*lift_n - arrived_n);
         }
     }
 

@@ -8,6 +8,7 @@ use super::*;
 use crate::airframe::TORQUE_SIGNS;
 use crate::frames::down_in_body;
 use crate::sensing::estimator::turned;
+use crate::vehicle::Actuation;
 
 const VEHICLE: VehicleParameters = VehicleParameters::F450_FREE;
 const STEP_S: f32 = 0.0025;
@@ -157,6 +158,44 @@ fn a_model_that_is_often_wrong_is_doubted() {
     (body.outside_nm, body.left[3]) = ([0.0; 3], 0.0);
     let stages = fly(&mut body, &mut loss, 24);
     assert!(stages.contains(&Stage::Lost(3)), "{stages:?}");
+}
+
+/// Lifts that follow hard commands 10 ms late: whoever knows of it suspects nobody, whoever does not takes what is
+/// under way for lost.
+#[test]
+fn a_command_that_is_under_way_is_not_missed() {
+    let late = Actuation { delay_s: 0.01, ..VEHICLE.actuation };
+    let steps_late = 4;
+    let hover_n = MASS_KG * 9.81 / 4.0;
+    let commanded_n = |step: usize| {
+        let more_n = if (step / 40).is_multiple_of(2) { 0.3 } else { -0.3 } * hover_n;
+        core::array::from_fn(|motor| hover_n + more_n * (TORQUE_SIGNS[0][motor] + TORQUE_SIGNS[1][motor]))
+    };
+    let suspicions = |actuation: Actuation| {
+        let config = DetectorConfig::new(&VehicleParameters { actuation, ..VEHICLE }, 400.0);
+        let (mut state, mut rate, mut lifts_n) = (DetectorState::default(), Vector3::zeros(), [hover_n; 4]);
+        let kept = (-STEP_S / late.lag_s).exp();
+        let suspected = (0..800).filter(|step| {
+            let estimate = AttitudeEstimate { rate_body_rad_s: rate, ..Body::hovering().estimate() };
+            let force_m_s2 = Vector3::new(0.0, 0.0, -lifts_n.iter().sum::<f32>() / MASS_KG);
+            let stage = state.judge(&config, &estimate, Some(force_m_s2));
+            state.command(&config, commanded_n(*step), None);
+            let arrived_n = step.checked_sub(steps_late).map_or([hover_n; 4], commanded_n);
+            for (lift_n, arrived_n) in lifts_n.iter_mut().zip(arrived_n) {
+                *lift_n = arrived_n + kept * (*lift_n - arrived_n);
+            }
+            for axis in 0..2 {
+                let lift_n: f32 = TORQUE_SIGNS[axis].iter().zip(lifts_n).map(|(sign, lift_n)| sign * lift_n).sum();
+                rate[axis] += STEP_S * VEHICLE.lever_m() * lift_n / VEHICLE.inertia_kg_m2[axis];
+            }
+            // not what it made of the first command, in which it takes the vehicle to have hovered
+            *step > 400 && stage != Stage::Whole
+        });
+        suspected.count()
+    };
+    assert_eq!(suspicions(late), 0);
+    let unaware = suspicions(VEHICLE.actuation);
+    assert!(unaware > 20, "{unaware} of 400 steps");
 }
 
 /// On a rig, which holds the vehicle, there is none.

@@ -8,6 +8,7 @@ use super::ulog::{self, Content, Topic};
 use crate::config::Config;
 use crate::flight_core::{StepOutput, TorqueSource};
 use crate::frames::euler_from_q;
+use crate::learning::adoption::LearntModel;
 use crate::link::Mode;
 use crate::radio::RadioFrame;
 use crate::sensing::imu::ImuConfig;
@@ -16,8 +17,8 @@ use crate::signals::{ImuBatch, Setpoint, StepInput};
 
 /// After disarming the log goes on for so long, us, so that it shows the motors stop.
 pub const AFTERWARDS_US: u64 = 1_000_000;
-/// Longest record of a step: all topics, a mark and a dropout are 444 bytes.
-const RECORD_MAX: usize = 456;
+/// Longest record of a step: all topics, a mark and a dropout are 469 bytes.
+const RECORD_MAX: usize = 480;
 
 // of the topics that are thinned
 const SETPOINT_PERIOD_US: u64 = 100_000;
@@ -39,9 +40,10 @@ const RADIO: u16 = 7;
 const BATTERY: u16 = 8;
 const STATUS: u16 = 9;
 const FAILURES: u16 = 10;
+const LEARNT_MODEL: u16 = 11;
 
 /// In the order of those.
-const TOPICS: [Topic; 11] = [
+const TOPICS: [Topic; 12] = [
     topics::SENSOR_COMBINED,
     topics::ANGULAR_VELOCITY,
     topics::ATTITUDE,
@@ -53,6 +55,7 @@ const TOPICS: [Topic; 11] = [
     topics::BATTERY,
     topics::STATUS,
     topics::FAILURES,
+    topics::LEARNT_MODEL,
 ];
 
 /// What there is to do for whoever empties the ring.
@@ -90,6 +93,9 @@ pub struct Recorder<const N: usize> {
     failures_due: Periodic,
     /// Motor whose loss was told last.
     lost_motor: Option<u8>,
+    learnt_due: Periodic,
+    /// As it was told last.
+    learnt_model: Option<LearntModel>,
     mark_due: Periodic,
     /// From here on steps found no room.
     dropping_since_us: Option<u64>,
@@ -123,6 +129,8 @@ impl<const N: usize> Recorder<N> {
             status_due: Periodic::NEW,
             failures_due: Periodic::NEW,
             lost_motor: None,
+            learnt_due: Periodic::NEW,
+            learnt_model: None,
             mark_due: Periodic::NEW,
             dropping_since_us: None,
             steps_dropped: 0,
@@ -182,6 +190,7 @@ impl<const N: usize> Recorder<N> {
         put_every_step(config, input, output, since_us, put);
         self.put_now_and_then(input, output, radio, put);
         self.put_failures(config, input, output, put);
+        self.put_learnt(input, output, put);
         let status = topics::status(&output.arming, mode);
         if self.status_due.takes(input.time_us, STATUS_PERIOD_US) || self.status.as_ref() != Some(&status) {
             ulog::data(STATUS, input.time_us, &status, put);
@@ -205,7 +214,7 @@ impl<const N: usize> Recorder<N> {
                     due.next_us = 0;
                 }
                 (self.battery_due.next_us, self.status_due.next_us, self.mark_due.next_us) = (0, 0, 0);
-                self.failures_due.next_us = 0;
+                (self.failures_due.next_us, self.learnt_due.next_us) = (0, 0);
             }
             // the file is still open: the log goes on
             Stage::Ended if is_armed => self.stage = Stage::Running { start_us: time_us },
@@ -228,6 +237,16 @@ impl<const N: usize> Recorder<N> {
             ulog::data(FAILURES, input.time_us, &topics::failures(&output.motors), put);
         }
         self.lost_motor = lost_motor;
+    }
+
+    /// Where it was learnt, from the first step on that is flown with it: whoever repeats the flight needs it.
+    fn put_learnt(&mut self, input: &StepInput, output: &StepOutput, put: &mut impl FnMut(&[u8])) {
+        if let Some(model) = &output.learnt_model
+            && (self.learnt_due.takes(input.time_us, STATUS_PERIOD_US) || self.learnt_model != output.learnt_model)
+        {
+            ulog::data(LEARNT_MODEL, input.time_us, &topics::learnt_model(model), put);
+        }
+        self.learnt_model = output.learnt_model;
     }
 
     fn put_now_and_then(

@@ -304,6 +304,33 @@ fn a_lost_motor_is_in_the_log_where_somebody_looks_for_it() {
     assert_eq!(found, [vec![0, 0, 0], vec![1, 4, 0], vec![1, 4, 0]]);
 }
 
+/// What was learnt stands in the log from the step on that is flown with it, and again where another log begins; before
+/// there is nothing.
+#[test]
+fn a_learnt_model_is_in_the_log_from_its_first_step_on() {
+    use crate::learning::adoption::LearntModel;
+    let mut bench = Bench::<100_000>::new(Controller::Mpc);
+    bench.fly(400);
+    assert!(data(&bench.taken(), &topics::LEARNT_MODEL).is_empty());
+    let models = [1.37, 1.4].map(|roll| LearntModel { gain: [roll, 1.0], lag_s: 0.0065 });
+    let mut recorder = Recorder::<300_000>::new();
+    for (number, (input, output)) in bench.steps.iter().enumerate() {
+        let learnt_model = if number < 50 { None } else { Some(models[usize::from(number >= 60)]) };
+        recorder.record(&bench.config, input, &StepOutput { learnt_model, ..*output }, (&RADIO, Mode::Stabilise));
+    }
+    let mut log = vec![0; recorder.waiting()];
+    recorder.take(&mut log);
+    let found = data(&log, &topics::LEARNT_MODEL);
+    let first_us = bench.steps[0].0.time_us;
+    let told: Vec<(u64, f32, f32)> = found
+        .iter()
+        .map(|content| ((time_us(content) - first_us) / STEP_US, number(content, 8), number(content, 16)))
+        .collect();
+    // when it is flown first, when it changes, and half a second after the first
+    assert_eq!(told, [(50, 1.37, 0.0065), (60, 1.4, 0.0065), (250, 1.4, 0.0065)]);
+    assert!(found.iter().all(|content| content.len() + 5 == 25));
+}
+
 /// As PX4 numbers them: a vehicle that comes down by itself is in a failsafe, whatever its mode.
 #[test]
 fn the_status_has_mode_and_failsafe() {

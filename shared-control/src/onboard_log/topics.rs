@@ -7,6 +7,7 @@ use nalgebra::UnitQuaternion;
 use super::ulog::{Content, Topic};
 use crate::flight_core::StepOutput;
 use crate::frames::{EulerAngles, q_world_from_euler};
+use crate::learning::adoption::LearntModel;
 use crate::link::Mode;
 use crate::motor_loss::MotorReport;
 use crate::radio::RadioFrame;
@@ -61,6 +62,10 @@ pub const STATUS: Topic = Topic {
 /// Whether a motor is given up, and a bit for each such, the first for motor 1.
 pub const FAILURES: Topic =
     Topic { name: "failure_detector_status", fields: "bool fd_motor;uint16_t motor_failure_mask;" };
+
+/// The model that the controllers are made for, where the flight taught it; not one of PX4's. `gain` is the angular
+/// acceleration per torque about roll and pitch over that of the vehicle in the head's parameters, `lag_s` the motors'.
+pub const LEARNT_MODEL: Topic = Topic { name: "learnt_model", fields: "float[2] gain;float lag_s;" };
 
 /// The receiver's channels.
 pub const RADIO: Topic = Topic { name: "input_rc", fields: "uint16_t[18] values;uint8_t channel_count;bool rc_lost;" };
@@ -145,6 +150,11 @@ pub fn status(arming: &Arming, mode: Mode) -> Content {
 pub fn failures(motors: &MotorReport) -> Content {
     let mask = motors.lost_motor().map_or(0, |motor| 1_u16 << (motor.saturating_sub(1) & 3));
     Content::default().bytes(&[u8::from(mask != 0)]).bytes(&mask.to_le_bytes())
+}
+
+/// Content of [`LEARNT_MODEL`].
+pub fn learnt_model(model: &LearntModel) -> Content {
+    Content::default().numbers(&model.gain).numbers(&[model.lag_s])
 }
 
 /// Content of [`RADIO`].

@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct Arguments {
     /// 10 for a tenth of the campaign, 1 for the whole.
     pub parts: u64,
-    /// Recorded flights instead of simulated ones; only of a program that says so.
+    /// Recorded flights instead of simulated ones.
     pub on_logs: bool,
     file: Option<String>,
 }
@@ -19,16 +19,32 @@ impl Arguments {
     /// # Errors
     /// The exit status for that.
     pub fn of_process(program: &str) -> Result<Self, ExitCode> {
+        Self::read(program, false)
+    }
+
+    /// The same of a program that also takes recorded flights.
+    ///
+    /// # Errors
+    /// As [`Self::of_process`].
+    pub fn of_process_or_logs(program: &str) -> Result<Self, ExitCode> {
+        Self::read(program, true)
+    }
+
+    fn read(program: &str, knows_logs: bool) -> Result<Self, ExitCode> {
         let mut arguments: Vec<String> = std::env::args().skip(1).collect();
-        let parts = if arguments.iter().any(|argument| argument == "tenth") { 10 } else { 1 };
-        arguments.retain(|argument| argument != "tenth");
-        let on_logs = program == "motor_loss" && arguments.first().is_some_and(|argument| argument == "logs");
-        arguments.drain(..usize::from(on_logs));
+        let mut takes = |word: &str| {
+            let before = arguments.len();
+            arguments.retain(|argument| argument != word);
+            arguments.len() < before
+        };
+        let parts = if takes("tenth") { 10 } else { 1 };
+        let on_logs = knows_logs && takes("logs");
         match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
             [] => Ok(Self { parts, on_logs, file: None }),
             ["--json", file] => Ok(Self { parts, on_logs, file: Some(file.to_owned()) }),
             _ => {
-                eprintln!("usage: {program} [tenth] [--json FILE]");
+                let words = if knows_logs { "tenth | logs" } else { "tenth" };
+                eprintln!("usage: {program} [{words}] [--json FILE]");
                 Err(ExitCode::from(2))
             }
         }

@@ -2,6 +2,8 @@
 //! forward-right-down, world north-east-down, quaternions world from body (w, x, y, z), SI units, time stamps in us
 //! since start.
 
+use shared_control::learning::adoption::LearntModel;
+
 use super::super::messages::{Messages, Table};
 use super::super::motor_order::{MotorOrder, Rotor};
 use super::super::quantity::Quantity;
@@ -11,7 +13,7 @@ use crate::axis::Axis;
 use crate::vehicle::euler_rad;
 
 /// The topics that are read.
-pub(super) const TOPICS: [&str; 11] = [
+pub(super) const TOPICS: [&str; 12] = [
     "vehicle_angular_velocity",
     "sensor_combined",
     "vehicle_attitude",
@@ -21,6 +23,7 @@ pub(super) const TOPICS: [&str; 11] = [
     "actuator_controls_0",
     "vehicle_torque_setpoint",
     "battery_status",
+    "learnt_model",
     "vehicle_local_position",
     "esc_status",
 ];
@@ -93,7 +96,23 @@ pub(super) fn recording(messages: &Messages) -> Result<Recording, String> {
     recording.streams.extend(
         stream(messages, "battery_status").map(|stream| stream.with(messages, "voltage_v", Quantity::Battery, 1.0)),
     );
+    recording.notes.extend(learnt(messages));
     Ok(recording)
+}
+
+/// From when on the controllers of this project were made for what the flight had taught, and what that was.
+fn learnt(messages: &Messages) -> Vec<String> {
+    let columns = || {
+        let table = messages.table("learnt_model")?;
+        let [roll, pitch] = array(table, "gain")?;
+        Some((seconds(table.column("timestamp")?), roll, pitch, table.column("lag_s")?))
+    };
+    let Some((time_s, roll, pitch, lag_s)) = columns() else { return Vec::new() };
+    let model = |row: usize| LearntModel { gain: [roll[row] as f32, pitch[row] as f32], lag_s: lag_s[row] as f32 };
+    let is_new = |row: &usize| *row == 0 || model(*row) != model(row - 1);
+    let told =
+        |row: usize| format!("from {:.2} s on flown by another model than the head's: {}", time_s[row], model(row));
+    (0..time_s.len()).filter(is_new).map(told).collect()
 }
 
 /// What the file says of itself, without readings.

@@ -56,6 +56,31 @@ impl File {
     }
 }
 
+/// The vehicle's own log says from when on it was flown by what the flight had taught.
+#[test]
+fn a_model_that_was_learnt_in_flight_is_told() {
+    let topics = [
+        ("vehicle_angular_velocity", "float[3] xyz;"),
+        ("actuator_motors", "float[12] control;"),
+        ("learnt_model", "float[2] gain;float lag_s;"),
+    ];
+    let file = (0..300).fold(File::new().topics(&topics), |file, row| {
+        let stamp_us = 1_000_000 + 4000 * row;
+        let file = file.data(0, stamp_us, &[0.01 * row as f32, -0.5, 0.25]).data(1, stamp_us, &[0.3; 12]);
+        match row {
+            100 | 150 => file.data(2, stamp_us, &[1.37, 1.0, 0.003]),
+            200 => file.data(2, stamp_us, &[1.4, 0.92, 0.0042]),
+            _ => file,
+        }
+    });
+    let told: Vec<String> = file.read().unwrap().notes.into_iter().filter(|note| note.contains("learnt")).collect();
+    let expected = [
+        "from 1.40 s on flown by another model than the head's: learnt: roll +37 %, pitch +0 %, lag 3 ms",
+        "from 1.80 s on flown by another model than the head's: learnt: roll +40 %, pitch -8 %, lag 4 ms",
+    ];
+    assert_eq!(told, expected);
+}
+
 /// One message of each topic of [`flight`], heads included.
 const ROUND_BYTES: usize = (3 + 2 + 8 + 12) + (3 + 2 + 8 + 48);
 

@@ -407,7 +407,9 @@ fn prefetch() -> Evidence {
     let each = (after.cycles - before.cycles) as f64 / (after.instructions - before.instructions) as f64;
     let seen = format!("{each:.2} cycles an instruction in flight, exceptions included");
     match (flight.machine.prefetches(), each < PREFETCHED_CYCLES) {
-        (true, true) => Ok(format!("less than {PREFETCHED_CYCLES} cycles an instruction in flight, exceptions included")),
+        (true, true) => {
+            Ok(format!("less than {PREFETCHED_CYCLES} cycles an instruction in flight, exceptions included"))
+        }
         (true, false) => Err(seen),
         (false, _) => Err(format!("off: {seen}")),
     }

@@ -1,6 +1,6 @@
 //! Motors that fail in free flight, as the tables of docs/motor-loss.md: `cargo run --release -p campaigns --bin
-//! motor_loss`, with `-- --json FILE` also as rows in a file; `tenth` flies a tenth of it. `-- logs` goes through flights
-//! that other people recorded instead.
+//! motor_loss`, with `-- --json FILE` also as rows in a file; `tenth` flies a tenth of it. `-- logs` goes through
+//! flights that other people recorded instead.
 
 use std::process::ExitCode;
 
@@ -12,7 +12,7 @@ const SEEDS: u64 = 140;
 const MINUTES: u64 = 750;
 
 fn main() -> ExitCode {
-    let arguments = match Arguments::of_process("motor_loss") {
+    let arguments = match Arguments::of_process_or_logs("motor_loss") {
         Ok(arguments) => arguments,
         Err(status) => return status,
     };

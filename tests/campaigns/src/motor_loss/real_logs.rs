@@ -130,7 +130,11 @@ impl Watch {
 pub fn searched() -> (Vec<Quiet>, Vec<Found>) {
     let flights = recorded::all();
     let mut names: Vec<&str> = Vec::new();
-    flights.iter().map(group).for_each(|name| if !names.contains(&name) { names.push(name) });
+    flights.iter().map(group).for_each(|name| {
+        if !names.contains(&name) {
+            names.push(name)
+        }
+    });
     let of = |name: &str| flights.iter().filter(|flight| group(flight) == name).collect::<Vec<_>>();
     let quiets = names.iter().flat_map(|name| BELIEFS.map(|belief| quiet(name, &of(name), belief))).collect();
     (quiets, names.iter().flat_map(|name| with_losses(name, &of(name))).collect())
@@ -200,7 +204,10 @@ fn take_away(flight: &Recorded, loss: Loss, mut found: Found) -> Found {
         let is_due = at >= SETTLED_STEPS && (at - SETTLED_STEPS).is_multiple_of(BETWEEN_LOSSES_STEPS);
         let motor = at / BETWEEN_LOSSES_STEPS % 4;
         let lifts = |step: &Step| flight.vehicle.lift_curve.lift(step.motors[motor] as f32) > lifts_from_n;
-        if is_due && lifts(step) && let Some(rest) = flight.steps.get(at..at + WATCHED_STEPS) {
+        if is_due
+            && lifts(step)
+            && let Some(rest) = flight.steps.get(at..at + WATCHED_STEPS)
+        {
             let (suspected, named) = first_seen(watch, &flight.vehicle, rest, motor, loss);
             found.losses += 1;
             let within = |step: usize, limit_s: f64| STEP_S * step as f64 <= limit_s + 1e-6;
@@ -279,8 +286,8 @@ pub fn table(quiet: &[Quiet], found: &[Found]) -> String {
             100.0 * one.suspected_s / one.flown_s,
         );
     }
-    text += "\n| log | loss put in | times | suspected in 20 ms, % | named in 60 ms, % | in 100 ms, % | another named |\n\
-             |---|---|---|---|---|---|---|\n";
+    text += "\n| log | loss put in | times | suspected in 20 ms, % | named in 60 ms, % | in 100 ms, % | \
+             another named |\n|---|---|---|---|---|---|---|\n";
     for one in found {
         let share = |count: usize| 100.0 * count as f64 / one.losses.max(1) as f64;
         text += &format!(
