@@ -61,8 +61,8 @@ def is_better(before, after, watch):
 def off_deg(attitudes, targets):
     """Mean |target - attitude| of roll and pitch over the sequence's beginning.
 
-    At 25 Hz a target is up to 40 ms old, a tenth of the mean; but its steps are at fixed times, which are no multiples of
-    40 ms: the two targets between which each was seen tell the first's time to 20 ms or better.
+    At 25 Hz a target is up to 40 ms old, a tenth of the mean; but its steps are at fixed times, which are no multiples
+    of 40 ms: the two targets between which each was seen tell the first's time to 20 ms or better.
     """
     seen = [(before_s, at_s) for (before_s, before), (at_s, at) in itertools.pairwise(targets)
             if math.dist(before, at) > math.radians(15)][:len(STEPS_DEG)]
