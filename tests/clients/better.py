@@ -66,12 +66,13 @@ def off_deg(attitudes, targets):
     """
     seen = [(before_s, at_s) for (before_s, before), (at_s, at) in itertools.pairwise(targets)
             if math.dist(before, at) > math.radians(15)][:len(STEPS_DEG)]
-    begin_s = [max(before_s - number * STEP_S for number, (before_s, _) in enumerate(seen)),
-               min(at_s - number * STEP_S for number, (_, at_s) in enumerate(seen))]
-    expect(len(seen) == len(STEPS_DEG) and 0 < begin_s[1] - begin_s[0] < 0.03, f"steps as planned: {seen}")
+    expect(len(seen) == len(STEPS_DEG), f"steps of the target: {seen}")
+    begins_s = [[time_s - number * STEP_S for time_s in times_s] for number, times_s in enumerate(seen)]
+    earliest_s, latest_s = max(first for first, _ in begins_s), min(last for _, last in begins_s)
+    expect(0 < latest_s - earliest_s < 0.03, f"a step each {STEP_S} s: {seen}")
     off = []
     for time_s, attitude in attitudes:
-        passed_s = time_s - sum(begin_s) / 2
+        passed_s = time_s - (earliest_s + latest_s) / 2
         if 0 <= passed_s < FLOWN_S:
             target = STEPS_DEG[min(int(passed_s / STEP_S), len(STEPS_DEG) - 1)]
             off.append([abs(to - math.degrees(at)) for to, at in zip(target, attitude)])
