@@ -15,6 +15,7 @@ pub mod detector;
 pub mod reduced_attitude;
 mod report;
 pub mod spin_disturbance;
+pub mod spin_frame;
 pub mod spin_gains;
 
 use nalgebra::Vector3;

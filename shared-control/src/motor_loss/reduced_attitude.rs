@@ -8,7 +8,8 @@ use super::Felt;
 use super::allocation::lifts_n;
 use super::complex::Complex;
 use super::spin_disturbance::SpinDisturbance;
-use super::spin_gains::SpinGains;
+use super::spin_frame::SpinFrame;
+use super::spin_gains::{SpinGains, Spinning};
 use crate::airframe::TORQUE_SIGNS;
 use crate::elementary::{asin, larger, limit, sqrt};
 use crate::frames::down_in_body;
@@ -21,9 +22,12 @@ const TILT_COUNTED_RAD: f32 = 1.2;
 const RAISE_MAX: f32 = 1.3;
 /// Torque from outside that is counted at most, of that of a motor's largest lift.
 const OUTSIDE_SHARE_MAX: f32 = 0.25;
-/// A torque of the world is made while the body turns: the sides' axis makes a half of it in the mean, the far motor,
-/// which pushes one way only, a quarter.
-const OUTSIDE_FACTOR: f32 = 4.0 / 3.0;
+/// Angular momentum of a rotor over the root of its lift and the arm's third power, kg s^-1 m^-1 N^-1/2: an F450's, of
+/// 5.44e-5 kg m^2 and 1.105e-5 N s^2 (`models/f450-free.toml`). Alike rotors have an inertia that goes with the fifth
+/// power of their size and a lift that goes with the fourth.
+const ROTOR_MOMENTUM: f32 = 1.418;
+/// Of the largest lift, what a side makes that carries half of the vehicle.
+const SIDE_SHARE: f32 = 0.66;
 /// Of the largest lift, what the sides make at least: a rotor that stops takes long to start.
 const SIDE_MIN_SHARE: f32 = 0.06;
 
@@ -31,10 +35,10 @@ const SIDE_MIN_SHARE: f32 = 0.06;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReducedAttitude {
     gains: SpinGains,
+    rotor_nm_s_per_root_n: f32,
     inertia_kg_m2: [f32; 2],
     inertia_ratio: f32,
     lever_m: f32,
-    lag_s: f32,
     step_s: f32,
     outside_max_rad_s2: f32,
 }
@@ -45,12 +49,15 @@ impl ReducedAttitude {
         let [roll, pitch, yaw] = vehicle.inertia_kg_m2;
         let mean = 0.5 * (roll + pitch);
         let inertia_ratio = (yaw - mean) / mean;
+        let rotor_nm_s_per_root_n = ROTOR_MOMENTUM * vehicle.arm_m * vehicle.arm_m * vehicle.arm_m;
+        let side_nm_s = rotor_nm_s_per_root_n * sqrt(SIDE_SHARE * vehicle.lift_curve.lift_max_n);
+        let rotors_rad_s = 2.0 * side_nm_s / mean;
         Self {
-            gains: SpinGains::new(inertia_ratio, vehicle.actuation.lag_s),
+            gains: SpinGains::new(&Spinning { inertia_ratio, rotors_rad_s, lag_s: vehicle.actuation.lag_s }),
+            rotor_nm_s_per_root_n,
             inertia_kg_m2: [roll, pitch],
             inertia_ratio,
             lever_m: vehicle.lever_m(),
-            lag_s: vehicle.actuation.lag_s,
             step_s: 1.0 / loop_rate_hz,
             outside_max_rad_s2: OUTSIDE_SHARE_MAX * vehicle.lever_m() * vehicle.lift_curve.lift_max_n / mean,
         }
@@ -76,14 +83,11 @@ impl ReducedAttitude {
         let rate = &felt.estimate.rate_body_rad_s;
         let turning = Complex { re: self.turning(0, lifting_n), im: self.turning(1, lifting_n) };
         let rolling = Complex { re: rate.x, im: rate.y };
-        let seen = (self.inertia_ratio, rate.z, self.outside_max_rad_s2);
-        let against = outside.update(self.step_s, seen, rolling, turning).scaled(-1.0);
-        let now = [tilt_error(down.x, down.y, down.z), rolling, turning.plus(against.scaled(-1.0))];
-        // it turns with the world, so the motors' lag is led by as much
-        let mut wanted = against.times(Complex { re: 1.0, im: -rate.z * self.lag_s }).scaled(OUTSIDE_FACTOR);
-        for (gain, value) in self.gains.at(rate.z).into_iter().zip(now) {
-            wanted = wanted.plus(gain.times(value).scaled(-1.0));
-        }
+        let spins = [rate.z, self.precession_rad_s(rate.z, lifting_n), self.outside_max_rad_s2];
+        let outside = outside.update(self.step_s, spins, rolling, turning);
+        let frame = SpinFrame::without(lost);
+        let now = [tilt_error(down.x, down.y, down.z), rolling, turning, outside].map(|value| frame.seen(value));
+        let wanted = frame.roll_pitch(self.gains.at(frame.spin_rad_s(rate.z)).answer(now));
         let [roll, pitch] = self.inertia_kg_m2;
         let torque_nm = [roll * finite(wanted.re), pitch * finite(wanted.im)];
         let upright = limit(1.0 / larger(down.z, 0.5), 1.0, RAISE_MAX);
@@ -95,6 +99,16 @@ impl ReducedAttitude {
             *command = if motor == lost { 0.0 } else { curve.command(lift_n) };
         }
         commands
+    }
+
+    /// How fast roll and pitch would turn into each other in the body without any torque, rad/s.
+    fn precession_rad_s(&self, yaw_rad_s: f32, lifting_n: &[f32; 4]) -> f32 {
+        let [roll, pitch] = self.inertia_kg_m2;
+        // a rotor turns against the torque that the air's drag on it has on the body
+        let signs = TORQUE_SIGNS[2].iter().zip(lifting_n);
+        let rotors_nm_s: f32 =
+            signs.map(|(sign, lift_n)| -sign * self.rotor_nm_s_per_root_n * sqrt(larger(*lift_n, 0.0))).sum();
+        self.inertia_ratio * yaw_rad_s + rotors_nm_s / (0.5 * (roll + pitch))
     }
 
     /// Angular acceleration that the motors make about roll or pitch, rad/s^2.

@@ -14,6 +14,8 @@ const VEHICLE: VehicleParameters = VehicleParameters::F450_FREE;
 const STEP_S: f32 = 0.0025;
 const MASS_KG: f32 = 1.2;
 const YAW_DRAG_NM_S: f32 = 0.0117;
+/// A rotor's angular momentum over the root of its lift, N m s / N^(1/2): `models/f450-free.toml`.
+const ROTOR_NM_S: f32 = 0.01637;
 
 /// A vehicle that hovers, and what has become of its motors.
 struct Body {
@@ -51,7 +53,10 @@ impl Body {
                 arms_m[axis] * lift_n + self.outside_nm[axis]
             });
             torque.z -= YAW_DRAG_NM_S * self.rate.z;
-            torque -= self.rate.cross(&inertia.component_mul(&self.rate));
+            let rotors_nm_s: f32 =
+                (0..4).map(|motor| -TORQUE_SIGNS[2][motor] * ROTOR_NM_S * self.lifts_n[motor].sqrt()).sum();
+            let momentum = inertia.component_mul(&self.rate) + Vector3::new(0.0, 0.0, rotors_nm_s);
+            torque -= self.rate.cross(&momentum);
             self.rate += torque.component_div(&inertia) * step_s;
             self.q = turned(&self.q, &(self.rate * step_s));
         }

@@ -69,7 +69,9 @@ pub struct Case {
     pub failure: Failure,
     /// Yaw drag over [`YAW_DRAG_NM_S`].
     pub yaw_drag: f64,
-    /// Inertia, lift and lag are up to this share off.
+    /// Inertia of the rotors over that of the F450's, which the core believes.
+    pub rotor_inertia: f64,
+    /// Inertia and lift are up to this share off.
     pub model_error: f64,
     /// Whether the core knows of lost motors.
     pub noticed: bool,
@@ -127,7 +129,7 @@ impl Vehicle {
     fn drawn(&self, case: &Case, draws: &mut RandomStream) -> VehicleModel {
         let mut scale = || 1.0 + case.model_error * (2.0 * draws.uniform() - 1.0);
         let effects = vec![
-            Effect::RotorInertia(RotorInertia { inertia_kg_m2: ROTOR_INERTIA_KG_M2 }),
+            Effect::RotorInertia(RotorInertia { inertia_kg_m2: case.rotor_inertia * ROTOR_INERTIA_KG_M2 }),
             Effect::InertiaError(InertiaError { axis: Axis::Roll, scale: scale() }),
             Effect::InertiaError(InertiaError { axis: Axis::Pitch, scale: scale() }),
             Effect::ThrustScale(ThrustScale { scale: scale() }),

@@ -21,6 +21,8 @@ pub struct Row {
     pub noticed: bool,
     /// Yaw drag over the assumed one.
     pub yaw_drag: f64,
+    /// The rotors' inertia over the believed one.
+    pub rotor_inertia: f64,
     /// Inertia and lift up to this share off.
     pub model_error: f64,
     /// Flights.
@@ -91,11 +93,17 @@ const FLOWN: [(&str, Flown); 4] = [
 pub fn rows(seeds: u64) -> Vec<Row> {
     let vehicles = [false, true].map(Vehicle::new);
     let mut rows = Vec::new();
-    for (noticed, yaw_drag, model_error) in
-        [(false, 1.0, 0.0), (true, 1.0, 0.0), (true, 1.0, 0.1), (true, 0.5, 0.0), (true, 2.0, 0.0)]
-    {
-        // with another yaw drag the two hardest
-        let failures = if yaw_drag == 1.0 { &FAILURES[..] } else { &FAILURES[..2] };
+    for (noticed, yaw_drag, rotor_inertia, model_error) in [
+        (false, 1.0, 1.0, 0.0),
+        (true, 1.0, 1.0, 0.0),
+        (true, 1.0, 1.0, 0.1),
+        (true, 0.5, 1.0, 0.0),
+        (true, 2.0, 1.0, 0.0),
+        (true, 1.0, 0.5, 0.0),
+        (true, 1.0, 2.0, 0.0),
+    ] {
+        // with another yaw drag or other rotors the two hardest
+        let failures = if yaw_drag == 1.0 && rotor_inertia == 1.0 { &FAILURES[..] } else { &FAILURES[..2] };
         for ((name, failure), (flown_name, flown)) in
             failures.iter().flat_map(|one| FLOWN.iter().map(move |f| (one, f)))
         {
@@ -104,6 +112,7 @@ pub fn rows(seeds: u64) -> Vec<Row> {
                 flown: *flown,
                 failure: *failure,
                 yaw_drag,
+                rotor_inertia,
                 model_error,
                 noticed,
                 duration_s: 10.0,
@@ -136,6 +145,7 @@ fn row((failure, flown): (&'static str, &'static str), case: &Case, outcomes: &[
         flown,
         noticed: case.noticed,
         yaw_drag: case.yaw_drag,
+        rotor_inertia: case.rotor_inertia,
         model_error: case.model_error,
         flights: outcomes.len(),
         suspected_in_20_ms_pct: share(&|outcome| within(outcome.suspected_s, 0.0201)),
@@ -167,6 +177,7 @@ pub fn alarms(minutes: u64) -> Vec<Alarms> {
                 flown: *flown,
                 failure: Failure::None,
                 yaw_drag: 1.0,
+                rotor_inertia: 1.0,
                 model_error,
                 noticed,
                 duration_s: 60.0,
@@ -197,21 +208,22 @@ pub fn alarms(minutes: u64) -> Vec<Alarms> {
 /// Failures as a table.
 pub fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| failure | flown | noticed | yaw drag | model off by | suspected in 20 ms, % | 99 % in, ms | \
+        "| failure | flown | noticed | yaw drag | rotors | model off by | suspected in 20 ms, % | 99 % in, ms | \
          lost in 60 ms, % | 99 % in, ms | wrong | tilt: median / 95 %, deg | upright in 2 s / 4 s, % | \
          late tilt 95 %, deg | deviation 95 %, deg | heading 95 %, deg | spin, rad/s |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let cell = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));
     for row in rows {
         let [median, most] = row.tilt_deg;
         text += &format!(
-            "| {} | {} | {} | {} | {:.0} % | {:.1} | {} | {:.1} | {} | {} | {median:.0} / {most:.0} \
+            "| {} | {} | {} | {} | {} | {:.0} % | {:.1} | {} | {:.1} | {} | {} | {median:.0} / {most:.0} \
              | {:.1} / {:.1} | {:.1} | {:.1} | {:.1} | {:.1} |\n",
             row.failure,
             row.flown,
             if row.noticed { "yes" } else { "no" },
             row.yaw_drag,
+            row.rotor_inertia,
             100.0 * row.model_error,
             row.suspected_in_20_ms_pct,
             cell(row.suspected_99_ms),
