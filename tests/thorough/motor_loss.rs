@@ -15,18 +15,22 @@ const CALM: Case = Case {
     duration_s: 6.0,
 };
 
+/// The board's `MOT_SPIN_MIN_PCT`; the campaign's table has motors that may rest.
+const FLIGHT_IDLE: f32 = 0.15;
+
 /// Other seeds than the campaign's table begins with.
 fn fly(case: &Case) -> Vec<(u64, Outcome)> {
-    let vehicle = Vehicle::new(case.noticed);
+    let vehicle = Vehicle::new(case.noticed, FLIGHT_IDLE);
     (901..909).into_par_iter().map(|seed| (seed, vehicle.fly(&Case { seed, ..*case }))).collect()
 }
 
-/// Hovering, in steps to 20 degrees or in gusts to 0.2 N m: the motor is named within 60 ms and the vehicle upright within 2 s for good; a
-/// motor that spins down tilts it by 50 degrees at most, a propeller that flies off by less than upside down.
+/// Hovering, in steps to 20 degrees or in gusts to 0.2 N m: the motor is named within 60 ms and the vehicle upright
+/// within 2 s for good; a motor that spins down tilts it by 80 degrees at most, a propeller that flies off by 110 (the
+/// campaign's 95 % in gusts: 62 and 79).
 #[test]
 fn a_lost_motor_is_named_and_the_vehicle_comes_upright() {
     for flown in [Flown::Hover, Flown::Steps, Flown::Gusts { deviation_nm: 0.2 / 3.0 }] {
-        for (failure, tilt_max_deg) in [(Failure::SpinsDown, 50.0), (Failure::Lift { lost: 1.0, within_s: 0.0 }, 70.0)]
+        for (failure, tilt_max_deg) in [(Failure::SpinsDown, 80.0), (Failure::Lift { lost: 1.0, within_s: 0.0 }, 110.0)]
         {
             let case = Case { flown, failure, ..CALM };
             for (seed, outcome) in fly(&case) {
@@ -62,7 +66,7 @@ fn gusts_take_no_motor() {
         ..CALM
     };
     let tilt_deg = [true, false].map(|noticed| {
-        let vehicle = Vehicle::new(noticed);
+        let vehicle = Vehicle::new(noticed, FLIGHT_IDLE);
         let outcomes: Vec<Outcome> =
             (901..909u64).into_par_iter().map(|seed| vehicle.fly_whole(&Case { seed, ..gusts(noticed) })).collect();
         assert!(outcomes.iter().all(|outcome| outcome.lost_s.is_none()));

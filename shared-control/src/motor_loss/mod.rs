@@ -164,7 +164,9 @@ impl MotorLoss {
                     MixResult { commands: MotorCommands(commands), saturated: mix.saturated, ..MixResult::default() };
             }
         }
-        let turning = mix.commands.0.map(|command| config.lift_curve.lift(command));
+        let [least, ..] = config.lift_curve.command_at;
+        // below the least command in flight a motor stands still
+        let turning = mix.commands.0.map(|command| if command < least { 0.0 } else { config.lift_curve.lift(command) });
         self.detector.command(&config.detector, turning, self.stage.lost_motor());
     }
 

@@ -5,7 +5,7 @@
 //! the sides' difference turns about one axis of the body, which passes through all directions as it spins.
 
 use super::Felt;
-use super::allocation::lifts_n;
+use super::allocation::{lifts_n, opposite};
 use super::complex::Complex;
 use super::spin_disturbance::SpinDisturbance;
 use super::spin_frame::SpinFrame;
@@ -30,6 +30,10 @@ const ROTOR_MOMENTUM: f32 = 1.418;
 const SIDE_SHARE: f32 = 0.66;
 /// Of the largest lift, what the sides make at least: a rotor that stops takes long to start.
 const SIDE_MIN_SHARE: f32 = 0.06;
+
+/// From this spin on the far motor stands still where nothing is asked of it, rad/s: what it lifts at its least command
+/// in flight turns with the body, and near the spin at which roll and pitch do not couple nothing holds that.
+const FAR_RESTS_RAD_S: f32 = 6.0;
 
 /// What it needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +91,8 @@ impl ReducedAttitude {
         let outside = outside.update(self.step_s, spins, rolling, turning);
         let frame = SpinFrame::without(lost);
         let now = [tilt_error(down.x, down.y, down.z), rolling, turning, outside].map(|value| frame.seen(value));
-        let wanted = frame.roll_pitch(self.gains.at(frame.spin_rad_s(rate.z)).answer(now));
+        let spin_rad_s = frame.spin_rad_s(rate.z);
+        let wanted = frame.roll_pitch(self.gains.at(spin_rad_s).answer(now));
         let [roll, pitch] = self.inertia_kg_m2;
         let torque_nm = [roll * finite(wanted.re), pitch * finite(wanted.im)];
         let upright = limit(1.0 / larger(down.z, 0.5), 1.0, RAISE_MAX);
@@ -96,7 +101,8 @@ impl ReducedAttitude {
         let lifts = lifts_n(lost, torque_nm, sum_n, self.lever_m, limits_n);
         let mut commands = [0.0; 4];
         for (motor, (command, lift_n)) in commands.iter_mut().zip(lifts).enumerate() {
-            *command = if motor == lost { 0.0 } else { curve.command(lift_n) };
+            let rests = motor == opposite(lost) && lift_n <= curve.lift_min_n && spin_rad_s > FAR_RESTS_RAD_S;
+            *command = if motor == lost || rests { 0.0 } else { curve.command(lift_n) };
         }
         commands
     }

@@ -34,8 +34,8 @@ impl SpinDisturbance {
         words.numbers(&[rate_rad_s.re, rate_rad_s.im, rad_s2.re, rad_s2.im]);
     }
 
-    /// A step of so many seconds at a spin and a precession, rad/s, in which the motors made this acceleration, rad/s^2.
-    /// Returns the torque over the inertia, rad/s^2, bounded.
+    /// A step of so many seconds at a spin and a precession, rad/s, in which the motors made this acceleration,
+    /// rad/s^2. Returns the torque over the inertia, rad/s^2, bounded.
     pub fn update(
         &mut self,
         step_s: f32,

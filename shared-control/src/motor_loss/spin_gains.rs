@@ -172,14 +172,17 @@ impl Discrete {
             }
         }
         let mut of = Self { a: [[0.0; 6]; 6], b: [[0.0; 2]; 6], by_outside: [[0.0; 2]; 6], outside: [[0.0; 2]; 2] };
-        for i in 0..3 {
-            for j in 0..3 {
-                place(&mut of.a, (2 * i, 2 * j), motion[i][j]);
+        let [tilt, rate, motors, outside] = motion;
+        for (row, ([to_tilt, to_rate, to_motors, to_outside], [.., by_input, _])) in
+            [tilt, rate, motors].into_iter().zip(integral).enumerate()
+        {
+            for (column, factor) in [to_tilt, to_rate, to_motors].into_iter().enumerate() {
+                place(&mut of.a, (2 * row, 2 * column), factor);
             }
-            place(&mut of.b, (2 * i, 0), integral[i][2].scaled(per_lag_1_s));
-            place(&mut of.by_outside, (2 * i, 0), motion[i][3]);
+            place(&mut of.b, (2 * row, 0), by_input.scaled(per_lag_1_s));
+            place(&mut of.by_outside, (2 * row, 0), to_outside);
         }
-        place(&mut of.outside, (0, 0), motion[3][3]);
+        place(&mut of.outside, (0, 0), outside[3]);
         of
     }
 }

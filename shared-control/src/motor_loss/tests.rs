@@ -84,6 +84,16 @@ impl Body {
 /// Flies with the commands of hover, which nobody corrects, until the core takes over; the stage after every step.
 fn fly(body: &mut Body, loss: &mut MotorLoss, steps: usize) -> std::vec::Vec<Stage> {
     let config = MotorLossConfig::new(&VEHICLE, 1.0 / STEP_S).unwrap();
+    fly_with(&config, body, loss, steps).into_iter().map(|(stage, _)| stage).collect()
+}
+
+/// The same with what the motors are told.
+fn fly_with(
+    config: &MotorLossConfig,
+    body: &mut Body,
+    loss: &mut MotorLoss,
+    steps: usize,
+) -> std::vec::Vec<(Stage, [f32; 4])> {
     let hover_n = MASS_KG * 9.81 / 4.0;
     let hover = VEHICLE.lift_curve.command(hover_n);
     (0..steps)
@@ -91,9 +101,9 @@ fn fly(body: &mut Body, loss: &mut MotorLoss, steps: usize) -> std::vec::Vec<Sta
             let mut mix = MixResult { commands: MotorCommands([hover; 4]), ..MixResult::default() };
             let (estimate, force_m_s2) = (body.estimate(), Some(body.force_m_s2()));
             let felt = Felt { estimate: &estimate, force_m_s2, flies: true, armed: true, lift_per_motor_n: hover_n };
-            loss.fly(&config, &felt, &mut mix);
+            loss.fly(config, &felt, &mut mix);
             body.advance(&mix.commands.0);
-            loss.stage()
+            (loss.stage(), mix.commands.0)
         })
         .collect()
 }
@@ -124,6 +134,24 @@ fn a_lost_propeller_is_named_and_flown_without() {
         }
         assert!(body.rate.z.abs() > 10.0, "it spins: {}", body.rate.z);
     }
+}
+
+/// Where no motor is told less than an idle, the far one idles until the vehicle spins and then stands still; the tilt
+/// of what it would lift does not stay.
+#[test]
+fn the_far_motor_stands_still_once_the_vehicle_spins() {
+    let idle = 0.15;
+    let vehicle = VehicleParameters { lift_curve: VEHICLE.lift_curve.from_command(idle), ..VEHICLE };
+    let config = MotorLossConfig::new(&vehicle, 1.0 / STEP_S).unwrap();
+    let (mut body, mut loss) = (Body::hovering(), MotorLoss::default());
+    fly_with(&config, &mut body, &mut loss, 400);
+    body.left[2] = 0.0;
+    let least_of_far = |flown: &[(Stage, [f32; 4])]| flown.iter().map(|(_, told)| told[3]).fold(1.0, smaller);
+    assert_eq!(least_of_far(&fly_with(&config, &mut body, &mut loss, 40)), idle);
+    fly_with(&config, &mut body, &mut loss, 1600);
+    let late = fly_with(&config, &mut body, &mut loss, 400);
+    assert_eq!((late[399].0, least_of_far(&late)), (Stage::Lost(2), 0.0));
+    assert!(late.iter().all(|(_, told)| told[0] >= idle && told[1] >= idle) && body.tilt_deg() < 3.0, "{late:?}");
 }
 
 /// A torque as large and as sudden as a lost motor's and along its arm, but without its loss of lift, is suspected and

@@ -1,12 +1,19 @@
 //! A propeller flies off in hover: the image flies on with three motors, says so, and is landed.
 
 use emulated_board::pilot::{HALF_US, MIDDLE_US, PITCH, ROLL};
-use emulated_board::{Flight, MILLISECOND, Transmitter};
+use emulated_board::{Flight, MILLISECOND, SecondGyro, Transmitter};
 use shared_control::flight_core::TorqueSource;
+use sil_host::effects::{Effect, RotorInertia};
+use sil_host::model::{Rig, VehicleModel};
 
 use crate::{FREE, hovering, said};
 
-const HEIGHT_M: f64 = 3.0;
+/// From here the descent takes ten seconds.
+const HEIGHT_M: f64 = 7.5;
+/// The rotors' drag over the mass: what the other flights have.
+const ROTOR_DRAG_1_S: f64 = 0.3;
+/// Bell and propeller (`models/f450-free.toml`): what their momentum does counts once the vehicle spins.
+const ROTOR: RotorInertia = RotorInertia { inertia_kg_m2: 5.44e-5 };
 /// The loop's interrupt.
 const LOOP: u8 = 29;
 /// Of motors 1 to 4.
@@ -16,6 +23,16 @@ const LOST: usize = 2;
 fn tilt_deg(flight: &Flight) -> f64 {
     let [roll_rad, pitch_rad] = flight.vehicle.borrow().tilt_rad();
     (roll_rad.cos() * pitch_rad.cos()).clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// Steepest tilt, degrees, on the way to a height or there, by looks 20 ms apart.
+fn steepest_deg_to(flight: &mut Flight, height_m: f64, looks: u32) -> f64 {
+    let mut steepest_deg: f64 = 0.0;
+    for _ in 0..looks {
+        flight.fly_at(height_m, 20);
+        steepest_deg = steepest_deg.max(tilt_deg(flight));
+    }
+    steepest_deg
 }
 
 /// Median and worst instructions of the loop, and its worst cycles, over a second; no step late.
@@ -33,7 +50,9 @@ fn loop_costs(flight: &mut Flight, when: &str) {
 
 /// On the ground, with `MOTOR_LOSS` set over the link, then at its height.
 fn hovering_with_motor_loss() -> Flight {
-    let mut flight = Flight::new(&FREE, 1);
+    let mut model = VehicleModel::nominal(Rig::Free).with_rotor_drag(ROTOR_DRAG_1_S);
+    model.effects.push(Effect::RotorInertia(ROTOR));
+    let mut flight = Flight::of_model(&FREE, &model, SecondGyro::L3gd20, 1);
     flight.transmitter = Some(Transmitter::new());
     flight.run_for(3500 * MILLISECOND);
     flight.set_parameter("MOTOR_LOSS", 1.0);
@@ -45,7 +64,7 @@ fn hovering_with_motor_loss() -> Flight {
 }
 
 /// Steps of 15 degrees in roll and pitch give no motor up; the one that is lost is given up within 60 ms, the vehicle
-/// upright again within 2 s, landed while it spins, and disarmed by itself.
+/// upright again within 2 s, brought down in ten seconds within 15 degrees while it spins, and disarmed by itself.
 #[test]
 fn a_lost_propeller_is_flown_without_and_landed() {
     loop_costs(&mut hovering(), "MOTOR_LOSS 0");
@@ -67,16 +86,15 @@ fn a_lost_propeller_is_flown_without_and_landed() {
     }
     println!("given up after {} ms, at {:.0} deg", (flight.machine.now() - gone) / MILLISECOND, tilt_deg(&flight));
     flight.fly_at(HEIGHT_M, 2000);
-    let mut steepest_deg: f64 = 0.0;
-    for _ in 0..100 {
-        flight.fly_at(HEIGHT_M, 20);
-        steepest_deg = steepest_deg.max(tilt_deg(&flight));
-    }
+    let steepest_deg = steepest_deg_to(&mut flight, HEIGHT_M, 100);
     println!("from 2 to 4 s at most {steepest_deg:.1} deg, spin {:.1} rad/s", flight.vehicle.borrow().spin_rad_s());
-    assert!(flight.is_armed() && steepest_deg < 30.0, "{steepest_deg}");
+    assert!(flight.is_armed() && steepest_deg < 15.0, "{steepest_deg}");
     assert!(said(&flight, "motor 3 lost: three fly on, heading given up"), "{:?}", flight.ground.texts());
     loop_costs(&mut flight, "MOTOR_LOSS 1, three");
 
+    let steepest_deg = steepest_deg_to(&mut flight, 0.0, 500);
+    println!("in ten seconds of descent at most {steepest_deg:.1} deg");
+    assert!(flight.vehicle.borrow().height().0 < 1.0 && steepest_deg < 15.0, "{steepest_deg}");
     flight.land();
     assert!(said(&flight, "landed, disarmed: a motor was lost"), "{:?}", flight.ground.texts());
     println!("{} steps repeated to the bit", flight.twin.steps());

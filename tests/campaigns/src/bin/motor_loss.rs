@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use campaigns::arguments::Arguments;
 use campaigns::motor_loss::{alarm_table, alarms, real_logs, rows, table};
 
-/// Flights of each failure, 12,320 in all with a core that can notice it; and minutes without one, 100 hours in all.
+/// Flights of each failure, 14,560 in all with a core that can notice it; and minutes without one, 100 hours in all.
 const SEEDS: u64 = 140;
 const MINUTES: u64 = 750;
 

@@ -115,13 +115,14 @@ pub struct Vehicle {
 }
 
 impl Vehicle {
-    /// With or without the feature.
+    /// With or without the feature, and the least command of a motor in flight.
     ///
     /// # Panics
     /// If the nominal vehicle can't be flown.
-    pub fn new(noticed: bool) -> Self {
+    pub fn new(noticed: bool, flight_idle_command: f32) -> Self {
         let nominal = VehicleModel::nominal(Rig::Free);
-        let tuning = Tuning { motor_loss: noticed, ..Tuning::for_vehicle(&vehicle_parameters(&nominal)) };
+        let tuning =
+            Tuning { motor_loss: noticed, flight_idle_command, ..Tuning::for_vehicle(&vehicle_parameters(&nominal)) };
         let config = core_config(&nominal, &tuning, 400, 1200, Controller::Cascade).expect("the nominal vehicle flies");
         Self { nominal, config }
     }

@@ -23,6 +23,8 @@ pub struct Row {
     pub yaw_drag: f64,
     /// The rotors' inertia over the believed one.
     pub rotor_inertia: f64,
+    /// Least command of a motor in flight.
+    pub flight_idle_command: f32,
     /// Inertia and lift up to this share off.
     pub model_error: f64,
     /// Flights.
@@ -72,6 +74,9 @@ pub struct Alarms {
     pub tilt_deg: [f64; 2],
 }
 
+/// The board's `MOT_SPIN_MIN_PCT`.
+const FLIGHT_IDLE: f32 = 0.15;
+
 const FAILURES: [(&str, Failure); 7] = [
     ("propeller gone", Failure::Lift { lost: 1.0, within_s: 0.0 }),
     ("spins down", Failure::SpinsDown),
@@ -91,19 +96,22 @@ const FLOWN: [(&str, Flown); 4] = [
 
 /// Every failure over all that is flown: so many seeds each.
 pub fn rows(seeds: u64) -> Vec<Row> {
-    let vehicles = [false, true].map(Vehicle::new);
     let mut rows = Vec::new();
-    for (noticed, yaw_drag, rotor_inertia, model_error) in [
-        (false, 1.0, 1.0, 0.0),
-        (true, 1.0, 1.0, 0.0),
-        (true, 1.0, 1.0, 0.1),
-        (true, 0.5, 1.0, 0.0),
-        (true, 2.0, 1.0, 0.0),
-        (true, 1.0, 0.5, 0.0),
-        (true, 1.0, 2.0, 0.0),
+    for (noticed, yaw_drag, rotor_inertia, model_error, idle) in [
+        (false, 1.0, 1.0, 0.0, 0.0),
+        (true, 1.0, 1.0, 0.0, 0.0),
+        (true, 1.0, 1.0, 0.1, 0.0),
+        (true, 0.5, 1.0, 0.0, 0.0),
+        (true, 2.0, 1.0, 0.0, 0.0),
+        (true, 1.0, 0.5, 0.0, 0.0),
+        (true, 1.0, 2.0, 0.0, 0.0),
+        (true, 1.0, 1.0, 0.0, FLIGHT_IDLE),
+        (true, 2.0, 1.0, 0.0, FLIGHT_IDLE),
     ] {
-        // with another yaw drag or other rotors the two hardest
-        let failures = if yaw_drag == 1.0 && rotor_inertia == 1.0 { &FAILURES[..] } else { &FAILURES[..2] };
+        // with another yaw drag, other rotors or motors that never rest the two hardest
+        let few = yaw_drag != 1.0 || rotor_inertia != 1.0 || idle != 0.0;
+        let failures = if few { &FAILURES[..2] } else { &FAILURES[..] };
+        let vehicle = Vehicle::new(noticed, idle);
         for ((name, failure), (flown_name, flown)) in
             failures.iter().flat_map(|one| FLOWN.iter().map(move |f| (one, f)))
         {
@@ -117,15 +125,19 @@ pub fn rows(seeds: u64) -> Vec<Row> {
                 noticed,
                 duration_s: 10.0,
             };
-            let vehicle = &vehicles[usize::from(noticed)];
             let outcomes: Vec<Outcome> = (1..=seeds).into_par_iter().map(|seed| vehicle.fly(&case(seed))).collect();
-            rows.push(row((name, flown_name), &case(1), &outcomes));
+            rows.push(row((name, flown_name), &case(1), idle, &outcomes));
         }
     }
     rows
 }
 
-fn row((failure, flown): (&'static str, &'static str), case: &Case, outcomes: &[Outcome]) -> Row {
+fn row(
+    (failure, flown): (&'static str, &'static str),
+    case: &Case,
+    flight_idle_command: f32,
+    outcomes: &[Outcome],
+) -> Row {
     let share = |holds: &dyn Fn(&Outcome) -> bool| {
         100.0 * outcomes.iter().filter(|outcome| holds(outcome)).count() as f64 / outcomes.len() as f64
     };
@@ -146,6 +158,7 @@ fn row((failure, flown): (&'static str, &'static str), case: &Case, outcomes: &[
         noticed: case.noticed,
         yaw_drag: case.yaw_drag,
         rotor_inertia: case.rotor_inertia,
+        flight_idle_command,
         model_error: case.model_error,
         flights: outcomes.len(),
         suspected_in_20_ms_pct: share(&|outcome| within(outcome.suspected_s, 0.0201)),
@@ -168,7 +181,7 @@ fn row((failure, flown): (&'static str, &'static str), case: &Case, outcomes: &[
 
 /// Flights of a minute without a failure.
 pub fn alarms(minutes: u64) -> Vec<Alarms> {
-    let vehicles = [false, true].map(Vehicle::new);
+    let vehicles = [false, true].map(|noticed| Vehicle::new(noticed, 0.0));
     let cases = FLOWN.iter().flat_map(|flown| [(flown, 0.0), (flown, 0.2)]);
     cases
         .map(|((name, flown), model_error)| {
@@ -208,22 +221,23 @@ pub fn alarms(minutes: u64) -> Vec<Alarms> {
 /// Failures as a table.
 pub fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| failure | flown | noticed | yaw drag | rotors | model off by | suspected in 20 ms, % | 99 % in, ms | \
+        "| failure | flown | noticed | yaw drag | rotors | idle | model off by | suspected in 20 ms, % | 99 % in, ms | \
          lost in 60 ms, % | 99 % in, ms | wrong | tilt: median / 95 %, deg | upright in 2 s / 4 s, % | \
          late tilt 95 %, deg | deviation 95 %, deg | heading 95 %, deg | spin, rad/s |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let cell = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.0}"));
     for row in rows {
         let [median, most] = row.tilt_deg;
         text += &format!(
-            "| {} | {} | {} | {} | {} | {:.0} % | {:.1} | {} | {:.1} | {} | {} | {median:.0} / {most:.0} \
+            "| {} | {} | {} | {} | {} | {} | {:.0} % | {:.1} | {} | {:.1} | {} | {} | {median:.0} / {most:.0} \
              | {:.1} / {:.1} | {:.1} | {:.1} | {:.1} | {:.1} |\n",
             row.failure,
             row.flown,
             if row.noticed { "yes" } else { "no" },
             row.yaw_drag,
             row.rotor_inertia,
+            row.flight_idle_command,
             100.0 * row.model_error,
             row.suspected_in_20_ms_pct,
             cell(row.suspected_99_ms),
