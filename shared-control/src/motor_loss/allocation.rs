@@ -18,6 +18,11 @@ pub fn opposite(motor: usize) -> usize {
     }
 }
 
+/// One of the two motors beside a lost one; the other is its opposite.
+pub fn side_of(lost: usize) -> usize {
+    if lost < 2 { 2 } else { 0 }
+}
+
 /// Lifts of the motors, N, of which `lost` makes none, for a torque about roll and pitch, N m, and a sum of lifts, N;
 /// each at most `lift_max_n`, the sides at least `side_min_n` as long as the torque lets them.
 pub fn lifts_n(
@@ -32,7 +37,7 @@ pub fn lifts_n(
         let [roll_nm, pitch_nm] = torque_nm;
         (roll_nm * TORQUE_SIGNS[0][motor & 3] + pitch_nm * TORQUE_SIGNS[1][motor & 3]) / (2.0 * lever_m)
     };
-    let side = if lost < 2 { 2 } else { 0 };
+    let side = side_of(lost);
     let far_n = limit(along_n(far), 0.0, lift_max_n);
     let difference_n = limit(along_n(side), -lift_max_n, lift_max_n);
     let wide_n = magnitude(difference_n);

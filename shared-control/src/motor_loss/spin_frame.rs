@@ -1,7 +1,7 @@
 //! Axes in which every lost motor looks the same: the sides' torque is real, the far motor's is positive imaginary, and
 //! the vehicle spins forwards.
 
-use super::allocation::opposite;
+use super::allocation::{opposite, side_of};
 use super::complex::Complex;
 use crate::airframe::TORQUE_SIGNS;
 
@@ -16,7 +16,7 @@ impl SpinFrame {
     /// Without this motor (0 to 3).
     pub fn without(lost: usize) -> Self {
         let far = torque_of(opposite(lost));
-        let side = if lost < 2 { 2 } else { 0 };
+        let side = side_of(lost);
         let mirrored = TORQUE_SIGNS[2][side] < 0.0;
         let plain = Self { turn: torque_of(side).conjugate().scaled(core::f32::consts::FRAC_1_SQRT_2), mirrored };
         // of the two sides the one from which a quarter turn forwards leads to the far motor

@@ -29,7 +29,7 @@ pub const LOOK: Ticks = MILLISECOND / 2;
 const STICK_PERIOD: Ticks = 40 * MILLISECOND;
 const HEARTBEAT_PERIOD: Ticks = 200 * MILLISECOND;
 /// Rotors' drag over the mass, 1/s: a third less than the core takes it for.
-const ROTOR_DRAG_1_S: f64 = 0.3;
+pub const ROTOR_DRAG_1_S: f64 = 0.3;
 /// cortex-m-rt's `STACK_PAINT_VALUE`.
 const PAINT: [u8; 4] = [0xcc; 4];
 

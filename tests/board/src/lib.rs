@@ -42,7 +42,7 @@ pub use devices::sd_card::{CardFault, Content, Pauses, SECTOR_BYTES, SdCard, Sec
 pub use devices::usb_host::{Enumerated, Failure as UsbFailure, Request as UsbRequest, UsbHost};
 pub use devices::{Counts, SecondGyro, Sensor, SensorFault};
 pub use entry::EntryState;
-pub use flight::{Flight, LOOK, MILLISECOND};
+pub use flight::{Flight, LOOK, MILLISECOND, ROTOR_DRAG_1_S};
 pub use ground::Ground;
 pub use image::{Image, ImageError};
 pub use machine::{Counters, Machine};

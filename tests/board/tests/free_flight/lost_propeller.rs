@@ -1,7 +1,7 @@
 //! A propeller flies off in hover: the image flies on with three motors, says so, and is landed.
 
 use emulated_board::pilot::{HALF_US, MIDDLE_US, PITCH, ROLL};
-use emulated_board::{Flight, MILLISECOND, SecondGyro, Transmitter};
+use emulated_board::{Flight, MILLISECOND, ROTOR_DRAG_1_S, SecondGyro, Transmitter};
 use shared_control::flight_core::TorqueSource;
 use sil_host::effects::{Effect, RotorInertia};
 use sil_host::model::{Rig, VehicleModel};
@@ -10,8 +10,6 @@ use crate::{FREE, hovering, said};
 
 /// From here the descent takes ten seconds.
 const HEIGHT_M: f64 = 7.5;
-/// The rotors' drag over the mass: what the other flights have.
-const ROTOR_DRAG_1_S: f64 = 0.3;
 /// Bell and propeller (`models/f450-free.toml`): what their momentum does counts once the vehicle spins.
 const ROTOR: RotorInertia = RotorInertia { inertia_kg_m2: 5.44e-5 };
 /// The loop's interrupt.
