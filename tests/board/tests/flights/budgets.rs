@@ -9,6 +9,9 @@ use crate::flown::Flown;
 const RENEW: &str = "RENEW_BOARD_FIGURES";
 /// Growth that is let pass, percent: what another build of the same source brings.
 const GROWTH_PERCENT: u64 = 3;
+/// And of the cycles, whatever their number: two lines of flash at five wait states, for where a task's code begins in
+/// a line is the linker's choice and no cost of its own.
+const GROWTH_CYCLES: u64 = 12;
 
 /// Of the cycles of a step at 168 MHz, whatever its rate; a slower loop has more samples in each step.
 const PID_LOOP_PERCENT_MAX: u32 = 15;
@@ -21,7 +24,8 @@ const FLASH_BYTES_MAX: usize = 420_000;
 const HEAD: &str = "\
 # What the image costs, measured on the emulated board: bytes, and instructions of each task's activations without what
 # interrupts them, with the worst one's cycles, flash timing included. `cargo xtask board-test` fails if a figure grows
-# by more than 3 %; where the growth is worth it, `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes this file.
+# by more than 3 % (of cycles 12 are let pass); if it is worth it, `RENEW_BOARD_FIGURES=1 cargo xtask board-test` writes
+# this file.
 
 ";
 
@@ -62,6 +66,12 @@ fn figures(flown: &[Flown]) -> Figures {
     figures
 }
 
+/// The most that a figure may be which was `before`.
+fn most(name: &str, before: u64) -> u64 {
+    let slack = if name.ends_with("cycles") { GROWTH_CYCLES } else { 0 };
+    before + slack.max(GROWTH_PERCENT * before / 100)
+}
+
 fn compare(found: &Figures) {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("budgets.toml");
     if std::env::var_os(RENEW).is_some() {
@@ -71,7 +81,7 @@ fn compare(found: &Figures) {
     let mut grown = Vec::new();
     for (section, name, value) in found.iter().flat_map(|(s, all)| all.iter().map(move |(n, v)| (s, n, *v))) {
         match committed.get(section).and_then(|figures| figures.get(name)) {
-            Some(before) if 100 * value <= (100 + GROWTH_PERCENT) * before => {}
+            Some(before) if value <= most(name, *before) => {}
             before => grown.push(format!("{section}: {name}: {value}, budget {before:?}")),
         }
     }
