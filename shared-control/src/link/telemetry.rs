@@ -26,7 +26,7 @@ use super::spare_room::SpareRoom;
 use super::streams::{Due, Stream, Streams};
 use super::vehicle_status::VehicleStatus;
 use crate::io_chip::IoState;
-use crate::motor_loss::MotorReport;
+use crate::motor_loss::{MotorReport, Verdict};
 use crate::params::Params;
 use crate::sensing::imu_select::ImuUnit;
 use crate::supervisor::Arming;
@@ -66,7 +66,7 @@ pub struct Telemetry {
     told_mode: Mode,
     told_battery_low: bool,
     /// Motor whose loss was told, 1 to 4.
-    told_motor_lost: Option<u8>,
+    told_motors: (Verdict, u8),
     figures: Figures,
     next_figure: usize,
     streams: Streams,
@@ -98,7 +98,7 @@ impl Telemetry {
             told_radio: false,
             told_mode: Mode::Stabilise,
             told_battery_low: false,
-            told_motor_lost: None,
+            told_motors: Default::default(),
             figures: [("", 0); FIGURES],
             next_figure: 0,
             streams: Streams::new(settings.line_bytes_s),
@@ -315,14 +315,21 @@ impl Telemetry {
     }
 
     fn tell_motors(&mut self, motors: &MotorReport) {
-        let lost = motors.lost_motor();
-        if let (Some(motor), true) = (lost, self.told_motor_lost != lost) {
-            let mut words = Text::new();
+        let found = (motors.verdict, motors.motor);
+        let (severity, words) = match motors.verdict {
+            // passes, or becomes something else
+            Verdict::Suspected => return,
+            Verdict::Whole => (MavSeverity::MAV_SEVERITY_INFO, None),
+            Verdict::Weak => (MavSeverity::MAV_SEVERITY_WARNING, Some("lifts too little: told to lift more")),
+            Verdict::Lost => (MavSeverity::MAV_SEVERITY_EMERGENCY, Some("lost: three fly on, heading given up")),
+        };
+        if let (Some(words), true) = (words, self.told_motors != found) {
+            let mut text = Text::new();
             // 44 bytes fit
-            let _ = write!(words, "motor {motor} lost: three fly on, heading given up");
-            self.text(MavSeverity::MAV_SEVERITY_EMERGENCY, &words);
+            let _ = write!(text, "motor {} {words}", motors.motor);
+            self.text(severity, &text);
         }
-        self.told_motor_lost = lost;
+        self.told_motors = found;
     }
 
     fn count_dropped(&mut self, dropped: bool) {

@@ -13,12 +13,15 @@
 //! [`KNOWN_S`]: an offset of the centre of gravity, a steady wind, a weaker propeller). It is compared with the lift
 //! that the motor should make, and with how far the four differ: what is wrong in the model shows in proportion; and
 //! with how far off the model has been of late (a mean of the unexplained over [`DOUBT_S`]): on other people's vehicles
-//! that is most of what looks like a lost motor (docs/motor-loss.md, "On real logs").
+//! that is most of what looks like a lost motor (docs/motor-loss.md, "On real logs"). What all three agree on while a
+//! motor is suspected is learnt as its own ([`super::weak_motors`]).
 
 use nalgebra::Vector3;
 
 use super::Stage;
 use super::allocation::opposite;
+use super::unexplained::Unexplained;
+use super::weak_motors::WeakMotors;
 use crate::airframe::TORQUE_SIGNS;
 use crate::elementary::{larger, limit, smaller};
 use crate::lagged_axis::LagStep;
@@ -46,6 +49,8 @@ const DOUBTS_YAW: f32 = 3.0;
 pub const SUSPECTED_SHARE: f32 = 0.12;
 /// Or that it lacks, where it will lack the other when its lag is over.
 const SUSPECTED_EARLY_SHARES: [f32; 2] = [0.05, 0.4];
+/// Of a motor that was found to lift less, a suspicion lasts until it lacks no more than this share.
+const SUSPECTED_UNTIL_SHARE: f32 = 0.03;
 /// Share of its lift that a lost motor lacks.
 pub const LOST_SHARE: f32 = 0.42;
 /// Share that it will lack when its lag is over.
@@ -91,54 +96,14 @@ pub struct Suspicion {
     pub ahead_n: f32,
 }
 
-/// Angular accelerations that no motor explains, behind a low-pass: the rate as it was predicted, pulled towards the
-/// measured one.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Unexplained {
-    predicted_rad_s: [f32; 3],
-    rad_s2: [f32; 3],
-    /// How fast they grow, behind the same low-pass, rad/s^3.
-    rise_rad_s3: [f32; 3],
-    /// Lifts behind the same low-pass, N.
-    lifts_n: [f32; 4],
-}
-
-impl Unexplained {
-    fn record(&self, words: &mut StateWords) {
-        let Self { predicted_rad_s, rad_s2, rise_rad_s3, lifts_n } = self;
-        words.numbers(predicted_rad_s);
-        words.numbers(rad_s2);
-        words.numbers(rise_rad_s3);
-        words.numbers(lifts_n);
-    }
-
-    fn update(
-        &mut self,
-        low_pass_s: f32,
-        step_s: f32,
-        (rate, by_motors): (&Vector3<f32>, &[f32; 3]),
-        lifts: &[f32; 4],
-    ) {
-        let share = step_s / low_pass_s;
-        for axis in 0..3 {
-            self.predicted_rad_s[axis] += step_s * (by_motors[axis] + self.rad_s2[axis]);
-            let rad_s2 = (rate[axis] - self.predicted_rad_s[axis]) / low_pass_s;
-            let rise_rad_s3 = (rad_s2 - self.rad_s2[axis]) / step_s;
-            self.rise_rad_s3[axis] += share * (rise_rad_s3 - self.rise_rad_s3[axis]);
-            self.rad_s2[axis] = rad_s2;
-        }
-        for (held, now) in self.lifts_n.iter_mut().zip(lifts) {
-            *held += share * (now - *held);
-        }
-    }
-}
-
 /// What it remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DetectorState {
     /// Commanded lifts, the last first, and where the motors' lag has brought what has arrived of them, N.
     commanded_n: [[f32; 4]; COMMANDS_KEPT],
     lifts_n: [f32; 4],
+    /// Of those lifts some motors make a part.
+    weak: WeakMotors,
     fast: Unexplained,
     slow: Unexplained,
     known_rad_s2: [f32; 3],
@@ -149,6 +114,8 @@ pub struct DetectorState {
     /// How far the angular accelerations were off in the mean, beyond what is known, rad/s^2.
     doubt_rad_s2: [f32; 3],
     steps: u16,
+    /// The motor that was suspected last.
+    suspected: Option<usize>,
     /// The motor that the verdict is about, and for how many steps.
     accused: usize,
     accused_steps: u8,
@@ -203,6 +170,7 @@ impl DetectorState {
         let Self {
             commanded_n,
             lifts_n,
+            weak,
             fast,
             slow,
             known_rad_s2,
@@ -211,24 +179,32 @@ impl DetectorState {
             mass_kg,
             doubt_rad_s2,
             steps,
+            suspected,
             accused,
             accused_steps,
         } = self;
         commanded_n.iter().for_each(|commanded_n| words.numbers(commanded_n));
         words.numbers(lifts_n);
+        weak.record(words);
         fast.record(words);
         slow.record(words);
         words.numbers(known_rad_s2);
         words.numbers(&[*force_m_s2, *known_force_m_s2, *mass_kg]);
         words.numbers(doubt_rad_s2);
         words.word(u32::from(*steps));
+        words.word(suspected.map_or(4, |motor| motor as u32));
         words.word(*accused as u32);
         words.word(u32::from(*accused_steps));
     }
 
     /// Lifts of the motors that are left by their commands and their lag, N.
     pub fn lifts_n(&self) -> [f32; 4] {
-        self.lifts_n
+        self.weak.lifted_n(&self.lifts_n)
+    }
+
+    /// Motors that were found to lift a part.
+    pub fn weak(&self) -> &WeakMotors {
+        &self.weak
     }
 
     /// Angular acceleration about roll and pitch that was there all along, rad/s^2.
@@ -266,18 +242,21 @@ impl DetectorState {
             *self = Self::default();
             (self.fast.predicted_rad_s, self.slow.predicted_rad_s) = ((*rate).into(), (*rate).into());
         }
-        let by_motors = config.by_motors_rad_s2(&self.lifts_n, rate);
-        self.fast.update(FAST_S, config.step_s, (rate, &by_motors), &self.lifts_n);
-        self.slow.update(SLOW_S, config.step_s, (rate, &by_motors), &self.lifts_n);
+        let lifts_n = self.lifts_n();
+        let by_motors = config.by_motors_rad_s2(&lifts_n, rate);
+        self.fast.update(FAST_S, config.step_s, (rate, &by_motors), &lifts_n);
+        self.slow.update(SLOW_S, config.step_s, (rate, &by_motors), &lifts_n);
         if let Some(force_m_s2) = force {
             self.weigh(config, force_m_s2.z);
         }
         self.steps = self.steps.saturating_add(1);
         let suspicion = self.suspect(config);
-        self.learn(config, suspicion.is_some());
+        self.suspected = suspicion.map(|suspicion| suspicion.motor);
+        self.learn(config);
         if self.steps < config.settle_steps {
             return Stage::Whole;
         }
+        self.learn_weak(config, suspicion.as_ref());
         let accused = (0..4).find(|&motor| self.lacks_most(config, motor));
         let again = accused == Some(self.accused);
         self.accused_steps = if accused.is_none() || !again { 0 } else { self.accused_steps.saturating_add(1) };
@@ -285,6 +264,8 @@ impl DetectorState {
         match (accused, suspicion) {
             (Some(motor), _) if self.accused_steps >= config.verdict_steps => {
                 let missing_n = self.missing_n(config, &self.fast, motor, 0.0);
+                self.lifts_n = self.lifts_n();
+                self.weak = WeakMotors::default();
                 if let Some(lift_n) = self.lifts_n.get_mut(motor) {
                     *lift_n = larger(*lift_n - missing_n, 0.0);
                 }
@@ -297,11 +278,11 @@ impl DetectorState {
 
     /// The specific force along z, and the mass that it shows.
     fn weigh(&mut self, config: &DetectorConfig, force_z_m_s2: f32) {
-        let lift_n: f32 = self.lifts_n.iter().sum();
+        let lift_n: f32 = self.lifts_n().iter().sum();
         if lift_n > 4.0 * config.judged_from_n && force_z_m_s2 < -1.0 {
             let mass_kg = -lift_n / force_z_m_s2;
             // a mean of all until then, so that a first step that is far off weighs no more than others
-            let share = larger(1.0 / (1.0 + f32::from(self.steps)), config.step_s / MASS_S);
+            let share = larger(1.0 / (1.0 + f32::from(self.steps)), self.known_step_s(config) / MASS_S);
             self.mass_kg += share * (mass_kg - self.mass_kg);
         }
         if self.mass_kg > 0.0 {
@@ -310,10 +291,14 @@ impl DetectorState {
         }
     }
 
-    /// What stays is no news, and what comes and goes without a motor's loss is the model's error. Both more slowly
-    /// while a motor is suspected: that would be its loss.
-    fn learn(&mut self, config: &DetectorConfig, suspected: bool) {
-        let step_s = if suspected { config.step_s / SUSPECTED_TIMES } else { config.step_s };
+    /// A step of what is known, s: a short one while a motor is suspected, whose loss would pass for known.
+    fn known_step_s(&self, config: &DetectorConfig) -> f32 {
+        if self.suspected.is_some() { config.step_s / SUSPECTED_TIMES } else { config.step_s }
+    }
+
+    /// What stays is no news, and what comes and goes without a motor's loss is the model's error.
+    fn learn(&mut self, config: &DetectorConfig) {
+        let step_s = self.known_step_s(config);
         let (known, doubted) = (step_s / KNOWN_S, step_s / DOUBT_S);
         for axis in 0..3 {
             let off_rad_s2 = self.slow.rad_s2[axis] - self.known_rad_s2[axis];
@@ -321,6 +306,17 @@ impl DetectorState {
             self.known_rad_s2[axis] += known * off_rad_s2;
         }
         self.known_force_m_s2 += known * (self.force_m_s2 - self.known_force_m_s2);
+    }
+
+    /// What gyro and accelerometer agree that a suspected motor lacks is its own: a gust's torque has no force.
+    fn learn_weak(&mut self, config: &DetectorConfig, suspicion: Option<&Suspicion>) {
+        let lacks = suspicion.map(|suspicion| {
+            let force_n = self.mass_kg * (self.force_m_s2 - self.known_force_m_s2);
+            let lift_n = larger(self.lifts_n()[suspicion.motor & 3], config.judged_from_n);
+            let missing_n = smaller(self.missing_n(config, &self.slow, suspicion.motor, 0.0), force_n);
+            (suspicion.motor, limit(missing_n / lift_n, 0.0, 1.0))
+        });
+        self.weak.learn(lacks, config.step_s);
     }
 
     /// Lift that a motor lacks by the gyro alone, N, and will lack so much later, s, at the rate at which that grows.
@@ -332,10 +328,11 @@ impl DetectorState {
         smaller(roll_n, pitch_n)
     }
 
-    /// Share of its lift that a motor lacks by the gyro, 0 to 1.
+    /// Share of its lift that a motor lacks by the gyro and by what was learnt of it, 0 to 1.
     pub(super) fn lacks_share(&self, config: &DetectorConfig, motor: usize) -> f32 {
         let lift_n = larger(self.fast.lifts_n[motor & 3], config.judged_from_n);
-        limit(self.missing_n(config, &self.fast, motor, 0.0) / lift_n, 0.0, 1.0)
+        let news = limit(self.missing_n(config, &self.fast, motor, 0.0) / lift_n, 0.0, 1.0);
+        1.0 - (1.0 - self.weak.lacks_share(motor)) * (1.0 - news)
     }
 
     /// What the model's errors may make of how far the four differ, and have made of late, N.
@@ -356,8 +353,10 @@ impl DetectorState {
             let ahead_n = larger(missing_n, self.missing_n(config, &self.fast, motor, config.lag_s));
             let lacks_share = |lacking_n: f32, share: f32| lacking_n > share * lift_n + allowed_n;
             let [early, then] = SUSPECTED_EARLY_SHARES;
-            let lacks =
-                lacks_share(missing_n, SUSPECTED_SHARE) || lacks_share(missing_n, early) && lacks_share(ahead_n, then);
+            let still = self.suspected == Some(motor) && self.weak.is_weak(motor);
+            let lacks = lacks_share(missing_n, SUSPECTED_SHARE)
+                || lacks_share(missing_n, early) && lacks_share(ahead_n, then)
+                || still && missing_n > SUSPECTED_UNTIL_SHARE * lift_n;
             let [missing_n, ahead_n] = [missing_n, ahead_n].map(|lacking_n| smaller(lacking_n, lift_n));
             lacks.then_some(Suspicion { motor, missing_n, ahead_n })
         })
@@ -366,10 +365,13 @@ impl DetectorState {
     /// All three witnesses say that a motor lacks nearly half of its lift and will lack more, and the yaw torque does
     /// not say otherwise.
     fn lacks_most(&self, config: &DetectorConfig, motor: usize) -> bool {
-        let lift_n = self.slow.lifts_n[motor & 3];
-        let missing_n = self.missing_n(config, &self.slow, motor, 0.0);
-        let ahead_n = self.missing_n(config, &self.slow, motor, config.lag_s);
-        let force_n = self.mass_kg * (self.force_m_s2 - self.known_force_m_s2);
+        // what was learnt to be missing is missing
+        let believed_n = self.slow.lifts_n[motor & 3];
+        let learnt_n = self.weak.lacks_n(motor, believed_n);
+        let lift_n = believed_n + learnt_n;
+        let missing_n = learnt_n + self.missing_n(config, &self.slow, motor, 0.0);
+        let ahead_n = learnt_n + self.missing_n(config, &self.slow, motor, config.lag_s);
+        let force_n = learnt_n + self.mass_kg * (self.force_m_s2 - self.known_force_m_s2);
         let yaw_rad_s2 = self.slow.rad_s2[2] - self.known_rad_s2[2];
         let allowed_n = self.allowance_n(config, &self.slow);
         lift_n > config.judged_from_n

@@ -3,7 +3,8 @@
 //!
 //! ```text
 //!   commands -> lag -> lifts ---.
-//!   rates, specific force ------+-> detector -> suspected (reversible): the opposite motor relaxed
+//!   rates, specific force ------+-> detector -> suspected (reversible): the opposite motor relaxed, this one raised
+//!                                           |-> weak (learnt, forgotten slowly): raised
 //!                                           '-> lost (latched, names the motor): reduced attitude -> three motors
 //! ```
 //! Where a motor is lost only the thrust's axis is controlled, and the vehicle spins about it (Mueller and D'Andrea,
@@ -17,6 +18,8 @@ mod report;
 pub mod spin_disturbance;
 pub mod spin_frame;
 pub mod spin_gains;
+mod unexplained;
+pub mod weak_motors;
 
 use nalgebra::Vector3;
 
@@ -31,9 +34,7 @@ pub use report::{MotorReport, Verdict};
 
 use reduced_attitude::ReducedAttitude;
 use spin_disturbance::SpinDisturbance;
-
-/// Share of a lift that is made up for by a higher command at most.
-const RAISED_SHARE_MAX: f32 = 0.5;
+use weak_motors::RAISED_SHARE_MAX;
 
 /// What flies with three motors, made once.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,7 +133,7 @@ impl MotorLoss {
 
     /// The same for link and log.
     pub fn report(&self) -> MotorReport {
-        MotorReport::new(self.stage, self.lacks_share)
+        MotorReport::new(self.stage, self.lacks_share, self.detector.weak().weakest())
     }
 
     /// One step: judges what the last commands did, and changes what the mixer made for four motors where one of them
@@ -153,6 +154,7 @@ impl MotorLoss {
                 }
             };
             self.outside = config.control.begin(felt, self.detector.known_rad_s2());
+            mix.commands.0 = self.detector.weak().made_up_for(&config.lift_curve, &mix.commands.0);
         }
         match self.stage {
             Stage::Whole => self.raised_n = 0.0,

@@ -24,6 +24,8 @@ pub enum Verdict {
     Suspected,
     /// One is given up.
     Lost,
+    /// One was found to lift less than it should, and is told to lift more.
+    Weak,
 }
 
 impl Verdict {
@@ -33,17 +35,19 @@ impl Verdict {
             Verdict::Whole => 0,
             Verdict::Suspected => 1,
             Verdict::Lost => 2,
+            Verdict::Weak => 3,
         }
     }
 }
 
 impl MotorReport {
-    /// Of a stage, and of the share of its lift that the motor lacks.
-    pub(super) fn new(stage: Stage, lacks_share: f32) -> Self {
-        let (verdict, motor) = match stage {
-            Stage::Whole => return Self::default(),
-            Stage::Suspected(Suspicion { motor, .. }) => (Verdict::Suspected, motor),
-            Stage::Lost(motor) => (Verdict::Lost, motor),
+    /// Of a stage, of the share of its lift that the motor lacks, and of the weakest motor if nothing else is said.
+    pub(super) fn new(stage: Stage, lacks_share: f32, weakest: Option<(usize, f32)>) -> Self {
+        let (verdict, motor, lacks_share) = match (stage, weakest) {
+            (Stage::Whole, None) => return Self::default(),
+            (Stage::Whole, Some((motor, lacks_share))) => (Verdict::Weak, motor, lacks_share),
+            (Stage::Suspected(Suspicion { motor, .. }), _) => (Verdict::Suspected, motor, lacks_share),
+            (Stage::Lost(motor), _) => (Verdict::Lost, motor, lacks_share),
         };
         // a share of 0 to 1; `as` makes 0 of what is no number
         Self { verdict, motor: (motor & 3) as u8 + 1, lacks_permille: (1000.0 * lacks_share) as u16 }

@@ -247,7 +247,7 @@ fn what_is_no_level_vehicle_is_not_stored() {
 
 /// Once for each flight in which it happens, and a suspicion not at all.
 #[test]
-fn a_lost_motor_is_told_once() {
+fn a_weak_or_lost_motor_is_told_once() {
     use crate::motor_loss::{MotorReport, Verdict};
     let mut telemetry = Telemetry::new(&SETTINGS, &Params::DEFAULT);
     let mut time_us = 0;
@@ -267,7 +267,10 @@ fn a_lost_motor_is_told_once() {
         words
     };
     let lost = (MavSeverity::MAV_SEVERITY_EMERGENCY, "motor 3 lost: three fly on, heading given up".into());
+    let weak = (MavSeverity::MAV_SEVERITY_WARNING, "motor 3 lifts too little: told to lift more".into());
     assert_eq!(told(Verdict::Suspected, 3), []);
+    assert_eq!(told(Verdict::Weak, 3), [weak]);
+    assert_eq!([told(Verdict::Suspected, 3), told(Verdict::Weak, 3)], [[], []]);
     assert_eq!(told(Verdict::Lost, 3), core::slice::from_ref(&lost));
     assert_eq!(told(Verdict::Lost, 3), []);
     assert_eq!(told(Verdict::Whole, 0), []);
