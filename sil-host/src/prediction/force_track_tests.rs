@@ -87,9 +87,9 @@ fn errors(path: &CommandPath) -> [f64; 3] {
     worst
 }
 
-/// Within a step of h = T/13 the commands range over 0.4 at most and targets over 1140 rad/s. What a line leaves of them
+/// Within a step of h = T/13 the commands range over 0.4 at most, targets over 1140 rad/s. What a line leaves of them
 /// has a second moment of 0.032 h^3 of that at most, whatever they do. By it a speed in the end errs by half of it over
-/// T^3, 0.008 rad/s, and a first moment by three times it over T h^2, 8.4 rad/s; where a lift of 0.1 N goes by 7.2e-5 N
+/// T^3, 0.008 rad/s, and a first moment by three times it over T h^2, 8.4 rad/s. Where a lift of 0.1 N goes by 7.2e-5 N
 /// per rad/s these are 6e-7 N, remembered for thirteen steps with changing signs, and 6e-4 N. The latter moves an angle
 /// within its step, and no rate.
 #[test]
