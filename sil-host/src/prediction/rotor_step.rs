@@ -46,6 +46,7 @@ impl RotorStep {
         (self.rotors, self.change) = (end, Some(slope));
         [at(speeds(rotors)), at(middle), at(speeds(end))]
     }
+
     /// The same of speeds that follow targets by a first-order lag, in closed form: exact under targets that are a
     /// parabola of time, so that a step under one command loses nothing however long it is.
     #[inline]
