@@ -183,8 +183,8 @@ fn a_weak_motor_is_told_to_lift_more() {
         assert!(flown.iter().all(|(stage, _)| !matches!(stage, Stage::Lost(_))));
         let suspected = flown.iter().filter(|(stage, _)| *stage != Stage::Whole).count();
         assert!((40..300).contains(&suspected), "{suspected} of 400 steps");
-        // the last 3 % are not learnt, a tenth passes for known meanwhile and some is forgotten again: two thirds of 20 %
-        // are made up for, more of 40 %, and no more than all
+        // the last 3 % are not learnt, a tenth passes for known meanwhile and some is forgotten again: two thirds of
+        // 20 % are made up for, more of 40 %, and no more than all
         let more_n = body.lifts_n[1] - hover_n[1];
         let all_n = hover_n[1] * (1.0 / (1.0 - lost) - 1.0);
         assert!((0.65 * all_n..1.02 * all_n).contains(&more_n), "{more_n} N of {all_n}");
