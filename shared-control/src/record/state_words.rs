@@ -7,7 +7,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Words of a state.
-pub const STATE_WORDS: usize = 598;
+pub const STATE_WORDS: usize = 603;
 
 /// Takes words until all have come.
 #[derive(Clone, Debug)]
