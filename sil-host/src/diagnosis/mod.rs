@@ -38,7 +38,6 @@ mod observability;
 mod plausible;
 mod progress;
 mod remainder;
-mod scoring;
 mod search;
 mod sizes;
 mod stability;
