@@ -65,7 +65,7 @@ pub struct Telemetry {
     told_radio: bool,
     told_mode: Mode,
     told_battery_low: bool,
-    /// Motor whose loss was told, 1 to 4.
+    /// What the motors were when they were last spoken of, and which, 1 to 4.
     told_motors: (Verdict, u8),
     figures: Figures,
     next_figure: usize,
@@ -316,14 +316,14 @@ impl Telemetry {
 
     fn tell_motors(&mut self, motors: &MotorReport) {
         let found = (motors.verdict, motors.motor);
-        let (severity, words) = match motors.verdict {
+        let said = match motors.verdict {
             // passes, or becomes something else
             Verdict::Suspected => return,
-            Verdict::Whole => (MavSeverity::MAV_SEVERITY_INFO, None),
-            Verdict::Weak => (MavSeverity::MAV_SEVERITY_WARNING, Some("lifts too little: told to lift more")),
-            Verdict::Lost => (MavSeverity::MAV_SEVERITY_EMERGENCY, Some("lost: three fly on, heading given up")),
+            Verdict::Whole => None,
+            Verdict::Weak => Some((MavSeverity::MAV_SEVERITY_WARNING, "lifts too little: told to lift more")),
+            Verdict::Lost => Some((MavSeverity::MAV_SEVERITY_EMERGENCY, "lost: three fly on, heading given up")),
         };
-        if let (Some(words), true) = (words, self.told_motors != found) {
+        if let (Some((severity, words)), true) = (said, self.told_motors != found) {
             let mut text = Text::new();
             // 44 bytes fit
             let _ = write!(text, "motor {} {words}", motors.motor);

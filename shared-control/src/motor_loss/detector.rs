@@ -247,7 +247,7 @@ impl DetectorState {
         self.fast.update(FAST_S, config.step_s, (rate, &by_motors), &lifts_n);
         self.slow.update(SLOW_S, config.step_s, (rate, &by_motors), &lifts_n);
         if let Some(force_m_s2) = force {
-            self.weigh(config, force_m_s2.z);
+            self.weigh(config, force_m_s2.z, &lifts_n);
         }
         self.steps = self.steps.saturating_add(1);
         let suspicion = self.suspect(config);
@@ -256,7 +256,7 @@ impl DetectorState {
         if self.steps < config.settle_steps {
             return Stage::Whole;
         }
-        self.learn_weak(config, suspicion.as_ref());
+        self.learn_weak(config, suspicion.as_ref(), &lifts_n);
         let accused = (0..4).find(|&motor| self.lacks_most(config, motor));
         let again = accused == Some(self.accused);
         self.accused_steps = if accused.is_none() || !again { 0 } else { self.accused_steps.saturating_add(1) };
@@ -277,8 +277,8 @@ impl DetectorState {
     }
 
     /// The specific force along z, and the mass that it shows.
-    fn weigh(&mut self, config: &DetectorConfig, force_z_m_s2: f32) {
-        let lift_n: f32 = self.lifts_n().iter().sum();
+    fn weigh(&mut self, config: &DetectorConfig, force_z_m_s2: f32, lifts_n: &[f32; 4]) {
+        let lift_n: f32 = lifts_n.iter().sum();
         if lift_n > 4.0 * config.judged_from_n && force_z_m_s2 < -1.0 {
             let mass_kg = -lift_n / force_z_m_s2;
             // a mean of all until then, so that a first step that is far off weighs no more than others
@@ -309,11 +309,11 @@ impl DetectorState {
     }
 
     /// What gyro and accelerometer agree that a suspected motor lacks is its own: a gust's torque has no force.
-    fn learn_weak(&mut self, config: &DetectorConfig, suspicion: Option<&Suspicion>) {
+    fn learn_weak(&mut self, config: &DetectorConfig, suspicion: Option<&Suspicion>, lifts_n: &[f32; 4]) {
         let lacks = suspicion.map(|suspicion| {
-            let force_n = self.mass_kg * (self.force_m_s2 - self.known_force_m_s2);
-            let lift_n = larger(self.lifts_n()[suspicion.motor & 3], config.judged_from_n);
-            let missing_n = smaller(self.missing_n(config, &self.slow, suspicion.motor, 0.0), force_n);
+            let lift_n = larger(lifts_n[suspicion.motor & 3], config.judged_from_n);
+            let by_gyro_n = self.missing_n(config, &self.slow, suspicion.motor, 0.0);
+            let missing_n = smaller(by_gyro_n, self.missing_by_force_n());
             (suspicion.motor, limit(missing_n / lift_n, 0.0, 1.0))
         });
         self.weak.learn(lacks, config.step_s);
@@ -326,6 +326,11 @@ impl DetectorState {
             config.missing_n(axis, motor, rad_s2)
         });
         smaller(roll_n, pitch_n)
+    }
+
+    /// Lift that all motors lack by the accelerometer, N.
+    fn missing_by_force_n(&self) -> f32 {
+        self.mass_kg * (self.force_m_s2 - self.known_force_m_s2)
     }
 
     /// Share of its lift that a motor lacks by the gyro and by what was learnt of it, 0 to 1.
@@ -371,7 +376,7 @@ impl DetectorState {
         let lift_n = believed_n + learnt_n;
         let missing_n = learnt_n + self.missing_n(config, &self.slow, motor, 0.0);
         let ahead_n = learnt_n + self.missing_n(config, &self.slow, motor, config.lag_s);
-        let force_n = learnt_n + self.mass_kg * (self.force_m_s2 - self.known_force_m_s2);
+        let force_n = learnt_n + self.missing_by_force_n();
         let yaw_rad_s2 = self.slow.rad_s2[2] - self.known_rad_s2[2];
         let allowed_n = self.allowance_n(config, &self.slow);
         lift_n > config.judged_from_n
