@@ -88,6 +88,11 @@ trait Extension {
         None
     }
 
+    /// True if its moment on a free vehicle depends on an angle.
+    fn acts_by_angle(&self) -> bool {
+        false
+    }
+
     /// Longest step of an explicit integration that still follows it on a body of these principal moments, s.
     fn step_max_s(&self, _inertia_kg_m2: [f64; 3]) -> f64 {
         f64::INFINITY
@@ -263,6 +268,11 @@ impl Effect {
     /// The rate within which its moment about its axis turns round as the vehicle comes to rest, rad/s.
     pub(crate) fn turns_round_rad_s(&self) -> Option<f64> {
         self.extension().turns_round_rad_s()
+    }
+
+    /// True if its moment on a free vehicle depends on an angle.
+    pub(crate) fn acts_by_angle(&self) -> bool {
+        self.extension().acts_by_angle()
     }
 
     /// Longest step of an explicit integration that still follows it on a body of these principal moments, s.

@@ -74,6 +74,10 @@ impl Extension for Spring {
         Some(self)
     }
 
+    fn acts_by_angle(&self) -> bool {
+        true
+    }
+
     fn step_max_s(&self, inertia_kg_m2: [f64; 3]) -> f64 {
         0.5 * (inertia_kg_m2[self.axis.index()] / self.stiffness_nm_rad.abs()).sqrt()
     }

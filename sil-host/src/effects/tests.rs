@@ -253,3 +253,19 @@ fn a_fitted_value_that_no_model_may_have_is_refused() {
     assert!(impossible(CommandClipping { min: 0.7, max: 0.3 }.into()).unwrap().contains("min below max"));
     assert!(impossible(MassError { scale: 1.1 }.into()).unwrap().contains("only on: free"));
 }
+
+/// A prediction leaves angles alone that no moment goes by: free flight, turning, under lifts and spinning rotors.
+#[test]
+fn only_what_says_so_acts_by_an_angle_in_free_flight() {
+    for entry in Effect::CATALOGUE.iter().filter(|entry| entry.rigs.contains(&Rig::Free)) {
+        let effect = Effect::parse(entry.example, Rig::Free).unwrap();
+        let moment_at = |roll: f64, pitch: f64| {
+            let spin = NetSpin { speed_rad_s: 300.0, acceleration_rad_s2: -2000.0 };
+            let motion = Motion { time_s: 7.3, rate_rad_s: [0.3, -0.7, 0.4], spin, ..at(roll, pitch, Some(1.1)) };
+            let mut moment = [0.0; 3];
+            effect.add(&motion, &mut moment);
+            moment
+        };
+        assert_eq!(moment_at(0.0, 0.0) != moment_at(0.4, -0.6), effect.acts_by_angle(), "{}", entry.name);
+    }
+}

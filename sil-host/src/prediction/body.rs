@@ -104,6 +104,23 @@ impl Body {
         }
     }
 
+    /// The same of a free vehicle whose angles nobody sees and nothing goes by: they stay as they are.
+    pub(crate) fn spinning(
+        &self,
+        airframe: &Airframe,
+        body: &FreeBody,
+        time_s: f64,
+        x: &Turning,
+        motors: &ForceAndSpin,
+        moments: &[Box<dyn Moment>],
+    ) -> Turning {
+        let moment = sum(moments, || self.motion(time_s, x, (0.0, 1.0), None, *motors));
+        let torque = airframe.torque_body_nm(motors.force);
+        let on = core::array::from_fn(|axis| torque[axis] + moment[axis]);
+        let [d, e, f] = body.angular_acceleration_rad_s2([x[3], x[4], x[5]], on);
+        [0.0, 0.0, 0.0, d, e, f]
+    }
+
     /// Change of a free vehicle's state under lifts as they are far from the ground; what hangs in a rig only turns.
     pub(crate) fn flying_derivative(
         &self,
@@ -135,8 +152,13 @@ impl Body {
     pub(crate) fn felt_m_s2(&self, x: &State, force: &[f64; 4], air: &Air) -> [f64; 3] {
         let Body::Free { body, .. } = self else { return [0.0; 3] };
         let lift_n = air.lift_factor(x[9]) * force.iter().sum::<f64>();
-        let velocity = air.against_m_s([x[6], x[7], x[8]]);
-        body.specific_force_m_s2(lift_n, air.push_n(Attitude::of([x[0], x[1], x[2]]).in_body(velocity)))
+        let push_n = if air.drags() {
+            let velocity = air.against_m_s([x[6], x[7], x[8]]);
+            air.push_n(Attitude::of([x[0], x[1], x[2]]).in_body(velocity))
+        } else {
+            [0.0; 3]
+        };
+        body.specific_force_m_s2(lift_n, push_n)
     }
 
     /// True where nothing holds it.

@@ -9,6 +9,7 @@ use crate::prediction::Channel;
 use crate::prediction::body::{Body, FLYING, Moment, State, TURNING, Turning, turning};
 use crate::prediction::drive::{DirectInput, Drive};
 use crate::prediction::force_track::{Commands, ForceAndSpin, ForceTrack, Step};
+use crate::prediction::past::Past;
 use crate::vehicle::propulsion::Propulsion;
 use crate::vehicle::{Airframe, Changes, NominalBody};
 
@@ -30,6 +31,8 @@ pub(crate) struct Model {
     pub(crate) moments: Vec<Box<dyn Moment>>,
     /// Per axis, the rate within which a moment turns round while the rate goes through 0, rad/s.
     turns_round_rad_s: [Option<f64>; 3],
+    /// True where a moment beside the motors' goes by an angle of a free vehicle.
+    acts_by_angle: bool,
 }
 
 /// What a log would report in the rows of a window.
@@ -83,6 +86,7 @@ impl Model {
             body,
             moments: Vec::new(),
             turns_round_rad_s: [None; 3],
+            acts_by_angle: false,
         };
         vehicle.effects.iter().for_each(|effect| model.add(effect));
         model
@@ -98,6 +102,7 @@ impl Model {
             body: Body::Axes { gain_rad_s2, input, turns_as_one },
             moments: Vec::new(),
             turns_round_rad_s: [None; 3],
+            acts_by_angle: false,
         }
     }
 
@@ -109,6 +114,7 @@ impl Model {
         }
         if effect.has_moment() {
             self.moments.push(Box::new(*effect));
+            self.acts_by_angle |= effect.acts_by_angle();
         }
         if let (Some(axis), Some(rate_rad_s)) = (effect.axis(), effect.turns_round_rad_s()) {
             self.turns_round_rad_s[axis.index()] = Some(rate_rad_s);
@@ -138,19 +144,33 @@ impl Model {
         }
     }
 
-    /// The reports at the rows `first..end` from a state at the first of them.
+    /// The reports at the rows `first..end` from a state at the first of them; velocity and height stay at the start's
+    /// where nobody looks at them, as do a free vehicle's angles.
     pub(crate) fn predict(&self, scene: &Scene<'_>, start: &State, first: usize, end: usize) -> Reports {
-        let mut flying = Vec::new();
-        let turning = if self.body.flies_free() {
+        let mut flying = Vec::with_capacity(if self.body.flies_free() { end - first } else { 0 });
+        // in air that does nothing no moment and no felt force knows where the vehicle flies
+        let turning = if self.body.flies_free() && (scene.shows_travel || !self.changes.air.is_void()) {
             let change = |at_s: f64, x: &State, motors: &ForceAndSpin| {
                 self.body.flying_derivative(at_s, x, motors, &self.moments, &self.changes.air)
             };
-            flying.reserve_exact(end - first);
             self.follow::<FLYING>(scene, start, first..end, change, |row, x| flying.push(self.flying(scene, row, x)))
         } else {
-            let change =
-                |at_s: f64, x: &Turning, motors: &ForceAndSpin| self.body.derivative(at_s, x, motors, &self.moments);
-            self.follow::<TURNING>(scene, &turning(start), first..end, change, |_, _| ())
+            let is_seen = scene.shows_attitude || self.acts_by_angle;
+            let change = |at_s: f64, x: &Turning, motors: &ForceAndSpin| match self.body {
+                Body::Free { airframe, body } if !is_seen => {
+                    self.body.spinning(&airframe, &body, at_s, x, motors, &self.moments)
+                }
+                _ => self.body.derivative(at_s, x, motors, &self.moments),
+            };
+            let standing = |x: &Turning| {
+                let ([a, b, c, d, e, f], [.., north, east, down, height]) = (*x, *start);
+                [a, b, c, d, e, f, north, east, down, height]
+            };
+            self.follow::<TURNING>(scene, &turning(start), first..end, change, |row, x| {
+                if self.body.flies_free() {
+                    flying.push(self.flying(scene, row, &standing(x)));
+                }
+            })
         };
         Reports { turning, flying }
     }
@@ -328,6 +348,10 @@ fn runge_kutta_4<const N: usize>(
 pub(crate) struct Scene<'a> {
     pub(crate) time_s: &'a [f64],
     pub(crate) track: &'a ForceTrack,
+    /// True where angles are compared.
+    pub(crate) shows_attitude: bool,
+    /// True where velocity or height of a free vehicle are compared.
+    pub(crate) shows_travel: bool,
     /// Per row, what the battery has lost against the first second, V; empty where the log has no voltage.
     pub(crate) volts_lost: &'a [f64],
 }
@@ -342,52 +366,4 @@ impl Scene<'_> {
 /// The forces of a model under commands, from row to row.
 pub(crate) fn track(model: &Model, rows_s: &[f64], commands: &Commands) -> ForceTrack {
     ForceTrack::new(rows_s, commands, &model.changes.chain.path, &model.drive)
-}
-
-/// States a little back in time, for an attitude that is reported late.
-struct Past {
-    states: Vec<(f64, Turning)>,
-}
-
-impl Past {
-    #[inline]
-    fn remember(&mut self, time_s: f64, state: &Turning) {
-        if !self.states.is_empty() {
-            self.states.push((time_s, *state));
-        }
-    }
-
-    /// The state whose attitude is reported now, where reports are late.
-    #[inline]
-    fn seen(&self, now: &Turning, now_s: f64, delay_s: f64) -> Turning {
-        if self.states.is_empty() { *now } else { self.earlier(now, now_s - delay_s) }
-    }
-
-    /// The state at a time in the past: a straight line between neighbours corrected by their rates (angles of the
-    /// gimbal and of separate axes; when free the body's rates stand in, to the accuracy of half a step).
-    fn earlier(&self, now: &Turning, at_s: f64) -> Turning {
-        let after = self.states.partition_point(|(time_s, _)| *time_s < at_s);
-        let (Some((t1, x1)), Some((t0, x0))) = (self.states.get(after), self.states.get(after.wrapping_sub(1))) else {
-            return self.states.first().map_or(*now, |(time_s, state)| drifted(state, at_s - time_s));
-        };
-        let (h, s) = (t1 - t0, (at_s - t0) / (t1 - t0));
-        let mut seen = *x0;
-        for i in 0..3 {
-            // Hermite's cubic; its slope terms act on h/4 of the difference of rates at most
-            let (s2, s3) = (s * s, s * s * s);
-            seen[i] = (2.0 * s3 - 3.0 * s2 + 1.0) * x0[i]
-                + (s3 - 2.0 * s2 + s) * h * x0[3 + i]
-                + (3.0 * s2 - 2.0 * s3) * x1[i]
-                + (s3 - s2) * h * x1[3 + i];
-        }
-        seen
-    }
-}
-
-fn drifted(state: &Turning, by_s: f64) -> Turning {
-    let mut drifted = *state;
-    for i in 0..3 {
-        drifted[i] += by_s * state[3 + i];
-    }
-    drifted
 }

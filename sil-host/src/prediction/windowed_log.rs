@@ -150,7 +150,14 @@ impl<'a> WindowedLog<'a> {
 
     /// The log and a model's forces, as the model looks at them.
     pub(crate) fn scene<'s>(&'s self, driven: &'s Driven) -> Scene<'s> {
-        Scene { time_s: self.rows(), track: &driven.track, volts_lost: &self.volts_lost }
+        let shows = |is_of: fn(Channel) -> bool| self.measured.iter().any(|measured| is_of(measured.channel));
+        Scene {
+            time_s: self.rows(),
+            track: &driven.track,
+            shows_attitude: shows(|channel| matches!(channel, Channel::Angle(_))),
+            shows_travel: shows(|channel| matches!(channel, Channel::Velocity(_) | Channel::Height)),
+            volts_lost: &self.volts_lost,
+        }
     }
 
     /// The measured state in a row, what the model's sensors do to it undone.
