@@ -97,7 +97,7 @@ static TANH: LazyLock<[[f64; 2]; ONE_FROM * INTERVALS + 1]> = LazyLock::new(|| {
 fn tanh(x: f64) -> f64 {
     let place = x.abs() * INTERVALS as f64;
     let first = place as usize;
-    let (Some([from, from_slope]), Some([to, to_slope])) = (TANH.get(first), TANH.get(first + 1)) else {
+    let (Some([from, from_slope]), Some([to, to_slope])) = (TANH.get(first), TANH.get(first.saturating_add(1))) else {
         return 1f64.copysign(x);
     };
     let s = place - first as f64;
