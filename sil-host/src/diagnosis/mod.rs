@@ -38,6 +38,7 @@ mod observability;
 mod plausible;
 mod progress;
 mod remainder;
+mod scoring;
 mod search;
 mod sizes;
 mod stability;

@@ -11,21 +11,19 @@ use std::sync::OnceLock;
 use super::fitted::Fitted;
 use super::plausible::{has_bound, is_plausible};
 use super::progress::{Observer, Progress};
+use super::scoring::Scored;
 use super::yardstick::Yardstick;
-use crate::diagnosis::fitting::fit::{
-    Fit, Nominal, OVERSHOT, Term, fit, fit_to_reach, model_of, regular, shifted_models, with_priors,
-};
-use crate::diagnosis::fitting::hints::hints;
-use crate::diagnosis::fitting::linearisation::{Eliminated, Linearisation, normal_beside};
+use crate::diagnosis::fitting::fit::{Fit, Nominal, OVERSHOT, Term, fit, fit_from, fit_to_reach, model_of};
+use crate::diagnosis::fitting::linearisation::Linearisation;
+use crate::diagnosis::fitting::round::Round;
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::prediction::accuracy::{predict, tallies, worst_ratio};
 use crate::prediction::body::State;
 use crate::prediction::windowed_log::Driven;
 use crate::prediction::{Part, Window};
-use crate::statistics::{Cholesky, dot};
 
 /// Hypotheses that are fitted in full after scoring.
-const FITTED_MAX: usize = 7;
+pub(super) const FITTED_MAX: usize = 7;
 /// Effects in one model.
 const EFFECTS_MAX: usize = 5;
 /// So many effects that leave a log far from explained are a wrong turn, where there is no base model beside them.
@@ -36,7 +34,7 @@ const FAR: f64 = 3.0;
 const ROUNDS_MAX: usize = 8;
 /// Fall of the sum of squares, in units of the remaining sum per degree of freedom, that a new effect must bring on all
 /// windows, half of it on the training windows: a chance of 1e-4 over sixty hypotheses of up to three parameters.
-const SIGNIFICANT: f64 = 30.0;
+pub(super) const SIGNIFICANT: f64 = 30.0;
 /// The same on the windows of choice, where nothing was fitted.
 const PAYS: f64 = 6.0;
 /// Natural logarithm of the likelihood within which two models cannot be separated (docs/commands.md).
@@ -64,9 +62,6 @@ pub(super) struct Search<'e> {
     /// What the judge measures by, once it has been asked.
     yardstick: OnceLock<Yardstick>,
 }
-
-/// A linearisation, and the same with the start states eliminated.
-type Linear<'l> = (&'l Linearisation, &'l [Option<Eliminated<'l>>]);
 
 /// A fit and what it is worth.
 #[derive(Clone)]
@@ -219,7 +214,23 @@ impl<'e> Search<'e> {
 
     /// The model with these effects fitted; given up where it can't come near a sum of squares.
     pub(super) fn fitted(&self, terms: Vec<Term<'e>>, starts: &[State], to_reach: f64) -> Candidate<'e> {
-        let mut fit = self.fit_within_bounds(terms, starts, &self.training, to_reach);
+        self.chosen_by(self.fit_within_bounds(terms, starts, &self.training, to_reach))
+    }
+
+    /// The same of a hypothesis, whose score has done the first linearisation of the fit where it could.
+    fn extended(&self, to: &Candidate<'e>, linear: &Linearisation, scored: Scored<'e>, to_reach: f64) -> Candidate<'e> {
+        let Scored { terms, slopes, .. } = scored;
+        let Some(slopes) = slopes else { return self.fitted(terms, &to.fit.starts, to_reach) };
+        let first = Round::beside(linear, slopes, terms.clone(), &to.fit.starts);
+        let fitted = fit_from(self.shooting, self.nominal, first, &self.training, to_reach);
+        if self.runs_off(&fitted, &terms) {
+            return self.chosen_by(self.as_it_was(terms, &to.fit.starts, &self.training));
+        }
+        self.chosen_by(fitted)
+    }
+
+    /// A fit and what it leaves of the windows of choice.
+    fn chosen_by(&self, mut fit: Fit<'e>) -> Candidate<'e> {
         let driven = self.shooting.log.drive(model_of(self.nominal, &fit.terms));
         let choice = self.shooting.settle(&driven, &self.choice, &mut fit.starts).iter().sum();
         Candidate { fit, choice }
@@ -229,10 +240,18 @@ impl<'e> Search<'e> {
     /// it has lost its command a model may be nearer to few windows than the right one is; its terms stay where they
     /// were.
     fn fit_within_bounds(&self, terms: Vec<Term<'e>>, starts: &[State], windows: &[usize], to_reach: f64) -> Fit<'e> {
-        let fit = |terms, to_reach| fit_to_reach(self.shooting, self.nominal, terms, starts, windows, to_reach);
-        let fitted = fit(terms.clone(), to_reach);
-        let runs_off = self.has_base() && has_bound(&fitted.terms) && !has_bound(&terms);
-        if runs_off { fit(terms, f64::NEG_INFINITY) } else { fitted }
+        let fitted = fit_to_reach(self.shooting, self.nominal, terms.clone(), starts, windows, to_reach);
+        if self.runs_off(&fitted, &terms) { self.as_it_was(terms, starts, windows) } else { fitted }
+    }
+
+    /// Has a fit run from these terms of a base model to the end of a range?
+    fn runs_off(&self, fitted: &Fit<'e>, terms: &[Term<'e>]) -> bool {
+        self.has_base() && has_bound(&fitted.terms) && !has_bound(terms)
+    }
+
+    /// A fit that stays where it begins.
+    fn as_it_was(&self, terms: Vec<Term<'e>>, starts: &[State], windows: &[usize]) -> Fit<'e> {
+        fit_to_reach(self.shooting, self.nominal, terms, starts, windows, f64::NEG_INFINITY)
     }
 
     /// All ways to add one effect that are worth a full fit, best first. Those that explain far less than `known` does,
@@ -241,12 +260,13 @@ impl<'e> Search<'e> {
         let mut fits: Vec<Candidate<'e>> = Vec::new();
         let mut most = known;
         let (effects, total) = (to.fit.terms.len() - self.always.len(), self.catalogue.len() + FITTED_MAX);
-        for (done, (score, terms)) in (self.catalogue.len()..).zip(self.scored(to)) {
+        let (linear, scored) = self.scored(to);
+        for (done, scored) in (self.catalogue.len()..).zip(scored) {
             (self.observer)(Progress::Searching { effects, done, total });
-            if OVERSHOT * score < most {
+            if OVERSHOT * scored.score < most {
                 break;
             }
-            let fit = self.fitted(terms, &to.fit.starts, to.fit.training - most);
+            let fit = self.extended(to, &linear, scored, to.fit.training - most);
             most = most.max(to.fit.training - fit.fit.training);
             fits.push(fit);
         }
@@ -263,33 +283,6 @@ impl<'e> Search<'e> {
         seen
     }
 
-    /// All ways to add one effect that may be significant, with what they would explain to first order, most first.
-    fn scored(&self, to: &Candidate<'e>) -> Vec<(f64, Vec<Term<'e>>)> {
-        let driven = self.shooting.log.drive(model_of(self.nominal, &to.fit.terms));
-        let hints = hints(&self.shooting.log, &driven);
-        let shifted = shifted_models(self.shooting, self.nominal, &to.fit.terms, 0);
-        let linear = self.shooting.linearise(&driven, &shifted, &self.training, &to.fit.starts, None);
-        let eliminated = linear.eliminated();
-        let mut scored: Vec<(f64, Vec<Term<'e>>)> = Vec::new();
-        let effects = to.fit.terms.len() - self.always.len();
-        let total = self.catalogue.len() + FITTED_MAX;
-        for (done, effect) in self.catalogue.iter().enumerate() {
-            (self.observer)(Progress::Searching { effects, done, total });
-            if to.fit.terms.iter().any(|term| term.effect.is_the_same(effect)) {
-                continue;
-            }
-            for values in effect.starts(&hints) {
-                let mut terms = to.fit.terms.clone();
-                terms.push(Term { effect, values });
-                scored.push((self.score(to, (&linear, &eliminated), &terms), terms));
-            }
-        }
-        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-        scored.retain(|(score, _)| *score > 0.5 * SIGNIFICANT);
-        scored.truncate(FITTED_MAX);
-        scored
-    }
-
     /// Of those that the log cannot separate from the best, the one with the fewest parameters goes first.
     fn simplest_first(&self, fits: &mut [Candidate<'e>]) {
         let Some(best) = fits.first() else { return };
@@ -298,25 +291,6 @@ impl<'e> Search<'e> {
         if let Some((place, _)) = inseparable.min_by_key(|(_, fit)| fit.fit.size()) {
             fits[..=place].rotate_right(1);
         }
-    }
-
-    /// How far the last of the terms would lower the training windows' sum of squares, to first order.
-    fn score(&self, to: &Candidate<'e>, (linear, eliminated): Linear<'_>, terms: &[Term<'e>]) -> f64 {
-        let last = terms.len() - 1;
-        let base = self.shooting.log.drive(model_of(self.nominal, terms));
-        let shifted = shifted_models(self.shooting, self.nominal, terms, last);
-        let normal = if terms[last].effect.is_void(&terms[last].values) {
-            let extra = self.shooting.slopes_of(linear, &shifted, &self.training, &to.fit.starts);
-            normal_beside(eliminated, &extra)
-        } else {
-            let linear = self.shooting.linearise(&base, &shifted, &self.training, &to.fit.starts, Some(linear));
-            linear.normal()
-        };
-        let normal = with_priors(normal, terms);
-        let size = normal.right.len();
-        let gain = Cholesky::new(&regular(&normal.matrix, size, 1e-9), size)
-            .map_or(0.0, |factor| dot(&factor.solve(&normal.right), &normal.right));
-        to.fit.training - normal.chi2 + gain
     }
 
     /// Is the larger model worth its parameters?

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::diagnosis::fitted::Fitted;
 use crate::diagnosis::fitting::left_out::LeftOut;
-use crate::diagnosis::fitting::linearisation::{Linearisation, Normal};
-use crate::diagnosis::fitting::scatter::scattered;
+use crate::diagnosis::fitting::linearisation::Normal;
+use crate::diagnosis::fitting::round::{Attempt, Round};
 use crate::diagnosis::fitting::shooting::Shooting;
 use crate::effects::Unknown;
 use crate::prediction::body::State;
@@ -45,9 +45,9 @@ pub(in crate::diagnosis) struct Fit<'e> {
     /// Covariance of all parameters one behind the other if the noise is what it is taken for, row by row.
     pub(in crate::diagnosis) covariance: Vec<f64>,
     /// The same as the scatter of the windows' own wishes has it ([`scattered`]).
-    scattered_covariance: Vec<f64>,
+    pub(super) scattered_covariance: Vec<f64>,
     /// What becomes of them where a part of the windows is left out; nothing as long as nobody asked.
-    left_out: LeftOut,
+    pub(super) left_out: LeftOut,
     /// Sum of squares over the training windows, in units of the noise.
     pub(in crate::diagnosis) training: f64,
     /// Start states of all windows, those that were not fitted as given.
@@ -199,9 +199,19 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
     training: &[usize],
     to_reach: f64,
 ) -> Fit<'e> {
-    let at =
-        |terms, starts, nearby: Option<&Round<'e>>| Attempt::at(shooting, nominal, terms, starts, training, nearby);
-    let mut best = at(terms, starts.to_vec(), None).round(shooting, nominal, training);
+    let first = Round::first(shooting, nominal, terms, starts, training);
+    fit_from(shooting, nominal, first, training, to_reach)
+}
+
+/// The same, its first linearisation done already.
+pub(in crate::diagnosis) fn fit_from<'e>(
+    shooting: &Shooting<'_>,
+    nominal: Nominal<'_>,
+    first: Round<'e>,
+    training: &[usize],
+    to_reach: f64,
+) -> Fit<'e> {
+    let mut best = first;
     let mut damping = 1e-4;
     let mut failures = 0;
     for _ in 0..ROUNDS_MAX {
@@ -214,7 +224,7 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
         let mut starts = best.starts.clone();
         let made = difference(&best.terms, &terms);
         shooting.move_starts(&best.linear, &made, training, &mut starts);
-        let next = at(terms, starts, Some(&best));
+        let next = Attempt::at(shooting, nominal, terms, starts, training, Some(&best));
         if next.chi2 < best.normal.chi2 {
             let gained = best.normal.chi2 - next.chi2;
             best = next.round(shooting, nominal, training);
@@ -235,113 +245,8 @@ pub(in crate::diagnosis) fn fit_to_reach<'e>(
 }
 
 /// Mean square that is left per degree of freedom, in units of the noise; never less than that of noise alone.
-fn spread(chi2: f64, shooting: &Shooting<'_>, training: &[usize]) -> f64 {
+pub(super) fn spread(chi2: f64, shooting: &Shooting<'_>, training: &[usize]) -> f64 {
     (chi2 / shooting.degrees_of_freedom(training)).max(1.0)
-}
-
-/// Values and start states, and what they leave: whether they are any better is known before all slopes are.
-struct Attempt<'e> {
-    terms: Vec<Term<'e>>,
-    starts: Vec<State>,
-    /// Without slopes along parameters.
-    linear: Linearisation,
-    chi2: f64,
-}
-
-impl<'e> Attempt<'e> {
-    fn at(
-        shooting: &Shooting<'_>,
-        nominal: Nominal<'_>,
-        terms: Vec<Term<'e>>,
-        starts: Vec<State>,
-        training: &[usize],
-        nearby: Option<&Round<'e>>,
-    ) -> Attempt<'e> {
-        let base = shooting.log.drive(model_of(nominal, &terms));
-        let linear = shooting.linearise(&base, &[], training, &starts, nearby.map(|nearby| &nearby.linear));
-        let chi2 = linear.normal().chi2 + prior_chi2(&terms);
-        Attempt { terms, starts, linear, chi2 }
-    }
-
-    /// With the slopes along all parameters.
-    fn round(self, shooting: &Shooting<'_>, nominal: Nominal<'_>, training: &[usize]) -> Round<'e> {
-        let Attempt { terms, starts, mut linear, .. } = self;
-        let shifted = shifted_models(shooting, nominal, &terms, 0);
-        let slopes = shooting.slopes_of(&linear, &shifted, training, &starts);
-        for (window, slopes) in linear.windows.iter_mut().zip(slopes) {
-            window.parameters = slopes;
-        }
-        let normals = linear.normals();
-        let normal = with_priors(Normal::sum(&normals), &terms);
-        Round { terms, starts, linear, normals, normal }
-    }
-}
-
-/// One linearisation of a fit.
-struct Round<'e> {
-    terms: Vec<Term<'e>>,
-    starts: Vec<State>,
-    linear: Linearisation,
-    /// Normal equations window by window, and their sum.
-    normals: Vec<Normal>,
-    normal: Normal,
-}
-
-impl<'e> Round<'e> {
-    /// The damped step and the fall of the sum of squares that it promises. A number at the end of its range that would
-    /// leave it is held there, and the others step as they do without it.
-    fn step(&self, damping: f64) -> Option<(Vec<f64>, f64)> {
-        let size = self.normal.right.len();
-        if size == 0 {
-            return None;
-        }
-        let (mut matrix, mut right) = (regular(&self.normal.matrix, size, damping), self.normal.right.clone());
-        for _ in 0..=size {
-            let step = Cholesky::new(&matrix, size)?.solve(&right);
-            let leaving = self.leaving(&step);
-            if leaving.is_empty() {
-                let promised = dot(&step, &right);
-                return Some((step, promised));
-            }
-            for held in leaving {
-                (0..size).for_each(|i| (matrix[held * size + i], matrix[i * size + held]) = (0.0, 0.0));
-                (matrix[held * size + held], right[held]) = (1.0, 0.0);
-            }
-        }
-        None
-    }
-
-    /// Places of the numbers that a step would take out of their ranges from where these end.
-    fn leaving(&self, step: &[f64]) -> Vec<usize> {
-        let numbers = self.terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
-        let leaves = |(unknown, value): (&Unknown, &f64), by: f64| {
-            by < 0.0 && *value <= unknown.min || by > 0.0 && *value >= unknown.max
-        };
-        numbers
-            .zip(step)
-            .enumerate()
-            .filter(|(_, (number, by))| leaves(*number, **by))
-            .map(|(place, _)| place)
-            .collect()
-    }
-
-    fn result(self, shooting: &Shooting<'_>, training: &[usize]) -> Fit<'e> {
-        let size = self.normal.right.len();
-        let factor = Cholesky::new(&regular(&self.normal.matrix, size, 0.0), size);
-        let covariance = factor.map_or_else(|| vec![f64::INFINITY; size * size], |factor| factor.inverse());
-        let spread = spread(self.normal.chi2, shooting, training);
-        let scores: Vec<(usize, &[f64])> =
-            training.iter().zip(&self.normals).map(|(index, normal)| (*index, normal.right.as_slice())).collect();
-        let scattered_covariance = scattered(&covariance, spread, &scores);
-        Fit {
-            terms: self.terms,
-            covariance,
-            scattered_covariance,
-            left_out: LeftOut::default(),
-            training: self.normal.chi2,
-            starts: self.starts,
-        }
-    }
 }
 
 /// Normal equations of all numbers of some terms, with what is known of these beside the log.
@@ -360,7 +265,7 @@ pub(in crate::diagnosis) fn with_priors(mut normal: Normal, terms: &[Term<'_>]) 
 }
 
 /// What is known beside the log of the numbers of some terms, as a sum of squares.
-fn prior_chi2(terms: &[Term<'_>]) -> f64 {
+pub(super) fn prior_chi2(terms: &[Term<'_>]) -> f64 {
     let numbers = terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
     let away = numbers.filter_map(|(unknown, value)| unknown.prior.map(|prior| (value - prior.mean) / prior.std));
     away.map(|away| away * away).sum()

@@ -11,6 +11,7 @@ mod innovation;
 mod left_out;
 pub(in crate::diagnosis) mod linearisation;
 pub(in crate::diagnosis) mod process_noise;
+pub(in crate::diagnosis) mod round;
 pub(in crate::diagnosis) mod sampling;
 mod scatter;
 pub(in crate::diagnosis) mod shooting;
