@@ -1,7 +1,7 @@
 //! What a search found, from the choice of effects to what is reported of it: most important first, judged beside a
 //! base model, fitted to all windows but those of the report.
 
-use super::judge::{first_that_helps, floors, judged, losses, unusual_terms};
+use super::judge::{doubtful, first_that_helps, floors, judged, losses, unusual_terms};
 use super::search::{Candidate, Choice, Search};
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of};
 use crate::prediction::body::State;
@@ -117,9 +117,7 @@ impl<'e> Search<'e> {
             let refitted = Refitted { nominal: base.clone(), base, chosen: all };
             return Found { nominal, chosen, alternatives, unusual: Vec::new(), refitted };
         }
-        let kept = judged(self, base.clone(), all);
-        let kept = if kept.terms.len() == first { base.clone() } else { kept };
-        let kept = self.with_parts_left_out(kept);
+        let kept = self.beyond_chance(&base, judged(self, base.clone(), all));
         let is_kept = |term: &Term<'e>| kept.terms.iter().any(|other| other.effect.is_the_same(term.effect));
         let terms = chosen.fit.terms[first..].iter().zip(alternatives);
         let alternatives = terms.filter(|(term, _)| is_kept(term)).map(|(_, others)| others).collect();
@@ -128,6 +126,22 @@ impl<'e> Search<'e> {
         let refitted =
             Refitted { nominal: again(&self.settled(self.gains.clone(), f64::INFINITY)), base, chosen: kept };
         Found { nominal, chosen, alternatives, unusual, refitted }
+    }
+
+    /// A model with what leaving out parts of the log says of its numbers, without the findings that are nothing by that,
+    /// the most doubtful first.
+    fn beyond_chance(&self, base: &Fit<'e>, judged: Fit<'e>) -> Fit<'e> {
+        let first = self.always.len();
+        let mut kept = judged;
+        loop {
+            // without effects it is the base model, whatever way its fit came
+            let fit = if kept.terms.len() == first { base.clone() } else { kept };
+            let fit = self.with_parts_left_out(fit);
+            let Some(doubtful) = doubtful(&fit, first..fit.terms.len()) else { return fit };
+            let mut terms = fit.terms;
+            terms.remove(doubtful);
+            kept = self.refitted(terms, &fit.starts);
+        }
     }
 
     /// Sums of squares of some windows with one effect simply left out. Start states are sought from those of the

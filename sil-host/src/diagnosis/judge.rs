@@ -10,19 +10,20 @@ use rayon::prelude::*;
 
 use crate::axis::Axis;
 use crate::diagnosis::block_bootstrap::{interval, interval_of_one};
-use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, regular, shifted_models, with_priors};
+use crate::diagnosis::fitting::bounded_step::BoundedStep;
+use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, shifted_models, with_priors};
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
 use crate::diagnosis::trim::may_be_found;
 use crate::diagnosis::yardstick::{Errors, squared_errors};
+use crate::effects::Unknown;
 use crate::prediction::Window;
 use crate::prediction::accuracy::{ErrorOf, predict, root_mean_square, tallies};
 use crate::prediction::windowed_log::Driven;
-use crate::statistics::Cholesky;
 
 /// Share of the error that a finding must take away.
 const SHARE_MIN: f64 = 0.02;
-/// Standard deviations from which on a number of the base model is not zero.
+/// Standard deviations from which on a number is not zero.
 const SIGMAS: f64 = 2.0;
 /// Folds, and windows in a block of one: neighbours in time have errors in common.
 const FOLDS: usize = 5;
@@ -113,12 +114,27 @@ pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<us
     may_pay.filter(|index| pays(&with.without(search, &[*index]), &with)).collect()
 }
 
+/// The finding whose numbers are no further from what changes nothing than chance explains, the most doubtful of several:
+/// a spring beside a gravity that takes as much away may pay on the windows at hand, and says nothing of the vehicle.
+pub(super) fn doubtful(fit: &Fit<'_>, findings: std::ops::Range<usize>) -> Option<usize> {
+    let doubted = findings.map(|index| (index, deviations(fit, index))).filter(|(_, deviations)| *deviations <= SIGMAS);
+    doubted.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+}
+
 /// Is one of a term's numbers further from what changes nothing than chance explains? Where the fit of the rest has
 /// other optima, a term of no size may seem to pay.
 fn differs_from_nothing(fit: &Fit<'_>, index: usize) -> bool {
+    deviations(fit, index) > SIGMAS
+}
+
+/// By how many of its standard deviations the surest of a term's numbers differs from what changes nothing.
+fn deviations(fit: &Fit<'_>, index: usize) -> f64 {
     let term = &fit.terms[index];
-    let mut numbers = term.effect.unknowns().iter().zip(&term.values).enumerate();
-    numbers.any(|(i, (unknown, value))| (value - unknown.nominal).powi(2) > SIGMAS.powi(2) * fit.variance_of(index, i))
+    let numbers = term.effect.unknowns().iter().zip(&term.values).enumerate();
+    let of_number = |(i, (unknown, value)): (usize, (&Unknown, &f64))| {
+        (value - unknown.nominal).abs() / fit.variance_of(index, i).max(f64::MIN_POSITIVE).sqrt()
+    };
+    numbers.map(of_number).fold(0.0, f64::max)
 }
 
 /// Does a model pay for what another lacks: a share of the error, beyond chance? What puts one channel right is not to
@@ -204,9 +220,8 @@ fn folds<'e>(fit: &Fit<'e>, windows: &[usize], normals: &[Normal]) -> Vec<Vec<Te
     let of_fold = |fold: usize| {
         let outside = windows.iter().zip(normals).filter(|(index, _)| fold_of(**index) != fold);
         let normal = with_priors(Normal::sum(outside.map(|(_, normal)| normal)), &fit.terms);
-        let size = normal.right.len();
-        let step = Cholesky::new(&regular(&normal.matrix, size, 1e-6), size).map(|factor| factor.solve(&normal.right));
-        step.map_or_else(|| fit.terms.clone(), |step| moved(&fit.terms, &step))
+        let step = BoundedStep::new(&normal, &fit.terms, 1e-6);
+        step.map_or_else(|| fit.terms.clone(), |step| moved(&fit.terms, &step.by))
     };
     (0..FOLDS).map(of_fold).collect()
 }

@@ -12,8 +12,8 @@
 //!
 //! Shared with the plant: the vehicle's numbers and propulsion, its equations of motion, its actuator and sensor chains
 //! (`vehicle`), and the effects (`effects`). Its own: the integration (the motors once for a whole log, in steps of 0.4
-//! ms; the body by Runge-Kutta 4 in steps of up to 5 ms, under forces that are known by their mean and first moment),
-//! and all that makes a log of many rows out of it.
+//! ms, or in the body's where rotors are slow; the body by Runge-Kutta 4 in steps of up to 5 ms, under forces that are
+//! known by their mean and first moment), and all that makes a log of many rows out of it.
 //!
 //! What checks it: synthetic logs are made by the plant under Dormand and Prince's method to 1e-6 of the state, and
 //! every effect's log, held against the model that has it, must miss by the noise floor (`comparison::tests`): another
@@ -35,10 +35,14 @@ pub(crate) mod model;
 pub(crate) mod noise;
 mod past;
 pub(crate) mod predicted_log;
+mod rotor_step;
 pub(crate) mod start_state;
 mod subject;
 pub(crate) mod window;
 pub(crate) mod windowed_log;
+
+#[cfg(test)]
+mod force_track_tests;
 
 pub use accuracy::ChannelErrors;
 pub use channel::Channel;

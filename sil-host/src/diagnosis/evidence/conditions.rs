@@ -71,11 +71,10 @@ pub(in crate::diagnosis) fn conditions(
     commands: &[[f64; 4]],
     throttle: Option<&[f64]>,
 ) -> (Vec<Condition>, Vec<Spectrum>) {
-    let missing = models.map(|driven| missing_acceleration(log, driven, STRETCH_S));
     let (mut conditions, mut spectra) = (Vec::new(), Vec::new());
     for axis in Axis::ALL.into_iter().filter(|axis| log.turns(*axis)) {
-        let series = missing.each_ref().map(|missing| {
-            let intervals = missing[axis.index()].as_ref()?;
+        let series = models.map(|driven| {
+            let intervals = missing_acceleration(log, driven, axis, STRETCH_S)?;
             Some(intervals.iter().map(|at| (at.time_s, at.acceleration_rad_s2.to_degrees())).collect::<Vec<_>>())
         });
         let [Some(nominal), Some(extended)] = series else { continue };

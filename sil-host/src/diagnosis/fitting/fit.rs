@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::fitted::Fitted;
+use crate::diagnosis::fitting::bounded_step::BoundedStep;
 use crate::diagnosis::fitting::left_out::LeftOut;
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::fitting::round::{Attempt, Round};
@@ -215,7 +216,7 @@ pub(in crate::diagnosis) fn fit_from<'e>(
     let mut damping = 1e-4;
     let mut failures = 0;
     for _ in 0..ROUNDS_MAX {
-        let Some((step, promised)) = best.step(damping) else { break };
+        let Some(BoundedStep { by: step, promised }) = best.step(damping) else { break };
         let least = IMPROVEMENT_MIN * spread(best.normal.chi2, shooting, training);
         if promised < least || best.normal.chi2 - OVERSHOT * promised > to_reach {
             break;

@@ -1,6 +1,8 @@
 //! Where fits begin that have many local optima: the frequency of a swing and the time of an onset, from what each
 //! row's motion misses of the next row's.
 
+use rayon::prelude::*;
+
 use crate::axis::Axis;
 use crate::effects::Hints;
 use crate::prediction::Channel;
@@ -30,16 +32,19 @@ enum Before {
 
 /// What a log shows of oscillations and onsets beyond a model.
 pub(in crate::diagnosis) fn hints(log: &WindowedLog<'_>, driven: &Driven) -> Hints {
-    let missing = missing_acceleration(log, driven, STRETCH_S);
+    let of_axis = |axis: Axis| {
+        let series = missing_acceleration(log, driven, axis, STRETCH_S)?;
+        let mut starts_s: Vec<f64> =
+            [Before::Nothing, Before::Constant].into_iter().filter_map(|before| onset_s(&series, before)).collect();
+        starts_s.dedup_by(|a, b| (*a - *b).abs() < SAME_ONSET_S);
+        Some((strongest_frequency_hz(&series), starts_s))
+    };
+    let seen: Vec<_> = Axis::ALL.into_par_iter().with_max_len(1).map(of_axis).collect();
     let mut hints = Hints { command_range: command_range(log), ..Hints::default() };
-    for (axis, series) in missing.iter().enumerate() {
-        if let Some(series) = series {
-            hints.frequency_hz[axis] = strongest_frequency_hz(series);
-            let mut starts_s: Vec<f64> =
-                [Before::Nothing, Before::Constant].into_iter().filter_map(|before| onset_s(series, before)).collect();
-            starts_s.dedup_by(|a, b| (*a - *b).abs() < SAME_ONSET_S);
-            hints.step_start_s[axis] = starts_s;
-        }
+    for (axis, (frequency_hz, starts_s)) in seen.into_iter().enumerate().filter_map(|(axis, seen)| Some((axis, seen?)))
+    {
+        hints.frequency_hz[axis] = frequency_hz;
+        hints.step_start_s[axis] = starts_s;
     }
     hints
 }
@@ -51,33 +56,30 @@ pub(in crate::diagnosis) struct Interval {
     pub(in crate::diagnosis) acceleration_rad_s2: f64,
 }
 
-/// Rates are measured and predicted from a row's measured state to the row a stretch later; `None` for axes without a
-/// rate.
+/// Rates about an axis are measured and predicted from a row's measured state to the row a stretch later; `None` of one
+/// without a rate.
 pub(in crate::diagnosis) fn missing_acceleration(
     log: &WindowedLog<'_>,
     driven: &Driven,
+    axis: Axis,
     stretch_s: f64,
-) -> [Option<Vec<Interval>>; 3] {
-    let mut series = [None, None, None];
-    for (axis, series) in Axis::ALL.into_iter().zip(&mut series) {
-        let Some(measured) = log.measured(Channel::Rate(axis)) else { continue };
-        let mut intervals = Vec::new();
-        for (first, end) in log.stretches() {
-            let mut row = first;
-            while let Some(next) = (row + 1..end).find(|next| log.rows()[*next] - log.rows()[row] > stretch_s) {
-                let (from_s, to_s) = (log.rows()[row], log.rows()[next]);
-                let predicted = later_rate(log, driven, row, next, axis);
-                intervals.push(Interval {
-                    time_s: 0.5 * (from_s + to_s),
-                    duration_s: to_s - from_s,
-                    acceleration_rad_s2: (measured[next] - predicted) / (to_s - from_s),
-                });
-                row = next;
-            }
+) -> Option<Vec<Interval>> {
+    let measured = log.measured(Channel::Rate(axis))?;
+    let mut intervals = Vec::new();
+    for (first, end) in log.stretches() {
+        let mut row = first;
+        while let Some(next) = (row + 1..end).find(|next| log.rows()[*next] - log.rows()[row] > stretch_s) {
+            let (from_s, to_s) = (log.rows()[row], log.rows()[next]);
+            let predicted = later_rate(log, driven, row, next, axis);
+            intervals.push(Interval {
+                time_s: 0.5 * (from_s + to_s),
+                duration_s: to_s - from_s,
+                acceleration_rad_s2: (measured[next] - predicted) / (to_s - from_s),
+            });
+            row = next;
         }
-        *series = Some(intervals);
     }
-    series
+    Some(intervals)
 }
 
 /// The frequency with the largest share above the noise, which in differences of a rate grows with `sin^2(pi f dt)`.

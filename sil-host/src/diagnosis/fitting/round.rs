@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::diagnosis::fitting::bounded_step::BoundedStep;
 use crate::diagnosis::fitting::fit::{
     Fit, Nominal, Term, model_of, prior_chi2, regular, shifted_models, spread, with_priors,
 };
@@ -10,10 +11,9 @@ use crate::diagnosis::fitting::left_out::LeftOut;
 use crate::diagnosis::fitting::linearisation::{Linearisation, Normal, WindowLinear};
 use crate::diagnosis::fitting::scatter::scattered;
 use crate::diagnosis::fitting::shooting::Shooting;
-use crate::effects::Unknown;
 use crate::prediction::body::State;
 use crate::prediction::windowed_log::Residuals;
-use crate::statistics::{Cholesky, dot};
+use crate::statistics::Cholesky;
 
 /// Values and start states, and what they leave: whether they are any better is known before all slopes are.
 pub(super) struct Attempt<'e> {
@@ -96,41 +96,9 @@ impl<'e> Round<'e> {
         Round { terms, starts, linear, normals, normal }
     }
 
-    /// The damped step and the fall of the sum of squares that it promises. A number at the end of its range that would
-    /// leave it is held there, and the others step as they do without it.
-    pub(super) fn step(&self, damping: f64) -> Option<(Vec<f64>, f64)> {
-        let size = self.normal.right.len();
-        if size == 0 {
-            return None;
-        }
-        let (mut matrix, mut right) = (regular(&self.normal.matrix, size, damping), self.normal.right.clone());
-        for _ in 0..=size {
-            let step = Cholesky::new(&matrix, size)?.solve(&right);
-            let leaving = self.leaving(&step);
-            if leaving.is_empty() {
-                let promised = dot(&step, &right);
-                return Some((step, promised));
-            }
-            for held in leaving {
-                (0..size).for_each(|i| (matrix[held * size + i], matrix[i * size + held]) = (0.0, 0.0));
-                (matrix[held * size + held], right[held]) = (1.0, 0.0);
-            }
-        }
-        None
-    }
-
-    /// Places of the numbers that a step would take out of their ranges from where these end.
-    fn leaving(&self, step: &[f64]) -> Vec<usize> {
-        let numbers = self.terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
-        let leaves = |(unknown, value): (&Unknown, &f64), by: f64| {
-            by < 0.0 && *value <= unknown.min || by > 0.0 && *value >= unknown.max
-        };
-        numbers
-            .zip(step)
-            .enumerate()
-            .filter(|(_, (number, by))| leaves(*number, **by))
-            .map(|(place, _)| place)
-            .collect()
+    /// The damped step.
+    pub(super) fn step(&self, damping: f64) -> Option<BoundedStep> {
+        BoundedStep::new(&self.normal, &self.terms, damping)
     }
 
     /// What a fit that ends with it gives.

@@ -1,0 +1,116 @@
+//! Newton's step of a model's numbers that leaves none of their ranges. A number that would leave is held where its range
+//! ends, and all others step as they do best with it there: merely cut, its share of the step is lost to those that
+//! went along with it. Where a lag and a delay have nearly the same effect, a lag that is cut at nothing would leave the
+//! delay by a few milliseconds off.
+
+use crate::diagnosis::fitting::fit::{Term, regular};
+use crate::diagnosis::fitting::linearisation::Normal;
+use crate::effects::Unknown;
+use crate::statistics::{Cholesky, dot};
+
+/// A step of all numbers, and the fall of the sum of squares that it promises.
+pub(in crate::diagnosis) struct BoundedStep {
+    pub(in crate::diagnosis) by: Vec<f64>,
+    pub(in crate::diagnosis) promised: f64,
+}
+
+impl BoundedStep {
+    /// By normal equations, damped along their diagonal; nothing where they determine none.
+    pub(in crate::diagnosis) fn new(normal: &Normal, terms: &[Term<'_>], damping: f64) -> Option<BoundedStep> {
+        let size = normal.right.len();
+        if size == 0 {
+            return None;
+        }
+        let damped = regular(&normal.matrix, size, damping);
+        let (mut matrix, mut right) = (damped.clone(), normal.right.clone());
+        // each round holds one more
+        for _ in 0..=size {
+            let by = Cholesky::new(&matrix, size)?.solve(&right);
+            let Some((held, at)) = first_to_leave(terms, &by) else {
+                let promised = promised(&damped, &normal.right, &by);
+                return Some(BoundedStep { by, promised });
+            };
+            for i in 0..size {
+                right[i] -= matrix[i * size + held] * at;
+                (matrix[held * size + i], matrix[i * size + held]) = (0.0, 0.0);
+            }
+            (matrix[held * size + held], right[held]) = (1.0, at);
+        }
+        None
+    }
+}
+
+/// Of the numbers that a step takes out of their ranges the one that is first at the end of its range, by its place, and
+/// its way to there.
+fn first_to_leave(terms: &[Term<'_>], by: &[f64]) -> Option<(usize, f64)> {
+    let numbers = terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
+    let leaving = numbers.zip(by).enumerate().filter_map(|(place, ((unknown, value), by))| {
+        let at = way_to_end(unknown, *value, *by);
+        (by.abs() > at.abs()).then_some((place, at, at / by))
+    });
+    leaving.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(place, at, _)| (place, at))
+}
+
+/// How far a number is from the end of its range toward which it steps.
+fn way_to_end(unknown: &Unknown, value: f64, by: f64) -> f64 {
+    if by < 0.0 { (unknown.min - value).min(0.0) } else { (unknown.max - value).max(0.0) }
+}
+
+/// Fall of a sum of squares with these normal equations along a step.
+fn promised(matrix: &[f64], right: &[f64], by: &[f64]) -> f64 {
+    let curved: f64 = matrix.chunks(by.len()).zip(by).map(|(row, by_one)| by_one * dot(row, by)).sum();
+    2.0 * dot(by, right) - curved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::fitted::Fitted;
+
+    /// Two numbers with a steep slope along their difference and a shallow one along their sum, best at `at`.
+    fn of_pair(at: [f64; 2], values: [f64; 2]) -> (Normal, [f64; 2]) {
+        let matrix = vec![1001.0, 999.0, 999.0, 1001.0];
+        let away = [at[0] - values[0], at[1] - values[1]];
+        let right = matrix.chunks(2).map(|row| dot(row, &away)).collect();
+        (Normal { matrix, right, chi2: 0.0 }, away)
+    }
+
+    fn terms(effects: &[Fitted; 2], values: [f64; 2]) -> Vec<Term<'_>> {
+        effects.iter().zip(values).map(|(effect, value)| Term { effect, values: vec![value] }).collect()
+    }
+
+    #[test]
+    fn what_stays_in_its_ranges_is_newtons_step() {
+        let effects = [Fitted::ReactionTorque, Fitted::LiftOffset { at_command: 0.5 }];
+        let (normal, away) = of_pair([1.2, 0.1], [1.0, 0.0]);
+        let step = BoundedStep::new(&normal, &terms(&effects, [1.0, 0.0]), 0.0).unwrap();
+        assert!((step.by[0] - away[0]).abs() < 1e-9 && (step.by[1] - away[1]).abs() < 1e-9, "{:?}", step.by);
+        assert!((step.promised - dot(&away, &normal.right)).abs() < 1e-9, "{}", step.promised);
+    }
+
+    #[test]
+    fn beside_a_number_at_the_end_of_its_range_the_other_goes_where_it_is_best_then() {
+        let effects = [Fitted::ReactionTorque, Fitted::LiftOffset { at_command: 0.5 }];
+        let least = effects[0].unknowns()[0].min;
+        // the first wants to go 0.5 below its least value; from that value on too
+        for from in [1.0, least] {
+            let (normal, away) = of_pair([least - 0.5, 0.1], [from, 0.0]);
+            let step = BoundedStep::new(&normal, &terms(&effects, [from, 0.0]), 0.0).unwrap();
+            assert!((step.by[0] - (least - from)).abs() < 1e-12, "{:?}", step.by);
+            // along the shallow direction the second takes over nearly all that the first may not go
+            let taken_over = -0.5 * 999.0 / 1001.0;
+            assert!((step.by[1] - (away[1] + taken_over)).abs() < 1e-9, "{:?} {away:?}", step.by);
+            let fall = |by: &[f64]| promised(&normal.matrix, &normal.right, by);
+            let cut = fall(&[step.by[0], away[1]]);
+            assert!(step.promised > 0.0 && cut < step.promised, "{cut} {}", step.promised);
+            // at the end of the range a step that is merely cut makes the sum of squares larger
+            assert_eq!(cut < 0.0, from == least, "{cut}");
+            assert!((step.promised - fall(&step.by)).abs() < 1e-9 * (1.0 + step.promised), "{}", step.promised);
+        }
+    }
+
+    #[test]
+    fn without_numbers_there_is_no_step() {
+        assert!(BoundedStep::new(&Normal::nothing(0), &[], 0.0).is_none());
+    }
+}
