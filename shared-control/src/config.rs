@@ -20,7 +20,7 @@ use crate::attitude::rate::RateGains;
 use crate::gravity_moment::GravityMoment;
 use crate::learning::LearningConfig;
 use crate::mixer::MixerConfig;
-use crate::motor_loss::MotorLossConfig;
+use crate::motor_loss::{MotorLossConfig, Rest};
 use crate::mpc::schedule::PitchInertia;
 use crate::output::OutputConfig;
 use crate::sensing::estimator::EstimatorConfig;
@@ -108,6 +108,7 @@ impl Config {
             return Err(ConfigError::OutOfRange("imu_rate_hz (1 to 16 samples a step)"));
         }
         let mpc = mpc_settings(on_rig, tuning, loop_rate_hz);
+        let rest = Rest::new(tuning.ground_idle_command, &on_rig.lift_curve, &vehicle.lift_curve);
         Ok(Config {
             loop_rate_hz,
             controller,
@@ -135,7 +136,7 @@ impl Config {
             ground_idle_command: tuning.ground_idle_command,
             held_by_rig: vehicle.yaw_locked,
             learning: learning_config(vehicle, tuning, loop_rate_hz),
-            motor_loss: tuning.motor_loss.then(|| MotorLossConfig::new(vehicle, loop_rate_hz)).flatten(),
+            motor_loss: tuning.motor_loss.then(|| MotorLossConfig::new(vehicle, rest, loop_rate_hz)).flatten(),
         })
     }
 

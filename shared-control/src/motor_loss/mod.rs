@@ -44,12 +44,30 @@ pub struct MotorLossConfig {
     /// The thrust's axis, yaw left free.
     pub control: ReducedAttitude,
     lift_curve: LiftCurve,
+    rest: Rest,
+}
+
+/// How a motor goes on turning where it would better not lift at all: as slowly as on the ground, if it turns there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    command: f32,
+    lift_n: f32,
+}
+
+impl Rest {
+    /// Of motors that are told this much on the ground, by the whole curve of their lift and the part of it that is
+    /// flown.
+    pub fn new(ground_idle_command: f32, whole: &LiftCurve, flown: &LiftCurve) -> Self {
+        let [least, ..] = flown.command_at;
+        let command = if ground_idle_command > 0.0 { smaller(ground_idle_command, least) } else { least };
+        Self { command, lift_n: whole.lift(command) }
+    }
 }
 
 impl MotorLossConfig {
     /// For a vehicle in free flight and a loop; none on a rig, which holds the vehicle, and none without motors' lag
     /// that the design could be made for.
-    pub fn new(vehicle: &VehicleParameters, loop_rate_hz: f32) -> Option<Self> {
+    pub fn new(vehicle: &VehicleParameters, rest: Rest, loop_rate_hz: f32) -> Option<Self> {
         if vehicle.yaw_locked {
             return None;
         }
@@ -57,7 +75,20 @@ impl MotorLossConfig {
             detector: DetectorConfig::new(vehicle, loop_rate_hz),
             control: ReducedAttitude::new(vehicle, loop_rate_hz),
             lift_curve: vehicle.lift_curve,
+            rest,
         })
+    }
+
+    /// What a motor lifts by a command, N.
+    fn lift_n(&self, command: f32) -> f32 {
+        let [least, ..] = self.lift_curve.command_at;
+        if command >= least {
+            self.lift_curve.lift(command)
+        } else if command > 0.0 {
+            self.rest.lift_n
+        } else {
+            0.0
+        }
     }
 }
 
@@ -161,14 +192,13 @@ impl MotorLoss {
             Stage::Suspected(suspicion) => self.balance(config, &suspicion, mix),
             Stage::Lost(motor) => {
                 let lifts_n = self.detector.lifts_n();
-                let commands = config.control.commands(felt, &mut self.outside, motor, &lifts_n, &config.lift_curve);
+                let motors = (&config.lift_curve, config.rest.command);
+                let commands = config.control.commands(felt, &mut self.outside, motor, &lifts_n, motors);
                 *mix =
                     MixResult { commands: MotorCommands(commands), saturated: mix.saturated, ..MixResult::default() };
             }
         }
-        let [least, ..] = config.lift_curve.command_at;
-        // below the least command in flight a motor stands still
-        let turning = mix.commands.0.map(|command| if command < least { 0.0 } else { config.lift_curve.lift(command) });
+        let turning = mix.commands.0.map(|command| config.lift_n(command));
         self.detector.command(&config.detector, turning, self.stage.lost_motor());
     }
 
@@ -184,7 +214,8 @@ impl MotorLoss {
         let wanted_n = smaller(own_n / (1.0 - share), curve.lift_max_n) - own_n;
         let less_n = larger(suspicion.ahead_n - self.raised_n, 0.0);
         mix.commands.0[own] = curve.command(own_n + larger(wanted_n, 0.0));
-        mix.commands.0[opposite] = curve.command(larger(opposite_n - less_n, curve.lift_min_n));
+        let rests = opposite_n - less_n < curve.lift_min_n;
+        mix.commands.0[opposite] = if rests { config.rest.command } else { curve.command(opposite_n - less_n) };
         self.raised_n = config.detector.lagged_n(self.raised_n, larger(wanted_n, 0.0));
     }
 }

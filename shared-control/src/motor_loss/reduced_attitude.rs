@@ -31,9 +31,10 @@ const SIDE_SHARE: f32 = 0.66;
 /// Of the largest lift, what the sides make at least: a rotor that stops takes long to start.
 const SIDE_MIN_SHARE: f32 = 0.06;
 
-/// From this spin on the far motor stands still where nothing is asked of it, rad/s: what it lifts at its least command
-/// in flight turns with the body, and near the spin at which roll and pitch do not couple nothing holds that.
-const FAR_RESTS_RAD_S: f32 = 6.0;
+/// From this spin on the far motor stands still where nothing is asked of it, rad/s, and until then turns as slowly as on
+/// the ground: what it lifts turns with the body, and near the spin at which roll and pitch do not couple nothing holds
+/// that.
+const FAR_STANDS_RAD_S: f32 = 6.0;
 
 /// What it needs to know.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,14 +75,15 @@ impl ReducedAttitude {
         SpinDisturbance::at(Complex { re: rate.x, im: rate.y }, Complex { re: roll_rad_s2, im: pitch_rad_s2 })
     }
 
-    /// Commands of the four motors, of which one is lost, with what the others lift now, N.
+    /// Commands of the four motors, of which one is lost, with what the others lift now, N, and the command of one that
+    /// rests.
     pub fn commands(
         &self,
         felt: &Felt,
         outside: &mut SpinDisturbance,
         lost: usize,
         lifting_n: &[f32; 4],
-        curve: &LiftCurve,
+        (curve, rest_command): (&LiftCurve, f32),
     ) -> [f32; 4] {
         let down = down_in_body(&felt.estimate.q_world_from_body);
         let rate = &felt.estimate.rate_body_rad_s;
@@ -101,8 +103,12 @@ impl ReducedAttitude {
         let lifts = lifts_n(lost, torque_nm, sum_n, self.lever_m, limits_n);
         let mut commands = [0.0; 4];
         for (motor, (command, lift_n)) in commands.iter_mut().zip(lifts).enumerate() {
-            let rests = motor == opposite(lost) && lift_n <= curve.lift_min_n && spin_rad_s > FAR_RESTS_RAD_S;
-            *command = if motor == lost || rests { 0.0 } else { curve.command(lift_n) };
+            let rests = motor == opposite(lost) && lift_n <= curve.lift_min_n;
+            *command = match rests {
+                _ if motor == lost || rests && spin_rad_s > FAR_STANDS_RAD_S => 0.0,
+                true => rest_command,
+                false => curve.command(lift_n),
+            };
         }
         commands
     }

@@ -17,6 +17,9 @@ const YAW_DRAG_NM_S: f32 = 0.0117;
 /// A rotor's angular momentum over the root of its lift, N m s / N^(1/2): `models/f450-free.toml`.
 const ROTOR_NM_S: f32 = 0.01637;
 
+/// Motors that may stand still.
+const FULL_STOP: Rest = Rest { command: 0.0, lift_n: 0.0 };
+
 /// A vehicle that hovers, and what has become of its motors.
 struct Body {
     q: UnitQuaternion<f32>,
@@ -83,7 +86,7 @@ impl Body {
 
 /// Flies with the commands of hover, which nobody corrects, until the core takes over; the stage after every step.
 fn fly(body: &mut Body, loss: &mut MotorLoss, steps: usize) -> std::vec::Vec<Stage> {
-    let config = MotorLossConfig::new(&VEHICLE, 1.0 / STEP_S).unwrap();
+    let config = MotorLossConfig::new(&VEHICLE, FULL_STOP, 1.0 / STEP_S).unwrap();
     fly_with(&config, body, loss, steps).into_iter().map(|(stage, _)| stage).collect()
 }
 
@@ -136,18 +139,19 @@ fn a_lost_propeller_is_named_and_flown_without() {
     }
 }
 
-/// Where no motor is told less than an idle, the far one idles until the vehicle spins and then stands still; the tilt
-/// of what it would lift does not stay.
+/// Where no motor is told less than an idle, the far one turns as slowly as on the ground until the vehicle spins and then
+/// stands still; the tilt of what it would lift does not stay.
 #[test]
 fn the_far_motor_stands_still_once_the_vehicle_spins() {
-    let idle = 0.15;
+    let (on_ground, idle) = (0.1, 0.15);
     let vehicle = VehicleParameters { lift_curve: VEHICLE.lift_curve.from_command(idle), ..VEHICLE };
-    let config = MotorLossConfig::new(&vehicle, 1.0 / STEP_S).unwrap();
+    let rest = Rest::new(on_ground, &VEHICLE.lift_curve, &vehicle.lift_curve);
+    let config = MotorLossConfig::new(&vehicle, rest, 1.0 / STEP_S).unwrap();
     let (mut body, mut loss) = (Body::hovering(), MotorLoss::default());
     fly_with(&config, &mut body, &mut loss, 400);
     body.left[2] = 0.0;
     let least_of_far = |flown: &[(Stage, [f32; 4])]| flown.iter().map(|(_, told)| told[3]).fold(1.0, smaller);
-    assert_eq!(least_of_far(&fly_with(&config, &mut body, &mut loss, 40)), idle);
+    assert_eq!(least_of_far(&fly_with(&config, &mut body, &mut loss, 40)), on_ground);
     fly_with(&config, &mut body, &mut loss, 1600);
     let late = fly_with(&config, &mut body, &mut loss, 400);
     assert_eq!((late[399].0, least_of_far(&late)), (Stage::Lost(2), 0.0));
@@ -174,7 +178,7 @@ fn a_gust_along_an_arm_is_suspected_and_forgotten() {
 /// more; nothing else changes, and what the motor loses later is its loss all the same.
 #[test]
 fn a_weak_motor_is_told_to_lift_more() {
-    let config = MotorLossConfig::new(&VEHICLE, 1.0 / STEP_S).unwrap();
+    let config = MotorLossConfig::new(&VEHICLE, FULL_STOP, 1.0 / STEP_S).unwrap();
     for lost in [0.2, 0.4] {
         let (mut body, mut loss) = hovering();
         let hover_n = body.lifts_n;
@@ -282,7 +286,7 @@ fn a_command_that_is_under_way_is_not_missed() {
 /// On a rig, which holds the vehicle, there is none.
 #[test]
 fn a_rig_needs_none_of_this() {
-    assert!(MotorLossConfig::new(&VehicleParameters::F450_GIMBAL, 400.0).is_none());
+    assert!(MotorLossConfig::new(&VehicleParameters::F450_GIMBAL, FULL_STOP, 400.0).is_none());
 }
 
 /// Disarmed it is still said which motor was lost; armed on the ground that is forgotten, too.
@@ -292,7 +296,7 @@ fn on_the_ground_it_begins_anew() {
     body.left[2] = 0.0;
     fly(&mut body, &mut loss, 40);
     assert_eq!(loss.stage().lost_motor(), Some(3));
-    let config = MotorLossConfig::new(&VEHICLE, 400.0).unwrap();
+    let config = MotorLossConfig::new(&VEHICLE, FULL_STOP, 400.0).unwrap();
     let estimate = body.estimate();
     let report = loss.report();
     assert!((report.verdict, report.motor) == (Verdict::Lost, 3) && report.lacks_permille > 420, "{report:?}");
@@ -306,4 +310,16 @@ fn on_the_ground_it_begins_anew() {
     let disarmed = stand(false);
     assert_eq!((disarmed.report(), disarmed.detector), (report, DetectorState::default()));
     assert_eq!(stand(true), MotorLoss::default());
+}
+
+/// Motors that turn on the ground go on turning as they do there, never faster than in flight; those that stand there, as
+/// slowly as in flight.
+#[test]
+fn a_motor_rests_as_on_the_ground_if_it_turns_there() {
+    let (whole, flown) = (VEHICLE.lift_curve, VEHICLE.lift_curve.from_command(0.15));
+    for (on_ground, rests) in [(0.1, 0.1), (0.2, 0.15), (0.0, 0.15)] {
+        let rest = Rest::new(on_ground, &whole, &flown);
+        assert_eq!((rest.command, rest.lift_n), (rests, whole.lift(rests)));
+    }
+    assert_eq!(Rest::new(0.0, &whole, &whole), FULL_STOP);
 }

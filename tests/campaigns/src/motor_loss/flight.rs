@@ -108,6 +108,10 @@ pub struct Outcome {
     pub calm_tilt_deg: f64,
 }
 
+/// Of the least command of a motor in flight what it is told on the ground: the board's `MOT_SPIN_ARM_PCT` (10 %) over
+/// its `MOT_SPIN_MIN_PCT` (15 %).
+const GROUND_SHARE: f32 = 0.1 / 0.15;
+
 /// The vehicle, and the core that takes it for the nominal one.
 pub struct Vehicle {
     nominal: VehicleModel,
@@ -121,8 +125,12 @@ impl Vehicle {
     /// If the nominal vehicle can't be flown.
     pub fn new(noticed: bool, flight_idle_command: f32) -> Self {
         let nominal = VehicleModel::nominal(Rig::Free);
-        let tuning =
-            Tuning { motor_loss: noticed, flight_idle_command, ..Tuning::for_vehicle(&vehicle_parameters(&nominal)) };
+        let tuning = Tuning {
+            motor_loss: noticed,
+            ground_idle_command: flight_idle_command * GROUND_SHARE,
+            flight_idle_command,
+            ..Tuning::for_vehicle(&vehicle_parameters(&nominal))
+        };
         let config = core_config(&nominal, &tuning, 400, 1200, Controller::Cascade).expect("the nominal vehicle flies");
         Self { nominal, config }
     }
