@@ -33,7 +33,7 @@ const ORDINARY: [&str; 5] = ["torque_bias", "thrust_scale", "motor_lag", "actuat
 const BENCH: [&str; 2] = ["cg_offset", "coulomb_friction"];
 /// What is ordinary of whatever a bearing holds, its vehicle known or not; and of a free flight whose vehicle no model
 /// knows, where rotors in the wind brake.
-const BEARING: &str = "viscous_friction";
+pub(super) const BEARING: &str = "viscous_friction";
 /// What is ordinary of a testbed's model: its inertias are wrong axis by axis, so that a lift scale cannot serve all.
 const INERTIA: &str = "inertia_error";
 

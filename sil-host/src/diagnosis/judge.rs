@@ -14,7 +14,7 @@ use crate::diagnosis::fitting::bounded_step::BoundedStep;
 use crate::diagnosis::fitting::fit::{Fit, Term, model_of, moved, shifted_models, with_priors};
 use crate::diagnosis::fitting::linearisation::Normal;
 use crate::diagnosis::search::Search;
-use crate::diagnosis::trim::may_be_found;
+use crate::diagnosis::usual::may_be_found;
 use crate::diagnosis::yardstick::{Errors, squared_errors};
 use crate::effects::Unknown;
 use crate::prediction::Window;
@@ -107,8 +107,7 @@ pub(super) fn first_that_helps<'e>(search: &Search<'e>, smaller: &Fit<'e>, large
 pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<usize> {
     let with = Judged::of(search, chosen.clone());
     let places = search.gains.len()..search.always.len();
-    let large =
-        places.filter(|index| differs_from_nothing(chosen, *index) && may_be_found(search, &chosen.terms, *index));
+    let large = places.filter(|index| differs_from_nothing(chosen, *index) && may_be_found(search, chosen, *index));
     // a fit of the rest leaves less than is expected of it
     let may_pay = large.filter(|index| pays(&with.expected_without(search, &[*index]), &with));
     may_pay.filter(|index| pays(&with.without(search, &[*index]), &with)).collect()

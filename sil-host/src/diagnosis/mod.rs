@@ -43,7 +43,7 @@ mod search;
 mod sizes;
 mod stability;
 mod subject;
-mod trim;
+mod usual;
 mod verdict;
 mod yardstick;
 

@@ -75,24 +75,25 @@ fn both_integrations_agree_on_a_delay_to_two_microseconds() {
     assert!((delay.parameters["delay_s"].value - 0.0053).abs() < 2e-6, "{:?}", delay.parameters);
 }
 
-#[test]
-fn axes_of_a_bench_are_diagnosed_per_unit_of_inertia() {
-    // a pendulum with 3 1/s^2 of stiffness and 0.8 1/s of damping under a command of slow squares, exact to 1e-6
+/// A pitch axis with a gain of 12 rad/s^2, a stiffness and a damping under slow squares and a sine that act a whole number
+/// of rows of 5 ms late, in gusts of that many rad/s in a second; exact to 1e-3 (Euler's step of 0.1 ms).
+fn pitch_axis(stiffness_1_s2: f64, damping_1_s: f64, rows_late: usize, gusts_rad_s: f64) -> Log {
     let (mut angle, mut rate) = (0.0, 0.0);
     let mut made = Log { axes: [false, true, false], ..Log::default() };
     let mut noise = crate::sensors::random::RandomStream::new(4, "bench");
+    let mut gusts = crate::sensors::random::RandomStream::new(4, "gusts");
     let (mut times, mut angles, mut rates, mut commands) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for row in 0..3000 {
-        let time_s = f64::from(row) * 0.005;
-        let command =
-            if ((time_s / 0.9) as u32).is_multiple_of(2) { 0.3 } else { -0.3 } + 0.2 * libm::sin(7.0 * time_s);
+    for row in 0..3000_usize {
+        let time_s = row as f64 * 0.005;
+        let square = if ((time_s / 0.9) as u32).is_multiple_of(2) { 0.3 } else { -0.3 };
         times.push(time_s);
         angles.push(angle + 1e-3 * noise.normal());
         rates.push(rate + 5e-3 * noise.normal());
-        commands.push(command);
+        commands.push(square + 0.2 * libm::sin(7.0 * time_s));
+        let command = commands[row.saturating_sub(rows_late)];
         for _ in 0..50 {
-            let acceleration = 12.0 * command - 3.0 * angle - 0.8 * rate;
-            rate += 1e-4 * acceleration;
+            let acceleration = 12.0 * command - stiffness_1_s2 * angle - damping_1_s * rate;
+            rate += 1e-4 * acceleration + 1e-2 * gusts_rad_s * gusts.normal();
             angle += 1e-4 * rate;
         }
     }
@@ -100,15 +101,41 @@ fn axes_of_a_bench_are_diagnosed_per_unit_of_inertia() {
     made.angle_rad[1] = Some(angles);
     made.rate_rad_s[1] = Some(rates);
     made.axis_command[1] = Some(commands);
-    let answer = diagnose(&made, &Subject::Axes).unwrap();
+    made
+}
+
+#[test]
+fn axes_of_a_bench_are_diagnosed_per_unit_of_inertia() {
+    let answer = diagnose(&pitch_axis(3.0, 0.8, 0, 0.0), &Subject::Axes).unwrap();
     let value = |effect: &str, parameter: &str| {
         let finding = answer.findings.iter().find(|finding| finding.effect == effect);
         finding.unwrap_or_else(|| panic!("{:?}", answer.findings)).parameters[parameter].value
     };
-    // Euler's step of 0.1 ms is good to a thousandth
     assert!((value("spring", "stiffness_1_s2") - 3.0).abs() < 0.05);
     assert!((value("viscous_friction", "coefficient_1_s") - 0.8).abs() < 0.02);
     assert_eq!(answer.findings.len(), 2);
+}
+
+/// Of a vehicle that no model knows a brake of the air and commands that are 15 ms late are its own, and nothing is wrong
+/// about them; on a bench the brake is the bearing's, and 60 ms are too late for any.
+#[test]
+fn what_an_unknown_vehicle_has_of_its_own_is_no_finding_in_free_flight() {
+    let answer_to = |rows_late: usize, is_free: bool| {
+        let head = if is_free { vec!["free flight".to_owned()] } else { Vec::new() };
+        diagnose(&Log { comments: head, ..pitch_axis(0.0, 3.0, rows_late, 0.2) }, &Subject::Axes).unwrap()
+    };
+    let found = |answer: &Diagnosis| answer.findings.iter().map(|finding| finding.effect).collect::<Vec<_>>();
+    let usual = answer_to(3, true);
+    assert_eq!(found(&usual), [""; 0], "{:?}", usual.findings);
+    let of_base = |effect: &str, parameter: &str| {
+        let term = usual.base.iter().find(|term| term.effect == effect).unwrap();
+        assert!(term.ordinary, "{term:?}");
+        term.parameters[parameter].value
+    };
+    assert!((of_base("viscous_friction", "coefficient_1_s") - 3.0).abs() < 0.1);
+    assert!((of_base("actuation_delay", "delay_s") + of_base("motor_lag", "time_constant_s") - 0.015).abs() < 0.002);
+    assert_eq!(found(&answer_to(12, true)), ["actuation_delay"]);
+    assert!(found(&answer_to(3, false)).contains(&"viscous_friction"));
 }
 
 /// A bench in gusts under control: gain 200 rad/s^2, lag 20 ms, stiffness 9 1/s^2; exact to 1e-3.

@@ -229,6 +229,11 @@ impl<'a> WindowedLog<'a> {
         self.is_vehicle
     }
 
+    /// True where it shows that nothing held what flew.
+    pub(crate) fn shows_free_flight(&self) -> bool {
+        self.log.rig_shown().is_some_and(|shown| shown.is_free)
+    }
+
     /// Channels that are compared, and the noise of each, SI.
     pub(crate) fn compared(&self) -> impl Iterator<Item = (Channel, f64)> {
         self.measured.iter().map(|measured| (measured.channel, measured.sigma))
