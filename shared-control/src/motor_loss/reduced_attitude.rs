@@ -31,9 +31,9 @@ const SIDE_SHARE: f32 = 0.66;
 /// Of the largest lift, what the sides make at least: a rotor that stops takes long to start.
 const SIDE_MIN_SHARE: f32 = 0.06;
 
-/// From this spin on the far motor stands still where nothing is asked of it, rad/s, and until then turns as slowly as on
-/// the ground: what it lifts turns with the body, and near the spin at which roll and pitch do not couple nothing holds
-/// that.
+/// From this spin on the far motor stands still where nothing is asked of it, rad/s, and until then turns as slowly as
+/// on the ground: what it lifts turns with the body, and near the spin at which roll and pitch do not couple nothing
+/// holds that.
 const FAR_STANDS_RAD_S: f32 = 6.0;
 
 /// What it needs to know.

@@ -139,8 +139,8 @@ fn a_lost_propeller_is_named_and_flown_without() {
     }
 }
 
-/// Where no motor is told less than an idle, the far one turns as slowly as on the ground until the vehicle spins and then
-/// stands still; the tilt of what it would lift does not stay.
+/// Where no motor is told less than an idle, the far one turns as slowly as on the ground until the vehicle spins and
+/// then stands still; the tilt of what it would lift does not stay.
 #[test]
 fn the_far_motor_stands_still_once_the_vehicle_spins() {
     let (on_ground, idle) = (0.1, 0.15);
@@ -312,8 +312,8 @@ fn on_the_ground_it_begins_anew() {
     assert_eq!(stand(true), MotorLoss::default());
 }
 
-/// Motors that turn on the ground go on turning as they do there, never faster than in flight; those that stand there, as
-/// slowly as in flight.
+/// Motors that turn on the ground go on turning as they do there, never faster than in flight; those that stand there,
+/// as slowly as in flight.
 #[test]
 fn a_motor_rests_as_on_the_ground_if_it_turns_there() {
     let (whole, flown) = (VEHICLE.lift_curve, VEHICLE.lift_curve.from_command(0.15));

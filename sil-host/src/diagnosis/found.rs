@@ -128,8 +128,8 @@ impl<'e> Search<'e> {
         Found { nominal, chosen, alternatives, unusual, refitted }
     }
 
-    /// A model with what leaving out parts of the log says of its numbers, without the findings that are nothing by that,
-    /// the most doubtful first.
+    /// A model with what leaving out parts of the log says of its numbers, without the findings that are nothing by
+    /// that, the most doubtful first.
     fn beyond_chance(&self, base: &Fit<'e>, judged: Fit<'e>) -> Fit<'e> {
         let first = self.always.len();
         let mut kept = judged;

@@ -113,8 +113,9 @@ pub(super) fn unusual_terms<'e>(search: &Search<'e>, chosen: &Fit<'e>) -> Vec<us
     may_pay.filter(|index| pays(&with.without(search, &[*index]), &with)).collect()
 }
 
-/// The finding whose numbers are no further from what changes nothing than chance explains, the most doubtful of several:
-/// a spring beside a gravity that takes as much away may pay on the windows at hand, and says nothing of the vehicle.
+/// The finding whose numbers are no further from what changes nothing than chance explains, the most doubtful of
+/// several: a spring beside a gravity that takes as much away may pay on the windows at hand, and says nothing of the
+/// vehicle.
 pub(super) fn doubtful(fit: &Fit<'_>, findings: std::ops::Range<usize>) -> Option<usize> {
     let doubted = findings.map(|index| (index, deviations(fit, index))).filter(|(_, deviations)| *deviations <= SIGMAS);
     doubted.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)

@@ -75,8 +75,8 @@ fn both_integrations_agree_on_a_delay_to_two_microseconds() {
     assert!((delay.parameters["delay_s"].value - 0.0053).abs() < 2e-6, "{:?}", delay.parameters);
 }
 
-/// A pitch axis with a gain of 12 rad/s^2, a stiffness and a damping under slow squares and a sine that act a whole number
-/// of rows of 5 ms late, in gusts of that many rad/s in a second; exact to 1e-3 (Euler's step of 0.1 ms).
+/// A pitch axis with a gain of 12 rad/s^2, a stiffness and a damping under slow squares and a sine that act a whole
+/// number of rows of 5 ms late, in gusts of that many rad/s in a second; exact to 1e-3 (Euler's step of 0.1 ms).
 fn pitch_axis(stiffness_1_s2: f64, damping_1_s: f64, rows_late: usize, gusts_rad_s: f64) -> Log {
     let (mut angle, mut rate) = (0.0, 0.0);
     let mut made = Log { axes: [false, true, false], ..Log::default() };
@@ -116,8 +116,8 @@ fn axes_of_a_bench_are_diagnosed_per_unit_of_inertia() {
     assert_eq!(answer.findings.len(), 2);
 }
 
-/// Of a vehicle that no model knows a brake of the air and commands that are 15 ms late are its own, and nothing is wrong
-/// about them; on a bench the brake is the bearing's, and 60 ms are too late for any.
+/// Of a vehicle that no model knows a brake of the air and commands that are 15 ms late are its own, and nothing is
+/// wrong about them; on a bench the brake is the bearing's, and 60 ms are too late for any.
 #[test]
 fn what_an_unknown_vehicle_has_of_its_own_is_no_finding_in_free_flight() {
     let answer_to = |rows_late: usize, is_free: bool| {

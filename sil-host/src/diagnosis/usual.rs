@@ -1,5 +1,5 @@
-//! What of a base model may be a finding: of a healthy vehicle a trim is small, and of one that no model knows lag, delay
-//! and brake are found out, not found wrong.
+//! What of a base model may be a finding: of a healthy vehicle a trim is small, and of one that no model knows lag,
+//! delay and brake are found out, not found wrong.
 
 use super::base::BEARING;
 use super::search::Search;

@@ -245,8 +245,8 @@ impl<'a> Motors<'a> {
         }
     }
 
-    /// One step of slow rotors under the straight line that has the mean and the first moment of what is commanded behind
-    /// the lag, however many commands arrive in it.
+    /// One step of slow rotors under the straight line that has the mean and the first moment of what is commanded
+    /// behind the lag, however many commands arrive in it.
     fn averaged_step(
         &mut self,
         rotor: &GenericRotor,
@@ -271,18 +271,17 @@ impl<'a> Motors<'a> {
         along
     }
 
-    /// What is behind the lag over a time under one command: at its ends and in the middle of the straight line that has
-    /// the same mean and first moment, so that no lag is the limit of a short one.
+    /// What is behind the lag over a time under one command: at its ends and in the middle of the straight line that
+    /// has the same mean and first moment, so that no lag is the limit of a short one.
     fn behind_lag(&mut self, duration_s: f64) -> [[f64; 4]; 3] {
         if self.path.lag_s <= 0.0 {
             return [self.arrived; 3];
         }
         let StraightLine { mean, half_change } = self.path.line_left(duration_s);
-        let behind = self.lagged;
-        let at = |left: f64| on_the_way(behind, self.arrived, left);
+        let (behind, arrived) = (self.lagged, self.arrived);
         // a lag's mean over a time says how much of it is left in the end
-        self.lagged = at(1.0 - mean * duration_s / self.path.lag_s);
-        [mean - half_change, mean, mean + half_change].map(at)
+        self.lagged = on_the_way(behind, arrived, 1.0 - mean * duration_s / self.path.lag_s);
+        [mean - half_change, mean, mean + half_change].map(|left| on_the_way(behind, arrived, left))
     }
 
     /// Takes the commands that have arrived by now; when the next one will.

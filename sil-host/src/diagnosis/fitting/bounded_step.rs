@@ -1,7 +1,7 @@
-//! Newton's step of a model's numbers that leaves none of their ranges. A number that would leave is held where its range
-//! ends, and all others step as they do best with it there: merely cut, its share of the step is lost to those that
-//! went along with it. Where a lag and a delay have nearly the same effect, a lag that is cut at nothing would leave the
-//! delay by a few milliseconds off.
+//! Newton's step of a model's numbers that leaves none of their ranges. A number that would leave is held where its
+//! range ends, and all others step as they do best with it there: merely cut, its share of the step is lost to those
+//! that went along with it. Where a lag and a delay have nearly the same effect, a lag that is cut at nothing would
+//! leave the delay by a few milliseconds off.
 
 use crate::diagnosis::fitting::fit::{Term, regular};
 use crate::diagnosis::fitting::linearisation::Normal;
@@ -40,8 +40,8 @@ impl BoundedStep {
     }
 }
 
-/// Of the numbers that a step takes out of their ranges the one that is first at the end of its range, by its place, and
-/// its way to there.
+/// Of the numbers that a step takes out of their ranges the one that is first at the end of its range, by its place,
+/// and its way to there.
 fn first_to_leave(terms: &[Term<'_>], by: &[f64]) -> Option<(usize, f64)> {
     let numbers = terms.iter().flat_map(|term| term.effect.unknowns().iter().zip(&term.values));
     let leaving = numbers.zip(by).enumerate().filter_map(|(place, ((unknown, value), by))| {

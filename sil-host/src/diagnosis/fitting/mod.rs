@@ -1,6 +1,7 @@
 //! From a log in windows to the values of some effects: residuals and slopes by multiple `shooting` from a
 //! `start_state` per window, turned into innovations (`axis_filter`) where more than the sensors is uncertain
-//! (`process_noise`, commands lost between rows: `sampling`), and least squares (`fit`, within the numbers' ranges: `bounded_step`).
+//! (`process_noise`, commands lost between rows: `sampling`), and least squares (`fit`, within the numbers' ranges:
+//! `bounded_step`).
 
 pub(in crate::diagnosis) mod axis_filter;
 pub(in crate::diagnosis) mod bounded_step;
